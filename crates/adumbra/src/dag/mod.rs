@@ -1,0 +1,45 @@
+//! The directed acyclic graph of a light-aligned bake: a grid of roots, inner nodes, slabs.
+//!
+//! | part | word | meaning |
+//! |---|---|---|
+//! | top grid | `top[(gz·dims.y + gy)·dims.x + gx]` | [`LIT`], [`SHADOWED`], or the index of the root's header in `nodes` |
+//! | header | bits 15..0 | two bits a child, child c at bits 2c+1..2c: 0 shadowed, 1 lit, 2 mixed; 3 never |
+//! | header | bits 31..16 | zero |
+//! | pointer | 32 bits | one a mixed child, in child order, right behind the header |
+//! | slab | 64 bits | visibility of 8 × 8 × 1 voxels, bit y·8 + x, 1 = lit |
+//!
+//! A node of level n spans 2^n voxels a side. Above level 3 a node's child is `(x_bit << 2) | (y_bit << 1) | z_bit` and its pointers
+//! index `nodes`; at level 3 child c is the slab at z = c and pointers index `slabs`. A header with no mixed child does
+//! not occur (its parent says lit or shadowed) unless its children differ: all-lit and all-shadowed nodes do not occur.
+//! Worked value: a level-3 node whose first two slabs are lit, third mixed, the rest shadowed has
+//! header `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
+
+/// Top-grid entry: the whole root cube is lit.
+pub const LIT: u32 = u32::MAX;
+/// Top-grid entry: the whole root cube is shadowed.
+pub const SHADOWED: u32 = u32::MAX - 1;
+/// Child state: all shadowed.
+pub const STATE_SHADOWED: u32 = 0;
+/// Child state: all lit.
+pub const STATE_LIT: u32 = 1;
+/// Child state: mixed, with a pointer.
+pub const STATE_MIXED: u32 = 2;
+/// Level of the nodes whose children are slabs.
+pub const SLAB_NODE_LEVEL: u32 = 3;
+
+/// A complete, canonically numbered graph.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Dag {
+    /// Voxels along x, y, z that mean anything; the top grid may cover a little more.
+    pub size: [u32; 3],
+    /// A root cube spans 2^root_level voxels a side; at least 3.
+    pub root_level: u32,
+    /// Root cubes along x, y, z: `ceil(size / 2^root_level)`.
+    pub top_dims: [u32; 3],
+    /// One entry a root cube, x fastest, then y, then z.
+    pub top: Vec<u32>,
+    /// Headers and pointers, root subtrees in pre-order of first visit over the top grid.
+    pub nodes: Vec<u32>,
+    /// Slab masks in order of first visit.
+    pub slabs: Vec<u64>,
+}

@@ -1,0 +1,232 @@
+//! Scenes as the bake, the rays and the renderer see them: triangle meshes, instances of them, and materials that
+//! say where a surface is opaque. Right-handed, Y up, metres, as glTF 2.0.
+//!
+//! Loaders ([`load`]) validate: after loading every vertex and transform is finite, every index is in range, and at
+//! least one triangle casts.
+
+mod filter;
+mod generate;
+mod glb;
+mod gltf;
+mod obj;
+mod ply;
+mod texture;
+pub mod topology;
+
+use std::path::Path;
+
+pub use filter::NameFilter;
+pub use generate::{GeneratedKind, generate};
+pub use texture::{Texture, Wrap};
+
+use crate::error::{Error, Result};
+
+/// A scene: meshes stored once, placed by instances.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Meshes, each stored once however often it is placed.
+    pub meshes: Vec<Mesh>,
+    /// Where each mesh stands.
+    pub instances: Vec<Instance>,
+    /// Materials that triangles name by index; never empty when there are meshes.
+    pub materials: Vec<Material>,
+    /// Textures that materials name by index.
+    pub textures: Vec<Texture>,
+    /// What the loader noticed.
+    pub notes: LoadNotes,
+}
+
+/// Triangles in a mesh's own space.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// The mesh's name, or an invented one.
+    pub name: String,
+    /// Vertex positions, all finite.
+    pub positions: Vec<[f32; 3]>,
+    /// Texture coordinates used by the material's base-colour texture, already transformed (KHR_texture_transform);
+    /// empty, or one a vertex.
+    pub uvs: Vec<[f32; 2]>,
+    /// Three vertex indices a triangle, all in range; degenerate triangles are already taken out.
+    pub triangles: Vec<[u32; 3]>,
+    /// The material of each triangle, an index into [`Scene::materials`].
+    pub triangle_materials: Vec<u32>,
+}
+
+/// One placing of a mesh in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The node's name.
+    pub name: String,
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Affine map, row major: `world[r] = m[r][0..3] · mesh + m[r][3]`.
+    pub world_from_mesh: [[f64; 4]; 3],
+    /// False where `extras: {"adumbra": {"cast": false}}` says that it casts no shadow (it still receives).
+    pub casts: bool,
+}
+
+/// How a material treats alpha.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Opaque everywhere.
+    Opaque,
+    /// Opaque where alpha >= the cut-off. BLEND materials are loaded as `Mask` with cut-off 0.5 and `blended` set.
+    Mask {
+        /// Alpha at or above this is opaque.
+        cutoff: f32,
+    },
+}
+
+/// What a surface is made of, as far as shadows and the CPU renderer care.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// The material's name.
+    pub name: String,
+    /// Linear base colour factor and alpha factor.
+    pub base_color: [f32; 4],
+    /// Base-colour texture (alpha in its fourth channel), an index into [`Scene::textures`].
+    pub texture: Option<u32>,
+    /// Where it is opaque.
+    pub alpha: AlphaMode,
+    /// It came as glTF BLEND.
+    pub blended: bool,
+    /// It came with KHR_materials_transmission: never part of a solid.
+    pub transmissive: bool,
+    /// False where extras say that it casts no shadow.
+    pub casts: bool,
+}
+
+/// Counts and warnings gathered while loading.
+#[derive(Clone, Debug, Default)]
+pub struct LoadNotes {
+    /// Degenerate triangles (a repeated vertex or zero area) that were skipped.
+    pub degenerate_triangles: u64,
+    /// Materials with glTF alpha mode BLEND, which cast where alpha >= 0.5.
+    pub blended_materials: u64,
+    /// Triangles of such materials (not multiplied by instances).
+    pub blended_triangles: u64,
+    /// Lines and points that were skipped.
+    pub skipped_primitives: u64,
+    /// Sentences for the user: skins in bind pose, missing colour textures, and so on.
+    pub warnings: Vec<String>,
+}
+
+/// What to load.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Which nodes, meshes and materials to keep.
+    pub filter: NameFilter,
+    /// Load colour textures too; without it only those that decide opacity are read.
+    pub color_textures: bool,
+    /// Take every material as opaque; no texture is needed then.
+    pub ignore_alpha: bool,
+}
+
+/// Axis-aligned box in world space.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: [f64; 3],
+    /// Largest corner.
+    pub max: [f64; 3],
+}
+
+impl Bounds {
+    /// Length of the diagonal.
+    pub fn diagonal(&self) -> f64 {
+        (0..3).map(|a| (self.max[a] - self.min[a]).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+impl Material {
+    /// An opaque material of one colour.
+    pub fn opaque(name: &str, base_color: [f32; 4]) -> Self {
+        Self {
+            name: name.to_owned(),
+            base_color,
+            texture: None,
+            alpha: AlphaMode::Opaque,
+            blended: false,
+            transmissive: false,
+            casts: true,
+        }
+    }
+
+    /// Whether a surface of this material can bound a solid.
+    pub fn can_be_solid(&self) -> bool {
+        self.alpha == AlphaMode::Opaque && !self.transmissive
+    }
+}
+
+impl Instance {
+    /// The point `p_mesh` in world space.
+    pub fn to_world(&self, p_mesh: [f32; 3]) -> [f64; 3] {
+        let p = p_mesh.map(f64::from);
+        self.world_from_mesh.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
+    }
+
+    /// Determinant of the linear part: negative where the instance is mirrored.
+    pub fn determinant(&self) -> f64 {
+        let m = &self.world_from_mesh;
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    }
+}
+
+impl Scene {
+    /// Triangles with every instance counted.
+    pub fn instanced_triangles(&self) -> u64 {
+        self.instances.iter().map(|i| self.meshes[i.mesh as usize].triangles.len() as u64).sum()
+    }
+
+    /// Triangles stored.
+    pub fn stored_triangles(&self) -> u64 {
+        self.meshes.iter().map(|m| m.triangles.len() as u64).sum()
+    }
+
+    /// Box of every placed triangle's vertices. Cost: one pass over the instanced vertices.
+    pub fn bounds(&self) -> Bounds {
+        let mut b = Bounds { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+        for instance in &self.instances {
+            let mesh = &self.meshes[instance.mesh as usize];
+            for &p in mesh.triangles.iter().flatten().map(|&i| &mesh.positions[i as usize]) {
+                let p_world = instance.to_world(p);
+                for a in 0..3 {
+                    b.min[a] = b.min[a].min(p_world[a]);
+                    b.max[a] = b.max[a].max(p_world[a]);
+                }
+            }
+        }
+        b
+    }
+
+    /// Alpha of `material` at `uv`: factor times texture, the same function for rays and for the bake.
+    pub fn alpha(&self, material: u32, uv: [f32; 2]) -> f32 {
+        let m = &self.materials[material as usize];
+        let texel = m.texture.map_or(1.0, |t| self.textures[t as usize].alpha(uv));
+        m.base_color[3] * texel
+    }
+
+    /// Whether `material` is opaque at `uv`. Cost: one bilinear texture sample for masked materials.
+    pub fn is_opaque(&self, material: u32, uv: [f32; 2]) -> bool {
+        match self.materials[material as usize].alpha {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask { cutoff } => self.alpha(material, uv) >= cutoff,
+        }
+    }
+}
+
+/// Loads a scene by its file ending: `.glb`, `.gltf`, `.obj`, `.ply`.
+///
+/// # Errors
+/// What is missing, unreadable or not valid, naming the file, the thing and the mend.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let scene = match ending.as_str() {
+        "glb" | "gltf" => gltf::load(path, options)?,
+        "obj" => obj::load(path, options)?,
+        "ply" => ply::load(path, options)?,
+        _ => return Err(Error::UnknownSceneFormat { path: path.to_owned() }),
+    };
+    Ok(scene)
+}
