@@ -8,6 +8,7 @@ pub mod format;
 pub mod light;
 pub mod dag;
 pub mod scene;
+pub mod settings;
 pub mod trace;
 
 pub use error::{Error, Result};

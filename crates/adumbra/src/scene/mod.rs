@@ -123,7 +123,7 @@ pub struct LoadOptions {
 }
 
 /// Axis-aligned box in world space.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Bounds {
     /// Smallest corner.
     pub min: [f64; 3],
