@@ -1,2 +1,32 @@
-//! x
-fn main(){}
+//! The program `adumbra`: bakes a scene's sun shadows into a file, and proves the file's answers against rays.
+
+mod args;
+mod cmd;
+mod exit;
+mod memory;
+mod output;
+mod progress;
+mod signals;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let args = match args::Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => {
+            let code = if error.use_stderr() { exit::Code::Usage } else { exit::Code::Fine };
+            // Nothing is left to do where not even this can be printed.
+            let _ = error.print();
+            return code.into();
+        }
+    };
+    match cmd::run(args) {
+        Ok(code) => code.into(),
+        Err(error) => {
+            eprintln!("error: {error}");
+            error.code().into()
+        }
+    }
+}

@@ -103,7 +103,9 @@ pub enum Error {
         direction: [f64; 3],
     },
     /// The sun is at or below the horizon.
-    #[error("the sun is {elevation_degrees:.3}° above the horizon; it casts no shadows from below: give a direction with positive y, or an elevation above 0")]
+    #[error(
+        "the sun is {elevation_degrees:.3}° above the horizon; it casts no shadows from below: give a direction with positive y, or an elevation above 0"
+    )]
     SunBelowHorizon {
         /// Elevation in degrees, zero or negative.
         elevation_degrees: f64,

@@ -14,6 +14,12 @@
 //! Worked value: a level-3 node whose first two slabs are lit, third mixed, the rest shadowed has
 //! header `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
 
+mod canonical;
+pub mod store;
+mod validate;
+
+pub use validate::{GraphError, GraphPlace, MAX_ROOT_LEVEL};
+
 /// Top-grid entry: the whole root cube is lit.
 pub const LIT: u32 = u32::MAX;
 /// Top-grid entry: the whole root cube is shadowed.
@@ -42,4 +48,77 @@ pub struct Dag {
     pub nodes: Vec<u32>,
     /// Slab masks in order of first visit.
     pub slabs: Vec<u64>,
+}
+
+impl Dag {
+    /// Visibility of the voxel (i, j, k); outside the top grid it is lit.
+    ///
+    /// Cost: one step a level above 3, then two. The caller says what lies beside the grid: see [`crate::query`].
+    pub fn voxel(&self, i: u32, j: u32, k: u32) -> bool {
+        match self.find(i, j, k) {
+            Found::Uniform(lit) => lit,
+            Found::Slab(mask) => mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1,
+        }
+    }
+
+    /// The 8 × 8 × 1 slab that holds voxel (i, j, k): bit y·8 + x, 1 = lit.
+    pub fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
+        match self.find(i, j, k) {
+            Found::Uniform(true) => u64::MAX,
+            Found::Uniform(false) => 0,
+            Found::Slab(mask) => mask,
+        }
+    }
+
+    fn find(&self, i: u32, j: u32, k: u32) -> Found {
+        let root = [i, j, k].map(|c| c >> self.root_level);
+        if (0..3).any(|a| root[a] >= self.top_dims[a]) {
+            return Found::Uniform(true);
+        }
+        let [tx, ty, tz] = root.map(|c| c as usize);
+        let [nx, ny] = [self.top_dims[0] as usize, self.top_dims[1] as usize];
+        let mut pointer = match self.top[(tz * ny + ty) * nx + tx] {
+            LIT => return Found::Uniform(true),
+            SHADOWED => return Found::Uniform(false),
+            index => index as usize,
+        };
+        let mut level = self.root_level;
+        loop {
+            let child = if level > SLAB_NODE_LEVEL {
+                let bit = level - 1;
+                (i >> bit & 1) << 2 | (j >> bit & 1) << 1 | k >> bit & 1
+            } else {
+                k & 7
+            };
+            let header = self.nodes[pointer];
+            match header >> (2 * child) & 3 {
+                STATE_SHADOWED => return Found::Uniform(false),
+                STATE_LIT => return Found::Uniform(true),
+                _ => {}
+            }
+            let mixed_before = (header & 0xaaaa & ((1 << (2 * child)) - 1)).count_ones();
+            let next = self.nodes[pointer + 1 + mixed_before as usize] as usize;
+            if level == SLAB_NODE_LEVEL {
+                return Found::Slab(self.slabs[next]);
+            }
+            pointer = next;
+            level -= 1;
+        }
+    }
+
+    /// Headers among [`Dag::nodes`].
+    pub fn node_count(&self) -> u64 {
+        let mut count = 0;
+        let mut at = 0;
+        while let Some(header) = self.nodes.get(at) {
+            count += 1;
+            at += 1 + (header & 0xaaaa).count_ones() as usize;
+        }
+        count
+    }
+}
+
+enum Found {
+    Uniform(bool),
+    Slab(u64),
 }

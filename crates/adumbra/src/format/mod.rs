@@ -1,9 +1,35 @@
-//! stub
-/// What is wrong with a shadow file.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FormatError {
-    /// Not a shadow file.
-    #[error("not an adumbra file: it does not begin with ADUMBRA and a line break")]
-    Magic,
+//! The `.adumbra` file, version 1: bytes <-> grid, settings and graph. `spec/adumbra-file.md` describes it for readers
+//! in other languages.
+//!
+//! | part | bytes | meaning |
+//! |---|---|---|
+//! | header | 384 | magic, version, grid, settings, section table, checksum ([`header`]) |
+//! | top | 4 a root | the top grid |
+//! | nodes | 4 a word | headers and pointers |
+//! | slabs | 8 a slab | 8 × 8 × 1 visibility masks |
+//!
+//! Little-endian throughout. Sections begin at multiples of 16, with zeros in the gaps; each has a CRC-32. There is
+//! exactly one file for a given grid, settings and graph, and it holds nothing that varies between runs.
+
+mod error;
+mod header;
+mod read;
+mod write;
+
+pub use error::FormatError;
+pub use header::{HEADER_BYTES, MAGIC, VERSION};
+
+use crate::dag::Dag;
+use crate::light::LightGrid;
+use crate::settings::Settings;
+
+/// Everything that a `.adumbra` file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShadowFile {
+    /// Where the voxels lie in the world.
+    pub grid: LightGrid,
+    /// What the bake was asked for.
+    pub settings: Settings,
+    /// The voxels.
+    pub dag: Dag,
 }

@@ -17,6 +17,7 @@ use std::path::Path;
 
 pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate};
+pub use glb::{to_glb, write_glb};
 pub use texture::{Texture, Wrap};
 
 use crate::error::{Error, Result};
@@ -182,6 +183,19 @@ impl Scene {
     /// Triangles stored.
     pub fn stored_triangles(&self) -> u64 {
         self.meshes.iter().map(|m| m.triangles.len() as u64).sum()
+    }
+
+    /// Bytes held by meshes, instances and textures.
+    pub fn memory_bytes(&self) -> u64 {
+        let meshes = self.meshes.iter().map(|m| {
+            m.positions.capacity() * 12
+                + m.uvs.capacity() * 8
+                + m.triangles.capacity() * 12
+                + m.triangle_materials.capacity() * 4
+        });
+        let textures = self.textures.iter().map(Texture::memory_bytes);
+        let instances = self.instances.iter().map(|i| size_of::<Instance>() + i.name.capacity());
+        meshes.chain(textures).chain(instances).sum::<usize>() as u64
     }
 
     /// Box of every placed triangle's vertices. Cost: one pass over the instanced vertices.

@@ -1,0 +1,525 @@
+//! Arguments of every verb, with their defaults and an example each.
+
+use std::path::PathBuf;
+
+use adumbra::bake::{Options, Preset, Size};
+use adumbra::light::Sun;
+use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, NameFilter};
+use adumbra::settings::{Bias, Receivers};
+use clap::{Parser, Subcommand, ValueEnum};
+
+use crate::exit::Failure;
+use crate::progress::Style;
+
+/// Bakes a sun's shadows of a whole world into a small file, and proves the answers against rays.
+///
+/// Begin with: adumbra generate city -o city.glb; adumbra bake city.glb -o city.adumbra; adumbra verify city.adumbra
+/// --scene city.glb
+#[derive(Parser)]
+#[command(version, max_term_width = 110, after_help = "Exit codes: 0 fine, 1 a check failed, 2 usage, 3 bad input, 4 out of memory or disk, 130 interrupted.")]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Verb {
+    /// Write a scene made from a seed: same seed, same bytes
+    #[command(after_help = "Example: adumbra generate city --seed 7 -o city.glb")]
+    Generate(Generate),
+    /// Say what a scene holds, and what resolution suits it
+    #[command(after_help = "Example: adumbra inspect city.glb --json")]
+    Inspect(Inspect),
+    /// Bake a scene's sun shadows into a file
+    #[command(
+        after_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra\n\n\
+        Presets: draft 2048, low 4096, medium 8192 (the default), high 16384, ultra 32768 texels on the longest side; \
+        --resolution or --voxel-size wins over --preset."
+    )]
+    Bake(Bake),
+    /// Say what a shadow file holds
+    #[command(after_help = "Example: adumbra info city.adumbra --json")]
+    Info(Info),
+    /// Compare a shadow file's answers with rays at random points; exit code 1 below --min-interior
+    #[command(after_help = "Example: adumbra verify city.adumbra --scene city.glb --samples 1000000")]
+    Verify(Verify),
+    /// Answer points from a shadow file
+    #[command(
+        after_help = "Points and normals are little-endian float32 triples, the answers one float32 each: 1 lit, 0 shadowed.\n\n\
+        Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
+    )]
+    Query(Query),
+    /// Draw a scene on the CPU with a file's shadows, with rays, or where they differ
+    #[command(
+        after_help = "Example: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png"
+    )]
+    Render(Render),
+    /// Measure: bake times and sizes, as tables
+    #[command(after_help = "Example: adumbra bench bake --scenes ../shared/scenes -o docs/bench")]
+    Bench(Bench),
+    /// The main job from end to end on a generated scene; leaves the file, pictures and a report
+    #[command(after_help = "Example: adumbra demo --out demo")]
+    Demo(Demo),
+}
+
+/// Where the sun is.
+#[derive(clap::Args)]
+pub(crate) struct SunArgs {
+    /// Direction towards the sun in world space, any length [default: 0.5,0.8,0.35]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple,
+        conflicts_with_all = ["azimuth", "elevation"])]
+    sun: Option<[f64; 3]>,
+    /// Degrees clockwise from -Z, seen from above (90 is +X)
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, requires = "elevation")]
+    azimuth: Option<f64>,
+    /// Degrees above the horizon
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    elevation: Option<f64>,
+}
+
+impl SunArgs {
+    pub(crate) fn sun(&self) -> Result<Sun, Failure> {
+        Ok(match self.elevation {
+            Some(elevation) => Sun::from_angles(self.azimuth.unwrap_or(0.0), elevation)?,
+            None => Sun::from_direction(self.sun.unwrap_or([0.5, 0.8, 0.35]))?,
+        })
+    }
+}
+
+/// What to load from a scene.
+#[derive(clap::Args)]
+pub(crate) struct SceneArgs {
+    /// Keep only what a name pattern matches: node, mesh or material; may be repeated
+    #[arg(long, value_name = "GLOB")]
+    only: Vec<String>,
+    /// Leave out what a name pattern matches: node, mesh or material; may be repeated
+    #[arg(long, value_name = "GLOB")]
+    exclude: Vec<String>,
+    /// Take masked and blended materials as opaque
+    #[arg(long)]
+    pub(crate) ignore_alpha: bool,
+}
+
+impl SceneArgs {
+    pub(crate) fn load_options(&self) -> Result<LoadOptions, Failure> {
+        Ok(LoadOptions {
+            filter: NameFilter::new(&self.only, &self.exclude)?,
+            color_textures: false,
+            ignore_alpha: self.ignore_alpha,
+        })
+    }
+}
+
+/// The look-up's bias, in texels; what is not given comes from the file.
+#[derive(clap::Args)]
+pub(crate) struct BiasArgs {
+    /// Bias along the light, everywhere [default: the file's]
+    #[arg(long, value_name = "TEXELS")]
+    bias_constant: Option<f64>,
+    /// Bias along the light, times the slope [default: the file's]
+    #[arg(long, value_name = "TEXELS")]
+    bias_slope: Option<f64>,
+    /// Offset along the normal [default: the file's]
+    #[arg(long, value_name = "TEXELS")]
+    bias_normal: Option<f64>,
+}
+
+impl BiasArgs {
+    pub(crate) fn over(&self, file: Bias) -> Bias {
+        Bias {
+            constant_texels: self.bias_constant.unwrap_or(file.constant_texels),
+            slope_texels: self.bias_slope.unwrap_or(file.slope_texels),
+            normal_offset_texels: self.bias_normal.unwrap_or(file.normal_offset_texels),
+        }
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum KindArg {
+    /// A field of spheres over a ground square
+    Spheres,
+    /// A few simple bodies
+    Primitives,
+    /// Low-poly terrain with trees, rocks and houses
+    Landscape,
+    /// Closed boxes along streets
+    City,
+}
+
+impl From<KindArg> for GeneratedKind {
+    fn from(kind: KindArg) -> Self {
+        match kind {
+            KindArg::Spheres => Self::Spheres,
+            KindArg::Primitives => Self::Primitives,
+            KindArg::Landscape => Self::Landscape,
+            KindArg::City => Self::City,
+        }
+    }
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Generate {
+    /// What to make
+    pub(crate) kind: KindArg,
+    /// Seed
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// The GLB file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Inspect {
+    /// Scene: .glb, .gltf, .obj or .ply
+    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(crate) load: SceneArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum PresetArg {
+    /// 2048 texels: a look within seconds
+    Draft,
+    /// 4096 texels
+    Low,
+    /// 8192 texels
+    Medium,
+    /// 16384 texels
+    High,
+    /// 32768 texels
+    Ultra,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum ReceiversArg {
+    /// Every point in space is answered
+    All,
+    /// Only points on static surfaces (with normals), filters up to 9; smaller where nothing moves
+    Static,
+}
+
+/// What decides a bake's result.
+#[derive(clap::Args)]
+pub(crate) struct BakeSettings {
+    #[command(flatten)]
+    pub(crate) sun: SunArgs,
+    /// Texels on the longest side in the light's plane: a power of two from 8 to 262144
+    #[arg(long, value_name = "N", conflicts_with = "voxel_size")]
+    resolution: Option<u64>,
+    /// Edge of a voxel in metres, in place of a resolution
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    voxel_size: Option<f64>,
+    /// A ready-made resolution
+    #[arg(long, value_enum)]
+    preset: Option<PresetArg>,
+    /// How far below an open surface a shadow may begin, metres: smaller files [default: the bias at its slope]
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, hide_default_value = true, allow_hyphen_values = true)]
+    thickness: f64,
+    /// Shadows are needed below the last surface of a column too (movers under bridges with nothing below)
+    #[arg(long)]
+    no_assume_ground: bool,
+    /// Insides of solids are not free
+    #[arg(long)]
+    no_closed_regions: bool,
+    /// Which points the file must answer
+    #[arg(long, value_enum, default_value = "all")]
+    receivers: ReceiversArg,
+    /// Cover this box in place of the scene; casters outside it but sunward still cast into it
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = parse_bounds)]
+    bounds: Option<Bounds>,
+}
+
+impl BakeSettings {
+    pub(crate) fn options(&self, ignore_alpha: bool, work: &WorkArgs) -> Result<Options, Failure> {
+        let preset = match self.preset {
+            Some(PresetArg::Draft) => Preset::Draft,
+            Some(PresetArg::Low) => Preset::Low,
+            None | Some(PresetArg::Medium) => Preset::Medium,
+            Some(PresetArg::High) => Preset::High,
+            Some(PresetArg::Ultra) => Preset::Ultra,
+        };
+        let size = match (self.resolution, self.voxel_size) {
+            (Some(n), _) => Size::Resolution(n),
+            (None, Some(metres)) => Size::VoxelSize(metres),
+            (None, None) => Size::Resolution(preset.resolution().into()),
+        };
+        Ok(Options {
+            thickness_world: self.thickness,
+            assume_ground: !self.no_assume_ground,
+            closed_regions: !self.no_closed_regions,
+            ignore_alpha,
+            receivers: match self.receivers {
+                ReceiversArg::All => Receivers::All,
+                ReceiversArg::Static => Receivers::Static,
+            },
+            bounds: self.bounds,
+            max_memory_bytes: work.max_memory,
+            ..Options::new(self.sun.sun()?, size)
+        })
+    }
+}
+
+/// How much of the machine to use.
+#[derive(clap::Args)]
+pub(crate) struct WorkArgs {
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Memory that may be held, such as 800MiB or 2GiB [default: no limit]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Bake {
+    /// Scene: .glb, .gltf, .obj or .ply
+    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(crate) settings: BakeSettings,
+    #[command(flatten)]
+    pub(crate) load: SceneArgs,
+    /// The shadow file to write [default: the scene's name with .adumbra]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Draw a few tiles and say what the bake would take; writes nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// How to show progress
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(crate) progress: Style,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Info {
+    /// Shadow file
+    pub(crate) file: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Verify {
+    /// Shadow file
+    pub(crate) file: PathBuf,
+    /// The scene that it was baked from, loaded with the same filters
+    #[arg(long)]
+    pub(crate) scene: PathBuf,
+    /// Points to compare
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub(crate) samples: u64,
+    /// Seed of the points
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Points in free space in place of points on surfaces; for files baked with --no-assume-ground
+    #[arg(long)]
+    pub(crate) volume: bool,
+    /// The check fails below this interior agreement
+    #[arg(long, value_name = "SHARE", default_value_t = 0.999)]
+    pub(crate) min_interior: f64,
+    #[command(flatten)]
+    pub(crate) load: SceneArgs,
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Query {
+    /// Shadow file
+    pub(crate) file: PathBuf,
+    /// World points: little-endian float32 triples
+    #[arg(long, value_name = "FILE")]
+    pub(crate) points: PathBuf,
+    /// Unit normals, one a point: the slope's bias and the filter's plane need them
+    #[arg(long, value_name = "FILE")]
+    pub(crate) normals: Option<PathBuf>,
+    /// Filter width in texels: 1, 3, 5, 9 or 17
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) filter: u32,
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
+    /// Where the visibilities go: one little-endian float32 a point
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Render {
+    /// Scene: .glb, .gltf, .obj or .ply
+    pub(crate) scene: PathBuf,
+    /// The file whose shadows to draw
+    #[arg(long, value_name = "FILE", required_unless_present = "truth")]
+    pub(crate) shadow_file: Option<PathBuf>,
+    /// Trace the shadows
+    #[arg(long, conflicts_with = "diff")]
+    pub(crate) truth: bool,
+    /// Mark where file and rays differ: red = lit called shadowed, blue = shadowed called lit
+    #[arg(long, requires = "shadow_file")]
+    pub(crate) diff: bool,
+    #[command(flatten)]
+    pub(crate) sun: SunArgs,
+    /// Camera position [default: the scene from above at an angle]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple)]
+    pub(crate) eye: Option<[f64; 3]>,
+    /// Point in the middle of the picture [default: the scene's centre]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple)]
+    pub(crate) target: Option<[f64; 3]>,
+    /// Vertical field of view, degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 45.0)]
+    pub(crate) fov: f64,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub(crate) size: [u32; 2],
+    /// Filter width in texels: 1, 3, 5, 9 or 17
+    #[arg(long, value_name = "K", default_value_t = 3)]
+    pub(crate) filter: u32,
+    /// Rays a pixel along each axis
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub(crate) antialias: u32,
+    #[command(flatten)]
+    pub(crate) load: SceneArgs,
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
+    /// The PNG to write
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Bench {
+    #[command(subcommand)]
+    pub(crate) what: BenchVerb,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum BenchVerb {
+    /// Seconds, memory and bytes by scene, resolution and option; writes bake.md and bake.json
+    #[command(after_help = "Example: adumbra bench bake --scenes ../shared/scenes --resolutions 1024,4096 -o docs/bench")]
+    Bake(BenchBake),
+    /// Interior agreement of every scene under four suns; writes verify.md and verify.json
+    #[command(after_help = "Example: adumbra bench verify --scenes ../shared/scenes --resolution 8192 -o docs/bench")]
+    Verify(BenchVerify),
+}
+
+#[derive(clap::Args)]
+pub(crate) struct BenchBake {
+    /// Folder of scenes
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenes: PathBuf,
+    /// Scene files in that folder
+    #[arg(long, value_delimiter = ',', default_value =
+        "kaykit_city_21.glb,zdm2.glb,alpine-2.glb,delft.glb,box-city-5k.glb,dragon_202k.ply")]
+    pub(crate) names: Vec<String>,
+    /// Resolutions
+    #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096,8192,16384")]
+    pub(crate) resolutions: Vec<u64>,
+    /// Resolution of the table that varies the options
+    #[arg(long, default_value_t = 8192)]
+    pub(crate) variant_resolution: u64,
+    /// Where the tables go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct BenchVerify {
+    /// Folder of scenes
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenes: PathBuf,
+    /// Scene files in that folder
+    #[arg(long, value_delimiter = ',', default_value =
+        "zdm2.glb,kaykit_city_21.glb,dragon_202k.ply,armadillo.ply,alpine-2.glb,street-1.glb,delft.glb,bridge_garden.glb,auster.obj,box-city-5k.glb,oak_medium.glb")]
+    pub(crate) names: Vec<String>,
+    /// Resolution
+    #[arg(long, default_value_t = 8192)]
+    pub(crate) resolution: u64,
+    /// Points for each scene and sun
+    #[arg(long, default_value_t = 1_000_000)]
+    pub(crate) samples: u64,
+    /// Points in free space in place of points on surfaces, on files baked with --no-assume-ground
+    #[arg(long)]
+    pub(crate) volume: bool,
+    /// Where the tables go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Demo {
+    /// Folder for the scene, the file, the pictures and the report
+    #[arg(long, value_name = "DIR", default_value = "demo")]
+    pub(crate) out: PathBuf,
+    /// Texels on the longest side
+    #[arg(long, value_name = "N", default_value_t = 8192)]
+    pub(crate) resolution: u64,
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|p| p.trim().parse::<f64>().map_err(|_| format!("{p:?} is not a number")))
+        .collect::<Result<_, _>>()?;
+    <[f64; N]>::try_from(parts).map_err(|p| format!("give {N} numbers with commas between, not {}", p.len()))
+}
+
+fn parse_triple(text: &str) -> Result<[f64; 3], String> {
+    numbers::<3>(text)
+}
+
+fn parse_bounds(text: &str) -> Result<Bounds, String> {
+    let [x0, y0, z0, x1, y1, z1] = numbers::<6>(text)?;
+    Ok(Bounds { min: [x0, y0, z0], max: [x1, y1, z1] })
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let (w, h) = text.split_once(['x', 'X']).ok_or("give WIDTHxHEIGHT, such as 1280x720")?;
+    let side = |s: &str| match s.parse::<u32>() {
+        Ok(n) if (1..=16384).contains(&n) => Ok(n),
+        _ => Err(format!("{s:?} is not a number of pixels from 1 to 16384")),
+    };
+    Ok([side(w)?, side(h)?])
+}
+
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let number: f64 = number.parse().map_err(|_| "give a number and a unit, such as 2GiB".to_owned())?;
+    let scale = match unit.trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kib" => 1024.0,
+        "kb" => 1e3,
+        "m" | "mib" => 1024.0 * 1024.0,
+        "mb" => 1e6,
+        "g" | "gib" => 1024.0 * 1024.0 * 1024.0,
+        "gb" => 1e9,
+        other => return Err(format!("{other:?} is not a unit; use MiB or GiB")),
+    };
+    Ok((number * scale) as u64)
+}

@@ -1,0 +1,107 @@
+//! `adumbra bake`: scene in, shadow file out.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use adumbra::Error;
+use adumbra::bake::{self, Baked, Options};
+use adumbra::format::ShadowFile;
+use serde_json::json;
+
+use super::{GraphFigures, load_scene, print_json, with_threads};
+use crate::args::Bake;
+use crate::exit::{Code, Failure, Outcome};
+use crate::output::bytes_words;
+use crate::progress::Reporter;
+use crate::{memory, signals};
+
+pub(crate) fn run(args: &Bake) -> Outcome {
+    let cancel = signals::install();
+    let start = Instant::now();
+    let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
+    let options = args.settings.options(args.load.ignore_alpha, &args.work)?;
+    if !args.dry_run {
+        check_output(&output)?;
+    }
+    with_threads(args.work.threads, || {
+        let scene = load_scene(&args.scene, &args.load.load_options()?)?;
+        if args.dry_run {
+            return dry_run(args, &scene, &options);
+        }
+        let reporter = Reporter::new(args.progress);
+        let Baked { grid, settings, dag, report } =
+            bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
+        let file = ShadowFile { grid, settings, dag };
+        file.write(&output)?;
+        let figures = GraphFigures::of(&file);
+        let seconds = start.elapsed().as_secs_f64();
+        let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
+        if args.json {
+            print_json(&json!({
+                "file": output,
+                "seconds": seconds,
+                "bake_seconds": report.seconds,
+                "peak_bytes": peak,
+                "accounted_bytes": report.accounted_bytes,
+                "file_bytes": figures.file_bytes,
+                "bits_per_texel": figures.bits_per_texel,
+                "nodes": figures.nodes,
+                "slabs": figures.slabs,
+                "threads": report.threads,
+                "tiles": report.tiles,
+                "resolution": settings.resolution,
+                "size": file.dag.size,
+                "voxel_size": grid.voxel_size,
+                "triangles": settings.triangles,
+            }));
+        } else {
+            println!(
+                "{} -> {} ({}, {:.4} bits a texel) in {seconds:.1} s, peak memory {}",
+                args.scene.display(),
+                output.display(),
+                bytes_words(figures.file_bytes),
+                figures.bits_per_texel,
+                bytes_words(peak)
+            );
+        }
+        Ok(Code::Fine)
+    })
+}
+
+fn dry_run(args: &Bake, scene: &adumbra::scene::Scene, options: &Options) -> Outcome {
+    let e = bake::estimate(scene, options)?;
+    if args.json {
+        print_json(&json!({
+            "tiles": e.tiles,
+            "sampled_tiles": e.sampled_tiles,
+            "seconds": e.seconds,
+            "file_bytes": e.file_bytes,
+            "memory_bytes": e.memory_bytes,
+        }));
+    } else {
+        let range = |r: [u64; 2]| format!("{} to {}", bytes_words(r[0]), bytes_words(r[1]));
+        println!("{}: {} of {} tiles drawn", args.scene.display(), e.sampled_tiles, e.tiles);
+        println!("  time    {:.0} to {:.0} s", e.seconds[0], e.seconds[1]);
+        println!("  memory  {}", range(e.memory_bytes));
+        println!("  file    {}", range(e.file_bytes));
+        println!("  a lower --resolution, --thickness or --receivers static make the file smaller");
+    }
+    if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {
+        eprintln!("warning: this will not fit --max-memory; lower --resolution or --threads");
+    }
+    Ok(Code::Fine)
+}
+
+/// Finds out before the work whether the output can be written, without touching what is there.
+fn check_output(output: &Path) -> Result<(), Failure> {
+    let folder: PathBuf = match output.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    if output.is_dir() {
+        let message = format!("{}: is a folder; name a file with -o", output.display());
+        return Err(Failure::BadInput(message));
+    }
+    tempfile::NamedTempFile::new_in(folder).map_err(Error::io("write", output))?;
+    Ok(())
+}

@@ -1,0 +1,205 @@
+//! `adumbra bench`: tables of what a bake costs and how right it is.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::{self, Options, Size};
+use adumbra::format::ShadowFile;
+use adumbra::light::Sun;
+use adumbra::scene::{LoadOptions, Scene};
+use adumbra::settings::Receivers;
+use adumbra::trace::{TraceOptions, Tracer};
+use adumbra::verify::{Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler};
+use serde_json::{Value, json};
+
+use super::{GraphFigures, load_scene};
+use crate::args::{Bench, BenchBake, BenchVerb, BenchVerify};
+use crate::exit::{Code, Failure, Outcome};
+use crate::memory;
+use crate::output::{make_folder, write_whole};
+
+const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
+
+pub(crate) fn run(args: &Bench) -> Outcome {
+    match &args.what {
+        BenchVerb::Bake(a) => bake_tables(a),
+        BenchVerb::Verify(a) => verify_table(a),
+    }
+}
+
+/// A change to the default options, with its name in the table.
+type Variant = (&'static str, fn(&mut Options));
+
+/// The option table: each line changes the default in one way, so that its effect stands alone.
+const VARIANTS: [Variant; 7] = [
+    ("default: closed regions, ground assumed", |_| {}),
+    ("no closed regions", |o| o.closed_regions = false),
+    ("no ground assumed", |o| o.assume_ground = false),
+    ("neither", |o| {
+        o.closed_regions = false;
+        o.assume_ground = false;
+    }),
+    ("thickness 0.1 m", |o| o.thickness_world = 0.1),
+    ("thickness 0.3 m", |o| o.thickness_world = 0.3),
+    ("static receivers", |o| o.receivers = Receivers::Static),
+];
+
+fn bake_tables(args: &BenchBake) -> Outcome {
+    make_folder(&args.output)?;
+    let mut sizes = Vec::new();
+    let mut variants = Vec::new();
+    for name in &args.names {
+        let scene = load_scene(&args.scenes.join(name), &LoadOptions::default())?;
+        for &resolution in &args.resolutions {
+            sizes.push(bake_row(&scene, name, resolution, &VARIANTS[0])?);
+        }
+        for variant in &VARIANTS {
+            variants.push(bake_row(&scene, name, args.variant_resolution, variant)?);
+        }
+    }
+    let mut text = String::from("# Bake: seconds, memory and bytes\n\n");
+    // Writing to a String does not fail.
+    let _ = writeln!(
+        text,
+        "Sun towards (0.5, 0.8, 0.35), {} threads. `peak MB` is the process's largest resident size during the bake; \
+        `× raw` is how many times smaller the file is than a raw 32-bit shadow map of the same texels.\n\n## By resolution\n",
+        rayon::current_num_threads()
+    );
+    text.push_str(&table(&sizes));
+    let _ = writeln!(text, "\n## By option, at {}\n", args.variant_resolution);
+    text.push_str(&table(&variants));
+    let document = json!({"sun": DEFAULT_SUN, "resolutions": sizes, "options": variants});
+    write_tables(&args.output, "bake", &text, &document)
+}
+
+fn bake_row(scene: &Scene, name: &str, resolution: u64, variant: &Variant) -> Result<Value, Failure> {
+    let mut options = Options::new(Sun::from_direction(DEFAULT_SUN)?, Size::Resolution(resolution));
+    variant.1(&mut options);
+    memory::reset_peak();
+    let baked = bake::bake(scene, &options, &|_| {}, &AtomicBool::new(false))?;
+    let peak_bytes = memory::peak_bytes().unwrap_or(baked.report.accounted_bytes);
+    let seconds = baked.report.seconds;
+    let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+    let figures = GraphFigures::of(&file);
+    let raw = f64::from(file.dag.size[0]) * f64::from(file.dag.size[1]) * 4.0;
+    eprintln!("{name} {resolution} {}: {seconds:.2} s, {} bytes", variant.0, figures.file_bytes);
+    Ok(json!({
+        "scene": name,
+        "resolution": resolution,
+        "option": variant.0,
+        "voxel_size": file.grid.voxel_size,
+        "seconds": seconds,
+        "peak_bytes": peak_bytes,
+        "file_bytes": figures.file_bytes,
+        "bits_per_texel": figures.bits_per_texel,
+        "nodes": figures.nodes,
+        "slabs": figures.slabs,
+        "times_smaller": raw / figures.file_bytes as f64,
+    }))
+}
+
+fn table(rows: &[Value]) -> String {
+    let mut text = String::from(
+        "| scene | N | options | s | peak MB | file MB | bits/texel | nodes | slabs | × raw |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for r in rows {
+        let number = |key: &str| r[key].as_f64().unwrap_or(f64::NAN);
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {:.2} | {:.0} | {:.2} | {:.3} | {} | {} | {:.0} |",
+            r["scene"].as_str().unwrap_or_default(),
+            r["resolution"],
+            r["option"].as_str().unwrap_or_default(),
+            number("seconds"),
+            number("peak_bytes") / 1e6,
+            number("file_bytes") / 1e6,
+            number("bits_per_texel"),
+            r["nodes"],
+            r["slabs"],
+            number("times_smaller"),
+        );
+    }
+    text
+}
+
+/// The suns of the verification table: the default, overhead, low and nearly level.
+fn suns() -> Result<[(&'static str, Sun); 4], Failure> {
+    Ok([
+        ("(0.5, 0.8, 0.35)", Sun::from_direction(DEFAULT_SUN)?),
+        ("elevation 90°", Sun::from_angles(55.0, 90.0)?),
+        ("elevation 10°", Sun::from_angles(55.0, 10.0)?),
+        ("elevation 3°", Sun::from_angles(55.0, 3.0)?),
+    ])
+}
+
+/// What `verify` demands of the interior.
+const MIN_INTERIOR_AGREEMENT: f64 = 0.999;
+const MIN_INTERIOR_SHARE: f64 = 0.7;
+
+fn verify_table(args: &BenchVerify) -> Outcome {
+    make_folder(&args.output)?;
+    let mut rows = Vec::new();
+    let mut all_hold = true;
+    for name in &args.names {
+        let scene = load_scene(&args.scenes.join(name), &LoadOptions::default())?;
+        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
+        let solids = Solids::of(&scene);
+        for (sun_name, sun) in suns()? {
+            let options = Options {
+                assume_ground: !args.volume,
+                ..Options::new(sun, Size::Resolution(args.resolution))
+            };
+            let baked = bake::bake(&scene, &options, &|_| {}, &AtomicBool::new(false))?;
+            let sampler = if args.volume {
+                Sampler::Volume(VolumeSampler::new(&baked.grid))
+            } else {
+                Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false))
+            };
+            let verifier = Verifier::new(&baked.grid, &baked.dag, &baked.settings, &tracer, &solids);
+            let options = VerifyOptions { samples: args.samples, seed: 1, bias: baked.settings.bias };
+            let v = verifier.run(&sampler, &options)?;
+            let holds = v.interior_agreement >= MIN_INTERIOR_AGREEMENT
+                && (args.volume || v.interior_share >= MIN_INTERIOR_SHARE);
+            all_hold &= holds;
+            eprintln!("{name} {sun_name}: interior {:.5}, share {:.3}", v.interior_agreement, v.interior_share);
+            let figures = serde_json::to_value(v).map_err(|e| Failure::BadInput(e.to_string()))?;
+            rows.push(json!({"scene": name, "sun": sun_name, "holds": holds, "figures": figures}));
+        }
+    }
+    let stem = if args.volume { "verify-volume" } else { "verify" };
+    let mut text = format!(
+        "# Agreement with rays{}\n\nN = {}, {} points a row. Interior and thin as `adumbra::verify` defines them; shares in %.\n\n\
+        | scene | sun | agreement | interior agreement | interior share | acne | leak | thin | thin wrong | holds |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        if args.volume { ", points in free space" } else { "" },
+        args.resolution,
+        args.samples
+    );
+    for r in &rows {
+        let f = &r["figures"];
+        let percent = |key: &str| 100.0 * f[key].as_f64().unwrap_or(f64::NAN);
+        let _ = writeln!(
+            text,
+            "| {} | {} | {:.3} | {:.4} | {:.1} | {:.3} | {:.3} | {} | {} | {} |",
+            r["scene"].as_str().unwrap_or_default(),
+            r["sun"].as_str().unwrap_or_default(),
+            percent("agreement"),
+            percent("interior_agreement"),
+            percent("interior_share"),
+            percent("acne"),
+            percent("leak"),
+            f["thin"],
+            f["thin_wrong"],
+            if r["holds"] == true { "yes" } else { "no" },
+        );
+    }
+    write_tables(&args.output, stem, &text, &json!({"resolution": args.resolution, "rows": rows}))?;
+    Ok(if all_hold { Code::Fine } else { Code::CheckFailed })
+}
+
+fn write_tables(folder: &Path, stem: &str, text: &str, document: &Value) -> Outcome {
+    write_whole(&folder.join(format!("{stem}.md")), text.as_bytes())?;
+    write_whole(&folder.join(format!("{stem}.json")), format!("{document:#}\n").as_bytes())?;
+    println!("{}", folder.join(format!("{stem}.md")).display());
+    Ok(Code::Fine)
+}

@@ -1,0 +1,114 @@
+//! `adumbra demo`: the main job from end to end on a generated city.
+
+use std::path::Path;
+use std::time::Instant;
+
+use adumbra::bake::{self, Options, Size};
+use adumbra::format::ShadowFile;
+use adumbra::light::Sun;
+use adumbra::picture::{self, Camera, Shadows};
+use adumbra::query::Query;
+use adumbra::scene::{GeneratedKind, LoadOptions, generate, write_glb};
+use adumbra::trace::{TraceOptions, Tracer};
+use adumbra::verify::{Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
+
+use super::render::looking_at;
+use super::{GraphFigures, load_scene};
+use crate::args::Demo;
+use crate::exit::{Code, Failure, Outcome};
+use crate::output::{bytes_words, make_folder, write_png, write_whole};
+use crate::progress::{Reporter, Style};
+use crate::signals;
+
+const SEED: u64 = 1;
+const SAMPLES: u64 = 200_000;
+
+pub(crate) fn run(args: &Demo) -> Outcome {
+    let cancel = signals::install();
+    make_folder(&args.out)?;
+    let scene_path = args.out.join("city.glb");
+    let file_path = args.out.join("city.adumbra");
+    write_glb(&generate(GeneratedKind::City, SEED), &scene_path)?;
+    let scene = load_scene(&scene_path, &LoadOptions { color_textures: true, ..LoadOptions::default() })?;
+    println!("scene     {} ({} triangles)", scene_path.display(), scene.instanced_triangles());
+
+    let start = Instant::now();
+    let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
+    let options = Options::new(sun, Size::Resolution(args.resolution));
+    let reporter = Reporter::new(Style::Auto);
+    let baked = bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
+    let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+    file.write(&file_path)?;
+    let bake_seconds = start.elapsed().as_secs_f64();
+    let figures = GraphFigures::of(&file);
+    println!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), bytes_words(figures.file_bytes));
+
+    let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
+    let solids = Solids::of(&scene);
+    let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
+    let check = VerifyOptions { samples: SAMPLES, seed: 1, bias: file.settings.bias };
+    let verification = Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &check)?;
+    println!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
+
+    let whole = looking_at(&scene.bounds(), 40.0);
+    let street = Camera { eye: [30.0, 14.0, 62.0], target: [-20.0, 6.0, -10.0], ..whole };
+    for (name, camera) in [("city", whole), ("street", street)] {
+        for suffix in ["", "-truth", "-difference"] {
+            let query = Query::new(&file.grid, &file.dag, file.settings.bias, 3)?;
+            let shadows = match suffix {
+                "" => Shadows::File(query),
+                "-truth" => Shadows::Truth,
+                _ => Shadows::Difference(Query::new(&file.grid, &file.dag, file.settings.bias, 1)?),
+            };
+            let picture = picture::draw(&scene, &tracer, &camera, sun.towards(), &shadows, 2);
+            let path = args.out.join(format!("{name}{suffix}.png"));
+            write_png(&path, &picture)?;
+            println!("picture   {}", path.display());
+        }
+    }
+    let report = args.out.join("report.html");
+    write_report(&report, args.resolution, &file, &figures, bake_seconds, &verification)?;
+    println!("report    {}", report.display());
+    Ok(if verification.interior_agreement >= 0.999 { Code::Fine } else { Code::CheckFailed })
+}
+
+fn write_report(
+    path: &Path,
+    resolution: u64,
+    file: &ShadowFile,
+    figures: &GraphFigures,
+    bake_seconds: f64,
+    v: &Verification,
+) -> Result<(), Failure> {
+    let rows = [
+        ("triangles", file.settings.triangles.to_string()),
+        ("grid", format!("{resolution}: {:?} voxels of {:.3} m", file.dag.size, file.grid.voxel_size)),
+        ("bake", format!("{bake_seconds:.1} s on {} threads", rayon::current_num_threads())),
+        ("file", format!("{}, {:.3} bits a texel", bytes_words(figures.file_bytes), figures.bits_per_texel)),
+        ("nodes, slabs", format!("{}, {}", figures.nodes, figures.slabs)),
+        ("points compared with rays", v.samples.to_string()),
+        ("interior agreement", format!("{:.4} %", 100.0 * v.interior_agreement)),
+        ("agreement, edges too", format!("{:.3} %", 100.0 * v.agreement)),
+        ("acne, leak", format!("{:.3} %, {:.3} %", 100.0 * v.acne, 100.0 * v.leak)),
+    ];
+    let rows: String = rows.iter().map(|(k, value)| format!("<tr><th>{k}</th><td>{value}</td></tr>\n")).collect();
+    let figure = |name: &str, caption: &str| {
+        format!("<figure><img src=\"{name}.png\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n")
+    };
+    let figures: String = [
+        figure("street", "Shadows from the file, 3 × 3 texels"),
+        figure("street-truth", "Traced"),
+        figure("street-difference", "Where one texel of the file differs from rays: red lit called shadowed, blue shadowed called lit"),
+        figure("city", "Shadows from the file, 3 × 3 texels"),
+        figure("city-truth", "Traced"),
+        figure("city-difference", "Where one texel of the file differs from rays"),
+    ]
+    .concat();
+    let page = format!(
+        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n\
+        <title>adumbra demo</title>\n<style>body{{font:16px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem}}\
+        img{{max-width:100%}}figure{{margin:1.5rem 0}}th{{text-align:left;padding-right:2rem}}</style>\n\
+        <h1>A generated city, its shadows in one file</h1>\n<table>\n{rows}</table>\n{figures}</html>\n"
+    );
+    write_whole(path, page.as_bytes())
+}

@@ -1,0 +1,91 @@
+//! One file a verb.
+
+mod bake;
+mod bench;
+mod demo;
+mod generate;
+mod info;
+mod inspect;
+mod query;
+mod render;
+mod verify;
+
+use std::path::Path;
+
+use adumbra::format::ShadowFile;
+use adumbra::scene::{self, LoadOptions, Scene};
+
+use crate::args::{Args, Verb};
+use crate::exit::{Failure, Outcome};
+
+pub(crate) fn run(args: Args) -> Outcome {
+    match args.verb {
+        Verb::Generate(a) => generate::run(&a),
+        Verb::Inspect(a) => inspect::run(&a),
+        Verb::Bake(a) => bake::run(&a),
+        Verb::Info(a) => info::run(&a),
+        Verb::Verify(a) => verify::run(&a),
+        Verb::Query(a) => query::run(&a),
+        Verb::Render(a) => render::run(&a),
+        Verb::Bench(a) => bench::run(&a),
+        Verb::Demo(a) => demo::run(&a),
+    }
+}
+
+/// Loads a scene and says on stderr what the loader noticed.
+fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
+    let scene = scene::load(path, options)?;
+    let notes = &scene.notes;
+    for warning in &notes.warnings {
+        eprintln!("warning: {}: {warning}", path.display());
+    }
+    if notes.degenerate_triangles > 0 {
+        eprintln!("warning: {}: {} degenerate triangles skipped", path.display(), notes.degenerate_triangles);
+    }
+    if notes.blended_materials > 0 {
+        eprintln!(
+            "note: {}: {} blended materials cast where alpha >= 0.5",
+            path.display(),
+            notes.blended_materials
+        );
+    }
+    Ok(scene)
+}
+
+/// Runs `work` on a pool of this many threads.
+fn with_threads<T: Send>(
+    threads: Option<u16>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let Some(threads) = threads else { return work() };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.into())
+        .build()
+        .map_err(|e| Failure::Usage(format!("cannot start {threads} threads: {e}")))?;
+    pool.install(work)
+}
+
+/// Figures of a graph that `bake` and `info` share.
+struct GraphFigures {
+    file_bytes: u64,
+    bits_per_texel: f64,
+    nodes: u64,
+    slabs: u64,
+}
+
+impl GraphFigures {
+    fn of(file: &ShadowFile) -> Self {
+        let file_bytes = file.encoded_len();
+        let texels = f64::from(file.dag.size[0]) * f64::from(file.dag.size[1]);
+        Self {
+            file_bytes,
+            bits_per_texel: file_bytes as f64 * 8.0 / texels,
+            nodes: file.dag.node_count(),
+            slabs: file.dag.slabs.len() as u64,
+        }
+    }
+}
+
+fn print_json(value: &serde_json::Value) {
+    println!("{value:#}");
+}

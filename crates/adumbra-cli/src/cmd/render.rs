@@ -1,0 +1,73 @@
+//! `adumbra render`: a picture on the CPU.
+
+use adumbra::format::ShadowFile;
+use adumbra::picture::{self, Camera, Shadows};
+use adumbra::query::Query;
+use adumbra::scene::Bounds;
+use adumbra::trace::{TraceOptions, Tracer};
+use serde_json::json;
+
+use super::{load_scene, print_json, with_threads};
+use crate::args::Render;
+use crate::exit::{Code, Failure, Outcome};
+use crate::output::write_png;
+
+pub(crate) fn run(args: &Render) -> Outcome {
+    if !(args.fov > 0.0 && args.fov < 180.0) {
+        return Err(Failure::Usage(format!("--fov {}: give degrees between 0 and 180", args.fov)));
+    }
+    let file = args.shadow_file.as_deref().map(ShadowFile::read).transpose()?;
+    let mut load = args.load.load_options()?;
+    load.color_textures = true;
+    load.ignore_alpha |= file.as_ref().is_some_and(|f| f.settings.ignore_alpha);
+    let picture = with_threads(args.threads, || {
+        let scene = load_scene(&args.scene, &load)?;
+        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        let [width, height] = args.size;
+        let whole = Camera { width, height, ..looking_at(&scene.bounds(), args.fov) };
+        let camera = Camera {
+            eye: args.eye.unwrap_or(whole.eye),
+            target: args.target.unwrap_or(whole.target),
+            ..whole
+        };
+        if camera.eye == camera.target || !camera.eye.iter().chain(&camera.target).all(|c| c.is_finite()) {
+            return Err(Failure::Usage("--eye and --target must be finite and two different points".to_owned()));
+        }
+        let (sun, shadows) = match &file {
+            Some(f) => {
+                let query = Query::new(&f.grid, &f.dag, args.bias.over(f.settings.bias), args.filter)?;
+                let shadows = match (args.truth, args.diff) {
+                    (true, _) => Shadows::Truth,
+                    (_, true) => Shadows::Difference(query),
+                    _ => Shadows::File(query),
+                };
+                (f.grid.sun, shadows)
+            }
+            None => (args.sun.sun()?, Shadows::Truth),
+        };
+        Ok(picture::draw(&scene, &tracer, &camera, sun.towards(), &shadows, args.antialias))
+    })?;
+    write_png(&args.output, &picture)?;
+    if args.json {
+        print_json(&json!({
+            "output": args.output,
+            "width": picture.width,
+            "height": picture.height,
+            "difference_share": picture.difference_share,
+        }));
+    } else if let Some(share) = picture.difference_share {
+        println!("{}: file and rays differ on {:.3} % of the samples", args.output.display(), 100.0 * share);
+    } else {
+        println!("{}: {} x {}", args.output.display(), picture.width, picture.height);
+    }
+    Ok(Code::Fine)
+}
+
+/// A camera that sees a whole box from above at an angle.
+pub(super) fn looking_at(bounds: &Bounds, fov_degrees: f64) -> Camera {
+    let center: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
+    let distance = 0.5 * bounds.diagonal() / (fov_degrees.to_radians() * 0.5).tan() * 0.9;
+    let direction = [0.55, 0.55, 0.63];
+    let eye = std::array::from_fn(|a| center[a] + direction[a] * distance);
+    Camera { eye, target: center, fov_degrees, width: 1280, height: 720 }
+}

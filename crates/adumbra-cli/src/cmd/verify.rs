@@ -1,0 +1,63 @@
+//! `adumbra verify`: a file's answers against rays.
+
+use adumbra::format::ShadowFile;
+use adumbra::trace::{TraceOptions, Tracer};
+use adumbra::verify::{Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler};
+
+use super::{load_scene, print_json, with_threads};
+use crate::args::Verify;
+use crate::exit::{Code, Failure, Outcome};
+
+pub(crate) fn run(args: &Verify) -> Outcome {
+    let file = ShadowFile::read(&args.file)?;
+    let mut load = args.load.load_options()?;
+    load.ignore_alpha |= file.settings.ignore_alpha;
+    if args.volume && file.settings.assume_ground {
+        return Err(Failure::Usage(format!(
+            "{} was baked with ground assumed: points in free space are not promised; bake with --no-assume-ground",
+            args.file.display()
+        )));
+    }
+    let result = with_threads(args.threads, || {
+        let scene = load_scene(&args.scene, &load)?;
+        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        let solids = Solids::of(&scene);
+        let sampler = if args.volume {
+            Sampler::Volume(VolumeSampler::new(&file.grid))
+        } else {
+            Sampler::Surface(SurfaceSampler::new(&scene, &solids, file.grid.sun.towards(), load.ignore_alpha))
+        };
+        let options = VerifyOptions {
+            samples: args.samples,
+            seed: args.seed,
+            bias: args.bias.over(file.settings.bias),
+        };
+        Ok(Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &options)?)
+    })?;
+    if args.json {
+        let value = serde_json::to_value(result).map_err(|e| Failure::BadInput(e.to_string()))?;
+        print_json(&value);
+    } else {
+        println!("{} against {}", args.file.display(), args.scene.display());
+        println!("  samples             {} ({} facing away left out)", result.samples, result.facing_away);
+        println!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
+        println!("  agreement           {:.4} %", 100.0 * result.agreement);
+        println!(
+            "  interior agreement  {:.4} % of {} ({:.1} % of the samples are interior)",
+            100.0 * result.interior_agreement,
+            result.interior,
+            100.0 * result.interior_share
+        );
+        println!("  acne                {:.4} %, interior {}", 100.0 * result.acne, result.interior_acne);
+        println!("  leak                {:.4} %, interior {}", 100.0 * result.leak, result.interior_leak);
+        println!("  thin                {}, {} of them wrong", result.thin, result.thin_wrong);
+    }
+    if result.interior_agreement < args.min_interior {
+        eprintln!(
+            "check failed: interior agreement {:.6} is below {}; is this the scene that the file was baked from?",
+            result.interior_agreement, args.min_interior
+        );
+        return Ok(Code::CheckFailed);
+    }
+    Ok(Code::Fine)
+}

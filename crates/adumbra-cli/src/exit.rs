@@ -1,0 +1,54 @@
+//! Exit codes, and which error gives which.
+
+use std::io::ErrorKind;
+use std::process::ExitCode;
+
+/// What the program tells its caller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Code {
+    Fine = 0,
+    CheckFailed = 1,
+    Usage = 2,
+    BadInput = 3,
+    OutOfRoom = 4,
+    Interrupted = 130,
+}
+
+impl From<Code> for ExitCode {
+    fn from(code: Code) -> Self {
+        Self::from(code as u8)
+    }
+}
+
+/// Whatever ends a verb early.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error("{0}")]
+    Usage(String),
+    #[error("{0}")]
+    BadInput(String),
+    #[error(transparent)]
+    Library(#[from] adumbra::Error),
+}
+
+impl Failure {
+    pub(crate) fn code(&self) -> Code {
+        use adumbra::Error as E;
+        match self {
+            Self::Usage(_) | Self::Library(E::OptionRange { .. } | E::Pattern { .. }) => Code::Usage,
+            Self::Library(E::MemoryLimit { .. }) => Code::OutOfRoom,
+            Self::Library(E::Interrupted) => Code::Interrupted,
+            Self::Library(E::Io { source, .. }) => match source.kind() {
+                ErrorKind::StorageFull
+                | ErrorKind::QuotaExceeded
+                | ErrorKind::FileTooLarge
+                | ErrorKind::OutOfMemory => Code::OutOfRoom,
+                _ => Code::BadInput,
+            },
+            Self::BadInput(_) | Self::Library(_) => Code::BadInput,
+        }
+    }
+}
+
+pub(crate) type Outcome = Result<Code, Failure>;

@@ -1,0 +1,108 @@
+//! Progress on a terminal as a bar, elsewhere as plain lines every ten seconds, for programs as JSON lines; on stderr.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use adumbra::bake::Progress;
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+
+/// How to show progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Style {
+    /// A bar on a terminal, plain lines elsewhere.
+    Auto,
+    /// A line every ten seconds.
+    Plain,
+    /// JSON lines, at most ten a second: {"event","done_tiles","total_tiles","texels_per_second","eta_seconds","graph_bytes"}.
+    Json,
+    /// Nothing.
+    None,
+}
+
+/// Below this share of the tiles no time of arrival is given.
+const WARM_UP_SHARE: f64 = 0.03;
+
+pub(crate) struct Reporter {
+    style: Style,
+    start: Instant,
+    state: Mutex<State>,
+}
+
+struct State {
+    bar: Option<ProgressBar>,
+    last: Option<Instant>,
+}
+
+impl Reporter {
+    pub(crate) fn new(style: Style) -> Self {
+        let style = match style {
+            Style::Auto if !std::io::stderr().is_terminal() => Style::Plain,
+            other => other,
+        };
+        Self { style, start: Instant::now(), state: Mutex::new(State { bar: None, last: None }) }
+    }
+
+    pub(crate) fn update(&self, p: Progress) {
+        let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
+        let seconds = self.start.elapsed().as_secs_f64();
+        let share = p.done_tiles as f64 / p.total_tiles as f64;
+        let rate = p.done_tiles as f64 * p.texels_per_tile as f64 / seconds.max(1e-9);
+        let eta = (share >= WARM_UP_SHARE).then(|| seconds * (1.0 - share) / share);
+        let eta_words = eta.map_or("warming up".to_owned(), |s| format!("{s:.0} s left"));
+        let finished = p.done_tiles == p.total_tiles;
+        let due = |last: Option<Instant>, gap: Duration| last.is_none_or(|t| t.elapsed() >= gap) || finished;
+        match self.style {
+            Style::Auto => {
+                let bar = state.bar.get_or_insert_with(|| new_bar(p.total_tiles as u64));
+                bar.set_position(p.done_tiles as u64);
+                bar.set_message(format!(
+                    "{:.0} Mtexel/s, {:.1} MB, {eta_words}",
+                    rate / 1e6,
+                    p.graph_bytes as f64 / 1e6
+                ));
+                if finished {
+                    bar.finish_and_clear();
+                }
+            }
+            Style::Plain => {
+                let long = seconds >= 10.0 || state.last.is_some();
+                if long && due(state.last, Duration::from_secs(10)) {
+                    state.last = Some(Instant::now());
+                    eprintln!(
+                        "baking: {} of {} tiles, {:.0} Mtexel/s, {:.1} MB, {eta_words}",
+                        p.done_tiles,
+                        p.total_tiles,
+                        rate / 1e6,
+                        p.graph_bytes as f64 / 1e6
+                    );
+                }
+            }
+            Style::Json => {
+                if due(state.last, Duration::from_millis(100)) {
+                    state.last = Some(Instant::now());
+                    let line = json!({
+                        "event": "bake",
+                        "done_tiles": p.done_tiles,
+                        "total_tiles": p.total_tiles,
+                        "texels_per_second": rate,
+                        "eta_seconds": eta,
+                        "graph_bytes": p.graph_bytes,
+                    });
+                    eprintln!("{line}");
+                }
+            }
+            Style::None => {}
+        }
+    }
+}
+
+fn new_bar(tiles: u64) -> ProgressBar {
+    let bar = ProgressBar::new(tiles);
+    if let Ok(style) = ProgressStyle::with_template("{spinner} baking [{wide_bar}] {pos}/{len} tiles, {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,288 @@
+//! Columns of one tile: first surface, end of the first solid, and the nearest surface that may lie behind.
+//!
+//! Two passes over the tile's triangles. The first samples texel centres; the second asks, for every triangle that
+//! comes near a texel's footprint, whether it is a receiver behind the column's caster. Only triangles of solids
+//! are kept as lists, to count their winding. Rules: specification §3, written out in `columns.rs`.
+
+use super::casters::Casters;
+use super::columns::{self, ColumnRules, Columns, FirstSurface};
+use super::project::{FixedDepth, Plane, Projected};
+use crate::error::{Error, Result};
+use crate::light::LightGrid;
+
+/// Solid crossings that a tile may hold at once; a tile with more is captured in bands of rows.
+const MAX_CROSSINGS: usize = 1 << 22;
+
+/// A rectangle of texels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TileRect {
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+/// Buffers that one worker reuses from tile to tile.
+#[derive(Default)]
+pub(crate) struct CaptureBuffers {
+    first: Vec<FirstSurface>,
+    next: Vec<FixedDepth>,
+    base: Vec<FixedDepth>,
+    crossings: Vec<Crossing>,
+    row_counts: Vec<u32>,
+    sorted: Vec<u32>,
+}
+
+/// A solid's surface at a texel centre: texel, then depth, then entry before exit.
+#[derive(Clone, Copy)]
+struct Crossing {
+    texel: u32,
+    key: u32,
+}
+
+/// Bytes that a worker needs for a tile of `texels`, columns included.
+pub(crate) fn working_bytes(texels: u64) -> u64 {
+    let texel = size_of::<FirstSurface>() + 2 * size_of::<FixedDepth>() + 4;
+    let crossings = MAX_CROSSINGS * (size_of::<Crossing>() + 4);
+    texels * (texel as u64 + 2 * 4) + crossings as u64
+}
+
+/// Captures the columns of `rect`, a tile of `casters` with index `tile`.
+///
+/// # Errors
+/// [`Error::MemoryLimit`] where a single row of texels has more solid crossings than a worker may hold.
+pub(crate) fn capture(
+    casters: &Casters<'_>,
+    tile: usize,
+    grid: &LightGrid,
+    rules: &ColumnRules,
+    rect: TileRect,
+    buffers: &mut CaptureBuffers,
+    out: &mut Columns,
+) -> Result<()> {
+    out.reset(rect.width, rect.height);
+    let mut bands = vec![(rect.y, rect.height)];
+    while let Some((y, height)) = bands.pop() {
+        let band = TileRect { y, height, ..rect };
+        if capture_band(casters, tile, grid, rules, band, buffers) {
+            let start = ((y - rect.y) * rect.width) as usize;
+            for i in 0..buffers.first.len() {
+                out.set(start + i, rules.column(buffers.first[i], buffers.base[i], buffers.next[i]));
+            }
+        } else if height > 1 {
+            let half = height / 2;
+            bands.push((y + half, height - half));
+            bands.push((y, half));
+        } else {
+            let needed_bytes = (MAX_CROSSINGS * 2 * size_of::<Crossing>()) as u64;
+            return Err(Error::MemoryLimit {
+                what: "a row of texels through very many layers of solids",
+                needed_bytes,
+                limit_bytes: needed_bytes / 2,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Fills the buffers for a band of rows; false where there are too many crossings to hold.
+fn capture_band(
+    casters: &Casters<'_>,
+    tile: usize,
+    grid: &LightGrid,
+    rules: &ColumnRules,
+    rect: TileRect,
+    b: &mut CaptureBuffers,
+) -> bool {
+    let texels = (rect.width * rect.height) as usize;
+    b.first.clear();
+    b.first.resize(texels, FirstSurface::NONE);
+    b.crossings.clear();
+    let mut fits = true;
+    for_each_triangle(casters, tile, grid, |triangle, source| {
+        fits = fits && sample_centers(casters, triangle, source, rules, rect, b);
+    });
+    if !fits {
+        return false;
+    }
+    resolve_solids(b, texels);
+    b.next.clear();
+    b.next.resize(texels, FixedDepth::MAX);
+    for_each_triangle(casters, tile, grid, |triangle, _| find_next(triangle, rules, rect, b));
+    true
+}
+
+/// Where a triangle came from.
+struct Source {
+    instance: u32,
+    triangle: u32,
+    solid: bool,
+    masked: bool,
+    corners_grid: [[f64; 3]; 3],
+}
+
+fn for_each_triangle(
+    casters: &Casters<'_>,
+    tile: usize,
+    grid: &LightGrid,
+    mut visit: impl FnMut(&Projected, &Source),
+) {
+    for &placed in casters.in_tile(tile) {
+        let instance = &casters.scene.instances[placed.instance as usize];
+        let mesh = &casters.scene.meshes[instance.mesh as usize];
+        let flipped = instance.determinant() < 0.0;
+        for c in casters.triangles(placed) {
+            let corners = mesh.triangles[c.triangle as usize]
+                .map(|v| grid.to_grid(instance.to_world(mesh.positions[v as usize])));
+            let source = Source {
+                instance: placed.instance,
+                triangle: c.triangle,
+                solid: c.solid,
+                masked: c.masked,
+                corners_grid: corners,
+            };
+            visit(&Projected::new(corners, flipped), &source);
+        }
+    }
+}
+
+/// First pass: the triangle at the texel centres that it covers.
+fn sample_centers(
+    casters: &Casters<'_>,
+    triangle: &Projected,
+    source: &Source,
+    rules: &ColumnRules,
+    rect: TileRect,
+    b: &mut CaptureBuffers,
+) -> bool {
+    let Some(plane) = triangle.plane else { return true };
+    let alpha = source.masked.then(|| AlphaPlanes::new(casters, source)).flatten();
+    let (first_row, last_row) = triangle.rows();
+    let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
+    let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
+    let info = rules.surface_info(triangle.slope, source.solid);
+    let exit_bit = u32::from(!triangle.faces_sun);
+    for row in first_row.max(y0)..=last_row.min(y1) {
+        let (first, last) = triangle.span(row);
+        let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
+        let y = row as f64 + 0.5;
+        for i in first.max(x0)..=last.min(x1) {
+            let x = i as f64 + 0.5;
+            if let Some(planes) = &alpha
+                && !planes.opaque_at(casters, x, y)
+            {
+                continue;
+            }
+            let depth = triangle.depth_at(&plane, x, y);
+            let texel = (start + i as isize) as usize;
+            let surface = FirstSurface::new(depth, info);
+            if surface < b.first[texel] {
+                b.first[texel] = surface;
+            }
+            if source.solid {
+                b.crossings.push(Crossing { texel: texel as u32, key: columns::crossing_key(depth, exit_bit) });
+            }
+        }
+        if b.crossings.len() > MAX_CROSSINGS {
+            return false;
+        }
+    }
+    true
+}
+
+/// Where a masked triangle is opaque, as linear texture coordinates over grid x and y.
+struct AlphaPlanes {
+    material: u32,
+    u: Plane,
+    v: Plane,
+}
+
+impl AlphaPlanes {
+    fn new(casters: &Casters<'_>, source: &Source) -> Option<Self> {
+        let instance = &casters.scene.instances[source.instance as usize];
+        let mesh = &casters.scene.meshes[instance.mesh as usize];
+        let corners = mesh.triangles[source.triangle as usize];
+        let uv = corners.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or_default());
+        let plane = |a: usize| Projected::attribute_plane(&source.corners_grid, uv.map(|c| f64::from(c[a])));
+        let material = mesh.triangle_materials[source.triangle as usize];
+        Some(Self { material, u: plane(0)?, v: plane(1)? })
+    }
+
+    fn opaque_at(&self, casters: &Casters<'_>, x: f64, y: f64) -> bool {
+        casters.scene.is_opaque(self.material, [self.u.at(x, y) as f32, self.v.at(x, y) as f32])
+    }
+}
+
+/// Walks the sorted crossings of every texel whose first surface bounds a solid; leaves the depth behind which other
+/// receivers matter in `base`: the solid's end, or the first surface itself.
+fn resolve_solids(b: &mut CaptureBuffers, texels: usize) {
+    b.base.clear();
+    b.base.extend(b.first.iter().map(|f| f.depth()));
+    b.row_counts.clear();
+    b.row_counts.resize(texels + 1, 0);
+    let wanted = |first: &[FirstSurface], c: &Crossing| first[c.texel as usize].is_solid();
+    for c in b.crossings.iter().filter(|c| wanted(&b.first, c)) {
+        b.row_counts[c.texel as usize] += 1;
+    }
+    let mut sum = 0;
+    for count in &mut b.row_counts {
+        sum += std::mem::replace(count, sum);
+    }
+    b.sorted.clear();
+    b.sorted.resize(sum as usize, 0);
+    for c in b.crossings.iter().filter(|c| wanted(&b.first, c)) {
+        let slot = &mut b.row_counts[c.texel as usize];
+        b.sorted[*slot as usize] = c.key;
+        *slot += 1;
+    }
+    let mut start = 0;
+    for texel in 0..texels {
+        let end = b.row_counts[texel] as usize;
+        if end > start {
+            let list = &mut b.sorted[start..end];
+            list.sort_unstable();
+            match columns::solid_end(list) {
+                Some(exit) => b.base[texel] = exit,
+                None => b.first[texel].set_open(),
+            }
+        }
+        start = end;
+    }
+}
+
+/// Second pass: the triangle as a receiver near texels, wherever part of it lies behind the column's base.
+fn find_next(triangle: &Projected, rules: &ColumnRules, rect: TileRect, b: &mut CaptureBuffers) {
+    let half = rules.footprint_half_texels;
+    let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
+    let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
+    let y = triangle.corners.map(|c| c[1]);
+    let low = y[0].min(y[1]).min(y[2]);
+    let high = y[0].max(y[1]).max(y[2]);
+    let first_row = ((low - half - 0.5).ceil() as i64).max(y0);
+    let last_row = ((high + half - 0.5).floor() as i64).min(y1);
+    for row in first_row..=last_row {
+        let y = row as f64 + 0.5;
+        let Some(band) = triangle.band(y, half) else { continue };
+        let first = ((band.x[0] - half - 0.5).ceil() as i64).max(x0);
+        let last = ((band.x[1] + half - 0.5).floor() as i64).min(x1);
+        let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
+        for i in first..=last {
+            let texel = (start + i as isize) as usize;
+            let (mut z_low, mut z_high) = (band.z[0], band.z[1]);
+            if let Some(plane) = &triangle.plane {
+                let z = plane.at(i as f64 + 0.5, y);
+                let gradient_sum = plane.gradient[0].abs() + plane.gradient[1].abs();
+                if let Some(margin) = rules.static_receiver_margin(triangle.slope, gradient_sum) {
+                    // A static receiver asks at its own plane's depth, wherever the filter's tap is.
+                    (z_low, z_high) = (z - margin, z);
+                } else {
+                    let reach = half * gradient_sum;
+                    z_low = z_low.max((z - reach).min(z_high));
+                    z_high = z_high.min((z + reach).max(z_low));
+                }
+            }
+            let receiver = rules.receiver_behind(b.base[texel], b.first[texel], z_low, z_high);
+            b.next[texel] = b.next[texel].min(receiver);
+        }
+    }
+}

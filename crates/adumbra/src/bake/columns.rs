@@ -1,0 +1,205 @@
+//! What a column allows: the specification's §3, one rule a function.
+//!
+//! A column has an *entry* (first surface from the light) and an *exit*; the switch from lit to shadowed may be put
+//! anywhere between. Voxel k is defined lit where k < e, defined shadowed where k >= x, else free, with
+//! `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column with no surface has e = the grid's length; an x
+//! at or beyond the grid's end is [`FREE_TO_END`].
+
+use super::project::{FixedDepth, SUBTEXEL};
+use crate::settings::{Bias, MAX_SLOPE, Receivers};
+
+/// Depth steps added before a depth becomes an unsigned key.
+const KEY_OFFSET: i64 = 1 << 28;
+
+/// The nearest surface of a column, ordered by depth, then solids before open surfaces, then small bias first.
+///
+/// | bits | meaning |
+/// |---|---|
+/// | 63..32 | depth in 1/256 voxel plus 2^28 |
+/// | 31 | 1 = open, 0 = bounds a solid |
+/// | 15..0 | bias at the surface's slope, 1/256 voxel |
+///
+/// Worked value: an open surface at depth 2 with a bias of 1.5 voxels is `0x1000_0200_8000_0180`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct FirstSurface(u64);
+
+const OPEN_BIT: u64 = 1 << 31;
+
+impl FirstSurface {
+    /// No surface at all.
+    pub(crate) const NONE: Self = Self(u64::MAX);
+
+    pub(crate) fn new(depth: FixedDepth, info: u32) -> Self {
+        Self(((i64::from(depth) + KEY_OFFSET) as u64) << 32 | u64::from(info))
+    }
+
+    pub(crate) fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+
+    pub(crate) fn is_solid(self) -> bool {
+        self.0 & OPEN_BIT == 0
+    }
+
+    pub(crate) fn set_open(&mut self) {
+        self.0 |= OPEN_BIT;
+    }
+
+    /// Depth; [`FixedDepth::MAX`] where there is no surface.
+    pub(crate) fn depth(self) -> FixedDepth {
+        if self.is_none() { FixedDepth::MAX } else { ((self.0 >> 32) as i64 - KEY_OFFSET) as FixedDepth }
+    }
+
+    fn bias(self) -> FixedDepth {
+        (self.0 & 0xffff) as FixedDepth
+    }
+}
+
+/// A solid's crossing as a sortable word: depth plus 2^28 in bits 31..1, bit 0 = 1 where the solid is left.
+pub(crate) fn crossing_key(depth: FixedDepth, exit_bit: u32) -> u32 {
+    ((i64::from(depth) + KEY_OFFSET) as u32) << 1 | exit_bit
+}
+
+/// Depth at which the winding count of sorted crossings is back at zero; none where it goes negative or never
+/// returns: then the column is open.
+pub(crate) fn solid_end(sorted: &[u32]) -> Option<FixedDepth> {
+    let mut inside = 0_u32;
+    for &key in sorted {
+        if key & 1 == 0 {
+            inside += 1;
+        } else {
+            inside = inside.checked_sub(1)?;
+            if inside == 0 {
+                return Some((i64::from(key >> 1) - KEY_OFFSET) as FixedDepth);
+            }
+        }
+    }
+    None
+}
+
+/// The choices of a bake that decide a column.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ColumnRules {
+    pub(crate) bias: Bias,
+    /// How far below an open surface a shadow may begin, voxels; the bias at the slope if that is more.
+    pub(crate) thickness_voxels: f64,
+    pub(crate) assume_ground: bool,
+    pub(crate) receivers: Receivers,
+    /// Half the side of the square around a texel's centre in which a surface counts as lying in the column.
+    pub(crate) footprint_half_texels: f64,
+    /// Voxels along the light.
+    pub(crate) depth_voxels: u32,
+}
+
+/// The x of a column in which no voxel of the grid must be shadowed.
+pub(crate) const FREE_TO_END: u32 = u32::MAX;
+
+/// Half side of the footprint of a texel, with 1/256 for the snapping.
+const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
+/// Texels beside a static receiver that a filter may read: a 9 × 9 filter's reach.
+const STATIC_FILTER_REACH: f64 = 4.0;
+/// Distance between the outermost taps that share a depth: eight texels of one block.
+const STATIC_FILTER_TAPS_REACH: f64 = 7.0;
+
+impl ColumnRules {
+    /// The footprint that goes with `receivers`.
+    pub(crate) fn footprint(receivers: Receivers) -> f64 {
+        match receivers {
+            Receivers::All => FOOTPRINT_HALF,
+            Receivers::Static => FOOTPRINT_HALF + STATIC_FILTER_REACH,
+        }
+    }
+
+    /// Low word of a [`FirstSurface`].
+    pub(crate) fn surface_info(&self, slope: f64, solid: bool) -> u32 {
+        let bias = (self.bias.along_light(slope) * SUBTEXEL as f64).min(65_535.0) as u32;
+        bias | if solid { 0 } else { OPEN_BIT as u32 }
+    }
+
+    /// How far sunward of its plane a static receiver of this slope may ask, voxels: the look-up's bias, and the plane
+    /// across the taps of one block. None where all of space is answered, and for faces too steep to be lit.
+    pub(crate) fn static_receiver_margin(&self, slope: f64, gradient_sum: f64) -> Option<f64> {
+        let steep = slope >= MAX_SLOPE;
+        (self.receivers == Receivers::Static && !steep)
+            .then(|| self.bias.along_light(slope) + STATIC_FILTER_TAPS_REACH * gradient_sum)
+    }
+
+    /// Depth of a receiver with depths `[z_low, z_high]` voxels as seen by a column, or [`FixedDepth::MAX`] where no
+    /// part of it lies behind the base by more than the bias at the first surface's slope.
+    pub(crate) fn receiver_behind(
+        &self,
+        base: FixedDepth,
+        first: FirstSurface,
+        z_low: f64,
+        z_high: f64,
+    ) -> FixedDepth {
+        if first.is_none() {
+            return FixedDepth::MAX;
+        }
+        let threshold = base + first.bias();
+        if z_high * SUBTEXEL as f64 <= f64::from(threshold) {
+            return FixedDepth::MAX;
+        }
+        let low = (z_low * SUBTEXEL as f64).floor().max(-1e9) as FixedDepth;
+        match self.receivers {
+            Receivers::All => low.max(threshold),
+            Receivers::Static => low.max(base),
+        }
+    }
+
+    /// The column's `[e, x]`: voxel k is defined lit where k < e and defined shadowed where k >= x.
+    pub(crate) fn column(&self, first: FirstSurface, base: FixedDepth, next: FixedDepth) -> [u32; 2] {
+        if first.is_none() {
+            return [self.depth_voxels, FREE_TO_END];
+        }
+        let e = self.quantize(first.depth());
+        let nothing_behind = next == FixedDepth::MAX;
+        let exit = match self.receivers {
+            Receivers::Static => (!nothing_behind).then_some(next),
+            Receivers::All if nothing_behind && self.assume_ground => None,
+            Receivers::All if first.is_solid() => Some(base),
+            Receivers::All => {
+                let thickness = (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth;
+                let thickness = thickness.max(first.bias());
+                let half_gap = if nothing_behind { FixedDepth::MAX } else { (next - first.depth()) / 2 };
+                Some(first.depth().saturating_add(thickness.min(half_gap)))
+            }
+        };
+        let x = exit.map_or(FREE_TO_END, |exit| self.quantize(exit).max(e));
+        [e, if x < self.depth_voxels { x } else { FREE_TO_END }]
+    }
+
+    /// `ceil(depth - 1/2)` in whole voxels, kept within the grid.
+    fn quantize(&self, depth: FixedDepth) -> u32 {
+        let steps = i64::from(depth) - SUBTEXEL / 2;
+        let voxel = -(-steps).div_euclid(SUBTEXEL);
+        voxel.clamp(0, i64::from(self.depth_voxels)) as u32
+    }
+}
+
+/// `[e, x]` of every column of a tile.
+#[derive(Default)]
+pub(crate) struct Columns {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// Where lit ends.
+    pub(crate) e: Vec<u32>,
+    /// Where shadow must have begun.
+    pub(crate) x: Vec<u32>,
+}
+
+impl Columns {
+    pub(crate) fn reset(&mut self, width: u32, height: u32) {
+        self.width = width;
+        self.height = height;
+        for v in [&mut self.e, &mut self.x] {
+            v.clear();
+            v.resize((width * height) as usize, 0);
+        }
+    }
+
+    pub(crate) fn set(&mut self, texel: usize, [e, x]: [u32; 2]) {
+        self.e[texel] = e;
+        self.x[texel] = x;
+    }
+}

@@ -1,0 +1,148 @@
+//! What a bake can be asked for, with defaults, ranges and presets.
+
+use crate::error::{Error, Result};
+use crate::light::Sun;
+use crate::scene::Bounds;
+use crate::settings::{Bias, Receivers};
+
+/// Smallest resolution.
+pub const MIN_RESOLUTION: u32 = 8;
+/// Largest resolution.
+pub const MAX_RESOLUTION: u32 = 1 << 18;
+
+/// How fine the grid is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// Texels on the longest side of the scene in the light's plane; a power of two.
+    Resolution(u64),
+    /// Edge of a voxel in world units.
+    VoxelSize(f64),
+}
+
+/// Options of [`super::bake`].
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The sun.
+    pub sun: Sun,
+    /// How fine the grid is.
+    pub size: Size,
+    /// How far below an open surface a shadow may begin, world units, at least 0; the bias at the slope if that is more.
+    pub thickness_world: f64,
+    /// No static surface lies behind the last one of a column, so its shadow may begin anywhere there.
+    pub assume_ground: bool,
+    /// Insides of closed components are free.
+    pub closed_regions: bool,
+    /// Take masked materials as opaque.
+    pub ignore_alpha: bool,
+    /// Which points must be answered.
+    pub receivers: Receivers,
+    /// The space to cover, in place of the scene's own extent; casters outside it but sunward still cast into it.
+    pub bounds: Option<Bounds>,
+    /// The look-up bias that the bake makes room for.
+    pub bias: Bias,
+    /// Bytes that the bake may hold; none = no limit.
+    pub max_memory_bytes: Option<u64>,
+}
+
+impl Options {
+    /// Defaults for a sun and a size: ground assumed, closed regions used, every point answered.
+    pub fn new(sun: Sun, size: Size) -> Self {
+        Self {
+            sun,
+            size,
+            thickness_world: 0.0,
+            assume_ground: true,
+            closed_regions: true,
+            ignore_alpha: false,
+            receivers: Receivers::All,
+            bounds: None,
+            bias: Bias::default(),
+            max_memory_bytes: None,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        let range = |option, value: f64, range| Err(Error::OptionRange { option, value: value.to_string(), range });
+        if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
+            return range("--thickness", self.thickness_world, "a finite number of metres, 0 or more");
+        }
+        let Bias { constant_texels, slope_texels, normal_offset_texels } = self.bias;
+        for value in [constant_texels, slope_texels, normal_offset_texels] {
+            if !(0.0..=16.0).contains(&value) {
+                return range("bias", value, "from 0 to 16 texels");
+            }
+        }
+        if let Some(b) = &self.bounds {
+            for a in 0..3 {
+                if !(b.min[a].is_finite() && b.max[a].is_finite() && b.min[a] < b.max[a]) {
+                    let value = format!("{:?} to {:?}", b.min, b.max);
+                    let range = "six finite numbers, each minimum below its maximum";
+                    return Err(Error::OptionRange { option: "--bounds", value, range });
+                }
+            }
+        }
+        match self.size {
+            Size::VoxelSize(size) if !(size.is_finite() && size > 0.0) => {
+                range("--voxel-size", size, "a finite number of metres above 0")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Resolution and voxel size for a scene of this longest side in the light's plane.
+    pub(super) fn resolution_for(&self, longest_side: f64) -> Result<(u32, f64)> {
+        match self.size {
+            Size::Resolution(resolution) => {
+                let nearest = resolution.clamp(MIN_RESOLUTION.into(), MAX_RESOLUTION.into()).next_power_of_two();
+                if nearest != resolution {
+                    return Err(Error::Resolution {
+                        resolution,
+                        min: MIN_RESOLUTION,
+                        max: MAX_RESOLUTION,
+                        suggestion: nearest as u32,
+                    });
+                }
+                Ok((nearest as u32, longest_side / nearest as f64))
+            }
+            Size::VoxelSize(size) => {
+                let texels = (longest_side / size).ceil();
+                if texels > f64::from(MAX_RESOLUTION) {
+                    return Err(Error::OptionRange {
+                        option: "--voxel-size",
+                        value: format!("{size} ({texels} texels across)"),
+                        range: "coarse enough for at most 262144 texels across the scene",
+                    });
+                }
+                Ok(((texels as u32).next_power_of_two().max(MIN_RESOLUTION), size))
+            }
+        }
+    }
+}
+
+/// Ready-made sizes; an explicit resolution or voxel size wins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// 2048: a look at the result within seconds.
+    Draft,
+    /// 4096.
+    Low,
+    /// 8192.
+    Medium,
+    /// 16384.
+    High,
+    /// 32768.
+    Ultra,
+}
+
+impl Preset {
+    /// Texels on the longest side.
+    pub fn resolution(self) -> u32 {
+        match self {
+            Self::Draft => 2048,
+            Self::Low => 4096,
+            Self::Medium => 8192,
+            Self::High => 16384,
+            Self::Ultra => 32768,
+        }
+    }
+}

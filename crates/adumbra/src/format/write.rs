@@ -1,0 +1,206 @@
+//! [`ShadowFile`] -> bytes, and onto a disk so that a reader sees the old file or the new one, never half of either.
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::header::{Header, field, lay_out};
+use super::{FormatError, HEADER_BYTES, ShadowFile};
+use crate::error::{Error, Result};
+
+/// Words encoded at a time.
+const CHUNK_BYTES: usize = 1 << 16;
+
+impl ShadowFile {
+    /// Writes the file at `path`; returns its bytes.
+    ///
+    /// The bytes go to a temporary file in the same folder, which takes the name `path` once it is complete and
+    /// synced. On any failure the temporary file is removed and what was at `path` stays as it was.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the system refuses (the message says what to do about a missing folder or a full disk),
+    /// [`Error::Format`] where the contents are not valid.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<u64> {
+        let path = path.as_ref();
+        let header = self.header().map_err(|source| Error::Format { path: path.to_owned(), source })?;
+        replace_file(path, |file| self.encode(&header, file))
+    }
+
+    /// Writes the bytes of the file to `out`, in pieces of some 64 KiB; returns how many.
+    ///
+    /// # Errors
+    /// What `out` says; [`ErrorKind::InvalidData`] with a [`FormatError`] where the contents are not valid.
+    pub fn write_to(&self, out: &mut impl Write) -> io::Result<u64> {
+        let header = self.header().map_err(|e| io::Error::new(ErrorKind::InvalidData, e))?;
+        self.encode(&header, out)
+    }
+
+    /// Bytes of the file.
+    pub fn encoded_len(&self) -> u64 {
+        lay_out(self.section_lengths())[2].end()
+    }
+
+    fn section_lengths(&self) -> [u64; 3] {
+        let dag = &self.dag;
+        [dag.top.len() as u64 * 4, dag.nodes.len() as u64 * 4, dag.slabs.len() as u64 * 8]
+    }
+
+    /// The header of a valid file.
+    fn header(&self) -> Result<Header, FormatError> {
+        let dag = &self.dag;
+        if dag.size != self.grid.size {
+            return Err(field("size", format!("{:?}", dag.size), format!("the grid's {:?}", self.grid.size)));
+        }
+        dag.validate()?;
+        let mut header = Header {
+            grid: self.grid,
+            settings: self.settings,
+            root_level: dag.root_level,
+            top_dims: dag.top_dims,
+            sections: lay_out(self.section_lengths()),
+        };
+        header.check()?;
+        let checksums = [
+            checksum(u32_chunks(&dag.top)),
+            checksum(u32_chunks(&dag.nodes)),
+            checksum(u64_chunks(&dag.slabs)),
+        ];
+        for (section, checksum) in header.sections.iter_mut().zip(checksums) {
+            section.checksum = checksum;
+        }
+        Ok(header)
+    }
+
+    fn encode(&self, header: &Header, out: &mut impl Write) -> io::Result<u64> {
+        out.write_all(&header.encode())?;
+        let mut at = HEADER_BYTES as u64;
+        let dag = &self.dag;
+        let [top, nodes, slabs] = &header.sections;
+        pad(out, at, top.offset)?;
+        at = put(out, top.offset, u32_chunks(&dag.top))?;
+        pad(out, at, nodes.offset)?;
+        at = put(out, nodes.offset, u32_chunks(&dag.nodes))?;
+        pad(out, at, slabs.offset)?;
+        at = put(out, slabs.offset, u64_chunks(&dag.slabs))?;
+        out.flush()?;
+        Ok(at)
+    }
+}
+
+fn u32_chunks(words: &[u32]) -> impl Iterator<Item = Vec<u8>> {
+    words.chunks(CHUNK_BYTES / 4).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
+}
+
+fn u64_chunks(words: &[u64]) -> impl Iterator<Item = Vec<u8>> {
+    words.chunks(CHUNK_BYTES / 8).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
+}
+
+fn checksum(chunks: impl Iterator<Item = Vec<u8>>) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    chunks.for_each(|c| hasher.update(&c));
+    hasher.finalize()
+}
+
+/// Zeros from `at` to `offset`, fewer than 16.
+fn pad(out: &mut impl Write, at: u64, offset: u64) -> io::Result<()> {
+    out.write_all(&[0; 16][..(offset - at) as usize])
+}
+
+/// Writes a section that begins at `offset`; returns where it ends.
+fn put(out: &mut impl Write, offset: u64, chunks: impl Iterator<Item = Vec<u8>>) -> io::Result<u64> {
+    let mut end = offset;
+    for chunk in chunks {
+        out.write_all(&chunk)?;
+        end += chunk.len() as u64;
+    }
+    Ok(end)
+}
+
+/// Has `write` fill a temporary file beside `path`, then gives it that name.
+fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64>) -> Result<u64> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    check_target(path, &folder).map_err(Error::io("create", path))?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".adumbra-").suffix(".tmp");
+    // As an ordinary new file, less the umask; the default is for secrets.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut temporary = builder.tempfile_in(&folder).map_err(with_mend).map_err(Error::io("create", path))?;
+    let written = write(temporary.as_file_mut())
+        .and_then(|bytes| temporary.as_file().sync_all().map(|()| bytes))
+        .map_err(with_mend)
+        .map_err(Error::io("write", path))?;
+    temporary.persist(path).map_err(|e| with_mend(e.error)).map_err(Error::io("replace", path))?;
+    Ok(written)
+}
+
+/// Finds, before anything is written, what the system would say less clearly.
+fn check_target(path: &Path, folder: &Path) -> io::Result<()> {
+    let say = |kind, what: String| Err(io::Error::new(kind, what));
+    match fs::metadata(folder) {
+        Ok(found) if found.is_dir() => {}
+        Ok(_) => {
+            let what =
+                format!("\"{}\" is a file, not a folder; choose another output path", folder.display());
+            return say(ErrorKind::NotADirectory, what);
+        }
+        Err(e) if e.kind() == ErrorKind::NotFound => {
+            let what = format!("the folder \"{}\" does not exist; create it first", folder.display());
+            return say(ErrorKind::NotFound, what);
+        }
+        Err(e) if e.kind() == ErrorKind::NotADirectory => {
+            let what = format!(
+                "a part of \"{}\" is a file, not a folder; choose another output path",
+                folder.display()
+            );
+            return say(ErrorKind::NotADirectory, what);
+        }
+        Err(e) => return Err(e),
+    }
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => {
+            say(ErrorKind::IsADirectory, "it is a folder; give the name of a file in it".to_owned())
+        }
+        Ok(found) if !found.is_file() => {
+            say(ErrorKind::InvalidInput, "it is a device or a pipe; give the name of a file".to_owned())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Adds to what the system says what can be done about it; the kind stays.
+fn with_mend(error: io::Error) -> io::Error {
+    let mend = match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space, or write to another disk",
+        ErrorKind::FileTooLarge => "raise the limit on file sizes, or lower the resolution",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "choose a folder that you may write to, or change its permissions"
+        }
+        _ => return error,
+    };
+    io::Error::new(error.kind(), format!("{error}; {mend}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn replace_file_leaves_the_earlier_one_when_the_disk_fills() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.adumbra");
+        fs::write(&path, "earlier").unwrap();
+        let result = replace_file(&path, |file| {
+            file.write_all(b"half")?;
+            Err(ErrorKind::StorageFull.into())
+        });
+        let Err(Error::Io { action: "write", source, .. }) = result else { panic!("{result:?}") };
+        assert_eq!(source.kind(), ErrorKind::StorageFull);
+        assert!(source.to_string().contains("free some space"));
+        assert_eq!(fs::read(&path).unwrap(), b"earlier");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

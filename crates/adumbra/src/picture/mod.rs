@@ -1,0 +1,188 @@
+//! Pictures drawn on the CPU: primary rays, a sun with the file's shadows or with rays, and a plain sky.
+//!
+//! It is the check that a person makes with the eyes; speed is not its aim. Colours are linear inside and sRGB outside.
+
+use rayon::prelude::*;
+
+use crate::light::{cross, dot, normalize};
+use crate::query::Query;
+use crate::scene::Scene;
+use crate::trace::{Hit, Ray, Tracer};
+
+/// A perspective camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// World position.
+    pub eye: [f64; 3],
+    /// World point in the middle of the picture.
+    pub target: [f64; 3],
+    /// Vertical field of view, degrees.
+    pub fov_degrees: f64,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+/// Where the sun's visibility comes from.
+pub enum Shadows<'a> {
+    /// Looked up in a baked graph.
+    File(Query<'a>),
+    /// Traced.
+    Truth,
+    /// Both, marked where they differ: red = lit called shadowed, blue = shadowed called lit.
+    Difference(Query<'a>),
+}
+
+/// 8-bit sRGB pixels, row 0 at the top.
+pub struct Picture {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Three bytes a pixel.
+    pub rgb: Vec<u8>,
+    /// Share of lit-side samples (n·l > 0) on which file and rays differ; only for [`Shadows::Difference`].
+    pub difference_share: Option<f64>,
+}
+
+const SUN_COLOR: [f64; 3] = [1.55, 1.45, 1.28];
+const SKY_COLOR: [f64; 3] = [0.36, 0.45, 0.60];
+const GROUND_COLOR: [f64; 3] = [0.20, 0.18, 0.16];
+const ACNE_COLOR: [f64; 3] = [1.0, 0.05, 0.03];
+const LEAK_COLOR: [f64; 3] = [0.05, 0.2, 1.0];
+
+/// Draws `scene` with `samples` × `samples` rays a pixel. Runs on the current rayon pool.
+pub fn draw(
+    scene: &Scene,
+    tracer: &Tracer<'_>,
+    camera: &Camera,
+    towards_sun: [f64; 3],
+    shadows: &Shadows<'_>,
+    samples: u32,
+) -> Picture {
+    let view = View::new(camera);
+    let width = camera.width as usize;
+    let mut rgb = vec![0; width * camera.height as usize * 3];
+    let shader = Shader { scene, tracer, towards_sun, shadows };
+    let (compared, different) = rgb
+        .par_chunks_mut(width * 3)
+        .enumerate()
+        .map(|(row, line)| {
+            let mut counts = (0, 0);
+            for (column, pixel) in line.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let mut sum = [0.0; 3];
+                for s in 0..samples * samples {
+                    let dx = (f64::from(s % samples) + 0.5) / f64::from(samples);
+                    let dy = (f64::from(s / samples) + 0.5) / f64::from(samples);
+                    let direction = view.direction(column as f64 + dx, row as f64 + dy);
+                    let color = shader.shade(camera.eye, direction, &mut counts);
+                    for a in 0..3 {
+                        sum[a] += tone(color[a]);
+                    }
+                }
+                *pixel = sum.map(|c| srgb8(c / f64::from(samples * samples)));
+            }
+            counts
+        })
+        .reduce(|| (0_u64, 0_u64), |a, b| (a.0 + b.0, a.1 + b.1));
+    let difference_share = matches!(shadows, Shadows::Difference(_))
+        .then(|| if compared == 0 { 0.0 } else { different as f64 / compared as f64 });
+    Picture { width: camera.width, height: camera.height, rgb, difference_share }
+}
+
+struct View {
+    forward: [f64; 3],
+    right: [f64; 3],
+    up: [f64; 3],
+    half_height: f64,
+    size: [f64; 2],
+}
+
+impl View {
+    fn new(camera: &Camera) -> Self {
+        let forward = normalize(std::array::from_fn(|a| camera.target[a] - camera.eye[a]));
+        let flat = forward[0].abs() + forward[2].abs() < 1e-6;
+        let reference = if flat { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
+        let right = normalize(cross(forward, reference));
+        let half_height = libm::tan(camera.fov_degrees.to_radians() * 0.5);
+        let size = [f64::from(camera.width), f64::from(camera.height)];
+        Self { forward, right, up: cross(right, forward), half_height, size }
+    }
+
+    fn direction(&self, x: f64, y: f64) -> [f64; 3] {
+        let v = (1.0 - 2.0 * y / self.size[1]) * self.half_height;
+        let u = (2.0 * x / self.size[0] - 1.0) * self.half_height * self.size[0] / self.size[1];
+        normalize(std::array::from_fn(|a| self.forward[a] + u * self.right[a] + v * self.up[a]))
+    }
+}
+
+struct Shader<'a> {
+    scene: &'a Scene,
+    tracer: &'a Tracer<'a>,
+    towards_sun: [f64; 3],
+    shadows: &'a Shadows<'a>,
+}
+
+impl Shader<'_> {
+    fn shade(&self, eye: [f64; 3], direction: [f64; 3], counts: &mut (u64, u64)) -> [f64; 3] {
+        let ray = Ray { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY };
+        let Some(hit) = self.tracer.nearest_surface(&ray) else {
+            let height = (direction[1] * 0.5 + 0.5).clamp(0.0, 1.0);
+            return std::array::from_fn(|a| SKY_COLOR[a] * (1.25 - 0.5 * height));
+        };
+        let facing = if dot(hit.normal, direction) > 0.0 { -1.0 } else { 1.0 };
+        let normal = hit.normal.map(|c| c * facing);
+        let p: [f64; 3] = std::array::from_fn(|a| eye[a] + hit.t * direction[a]);
+        let albedo = self.albedo(&hit);
+        let n_dot_l = dot(normal, self.towards_sun);
+        let up = normal[1] * 0.5 + 0.5;
+        let ambient = |a: usize| SKY_COLOR[a] * up + GROUND_COLOR[a] * (1.0 - up);
+        if n_dot_l <= 0.0 {
+            return std::array::from_fn(|a| albedo[a] * ambient(a));
+        }
+        let traced = || if self.sun_visible(p, normal, hit.t) { 1.0 } else { 0.0 };
+        let visibility = match self.shadows {
+            Shadows::File(query) => f64::from(query.visibility(p, Some(normal))),
+            Shadows::Truth => traced(),
+            Shadows::Difference(query) => {
+                let (file, truth) = (f64::from(query.visibility(p, Some(normal))), traced());
+                counts.0 += 1;
+                if (file > 0.5) != (truth > 0.5) {
+                    counts.1 += 1;
+                    return if truth > 0.5 { ACNE_COLOR } else { LEAK_COLOR };
+                }
+                let grey = 0.15 + 0.5 * truth * n_dot_l;
+                return [grey; 3];
+            }
+        };
+        std::array::from_fn(|a| albedo[a] * (ambient(a) + SUN_COLOR[a] * n_dot_l * visibility))
+    }
+
+    fn albedo(&self, hit: &Hit) -> [f64; 3] {
+        let material = &self.scene.materials[hit.material as usize];
+        let texel = match material.texture {
+            Some(t) => self.scene.textures[t as usize].color(hit.uv),
+            None => [1.0; 4],
+        };
+        std::array::from_fn(|a| f64::from(material.base_color[a] * texel[a]))
+    }
+
+    fn sun_visible(&self, p: [f64; 3], normal: [f64; 3], distance: f64) -> bool {
+        let lift = 1e-6 * (distance + p.iter().fold(0.0_f64, |m, c| m.max(c.abs())));
+        let origin = std::array::from_fn(|a| p[a] + normal[a] * lift);
+        let ray = Ray { origin, direction: self.towards_sun, t_min: 0.0, t_max: f64::INFINITY };
+        !self.tracer.occluded(&ray)
+    }
+}
+
+/// A gentle shoulder, so that sunlit white stays below white.
+fn tone(c: f64) -> f64 {
+    c * (1.0 + c / 4.0) / (1.0 + c)
+}
+
+fn srgb8(linear: f64) -> u8 {
+    let c = linear.clamp(0.0, 1.0);
+    let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 };
+    (encoded * 255.0 + 0.5) as u8
+}

@@ -1,0 +1,144 @@
+//! Point visibility: the CPU twin of the look-up shader.
+//!
+//! World point → bias → grid → K × K texels. All taps that fall in one 8 × 8 block share one receiver depth, that of
+//! the receiver's plane at the centre of those taps less half the slope times their extent; the block's slab at that
+//! depth is fetched once and its bits counted under a mask. Specification §6.
+
+use crate::dag::Dag;
+use crate::error::{Error, Result};
+use crate::light::LightGrid;
+use crate::settings::{Bias, MAX_SLOPE};
+
+/// Filter widths in texels that a look-up may use.
+pub const FILTER_WIDTHS: [u32; 5] = [1, 3, 5, 9, 17];
+
+/// A look-up into a baked graph.
+#[derive(Clone, Copy, Debug)]
+pub struct Query<'d> {
+    grid: &'d LightGrid,
+    dag: &'d Dag,
+    bias: Bias,
+    filter: u32,
+}
+
+/// A point of the grid with the slope of its surface there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// Grid coordinates after the bias.
+    pub p_grid: [f64; 3],
+    /// Slope of the receiver's plane: dz/dx and dz/dy, zero where no normal is known.
+    pub gradient: [f64; 2],
+}
+
+impl<'d> Query<'d> {
+    /// Look-ups with `filter` × `filter` texels.
+    ///
+    /// # Errors
+    /// [`Error::OptionRange`] for a width that is not in [`FILTER_WIDTHS`].
+    pub fn new(grid: &'d LightGrid, dag: &'d Dag, bias: Bias, filter: u32) -> Result<Self> {
+        if !FILTER_WIDTHS.contains(&filter) {
+            return Err(Error::OptionRange {
+                option: "--filter",
+                value: filter.to_string(),
+                range: "1, 3, 5, 9 or 17",
+            });
+        }
+        Ok(Self { grid, dag, bias, filter })
+    }
+
+    /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
+    ///
+    /// A point that is not finite is lit. Cost: one path of the graph a block of 8 × 8 texels, at most 1, 4, 4, 4, 9.
+    pub fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        self.receiver_visibility(&receiver(self.grid, &self.bias, p_world, normal))
+    }
+
+    /// Visibility of a point that is already biased.
+    pub fn receiver_visibility(&self, r: &Receiver) -> f32 {
+        // Beyond any grid; also where it is not a number.
+        if !r.p_grid.iter().all(|c| c.abs() < 1e9) {
+            return 1.0;
+        }
+        let reach = i64::from(self.filter / 2);
+        let texel = [r.p_grid[0].floor() as i64, r.p_grid[1].floor() as i64];
+        let (low, high) = (texel.map(|t| t - reach), texel.map(|t| t + reach));
+        let mut lit = 0;
+        let mut y = low[1];
+        while y <= high[1] {
+            let y_last = (y | 7).min(high[1]);
+            let mut x = low[0];
+            while x <= high[0] {
+                let x_last = (x | 7).min(high[0]);
+                lit += self.block(r, [x, x_last], [y, y_last]);
+                x = x_last + 1;
+            }
+            y = y_last + 1;
+        }
+        lit as f32 / (self.filter * self.filter) as f32
+    }
+
+    /// Lit taps among texels x[0]..=x[1], y[0]..=y[1], all in one block.
+    fn block(&self, r: &Receiver, x: [i64; 2], y: [i64; 2]) -> u32 {
+        let [nx, ny, nz] = self.dag.size.map(i64::from);
+        let mut mask = rectangle(x, y);
+        let taps = mask.count_ones();
+        // Texels beside the grid are lit.
+        let inside_x = [x[0].max(0), x[1].min(nx - 1)];
+        let inside_y = [y[0].max(0), y[1].min(ny - 1)];
+        if inside_x[0] > inside_x[1] || inside_y[0] > inside_y[1] {
+            return taps;
+        }
+        let k = shared_depth(r, x, y).floor();
+        if k < 0.0 {
+            return taps;
+        }
+        let k = (k as i64).min(nz - 1) as u32;
+        mask &= rectangle(inside_x, inside_y);
+        let outside = taps - mask.count_ones();
+        let slab = self.dag.slab(inside_x[0] as u32, inside_y[0] as u32, k);
+        outside + (slab & mask).count_ones()
+    }
+}
+
+/// The depth that the taps x[0]..=x[1] × y[0]..=y[1] share: never behind the receiver's plane at any of them.
+fn shared_depth(r: &Receiver, x: [i64; 2], y: [i64; 2]) -> f64 {
+    let mut depth = r.p_grid[2];
+    for (a, taps) in [x, y].into_iter().enumerate() {
+        let center = (taps[0] + taps[1] + 1) as f64 * 0.5;
+        let extent = (taps[1] - taps[0]) as f64;
+        depth += r.gradient[a] * (center - r.p_grid[a]) - 0.5 * r.gradient[a].abs() * extent;
+    }
+    depth
+}
+
+/// Bits y·8 + x of a rectangle within one block.
+fn rectangle(x: [i64; 2], y: [i64; 2]) -> u64 {
+    let width = (x[1] - x[0] + 1) as u32;
+    let row = ((1_u64 << width) - 1) << (x[0] & 7);
+    (y[0]..=y[1]).fold(0, |mask, y| mask | row << ((y & 7) * 8))
+}
+
+/// Moves a world point by `bias` and gives it in grid space, with its plane's slope.
+///
+/// The constant and the slope term move it along the light, so it stays on its own sun ray; the slope counts at most
+/// [`MAX_SLOPE`], also for faces turned away.
+pub fn receiver(grid: &LightGrid, bias: &Bias, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Receiver {
+    let mut p_grid = grid.to_grid(p_world);
+    let mut gradient = [0.0; 2];
+    let mut slope = 0.0;
+    if let Some(normal) = normal {
+        let n = grid.direction_to_grid(normal);
+        let tangent = (n[0] * n[0] + n[1] * n[1]).sqrt();
+        // n·l is -n.z: the grid's z runs away from the sun.
+        let n_dot_l = (-n[2]).max(tangent / MAX_SLOPE);
+        if n_dot_l > 0.0 && n_dot_l.is_finite() {
+            gradient = [n[0] / n_dot_l, n[1] / n_dot_l];
+            slope = tangent / n_dot_l;
+        }
+        for a in 0..3 {
+            p_grid[a] += n[a] * bias.normal_offset_texels;
+        }
+    }
+    p_grid[2] -= bias.along_light(slope);
+    Receiver { p_grid, gradient }
+}

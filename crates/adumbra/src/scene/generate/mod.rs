@@ -1,0 +1,113 @@
+//! Scenes made from a seed: the kinds that the papers on voxel shadows test with, and a city of closed boxes.
+//!
+//! Metres, Y up. The same seed gives the same bytes on every machine: integers, `f64` sums, products, quotients and
+//! roots, and `libm` for the rest. Whatever is a solid is closed and wound outwards, and stands a little in the ground.
+
+mod city;
+mod city_buildings;
+mod city_street;
+mod landscape;
+mod landscape_props;
+mod primitives;
+mod random;
+mod shapes;
+mod spheres;
+
+use super::{Instance, Material, Mesh, Scene};
+
+/// The kinds of scene that [`generate`] makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GeneratedKind {
+    /// A field of spheres on and above the ground, instances of one mesh.
+    Spheres,
+    /// A small scene of simple shapes.
+    Primitives,
+    /// 400 m of low-poly terrain with a river, trees, rocks and a village.
+    Landscape,
+    /// 400 m of city: closed boxes by blocks and streets.
+    City,
+}
+
+/// Makes the scene of this kind and seed. Cost: well below a second.
+pub fn generate(kind: GeneratedKind, seed: u64) -> Scene {
+    match kind {
+        GeneratedKind::Spheres => spheres::generate(seed),
+        GeneratedKind::Primitives => primitives::generate(seed),
+        GeneratedKind::Landscape => landscape::generate(seed),
+        GeneratedKind::City => city::generate(seed),
+    }
+}
+
+/// How deep things stand in what they stand on, so that no light gets below them.
+const SINK: f64 = 0.05;
+
+/// A scene being put together.
+#[derive(Default)]
+struct Stage {
+    scene: Scene,
+}
+
+/// Where an instance stands.
+#[derive(Clone, Copy)]
+struct Place {
+    position: [f64; 3],
+    /// Radians about Y.
+    yaw: f64,
+    scale: [f64; 3],
+}
+
+impl Place {
+    fn at(position: [f64; 3]) -> Self {
+        Self { position, yaw: 0.0, scale: [1.0; 3] }
+    }
+
+    fn turned(self, yaw: f64) -> Self {
+        Self { yaw, ..self }
+    }
+
+    fn scaled(self, scale: f64) -> Self {
+        Self { scale: [scale; 3], ..self }
+    }
+}
+
+impl Stage {
+    /// Adds an opaque material; `srgb` as in CSS, 0xRRGGBB.
+    fn material(&mut self, name: &str, srgb: u32) -> u32 {
+        let channel = |shift: u32| linear(f64::from(srgb >> shift & 255) / 255.0) as f32;
+        self.scene.materials.push(Material::opaque(name, [channel(16), channel(8), channel(0), 1.0]));
+        self.scene.materials.len() as u32 - 1
+    }
+
+    fn mesh(&mut self, mesh: Mesh) -> u32 {
+        self.scene.meshes.push(mesh);
+        self.scene.meshes.len() as u32 - 1
+    }
+
+    /// Places a mesh. The map is rounded to `f32`, so that a file holds it exactly.
+    fn place(&mut self, mesh: u32, name: String, place: Place) {
+        let (s, c) = (libm::sin(place.yaw), libm::cos(place.yaw));
+        let [x, y, z] = place.position;
+        let [sx, sy, sz] = place.scale;
+        let rows = [[c * sx, 0.0, s * sz, x], [0.0, sy, 0.0, y], [-s * sx, 0.0, c * sz, z]];
+        // A quarter turn's cosine is not quite 0.
+        let world_from_mesh =
+            rows.map(|row| row.map(|m| if m.abs() < 1e-12 { 0.0 } else { f64::from(m as f32) }));
+        self.scene.instances.push(Instance { name, mesh, world_from_mesh, casts: true });
+    }
+
+    /// Adds a mesh that stands where it was made.
+    fn mesh_in_place(&mut self, mesh: Mesh) {
+        let name = mesh.name.clone();
+        let mesh = self.mesh(mesh);
+        self.place(mesh, name, Place::at([0.0; 3]));
+    }
+
+    fn finish(self) -> Scene {
+        self.scene
+    }
+}
+
+/// sRGB to linear.
+fn linear(c: f64) -> f64 {
+    if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
+}

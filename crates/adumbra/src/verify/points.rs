@@ -1,0 +1,186 @@
+//! Random points on surfaces and in space.
+
+use crate::light::{LightGrid, cross, dot};
+use crate::scene::{Scene, topology};
+
+/// A point to compare.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// World position.
+    pub p_world: [f64; 3],
+    /// Unit geometric normal turned towards the sun; none for points in space.
+    pub normal: Option<[f64; 3]>,
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014): small, seedable, the same everywhere.
+pub struct Random(u64);
+
+impl Random {
+    /// A stream of its own for every pair of seed and batch.
+    pub fn new(seed: u64, batch: u64) -> Self {
+        let mut random = Self(seed ^ batch.wrapping_mul(0xd134_2543_de82_ef95));
+        random.next();
+        random
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Which triangles bound solids.
+pub struct Solids {
+    mesh_of_instance: Vec<u32>,
+    /// By mesh, then triangle.
+    solid: Vec<Vec<bool>>,
+}
+
+impl Solids {
+    /// Analyses every mesh of `scene` as the bake does.
+    pub fn of(scene: &Scene) -> Self {
+        let solid = scene
+            .meshes
+            .iter()
+            .map(|mesh| {
+                let topology = topology::analyse(mesh, &scene.materials);
+                (0..mesh.triangles.len()).map(|t| topology.is_solid(t)).collect()
+            })
+            .collect();
+        Self { mesh_of_instance: scene.instances.iter().map(|i| i.mesh).collect(), solid }
+    }
+
+    /// Whether this triangle of this instance bounds a solid.
+    pub fn contains(&self, instance: u32, triangle: u32) -> bool {
+        self.solid[self.mesh_of_instance[instance as usize] as usize][triangle as usize]
+    }
+}
+
+/// Points on the scene's opaque surfaces, uniform by area; a two-sided surface shows the side that faces the sun.
+pub struct SurfaceSampler<'s> {
+    scene: &'s Scene,
+    ignore_alpha: bool,
+    towards_sun: [f64; 3],
+    /// Running sum of instance areas.
+    instance_sums: Vec<f64>,
+    /// Running sums of triangle areas of each mesh, in mesh space.
+    mesh_sums: Vec<Vec<f64>>,
+    solids: &'s Solids,
+}
+
+/// Tries a masked surface gets before its hole counts as a point.
+const MASK_TRIES: u32 = 64;
+
+impl<'s> SurfaceSampler<'s> {
+    /// Prepares the sums. Instances under a non-uniform scale are sampled by their area in mesh space times the mean
+    /// scale: a little uneven over the mesh, never missing a part.
+    pub fn new(scene: &'s Scene, solids: &'s Solids, towards_sun: [f64; 3], ignore_alpha: bool) -> Self {
+        let mesh_sums: Vec<Vec<f64>> = scene
+            .meshes
+            .iter()
+            .map(|mesh| {
+                running_sum(mesh.triangles.iter().map(|t| {
+                    let p = t.map(|v| mesh.positions[v as usize].map(f64::from));
+                    area(p)
+                }))
+            })
+            .collect();
+        let instance_sums = running_sum(scene.instances.iter().map(|i| {
+            let scale = i.determinant().abs().cbrt();
+            mesh_sums[i.mesh as usize].last().copied().unwrap_or_default() * scale * scale
+        }));
+        Self { scene, ignore_alpha, towards_sun, instance_sums, mesh_sums, solids }
+    }
+
+    /// The next point.
+    pub fn sample(&self, random: &mut Random) -> Sample {
+        let mut tries = 0;
+        loop {
+            let (sample, opaque) = self.try_sample(random);
+            tries += 1;
+            if opaque || tries == MASK_TRIES {
+                return sample;
+            }
+        }
+    }
+
+    fn try_sample(&self, random: &mut Random) -> (Sample, bool) {
+        let instance_index = pick(&self.instance_sums, random.unit());
+        let instance = &self.scene.instances[instance_index];
+        let mesh_index = instance.mesh as usize;
+        let mesh = &self.scene.meshes[mesh_index];
+        let triangle = pick(&self.mesh_sums[mesh_index], random.unit());
+        let (mut u, mut v) = (random.unit(), random.unit());
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+        let weights = [1.0 - u - v, u, v];
+        let corners = mesh.triangles[triangle];
+        let p = corners.map(|c| instance.to_world(mesh.positions[c as usize]));
+        let p_world = std::array::from_fn(|a| p[0][a] * weights[0] + p[1][a] * weights[1] + p[2][a] * weights[2]);
+        let mut normal = cross(sub(p[1], p[0]), sub(p[2], p[0]));
+        let length = dot(normal, normal).sqrt();
+        let mut sign = if instance.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let solid = self.solids.contains(instance_index as u32, triangle as u32);
+        if !solid && sign * dot(normal, self.towards_sun) < 0.0 {
+            sign = -sign;
+        }
+        normal = normal.map(|c| c * sign / length);
+        let material = mesh.triangle_materials[triangle];
+        let opaque = self.ignore_alpha || mesh.uvs.is_empty() || {
+            let uv = corners.map(|c| mesh.uvs[c as usize]);
+            let at = |a: usize| (0..3).map(|c| uv[c][a] * weights[c] as f32).sum();
+            self.scene.is_opaque(material, [at(0), at(1)])
+        };
+        (Sample { p_world, normal: Some(normal) }, opaque)
+    }
+}
+
+/// Points in the grid's box, uniform by volume.
+pub struct VolumeSampler {
+    grid: LightGrid,
+}
+
+impl VolumeSampler {
+    /// Points in `grid`.
+    pub fn new(grid: &LightGrid) -> Self {
+        Self { grid: *grid }
+    }
+
+    /// The next point.
+    pub fn sample(&self, random: &mut Random) -> Sample {
+        let p = self.grid.size.map(|s| random.unit() * f64::from(s));
+        Sample { p_world: self.grid.to_world(p), normal: None }
+    }
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn area(p: [[f64; 3]; 3]) -> f64 {
+    let n = cross(sub(p[1], p[0]), sub(p[2], p[0]));
+    0.5 * dot(n, n).sqrt()
+}
+
+fn running_sum(terms: impl Iterator<Item = f64>) -> Vec<f64> {
+    terms
+        .scan(0.0, |sum, term| {
+            *sum += term;
+            Some(*sum)
+        })
+        .collect()
+}
+
+/// The index whose part of the running sum holds `unit`.
+fn pick(sums: &[f64], unit: f64) -> usize {
+    let target = unit * sums.last().copied().unwrap_or_default();
+    sums.partition_point(|s| *s <= target).min(sums.len() - 1)
+}
