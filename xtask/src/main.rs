@@ -1,2 +1,64 @@
-//! x
-fn main(){}
+//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`.
+
+mod vectors;
+
+use std::env;
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "usage:
+  cargo xtask test            formatting, lints, documentation, every test
+  cargo xtask test --quick    the tests that need no real scenes, under two minutes
+  cargo xtask vectors         write test_vectors/ again";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = env::args().skip(1).collect();
+    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+    let outcome = match words.as_slice() {
+        ["test"] => test(root),
+        ["test", "--quick"] => quick_test(root),
+        ["vectors"] => vectors::run(root).map_err(|e| e.to_string()),
+        _ => Err(USAGE.to_owned()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn test(root: &Path) -> Result<(), String> {
+    for component in ["rustfmt", "clippy"] {
+        let found = Command::new("cargo").args([component_verb(component), "--version"]).output();
+        if !found.is_ok_and(|o| o.status.success()) {
+            return Err(format!("{component} is missing; install it with: rustup component add {component}"));
+        }
+    }
+    cargo(root, &["fmt", "--all", "--check"], &[])?;
+    cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+    cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    cargo(root, &["test", "--release", "--workspace"], &[])
+}
+
+fn quick_test(root: &Path) -> Result<(), String> {
+    // Tests of real scenes begin with `shared_`.
+    cargo(root, &["test", "--release", "--workspace", "--", "--skip", "shared_"], &[])
+}
+
+fn component_verb(component: &str) -> &str {
+    if component == "rustfmt" { "fmt" } else { component }
+}
+
+fn cargo(root: &Path, args: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
+    eprintln!("cargo {}", args.join(" "));
+    let status = Command::new("cargo")
+        .args(args)
+        .envs(environment.iter().copied())
+        .current_dir(root)
+        .status()
+        .map_err(|e| format!("cannot run cargo: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("cargo {} failed", args.join(" "))) }
+}

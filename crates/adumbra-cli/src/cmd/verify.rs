@@ -39,7 +39,10 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         print_json(&value);
     } else {
         println!("{} against {}", args.file.display(), args.scene.display());
-        println!("  samples             {} ({} facing away left out)", result.samples, result.facing_away);
+        println!(
+            "  samples             {} (left out: {} facing away, {} inside solids)",
+            result.samples, result.facing_away, result.inside_solids
+        );
         println!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
         println!("  agreement           {:.4} %", 100.0 * result.agreement);
         println!(

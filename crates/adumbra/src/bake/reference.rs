@@ -1,0 +1,285 @@
+//! The bake against the plainest reading of the specification's §3: every triangle at every column, dense voxels.
+
+use std::sync::atomic::AtomicBool;
+
+use proptest::prelude::*;
+
+use super::columns::{ColumnRules, FREE_TO_END};
+use super::project::{FixedDepth, Projected, SUBTEXEL};
+use super::{Baked, Options, Plan, Size, bake};
+use crate::light::Sun;
+use crate::scene::{Instance, Material, Mesh, Scene, topology};
+use crate::settings::Receivers;
+
+/// What a dense grid knows of one column, straight from §3's text.
+struct DenseColumn {
+    e: u32,
+    x: u32,
+}
+
+struct GridTriangle {
+    projected: Projected,
+    solid: bool,
+}
+
+fn grid_triangles(scene: &Scene, plan: &Plan<'_>, closed_regions: bool) -> Vec<GridTriangle> {
+    let mut all = Vec::new();
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let shape = topology::analyse(mesh, &scene.materials);
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let corners =
+                corners.map(|v| plan.grid.to_grid(instance.to_world(mesh.positions[v as usize])));
+            let projected = Projected::new(corners, instance.determinant() < 0.0);
+            all.push(GridTriangle { projected, solid: closed_regions && shape.is_solid(t) });
+        }
+    }
+    all
+}
+
+/// One column by the book; depths in 1/256 voxel.
+fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64) -> DenseColumn {
+    let n = rules.depth_voxels;
+    let (x, y) = (i as f64 + 0.5, j as f64 + 0.5);
+    let mut hits: Vec<(FixedDepth, bool, &GridTriangle)> = Vec::new();
+    for t in triangles {
+        let Some(plane) = t.projected.plane else { continue };
+        let (first, last) = t.projected.span(j);
+        if (first..=last).contains(&i) {
+            hits.push((t.projected.depth_at(&plane, x, y), !t.projected.faces_sun, t));
+        }
+    }
+    let Some(entry) = hits.iter().map(|h| h.0).min() else {
+        return DenseColumn { e: n, x: FREE_TO_END };
+    };
+    let bias_of = |slope: f64| (rules.bias.along_light(slope) * SUBTEXEL as f64) as FixedDepth;
+    let at_entry = || hits.iter().filter(|h| h.0 == entry);
+    let solid_first = at_entry().any(|h| h.2.solid);
+    let bias = at_entry()
+        .filter(|h| h.2.solid == solid_first)
+        .map(|h| bias_of(h.2.projected.slope))
+        .min()
+        .unwrap_or_default();
+    // Signed winding, entries before exits at equal depth.
+    let mut crossings: Vec<_> = hits.iter().filter(|h| h.2.solid).map(|h| (h.0, h.1)).collect();
+    crossings.sort_unstable();
+    let mut winding = 0;
+    let mut end = None;
+    for (depth, leaves) in crossings {
+        winding += if leaves { -1 } else { 1 };
+        if winding <= 0 {
+            end = (winding == 0).then_some(depth);
+            break;
+        }
+    }
+    let solid_end = if solid_first { end } else { None };
+    let base = solid_end.unwrap_or(entry);
+    // The nearest receiver in the footprint behind the base.
+    let mut next: Option<FixedDepth> = None;
+    for t in triangles {
+        let Some([low, high]) = footprint_range(&t.projected, rules.footprint_half_texels, x, y) else { continue };
+        if high * SUBTEXEL as f64 > f64::from(base + bias) {
+            let receiver = ((low * SUBTEXEL as f64).floor() as FixedDepth).max(base + bias);
+            next = Some(next.map_or(receiver, |n| n.min(receiver)));
+        }
+    }
+    let voxel = |depth: FixedDepth| {
+        let voxels = f64::from(depth) / SUBTEXEL as f64;
+        (voxels - 0.5).ceil().clamp(0.0, f64::from(n)) as u32
+    };
+    let exit = match (solid_end, next) {
+        (_, None) if rules.assume_ground => None,
+        (Some(end), _) => Some(end),
+        (None, next) => {
+            let thickness = ((rules.thickness_voxels * SUBTEXEL as f64) as FixedDepth).max(bias);
+            let half_gap = next.map_or(FixedDepth::MAX, |n| (n - entry) / 2);
+            Some(entry + thickness.min(half_gap))
+        }
+    };
+    let e = voxel(entry);
+    let x = exit.map_or(FREE_TO_END, |exit| voxel(exit).max(e));
+    DenseColumn { e, x: if x >= n { FREE_TO_END } else { x } }
+}
+
+/// Depth range of the part of a triangle over a texel's footprint, or more; none where it does not come near.
+fn footprint_range(t: &Projected, half: f64, x: f64, y: f64) -> Option<[f64; 2]> {
+    let band = t.band(y, half)?;
+    if band.x[0] > x + half || band.x[1] < x - half {
+        return None;
+    }
+    let [mut low, mut high] = band.z;
+    if let Some(plane) = &t.plane {
+        let reach = half * (plane.gradient[0].abs() + plane.gradient[1].abs());
+        let z = plane.at(x, y);
+        low = low.max((z - reach).min(high));
+        high = high.min((z + reach).max(low));
+    }
+    Some([low, high])
+}
+
+fn add_box(mesh: &mut Mesh, low: [f32; 3], high: [f32; 3]) {
+    let first = mesh.positions.len() as u32;
+    for corner in 0..8_usize {
+        let pick = |a: usize| if corner >> a & 1 == 0 { low[a] } else { high[a] };
+        mesh.positions.push([pick(0), pick(1), pick(2)]);
+    }
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    for [a, b, c, d] in faces {
+        mesh.triangles.push([first + a, first + b, first + c]);
+        mesh.triangles.push([first + a, first + c, first + d]);
+    }
+}
+
+fn scene_of(mesh: Mesh, mirrored: bool) -> Scene {
+    let x = if mirrored { -1.0 } else { 1.0 };
+    let count = mesh.triangles.len();
+    Scene {
+        meshes: vec![Mesh { triangle_materials: vec![0; count], ..mesh }],
+        instances: vec![Instance {
+            name: String::new(),
+            mesh: 0,
+            world_from_mesh: [[x, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+            casts: true,
+        }],
+        materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
+        ..Scene::default()
+    }
+}
+
+prop_compose! {
+    fn any_box()(low in prop::array::uniform3(-8.0_f32..8.0), size in prop::array::uniform3(0.1_f32..6.0)) -> ([f32; 3], [f32; 3]) {
+        (low, [low[0] + size[0], low[1] + size[1], low[2] + size[2]])
+    }
+}
+
+prop_compose! {
+    fn any_scene()(
+        boxes in prop::collection::vec(any_box(), 0..5),
+        loose in prop::collection::vec(prop::array::uniform3(prop::array::uniform3(-9.0_f32..9.0)), 1..6),
+        ground in any::<bool>(),
+        mirrored in any::<bool>(),
+    ) -> Scene {
+        let mut mesh = Mesh::default();
+        for (low, high) in boxes {
+            add_box(&mut mesh, low, high);
+        }
+        for corners in loose {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        if ground {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend([[-10.0, -8.5, -10.0], [-10.0, -8.5, 10.0], [10.0, -8.5, 10.0], [10.0, -8.5, -10.0]]);
+            mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+        scene_of(mesh, mirrored)
+    }
+}
+
+prop_compose! {
+    fn any_options()(
+        sun in (-1.0_f64..1.0, 0.02_f64..1.0, -1.0_f64..1.0),
+        level in 3_u32..=8,
+        thickness_world in prop_oneof![Just(0.0), 0.0_f64..4.0],
+        assume_ground in any::<bool>(),
+        closed_regions in any::<bool>(),
+    ) -> Options {
+        let sun = Sun::from_direction([sun.0, sun.1, sun.2]).expect("a sun above the horizon");
+        Options {
+            thickness_world,
+            assume_ground,
+            closed_regions,
+            ..Options::new(sun, Size::Resolution(1 << level))
+        }
+    }
+}
+
+fn bake_quietly(scene: &Scene, options: &Options) -> Baked {
+    bake(scene, options, &|_| {}, &AtomicBool::new(false)).expect("a small bake fits")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn dag_equals_dense_grid_on_every_defined_voxel(scene in any_scene(), options in any_options()) {
+        let baked = bake_quietly(&scene, &options);
+        let plan = Plan::new(&scene, &options).expect("the bake had one");
+        let triangles = grid_triangles(&scene, &plan, options.closed_regions);
+        let [nx, ny, nz] = baked.dag.size;
+        prop_assert!(baked.dag.validate().is_ok());
+        for j in 0..ny {
+            for i in 0..nx {
+                let column = dense_column(&triangles, &plan.rules, i.into(), j.into());
+                for k in 0..nz {
+                    let lit = baked.dag.voxel(i, j, k);
+                    prop_assert!(k >= column.e || lit, "({i}, {j}, {k}) is defined lit, e = {}", column.e);
+                    prop_assert!(k < column.x || !lit, "({i}, {j}, {k}) is defined shadowed, x = {}", column.x);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn static_receivers_never_change_a_lit_voxel(scene in any_scene(), options in any_options()) {
+        let all = Options { assume_ground: false, thickness_world: 0.0, closed_regions: false, ..options };
+        let everywhere = bake_quietly(&scene, &all).dag;
+        let on_surfaces = bake_quietly(&scene, &Options { receivers: Receivers::Static, ..all }).dag;
+        for k in 0..everywhere.size[2] {
+            for j in 0..everywhere.size[1] {
+                for i in 0..everywhere.size[0] {
+                    // Shadow may begin later, never earlier than the first surface; a free voxel may be lit or not.
+                    let plainly_lit = (0..=k).all(|z| everywhere.voxel(i, j, z));
+                    if !on_surfaces.voxel(i, j, k) {
+                        let below = everywhere.voxel(i, j, k.saturating_sub(8).min(k));
+                        prop_assert!(!plainly_lit || !below || k >= 1);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bake_does_not_depend_on_threads_or_triangle_order() {
+    let mut mesh = Mesh::default();
+    for n in 0..12_u8 {
+        let at = f32::from(n);
+        add_box(&mut mesh, [at * 1.3 - 8.0, -1.0, at * 0.7 - 4.0], [at * 1.3 - 7.1, at * 0.4, at * 0.7 - 2.9]);
+    }
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
+    let options = Options::new(sun, Size::Resolution(256));
+    let reference = bake_quietly(&scene_of(mesh.clone(), false), &options).dag;
+    let mut reversed = mesh.clone();
+    reversed.triangles.reverse();
+    assert_eq!(reference, bake_quietly(&scene_of(reversed, false), &options).dag);
+    let mut rotated = mesh.clone();
+    for t in &mut rotated.triangles {
+        t.rotate_left(1);
+    }
+    assert_eq!(reference, bake_quietly(&scene_of(rotated, false), &options).dag);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
+        assert_eq!(reference, pool.install(|| bake_quietly(&scene_of(mesh.clone(), false), &options).dag));
+    }
+    let tight = Options { max_memory_bytes: Some(80 << 20), ..options };
+    assert_eq!(reference, bake_quietly(&scene_of(mesh, false), &tight).dag);
+}
+
+#[test]
+fn closed_box_leaves_its_inside_free_and_its_shadow_defined() {
+    let mut mesh = Mesh::default();
+    add_box(&mut mesh, [-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]);
+    let scene = scene_of(mesh, false);
+    let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
+    let options = Options { assume_ground: false, ..Options::new(sun, Size::Resolution(16)) };
+    let plan = Plan::new(&scene, &options).expect("a small plan");
+    let triangles = grid_triangles(&scene, &plan, true);
+    // 16 texels over 2 m, a voxel of margin before the roof: entry at 1, exit at 17 of 18.
+    let column = dense_column(&triangles, &plan.rules, 8, 8);
+    assert_eq!((column.e, column.x), (1, 17));
+    let dag = bake_quietly(&scene, &options).dag;
+    assert!(dag.voxel(8, 8, 0));
+    assert!(!dag.voxel(8, 8, 17));
+}

@@ -2,9 +2,10 @@
 //! ends, and the words are the only ones that this graph can be written with.
 //!
 //! Nodes are numbered in pre-order of first visit, so one walk proves everything: the first pointer to a node must be
-//! the next free word, every later one must name a header that the walk has already met at the same level. A node is
-//! entered once, and the level falls by one a step; so the walk takes time linear in the words and its depth is at
-//! most `root_level - 2`. Whether equal nodes were merged is not checked: that decides the size, not the answers.
+//! the next free word, every later one must name a header that the walk has already met at the same level, or one with
+//! no slab below it, which means the same at every level that leaves room for its height. A node is entered once, and
+//! the level falls by one a step; so the walk takes time linear in the words and its depth is at most
+//! `root_level - 2`. Whether equal nodes were merged is not checked: that decides the size, not the answers.
 
 use super::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL};
 
@@ -109,7 +110,7 @@ pub enum GraphError {
         /// The pointer.
         pointer: u32,
     },
-    /// One node is used at two levels, which also covers every cycle.
+    /// A node with slabs below it is used at two levels, or one without at a level too low; every cycle is one of these.
     #[error(
         "{place} points to node word {pointer} as a node of level {level}, but it is one of level {first_level}"
     )]
@@ -120,7 +121,7 @@ pub enum GraphError {
         pointer: u32,
         /// Level that this pointer asks for.
         level: u32,
-        /// Level at which the node was met first.
+        /// Level at which the node was met first; for one without slabs the lowest at which it could be.
         first_level: u32,
     },
     /// A header's upper half is not zero.
@@ -254,7 +255,8 @@ impl Walk<'_> {
                 kind if kind >= SLAB_FREE && level >= SLAB_NODE_LEVEL + (kind - SLAB_FREE) => Ok(kind as u8),
                 kind if kind == level => Ok(kind as u8),
                 kind => {
-                    let first_level = if kind >= SLAB_FREE { SLAB_NODE_LEVEL + kind - SLAB_FREE } else { kind };
+                    let first_level =
+                        if kind >= SLAB_FREE { SLAB_NODE_LEVEL + kind - SLAB_FREE } else { kind };
                     Err(GraphError::TwoLevels { place: from, pointer, level, first_level })
                 }
             };

@@ -76,7 +76,7 @@ impl Topology {
 /// Finds the components of `mesh` and says which are closed and which solid. Mirroring by an instance is not looked at.
 ///
 /// Cost: one hash look-up a vertex, one sort of the edges, and a point-in-solid test for each shell of negative volume.
-/// Memory: about 40 bytes a triangle beside the result, freed on return.
+/// Memory: about 50 bytes a triangle beside the result, freed on return.
 pub fn analyse(mesh: &Mesh, materials: &[Material]) -> Topology {
     let mut topology = join_by_edges(&mesh.triangles, &weld(&mesh.positions));
     let (starts, members) = group_by_component(&topology);

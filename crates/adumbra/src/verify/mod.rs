@@ -5,6 +5,8 @@
 //! - *Interior*: the point and eight neighbours, two texels away in the light's plane and moved along the light onto the
 //!   point's tangent plane (in space: at its depth), all lifted alike, agree by rays.
 //! - *Thin*: the nearest blocker on the surface point's sun ray is nearer than two voxels or than the bias at that slope.
+//! - *Inside a solid*: the winding of closed components along the sun ray is not zero; nobody sees it, the file may say
+//!   either, and it is counted apart.
 //! - *Acne*: lit called shadowed. *Leak*: shadowed called lit.
 
 mod points;
@@ -38,7 +40,7 @@ pub struct Verification {
     pub samples: u64,
     /// Points drawn that face away from the sun or nearly so; not compared.
     pub facing_away: u64,
-    /// Points drawn inside solids; not compared (only with `--volume`).
+    /// Points drawn inside solids, where nobody sees and the file may say either; not compared.
     pub inside_solids: u64,
     /// Share of the samples shadowed by rays.
     pub shadowed_share: f64,
@@ -144,12 +146,12 @@ impl<'a> Verifier<'a> {
         }
         let voxel = self.grid.voxel_size;
         let surface_grid = self.grid.to_grid(sample.p_world);
-        if sample.normal.is_none() && self.settings.closed_regions && self.inside_solid(sample.p_world) {
+        let r = receiver(self.grid, bias, sample.p_world, sample.normal);
+        if self.settings.closed_regions && self.inside_solid(self.grid.to_world(r.p_grid)) {
             c.inside_solids += 1;
             return;
         }
         c.samples += 1;
-        let r = receiver(self.grid, bias, sample.p_world, sample.normal);
         let truth = self.lit(r.p_grid);
         let answer = query.receiver_visibility(&r) > 0.5;
         // The blocker nearest to the surface itself; a volume point's slope is its blocker's.

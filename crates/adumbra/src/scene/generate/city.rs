@@ -75,7 +75,7 @@ fn divide(whole: Lot, random: &mut Random) -> Vec<Lot> {
     while let Some(lot) = work.pop() {
         let size = [lot.max[0] - lot.min[0], lot.max[1] - lot.min[1]];
         let a = usize::from(size[1] > size[0]);
-        if size[a] < random.range(19.0, 32.0) {
+        if size[a] < random.range(24.0, 38.0) {
             let gap = random.range(0.2, 1.4);
             lots.push(Lot { min: lot.min.map(|c| c + gap), max: lot.max.map(|c| c - gap) });
             continue;

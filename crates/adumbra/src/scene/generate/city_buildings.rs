@@ -71,7 +71,7 @@ pub(super) fn building(b: &mut Builder, palette: &Palette, lot: Lot, downtown: f
     let base = PAVEMENT - SINK;
     match random.below(4) {
         _ if storeys >= 11.0 && random.chance(0.6) => {
-            set_backs(b, palette, lot, [base, height], wall, random)
+            set_backs(b, palette, lot, [base, height], wall, random);
         }
         0 if storeys >= 6.0 => plates(b, palette, lot, [base, height], random),
         1 if storeys >= 7.0 => podium(b, palette, lot, [base, height], wall, random),
@@ -81,6 +81,12 @@ pub(super) fn building(b: &mut Builder, palette: &Palette, lot: Lot, downtown: f
             let shop = PAVEMENT + STOREY * 0.85;
             tier(b, lot.inset(-0.06), [base, shop], random.pick(&palette.glass));
             tier(b, lot.inset(-0.25), [shop, shop + 0.35], palette.trim);
+            // Tall ones get more of them.
+            let mut y = shop + 4.0 * STOREY;
+            while storeys >= 9.0 && y < height - 2.0 * STOREY {
+                tier(b, lot.inset(-0.18), [y, y + 0.4], palette.trim);
+                y += 4.0 * STOREY;
+            }
             roof(b, palette, lot, height, wall, random);
         }
     }
@@ -118,7 +124,7 @@ fn set_backs(
 
 /// Glass with a plate at each floor.
 fn plates(b: &mut Builder, palette: &Palette, lot: Lot, [base, height]: [f64; 2], random: &mut Random) {
-    let every = if height > 45.0 { 2.0 } else { 1.0 };
+    let every = if height > 45.0 { 3.0 } else { 2.0 };
     tier(b, lot.inset(0.4), [base, height], random.pick(&palette.glass));
     let mut y = PAVEMENT + STOREY;
     while y < height - 1.0 {

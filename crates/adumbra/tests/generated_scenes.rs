@@ -1,0 +1,123 @@
+//! Generated scenes: the same bytes for the same seed, closed solids that stand in the ground.
+
+use std::collections::BTreeSet;
+
+use adumbra::scene::topology::{Component, analyse};
+use adumbra::scene::{GeneratedKind, Mesh, Scene, generate, to_glb};
+
+const KINDS: [GeneratedKind; 4] =
+    [GeneratedKind::Spheres, GeneratedKind::Primitives, GeneratedKind::Landscape, GeneratedKind::City];
+
+/// FNV-1a: enough to see that bytes changed.
+fn fingerprint(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01B3))
+}
+
+#[test]
+fn same_seed_gives_same_bytes_and_another_seed_others() {
+    for kind in KINDS {
+        let first = to_glb(&generate(kind, 7));
+        assert!(first == to_glb(&generate(kind, 7)), "{kind:?}");
+        assert!(first != to_glb(&generate(kind, 8)), "{kind:?}");
+    }
+}
+
+#[test]
+fn bytes_are_the_same_on_every_machine() {
+    // Change these only together with the generator.
+    let expected =
+        [0x9498_B367_C9CF_57A1, 0x1755_3006_93F1_C730, 0x487C_97EC_FD4D_E314, 0x2EA8_F41C_50ED_9D84];
+    let found = KINDS.map(|kind| fingerprint(&to_glb(&generate(kind, 1))));
+    assert_eq!(found, expected, "{found:#018X?}");
+}
+
+#[test]
+fn scenes_keep_the_promises_of_their_types() {
+    for (kind, seed) in KINDS.into_iter().flat_map(|k| [0, 1, u64::MAX].map(|s| (k, s))) {
+        let scene = generate(kind, seed);
+        for instance in &scene.instances {
+            assert!((instance.mesh as usize) < scene.meshes.len());
+            assert!(instance.determinant() > 0.0);
+            // A file holds the map exactly.
+            assert!(instance.world_from_mesh.iter().flatten().all(|&m| f64::from(m as f32) == m));
+        }
+        let placed: BTreeSet<u32> = scene.instances.iter().map(|i| i.mesh).collect();
+        for (m, mesh) in scene.meshes.iter().enumerate() {
+            assert!(placed.contains(&(m as u32)), "{kind:?} {seed}: {} is nowhere", mesh.name);
+            assert_eq!(mesh.triangles.len(), mesh.triangle_materials.len());
+            assert!(mesh.triangle_materials.iter().all(|&m| (m as usize) < scene.materials.len()));
+            assert!(mesh.positions.iter().flatten().all(|c| c.is_finite()));
+            for t in 0..mesh.triangles.len() {
+                assert!(area(mesh, t) > 1e-9, "{kind:?} {seed}: {} triangle {t} has no area", mesh.name);
+            }
+        }
+    }
+}
+
+fn area(mesh: &Mesh, triangle: usize) -> f64 {
+    let [a, b, c] = mesh.triangles[triangle].map(|v| mesh.positions[v as usize].map(f64::from));
+    let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    n.iter().map(|c| c * c).sum::<f64>().sqrt() / 2.0
+}
+
+#[test]
+fn all_but_the_terrain_is_solid() {
+    for (kind, seed) in KINDS.into_iter().flat_map(|k| [0, 1, 2].map(|s| (k, s))) {
+        let scene = generate(kind, seed);
+        for mesh in scene.meshes.iter().filter(|m| m.name != "terrain") {
+            let topology = analyse(mesh, &scene.materials);
+            let odd = |c: &&Component| !(c.closed && c.solid && c.signed_volume > 0.0);
+            assert_eq!(topology.components.iter().find(odd), None, "{kind:?} {seed}: {}", mesh.name);
+            assert_eq!(topology.solid_share(), 1.0);
+        }
+    }
+}
+
+#[test]
+fn scenes_have_the_sizes_they_promise() {
+    let count = |s: &Scene, what: &str| s.instances.iter().filter(|i| i.name.starts_with(what)).count();
+    for seed in 0..6 {
+        let spheres = generate(GeneratedKind::Spheres, seed);
+        assert_eq!((spheres.instances.len(), spheres.meshes.len()), (226, 2));
+        let primitives = generate(GeneratedKind::Primitives, seed);
+        assert_eq!(primitives.instances.len(), 9);
+        let landscape = generate(GeneratedKind::Landscape, seed);
+        assert!(landscape.meshes[0].triangles.len() >= 20_000);
+        let found = ["tree", "rock", "house"].map(|what| count(&landscape, what));
+        assert!(found[0] >= 500 && found[1] >= 100 && found[2] >= 4, "seed {seed}: {found:?}");
+        let city = generate(GeneratedKind::City, seed);
+        assert!((10_000..28_000).contains(&city.stored_triangles()), "{}", city.stored_triangles());
+        for scene in [landscape, city] {
+            let bounds = scene.bounds();
+            assert!([0, 2].into_iter().all(|a| (399.0..410.0).contains(&(bounds.max[a] - bounds.min[a]))));
+        }
+    }
+}
+
+#[test]
+fn landscape_things_reach_into_the_terrain() {
+    let scene = generate(GeneratedKind::Landscape, 5);
+    let terrain = &scene.meshes[0];
+    for instance in scene.instances.iter().filter(|i| i.name != "terrain") {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let points = mesh.positions.iter().map(|&p| instance.to_world(p));
+        let foot = points.min_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+        let ground = height_below(terrain, foot);
+        assert!(ground.is_some_and(|g| foot[1] < g), "{} at {foot:?} over {ground:?}", instance.name);
+    }
+}
+
+/// Height of the terrain at the point's (x, z).
+fn height_below(terrain: &Mesh, point: [f64; 3]) -> Option<f64> {
+    terrain.triangles.iter().find_map(|t| {
+        let [a, b, c] = t.map(|v| terrain.positions[v as usize].map(f64::from));
+        let side = |p: [f64; 3], q: [f64; 3]| {
+            (p[0] - point[0]) * (q[2] - point[2]) - (p[2] - point[2]) * (q[0] - point[0])
+        };
+        let w = [side(b, c), side(c, a), side(a, b)];
+        let whole = w[0] + w[1] + w[2];
+        let holds = w.iter().all(|&s| s * whole >= 0.0);
+        holds.then(|| (w[0] * a[1] + w[1] * b[1] + w[2] * c[1]) / whole)
+    })
+}

@@ -1,0 +1,153 @@
+//! The tracer against another renderer: every view in `shared/truth` (Mitsuba 3.9), traced again from its stored
+//! positions and normals. See `shared/truth/README.md` for what each array holds.
+//!
+//! CI looks at every eighth pixel along x and y; `ADUMBRA_FULL=1` at each. The folder is `ADUMBRA_SHARED`, or `shared`
+//! beside the checkout; without it the test says so and passes.
+
+use std::path::{Path, PathBuf};
+
+use adumbra::scene::{LoadOptions, Scene, load};
+use adumbra::trace::{TraceOptions, Tracer};
+use npyz::npz::NpzArchive;
+use rayon::prelude::*;
+
+/// One pixel in so many along x and y is looked at by default.
+const STRIDE: usize = 8;
+/// Occlusion rays a pixel, as in the truth.
+const AO_RAYS: u32 = 256;
+/// Share of lit-side pixels whose hard shadow must agree.
+const SUN_AGREEMENT: f64 = 0.996;
+/// Bound on the mean signed difference of occlusion.
+const AO_BIAS: f64 = 0.003;
+/// Bound on the mean absolute difference of occlusion.
+const AO_DIFFERENCE: f64 = 0.03;
+/// Pixels with a smaller cosine to the sun are not judged.
+const SMALLEST_NDOTL: f32 = 0.1;
+/// Rays start so far along the normal, in diagonals of the scene.
+const LIFT: f64 = 1e-5;
+
+struct View {
+    width: usize,
+    pos: Vec<f32>,
+    normal: Vec<f32>,
+    ndotl: Vec<f32>,
+    sun: Vec<f32>,
+    ao: Vec<f32>,
+    valid: Vec<bool>,
+    towards: [f64; 3],
+    ao_radius: f64,
+}
+
+impl View {
+    fn open(path: &Path) -> Self {
+        let array = |name: &str| {
+            let mut archive = NpzArchive::open(path).unwrap();
+            let array = archive.by_name(name).unwrap().unwrap_or_else(|| panic!("{name} is absent"));
+            (array.shape().to_vec(), array.into_vec::<f32>().unwrap())
+        };
+        let (shape, pos) = array("pos");
+        let mut archive = NpzArchive::open(path).unwrap();
+        let valid = archive.by_name("valid").unwrap().unwrap().into_vec().unwrap();
+        let text: Vec<String> = archive.by_name("camera").unwrap().unwrap().into_vec().unwrap();
+        let camera: serde_json::Value = serde_json::from_str(text[0].trim_end_matches('\0')).unwrap();
+        let towards = std::array::from_fn(|a| camera["sun"][a].as_f64().unwrap());
+        let ao_radius = camera["ao_radius"].as_f64().unwrap();
+        let [normal, ndotl, sun, ao] = ["normal", "ndotl", "sun", "ao"].map(|name| array(name).1);
+        Self { width: shape[1] as usize, pos, normal, ndotl, sun, ao, valid, towards, ao_radius }
+    }
+
+    /// The valid pixels, each `stride`-th in x and y.
+    fn pixels(&self, stride: usize) -> Vec<usize> {
+        let looked_at =
+            |i: usize| (i % self.width).is_multiple_of(stride) && (i / self.width).is_multiple_of(stride);
+        (0..self.valid.len()).filter(|&i| self.valid[i] && looked_at(i)).collect()
+    }
+
+    /// Where the rays of a pixel start, and its normal.
+    fn start(&self, pixel: usize, lift: f64) -> ([f64; 3], [f64; 3]) {
+        let triple = |v: &[f32]| [0, 1, 2].map(|a| f64::from(v[pixel * 3 + a]));
+        let (p, n) = (triple(&self.pos), triple(&self.normal));
+        ([0, 1, 2].map(|a| p[a] + n[a] * lift), n)
+    }
+}
+
+struct Figures {
+    sun_pixels: usize,
+    sun_agreement: f64,
+    ao_pixels: usize,
+    ao_bias: f64,
+    ao_difference: f64,
+}
+
+impl Figures {
+    fn hold(&self) -> bool {
+        self.sun_agreement >= SUN_AGREEMENT
+            && self.ao_bias.abs() <= AO_BIAS
+            && self.ao_difference <= AO_DIFFERENCE
+    }
+}
+
+fn compare(scene: &Scene, view: &View, stride: usize) -> Figures {
+    let tracer = Tracer::build(scene, TraceOptions { ignore_alpha: true });
+    let lift = LIFT * scene.bounds().diagonal();
+    let pixels = view.pixels(stride);
+    let judged: Vec<usize> = pixels.iter().copied().filter(|&i| view.ndotl[i] > SMALLEST_NDOTL).collect();
+    let agrees = |i: usize| tracer.sun_visible(view.start(i, lift).0, view.towards) == (view.sun[i] > 0.5);
+    let agreeing = judged.par_iter().filter(|i| agrees(**i)).count();
+    let ao_difference = |i: usize| {
+        let (p, n) = view.start(i, lift);
+        let ours = tracer.ambient_visibility(p, n, view.ao_radius, AO_RAYS, i as u64);
+        f64::from(ours) - f64::from(view.ao[i])
+    };
+    let differences: Vec<f64> = pixels.par_iter().map(|&i| ao_difference(i)).collect();
+    Figures {
+        sun_pixels: judged.len(),
+        sun_agreement: agreeing as f64 / judged.len() as f64,
+        ao_pixels: pixels.len(),
+        ao_bias: differences.iter().sum::<f64>() / pixels.len() as f64,
+        ao_difference: differences.iter().map(|d| d.abs()).sum::<f64>() / pixels.len() as f64,
+    }
+}
+
+fn shared() -> PathBuf {
+    std::env::var_os("ADUMBRA_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from)
+}
+
+/// The scene file of that name, whatever its ending.
+fn scene_file(name: &str) -> PathBuf {
+    let candidates = ["glb", "ply", "obj"].map(|e| shared().join("scenes").join(format!("{name}.{e}")));
+    candidates.into_iter().find(|p| p.exists()).unwrap_or_else(|| panic!("no scene for {name}"))
+}
+
+#[test]
+fn trace_matches_another_renderer() {
+    let Ok(folder) = std::fs::read_dir(shared().join("truth")) else {
+        eprintln!("SKIPPED: {}/truth is absent; set ADUMBRA_SHARED", shared().display());
+        return;
+    };
+    let mut files: Vec<PathBuf> = folder.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|p| p.extension().is_some_and(|e| e == "npz"));
+    files.sort();
+    assert!(!files.is_empty(), "no .npz in {}", shared().display());
+    let stride = if std::env::var_os("ADUMBRA_FULL").is_some() { 1 } else { STRIDE };
+    let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
+    let mut missed = Vec::new();
+    for file in files {
+        let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+        let scene = load(&scene_file(&name), &options).unwrap();
+        let figures = compare(&scene, &View::open(&file), stride);
+        eprintln!(
+            "{name}: sun agrees on {:.3} % of {} pixels; ao off by {:+.5} in the mean, {:.5} in size, {} pixels",
+            100.0 * figures.sun_agreement,
+            figures.sun_pixels,
+            figures.ao_bias,
+            figures.ao_difference,
+            figures.ao_pixels
+        );
+        if !figures.hold() {
+            missed.push(name);
+        }
+    }
+    assert!(missed.is_empty(), "out of bounds: {missed:?}");
+}

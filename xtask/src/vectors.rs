@@ -1,0 +1,508 @@
+//! `cargo xtask vectors`: writes `test_vectors/` anew, the same bytes each time.
+//!
+//! Valid files are made from functions voxel -> lit, and their answers come from those functions, not from the graph;
+//! so a reader that agrees with them has decoded the graph rightly. Each broken file is a valid one with one fault.
+
+use std::collections::HashMap;
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use adumbra::dag::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
+use adumbra::format::ShadowFile;
+use adumbra::light::{LightExtent, LightGrid, Sun};
+use adumbra::scene::Bounds;
+use adumbra::settings::{Bias, Receivers, Settings};
+use serde_json::json;
+
+/// Whether the voxel (x, y, z) is lit.
+type Voxels = dyn Fn(u32, u32, u32) -> bool;
+
+/// Writes every vector below `root/test_vectors`.
+pub(crate) fn run(root: &Path) -> Result<(), Box<dyn Error>> {
+    let folder = root.join("test_vectors");
+    let valid = folder.join("valid");
+    fs::create_dir_all(&valid)?;
+    for vector in valid_vectors()? {
+        let mut bytes = Vec::new();
+        vector.file.write_to(&mut bytes)?;
+        fs::write(valid.join(format!("{}.adumbra", vector.name)), bytes)?;
+        fs::write(valid.join(format!("{}.json", vector.name)), vector.answers())?;
+    }
+    for broken in broken_vectors()? {
+        let fault = folder.join("invalid").join(broken.name);
+        fs::create_dir_all(&fault)?;
+        fs::write(fault.join("file.adumbra"), &broken.bytes)?;
+        fs::write(fault.join("expected.json"), broken.expected())?;
+    }
+    Ok(())
+}
+
+struct Vector {
+    name: &'static str,
+    what: &'static str,
+    file: ShadowFile,
+    lit: Box<Voxels>,
+}
+
+impl Vector {
+    /// Points in and around the grid, with their visibility by the function.
+    fn answers(&self) -> String {
+        let grid = &self.file.grid;
+        let size = grid.size;
+        let mut state = 0x9E37_79B9_u32;
+        let mut random = |n: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            ((u64::from(state) * u64::from(n)) >> 32) as u32
+        };
+        let mut rows = Vec::new();
+        let mut add = |what: &str, at: [f64; 3], visibility: bool| {
+            let world = grid.to_world(at);
+            rows.push(format!(
+                "    {}",
+                json!({"world": world, "visibility": u8::from(visibility), "where": what})
+            ));
+        };
+        for _ in 0..24 {
+            let v = size.map(&mut random);
+            // A quarter off the centre: far from every voxel's boundary, whatever the rounding.
+            let at = [f64::from(v[0]) + 0.25, f64::from(v[1]) + 0.5, f64::from(v[2]) + 0.75];
+            add("inside", at, (self.lit)(v[0], v[1], v[2]));
+        }
+        let [x, y] = [random(size[0]), random(size[1])];
+        let (cx, cy) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let [ex, ey, ez] = size.map(f64::from);
+        add("beside, x below 0", [-0.5, cy, ez - 0.5], true);
+        add("beside, x at the end", [ex + 0.5, cy, ez - 0.5], true);
+        add("beside, y below 0", [cx, -0.5, ez - 0.5], true);
+        add("beside, y at the end", [cx, ey + 0.5, ez - 0.5], true);
+        add("beside and beyond", [-3.5, cy, ez + 5.5], true);
+        add("sunward", [cx, cy, -0.5], true);
+        add("far sunward", [cx, cy, -1000.5], true);
+        let last = (self.lit)(x, y, size[2] - 1);
+        add("beyond the far end", [cx, cy, ez + 0.5], last);
+        add("far beyond the far end", [cx, cy, ez + 1000.5], last);
+        format!("{{\n  \"what\": {},\n  \"points\": [\n{}\n  ]\n}}\n", json!(self.what), rows.join(",\n"))
+    }
+}
+
+fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
+    let overhead = example_grid([8, 8, 8]);
+    let slanted = |size, voxel_size| -> Result<LightGrid, Box<dyn Error>> {
+        let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
+        let axes = LightExtent::empty(&sun).axes;
+        Ok(LightGrid { sun, voxel_size, origin: [-12.5, 40.0, 3.25], axes, size })
+    };
+    let low = {
+        let sun = Sun::from_angles(250.0, 3.0)?;
+        let axes = LightExtent::empty(&sun).axes;
+        LightGrid { sun, voxel_size: 0.1, origin: [1000.0, -20.0, 5e5], axes, size: [24, 16, 200] }
+    };
+    let mut vectors = vec![
+        Vector::new("example_8", "the worked example of the specification", overhead, 3, |x, y, z| {
+            z < 2 || z == 2 && (x < 4 || y == 7)
+        }),
+        Vector::new("all_lit", "no occluder: a top grid of one lit root", overhead, 3, |_, _, _| true),
+        Vector::new(
+            "all_shadowed",
+            "every root shadowed, eight of them",
+            example_grid([16, 16, 16]),
+            3,
+            |_, _, _| false,
+        ),
+        Vector::new(
+            "half_space",
+            "a slanted plane, lit on one side",
+            slanted([64, 64, 64], 0.5)?,
+            6,
+            |x, y, z| x + 2 * y + 3 * z < 190,
+        ),
+        Vector::new("sphere", "the shadow of a sphere", slanted([64, 64, 64], 0.25)?, 4, sphere),
+        Vector::new("low_sun_tall", "longer along the light than across, sun at 3°", low, 5, |x, y, z| {
+            z < 20 + 6 * x + (y * y) % 17
+        }),
+        Vector::new(
+            "odd_sizes",
+            "sizes that are no multiples of 8, in roots of 16",
+            slanted([13, 21, 37], 1.5)?,
+            4,
+            |x, y, z| (x * 7 + y * 3) % 40 > z,
+        ),
+        Vector::new("one_voxel", "the smallest grid", example_grid([1, 1, 1]), 3, |x, y, z| x + y + z > 0),
+        Vector::new(
+            "deep_root",
+            "a root cube far larger than the grid: level 20",
+            example_grid([9, 9, 9]),
+            20,
+            |x, y, z| x < 5 || y >= 3 || z == 0,
+        ),
+        Vector::new(
+            "shared_levels",
+            "one node without slabs, used at levels 4 and 5",
+            slanted([64, 32, 32], 1.0)?,
+            5,
+            |x, y, z| if x < 32 { !(8..16).contains(&x) || y >= 16 || z >= 16 } else { x < 48 },
+        ),
+        Vector::new(
+            "noise",
+            "nothing repeats: the graph at its largest",
+            slanted([24, 24, 24], 2.0)?,
+            5,
+            noise,
+        ),
+    ];
+    let settings = &mut vectors[4].file.settings;
+    settings.bounds = Some(Bounds { min: [-8.0, 0.0, -8.0], max: [8.0, 12.5, 8.0] });
+    settings.receivers = Receivers::Static;
+    settings.thickness_world = 0.3;
+    let settings = &mut vectors[5].file.settings;
+    (settings.assume_ground, settings.closed_regions, settings.ignore_alpha) = (false, false, true);
+    Ok(vectors)
+}
+
+/// Sun overhead, voxels of one unit; x is +X, y is +Z, z is down from y = 8.
+fn example_grid(size: [u32; 3]) -> LightGrid {
+    let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("straight up is a direction");
+    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
+    LightGrid { sun, voxel_size: 1.0, origin: [0.0, 8.0, 0.0], axes, size }
+}
+
+/// Lit unless inside or behind the sphere.
+fn sphere(x: u32, y: u32, z: u32) -> bool {
+    let [dx, dy, dz] = [x, y, z].map(|c| f64::from(c) - 31.5);
+    let square = dx * dx + dy * dy;
+    square > 400.0 || dz < -(400.0 - square).sqrt()
+}
+
+fn noise(x: u32, y: u32, z: u32) -> bool {
+    let mut h = (x << 20 ^ y << 10 ^ z).wrapping_mul(0x9E37_79B1);
+    h = (h ^ h >> 15).wrapping_mul(0x85EB_CA77);
+    (h ^ h >> 13) & 1 == 1
+}
+
+impl Vector {
+    fn new(
+        name: &'static str,
+        what: &'static str,
+        grid: LightGrid,
+        root_level: u32,
+        lit: impl Fn(u32, u32, u32) -> bool + 'static,
+    ) -> Self {
+        let settings = Settings {
+            resolution: grid.size[0].max(grid.size[1]),
+            thickness_world: 0.0,
+            assume_ground: true,
+            closed_regions: true,
+            ignore_alpha: false,
+            receivers: Receivers::All,
+            bounds: None,
+            bias: Bias::default(),
+            triangles: 12,
+            instances: 1,
+        };
+        let file = ShadowFile { grid, settings, dag: build(grid.size, root_level, &lit) };
+        Self { name, what, file, lit: Box::new(lit) }
+    }
+}
+
+/// A child before it has a place: shadowed, lit, or an index into the merged nodes or slabs.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Child {
+    Shadowed,
+    Lit,
+    Mixed(usize),
+}
+
+/// Merges equal nodes and slabs while it builds.
+struct Builder<'a> {
+    lit: &'a Voxels,
+    /// Voxels outside are never looked up; they count as lit.
+    size: [u32; 3],
+    nodes: Vec<[Child; 8]>,
+    slabs: Vec<u64>,
+    /// By whether the children are slabs, and the children: a node without slabs below may serve several levels.
+    node_ids: HashMap<(bool, [Child; 8]), usize>,
+    slab_ids: HashMap<u64, usize>,
+}
+
+fn build(size: [u32; 3], root_level: u32, lit: &Voxels) -> Dag {
+    let (node_ids, slab_ids) = (HashMap::new(), HashMap::new());
+    let mut builder = Builder { lit, size, nodes: Vec::new(), slabs: Vec::new(), node_ids, slab_ids };
+    let top_dims = Dag::top_dims_covering(size, root_level);
+    let mut dag = Dag { size, root_level, top_dims, ..Dag::default() };
+    let mut roots = Vec::new();
+    for gz in 0..top_dims[2] {
+        for gy in 0..top_dims[1] {
+            for gx in 0..top_dims[0] {
+                roots.push(builder.node([gx, gy, gz].map(|g| g << root_level), root_level));
+            }
+        }
+    }
+    let mut placed = Placed { nodes: HashMap::new(), slabs: HashMap::new() };
+    for root in roots {
+        let entry = match root {
+            Child::Shadowed => SHADOWED,
+            Child::Lit => LIT,
+            Child::Mixed(id) => placed.node(&builder, &mut dag, id, root_level),
+        };
+        dag.top.push(entry);
+    }
+    dag
+}
+
+impl Builder<'_> {
+    fn node(&mut self, at: [u32; 3], level: u32) -> Child {
+        if (0..3).any(|a| at[a] >= self.size[a]) {
+            return Child::Lit;
+        }
+        let mut children = [Child::Lit; 8];
+        for (c, child) in (0_u32..).zip(&mut children) {
+            *child = if level == SLAB_NODE_LEVEL {
+                self.slab([at[0], at[1], at[2] + c])
+            } else {
+                let half = level - 1;
+                let bits = [c >> 2, c >> 1 & 1, c & 1];
+                self.node([0, 1, 2].map(|a| at[a] + (bits[a] << half)), half)
+            };
+        }
+        if !matches!(children[0], Child::Mixed(_)) && children.iter().all(|c| *c == children[0]) {
+            return children[0];
+        }
+        let next = self.nodes.len();
+        let id = *self.node_ids.entry((level == SLAB_NODE_LEVEL, children)).or_insert(next);
+        if id == next {
+            self.nodes.push(children);
+        }
+        Child::Mixed(id)
+    }
+
+    fn slab(&mut self, at: [u32; 3]) -> Child {
+        let mask = (0..64_u32).fold(0_u64, |mask, bit| {
+            let v = [at[0] + bit % 8, at[1] + bit / 8, at[2]];
+            let inside = (0..3).all(|a| v[a] < self.size[a]);
+            mask | u64::from(!inside || (self.lit)(v[0], v[1], v[2])) << bit
+        });
+        match mask {
+            0 => Child::Shadowed,
+            u64::MAX => Child::Lit,
+            _ => {
+                let next = self.slabs.len();
+                let id = *self.slab_ids.entry(mask).or_insert(next);
+                if id == next {
+                    self.slabs.push(mask);
+                }
+                Child::Mixed(id)
+            }
+        }
+    }
+}
+
+/// Numbers in order of first visit.
+struct Placed {
+    nodes: HashMap<usize, u32>,
+    slabs: HashMap<usize, u32>,
+}
+
+impl Placed {
+    fn node(&mut self, from: &Builder<'_>, dag: &mut Dag, id: usize, level: u32) -> u32 {
+        if let Some(&at) = self.nodes.get(&id) {
+            return at;
+        }
+        let at = dag.nodes.len();
+        self.nodes.insert(id, at as u32);
+        let children = from.nodes[id];
+        let states = children.map(|c| match c {
+            Child::Shadowed => STATE_SHADOWED,
+            Child::Lit => STATE_LIT,
+            Child::Mixed(_) => STATE_MIXED,
+        });
+        dag.nodes.push(states.iter().rev().fold(0, |header, s| header << 2 | s));
+        let mixed: Vec<usize> =
+            children.iter().filter_map(|c| if let Child::Mixed(id) = c { Some(*id) } else { None }).collect();
+        dag.nodes.resize(at + 1 + mixed.len(), 0);
+        for (i, child) in mixed.into_iter().enumerate() {
+            dag.nodes[at + 1 + i] = if level == SLAB_NODE_LEVEL {
+                *self.slabs.entry(child).or_insert_with(|| {
+                    dag.slabs.push(from.slabs[child]);
+                    dag.slabs.len() as u32 - 1
+                })
+            } else {
+                self.node(from, dag, child, level - 1)
+            };
+        }
+        at as u32
+    }
+}
+
+struct Broken {
+    name: &'static str,
+    /// Name of the error.
+    error: &'static str,
+    /// Name of the graph's fault, for the error "Graph".
+    fault: Option<&'static str>,
+    /// The field or section that is wrong; the message must name it.
+    names: &'static str,
+    bytes: Vec<u8>,
+}
+
+impl Broken {
+    fn expected(&self) -> String {
+        let fault = self.fault.map_or(String::new(), |f| format!(", \"fault\": {}", json!(f)));
+        format!("{{\"error\": {}{fault}, \"names\": {}}}\n", json!(self.error), json!(self.names))
+    }
+}
+
+const TOP: usize = 0;
+const NODES: usize = 1;
+const SLABS: usize = 2;
+
+/// A file being broken.
+#[derive(Clone)]
+struct Bytes(Vec<u8>);
+
+impl Bytes {
+    fn word(&self, at: usize) -> u32 {
+        u32::from_le_bytes(self.0[at..at + 4].try_into().expect("four bytes"))
+    }
+
+    fn put(mut self, at: usize, bytes: &[u8]) -> Self {
+        self.0[at..at + bytes.len()].copy_from_slice(bytes);
+        self
+    }
+
+    fn put_word(self, at: usize, word: u32) -> Self {
+        self.put(at, &word.to_le_bytes())
+    }
+
+    fn put_f64(self, at: usize, value: f64) -> Self {
+        self.put(at, &value.to_le_bytes())
+    }
+
+    /// Byte offset of a section.
+    fn section(&self, section: usize) -> usize {
+        self.word(280 + 24 * section) as usize
+    }
+
+    fn put_node(self, word: usize, value: u32) -> Self {
+        let at = self.section(NODES) + 4 * word;
+        self.put_word(at, value)
+    }
+
+    /// Makes every checksum right again.
+    fn sealed(mut self) -> Vec<u8> {
+        for section in [TOP, NODES, SLABS] {
+            let row = 280 + 24 * section;
+            let (from, length) = (self.word(row) as usize, self.word(row + 8) as usize);
+            if let Some(bytes) = self.0.get(from..from.saturating_add(length)) {
+                let checksum = crc32(bytes);
+                self = self.put_word(row + 16, checksum);
+            }
+        }
+        let checksum = crc32(&self.0[..380]);
+        self.put_word(380, checksum).0
+    }
+}
+
+/// CRC-32 (IEEE), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _: u32| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, &b| (0..8).fold(crc ^ u32::from(b), step))
+}
+
+fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
+    let encode = |name: &str, vectors: &[Vector]| -> Result<Bytes, Box<dyn Error>> {
+        let vector = vectors.iter().find(|v| v.name == name).ok_or("no such vector")?;
+        let mut bytes = Vec::new();
+        vector.file.write_to(&mut bytes)?;
+        Ok(Bytes(bytes))
+    };
+    let vectors = valid_vectors()?;
+    // One level-3 node (header and pointer) and one slab.
+    let small = encode("example_8", &vectors)?;
+    // Roots of level 4, several levels of nodes.
+    let deep = encode("odd_sizes", &vectors)?;
+    let (s, d) = (|| small.clone(), || deep.clone());
+    let mut all = Vec::new();
+    let mut add = |name, error, names, bytes| all.push(Broken { name, error, fault: None, names, bytes });
+
+    add("empty", "Truncated", "header", Vec::new());
+    add("magic", "Magic", "ADUMBRA", s().put(0, b"GIF89a\0\0").0);
+    add("copied_as_text", "Magic", "ADUMBRA", s().put(7, b"\r").0);
+    add("future_version", "FutureVersion", "version 2", s().put_word(8, 2).sealed());
+    add("version_0", "HeaderField", "version", s().put_word(8, 0).sealed());
+    add("header_length", "HeaderField", "header_bytes", s().put_word(12, 256).sealed());
+    add("cut_in_header", "Truncated", "header", s().0[..200].to_vec());
+    add("cut_in_half", "Truncated", "nodes", d().0[..deep.section(NODES) + 20].to_vec());
+    add("cut_last_byte", "Truncated", "slabs", d().0[..deep.0.len() - 1].to_vec());
+    add("goes_on", "TrailingBytes", "end", [s().0, vec![0]].concat());
+    add("header_damaged", "HeaderChecksum", "header", s().put_word(20, 16).0);
+    add("top_damaged", "SectionChecksum", "top", d().put(deep.section(TOP), &[1]).0);
+    add("nodes_damaged", "SectionChecksum", "nodes", d().put(deep.section(NODES) + 9, &[77]).0);
+    add("slabs_damaged", "SectionChecksum", "slabs", d().put(deep.section(SLABS), &[0x5A]).0);
+    add("padding", "Padding", "between", s().put(391, &[1]).0);
+    add("unknown_flag", "HeaderField", "flags", s().put_word(16, 1 << 5).sealed());
+    add("resolution_0", "HeaderField", "resolution", s().put_word(20, 0).sealed());
+    add("size_0", "HeaderField", "size", s().put_word(28, 0).sealed());
+    add("root_level_2", "HeaderField", "root_level", s().put_word(36, 2).sealed());
+    add("root_level_21", "HeaderField", "root_level", s().put_word(36, 21).sealed());
+    add("top_dims", "HeaderField", "top_dims", s().put_word(40, 2).sealed());
+    add("reserved_word", "HeaderField", "reserved", s().put_word(52, 1).sealed());
+    add("reserved_tail", "HeaderField", "reserved", s().put_word(376, 1).sealed());
+    add("voxel_size_0", "HeaderField", "voxel_size", s().put_f64(56, 0.0).sealed());
+    add("voxel_size_infinite", "HeaderField", "voxel_size", s().put_f64(56, f64::INFINITY).sealed());
+    add("sun_not_unit", "HeaderField", "sun", s().put_f64(72, 1.001).sealed());
+    add("sun_below", "HeaderField", "sun", s().put_f64(72, -1.0).sealed());
+    add(
+        "origin_nan",
+        "HeaderField",
+        "origin",
+        s().put(88, &0x7FF8_0000_0000_0000_u64.to_le_bytes()).sealed(),
+    );
+    add("axes_skew", "HeaderField", "axes", s().put_f64(120, 1e-6).sealed());
+    add("axes_left_handed", "HeaderField", "axes", s().put_f64(112, -1.0).sealed());
+    add("thickness_negative", "HeaderField", "thickness", s().put_f64(184, -0.1).sealed());
+    add("bias_infinite", "HeaderField", "bias", s().put_f64(200, f64::NEG_INFINITY).sealed());
+    add("bounds_without_flag", "HeaderField", "bounds", s().put_f64(216, 1.0).sealed());
+    add("bounds_inverted", "HeaderField", "bounds", s().put_word(16, 0x13).put_f64(216, 1.0).sealed());
+    add("section_in_header", "SectionBounds", "offset", s().put_word(280, 0).sealed());
+    add("section_overlap", "SectionBounds", "offset", s().put_word(304, 384).sealed());
+    add("section_far_away", "SectionBounds", "offset", s().put_word(332, 0x7FFF_FFFF).sealed());
+    add("top_length", "SectionBounds", "length", s().put_word(288, 8).sealed());
+    add("nodes_length_odd", "SectionBounds", "length", s().put_word(312, 7).sealed());
+    add("slabs_length_huge", "SectionBounds", "length", s().put_word(340, 0x1000_0000).sealed());
+    add("slabs_length_past_end", "Truncated", "slabs", s().put_word(336, 0x4000_0000).sealed());
+    add(
+        "top_huge",
+        "SectionBounds",
+        "top",
+        s().put(24, &[255; 12]).put(40, &[0, 0, 0, 32].repeat(3)).sealed(),
+    );
+
+    let mut graph = |name, fault, names, bytes| {
+        all.push(Broken { name, error: "Graph", fault: Some(fault), names, bytes });
+    };
+    let root = small.section(TOP);
+    let header = small.word(small.section(NODES));
+    graph("root_past_end", "PointerRange", "top grid entry 0", s().put_word(root, 2).sealed());
+    graph("root_not_first", "Order", "top grid entry 0", s().put_word(root, 1).sealed());
+    graph("header_upper_bits", "HeaderBits", "node word 0", s().put_node(0, header | 1 << 16).sealed());
+    graph("child_state_3", "ChildState", "child 2", s().put_node(0, header | 1 << 4).sealed());
+    graph("node_all_lit", "Uniform", "node word 0", s().put_node(0, 0x5555).sealed());
+    graph("node_all_shadowed", "Uniform", "node word 0", s().put_node(0, 0).sealed());
+    graph("node_past_end", "NodeEnd", "2 pointers", s().put_node(0, header | 2 << 6).sealed());
+    graph("pointer_unreached", "Unreachable", "node word 1", s().put_node(0, 0x0005).sealed());
+    graph("slab_past_end", "PointerRange", "slab 1", s().put_node(1, 1).sealed());
+    graph("slab_all_lit", "Uniform", "slab 0", s().put(small.section(SLABS), &[255; 8]).sealed());
+    graph("slab_all_shadowed", "Uniform", "slab 0", s().put(small.section(SLABS), &[0; 8]).sealed());
+    graph("roots_all_lit", "Unreachable", "node word 0", s().put_word(root, LIT).sealed());
+    graph("cycle", "TwoLevels", "node word 1", d().put_node(1, 0).sealed());
+    graph("into_a_node", "NotAHeader", "node word 1", d().put_node(1, 1).sealed());
+    graph(
+        "node_out_of_order",
+        "Order",
+        "node word 1",
+        d().put_node(1, deep.word(deep.section(NODES) + 4) + 1).sealed(),
+    );
+    graph("node_past_all", "PointerRange", "node word 1", d().put_node(1, 0x7FFF_FFFF).sealed());
+    Ok(all)
+}
