@@ -16,7 +16,11 @@ use crate::progress::Style;
 /// Begin with: adumbra generate city -o city.glb; adumbra bake city.glb -o city.adumbra; adumbra verify city.adumbra
 /// --scene city.glb
 #[derive(Parser)]
-#[command(version, max_term_width = 110, after_help = "Exit codes: 0 fine, 1 a check failed, 2 usage, 3 bad input, 4 out of memory or disk, 130 interrupted.")]
+#[command(
+    version,
+    max_term_width = 110,
+    after_help = "Exit codes: 0 fine, 1 a check failed, 2 usage, 3 bad input, 4 out of memory or disk, 130 interrupted."
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) verb: Verb,
@@ -217,7 +221,13 @@ pub(crate) struct BakeSettings {
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
     /// How far below an open surface a shadow may begin, metres: smaller files [default: the bias at its slope]
-    #[arg(long, value_name = "METRES", default_value_t = 0.0, hide_default_value = true, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.0,
+        hide_default_value = true,
+        allow_hyphen_values = true
+    )]
     thickness: f64,
     /// Shadows are needed below the last surface of a column too (movers under bridges with nothing below)
     #[arg(long)]
@@ -421,10 +431,14 @@ pub(crate) struct Bench {
 #[derive(Subcommand)]
 pub(crate) enum BenchVerb {
     /// Seconds, memory and bytes by scene, resolution and option; writes bake.md and bake.json
-    #[command(after_help = "Example: adumbra bench bake --scenes ../shared/scenes --resolutions 1024,4096 -o docs/bench")]
+    #[command(
+        after_help = "Example: adumbra bench bake --scenes ../shared/scenes --resolutions 1024,4096 -o docs/bench"
+    )]
     Bake(BenchBake),
     /// Interior agreement of every scene under four suns; writes verify.md and verify.json
-    #[command(after_help = "Example: adumbra bench verify --scenes ../shared/scenes --resolution 8192 -o docs/bench")]
+    #[command(
+        after_help = "Example: adumbra bench verify --scenes ../shared/scenes --resolution 8192 -o docs/bench"
+    )]
     Verify(BenchVerify),
 }
 
@@ -434,8 +448,11 @@ pub(crate) struct BenchBake {
     #[arg(long, value_name = "DIR")]
     pub(crate) scenes: PathBuf,
     /// Scene files in that folder
-    #[arg(long, value_delimiter = ',', default_value =
-        "kaykit_city_21.glb,zdm2.glb,alpine-2.glb,delft.glb,box-city-5k.glb,dragon_202k.ply")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "kaykit_city_21.glb,zdm2.glb,alpine-2.glb,delft.glb,box-city-5k.glb,dragon_202k.ply"
+    )]
     pub(crate) names: Vec<String>,
     /// Resolutions
     #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096,8192,16384")]
@@ -454,8 +471,11 @@ pub(crate) struct BenchVerify {
     #[arg(long, value_name = "DIR")]
     pub(crate) scenes: PathBuf,
     /// Scene files in that folder
-    #[arg(long, value_delimiter = ',', default_value =
-        "zdm2.glb,kaykit_city_21.glb,dragon_202k.ply,armadillo.ply,alpine-2.glb,street-1.glb,delft.glb,bridge_garden.glb,auster.obj,box-city-5k.glb,oak_medium.glb")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "zdm2.glb,kaykit_city_21.glb,dragon_202k.ply,armadillo.ply,alpine-2.glb,street-1.glb,delft.glb,bridge_garden.glb,auster.obj,box-city-5k.glb,oak_medium.glb"
+    )]
     pub(crate) names: Vec<String>,
     /// Resolution
     #[arg(long, default_value_t = 8192)]

@@ -101,7 +101,8 @@ impl Reporter {
 
 fn new_bar(tiles: u64) -> ProgressBar {
     let bar = ProgressBar::new(tiles);
-    if let Ok(style) = ProgressStyle::with_template("{spinner} baking [{wide_bar}] {pos}/{len} tiles, {msg}") {
+    if let Ok(style) = ProgressStyle::with_template("{spinner} baking [{wide_bar}] {pos}/{len} tiles, {msg}")
+    {
         bar.set_style(style);
     }
     bar

@@ -107,13 +107,13 @@ impl LightGrid {
     }
 
     /// A world point in grid coordinates.
-    pub fn to_grid(&self, p_world: [f64; 3]) -> [f64; 3] {
+    pub fn to_grid(self, p_world: [f64; 3]) -> [f64; 3] {
         let d = [p_world[0] - self.origin[0], p_world[1] - self.origin[1], p_world[2] - self.origin[2]];
         self.axes.map(|axis| dot(axis, d) / self.voxel_size)
     }
 
     /// A grid point in world coordinates.
-    pub fn to_world(&self, p_grid: [f64; 3]) -> [f64; 3] {
+    pub fn to_world(self, p_grid: [f64; 3]) -> [f64; 3] {
         let mut p = self.origin;
         for (axis, c) in self.axes.iter().zip(p_grid) {
             for r in 0..3 {

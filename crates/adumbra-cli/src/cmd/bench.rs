@@ -162,7 +162,10 @@ fn verify_table(args: &BenchVerify) -> Outcome {
             let holds = v.interior_agreement >= MIN_INTERIOR_AGREEMENT
                 && (args.volume || v.interior_share >= MIN_INTERIOR_SHARE);
             all_hold &= holds;
-            eprintln!("{name} {sun_name}: interior {:.5}, share {:.3}", v.interior_agreement, v.interior_share);
+            eprintln!(
+                "{name} {sun_name}: interior {:.5}, share {:.3}",
+                v.interior_agreement, v.interior_share
+            );
             let figures = serde_json::to_value(v).map_err(|e| Failure::BadInput(e.to_string()))?;
             rows.push(json!({"scene": name, "sun": sun_name, "holds": holds, "figures": figures}));
         }

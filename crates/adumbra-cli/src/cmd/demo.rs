@@ -47,7 +47,8 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
     let check = VerifyOptions { samples: SAMPLES, seed: 1, bias: file.settings.bias };
-    let verification = Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &check)?;
+    let verification =
+        Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &check)?;
     println!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
 
     let whole = looking_at(&scene.bounds(), 40.0);
@@ -91,9 +92,12 @@ fn write_report(
         ("agreement, edges too", format!("{:.3} %", 100.0 * v.agreement)),
         ("acne, leak", format!("{:.3} %, {:.3} %", 100.0 * v.acne, 100.0 * v.leak)),
     ];
-    let rows: String = rows.iter().map(|(k, value)| format!("<tr><th>{k}</th><td>{value}</td></tr>\n")).collect();
+    let rows: String =
+        rows.iter().map(|(k, value)| format!("<tr><th>{k}</th><td>{value}</td></tr>\n")).collect();
     let figure = |name: &str, caption: &str| {
-        format!("<figure><img src=\"{name}.png\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n")
+        format!(
+            "<figure><img src=\"{name}.png\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
+        )
     };
     let figures: String = [
         figure("street", "Shadows from the file, 3 × 3 texels"),

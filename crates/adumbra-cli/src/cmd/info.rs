@@ -38,7 +38,10 @@ pub(crate) fn run(args: &Info) -> Outcome {
         println!("{}: {}", args.file.display(), bytes_words(figures.file_bytes));
         println!("  sun towards     {:.6}, {:.6}, {:.6}", sun[0], sun[1], sun[2]);
         println!("  resolution      {}, {:?} voxels of {:.6}", s.resolution, dag.size, file.grid.voxel_size);
-        println!("  bits per texel  {:.4} ({times_smaller:.0} times smaller than 32 bits)", figures.bits_per_texel);
+        println!(
+            "  bits per texel  {:.4} ({times_smaller:.0} times smaller than 32 bits)",
+            figures.bits_per_texel
+        );
         println!("  nodes, slabs    {}, {}", figures.nodes, figures.slabs);
         println!(
             "  bytes           top grid {}, nodes {}, slabs {}",

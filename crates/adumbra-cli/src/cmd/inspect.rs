@@ -39,7 +39,11 @@ pub(crate) fn run(args: &Inspect) -> Outcome {
         println!("  triangles            {triangles} stored, {instanced} with instances");
         println!("  meshes, instances    {}, {}", scene.meshes.len(), scene.instances.len());
         println!("  bounds               {:?} to {:?}", bounds.min, bounds.max);
-        println!("  closed               {:.1} % of triangles, {:.1} % bound solids", 100.0 * closed, 100.0 * solid);
+        println!(
+            "  closed               {:.1} % of triangles, {:.1} % bound solids",
+            100.0 * closed,
+            100.0 * solid
+        );
         println!("  materials            {}, {masked} masked", scene.materials.len());
         println!("  degenerate triangles {}", scene.notes.degenerate_triangles);
         println!("  suggested resolution {suggested}");

@@ -57,5 +57,10 @@ fn read_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {
         )));
     }
     let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    Ok(bytes.as_chunks::<12>().0.iter().map(|t| [number(&t[..4]), number(&t[4..8]), number(&t[8..])]).collect())
+    Ok(bytes
+        .as_chunks::<12>()
+        .0
+        .iter()
+        .map(|t| [number(&t[..4]), number(&t[4..8]), number(&t[8..])])
+        .collect())
 }

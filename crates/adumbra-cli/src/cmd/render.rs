@@ -31,7 +31,9 @@ pub(crate) fn run(args: &Render) -> Outcome {
             ..whole
         };
         if camera.eye == camera.target || !camera.eye.iter().chain(&camera.target).all(|c| c.is_finite()) {
-            return Err(Failure::Usage("--eye and --target must be finite and two different points".to_owned()));
+            return Err(Failure::Usage(
+                "--eye and --target must be finite and two different points".to_owned(),
+            ));
         }
         let (sun, shadows) = match &file {
             Some(f) => {

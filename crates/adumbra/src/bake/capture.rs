@@ -180,7 +180,8 @@ fn sample_centers(
                 b.first[texel] = surface;
             }
             if source.solid {
-                b.crossings.push(Crossing { texel: texel as u32, key: columns::crossing_key(depth, exit_bit) });
+                b.crossings
+                    .push(Crossing { texel: texel as u32, key: columns::crossing_key(depth, exit_bit) });
             }
         }
         if b.crossings.len() > MAX_CROSSINGS {

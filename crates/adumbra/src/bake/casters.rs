@@ -74,7 +74,8 @@ impl<'s> Casters<'s> {
                     let mut low = [f64::INFINITY; 2];
                     let mut high = [f64::NEG_INFINITY; 2];
                     for corner in 0..8_usize {
-                        let pick = |a: usize| if corner >> a & 1 == 0 { cluster.min[a] } else { cluster.max[a] };
+                        let pick =
+                            |a: usize| if corner >> a & 1 == 0 { cluster.min[a] } else { cluster.max[a] };
                         let p = grid.to_grid(instance.to_world([pick(0), pick(1), pick(2)]));
                         for a in 0..2 {
                             low[a] = low[a].min(p[a] - reach_texels);
@@ -83,12 +84,14 @@ impl<'s> Casters<'s> {
                     }
                     let side = f64::from(tile_side);
                     let first = [0, 1].map(|a| (low[a] / side).floor().max(0.0) as u32);
-                    let end = [0, 1].map(|a| ((high[a] / side).floor() + 1.0).clamp(0.0, f64::from(tiles[a])) as u32);
+                    let end = [0, 1]
+                        .map(|a| ((high[a] / side).floor() + 1.0).clamp(0.0, f64::from(tiles[a])) as u32);
                     for ty in first[1]..end[1] {
                         for tx in first[0]..end[0] {
                             let tile = (ty * tiles[0] + tx) as usize;
                             if fill {
-                                placed[starts[tile] as usize] = Placed { instance: i as u32, cluster: c as u32 };
+                                placed[starts[tile] as usize] =
+                                    Placed { instance: i as u32, cluster: c as u32 };
                             }
                             starts[tile] += 1;
                         }
@@ -134,7 +137,8 @@ impl<'s> Casters<'s> {
             .meshes
             .iter()
             .map(|m| {
-                m.triangles.capacity() * size_of::<ClusterTriangle>() + m.clusters.capacity() * size_of::<Cluster>()
+                m.triangles.capacity() * size_of::<ClusterTriangle>()
+                    + m.clusters.capacity() * size_of::<Cluster>()
             })
             .sum();
         (meshes + self.placed.capacity() * size_of::<Placed>() + self.tile_start.capacity() * 4) as u64

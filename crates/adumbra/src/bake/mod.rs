@@ -182,7 +182,8 @@ impl<'s> Plan<'s> {
                 range: "coarse enough for at most 2097152 voxels along the light; lower it",
             });
         }
-        let root_level = (resolution.ilog2().saturating_sub(TOP_GRID_LEVEL)).clamp(ROOT_LEVELS.0, ROOT_LEVELS.1);
+        let root_level =
+            (resolution.ilog2().saturating_sub(TOP_GRID_LEVEL)).clamp(ROOT_LEVELS.0, ROOT_LEVELS.1);
         let top_dims = grid.size.map(|s| s.div_ceil(1 << root_level));
         let rules = ColumnRules {
             bias: options.bias,

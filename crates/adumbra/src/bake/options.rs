@@ -62,7 +62,8 @@ impl Options {
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        let range = |option, value: f64, range| Err(Error::OptionRange { option, value: value.to_string(), range });
+        let range =
+            |option, value: f64, range| Err(Error::OptionRange { option, value: value.to_string(), range });
         if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
             return range("--thickness", self.thickness_world, "a finite number of metres, 0 or more");
         }
@@ -93,7 +94,8 @@ impl Options {
     pub(super) fn resolution_for(&self, longest_side: f64) -> Result<(u32, f64)> {
         match self.size {
             Size::Resolution(resolution) => {
-                let nearest = resolution.clamp(MIN_RESOLUTION.into(), MAX_RESOLUTION.into()).next_power_of_two();
+                let nearest =
+                    resolution.clamp(MIN_RESOLUTION.into(), MAX_RESOLUTION.into()).next_power_of_two();
                 if nearest != resolution {
                     return Err(Error::Resolution {
                         resolution,

@@ -22,7 +22,8 @@ pub(crate) type FixedDepth = i32;
 pub(crate) fn fixed_depth(z: f64) -> FixedDepth {
     let clamped = z.clamp(DEPTH_MIN_VOXELS, DEPTH_MAX_VOXELS);
     // Truncation of a positive number is the floor.
-    ((clamped - DEPTH_MIN_VOXELS) * SUBTEXEL as f64 + 0.5) as i32 - (-DEPTH_MIN_VOXELS as i32) * SUBTEXEL as i32
+    ((clamped - DEPTH_MIN_VOXELS) * SUBTEXEL as f64 + 0.5) as i32
+        - (-DEPTH_MIN_VOXELS as i32) * SUBTEXEL as i32
 }
 
 /// A triangle's supporting plane: z = z0 + gx (x - x0) + gy (y - y0), in grid units.
@@ -120,7 +121,8 @@ impl Projected {
             // Inside where dx·(y - a.y) - dy·(x - a.x) >= needed, x = 256 i + 128.
             let needed = i64::from(!on_edge_counts);
             let bound = if self.wide {
-                let r = i128::from(dx) * i128::from(y - a[1]) + i128::from(dy) * i128::from(a[0] - SUBTEXEL / 2)
+                let r = i128::from(dx) * i128::from(y - a[1])
+                    + i128::from(dy) * i128::from(a[0] - SUBTEXEL / 2)
                     - i128::from(needed);
                 let step = i128::from(SUBTEXEL) * i128::from(dy.abs());
                 if dy == 0 { r.signum() as i64 } else { r.div_euclid(step) as i64 }

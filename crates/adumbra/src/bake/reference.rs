@@ -28,8 +28,7 @@ fn grid_triangles(scene: &Scene, plan: &Plan<'_>, closed_regions: bool) -> Vec<G
         let mesh = &scene.meshes[instance.mesh as usize];
         let shape = topology::analyse(mesh, &scene.materials);
         for (t, corners) in mesh.triangles.iter().enumerate() {
-            let corners =
-                corners.map(|v| plan.grid.to_grid(instance.to_world(mesh.positions[v as usize])));
+            let corners = corners.map(|v| plan.grid.to_grid(instance.to_world(mesh.positions[v as usize])));
             let projected = Projected::new(corners, instance.determinant() < 0.0);
             all.push(GridTriangle { projected, solid: closed_regions && shape.is_solid(t) });
         }
@@ -77,7 +76,9 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     // The nearest receiver in the footprint behind the base.
     let mut next: Option<FixedDepth> = None;
     for t in triangles {
-        let Some([low, high]) = footprint_range(&t.projected, rules.footprint_half_texels, x, y) else { continue };
+        let Some([low, high]) = footprint_range(&t.projected, rules.footprint_half_texels, x, y) else {
+            continue;
+        };
         if high * SUBTEXEL as f64 > f64::from(base + bias) {
             let receiver = ((low * SUBTEXEL as f64).floor() as FixedDepth).max(base + bias);
             next = Some(next.map_or(receiver, |n| n.min(receiver)));
@@ -246,7 +247,11 @@ fn bake_does_not_depend_on_threads_or_triangle_order() {
     let mut mesh = Mesh::default();
     for n in 0..12_u8 {
         let at = f32::from(n);
-        add_box(&mut mesh, [at * 1.3 - 8.0, -1.0, at * 0.7 - 4.0], [at * 1.3 - 7.1, at * 0.4, at * 0.7 - 2.9]);
+        add_box(
+            &mut mesh,
+            [at * 1.3 - 8.0, -1.0, at * 0.7 - 4.0],
+            [at * 1.3 - 7.1, at * 0.4, at * 0.7 - 2.9],
+        );
     }
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
     let options = Options::new(sun, Size::Resolution(256));

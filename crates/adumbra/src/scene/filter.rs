@@ -1,5 +1,84 @@
-//! stub
-/// stub
+//! Chooses triangles by the names of their node, mesh and material.
+
+use globset::{Glob, GlobSet, GlobSetBuilder};
+
+use crate::error::{Error, Result};
+
+/// What `--only` and `--exclude` keep. The default keeps everything.
 #[derive(Clone, Debug, Default)]
-pub struct NameFilter;
-impl NameFilter{ pub fn new(_:&[String],_:&[String])->crate::Result<Self>{Ok(Self)}}
+pub struct NameFilter {
+    /// When there is one, a triangle stays only if a name of its matches one of these.
+    only: Option<GlobSet>,
+    /// A triangle goes if a name of its matches one of these.
+    exclude: Option<GlobSet>,
+}
+
+impl NameFilter {
+    /// A filter of globs (`*`, `?`, `[a-z]`, `{a,b}`), matched against whole names with their case.
+    ///
+    /// # Errors
+    /// [`Error::Pattern`] for one that is not a valid glob.
+    pub fn new(only: &[String], exclude: &[String]) -> Result<Self> {
+        Ok(Self { only: set(only)?, exclude: set(exclude)? })
+    }
+
+    /// Whether it lets everything through.
+    pub fn is_empty(&self) -> bool {
+        self.only.is_none() && self.exclude.is_none()
+    }
+
+    /// Whether a triangle with these names stays.
+    pub fn keeps(&self, node: &str, mesh: &str, material: &str) -> bool {
+        let names = [node, mesh, material];
+        let matches = |set: &GlobSet| names.iter().any(|name| set.is_match(name));
+        self.only.as_ref().is_none_or(matches) && !self.exclude.as_ref().is_some_and(matches)
+    }
+}
+
+fn set(patterns: &[String]) -> Result<Option<GlobSet>> {
+    if patterns.is_empty() {
+        return Ok(None);
+    }
+    let bad = |pattern: &str, e: &globset::Error| Error::Pattern {
+        pattern: pattern.to_owned(),
+        what: e.kind().to_string(),
+    };
+    let mut builder = GlobSetBuilder::new();
+    for pattern in patterns {
+        builder.add(Glob::new(pattern).map_err(|e| bad(pattern, &e))?);
+    }
+    builder.build().map(Some).map_err(|e| bad(&patterns.join(", "), &e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn filter(only: &[&str], exclude: &[&str]) -> NameFilter {
+        let owned = |list: &[&str]| list.iter().map(|&s| s.to_owned()).collect::<Vec<_>>();
+        NameFilter::new(&owned(only), &owned(exclude)).expect("valid globs")
+    }
+
+    #[test]
+    fn filter_default_keeps_everything() {
+        assert!(NameFilter::default().keeps("", "", ""));
+        assert!(NameFilter::default().is_empty());
+    }
+
+    #[test]
+    fn filter_matches_any_of_the_three_names() {
+        let only = filter(&["tree*", "rock"], &[]);
+        assert!(
+            only.keeps("tree_1", "m", "x") && only.keeps("n", "rock", "x") && only.keeps("n", "m", "tree")
+        );
+        assert!(!only.keeps("rocks", "m", "x"));
+        let both = filter(&["tree*"], &["*leaf*"]);
+        assert!(both.keeps("tree", "m", "bark") && !both.keeps("tree", "m", "leaf_2"));
+    }
+
+    #[test]
+    fn filter_names_the_bad_pattern() {
+        let error = NameFilter::new(&["[".to_owned()], &[]).expect_err("not a glob");
+        assert!(matches!(error, Error::Pattern { pattern, .. } if pattern == "["));
+    }
+}

@@ -1,31 +1,237 @@
-//! s
-use super::*;
-fn mul(a: &[[f64;4];3], b: &[[f64;4];3]) -> [[f64;4];3] {
-  let mut r=[[0.0;4];3]; for i in 0..3 { for j in 0..4 { r[i][j] = (0..3).map(|k| a[i][k]*b[k][j]).sum::<f64>() + if j==3 {a[i][3]} else {0.0}; } } r }
-fn walk(n: ::gltf::Node<'_>, m: [[f64;4];3], groups: &[Vec<u32>], s: &mut Scene) {
-  let t = n.transform().matrix(); let mut l=[[0.0;4];3]; for i in 0..3 { for j in 0..4 { l[i][j]=t[j][i] as f64; } }
-  let m = mul(&m,&l);
-  if let Some(me)=n.mesh() { for &g in &groups[me.index()] { s.instances.push(Instance{name:String::new(),mesh:g,world_from_mesh:m,casts:true}); } }
-  for c in n.children() { walk(c,m,groups,s); }
+//! Loads glTF 2.0 (Khronos): `.glb`, and `.gltf` with its buffers beside it or in data URIs.
+//!
+//! The `gltf` crate parses the container and the JSON; accessors are read here with their bounds checked, so that
+//! no file can make it panic, and quantised positions work. A mesh is stored once however many nodes place it.
+//! Animations, morph targets, vertex colours, cameras and lights are not read.
+
+mod accessor;
+mod container;
+mod materials;
+mod meshes;
+mod nodes;
+mod skin;
+
+use std::path::Path;
+
+use ::gltf::json::{Root, mesh::Primitive};
+use hashbrown::HashMap;
+
+use super::validate::{Sieve, finish, read};
+use super::{Instance, LoadNotes, LoadOptions, Scene};
+use crate::error::{Error, Result};
+use container::{Buffers, bad};
+use meshes::{Builder, has_triangles, material_of};
+pub(super) use nodes::IDENTITY;
+use nodes::Nodes;
+
+/// Required extensions that are understood, or that change nothing about what is opaque where.
+const KNOWN_EXTENSIONS: [&str; 22] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+];
+
+/// A node's mesh with the primitives of it that the filter keeps.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Variant {
+    mesh: usize,
+    kept: Vec<u32>,
+    /// The node, where it has a skin: its vertices are its own.
+    skinned: Option<usize>,
 }
-pub fn load(path: &Path, _o: &LoadOptions) -> Result<Scene> {
-  let g = ::gltf::Gltf::from_slice_without_validation(&std::fs::read(path).unwrap()).unwrap();
-  let blob = g.blob.clone().unwrap();
-  let mut s = Scene { materials: vec![Material::opaque("x",[1.0;4])], ..Default::default() };
-  let mut groups = vec![];
-  for me in g.meshes() {
-    let mut gr = vec![];
-    for p in me.primitives() {
-      let r = p.reader(|_| Some(&blob[..]));
-      let positions: Vec<[f32;3]> = r.read_positions().unwrap().collect();
-      let idx: Vec<u32> = match r.read_indices() { Some(i) => i.into_u32().collect(), None => (0..positions.len() as u32).collect() };
-      let triangles: Vec<[u32;3]> = idx.chunks(3).map(|c| [c[0],c[1],c[2]]).collect();
-      let one = obj::single(positions, triangles).meshes.remove(0);
-      gr.push(s.meshes.len() as u32); s.meshes.push(one);
+
+/// Loads a `.glb` or `.gltf` file.
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let bytes = read(path, "glTF")?;
+    let (json, bin) = container::split(path, &bytes)?;
+    let root = parse(path, &json)?;
+    let nodes = Nodes::load(path, &root)?;
+    let mut scene = Scene::default();
+    let mut sieve = Sieve::default();
+    let plan = choose(path, &root, &nodes, options, &mut sieve, &mut scene.notes)?;
+    let buffers = Buffers::load(path, &root, bin)?;
+
+    let mut used = vec![false; root.materials.len() + 1];
+    for (variant, _) in &plan.variants {
+        for primitive in kept(&root, variant) {
+            let material = material_of(&root, primitive);
+            match used.get_mut(material) {
+                Some(used) => *used = true,
+                None => {
+                    return Err(bad(
+                        path,
+                        format!("a primitive has material {material}, which does not exist"),
+                    ));
+                }
+            }
+        }
     }
-    groups.push(gr);
-  }
-  let sc = g.default_scene().or_else(|| g.scenes().next()).unwrap();
-  for n in sc.nodes() { walk(n, [[1.,0.,0.,0.],[0.,1.,0.,0.],[0.,0.,1.,0.]], &groups, &mut s); }
-  Ok(s)
+    let materials = materials::load(path, &root, &buffers, options, &used, &mut scene.notes)?;
+
+    let builder = Builder { path, root: &root, buffers: &buffers, materials: &materials };
+    for (variant, name) in &plan.variants {
+        let skin = variant.skinned.zip(variant.skinned.and_then(|n| root.nodes.get(n)?.skin));
+        let skin = match skin {
+            Some((node, s)) => Some(skin::Skin::load(path, &root, &buffers, &nodes, s.value(), node)?),
+            None => None,
+        };
+        let primitives: Vec<&Primitive> = kept(&root, variant).collect();
+        scene.meshes.push(builder.build(name, &primitives, skin.as_ref(), &mut sieve)?);
+    }
+    for placing in &plan.placings {
+        place(path, &root, &buffers, &nodes, placing, &mut scene)?;
+    }
+    (scene.materials, scene.textures) = (materials.list, materials.textures);
+    finish(path, scene, &sieve, options)
+}
+
+fn parse(path: &Path, json: &[u8]) -> Result<Root> {
+    /// What is read first, because the rest may make no sense without the extension.
+    #[derive(serde::Deserialize)]
+    struct Required {
+        #[serde(default, rename = "extensionsRequired")]
+        extensions: Vec<String>,
+    }
+    let invalid = |e: serde_json::Error| bad(path, format!("its JSON is broken: {e}"));
+    let required: Required = serde_json::from_slice(json).map_err(invalid)?;
+    for extension in required.extensions {
+        if !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
+            return Err(Error::RequiredExtension { path: path.to_owned(), extension });
+        }
+    }
+    serde_json::from_slice(json).map_err(invalid)
+}
+
+/// What is to be built and where it goes.
+#[derive(Default)]
+struct Plan {
+    /// Each with the mesh's name.
+    variants: Vec<(Variant, String)>,
+    placings: Vec<Placing>,
+}
+
+/// A variant, the node that places it, and whether it casts.
+struct Placing {
+    variant: u32,
+    node: usize,
+    casts: bool,
+}
+
+/// Applies the filter and groups nodes that place the same thing.
+fn choose(
+    path: &Path,
+    root: &Root,
+    nodes: &Nodes,
+    options: &LoadOptions,
+    sieve: &mut Sieve,
+    notes: &mut LoadNotes,
+) -> Result<Plan> {
+    let mut plan = Plan::default();
+    let mut known: HashMap<Variant, u32> = HashMap::new();
+    let mut seen = vec![false; root.meshes.len()];
+    let (mut skinned, mut morphed) = (0, 0);
+    for &(node, casts) in &nodes.drawn {
+        let json = &root.nodes[node];
+        let Some(index) = json.mesh.map(|m| m.value()) else { continue };
+        let (Some(mesh), Some(seen)) = (root.meshes.get(index), seen.get_mut(index)) else {
+            return Err(bad(path, format!("node {node} has mesh {index}, which does not exist")));
+        };
+        let node_name = nodes::name(json, node);
+        let mesh_name = mesh.name.clone().unwrap_or_else(|| format!("mesh {index}"));
+        if !std::mem::replace(seen, true) {
+            notes.skipped_primitives += mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
+            morphed += u32::from(mesh.primitives.iter().any(|p| p.targets.is_some()));
+        }
+        let keeps = |p: &Primitive| {
+            options.filter.is_empty()
+                || options.filter.keeps(&node_name, &mesh_name, &materials::name(root, material_of(root, p)))
+        };
+        let mut kept = Vec::new();
+        for (i, primitive) in mesh.primitives.iter().enumerate().filter(|(_, p)| has_triangles(p)) {
+            if keeps(primitive) {
+                kept.push(i as u32);
+            } else {
+                sieve.filtered = true;
+            }
+        }
+        if kept.is_empty() {
+            continue;
+        }
+        skinned += u32::from(json.skin.is_some());
+        let variant = Variant { mesh: index, kept, skinned: json.skin.map(|_| node) };
+        let next = plan.variants.len() as u32;
+        let number = *known.entry_ref(&variant).or_insert(next);
+        if number == next {
+            plan.variants.push((variant, mesh_name));
+        }
+        plan.placings.push(Placing { variant: number, node, casts: casts && nodes::casts(&mesh.extras) });
+    }
+    if skinned > 0 {
+        notes
+            .warnings
+            .push(format!("{skinned} skinned meshes stand in the pose that the file's nodes give them"));
+    }
+    if morphed > 0 {
+        notes.warnings.push(format!("{morphed} meshes have morph targets, which are ignored"));
+    }
+    Ok(plan)
+}
+
+fn kept<'a>(root: &'a Root, variant: &'a Variant) -> impl Iterator<Item = &'a Primitive> {
+    let primitives = root.meshes.get(variant.mesh).map_or(&[][..], |m| &m.primitives);
+    variant.kept.iter().filter_map(|&i| primitives.get(i as usize))
+}
+
+fn place(
+    path: &Path,
+    root: &Root,
+    buffers: &Buffers<'_>,
+    nodes: &Nodes,
+    placing: &Placing,
+    scene: &mut Scene,
+) -> Result<()> {
+    let &Placing { variant, node, casts } = placing;
+    let json = &root.nodes[node];
+    let mut add = |world_from_mesh| {
+        let name = nodes::name(json, node);
+        scene.instances.push(Instance { name, mesh: variant, world_from_mesh, casts });
+    };
+    if json.skin.is_some() {
+        add(IDENTITY);
+        return Ok(());
+    }
+    let world = &nodes.world[node];
+    match nodes::gpu_instances(path, root, buffers, node)? {
+        None => add(*world),
+        Some(maps) => {
+            for map in &maps {
+                let world_from_mesh = nodes::multiply(world, map);
+                if !nodes::is_finite(&world_from_mesh) {
+                    let what = format!("the transform of node {:?}", nodes::name(json, node));
+                    return Err(Error::NotFinite { path: path.to_owned(), what });
+                }
+                add(world_from_mesh);
+            }
+        }
+    }
+    Ok(())
 }

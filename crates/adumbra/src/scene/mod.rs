@@ -12,13 +12,14 @@ mod obj;
 mod ply;
 mod texture;
 pub mod topology;
+mod validate;
 
 use std::path::Path;
 
 pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate};
 pub use glb::{to_glb, write_glb};
-pub use texture::{Texture, Wrap};
+pub use texture::{Pixels, Texture, Wrap};
 
 use crate::error::{Error, Result};
 
@@ -205,9 +206,9 @@ impl Scene {
             let mesh = &self.meshes[instance.mesh as usize];
             for &p in mesh.triangles.iter().flatten().map(|&i| &mesh.positions[i as usize]) {
                 let p_world = instance.to_world(p);
-                for a in 0..3 {
-                    b.min[a] = b.min[a].min(p_world[a]);
-                    b.max[a] = b.max[a].max(p_world[a]);
+                for (a, c) in p_world.into_iter().enumerate() {
+                    b.min[a] = b.min[a].min(c);
+                    b.max[a] = b.max[a].max(c);
                 }
             }
         }

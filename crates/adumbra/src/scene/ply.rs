@@ -1,15 +1,228 @@
-//! s
-use super::*;
-pub fn load(path: &Path, _o: &LoadOptions) -> Result<Scene> {
-  let d = std::fs::read(path).unwrap();
-  let e = d.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
-  let h = String::from_utf8_lossy(&d[..e]).to_string();
-  let num = |k: &str| h.lines().find(|l| l.starts_with(k)).unwrap().split(' ').nth(2).unwrap().parse::<usize>().unwrap();
-  let (v, f) = (num("element vertex"), num("element face"));
-  let fl = |o: usize| f32::from_le_bytes(d[o..o+4].try_into().unwrap());
-  let u = |o: usize| u32::from_le_bytes(d[o..o+4].try_into().unwrap());
-  let p = (0..v).map(|i| [fl(e+i*12), fl(e+i*12+4), fl(e+i*12+8)]).collect();
-  let b = e + v*12;
-  let t = (0..f).map(|i| { assert_eq!(d[b+i*13],3); [u(b+i*13+1), u(b+i*13+5), u(b+i*13+9)] }).collect();
-  Ok(obj::single(p,t))
+//! Loads PLY (Greg Turk, 1994): ascii and both binary orders, polygons cut into fans. No names, no materials: the
+//! file's own name stands for node and mesh, `default` for the material.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{
+    ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
+};
+
+use super::gltf::IDENTITY;
+use super::validate::{Sieve, check_vertex, finish, read};
+use super::{Instance, LoadOptions, Material, Mesh, Scene};
+use crate::error::{Error, Result};
+
+/// What one element of the file says: a vertex's position or a face's corners.
+struct Record {
+    position: [f32; 3],
+    corners: Vec<i64>,
+}
+
+impl PropertyAccess for Record {
+    fn new() -> Self {
+        Self { position: [0.0; 3], corners: Vec::new() }
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let axis = match name {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            "vertex_indices" | "vertex_index" => {
+                self.corners = integers(property);
+                return PropertyAccessResult::Set;
+            }
+            _ => return PropertyAccessResult::Ignored,
+        };
+        self.position[axis] = match property {
+            Property::Char(v) => f32::from(v),
+            Property::UChar(v) => f32::from(v),
+            Property::Short(v) => f32::from(v),
+            Property::UShort(v) => f32::from(v),
+            Property::Int(v) => v as f32,
+            Property::UInt(v) => v as f32,
+            Property::Float(v) => v,
+            Property::Double(v) => v as f32,
+            _ => return PropertyAccessResult::UnsupportedType,
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+fn integers(property: Property) -> Vec<i64> {
+    match property {
+        Property::ListChar(v) => v.into_iter().map(i64::from).collect(),
+        Property::ListUChar(v) => v.into_iter().map(i64::from).collect(),
+        Property::ListShort(v) => v.into_iter().map(i64::from).collect(),
+        Property::ListUShort(v) => v.into_iter().map(i64::from).collect(),
+        Property::ListInt(v) => v.into_iter().map(i64::from).collect(),
+        Property::ListUInt(v) => v.into_iter().map(i64::from).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Loads a `.ply` file.
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let bytes = read(path, "PLY")?;
+    let name = path.file_stem().map_or_else(|| "mesh".to_owned(), |s| s.to_string_lossy().into_owned());
+    let mut scene = Scene { materials: vec![Material::opaque("default", [1.0; 4])], ..Scene::default() };
+    let mut sieve = Sieve::default();
+    let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
+    let faces = parse(path, &bytes, &mut mesh.positions, &mut scene.notes.skipped_primitives)?;
+    drop(bytes);
+    if !options.filter.keeps(&name, &name, "default") {
+        sieve.filtered = true;
+        return finish(path, scene, &sieve, options);
+    }
+    if faces.is_empty() {
+        let hint = "; a point cloud casts no shadow: give a file with faces".to_owned();
+        return Err(Error::NoTriangles { path: path.to_owned(), hint });
+    }
+    for face in faces {
+        let mut points = [[0.0; 3]; 3];
+        for (point, corner) in points.iter_mut().zip(face) {
+            let Some(&p) = mesh.positions.get(corner as usize) else {
+                return Err(Error::IndexOutOfRange {
+                    path: path.to_owned(),
+                    mesh: name,
+                    index: u64::from(corner),
+                    vertices: mesh.positions.len() as u64,
+                });
+            };
+            check_vertex(path, &name, u64::from(corner), p)?;
+            *point = p;
+        }
+        if sieve.keeps(points) {
+            mesh.triangles.push(face);
+        }
+    }
+    drop_unused(&mut mesh);
+    mesh.triangle_materials = vec![0; mesh.triangles.len()];
+    scene.meshes.push(mesh);
+    scene.instances.push(Instance { name, mesh: 0, world_from_mesh: IDENTITY, casts: true });
+    finish(path, scene, &sieve, options)
+}
+
+/// Reads the positions, and the faces as triangles.
+fn parse(
+    path: &Path,
+    bytes: &[u8],
+    positions: &mut Vec<[f32; 3]>,
+    skipped: &mut u64,
+) -> Result<Vec<[u32; 3]>> {
+    let bad = |what: String| Error::SceneParse { path: path.to_owned(), format: "PLY", what };
+    let told = |e: ParseError| bad(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
+    let parser = Parser::<Record>::new();
+    let mut reader = Reader::new(bytes);
+    let header = parser.read_header(&mut reader).map_err(told)?;
+    let mut triangles = Vec::new();
+    for (_, element) in &header.elements {
+        let (count, stated) = (element.count, &element.name);
+        let least = least_size(element, header.encoding);
+        if least == 0 && count > 0 {
+            return Err(bad(format!("element {stated} has no properties")));
+        }
+        if count.checked_mul(least).is_none_or(|n| n > reader.get_ref().len() + 1) {
+            return Err(bad(format!(
+                "it states {count} of element {stated}, more than the file has room for"
+            )));
+        }
+        let is_vertex = stated == "vertex";
+        if is_vertex && !["x", "y", "z"].iter().all(|&axis| element.properties.contains_key(axis)) {
+            return Err(bad("its vertices have no x, y and z".to_owned()));
+        }
+        if is_vertex {
+            positions.reserve_exact(count);
+        }
+        for i in 0..count {
+            let record = read_record(&parser, &mut reader, element, header.encoding)
+                .map_err(|e| bad(format!("{stated} {i} of {count}: {}", one_line(&e))))?;
+            if is_vertex {
+                positions.push(record.position);
+            } else if stated == "face" {
+                fan(&record.corners, &mut triangles, skipped)
+                    .map_err(|corner| bad(format!("face {i} names vertex {corner}")))?;
+            }
+        }
+    }
+    Ok(triangles)
+}
+
+fn read_record(
+    parser: &Parser<Record>,
+    reader: &mut Reader<&[u8]>,
+    element: &ElementDef,
+    encoding: Encoding,
+) -> Result<Record, ParseError> {
+    match encoding {
+        Encoding::BinaryLittleEndian => parser.read_little_endian_element(reader.get_mut(), element),
+        Encoding::BinaryBigEndian => parser.read_big_endian_element(reader.get_mut(), element),
+        Encoding::Ascii => {
+            let mut line = String::new();
+            // Empty lines hold no element.
+            while reader.get_mut().read_line(&mut line)? > 0 && line.trim().is_empty() {
+                line.clear();
+            }
+            parser.read_ascii_element(line.trim(), element)
+        }
+    }
+}
+
+fn one_line(e: &ParseError) -> String {
+    e.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Bytes that one element takes at least.
+fn least_size(element: &ElementDef, encoding: Encoding) -> usize {
+    let size = |s: &ScalarType| match (encoding, s) {
+        (Encoding::Ascii, _) => 2,
+        (_, ScalarType::Char | ScalarType::UChar) => 1,
+        (_, ScalarType::Short | ScalarType::UShort) => 2,
+        (_, ScalarType::Int | ScalarType::UInt | ScalarType::Float) => 4,
+        (_, ScalarType::Double) => 8,
+    };
+    let of = |t: &PropertyType| match t {
+        PropertyType::Scalar(s) | PropertyType::List(s, _) => size(s),
+    };
+    element.properties.iter().map(|(_, p)| of(&p.data_type)).sum()
+}
+
+/// Cuts a polygon into a fan; the error is a corner that is no vertex index.
+fn fan(corners: &[i64], triangles: &mut Vec<[u32; 3]>, skipped: &mut u64) -> Result<(), i64> {
+    let Some((&first, rest)) = corners.split_first().filter(|_| corners.len() >= 3) else {
+        *skipped += 1;
+        return Ok(());
+    };
+    let index = |corner: i64| u32::try_from(corner).map_err(|_| corner);
+    for pair in rest.windows(2) {
+        if let &[second, third] = pair {
+            triangles.push([index(first)?, index(second)?, index(third)?]);
+        }
+    }
+    Ok(())
+}
+
+/// Takes out vertices that no triangle uses, which nothing has checked.
+fn drop_unused(mesh: &mut Mesh) {
+    let mut new_index = vec![u32::MAX; mesh.positions.len()];
+    for &corner in mesh.triangles.iter().flatten() {
+        if let Some(slot) = new_index.get_mut(corner as usize) {
+            *slot = 0;
+        }
+    }
+    let mut next = 0;
+    let mut kept = Vec::with_capacity(new_index.iter().filter(|&&i| i == 0).count());
+    for (slot, &p) in new_index.iter_mut().zip(&mesh.positions) {
+        if *slot == 0 {
+            *slot = next;
+            next += 1;
+            kept.push(p);
+        }
+    }
+    mesh.positions = kept;
+    for corner in mesh.triangles.iter_mut().flatten() {
+        *corner = new_index.get(*corner as usize).copied().unwrap_or_default();
+    }
 }

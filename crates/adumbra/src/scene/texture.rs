@@ -1,8 +1,230 @@
-//! stub
-/// stub
+//! Textures as shadows need them: sampled alpha, and colour for the CPU renderer.
+//!
+//! Coordinates follow glTF 2.0: (0, 0) is the top left corner, texel centres lie at half texels. Only plain
+//! arithmetic on 32-bit floats, so every machine samples the same value. No mip levels: a cut-off is decided on the
+//! full texture.
+
+use std::io::Cursor;
+use std::sync::LazyLock;
+
+use image::{ImageFormat, ImageReader};
+
+/// An image with the way it repeats and is filtered.
 #[derive(Clone, Debug)]
-pub struct Texture;
-/// stub
-pub enum Wrap {}
-impl Texture { /// s
-pub fn alpha(&self, _uv: [f32; 2]) -> f32 { 1.0 } pub(crate) fn memory_bytes(&self)->usize{0} pub fn color(&self,_:[f32;2])->[f32;4]{[1.0;4]} }
+pub struct Texture {
+    /// The image's name, file, or an invented name.
+    pub name: String,
+    /// Width in texels, at least 1.
+    pub width: u32,
+    /// Height in texels, at least 1.
+    pub height: u32,
+    /// The texels, row by row from the top.
+    pub pixels: Pixels,
+    /// What happens outside 0…1, for u and v.
+    pub wrap: [Wrap; 2],
+    /// Takes the nearest texel instead of blending four.
+    pub nearest: bool,
+}
+
+/// Texels; the short form is a quarter of the size and enough for opacity.
+#[derive(Clone, Debug)]
+pub enum Pixels {
+    /// One byte a texel: alpha; the colour reads as white.
+    Alpha(Vec<u8>),
+    /// Four bytes a texel: sRGB red, green, blue, then linear alpha.
+    Rgba(Vec<u8>),
+}
+
+/// How a texture goes on outside 0…1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// Starts again.
+    #[default]
+    Repeat,
+    /// Starts again, every second time mirrored.
+    Mirror,
+    /// The edge's texels go on.
+    Clamp,
+}
+
+/// Linear value of each 8-bit sRGB value (IEC 61966-2-1).
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let s = i as f64 / 255.0;
+        (if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) }) as f32
+    })
+});
+
+/// One axis of a sample: two texels and the weight of the second.
+#[derive(Clone, Copy)]
+struct Axis {
+    low: u32,
+    high: u32,
+    weight: f32,
+}
+
+impl Texture {
+    /// Alpha at `uv`, 0…1. Cost: four texel reads, or one for a nearest texture. A coordinate that is not finite
+    /// counts as 0.
+    pub fn alpha(&self, uv: [f32; 2]) -> f32 {
+        self.sample(uv, |texel| [self.alpha_byte(texel)])[0] / 255.0
+    }
+
+    /// Linear red, green and blue, and alpha, at `uv`. Cost: as [`Texture::alpha`], four channels.
+    pub fn color(&self, uv: [f32; 2]) -> [f32; 4] {
+        let [r, g, b, a] = self.sample(uv, |texel| match &self.pixels {
+            Pixels::Alpha(_) => [1.0, 1.0, 1.0, self.alpha_byte(texel)],
+            Pixels::Rgba(bytes) => {
+                let channel =
+                    |c: usize| LINEAR[usize::from(bytes.get(texel * 4 + c).copied().unwrap_or(255))];
+                [channel(0), channel(1), channel(2), self.alpha_byte(texel)]
+            }
+        });
+        [r, g, b, a / 255.0]
+    }
+
+    /// Bytes held by the texels.
+    pub(super) fn memory_bytes(&self) -> usize {
+        match &self.pixels {
+            Pixels::Alpha(bytes) | Pixels::Rgba(bytes) => bytes.capacity(),
+        }
+    }
+
+    /// Whether every texel's alpha is full, so that the texture cannot cut anything out.
+    pub fn is_fully_opaque(&self) -> bool {
+        match &self.pixels {
+            Pixels::Alpha(bytes) => bytes.iter().all(|&a| a == 255),
+            Pixels::Rgba(bytes) => bytes.chunks_exact(4).all(|texel| texel[3] == 255),
+        }
+    }
+
+    /// Decodes a PNG, JPEG, WebP, TGA or BMP file; repeats and blends. `ending` helps where the bytes do not tell
+    /// the format. With `alpha_only` the colours are dropped. The error is a clause for [`crate::Error::Texture`].
+    pub(super) fn decode(name: String, bytes: &[u8], ending: &str, alpha_only: bool) -> Result<Self, String> {
+        let mut reader =
+            ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
+        if reader.format().is_none()
+            && let Some(format) = ImageFormat::from_extension(ending)
+        {
+            reader.set_format(format);
+        }
+        if reader.format().is_none() {
+            return Err("it is not a PNG, JPEG, WebP, TGA or BMP image".to_owned());
+        }
+        let image = reader.decode().map_err(|e| e.to_string())?;
+        let (width, height) = (image.width(), image.height());
+        if width == 0 || height == 0 {
+            return Err("the image is empty".to_owned());
+        }
+        let pixels = if !alpha_only {
+            Pixels::Rgba(image.into_rgba8().into_raw())
+        } else if image.color().has_alpha() {
+            Pixels::Alpha(image.into_rgba8().chunks_exact(4).map(|texel| texel[3]).collect())
+        } else {
+            Pixels::Alpha(vec![255; width as usize * height as usize])
+        };
+        Ok(Self { name, width, height, pixels, wrap: [Wrap::Repeat; 2], nearest: false })
+    }
+
+    fn alpha_byte(&self, texel: usize) -> f32 {
+        let byte = match &self.pixels {
+            Pixels::Alpha(bytes) => bytes.get(texel),
+            Pixels::Rgba(bytes) => bytes.get(texel * 4 + 3),
+        };
+        f32::from(byte.copied().unwrap_or(255))
+    }
+
+    fn sample<const N: usize>(&self, uv: [f32; 2], fetch: impl Fn(usize) -> [f32; N]) -> [f32; N] {
+        let index = |x: u32, y: u32| y as usize * self.width as usize + x as usize;
+        if self.nearest {
+            return fetch(index(
+                nearest_texel(uv[0], self.width, self.wrap[0]),
+                nearest_texel(uv[1], self.height, self.wrap[1]),
+            ));
+        }
+        let x = axis(uv[0], self.width, self.wrap[0]);
+        let y = axis(uv[1], self.height, self.wrap[1]);
+        let mix = |a: [f32; N], b: [f32; N], w: f32| std::array::from_fn(|c| a[c] + (b[c] - a[c]) * w);
+        let top = mix(fetch(index(x.low, y.low)), fetch(index(x.high, y.low)), x.weight);
+        let bottom = mix(fetch(index(x.low, y.high)), fetch(index(x.high, y.high)), x.weight);
+        mix(top, bottom, y.weight)
+    }
+}
+
+/// Brings a coordinate into 0…1.
+fn wrapped(u: f32, wrap: Wrap) -> f32 {
+    if !u.is_finite() {
+        return 0.0;
+    }
+    match wrap {
+        Wrap::Repeat => u - u.floor(),
+        Wrap::Mirror => {
+            let m = u - 2.0 * (u * 0.5).floor();
+            if m > 1.0 { 2.0 - m } else { m }
+        }
+        Wrap::Clamp => u.clamp(0.0, 1.0),
+    }
+}
+
+fn nearest_texel(u: f32, size: u32, wrap: Wrap) -> u32 {
+    ((wrapped(u, wrap) * size as f32) as u32).min(size.saturating_sub(1))
+}
+
+fn axis(u: f32, size: u32, wrap: Wrap) -> Axis {
+    let t = wrapped(u, wrap) * size as f32 - 0.5;
+    let low = t.floor();
+    let last = i64::from(size) - 1;
+    let inside = |i: i64| match wrap {
+        Wrap::Repeat if i < 0 => last,
+        Wrap::Repeat if i > last => 0,
+        _ => i.clamp(0, last.max(0)),
+    };
+    Axis { low: inside(low as i64) as u32, high: inside(low as i64 + 1) as u32, weight: t - low }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_by_two(wrap: Wrap, nearest: bool) -> Texture {
+        let pixels = Pixels::Alpha(vec![0, 255, 255, 255]);
+        Texture { name: "t".into(), width: 2, height: 2, pixels, wrap: [wrap; 2], nearest }
+    }
+
+    #[test]
+    fn texture_origin_is_top_left_and_centres_lie_at_half() {
+        let t = two_by_two(Wrap::Clamp, false);
+        assert_eq!(t.alpha([0.25, 0.25]), 0.0);
+        assert_eq!(t.alpha([0.75, 0.25]), 1.0);
+        assert_eq!(t.alpha([0.5, 0.25]), 0.5);
+        assert_eq!(t.alpha([0.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn texture_wraps() {
+        let repeat = two_by_two(Wrap::Repeat, false);
+        assert_eq!(repeat.alpha([1.25, -0.75]), 0.0);
+        assert_eq!(repeat.alpha([0.0, 0.25]), 0.5);
+        let mirror = two_by_two(Wrap::Mirror, false);
+        assert_eq!(mirror.alpha([-0.25, 2.25]), 0.0);
+        assert_eq!(mirror.alpha([1.25, 0.25]), 1.0);
+        let clamp = two_by_two(Wrap::Clamp, true);
+        assert_eq!(clamp.alpha([-9.0, 0.1]), 0.0);
+        assert_eq!(clamp.alpha([9.0, 0.1]), 1.0);
+    }
+
+    #[test]
+    fn texture_takes_any_coordinate() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for nearest in [false, true] {
+                let t = two_by_two(wrap, nearest);
+                for u in [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN, -1e-12, 1e-40, 1.0] {
+                    for v in [0.3, u] {
+                        assert!((0.0..=1.0).contains(&t.alpha([u, v])));
+                        assert!(t.color([v, u]).iter().all(|c| (0.0..=1.0).contains(c)));
+                    }
+                }
+            }
+        }
+    }
+}

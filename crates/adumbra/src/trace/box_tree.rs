@@ -75,7 +75,8 @@ impl BoxTree {
             .collect();
         let indices = (0..padded.len() as u32).collect();
         let distance = PlocSearchDistance::High;
-        let mut bvh2 = PlocBuilder::with_capacity(padded.len()).build(distance, &padded, indices, SortPrecision::U64, 2);
+        let mut bvh2 =
+            PlocBuilder::with_capacity(padded.len()).build(distance, &padded, indices, SortPrecision::U64, 2);
         ReinsertionOptimizer::default().run(&mut bvh2, 0.1, None);
         let bvh = bvh2_to_cwbvh(&bvh2, 3, true, false);
         Self { bvh, center, scale, half: half.map(|h| h * scale + CUT_MARGIN) }
@@ -168,7 +169,8 @@ impl BoxTree {
         }
         let unit = d.map(|c| c / speed);
         let start: [f64; 3] = std::array::from_fn(|a| o[a] + d[a] * enter - unit[a] * SET_BACK);
-        let unit = unit.map(|c| if c.abs() < SMALLEST_COMPONENT { SMALLEST_COMPONENT.copysign(c) } else { c });
+        let unit =
+            unit.map(|c| if c.abs() < SMALLEST_COMPONENT { SMALLEST_COMPONENT.copysign(c) } else { c });
         let cut = Cut { enter, speed };
         let vector = |v: [f64; 3]| Vec3A::from_array(v.map(|c| c as f32));
         let ray = obvhs::ray::Ray {
@@ -219,7 +221,9 @@ impl Stack {
 
     #[inline]
     fn pop(&mut self) -> Option<(u32, u32)> {
-        if self.len == STACK && let Some(group) = self.far.pop() {
+        if self.len == STACK
+            && let Some(group) = self.far.pop()
+        {
             return Some(group);
         }
         self.len = self.len.checked_sub(1)?;

@@ -81,7 +81,8 @@ impl Placing {
         for (a, row) in mesh_from_world.iter_mut().enumerate() {
             (row[a], row[3]) = (scale, -center[a] * scale);
         }
-        let placing = Self { instance: number as u32, tree: tree as u32, casts: instance.casts, mesh_from_world };
+        let placing =
+            Self { instance: number as u32, tree: tree as u32, casts: instance.casts, mesh_from_world };
         (placing, tree_here)
     }
 
@@ -97,7 +98,8 @@ impl Placing {
     ) -> bool {
         let m = &self.mesh_from_world;
         let origin = m.map(|r| r[0] * ray.origin[0] + r[1] * ray.origin[1] + r[2] * ray.origin[2] + r[3]);
-        let direction = m.map(|r| r[0] * ray.direction[0] + r[1] * ray.direction[1] + r[2] * ray.direction[2]);
+        let direction =
+            m.map(|r| r[0] * ray.direction[0] + r[1] * ray.direction[1] + r[2] * ray.direction[2]);
         let mut sheared = ShearedRay::new(origin, direction, ray.t_min, *until);
         tree.tree.walk(origin, direction, (ray.t_min, *until), |slot| {
             let Some(hit) = sheared.intersect(&tree.corners[slot]) else { return Step::On };

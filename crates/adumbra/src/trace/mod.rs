@@ -104,7 +104,8 @@ impl<'s> Tracer<'s> {
         });
         let (mut trees, used): (Vec<MeshTree>, Vec<Vec<[f32; 3]>>) =
             scene.meshes.par_iter().map(|mesh| (MeshTree::of_mesh(mesh), used_positions(mesh))).unzip();
-        let boxes: Vec<_> = scene.instances.par_iter().map(|i| world_box(i, &used[i.mesh as usize])).collect();
+        let boxes: Vec<_> =
+            scene.instances.par_iter().map(|i| world_box(i, &used[i.mesh as usize])).collect();
         let (mut placings, mut placed_boxes) = (Vec::new(), Vec::new());
         for (number, (instance, world)) in scene.instances.iter().zip(boxes).enumerate() {
             if !world.iter().flatten().all(|c| c.is_finite()) {
@@ -241,8 +242,7 @@ impl<'s> Tracer<'s> {
     fn normal(&self, instance: u32, triangle: u32) -> [f64; 3] {
         let instance = &self.scene.instances[instance as usize];
         let mesh = &self.scene.meshes[instance.mesh as usize];
-        let [a, b, c] =
-            mesh.triangles[triangle as usize].map(|i| mesh.positions[i as usize].map(f64::from));
+        let [a, b, c] = mesh.triangles[triangle as usize].map(|i| mesh.positions[i as usize].map(f64::from));
         let turn = |d: [f64; 3]| instance.world_from_mesh.map(|row| dot([row[0], row[1], row[2]], d));
         let edge = |to: [f64; 3]| turn([to[0] - a[0], to[1] - a[1], to[2] - a[2]]);
         // Scaled, so that squares of very small or large edges stay in range.

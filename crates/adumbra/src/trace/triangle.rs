@@ -51,11 +51,7 @@ impl ShearedRay {
     /// the ray sees exactly edge-on is not hit; its neighbours are.
     pub(super) fn intersect(&self, v: &[[f32; 3]; 3]) -> Option<TriangleHit> {
         let [a, b, c] = [self.to_ray(v[0]), self.to_ray(v[1]), self.to_ray(v[2])];
-        let mut e = [
-            c[0] * b[1] - c[1] * b[0],
-            a[0] * c[1] - a[1] * c[0],
-            b[0] * a[1] - b[1] * a[0],
-        ];
+        let mut e = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
         if e[0] == 0.0 || e[1] == 0.0 || e[2] == 0.0 {
             e = [
                 difference_of_products(c[0], b[1], c[1], b[0]),

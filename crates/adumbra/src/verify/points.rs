@@ -124,7 +124,8 @@ impl<'s> SurfaceSampler<'s> {
         let weights = [1.0 - u - v, u, v];
         let corners = mesh.triangles[triangle];
         let p = corners.map(|c| instance.to_world(mesh.positions[c as usize]));
-        let p_world = std::array::from_fn(|a| p[0][a] * weights[0] + p[1][a] * weights[1] + p[2][a] * weights[2]);
+        let p_world =
+            std::array::from_fn(|a| p[0][a] * weights[0] + p[1][a] * weights[1] + p[2][a] * weights[2]);
         let mut normal = cross(sub(p[1], p[0]), sub(p[2], p[0]));
         let length = dot(normal, normal).sqrt();
         let mut sign = if instance.determinant() < 0.0 { -1.0 } else { 1.0 };

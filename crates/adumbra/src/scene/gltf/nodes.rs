@@ -1,0 +1,211 @@
+//! The node tree: world transforms, what is drawn, what casts, and EXT_mesh_gpu_instancing.
+
+use std::path::Path;
+
+use ::gltf::json::{Root, extras::Extras, scene::Node};
+
+use super::accessor::Accessor;
+use super::container::{Buffers, bad};
+use crate::error::{Error, Result};
+
+/// An affine map, row major, as [`crate::scene::Instance::world_from_mesh`].
+pub(in crate::scene) type Affine = [[f64; 4]; 3];
+
+/// The map that changes nothing.
+pub(in crate::scene) const IDENTITY: Affine =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// The node tree with transforms multiplied out.
+pub(super) struct Nodes {
+    /// World transform of every node.
+    pub(super) world: Vec<Affine>,
+    /// Nodes of the scene that have a mesh, depth first, with whether they cast.
+    pub(super) drawn: Vec<(usize, bool)>,
+}
+
+impl Nodes {
+    /// Multiplies out the tree and walks the default scene, else the first, else every root.
+    pub(super) fn load(path: &Path, root: &Root) -> Result<Self> {
+        let count = root.nodes.len();
+        let mut parent = vec![None; count];
+        for (index, node) in root.nodes.iter().enumerate() {
+            for child in children(node) {
+                match parent.get_mut(child) {
+                    None => {
+                        return Err(bad(
+                            path,
+                            format!("node {index} has a child {child} that does not exist"),
+                        ));
+                    }
+                    Some(Some(_)) => return Err(bad(path, format!("node {child} has more than one parent"))),
+                    Some(slot) => *slot = Some(index),
+                }
+            }
+        }
+        let roots: Vec<usize> = (0..count).filter(|&i| parent[i].is_none()).collect();
+        let mut world = vec![IDENTITY; count];
+        let mut reached = 0;
+        let mut stack: Vec<usize> = roots.clone();
+        while let Some(index) = stack.pop() {
+            reached += 1;
+            let node = &root.nodes[index];
+            let above = parent[index].map_or(IDENTITY, |p| world[p]);
+            world[index] = multiply(&above, &local(node));
+            if !is_finite(&world[index]) {
+                let what = format!("the transform of node {:?}", name(node, index));
+                return Err(Error::NotFinite { path: path.to_owned(), what });
+            }
+            stack.extend(children(node));
+        }
+        if reached != count {
+            return Err(bad(path, "its nodes form a cycle"));
+        }
+        let starts = match root.scene.map(|s| s.value()).or((!root.scenes.is_empty()).then_some(0)) {
+            Some(scene) => match root.scenes.get(scene) {
+                Some(scene) => scene.nodes.iter().map(|n| n.value()).collect(),
+                None => return Err(bad(path, format!("its default scene {scene} does not exist"))),
+            },
+            None => roots,
+        };
+        let drawn = walk(path, root, starts)?;
+        Ok(Self { world, drawn })
+    }
+}
+
+fn walk(path: &Path, root: &Root, starts: Vec<usize>) -> Result<Vec<(usize, bool)>> {
+    let mut seen = vec![false; root.nodes.len()];
+    let mut drawn = Vec::new();
+    let mut stack: Vec<(usize, bool)> = starts.into_iter().rev().map(|i| (i, true)).collect();
+    while let Some((index, inherited)) = stack.pop() {
+        let (Some(node), Some(seen)) = (root.nodes.get(index), seen.get_mut(index)) else {
+            return Err(bad(path, format!("its scene names node {index}, which does not exist")));
+        };
+        if std::mem::replace(seen, true) || is_hidden(node) {
+            continue;
+        }
+        let casts = inherited && casts(&node.extras);
+        if node.mesh.is_some() {
+            drawn.push((index, casts));
+        }
+        let from = stack.len();
+        stack.extend(children(node).map(|child| (child, casts)));
+        stack[from..].reverse();
+    }
+    Ok(drawn)
+}
+
+/// Transforms within the node where EXT_mesh_gpu_instancing places its mesh; `None` where it does not.
+pub(super) fn gpu_instances(
+    path: &Path,
+    root: &Root,
+    buffers: &Buffers<'_>,
+    index: usize,
+) -> Result<Option<Vec<Affine>>> {
+    let node = root.nodes.get(index);
+    let Some(value) = node
+        .and_then(|n| n.extensions.as_ref())
+        .and_then(|e| e.others.get("EXT_mesh_gpu_instancing"))
+        .and_then(|e| e.get("attributes"))
+    else {
+        return Ok(None);
+    };
+    let broken = |what: &str| bad(path, format!("the instances of node {index} {what}"));
+    let open = |semantic: &str| -> Result<Option<Accessor<'_>>> {
+        let Some(accessor) = value.get(semantic) else { return Ok(None) };
+        let accessor = accessor.as_u64().and_then(|a| usize::try_from(a).ok());
+        let accessor = accessor.ok_or_else(|| broken("name an accessor that is not a number"))?;
+        Accessor::open(path, root, buffers, accessor).map(Some)
+    };
+    let (move_by, turn_by, scale_by) = (open("TRANSLATION")?, open("ROTATION")?, open("SCALE")?);
+    let counts = || [&move_by, &turn_by, &scale_by].into_iter().flatten().map(|a| a.count);
+    let count = counts().next().unwrap_or(0);
+    if counts().any(|c| c != count) {
+        return Err(broken("have attributes of different lengths"));
+    }
+    let mut maps = Vec::with_capacity(count);
+    for i in 0..count {
+        let t = move_by.as_ref().and_then(|a| a.floats::<3>(i)).unwrap_or_default();
+        let r = turn_by.as_ref().and_then(|a| a.floats::<4>(i)).unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let s = scale_by.as_ref().and_then(|a| a.floats::<3>(i)).unwrap_or([1.0; 3]);
+        let map = compose(t, r, s);
+        if !is_finite(&map) {
+            let what = format!("the transform of instance {i} of node {index}");
+            return Err(Error::NotFinite { path: path.to_owned(), what });
+        }
+        maps.push(map);
+    }
+    Ok(Some(maps))
+}
+
+/// The node's name, or `node 7`.
+pub(super) fn name(node: &Node, index: usize) -> String {
+    node.name.clone().unwrap_or_else(|| format!("node {index}"))
+}
+
+/// False where extras hold `{"adumbra": {"cast": false}}`.
+pub(super) fn casts(extras: &Extras) -> bool {
+    let Some(raw) = extras else { return true };
+    let value: serde_json::Value = serde_json::from_str(raw.get()).unwrap_or_default();
+    value.get("adumbra").and_then(|a| a.get("cast")).and_then(serde_json::Value::as_bool).unwrap_or(true)
+}
+
+/// Whether KHR_node_visibility hides the node and all below it.
+fn is_hidden(node: &Node) -> bool {
+    let visible = node
+        .extensions
+        .as_ref()
+        .and_then(|e| e.others.get("KHR_node_visibility"))
+        .and_then(|e| e.get("visible"))
+        .and_then(serde_json::Value::as_bool);
+    visible == Some(false)
+}
+
+fn children(node: &Node) -> impl Iterator<Item = usize> + '_ {
+    node.children.iter().flatten().map(|c| c.value())
+}
+
+/// `a · b`: first `b`, then `a`.
+pub(super) fn multiply(a: &Affine, b: &Affine) -> Affine {
+    std::array::from_fn(|r| {
+        std::array::from_fn(|c| {
+            let product = a[r][0] * b[0][c] + a[r][1] * b[1][c] + a[r][2] * b[2][c];
+            if c == 3 { product + a[r][3] } else { product }
+        })
+    })
+}
+
+/// The affine part of a column-major 4×4 matrix.
+pub(super) fn from_columns(m: &[f32; 16]) -> Affine {
+    std::array::from_fn(|r| std::array::from_fn(|c| f64::from(m[c * 4 + r])))
+}
+
+/// Whether all twelve numbers are finite.
+pub(super) fn is_finite(m: &Affine) -> bool {
+    m.iter().flatten().all(|v| v.is_finite())
+}
+
+fn local(node: &Node) -> Affine {
+    if let Some(matrix) = &node.matrix {
+        return from_columns(matrix);
+    }
+    let rotation = node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |r| r.0);
+    compose(node.translation.unwrap_or_default(), rotation, node.scale.unwrap_or([1.0; 3]))
+}
+
+/// Translation · rotation · scale; the quaternion is normalised first, a zero one turns nothing.
+fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Affine {
+    let q = rotation.map(f64::from);
+    let square = q.iter().map(|c| c * c).sum::<f64>();
+    let k = if square == 0.0 { 0.0 } else { 2.0 / square };
+    let [x, y, z, w] = q;
+    let turn = [
+        [1.0 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w)],
+        [k * (x * y + z * w), 1.0 - k * (x * x + z * z), k * (y * z - x * w)],
+        [k * (x * z - y * w), k * (y * z + x * w), 1.0 - k * (x * x + y * y)],
+    ];
+    std::array::from_fn(|r| {
+        std::array::from_fn(
+            |c| if c == 3 { f64::from(translation[r]) } else { turn[r][c] * f64::from(scale[c]) },
+        )
+    })
+}
