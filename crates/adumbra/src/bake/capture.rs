@@ -6,11 +6,12 @@
 
 use super::casters::Casters;
 use super::columns::{self, ColumnRules, Columns, FirstSurface};
-use super::project::{FixedDepth, Plane, Projected};
+use super::masked::{self, MaskedHit, TriangleMask};
+use super::project::{FixedDepth, Projected};
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
 
-/// Solid crossings that a tile may hold at once; a tile with more is captured in bands of rows.
+/// Solid crossings, and masked hits, that a tile may hold at once; a tile with more is captured in bands of rows.
 const MAX_CROSSINGS: usize = 1 << 22;
 
 /// A rectangle of texels.
@@ -31,6 +32,7 @@ pub(crate) struct CaptureBuffers {
     crossings: Vec<Crossing>,
     row_counts: Vec<u32>,
     sorted: Vec<u32>,
+    masked: Vec<MaskedHit>,
 }
 
 /// A solid's surface at a texel centre: texel, then depth, then entry before exit.
@@ -43,7 +45,7 @@ struct Crossing {
 /// Bytes that a worker needs for a tile of `texels`, columns included.
 pub(crate) fn working_bytes(texels: u64) -> u64 {
     let texel = size_of::<FirstSurface>() + 2 * size_of::<FixedDepth>() + 4;
-    let crossings = MAX_CROSSINGS * (size_of::<Crossing>() + 4);
+    let crossings = MAX_CROSSINGS * (size_of::<Crossing>() + 4 + size_of::<MaskedHit>());
     texels * (texel as u64 + 2 * 4) + crossings as u64
 }
 
@@ -98,6 +100,7 @@ fn capture_band(
     b.first.clear();
     b.first.resize(texels, FirstSurface::NONE);
     b.crossings.clear();
+    b.masked.clear();
     let mut fits = true;
     for_each_triangle(casters, tile, grid, |triangle, source| {
         fits = fits && sample_centers(casters, triangle, source, rules, rect, b);
@@ -105,6 +108,7 @@ fn capture_band(
     if !fits {
         return false;
     }
+    masked::add_first_surfaces(&mut b.masked, &mut b.first);
     resolve_solids(b, texels);
     b.next.clear();
     b.next.resize(texels, FixedDepth::MAX);
@@ -113,12 +117,12 @@ fn capture_band(
 }
 
 /// Where a triangle came from.
-struct Source {
-    instance: u32,
-    triangle: u32,
-    solid: bool,
-    masked: bool,
-    corners_grid: [[f64; 3]; 3],
+pub(super) struct Source {
+    pub(super) instance: u32,
+    pub(super) triangle: u32,
+    pub(super) solid: bool,
+    pub(super) masked: bool,
+    pub(super) corners_grid: [[f64; 3]; 3],
 }
 
 fn for_each_triangle(
@@ -156,7 +160,12 @@ fn sample_centers(
     b: &mut CaptureBuffers,
 ) -> bool {
     let Some(plane) = triangle.plane else { return true };
-    let alpha = source.masked.then(|| AlphaPlanes::new(casters, source)).flatten();
+    let mask = if source.masked {
+        let Some(mask) = TriangleMask::new(casters.scene, source) else { return true };
+        Some(mask)
+    } else {
+        None
+    };
     let (first_row, last_row) = triangle.rows();
     let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
     let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
@@ -168,13 +177,15 @@ fn sample_centers(
         let y = row as f64 + 0.5;
         for i in first.max(x0)..=last.min(x1) {
             let x = i as f64 + 0.5;
-            if let Some(planes) = &alpha
-                && !planes.opaque_at(casters, x, y)
-            {
-                continue;
-            }
             let depth = triangle.depth_at(&plane, x, y);
             let texel = (start + i as isize) as usize;
+            if let Some(mask) = &mask {
+                let covered = mask.coverage(casters.scene, x, y);
+                if covered != 0 {
+                    b.masked.push(MaskedHit::new(texel, depth, info, covered));
+                }
+                continue;
+            }
             let surface = FirstSurface::new(depth, info);
             if surface < b.first[texel] {
                 b.first[texel] = surface;
@@ -184,34 +195,11 @@ fn sample_centers(
                     .push(Crossing { texel: texel as u32, key: columns::crossing_key(depth, exit_bit) });
             }
         }
-        if b.crossings.len() > MAX_CROSSINGS {
+        if b.crossings.len().max(b.masked.len()) > MAX_CROSSINGS {
             return false;
         }
     }
     true
-}
-
-/// Where a masked triangle is opaque, as linear texture coordinates over grid x and y.
-struct AlphaPlanes {
-    material: u32,
-    u: Plane,
-    v: Plane,
-}
-
-impl AlphaPlanes {
-    fn new(casters: &Casters<'_>, source: &Source) -> Option<Self> {
-        let instance = &casters.scene.instances[source.instance as usize];
-        let mesh = &casters.scene.meshes[instance.mesh as usize];
-        let corners = mesh.triangles[source.triangle as usize];
-        let uv = corners.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or_default());
-        let plane = |a: usize| Projected::attribute_plane(&source.corners_grid, uv.map(|c| f64::from(c[a])));
-        let material = mesh.triangle_materials[source.triangle as usize];
-        Some(Self { material, u: plane(0)?, v: plane(1)? })
-    }
-
-    fn opaque_at(&self, casters: &Casters<'_>, x: f64, y: f64) -> bool {
-        casters.scene.is_opaque(self.material, [self.u.at(x, y) as f32, self.v.at(x, y) as f32])
-    }
 }
 
 /// Walks the sorted crossings of every texel whose first surface bounds a solid; leaves the depth behind which other

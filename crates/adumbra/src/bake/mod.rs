@@ -7,6 +7,7 @@ mod capture;
 mod casters;
 mod columns;
 mod estimate;
+mod masked;
 mod options;
 mod project;
 #[cfg(test)]

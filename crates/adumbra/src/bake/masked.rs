@@ -1,0 +1,110 @@
+//! Surfaces with holes: which part of a texel they cover, and where a texel counts as covered.
+//!
+//! Departure from the specification's single sample at the texel's centre: where a texture's holes are finer than a
+//! texel, the centre alone is a coin toss. A masked surface is sampled at 4 × 4 places of the texel, the layers are
+//! taken together from the light on, and the column begins where half of the places are covered. A texture that is
+//! coarser than the texels is sampled once.
+
+use super::capture::Source;
+use super::columns::FirstSurface;
+use super::project::{FixedDepth, Plane, Projected};
+use crate::scene::Scene;
+
+/// Places of a texel along each axis.
+const PLACES: u32 = 4;
+/// Bits of the places that must be covered: half.
+const COVERED_PLACES: u32 = PLACES * PLACES / 2;
+/// A texel smaller than this many texels of the texture is sampled at its centre only.
+const COARSE_TEXTURE_TEXELS: f64 = 0.5;
+
+/// A masked surface over one texel.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct MaskedHit {
+    texel: u32,
+    first: FirstSurface,
+    covered: u16,
+}
+
+impl MaskedHit {
+    pub(super) fn new(texel: usize, depth: FixedDepth, info: u32, covered: u16) -> Self {
+        Self { texel: texel as u32, first: FirstSurface::new(depth, info), covered }
+    }
+}
+
+/// Puts the masked surface at which half of a texel is covered before what `first` holds, where it is nearer.
+pub(super) fn add_first_surfaces(hits: &mut [MaskedHit], first: &mut [FirstSurface]) {
+    hits.sort_unstable();
+    for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
+        let mut covered = 0_u16;
+        for hit in texel {
+            covered |= hit.covered;
+            if covered.count_ones() >= COVERED_PLACES {
+                let slot = &mut first[hit.texel as usize];
+                *slot = (*slot).min(hit.first);
+                break;
+            }
+        }
+    }
+}
+
+/// Where a masked triangle is opaque: texture coordinates as planes over grid x and y.
+pub(super) struct TriangleMask {
+    material: u32,
+    u: Plane,
+    v: Plane,
+    fine: bool,
+}
+
+impl TriangleMask {
+    /// None for a triangle that is edge-on to the light.
+    pub(super) fn new(scene: &Scene, source: &Source) -> Option<Self> {
+        let mesh = &scene.meshes[scene.instances[source.instance as usize].mesh as usize];
+        let corners = mesh.triangles[source.triangle as usize];
+        let uv = corners.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or_default());
+        let plane = |a: usize| Projected::attribute_plane(&source.corners_grid, uv.map(|c| f64::from(c[a])));
+        let (u, v) = (plane(0)?, plane(1)?);
+        let material = mesh.triangle_materials[source.triangle as usize];
+        let size = scene.materials[material as usize].texture.map_or([1, 1], |t| {
+            let texture = &scene.textures[t as usize];
+            [texture.width, texture.height]
+        });
+        let extent = |p: &Plane, texels: u32| (p.gradient[0].abs() + p.gradient[1].abs()) * f64::from(texels);
+        let fine = extent(&u, size[0]).max(extent(&v, size[1])) > COARSE_TEXTURE_TEXELS;
+        Some(Self { material, u, v, fine })
+    }
+
+    /// The places of the texel around (x, y) that are opaque: bit = row · 4 + column.
+    pub(super) fn coverage(&self, scene: &Scene, x: f64, y: f64) -> u16 {
+        if !self.fine {
+            return if self.opaque_at(scene, x, y) { u16::MAX } else { 0 };
+        }
+        (0..PLACES * PLACES).fold(0, |bits, place| {
+            let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(PLACES) - 0.5;
+            let opaque = self.opaque_at(scene, x + offset(place % PLACES), y + offset(place / PLACES));
+            bits | u16::from(opaque) << place
+        })
+    }
+
+    fn opaque_at(&self, scene: &Scene, x: f64, y: f64) -> bool {
+        scene.is_opaque(self.material, [self.u.at(x, y) as f32, self.v.at(x, y) as f32])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masked_layers_count_together_from_the_light_on() {
+        let hit = |depth, covered| MaskedHit::new(0, depth, 1 << 31, covered);
+        let mut first = [FirstSurface::NONE];
+        // A quarter, the same quarter again, another quarter: half is reached at the third.
+        let mut hits = [hit(900, 0x0f00), hit(300, 0x000f), hit(600, 0x000f), hit(1200, u16::MAX)];
+        add_first_surfaces(&mut hits, &mut first);
+        assert_eq!(first[0].depth(), 900);
+        // An opaque surface that is nearer stays first.
+        let mut first = [FirstSurface::new(100, 0)];
+        add_first_surfaces(&mut hits, &mut first);
+        assert_eq!(first[0].depth(), 100);
+    }
+}
