@@ -16,6 +16,10 @@ const PLACES: u32 = 4;
 const COVERED_PLACES: u32 = PLACES * PLACES / 2;
 /// A texel smaller than this many texels of the texture is sampled at its centre only.
 const COARSE_TEXTURE_TEXELS: f64 = 0.5;
+/// A texel smaller than this many texels of the texture is taken as uniform where its four corner places agree.
+const CORNERS_TELL_TEXELS: f64 = 4.0;
+/// Bits of the four corner places.
+const CORNERS: u16 = 0x9009;
 
 /// A masked surface over one texel.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -52,7 +56,8 @@ pub(super) struct TriangleMask {
     material: u32,
     u: Plane,
     v: Plane,
-    fine: bool,
+    /// Texels of the texture that a texel of the light's plane covers, along the longer axis.
+    extent_texels: f64,
 }
 
 impl TriangleMask {
@@ -69,20 +74,27 @@ impl TriangleMask {
             [texture.width, texture.height]
         });
         let extent = |p: &Plane, texels: u32| (p.gradient[0].abs() + p.gradient[1].abs()) * f64::from(texels);
-        let fine = extent(&u, size[0]).max(extent(&v, size[1])) > COARSE_TEXTURE_TEXELS;
-        Some(Self { material, u, v, fine })
+        let extent_texels = extent(&u, size[0]).max(extent(&v, size[1]));
+        Some(Self { material, u, v, extent_texels })
     }
 
     /// The places of the texel around (x, y) that are opaque: bit = row · 4 + column.
     pub(super) fn coverage(&self, scene: &Scene, x: f64, y: f64) -> u16 {
-        if !self.fine {
+        if self.extent_texels < COARSE_TEXTURE_TEXELS {
             return if self.opaque_at(scene, x, y) { u16::MAX } else { 0 };
         }
-        (0..PLACES * PLACES).fold(0, |bits, place| {
-            let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(PLACES) - 0.5;
-            let opaque = self.opaque_at(scene, x + offset(place % PLACES), y + offset(place / PLACES));
-            bits | u16::from(opaque) << place
-        })
+        let places = |wanted: u16| {
+            (0..PLACES * PLACES).filter(|place| wanted >> place & 1 == 1).fold(0, |bits, place| {
+                let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(PLACES) - 0.5;
+                let opaque = self.opaque_at(scene, x + offset(place % PLACES), y + offset(place / PLACES));
+                bits | u16::from(opaque) << place
+            })
+        };
+        match places(CORNERS) {
+            0 if self.extent_texels < CORNERS_TELL_TEXELS => 0,
+            CORNERS if self.extent_texels < CORNERS_TELL_TEXELS => u16::MAX,
+            corners => corners | places(!CORNERS),
+        }
     }
 
     fn opaque_at(&self, scene: &Scene, x: f64, y: f64) -> bool {

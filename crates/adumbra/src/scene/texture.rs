@@ -151,15 +151,24 @@ impl Texture {
     }
 }
 
+/// The floor, without a call into the mathematics library where the number is of ordinary size.
+fn floor(u: f32) -> f32 {
+    if u.abs() >= 1e6 {
+        return u.floor();
+    }
+    let towards_zero = u as i32 as f32;
+    if towards_zero > u { towards_zero - 1.0 } else { towards_zero }
+}
+
 /// Brings a coordinate into 0…1.
 fn wrapped(u: f32, wrap: Wrap) -> f32 {
     if !u.is_finite() {
         return 0.0;
     }
     match wrap {
-        Wrap::Repeat => u - u.floor(),
+        Wrap::Repeat => u - floor(u),
         Wrap::Mirror => {
-            let m = u - 2.0 * (u * 0.5).floor();
+            let m = u - 2.0 * floor(u * 0.5);
             if m > 1.0 { 2.0 - m } else { m }
         }
         Wrap::Clamp => u.clamp(0.0, 1.0),
@@ -172,7 +181,7 @@ fn nearest_texel(u: f32, size: u32, wrap: Wrap) -> u32 {
 
 fn axis(u: f32, size: u32, wrap: Wrap) -> Axis {
     let t = wrapped(u, wrap) * size as f32 - 0.5;
-    let low = t.floor();
+    let low = floor(t);
     let last = i64::from(size) - 1;
     let inside = |i: i64| match wrap {
         Wrap::Repeat if i < 0 => last,
