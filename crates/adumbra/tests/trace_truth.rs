@@ -121,7 +121,7 @@ fn scene_file(name: &str) -> PathBuf {
 }
 
 #[test]
-fn trace_matches_another_renderer() {
+fn shared_trace_matches_another_renderer() {
     let Ok(folder) = std::fs::read_dir(shared().join("truth")) else {
         eprintln!("SKIPPED: {}/truth is absent; set ADUMBRA_SHARED", shared().display());
         return;

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     println!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
 
     let whole = looking_at(&scene.bounds(), 40.0);
-    let street = Camera { eye: [30.0, 14.0, 62.0], target: [-20.0, 6.0, -10.0], ..whole };
+    let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
     for (name, camera) in [("city", whole), ("street", street)] {
         for suffix in ["", "-truth", "-difference"] {
             let query = Query::new(&file.grid, &file.dag, file.settings.bias, 3)?;

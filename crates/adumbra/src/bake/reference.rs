@@ -9,7 +9,6 @@ use super::project::{FixedDepth, Projected, SUBTEXEL};
 use super::{Baked, Options, Plan, Size, bake};
 use crate::light::Sun;
 use crate::scene::{Instance, Material, Mesh, Scene, topology};
-use crate::settings::Receivers;
 
 /// What a dense grid knows of one column, straight from §3's text.
 struct DenseColumn {
@@ -217,25 +216,6 @@ proptest! {
                     let lit = baked.dag.voxel(i, j, k);
                     prop_assert!(k >= column.e || lit, "({i}, {j}, {k}) is defined lit, e = {}", column.e);
                     prop_assert!(k < column.x || !lit, "({i}, {j}, {k}) is defined shadowed, x = {}", column.x);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn static_receivers_never_change_a_lit_voxel(scene in any_scene(), options in any_options()) {
-        let all = Options { assume_ground: false, thickness_world: 0.0, closed_regions: false, ..options };
-        let everywhere = bake_quietly(&scene, &all).dag;
-        let on_surfaces = bake_quietly(&scene, &Options { receivers: Receivers::Static, ..all }).dag;
-        for k in 0..everywhere.size[2] {
-            for j in 0..everywhere.size[1] {
-                for i in 0..everywhere.size[0] {
-                    // Shadow may begin later, never earlier than the first surface; a free voxel may be lit or not.
-                    let plainly_lit = (0..=k).all(|z| everywhere.voxel(i, j, z));
-                    if !on_surfaces.voxel(i, j, k) {
-                        let below = everywhere.voxel(i, j, k.saturating_sub(8).min(k));
-                        prop_assert!(!plainly_lit || !below || k >= 1);
-                    }
                 }
             }
         }

@@ -73,7 +73,7 @@ impl ShearedRay {
     }
 
     /// A vertex relative to the origin, axes permuted, x and y sheared; z not yet scaled.
-    fn to_ray(&self, v: [f32; 3]) -> [f64; 3] {
+    fn to_ray(self, v: [f32; 3]) -> [f64; 3] {
         let [x, y, z] = self.axes.map(|axis| f64::from(v[axis]) - self.origin[axis]);
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
