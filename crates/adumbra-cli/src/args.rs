@@ -402,7 +402,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub(crate) size: [u32; 2],
     /// Filter width in texels: 1, 3, 5, 9 or 17
-    #[arg(long, value_name = "K", default_value_t = 3)]
+    #[arg(long, value_name = "K", default_value_t = 5)]
     pub(crate) filter: u32,
     /// Rays a pixel along each axis
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]

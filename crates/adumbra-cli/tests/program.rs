@@ -181,7 +181,7 @@ fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
         (&["bake", &scene, "--only", "nothing-has-this-name"], "no triangles"),
         (&["bake", &scene, "-o", &below], "below.adumbra"),
         (&["bake", &scene, "-o", &folder_name], "folder"),
-        (&["info", &scene], "adumbra"),
+        (&["info", &scene], "shadow file"),
         (&["info", &missing], "missing.glb"),
         (&["verify", &empty, "--scene", &scene], "empty.glb"),
     ];

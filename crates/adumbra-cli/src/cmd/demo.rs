@@ -55,7 +55,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
     for (name, camera) in [("city", whole), ("street", street)] {
         for suffix in ["", "-truth", "-difference"] {
-            let query = Query::new(&file.grid, &file.dag, file.settings.bias, 3)?;
+            let query = Query::new(&file.grid, &file.dag, file.settings.bias, 5)?;
             let shadows = match suffix {
                 "" => Shadows::File(query),
                 "-truth" => Shadows::Truth,
@@ -100,10 +100,10 @@ fn write_report(
         )
     };
     let figures: String = [
-        figure("street", "Shadows from the file, 3 × 3 texels"),
+        figure("street", "Shadows from the file, 5 × 5 texels"),
         figure("street-truth", "Traced"),
         figure("street-difference", "Where one texel of the file differs from rays: red lit called shadowed, blue shadowed called lit"),
-        figure("city", "Shadows from the file, 3 × 3 texels"),
+        figure("city", "Shadows from the file, 5 × 5 texels"),
         figure("city-truth", "Traced"),
         figure("city-difference", "Where one texel of the file differs from rays"),
     ]

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::light::LightGrid;
 
 /// Solid crossings, and masked hits, that a tile may hold at once; a tile with more is captured in bands of rows.
-const MAX_CROSSINGS: usize = 1 << 22;
+const MAX_CROSSINGS: usize = 1 << 20;
 
 /// A rectangle of texels.
 #[derive(Clone, Copy, Debug)]

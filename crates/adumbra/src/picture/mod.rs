@@ -49,6 +49,8 @@ pub struct Picture {
 const SUN_COLOR: [f64; 3] = [1.55, 1.45, 1.28];
 const SKY_COLOR: [f64; 3] = [0.36, 0.45, 0.60];
 const GROUND_COLOR: [f64; 3] = [0.20, 0.18, 0.16];
+/// What faces away from the sun, in a picture of differences.
+const UNLIT_GREY: f64 = 0.08;
 const ACNE_COLOR: [f64; 3] = [1.0, 0.05, 0.03];
 const LEAK_COLOR: [f64; 3] = [0.05, 0.2, 1.0];
 
@@ -139,6 +141,9 @@ impl Shader<'_> {
         let up = normal[1] * 0.5 + 0.5;
         let ambient = |a: usize| SKY_COLOR[a] * up + GROUND_COLOR[a] * (1.0 - up);
         if n_dot_l <= 0.0 {
+            if matches!(self.shadows, Shadows::Difference(_)) {
+                return [UNLIT_GREY; 3];
+            }
             return std::array::from_fn(|a| albedo[a] * ambient(a));
         }
         let traced = || if self.sun_visible(p, normal, hit.t) { 1.0 } else { 0.0 };

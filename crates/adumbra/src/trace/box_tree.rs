@@ -150,6 +150,9 @@ impl BoxTree {
     ) -> Option<(obvhs::ray::Ray, Cut)> {
         let o: [f64; 3] = std::array::from_fn(|a| (origin[a] - self.center[a]) * self.scale);
         let d = direction.map(|c| c * self.scale);
+        if o.iter().chain(&d).any(|c| c.is_nan()) {
+            return None;
+        }
         let (mut enter, mut leave) = (t_min, t_max);
         for a in 0..3 {
             if d[a] == 0.0 {
