@@ -284,6 +284,18 @@ pub(crate) struct WorkArgs {
     pub(crate) max_memory: Option<u64>,
 }
 
+impl WorkArgs {
+    /// An error where `needed_bytes` are more than `--max-memory` allows.
+    pub(crate) fn check_memory(&self, what: &'static str, needed_bytes: u64) -> Result<(), Failure> {
+        match self.max_memory {
+            Some(limit_bytes) if needed_bytes > limit_bytes => {
+                Err(adumbra::Error::MemoryLimit { what, needed_bytes, limit_bytes }.into())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 #[derive(clap::Args)]
 pub(crate) struct Bake {
     /// Scene: .glb, .gltf, .obj or .ply
@@ -340,9 +352,8 @@ pub(crate) struct Verify {
     pub(crate) load: SceneArgs,
     #[command(flatten)]
     pub(crate) bias: BiasArgs,
-    /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -366,9 +377,8 @@ pub(crate) struct Query {
     /// Where the visibilities go: one little-endian float32 a point
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -414,9 +424,8 @@ pub(crate) struct Render {
     /// The PNG to write
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -28,9 +28,11 @@ pub(crate) fn run(args: &Query) -> Outcome {
             points.len()
         )));
     }
+    // A point, its normal, its answer and the answer's bytes.
+    args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4) + file.encoded_len())?;
     let bias = args.bias.over(file.settings.bias);
     let query = query::Query::new(&file.grid, &file.dag, bias, args.filter)?;
-    let visibilities: Vec<f32> = with_threads(args.threads, || {
+    let visibilities: Vec<f32> = with_threads(args.work.threads, || {
         Ok((0..points.len())
             .into_par_iter()
             .map(|i| query.visibility(points[i], normals.as_ref().map(|n| n[i])))

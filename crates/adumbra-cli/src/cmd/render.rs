@@ -20,9 +20,11 @@ pub(crate) fn run(args: &Render) -> Outcome {
     let mut load = args.load.load_options()?;
     load.color_textures = true;
     load.ignore_alpha |= file.as_ref().is_some_and(|f| f.settings.ignore_alpha);
-    let picture = with_threads(args.threads, || {
+    let picture = with_threads(args.work.threads, || {
         let scene = load_scene(&args.scene, &load)?;
         let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        args.work
+            .check_memory("the scene and its rays' trees", scene.memory_bytes() + tracer.memory_bytes())?;
         let [width, height] = args.size;
         let whole = Camera { width, height, ..looking_at(&scene.bounds(), args.fov) };
         let camera = Camera {

@@ -18,9 +18,11 @@ pub(crate) fn run(args: &Verify) -> Outcome {
             args.file.display()
         )));
     }
-    let result = with_threads(args.threads, || {
+    let result = with_threads(args.work.threads, || {
         let scene = load_scene(&args.scene, &load)?;
         let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        args.work
+            .check_memory("the scene and its rays' trees", scene.memory_bytes() + tracer.memory_bytes())?;
         let solids = Solids::of(&scene);
         let sampler = if args.volume {
             Sampler::Volume(VolumeSampler::new(&file.grid))

@@ -5,11 +5,12 @@
 //! are kept as lists, to count their winding. Rules: specification §3, written out in `columns.rs`.
 
 use super::casters::Casters;
-use super::columns::{self, ColumnRules, Columns, FirstSurface};
+use super::columns::{self, ColumnRules, Columns, FirstSurface, ReceiverKind};
 use super::masked::{self, MaskedHit, TriangleMask};
 use super::project::{FixedDepth, Projected};
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
+use crate::settings::Receivers;
 
 /// Solid crossings, and masked hits, that a tile may hold at once; a tile with more is captured in bands of rows.
 const MAX_CROSSINGS: usize = 1 << 20;
@@ -66,10 +67,18 @@ pub(crate) fn capture(
     let mut bands = vec![(rect.y, rect.height)];
     while let Some((y, height)) = bands.pop() {
         let band = TileRect { y, height, ..rect };
-        if capture_band(casters, tile, grid, rules, band, buffers) {
+        if capture_surfaces(casters, tile, grid, rules, band, buffers) {
             let start = ((y - rect.y) * rect.width) as usize;
+            find_receivers(casters, tile, grid, rules, &[ReceiverKind::Everywhere], band, buffers);
             for i in 0..buffers.first.len() {
                 out.set(start + i, rules.column(buffers.first[i], buffers.base[i], buffers.next[i]));
+            }
+            if rules.receivers == Receivers::Static {
+                let kinds = [ReceiverKind::Itself, ReceiverKind::Filtered];
+                find_receivers(casters, tile, grid, rules, &kinds, band, buffers);
+                for i in 0..buffers.first.len() {
+                    out.extend(start + i, rules.static_end(buffers.first[i], buffers.next[i]));
+                }
             }
         } else if height > 1 {
             let half = height / 2;
@@ -87,8 +96,8 @@ pub(crate) fn capture(
     Ok(())
 }
 
-/// Fills the buffers for a band of rows; false where there are too many crossings to hold.
-fn capture_band(
+/// First pass: `first` and `base` of a band of rows; false where there are too many crossings to hold.
+fn capture_surfaces(
     casters: &Casters<'_>,
     tile: usize,
     grid: &LightGrid,
@@ -105,15 +114,30 @@ fn capture_band(
     for_each_triangle(casters, tile, grid, |triangle, source| {
         fits = fits && sample_centers(casters, triangle, source, rules, rect, b);
     });
-    if !fits {
-        return false;
+    if fits {
+        masked::add_first_surfaces(&mut b.masked, &mut b.first);
+        resolve_solids(b, texels);
     }
-    masked::add_first_surfaces(&mut b.masked, &mut b.first);
-    resolve_solids(b, texels);
+    fits
+}
+
+/// Second pass: `next`, the nearest depth at which a receiver of any of `kinds` asks behind a column's base.
+fn find_receivers(
+    casters: &Casters<'_>,
+    tile: usize,
+    grid: &LightGrid,
+    rules: &ColumnRules,
+    kinds: &[ReceiverKind],
+    rect: TileRect,
+    b: &mut CaptureBuffers,
+) {
     b.next.clear();
-    b.next.resize(texels, FixedDepth::MAX);
-    for_each_triangle(casters, tile, grid, |triangle, _| find_next(triangle, rules, rect, b));
-    true
+    b.next.resize(b.first.len(), FixedDepth::MAX);
+    for_each_triangle(casters, tile, grid, |triangle, _| {
+        for &kind in kinds {
+            find_next(triangle, rules, kind, rect, b);
+        }
+    });
 }
 
 /// Where a triangle came from.
@@ -239,9 +263,15 @@ fn resolve_solids(b: &mut CaptureBuffers, texels: usize) {
     }
 }
 
-/// Second pass: the triangle as a receiver near texels, wherever part of it lies behind the column's base.
-fn find_next(triangle: &Projected, rules: &ColumnRules, rect: TileRect, b: &mut CaptureBuffers) {
-    let half = rules.footprint_half_texels;
+/// The triangle as a receiver of one kind near the texels of a band of rows.
+fn find_next(
+    triangle: &Projected,
+    rules: &ColumnRules,
+    kind: ReceiverKind,
+    rect: TileRect,
+    b: &mut CaptureBuffers,
+) {
+    let half = kind.footprint_half_texels();
     let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
     let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
     let y = triangle.corners.map(|c| c[1]);
@@ -257,21 +287,20 @@ fn find_next(triangle: &Projected, rules: &ColumnRules, rect: TileRect, b: &mut 
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         for i in first..=last {
             let texel = (start + i as isize) as usize;
-            let (mut z_low, mut z_high) = (band.z[0], band.z[1]);
-            if let Some(plane) = &triangle.plane {
-                let z = plane.at(i as f64 + 0.5, y);
+            let mut range = band.z;
+            let z_plane = triangle.plane.as_ref().map(|plane| {
                 let gradient_sum = plane.gradient[0].abs() + plane.gradient[1].abs();
-                if let Some(margin) = rules.static_receiver_margin(triangle.slope, gradient_sum) {
-                    // A static receiver asks at its own plane's depth, wherever the filter's tap is.
-                    (z_low, z_high) = (z - margin, z);
-                } else {
-                    let reach = half * gradient_sum;
-                    z_low = z_low.max((z - reach).min(z_high));
-                    z_high = z_high.min((z + reach).max(z_low));
-                }
+                (plane.at(i as f64 + 0.5, y), gradient_sum)
+            });
+            if let Some((z, gradient_sum)) = z_plane {
+                let reach = half * gradient_sum;
+                range[0] = range[0].max((z - reach).min(range[1]));
+                range[1] = range[1].min((z + reach).max(range[0]));
             }
-            let receiver = rules.receiver_behind(b.base[texel], b.first[texel], z_low, z_high);
-            b.next[texel] = b.next[texel].min(receiver);
+            if let Some(asked) = rules.asked_depths(kind, triangle.slope, range, z_plane) {
+                let next = rules.receiver_behind(kind, b.base[texel], b.first[texel], asked);
+                b.next[texel] = b.next[texel].min(next);
+            }
         }
     }
 }

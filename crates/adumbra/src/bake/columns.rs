@@ -85,8 +85,6 @@ pub(crate) struct ColumnRules {
     pub(crate) thickness_voxels: f64,
     pub(crate) assume_ground: bool,
     pub(crate) receivers: Receivers,
-    /// Half the side of the square around a texel's centre in which a surface counts as lying in the column.
-    pub(crate) footprint_half_texels: f64,
     /// Voxels along the light.
     pub(crate) depth_voxels: u32,
 }
@@ -101,12 +99,33 @@ const STATIC_FILTER_REACH: f64 = 4.0;
 /// Distance between the outermost taps that share a depth: eight texels of one block.
 const STATIC_FILTER_TAPS_REACH: f64 = 7.0;
 
+/// What makes a surface near a column a receiver that the column must answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ReceiverKind {
+    /// It lies in the texel's footprint; everything behind it matters too.
+    Everywhere,
+    /// It lies in the texel's footprint; only itself matters, lifted by its bias.
+    Itself,
+    /// A filter around it reads the column, at the depth of its plane there.
+    Filtered,
+}
+
+impl ReceiverKind {
+    /// Half the side of the square around a texel's centre in which a surface counts.
+    pub(crate) fn footprint_half_texels(self) -> f64 {
+        match self {
+            Self::Everywhere | Self::Itself => FOOTPRINT_HALF,
+            Self::Filtered => FOOTPRINT_HALF + STATIC_FILTER_REACH,
+        }
+    }
+}
+
 impl ColumnRules {
-    /// The footprint that goes with `receivers`.
-    pub(crate) fn footprint(receivers: Receivers) -> f64 {
-        match receivers {
-            Receivers::All => FOOTPRINT_HALF,
-            Receivers::Static => FOOTPRINT_HALF + STATIC_FILTER_REACH,
+    /// How far outside its outline a triangle may matter to a column.
+    pub(crate) fn reach_texels(&self) -> f64 {
+        match self.receivers {
+            Receivers::All => ReceiverKind::Everywhere.footprint_half_texels(),
+            Receivers::Static => ReceiverKind::Filtered.footprint_half_texels(),
         }
     }
 
@@ -116,35 +135,54 @@ impl ColumnRules {
         bias | if solid { 0 } else { OPEN_BIT as u32 }
     }
 
-    /// How far sunward of its plane a static receiver of this slope may ask, voxels: the look-up's bias, and the plane
-    /// across the taps of one block. None where all of space is answered, and for faces too steep to be lit.
-    pub(crate) fn static_receiver_margin(&self, slope: f64, gradient_sum: f64) -> Option<f64> {
-        let steep = slope >= MAX_SLOPE;
-        (self.receivers == Receivers::Static && !steep)
-            .then(|| self.bias.along_light(slope) + STATIC_FILTER_TAPS_REACH * gradient_sum)
+    /// Depths, in voxels, at which a surface of this slope asks a column: from the nearest that any look-up uses to the
+    /// farthest that must not be taken for the column's own surface. `z` is its range over the texel's footprint,
+    /// `z_plane` its plane at the texel's centre with the sum of its gradient's magnitudes. None where it does not ask.
+    pub(crate) fn asked_depths(
+        &self,
+        kind: ReceiverKind,
+        slope: f64,
+        z: [f64; 2],
+        z_plane: Option<(f64, f64)>,
+    ) -> Option<[f64; 2]> {
+        match kind {
+            ReceiverKind::Everywhere => Some(z),
+            ReceiverKind::Itself => Some([z[0] - self.bias.along_light(slope), z[1]]),
+            ReceiverKind::Filtered => {
+                let (z_plane, gradient_sum) = z_plane.filter(|_| slope < MAX_SLOPE)?;
+                let nearest = self.bias.along_light(slope) + STATIC_FILTER_TAPS_REACH * gradient_sum;
+                Some([z_plane - nearest, z_plane - STATIC_FILTER_REACH * gradient_sum])
+            }
+        }
     }
 
-    /// Depth of a receiver with depths `[z_low, z_high]` voxels as seen by a column, or [`FixedDepth::MAX`] where no
-    /// part of it lies behind the base by more than the bias at the first surface's slope.
+    /// The depth before which a column's shadow must have begun for a receiver that asks at `asked` voxels, or
+    /// [`FixedDepth::MAX`] where no part of it lies behind the base by more than the bias at the first surface's slope.
     pub(crate) fn receiver_behind(
         &self,
+        kind: ReceiverKind,
         base: FixedDepth,
         first: FirstSurface,
-        z_low: f64,
-        z_high: f64,
+        asked: [f64; 2],
     ) -> FixedDepth {
         if first.is_none() {
             return FixedDepth::MAX;
         }
         let threshold = base + first.bias();
-        if z_high * SUBTEXEL as f64 <= f64::from(threshold) {
+        if asked[1] * SUBTEXEL as f64 <= f64::from(threshold) {
             return FixedDepth::MAX;
         }
-        let low = (z_low * SUBTEXEL as f64).floor().max(-1e9) as FixedDepth;
-        match self.receivers {
-            Receivers::All => low.max(threshold),
-            Receivers::Static => low.max(base),
+        let low = (asked[0] * SUBTEXEL as f64).floor().max(-1e9) as FixedDepth;
+        low.max(if kind == ReceiverKind::Everywhere { threshold } else { base })
+    }
+
+    /// The latest x where only static receivers are answered, from the nearest depth at which one asks.
+    pub(crate) fn static_end(&self, first: FirstSurface, next: FixedDepth) -> u32 {
+        if first.is_none() || next == FixedDepth::MAX {
+            return FREE_TO_END;
         }
+        let x = self.quantize(next).max(self.quantize(first.depth()));
+        if x < self.depth_voxels { x } else { FREE_TO_END }
     }
 
     /// The column's `[e, x]`: voxel k is defined lit where k < e and defined shadowed where k >= x.
@@ -154,16 +192,15 @@ impl ColumnRules {
         }
         let e = self.quantize(first.depth());
         let nothing_behind = next == FixedDepth::MAX;
-        let exit = match self.receivers {
-            Receivers::Static => (!nothing_behind).then_some(next),
-            Receivers::All if nothing_behind && self.assume_ground => None,
-            Receivers::All if first.is_solid() => Some(base),
-            Receivers::All => {
-                let thickness = (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth;
-                let thickness = thickness.max(first.bias());
-                let half_gap = if nothing_behind { FixedDepth::MAX } else { (next - first.depth()) / 2 };
-                Some(first.depth().saturating_add(thickness.min(half_gap)))
-            }
+        let exit = if nothing_behind && self.assume_ground {
+            None
+        } else if first.is_solid() {
+            Some(base)
+        } else {
+            let thickness = (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth;
+            let thickness = thickness.max(first.bias());
+            let half_gap = if nothing_behind { FixedDepth::MAX } else { (next - first.depth()) / 2 };
+            Some(first.depth().saturating_add(thickness.min(half_gap)))
         };
         let x = exit.map_or(FREE_TO_END, |exit| self.quantize(exit).max(e));
         [e, if x < self.depth_voxels { x } else { FREE_TO_END }]
@@ -201,5 +238,10 @@ impl Columns {
     pub(crate) fn set(&mut self, texel: usize, [e, x]: [u32; 2]) {
         self.e[texel] = e;
         self.x[texel] = x;
+    }
+
+    /// Lets a column's shadow begin as late as `x`.
+    pub(crate) fn extend(&mut self, texel: usize, x: u32) {
+        self.x[texel] = self.x[texel].max(x);
     }
 }

@@ -191,12 +191,11 @@ impl<'s> Plan<'s> {
             thickness_voxels: options.thickness_world / voxel_size,
             assume_ground: options.assume_ground,
             receivers: options.receivers,
-            footprint_half_texels: ColumnRules::footprint(options.receivers),
             depth_voxels: grid.size[2],
         };
         let caster_options =
             CasterOptions { closed_regions: options.closed_regions, ignore_alpha: options.ignore_alpha };
-        let reach = rules.footprint_half_texels + 1.0;
+        let reach = rules.reach_texels() + 1.0;
         let casters =
             Casters::new(scene, caster_options, &grid, 1 << root_level, [top_dims[0], top_dims[1]], reach);
         let settings = Settings {

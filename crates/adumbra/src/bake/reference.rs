@@ -75,7 +75,7 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     // The nearest receiver in the footprint behind the base.
     let mut next: Option<FixedDepth> = None;
     for t in triangles {
-        let Some([low, high]) = footprint_range(&t.projected, rules.footprint_half_texels, x, y) else {
+        let Some([low, high]) = footprint_range(&t.projected, FOOTPRINT_HALF, x, y) else {
             continue;
         };
         if high * SUBTEXEL as f64 > f64::from(base + bias) {
@@ -100,6 +100,9 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     let x = exit.map_or(FREE_TO_END, |exit| voxel(exit).max(e));
     DenseColumn { e, x: if x >= n { FREE_TO_END } else { x } }
 }
+
+/// Half a texel, and the snapping's 1/256.
+const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / 256.0;
 
 /// Depth range of the part of a triangle over a texel's footprint, or more; none where it does not come near.
 fn footprint_range(t: &Projected, half: f64, x: f64, y: f64) -> Option<[f64; 2]> {

@@ -96,10 +96,7 @@ impl Placing {
         until: &mut f64,
         mut visit: impl FnMut(usize, &TriangleHit) -> Step,
     ) -> bool {
-        let m = &self.mesh_from_world;
-        let origin = m.map(|r| r[0] * ray.origin[0] + r[1] * ray.origin[1] + r[2] * ray.origin[2] + r[3]);
-        let direction =
-            m.map(|r| r[0] * ray.direction[0] + r[1] * ray.direction[1] + r[2] * ray.direction[2]);
+        let (origin, direction) = self.to_mesh(ray);
         let mut sheared = ShearedRay::new(origin, direction, ray.t_min, *until);
         tree.tree.walk(origin, direction, (ray.t_min, *until), |slot| {
             let Some(hit) = sheared.intersect(&tree.corners[slot]) else { return Step::On };
@@ -110,6 +107,20 @@ impl Placing {
             }
             step
         })
+    }
+
+    /// The ray's origin and direction in the space of its tree.
+    fn to_mesh(&self, ray: &Ray) -> ([f64; 3], [f64; 3]) {
+        let (m, o, d) = (&self.mesh_from_world, ray.origin, ray.direction);
+        let origin = m.map(|r| r[0] * o[0] + r[1] * o[1] + r[2] * o[2] + r[3]);
+        (origin, m.map(|r| r[0] * d[0] + r[1] * d[1] + r[2] * d[2]))
+    }
+
+    /// The hit with one triangle given in the mesh's space, without a tree.
+    #[cfg(test)]
+    pub(super) fn try_one(&self, ray: &Ray, corners: &[[f32; 3]; 3]) -> Option<TriangleHit> {
+        let (origin, direction) = self.to_mesh(ray);
+        ShearedRay::new(origin, direction, ray.t_min, ray.t_max).intersect(corners)
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod box_tree;
 mod mesh_tree;
+mod sah;
 mod sampling;
 mod triangle;
 mod visibility;
@@ -176,7 +177,8 @@ impl<'s> Tracer<'s> {
     /// Calls `visit` with each hit that is there; returns whether the visitor stopped it.
     fn walk(&self, ray: &Ray, casters_only: bool, mut visit: impl FnMut(&Found<'_>) -> Step) -> bool {
         let finite = ray.origin.iter().chain(&ray.direction).all(|c| c.is_finite());
-        if !finite || !(ray.t_min <= ray.t_max) {
+        let in_order = ray.t_min <= ray.t_max;
+        if !finite || !in_order {
             return false;
         }
         let mut until = ray.t_max;
@@ -252,10 +254,7 @@ impl<'s> Tracer<'s> {
         };
         let n = scaled(cross(scaled(edge(b)), scaled(edge(c))));
         let length = dot(n, n).sqrt();
-        if !(length > 0.0) {
-            return [0.0, 1.0, 0.0];
-        }
         let side = if instance.determinant() < 0.0 { -1.0 } else { 1.0 };
-        n.map(|x| side * x / length)
+        if length > 0.0 { n.map(|x| side * x / length) } else { [0.0, 1.0, 0.0] }
     }
 }

@@ -50,7 +50,7 @@ impl ShearedRay {
     /// The hit with the triangle `v`, both sides, edges and corners and the ends of the range included. A triangle that
     /// the ray sees exactly edge-on is not hit; its neighbours are.
     pub(super) fn intersect(&self, v: &[[f32; 3]; 3]) -> Option<TriangleHit> {
-        let [a, b, c] = [self.to_ray(v[0]), self.to_ray(v[1]), self.to_ray(v[2])];
+        let [a, b, c] = [self.relative(v[0]), self.relative(v[1]), self.relative(v[2])];
         let mut e = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
         if e[0] == 0.0 || e[1] == 0.0 || e[2] == 0.0 {
             e = [
@@ -73,7 +73,7 @@ impl ShearedRay {
     }
 
     /// A vertex relative to the origin, axes permuted, x and y sheared; z not yet scaled.
-    fn to_ray(self, v: [f32; 3]) -> [f64; 3] {
+    fn relative(self, v: [f32; 3]) -> [f64; 3] {
         let [x, y, z] = self.axes.map(|axis| f64::from(v[axis]) - self.origin[axis]);
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }

@@ -23,8 +23,7 @@ impl Tracer<'_> {
         seed: u64,
     ) -> f32 {
         let half = (0.5 * angular_diameter_degrees).clamp(0.0, 180.0).to_radians();
-        // Written so that a NaN is a hard sun.
-        if samples <= 1 || !(half > 0.0) {
+        if samples <= 1 || half == 0.0 || half.is_nan() {
             return f32::from(u8::from(self.sun_visible(point, towards)));
         }
         let axis = normalize(towards);

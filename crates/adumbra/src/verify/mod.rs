@@ -42,6 +42,8 @@ pub struct Verification {
     pub facing_away: u64,
     /// Points drawn inside solids, where nobody sees and the file may say either; not compared.
     pub inside_solids: u64,
+    /// Points drawn outside the box that `--bounds` gave; not compared.
+    pub outside_bounds: u64,
     /// Share of the samples shadowed by rays.
     pub shadowed_share: f64,
     /// Share of all samples on which file and rays agree.
@@ -71,6 +73,7 @@ struct Counts {
     samples: u64,
     facing_away: u64,
     inside_solids: u64,
+    outside_bounds: u64,
     shadowed: u64,
     acne: u64,
     leak: u64,
@@ -147,6 +150,10 @@ impl<'a> Verifier<'a> {
         let voxel = self.grid.voxel_size;
         let surface_grid = self.grid.to_grid(sample.p_world);
         let r = receiver(self.grid, bias, sample.p_world, sample.normal);
+        if self.settings.bounds.is_some() && !self.in_grid(&r.p_grid) {
+            c.outside_bounds += 1;
+            return;
+        }
         if self.settings.closed_regions && self.inside_solid(self.grid.to_world(r.p_grid)) {
             c.inside_solids += 1;
             return;
@@ -172,6 +179,10 @@ impl<'a> Verifier<'a> {
             c.interior_acne += u64::from(truth && !answer);
             c.interior_leak += u64::from(!truth && answer);
         }
+    }
+
+    fn in_grid(&self, p_grid: &[f64; 3]) -> bool {
+        p_grid.iter().zip(self.grid.size).all(|(c, n)| (0.0..f64::from(n)).contains(c))
     }
 
     fn is_interior(&self, p_grid: [f64; 3], gradient: [f64; 2], truth: bool) -> bool {
@@ -235,6 +246,7 @@ impl Counts {
             samples: self.samples + o.samples,
             facing_away: self.facing_away + o.facing_away,
             inside_solids: self.inside_solids + o.inside_solids,
+            outside_bounds: self.outside_bounds + o.outside_bounds,
             shadowed: self.shadowed + o.shadowed,
             acne: self.acne + o.acne,
             leak: self.leak + o.leak,
@@ -255,6 +267,7 @@ impl Counts {
             samples: self.samples,
             facing_away: self.facing_away,
             inside_solids: self.inside_solids,
+            outside_bounds: self.outside_bounds,
             shadowed_share: none(self.shadowed),
             agreement: share(self.samples - self.acne - self.leak, self.samples),
             interior_agreement: share(self.interior - wrong_inside, self.interior),
