@@ -9,11 +9,11 @@ use std::sync::atomic::AtomicBool;
 use adumbra::bake::{Baked, Options, Size, bake};
 use adumbra::light::Sun;
 use adumbra::query::Query;
-use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra::settings::Receivers;
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{
-    Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
+    Random, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
 };
 use npyz::npz::NpzArchive;
 
@@ -153,7 +153,37 @@ fn interior_agrees_with_rays_on_generated_scenes() {
         assert!(volume.interior_agreement >= 0.999, "{kind:?} {volume:?}");
         assert!(still.interior_agreement >= 0.998, "{kind:?} {still:?}");
         assert!(on_surfaces.dag.nodes.len() < baked.dag.nodes.len());
+        assert!(mean_filter_difference(&scene, &baked, &on_surfaces) < 0.01, "{kind:?}");
     }
+}
+
+/// Mean difference of two bakes' answers on surfaces under a 9 × 9 filter.
+fn mean_filter_difference(scene: &Scene, a: &Baked, b: &Baked) -> f64 {
+    let solids = Solids::of(scene);
+    let sampler = SurfaceSampler::new(scene, &solids, a.grid.sun.towards(), false);
+    let [qa, qb] = [a, b].map(|x| Query::new(&x.grid, &x.dag, x.settings.bias, 9).unwrap());
+    let mut random = Random::new(5, 0);
+    let samples: Vec<_> = (0..20_000).map(|_| sampler.sample(&mut random)).collect();
+    let lit_side = samples.iter().filter(|s| {
+        let towards = a.grid.sun.towards();
+        s.normal.is_some_and(|n| (0..3).map(|i| n[i] * towards[i]).sum::<f64>() > 0.1)
+    });
+    let differences: Vec<f64> = lit_side
+        .map(|s| f64::from((qa.visibility(s.p_world, s.normal) - qb.visibility(s.p_world, s.normal)).abs()))
+        .collect();
+    differences.iter().sum::<f64>() / differences.len() as f64
+}
+
+#[test]
+fn bounds_cover_a_box_that_casters_outside_still_shade() {
+    let scene = generate(GeneratedKind::City, 1);
+    let sun = Sun::from_angles(70.0, 20.0).unwrap();
+    let bounds = Bounds { min: [-60.0, -1.0, -60.0], max: [60.0, 30.0, 60.0] };
+    let options = Options { bounds: Some(bounds), ..Options::new(sun, Size::Resolution(2048)) };
+    let baked = bake_quietly(&scene, &options);
+    let v = verify(&scene, &baked, false, 60_000);
+    assert!(v.outside_bounds > 20_000 && v.samples > 1_000, "{v:?}");
+    assert!(v.interior_agreement >= 0.998 && v.shadowed_share > 0.2, "{v:?}");
 }
 
 #[test]

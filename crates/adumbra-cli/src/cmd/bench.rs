@@ -2,21 +2,20 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 
+use adumbra::Error;
 use adumbra::bake::{self, Options, Size};
-use adumbra::format::ShadowFile;
 use adumbra::light::Sun;
-use adumbra::scene::{LoadOptions, Scene};
-use adumbra::settings::Receivers;
+use adumbra::scene::LoadOptions;
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler};
 use serde_json::{Value, json};
 
-use super::{GraphFigures, load_scene};
+use super::load_scene;
 use crate::args::{Bench, BenchBake, BenchVerb, BenchVerify};
 use crate::exit::{Code, Failure, Outcome};
-use crate::memory;
 use crate::output::{make_folder, write_whole};
 
 const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
@@ -28,21 +27,15 @@ pub(crate) fn run(args: &Bench) -> Outcome {
     }
 }
 
-/// A change to the default options, with its name in the table.
-type Variant = (&'static str, fn(&mut Options));
-
 /// The option table: each line changes the default in one way, so that its effect stands alone.
-const VARIANTS: [Variant; 7] = [
-    ("default: closed regions, ground assumed", |_| {}),
-    ("no closed regions", |o| o.closed_regions = false),
-    ("no ground assumed", |o| o.assume_ground = false),
-    ("neither", |o| {
-        o.closed_regions = false;
-        o.assume_ground = false;
-    }),
-    ("thickness 0.1 m", |o| o.thickness_world = 0.1),
-    ("thickness 0.3 m", |o| o.thickness_world = 0.3),
-    ("static receivers", |o| o.receivers = Receivers::Static),
+const VARIANTS: [(&str, &[&str]); 7] = [
+    ("default: closed regions, ground assumed", &[]),
+    ("no closed regions", &["--no-closed-regions"]),
+    ("no ground assumed", &["--no-assume-ground"]),
+    ("neither", &["--no-closed-regions", "--no-assume-ground"]),
+    ("thickness 0.1 m", &["--thickness", "0.1"]),
+    ("thickness 0.3 m", &["--thickness", "0.3"]),
+    ("static receivers", &["--receivers", "static"]),
 ];
 
 fn bake_tables(args: &BenchBake) -> Outcome {
@@ -50,20 +43,20 @@ fn bake_tables(args: &BenchBake) -> Outcome {
     let mut sizes = Vec::new();
     let mut variants = Vec::new();
     for name in &args.names {
-        let scene = load_scene(&args.scenes.join(name), &LoadOptions::default())?;
         for &resolution in &args.resolutions {
-            sizes.push(bake_row(&scene, name, resolution, &VARIANTS[0])?);
+            sizes.push(bake_row(&args.scenes, name, resolution, &VARIANTS[0])?);
         }
         for variant in &VARIANTS {
-            variants.push(bake_row(&scene, name, args.variant_resolution, variant)?);
+            variants.push(bake_row(&args.scenes, name, args.variant_resolution, variant)?);
         }
     }
     let mut text = String::from("# Bake: seconds, memory and bytes\n\n");
     // Writing to a String does not fail.
     let _ = writeln!(
         text,
-        "Sun towards (0.5, 0.8, 0.35), {} threads. `peak MB` is the process's largest resident size during the bake; \
-        `× raw` is how many times smaller the file is than a raw 32-bit shadow map of the same texels.\n\n## By resolution\n",
+        "Sun towards (0.5, 0.8, 0.35), {} threads, a process a row. `s` is wall time, loading and writing included; \
+        `peak MB` the process's largest resident size; `× raw` how many times smaller the file is than a raw 32-bit \
+        shadow map of the same texels.\n\n## By resolution\n",
         rayon::current_num_threads()
     );
     text.push_str(&table(&sizes));
@@ -73,29 +66,54 @@ fn bake_tables(args: &BenchBake) -> Outcome {
     write_tables(&args.output, "bake", &text, &document)
 }
 
-fn bake_row(scene: &Scene, name: &str, resolution: u64, variant: &Variant) -> Result<Value, Failure> {
-    let mut options = Options::new(Sun::from_direction(DEFAULT_SUN)?, Size::Resolution(resolution));
-    variant.1(&mut options);
-    memory::reset_peak();
-    let baked = bake::bake(scene, &options, &|_| {}, &AtomicBool::new(false))?;
-    let peak_bytes = memory::peak_bytes().unwrap_or(baked.report.accounted_bytes);
-    let seconds = baked.report.seconds;
-    let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
-    let figures = GraphFigures::of(&file);
-    let raw = f64::from(file.dag.size[0]) * f64::from(file.dag.size[1]) * 4.0;
-    eprintln!("{name} {resolution} {}: {seconds:.2} s, {} bytes", variant.0, figures.file_bytes);
+/// One bake in a process of its own, so that its memory is its own.
+fn bake_row(scenes: &Path, name: &str, resolution: u64, variant: &(&str, &[&str])) -> Result<Value, Failure> {
+    let program = std::env::current_exe().map_err(Error::io("find", "this program"))?;
+    let file = tempfile::Builder::new()
+        .suffix(".adumbra")
+        .tempfile()
+        .map_err(Error::io("create", std::env::temp_dir()))?;
+    let mut command = Command::new(&program);
+    command.arg("bake").arg(scenes.join(name)).arg("-o").arg(file.path());
+    command.args([
+        "--sun",
+        "0.5,0.8,0.35",
+        "--progress",
+        "none",
+        "--json",
+        "--resolution",
+        &resolution.to_string(),
+    ]);
+    let output =
+        command.args(variant.1).stderr(Stdio::inherit()).output().map_err(Error::io("run", &program))?;
+    if !output.status.success() {
+        return Err(Failure::BadInput(format!(
+            "the bake of {name} at {resolution} failed: {}",
+            output.status
+        )));
+    }
+    let said: Value = serde_json::from_slice(&output.stdout).map_err(|e| Failure::BadInput(e.to_string()))?;
+    let number = |key: &str| said[key].as_f64().unwrap_or(f64::NAN);
+    let raw =
+        said["size"][0].as_f64().unwrap_or(f64::NAN) * said["size"][1].as_f64().unwrap_or(f64::NAN) * 4.0;
+    eprintln!(
+        "{name} {resolution} {}: {:.2} s, {} bytes",
+        variant.0,
+        number("seconds"),
+        number("file_bytes")
+    );
     Ok(json!({
         "scene": name,
         "resolution": resolution,
         "option": variant.0,
-        "voxel_size": file.grid.voxel_size,
-        "seconds": seconds,
-        "peak_bytes": peak_bytes,
-        "file_bytes": figures.file_bytes,
-        "bits_per_texel": figures.bits_per_texel,
-        "nodes": figures.nodes,
-        "slabs": figures.slabs,
-        "times_smaller": raw / figures.file_bytes as f64,
+        "voxel_size": said["voxel_size"],
+        "seconds": said["seconds"],
+        "peak_bytes": said["peak_bytes"],
+        "file_bytes": said["file_bytes"],
+        "bits_per_texel": said["bits_per_texel"],
+        "nodes": said["nodes"],
+        "slabs": said["slabs"],
+        "times_smaller": raw / number("file_bytes"),
     }))
 }
 

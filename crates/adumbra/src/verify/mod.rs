@@ -13,7 +13,7 @@ mod points;
 
 use rayon::prelude::*;
 
-pub use points::{Sample, Solids, SurfaceSampler, VolumeSampler};
+pub use points::{Random, Sample, Solids, SurfaceSampler, VolumeSampler};
 
 use crate::dag::Dag;
 use crate::error::Result;
