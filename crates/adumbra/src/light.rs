@@ -85,12 +85,10 @@ pub struct LightGrid {
 }
 
 impl LightGrid {
-    /// The grid that just covers `bounds` as the sun sees it, `resolution` texels on the longer side.
-    ///
-    /// `corners` are the points to cover: the scene's vertices, or the corners of a box given by the user. One voxel of
-    /// margin is left before the first surface and behind the last.
-    pub fn covering(sun: Sun, points_extent: &LightExtent, voxel_size: f64) -> Self {
-        let e = points_extent;
+    /// The grid of voxels of `voxel_size` world units that just covers `extent`, with one voxel of margin before its
+    /// nearest and behind its farthest point along the light.
+    pub fn covering(sun: Sun, extent: &LightExtent, voxel_size: f64) -> Self {
+        let e = extent;
         let mut size = [0; 3];
         let mut corner = [0.0; 3];
         for a in 0..3 {

@@ -38,7 +38,8 @@ impl Random {
 
 /// Which triangles bound solids.
 pub struct Solids {
-    mesh_of_instance: Vec<u32>,
+    /// None for an instance that casts no shadow.
+    mesh_of_instance: Vec<Option<u32>>,
     /// By mesh, then triangle.
     solid: Vec<Vec<bool>>,
 }
@@ -54,12 +55,13 @@ impl Solids {
                 (0..mesh.triangles.len()).map(|t| topology.is_solid(t)).collect()
             })
             .collect();
-        Self { mesh_of_instance: scene.instances.iter().map(|i| i.mesh).collect(), solid }
+        Self { mesh_of_instance: scene.instances.iter().map(|i| i.casts.then_some(i.mesh)).collect(), solid }
     }
 
     /// Whether this triangle of this instance bounds a solid.
     pub fn contains(&self, instance: u32, triangle: u32) -> bool {
-        self.solid[self.mesh_of_instance[instance as usize] as usize][triangle as usize]
+        self.mesh_of_instance[instance as usize]
+            .is_some_and(|mesh| self.solid[mesh as usize][triangle as usize])
     }
 }
 
