@@ -70,8 +70,11 @@ pub(crate) fn run(args: &Render) -> Outcome {
 /// A camera that sees a whole box from above at an angle.
 pub(super) fn looking_at(bounds: &Bounds, fov_degrees: f64) -> Camera {
     let mut center: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
-    // Most scenes are a ground with a few tall things.
-    center[1] = 0.8 * bounds.min[1] + 0.2 * bounds.max[1];
+    let extent: [f64; 3] = std::array::from_fn(|a| bounds.max[a] - bounds.min[a]);
+    if extent[1] < extent[0].max(extent[2]) {
+        // A ground with a few tall things.
+        center[1] = 0.8 * bounds.min[1] + 0.2 * bounds.max[1];
+    }
     let distance = 0.5 * bounds.diagonal() / (fov_degrees.to_radians() * 0.5).tan() * 0.7;
     // From the south-west, beside the default sun: shadows fall across the view.
     let direction = [-0.6, 0.5, 0.62];
