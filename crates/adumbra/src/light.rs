@@ -203,3 +203,63 @@ pub(crate) fn normalize(v: [f64; 3]) -> [f64; 3] {
     let length = dot(v, v).sqrt();
     v.map(|c| c / length)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: [f64; 3], b: [f64; 3]) -> bool {
+        (0..3).all(|i| (a[i] - b[i]).abs() < 1e-12)
+    }
+
+    #[test]
+    fn sun_angles_run_clockwise_from_minus_z() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        assert!(near(Sun::from_angles(0.0, 45.0).unwrap().towards(), [0.0, half, -half]));
+        assert!(near(Sun::from_angles(90.0, 45.0).unwrap().towards(), [half, half, 0.0]));
+        assert!(near(Sun::from_angles(-90.0, 45.0).unwrap().towards(), [-half, half, 0.0]));
+        assert_eq!(Sun::from_angles(123.0, 90.0).unwrap().towards(), [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn sun_refuses_what_gives_no_light_from_above() {
+        for direction in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 1.0, 0.0]] {
+            assert!(
+                matches!(Sun::from_direction(direction), Err(Error::SunDirection { .. })),
+                "{direction:?}"
+            );
+        }
+        for direction in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]] {
+            assert!(
+                matches!(Sun::from_direction(direction), Err(Error::SunBelowHorizon { .. })),
+                "{direction:?}"
+            );
+        }
+        assert!(matches!(Sun::from_angles(0.0, -0.5), Err(Error::SunBelowHorizon { .. })));
+        assert!(matches!(Sun::from_angles(0.0, 90.5), Err(Error::OptionRange { .. })));
+        // Lengths do not matter, even those whose squares leave the range.
+        assert_eq!(Sun::from_direction([0.0, 1e-300, 0.0]).unwrap().towards(), [0.0, 1.0, 0.0]);
+        assert_eq!(Sun::from_direction([0.0, 1e300, 0.0]).unwrap().towards(), [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn grid_is_a_right_handed_frame_that_maps_there_and_back() {
+        for (azimuth, elevation) in [(0.0, 90.0), (31.0, 89.999_999), (200.0, 3.0), (310.0, 40.0)] {
+            let sun = Sun::from_angles(azimuth, elevation).unwrap();
+            let mut extent = LightExtent::empty(&sun);
+            extent.add_box(&Bounds { min: [-3.0, 0.0, 5.0], max: [40.0, 7.0, 9.0] });
+            let grid = LightGrid::covering(sun, &extent, extent.longest_side() / 64.0);
+            assert!(near(cross(grid.axes[0], grid.axes[1]), grid.axes[2]));
+            assert!(near(grid.axes[2], sun.towards().map(|c| -c)));
+            assert_eq!(grid.size[0].max(grid.size[1]), 64);
+            let p = [12.0, 3.0, 6.5];
+            let p_grid = grid.to_grid(p);
+            assert!((0..3).all(|a| p_grid[a] > 0.0 && p_grid[a] < f64::from(grid.size[a])));
+            let back = grid.to_world(p_grid);
+            assert!((0..3).all(|a| (back[a] - p[a]).abs() < 1e-9));
+            let rows = grid.grid_from_world();
+            let mapped = rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);
+            assert!((0..3).all(|a| (mapped[a] - p_grid[a]).abs() < 1e-9));
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Look-ups tap by tap: what the filter's definition says, counted one voxel at a time.
+
+use std::collections::HashMap;
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::{Baked, Options, Size, bake};
+use adumbra::light::Sun;
+use adumbra::query::{FILTER_WIDTHS, Query, Receiver, receiver};
+use adumbra::scene::{GeneratedKind, generate};
+use adumbra::settings::Bias;
+use adumbra::verify::Random;
+
+fn baked() -> Baked {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = Options::new(sun, Size::Resolution(256));
+    bake(&generate(GeneratedKind::Primitives, 1), &options, &|_| {}, &AtomicBool::new(false)).unwrap()
+}
+
+/// The definition: taps gathered by block, one depth a block, every voxel asked by itself.
+fn by_definition(baked: &Baked, r: &Receiver, width: i64) -> f32 {
+    let texel = [0, 1].map(|a| r.p_grid[a].floor() as i64);
+    let reach = width / 2;
+    let mut blocks: HashMap<[i64; 2], Vec<[i64; 2]>> = HashMap::new();
+    for y in texel[1] - reach..=texel[1] + reach {
+        for x in texel[0] - reach..=texel[0] + reach {
+            blocks.entry([x.div_euclid(8), y.div_euclid(8)]).or_default().push([x, y]);
+        }
+    }
+    let [nx, ny, nz] = baked.dag.size.map(i64::from);
+    let mut lit = 0;
+    for taps in blocks.values() {
+        let mut depth = r.p_grid[2];
+        for a in 0..2 {
+            let mean = taps.iter().map(|t| t[a] as f64 + 0.5).sum::<f64>() / taps.len() as f64;
+            let low = taps.iter().map(|t| t[a]).min().unwrap();
+            let high = taps.iter().map(|t| t[a]).max().unwrap();
+            depth += r.gradient[a] * (mean - r.p_grid[a]) - 0.5 * r.gradient[a].abs() * (high - low) as f64;
+        }
+        for &[x, y] in taps {
+            let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && depth >= 0.0;
+            let k = (depth.floor() as i64).min(nz - 1);
+            lit += i32::from(!inside || baked.dag.voxel(x as u32, y as u32, k as u32));
+        }
+    }
+    lit as f32 / (width * width) as f32
+}
+
+#[test]
+fn query_counts_the_taps_that_the_definition_names() {
+    let baked = baked();
+    let mut random = Random::new(11, 0);
+    let size = baked.dag.size.map(f64::from);
+    let mut partly_lit = 0;
+    for _ in 0..4000 {
+        // A little beyond the grid on every side.
+        let p_grid: [f64; 3] = std::array::from_fn(|a| (random.unit() * 1.2 - 0.1) * size[a]);
+        let gradient = [random.unit() * 6.0 - 3.0, random.unit() * 6.0 - 3.0];
+        let r = Receiver { p_grid, gradient };
+        for width in FILTER_WIDTHS {
+            let query = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
+            let answer = query.receiver_visibility(&r);
+            let expected = by_definition(&baked, &r, width.into());
+            assert!((answer - expected).abs() < 1e-6, "{r:?} {width}: {answer}, not {expected}");
+            partly_lit += usize::from(answer > 0.0 && answer < 1.0);
+        }
+    }
+    assert!(partly_lit > 500, "{partly_lit}");
+}
+
+#[test]
+fn query_refuses_other_widths_and_answers_any_point() {
+    let baked = baked();
+    for width in [0, 2, 4, 7, 33] {
+        assert!(Query::new(&baked.grid, &baked.dag, Bias::default(), width).is_err());
+    }
+    let query = Query::new(&baked.grid, &baked.dag, Bias::default(), 17).unwrap();
+    for p in [[f64::NAN; 3], [f64::INFINITY, 0.0, 0.0], [1e300; 3], [-1e12, 5.0, 0.0]] {
+        for normal in [None, Some([0.0; 3]), Some([f64::NAN; 3]), Some([0.0, -1.0, 0.0])] {
+            assert_eq!(query.visibility(p, normal), 1.0);
+        }
+    }
+}
+
+#[test]
+fn bias_moves_a_point_along_its_own_sun_ray() {
+    let baked = baked();
+    let bias = Bias { constant_texels: 1.5, slope_texels: 0.5, normal_offset_texels: 0.0 };
+    let towards = baked.grid.sun.towards();
+    let normal = [0.0, 1.0, 0.0];
+    let plain = baked.grid.to_grid([1.0, 0.0, 2.0]);
+    let lifted = receiver(&baked.grid, &bias, [1.0, 0.0, 2.0], Some(normal));
+    let slope = (1.0 - towards[1] * towards[1]).sqrt() / towards[1];
+    assert!((plain[0] - lifted.p_grid[0]).abs() < 1e-9 && (plain[1] - lifted.p_grid[1]).abs() < 1e-9);
+    assert!((plain[2] - lifted.p_grid[2] - 1.5 - 0.5 * slope).abs() < 1e-9);
+    let steepness = (lifted.gradient[0].powi(2) + lifted.gradient[1].powi(2)).sqrt();
+    assert!((steepness - slope).abs() < 1e-9);
+    // The plane really is the receiver's: a step in it keeps to the ground.
+    let beside = baked.grid.to_grid([1.4, 0.0, 1.1]);
+    let expected =
+        plain[2] + lifted.gradient[0] * (beside[0] - plain[0]) + lifted.gradient[1] * (beside[1] - plain[1]);
+    assert!((beside[2] - expected).abs() < 1e-9);
+}
