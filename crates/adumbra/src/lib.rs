@@ -1,6 +1,6 @@
 //! Bakes the sun's shadows of a static world into a small file that answers any point in space.
 //!
-//! Data flows one way: [`scene`] → [`light`] → [`bake`] → [`dag`] → [`format`] → [`query`]; [`trace`] is the truth
+//! Data flows one way: [`scene`] → [`light`] → [`bake`] → [`dag`] → [`mod@format`] → [`query`]; [`trace`] is the truth
 //! that [`verify`] compares the answers with, and [`picture`] draws both. One polarity everywhere: *visibility*,
 //! 1 = unoccluded.
 //!

@@ -3,7 +3,7 @@
 //!
 //! | part | bytes | meaning |
 //! |---|---|---|
-//! | header | 384 | magic, version, grid, settings, section table, checksum ([`header`]) |
+//! | header | 384 | magic, version, grid, settings, section table, checksum (`header.rs`) |
 //! | top | 4 a root | the top grid |
 //! | nodes | 4 a word | headers and pointers |
 //! | slabs | 8 a slab | 8 × 8 × 1 visibility masks |
