@@ -13,6 +13,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
+    signals::survive_file_size_limit();
     let args = match args::Args::try_parse() {
         Ok(args) => args,
         Err(error) => {

@@ -4,23 +4,15 @@ use std::io::Write;
 use std::path::Path;
 
 use adumbra::Error;
+use adumbra::files::replace_file;
 use adumbra::picture::Picture;
 use image::ImageEncoder;
 
 use crate::exit::Failure;
 
-/// Writes `bytes` to a temporary file beside `path` and renames it.
+/// Writes `bytes` at `path`.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(Error::io("create", path))?;
-    file.write_all(bytes).and_then(|()| file.flush()).map_err(Error::io("write", path))?;
-    file.persist(path).map_err(|e| Error::io("write", path)(e.error))?;
+    replace_file(path, |file| file.write_all(bytes).map(|()| bytes.len() as u64))?;
     Ok(())
 }
 

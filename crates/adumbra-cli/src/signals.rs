@@ -16,10 +16,14 @@ pub(crate) fn install() -> Arc<AtomicBool> {
         let _ = flag::register_conditional_shutdown(signal, Code::Interrupted as i32, Arc::clone(&cancel));
         let _ = flag::register(signal, Arc::clone(&cancel));
     }
+    cancel
+}
+
+/// Makes writing past a limit on file sizes an error (EFBIG); without any handler it would end the program.
+pub(crate) fn survive_file_size_limit() {
     #[cfg(unix)]
     {
-        // With any handler in place, writing past RLIMIT_FSIZE returns EFBIG.
+        // Where it cannot be set, the system's own way stays.
         let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
     }
-    cancel
 }

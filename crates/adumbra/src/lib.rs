@@ -24,6 +24,7 @@
 pub mod bake;
 pub mod dag;
 pub mod error;
+pub mod files;
 pub mod format;
 pub mod light;
 pub mod picture;

@@ -1,16 +1,15 @@
 //! `adumbra bake`: scene in, shadow file out.
 
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use adumbra::Error;
 use adumbra::bake::{self, Baked, Options};
+use adumbra::files;
 use adumbra::format::ShadowFile;
 use serde_json::json;
 
 use super::{GraphFigures, load_scene, print_json, with_threads};
 use crate::args::Bake;
-use crate::exit::{Code, Failure, Outcome};
+use crate::exit::{Code, Outcome};
 use crate::output::bytes_words;
 use crate::progress::Reporter;
 use crate::{memory, signals};
@@ -21,7 +20,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let options = args.settings.options(args.load.ignore_alpha, &args.work)?;
     if !args.dry_run {
-        check_output(&output)?;
+        files::check_output(&output)?;
     }
     with_threads(args.work.threads, || {
         let scene = load_scene(&args.scene, &args.load.load_options()?)?;
@@ -90,18 +89,4 @@ fn dry_run(args: &Bake, scene: &adumbra::scene::Scene, options: &Options) -> Out
         eprintln!("warning: this will not fit --max-memory; lower --resolution or --threads");
     }
     Ok(Code::Fine)
-}
-
-/// Finds out before the work whether the output can be written, without touching what is there.
-fn check_output(output: &Path) -> Result<(), Failure> {
-    let folder: PathBuf = match output.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    if output.is_dir() {
-        let message = format!("{}: is a folder; name a file with -o", output.display());
-        return Err(Failure::BadInput(message));
-    }
-    tempfile::NamedTempFile::new_in(folder).map_err(Error::io("write", output))?;
-    Ok(())
 }

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::{Instance, Material, Mesh, Scene};
 use crate::error::{Error, Result};
+use crate::files::replace_file;
 
 const MAGIC: &[u8; 4] = b"glTF";
 const VERSION: u32 = 2;
@@ -32,18 +33,7 @@ pub fn write_glb(scene: &Scene, path: &Path) -> Result<()> {
         let source = std::io::Error::other("a GLB file holds at most 4 GiB; split the scene");
         return Err(Error::io("write", path)(source));
     }
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".adumbra-").suffix(".glb.tmp");
-    #[cfg(unix)]
-    {
-        // As any new file: what the user's umask leaves of it.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(Error::io("create", path))?;
-    file.write_all(&bytes).map_err(Error::io("write", path))?;
-    file.persist(path).map_err(|e| Error::io("write", path)(e.error))?;
+    replace_file(path, |file| file.write_all(&bytes).map(|()| bytes.len() as u64))?;
     Ok(())
 }
 
