@@ -59,7 +59,7 @@ pub(crate) enum Verb {
     )]
     Render(Render),
     /// Measure: bake times and sizes, as tables
-    #[command(after_help = "Example: adumbra bench bake --scenes ../shared/scenes -o docs/bench")]
+    #[command(after_help = "Example: adumbra bench bake --scenes scenes -o docs/bench")]
     Bench(Bench),
     /// The main job from end to end on a generated scene; leaves the file, pictures and a report
     #[command(after_help = "Example: adumbra demo --out demo")]
@@ -129,12 +129,14 @@ pub(crate) struct BiasArgs {
 }
 
 impl BiasArgs {
-    pub(crate) fn over(&self, file: Bias) -> Bias {
-        Bias {
+    pub(crate) fn over(&self, file: Bias) -> Result<Bias, Failure> {
+        let bias = Bias {
             constant_texels: self.bias_constant.unwrap_or(file.constant_texels),
             slope_texels: self.bias_slope.unwrap_or(file.slope_texels),
             normal_offset_texels: self.bias_normal.unwrap_or(file.normal_offset_texels),
-        }
+        };
+        bias.check()?;
+        Ok(bias)
     }
 }
 
@@ -441,13 +443,11 @@ pub(crate) struct Bench {
 pub(crate) enum BenchVerb {
     /// Seconds, memory and bytes by scene, resolution and option; writes bake.md and bake.json
     #[command(
-        after_help = "Example: adumbra bench bake --scenes ../shared/scenes --resolutions 1024,4096 -o docs/bench"
+        after_help = "Example: adumbra bench bake --scenes scenes --resolutions 1024,4096 -o docs/bench"
     )]
     Bake(BenchBake),
     /// Interior agreement of every scene under four suns; writes verify.md and verify.json
-    #[command(
-        after_help = "Example: adumbra bench verify --scenes ../shared/scenes --resolution 8192 -o docs/bench"
-    )]
+    #[command(after_help = "Example: adumbra bench verify --scenes scenes --resolution 8192 -o docs/bench")]
     Verify(BenchVerify),
 }
 

@@ -1,5 +1,13 @@
 //! The program `adumbra`: bakes a scene's sun shadows into a file, and proves the file's answers against rays.
 
+/// Prints a line on stdout; a reader that has gone away, or a full disk there, does not end the work.
+macro_rules! say {
+    ($($words:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($words)*);
+    }};
+}
+
 mod args;
 mod cmd;
 mod exit;

@@ -119,7 +119,7 @@ pub enum Error {
         min: u32,
         /// Largest allowed.
         max: u32,
-        /// The nearest allowed one.
+        /// The next allowed one.
         suggestion: u32,
     },
     /// An option's value is out of its range.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::{Error, Result};
 use crate::scene::Bounds;
 
 /// How far a look-up moves its point towards the light before it reads the grid. All in texels of the light's plane.
@@ -25,6 +26,20 @@ impl Default for Bias {
 }
 
 impl Bias {
+    /// Whether every term is from 0 to 16 texels.
+    ///
+    /// # Errors
+    /// [`Error::OptionRange`] with the first that is not.
+    pub fn check(&self) -> Result<()> {
+        for value in [self.constant_texels, self.slope_texels, self.normal_offset_texels] {
+            if !(0.0..=16.0).contains(&value) {
+                let (value, range) = (value.to_string(), "from 0 to 16 texels");
+                return Err(Error::OptionRange { option: "bias", value, range });
+            }
+        }
+        Ok(())
+    }
+
     /// Bias along the light at a surface of this slope, in texels; the normal offset is not in it.
     pub fn along_light(&self, slope: f64) -> f64 {
         self.constant_texels + self.slope_texels * slope.min(MAX_SLOPE)
@@ -45,7 +60,7 @@ pub enum Receivers {
 /// The settings that decide what the file answers. Nothing here varies between runs of the same bake.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Texels on the longest side of the scene in the light's plane.
+    /// Texels on the longest side of the scene in the light's plane; with a voxel size, the power of two that holds them.
     pub resolution: u32,
     /// How far below an open surface a shadow may begin, world units; 0 = the bias at its slope.
     pub thickness_world: f64,

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::{GraphFigures, load_scene, print_json, with_threads};
 use crate::args::Bake;
-use crate::exit::{Code, Outcome};
+use crate::exit::{Code, Failure, Outcome};
 use crate::output::bytes_words;
 use crate::progress::Reporter;
 use crate::{memory, signals};
@@ -20,6 +20,12 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let options = args.settings.options(args.load.ignore_alpha, &args.work)?;
     if !args.dry_run {
+        if output == args.scene {
+            return Err(Failure::BadInput(format!(
+                "{}: is the scene itself; name another file with -o",
+                output.display()
+            )));
+        }
         files::check_output(&output)?;
     }
     with_threads(args.work.threads, || {
@@ -37,7 +43,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
         if args.json {
             print_json(&json!({
-                "file": output,
+                "file": output.display().to_string(),
                 "seconds": seconds,
                 "bake_seconds": report.seconds,
                 "peak_bytes": peak,
@@ -54,7 +60,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "triangles": settings.triangles,
             }));
         } else {
-            println!(
+            say!(
                 "{} -> {} ({}, {:.4} bits a texel) in {seconds:.1} s, peak memory {}",
                 args.scene.display(),
                 output.display(),
@@ -79,11 +85,11 @@ fn dry_run(args: &Bake, scene: &adumbra::scene::Scene, options: &Options) -> Out
         }));
     } else {
         let range = |r: [u64; 2]| format!("{} to {}", bytes_words(r[0]), bytes_words(r[1]));
-        println!("{}: {} of {} tiles drawn", args.scene.display(), e.sampled_tiles, e.tiles);
-        println!("  time    {:.0} to {:.0} s", e.seconds[0], e.seconds[1]);
-        println!("  memory  {}", range(e.memory_bytes));
-        println!("  file    {}", range(e.file_bytes));
-        println!("  a lower --resolution, --thickness or --receivers static make the file smaller");
+        say!("{}: {} of {} tiles drawn", args.scene.display(), e.sampled_tiles, e.tiles);
+        say!("  time    {:.0} to {:.0} s", e.seconds[0], e.seconds[1]);
+        say!("  memory  {}", range(e.memory_bytes));
+        say!("  file    {}", range(e.file_bytes));
+        say!("  a lower --resolution, --thickness or --receivers static make the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {
         eprintln!("warning: this will not fit --max-memory; lower --resolution or --threads");

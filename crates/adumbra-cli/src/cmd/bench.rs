@@ -221,6 +221,6 @@ fn verify_table(args: &BenchVerify) -> Outcome {
 fn write_tables(folder: &Path, stem: &str, text: &str, document: &Value) -> Outcome {
     write_whole(&folder.join(format!("{stem}.md")), text.as_bytes())?;
     write_whole(&folder.join(format!("{stem}.json")), format!("{document:#}\n").as_bytes())?;
-    println!("{}", folder.join(format!("{stem}.md")).display());
+    say!("{}", folder.join(format!("{stem}.md")).display());
     Ok(Code::Fine)
 }

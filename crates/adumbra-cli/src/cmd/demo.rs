@@ -30,7 +30,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let file_path = args.out.join("city.adumbra");
     write_glb(&generate(GeneratedKind::City, SEED), &scene_path)?;
     let scene = load_scene(&scene_path, &LoadOptions { color_textures: true, ..LoadOptions::default() })?;
-    println!("scene     {} ({} triangles)", scene_path.display(), scene.instanced_triangles());
+    say!("scene     {} ({} triangles)", scene_path.display(), scene.instanced_triangles());
 
     let start = Instant::now();
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     file.write(&file_path)?;
     let bake_seconds = start.elapsed().as_secs_f64();
     let figures = GraphFigures::of(&file);
-    println!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), bytes_words(figures.file_bytes));
+    say!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), bytes_words(figures.file_bytes));
 
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let solids = Solids::of(&scene);
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let check = VerifyOptions { samples: SAMPLES, seed: 1, bias: file.settings.bias };
     let verification =
         Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &check)?;
-    println!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
+    say!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
 
     let whole = looking_at(&scene.bounds(), 40.0);
     let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
@@ -64,12 +64,12 @@ pub(crate) fn run(args: &Demo) -> Outcome {
             let picture = picture::draw(&scene, &tracer, &camera, sun.towards(), &shadows, 2);
             let path = args.out.join(format!("{name}{suffix}.png"));
             write_png(&path, &picture)?;
-            println!("picture   {}", path.display());
+            say!("picture   {}", path.display());
         }
     }
     let report = args.out.join("report.html");
     write_report(&report, args.resolution, &file, &figures, bake_seconds, &verification)?;
-    println!("report    {}", report.display());
+    say!("report    {}", report.display());
     Ok(if verification.interior_agreement >= 0.999 { Code::Fine } else { Code::CheckFailed })
 }
 

@@ -8,6 +8,6 @@ use crate::exit::{Code, Outcome};
 pub(crate) fn run(args: &Generate) -> Outcome {
     let scene = generate(args.kind.into(), args.seed);
     write_glb(&scene, &args.output)?;
-    println!("{}: {} triangles", args.output.display(), scene.instanced_triangles());
+    say!("{}: {} triangles", args.output.display(), scene.instanced_triangles());
     Ok(Code::Fine)
 }

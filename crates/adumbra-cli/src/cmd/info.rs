@@ -17,7 +17,7 @@ pub(crate) fn run(args: &Info) -> Outcome {
     let times_smaller = raw / figures.file_bytes as f64;
     if args.json {
         print_json(&json!({
-            "file": args.file,
+            "file": args.file.display().to_string(),
             "file_bytes": figures.file_bytes,
             "bits_per_texel": figures.bits_per_texel,
             "nodes": figures.nodes,
@@ -35,28 +35,34 @@ pub(crate) fn run(args: &Info) -> Outcome {
         }));
     } else {
         let sun = file.grid.sun.towards();
-        println!("{}: {}", args.file.display(), bytes_words(figures.file_bytes));
-        println!("  sun towards     {:.6}, {:.6}, {:.6}", sun[0], sun[1], sun[2]);
-        println!("  resolution      {}, {:?} voxels of {:.6}", s.resolution, dag.size, file.grid.voxel_size);
-        println!(
+        say!("{}: {}", args.file.display(), bytes_words(figures.file_bytes));
+        say!("  sun towards     {:.6}, {:.6}, {:.6}", sun[0], sun[1], sun[2]);
+        say!("  resolution      {}, {:?} voxels of {:.6}", s.resolution, dag.size, file.grid.voxel_size);
+        say!(
             "  bits per texel  {:.4} ({times_smaller:.0} times smaller than 32 bits)",
             figures.bits_per_texel
         );
-        println!("  nodes, slabs    {}, {}", figures.nodes, figures.slabs);
-        println!(
+        say!("  nodes, slabs    {}, {}", figures.nodes, figures.slabs);
+        say!(
             "  bytes           top grid {}, nodes {}, slabs {}",
             dag.top.len() * 4,
             dag.nodes.len() * 4,
             dag.slabs.len() * 8
         );
-        println!("  baked from      {} triangles in {} instances", s.triangles, s.instances);
-        println!(
+        say!("  baked from      {} triangles in {} instances", s.triangles, s.instances);
+        say!(
             "  ground assumed {}, closed regions {}, receivers {:?}, thickness {} m, alpha ignored {}",
-            s.assume_ground, s.closed_regions, s.receivers, s.thickness_world, s.ignore_alpha
+            s.assume_ground,
+            s.closed_regions,
+            s.receivers,
+            s.thickness_world,
+            s.ignore_alpha
         );
-        println!(
+        say!(
             "  bias            constant {}, slope {}, normal {} texels",
-            s.bias.constant_texels, s.bias.slope_texels, s.bias.normal_offset_texels
+            s.bias.constant_texels,
+            s.bias.slope_texels,
+            s.bias.normal_offset_texels
         );
     }
     Ok(Code::Fine)

@@ -18,7 +18,7 @@ pub(crate) fn run(args: &Inspect) -> Outcome {
     let suggested = suggested_resolution(&scene)?;
     if args.json {
         print_json(&json!({
-            "scene": args.scene,
+            "scene": args.scene.display().to_string(),
             "triangles": triangles,
             "instanced_triangles": instanced,
             "meshes": scene.meshes.len(),
@@ -35,18 +35,18 @@ pub(crate) fn run(args: &Inspect) -> Outcome {
             "warnings": scene.notes.warnings,
         }));
     } else {
-        println!("{}", args.scene.display());
-        println!("  triangles            {triangles} stored, {instanced} with instances");
-        println!("  meshes, instances    {}, {}", scene.meshes.len(), scene.instances.len());
-        println!("  bounds               {:?} to {:?}", bounds.min, bounds.max);
-        println!(
+        say!("{}", args.scene.display());
+        say!("  triangles            {triangles} stored, {instanced} with instances");
+        say!("  meshes, instances    {}, {}", scene.meshes.len(), scene.instances.len());
+        say!("  bounds               {:?} to {:?}", bounds.min, bounds.max);
+        say!(
             "  closed               {:.1} % of triangles, {:.1} % bound solids",
             100.0 * closed,
             100.0 * solid
         );
-        println!("  materials            {}, {masked} masked", scene.materials.len());
-        println!("  degenerate triangles {}", scene.notes.degenerate_triangles);
-        println!("  suggested resolution {suggested}");
+        say!("  materials            {}, {masked} masked", scene.materials.len());
+        say!("  degenerate triangles {}", scene.notes.degenerate_triangles);
+        say!("  suggested resolution {suggested}");
     }
     Ok(Code::Fine)
 }

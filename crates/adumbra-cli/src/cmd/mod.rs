@@ -87,5 +87,5 @@ impl GraphFigures {
 }
 
 fn print_json(value: &serde_json::Value) {
-    println!("{value:#}");
+    say!("{value:#}");
 }

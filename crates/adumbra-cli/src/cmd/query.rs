@@ -30,7 +30,7 @@ pub(crate) fn run(args: &Query) -> Outcome {
     }
     // A point, its normal, its answer and the answer's bytes.
     args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4) + file.encoded_len())?;
-    let bias = args.bias.over(file.settings.bias);
+    let bias = args.bias.over(file.settings.bias)?;
     let query = query::Query::new(&file.grid, &file.dag, bias, args.filter)?;
     let visibilities: Vec<f32> = with_threads(args.work.threads, || {
         Ok((0..points.len())
@@ -42,9 +42,11 @@ pub(crate) fn run(args: &Query) -> Outcome {
     write_whole(&args.output, &bytes)?;
     let mean = visibilities.iter().map(|v| f64::from(*v)).sum::<f64>() / visibilities.len().max(1) as f64;
     if args.json {
-        print_json(&json!({"points": points.len(), "mean_visibility": mean, "output": args.output}));
+        print_json(
+            &json!({"points": points.len(), "mean_visibility": mean, "output": args.output.display().to_string()}),
+        );
     } else {
-        println!("{}: {} points, mean visibility {mean:.4}", args.output.display(), points.len());
+        say!("{}: {} points, mean visibility {mean:.4}", args.output.display(), points.len());
     }
     Ok(Code::Fine)
 }

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &Render) -> Outcome {
         }
         let (sun, shadows) = match &file {
             Some(f) => {
-                let query = Query::new(&f.grid, &f.dag, args.bias.over(f.settings.bias), args.filter)?;
+                let query = Query::new(&f.grid, &f.dag, args.bias.over(f.settings.bias)?, args.filter)?;
                 let shadows = match (args.truth, args.diff) {
                     (true, _) => Shadows::Truth,
                     (_, true) => Shadows::Difference(query),
@@ -54,15 +54,15 @@ pub(crate) fn run(args: &Render) -> Outcome {
     write_png(&args.output, &picture)?;
     if args.json {
         print_json(&json!({
-            "output": args.output,
+            "output": args.output.display().to_string(),
             "width": picture.width,
             "height": picture.height,
             "difference_share": picture.difference_share,
         }));
     } else if let Some(share) = picture.difference_share {
-        println!("{}: file and rays differ on {:.3} % of the samples", args.output.display(), 100.0 * share);
+        say!("{}: file and rays differ on {:.3} % of the samples", args.output.display(), 100.0 * share);
     } else {
-        println!("{}: {} x {}", args.output.display(), picture.width, picture.height);
+        say!("{}: {} x {}", args.output.display(), picture.width, picture.height);
     }
     Ok(Code::Fine)
 }

@@ -32,7 +32,7 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         let options = VerifyOptions {
             samples: args.samples,
             seed: args.seed,
-            bias: args.bias.over(file.settings.bias),
+            bias: args.bias.over(file.settings.bias)?,
         };
         Ok(Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &options)?)
     })?;
@@ -40,24 +40,32 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         let value = serde_json::to_value(result).map_err(|e| Failure::BadInput(e.to_string()))?;
         print_json(&value);
     } else {
-        println!("{} against {}", args.file.display(), args.scene.display());
-        println!(
-            "  samples             {} (left out: {} facing away, {} inside solids)",
-            result.samples, result.facing_away, result.inside_solids
+        say!("{} against {}", args.file.display(), args.scene.display());
+        say!(
+            "  samples             {} (left out: {} facing away, {} inside solids, {} outside the bounds)",
+            result.samples,
+            result.facing_away,
+            result.inside_solids,
+            result.outside_bounds
         );
-        println!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
-        println!("  agreement           {:.4} %", 100.0 * result.agreement);
-        println!(
+        say!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
+        say!("  agreement           {:.4} %", 100.0 * result.agreement);
+        say!(
             "  interior agreement  {:.4} % of {} ({:.1} % of the samples are interior)",
             100.0 * result.interior_agreement,
             result.interior,
             100.0 * result.interior_share
         );
-        println!("  acne                {:.4} %, interior {}", 100.0 * result.acne, result.interior_acne);
-        println!("  leak                {:.4} %, interior {}", 100.0 * result.leak, result.interior_leak);
-        println!("  thin                {}, {} of them wrong", result.thin, result.thin_wrong);
+        say!("  acne                {:.4} %, interior {}", 100.0 * result.acne, result.interior_acne);
+        say!("  leak                {:.4} %, interior {}", 100.0 * result.leak, result.interior_leak);
+        say!("  thin                {}, {} of them wrong", result.thin, result.thin_wrong);
     }
-    if result.interior_agreement < args.min_interior {
+    if result.interior == 0 {
+        eprintln!("check failed: no interior point was compared; do the file and the scene overlap?");
+        return Ok(Code::CheckFailed);
+    }
+    // Written so that NaN fails.
+    if !(result.interior_agreement >= args.min_interior) {
         eprintln!(
             "check failed: interior agreement {:.6} is below {}; is this the scene that the file was baked from?",
             result.interior_agreement, args.min_interior

@@ -8,7 +8,6 @@ use super::casters::Casters;
 use super::columns::{self, ColumnRules, Columns, FirstSurface, ReceiverKind};
 use super::masked::{self, MaskedHit, TriangleMask};
 use super::project::{FixedDepth, Projected};
-use crate::error::{Error, Result};
 use crate::light::LightGrid;
 use crate::settings::Receivers;
 
@@ -51,9 +50,6 @@ pub(crate) fn working_bytes(texels: u64) -> u64 {
 }
 
 /// Captures the columns of `rect`, a tile of `casters` with index `tile`.
-///
-/// # Errors
-/// [`Error::MemoryLimit`] where a single row of texels has more solid crossings than a worker may hold.
 pub(crate) fn capture(
     casters: &Casters<'_>,
     tile: usize,
@@ -62,7 +58,7 @@ pub(crate) fn capture(
     rect: TileRect,
     buffers: &mut CaptureBuffers,
     out: &mut Columns,
-) -> Result<()> {
+) {
     out.reset(rect.width, rect.height);
     let mut bands = vec![(rect.y, rect.height)];
     while let Some((y, height)) = bands.pop() {
@@ -80,23 +76,16 @@ pub(crate) fn capture(
                     out.extend(start + i, rules.static_end(buffers.first[i], buffers.next[i]));
                 }
             }
-        } else if height > 1 {
+        } else {
             let half = height / 2;
             bands.push((y + half, height - half));
             bands.push((y, half));
-        } else {
-            let needed_bytes = (MAX_CROSSINGS * 2 * size_of::<Crossing>()) as u64;
-            return Err(Error::MemoryLimit {
-                what: "a row of texels through very many layers of solids",
-                needed_bytes,
-                limit_bytes: needed_bytes / 2,
-            });
         }
     }
-    Ok(())
 }
 
-/// First pass: `first` and `base` of a band of rows; false where there are too many crossings to hold.
+/// First pass: `first` and `base` of a band of rows; false where there are too many crossings to hold and more than one
+/// row to split.
 fn capture_surfaces(
     casters: &Casters<'_>,
     tile: usize,
@@ -112,7 +101,7 @@ fn capture_surfaces(
     b.masked.clear();
     let mut fits = true;
     for_each_triangle(casters, tile, grid, |triangle, source| {
-        fits = fits && sample_centers(casters, triangle, source, rules, rect, b);
+        fits = fits && (!source.casts || sample_centers(casters, triangle, source, rules, rect, b));
     });
     if fits {
         masked::add_first_surfaces(&mut b.masked, &mut b.first);
@@ -144,6 +133,7 @@ fn find_receivers(
 pub(super) struct Source {
     pub(super) instance: u32,
     pub(super) triangle: u32,
+    pub(super) casts: bool,
     pub(super) solid: bool,
     pub(super) masked: bool,
     pub(super) corners_grid: [[f64; 3]; 3],
@@ -165,6 +155,7 @@ fn for_each_triangle(
             let source = Source {
                 instance: placed.instance,
                 triangle: c.triangle,
+                casts: c.casts && instance.casts,
                 solid: c.solid,
                 masked: c.masked,
                 corners_grid: corners,
@@ -219,7 +210,7 @@ fn sample_centers(
                     .push(Crossing { texel: texel as u32, key: columns::crossing_key(depth, exit_bit) });
             }
         }
-        if b.crossings.len().max(b.masked.len()) > MAX_CROSSINGS {
+        if b.crossings.len().max(b.masked.len()) > MAX_CROSSINGS && rect.height > 1 {
             return false;
         }
     }

@@ -8,18 +8,20 @@ use crate::scene::{Mesh, Scene};
 /// Triangles a cluster holds at most.
 const CLUSTER_TRIANGLES: usize = 128;
 
-/// Casting triangles of one mesh, near ones side by side.
+/// Triangles of one mesh, near ones side by side.
 pub(crate) struct MeshClusters {
-    /// Casting triangles, cluster by cluster.
+    /// Triangles, cluster by cluster.
     pub(crate) triangles: Vec<ClusterTriangle>,
     clusters: Vec<Cluster>,
 }
 
-/// One casting triangle.
+/// One triangle.
 #[derive(Clone, Copy)]
 pub(crate) struct ClusterTriangle {
     /// Index into the mesh's triangles.
     pub(crate) triangle: u32,
+    /// Its material casts; what does not cast still receives.
+    pub(crate) casts: bool,
     /// It bounds a solid.
     pub(crate) solid: bool,
     /// Its material has holes.
@@ -69,7 +71,7 @@ impl<'s> Casters<'s> {
         let mut starts = vec![0_u32; (tiles[0] * tiles[1]) as usize + 1];
         let mut placed = Vec::new();
         for fill in [false, true] {
-            for (i, instance) in scene.instances.iter().enumerate().filter(|(_, i)| i.casts) {
+            for (i, instance) in scene.instances.iter().enumerate() {
                 for (c, cluster) in meshes[instance.mesh as usize].clusters.iter().enumerate() {
                     let mut low = [f64::INFINITY; 2];
                     let mut high = [f64::NEG_INFINITY; 2];
@@ -128,7 +130,9 @@ impl<'s> Casters<'s> {
     /// Casting triangles, instances counted.
     pub(crate) fn instanced_triangles(&self) -> u64 {
         let casting = self.scene.instances.iter().filter(|i| i.casts);
-        casting.map(|i| self.meshes[i.mesh as usize].triangles.len() as u64).sum()
+        casting
+            .map(|i| self.meshes[i.mesh as usize].triangles.iter().filter(|t| t.casts).count() as u64)
+            .sum()
     }
 
     /// Bytes held here.
@@ -152,9 +156,6 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
     let (min, max) = bounds(mesh.positions.iter());
     let scale: [f32; 3] = std::array::from_fn(|a| 1023.0 / (max[a] - min[a]).max(f32::MIN_POSITIVE));
     for (t, corners) in mesh.triangles.iter().enumerate() {
-        if !scene.materials[mesh.triangle_materials[t] as usize].casts {
-            continue;
-        }
         let p = mesh.positions[corners[0] as usize];
         let cell: [u64; 3] = std::array::from_fn(|a| ((p[a] - min[a]) * scale[a]) as u64);
         order.push((spread(cell[0]) << 2 | spread(cell[1]) << 1 | spread(cell[2]), t as u32));
@@ -166,7 +167,7 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
             let material = &scene.materials[mesh.triangle_materials[t as usize] as usize];
             let masked = !options.ignore_alpha && material.alpha != crate::scene::AlphaMode::Opaque;
             let solid = topology.as_ref().is_some_and(|s| s.is_solid(t as usize));
-            ClusterTriangle { triangle: t, solid, masked }
+            ClusterTriangle { triangle: t, casts: material.casts, solid, masked }
         })
         .collect();
     let clusters = triangles

@@ -42,7 +42,7 @@ pub fn estimate(scene: &Scene, options: &Options) -> Result<Estimate> {
     for s in 0..sampled {
         // The middle one of each of as many equal runs.
         let tile = by_casters[(2 * s + 1) * tiles / (2 * sampled)];
-        let mut roots = worker.bake_tile(&plan, tile)?;
+        let mut roots = worker.bake_tile(&plan, tile);
         separate_bytes += worker.store.graph_bytes();
         merged.absorb(&worker.store, &mut roots);
     }

@@ -107,9 +107,8 @@ pub fn bake(
                     let outcome = if cancel.load(Ordering::Relaxed) {
                         Err(Error::Interrupted)
                     } else {
-                        worker
-                            .bake_tile(&plan, tile)
-                            .and_then(|roots| plan.merge(&shared, &worker.store, tile, roots, progress))
+                        let roots = worker.bake_tile(&plan, tile);
+                        plan.merge(&shared, &worker.store, tile, roots, progress)
                     };
                     if let Err(error) = outcome {
                         next_tile.store(tile_count, Ordering::Relaxed);
@@ -210,7 +209,10 @@ impl<'s> Plan<'s> {
             triangles: casters.instanced_triangles(),
             instances: scene.instances.iter().filter(|i| i.casts).count() as u64,
         };
-        let scene_bytes = scene.memory_bytes() + casters.memory_bytes();
+        // A root's state while baking, and its word of the finished graph.
+        let roots: u64 = top_dims.iter().map(|&n| u64::from(n)).product();
+        let top_bytes = roots * (size_of::<NodeState>() as u64 + 4);
+        let scene_bytes = scene.memory_bytes() + casters.memory_bytes() + top_bytes;
         let worker_bytes = capture::working_bytes(1 << (2 * root_level));
         let mut plan = Self {
             grid,
@@ -259,6 +261,14 @@ impl<'s> Plan<'s> {
         progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<()> {
         let mut shared = shared.lock().unwrap_or_else(|e| e.into_inner());
+        if !shared.store.has_room_for(tile_store) {
+            let needed_bytes = 8 << 30;
+            return Err(Error::MemoryLimit {
+                what: "a graph of more than 2^31 words",
+                needed_bytes,
+                limit_bytes: needed_bytes,
+            });
+        }
         shared.store.absorb(tile_store, &mut roots);
         let layer = (self.top_dims[0] * self.top_dims[1]) as usize;
         for (k, root) in roots.into_iter().enumerate() {
@@ -267,7 +277,9 @@ impl<'s> Plan<'s> {
         shared.done += 1;
         let bytes = self.scene_bytes
             + self.workers as u64 * (self.worker_bytes + tile_store.memory_bytes())
-            + shared.store.memory_bytes();
+            + shared.store.memory_bytes()
+            // The renumbering of the tile just taken in.
+            + tile_store.graph_bytes();
         shared.accounted = shared.accounted.max(bytes);
         self.check_memory("the graph so far", bytes)?;
         progress(Progress {
@@ -290,11 +302,11 @@ struct Worker {
 
 impl Worker {
     /// The root cubes of a tile, nearest first, in this worker's own store.
-    fn bake_tile(&mut self, plan: &Plan<'_>, tile: usize) -> Result<Vec<NodeState>> {
+    fn bake_tile(&mut self, plan: &Plan<'_>, tile: usize) -> Vec<NodeState> {
         self.store.clear();
         let rect = plan.tile_rect(tile);
-        capture(&plan.casters, tile, &plan.grid, &plan.rules, rect, &mut self.buffers, &mut self.columns)?;
-        Ok(tile::build_roots(&self.columns, plan.root_level, plan.top_dims[2], &mut self.store))
+        capture(&plan.casters, tile, &plan.grid, &plan.rules, rect, &mut self.buffers, &mut self.columns);
+        tile::build_roots(&self.columns, plan.root_level, plan.top_dims[2], &mut self.store)
     }
 }
 

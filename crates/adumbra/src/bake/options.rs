@@ -67,12 +67,7 @@ impl Options {
         if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
             return range("--thickness", self.thickness_world, "a finite number of metres, 0 or more");
         }
-        let Bias { constant_texels, slope_texels, normal_offset_texels } = self.bias;
-        for value in [constant_texels, slope_texels, normal_offset_texels] {
-            if !(0.0..=16.0).contains(&value) {
-                return range("bias", value, "from 0 to 16 texels");
-            }
-        }
+        self.bias.check()?;
         if let Some(b) = &self.bounds {
             for a in 0..3 {
                 if !(b.min[a].is_finite() && b.max[a].is_finite() && b.min[a] < b.max[a]) {

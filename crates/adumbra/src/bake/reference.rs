@@ -8,7 +8,9 @@ use super::columns::{ColumnRules, FREE_TO_END};
 use super::project::{FixedDepth, Projected, SUBTEXEL};
 use super::{Baked, Options, Plan, Size, bake};
 use crate::light::Sun;
+use crate::query::Query;
 use crate::scene::{Instance, Material, Mesh, Scene, topology};
+use crate::settings::Receivers;
 
 /// What a dense grid knows of one column, straight from §3's text.
 struct DenseColumn {
@@ -270,4 +272,53 @@ fn closed_box_leaves_its_inside_free_and_its_shadow_defined() {
     let dag = bake_quietly(&scene, &options).dag;
     assert!(dag.voxel(8, 8, 0));
     assert!(!dag.voxel(8, 8, 17));
+}
+
+#[test]
+fn surfaces_that_do_not_cast_still_receive() {
+    let mut roof = Mesh::default();
+    add_box(&mut roof, [-2.0, 4.0, -2.0], [2.0, 4.2, 2.0]);
+    let mut scene = scene_of(roof, false);
+    let ground = Mesh {
+        positions: vec![[-10.0, 0.0, -10.0], [-10.0, 0.0, 10.0], [10.0, 0.0, 10.0], [10.0, 0.0, -10.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangle_materials: vec![0; 2],
+        ..Mesh::default()
+    };
+    scene.meshes.push(ground);
+    let under = Instance { mesh: 1, casts: false, ..scene.instances[0].clone() };
+    scene.instances.push(under);
+    let sun = Sun::from_direction([0.3, 0.9, 0.2]).expect("above the horizon");
+    for receivers in [Receivers::All, Receivers::Static] {
+        let baked = bake_quietly(&scene, &Options { receivers, ..Options::new(sun, Size::Resolution(256)) });
+        let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, 1).expect("one texel");
+        let mut shadowed = 0;
+        for i in 0..200 {
+            for j in 0..200 {
+                let p = [f64::from(i) * 0.1 - 9.95, 0.0, f64::from(j) * 0.1 - 9.95];
+                // Where the sun ray passes the roof's height, away from its rim.
+                let across = [p[0] + 4.1 / 0.9 * 0.3, p[2] + 4.1 / 0.9 * 0.2];
+                let answer = query.visibility(p, Some([0.0, 1.0, 0.0]));
+                if across.iter().all(|c| c.abs() < 1.6) {
+                    assert_eq!(answer, 0.0, "{receivers:?} {p:?}");
+                    shadowed += 1;
+                } else if across.iter().any(|c| c.abs() > 2.4) {
+                    assert_eq!(answer, 1.0, "{receivers:?} {p:?}");
+                }
+            }
+        }
+        assert!(shadowed > 500);
+    }
+}
+
+#[test]
+fn many_thin_layers_in_one_row_are_captured() {
+    let mut mesh = Mesh::default();
+    for layer in 0..20_000_u16 {
+        let y = f32::from(layer) * 0.01;
+        add_box(&mut mesh, [-10.0, y, -10.0], [10.0, y + 0.005, 10.0]);
+    }
+    let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
+    let baked = bake_quietly(&scene_of(mesh, false), &Options::new(sun, Size::Resolution(64)));
+    assert!(baked.dag.voxel(32, 32, 0));
 }

@@ -68,6 +68,14 @@ impl NodeStore {
         intern(&mut self.inner, &mut self.inner_table, children)
     }
 
+    /// Whether references stay within 31 bits, and finished pointers below the top grid's marks, after
+    /// [`NodeStore::absorb`].
+    pub fn has_room_for(&self, other: &Self) -> bool {
+        let words = |f: fn(&Self) -> usize| f(self) + f(other);
+        let (cubes, inner) = (words(|s| s.cubes.len()), words(|s| s.inner.len()));
+        cubes.max(inner) < CUBE_BIT as usize && words(|s| s.slabs.len()) < u32::MAX as usize
+    }
+
     /// Takes every node of `other` in and gives the new reference of each of `roots`.
     pub fn absorb(&mut self, other: &Self, roots: &mut [NodeState]) {
         let slab_map: Vec<u32> = other

@@ -4,7 +4,7 @@
 //! texel, no filter) and of the rays. Definitions:
 //! - *Interior*: the point and eight neighbours, two texels away in the light's plane and moved along the light onto the
 //!   point's tangent plane (in space: at its depth), all lifted alike, agree by rays.
-//! - *Thin*: the nearest blocker on the surface point's sun ray is nearer than two voxels or than the bias at that slope.
+//! - *Thin*: the nearest blocker on the surface point's sun ray is nearer than two voxels or than the file's bias at that slope.
 //! - *Inside a solid*: the winding of closed components along the sun ray is not zero; nobody sees it, the file may say
 //!   either, and it is counted apart.
 //! - *Acne*: lit called shadowed. *Leak*: shadowed called lit.
@@ -165,7 +165,7 @@ impl<'a> Verifier<'a> {
         let slope = (r.gradient[0].powi(2) + r.gradient[1].powi(2)).sqrt();
         let thin = self.nearest_blocker(surface_grid, sample.normal).is_some_and(|(distance, n_dot_l)| {
             let slope = if sample.normal.is_some() { slope } else { slope_of(n_dot_l) };
-            distance / voxel < 2.0_f64.max(bias.along_light(slope))
+            distance / voxel < 2.0_f64.max(self.settings.bias.along_light(slope))
         });
         let interior = self.is_interior(r.p_grid, r.gradient, truth);
         c.shadowed += u64::from(!truth);
