@@ -104,14 +104,18 @@ fn shared_interior_agrees_with_rays_on_real_scenes() {
         Sun::from_angles(55.0, 3.0).unwrap(),
     ];
     let mut missed = Vec::new();
-    for file in [
+    let mut files = vec![
         "zdm2.glb",
         "dragon_202k.ply",
         "armadillo.ply",
         "bridge_garden.glb",
         "auster.obj",
         "kaykit_city_21.glb",
-    ] {
+    ];
+    if full() {
+        files.extend(["alpine-2.glb", "street-1.glb", "delft.glb", "box-city-5k.glb", "oak_medium.glb"]);
+    }
+    for file in files {
         let scene = load(&scenes.join(file), &LoadOptions::default()).unwrap();
         for sun in suns {
             let baked = bake_quietly(&scene, &Options::new(sun, Size::Resolution(resolution)));

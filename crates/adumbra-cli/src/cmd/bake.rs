@@ -1,5 +1,6 @@
 //! `adumbra bake`: scene in, shadow file out.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::bake::{self, Baked, Options};
@@ -15,7 +16,8 @@ use crate::progress::Reporter;
 use crate::{memory, signals};
 
 pub(crate) fn run(args: &Bake) -> Outcome {
-    let cancel = signals::install();
+    // A forecast may simply be ended.
+    let cancel = if args.dry_run { Arc::default() } else { signals::install() };
     let start = Instant::now();
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let options = args.settings.options(args.load.ignore_alpha, &args.work)?;

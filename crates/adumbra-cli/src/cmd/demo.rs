@@ -1,8 +1,10 @@
 //! `adumbra demo`: the main job from end to end on a generated city.
 
 use std::path::Path;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
+use adumbra::Error;
 use adumbra::bake::{self, Options, Size};
 use adumbra::format::ShadowFile;
 use adumbra::light::Sun;
@@ -43,6 +45,8 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let figures = GraphFigures::of(&file);
     say!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), bytes_words(figures.file_bytes));
 
+    let go_on = || if cancel.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
+    go_on()?;
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
@@ -55,6 +59,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
     for (name, camera) in [("city", whole), ("street", street)] {
         for suffix in ["", "-truth", "-difference"] {
+            go_on()?;
             let query = Query::new(&file.grid, &file.dag, file.settings.bias, 5)?;
             let shadows = match suffix {
                 "" => Shadows::File(query),
