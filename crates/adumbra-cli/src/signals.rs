@@ -19,6 +19,15 @@ pub(crate) fn install() -> Arc<AtomicBool> {
     cancel
 }
 
+/// Ends the program at the first interrupt, for verbs that have nothing to finish.
+pub(crate) fn end_when_interrupted() {
+    let at_once = Arc::new(AtomicBool::new(true));
+    for signal in [SIGINT, SIGTERM] {
+        // Where a handler cannot be set, the signal ends the program as the system has it.
+        let _ = flag::register_conditional_shutdown(signal, Code::Interrupted as i32, Arc::clone(&at_once));
+    }
+}
+
 /// Makes writing past a limit on file sizes an error (EFBIG); without any handler it would end the program.
 pub(crate) fn survive_file_size_limit() {
     #[cfg(unix)]

@@ -162,7 +162,7 @@ fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
     let file = folder.path("out.adumbra");
     fs::write(&file, b"earlier").unwrap();
     let cases: &[(&[&str], &str)] = &[
-        (&["bake", &missing], "missing.glb"),
+        (&["bake", &missing], "check the name"),
         (&["bake", &folder_name], "scene format"),
         (&["bake", &empty], "empty.glb"),
         (&["bake", &cut], "cut.glb"),
@@ -182,7 +182,8 @@ fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
         (&["bake", &scene, "-o", &below], "below.adumbra"),
         (&["bake", &scene, "-o", &folder_name], "folder"),
         (&["info", &scene], "shadow file"),
-        (&["info", &missing], "missing.glb"),
+        (&["info", &missing], "check the name"),
+        (&["info", &folder_name], "name a file in it"),
         (&["verify", &empty, "--scene", &scene], "empty.glb"),
     ];
     for (case, says) in cases {
@@ -288,6 +289,22 @@ fn interrupt_exits_with_130_and_leaves_the_earlier_file() {
     assert!(rest.iter().any(|l| l.contains("interrupted")), "{rest:?}");
     assert_eq!(fs::read(&file).unwrap(), b"earlier");
     assert!(folder.no_temporary_files());
+}
+
+#[cfg(unix)]
+#[test]
+fn verify_exits_with_130_when_interrupted() {
+    let folder = Folder::new();
+    let scene = folder.generate("city");
+    let file = folder.path("p.adumbra");
+    assert_eq!(adumbra(&["bake", &scene, "--resolution", "256", "-o", &file]).0, 0);
+    let mut child = Command::new(program())
+        .args(["verify", &file, "--scene", &scene, "--samples", "1000000000"])
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
 }
 
 #[test]

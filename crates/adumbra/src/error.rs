@@ -162,6 +162,22 @@ impl Error {
     /// An [`Error::Io`] for `path`; meant for `map_err`.
     pub fn io(action: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
-        move |source| Self::Io { action, path, source }
+        move |source| {
+            let source = if action == "read" { with_reading_mend(source) } else { source };
+            Self::Io { action, path, source }
+        }
     }
+}
+
+/// Adds to what the system says what can be done about it; the kind stays.
+fn with_reading_mend(error: std::io::Error) -> std::io::Error {
+    use std::io::ErrorKind;
+    let mend = match error.kind() {
+        ErrorKind::NotFound => "check the name and the folder it is in",
+        ErrorKind::IsADirectory => "it is a folder; name a file in it",
+        ErrorKind::NotADirectory => "a part of the path is a file, not a folder; check the path",
+        ErrorKind::PermissionDenied => "change its permissions, or choose another file",
+        _ => return error,
+    };
+    std::io::Error::new(error.kind(), format!("{error}; {mend}"))
 }

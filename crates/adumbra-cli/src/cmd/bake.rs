@@ -16,8 +16,12 @@ use crate::progress::Reporter;
 use crate::{memory, signals};
 
 pub(crate) fn run(args: &Bake) -> Outcome {
-    // A forecast may simply be ended.
-    let cancel = if args.dry_run { Arc::default() } else { signals::install() };
+    let cancel = if args.dry_run {
+        signals::end_when_interrupted();
+        Arc::default()
+    } else {
+        signals::install()
+    };
     let start = Instant::now();
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let options = args.settings.options(args.load.ignore_alpha, &args.work)?;

@@ -17,8 +17,12 @@ use adumbra::scene::{self, LoadOptions, Scene};
 
 use crate::args::{Args, Verb};
 use crate::exit::{Failure, Outcome};
+use crate::signals;
 
 pub(crate) fn run(args: Args) -> Outcome {
+    if !matches!(args.verb, Verb::Bake(_) | Verb::Demo(_)) {
+        signals::end_when_interrupted();
+    }
     match args.verb {
         Verb::Generate(a) => generate::run(&a),
         Verb::Inspect(a) => inspect::run(&a),
