@@ -45,7 +45,8 @@ struct Crossing {
 /// Bytes that a worker needs for a tile of `texels`, columns included.
 pub(crate) fn working_bytes(texels: u64) -> u64 {
     let texel = size_of::<FirstSurface>() + 2 * size_of::<FixedDepth>() + 4;
-    let crossings = MAX_CROSSINGS * (size_of::<Crossing>() + 4 + size_of::<MaskedHit>());
+    // Lists grow by doubling.
+    let crossings = 2 * MAX_CROSSINGS * (size_of::<Crossing>() + 4 + size_of::<MaskedHit>());
     texels * (texel as u64 + 2 * 4) + crossings as u64
 }
 

@@ -82,7 +82,7 @@ const MASK_TRIES: u32 = 64;
 
 impl<'s> SurfaceSampler<'s> {
     /// Prepares the sums. Instances under a non-uniform scale are sampled by their area in mesh space times the mean
-    /// scale: a little uneven over the mesh, never missing a part.
+    /// scale: a little uneven over the mesh. An instance flattened to nothing along an axis is left out.
     pub fn new(scene: &'s Scene, solids: &'s Solids, towards_sun: [f64; 3], ignore_alpha: bool) -> Self {
         let mesh_sums: Vec<Vec<f64>> = scene
             .meshes
