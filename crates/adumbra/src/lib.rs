@@ -32,6 +32,7 @@ pub mod query;
 pub mod scene;
 pub mod settings;
 pub mod trace;
+pub mod tree;
 pub mod verify;
 
 pub use error::{Error, Result};

@@ -1,0 +1,20 @@
+//! The tree by a function that calls itself: as deep as the tree has levels.
+
+use super::{Built, Classify, Work, child_corner};
+use crate::error::Result;
+use crate::tree::reduce::Sink;
+
+pub(super) fn build<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, depth: u32) -> Result<Built> {
+    node(work, [0; 3], depth)
+}
+
+fn node<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, xyz: [u32; 3], level: u32) -> Result<Built> {
+    if let Some(decided) = work.decide(xyz, level) {
+        return Ok(decided);
+    }
+    let mut children = [None; 8];
+    for (c, child) in (0..).zip(&mut children) {
+        *child = node(work, child_corner(xyz, level, c), level - 1)?;
+    }
+    work.join(&children)
+}

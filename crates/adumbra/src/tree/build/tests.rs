@@ -1,0 +1,162 @@
+//! Builders and reductions against each other and against the voxels themselves.
+
+use super::*;
+use crate::tree::VoxelTree;
+use crate::tree::reduce::{Interned, sort, tree_hash::TreeHashed};
+use proptest::prelude::*;
+
+/// A space of 2^depth voxels a side, spelled out; cubes are decided by looking at every voxel.
+#[derive(Debug)]
+struct Spelled {
+    depth: u32,
+    states: Vec<State>,
+}
+
+impl Spelled {
+    fn at(&self, xyz: [u32; 3]) -> State {
+        let [x, y, z] = xyz.map(|c| c as usize);
+        self.states[(x << self.depth | y) << self.depth | z]
+    }
+}
+
+impl Classify for Spelled {
+    fn cell(&self, xyz: [u32; 3], level: u32) -> State {
+        assert_eq!(level, 0, "only voxels are cells");
+        self.at(xyz)
+    }
+
+    fn cube(&self, xyz: [u32; 3], level: u32) -> Option<State> {
+        let mut seen = State::Free;
+        for i in 0..1 << (3 * level) {
+            let offset = [i >> (2 * level), i >> level & ((1 << level) - 1), i & ((1 << level) - 1)];
+            match self.at(std::array::from_fn(|a| xyz[a] + offset[a])) {
+                State::Free => {}
+                state if seen == State::Free || seen == state => seen = state,
+                _ => return None,
+            }
+        }
+        Some(seen)
+    }
+}
+
+fn spaces() -> impl Strategy<Value = Spelled> {
+    // Few boxes over one state: long runs, repeated parts, free insides.
+    let boxes = proptest::collection::vec((any::<[u8; 6]>(), 0..3_u8), 0..8);
+    (1..5_u32, boxes, 0..3_u8, any::<bool>()).prop_map(|(depth, boxes, fill, mirrored)| {
+        let state = |s: u8| [State::Lit, State::Shadowed, State::Free][usize::from(s)];
+        let side = 1_usize << depth;
+        let mut states = vec![state(fill); side * side * side];
+        for (corners, s) in boxes {
+            let corners = corners.map(|c| usize::from(c) % side);
+            let range = |a: usize| corners[a].min(corners[a + 3])..=corners[a].max(corners[a + 3]);
+            for x in range(0) {
+                for y in range(1) {
+                    for z in range(2) {
+                        let x = if mirrored { x % (side / 2).max(1) } else { x };
+                        states[(x * side + y) * side + z] = state(s);
+                    }
+                }
+            }
+        }
+        Spelled { depth, states }
+    })
+}
+
+proptest! {
+    #[test]
+    fn tree_builders_agree_and_answer_every_defined_voxel(space in spaces()) {
+        let depth = space.depth;
+        let tree = Builder::Recursive.tree(&space, depth, false).unwrap();
+        for builder in Builder::ALL {
+            for prune in [false, true] {
+                prop_assert_eq!(&builder.tree(&space, depth, prune).unwrap(), &tree);
+            }
+        }
+        let numbered = tree.number(depth);
+        prop_assert_eq!(VoxelTree::from_words(depth, numbered.words().to_vec()), Ok(numbered.clone()));
+        let side = 1_u32 << depth;
+        for i in 0..side * side * side {
+            let xyz = [i >> (2 * depth), i >> depth & (side - 1), i & (side - 1)];
+            match space.at(xyz) {
+                State::Lit => prop_assert!(numbered.voxel(xyz)),
+                State::Shadowed => prop_assert!(!numbered.voxel(xyz)),
+                State::Free => {}
+            }
+        }
+    }
+
+    #[test]
+    fn tree_reductions_agree_and_keep_every_voxel(space in spaces()) {
+        let depth = space.depth;
+        let tree = Builder::Recursive.tree(&space, depth, false).unwrap();
+        let sorted = sort(tree.clone());
+        let numbered = sorted.number(depth);
+        prop_assert_eq!(VoxelTree::from_words(depth, numbered.words().to_vec()), Ok(numbered.clone()));
+        let mut distinct = sorted.blocks.clone();
+        distinct.sort();
+        distinct.dedup();
+        prop_assert_eq!(distinct.len(), sorted.blocks.len());
+        let mut interned = Interned::default();
+        let root = Builder::Pooled.build(&space, depth, true, &mut interned, &|_| Ok(())).unwrap();
+        prop_assert_eq!(&interned.finish(root).number(depth), &numbered);
+        for modulus in [2, 251, crate::tree::reduce::tree_hash::MODULUS] {
+            let mut hashed = TreeHashed::with_modulus(modulus);
+            let root = Builder::Iterative.build(&space, depth, false, &mut hashed, &|_| Ok(())).unwrap();
+            prop_assert_eq!(&hashed.finish(root).number(depth), &numbered);
+        }
+        prop_assert_eq!(Blocks::of(&numbered).number(depth), numbered.clone());
+        let whole = tree.number(depth);
+        let side = 1_u32 << depth;
+        for i in 0..side * side * side {
+            let xyz = [i >> (2 * depth), i >> depth & (side - 1), i & (side - 1)];
+            prop_assert_eq!(numbered.voxel(xyz), whole.voxel(xyz));
+        }
+    }
+}
+
+#[test]
+fn tree_hash_collisions_are_counted_and_change_nothing() {
+    let space = Spelled {
+        depth: 4,
+        states: (0..4096_u32).map(|i| if i % 7 * i % 5 < 3 { State::Lit } else { State::Shadowed }).collect(),
+    };
+    let reduce = |modulus| {
+        let mut hashed = TreeHashed::with_modulus(modulus);
+        let root = Builder::Recursive.build(&space, 4, false, &mut hashed, &|_| Ok(())).unwrap();
+        let collisions = hashed.collisions();
+        (hashed.finish(root).number(4), collisions)
+    };
+    let (exact, none) = reduce(crate::tree::reduce::tree_hash::MODULUS);
+    let (crowded, many) = reduce(3);
+    assert_eq!(exact, crowded);
+    assert_eq!(none, 0);
+    assert!(many > 0);
+}
+
+#[test]
+fn tree_refuses_words_that_are_no_tree() {
+    use crate::tree::TreeError as E;
+    let lit = Word::LIT.0;
+    let mask = Word::leaf(3).0;
+    let block = |first: u32| [first, lit, lit, lit, lit, lit, lit, lit];
+    let tree =
+        |root: &[u32], blocks: &[[u32; 8]]| VoxelTree::from_words(3, [root, blocks.as_flattened()].concat());
+    assert!(tree(&[1], &[block(mask)]).is_ok());
+    assert_eq!(VoxelTree::from_words(0, vec![lit]), Err(E::Depth { depth: 0 }));
+    assert_eq!(VoxelTree::from_words(16, vec![lit]), Err(E::Depth { depth: 16 }));
+    assert_eq!(tree(&[], &[]), Err(E::Length { words: 0 }));
+    assert_eq!(tree(&[1, lit], &[]), Err(E::Length { words: 2 }));
+    assert_eq!(tree(&[0x8000_0004], &[]), Err(E::Word { index: 0, word: 0x8000_0004 }));
+    assert_eq!(tree(&[9], &[block(mask)]), Err(E::Index { index: 0, target: 9 }));
+    assert_eq!(tree(&[2], &[block(mask)]), Err(E::Index { index: 0, target: 2 }));
+    assert_eq!(tree(&[9], &[block(mask), block(1)]), Err(E::Order { block: 9 }));
+    assert_eq!(tree(&[1], &[block(mask), block(mask)]), Err(E::Order { block: 9 }));
+    assert_eq!(tree(&[1], &[block(1)]), Err(E::TooDeep { block: 1, depth: 3 }));
+    assert_eq!(tree(&[1], &[block(9), block(17), block(mask)]), Err(E::TooDeep { block: 17, depth: 3 }));
+    assert_eq!(tree(&[1], &[block(lit)]), Err(E::NotMerged { block: 1 }));
+    // A block that is shared is as deep as its lowest place.
+    let shared = [9, 17, lit, lit, lit, lit, lit, lit];
+    let deep = |depth| VoxelTree::from_words(depth, [&[1][..], &shared, &block(mask), &block(9)].concat());
+    assert_eq!(deep(4).map(|t| t.depth()), Ok(4));
+    assert_eq!(deep(3), Err(E::TooDeep { block: 9, depth: 3 }));
+}

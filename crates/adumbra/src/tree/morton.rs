@@ -1,0 +1,58 @@
+//! Paths of the octree and coordinates of its voxels. Source: equations (3-1) to (3-3) and tables 3-1 and 3-2 of
+//! *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021), Morton (1966).
+//!
+//! Child number: `(x_bit << 2) | (y_bit << 1) | z_bit`. Worked value: voxel (5, 3, 5) of a tree of depth 3 has the path
+//! 5, 2, 7, because x = 101, y = 011, z = 101 read from the highest bit down give 101, 010, 111.
+
+/// The child that holds voxel (x, y, z) in a node whose children are 2^`child_level` voxels a side.
+pub fn child(xyz: [u32; 3], child_level: u32) -> u32 {
+    let [x, y, z] = xyz.map(|c| c >> child_level & 1);
+    x << 2 | y << 1 | z
+}
+
+/// Bits of a child number: which half of its parent it takes along x, y and z.
+pub fn child_offset(child: u32) -> [u32; 3] {
+    [child >> 2 & 1, child >> 1 & 1, child & 1]
+}
+
+/// Child numbers from the root down to voxel (x, y, z) of a tree of `depth` levels.
+pub fn path(xyz: [u32; 3], depth: u32) -> Vec<u32> {
+    (0..depth).rev().map(|level| child(xyz, level)).collect()
+}
+
+/// The voxel at the end of a path: equations (3-1), (3-2), (3-3), with n = the path's length.
+pub fn voxel(path: &[u32]) -> [u32; 3] {
+    let n = path.len();
+    let sum =
+        |bit: u32| path.iter().enumerate().map(|(i, a)| (a >> bit & 1) << (n - i - 1)).fold(0, |s, v| s | v);
+    [sum(2), sum(1), sum(0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn morton_worked_example_of_table_3_2() {
+        assert_eq!(path([5, 3, 5], 3), [5, 2, 7]);
+        assert_eq!(voxel(&[5, 2, 7]), [5, 3, 5]);
+    }
+
+    #[test]
+    fn morton_worked_example_of_table_3_1() {
+        // In the plane the number is (x_bit << 1) | y_bit: the octree's without its z bit.
+        let flat: Vec<u32> = path([5, 3, 0], 3).iter().map(|a| a >> 1).collect();
+        assert_eq!(flat, [2, 1, 3]);
+    }
+
+    #[test]
+    fn morton_paths_and_voxels_are_inverse() {
+        for x in 0..16 {
+            for y in 0..16 {
+                for z in 0..16 {
+                    assert_eq!(voxel(&path([x, y, z], 4)), [x, y, z]);
+                }
+            }
+        }
+    }
+}

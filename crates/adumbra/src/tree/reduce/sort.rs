@@ -1,0 +1,46 @@
+//! A whole tree to a graph by sorting, from the bottom up. Source: Kämpe, Sintorn, Assarsson 2013, as the paper's
+//! §3.2.1 has it: a block's eight words are one 256-bit key. Leaves of eight voxels are words in their parent's block, so
+//! they need no sorting of their own. Departure: blocks are taken by height above the leaves, not by depth below the
+//! root, so equal subtrees at different depths merge too, as they do by hash.
+
+use crate::tree::blocks::Blocks;
+use crate::tree::word::{Node, Word};
+
+/// Merges equal blocks of `tree`. Cost: n log n; besides the tree a copy of the largest height and two words a block.
+pub fn sort(tree: Blocks) -> Blocks {
+    let Blocks { root, blocks: tree } = tree;
+    let mut heights = vec![0_u8; tree.len()];
+    let mut counts = Vec::new();
+    for (b, words) in tree.iter().enumerate() {
+        let below = words.iter().filter_map(|w| match w.node() {
+            Node::Inner(child) => Some(heights[child as usize]),
+            Node::Uniform(_) | Node::Mask(_) => None,
+        });
+        let height = 1 + below.max().unwrap_or(0);
+        heights[b] = height;
+        counts.resize(counts.len().max(usize::from(height)), 0);
+        counts[usize::from(height) - 1] += 1;
+    }
+    let mut new_index = vec![0_u32; tree.len()];
+    let mut merged: Vec<[Word; 8]> = Vec::new();
+    for (height, &count) in (1_u8..).zip(&counts) {
+        let mut keys: Vec<([Word; 8], u32)> = Vec::with_capacity(count);
+        let of_height = (0..).zip(&heights).filter(|(_, h)| **h == height);
+        keys.extend(of_height.map(|(b, _)| (tree[b as usize].map(|w| repointed(w, &new_index)), b)));
+        keys.sort_unstable();
+        for same in keys.chunk_by(|a, b| a.0 == b.0) {
+            for (_, b) in same {
+                new_index[*b as usize] = merged.len() as u32;
+            }
+            merged.push(same[0].0);
+        }
+    }
+    Blocks { root: repointed(root, &new_index), blocks: merged }
+}
+
+fn repointed(word: Word, new_index: &[u32]) -> Word {
+    match word.node() {
+        Node::Inner(block) => Word::new(Node::Inner(new_index[block as usize])),
+        Node::Uniform(_) | Node::Mask(_) => word,
+    }
+}

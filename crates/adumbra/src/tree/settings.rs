@@ -1,0 +1,47 @@
+//! What a tree was asked for: written into its file, and shown by `info`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::scene::Bounds;
+use crate::settings::Bias;
+
+/// The settings that decide what a tree answers. Nothing here varies between runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TreeSettings {
+    /// Insides of closed components are free.
+    pub closed_regions: bool,
+    /// Alpha masks were ignored.
+    pub ignore_alpha: bool,
+    /// The box that fixed the space, if one was given.
+    pub bounds: Option<Bounds>,
+    /// How far the light's depths were moved away from the light (4-1), texels of the light's depth image.
+    pub capture_bias: CaptureBias,
+    /// The look-up bias, in voxels of the depth at the point.
+    pub bias: Bias,
+    /// What a lossy merge changed, if there was one.
+    pub lossy: Option<LossyChange>,
+    /// Triangles baked, instances counted.
+    pub triangles: u64,
+    /// Instances baked.
+    pub instances: u64,
+}
+
+/// bias = slope factor · slope + constant (4-1), in texels of the light's depth image.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaptureBias {
+    /// Everywhere.
+    pub constant_texels: f64,
+    /// Times the slope: the tangent of the angle between normal and light.
+    pub slope_texels: f64,
+}
+
+/// What a lossy merge was allowed and did. Voxels are those of leaves of eight, wherever they stand in the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LossyChange {
+    /// Largest share of the leaf voxels that might change.
+    pub max_share: f64,
+    /// Leaf voxels of the tree before.
+    pub leaf_voxels: u64,
+    /// Voxels that changed.
+    pub changed_voxels: u64,
+}
