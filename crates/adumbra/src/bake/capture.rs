@@ -30,7 +30,7 @@ pub(crate) struct CaptureBuffers {
     next: Vec<FixedDepth>,
     base: Vec<FixedDepth>,
     crossings: Vec<Crossing>,
-    row_counts: Vec<u32>,
+    list_ends: Vec<u32>,
     sorted: Vec<u32>,
     masked: Vec<MaskedHit>,
 }
@@ -85,9 +85,57 @@ pub(crate) fn capture(
     }
 }
 
+/// The first surface of every texel of `rect`, and what solids cover of it: calls `visit(texel of the rect, surface,
+/// sorted crossings)` once a texel, in no order. [`FirstSurface::bias`] is `rules`' bias at its slope.
+pub(crate) fn capture_layers(
+    casters: &Casters<'_>,
+    tile: usize,
+    grid: &LightGrid,
+    rules: &ColumnRules,
+    rect: TileRect,
+    buffers: &mut CaptureBuffers,
+    mut visit: impl FnMut(usize, FirstSurface, &[u32]),
+) {
+    let mut bands = vec![(rect.y, rect.height)];
+    while let Some((y, height)) = bands.pop() {
+        let band = TileRect { y, height, ..rect };
+        if sample_band(casters, tile, grid, rules, band, buffers) {
+            let texels = buffers.first.len();
+            sort_crossings(buffers, texels, |_| true);
+            let offset = ((y - rect.y) * rect.width) as usize;
+            let mut start = 0;
+            for (i, &end) in buffers.list_ends.iter().enumerate() {
+                visit(offset + i, buffers.first[i], &buffers.sorted[start..end as usize]);
+                start = end as usize;
+            }
+        } else {
+            let half = height / 2;
+            bands.push((y + half, height - half));
+            bands.push((y, half));
+        }
+    }
+}
+
 /// First pass: `first` and `base` of a band of rows; false where there are too many crossings to hold and more than one
 /// row to split.
 fn capture_surfaces(
+    casters: &Casters<'_>,
+    tile: usize,
+    grid: &LightGrid,
+    rules: &ColumnRules,
+    rect: TileRect,
+    b: &mut CaptureBuffers,
+) -> bool {
+    let fits = sample_band(casters, tile, grid, rules, rect, b);
+    if fits {
+        let texels = b.first.len();
+        resolve_solids(b, texels);
+    }
+    fits
+}
+
+/// `first` and `crossings` of a band of rows.
+fn sample_band(
     casters: &Casters<'_>,
     tile: usize,
     grid: &LightGrid,
@@ -106,7 +154,6 @@ fn capture_surfaces(
     });
     if fits {
         masked::add_first_surfaces(&mut b.masked, &mut b.first);
-        resolve_solids(b, texels);
     }
     fits
 }
@@ -223,35 +270,44 @@ fn sample_centers(
 fn resolve_solids(b: &mut CaptureBuffers, texels: usize) {
     b.base.clear();
     b.base.extend(b.first.iter().map(|f| f.depth()));
-    b.row_counts.clear();
-    b.row_counts.resize(texels + 1, 0);
-    let wanted = |first: &[FirstSurface], c: &Crossing| first[c.texel as usize].is_solid();
-    for c in b.crossings.iter().filter(|c| wanted(&b.first, c)) {
-        b.row_counts[c.texel as usize] += 1;
-    }
-    let mut sum = 0;
-    for count in &mut b.row_counts {
-        sum += std::mem::replace(count, sum);
-    }
-    b.sorted.clear();
-    b.sorted.resize(sum as usize, 0);
-    for c in b.crossings.iter().filter(|c| wanted(&b.first, c)) {
-        let slot = &mut b.row_counts[c.texel as usize];
-        b.sorted[*slot as usize] = c.key;
-        *slot += 1;
-    }
+    sort_crossings(b, texels, |first| first.is_solid());
     let mut start = 0;
     for texel in 0..texels {
-        let end = b.row_counts[texel] as usize;
+        let end = b.list_ends[texel] as usize;
         if end > start {
-            let list = &mut b.sorted[start..end];
-            list.sort_unstable();
-            match columns::solid_end(list) {
+            match columns::solid_end(&b.sorted[start..end]) {
                 Some(exit) => b.base[texel] = exit,
                 None => b.first[texel].set_open(),
             }
         }
         start = end;
+    }
+}
+
+/// The crossings of each texel whose first surface is `wanted`, in order: texel i has those from `list_ends[i - 1]` (or
+/// 0) to `list_ends[i]` in `sorted`.
+fn sort_crossings(b: &mut CaptureBuffers, texels: usize, wanted: impl Fn(FirstSurface) -> bool) {
+    b.list_ends.clear();
+    b.list_ends.resize(texels, 0);
+    let wanted = |first: &[FirstSurface], c: &Crossing| wanted(first[c.texel as usize]);
+    for c in b.crossings.iter().filter(|c| wanted(&b.first, c)) {
+        b.list_ends[c.texel as usize] += 1;
+    }
+    let mut sum = 0;
+    for count in &mut b.list_ends {
+        sum += std::mem::replace(count, sum);
+    }
+    b.sorted.clear();
+    b.sorted.resize(sum as usize, 0);
+    for c in b.crossings.iter().filter(|c| wanted(&b.first, c)) {
+        let slot = &mut b.list_ends[c.texel as usize];
+        b.sorted[*slot as usize] = c.key;
+        *slot += 1;
+    }
+    let mut start = 0;
+    for &end in &b.list_ends {
+        b.sorted[start..end as usize].sort_unstable();
+        start = end as usize;
     }
 }
 

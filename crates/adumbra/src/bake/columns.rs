@@ -50,7 +50,8 @@ impl FirstSurface {
         if self.is_none() { FixedDepth::MAX } else { ((self.0 >> 32) as i64 - KEY_OFFSET) as FixedDepth }
     }
 
-    fn bias(self) -> FixedDepth {
+    /// Bias at the surface's slope, 1/256 voxel.
+    pub(crate) fn bias(self) -> FixedDepth {
         (self.0 & 0xffff) as FixedDepth
     }
 }
@@ -75,6 +76,30 @@ pub(crate) fn solid_end(sorted: &[u32]) -> Option<FixedDepth> {
         }
     }
     None
+}
+
+/// Calls `visit(from, to)` with every interval of positive winding of sorted crossings, `to` outside; none where the
+/// count goes negative: then the column is open. What is entered and never left is no interval.
+pub(crate) fn for_each_inside(sorted: &[u32], mut visit: impl FnMut(FixedDepth, FixedDepth)) {
+    let depth = |key: u32| (i64::from(key >> 1) - KEY_OFFSET) as FixedDepth;
+    let step = |key: u32| if key & 1 == 0 { 1 } else { -1 };
+    let mut winding = 0;
+    for &key in sorted {
+        winding += step(key);
+        if winding < 0 {
+            return;
+        }
+    }
+    let (mut winding, mut from) = (0, 0);
+    for &key in sorted {
+        if winding == 0 {
+            from = depth(key);
+        }
+        winding += step(key);
+        if winding == 0 && depth(key) > from {
+            visit(from, depth(key));
+        }
+    }
 }
 
 /// The choices of a bake that decide a column.

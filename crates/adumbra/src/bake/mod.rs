@@ -3,13 +3,13 @@
 //! Source: Sintorn et al. 2014 for the light-aligned voxel DAG; the specification's §3 for what a column allows. The
 //! result does not depend on the number of threads, the order of tiles or of triangles, or the memory limit.
 
-mod capture;
-mod casters;
-mod columns;
+pub(crate) mod capture;
+pub(crate) mod casters;
+pub(crate) mod columns;
 mod estimate;
 mod masked;
 mod options;
-mod project;
+pub(crate) mod project;
 #[cfg(test)]
 mod reference;
 mod tile;

@@ -85,6 +85,12 @@ impl Options {
         }
     }
 
+    /// Checks everything, and gives resolution and voxel size for a space of this longest side.
+    pub(crate) fn checked_resolution(&self, longest_side: f64) -> Result<(u32, f64)> {
+        self.check()?;
+        self.resolution_for(longest_side)
+    }
+
     /// Resolution and voxel size for a scene of this longest side in the light's plane.
     pub(super) fn resolution_for(&self, longest_side: f64) -> Result<(u32, f64)> {
         match self.size {

@@ -4,15 +4,19 @@
 //! of Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows* (2014). Section and equation numbers are
 //! the former's.
 
+mod bake;
 mod blocks;
 mod build;
+mod depth_image;
 mod graph;
+mod lit_space;
 pub mod morton;
 pub mod reduce;
 mod settings;
 mod space;
 mod word;
 
+pub use bake::{BakedTree, Detail, PreparedTree, Reduction, TREE_BIAS, TreeOptions, TreeReport, bake_tree};
 pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};

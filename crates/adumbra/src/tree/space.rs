@@ -31,12 +31,12 @@ impl TreeSpace {
     }
 
     /// A world point in voxels from the cube's lowest corner: p' = p - p_min (3-4), in voxels.
-    pub fn to_tree(&self, p_world: [f64; 3]) -> [f64; 3] {
+    pub fn to_tree(self, p_world: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| (p_world[a] - self.p_min[a]) / self.voxel_size)
     }
 
     /// A point in voxels from the lowest corner as a world point.
-    pub fn to_world(&self, p_tree: [f64; 3]) -> [f64; 3] {
+    pub fn to_world(self, p_tree: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| self.p_min[a] + p_tree[a] * self.voxel_size)
     }
 }

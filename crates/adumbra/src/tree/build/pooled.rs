@@ -7,6 +7,7 @@ use crate::tree::reduce::Sink;
 
 /// Frames that nobody uses now.
 #[derive(Default)]
+#[expect(clippy::vec_box, reason = "a frame that waits keeps the place on the heap that it was pushed to")]
 struct Pool {
     free: Vec<Box<Frame>>,
 }

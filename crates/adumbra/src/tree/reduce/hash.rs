@@ -45,5 +45,5 @@ impl Sink for Interned {
 }
 
 fn hash(words: &[Word; 8]) -> u64 {
-    words.iter().fold(0, |h, w| mix(h ^ u64::from(w.0)))
+    words.as_chunks::<2>().0.iter().fold(0, |h, [a, b]| mix(h ^ (u64::from(a.0) << 32 | u64::from(b.0))))
 }

@@ -6,8 +6,9 @@
 use crate::tree::blocks::Blocks;
 use crate::tree::word::{Node, Word};
 
-/// Merges equal blocks of `tree`. Cost: n log n; besides the tree a copy of the largest height and two words a block.
-pub fn sort(tree: Blocks) -> Blocks {
+/// Merges equal blocks of `tree`; also gives the most bytes it held. Cost: n log n; besides the tree a copy of the
+/// largest height, and a word and a byte a block.
+pub fn sort(tree: Blocks) -> (Blocks, u64) {
     let Blocks { root, blocks: tree } = tree;
     let mut heights = vec![0_u8; tree.len()];
     let mut counts = Vec::new();
@@ -35,7 +36,13 @@ pub fn sort(tree: Blocks) -> Blocks {
             merged.push(same[0].0);
         }
     }
-    Blocks { root: repointed(root, &new_index), blocks: merged }
+    let largest = counts.iter().copied().max().unwrap_or(0);
+    let block = size_of::<[Word; 8]>();
+    let held = tree.capacity() * block
+        + tree.len() * 5
+        + merged.capacity() * block
+        + largest * size_of::<([Word; 8], u32)>();
+    (Blocks { root: repointed(root, &new_index), blocks: merged }, held as u64)
 }
 
 fn repointed(word: Word, new_index: &[u32]) -> Word {

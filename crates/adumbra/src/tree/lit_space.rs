@@ -1,0 +1,340 @@
+//! The space that a tree divides: cells tested at their centre against the light's depth image, and cubes that a
+//! min/max pyramid over it decides. Source: the paper's §2.2.3 and §3.1.3.
+//!
+//! A cell is shadowed where its centre lies behind the first depth of its texel, and free where it lies inside a solid
+//! (between entering and leaving closed components in that column, however deep), whatever the depth says.
+//! Positions along the light's axes are whole numbers, so that what they say of a cube and of its voxels cannot differ:
+//!
+//! | axis | unit |
+//! |---|---|
+//! | u, v | 2^-32 texel |
+//! | z | 2^-32 texel; its upper bits from 24 on are 1/256 texel, as the image's depths |
+
+use super::build::{Classify, State};
+use super::depth_image::{DepthImage, NO_SURFACE, TILE_SIDE};
+use super::space::{Regions, TreeSpace};
+use crate::bake::project::FixedDepth;
+
+/// Fractional bits of u, v and z.
+const FRACTION: u32 = 32;
+/// Fractional bits of z below the image's 1/256 texel.
+const DEPTH_SHIFT: u32 = FRACTION - 8;
+/// Level of the pyramid's finest blocks: 8 × 8 texels. A power of two that divides a tile.
+const FINEST_BLOCK: u32 = 3;
+
+/// A scene's shadows over a cube.
+pub(super) struct LitSpace<'i> {
+    image: &'i DepthImage,
+    pyramid: Pyramid,
+    depth: u32,
+    base_depth: u32,
+    /// Regions in voxels, from (included) and to (excluded), deepest first.
+    regions: Vec<RegionVoxels>,
+    /// u, v, z of the cube's lowest corner.
+    origin: [i64; 3],
+    /// By tree axis: how much half a voxel along it adds to u, v, z.
+    half_steps: [[i64; 3]; 3],
+    /// By level of a cube, then child: from the centre of child 0 to that child's, in u, v, z.
+    child_steps: Vec<[[i64; 3]; 8]>,
+    /// A point this far before a column's depth lies before its first surface too.
+    before_surface: i64,
+}
+
+/// A region on the voxel grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct RegionVoxels {
+    pub(super) x: [u32; 2],
+    pub(super) z: [u32; 2],
+    pub(super) depth: u32,
+}
+
+/// `regions` on the voxels of `space`, grown to whole voxels, deepest first; those outside the cube are left out.
+pub(super) fn regions_in_voxels(space: &TreeSpace, regions: &Regions) -> Vec<RegionVoxels> {
+    let side = f64::from(space.side_voxels());
+    let range = |a: usize, r: [f64; 2]| {
+        let to_voxels = |c: f64| (c - space.p_min[a]) / space.voxel_size;
+        let [from, to] = [to_voxels(r[0]).floor(), to_voxels(r[1]).ceil()];
+        [from.clamp(0.0, side) as u32, to.clamp(0.0, side) as u32]
+    };
+    let mut list: Vec<_> = regions
+        .list
+        .iter()
+        .map(|r| RegionVoxels { x: range(0, r.x), z: range(2, r.z), depth: r.depth })
+        .filter(|r| r.x[0] < r.x[1] && r.z[0] < r.z[1])
+        .collect();
+    list.sort_by_key(|r| std::cmp::Reverse(r.depth));
+    list
+}
+
+impl<'i> LitSpace<'i> {
+    pub(super) fn new(image: &'i DepthImage, space: &TreeSpace, regions: &Regions) -> Self {
+        let fixed = |c: f64| (c * (1_i64 << FRACTION) as f64).round() as i64;
+        let origin = image.grid.to_grid(space.p_min).map(fixed);
+        let texels_per_half_voxel = 0.5 * space.voxel_size / image.grid.voxel_size;
+        let half_steps: [[i64; 3]; 3] = std::array::from_fn(|a| {
+            std::array::from_fn(|axis| fixed(image.grid.axes[axis][a] * texels_per_half_voxel))
+        });
+        let child_steps = (0..=space.depth).map(|level| {
+            std::array::from_fn(|c| {
+                let steps = super::morton::child_offset(c as u32).map(|step| i64::from(step) << level);
+                std::array::from_fn(|axis| (0..3).map(|a| half_steps[a][axis] * steps[a]).sum())
+            })
+        });
+        Self {
+            image,
+            child_steps: child_steps.collect(),
+            before_surface: i64::from(image.largest_bias),
+            pyramid: Pyramid::of(image),
+            depth: space.depth,
+            base_depth: regions.base_depth,
+            regions: regions_in_voxels(space, regions),
+            origin,
+            half_steps,
+        }
+    }
+
+    /// Bytes of the pyramid.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        self.pyramid.levels.iter().map(|l| (l.blocks.capacity() * size_of::<Block>()) as u64).sum()
+    }
+
+    /// u, v, z of a point given in half voxels.
+    fn at(&self, half_voxels: [u32; 3]) -> [i64; 3] {
+        std::array::from_fn(|axis| {
+            (0..3)
+                .fold(self.origin[axis], |sum, a| sum + self.half_steps[a][axis] * i64::from(half_voxels[a]))
+        })
+    }
+
+    fn state(&self, [u, v, z]: [i64; 3]) -> State {
+        let [width, height] = self.image.size();
+        let [u, v] = [u >> FRACTION, v >> FRACTION];
+        // Negative ones become large.
+        if u as u64 >= u64::from(width) || v as u64 >= u64::from(height) {
+            return State::Lit;
+        }
+        let z = z >> DEPTH_SHIFT;
+        let first = self.image.depth(u as u32, v as u32);
+        if z < i64::from(first) - self.before_surface {
+            return State::Lit;
+        }
+        let insides = self.image.insides(u as u32, v as u32);
+        if insides.iter().any(|&[from, to]| (i64::from(from)..i64::from(to)).contains(&z)) {
+            return State::Free;
+        }
+        if z > i64::from(first) { State::Shadowed } else { State::Lit }
+    }
+
+    /// Levels that the tree must have over a cube's plan.
+    fn depth_over(&self, xyz: [u32; 3], level: u32) -> u32 {
+        let side = 1 << level;
+        let overlaps = |r: &&RegionVoxels| {
+            xyz[0] < r.x[1] && xyz[0] + side > r.x[0] && xyz[2] < r.z[1] && xyz[2] + side > r.z[0]
+        };
+        self.regions.iter().find(overlaps).map_or(self.base_depth, |r| r.depth.max(self.base_depth))
+    }
+
+    /// Whether a cell of the cube, whose defined cells are all of one state, is of that state rather than free: looked
+    /// up at its eight corners' cells.
+    fn a_corner_is(&self, state: State, xyz: [u32; 3], level: u32) -> bool {
+        (0..8_u32).any(|corner| {
+            let mut xyz = xyz;
+            let mut level = level;
+            while !self.is_cell(xyz, level) {
+                level -= 1;
+                for (a, c) in xyz.iter_mut().enumerate() {
+                    *c += (corner >> a & 1) << level;
+                }
+            }
+            self.cell(xyz, level) == state
+        })
+    }
+}
+
+impl Classify for LitSpace<'_> {
+    fn is_cell(&self, xyz: [u32; 3], level: u32) -> bool {
+        level == 0
+            || self.depth - level >= self.base_depth && self.depth - level >= self.depth_over(xyz, level)
+    }
+
+    fn cell(&self, xyz: [u32; 3], level: u32) -> State {
+        self.state(self.at(xyz.map(|c| 2 * c + (1 << level))))
+    }
+
+    fn eight(&self, xyz: [u32; 3], level: u32) -> [u8; 2] {
+        let first = self.at(xyz.map(|c| 2 * c + (1 << (level - 1))));
+        let mut masks = [0; 2];
+        for (c, steps) in self.child_steps[level as usize].iter().enumerate() {
+            match self.state(std::array::from_fn(|axis| first[axis] + steps[axis])) {
+                State::Lit => masks[0] |= 1 << c,
+                State::Free => masks[1] |= 1 << c,
+                State::Shadowed => {}
+            }
+        }
+        masks
+    }
+
+    fn cube(&self, xyz: [u32; 3], level: u32) -> Option<State> {
+        let center = self.at(xyz.map(|c| 2 * c + (1 << level)));
+        // Centres of the cube's voxels: at most this far from its own, and so are the centres of larger cells.
+        let half = (1_i64 << level) - 1;
+        let reach: [i64; 3] =
+            std::array::from_fn(|axis| (0..3).map(|a| self.half_steps[a][axis].abs() * half).sum());
+        let block = self.pyramid.over(
+            [center[0] - reach[0], center[1] - reach[1]],
+            [center[0] + reach[0], center[1] + reach[1]],
+        )?;
+        let z = [center[2] - reach[2], center[2] + reach[2]].map(|z| z >> DEPTH_SHIFT);
+        if i64::from(block.entries_first_max) <= z[0] && z[1] < i64::from(block.exits_first_min) {
+            return Some(State::Free);
+        }
+        let state = if z[0] > i64::from(block.depth_max) {
+            State::Shadowed
+        } else if z[1] <= i64::from(block.depth_min) {
+            State::Lit
+        } else {
+            return None;
+        };
+        let may_be_free = z[1] >= i64::from(block.entries_min) && z[0] < i64::from(block.exits_max);
+        (!may_be_free || self.a_corner_is(state, xyz, level)).then_some(state)
+    }
+}
+
+/// What the columns of a block have in common.
+#[derive(Clone, Copy)]
+struct Block {
+    depth_min: FixedDepth,
+    depth_max: FixedDepth,
+    /// Over all intervals inside solids.
+    entries_min: FixedDepth,
+    exits_max: FixedDepth,
+    /// Over each column's first interval; a column without one leaves nothing in common.
+    entries_first_max: FixedDepth,
+    exits_first_min: FixedDepth,
+}
+
+impl Block {
+    const EMPTY: Self = Self {
+        depth_min: FixedDepth::MAX,
+        depth_max: FixedDepth::MIN,
+        entries_min: FixedDepth::MAX,
+        exits_max: FixedDepth::MIN,
+        entries_first_max: FixedDepth::MIN,
+        exits_first_min: FixedDepth::MAX,
+    };
+    /// A column beside the image.
+    const OUTSIDE: Self = Self {
+        depth_min: NO_SURFACE,
+        depth_max: NO_SURFACE,
+        entries_min: FixedDepth::MAX,
+        exits_max: FixedDepth::MIN,
+        entries_first_max: FixedDepth::MAX,
+        exits_first_min: FixedDepth::MIN,
+    };
+
+    fn of_column(first: FixedDepth, insides: &[[FixedDepth; 2]]) -> Self {
+        let mut block = Self { depth_min: first, depth_max: first, ..Self::OUTSIDE };
+        if let [[from, to], ..] = insides {
+            (block.entries_first_max, block.exits_first_min) = (*from, *to);
+        }
+        for [from, to] in insides {
+            block.entries_min = block.entries_min.min(*from);
+            block.exits_max = block.exits_max.max(*to);
+        }
+        block
+    }
+
+    fn join(self, o: Self) -> Self {
+        Self {
+            depth_min: self.depth_min.min(o.depth_min),
+            depth_max: self.depth_max.max(o.depth_max),
+            entries_min: self.entries_min.min(o.entries_min),
+            exits_max: self.exits_max.max(o.exits_max),
+            entries_first_max: self.entries_first_max.max(o.entries_first_max),
+            exits_first_min: self.exits_first_min.min(o.exits_first_min),
+        }
+    }
+}
+
+struct Pyramid {
+    /// Blocks of 8 × 8 texels first.
+    levels: Vec<PyramidLevel>,
+    /// Texels of the image.
+    size: [u32; 2],
+}
+
+struct PyramidLevel {
+    width: usize,
+    height: usize,
+    blocks: Vec<Block>,
+}
+
+impl Pyramid {
+    fn of(image: &DepthImage) -> Self {
+        let size = image.size();
+        let [width, height] = size.map(|s| s.div_ceil(1 << FINEST_BLOCK) as usize);
+        debug_assert!(TILE_SIDE.is_multiple_of(1 << FINEST_BLOCK));
+        let mut blocks = Vec::with_capacity(width * height);
+        for by in 0..height as u32 {
+            for bx in 0..width as u32 {
+                let mut block = Block::EMPTY;
+                for v in (by << FINEST_BLOCK)..((by + 1) << FINEST_BLOCK).min(size[1]) {
+                    for u in (bx << FINEST_BLOCK)..((bx + 1) << FINEST_BLOCK).min(size[0]) {
+                        block = block.join(Block::of_column(image.depth(u, v), image.insides(u, v)));
+                    }
+                }
+                blocks.push(block);
+            }
+        }
+        let mut levels = vec![PyramidLevel { width, height, blocks }];
+        loop {
+            let below = &levels[levels.len() - 1];
+            if below.width == 1 && below.height == 1 {
+                break;
+            }
+            let (width, height) = (below.width.div_ceil(2), below.height.div_ceil(2));
+            let mut blocks = Vec::with_capacity(width * height);
+            for y in 0..height {
+                for x in 0..width {
+                    let mut block = Block::EMPTY;
+                    for v in 2 * y..(2 * y + 2).min(below.height) {
+                        for u in 2 * x..(2 * x + 2).min(below.width) {
+                            block = block.join(below.blocks[v * below.width + u]);
+                        }
+                    }
+                    blocks.push(block);
+                }
+            }
+            levels.push(PyramidLevel { width, height, blocks });
+        }
+        Self { levels, size }
+    }
+
+    /// What the columns from `low` to `high` have in common; none where blocks are too coarse to tell.
+    fn over(&self, low: [i64; 2], high: [i64; 2]) -> Option<Block> {
+        let [low, high] = [low, high].map(|p| p.map(|c| c >> FRACTION));
+        let extent = (high[0] - low[0]).max(high[1] - low[1]) as u64;
+        if extent < (1 << FINEST_BLOCK) / 2 {
+            return None;
+        }
+        let level = (extent.ilog2()).max(FINEST_BLOCK).min(FINEST_BLOCK + self.levels.len() as u32 - 1);
+        let blocks = &self.levels[(level - FINEST_BLOCK) as usize];
+        let mut block = Block::EMPTY;
+        for a in 0..2 {
+            if low[a] < 0 || high[a] >= i64::from(self.size[a]) {
+                block = Block::OUTSIDE;
+            }
+        }
+        let range = |a: usize, count: usize| {
+            let first = (low[a] >> level).max(0) as usize;
+            let end = ((high[a] >> level) + 1).clamp(0, count as i64) as usize;
+            first.min(count)..end
+        };
+        for y in range(1, blocks.height) {
+            for x in range(0, blocks.width) {
+                block = block.join(blocks.blocks[y * blocks.width + x]);
+            }
+        }
+        Some(block)
+    }
+}
