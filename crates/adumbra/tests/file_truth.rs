@@ -13,7 +13,8 @@ use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra::settings::Receivers;
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{
-    Random, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
+    LightAnswers, Random, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
+    VolumeSampler,
 };
 use npyz::npz::NpzArchive;
 
@@ -44,8 +45,9 @@ fn verify(scene: &Scene, baked: &Baked, volume: bool, samples: u64) -> Verificat
     } else {
         Sampler::Surface(SurfaceSampler::new(scene, &solids, baked.grid.sun.towards(), false))
     };
-    let options = VerifyOptions { samples, seed: 3, bias: baked.settings.bias };
-    Verifier::new(&baked.grid, &baked.dag, &baked.settings, &tracer, &solids).run(&sampler, &options).unwrap()
+    let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, 1).unwrap();
+    let answers = LightAnswers::new(&baked.grid, &baked.settings, query);
+    Verifier::new(&answers, &tracer, &solids).run(&sampler, &VerifyOptions { samples, seed: 3 })
 }
 
 /// Share of sunlit-side pixels on which file and image agree: 99 % at 16384; an eighth of that resolution has eight

@@ -8,9 +8,12 @@ use std::sync::atomic::AtomicBool;
 use adumbra::Error;
 use adumbra::bake::{self, Options, Size};
 use adumbra::light::Sun;
+use adumbra::query::Query;
 use adumbra::scene::LoadOptions;
 use adumbra::trace::{TraceOptions, Tracer};
-use adumbra::verify::{Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler};
+use adumbra::verify::{
+    LightAnswers, Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler,
+};
 use serde_json::{Value, json};
 
 use super::load_scene;
@@ -174,9 +177,10 @@ fn verify_table(args: &BenchVerify) -> Outcome {
             } else {
                 Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false))
             };
-            let verifier = Verifier::new(&baked.grid, &baked.dag, &baked.settings, &tracer, &solids);
-            let options = VerifyOptions { samples: args.samples, seed: 1, bias: baked.settings.bias };
-            let v = verifier.run(&sampler, &options)?;
+            let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, 1)?;
+            let answers = LightAnswers::new(&baked.grid, &baked.settings, query);
+            let options = VerifyOptions { samples: args.samples, seed: 1 };
+            let v = Verifier::new(&answers, &tracer, &solids).run(&sampler, &options);
             let holds = v.interior_agreement >= MIN_INTERIOR_AGREEMENT
                 && (args.volume || v.interior_share >= MIN_INTERIOR_SHARE);
             all_hold &= holds;

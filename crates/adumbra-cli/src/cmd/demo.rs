@@ -12,7 +12,7 @@ use adumbra::picture::{self, Camera, Shadows};
 use adumbra::query::Query;
 use adumbra::scene::{GeneratedKind, LoadOptions, generate, write_glb};
 use adumbra::trace::{TraceOptions, Tracer};
-use adumbra::verify::{Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
+use adumbra::verify::{LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
 
 use super::render::looking_at;
 use super::{GraphFigures, load_scene};
@@ -50,9 +50,10 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
-    let check = VerifyOptions { samples: SAMPLES, seed: 1, bias: file.settings.bias };
-    let verification =
-        Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &check)?;
+    let query = Query::new(&file.grid, &file.dag, file.settings.bias, 1)?;
+    let answers = LightAnswers::new(&file.grid, &file.settings, query);
+    let check = VerifyOptions { samples: SAMPLES, seed: 1 };
+    let verification = Verifier::new(&answers, &tracer, &solids).run(&sampler, &check);
     say!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
 
     let whole = looking_at(&scene.bounds(), 40.0);

@@ -1,8 +1,11 @@
 //! `adumbra verify`: a file's answers against rays.
 
 use adumbra::format::ShadowFile;
+use adumbra::query::Query;
 use adumbra::trace::{TraceOptions, Tracer};
-use adumbra::verify::{Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler};
+use adumbra::verify::{
+    LightAnswers, Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler,
+};
 
 use super::{load_scene, print_json, with_threads};
 use crate::args::Verify;
@@ -29,12 +32,10 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         } else {
             Sampler::Surface(SurfaceSampler::new(&scene, &solids, file.grid.sun.towards(), load.ignore_alpha))
         };
-        let options = VerifyOptions {
-            samples: args.samples,
-            seed: args.seed,
-            bias: args.bias.over(file.settings.bias)?,
-        };
-        Ok(Verifier::new(&file.grid, &file.dag, &file.settings, &tracer, &solids).run(&sampler, &options)?)
+        let options = VerifyOptions { samples: args.samples, seed: args.seed };
+        let query = Query::new(&file.grid, &file.dag, args.bias.over(file.settings.bias)?, 1)?;
+        let answers = LightAnswers::new(&file.grid, &file.settings, query);
+        Ok(Verifier::new(&answers, &tracer, &solids).run(&sampler, &options))
     })?;
     if args.json {
         let value = serde_json::to_value(result).map_err(|e| Failure::BadInput(e.to_string()))?;

@@ -4,6 +4,10 @@
 //! the receiver's plane at the centre of those taps less half the slope times their extent; the block's slab at that
 //! depth is fetched once and its bits counted under a mask. Specification §6.
 
+mod tree;
+
+pub use tree::{KERNEL_SIDES, TreeQuery, Weights};
+
 use crate::dag::Dag;
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
@@ -44,6 +48,11 @@ impl<'d> Query<'d> {
             });
         }
         Ok(Self { grid, dag, bias, filter })
+    }
+
+    /// The bias that points are moved by.
+    pub fn bias(&self) -> Bias {
+        self.bias
     }
 
     /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.

@@ -12,7 +12,7 @@
 
 use super::build::{Classify, State};
 use super::depth_image::{DepthImage, NO_SURFACE, TILE_SIDE};
-use super::space::{Regions, TreeSpace};
+use super::space::{RegionVoxels, Regions, TreeSpace};
 use crate::bake::project::FixedDepth;
 
 /// Fractional bits of u, v and z.
@@ -40,32 +40,6 @@ pub(super) struct LitSpace<'i> {
     before_surface: i64,
 }
 
-/// A region on the voxel grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct RegionVoxels {
-    pub(super) x: [u32; 2],
-    pub(super) z: [u32; 2],
-    pub(super) depth: u32,
-}
-
-/// `regions` on the voxels of `space`, grown to whole voxels, deepest first; those outside the cube are left out.
-pub(super) fn regions_in_voxels(space: &TreeSpace, regions: &Regions) -> Vec<RegionVoxels> {
-    let side = f64::from(space.side_voxels());
-    let range = |a: usize, r: [f64; 2]| {
-        let to_voxels = |c: f64| (c - space.p_min[a]) / space.voxel_size;
-        let [from, to] = [to_voxels(r[0]).floor(), to_voxels(r[1]).ceil()];
-        [from.clamp(0.0, side) as u32, to.clamp(0.0, side) as u32]
-    };
-    let mut list: Vec<_> = regions
-        .list
-        .iter()
-        .map(|r| RegionVoxels { x: range(0, r.x), z: range(2, r.z), depth: r.depth })
-        .filter(|r| r.x[0] < r.x[1] && r.z[0] < r.z[1])
-        .collect();
-    list.sort_by_key(|r| std::cmp::Reverse(r.depth));
-    list
-}
-
 impl<'i> LitSpace<'i> {
     pub(super) fn new(image: &'i DepthImage, space: &TreeSpace, regions: &Regions) -> Self {
         let fixed = |c: f64| (c * (1_i64 << FRACTION) as f64).round() as i64;
@@ -87,7 +61,7 @@ impl<'i> LitSpace<'i> {
             pyramid: Pyramid::of(image),
             depth: space.depth,
             base_depth: regions.base_depth,
-            regions: regions_in_voxels(space, regions),
+            regions: regions.in_voxels(space),
             origin,
             half_steps,
         }

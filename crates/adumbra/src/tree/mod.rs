@@ -21,5 +21,17 @@ pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};
 pub use settings::{CaptureBias, LossyChange, TreeSettings};
-pub use space::{MAX_REGIONS, Region, Regions, TreeSpace};
+pub use space::{MAX_REGIONS, Region, RegionVoxels, Regions, TreeSpace};
 pub use word::{Node, Word};
+
+/// What answers voxels of a cube.
+pub trait Voxels {
+    /// Visibility of voxel (x, y, z), each below the cube's side.
+    fn voxel(&self, xyz: [u32; 3]) -> bool;
+}
+
+impl Voxels for VoxelTree {
+    fn voxel(&self, xyz: [u32; 3]) -> bool {
+        Self::voxel(self, xyz)
+    }
+}

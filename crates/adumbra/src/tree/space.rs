@@ -61,6 +61,17 @@ pub struct Regions {
     pub list: Vec<Region>,
 }
 
+/// A region on the voxel grid: from (included) and to (excluded).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RegionVoxels {
+    /// Voxels along x.
+    pub x: [u32; 2],
+    /// Voxels along z.
+    pub z: [u32; 2],
+    /// Levels there.
+    pub depth: u32,
+}
+
 /// Most regions of a tree.
 pub const MAX_REGIONS: usize = 256;
 
@@ -80,6 +91,24 @@ impl Regions {
             depth: depth.saturating_sub(i),
         });
         Self { base_depth: depth.saturating_sub(radii.len() as u32), list: list.collect() }
+    }
+
+    /// The regions on the voxels of `space`, grown to whole voxels, deepest first; those outside the cube are left out.
+    pub fn in_voxels(&self, space: &TreeSpace) -> Vec<RegionVoxels> {
+        let side = f64::from(space.side_voxels());
+        let range = |a: usize, r: [f64; 2]| {
+            let to_voxels = |c: f64| (c - space.p_min[a]) / space.voxel_size;
+            let [from, to] = [to_voxels(r[0]).floor(), to_voxels(r[1]).ceil()];
+            [from.clamp(0.0, side) as u32, to.clamp(0.0, side) as u32]
+        };
+        let mut list: Vec<_> = self
+            .list
+            .iter()
+            .map(|r| RegionVoxels { x: range(0, r.x), z: range(2, r.z), depth: r.depth })
+            .filter(|r| r.x[0] < r.x[1] && r.z[0] < r.z[1])
+            .collect();
+        list.sort_by_key(|r| std::cmp::Reverse(r.depth));
+        list
     }
 
     /// Levels of the deepest part.

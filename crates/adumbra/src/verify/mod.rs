@@ -1,7 +1,7 @@
 //! A file's answers against rays.
 //!
-//! Random points on the scene's surfaces, or in its space, lifted by the look-up's bias, are asked of the file (one
-//! texel, no filter) and of the rays. Definitions:
+//! Random points on the scene's surfaces, or in its space, lifted by the look-up's bias, are asked of the file and of the
+//! rays. Definitions, with a voxel's edge for a texel where the file is world-aligned:
 //! - *Interior*: the point and eight neighbours, two texels away in the light's plane and moved along the light onto the
 //!   point's tangent plane (in space: at its depth), all lifted alike, agree by rays.
 //! - *Thin*: the nearest blocker on the surface point's sun ray is nearer than two voxels or than the file's bias at that slope.
@@ -9,17 +9,17 @@
 //!   either, and it is counted apart.
 //! - *Acne*: lit called shadowed. *Leak*: shadowed called lit.
 
+mod answers;
 mod points;
 
 use rayon::prelude::*;
 
+pub use answers::{Answers, LightAnswers, TreeAnswers};
 pub use points::{Random, Sample, Solids, SurfaceSampler, VolumeSampler};
 
-use crate::dag::Dag;
-use crate::error::Result;
 use crate::light::LightGrid;
-use crate::query::{Query, receiver};
-use crate::settings::{Bias, MAX_SLOPE, Settings};
+use crate::query::receiver;
+use crate::settings::MAX_SLOPE;
 use crate::trace::{Ray, Tracer};
 
 /// What to check.
@@ -29,8 +29,6 @@ pub struct VerifyOptions {
     pub samples: u64,
     /// Seed of the points.
     pub seed: u64,
-    /// The look-up's bias.
-    pub bias: Bias,
 }
 
 /// Counts of a verification; shares are of the samples that they name, 0 to 1.
@@ -93,32 +91,27 @@ pub const MIN_N_DOT_L: f64 = 0.1;
 const BATCH: u64 = 4096;
 
 /// A checker of one file against one scene.
-pub struct Verifier<'a> {
-    grid: &'a LightGrid,
-    dag: &'a Dag,
-    settings: &'a Settings,
+pub struct Verifier<'a, A> {
+    answers: &'a A,
     tracer: &'a Tracer<'a>,
     solids: &'a Solids,
 }
 
-impl<'a> Verifier<'a> {
-    /// Compares `dag` on `grid` with the rays of `tracer`, which must hold the scene that was baked, like `solids`.
-    pub fn new(
-        grid: &'a LightGrid,
-        dag: &'a Dag,
-        settings: &'a Settings,
-        tracer: &'a Tracer<'a>,
-        solids: &'a Solids,
-    ) -> Self {
-        Self { grid, dag, settings, tracer, solids }
+/// The rays' side of one sample.
+struct Place<'a> {
+    grid: LightGrid,
+    tracer: &'a Tracer<'a>,
+    solids: &'a Solids,
+}
+
+impl<'a, A: Answers> Verifier<'a, A> {
+    /// Compares `answers` with the rays of `tracer`, which must hold the scene that was baked, like `solids`.
+    pub fn new(answers: &'a A, tracer: &'a Tracer<'a>, solids: &'a Solids) -> Self {
+        Self { answers, tracer, solids }
     }
 
     /// Draws the points and compares. Cost: about 11 rays a point; runs on the current rayon pool.
-    ///
-    /// # Errors
-    /// None but an option out of range.
-    pub fn run(&self, sampler: &Sampler<'_>, options: &VerifyOptions) -> Result<Verification> {
-        let query = Query::new(self.grid, self.dag, options.bias, 1)?;
+    pub fn run(&self, sampler: &Sampler<'_>, options: &VerifyOptions) -> Verification {
         let batches = options.samples.div_ceil(BATCH);
         let counts = (0..batches)
             .into_par_iter()
@@ -131,43 +124,46 @@ impl<'a> Verifier<'a> {
                         Sampler::Surface(s) => s.sample(&mut random),
                         Sampler::Volume(s) => s.sample(&mut random),
                     };
-                    self.compare(&query, &sample, &options.bias, &mut counts);
+                    self.compare(&sample, &mut counts);
                 }
                 counts
             })
             .reduce(Counts::default, Counts::add);
-        Ok(counts.finish())
+        counts.finish()
     }
 
-    fn compare(&self, query: &Query<'_>, sample: &Sample, bias: &Bias, c: &mut Counts) {
-        let towards = self.grid.sun.towards();
+    fn compare(&self, sample: &Sample, c: &mut Counts) {
+        let answers = self.answers;
         if let Some(n) = sample.normal
-            && crate::light::dot(n, towards) <= MIN_N_DOT_L
+            && crate::light::dot(n, answers.towards_sun()) <= MIN_N_DOT_L
         {
             c.facing_away += 1;
             return;
         }
-        let voxel = self.grid.voxel_size;
-        let surface_grid = self.grid.to_grid(sample.p_world);
-        let r = receiver(self.grid, bias, sample.p_world, sample.normal);
-        if self.settings.bounds.is_some() && !self.in_grid(&r.p_grid) {
+        let grid = answers.grid_at(sample.p_world, sample.normal);
+        let place = Place { grid, tracer: self.tracer, solids: self.solids };
+        let voxel = grid.voxel_size;
+        let surface_grid = grid.to_grid(sample.p_world);
+        let r = receiver(&grid, &answers.bias(), sample.p_world, sample.normal);
+        let lifted_world = grid.to_world(r.p_grid);
+        if !answers.covers(lifted_world) {
             c.outside_bounds += 1;
             return;
         }
-        if self.settings.closed_regions && self.inside_solid(self.grid.to_world(r.p_grid)) {
+        if answers.insides_are_free() && place.inside_solid(lifted_world) {
             c.inside_solids += 1;
             return;
         }
         c.samples += 1;
-        let truth = self.lit(r.p_grid);
-        let answer = query.receiver_visibility(&r) > 0.5;
+        let truth = place.lit(r.p_grid);
+        let answer = answers.visibility(sample.p_world, sample.normal) > 0.5;
         // The blocker nearest to the surface itself; a volume point's slope is its blocker's.
         let slope = (r.gradient[0].powi(2) + r.gradient[1].powi(2)).sqrt();
-        let thin = self.nearest_blocker(surface_grid, sample.normal).is_some_and(|(distance, n_dot_l)| {
+        let thin = place.nearest_blocker(surface_grid, sample.normal).is_some_and(|(distance, n_dot_l)| {
             let slope = if sample.normal.is_some() { slope } else { slope_of(n_dot_l) };
-            distance / voxel < 2.0_f64.max(self.settings.bias.along_light(slope))
+            distance / voxel < 2.0_f64.max(answers.baked_bias().along_light(slope))
         });
-        let interior = self.is_interior(r.p_grid, r.gradient, truth);
+        let interior = place.is_interior(r.p_grid, r.gradient, truth);
         c.shadowed += u64::from(!truth);
         c.acne += u64::from(truth && !answer);
         c.leak += u64::from(!truth && answer);
@@ -180,11 +176,9 @@ impl<'a> Verifier<'a> {
             c.interior_leak += u64::from(!truth && answer);
         }
     }
+}
 
-    fn in_grid(&self, p_grid: &[f64; 3]) -> bool {
-        p_grid.iter().zip(self.grid.size).all(|(c, n)| (0.0..f64::from(n)).contains(c))
-    }
-
+impl Place<'_> {
     fn is_interior(&self, p_grid: [f64; 3], gradient: [f64; 2], truth: bool) -> bool {
         (0..9).filter(|&i| i != 4).all(|i| {
             let offset = [i % 3 - 1, i / 3 - 1].map(|o| f64::from(o) * NEIGHBOUR_TEXELS);

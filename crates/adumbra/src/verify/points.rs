@@ -2,6 +2,7 @@
 
 use crate::light::{LightGrid, cross, dot};
 use crate::scene::{Scene, topology};
+use crate::tree::TreeSpace;
 
 /// A point to compare.
 #[derive(Clone, Copy, Debug)]
@@ -146,21 +147,37 @@ impl<'s> SurfaceSampler<'s> {
     }
 }
 
-/// Points in the grid's box, uniform by volume.
+/// Points in a box, uniform by volume.
 pub struct VolumeSampler {
-    grid: LightGrid,
+    corner: [f64; 3],
+    edges: [[f64; 3]; 3],
 }
 
 impl VolumeSampler {
     /// Points in `grid`.
     pub fn new(grid: &LightGrid) -> Self {
-        Self { grid: *grid }
+        let edges =
+            std::array::from_fn(|a| grid.axes[a].map(|c| c * grid.voxel_size * f64::from(grid.size[a])));
+        Self { corner: grid.origin, edges }
+    }
+
+    /// Points in the cube of a tree.
+    pub fn in_cube(space: &TreeSpace) -> Self {
+        let side = space.voxel_size * f64::from(space.side_voxels());
+        let edges = std::array::from_fn(|a| std::array::from_fn(|b| if a == b { side } else { 0.0 }));
+        Self { corner: space.p_min, edges }
     }
 
     /// The next point.
     pub fn sample(&self, random: &mut Random) -> Sample {
-        let p = self.grid.size.map(|s| random.unit() * f64::from(s));
-        Sample { p_world: self.grid.to_world(p), normal: None }
+        let mut p_world = self.corner;
+        for edge in &self.edges {
+            let t = random.unit();
+            for (p, c) in p_world.iter_mut().zip(edge) {
+                *p += c * t;
+            }
+        }
+        Sample { p_world, normal: None }
     }
 }
 

@@ -1,0 +1,215 @@
+//! Point visibility from a world-aligned tree, with voxel PCF. Source: the paper's §4.
+//!
+//! World point → bias along the light → voxel → 1, 3 × 3 × 3 or 5 × 5 × 5 voxels around it, with weights. Departures:
+//! taps whose centre lies behind the receiver's plane are left out, where a normal is known, because every one of them
+//! is in the receiver's own shadow; and where a tree has several depths, one voxel size serves the whole kernel, the
+//! coarsest within its reach, so that neither bias nor kernel changes along the seam.
+
+use crate::error::{Error, Result};
+use crate::light::{Sun, dot};
+use crate::settings::{Bias, MAX_SLOPE};
+use crate::tree::{RegionVoxels, Regions, TreeSpace, Voxels};
+
+/// Kernel sides in voxels that a look-up may use.
+pub const KERNEL_SIDES: [u32; 3] = [1, 3, 5];
+
+/// How taps are weighted, by their distance from the middle along each axis; the three factors are multiplied.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weights {
+    /// All the same.
+    #[default]
+    Mean,
+    /// The Poisson distribution with mean 1/2, λ^d / d!, in eighths: 8, 4, 1.
+    Poisson,
+}
+
+impl Weights {
+    fn along_axis(self, distance: u32) -> u32 {
+        match self {
+            Self::Mean => 1,
+            Self::Poisson => [8, 4, 1][distance as usize],
+        }
+    }
+}
+
+/// A look-up into a tree.
+#[derive(Clone, Debug)]
+pub struct TreeQuery<'t, T> {
+    space: TreeSpace,
+    tree: &'t T,
+    towards_sun: [f64; 3],
+    bias: Bias,
+    reach: i64,
+    weights: Weights,
+    base_depth: u32,
+    regions: Vec<RegionVoxels>,
+}
+
+impl<'t, T: Voxels> TreeQuery<'t, T> {
+    /// Look-ups with `kernel_side`³ voxels.
+    ///
+    /// # Errors
+    /// [`Error::OptionRange`] for a side that is not in [`KERNEL_SIDES`].
+    pub fn new(
+        space: &TreeSpace,
+        regions: &Regions,
+        sun: &Sun,
+        tree: &'t T,
+        bias: Bias,
+        kernel_side: u32,
+        weights: Weights,
+    ) -> Result<Self> {
+        if !KERNEL_SIDES.contains(&kernel_side) {
+            return Err(Error::OptionRange {
+                option: "--filter",
+                value: kernel_side.to_string(),
+                range: "1, 3 or 5 for a world-aligned tree",
+            });
+        }
+        Ok(Self {
+            space: *space,
+            tree,
+            towards_sun: sun.towards(),
+            bias,
+            reach: i64::from(kernel_side / 2),
+            weights,
+            base_depth: regions.base_depth,
+            regions: regions.in_voxels(space),
+        })
+    }
+
+    /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
+    ///
+    /// A point beside the cube or sunward of it is lit; one behind it has the visibility of the place where its sun ray
+    /// enters the cube. A point that is not finite is lit. Cost: one path a tap.
+    pub fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        let p_tree = self.space.to_tree(p_world);
+        if !p_tree.iter().all(|c| c.abs() < 1e9) {
+            return 1.0;
+        }
+        let level = self.level(p_tree, normal);
+        let lifted = self.lifted(p_tree, normal, level);
+        let Some(inside) = self.entered(lifted) else { return 1.0 };
+        let cell = inside.map(|c| (c as i64) >> level);
+        if self.reach == 0 {
+            return if self.cell(cell, level) { 1.0 } else { 0.0 };
+        }
+        let mut lit = 0;
+        let mut weights = 0;
+        for x in -self.reach..=self.reach {
+            for y in -self.reach..=self.reach {
+                for z in -self.reach..=self.reach {
+                    let offset = [x, y, z];
+                    let tap: [i64; 3] = std::array::from_fn(|a| cell[a] + offset[a]);
+                    let in_front = normal.is_none_or(|n| {
+                        let center = tap.map(|c| (c as f64 + 0.5) * f64::from(1_u32 << level));
+                        dot(n, std::array::from_fn(|a| center[a] - p_tree[a])) >= 0.0
+                    });
+                    if !in_front && offset != [0; 3] {
+                        continue;
+                    }
+                    let factors = offset.map(|o| self.weights.along_axis(o.unsigned_abs() as u32));
+                    let weight = factors[0] * factors[1] * factors[2];
+                    weights += weight;
+                    lit += weight * u32::from(self.cell(tap, level));
+                }
+            }
+        }
+        lit as f32 / weights as f32
+    }
+
+    /// Edge of the voxels that answer this point, world units.
+    pub fn voxel_size_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f64 {
+        let level = self.level(self.space.to_tree(p_world), normal);
+        self.space.voxel_size * f64::from(1_u32 << level)
+    }
+
+    /// The bias that points are moved by, in voxels.
+    pub fn bias(&self) -> Bias {
+        self.bias
+    }
+
+    /// The cube.
+    pub fn space(&self) -> &TreeSpace {
+        &self.space
+    }
+
+    /// Visibility of a cell of 2^level voxels a side; beside the cube, of the nearest one within.
+    fn cell(&self, cell: [i64; 3], level: u32) -> bool {
+        let last = (i64::from(self.space.side_voxels()) >> level) - 1;
+        let half = (1 << level) >> 1;
+        self.tree.voxel(cell.map(|c| (c.clamp(0, last) as u32) << level | half))
+    }
+
+    /// Moves a point by the bias, in cells of this level.
+    fn lifted(&self, p_tree: [f64; 3], normal: Option<[f64; 3]>, level: u32) -> [f64; 3] {
+        let (slope, offset) = match normal {
+            Some(n) => {
+                let n_dot_l = dot(n, self.towards_sun);
+                let tangent = (1.0 - n_dot_l * n_dot_l).max(0.0).sqrt();
+                let slope = tangent / n_dot_l.max(tangent / MAX_SLOPE);
+                let slope = if slope.is_finite() { slope } else { 0.0 };
+                (slope, n.map(|c| c * self.bias.normal_offset_texels))
+            }
+            None => (0.0, [0.0; 3]),
+        };
+        let along = self.bias.along_light(slope);
+        let cell = f64::from(1_u32 << level);
+        std::array::from_fn(|a| p_tree[a] + cell * (self.towards_sun[a] * along + offset[a]))
+    }
+
+    /// Where the sun ray of a point first lies in the cube, in voxels; none where it never does.
+    fn entered(&self, p_tree: [f64; 3]) -> Option<[f64; 3]> {
+        let side = f64::from(self.space.side_voxels());
+        let last = side - 1e-6;
+        if p_tree.iter().all(|c| (0.0..side).contains(c)) {
+            return Some(p_tree);
+        }
+        let (mut from, mut to) = (0.0_f64, f64::INFINITY);
+        for (c, d) in p_tree.iter().zip(self.towards_sun) {
+            if d == 0.0 {
+                if !(0.0..side).contains(c) {
+                    return None;
+                }
+                continue;
+            }
+            let [near, far] = if d > 0.0 { [-c / d, (side - c) / d] } else { [(side - c) / d, -c / d] };
+            (from, to) = (from.max(near), to.min(far));
+        }
+        (from < to)
+            .then(|| std::array::from_fn(|a| (p_tree[a] + self.towards_sun[a] * from).clamp(0.0, last)))
+    }
+
+    /// Level of the coarsest cells between a point, its lifted self and the kernel's ends.
+    fn level(&self, p_tree: [f64; 3], normal: Option<[f64; 3]>) -> u32 {
+        if self.regions.is_empty() {
+            return self.space.depth - self.base_depth;
+        }
+        let mut level = self.level_over([p_tree[0]; 2], [p_tree[2]; 2]);
+        loop {
+            let lifted = self.lifted(p_tree, normal, level);
+            let margin = (self.reach + 1) as f64 * f64::from(1_u32 << level);
+            let range = |a: usize| [p_tree[a].min(lifted[a]) - margin, p_tree[a].max(lifted[a]) + margin];
+            let coarsest = self.level_over(range(0), range(2));
+            if coarsest <= level {
+                return level;
+            }
+            level = coarsest;
+        }
+    }
+
+    /// Level of the coarsest cells over a rectangle in plan: that of the deepest region which holds all of it.
+    fn level_over(&self, x: [f64; 2], z: [f64; 2]) -> u32 {
+        let side = f64::from(self.space.side_voxels());
+        // Beyond the cube there is nothing coarser.
+        let [x, z] = [x, z].map(|r| r.map(|c| c.clamp(0.0, side)));
+        let holds = |r: &&RegionVoxels| {
+            f64::from(r.x[0]) <= x[0]
+                && x[1] <= f64::from(r.x[1])
+                && f64::from(r.z[0]) <= z[0]
+                && z[1] <= f64::from(r.z[1])
+        };
+        let depth = self.regions.iter().find(holds).map_or(self.base_depth, |r| r.depth.max(self.base_depth));
+        self.space.depth - depth
+    }
+}

@@ -1,0 +1,129 @@
+//! What is verified: anything that answers points, with what a fair comparison must know of it.
+
+use crate::light::{LightExtent, LightGrid, Sun};
+use crate::query::{Query, TreeQuery};
+use crate::settings::{Bias, Settings};
+use crate::tree::{TreeSettings, Voxels};
+
+/// Answers to be compared with rays.
+pub trait Answers: Sync {
+    /// Visibility of a point, by the look-up's own bias.
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32;
+
+    /// Unit vector towards the sun.
+    fn towards_sun(&self) -> [f64; 3];
+
+    /// A light-aligned grid whose voxels are as large as those that answer this point.
+    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid;
+
+    /// The look-up's bias, in that grid's texels.
+    fn bias(&self) -> Bias;
+
+    /// The bias that the file was made for.
+    fn baked_bias(&self) -> Bias;
+
+    /// Whether a point, after the bias, is one that the file promises to answer.
+    fn covers(&self, p_world: [f64; 3]) -> bool;
+
+    /// Whether the file may say either inside solids.
+    fn insides_are_free(&self) -> bool;
+}
+
+/// A light-aligned file.
+pub struct LightAnswers<'a> {
+    grid: &'a LightGrid,
+    settings: &'a Settings,
+    query: Query<'a>,
+}
+
+impl<'a> LightAnswers<'a> {
+    /// `query` looks up a graph on `grid` that was baked with `settings`.
+    pub fn new(grid: &'a LightGrid, settings: &'a Settings, query: Query<'a>) -> Self {
+        Self { grid, settings, query }
+    }
+}
+
+impl Answers for LightAnswers<'_> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        self.query.visibility(p_world, normal)
+    }
+
+    fn towards_sun(&self) -> [f64; 3] {
+        self.grid.sun.towards()
+    }
+
+    fn grid_at(&self, _: [f64; 3], _: Option<[f64; 3]>) -> LightGrid {
+        *self.grid
+    }
+
+    fn bias(&self) -> Bias {
+        self.query.bias()
+    }
+
+    fn baked_bias(&self) -> Bias {
+        self.settings.bias
+    }
+
+    fn covers(&self, p_world: [f64; 3]) -> bool {
+        let p_grid = self.grid.to_grid(p_world);
+        let inside = || p_grid.iter().zip(self.grid.size).all(|(c, n)| (0.0..f64::from(n)).contains(c));
+        self.settings.bounds.is_none() || inside()
+    }
+
+    fn insides_are_free(&self) -> bool {
+        self.settings.closed_regions
+    }
+}
+
+/// A world-aligned tree.
+pub struct TreeAnswers<'a, T> {
+    settings: &'a TreeSettings,
+    query: TreeQuery<'a, T>,
+    sun: Sun,
+    axes: [[f64; 3]; 3],
+}
+
+impl<'a, T: Voxels> TreeAnswers<'a, T> {
+    /// `query` looks up a tree for `sun` that was baked with `settings`.
+    pub fn new(settings: &'a TreeSettings, sun: Sun, query: TreeQuery<'a, T>) -> Self {
+        Self { settings, query, sun, axes: LightExtent::empty(&sun).axes }
+    }
+}
+
+impl<T: Voxels + Sync> Answers for TreeAnswers<'_, T> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        self.query.visibility(p_world, normal)
+    }
+
+    fn towards_sun(&self) -> [f64; 3] {
+        self.sun.towards()
+    }
+
+    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
+        LightGrid {
+            sun: self.sun,
+            voxel_size: self.query.voxel_size_at(p_world, normal),
+            origin: self.query.space().p_min,
+            axes: self.axes,
+            size: [u32::MAX; 3],
+        }
+    }
+
+    fn bias(&self) -> Bias {
+        self.query.bias()
+    }
+
+    fn baked_bias(&self) -> Bias {
+        self.settings.bias
+    }
+
+    fn covers(&self, p_world: [f64; 3]) -> bool {
+        let space = self.query.space();
+        let inside = |c: &f64| (0.0..f64::from(space.side_voxels())).contains(c);
+        self.settings.bounds.is_none() || space.to_tree(p_world).iter().all(inside)
+    }
+
+    fn insides_are_free(&self) -> bool {
+        self.settings.closed_regions
+    }
+}

@@ -1,0 +1,127 @@
+//! World-aligned trees against truth: rays at random points, builders and reductions against each other.
+//!
+//! CI builds two levels less deep where it says so; `ADUMBRA_FULL=1` the whole. The folder is `ADUMBRA_SHARED`, or
+//! `shared` beside the checkout; without it the tests that need it say so and pass.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::Size;
+use adumbra::light::Sun;
+use adumbra::query::{TreeQuery, Weights};
+use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+use adumbra::trace::{TraceOptions, Tracer};
+use adumbra::tree::{BakedTree, Builder, PreparedTree, Reduction, TreeOptions, bake_tree};
+use adumbra::verify::{
+    Sampler, Solids, SurfaceSampler, TreeAnswers, Verification, Verifier, VerifyOptions, VolumeSampler,
+};
+
+fn shared(folder: &str) -> Option<PathBuf> {
+    let base = std::env::var_os("ADUMBRA_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
+    let path = base.join(folder);
+    if !path.is_dir() {
+        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+fn full() -> bool {
+    std::env::var_os("ADUMBRA_FULL").is_some()
+}
+
+fn options(sun: [f64; 3], depth: u32) -> TreeOptions {
+    TreeOptions::new(Sun::from_direction(sun).unwrap(), Size::Resolution(1 << depth))
+}
+
+fn bake_quietly(scene: &Scene, options: &TreeOptions) -> BakedTree {
+    bake_tree(scene, options, &AtomicBool::new(false)).unwrap()
+}
+
+fn verify(scene: &Scene, baked: &BakedTree, sun: Sun, volume: bool, samples: u64) -> Verification {
+    let tracer = Tracer::build(scene, TraceOptions { ignore_alpha: false });
+    let solids = Solids::of(scene);
+    let sampler = if volume {
+        Sampler::Volume(VolumeSampler::in_cube(&baked.space))
+    } else {
+        Sampler::Surface(SurfaceSampler::new(scene, &solids, sun.towards(), false))
+    };
+    let settings = &baked.settings;
+    let query =
+        TreeQuery::new(&baked.space, &baked.regions, &sun, &baked.tree, settings.bias, 1, Weights::Mean)
+            .unwrap();
+    let answers = TreeAnswers::new(settings, sun, query);
+    Verifier::new(&answers, &tracer, &solids).run(&sampler, &VerifyOptions { samples, seed: 3 })
+}
+
+const SUNS: [[f64; 3]; 3] = [[0.5, 0.8, 0.35], [0.0, 1.0, 0.0], [0.8, 0.3, -0.5]];
+
+fn holds_under_every_sun(name: &str, scene: &Scene) {
+    for towards in SUNS {
+        let baked = bake_quietly(scene, &options(towards, 10));
+        let sun = Sun::from_direction(towards).unwrap();
+        for volume in [false, true] {
+            let v = verify(scene, &baked, sun, volume, 100_000);
+            println!(
+                "{name} {towards:?} volume {volume}: interior {:.5} of {}, agreement {:.5}",
+                v.interior_agreement, v.interior, v.agreement
+            );
+            assert!(v.interior_agreement >= 0.999, "{name} {towards:?} volume {volume}: {v:?}");
+            assert!(v.interior_share >= 0.5, "{name} {towards:?} volume {volume}: {v:?}");
+        }
+    }
+}
+
+#[test]
+fn tree_answers_agree_with_rays_on_generated_scenes() {
+    holds_under_every_sun("primitives", &generate(GeneratedKind::Primitives, 1));
+    holds_under_every_sun("landscape", &generate(GeneratedKind::Landscape, 1));
+}
+
+#[test]
+fn shared_tree_answers_agree_with_rays_on_zdm2() {
+    let Some(scenes) = shared("scenes") else { return };
+    holds_under_every_sun("zdm2", &load(&scenes.join("zdm2.glb"), &LoadOptions::default()).unwrap());
+}
+
+/// Every builder and both reductions, exhaustive at depth 9, on every scene with fewer instanced triangles than this.
+const MOST_TRIANGLES: u64 = 500_000;
+
+#[test]
+fn shared_tree_builders_and_reductions_agree_on_every_scene() {
+    let Some(scenes) = shared("scenes") else { return };
+    let depth = if full() { 9 } else { 7 };
+    let mut names: Vec<_> = std::fs::read_dir(scenes)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e != "md"))
+        .collect();
+    names.sort();
+    let mut compared = 0;
+    for path in names {
+        let scene = load(&path, &LoadOptions::default()).unwrap();
+        if scene.instanced_triangles() >= MOST_TRIANGLES {
+            continue;
+        }
+        let base = options(SUNS[0], depth);
+        let prepared = PreparedTree::new(&scene, &base).unwrap();
+        let build = |builder, reduction, prune| {
+            let options = TreeOptions { builder, reduction, prune, ..base.clone() };
+            prepared.build(&options, &AtomicBool::new(false)).unwrap().tree
+        };
+        let first = build(Builder::Recursive, Reduction::Hash, false);
+        for (builder, reduction, prune) in [
+            (Builder::Iterative, Reduction::Hash, false),
+            (Builder::Pooled, Reduction::Sort, false),
+            (Builder::Recursive, Reduction::Sort, true),
+            (Builder::Pooled, Reduction::TreeHash, true),
+        ] {
+            let other = build(builder, reduction, prune);
+            assert!(other == first, "{}: {builder:?} {reduction:?} {prune}", path.display());
+        }
+        compared += 1;
+        println!("{}: {} bytes", path.display(), first.bytes());
+    }
+    assert!(compared >= 10, "only {compared} scenes were small enough");
+}
