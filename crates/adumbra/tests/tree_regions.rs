@@ -1,0 +1,151 @@
+//! Regions of several depths in one tree: the right depth where it was asked for, and no seams between.
+
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::Size;
+use adumbra::light::{LightGrid, Sun};
+use adumbra::query::{TreeQuery, Weights};
+use adumbra::scene::{GeneratedKind, Scene, generate};
+use adumbra::settings::Bias;
+use adumbra::trace::{TraceOptions, Tracer};
+use adumbra::tree::{BakedTree, Detail, Region, TreeOptions, VoxelTree, bake_tree};
+use adumbra::verify::{Answers, Sampler, Solids, SurfaceSampler, TreeAnswers, Verifier, VerifyOptions};
+
+const SUN: [f64; 3] = [0.5, 0.8, 0.35];
+
+fn sun() -> Sun {
+    Sun::from_direction(SUN).unwrap()
+}
+
+fn bake(scene: &Scene, depth: u32, detail: Detail) -> BakedTree {
+    let options = TreeOptions { detail, ..TreeOptions::new(sun(), Size::Resolution(1_u64 << depth)) };
+    bake_tree(scene, &options, &AtomicBool::new(false)).unwrap()
+}
+
+fn query(baked: &BakedTree, kernel_side: u32) -> TreeQuery<'_, VoxelTree> {
+    let (bias, weights) = (baked.settings.bias, Weights::Mean);
+    TreeQuery::new(&baked.space, &baked.regions, &sun(), &baked.tree, bias, kernel_side, weights).unwrap()
+}
+
+#[test]
+fn tree_region_has_the_voxels_of_a_whole_tree_of_its_depth() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let region = Region { x: [-6.0, 5.0], z: [-4.0, 7.0], depth: 9 };
+    let mixed = bake(&scene, 7, Detail::Regions(vec![region]));
+    let whole = bake(&scene, 9, Detail::Uniform);
+    assert_eq!(mixed.space, whole.space);
+    assert!(mixed.tree.bytes() < whole.tree.bytes());
+    let voxels = mixed.regions.in_voxels(&mixed.space)[0];
+    let mut coarse_cells = 0;
+    for x in (0..512).step_by(3) {
+        for y in (0..512).step_by(5) {
+            for z in (0..512).step_by(3) {
+                let inside =
+                    (voxels.x[0]..voxels.x[1]).contains(&x) && (voxels.z[0]..voxels.z[1]).contains(&z);
+                if inside {
+                    assert_eq!(mixed.tree.voxel([x, y, z]), whole.tree.voxel([x, y, z]), "{x} {y} {z}");
+                } else if mixed.tree.find([x, y, z]).1 == 2 {
+                    coarse_cells += 1;
+                }
+                // Outside, a cell next to the region may be finer than 4 voxels, but a far one is not.
+                let far = x + 4 < voxels.x[0] || x >= voxels.x[1] + 4;
+                assert!(!far || mixed.tree.find([x, y, z]).1 >= 2, "{x} {y} {z}");
+            }
+        }
+    }
+    assert!(coarse_cells > 0);
+}
+
+#[test]
+fn tree_rings_nest_like_cascades() {
+    let scene = generate(GeneratedKind::Landscape, 1);
+    let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![10.0, 20.0, 40.0] };
+    let baked = bake(&scene, 10, rings);
+    let depths: Vec<_> = baked.regions.list.iter().map(|r| r.depth).collect();
+    assert_eq!((depths, baked.regions.base_depth), (vec![10, 9, 8], 7));
+    assert_eq!(baked.regions.list[1].x, [-17.0, 23.0]);
+    let query = query(&baked, 1);
+    let size = |x: f64| query.voxel_size_at([x, 0.0, -5.0], None) / baked.space.voxel_size;
+    assert_eq!([3.0, 18.0, 38.0, 60.0].map(size), [1.0, 2.0, 4.0, 8.0]);
+}
+
+#[test]
+fn tree_refuses_regions_that_make_no_sense() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let refused = |detail, depth: u32| {
+        let options = TreeOptions { detail, ..TreeOptions::new(sun(), Size::Resolution(1_u64 << depth)) };
+        bake_tree(&scene, &options, &AtomicBool::new(false)).unwrap_err().to_string()
+    };
+    let region = |x, depth| Detail::Regions(vec![Region { x, z: [0.0, 1.0], depth }]);
+    assert!(refused(region([1.0, 0.0], 8), 6).contains("--region"));
+    assert!(refused(region([0.0, f64::NAN], 8), 6).contains("--region"));
+    assert!(refused(region([0.0, 1.0], 16), 6).contains("depth of 16"));
+    let rings = |radii| Detail::Rings { center_xz: [0.0; 2], radii };
+    assert!(refused(rings(vec![2.0, 1.0]), 6).contains("--rings"));
+    assert!(refused(rings(vec![1.0; 9]), 6).contains("--rings"));
+}
+
+/// Answers only near the borders of regions.
+struct NearSeams<'a> {
+    answers: TreeAnswers<'a, VoxelTree>,
+    baked: &'a BakedTree,
+    coarse_voxels: f64,
+}
+
+impl Answers for NearSeams<'_> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        self.answers.visibility(p_world, normal)
+    }
+
+    fn towards_sun(&self) -> [f64; 3] {
+        self.answers.towards_sun()
+    }
+
+    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
+        self.answers.grid_at(p_world, normal)
+    }
+
+    fn bias(&self) -> Bias {
+        self.answers.bias()
+    }
+
+    fn baked_bias(&self) -> Bias {
+        self.answers.baked_bias()
+    }
+
+    fn covers(&self, p: [f64; 3]) -> bool {
+        self.baked.regions.list.iter().any(|r| {
+            let coarse = self.baked.space.voxel_size
+                * f64::from(1_u32 << (self.baked.space.depth + 1 - r.depth))
+                * self.coarse_voxels;
+            let [dx, dz] = [(p[0], r.x), (p[2], r.z)].map(|(c, [low, high])| {
+                // Distance outside the range, or minus the distance to its nearer end inside.
+                (low - c).max(c - high)
+            });
+            dx.max(dz).abs() < coarse
+        })
+    }
+
+    fn insides_are_free(&self) -> bool {
+        self.answers.insides_are_free()
+    }
+}
+
+#[test]
+fn tree_regions_are_queried_without_seams() {
+    let scene = generate(GeneratedKind::Landscape, 1);
+    let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![20.0, 45.0] };
+    let baked = bake(&scene, 11, rings);
+    let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
+    let solids = Solids::of(&scene);
+    let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun().towards(), false));
+    for kernel_side in [1, 3, 5] {
+        let answers = TreeAnswers::new(&baked.settings, sun(), query(&baked, kernel_side));
+        let near = NearSeams { answers, baked: &baked, coarse_voxels: 6.0 };
+        let v = Verifier::new(&near, &tracer, &solids)
+            .run(&sampler, &VerifyOptions { samples: 1_500_000, seed: 5 });
+        println!("{kernel_side}: {v:?}");
+        assert!(v.interior > 10_000, "{v:?}");
+        assert!(v.interior_agreement >= 0.999, "kernel {kernel_side}: {v:?}");
+    }
+}
