@@ -7,6 +7,9 @@
 //! Every figure is made with additions, products, quotients and square roots of `f64`, and `libm`'s sine and cosine,
 //! so that machines agree to the last bit.
 
+mod camera;
+
+pub use camera::{LightCamera, Matrix};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
