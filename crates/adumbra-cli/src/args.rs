@@ -1,5 +1,7 @@
 //! Arguments of every verb, with their defaults and an example each.
 
+mod tree;
+
 use std::path::PathBuf;
 
 use adumbra::bake::{Options, Preset, Size};
@@ -7,6 +9,8 @@ use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, NameFilter};
 use adumbra::settings::{Bias, Receivers};
 use clap::{Parser, Subcommand, ValueEnum};
+use tree::FrameArg;
+pub(crate) use tree::{TreeArgs, WeightsArg};
 
 use crate::exit::Failure;
 use crate::progress::Style;
@@ -38,7 +42,8 @@ pub(crate) enum Verb {
     #[command(
         after_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra\n\n\
         Presets: draft 2048, low 4096, medium 8192 (the default), high 16384, ultra 32768 texels on the longest side; \
-        --resolution or --voxel-size wins over --preset."
+        --resolution or --voxel-size wins over --preset. With --frame world the default is draft.\n\n\
+        Example: adumbra bake city.glb --frame world --resolution 2048 --rings 0,0:40,120 -o city-tree.adumbra"
     )]
     Bake(Bake),
     /// Say what a shadow file holds
@@ -243,13 +248,25 @@ pub(crate) struct BakeSettings {
     /// Cover this box in place of the scene; casters outside it but sunward still cast into it
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     bounds: Option<Bounds>,
+    #[command(flatten)]
+    pub(crate) tree: TreeArgs,
 }
 
 impl BakeSettings {
+    /// Options that only the light frame knows, and whether they were given.
+    fn light_only(&self) -> [(bool, &'static str); 3] {
+        [
+            (self.thickness != 0.0, "--thickness"),
+            (self.no_assume_ground, "--no-assume-ground"),
+            (matches!(self.receivers, ReceiversArg::Static), "--receivers static"),
+        ]
+    }
+
     pub(crate) fn options(&self, ignore_alpha: bool, work: &WorkArgs) -> Result<Options, Failure> {
         let preset = match self.preset {
             Some(PresetArg::Draft) => Preset::Draft,
             Some(PresetArg::Low) => Preset::Low,
+            None if self.tree.frame == FrameArg::World => Preset::Draft,
             None | Some(PresetArg::Medium) => Preset::Medium,
             Some(PresetArg::High) => Preset::High,
             Some(PresetArg::Ultra) => Preset::Ultra,
@@ -347,6 +364,12 @@ pub(crate) struct Verify {
     /// Points in free space in place of points on surfaces; for files baked with --no-assume-ground
     #[arg(long)]
     pub(crate) volume: bool,
+    /// Filter width, as for query
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) filter: u32,
+    /// How a world-aligned file's taps are weighted
+    #[arg(long, value_enum, default_value = "mean")]
+    pub(crate) weights: WeightsArg,
     /// The check fails below this interior agreement
     #[arg(long, value_name = "SHARE", default_value_t = 0.999)]
     pub(crate) min_interior: f64,
@@ -371,9 +394,12 @@ pub(crate) struct Query {
     /// Unit normals, one a point: the slope's bias and the filter's plane need them
     #[arg(long, value_name = "FILE")]
     pub(crate) normals: Option<PathBuf>,
-    /// Filter width in texels: 1, 3, 5, 9 or 17
+    /// Filter width in texels: 1, 3, 5, 9 or 17; of a world-aligned file K × K × K voxels: 1, 3 or 5
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) filter: u32,
+    /// How a world-aligned file's taps are weighted
+    #[arg(long, value_enum, default_value = "mean")]
+    pub(crate) weights: WeightsArg,
     #[command(flatten)]
     pub(crate) bias: BiasArgs,
     /// Where the visibilities go: one little-endian float32 a point
@@ -413,9 +439,12 @@ pub(crate) struct Render {
     /// Pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub(crate) size: [u32; 2],
-    /// Filter width in texels: 1, 3, 5, 9 or 17
+    /// Filter width in texels: 1, 3, 5, 9 or 17; of a world-aligned file K × K × K voxels: 1, 3 or 5
     #[arg(long, value_name = "K", default_value_t = 5)]
     pub(crate) filter: u32,
+    /// How a world-aligned file's taps are weighted
+    #[arg(long, value_enum, default_value = "mean")]
+    pub(crate) weights: WeightsArg,
     /// Rays a pixel along each axis
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub(crate) antialias: u32,
@@ -449,6 +478,9 @@ pub(crate) enum BenchVerb {
     /// Interior agreement of every scene under four suns; writes verify.md and verify.json
     #[command(after_help = "Example: adumbra bench verify --scenes scenes --resolution 8192 -o docs/bench")]
     Verify(BenchVerify),
+    /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots, pictures
+    #[command(after_help = "Example: adumbra bench tree --scenes scenes -o docs/bench")]
+    Tree(BenchTree),
 }
 
 #[derive(clap::Args)]
@@ -501,6 +533,33 @@ pub(crate) struct BenchVerify {
 }
 
 #[derive(clap::Args)]
+pub(crate) struct BenchTree {
+    /// Folder of scenes
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenes: PathBuf,
+    /// Scene files in that folder; primitives and landscape are made
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "primitives,landscape,zdm2.glb,kaykit_city_21.glb"
+    )]
+    pub(crate) names: Vec<String>,
+    /// Depths of the builders' tables
+    #[arg(long, value_delimiter = ',', default_value = "8,9,10,11,12",
+        value_parser = clap::value_parser!(u32).range(3..=14))]
+    pub(crate) depths: Vec<u32>,
+    /// Runs that a median is taken of
+    #[arg(long, default_value_t = 9, value_parser = runs)]
+    pub(crate) runs: usize,
+    /// Points compared with rays
+    #[arg(long, default_value_t = 200_000)]
+    pub(crate) samples: u64,
+    /// Where tables, plots and pictures go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(clap::Args)]
 pub(crate) struct Demo {
     /// Folder for the scene, the file, the pictures and the report
     #[arg(long, value_name = "DIR", default_value = "demo")]
@@ -508,6 +567,10 @@ pub(crate) struct Demo {
     /// Texels on the longest side
     #[arg(long, value_name = "N", default_value_t = 8192)]
     pub(crate) resolution: u64,
+}
+
+fn runs(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| (1..=99).contains(n)).ok_or_else(|| "give a number from 1 to 99".to_owned())
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {

@@ -13,6 +13,7 @@ mod cmd;
 mod exit;
 mod memory;
 mod output;
+mod plot;
 mod progress;
 mod signals;
 

@@ -8,7 +8,7 @@ use adumbra::files;
 use adumbra::format::ShadowFile;
 use serde_json::json;
 
-use super::{GraphFigures, load_scene, print_json, with_threads};
+use super::{GraphFigures, bake_tree, load_scene, print_json, with_threads};
 use crate::args::Bake;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::bytes_words;
@@ -25,6 +25,15 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let start = Instant::now();
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let options = args.settings.options(args.load.ignore_alpha, &args.work)?;
+    let tree_options = match args.settings.is_tree()? {
+        true if args.dry_run => {
+            return Err(Failure::Usage(
+                "--dry-run forecasts --frame light only; a draft of a tree takes seconds".to_owned(),
+            ));
+        }
+        true => Some(args.settings.tree_options(args.load.ignore_alpha, &args.work)?),
+        false => None,
+    };
     if !args.dry_run {
         if output == args.scene {
             return Err(Failure::BadInput(format!(
@@ -38,6 +47,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let scene = load_scene(&args.scene, &args.load.load_options()?)?;
         if args.dry_run {
             return dry_run(args, &scene, &options);
+        }
+        if let Some(tree_options) = &tree_options {
+            return bake_tree::run(args, &scene, tree_options, &output, &cancel);
         }
         let reporter = Reporter::new(args.progress);
         let Baked { grid, settings, dag, report } =

@@ -27,6 +27,7 @@ pub(crate) fn run(args: &Bench) -> Outcome {
     match &args.what {
         BenchVerb::Bake(a) => bake_tables(a),
         BenchVerb::Verify(a) => verify_table(a),
+        BenchVerb::Tree(a) => super::bench_tree::run(a),
     }
 }
 

@@ -50,8 +50,8 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
-    let query = Query::new(&file.grid, &file.dag, file.settings.bias, 1)?;
-    let answers = LightAnswers::new(&file.grid, &file.settings, query);
+    let exact = Query::new(&file.grid, &file.dag, file.settings.bias, 1)?;
+    let answers = LightAnswers::new(&file.grid, &file.settings, exact);
     let check = VerifyOptions { samples: SAMPLES, seed: 1 };
     let verification = Verifier::new(&answers, &tracer, &solids).run(&sampler, &check);
     say!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
@@ -63,9 +63,9 @@ pub(crate) fn run(args: &Demo) -> Outcome {
             go_on()?;
             let query = Query::new(&file.grid, &file.dag, file.settings.bias, 5)?;
             let shadows = match suffix {
-                "" => Shadows::File(query),
+                "" => Shadows::File(&query),
                 "-truth" => Shadows::Truth,
-                _ => Shadows::Difference(Query::new(&file.grid, &file.dag, file.settings.bias, 1)?),
+                _ => Shadows::Difference(&exact),
             };
             let picture = picture::draw(&scene, &tracer, &camera, sun.towards(), &shadows, 2);
             let path = args.out.join(format!("{name}{suffix}.png"));

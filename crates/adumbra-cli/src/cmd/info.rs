@@ -1,6 +1,6 @@
 //! `adumbra info`: what a shadow file holds.
 
-use adumbra::format::ShadowFile;
+use adumbra::format::{AnyFile, ShadowFile, TreeBody, TreeFile};
 use serde_json::json;
 
 use super::{GraphFigures, print_json};
@@ -9,8 +9,15 @@ use crate::exit::{Code, Outcome};
 use crate::output::bytes_words;
 
 pub(crate) fn run(args: &Info) -> Outcome {
-    let file = ShadowFile::read(&args.file)?;
-    let figures = GraphFigures::of(&file);
+    match AnyFile::read(&args.file)? {
+        AnyFile::Light(file) => light(args, &file),
+        AnyFile::Tree(file) => tree(args, &file),
+    }
+    Ok(Code::Fine)
+}
+
+fn light(args: &Info, file: &ShadowFile) {
+    let figures = GraphFigures::of(file);
     let s = &file.settings;
     let dag = &file.dag;
     let raw = f64::from(dag.size[0]) * f64::from(dag.size[1]) * 4.0;
@@ -65,5 +72,68 @@ pub(crate) fn run(args: &Info) -> Outcome {
             s.bias.normal_offset_texels
         );
     }
-    Ok(Code::Fine)
+}
+
+fn tree(args: &Info, file: &TreeFile) {
+    let (space, settings) = (&file.space, &file.settings);
+    let (kind, body_bytes, nodes) = match &file.body {
+        TreeBody::Words(tree) => ("words", tree.bytes(), tree.words().len() as u64),
+        TreeBody::Symmetric(tree) => ("symmetric", tree.bytes().len() as u64, tree.node_count()),
+    };
+    let file_bytes = file.encoded_len();
+    if args.json {
+        print_json(&json!({
+            "file": args.file.display().to_string(),
+            "frame": "world",
+            "file_bytes": file_bytes,
+            "body": kind,
+            "body_bytes": body_bytes,
+            "nodes": nodes,
+            "attribute": file.attribute_kind,
+            "attribute_bytes": file.attribute.len(),
+            "depth": space.depth,
+            "voxel_size": space.voxel_size,
+            "p_min": space.p_min,
+            "sun": file.sun.towards(),
+            "regions": file.regions,
+            "settings": settings,
+        }));
+        return;
+    }
+    let sun = file.sun.towards();
+    say!("{}: {}, world-aligned", args.file.display(), bytes_words(file_bytes));
+    say!("  sun towards     {:.6}, {:.6}, {:.6}", sun[0], sun[1], sun[2]);
+    say!(
+        "  depth           {} ({} voxels of {:.6} a side)",
+        space.depth,
+        space.side_voxels(),
+        space.voxel_size
+    );
+    say!("  cube from       {:.3}, {:.3}, {:.3}", space.p_min[0], space.p_min[1], space.p_min[2]);
+    say!("  body            {kind}, {} in {nodes} nodes", bytes_words(body_bytes));
+    for r in &file.regions.list {
+        say!("  region          x {} to {}, z {} to {}: depth {}", r.x[0], r.x[1], r.z[0], r.z[1], r.depth);
+    }
+    if !file.regions.list.is_empty() {
+        say!("  elsewhere       depth {}", file.regions.base_depth);
+    }
+    if let Some(kind) = file.attribute_kind {
+        say!("  attribute       {kind:?}, {}", bytes_words(file.attribute.len() as u64));
+    }
+    if let Some(lossy) = settings.lossy {
+        say!(
+            "  lossy           {} of {} border voxels changed, at most {} % allowed",
+            lossy.changed_voxels,
+            lossy.leaf_voxels,
+            100.0 * lossy.max_share
+        );
+    }
+    say!("  baked from      {} triangles in {} instances", settings.triangles, settings.instances);
+    say!("  closed regions {}, alpha ignored {}", settings.closed_regions, settings.ignore_alpha);
+    say!(
+        "  bias            constant {}, slope {}, normal {} voxels",
+        settings.bias.constant_texels,
+        settings.bias.slope_texels,
+        settings.bias.normal_offset_texels
+    );
 }

@@ -1,11 +1,14 @@
 //! One file a verb.
 
 mod bake;
+mod bake_tree;
 mod bench;
+mod bench_tree;
 mod demo;
 mod generate;
 mod info;
 mod inspect;
+mod lookup;
 mod query;
 mod render;
 mod verify;

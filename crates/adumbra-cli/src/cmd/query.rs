@@ -3,18 +3,18 @@
 use std::path::Path;
 
 use adumbra::Error;
-use adumbra::format::ShadowFile;
-use adumbra::query;
+use adumbra::format::AnyFile;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::lookup::Asking;
 use super::{print_json, with_threads};
 use crate::args::Query;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::write_whole;
 
 pub(crate) fn run(args: &Query) -> Outcome {
-    let file = ShadowFile::read(&args.file)?;
+    let file = AnyFile::read(&args.file)?;
     let points = read_triples(&args.points)?;
     let normals = args.normals.as_deref().map(read_triples).transpose()?;
     if let Some(n) = &normals
@@ -30,12 +30,12 @@ pub(crate) fn run(args: &Query) -> Outcome {
     }
     // A point, its normal, its answer and the answer's bytes.
     args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4) + file.encoded_len())?;
-    let bias = args.bias.over(file.settings.bias)?;
-    let query = query::Query::new(&file.grid, &file.dag, bias, args.filter)?;
+    let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+    let lookup = asking.lookup(&file)?;
     let visibilities: Vec<f32> = with_threads(args.work.threads, || {
         Ok((0..points.len())
             .into_par_iter()
-            .map(|i| query.visibility(points[i], normals.as_ref().map(|n| n[i])))
+            .map(|i| lookup.visibility(points[i], normals.as_ref().map(|n| n[i])))
             .collect())
     })?;
     let bytes: Vec<u8> = visibilities.iter().flat_map(|v| v.to_le_bytes()).collect();

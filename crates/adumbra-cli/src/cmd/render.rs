@@ -1,12 +1,12 @@
 //! `adumbra render`: a picture on the CPU.
 
-use adumbra::format::ShadowFile;
+use adumbra::format::AnyFile;
 use adumbra::picture::{self, Camera, Shadows};
-use adumbra::query::Query;
 use adumbra::scene::Bounds;
 use adumbra::trace::{TraceOptions, Tracer};
 use serde_json::json;
 
+use super::lookup::{Asking, ignored_alpha, sun_of};
 use super::{load_scene, print_json, with_threads};
 use crate::args::Render;
 use crate::exit::{Code, Failure, Outcome};
@@ -16,10 +16,10 @@ pub(crate) fn run(args: &Render) -> Outcome {
     if !(args.fov > 0.0 && args.fov < 180.0) {
         return Err(Failure::Usage(format!("--fov {}: give degrees between 0 and 180", args.fov)));
     }
-    let file = args.shadow_file.as_deref().map(ShadowFile::read).transpose()?;
+    let file = args.shadow_file.as_deref().map(AnyFile::read).transpose()?;
     let mut load = args.load.load_options()?;
     load.color_textures = true;
-    load.ignore_alpha |= file.as_ref().is_some_and(|f| f.settings.ignore_alpha);
+    load.ignore_alpha |= file.as_ref().is_some_and(ignored_alpha);
     let picture = with_threads(args.work.threads, || {
         let scene = load_scene(&args.scene, &load)?;
         let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
@@ -37,17 +37,17 @@ pub(crate) fn run(args: &Render) -> Outcome {
                 "--eye and --target must be finite and two different points".to_owned(),
             ));
         }
-        let (sun, shadows) = match &file {
-            Some(f) => {
-                let query = Query::new(&f.grid, &f.dag, args.bias.over(f.settings.bias)?, args.filter)?;
-                let shadows = match (args.truth, args.diff) {
-                    (true, _) => Shadows::Truth,
-                    (_, true) => Shadows::Difference(query),
-                    _ => Shadows::File(query),
-                };
-                (f.grid.sun, shadows)
-            }
-            None => (args.sun.sun()?, Shadows::Truth),
+        let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+        let lookup = file.as_ref().map(|f| asking.lookup(f)).transpose()?;
+        let shadows = match &lookup {
+            Some(_) if args.truth => Shadows::Truth,
+            Some(lookup) if args.diff => Shadows::Difference(&**lookup),
+            Some(lookup) => Shadows::File(&**lookup),
+            None => Shadows::Truth,
+        };
+        let sun = match &file {
+            Some(file) => sun_of(file),
+            None => args.sun.sun()?,
         };
         Ok(picture::draw(&scene, &tracer, &camera, sun.towards(), &shadows, args.antialias))
     })?;

@@ -1,21 +1,25 @@
 //! `adumbra verify`: a file's answers against rays.
 
-use adumbra::format::ShadowFile;
-use adumbra::query::Query;
+use adumbra::format::{AnyFile, TreeBody};
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{
-    LightAnswers, Sampler, Solids, SurfaceSampler, Verifier, VerifyOptions, VolumeSampler,
+    Answers, LightAnswers, Sampler, Solids, SurfaceSampler, TreeAnswers, Verification, Verifier,
+    VerifyOptions, VolumeSampler,
 };
 
+use super::lookup::{Asking, ignored_alpha, sun_of};
 use super::{load_scene, print_json, with_threads};
 use crate::args::Verify;
 use crate::exit::{Code, Failure, Outcome};
 
 pub(crate) fn run(args: &Verify) -> Outcome {
-    let file = ShadowFile::read(&args.file)?;
+    let file = AnyFile::read(&args.file)?;
     let mut load = args.load.load_options()?;
-    load.ignore_alpha |= file.settings.ignore_alpha;
-    if args.volume && file.settings.assume_ground {
+    load.ignore_alpha |= ignored_alpha(&file);
+    if let AnyFile::Light(light) = &file
+        && args.volume
+        && light.settings.assume_ground
+    {
         return Err(Failure::Usage(format!(
             "{} was baked with ground assumed: points in free space are not promised; bake with --no-assume-ground",
             args.file.display()
@@ -27,15 +31,30 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         args.work
             .check_memory("the scene and its rays' trees", scene.memory_bytes() + tracer.memory_bytes())?;
         let solids = Solids::of(&scene);
-        let sampler = if args.volume {
-            Sampler::Volume(VolumeSampler::new(&file.grid))
-        } else {
-            Sampler::Surface(SurfaceSampler::new(&scene, &solids, file.grid.sun.towards(), load.ignore_alpha))
+        let sampler = match &file {
+            AnyFile::Light(light) if args.volume => Sampler::Volume(VolumeSampler::new(&light.grid)),
+            AnyFile::Tree(tree) if args.volume => Sampler::Volume(VolumeSampler::in_cube(&tree.space)),
+            _ => {
+                let towards = sun_of(&file).towards();
+                Sampler::Surface(SurfaceSampler::new(&scene, &solids, towards, load.ignore_alpha))
+            }
         };
-        let options = VerifyOptions { samples: args.samples, seed: args.seed };
-        let query = Query::new(&file.grid, &file.dag, args.bias.over(file.settings.bias)?, 1)?;
-        let answers = LightAnswers::new(&file.grid, &file.settings, query);
-        Ok(Verifier::new(&answers, &tracer, &solids).run(&sampler, &options))
+        let check = Check {
+            tracer: &tracer,
+            solids: &solids,
+            sampler: &sampler,
+            options: VerifyOptions { samples: args.samples, seed: args.seed },
+        };
+        let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+        Ok(match &file {
+            AnyFile::Light(f) => check.run(&LightAnswers::new(&f.grid, &f.settings, asking.light(f)?)),
+            AnyFile::Tree(f) => match &f.body {
+                TreeBody::Words(t) => check.run(&TreeAnswers::new(&f.settings, f.sun, asking.tree(f, t)?)),
+                TreeBody::Symmetric(t) => {
+                    check.run(&TreeAnswers::new(&f.settings, f.sun, asking.tree(f, t)?))
+                }
+            },
+        })
     })?;
     if args.json {
         let value = serde_json::to_value(result).map_err(|e| Failure::BadInput(e.to_string()))?;
@@ -74,4 +93,18 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         return Ok(Code::CheckFailed);
     }
     Ok(Code::Fine)
+}
+
+/// What every kind of answer is compared with.
+struct Check<'a> {
+    tracer: &'a Tracer<'a>,
+    solids: &'a Solids,
+    sampler: &'a Sampler<'a>,
+    options: VerifyOptions,
+}
+
+impl Check<'_> {
+    fn run(&self, answers: &impl Answers) -> Verification {
+        Verifier::new(answers, self.tracer, self.solids).run(self.sampler, &self.options)
+    }
 }

@@ -2,10 +2,13 @@
 //!
 //! It is the check that a person makes with the eyes; speed is not its aim. Colours are linear inside and sRGB outside.
 
+mod nodes;
+
+pub use nodes::nodes_by_size;
 use rayon::prelude::*;
 
 use crate::light::{cross, dot, normalize};
-use crate::query::Query;
+use crate::query::PointVisibility;
 use crate::scene::Scene;
 use crate::trace::{Hit, Ray, Tracer};
 
@@ -26,12 +29,12 @@ pub struct Camera {
 
 /// Where the sun's visibility comes from.
 pub enum Shadows<'a> {
-    /// Looked up in a baked graph.
-    File(Query<'a>),
+    /// Looked up in a baked file.
+    File(&'a dyn PointVisibility),
     /// Traced.
     Truth,
     /// Both, marked where they differ: red = lit called shadowed, blue = shadowed called lit.
-    Difference(Query<'a>),
+    Difference(&'a dyn PointVisibility),
 }
 
 /// 8-bit sRGB pixels, row 0 at the top.

@@ -12,6 +12,25 @@ use crate::dag::Dag;
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
 use crate::settings::{Bias, MAX_SLOPE};
+use crate::tree::Voxels;
+
+/// Anything that answers points.
+pub trait PointVisibility: Sync {
+    /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32;
+}
+
+impl PointVisibility for Query<'_> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        Query::visibility(self, p_world, normal)
+    }
+}
+
+impl<T: Voxels + Sync> PointVisibility for TreeQuery<'_, T> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        TreeQuery::visibility(self, p_world, normal)
+    }
+}
 
 /// Filter widths in texels that a look-up may use.
 pub const FILTER_WIDTHS: [u32; 5] = [1, 3, 5, 9, 17];

@@ -41,6 +41,7 @@ pub struct TreeQuery<'t, T> {
     bias: Bias,
     reach: i64,
     weights: Weights,
+    all_taps: bool,
     base_depth: u32,
     regions: Vec<RegionVoxels>,
 }
@@ -73,9 +74,15 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
             bias,
             reach: i64::from(kernel_side / 2),
             weights,
+            all_taps: false,
             base_depth: regions.base_depth,
             regions: regions.in_voxels(space),
         })
+    }
+
+    /// As the paper filters: taps behind the receiver's plane count too.
+    pub fn with_all_taps(self) -> Self {
+        Self { all_taps: true, ..self }
     }
 
     /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
@@ -87,10 +94,7 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         if !p_tree.iter().all(|c| c.abs() < 1e9) {
             return 1.0;
         }
-        let level = self.level(p_tree, normal);
-        let lifted = self.lifted(p_tree, normal, level);
-        let Some(inside) = self.entered(lifted) else { return 1.0 };
-        let cell = inside.map(|c| (c as i64) >> level);
+        let Some((cell, level)) = self.place(p_tree, normal) else { return 1.0 };
         if self.reach == 0 {
             return if self.cell(cell, level) { 1.0 } else { 0.0 };
         }
@@ -101,7 +105,8 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
                 for z in -self.reach..=self.reach {
                     let offset = [x, y, z];
                     let tap: [i64; 3] = std::array::from_fn(|a| cell[a] + offset[a]);
-                    let in_front = normal.is_none_or(|n| {
+                    let plane = normal.filter(|_| !self.all_taps);
+                    let in_front = plane.is_none_or(|n| {
                         let center = tap.map(|c| (c as f64 + 0.5) * f64::from(1_u32 << level));
                         dot(n, std::array::from_fn(|a| center[a] - p_tree[a])) >= 0.0
                     });
@@ -116,6 +121,22 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
             }
         }
         lit as f32 / weights as f32
+    }
+
+    /// The voxel in the middle of what answers this point; none where the point is lit because its sun ray misses the
+    /// cube, or is not finite.
+    pub fn voxel_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<[u32; 3]> {
+        let p_tree = self.space.to_tree(p_world);
+        let finite = p_tree.iter().all(|c| c.abs() < 1e9);
+        let (cell, level) = finite.then(|| self.place(p_tree, normal)).flatten()?;
+        Some(self.voxel_of(cell, level))
+    }
+
+    /// The cell that a point lies in after its bias, and its level.
+    fn place(&self, p_tree: [f64; 3], normal: Option<[f64; 3]>) -> Option<([i64; 3], u32)> {
+        let level = self.level(p_tree, normal);
+        let inside = self.entered(self.lifted(p_tree, normal, level))?;
+        Some((inside.map(|c| (c as i64) >> level), level))
     }
 
     /// Edge of the voxels that answer this point, world units.
@@ -136,9 +157,13 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
 
     /// Visibility of a cell of 2^level voxels a side; beside the cube, of the nearest one within.
     fn cell(&self, cell: [i64; 3], level: u32) -> bool {
+        self.tree.voxel(self.voxel_of(cell, level))
+    }
+
+    fn voxel_of(&self, cell: [i64; 3], level: u32) -> [u32; 3] {
         let last = (i64::from(self.space.side_voxels()) >> level) - 1;
         let half = (1 << level) >> 1;
-        self.tree.voxel(cell.map(|c| (c.clamp(0, last) as u32) << level | half))
+        cell.map(|c| (c.clamp(0, last) as u32) << level | half)
     }
 
     /// Moves a point by the bias, in cells of this level.

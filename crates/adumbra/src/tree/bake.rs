@@ -6,6 +6,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use super::attribute::{AttributeIndex, gather};
 use super::blocks::Blocks;
 use super::build::Builder;
 use super::depth_image::{DepthImage, DepthImageOptions, image_bytes};
@@ -111,7 +112,7 @@ impl Default for CaptureBias {
 }
 
 /// A finished tree.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct BakedTree {
     /// Where the cube lies.
     pub space: TreeSpace,
@@ -259,6 +260,17 @@ impl PreparedTree {
             tree,
             report,
         })
+    }
+
+    /// The penumbra's width at every leaf voxel of `tree`, in eighths of a voxel, in the order of
+    /// [`super::attribute`].
+    ///
+    /// # Errors
+    /// More leaf voxels than 32 bits count.
+    pub fn penumbra(&self, tree: &VoxelTree) -> Result<Vec<u8>> {
+        let space = LitSpace::new(&self.image, &self.space, &self.regions);
+        let index = AttributeIndex::of(tree)?;
+        Ok(gather(tree, &index, &|xyz, level| space.penumbra_eighths(xyz, level)))
     }
 }
 

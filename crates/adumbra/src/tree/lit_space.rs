@@ -19,6 +19,8 @@ use crate::bake::project::FixedDepth;
 const FRACTION: u32 = 32;
 /// Fractional bits of z below the image's 1/256 texel.
 const DEPTH_SHIFT: u32 = FRACTION - 8;
+/// Width of a sun's disc of 0.533° at distance 1: 2 tan(0.2665°).
+const SUN_WIDTH: f64 = 0.009_302_6;
 /// Level of the pyramid's finest blocks: 8 × 8 texels. A power of two that divides a tile.
 const FINEST_BLOCK: u32 = 3;
 
@@ -36,6 +38,7 @@ pub(super) struct LitSpace<'i> {
     half_steps: [[i64; 3]; 3],
     /// By level of a cube, then child: from the centre of child 0 to that child's, in u, v, z.
     child_steps: Vec<[[i64; 3]; 8]>,
+    texels_per_voxel: f64,
     /// A point this far before a column's depth lies before its first surface too.
     before_surface: i64,
 }
@@ -57,6 +60,7 @@ impl<'i> LitSpace<'i> {
         Self {
             image,
             child_steps: child_steps.collect(),
+            texels_per_voxel: 2.0 * texels_per_half_voxel,
             before_surface: i64::from(image.largest_bias),
             pyramid: Pyramid::of(image),
             depth: space.depth,
@@ -97,6 +101,26 @@ impl<'i> LitSpace<'i> {
             return State::Free;
         }
         if z > i64::from(first) { State::Shadowed } else { State::Lit }
+    }
+
+    /// Width of the sun's penumbra at a cell's centre, in eighths of a voxel, at most 255: from the nearest surface of the
+    /// columns that pass through the cell or beside it, as far from the centre as a cell is wide. 0 where none lies
+    /// before the centre.
+    pub(super) fn penumbra_eighths(&self, xyz: [u32; 3], level: u32) -> u8 {
+        let [u, v, z] = self.at(xyz.map(|c| 2 * c + (1 << level)));
+        let (z, cell) = (z >> DEPTH_SHIFT, f64::from(1_u32 << level));
+        let step = (self.texels_per_voxel * cell).ceil() as i64;
+        let [width, height] = self.image.size().map(i64::from);
+        let mut nearest = NO_SURFACE;
+        for (du, dv) in (-1..=1).flat_map(|du| (-1..=1).map(move |dv| (du, dv))) {
+            let (u, v) = ((u >> FRACTION) + du * step, (v >> FRACTION) + dv * step);
+            if (0..width).contains(&u) && (0..height).contains(&v) {
+                nearest = nearest.min(self.image.depth(u as u32, v as u32));
+            }
+        }
+        let distance_texels = (z - i64::from(nearest)).max(0) as f64 / 256.0;
+        let width_voxels = SUN_WIDTH * distance_texels / self.texels_per_voxel;
+        (8.0 * width_voxels).round().min(255.0) as u8
     }
 
     /// Levels that the tree must have over a cube's plan.

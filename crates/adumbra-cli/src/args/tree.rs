@@ -1,0 +1,186 @@
+//! Options of world-aligned trees.
+
+use adumbra::query::Weights;
+use adumbra::tree::{Builder, Detail, Reduction, Region, TreeOptions};
+use clap::ValueEnum;
+
+use super::{BakeSettings, WorkArgs, numbers};
+use crate::exit::Failure;
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FrameArg {
+    /// Columns along the light: smaller, filters like a shadow map
+    Light,
+    /// A cube of the world, divided into eight again and again: the paper's tree
+    World,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum BuilderArg {
+    /// A function that calls itself
+    Recursive,
+    /// An explicit stack, one heap frame a push
+    Iterative,
+    /// An explicit stack of frames that are used again
+    Pooled,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum ReductionArg {
+    /// Equal subtrees are found while building, by a hash of their words
+    Hash,
+    /// The whole tree first, then sorted from the bottom up
+    Sort,
+    /// As hash, by the paper's tree hash
+    TreeHash,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AttributeArg {
+    /// The width of the sun's penumbra, in eighths of a voxel
+    Penumbra,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub(crate) enum WeightsArg {
+    /// All taps alike
+    #[default]
+    Mean,
+    /// Less with distance: 8, 4, 1 along each axis
+    Poisson,
+}
+
+impl From<WeightsArg> for Weights {
+    fn from(weights: WeightsArg) -> Self {
+        match weights {
+            WeightsArg::Mean => Self::Mean,
+            WeightsArg::Poisson => Self::Poisson,
+        }
+    }
+}
+
+/// What only `--frame world` knows.
+#[derive(clap::Args)]
+pub(crate) struct TreeArgs {
+    /// What the voxels are aligned with
+    #[arg(long, value_enum, default_value = "light")]
+    pub(crate) frame: FrameArg,
+    /// World frame: go down to this depth (2^depth voxels across the cube) in a box in plan; may be repeated
+    #[arg(long = "region", value_name = "X0,Z0,X1,Z1:DEPTH", allow_hyphen_values = true, value_parser = parse_region)]
+    regions: Vec<Region>,
+    /// World frame: nested squares around a point; --resolution holds in the innermost, half of it in each next one
+    #[arg(long, value_name = "X,Z:R1,R2,…", allow_hyphen_values = true, value_parser = parse_rings,
+        conflicts_with = "regions")]
+    rings: Option<Detail>,
+    /// World frame: store subtrees that mirror each other once, with pointers of variable width
+    #[arg(long)]
+    pub(crate) symmetry: bool,
+    /// World frame: merge similar subtrees, changing at most this share of the voxels at shadow borders
+    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
+    pub(crate) lossy: Option<f64>,
+    /// World frame: keep a byte for each voxel at a shadow border
+    #[arg(long, value_enum, conflicts_with = "symmetry")]
+    pub(crate) attribute: Option<AttributeArg>,
+    /// World frame: how the tree is built; the result is the same
+    #[arg(long, value_enum, default_value = "recursive")]
+    builder: BuilderArg,
+    /// World frame: how equal subtrees are found; the result is the same
+    #[arg(long, value_enum, default_value = "hash")]
+    reduction: ReductionArg,
+    /// World frame: test every voxel, also where the min/max pyramid decides; the result is the same
+    #[arg(long)]
+    exhaustive: bool,
+}
+
+impl TreeArgs {
+    /// An error where an option of the world frame stands beside the light frame, or the other way round.
+    fn check(&self, settings: &BakeSettings) -> Result<(), Failure> {
+        let needless = |given: &[(bool, &'static str)], frame: &str, other: &str| match given
+            .iter()
+            .find(|(given, _)| *given)
+        {
+            Some((_, option)) => Err(Failure::Usage(format!(
+                "{option} means nothing with --frame {frame}; leave it out, or bake with --frame {other}"
+            ))),
+            None => Ok(()),
+        };
+        match self.frame {
+            FrameArg::Light => needless(
+                &[
+                    (!self.regions.is_empty(), "--region"),
+                    (self.rings.is_some(), "--rings"),
+                    (self.symmetry, "--symmetry"),
+                    (self.lossy.is_some(), "--lossy"),
+                    (self.attribute.is_some(), "--attribute"),
+                    (self.exhaustive, "--exhaustive"),
+                ],
+                "light",
+                "world",
+            ),
+            FrameArg::World => needless(&settings.light_only(), "world", "light"),
+        }
+    }
+}
+
+impl BakeSettings {
+    /// Whether the bake is a world-aligned tree; an error where options of both frames are mixed.
+    pub(crate) fn is_tree(&self) -> Result<bool, Failure> {
+        self.tree.check(self)?;
+        Ok(self.tree.frame == FrameArg::World)
+    }
+
+    /// Options of a world-aligned bake.
+    pub(crate) fn tree_options(&self, ignore_alpha: bool, work: &WorkArgs) -> Result<TreeOptions, Failure> {
+        let common = self.options(ignore_alpha, work)?;
+        let tree = &self.tree;
+        Ok(TreeOptions {
+            detail: match &tree.rings {
+                Some(rings) => rings.clone(),
+                None if tree.regions.is_empty() => Detail::Uniform,
+                None => Detail::Regions(tree.regions.clone()),
+            },
+            closed_regions: common.closed_regions,
+            ignore_alpha,
+            bounds: common.bounds,
+            builder: match tree.builder {
+                BuilderArg::Recursive => Builder::Recursive,
+                BuilderArg::Iterative => Builder::Iterative,
+                BuilderArg::Pooled => Builder::Pooled,
+            },
+            reduction: match tree.reduction {
+                ReductionArg::Hash => Reduction::Hash,
+                ReductionArg::Sort => Reduction::Sort,
+                ReductionArg::TreeHash => Reduction::TreeHash,
+            },
+            prune: !tree.exhaustive,
+            max_memory_bytes: common.max_memory_bytes,
+            ..TreeOptions::new(common.sun, common.size)
+        })
+    }
+}
+
+fn parse_region(text: &str) -> Result<Region, String> {
+    let (corners, depth) = text.split_once(':').ok_or("give X0,Z0,X1,Z1:DEPTH")?;
+    let [x0, z0, x1, z1] = numbers::<4>(corners)?;
+    let depth = depth.trim().parse().map_err(|_| format!("{depth:?} is not a depth, such as 11"))?;
+    Ok(Region { x: [x0, x1], z: [z0, z1], depth })
+}
+
+fn parse_rings(text: &str) -> Result<Detail, String> {
+    let (center, radii) = text.split_once(':').ok_or("give X,Z:R1,R2,…")?;
+    let radii: Vec<f64> = radii
+        .split(',')
+        .map(|r| r.trim().parse().map_err(|_| format!("{r:?} is not a number")))
+        .collect::<Result<_, _>>()?;
+    Ok(Detail::Rings { center_xz: numbers::<2>(center)?, radii })
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    let (number, scale) = match text.strip_suffix('%') {
+        Some(percent) => (percent, 0.01),
+        None => (text, 1.0),
+    };
+    let share =
+        number.trim().parse::<f64>().map_err(|_| format!("{text:?} is not a share, such as 0.5%"))? * scale;
+    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(format!("{text} is not between 0 and 100 %")) }
+}

@@ -1,0 +1,135 @@
+//! `adumbra bake --frame world`: scene in, world-aligned tree out.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use adumbra::format::{AttributeKind, TreeBody, TreeFile};
+use adumbra::scene::Scene;
+use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, lossy, symmetric::SymmetricTree};
+use serde_json::{Value, json};
+
+use super::print_json;
+use crate::args::Bake;
+use crate::exit::{Code, Outcome};
+use crate::memory;
+use crate::output::bytes_words;
+
+/// What options beside the plain tree made of it.
+struct Extras {
+    plain_bytes: u64,
+    body_bytes: u64,
+    figures: Vec<(&'static str, Value)>,
+    sentences: Vec<String>,
+}
+
+pub(super) fn run(
+    args: &Bake,
+    scene: &Scene,
+    options: &TreeOptions,
+    output: &Path,
+    cancel: &AtomicBool,
+) -> Outcome {
+    let start = Instant::now();
+    let prepared = PreparedTree::new(scene, options)?;
+    let baked = prepared.build(options, cancel)?;
+    let (file, extras) = finish(args, &prepared, options, baked.clone())?;
+    let file_bytes = file.write(output)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let report = baked.report;
+    let peak = memory::peak_bytes().unwrap_or(report.image_bytes + report.tree_bytes);
+    if args.json {
+        let mut object = json!({
+            "file": output.display().to_string(),
+            "frame": "world",
+            "seconds": seconds,
+            "peak_bytes": peak,
+            "file_bytes": file_bytes,
+            "tree_bytes": extras.plain_bytes,
+            "body_bytes": extras.body_bytes,
+            "depth": file.space.depth,
+            "voxel_size": file.space.voxel_size,
+            "regions": file.regions.list.len(),
+            "builder": options.builder,
+            "reduction": options.reduction,
+            "pruned": options.prune,
+            "report": report,
+            "triangles": file.settings.triangles,
+        });
+        for (key, value) in extras.figures {
+            object[key] = value;
+        }
+        print_json(&object);
+    } else {
+        say!(
+            "{} -> {} ({}, depth {}, voxels of {:.4}) in {seconds:.1} s, peak memory {}",
+            args.scene.display(),
+            output.display(),
+            bytes_words(file_bytes),
+            file.space.depth,
+            file.space.voxel_size,
+            bytes_words(peak)
+        );
+        for sentence in extras.sentences {
+            say!("  {sentence}");
+        }
+    }
+    Ok(Code::Fine)
+}
+
+/// The file, with what `--lossy`, `--symmetry` and `--attribute` ask for.
+fn finish(
+    args: &Bake,
+    prepared: &PreparedTree,
+    options: &TreeOptions,
+    baked: BakedTree,
+) -> Result<(TreeFile, Extras), crate::exit::Failure> {
+    let BakedTree { space, regions, mut settings, mut tree, report } = baked;
+    let mut extras =
+        Extras { plain_bytes: tree.bytes(), body_bytes: 0, figures: Vec::new(), sentences: Vec::new() };
+    if let Some(collisions) = report.collisions {
+        extras.figures.push(("collisions", json!(collisions)));
+        extras
+            .sentences
+            .push(format!("tree hash: {collisions} comparisons of different subtrees with one hash"));
+    }
+    if let Some(share) = args.settings.tree.lossy {
+        let merged = lossy::merge_similar(&tree, share)?;
+        settings.lossy = Some(merged.change);
+        let change = merged.change;
+        let changed_share = change.changed_voxels as f64 / change.leaf_voxels.max(1) as f64;
+        extras.figures.push(("changed_voxels", json!(change.changed_voxels)));
+        extras.figures.push(("leaf_voxels", json!(change.leaf_voxels)));
+        extras.sentences.push(format!(
+            "lossy: {} of {} border voxels changed ({:.3} %), {} -> {}",
+            change.changed_voxels,
+            change.leaf_voxels,
+            100.0 * changed_share,
+            bytes_words(tree.bytes()),
+            bytes_words(merged.tree.bytes())
+        ));
+        tree = merged.tree;
+    }
+    let (mut attribute, mut attribute_kind) = (Vec::new(), None);
+    if args.settings.tree.attribute.is_some() {
+        attribute = prepared.penumbra(&tree)?;
+        attribute_kind = (!attribute.is_empty()).then_some(AttributeKind::Penumbra);
+        extras.figures.push(("attribute_bytes", json!(attribute.len())));
+        extras.sentences.push(format!("penumbra: {} beside the tree", bytes_words(attribute.len() as u64)));
+    }
+    let body = if args.settings.tree.symmetry {
+        let symmetric = SymmetricTree::of(&tree, true);
+        extras.body_bytes = symmetric.bytes().len() as u64;
+        extras.sentences.push(format!(
+            "symmetry: {} -> {}",
+            bytes_words(tree.bytes()),
+            bytes_words(extras.body_bytes)
+        ));
+        TreeBody::Symmetric(symmetric)
+    } else {
+        extras.body_bytes = tree.bytes();
+        TreeBody::Words(tree)
+    };
+    let file = TreeFile { space, sun: options.sun, settings, regions, body, attribute, attribute_kind };
+    Ok((file, extras))
+}

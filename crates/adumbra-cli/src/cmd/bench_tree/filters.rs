@@ -1,0 +1,213 @@
+//! Bias and voxel PCF: acne and leak counts, and the paper's pictures (Fig. 4-1, 4-3, 4-5, 4-6, 5-1).
+
+use std::fmt::Write as _;
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::Size;
+use adumbra::light::{LightGrid, Sun};
+use adumbra::picture::{self, Picture, Shadows};
+use adumbra::query::{PointVisibility, TreeQuery, Weights};
+use adumbra::settings::Bias;
+use adumbra::tree::{BakedTree, TreeOptions, VoxelTree, bake_tree};
+use adumbra::verify::{Answers, TreeAnswers};
+use serde_json::{Value, json};
+
+use super::super::render::looking_at;
+use super::{BenchScene, Check, SUN, Section, tree_options};
+use crate::args::BenchTree;
+use crate::exit::Failure;
+use crate::output::write_png;
+
+const NO_BIAS: Bias = Bias { constant_texels: 0.0, slope_texels: 0.0, normal_offset_texels: 0.0 };
+/// Depth of the counts.
+const DEPTH: u32 = 10;
+/// Elevation of the sun over grazing planes, degrees.
+const GRAZING_ELEVATION: f64 = 8.0;
+/// Pixels of one picture of a sheet.
+const CELL: [u32; 2] = [480, 320];
+
+/// One way to look up.
+struct Variant {
+    name: &'static str,
+    biased: bool,
+    kernel_side: u32,
+    weights: Weights,
+    /// Taps behind the receiver's plane count too.
+    all_taps: bool,
+}
+
+const fn variant(
+    name: &'static str,
+    biased: bool,
+    kernel_side: u32,
+    weights: Weights,
+    all_taps: bool,
+) -> Variant {
+    Variant { name, biased, kernel_side, weights, all_taps }
+}
+
+const VARIANTS: [Variant; 9] = [
+    variant("no bias, no filter", false, 1, Weights::Mean, true),
+    variant("bias", true, 1, Weights::Mean, true),
+    variant("3³, no bias", false, 3, Weights::Mean, true),
+    variant("5³, no bias", false, 5, Weights::Mean, true),
+    variant("bias, 3³", true, 3, Weights::Mean, true),
+    variant("bias, 5³", true, 5, Weights::Mean, true),
+    variant("bias, 3³ before the plane", true, 3, Weights::Mean, false),
+    variant("bias, 5³ before the plane", true, 5, Weights::Mean, false),
+    variant("bias, 5³ before the plane, Poisson", true, 5, Weights::Poisson, false),
+];
+/// Those of a sheet, row by row; rays come last.
+const SHEET: [usize; 5] = [0, 1, 2, 3, 7];
+
+pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Section, Failure> {
+    let mut rows = Vec::new();
+    for scene in scenes {
+        let sun = Sun::from_direction(SUN)?;
+        let baked = bake_quietly(scene, &tree_options(DEPTH)?)?;
+        let check = Check::new(&scene.scene, args.samples);
+        for variant in &VARIANTS {
+            let answers = Ablated::new(&baked, sun, variant)?;
+            let v = check.run(&answers);
+            rows.push(json!({
+                "scene": scene.name, "depth": DEPTH, "look_up": variant.name, "agreement": v.agreement,
+                "acne": v.acne, "leak": v.leak, "interior": v.interior, "interior_acne": v.interior_acne,
+                "interior_leak": v.interior_leak,
+            }));
+        }
+        sheet(args, scene, &check, &baked, sun, &scene.name)?;
+        let low = Sun::from_angles(55.0, GRAZING_ELEVATION)?;
+        let grazing = bake_quietly(scene, &TreeOptions::new(low, Size::Resolution(1 << DEPTH)))?;
+        sheet(args, scene, &check, &grazing, low, &format!("{}-grazing", scene.name))?;
+        eprintln!("{}: filters and sheets", scene.name);
+    }
+    Ok(Section { markdown: markdown(args, &rows), key: "filters", rows: Value::Array(rows) })
+}
+
+fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree, Failure> {
+    Ok(bake_tree(&scene.scene, options, &AtomicBool::new(false))?)
+}
+
+/// A look-up of one kind, compared at the points to which the usual bias moves them.
+struct Ablated<'a> {
+    query: TreeQuery<'a, VoxelTree>,
+    usual: TreeAnswers<'a, VoxelTree>,
+}
+
+impl<'a> Ablated<'a> {
+    fn new(baked: &'a BakedTree, sun: Sun, variant: &Variant) -> Result<Self, Failure> {
+        let usual = baked.settings.bias;
+        let query = |bias, side, weights| {
+            TreeQuery::new(&baked.space, &baked.regions, &sun, &baked.tree, bias, side, weights)
+        };
+        let bias = if variant.biased { usual } else { NO_BIAS };
+        let asked = query(bias, variant.kernel_side, variant.weights)?;
+        Ok(Self {
+            query: if variant.all_taps { asked.with_all_taps() } else { asked },
+            usual: TreeAnswers::new(&baked.settings, sun, query(usual, 1, Weights::Mean)?),
+        })
+    }
+}
+
+impl Answers for Ablated<'_> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        self.query.visibility(p_world, normal)
+    }
+
+    fn towards_sun(&self) -> [f64; 3] {
+        self.usual.towards_sun()
+    }
+
+    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
+        self.usual.grid_at(p_world, normal)
+    }
+
+    fn bias(&self) -> Bias {
+        self.usual.bias()
+    }
+
+    fn baked_bias(&self) -> Bias {
+        self.usual.baked_bias()
+    }
+
+    fn covers(&self, p_world: [f64; 3]) -> bool {
+        self.usual.covers(p_world)
+    }
+
+    fn insides_are_free(&self) -> bool {
+        self.usual.insides_are_free()
+    }
+}
+
+/// Six pictures in two rows: no bias, bias, 3³, 5³, bias and 5³, rays.
+fn sheet(
+    args: &BenchTree,
+    scene: &BenchScene,
+    check: &Check<'_>,
+    baked: &BakedTree,
+    sun: Sun,
+    name: &str,
+) -> Result<(), Failure> {
+    let mut camera = looking_at(&scene.scene.bounds(), 40.0);
+    [camera.width, camera.height] = CELL;
+    // Nearer than the whole scene, so that voxels show.
+    camera.eye = std::array::from_fn(|a| camera.target[a] + 0.45 * (camera.eye[a] - camera.target[a]));
+    let mut pictures = Vec::new();
+    for variant in SHEET.map(|i| &VARIANTS[i]) {
+        let answers = Ablated::new(baked, sun, variant)?;
+        let lookup: &dyn PointVisibility = &answers.query;
+        let shadows = Shadows::File(lookup);
+        pictures.push(picture::draw(&scene.scene, &check.tracer, &camera, sun.towards(), &shadows, 2));
+    }
+    let truth = Shadows::Truth;
+    pictures.push(picture::draw(&scene.scene, &check.tracer, &camera, sun.towards(), &truth, 2));
+    write_png(&args.output.join(format!("tree-sheet-{name}.png")), &beside(&pictures, 3))
+}
+
+/// Pictures of one size in rows.
+fn beside(pictures: &[Picture], columns: usize) -> Picture {
+    let [width, height] = CELL.map(|c| c as usize);
+    let rows = pictures.len().div_ceil(columns);
+    let mut rgb = vec![255; width * columns * height * rows * 3];
+    for (i, picture) in pictures.iter().enumerate() {
+        let (x, y) = (i % columns * width, i / columns * height);
+        for row in 0..height {
+            let to = ((y + row) * width * columns + x) * 3;
+            let from = row * width * 3;
+            rgb[to..to + width * 3].copy_from_slice(&picture.rgb[from..from + width * 3]);
+        }
+    }
+    Picture {
+        width: (width * columns) as u32,
+        height: (height * rows) as u32,
+        rgb,
+        difference_share: None,
+    }
+}
+
+fn markdown(args: &BenchTree, rows: &[Value]) -> String {
+    let mut text = format!(
+        "\n## Bias and voxel PCF\n\nDepth {DEPTH}, {} points on surfaces. Acne: lit called shadowed (visibility up to one half); leak: shadowed \
+        called lit; in % of all points, and counted among interior points, two voxels from any outline. *Before the plane*: taps behind the \
+        receiver's plane are left out, as `query` and `render` do. The sheets `tree-sheet-*.png` show no bias, bias, 3³ / 5³, bias with 5³ \
+        before the plane, and rays; `-grazing` with the sun at {GRAZING_ELEVATION}°.\n\n\
+        | scene | look-up | agreement % | acne % | leak % | interior acne | interior leak | of |\n|---|---|---|---|---|---|---|---|\n",
+        args.samples
+    );
+    for r in rows {
+        let percent = |key: &str| 100.0 * r[key].as_f64().unwrap_or(f64::NAN);
+        let _ = writeln!(
+            text,
+            "| {} | {} | {:.3} | {:.3} | {:.3} | {} | {} | {} |",
+            r["scene"].as_str().unwrap_or(""),
+            r["look_up"].as_str().unwrap_or(""),
+            percent("agreement"),
+            percent("acne"),
+            percent("leak"),
+            r["interior_acne"],
+            r["interior_leak"],
+            r["interior"],
+        );
+    }
+    text
+}

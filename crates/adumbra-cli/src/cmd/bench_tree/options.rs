@@ -1,0 +1,196 @@
+//! Every option beside the plain tree: bytes, seconds, changed voxels, nanoseconds a look-up.
+
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::time::Instant;
+
+use adumbra::light::Sun;
+use adumbra::query::{TreeQuery, Weights};
+use adumbra::tree::attribute::AttributeIndex;
+use adumbra::tree::lossy::merge_similar;
+use adumbra::tree::symmetric::SymmetricTree;
+use adumbra::tree::{BakedTree, PreparedTree};
+use adumbra::verify::{Random, Solids, SurfaceSampler};
+use serde_json::{Value, json};
+
+use super::{BenchScene, SUN, Section, median, tree_options};
+use crate::args::BenchTree;
+use crate::exit::Failure;
+use crate::plot::{Along, Panel, Series, write_svg};
+
+/// Depth of the trees.
+const DEPTH: u32 = 11;
+/// Shares of border voxels that lossy merging may change.
+const LOSSY_SHARES: [f64; 4] = [0.001, 0.005, 0.01, 0.05];
+/// Look-ups that are timed together.
+const LOOKUPS: usize = 500_000;
+
+pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Section, Failure> {
+    let mut rows = Vec::new();
+    for scene in scenes {
+        rows.extend(scene_rows(args, scene)?);
+        eprintln!("{}: options", scene.name);
+    }
+    plot(args, scenes, &rows)?;
+    Ok(Section { markdown: markdown(&rows), key: "options", rows: Value::Array(rows) })
+}
+
+fn scene_rows(args: &BenchTree, scene: &BenchScene) -> Result<Vec<Value>, Failure> {
+    let options = tree_options(DEPTH)?;
+    let prepared = PreparedTree::new(&scene.scene, &options)?;
+    let baked = prepared.build(&options, &std::sync::atomic::AtomicBool::new(false))?;
+    let voxels = surface_voxels(scene, &baked)?;
+    let tree = &baked.tree;
+    let timer = Timer { voxels: &voxels, runs: args.runs };
+    let plain = tree.bytes();
+    let row = |option: String, bytes: u64, seconds: f64, changed: Option<[u64; 2]>, nanoseconds: f64| {
+        json!({
+            "scene": scene.name, "depth": DEPTH, "option": option, "bytes": bytes,
+            "times_plain": bytes as f64 / plain as f64, "seconds": seconds,
+            "changed_voxels": changed.map(|c| c[0]), "leaf_voxels": changed.map(|c| c[1]),
+            "nanoseconds": nanoseconds,
+        })
+    };
+    let mut rows = vec![row(
+        "plain words".to_owned(),
+        plain,
+        baked.report.build_seconds + baked.report.reduce_seconds,
+        None,
+        timer.nanoseconds(|v| u32::from(tree.voxel(v))),
+    )];
+    for (mirrors, name) in [(false, "variable-width pointers"), (true, "mirrors and variable-width pointers")] {
+        let start = Instant::now();
+        let symmetric = SymmetricTree::of(tree, mirrors)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let nanoseconds = timer.nanoseconds(|v| u32::from(symmetric.voxel(v)));
+        rows.push(row(name.to_owned(), symmetric.bytes().len() as u64, seconds, None, nanoseconds));
+    }
+    for share in LOSSY_SHARES {
+        let start = Instant::now();
+        let merged = merge_similar(tree, share)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let changed = Some([merged.change.changed_voxels, merged.change.leaf_voxels]);
+        let nanoseconds = timer.nanoseconds(|v| u32::from(merged.tree.voxel(v)));
+        let percent = 100.0 * share;
+        rows.push(row(format!("lossy {percent} %"), merged.tree.bytes(), seconds, changed, nanoseconds));
+        if share == 0.005 {
+            let start = Instant::now();
+            let symmetric = SymmetricTree::of(&merged.tree, true)?;
+            let seconds = seconds + start.elapsed().as_secs_f64();
+            let bytes = symmetric.bytes().len() as u64;
+            let nanoseconds = timer.nanoseconds(|v| u32::from(symmetric.voxel(v)));
+            rows.push(row(format!("lossy {percent} %, then mirrors"), bytes, seconds, changed, nanoseconds));
+        }
+    }
+    let start = Instant::now();
+    let index = AttributeIndex::of(tree)?;
+    let values = prepared.penumbra(tree)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let nanoseconds = timer.nanoseconds(|v| {
+        u32::from(tree.voxel(v)) + index.locate(tree, v).map_or(0, |i| u32::from(values[i as usize]))
+    });
+    let bytes = plain + values.len() as u64;
+    rows.push(row("with a penumbra byte a border voxel".to_owned(), bytes, seconds, None, nanoseconds));
+    Ok(rows)
+}
+
+/// Voxels that look-ups at random points of the scene's surfaces ask.
+fn surface_voxels(scene: &BenchScene, baked: &BakedTree) -> Result<Vec<[u32; 3]>, Failure> {
+    let sun = Sun::from_direction(SUN)?;
+    let solids = Solids::of(&scene.scene);
+    let sampler = SurfaceSampler::new(&scene.scene, &solids, sun.towards(), false);
+    let bias = baked.settings.bias;
+    let query = TreeQuery::new(&baked.space, &baked.regions, &sun, &baked.tree, bias, 1, Weights::Mean)?;
+    let mut random = Random::new(1, 0);
+    let mut voxels = Vec::with_capacity(LOOKUPS);
+    while voxels.len() < LOOKUPS {
+        let sample = sampler.sample(&mut random);
+        voxels.extend(query.voxel_at(sample.p_world, sample.normal));
+    }
+    Ok(voxels)
+}
+
+struct Timer<'a> {
+    voxels: &'a [[u32; 3]],
+    runs: usize,
+}
+
+impl Timer<'_> {
+    /// Median over the runs, a look-up.
+    fn nanoseconds(&self, look_up: impl Fn([u32; 3]) -> u32) -> f64 {
+        let runs = (0..self.runs).map(|_| {
+            let start = Instant::now();
+            let sum: u32 = self.voxels.iter().map(|v| look_up(*v)).sum();
+            black_box(sum);
+            start.elapsed().as_secs_f64() * 1e9 / self.voxels.len() as f64
+        });
+        median(runs.collect())
+    }
+}
+
+fn markdown(rows: &[Value]) -> String {
+    let number = |r: &Value, key: &str| r[key].as_f64().unwrap_or(f64::NAN);
+    let mut text = format!(
+        "\n## Options\n\nDepth {DEPTH}, world frame. Seconds are the option's own, beside the plain tree's; `changed` is counted voxel by \
+        voxel against the plain tree, of the voxels at shadow borders (cells of leaves of eight); nanoseconds a look-up of one voxel, \
+        at {LOOKUPS} random points of the scene's surfaces, one thread. The penumbra row adds the byte's own look-up.\n\n\
+        | scene | option | MB | × plain | s | changed | of border voxels % | ns |\n|---|---|---|---|---|---|---|---|\n"
+    );
+    for r in rows {
+        let changed = match (r["changed_voxels"].as_u64(), r["leaf_voxels"].as_u64()) {
+            (Some(changed), Some(all)) => {
+                format!("{changed} | {:.4}", 100.0 * changed as f64 / all.max(1) as f64)
+            }
+            _ => "0 | 0".to_owned(),
+        };
+        let _ = writeln!(
+            text,
+            "| {} | {} | {:.3} | {:.3} | {:.2} | {changed} | {:.0} |",
+            r["scene"].as_str().unwrap_or(""),
+            r["option"].as_str().unwrap_or(""),
+            number(r, "bytes") / 1e6,
+            number(r, "times_plain"),
+            number(r, "seconds"),
+            number(r, "nanoseconds"),
+        );
+    }
+    text
+}
+
+fn plot(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), Failure> {
+    let shown = [
+        ("plain words", "plain"),
+        ("variable-width pointers", "widths"),
+        ("mirrors and variable-width pointers", "mirrors"),
+        ("lossy 0.5 %", "lossy 0.5%"),
+        ("lossy 0.5 %, then mirrors", "both"),
+    ];
+    let series = |key: &str| {
+        scenes
+            .iter()
+            .map(|scene| Series {
+                name: scene.name.clone(),
+                points: shown
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(i, (option, _))| {
+                        let row = rows.iter().find(|r| r["scene"] == scene.name && r["option"] == *option)?;
+                        Some((i as f64, row[key].as_f64()?))
+                    })
+                    .collect(),
+            })
+            .collect()
+    };
+    let names = || Along::Names(shown.iter().map(|(_, short)| (*short).to_owned()).collect());
+    let panel = |title: &str, y_label, key: &str| Panel {
+        title: title.to_owned(),
+        along: names(),
+        y_label,
+        logarithmic: false,
+        series: series(key),
+    };
+    write_svg(&args.output.join("tree-options.svg"), &[
+        panel("bytes by option", "× plain words", "times_plain"),
+        panel("cost of a look-up", "nanoseconds", "nanoseconds"),
+    ])
+}
