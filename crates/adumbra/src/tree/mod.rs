@@ -15,6 +15,7 @@ mod word;
 
 pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
+pub(crate) use graph::check as check_words;
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};
 pub use settings::{CaptureBias, LossyChange, TreeSettings};
 pub use space::{MAX_REGIONS, Region, Regions, TreeSpace};
