@@ -232,7 +232,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
     let vector = &mut all[at];
     vector.file.attribute = vector.leaf_voxels.iter().map(|(corner, _)| byte(*corner)).collect();
     vector.file.attribute_kind = Some(AttributeKind::Penumbra);
-    vector.shown = vector.leaf_voxels.iter().step_by(97).map(|(corner, _)| *corner).collect();
+    vector.shown = vector.leaf_voxels.iter().step_by(53).map(|(corner, _)| *corner).collect();
     Ok(all)
 }
 
