@@ -1,5 +1,7 @@
 //! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`.
 
+mod broken;
+mod tree_vectors;
 mod vectors;
 
 use std::env;

@@ -1,4 +1,4 @@
-//! `cargo xtask vectors`: writes `test_vectors/` anew, the same bytes each time.
+//! `cargo xtask vectors`: writes `test_vectors/` anew, the same bytes each time. Here those of the light-aligned file.
 //!
 //! Valid files are made from functions voxel -> lit, and their answers come from those functions, not from the graph;
 //! so a reader that agrees with them has decoded the graph rightly. Each broken file is a valid one with one fault.
@@ -15,6 +15,9 @@ use adumbra::scene::Bounds;
 use adumbra::settings::{Bias, Receivers, Settings};
 use serde_json::json;
 
+use crate::broken::{self, Broken};
+use crate::tree_vectors;
+
 /// Whether the voxel (x, y, z) is lit.
 type Voxels = dyn Fn(u32, u32, u32) -> bool;
 
@@ -29,13 +32,8 @@ pub(crate) fn run(root: &Path) -> Result<(), Box<dyn Error>> {
         fs::write(valid.join(format!("{}.adumbra", vector.name)), bytes)?;
         fs::write(valid.join(format!("{}.json", vector.name)), vector.answers())?;
     }
-    for broken in broken_vectors()? {
-        let fault = folder.join("invalid").join(broken.name);
-        fs::create_dir_all(&fault)?;
-        fs::write(fault.join("file.adumbra"), &broken.bytes)?;
-        fs::write(fault.join("expected.json"), broken.expected())?;
-    }
-    Ok(())
+    broken::write(&broken_vectors()?, &folder.join("invalid"))?;
+    tree_vectors::run(&folder.join("tree"))
 }
 
 struct Vector {
@@ -174,7 +172,7 @@ fn sphere(x: u32, y: u32, z: u32) -> bool {
     square > 400.0 || dz < -(400.0 - square).sqrt()
 }
 
-fn noise(x: u32, y: u32, z: u32) -> bool {
+pub(crate) fn noise(x: u32, y: u32, z: u32) -> bool {
     let mut h = (x << 20 ^ y << 10 ^ z).wrapping_mul(0x9E37_79B1);
     h = (h ^ h >> 15).wrapping_mul(0x85EB_CA77);
     (h ^ h >> 13) & 1 == 1
@@ -334,79 +332,18 @@ impl Placed {
     }
 }
 
-struct Broken {
-    name: &'static str,
-    /// Name of the error.
-    error: &'static str,
-    /// Name of the graph's fault, for the error "Graph".
-    fault: Option<&'static str>,
-    /// The field or section that is wrong; the message must name it.
-    names: &'static str,
-    bytes: Vec<u8>,
-}
-
-impl Broken {
-    fn expected(&self) -> String {
-        let fault = self.fault.map_or(String::new(), |f| format!(", \"fault\": {}", json!(f)));
-        format!("{{\"error\": {}{fault}, \"names\": {}}}\n", json!(self.error), json!(self.names))
-    }
-}
-
 const TOP: usize = 0;
 const NODES: usize = 1;
 const SLABS: usize = 2;
 
-/// A file being broken.
-#[derive(Clone)]
-struct Bytes(Vec<u8>);
+/// A light-aligned file being broken.
+type Bytes = broken::Bytes<280, 384>;
 
 impl Bytes {
-    fn word(&self, at: usize) -> u32 {
-        u32::from_le_bytes(self.0[at..at + 4].try_into().expect("four bytes"))
-    }
-
-    fn put(mut self, at: usize, bytes: &[u8]) -> Self {
-        self.0[at..at + bytes.len()].copy_from_slice(bytes);
-        self
-    }
-
-    fn put_word(self, at: usize, word: u32) -> Self {
-        self.put(at, &word.to_le_bytes())
-    }
-
-    fn put_f64(self, at: usize, value: f64) -> Self {
-        self.put(at, &value.to_le_bytes())
-    }
-
-    /// Byte offset of a section.
-    fn section(&self, section: usize) -> usize {
-        self.word(280 + 24 * section) as usize
-    }
-
     fn put_node(self, word: usize, value: u32) -> Self {
         let at = self.section(NODES) + 4 * word;
         self.put_word(at, value)
     }
-
-    /// Makes every checksum right again.
-    fn sealed(mut self) -> Vec<u8> {
-        for section in [TOP, NODES, SLABS] {
-            let row = 280 + 24 * section;
-            let (from, length) = (self.word(row) as usize, self.word(row + 8) as usize);
-            if let Some(bytes) = self.0.get(from..from.saturating_add(length)) {
-                let checksum = crc32(bytes);
-                self = self.put_word(row + 16, checksum);
-            }
-        }
-        let checksum = crc32(&self.0[..380]);
-        self.put_word(380, checksum).0
-    }
-}
-
-/// CRC-32 (IEEE), bit by bit.
-fn crc32(bytes: &[u8]) -> u32 {
-    let step = |crc: u32, _: u32| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
-    !bytes.iter().fold(u32::MAX, |crc, &b| (0..8).fold(crc ^ u32::from(b), step))
 }
 
 fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
@@ -414,7 +351,7 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
         let vector = vectors.iter().find(|v| v.name == name).ok_or("no such vector")?;
         let mut bytes = Vec::new();
         vector.file.write_to(&mut bytes)?;
-        Ok(Bytes(bytes))
+        Ok(broken::Bytes(bytes))
     };
     let vectors = valid_vectors()?;
     // One level-3 node (header and pointer) and one slab.

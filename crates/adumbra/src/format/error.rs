@@ -1,6 +1,7 @@
-//! What can be wrong with a shadow file, with the values that are.
+//! What can be wrong with a file, light-aligned or tree, with the values that are.
 
 use crate::dag::GraphError;
+use crate::tree::TreeError;
 
 /// What is wrong with a shadow file: what, where, and what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -8,12 +9,22 @@ use crate::dag::GraphError;
 pub enum FormatError {
     /// The file is something else.
     #[error(
-        "not a shadow file: it begins with \"{}\" instead of \"ADUMBRA\\n\"; give a file that `bake` has written, and copy it as binary",
+        "not a shadow file: it begins with \"{}\" instead of {expected}; give a file that `bake` has written, and copy it as binary",
         found.escape_ascii()
     )]
     Magic {
         /// The first bytes, at most eight.
         found: Vec<u8>,
+        /// What they should be, as shown.
+        expected: &'static str,
+    },
+    /// The file is one of ours, but of the other kind.
+    #[error("this is a {found}, but a {needed} is needed here; give one, or bake the scene as one")]
+    OtherKind {
+        /// What the file is.
+        found: &'static str,
+        /// What was asked for.
+        needed: &'static str,
     },
     /// The file is from a later program.
     #[error(
@@ -30,7 +41,7 @@ pub enum FormatError {
         "cut off in its {what}: {needed} bytes are needed, but the file has {have}; copy it again, or bake it again"
     )]
     Truncated {
-        /// "header", "top", "nodes" or "slabs".
+        /// "header", or the section's name.
         what: &'static str,
         /// Bytes that the file must have up to the end of that part.
         needed: u64,
@@ -58,7 +69,7 @@ pub enum FormatError {
         "the section {section} is damaged: its checksum is {computed:#010x} instead of {stored:#010x}; copy the file again, or bake it again"
     )]
     SectionChecksum {
-        /// "top", "nodes" or "slabs".
+        /// The section's name.
         section: &'static str,
         /// As stored.
         stored: u32,
@@ -78,7 +89,7 @@ pub enum FormatError {
     /// The section table contradicts the rest of the header.
     #[error("the section {section} has {field} {value}, but must have {expected}; bake it again")]
     SectionBounds {
-        /// "top", "nodes" or "slabs".
+        /// The section's name.
         section: &'static str,
         /// "offset" or "length".
         field: &'static str,
@@ -104,6 +115,23 @@ pub enum FormatError {
         #[from]
         fault: GraphError,
     },
+    /// A region of a tree means nothing.
+    #[error("region {index} has {value}, but must have {expected}; bake it again")]
+    Region {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// What was found.
+        value: String,
+        /// What is allowed.
+        expected: String,
+    },
+    /// The words are not a tree, or not in its one order.
+    #[error("the tree is not valid: {fault}; bake it again")]
+    Tree {
+        /// What is wrong with it.
+        #[from]
+        fault: TreeError,
+    },
 }
 
 impl FormatError {
@@ -111,6 +139,7 @@ impl FormatError {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Magic { .. } => "Magic",
+            Self::OtherKind { .. } => "OtherKind",
             Self::FutureVersion { .. } => "FutureVersion",
             Self::Truncated { .. } => "Truncated",
             Self::TrailingBytes { .. } => "TrailingBytes",
@@ -120,6 +149,25 @@ impl FormatError {
             Self::SectionBounds { .. } => "SectionBounds",
             Self::Padding { .. } => "Padding",
             Self::Graph { .. } => "Graph",
+            Self::Region { .. } => "Region",
+            Self::Tree { .. } => "Tree",
+        }
+    }
+
+    /// The name of what is wrong with a graph or a tree, stable across versions; test vectors use it.
+    pub fn fault(&self) -> Option<&'static str> {
+        match self {
+            Self::Graph { fault } => Some(fault.kind()),
+            Self::Tree { fault } => Some(match fault {
+                TreeError::Depth { .. } => "Depth",
+                TreeError::Length { .. } => "Length",
+                TreeError::Word { .. } => "Word",
+                TreeError::Index { .. } => "Index",
+                TreeError::Order { .. } => "Order",
+                TreeError::TooDeep { .. } => "TooDeep",
+                TreeError::NotMerged { .. } => "NotMerged",
+            }),
+            _ => None,
         }
     }
 }

@@ -10,14 +10,22 @@
 //!
 //! Little-endian throughout. Sections begin at multiples of 16, with zeros in the gaps; each has a CRC-32. There is
 //! exactly one file for a given grid, settings and graph, and it holds nothing that varies between runs.
+//!
+//! [`mod@tree`] is the other kind of file, of the world-aligned tree; [`AnyFile`] is either.
 
+mod any;
 mod error;
+mod fields;
 mod header;
 mod read;
+mod sections;
+pub mod tree;
 mod write;
 
+pub use any::AnyFile;
 pub use error::FormatError;
 pub use header::{HEADER_BYTES, MAGIC, VERSION};
+pub use tree::{AttributeKind, SymmetricBody, TreeBody, TreeFile};
 
 use crate::dag::Dag;
 use crate::light::LightGrid;

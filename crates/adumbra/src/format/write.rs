@@ -3,13 +3,12 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
-use super::header::{Header, field, lay_out};
+use super::fields::field;
+use super::header::Header;
+use super::sections::{checksum, gap, lay_out, put, u32_chunks, u64_chunks};
 use super::{FormatError, HEADER_BYTES, ShadowFile};
 use crate::error::{Error, Result};
 use crate::files::replace_file;
-
-/// Words encoded at a time.
-const CHUNK_BYTES: usize = 1 << 16;
 
 impl ShadowFile {
     /// Writes the file at `path`; returns its bytes.
@@ -37,7 +36,7 @@ impl ShadowFile {
 
     /// Bytes of the file.
     pub fn encoded_len(&self) -> u64 {
-        lay_out(self.section_lengths())[2].end()
+        lay_out(HEADER_BYTES, self.section_lengths())[2].end()
     }
 
     fn section_lengths(&self) -> [u64; 3] {
@@ -57,7 +56,7 @@ impl ShadowFile {
             settings: self.settings,
             root_level: dag.root_level,
             top_dims: dag.top_dims,
-            sections: lay_out(self.section_lengths()),
+            sections: lay_out(HEADER_BYTES, self.section_lengths()),
         };
         header.check()?;
         let checksums = [
@@ -76,42 +75,13 @@ impl ShadowFile {
         let mut at = HEADER_BYTES as u64;
         let dag = &self.dag;
         let [top, nodes, slabs] = &header.sections;
-        pad(out, at, top.offset)?;
+        out.write_all(gap(at, top.offset))?;
         at = put(out, top.offset, u32_chunks(&dag.top))?;
-        pad(out, at, nodes.offset)?;
+        out.write_all(gap(at, nodes.offset))?;
         at = put(out, nodes.offset, u32_chunks(&dag.nodes))?;
-        pad(out, at, slabs.offset)?;
+        out.write_all(gap(at, slabs.offset))?;
         at = put(out, slabs.offset, u64_chunks(&dag.slabs))?;
         out.flush()?;
         Ok(at)
     }
-}
-
-fn u32_chunks(words: &[u32]) -> impl Iterator<Item = Vec<u8>> {
-    words.chunks(CHUNK_BYTES / 4).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
-}
-
-fn u64_chunks(words: &[u64]) -> impl Iterator<Item = Vec<u8>> {
-    words.chunks(CHUNK_BYTES / 8).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
-}
-
-fn checksum(chunks: impl Iterator<Item = Vec<u8>>) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    chunks.for_each(|c| hasher.update(&c));
-    hasher.finalize()
-}
-
-/// Zeros from `at` to `offset`, fewer than 16.
-fn pad(out: &mut impl Write, at: u64, offset: u64) -> io::Result<()> {
-    out.write_all(&[0; 16][..(offset - at) as usize])
-}
-
-/// Writes a section that begins at `offset`; returns where it ends.
-fn put(out: &mut impl Write, offset: u64, chunks: impl Iterator<Item = Vec<u8>>) -> io::Result<u64> {
-    let mut end = offset;
-    for chunk in chunks {
-        out.write_all(&chunk)?;
-        end += chunk.len() as u64;
-    }
-    Ok(end)
 }

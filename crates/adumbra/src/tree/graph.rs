@@ -135,7 +135,8 @@ struct Step {
     height: u8,
 }
 
-fn check(depth: u32, words: &[u32]) -> Result<(), TreeError> {
+/// Whether words are a tree in its one form. Cost: linear, one walk.
+pub(crate) fn check(depth: u32, words: &[u32]) -> Result<(), TreeError> {
     /// Heights of blocks that are not met yet, and of those that the walk is in.
     const UNMET: u8 = 0;
     const OPEN: u8 = 255;

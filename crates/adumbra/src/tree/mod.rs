@@ -19,6 +19,7 @@ mod word;
 pub use bake::{BakedTree, Detail, PreparedTree, Reduction, TREE_BIAS, TreeOptions, TreeReport, bake_tree};
 pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
+pub(crate) use graph::check as check_words;
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};
 pub use settings::{CaptureBias, LossyChange, TreeSettings};
 pub use space::{MAX_REGIONS, Region, RegionVoxels, Regions, TreeSpace};

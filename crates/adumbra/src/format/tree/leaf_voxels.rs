@@ -1,0 +1,60 @@
+//! How many voxels an attribute has a byte for.
+
+use crate::tree::{Node, VoxelTree};
+
+const UNSEEN: u64 = u64::MAX;
+
+/// Voxels of the leaves of eight, each counted as often as the whole tree has it: a block with several parents counts
+/// for each.
+///
+/// Cost: linear; eight bytes a block of the graph.
+pub fn leaf_voxels(tree: &VoxelTree) -> u64 {
+    count(tree, 0, &mut vec![UNSEEN; tree.words().len() / 8])
+}
+
+/// Goes as deep as the tree has levels, at most 15.
+fn count(tree: &VoxelTree, word: u32, blocks: &mut [u64]) -> u64 {
+    match tree.node(word) {
+        Node::Uniform(_) => 0,
+        Node::Mask(_) => 8,
+        Node::Inner(first) => {
+            let block = first as usize / 8;
+            if blocks[block] == UNSEEN {
+                blocks[block] =
+                    (0..8).map(|child| count(tree, first + child, blocks)).fold(0, u64::saturating_add);
+            }
+            blocks[block]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tree::Word;
+
+    #[test]
+    fn leaf_voxels_count_a_shared_block_for_each_parent() {
+        let (lit, mask) = (Word::LIT.0, Word::leaf(0x5a).0);
+        let one = |word| VoxelTree::from_words(4, vec![word]).unwrap();
+        assert_eq!((leaf_voxels(&one(lit)), leaf_voxels(&one(mask))), (0, 8));
+        // The second block, with two leaves of eight, stands under three parents.
+        let words = [
+            vec![1],
+            vec![9, 9, lit, mask, lit, 9, lit, lit],
+            vec![mask, mask, lit, lit, lit, lit, lit, lit],
+        ];
+        assert_eq!(leaf_voxels(&VoxelTree::from_words(4, words.concat()).unwrap()), 8 * (3 * 2 + 1));
+    }
+
+    #[test]
+    fn leaf_voxels_of_the_largest_tree_are_all_voxels() {
+        let block = |next: u32| [next; 8];
+        let mut words = vec![1];
+        for level in 1..14_u32 {
+            words.extend(block(1 + 8 * level));
+        }
+        words.extend(block(Word::leaf(1).0));
+        assert_eq!(leaf_voxels(&VoxelTree::from_words(15, words).unwrap()), 1 << 45);
+    }
+}

@@ -1,0 +1,75 @@
+//! A slow reader of the tree file, written from `spec/adumbra-tree.md` alone: it works on the file's bytes and shares
+//! nothing with the library. It checks nothing; give it valid files whose body is words.
+
+fn u32_at(file: &[u8], at: u64) -> u32 {
+    let at = at as usize;
+    u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]])
+}
+
+fn u64_at(file: &[u8], at: u64) -> u64 {
+    u64::from(u32_at(file, at)) | u64::from(u32_at(file, at + 4)) << 32
+}
+
+fn f64_at(file: &[u8], at: u64) -> f64 {
+    f64::from_bits(u64_at(file, at))
+}
+
+fn word(file: &[u8], index: u32) -> u32 {
+    u32_at(file, u64_at(file, 248) + 4 * u64::from(index))
+}
+
+/// The voxel that holds a world point, if the cube does.
+pub(crate) fn voxel_of(file: &[u8], world: [f64; 3]) -> Option<[u32; 3]> {
+    let side = 2_f64.powi(u32_at(file, 20) as i32);
+    let mut voxel = [0; 3];
+    for (a, v) in (0_u64..).zip(&mut voxel) {
+        let at = (world[a as usize] - f64_at(file, 40 + 8 * a)) / f64_at(file, 64);
+        if !(at >= 0.0 && at < side) {
+            return None;
+        }
+        *v = at.floor() as u32;
+    }
+    Some(voxel)
+}
+
+/// Visibility of a world point: 1 = lit, 0 = shadowed.
+pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
+    voxel_of(file, world).map_or(1, |v| voxel(file, v).0)
+}
+
+/// Visibility of a voxel, and its byte of the attribute, if the file has one and the voxel lies in a leaf of eight.
+pub(crate) fn voxel(file: &[u8], [x, y, z]: [u32; 3]) -> (u8, Option<u8>) {
+    let mut level = u32_at(file, 20);
+    let mut node = word(file, 0);
+    let mut before = 0;
+    loop {
+        if node >> 30 == 2 {
+            return ((node & 1) as u8, None);
+        }
+        level -= 1;
+        let child = (x >> level & 1) * 4 + (y >> level & 1) * 2 + (z >> level & 1);
+        if node >> 30 == 3 {
+            let there = u32_at(file, 36) == 1;
+            let byte = || file[(u64_at(file, 272) + before + u64::from(child)) as usize];
+            return ((node >> child & 1) as u8, there.then(byte));
+        }
+        if u32_at(file, 36) == 1 {
+            before += (0..child).map(|c| leaf_voxels(file, word(file, node + c))).sum::<u64>();
+        }
+        node = word(file, node + child);
+    }
+}
+
+/// Voxels of leaves of eight in and below a node, by a walk that enters shared blocks each time.
+pub(crate) fn leaf_voxels(file: &[u8], node: u32) -> u64 {
+    match node >> 30 {
+        2 => 0,
+        3 => 8,
+        _ => (0..8).map(|c| leaf_voxels(file, word(file, node + c))).sum(),
+    }
+}
+
+/// The root of the tree.
+pub(crate) fn root(file: &[u8]) -> u32 {
+    word(file, 0)
+}
