@@ -7,10 +7,13 @@
 mod blocks;
 mod build;
 mod graph;
+#[cfg(test)]
+mod kit;
 pub mod morton;
 pub mod reduce;
 mod settings;
 mod space;
+mod symmetric;
 mod word;
 
 pub use blocks::{Blocks, MAX_BLOCKS};
@@ -18,4 +21,5 @@ pub use build::{Builder, Classify, State};
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};
 pub use settings::{CaptureBias, LossyChange, TreeSettings};
 pub use space::{MAX_REGIONS, Region, Regions, TreeSpace};
+pub use symmetric::{SymmetricError, SymmetricTree};
 pub use word::{Node, Word};
