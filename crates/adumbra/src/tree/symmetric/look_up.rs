@@ -10,6 +10,17 @@ use crate::tree::word::{Node, Word};
 /// Bit 0 of every level of a path.
 const EVERY_LEVEL: u64 = 0o111_111_111_111_111;
 
+/// Bit k is set where kind k is a node.
+const POINTERS: u32 = 0b1111_0100;
+/// By kind: the bits of the next four bytes that are the child's.
+const VALUE: [u32; 8] = [0, 0, 0, 0xff, 0xff, 0xffff, 0xff_ffff, !0];
+/// By kind: what addresses count from: nothing, the node's end, the pointer's end.
+const NEXT: [u32; 8] = [0, 0, !0, 0, 0, 0, 0, 0];
+const NEAR: [u32; 8] = [0, 0, 0, 0, !0, 0, 0, 0];
+/// By kind, with mirrors: their bits.
+const MIRROR: [u32; 8] = [0, 0, 0, 0, 0, 0, 7, 7];
+const SHIFT: [u32; 8] = [0, 0, 0, 0, 0, 0, 3, 3];
+
 /// Bits of a coordinate, three apart.
 fn spread(coordinate: u32) -> u64 {
     let c = u64::from(coordinate & 0x7fff);
@@ -46,26 +57,24 @@ impl SymmetricTree {
             let here = at + node::HEADER_BYTES + node::bytes_before(header, child);
             let value = node::word_at(bytes, here);
             let kind = node::kind(header, child);
-            at = match kind {
-                node::SHADOWED => return (false, level),
-                node::LIT => return (true, level),
-                node::MASK => {
-                    level = level.saturating_sub(1);
-                    return (value >> (path >> (3 * level) & 7) & 1 == 1, level);
+            if POINTERS >> kind & 1 == 0 {
+                if kind != node::MASK {
+                    return (kind == node::LIT, level);
                 }
-                node::NEXT => at + node::HEADER_BYTES + node::children_bytes(header),
-                node::NEAR => here + 1 + (value & 0xff),
-                node::SHORT => value & 0xffff,
-                _ => {
-                    let value = if kind == node::LONG { value & 0xff_ffff } else { value };
-                    if MIRRORS {
-                        path ^= u64::from(value & 7) * EVERY_LEVEL;
-                        value >> 3
-                    } else {
-                        value
-                    }
-                }
-            };
+                level = level.saturating_sub(1);
+                return (value >> (path >> (3 * level) & 7) & 1 == 1, level);
+            }
+            // Which kind of pointer is hard to foretell, so none is branched on.
+            let k = kind as usize;
+            let value = value & VALUE[k];
+            let end = at + node::HEADER_BYTES + node::children_bytes(header);
+            let from = end & NEXT[k] | (here + 1) & NEAR[k];
+            if MIRRORS {
+                path ^= u64::from(value & MIRROR[k]) * EVERY_LEVEL;
+                at = from + (value >> SHIFT[k]);
+            } else {
+                at = from + value;
+            }
         }
         // Checked bytes do not lead here.
         (false, 0)

@@ -95,9 +95,9 @@ fn symmetric_worked_example() {
         // Flags, root at 12.
         &[1, 0, 0, 0, 12, 0, 0, 0],
         // At 8: child 4 a mask, child 5 lit.
-        &[0x30, 0x10, 0x00, 0x10],
+        &[0x00, 0xb0, 0x00, 0x10],
         // At 12: child 0 of kind 6, child 4 of kind 5, child 7 lit. 0x44: address 8, mirrored along x.
-        &[0x90, 0x01, 0x11, 0x44, 0x00, 0x00, 0x08, 0x00],
+        &[0x06, 0x50, 0x20, 0x44, 0x00, 0x00, 0x08, 0x00],
         &[0, 0, 0, 0],
     ];
     assert_eq!(mirrored.bytes(), expected.concat());
@@ -161,11 +161,11 @@ fn symmetric_refuses_bytes_that_are_no_body() {
         SymmetricTree::from_bytes(3, bytes).map(|t| t.node_count())
     };
     // Child 0: a mask; of kinds 2, 4, 5: a node.
-    let mask = [1, 1, 0, 0x0f];
+    let mask = [3, 0, 0, 0x0f];
     assert_eq!(body(8, &mask), Ok(1));
-    assert_eq!(body(8, &[&[0, 1, 0][..], &mask].concat()), Ok(2));
-    assert_eq!(body(8, &[&[0, 0, 1, 0][..], &mask].concat()), Ok(2));
-    assert_eq!(body(8, &[&[1, 0, 1, 13, 0][..], &mask].concat()), Ok(2));
+    assert_eq!(body(8, &[&[2, 0, 0][..], &mask].concat()), Ok(2));
+    assert_eq!(body(8, &[&[4, 0, 0, 0][..], &mask].concat()), Ok(2));
+    assert_eq!(body(8, &[&[5, 0, 0, 13, 0][..], &mask].concat()), Ok(2));
     assert_eq!(SymmetricTree::from_bytes(0, vec![0; 12]), Err(E::Depth { depth: 0 }));
     assert_eq!(SymmetricTree::from_bytes(3, vec![0; 8]), Err(E::Length { bytes: 8 }));
     assert_eq!(SymmetricTree::from_bytes(3, vec![0; 13]), Err(E::Length { bytes: 13 }));
@@ -174,12 +174,12 @@ fn symmetric_refuses_bytes_that_are_no_body() {
     assert_eq!(body(8, &[]), Err(E::Pointer { at: 0, target: 8 }));
     assert_eq!(body(9, &mask), Err(E::Pointer { at: 0, target: 9 }));
     assert_eq!(body(0x8000_0000, &mask), Err(E::Unreached { nodes: 1 }));
-    assert_eq!(body(8, &[1, 1, 0, 0xff]), Err(E::Mask { at: 8, mask: 0xff }));
-    assert_eq!(body(8, &[0x55, 0, 0]), Err(E::NotMerged { at: 8 }));
-    assert_eq!(body(8, &[1, 0, 1, 12, 0, 1, 1, 0, 0x0f]), Err(E::Pointer { at: 8, target: 12 }));
+    assert_eq!(body(8, &[3, 0, 0, 0xff]), Err(E::Mask { at: 8, mask: 0xff }));
+    assert_eq!(body(8, &[0x09, 0, 0]), Err(E::NotMerged { at: 8 }));
+    assert_eq!(body(8, &[5, 0, 0, 12, 0, 3, 0, 0, 0x0f]), Err(E::Pointer { at: 8, target: 12 }));
     // Below itself, and deeper than three levels.
-    assert_eq!(body(8, &[1, 0, 1, 8, 0]), Err(E::TooDeep { at: 8, depth: 3 }));
-    assert_eq!(body(8, &[&[0, 1, 0, 0, 1, 0][..], &mask].concat()), Err(E::TooDeep { at: 14, depth: 3 }));
+    assert_eq!(body(8, &[5, 0, 0, 8, 0]), Err(E::TooDeep { at: 8, depth: 3 }));
+    assert_eq!(body(8, &[&[2, 0, 0, 2, 0, 0][..], &mask].concat()), Err(E::TooDeep { at: 14, depth: 3 }));
     // Eight pointers of four bytes, cut off.
     assert_eq!(body(8, &[0xff; 8]), Err(E::Cut { at: 8 }));
 }

@@ -169,7 +169,7 @@ fn mark_nodes(bytes: &[u8], known: &mut [u8]) -> Result<u64, SymmetricError> {
         }
         let header = node::header_at(bytes, at);
         // Eight children of kinds 0 and 1.
-        if header >> 8 == 0 {
+        if header & 0o6666_6666 == 0 {
             return Err(SymmetricError::NotMerged { at });
         }
         let size = node::HEADER_BYTES + node::children_bytes(header);
