@@ -9,11 +9,14 @@ mod blocks;
 mod build;
 mod depth_image;
 mod graph;
+#[cfg(test)]
+mod kit;
 mod lit_space;
 pub mod morton;
 pub mod reduce;
 mod settings;
 mod space;
+pub mod symmetric;
 mod word;
 
 pub use bake::{BakedTree, Detail, PreparedTree, Reduction, TREE_BIAS, TreeOptions, TreeReport, bake_tree};
@@ -32,6 +35,12 @@ pub trait Voxels {
 }
 
 impl Voxels for VoxelTree {
+    fn voxel(&self, xyz: [u32; 3]) -> bool {
+        Self::voxel(self, xyz)
+    }
+}
+
+impl Voxels for symmetric::SymmetricTree {
     fn voxel(&self, xyz: [u32; 3]) -> bool {
         Self::voxel(self, xyz)
     }
