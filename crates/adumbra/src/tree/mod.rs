@@ -7,6 +7,7 @@
 mod blocks;
 mod build;
 mod graph;
+pub mod lossy;
 pub mod morton;
 pub mod reduce;
 mod settings;
