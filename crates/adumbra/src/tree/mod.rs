@@ -4,6 +4,7 @@
 //! of Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows* (2014). Section and equation numbers are
 //! the former's.
 
+pub mod attribute;
 mod blocks;
 mod build;
 mod graph;

@@ -44,10 +44,18 @@ pub(super) fn choose(
         resembled[at(c.target)] += 1;
     }
     candidates.sort_unstable_by(|a, b| {
-        let cost = |c: &Candidate, other: &Candidate| u64::from(c.cost) * u64::from(facts[other.source as usize].saved);
+        let cost = |c: &Candidate, other: &Candidate| {
+            u64::from(c.cost) * u64::from(facts[other.source as usize].saved)
+        };
         let stays = |c: &Candidate| facts[c.target as usize].single;
         let alone = |c: &Candidate| u32::MAX - resembled[at(c.target)];
-        (cost(a, b), stays(a), alone(a), a.source, a.target).cmp(&(cost(b, a), stays(b), alone(b), b.source, b.target))
+        (cost(a, b), stays(a), alone(a), a.source, a.target).cmp(&(
+            cost(b, a),
+            stays(b),
+            alone(b),
+            b.source,
+            b.target,
+        ))
     });
     let mut role = vec![Role::Open; facts.len() - first];
     let mut target: Vec<u32> = (first as u32..facts.len() as u32).collect();

@@ -83,4 +83,4 @@ pub fn merge_similar(tree: &VoxelTree, max_share: f64) -> Result<Lossy> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

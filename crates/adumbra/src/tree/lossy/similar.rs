@@ -164,7 +164,11 @@ impl Nearest {
 
     fn candidates(self) -> Vec<Candidate> {
         let all = (self.first as u32..).zip(self.targets).flat_map(|(source, targets)| {
-            targets.into_iter().filter(|t| *t != NONE).map(move |(cost, target)| Candidate { source, target, cost })
+            targets.into_iter().filter(|t| *t != NONE).map(move |(cost, target)| Candidate {
+                source,
+                target,
+                cost,
+            })
         });
         all.collect()
     }
