@@ -10,7 +10,7 @@ pub(super) struct Candidate {
     pub(super) source: u32,
     pub(super) target: u32,
     /// Voxels that change.
-    pub(super) cost: u32,
+    pub(super) cost: u64,
 }
 
 /// What became of a height's blocks.
@@ -44,9 +44,7 @@ pub(super) fn choose(
         resembled[at(c.target)] += 1;
     }
     candidates.sort_unstable_by(|a, b| {
-        let cost = |c: &Candidate, other: &Candidate| {
-            u64::from(c.cost) * u64::from(facts[other.source as usize].saved)
-        };
+        let cost = |c: &Candidate, other: &Candidate| c.cost * u64::from(facts[other.source as usize].saved);
         let stays = |c: &Candidate| facts[c.target as usize].single;
         let alone = |c: &Candidate| u32::MAX - resembled[at(c.target)];
         (cost(a, b), stays(a), alone(a), a.source, a.target).cmp(&(
@@ -62,8 +60,8 @@ pub(super) fn choose(
     let mut count = 0;
     for c in candidates {
         let (from, to) = (at(c.source), at(c.target));
-        if role[from] == Role::Open && role[to] != Role::Gone && u64::from(c.cost) <= *left {
-            *left -= u64::from(c.cost);
+        if role[from] == Role::Open && role[to] != Role::Gone && c.cost <= *left {
+            *left -= c.cost;
             role[from] = Role::Gone;
             role[to] = Role::Stays;
             target[from] = c.target;

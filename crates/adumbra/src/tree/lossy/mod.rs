@@ -13,10 +13,12 @@
 //! | `count` | exact counts, before and after |
 //! | `round` | one walk from the lowest blocks up, merging what costs little enough |
 //! | `similar` | which blocks of one height resemble each other |
+//! | `nearest` | the few that resemble a block most |
 //! | `choose` | which of them give way, and to which |
 
 mod choose;
 mod count;
+mod nearest;
 mod round;
 mod similar;
 
@@ -38,8 +40,9 @@ pub struct Lossy {
     pub merged_blocks: u64,
 }
 
-/// Voxels that a block may cost, one round each: cheap merges of all heights come before dear ones of any.
-const VOXELS_PER_BLOCK: [u64; 10] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32];
+/// Quarters of a voxel that a block may cost, one round each: cheap merges of all heights come before dear ones of any.
+/// Below one voxel a block only subtrees of several blocks can give way.
+const QUARTERS_PER_BLOCK: [u64; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 
 /// Merges similar blocks while at most `max_share` of the tree's leaf voxels change: never more than
 /// `max_share` times [`leaf_voxels`] voxels, as [`changed_voxels`] counts them between `tree` and the result. A changed cell
@@ -60,7 +63,7 @@ pub fn merge_similar(tree: &VoxelTree, max_share: f64) -> Result<Lossy> {
     let reduced = round::merge(Blocks::of(tree), tree.depth(), 0, 0)?;
     let mut best = reduced.blocks.number(tree.depth());
     let (mut changed, mut merged_blocks) = (0, 0);
-    for limit in VOXELS_PER_BLOCK {
+    for limit in QUARTERS_PER_BLOCK {
         if changed >= budget {
             break;
         }

@@ -24,9 +24,18 @@ pub(super) struct Facts {
     pub(super) level: u8,
     /// Blocks that go if it goes: itself and those below that stand in no other place.
     pub(super) saved: u32,
+    /// Share of its voxels that are lit, of 2^16 - 1.
+    pub(super) lit: u16,
 }
 
-/// Merges what costs at most `limit` voxels for each block saved, and no more than `budget` voxels together.
+impl Facts {
+    /// It has come to stand in several places.
+    fn stays(&mut self) {
+        *self = Self { single: false, level: 0, saved: 0, lit: self.lit };
+    }
+}
+
+/// Merges what costs at most `limit` quarters of a voxel for each block saved, and no more than `budget` voxels together.
 pub(super) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Result<Round> {
     let Blocks { root, blocks: old } = graph;
     let standing = standing(root, &old, depth);
@@ -34,34 +43,35 @@ pub(super) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Resul
     let mut new = Interned::default();
     let mut facts: Vec<Facts> = Vec::new();
     let (mut merged, mut left) = (0, budget);
-    for height in by_height(&old) {
+    for (height, members) in (0..).zip(by_height(&old)) {
         let first = facts.len();
-        for &b in &height {
+        for &b in &members {
             let words = old[b as usize].map(|w| repointed(w, &now));
             let word = new.block(&words)?;
             now[b as usize] = block_of(word).unwrap_or_default();
             match facts.get_mut(now[b as usize] as usize) {
-                Some(known) => *known = Facts { single: false, level: 0, saved: 0 },
+                Some(known) => known.stays(),
                 None => {
                     let level = standing[b as usize];
                     let single = level != SEVERAL;
                     let below = words.iter().filter_map(|w| block_of(*w)).map(|c| facts[c as usize].saved);
                     let saved = if single { 1 + below.sum::<u32>() } else { 0 };
-                    facts.push(Facts { single, level: if single { level } else { 0 }, saved });
+                    let lit = lit(&words, &facts);
+                    facts.push(Facts { single, level: if single { level } else { 0 }, saved, lit });
                 }
             }
         }
         if left == 0 {
             continue;
         }
-        let candidates: Vec<Candidate> = similar::find(new.blocks(), &facts, first, limit.min(left));
+        let candidates: Vec<Candidate> = similar::find(new.blocks(), &facts, first, height, (limit, left));
         let Some(chosen) = choose(candidates, &facts, first, &mut left) else { continue };
         merged += chosen.count;
-        for &b in &height {
+        for &b in &members {
             let target = chosen.target[now[b as usize] as usize - first];
             if target != now[b as usize] {
                 now[b as usize] = target;
-                facts[target as usize] = Facts { single: false, level: 0, saved: 0 };
+                facts[target as usize].stays();
             }
         }
     }
@@ -87,6 +97,16 @@ fn standing(root: Word, blocks: &[[Word; 8]], depth: u32) -> Vec<u8> {
         }
     }
     standing
+}
+
+/// Share of a block's voxels that are lit.
+fn lit(words: &[Word; 8], facts: &[Facts]) -> u16 {
+    let of_word = |w: &Word| match w.node() {
+        Node::Inner(block) => u32::from(facts[block as usize].lit),
+        Node::Mask(bits) => u32::from(u16::MAX) * bits.count_ones() / 8,
+        Node::Uniform(lit) => u32::from(u16::MAX) * u32::from(lit),
+    };
+    (words.iter().map(of_word).sum::<u32>() / 8) as u16
 }
 
 /// Blocks by height: first those of leaves only, then those of these, and so on; each height in the order given.

@@ -1,112 +1,136 @@
-//! Blocks of one height that resemble each other: sorted several times with other parts of them last, so that blocks
-//! which differ in those parts only come to stand side by side; each is then compared with the next few.
+//! Blocks of one height that resemble each other. They are sorted several times, each time with another part of them
+//! last, so that blocks which differ in that part only come to stand side by side; each is compared with the next few.
+//!
+//! A block's *image* is 64 bits, one a grandchild: whether it is lit, or mostly so. A block of leaves is its image.
 
 use rayon::prelude::*;
 
 use super::choose::Candidate;
-use super::round::{Facts, block_of};
+use super::nearest::{Nearest, Offer};
+use super::round::Facts;
 use crate::dag::store::mix;
 use crate::tree::word::{Node, Word};
 
 /// Neighbours in sorted order that a block is compared with.
 const WINDOW: usize = 8;
-/// Most targets kept for a block.
-const TARGETS: usize = 3;
+/// Most bits in which the images of two blocks of blocks may differ if their voxels are to be compared.
+const IMAGE_BITS: u32 = 8;
+/// Blocks whose neighbours are looked at before what was found is kept: bounds the memory for it.
+const BATCH: usize = 1 << 15;
 
 /// A block as it is sorted.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
     key: u64,
     block: u32,
-    /// Voxels that it may cost; 0 for what must stay.
-    may_cost: u32,
+    /// Cells of the height's own that may change: 8^(level - lowest level) voxels each. 0 for what must stay.
+    may_change: u32,
 }
 
-/// Pairs among the blocks from `first` on, all of one height, where the one stands in a single place and costs at most
-/// `limit` voxels for each block that goes with it.
-pub(super) fn find(blocks: &[[Word; 8]], facts: &[Facts], first: usize, limit: u64) -> Vec<Candidate> {
-    let may_cost = |f: &Facts| limit.saturating_mul(u64::from(f.saved)).min(u64::from(u32::MAX)) as u32;
+/// Pairs among the blocks from `first` on, all of `height` (0 = blocks of leaves), where the one stands in a single
+/// place and costs at most `limit` quarters of a voxel for each block that goes with it, and `left` voxels in all.
+pub(super) fn find(
+    blocks: &[[Word; 8]],
+    facts: &[Facts],
+    first: usize,
+    height: u32,
+    (limit, left): (u64, u64),
+) -> Vec<Candidate> {
+    let lowest_level = height + 2;
+    let cell_bits = |f: &Facts| 3 * (u32::from(f.level) - lowest_level);
+    let may_change = |f: &Facts| match f.single {
+        true => ((limit * u64::from(f.saved) / 4).min(left) >> cell_bits(f)).min(u64::from(u32::MAX)) as u32,
+        false => 0,
+    };
     let mut entries: Vec<Entry> = (first as u32..)
         .zip(&facts[first..])
-        .map(|(block, f)| Entry { key: 0, block, may_cost: may_cost(f) })
+        .map(|(block, f)| Entry { key: 0, block, may_change: may_change(f) })
         .collect();
-    let mut nearest = Nearest { first, targets: vec![[NONE; TARGETS]; entries.len()] };
-    if blocks[first].iter().all(|w| block_of(*w).is_none()) {
-        of_leaves(blocks, facts, &mut entries, &mut nearest);
+    if entries.iter().all(|e| e.may_change == 0) {
+        return Vec::new();
+    }
+    let images: Vec<u64> = blocks[first..].par_iter().map(|words| image(words, blocks, facts)).collect();
+    let image = |block: u32| images[block as usize - first];
+    let mut nearest = Nearest::new(first, entries.len());
+    if height == 0 {
+        for last in (0..8).flat_map(|a| (a + 1..8).map(move |b| [a, b])) {
+            entries.par_iter_mut().for_each(|e| e.key = with_last(image(e.block), last));
+            compare(&mut entries, &mut nearest, |x, y, _| u64::from((x.key ^ y.key).count_ones()));
+        }
     } else {
-        of_blocks(blocks, facts, &mut entries, &mut nearest);
-    }
-    nearest.candidates()
-}
-
-/// Blocks of leaves: 64 bits, so that the whole block is its key, with two bytes of it moved last.
-fn of_leaves(blocks: &[[Word; 8]], facts: &[Facts], entries: &mut [Entry], nearest: &mut Nearest) {
-    let bits = |block: u32| u64::from_be_bytes(blocks[block as usize].map(mask));
-    // From voxels to cells.
-    for e in entries.iter_mut().filter(|e| e.may_cost > 0) {
-        let cell_level = u32::from(facts[e.block as usize].level) - 2;
-        e.may_cost = e.may_cost.checked_shr(3 * cell_level).unwrap_or(0);
-    }
-    for a in 0..8 {
-        for b in a + 1..8 {
-            let last = |bits: u64| {
-                let bytes = bits.to_be_bytes();
-                let mut order = bytes;
-                let mut n = 0;
-                for (i, byte) in bytes.into_iter().enumerate() {
-                    if i != a && i != b {
-                        order[n] = byte;
-                        n += 1;
-                    }
-                }
-                (order[6], order[7]) = (bytes[a], bytes[b]);
-                u64::from_be_bytes(order)
-            };
-            entries.par_iter_mut().for_each(|e| e.key = last(bits(e.block)));
-            entries.par_sort_unstable();
-            for (i, x) in entries.iter().enumerate() {
-                for y in &entries[i + 1..(i + 1 + WINDOW).min(entries.len())] {
-                    let cells = (x.key ^ y.key).count_ones();
-                    for (source, target) in [(x, y), (y, x)] {
-                        if cells <= source.may_cost {
-                            let level = u32::from(facts[source.block as usize].level);
-                            nearest.offer(source.block, target.block, cells << (3 * (level - 2)));
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Blocks of blocks: the key is a hash of seven children.
-fn of_blocks(blocks: &[[Word; 8]], facts: &[Facts], entries: &mut [Entry], nearest: &mut Nearest) {
-    for slot in 0..8 {
-        let key = |block: u32| {
-            let others = blocks[block as usize].iter().enumerate().filter(|(i, _)| *i != slot);
-            others.fold(0, |h, (_, w)| mix(h ^ u64::from(w.0)))
+        let voxels = |x: &Entry, y: &Entry, at_most| {
+            let [x, y] = [x, y].map(|e| Word::new(Node::Inner(e.block)));
+            difference(blocks, x, y, lowest_level, at_most)
         };
-        entries.par_iter_mut().for_each(|e| e.key = key(e.block));
-        entries.par_sort_unstable();
-        for (i, x) in entries.iter().enumerate() {
-            for y in entries[i + 1..].iter().take(WINDOW).take_while(|y| y.key == x.key) {
-                for (source, target) in [(x, y), (y, x)] {
-                    if source.may_cost > 0 {
-                        let level = u32::from(facts[source.block as usize].level);
-                        let at_most = u64::from(source.may_cost);
-                        let word = |e: &Entry| Word::new(Node::Inner(e.block));
-                        let cost = difference(blocks, word(source), word(target), level, at_most);
-                        if cost <= at_most {
-                            nearest.offer(source.block, target.block, cost as u32);
-                        }
-                    }
-                }
-            }
+        for slot in 0..8 {
+            let others = |words: &[Word; 8]| {
+                (0..8).filter(|i| *i != slot).fold(0, |h, i| mix(h ^ u64::from(words[i].0)))
+            };
+            entries.par_iter_mut().for_each(|e| e.key = others(&blocks[e.block as usize]));
+            compare(&mut entries, &mut nearest, |x, y, at_most| match x.key == y.key {
+                true => voxels(x, y, at_most),
+                false => u64::MAX,
+            });
         }
+        for turn in 0..8 {
+            entries.par_iter_mut().for_each(|e| e.key = image(e.block).rotate_left(8 * turn));
+            compare(&mut entries, &mut nearest, |x, y, at_most| match (x.key ^ y.key).count_ones() {
+                ..=IMAGE_BITS => voxels(x, y, at_most),
+                _ => u64::MAX,
+            });
+        }
+    }
+    nearest.candidates(|source, cells| cells << cell_bits(&facts[source as usize]))
+}
+
+/// Sorts, and offers each block the next few, `cells` apart; `cells` may stop counting above the number it is given.
+fn compare(entries: &mut [Entry], nearest: &mut Nearest, cells: impl Fn(&Entry, &Entry, u64) -> u64 + Sync) {
+    entries.par_sort_unstable();
+    let starts = (0..entries.len()).step_by(BATCH);
+    for batch in starts.map(|start| start..(start + BATCH).min(entries.len())) {
+        let of_one = |i: usize| {
+            let (x, nearest, cells) = (&entries[i], &*nearest, &cells);
+            let useful = |e: &Entry| nearest.useful(e.block).min(e.may_change);
+            entries[i + 1..].iter().take(WINDOW).flat_map(move |y| {
+                let (to_x, to_y) = (useful(x), useful(y));
+                let at_most = to_x.max(to_y);
+                let apart = if at_most == 0 { u64::MAX } else { cells(x, y, u64::from(at_most)) };
+                [(x, y, to_x), (y, x, to_y)].into_iter().filter_map(move |(source, target, most)| {
+                    let offer = || Offer { source: source.block, target: target.block, cells: apart as u32 };
+                    (apart <= u64::from(most)).then(offer)
+                })
+            })
+        };
+        let offers: Vec<Offer> = batch.into_par_iter().with_min_len(1 << 10).flat_map_iter(of_one).collect();
+        offers.into_iter().for_each(|offer| nearest.take(offer));
     }
 }
 
-/// Voxels in which two nodes of one level differ; something above `at_most` where they are more.
+/// The same bits with two of their bytes moved last.
+fn with_last(bits: u64, [a, b]: [u32; 2]) -> u64 {
+    let byte = |i: u32| bits >> (8 * i) & 255;
+    let rest = (0..8).filter(|i| *i != a && *i != b).fold(0, |key, i| key << 8 | byte(i));
+    rest << 16 | byte(a) << 8 | byte(b)
+}
+
+fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
+    let mostly_lit = |word: Word| match word.node() {
+        Node::Inner(block) => facts[block as usize].lit >= 1 << 15,
+        Node::Mask(bits) => bits.count_ones() >= 4,
+        Node::Uniform(lit) => lit,
+    };
+    words.iter().fold(0, |image, word| {
+        let byte = match word.node() {
+            Node::Inner(block) => {
+                (0..8).fold(0, |bits, c| bits | u8::from(mostly_lit(blocks[block as usize][c])) << c)
+            }
+            Node::Mask(_) | Node::Uniform(_) => mask(*word),
+        };
+        image << 8 | u64::from(byte)
+    })
+}
+
+/// Voxels in which two nodes of one level differ; some number above `at_most` where they are more.
 fn difference(blocks: &[[Word; 8]], a: Word, b: Word, level: u32, at_most: u64) -> u64 {
     if a == b {
         return 0;
@@ -138,38 +162,5 @@ fn mask(word: Word) -> u8 {
         Node::Mask(bits) => bits,
         Node::Uniform(true) => 255,
         Node::Uniform(false) | Node::Inner(_) => 0,
-    }
-}
-
-/// No target: dearer than any.
-const NONE: (u32, u32) = (u32::MAX, u32::MAX);
-
-/// The cheapest few targets of each block, as cost and block.
-struct Nearest {
-    first: usize,
-    targets: Vec<[(u32, u32); TARGETS]>,
-}
-
-impl Nearest {
-    fn offer(&mut self, source: u32, target: u32, cost: u32) {
-        let targets = &mut self.targets[source as usize - self.first];
-        let offered = (cost, target);
-        if offered >= targets[TARGETS - 1] || targets.contains(&offered) {
-            return;
-        }
-        let place = targets.partition_point(|t| *t < offered);
-        targets[place..].rotate_right(1);
-        targets[place] = offered;
-    }
-
-    fn candidates(self) -> Vec<Candidate> {
-        let all = (self.first as u32..).zip(self.targets).flat_map(|(source, targets)| {
-            targets.into_iter().filter(|t| *t != NONE).map(move |(cost, target)| Candidate {
-                source,
-                target,
-                cost,
-            })
-        });
-        all.collect()
     }
 }
