@@ -4,6 +4,7 @@
 //! of Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows* (2014). Section and equation numbers are
 //! the former's.
 
+pub mod attribute;
 mod bake;
 mod blocks;
 mod build;
@@ -12,6 +13,7 @@ mod graph;
 #[cfg(test)]
 mod kit;
 mod lit_space;
+pub mod lossy;
 pub mod morton;
 pub mod reduce;
 mod settings;

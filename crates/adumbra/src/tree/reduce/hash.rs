@@ -16,6 +16,11 @@ pub struct Interned {
 }
 
 impl Interned {
+    /// The blocks so far, in the order in which they came.
+    pub fn blocks(&self) -> &[[Word; 8]] {
+        &self.blocks
+    }
+
     /// The graph below `root`.
     pub fn finish(self, root: Word) -> Blocks {
         Blocks { root, blocks: self.blocks }

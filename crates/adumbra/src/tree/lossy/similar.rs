@@ -1,0 +1,166 @@
+//! Blocks of one height that resemble each other. They are sorted several times, each time with another part of them
+//! last, so that blocks which differ in that part only come to stand side by side; each is compared with the next few.
+//!
+//! A block's *image* is 64 bits, one a grandchild: whether it is lit, or mostly so. A block of leaves is its image.
+
+use rayon::prelude::*;
+
+use super::choose::Candidate;
+use super::nearest::{Nearest, Offer};
+use super::round::Facts;
+use crate::dag::store::mix;
+use crate::tree::word::{Node, Word};
+
+/// Neighbours in sorted order that a block is compared with.
+const WINDOW: usize = 8;
+/// Most bits in which the images of two blocks of blocks may differ if their voxels are to be compared.
+const IMAGE_BITS: u32 = 8;
+/// Blocks whose neighbours are looked at before what was found is kept: bounds the memory for it.
+const BATCH: usize = 1 << 15;
+
+/// A block as it is sorted.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Entry {
+    key: u64,
+    block: u32,
+    /// Cells of the height's own that may change: 8^(level - lowest level) voxels each. 0 for what must stay.
+    may_change: u32,
+}
+
+/// Pairs among the blocks from `first` on, all of `height` (0 = blocks of leaves), where the one stands in a single
+/// place and costs at most `limit` quarters of a voxel for each block that goes with it, and `left` voxels in all.
+pub(super) fn find(
+    blocks: &[[Word; 8]],
+    facts: &[Facts],
+    first: usize,
+    height: u32,
+    (limit, left): (u64, u64),
+) -> Vec<Candidate> {
+    let lowest_level = height + 2;
+    let cell_bits = |f: &Facts| 3 * (u32::from(f.level) - lowest_level);
+    let may_change = |f: &Facts| match f.single {
+        true => ((limit * u64::from(f.saved) / 4).min(left) >> cell_bits(f)).min(u64::from(u32::MAX)) as u32,
+        false => 0,
+    };
+    let mut entries: Vec<Entry> = (first as u32..)
+        .zip(&facts[first..])
+        .map(|(block, f)| Entry { key: 0, block, may_change: may_change(f) })
+        .collect();
+    if entries.iter().all(|e| e.may_change == 0) {
+        return Vec::new();
+    }
+    let images: Vec<u64> = blocks[first..].par_iter().map(|words| image(words, blocks, facts)).collect();
+    let image = |block: u32| images[block as usize - first];
+    let mut nearest = Nearest::new(first, entries.len());
+    if height == 0 {
+        for last in (0..8).flat_map(|a| (a + 1..8).map(move |b| [a, b])) {
+            entries.par_iter_mut().for_each(|e| e.key = with_last(image(e.block), last));
+            compare(&mut entries, &mut nearest, |x, y, _| u64::from((x.key ^ y.key).count_ones()));
+        }
+    } else {
+        let voxels = |x: &Entry, y: &Entry, at_most| {
+            let [x, y] = [x, y].map(|e| Word::new(Node::Inner(e.block)));
+            difference(blocks, x, y, lowest_level, at_most)
+        };
+        for slot in 0..8 {
+            let others = |words: &[Word; 8]| {
+                (0..8).filter(|i| *i != slot).fold(0, |h, i| mix(h ^ u64::from(words[i].0)))
+            };
+            entries.par_iter_mut().for_each(|e| e.key = others(&blocks[e.block as usize]));
+            compare(&mut entries, &mut nearest, |x, y, at_most| match x.key == y.key {
+                true => voxels(x, y, at_most),
+                false => u64::MAX,
+            });
+        }
+        for turn in 0..8 {
+            entries.par_iter_mut().for_each(|e| e.key = image(e.block).rotate_left(8 * turn));
+            compare(&mut entries, &mut nearest, |x, y, at_most| match (x.key ^ y.key).count_ones() {
+                ..=IMAGE_BITS => voxels(x, y, at_most),
+                _ => u64::MAX,
+            });
+        }
+    }
+    nearest.candidates(|source, cells| cells << cell_bits(&facts[source as usize]))
+}
+
+/// Sorts, and offers each block the next few, `cells` apart; `cells` may stop counting above the number it is given.
+fn compare(entries: &mut [Entry], nearest: &mut Nearest, cells: impl Fn(&Entry, &Entry, u64) -> u64 + Sync) {
+    entries.par_sort_unstable();
+    let starts = (0..entries.len()).step_by(BATCH);
+    for batch in starts.map(|start| start..(start + BATCH).min(entries.len())) {
+        let of_one = |i: usize| {
+            let (x, nearest, cells) = (&entries[i], &*nearest, &cells);
+            let useful = |e: &Entry| nearest.useful(e.block).min(e.may_change);
+            entries[i + 1..].iter().take(WINDOW).flat_map(move |y| {
+                let (to_x, to_y) = (useful(x), useful(y));
+                let at_most = to_x.max(to_y);
+                let apart = if at_most == 0 { u64::MAX } else { cells(x, y, u64::from(at_most)) };
+                [(x, y, to_x), (y, x, to_y)].into_iter().filter_map(move |(source, target, most)| {
+                    let offer = || Offer { source: source.block, target: target.block, cells: apart as u32 };
+                    (apart <= u64::from(most)).then(offer)
+                })
+            })
+        };
+        let offers: Vec<Offer> = batch.into_par_iter().with_min_len(1 << 10).flat_map_iter(of_one).collect();
+        offers.into_iter().for_each(|offer| nearest.take(offer));
+    }
+}
+
+/// The same bits with two of their bytes moved last.
+fn with_last(bits: u64, [a, b]: [u32; 2]) -> u64 {
+    let byte = |i: u32| bits >> (8 * i) & 255;
+    let rest = (0..8).filter(|i| *i != a && *i != b).fold(0, |key, i| key << 8 | byte(i));
+    rest << 16 | byte(a) << 8 | byte(b)
+}
+
+fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
+    let mostly_lit = |word: Word| match word.node() {
+        Node::Inner(block) => facts[block as usize].lit >= 1 << 15,
+        Node::Mask(bits) => bits.count_ones() >= 4,
+        Node::Uniform(lit) => lit,
+    };
+    words.iter().fold(0, |image, word| {
+        let byte = match word.node() {
+            Node::Inner(block) => {
+                (0..8).fold(0, |bits, c| bits | u8::from(mostly_lit(blocks[block as usize][c])) << c)
+            }
+            Node::Mask(_) | Node::Uniform(_) => mask(*word),
+        };
+        image << 8 | u64::from(byte)
+    })
+}
+
+/// Voxels in which two nodes of one level differ; some number above `at_most` where they are more.
+fn difference(blocks: &[[Word; 8]], a: Word, b: Word, level: u32, at_most: u64) -> u64 {
+    if a == b {
+        return 0;
+    }
+    match (a.node(), b.node()) {
+        (Node::Uniform(_), Node::Uniform(_)) => 1 << (3 * level),
+        (Node::Inner(_), _) | (_, Node::Inner(_)) => {
+            let mut sum = 0;
+            for c in 0..8 {
+                let [a, b] = [a, b].map(|w| match w.node() {
+                    Node::Inner(block) => blocks[block as usize][c],
+                    Node::Mask(bits) => Word::new(Node::Uniform(bits >> c & 1 == 1)),
+                    Node::Uniform(_) => w,
+                });
+                sum += difference(blocks, a, b, level - 1, at_most - sum);
+                if sum > at_most {
+                    break;
+                }
+            }
+            sum
+        }
+        _ => u64::from((mask(a) ^ mask(b)).count_ones()) << (3 * (level - 1)),
+    }
+}
+
+/// Bits of a leaf.
+fn mask(word: Word) -> u8 {
+    match word.node() {
+        Node::Mask(bits) => bits,
+        Node::Uniform(true) => 255,
+        Node::Uniform(false) | Node::Inner(_) => 0,
+    }
+}

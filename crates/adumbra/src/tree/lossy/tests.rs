@@ -1,0 +1,232 @@
+//! Lossy merging against the voxels themselves.
+
+use super::*;
+use crate::tree::reduce::{Interned, Sink};
+use crate::tree::word::{Node, Word};
+use crate::tree::{Builder, Classify, State, morton};
+use proptest::prelude::*;
+use std::collections::HashSet;
+
+/// A space of 2^depth voxels a side, spelled out. With `coarse`, cubes of two voxels a side are cells in its upper half
+/// along x, as in a region of less depth.
+#[derive(Debug)]
+pub(in crate::tree) struct Spelled {
+    pub(in crate::tree) depth: u32,
+    coarse: bool,
+    lit: Vec<bool>,
+}
+
+impl Classify for Spelled {
+    fn is_cell(&self, xyz: [u32; 3], level: u32) -> bool {
+        level <= u32::from(self.coarse && xyz[0] >= 1 << (self.depth - 1))
+    }
+
+    fn cell(&self, xyz: [u32; 3], _: u32) -> State {
+        let [x, y, z] = xyz.map(|c| c as usize);
+        if self.lit[(x << self.depth | y) << self.depth | z] { State::Lit } else { State::Shadowed }
+    }
+
+    fn cube(&self, _: [u32; 3], _: u32) -> Option<State> {
+        None
+    }
+}
+
+/// Boxes, and single voxels turned over: repeated parts that differ a little.
+pub(in crate::tree) fn spaces() -> impl Strategy<Value = Spelled> {
+    let boxes = proptest::collection::vec((any::<[u8; 6]>(), any::<bool>()), 0..8);
+    let flips = proptest::collection::vec(any::<[u8; 3]>(), 0..24);
+    (2..6_u32, boxes, flips, 0..3_u32, any::<bool>()).prop_map(|(depth, boxes, flips, period, coarse)| {
+        let side = 1_usize << depth;
+        // The pattern repeats every 2^-period of the side.
+        let tile = (side >> period).max(2);
+        let at = |x: usize, y: usize, z: usize| (x * side + y) * side + z;
+        let mut lit = vec![false; side * side * side];
+        for (corners, state) in boxes {
+            let corners = corners.map(|c| usize::from(c) % tile);
+            let range = |a: usize| corners[a].min(corners[a + 3])..=corners[a].max(corners[a + 3]);
+            for x in range(0) {
+                for y in range(1) {
+                    for z in range(2) {
+                        lit[at(x, y, z)] = state;
+                    }
+                }
+            }
+        }
+        let pattern = lit.clone();
+        for (i, v) in lit.iter_mut().enumerate() {
+            let [x, y, z] = [i / side / side, i / side % side, i % side].map(|c| c % tile);
+            *v = pattern[at(x, y, z)];
+        }
+        for [x, y, z] in flips {
+            let [x, y, z] = [x, y, z].map(|c| usize::from(c) % side);
+            lit[at(x, y, z)] ^= true;
+        }
+        Spelled { depth, coarse, lit }
+    })
+}
+
+/// Every voxel of a tree of `depth` levels.
+pub(in crate::tree) fn all_voxels(depth: u32) -> impl Iterator<Item = [u32; 3]> {
+    let side = 1 << depth;
+    (0..1_u32 << (3 * depth)).map(move |i| [i >> (2 * depth), i >> depth & (side - 1), i & (side - 1)])
+}
+
+fn reduced(space: &impl Classify, depth: u32) -> VoxelTree {
+    let mut interned = Interned::default();
+    let root = Builder::Recursive.build(space, depth, false, &mut interned, &|_| Ok(())).unwrap();
+    interned.finish(root).number(depth)
+}
+
+fn masks(tree: &VoxelTree) -> HashSet<u8> {
+    let mask = |w: &u32| match Word(*w).node() {
+        Node::Mask(mask) => Some(mask),
+        Node::Inner(_) | Node::Uniform(_) => None,
+    };
+    tree.words().iter().filter_map(mask).collect()
+}
+
+fn differing(a: &VoxelTree, b: &VoxelTree) -> u64 {
+    all_voxels(a.depth()).filter(|&xyz| a.voxel(xyz) != b.voxel(xyz)).count() as u64
+}
+
+proptest! {
+    #[test]
+    fn lossy_changes_no_more_than_it_may_and_says_how_much(space in spaces(), share in 0.0..1.0_f64) {
+        let tree = reduced(&space, space.depth);
+        let out = merge_similar(&tree, share).unwrap();
+        let words = out.tree.words().to_vec();
+        prop_assert_eq!(VoxelTree::from_words(space.depth, words), Ok(out.tree.clone()));
+        let changed = differing(&tree, &out.tree);
+        prop_assert_eq!(out.change.changed_voxels, changed);
+        prop_assert_eq!(changed_voxels(&tree, &out.tree), changed);
+        prop_assert!(changed as f64 <= share * out.change.leaf_voxels as f64);
+        prop_assert_eq!(out.change.max_share, share);
+        prop_assert!(out.tree.words().len() as u64 + 8 * out.merged_blocks <= tree.words().len() as u64);
+        prop_assert!(masks(&out.tree).is_subset(&masks(&tree)));
+        // No block twice.
+        let blocks = Blocks::of(&out.tree).blocks;
+        prop_assert_eq!(blocks.iter().collect::<HashSet<_>>().len(), blocks.len());
+        prop_assert_eq!(merge_similar(&tree, share).unwrap(), out);
+    }
+
+    #[test]
+    fn lossy_leaf_voxels_are_those_below_leaves_of_eight(space in spaces()) {
+        let tree = reduced(&space, space.depth);
+        let cells = all_voxels(space.depth).filter(|&xyz| {
+            let (mut node, mut level) = (tree.node(0), tree.depth());
+            while let Node::Inner(first) = node {
+                level -= 1;
+                node = tree.node(first + morton::child(xyz, level));
+            }
+            // The lowest voxel of a cell stands for it.
+            matches!(node, Node::Mask(_)) && xyz.iter().all(|c| c & ((1 << (level - 1)) - 1) == 0)
+        });
+        prop_assert_eq!(leaf_voxels(&tree), cells.count() as u64);
+    }
+
+    #[test]
+    fn lossy_with_no_share_changes_nothing(space in spaces()) {
+        let tree = reduced(&space, space.depth);
+        let out = merge_similar(&tree, 0.0).unwrap();
+        prop_assert_eq!(out.change.changed_voxels, 0);
+        prop_assert_eq!(out.merged_blocks, 0);
+        prop_assert_eq!(out.tree, tree);
+    }
+
+    #[test]
+    fn lossy_counts_the_difference_of_any_two_trees(a in spaces(), b in spaces()) {
+        let [x, y] = [&a, &b].map(|s| reduced(s, s.depth));
+        let expected = if a.depth == b.depth { differing(&x, &y) } else { 1 << (3 * a.depth.max(b.depth)) };
+        prop_assert_eq!(changed_voxels(&x, &y), expected);
+        prop_assert_eq!(changed_voxels(&y, &x), expected);
+    }
+}
+
+/// Depth 3: two blocks of leaves that differ in one voxel, one of them in two places.
+fn nearly_equal() -> VoxelTree {
+    let mut blocks = Interned::default();
+    let leaf = |masks: [u8; 8]| masks.map(Word::leaf);
+    let often = blocks.block(&leaf([0xf0, 0xf0, 0x30, 0, 0, 0, 0, 1])).unwrap();
+    let once = blocks.block(&leaf([0xf0, 0xf0, 0x70, 0, 0, 0, 0, 1])).unwrap();
+    let lit = Word::LIT;
+    let root = blocks.block(&[often, lit, lit, once, lit, lit, lit, often]).unwrap();
+    blocks.finish(root).number(3)
+}
+
+#[test]
+fn lossy_worked_example() {
+    let tree = nearly_equal();
+    // Three places, four leaves of eight each.
+    assert_eq!(leaf_voxels(&tree), 3 * 4 * 8);
+    let out = merge_similar(&tree, 0.011).unwrap();
+    assert_eq!(out.change, LossyChange { max_share: 0.011, leaf_voxels: 96, changed_voxels: 1 });
+    assert_eq!((out.merged_blocks, tree.bytes(), out.tree.bytes()), (1, 4 * 25, 4 * 17));
+    // The one in a single place gave way.
+    let voxel = morton::voxel(&[3, 2, 6]);
+    assert!(tree.voxel(voxel) && !out.tree.voxel(voxel));
+    // 96 voxels times this share are less than one.
+    assert_eq!(merge_similar(&tree, 0.010).unwrap().tree, tree);
+}
+
+#[test]
+fn lossy_gathers_many_around_the_block_that_most_resemble() {
+    // Five blocks in one place each; four differ from the third in one voxel, and from each other in two.
+    let mut blocks = Interned::default();
+    let mask = |m: u8| blocks.block(&[0x0f, 0x33, m, 0, 0, 0, 0, 0].map(Word::leaf)).unwrap();
+    let [a, b, c, d, e] = [0x01, 0x05, 0x11, 0x21, 0x41].map({
+        let mut mask = mask;
+        move |m| mask(m)
+    });
+    let lit = Word::LIT;
+    let root = blocks.block(&[b, c, a, d, e, lit, lit, lit]).unwrap();
+    let tree = blocks.finish(root).number(3);
+    let out = merge_similar(&tree, 0.05).unwrap();
+    assert_eq!(leaf_voxels(&tree), 5 * 3 * 8);
+    assert_eq!((out.merged_blocks, out.change.changed_voxels), (4, 4));
+    assert_eq!(out.tree.words().len(), 17);
+}
+
+#[test]
+fn lossy_takes_whole_subtrees() {
+    // Two blocks of blocks that share all but one child: both are used once, so both of one go.
+    let mut blocks = Interned::default();
+    let low = |blocks: &mut Interned, m: u8| blocks.block(&[m, m, m, m, 0, 0, 0, 0].map(Word::leaf)).unwrap();
+    let [shared, one, other] = [0x0f, 0x33, 0x37].map(|m| low(&mut blocks, m));
+    let lit = Word::LIT;
+    let mid =
+        |blocks: &mut Interned, w: Word| blocks.block(&[shared, w, shared, lit, lit, lit, lit, lit]).unwrap();
+    let [x, y] = [one, other].map(|w| mid(&mut blocks, w));
+    let root = blocks.block(&[x, lit, lit, y, lit, lit, lit, lit]).unwrap();
+    let tree = blocks.finish(root).number(4);
+    let out = merge_similar(&tree, 4.0 / leaf_voxels(&tree) as f64).unwrap();
+    assert_eq!(out.change.changed_voxels, 4);
+    assert_eq!((tree.words().len(), out.tree.words().len()), (1 + 8 * 6, 1 + 8 * 4));
+    assert_eq!(merge_similar(&tree, 3.0 / leaf_voxels(&tree) as f64).unwrap().tree, tree);
+}
+
+#[test]
+fn lossy_does_not_depend_on_threads() {
+    let tree = nearly_equal();
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| merge_similar(&tree, 0.5).unwrap())
+    };
+    assert_eq!(on(1), on(5));
+}
+
+#[test]
+fn lossy_takes_trees_of_one_leaf() {
+    for word in [Word::LIT, Word::SHADOWED, Word::leaf(7)] {
+        let tree = VoxelTree::from_words(15, vec![word.0]).unwrap();
+        assert_eq!(merge_similar(&tree, 1.0).unwrap().tree, tree);
+    }
+}
+
+#[test]
+fn lossy_refuses_a_share_out_of_range() {
+    for share in [-0.1, 1.1, f64::NAN, f64::INFINITY] {
+        let refused = merge_similar(&nearly_equal(), share);
+        assert!(matches!(refused, Err(Error::OptionRange { option: "--lossy", .. })), "{share}");
+    }
+    assert!(merge_similar(&nearly_equal(), 1.0).is_ok());
+}
