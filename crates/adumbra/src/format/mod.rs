@@ -14,10 +14,12 @@
 mod error;
 mod header;
 mod read;
+mod words;
 mod write;
 
 pub use error::FormatError;
 pub use header::{HEADER_BYTES, MAGIC, VERSION};
+pub use words::WordsError;
 
 use crate::dag::Dag;
 use crate::light::LightGrid;

@@ -7,6 +7,7 @@
 mod blocks;
 mod build;
 mod graph;
+mod light;
 pub mod morton;
 pub mod reduce;
 mod settings;
@@ -16,6 +17,7 @@ mod word;
 pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};
+pub use light::{LightTreeError, MAX_ROOTS, dag_of_tree, tree_depth};
 pub use settings::{CaptureBias, LossyChange, TreeSettings};
 pub use space::{MAX_REGIONS, Region, Regions, TreeSpace};
 pub use word::{Node, Word};
