@@ -72,9 +72,8 @@ fn import_refuses_changed_pictures_and_leaves_the_output_alone() {
     let folder = Folder::new();
     let page = export(&folder, &bake(&folder));
     let output = folder.write("kept.adumbra", b"kept");
-    let whole = open(&page);
-    let (w, h) = whole.dimensions();
-    let rgba = DynamicImage::ImageRgba8(whole.clone());
+    let rgba = DynamicImage::ImageRgba8(open(&page));
+    let (w, h) = (rgba.width(), rgba.height());
     let save = |name: &str, picture: &DynamicImage| {
         let path = folder.path(name);
         picture.save_with_format(&path, ImageFormat::from_path(Path::new(name)).unwrap()).unwrap();
@@ -124,6 +123,7 @@ fn write_palette(path: &str, width: u32, height: u32) {
 fn export_faults_have_their_exit_codes() {
     let folder = Folder::new();
     let file = bake(&folder);
+    let page = export(&folder, &file);
     let kept = folder.write("kept.png", b"kept");
     let broken = folder.write("broken.adumbra", &fs::read(&file).unwrap()[..1000]);
     let cases: &[(&[&str], i32, &str)] = &[
@@ -133,6 +133,8 @@ fn export_faults_have_their_exit_codes() {
         (&["import", &kept], 2, "--output"),
         (&["export", &broken, "--texture", &kept], 3, "cut off"),
         (&["export", &kept, "--texture", &kept], 3, "not a shadow file"),
+        (&["export", &file, "--texture", &file], 2, "the shadow file itself"),
+        (&["import", &page, "-o", &page], 2, "the picture itself"),
         (&["export", &file, "--texture", &folder.path("no/where.png")], 3, "does not exist"),
     ];
     for (arguments, code, words) in cases {
@@ -141,4 +143,6 @@ fn export_faults_have_their_exit_codes() {
         assert!(error.contains(words), "{arguments:?}: {error}");
         assert_eq!(fs::read(&kept).unwrap(), b"kept");
     }
+    assert_eq!(adumbra(&["import", &page, "-o", &kept]).0, 0);
+    assert!(fs::read(&kept).unwrap() == fs::read(&file).unwrap(), "neither input was touched");
 }

@@ -8,10 +8,10 @@ use std::time::Instant;
 use adumbra::bake::{Options, Size, bake};
 use adumbra::dag::Dag;
 use adumbra::dag::store::{NodeState, NodeStore};
-use adumbra::format::ShadowFile;
+use adumbra::format::{FormatError, ShadowFile, WordsError};
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
-use adumbra::tree::{LightTreeError, VoxelTree, dag_of_tree, tree_depth};
+use adumbra::tree::{LightTreeError, VoxelTree, Word, dag_of_tree, tree_depth};
 use proptest::prelude::*;
 
 /// The graph of a function of voxels, outside `size` too.
@@ -72,7 +72,7 @@ fn assert_same_voxels(dag: &Dag, tree: &VoxelTree) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn light_tree_round_trip_of_random_columns(
@@ -172,6 +172,51 @@ fn light_tree_refuses_what_it_has_no_room_for() {
     assert_eq!(dag_of_tree(&tree, [8; 3], 3), Err(wrong));
     let broken = Dag { top: vec![7], ..dag_of([8; 3], 3, &|_| true) };
     assert!(matches!(VoxelTree::of_dag(&broken), Err(LightTreeError::Graph(_))));
+}
+
+#[test]
+fn light_tree_words_and_header_make_the_same_file() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../test_vectors/valid");
+    for name in ["sphere", "odd_sizes", "low_sun_tall", "all_shadowed"] {
+        let bytes = fs::read(folder.join(format!("{name}.adumbra"))).unwrap();
+        let file = ShadowFile::from_bytes(&bytes).unwrap();
+        let (tree, rest) = file.without_words().unwrap();
+        assert_eq!(rest, bytes[..384]);
+        let words = tree.into_words();
+        let mut back = Vec::new();
+        ShadowFile::with_words(&rest, words.clone()).unwrap().write_to(&mut back).unwrap();
+        assert!(back == bytes, "{name}");
+
+        let longer = [&rest[..], &[0]].concat();
+        let error = ShadowFile::with_words(&longer, words.clone()).unwrap_err();
+        assert!(matches!(error, WordsError::Format(FormatError::TrailingBytes { .. })), "{error}");
+        for length in [0, 8, 383] {
+            let error = ShadowFile::with_words(&rest[..length], words.clone()).unwrap_err();
+            assert!(matches!(error, WordsError::Format(_)), "{error}");
+        }
+        let error = ShadowFile::with_words(&rest, words[..words.len() - 1].to_vec()).unwrap_err();
+        assert!(matches!(error, WordsError::Tree(_)), "{error}");
+        let lit = vec![Word::LIT.0];
+        let error = ShadowFile::with_words(&rest, lit).unwrap_err();
+        assert!(matches!(error, WordsError::Differs { .. }), "{name}: {error}");
+    }
+}
+
+#[test]
+fn light_tree_export_refuses_a_graph_that_was_not_merged() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../test_vectors/valid/example_8.adumbra");
+    let mut file = ShadowFile::read(path).unwrap();
+    let mut dag = dag_of([16, 8, 8], 3, &|[x, y, _]| x % 8 > y % 8);
+    assert_eq!((dag.top[0], dag.top[1]), (0, 0));
+    // The second root gets a node of its own with the same children: valid, but another file than the tree gives.
+    let node = dag.nodes.clone();
+    dag.top[1] = node.len() as u32;
+    dag.nodes.extend(&node);
+    file.grid.size = dag.size;
+    file.dag = dag;
+    assert!(file.dag.validate().is_ok());
+    let error = file.without_words().unwrap_err();
+    assert!(matches!(error, WordsError::NotCanonical { .. }), "{error}");
 }
 
 fn bake_at(scene: &Scene, resolution: u64) -> Dag {

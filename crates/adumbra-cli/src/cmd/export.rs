@@ -9,9 +9,13 @@ use serde_json::json;
 use super::print_json;
 use crate::args::Export;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::bytes_words;
+use crate::output::{bytes_words, same_file};
 
 pub(crate) fn run(args: &Export) -> Outcome {
+    if same_file(&args.file, &args.texture) {
+        let what = "--texture is the shadow file itself; give the name of a PNG to write";
+        return Err(Failure::Usage(what.to_owned()));
+    }
     let parts = Parts::of(&args.file)?;
     let words = parts.words.len();
     let written = texture::write(&args.texture, &parts.words, &parts.rest, args.max_side)?;

@@ -7,10 +7,14 @@ use serde_json::json;
 use super::print_json;
 use crate::args::Import;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::bytes_words;
+use crate::output::{bytes_words, same_file};
 
 pub(crate) fn run(args: &Import) -> Outcome {
     let path = &args.texture;
+    if same_file(path, &args.output) {
+        let what = "--output is the picture itself; give the name of a shadow file to write";
+        return Err(Failure::Usage(what.to_owned()));
+    }
     let (words, rest) = texture::read(path)?;
     let count = words.len();
     // Each kind of shadow file is known by its magic and has its arm here.
