@@ -8,6 +8,7 @@ use adumbra::bake::{Options, Preset, Size};
 use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, NameFilter};
 use adumbra::settings::{Bias, Receivers};
+use adumbra::texture::{MAX_SIDE, MIN_SIDE};
 use clap::{Parser, Subcommand, ValueEnum};
 use tree::FrameArg;
 pub(crate) use tree::{TreeArgs, WeightsArg};
@@ -58,6 +59,16 @@ pub(crate) enum Verb {
         Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
     )]
     Query(Query),
+    /// Write a shadow file as RGBA8 PNGs, one 32-bit word of its tree a pixel
+    #[command(
+        after_help = "Page 0 goes to the path, page n beside it as NAME.n.png. The words are data, not colours: keep the PNGs \
+        unchanged, and load them without colour management or premultiplied alpha.\n\n\
+        Example: adumbra export city.adumbra --texture city.png"
+    )]
+    Export(Export),
+    /// Turn exported PNGs back into the shadow file, bit for bit
+    #[command(after_help = "Example: adumbra import city.png -o city.adumbra")]
+    Import(Import),
     /// Draw a scene on the CPU with a file's shadows, with rays, or where they differ
     #[command(
         after_help = "Example: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png"
@@ -407,6 +418,34 @@ pub(crate) struct Query {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) work: WorkArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Export {
+    /// Shadow file
+    pub(crate) file: PathBuf,
+    /// Where page 0 goes; page n goes beside it with its number before the ending
+    #[arg(long, value_name = "PNG")]
+    pub(crate) texture: PathBuf,
+    /// Most pixels a side of a page
+    #[arg(long, value_name = "PIXELS", default_value_t = MAX_SIDE,
+        value_parser = clap::value_parser!(u32).range(i64::from(MIN_SIDE)..=i64::from(MAX_SIDE)))]
+    pub(crate) max_side: u32,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Import {
+    /// Page 0 of an export; the others are looked for beside it
+    pub(crate) texture: PathBuf,
+    /// The shadow file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,

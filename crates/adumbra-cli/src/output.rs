@@ -25,6 +25,11 @@ pub(crate) fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
     write_whole(path, &bytes)
 }
 
+/// Whether two paths lead to one file that exists.
+pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
 /// Makes a folder and its parents.
 pub(crate) fn make_folder(path: &Path) -> Result<(), Failure> {
     Ok(std::fs::create_dir_all(path).map_err(Error::io("create", path))?)

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::format::FormatError;
+use crate::format::{FormatError, WordsError};
+use crate::texture::TextureError;
 
 /// Everything that can go wrong in this crate.
 #[derive(Debug, thiserror::Error)]
@@ -149,6 +150,22 @@ pub enum Error {
         path: PathBuf,
         /// What is wrong with it.
         source: FormatError,
+    },
+    /// A picture of words is not what an export wrote, or words do not fit pictures.
+    #[error("{path:?}: {source}", path = path.display())]
+    WordTexture {
+        /// The page's file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: TextureError,
+    },
+    /// A file has no form as words, or words no file.
+    #[error("{path:?}: {source}", path = path.display())]
+    Words {
+        /// The file, or the first page of the words.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: WordsError,
     },
     /// The caller asked to stop.
     #[error("interrupted; nothing was written")]

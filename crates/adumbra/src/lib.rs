@@ -1,7 +1,8 @@
 //! Bakes the sun's shadows of a static world into a small file that answers any point in space.
 //!
 //! Data flows one way: [`scene`] → [`light`] → [`bake`] → [`dag`] → [`mod@format`] → [`query`]; [`trace`] is the truth
-//! that [`verify`] compares the answers with, and [`picture`] draws both. One polarity everywhere: *visibility*,
+//! that [`verify`] compares the answers with, and [`picture`] draws both. [`tree`] is the paper's form of the same answers,
+//! and [`texture`] keeps its words in pictures. One polarity everywhere: *visibility*,
 //! 1 = unoccluded.
 //!
 //! ```no_run
@@ -31,6 +32,7 @@ pub mod picture;
 pub mod query;
 pub mod scene;
 pub mod settings;
+pub mod texture;
 pub mod trace;
 pub mod tree;
 pub mod verify;

@@ -5,7 +5,9 @@ mod bake_tree;
 mod bench;
 mod bench_tree;
 mod demo;
+mod export;
 mod generate;
+mod import;
 mod info;
 mod inspect;
 mod lookup;
@@ -33,6 +35,8 @@ pub(crate) fn run(args: Args) -> Outcome {
         Verb::Info(a) => info::run(&a),
         Verb::Verify(a) => verify::run(&a),
         Verb::Query(a) => query::run(&a),
+        Verb::Export(a) => export::run(&a),
+        Verb::Import(a) => import::run(&a),
         Verb::Render(a) => render::run(&a),
         Verb::Bench(a) => bench::run(&a),
         Verb::Demo(a) => demo::run(&a),

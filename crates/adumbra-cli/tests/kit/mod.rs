@@ -1,5 +1,7 @@
 //! What the program's tests share: a folder that goes away, runs of the program, small scenes.
 
+#![allow(dead_code, reason = "each test program uses a part")]
+
 use std::fs;
 use std::process::{Command, Output};
 

@@ -20,12 +20,14 @@ mod header;
 mod read;
 mod sections;
 pub mod tree;
+mod words;
 mod write;
 
 pub use any::AnyFile;
 pub use error::FormatError;
 pub use header::{HEADER_BYTES, MAGIC, VERSION};
 pub use tree::{AttributeKind, SymmetricBody, TreeBody, TreeFile};
+pub use words::WordsError;
 
 use crate::dag::Dag;
 use crate::light::LightGrid;

@@ -45,7 +45,7 @@ impl ShadowFile {
     }
 
     /// The header of a valid file.
-    fn header(&self) -> Result<Header, FormatError> {
+    pub(super) fn header(&self) -> Result<Header, FormatError> {
         let dag = &self.dag;
         if dag.size != self.grid.size {
             return Err(field("size", format!("{:?}", dag.size), format!("the grid's {:?}", self.grid.size)));

@@ -92,6 +92,11 @@ impl VoxelTree {
         &self.words
     }
 
+    /// All words, root first, without a copy.
+    pub fn into_words(self) -> Vec<u32> {
+        self.words
+    }
+
     /// Bytes of the words.
     pub fn bytes(&self) -> u64 {
         self.words.len() as u64 * 4

@@ -1,0 +1,65 @@
+//! `adumbra export`: a shadow file as PNG pages of words.
+
+use std::path::Path;
+
+use adumbra::format::ShadowFile;
+use adumbra::{Error, texture};
+use serde_json::json;
+
+use super::print_json;
+use crate::args::Export;
+use crate::exit::{Code, Failure, Outcome};
+use crate::output::{bytes_words, same_file};
+
+pub(crate) fn run(args: &Export) -> Outcome {
+    if same_file(&args.file, &args.texture) {
+        let what = "--texture is the shadow file itself; give the name of a PNG to write";
+        return Err(Failure::Usage(what.to_owned()));
+    }
+    let parts = Parts::of(&args.file)?;
+    let words = parts.words.len();
+    let written = texture::write(&args.texture, &parts.words, &parts.rest, args.max_side)?;
+    let layout = written.layout;
+    if args.json {
+        print_json(&json!({
+            "file": args.file.display().to_string(),
+            "file_bytes": parts.file_bytes,
+            "kind": parts.kind,
+            "texture": args.texture.display().to_string(),
+            "words": words,
+            "pages": layout.pages,
+            "width": layout.width,
+            "rows": layout.rows,
+            "texture_bytes": written.bytes,
+        }));
+    } else {
+        say!(
+            "{}: {words} words on {} of {} pixels a row, {}",
+            args.texture.display(),
+            if layout.pages == 1 { "a page".to_owned() } else { format!("{} pages", layout.pages) },
+            layout.width,
+            bytes_words(written.bytes)
+        );
+    }
+    Ok(Code::Fine)
+}
+
+/// A file as a picture holds it.
+struct Parts {
+    kind: &'static str,
+    words: Vec<u32>,
+    /// What a file of this kind is made of besides its words; its first eight bytes are the file's magic.
+    rest: Vec<u8>,
+    file_bytes: u64,
+}
+
+impl Parts {
+    /// Each kind of shadow file has its arm here and one in `import`.
+    fn of(path: &Path) -> Result<Self, Failure> {
+        let file = ShadowFile::read(path)?;
+        let (tree, rest) =
+            file.without_words().map_err(|source| Error::Words { path: path.to_owned(), source })?;
+        let words = tree.into_words();
+        Ok(Self { kind: "light-aligned", words, rest, file_bytes: file.encoded_len() })
+    }
+}

@@ -1,0 +1,48 @@
+//! `adumbra import`: PNG pages of words back into the shadow file that they were exported from.
+
+use adumbra::format::{MAGIC, ShadowFile};
+use adumbra::{Error, texture};
+use serde_json::json;
+
+use super::print_json;
+use crate::args::Import;
+use crate::exit::{Code, Failure, Outcome};
+use crate::output::{bytes_words, same_file};
+
+pub(crate) fn run(args: &Import) -> Outcome {
+    let path = &args.texture;
+    if same_file(path, &args.output) {
+        let what = "--output is the picture itself; give the name of a shadow file to write";
+        return Err(Failure::Usage(what.to_owned()));
+    }
+    let (words, rest) = texture::read(path)?;
+    let count = words.len();
+    // Each kind of shadow file is known by its magic and has its arm here.
+    let (kind, file_bytes) = match rest.first_chunk::<8>() {
+        Some(&MAGIC) => {
+            let file = ShadowFile::with_words(&rest, words)
+                .map_err(|source| Error::Words { path: path.clone(), source })?;
+            ("light-aligned", file.write(&args.output)?)
+        }
+        _ => {
+            let start = rest[..rest.len().min(8)].escape_ascii();
+            return Err(Failure::BadInput(format!(
+                "{:?}: its words are of a kind of file that begins with \"{start}\", which this program does not \
+                know; import it with the program that exported it",
+                path.display().to_string()
+            )));
+        }
+    };
+    if args.json {
+        print_json(&json!({
+            "file": args.output.display().to_string(),
+            "file_bytes": file_bytes,
+            "kind": kind,
+            "texture": path.display().to_string(),
+            "words": count,
+        }));
+    } else {
+        say!("{}: {} from {count} words", args.output.display(), bytes_words(file_bytes));
+    }
+    Ok(Code::Fine)
+}
