@@ -88,7 +88,7 @@ impl TreeFile {
     }
 
     fn collect(&self, left_out: Option<usize>) -> Vec<u8> {
-        let mut all = Vec::new();
+        let mut all = Vec::with_capacity(usize::try_from(self.encoded_len()).unwrap_or(0));
         let Ok(()) = self.emit(left_out, &mut |bytes| {
             all.extend_from_slice(bytes);
             Ok::<(), Infallible>(())
