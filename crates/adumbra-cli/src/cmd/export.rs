@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use adumbra::format::ShadowFile;
+use adumbra::format::{AnyFile, TreeBody};
 use adumbra::{Error, texture};
 use serde_json::json;
 
@@ -56,10 +56,27 @@ struct Parts {
 impl Parts {
     /// Each kind of shadow file has its arm here and one in `import`.
     fn of(path: &Path) -> Result<Self, Failure> {
-        let file = ShadowFile::read(path)?;
-        let (tree, rest) =
-            file.without_words().map_err(|source| Error::Words { path: path.to_owned(), source })?;
-        let words = tree.into_words();
-        Ok(Self { kind: "light-aligned", words, rest, file_bytes: file.encoded_len() })
+        let file = AnyFile::read(path)?;
+        let file_bytes = match &file {
+            AnyFile::Light(file) => file.encoded_len(),
+            AnyFile::Tree(file) => file.encoded_len(),
+        };
+        let (kind, words, rest) = match file {
+            AnyFile::Light(file) => {
+                let (tree, rest) =
+                    file.without_words().map_err(|source| Error::Words { path: path.to_owned(), source })?;
+                ("light-aligned", tree.into_words(), rest)
+            }
+            AnyFile::Tree(file) => match (file.without_words(), file.body) {
+                (Some(rest), TreeBody::Words(tree)) => ("world-aligned", tree.into_words(), rest),
+                _ => {
+                    return Err(Failure::BadInput(format!(
+                        "{}: holds a symmetric tree, which has no words; bake it without --symmetry",
+                        path.display()
+                    )));
+                }
+            },
+        };
+        Ok(Self { kind, words, rest, file_bytes })
     }
 }

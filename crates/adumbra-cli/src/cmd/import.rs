@@ -1,6 +1,7 @@
 //! `adumbra import`: PNG pages of words back into the shadow file that they were exported from.
 
-use adumbra::format::{MAGIC, ShadowFile};
+use adumbra::format::tree::TREE_MAGIC;
+use adumbra::format::{MAGIC, ShadowFile, TreeFile};
 use adumbra::{Error, texture};
 use serde_json::json;
 
@@ -23,6 +24,11 @@ pub(crate) fn run(args: &Import) -> Outcome {
             let file = ShadowFile::with_words(&rest, words)
                 .map_err(|source| Error::Words { path: path.clone(), source })?;
             ("light-aligned", file.write(&args.output)?)
+        }
+        Some(&TREE_MAGIC) => {
+            let file = TreeFile::with_words(&rest, &words)
+                .map_err(|source| Error::Format { path: path.clone(), source })?;
+            ("world-aligned", file.write(&args.output)?)
         }
         _ => {
             let start = rest[..rest.len().min(8)].escape_ascii();

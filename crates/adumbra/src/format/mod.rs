@@ -26,7 +26,7 @@ mod write;
 pub use any::AnyFile;
 pub use error::FormatError;
 pub use header::{HEADER_BYTES, MAGIC, VERSION};
-pub use tree::{AttributeKind, SymmetricBody, TreeBody, TreeFile};
+pub use tree::{AttributeKind, TreeBody, TreeFile};
 pub use words::WordsError;
 
 use crate::dag::Dag;

@@ -18,7 +18,7 @@ mod leaf_voxels;
 mod read;
 mod write;
 
-pub use body::{SymmetricBody, SymmetricBytes, TreeBody};
+pub use body::TreeBody;
 pub use header::{TREE_HEADER_BYTES, TREE_MAGIC, TREE_VERSION};
 pub use leaf_voxels::leaf_voxels;
 
