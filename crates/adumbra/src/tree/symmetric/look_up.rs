@@ -25,7 +25,7 @@ const SHIFT: [u32; 8] = [0, 0, 0, 0, 0, 0, 3, 3];
 fn spread(coordinate: u32) -> u64 {
     let c = u64::from(coordinate & 0x7fff);
     let c = (c | c << 16) & 0x0000_0000_ff00_00ff;
-    let c = (c | c << 8) & 0x0000_000f_00f0_0f00_f;
+    let c = (c | c << 8) & 0x0000_00f0_0f00_f00f;
     let c = (c | c << 4) & 0x0000_0c30_c30c_30c3;
     (c | c << 2) & EVERY_LEVEL
 }

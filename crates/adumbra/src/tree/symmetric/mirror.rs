@@ -162,9 +162,8 @@ impl Mirrored {
             Node::Inner(index) => self.smallest.mirrored(word, turns[Image::of(index).node as usize]),
             Node::Uniform(_) | Node::Mask(_) => word,
         };
-        self.root = turned(self.root);
-        for block in &mut self.nodes {
-            *block = block.map(turned);
+        for word in self.nodes.as_flattened_mut().iter_mut().chain([&mut self.root]) {
+            *word = turned(*word);
         }
     }
 }

@@ -2,7 +2,25 @@
 //!
 //! Source: Jaspe Villanueva, Marton, Gobbetti, *SSVDAGs: Symmetry-aware Sparse Voxel DAGs* (2016). Departures: children
 //! have kinds of three bits, not two; leaves of eight voxels stand in their parent; a node that is used once follows its
-//! parent; nodes are turned to the image that is used most, so that most pointers need no mirror bits.
+//! parent; nodes are turned to the image that is used most, so that most pointers need no mirror bits. `node.rs` has the bit
+//! table.
+//!
+//! Measured on made-up worlds of 2^11 voxels a side under a slanted sun, insides of solids free: 400 boxes along the
+//! axes, 400 turned ones, a landscape. Bytes as a share of the words':
+//!
+//! | layout | boxes | turned | landscape |
+//! |---|---|---|---|
+//! | pointers of 2, 3, 4 bytes by use alone | 0.367 | 0.374 | 0.304 |
+//! | the same with 1 byte and two sets of 2 | 0.339 | 0.350 | 0.269 |
+//! | this one without the kind of no bytes | 0.344 | 0.350 | 0.273 |
+//! | this one | 0.311 | 0.321 | 0.252 |
+//! | the first with mirrors | 0.381 | 0.384 | 0.312 |
+//! | this one with mirrors | 0.317 | 0.328 | 0.258 |
+//!
+//! Mirrors take away 3 % of the nodes there, up to 7 % at 2^9 a side, but make pointers wider, and so lose more than they
+//! gain from 2^10 on: a slanted sun leaves few images in a world's shadows. Addresses in units of 2 bytes lost 0.5 to
+//! 11 % at 2^9 whatever the layout, of 4 bytes 8 to 26 %. At 2^10 a look-up takes 21 to 30 ns at random voxels, where words
+//! take 14 to 20; 59 to 70 ns where it ends in one of eight voxels, where words take 22 to 32.
 
 mod decode;
 mod encode;
