@@ -577,11 +577,7 @@ pub(crate) struct BenchTree {
     #[arg(long, value_name = "DIR")]
     pub(crate) scenes: PathBuf,
     /// Scene files in that folder; primitives and landscape are made
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "primitives,landscape,zdm2.glb,kaykit_city_21.glb"
-    )]
+    #[arg(long, value_delimiter = ',', default_value = "primitives,landscape,zdm2.glb,kaykit_city_21.glb")]
     pub(crate) names: Vec<String>,
     /// Depths of the builders' tables
     #[arg(long, value_delimiter = ',', default_value = "8,9,10,11,12",

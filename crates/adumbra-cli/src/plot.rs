@@ -57,8 +57,11 @@ pub(crate) fn write_svg(path: &Path, panels: &[Panel]) -> Result<(), Failure> {
         root.fill(&WHITE).map_err(|e| refused(&e))?;
         for (area, panel) in root.split_evenly((rows, columns)).iter().zip(panels) {
             let y = y_range(panel);
-            let drawn =
-                if panel.logarithmic { draw(area, panel, y.log_scale(), 1e-9) } else { draw(area, panel, y, 0.0) };
+            let drawn = if panel.logarithmic {
+                draw(area, panel, y.log_scale(), 1e-9)
+            } else {
+                draw(area, panel, y, 0.0)
+            };
             drawn.map_err(|e| refused(&e))?;
         }
         root.present().map_err(|e| refused(&e))?;
@@ -126,7 +129,8 @@ where
     let width = 0.8 / panel.series.len() as f64;
     for (i, series) in panel.series.iter().enumerate() {
         let color = COLORS[i % COLORS.len()];
-        let points: Vec<_> = series.points.iter().copied().filter(|p| p.1.is_finite() && p.1 > floor).collect();
+        let points: Vec<_> =
+            series.points.iter().copied().filter(|p| p.1.is_finite() && p.1 > floor).collect();
         let drawn = if names.is_some() {
             let left = |x: f64| x - 0.4 + width * i as f64;
             chart.draw_series(points.iter().map(|&(x, y)| {
@@ -159,6 +163,7 @@ fn short(y: f64) -> String {
         a if a >= 0.01 || a == 0.0 => (y, ""),
         _ => return format!("{y:.1e}"),
     };
-    let decimals = if scaled.abs() < 1.0 { 2 } else { usize::from(scaled.abs() < 10.0 && scaled.fract() != 0.0) };
+    let decimals =
+        if scaled.abs() < 1.0 { 2 } else { usize::from(scaled.abs() < 10.0 && scaled.fract() != 0.0) };
     format!("{scaled:.decimals$}{unit}")
 }

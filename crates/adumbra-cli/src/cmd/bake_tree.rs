@@ -118,13 +118,20 @@ fn finish(
         extras.sentences.push(format!("penumbra: {} beside the tree", bytes_words(attribute.len() as u64)));
     }
     let body = if args.settings.tree.symmetry {
-        let symmetric = SymmetricTree::of(&tree, true);
-        extras.body_bytes = symmetric.bytes().len() as u64;
+        // Mirrors share more nodes but widen pointers: which wins depends on the scene.
+        let [narrow, mirrored] = [SymmetricTree::of(&tree, false)?, SymmetricTree::of(&tree, true)?];
+        let bytes = [&narrow, &mirrored].map(|t| t.bytes().len() as u64);
+        let mirrors = bytes[1] < bytes[0];
+        extras.body_bytes = bytes[0].min(bytes[1]);
+        extras.figures.push(("bytes_without_mirrors", json!(bytes[0])));
+        extras.figures.push(("bytes_with_mirrors", json!(bytes[1])));
         extras.sentences.push(format!(
-            "symmetry: {} -> {}",
+            "symmetry: {} -> {} with variable-width pointers, {} with mirrors too; the smaller is kept",
             bytes_words(tree.bytes()),
-            bytes_words(extras.body_bytes)
+            bytes_words(bytes[0]),
+            bytes_words(bytes[1])
         ));
+        let symmetric = if mirrors { mirrored } else { narrow };
         TreeBody::Symmetric(symmetric)
     } else {
         extras.body_bytes = tree.bytes();

@@ -57,10 +57,7 @@ impl Parts {
     /// Each kind of shadow file has its arm here and one in `import`.
     fn of(path: &Path) -> Result<Self, Failure> {
         let file = AnyFile::read(path)?;
-        let file_bytes = match &file {
-            AnyFile::Light(file) => file.encoded_len(),
-            AnyFile::Tree(file) => file.encoded_len(),
-        };
+        let file_bytes = file.encoded_len();
         let (kind, words, rest) = match file {
             AnyFile::Light(file) => {
                 let (tree, rest) =

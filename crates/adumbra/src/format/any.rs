@@ -17,6 +17,14 @@ pub enum AnyFile {
 }
 
 impl AnyFile {
+    /// Bytes of the file.
+    pub fn encoded_len(&self) -> u64 {
+        match self {
+            Self::Light(file) => file.encoded_len(),
+            Self::Tree(file) => file.encoded_len(),
+        }
+    }
+
     /// Reads and checks the file at `path`; the header first.
     ///
     /// # Errors

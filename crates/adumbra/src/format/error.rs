@@ -2,6 +2,7 @@
 
 use crate::dag::GraphError;
 use crate::tree::TreeError;
+use crate::tree::symmetric::SymmetricError;
 
 /// What is wrong with a shadow file: what, where, and what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -132,6 +133,13 @@ pub enum FormatError {
         #[from]
         fault: TreeError,
     },
+    /// The symmetric body is not valid.
+    #[error("the symmetric tree is not valid: {fault}; bake it again")]
+    Symmetric {
+        /// What is wrong with it.
+        #[from]
+        fault: SymmetricError,
+    },
 }
 
 impl FormatError {
@@ -151,6 +159,7 @@ impl FormatError {
             Self::Graph { .. } => "Graph",
             Self::Region { .. } => "Region",
             Self::Tree { .. } => "Tree",
+            Self::Symmetric { .. } => "Symmetric",
         }
     }
 
@@ -166,6 +175,18 @@ impl FormatError {
                 TreeError::Order { .. } => "Order",
                 TreeError::TooDeep { .. } => "TooDeep",
                 TreeError::NotMerged { .. } => "NotMerged",
+            }),
+            Self::Symmetric { fault } => Some(match fault {
+                SymmetricError::Depth { .. } => "Depth",
+                SymmetricError::Length { .. } => "Length",
+                SymmetricError::Flags { .. } => "Flags",
+                SymmetricError::Root { .. } => "Root",
+                SymmetricError::Cut { .. } => "Cut",
+                SymmetricError::NotMerged { .. } => "NotMerged",
+                SymmetricError::Mask { .. } => "Mask",
+                SymmetricError::Pointer { .. } => "Pointer",
+                SymmetricError::TooDeep { .. } => "TooDeep",
+                SymmetricError::Unreached { .. } => "Unreached",
             }),
             _ => None,
         }

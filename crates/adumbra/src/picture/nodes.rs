@@ -35,7 +35,7 @@ pub fn nodes_by_size(tree: &VoxelTree, y: u32, pixels: u32) -> Picture {
             let (lit, level) = tree.find([column / pixels, y, row / pixels]);
             let color = LEVEL_COLORS[(level as usize).min(LEVEL_COLORS.len() - 1)];
             let leaf_pixels = pixels << level;
-            let on_rim = |c: u32| c % leaf_pixels == 0;
+            let on_rim = |c: u32| c.is_multiple_of(leaf_pixels);
             let rim = leaf_pixels > 2 && (on_rim(row) || on_rim(column));
             let shade = if lit { 1.0 } else { SHADOWED } * if rim { RIM } else { 1.0 };
             rgb.extend(color.map(|c| srgb8(c * shade)));

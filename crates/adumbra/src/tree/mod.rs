@@ -12,9 +12,9 @@ mod depth_image;
 mod graph;
 #[cfg(test)]
 mod kit;
+mod light;
 mod lit_space;
 pub mod lossy;
-mod light;
 pub mod morton;
 pub mod reduce;
 mod settings;

@@ -37,9 +37,8 @@ fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<Value, Failur
     let base = TreeOptions { prune, ..tree_options(depth)? };
     let prepared = PreparedTree::new(&scene.scene, &base)?;
     let never = AtomicBool::new(false);
-    let build = |builder, reduction| {
-        prepared.build(&TreeOptions { builder, reduction, ..base.clone() }, &never)
-    };
+    let build =
+        |builder, reduction| prepared.build(&TreeOptions { builder, reduction, ..base.clone() }, &never);
     let mut seconds: [Vec<f64>; 4] = Default::default();
     let mut last = Vec::new();
     for _ in 0..args.runs {
@@ -194,14 +193,20 @@ fn plots(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), 
         |part: &'static str, whole: &'static str| move |r: &Value| 100.0 * number(r, part) / number(r, whole);
     let merging = by_scene(&ratio("/merged_bytes", "/complete_bytes"));
     let sharing = by_scene(&ratio("/graph_bytes", "/merged_bytes"));
-    write_svg(&args.output.join("tree-merging.svg"), &[
-        panel("after upward merging (Fig. 3-2)".to_owned(), "% of the complete tree", true, merging),
-        panel("after sharing by hash (Fig. 3-5)".to_owned(), "% of the merged tree", false, sharing),
-    ])?;
+    write_svg(
+        &args.output.join("tree-merging.svg"),
+        &[
+            panel("after upward merging (Fig. 3-2)".to_owned(), "% of the complete tree", true, merging),
+            panel("after sharing by hash (Fig. 3-5)".to_owned(), "% of the merged tree", false, sharing),
+        ],
+    )?;
     let time = by_scene(&|r| number(r, "/seconds/recursive") / number(r, "/seconds/sort"));
     let held = by_scene(&|r| number(r, "/held_bytes/hash") / number(r, "/held_bytes/sort"));
-    write_svg(&args.output.join("tree-reductions.svg"), &[
-        panel("hash against sort: time".to_owned(), "hash / sort", false, time),
-        panel("hash against sort: bytes held".to_owned(), "hash / sort", false, held),
-    ])
+    write_svg(
+        &args.output.join("tree-reductions.svg"),
+        &[
+            panel("hash against sort: time".to_owned(), "hash / sort", false, time),
+            panel("hash against sort: bytes held".to_owned(), "hash / sort", false, held),
+        ],
+    )
 }

@@ -177,12 +177,7 @@ fn beside(pictures: &[Picture], columns: usize) -> Picture {
             rgb[to..to + width * 3].copy_from_slice(&picture.rgb[from..from + width * 3]);
         }
     }
-    Picture {
-        width: (width * columns) as u32,
-        height: (height * rows) as u32,
-        rgb,
-        difference_share: None,
-    }
+    Picture { width: (width * columns) as u32, height: (height * rows) as u32, rgb, difference_share: None }
 }
 
 fn markdown(args: &BenchTree, rows: &[Value]) -> String {

@@ -58,7 +58,8 @@ fn scene_rows(args: &BenchTree, scene: &BenchScene) -> Result<Vec<Value>, Failur
         None,
         timer.nanoseconds(|v| u32::from(tree.voxel(v))),
     )];
-    for (mirrors, name) in [(false, "variable-width pointers"), (true, "mirrors and variable-width pointers")] {
+    for (mirrors, name) in [(false, "variable-width pointers"), (true, "mirrors and variable-width pointers")]
+    {
         let start = Instant::now();
         let symmetric = SymmetricTree::of(tree, mirrors)?;
         let seconds = start.elapsed().as_secs_f64();
@@ -189,8 +190,11 @@ fn plot(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), F
         logarithmic: false,
         series: series(key),
     };
-    write_svg(&args.output.join("tree-options.svg"), &[
-        panel("bytes by option", "× plain words", "times_plain"),
-        panel("cost of a look-up", "nanoseconds", "nanoseconds"),
-    ])
+    write_svg(
+        &args.output.join("tree-options.svg"),
+        &[
+            panel("bytes by option", "× plain words", "times_plain"),
+            panel("cost of a look-up", "nanoseconds", "nanoseconds"),
+        ],
+    )
 }

@@ -95,7 +95,7 @@ pub(super) fn check(depth: u32, bytes: &[u8]) -> Result<u64, SymmetricError> {
     if !(1..=MAX_DEPTH).contains(&depth) {
         return Err(E::Depth { depth });
     }
-    if bytes.len() < BODY_HEADER_BYTES + 4 || bytes.len() % 4 != 0 || bytes.len() > 1 << 31 {
+    if bytes.len() < BODY_HEADER_BYTES + 4 || !bytes.len().is_multiple_of(4) || bytes.len() > 1 << 31 {
         return Err(E::Length { bytes: bytes.len() });
     }
     let flags = node::word_at(bytes, 0);
