@@ -26,6 +26,7 @@ pub(crate) fn run(args: &Export) -> Outcome {
             "file_bytes": parts.file_bytes,
             "kind": parts.kind,
             "texture": args.texture.display().to_string(),
+            "depth": parts.depth,
             "words": words,
             "pages": layout.pages,
             "width": layout.width,
@@ -47,6 +48,8 @@ pub(crate) fn run(args: &Export) -> Outcome {
 /// A file as a picture holds it.
 struct Parts {
     kind: &'static str,
+    /// Levels of the tree: 2^depth voxels a side.
+    depth: u32,
     words: Vec<u32>,
     /// What a file of this kind is made of besides its words; its first eight bytes are the file's magic.
     rest: Vec<u8>,
@@ -59,7 +62,7 @@ impl Parts {
         let file = ShadowFile::read(path)?;
         let (tree, rest) =
             file.without_words().map_err(|source| Error::Words { path: path.to_owned(), source })?;
-        let words = tree.into_words();
-        Ok(Self { kind: "light-aligned", words, rest, file_bytes: file.encoded_len() })
+        let (depth, words) = (tree.depth(), tree.into_words());
+        Ok(Self { kind: "light-aligned", depth, words, rest, file_bytes: file.encoded_len() })
     }
 }

@@ -10,7 +10,7 @@ use super::{Layout, Page, Stream, TextureError};
 use crate::error::{Error, Result};
 use crate::files::{check_output, replace_file};
 
-/// What [`write`] wrote.
+/// What [`write()`] wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Written {
     /// Sizes and number of the pages.
