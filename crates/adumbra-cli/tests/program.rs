@@ -338,7 +338,10 @@ fn inspect_says_what_a_scene_holds() {
 
 #[test]
 fn every_verb_shows_an_example() {
-    for verb in ["generate", "inspect", "bake", "info", "verify", "query", "render", "bench", "demo"] {
+    for verb in [
+        "generate", "inspect", "bake", "info", "verify", "query", "export", "import", "render", "bench",
+        "demo",
+    ] {
         let output = Command::new(program()).args([verb, "--help"]).output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let text = String::from_utf8(output.stdout).unwrap();

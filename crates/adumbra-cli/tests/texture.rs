@@ -36,6 +36,7 @@ fn export_and_import_give_the_same_bytes() {
     let exported = json(&["export", &file, "--texture", &page, "--json"]);
     assert_eq!(exported["pages"], 1);
     assert_eq!(exported["kind"], "light-aligned");
+    assert!(exported["depth"].as_u64().unwrap() >= 8);
     assert_eq!(exported["file_bytes"].as_u64(), Some(fs::metadata(&file).unwrap().len()));
     assert_eq!(exported["texture_bytes"].as_u64(), Some(fs::metadata(&page).unwrap().len()));
     let back = folder.path("back.adumbra");
@@ -132,7 +133,7 @@ fn export_faults_have_their_exit_codes() {
         (&["export", &file, "--texture", &kept, "--max-side", "8193"], 2, "8193"),
         (&["import", &kept], 2, "--output"),
         (&["export", &broken, "--texture", &kept], 3, "cut off"),
-        (&["export", &kept, "--texture", &kept], 3, "not a shadow file"),
+        (&["export", &kept, "--texture", &page], 3, "not a shadow file"),
         (&["export", &file, "--texture", &file], 2, "the shadow file itself"),
         (&["import", &page, "-o", &page], 2, "the picture itself"),
         (&["export", &file, "--texture", &folder.path("no/where.png")], 3, "does not exist"),

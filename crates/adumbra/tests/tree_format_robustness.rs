@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 use adumbra::Error;
 use adumbra::format::tree::{TREE_HEADER_BYTES, leaf_voxels};
-use adumbra::format::{AnyFile, AttributeKind, FormatError, ShadowFile, SymmetricBody, TreeBody, TreeFile};
+use adumbra::format::{AnyFile, AttributeKind, FormatError, ShadowFile, TreeBody, TreeFile};
+use adumbra::tree::symmetric::SymmetricTree;
 use adumbra::scene::Bounds;
 use adumbra::tree::{Blocks, LossyChange, Node, Region, Regions, VoxelTree, Word};
 use serde_json::Value;
@@ -242,9 +243,13 @@ fn tree_fuzz_input_of_even_first_byte_gets_its_checksums() {
 #[test]
 fn tree_symmetric_body_comes_back() {
     let mut file = file("regions");
-    let stream: Vec<u8> = (0..77).collect();
-    file.body = TreeBody::Symmetric(SymmetricBody::from_bytes(6, stream).unwrap());
-    assert_eq!(exercise(&file.encode()).unwrap(), file);
+    let TreeBody::Words(tree) = &file.body else { panic!("the vector holds words") };
+    let tree = tree.clone();
+    for mirrors in [false, true] {
+        file.body = TreeBody::Symmetric(SymmetricTree::of(&tree, mirrors).unwrap());
+        assert_eq!(exercise(&file.encode()).unwrap(), file);
+    }
+    assert_eq!(file.without_words(), None);
     (file.attribute, file.attribute_kind) = (vec![0], Some(AttributeKind::Penumbra));
     assert_eq!(exercise(&file.encode()).unwrap_err(), file.check().unwrap_err());
     assert_eq!(file.check().unwrap_err().kind(), "HeaderField");

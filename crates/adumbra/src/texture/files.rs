@@ -10,7 +10,7 @@ use super::{Layout, Page, Stream, TextureError};
 use crate::error::{Error, Result};
 use crate::files::{check_output, replace_file};
 
-/// What [`write`] wrote.
+/// What [`write()`] wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Written {
     /// Sizes and number of the pages.
@@ -56,7 +56,7 @@ pub fn write(path: &Path, words: &[u32], rest: &[u8], max_side: u32) -> Result<W
     Ok(Written { layout, bytes })
 }
 
-/// Reads what [`write`] wrote at `path`: the words and the rest, bit for bit.
+/// Reads what [`write()`] wrote at `path`: the words and the rest, bit for bit.
 ///
 /// # Errors
 /// [`Error::Io`] where the system refuses, [`Error::WordTexture`] with the page's file where it is not what was written.
