@@ -25,6 +25,7 @@ pub(crate) fn run(args: &Export) -> Outcome {
             "file": args.file.display().to_string(),
             "file_bytes": parts.file_bytes,
             "kind": parts.kind,
+            "depth": parts.depth,
             "texture": args.texture.display().to_string(),
             "words": words,
             "pages": layout.pages,
@@ -47,6 +48,8 @@ pub(crate) fn run(args: &Export) -> Outcome {
 /// A file as a picture holds it.
 struct Parts {
     kind: &'static str,
+    /// Levels of the tree: 2^depth voxels a side.
+    depth: u32,
     words: Vec<u32>,
     /// What a file of this kind is made of besides its words; its first eight bytes are the file's magic.
     rest: Vec<u8>,
@@ -58,14 +61,14 @@ impl Parts {
     fn of(path: &Path) -> Result<Self, Failure> {
         let file = AnyFile::read(path)?;
         let file_bytes = file.encoded_len();
-        let (kind, words, rest) = match file {
+        let (kind, tree, rest) = match file {
             AnyFile::Light(file) => {
                 let (tree, rest) =
                     file.without_words().map_err(|source| Error::Words { path: path.to_owned(), source })?;
-                ("light-aligned", tree.into_words(), rest)
+                ("light-aligned", tree, rest)
             }
             AnyFile::Tree(file) => match (file.without_words(), file.body) {
-                (Some(rest), TreeBody::Words(tree)) => ("world-aligned", tree.into_words(), rest),
+                (Some(rest), TreeBody::Words(tree)) => ("world-aligned", tree, rest),
                 _ => {
                     return Err(Failure::BadInput(format!(
                         "{}: holds a symmetric tree, which has no words; bake it without --symmetry",
@@ -74,6 +77,6 @@ impl Parts {
                 }
             },
         };
-        Ok(Self { kind, words, rest, file_bytes })
+        Ok(Self { kind, depth: tree.depth(), words: tree.into_words(), rest, file_bytes })
     }
 }
