@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::choose::Candidate;
 use super::nearest::{Nearest, Offer};
-use super::round::Facts;
+use super::round::{Facts, lit};
 use crate::dag::store::mix;
 use crate::tree::word::{Node, Word};
 
@@ -60,7 +60,7 @@ pub(super) fn find(
     } else {
         let voxels = |x: &Entry, y: &Entry, at_most| {
             let [x, y] = [x, y].map(|e| Word::new(Node::Inner(e.block)));
-            difference(blocks, x, y, lowest_level, at_most)
+            difference(blocks, facts, [x, y], lowest_level, at_most)
         };
         for slot in 0..8 {
             let others = |words: &[Word; 8]| {
@@ -72,8 +72,8 @@ pub(super) fn find(
                 false => u64::MAX,
             });
         }
-        for turn in 0..8 {
-            entries.par_iter_mut().for_each(|e| e.key = image(e.block).rotate_left(8 * turn));
+        for turn in [0, 32] {
+            entries.par_iter_mut().for_each(|e| e.key = image(e.block).rotate_left(turn));
             compare(&mut entries, &mut nearest, |x, y, at_most| match (x.key ^ y.key).count_ones() {
                 ..=IMAGE_BITS => voxels(x, y, at_most),
                 _ => u64::MAX,
@@ -114,11 +114,7 @@ fn with_last(bits: u64, [a, b]: [u32; 2]) -> u64 {
 }
 
 fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
-    let mostly_lit = |word: Word| match word.node() {
-        Node::Inner(block) => facts[block as usize].lit >= 1 << 15,
-        Node::Mask(bits) => bits.count_ones() >= 4,
-        Node::Uniform(lit) => lit,
-    };
+    let mostly_lit = |word: Word| lit(word, facts) >= 1 << 31;
     words.iter().fold(0, |image, word| {
         let byte = match word.node() {
             Node::Inner(block) => {
@@ -131,29 +127,36 @@ fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
 }
 
 /// Voxels in which two nodes of one level differ; some number above `at_most` where they are more.
-fn difference(blocks: &[[Word; 8]], a: Word, b: Word, level: u32, at_most: u64) -> u64 {
+fn difference(blocks: &[[Word; 8]], facts: &[Facts], [a, b]: [Word; 2], level: u32, at_most: u64) -> u64 {
     if a == b {
         return 0;
     }
-    match (a.node(), b.node()) {
-        (Node::Uniform(_), Node::Uniform(_)) => 1 << (3 * level),
-        (Node::Inner(_), _) | (_, Node::Inner(_)) => {
-            let mut sum = 0;
-            for c in 0..8 {
-                let [a, b] = [a, b].map(|w| match w.node() {
-                    Node::Inner(block) => blocks[block as usize][c],
-                    Node::Mask(bits) => Word::new(Node::Uniform(bits >> c & 1 == 1)),
-                    Node::Uniform(_) => w,
-                });
-                sum += difference(blocks, a, b, level - 1, at_most - sum);
-                if sum > at_most {
-                    break;
-                }
-            }
-            sum
-        }
-        _ => u64::from((mask(a) ^ mask(b)).count_ones()) << (3 * (level - 1)),
+    let ((Node::Inner(_), _) | (_, Node::Inner(_))) = (a.node(), b.node()) else {
+        return u64::from((mask(a) ^ mask(b)).count_ones()) << (3 * (level - 1));
+    };
+    let child = |w: Word, c: usize| match w.node() {
+        Node::Inner(block) => blocks[block as usize][c],
+        Node::Mask(bits) => Word::new(Node::Uniform(bits >> c & 1 == 1)),
+        Node::Uniform(_) => w,
+    };
+    let pairs: [[Word; 2]; 8] = std::array::from_fn(|c| [child(a, c), child(b, c)]);
+    // Children differ by no less than their numbers of lit voxels do: enough to tell most pairs.
+    let at_least = |[a, b]: &[Word; 2]| {
+        let apart = lit(*a, facts).abs_diff(lit(*b, facts)).saturating_sub(2);
+        (u128::from(apart) << (3 * (level - 1)) >> 32) as u64
+    };
+    let mut sum = pairs.iter().map(at_least).sum();
+    if sum > at_most {
+        return sum;
     }
+    for pair in &pairs {
+        let rest = sum - at_least(pair);
+        sum = rest + difference(blocks, facts, *pair, level - 1, at_most - rest);
+        if sum > at_most {
+            break;
+        }
+    }
+    sum
 }
 
 /// Bits of a leaf.
