@@ -64,7 +64,8 @@ pub fn merge_similar(tree: &VoxelTree, max_share: f64) -> Result<Lossy> {
     let mut best = reduced.blocks.number(tree.depth());
     let (mut changed, mut merged_blocks) = (0, 0);
     for limit in QUARTERS_PER_BLOCK {
-        if changed >= budget {
+        // The last thousandth is not worth another round.
+        if budget - changed <= budget / 1000 {
             break;
         }
         let round = round::merge(Blocks::of(&best), tree.depth(), limit, budget - changed)?;

@@ -1,7 +1,7 @@
 //! One walk from the lowest blocks up: at each height blocks are pointed to what became of their children, equal ones
 //! become one, and of the similar ones those that stand in one place give way where it costs little enough.
 
-use super::choose::{Candidate, choose};
+use super::choose::choose;
 use super::similar;
 use crate::error::Result;
 use crate::tree::blocks::Blocks;
@@ -15,6 +15,9 @@ pub(super) struct Round {
     pub(super) merged: u64,
 }
 
+/// How much too low a share of lit voxels may be: exact up to level 10, above it each level rounds down.
+pub(super) const LIT_ERROR: u64 = 4;
+
 /// What is known of a block of the new graph.
 #[derive(Clone, Copy)]
 pub(super) struct Facts {
@@ -24,7 +27,7 @@ pub(super) struct Facts {
     pub(super) level: u8,
     /// Blocks that go if it goes: itself and those below that stand in no other place.
     pub(super) saved: u32,
-    /// Share of its voxels that are lit, of 2^32; rounded down, by less than two, in blocks of more than 2^30 voxels.
+    /// Share of its voxels that are lit, of 2^32, less [`LIT_ERROR`] at most.
     pub(super) lit: u32,
 }
 
@@ -64,7 +67,7 @@ pub(super) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Resul
         if left == 0 {
             continue;
         }
-        let candidates: Vec<Candidate> = similar::find(new.blocks(), &facts, first, height, (limit, left));
+        let candidates = similar::find(new.blocks(), &facts, first, height, (limit, left));
         let Some(chosen) = choose(candidates, &facts, first, &mut left) else { continue };
         merged += chosen.count;
         for &b in &members {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::choose::Candidate;
 use super::nearest::{Nearest, Offer};
-use super::round::{Facts, lit};
+use super::round::{Facts, LIT_ERROR, lit};
 use crate::dag::store::mix;
 use crate::tree::word::{Node, Word};
 
@@ -151,7 +151,13 @@ fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
 }
 
 /// Voxels in which two nodes of one level differ; some number above `at_most` where they are more.
-fn difference(blocks: &[[Word; 8]], facts: &[Facts], [a, b]: [Word; 2], level: u32, at_most: u64) -> u64 {
+pub(super) fn difference(
+    blocks: &[[Word; 8]],
+    facts: &[Facts],
+    [a, b]: [Word; 2],
+    level: u32,
+    at_most: u64,
+) -> u64 {
     if a == b {
         return 0;
     }
@@ -166,7 +172,7 @@ fn difference(blocks: &[[Word; 8]], facts: &[Facts], [a, b]: [Word; 2], level: u
     let pairs: [[Word; 2]; 8] = std::array::from_fn(|c| [child(a, c), child(b, c)]);
     // Children differ by no less than their numbers of lit voxels do: enough to tell most pairs.
     let at_least = |[a, b]: &[Word; 2]| {
-        let apart = lit(*a, facts).abs_diff(lit(*b, facts)).saturating_sub(2);
+        let apart = lit(*a, facts).abs_diff(lit(*b, facts)).saturating_sub(LIT_ERROR);
         (u128::from(apart) << (3 * (level - 1)) >> 32) as u64
     };
     let mut sum = pairs.iter().map(at_least).sum();
