@@ -35,13 +35,14 @@ pub struct CaptureBias {
     pub slope_texels: f64,
 }
 
-/// What a lossy merge was allowed and did. Voxels are those of leaves of eight, wherever they stand in the tree.
+/// What a lossy merge was allowed and did: at most `max_share` times `leaf_voxels` voxels changed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LossyChange {
     /// Largest share of the leaf voxels that might change.
     pub max_share: f64,
-    /// Leaf voxels of the tree before.
+    /// Leaf voxels of the tree before: cells of leaves of eight, at all the places where they stand, each counted once
+    /// whatever its size.
     pub leaf_voxels: u64,
-    /// Voxels that changed.
+    /// Voxels of the finest level that changed: a bigger cell counts as all those in it.
     pub changed_voxels: u64,
 }

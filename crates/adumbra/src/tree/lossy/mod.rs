@@ -42,7 +42,7 @@ pub struct Lossy {
 
 /// Quarters of a voxel that a block may cost, one round each: cheap merges of all heights come before dear ones of any.
 /// Below one voxel a block only subtrees of several blocks can give way.
-const QUARTERS_PER_BLOCK: [u64; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
+const QUARTERS_PER_BLOCK: [u64; 10] = [2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 
 /// Merges similar blocks while at most `max_share` of the tree's leaf voxels change: never more than
 /// `max_share` times [`leaf_voxels`] voxels, as [`changed_voxels`] counts them between `tree` and the result. A changed cell
@@ -64,7 +64,8 @@ pub fn merge_similar(tree: &VoxelTree, max_share: f64) -> Result<Lossy> {
     let mut best = reduced.blocks.number(tree.depth());
     let (mut changed, mut merged_blocks) = (0, 0);
     for limit in QUARTERS_PER_BLOCK {
-        if changed >= budget {
+        // The last thousandth is not worth another round.
+        if budget - changed <= budget / 1000 {
             break;
         }
         let round = round::merge(Blocks::of(&best), tree.depth(), limit, budget - changed)?;

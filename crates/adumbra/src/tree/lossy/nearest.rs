@@ -6,6 +6,7 @@ use super::choose::Candidate;
 const TARGETS: usize = 3;
 
 /// One block might give way to another.
+#[derive(Clone, Copy)]
 pub(super) struct Offer {
     pub(super) source: u32,
     pub(super) target: u32,

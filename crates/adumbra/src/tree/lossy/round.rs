@@ -1,7 +1,7 @@
 //! One walk from the lowest blocks up: at each height blocks are pointed to what became of their children, equal ones
 //! become one, and of the similar ones those that stand in one place give way where it costs little enough.
 
-use super::choose::{Candidate, choose};
+use super::choose::choose;
 use super::similar;
 use crate::error::Result;
 use crate::tree::blocks::Blocks;
@@ -15,6 +15,9 @@ pub(super) struct Round {
     pub(super) merged: u64,
 }
 
+/// How much too low a share of lit voxels may be: exact up to level 10, above it each level rounds down.
+pub(super) const LIT_ERROR: u64 = 4;
+
 /// What is known of a block of the new graph.
 #[derive(Clone, Copy)]
 pub(super) struct Facts {
@@ -24,8 +27,8 @@ pub(super) struct Facts {
     pub(super) level: u8,
     /// Blocks that go if it goes: itself and those below that stand in no other place.
     pub(super) saved: u32,
-    /// Share of its voxels that are lit, of 2^16 - 1.
-    pub(super) lit: u16,
+    /// Share of its voxels that are lit, of 2^32, less [`LIT_ERROR`] at most.
+    pub(super) lit: u32,
 }
 
 impl Facts {
@@ -56,7 +59,7 @@ pub(super) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Resul
                     let single = level != SEVERAL;
                     let below = words.iter().filter_map(|w| block_of(*w)).map(|c| facts[c as usize].saved);
                     let saved = if single { 1 + below.sum::<u32>() } else { 0 };
-                    let lit = lit(&words, &facts);
+                    let lit = (words.iter().map(|w| lit(*w, &facts)).sum::<u64>() / 8) as u32;
                     facts.push(Facts { single, level: if single { level } else { 0 }, saved, lit });
                 }
             }
@@ -64,7 +67,7 @@ pub(super) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Resul
         if left == 0 {
             continue;
         }
-        let candidates: Vec<Candidate> = similar::find(new.blocks(), &facts, first, height, (limit, left));
+        let candidates = similar::find(new.blocks(), &facts, first, height, (limit, left));
         let Some(chosen) = choose(candidates, &facts, first, &mut left) else { continue };
         merged += chosen.count;
         for &b in &members {
@@ -99,14 +102,13 @@ fn standing(root: Word, blocks: &[[Word; 8]], depth: u32) -> Vec<u8> {
     standing
 }
 
-/// Share of a block's voxels that are lit.
-fn lit(words: &[Word; 8], facts: &[Facts]) -> u16 {
-    let of_word = |w: &Word| match w.node() {
-        Node::Inner(block) => u32::from(facts[block as usize].lit),
-        Node::Mask(bits) => u32::from(u16::MAX) * bits.count_ones() / 8,
-        Node::Uniform(lit) => u32::from(u16::MAX) * u32::from(lit),
-    };
-    (words.iter().map(of_word).sum::<u32>() / 8) as u16
+/// Share of a node's voxels that are lit, of 2^32.
+pub(super) fn lit(word: Word, facts: &[Facts]) -> u64 {
+    match word.node() {
+        Node::Inner(block) => u64::from(facts[block as usize].lit),
+        Node::Mask(bits) => u64::from(bits.count_ones()) << 29,
+        Node::Uniform(lit) => u64::from(lit) << 32,
+    }
 }
 
 /// Blocks by height: first those of leaves only, then those of these, and so on; each height in the order given.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::choose::Candidate;
 use super::nearest::{Nearest, Offer};
-use super::round::Facts;
+use super::round::{Facts, LIT_ERROR, lit};
 use crate::dag::store::mix;
 use crate::tree::word::{Node, Word};
 
@@ -15,8 +15,10 @@ use crate::tree::word::{Node, Word};
 const WINDOW: usize = 8;
 /// Most bits in which the images of two blocks of blocks may differ if their voxels are to be compared.
 const IMAGE_BITS: u32 = 8;
-/// Blocks whose neighbours are looked at before what was found is kept: bounds the memory for it.
-const BATCH: usize = 1 << 15;
+/// Blocks that one thread looks at in a piece.
+const PART: usize = 1 << 11;
+/// Pieces that are looked at before what was found is kept: bounds the memory for it.
+const BATCH: usize = 1 << 5;
 
 /// A block as it is sorted.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -54,27 +56,28 @@ pub(super) fn find(
     let mut nearest = Nearest::new(first, entries.len());
     if height == 0 {
         for last in (0..8).flat_map(|a| (a + 1..8).map(move |b| [a, b])) {
-            entries.par_iter_mut().for_each(|e| e.key = with_last(image(e.block), last));
-            compare(&mut entries, &mut nearest, |x, y, _| u64::from((x.key ^ y.key).count_ones()));
+            let key = |block: u32| with_last(image(block), last);
+            compare(&mut entries, &mut nearest, key, |x, y, _| u64::from((x.key ^ y.key).count_ones()));
         }
     } else {
         let voxels = |x: &Entry, y: &Entry, at_most| {
             let [x, y] = [x, y].map(|e| Word::new(Node::Inner(e.block)));
-            difference(blocks, x, y, lowest_level, at_most)
+            difference(blocks, facts, [x, y], lowest_level, at_most)
         };
         for slot in 0..8 {
-            let others = |words: &[Word; 8]| {
+            let others = |block: u32| {
+                let words = &blocks[block as usize];
                 (0..8).filter(|i| *i != slot).fold(0, |h, i| mix(h ^ u64::from(words[i].0)))
             };
-            entries.par_iter_mut().for_each(|e| e.key = others(&blocks[e.block as usize]));
-            compare(&mut entries, &mut nearest, |x, y, at_most| match x.key == y.key {
+            compare(&mut entries, &mut nearest, others, |x, y, at_most| match x.key == y.key {
                 true => voxels(x, y, at_most),
                 false => u64::MAX,
             });
         }
-        for turn in 0..8 {
-            entries.par_iter_mut().for_each(|e| e.key = image(e.block).rotate_left(8 * turn));
-            compare(&mut entries, &mut nearest, |x, y, at_most| match (x.key ^ y.key).count_ones() {
+        // More turns find next to nothing more.
+        for turn in [0, 32] {
+            let key = |block: u32| image(block).rotate_left(turn);
+            compare(&mut entries, &mut nearest, key, |x, y, at_most| match (x.key ^ y.key).count_ones() {
                 ..=IMAGE_BITS => voxels(x, y, at_most),
                 _ => u64::MAX,
             });
@@ -83,26 +86,47 @@ pub(super) fn find(
     nearest.candidates(|source, cells| cells << cell_bits(&facts[source as usize]))
 }
 
-/// Sorts, and offers each block the next few, `cells` apart; `cells` may stop counting above the number it is given.
-fn compare(entries: &mut [Entry], nearest: &mut Nearest, cells: impl Fn(&Entry, &Entry, u64) -> u64 + Sync) {
+/// Sorts by `key`, and offers each block the next few, `cells` apart; `cells` may stop counting above the number that it
+/// is given.
+fn compare(
+    entries: &mut [Entry],
+    nearest: &mut Nearest,
+    key: impl Fn(u32) -> u64 + Sync,
+    cells: impl Fn(&Entry, &Entry, u64) -> u64 + Sync,
+) {
+    entries.par_iter_mut().for_each(|e| {
+        e.key = key(e.block);
+        if e.may_change > 0 {
+            // What is no nearer than the targets that a block has is of no use.
+            e.may_change = e.may_change.min(nearest.useful(e.block));
+        }
+    });
     entries.par_sort_unstable();
-    let starts = (0..entries.len()).step_by(BATCH);
-    for batch in starts.map(|start| start..(start + BATCH).min(entries.len())) {
-        let of_one = |i: usize| {
-            let (x, nearest, cells) = (&entries[i], &*nearest, &cells);
-            let useful = |e: &Entry| nearest.useful(e.block).min(e.may_change);
-            entries[i + 1..].iter().take(WINDOW).flat_map(move |y| {
-                let (to_x, to_y) = (useful(x), useful(y));
-                let at_most = to_x.max(to_y);
-                let apart = if at_most == 0 { u64::MAX } else { cells(x, y, u64::from(at_most)) };
-                [(x, y, to_x), (y, x, to_y)].into_iter().filter_map(move |(source, target, most)| {
-                    let offer = || Offer { source: source.block, target: target.block, cells: apart as u32 };
-                    (apart <= u64::from(most)).then(offer)
-                })
-            })
-        };
-        let offers: Vec<Offer> = batch.into_par_iter().with_min_len(1 << 10).flat_map_iter(of_one).collect();
-        offers.into_iter().for_each(|offer| nearest.take(offer));
+    let offers_of = |part: usize| {
+        let mut offers = Vec::new();
+        for (i, x) in (0..entries.len()).zip(&*entries).skip(part * PART).take(PART) {
+            for y in entries[i + 1..].iter().take(WINDOW) {
+                let at_most = x.may_change.max(y.may_change);
+                if at_most == 0 {
+                    continue;
+                }
+                let apart = cells(x, y, u64::from(at_most));
+                for (source, target) in [(x, y), (y, x)] {
+                    if apart <= u64::from(source.may_change) {
+                        offers.push(Offer {
+                            source: source.block,
+                            target: target.block,
+                            cells: apart as u32,
+                        });
+                    }
+                }
+            }
+        }
+        offers
+    };
+    for batch in (0..entries.len().div_ceil(PART)).step_by(BATCH) {
+        let offers: Vec<Vec<Offer>> = (batch..batch + BATCH).into_par_iter().map(offers_of).collect();
+        offers.into_iter().flatten().for_each(|offer| nearest.take(offer));
     }
 }
 
@@ -114,11 +138,7 @@ fn with_last(bits: u64, [a, b]: [u32; 2]) -> u64 {
 }
 
 fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
-    let mostly_lit = |word: Word| match word.node() {
-        Node::Inner(block) => facts[block as usize].lit >= 1 << 15,
-        Node::Mask(bits) => bits.count_ones() >= 4,
-        Node::Uniform(lit) => lit,
-    };
+    let mostly_lit = |word: Word| lit(word, facts) >= 1 << 31;
     words.iter().fold(0, |image, word| {
         let byte = match word.node() {
             Node::Inner(block) => {
@@ -131,29 +151,42 @@ fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
 }
 
 /// Voxels in which two nodes of one level differ; some number above `at_most` where they are more.
-fn difference(blocks: &[[Word; 8]], a: Word, b: Word, level: u32, at_most: u64) -> u64 {
+pub(super) fn difference(
+    blocks: &[[Word; 8]],
+    facts: &[Facts],
+    [a, b]: [Word; 2],
+    level: u32,
+    at_most: u64,
+) -> u64 {
     if a == b {
         return 0;
     }
-    match (a.node(), b.node()) {
-        (Node::Uniform(_), Node::Uniform(_)) => 1 << (3 * level),
-        (Node::Inner(_), _) | (_, Node::Inner(_)) => {
-            let mut sum = 0;
-            for c in 0..8 {
-                let [a, b] = [a, b].map(|w| match w.node() {
-                    Node::Inner(block) => blocks[block as usize][c],
-                    Node::Mask(bits) => Word::new(Node::Uniform(bits >> c & 1 == 1)),
-                    Node::Uniform(_) => w,
-                });
-                sum += difference(blocks, a, b, level - 1, at_most - sum);
-                if sum > at_most {
-                    break;
-                }
-            }
-            sum
-        }
-        _ => u64::from((mask(a) ^ mask(b)).count_ones()) << (3 * (level - 1)),
+    let ((Node::Inner(_), _) | (_, Node::Inner(_))) = (a.node(), b.node()) else {
+        return u64::from((mask(a) ^ mask(b)).count_ones()) << (3 * (level - 1));
+    };
+    let child = |w: Word, c: usize| match w.node() {
+        Node::Inner(block) => blocks[block as usize][c],
+        Node::Mask(bits) => Word::new(Node::Uniform(bits >> c & 1 == 1)),
+        Node::Uniform(_) => w,
+    };
+    let pairs: [[Word; 2]; 8] = std::array::from_fn(|c| [child(a, c), child(b, c)]);
+    // Children differ by no less than their numbers of lit voxels do: enough to tell most pairs.
+    let at_least = |[a, b]: &[Word; 2]| {
+        let apart = lit(*a, facts).abs_diff(lit(*b, facts)).saturating_sub(LIT_ERROR);
+        (u128::from(apart) << (3 * (level - 1)) >> 32) as u64
+    };
+    let mut sum = pairs.iter().map(at_least).sum();
+    if sum > at_most {
+        return sum;
     }
+    for pair in &pairs {
+        let rest = sum - at_least(pair);
+        sum = rest + difference(blocks, facts, *pair, level - 1, at_most - rest);
+        if sum > at_most {
+            break;
+        }
+    }
+    sum
 }
 
 /// Bits of a leaf.

@@ -142,6 +142,33 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn lossy_costs_are_the_voxels_that_differ(space in spaces()) {
+        let tree = reduced(&space, space.depth);
+        let Blocks { root, blocks } = Blocks::of(&tree);
+        let Node::Inner(root) = root.node() else { return Ok(()) };
+        let mut facts: Vec<round::Facts> = Vec::new();
+        for words in &blocks {
+            let lit = words.iter().map(|w| round::lit(*w, &facts)).sum::<u64>() / 8;
+            facts.push(round::Facts { single: false, level: 0, saved: 0, lit: lit as u32 });
+        }
+        let level = space.depth - 1;
+        let octant = |c: u32, xyz: [u32; 3]| {
+            let offset = morton::child_offset(c);
+            tree.voxel(std::array::from_fn(|a| xyz[a] + (offset[a] << level)))
+        };
+        for (a, b) in (0..8).flat_map(|a| (0..8).map(move |b| (a, b))) {
+            let pair = [a, b].map(|c| blocks[root as usize][c as usize]);
+            let expected = all_voxels(level).filter(|&xyz| octant(a, xyz) != octant(b, xyz)).count() as u64;
+            let cost = |at_most| similar::difference(&blocks, &facts, pair, level, at_most);
+            prop_assert_eq!(cost(u64::MAX), expected);
+            prop_assert_eq!(cost(expected), expected);
+            prop_assert!(expected == 0 || cost(expected - 1) >= expected);
+        }
+    }
+}
+
 /// Depth 3: two blocks of leaves that differ in one voxel, one of them in two places.
 fn nearly_equal() -> VoxelTree {
     let mut blocks = Interned::default();
@@ -172,11 +199,8 @@ fn lossy_worked_example() {
 fn lossy_gathers_many_around_the_block_that_most_resemble() {
     // Five blocks in one place each; four differ from the third in one voxel, and from each other in two.
     let mut blocks = Interned::default();
-    let mask = |m: u8| blocks.block(&[0x0f, 0x33, m, 0, 0, 0, 0, 0].map(Word::leaf)).unwrap();
-    let [a, b, c, d, e] = [0x01, 0x05, 0x11, 0x21, 0x41].map({
-        let mut mask = mask;
-        move |m| mask(m)
-    });
+    let [a, b, c, d, e] = [0x01, 0x05, 0x11, 0x21, 0x41]
+        .map(|m: u8| blocks.block(&[0x0f, 0x33, m, 0, 0, 0, 0, 0].map(Word::leaf)).unwrap());
     let lit = Word::LIT;
     let root = blocks.block(&[b, c, a, d, e, lit, lit, lit]).unwrap();
     let tree = blocks.finish(root).number(3);
