@@ -589,6 +589,9 @@ pub(crate) struct BenchTree {
     /// Points compared with rays
     #[arg(long, default_value_t = 200_000)]
     pub(crate) samples: u64,
+    /// Measure these sections only, and keep the others of an earlier tree.json
+    #[arg(long, value_delimiter = ',', value_parser = ["builders", "reductions", "frames", "options", "filters"])]
+    pub(crate) only: Vec<String>,
     /// Where tables, plots and pictures go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,

@@ -76,7 +76,7 @@ fn y_range(panel: &Panel) -> Range<f64> {
         let low = values().filter(|y| *y > 0.0).fold(high, f64::min);
         low / 1.5..high * 1.8
     } else {
-        0.0..high * 1.15
+        0.0..high * 1.3
     }
 }
 
@@ -146,7 +146,11 @@ where
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
+        .position(if names.is_some() {
+            SeriesLabelPosition::UpperRight
+        } else {
+            SeriesLabelPosition::UpperLeft
+        })
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))
         .label_font(("sans-serif", 11))

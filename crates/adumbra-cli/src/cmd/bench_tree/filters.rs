@@ -13,7 +13,7 @@ use adumbra::verify::{Answers, TreeAnswers};
 use serde_json::{Value, json};
 
 use super::super::render::looking_at;
-use super::{BenchScene, Check, SUN, Section, tree_options};
+use super::{BenchScene, Check, SUN, number, rows_of, text_of, tree_options};
 use crate::args::BenchTree;
 use crate::exit::Failure;
 use crate::output::write_png;
@@ -21,6 +21,8 @@ use crate::output::write_png;
 const NO_BIAS: Bias = Bias { constant_texels: 0.0, slope_texels: 0.0, normal_offset_texels: 0.0 };
 /// Depth of the counts.
 const DEPTH: u32 = 10;
+/// Scenes with picture sheets, and depths at which voxels show.
+const SHEETS: [(&str, u32); 2] = [("primitives", 8), ("landscape", 10)];
 /// Elevation of the sun over grazing planes, degrees.
 const GRAZING_ELEVATION: f64 = 8.0;
 /// Pixels of one picture of a sheet.
@@ -60,7 +62,7 @@ const VARIANTS: [Variant; 9] = [
 /// Those of a sheet, row by row; rays come last.
 const SHEET: [usize; 5] = [0, 1, 2, 3, 7];
 
-pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Section, Failure> {
+pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, Failure> {
     let mut rows = Vec::new();
     for scene in scenes {
         let sun = Sun::from_direction(SUN)?;
@@ -75,13 +77,16 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Section
                 "interior_leak": v.interior_leak,
             }));
         }
-        sheet(args, scene, &check, &baked, sun, &scene.name)?;
-        let low = Sun::from_angles(55.0, GRAZING_ELEVATION)?;
-        let grazing = bake_quietly(scene, &TreeOptions::new(low, Size::Resolution(1 << DEPTH)))?;
-        sheet(args, scene, &check, &grazing, low, &format!("{}-grazing", scene.name))?;
+        if let Some((_, depth)) = SHEETS.iter().find(|(name, _)| *name == scene.name) {
+            let low = Sun::from_angles(55.0, GRAZING_ELEVATION)?;
+            for (sun, suffix) in [(sun, ""), (low, "-grazing")] {
+                let baked = bake_quietly(scene, &TreeOptions::new(sun, Size::Resolution(1 << depth)))?;
+                sheet(args, scene, &check, &baked, sun, &format!("{}{suffix}", scene.name))?;
+            }
+        }
         eprintln!("{}: filters and sheets", scene.name);
     }
-    Ok(Section { markdown: markdown(args, &rows), key: "filters", rows: Value::Array(rows) })
+    Ok(Value::Array(rows))
 }
 
 fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree, Failure> {
@@ -180,25 +185,25 @@ fn beside(pictures: &[Picture], columns: usize) -> Picture {
     Picture { width: (width * columns) as u32, height: (height * rows) as u32, rgb, difference_share: None }
 }
 
-fn markdown(args: &BenchTree, rows: &[Value]) -> String {
+pub(super) fn markdown(part: &Value) -> String {
     let mut text = format!(
         "\n## Bias and voxel PCF\n\nDepth {DEPTH}, {} points on surfaces. Acne: lit called shadowed (visibility up to one half); leak: shadowed \
         called lit; in % of all points, and counted among interior points, two voxels from any outline. *Before the plane*: taps behind the \
-        receiver's plane are left out, as `query` and `render` do. The sheets `tree-sheet-*.png` show no bias, bias, 3³ / 5³, bias with 5³ \
+        receiver's plane are left out, as `query` and `render` do. The sheets `tree-sheet-*.png` (depth 8 and 10) show no bias, bias, 3³ / 5³, bias with 5³ \
         before the plane, and rays; `-grazing` with the sun at {GRAZING_ELEVATION}°.\n\n\
         | scene | look-up | agreement % | acne % | leak % | interior acne | interior leak | of |\n|---|---|---|---|---|---|---|---|\n",
-        args.samples
+        part["samples"]
     );
-    for r in rows {
-        let percent = |key: &str| 100.0 * r[key].as_f64().unwrap_or(f64::NAN);
+    for r in rows_of(part) {
+        let percent = |path: &str| 100.0 * number(r, path);
         let _ = writeln!(
             text,
             "| {} | {} | {:.3} | {:.3} | {:.3} | {} | {} | {} |",
-            r["scene"].as_str().unwrap_or(""),
-            r["look_up"].as_str().unwrap_or(""),
-            percent("agreement"),
-            percent("acne"),
-            percent("leak"),
+            text_of(r, "scene"),
+            text_of(r, "look_up"),
+            percent("/agreement"),
+            percent("/acne"),
+            percent("/leak"),
             r["interior_acne"],
             r["interior_leak"],
             r["interior"],

@@ -12,7 +12,7 @@ use adumbra::tree::{BakedTree, Reduction, TreeOptions, bake_tree};
 use adumbra::verify::{LightAnswers, TreeAnswers, Verification};
 use serde_json::{Value, json};
 
-use super::{BenchScene, Check, SUN, Section, median, tree_options};
+use super::{BenchScene, Check, SUN, median, number, text_of, tree_options};
 use crate::args::BenchTree;
 use crate::exit::Failure;
 use crate::output::write_png;
@@ -26,7 +26,7 @@ const PICTURE: (u32, u32) = (8, 3);
 /// The layer that they show, as a share of the scene's height.
 const PICTURE_HEIGHT: f64 = 0.3;
 
-pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Section, Failure> {
+pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, Failure> {
     let (mut frames, mut closed) = (Vec::new(), Vec::new());
     for scene in scenes {
         let check = Check::new(&scene.scene, args.samples);
@@ -47,8 +47,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Section
         }
         eprintln!("{}: frames and closed regions", scene.name);
     }
-    let markdown = markdown(args, &frames, &closed);
-    Ok(Section { markdown, key: "frames", rows: json!({"frames": frames, "closed_regions": closed}) })
+    Ok(json!({"frames": frames, "closed_regions": closed}))
 }
 
 fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree, Failure> {
@@ -104,29 +103,29 @@ fn closed_row(scene: &BenchScene, closed_regions: bool) -> Result<Value, Failure
     }))
 }
 
-fn markdown(args: &BenchTree, frames: &[Value], closed: &[Value]) -> String {
-    let number = |r: &Value, key: &str| r[key].as_f64().unwrap_or(f64::NAN);
+pub(super) fn markdown(part: &Value) -> String {
+    let list = |key: &str| part["rows"][key].as_array().cloned().unwrap_or_default();
+    let (frames, closed) = (list("frames"), list("closed_regions"));
     let mut text = format!(
         "\n## World-aligned against light-aligned\n\nEqual voxels. The tree as words, the light-aligned bake as its file, both with their \
         defaults; seconds of the whole bake on {} threads; agreement with rays at {} points on surfaces.\n\n\
         | scene | depth | frame | voxel m | MB | s | agreement % | interior % | acne % | leak % |\n|---|---|---|---|---|---|---|---|---|---|\n",
-        rayon::current_num_threads(),
-        args.samples
+        part["threads"], part["samples"]
     );
-    for r in frames {
+    for r in &frames {
         let _ = writeln!(
             text,
             "| {} | {} | {} | {:.4} | {:.3} | {:.2} | {:.3} | {:.4} | {:.3} | {:.3} |",
-            r["scene"].as_str().unwrap_or(""),
+            text_of(r, "scene"),
             r["depth"],
-            r["frame"].as_str().unwrap_or(""),
-            number(r, "voxel_size"),
-            number(r, "bytes") / 1e6,
-            number(r, "seconds"),
-            100.0 * number(r, "agreement"),
-            100.0 * number(r, "interior_agreement"),
-            100.0 * number(r, "acne"),
-            100.0 * number(r, "leak"),
+            text_of(r, "frame"),
+            number(r, "/voxel_size"),
+            number(r, "/bytes") / 1e6,
+            number(r, "/seconds"),
+            100.0 * number(r, "/agreement"),
+            100.0 * number(r, "/interior_agreement"),
+            100.0 * number(r, "/acne"),
+            100.0 * number(r, "/leak"),
         );
     }
     let _ = write!(
@@ -140,12 +139,12 @@ fn markdown(args: &BenchTree, frames: &[Value], closed: &[Value]) -> String {
     );
     for pair in closed.chunks_exact(2) {
         let (without, with) = (&pair[0], &pair[1]);
-        let both = |key: &str| (number(without, key) / 1e6, number(with, key) / 1e6);
-        let (merged, graph) = (both("merged_bytes"), both("graph_bytes"));
+        let both = |path: &str| (number(without, path) / 1e6, number(with, path) / 1e6);
+        let (merged, graph) = (both("/merged_bytes"), both("/graph_bytes"));
         let _ = writeln!(
             text,
             "| {} | {:.3} | {:.3} | {:.1} | {:.3} | {:.3} | {:.1} |",
-            without["scene"].as_str().unwrap_or(""),
+            text_of(without, "scene"),
             merged.0,
             merged.1,
             100.0 * merged.1 / merged.0,

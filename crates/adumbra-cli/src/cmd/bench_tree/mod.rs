@@ -5,6 +5,7 @@ mod builders;
 mod filters;
 mod frames;
 mod options;
+mod reductions;
 
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -37,12 +38,21 @@ struct BenchScene {
     scene: Scene,
 }
 
-/// One part of the report.
+/// One part of the report: what it measures, and how that reads.
 struct Section {
-    markdown: String,
+    /// Its name for `--only`, and its key in the JSON file.
     key: &'static str,
-    rows: Value,
+    measure: fn(&BenchTree, &[BenchScene]) -> Result<Value, Failure>,
+    markdown: fn(&Value) -> String,
 }
+
+const SECTIONS: [Section; 5] = [
+    Section { key: "builders", measure: builders::measure, markdown: builders::markdown },
+    Section { key: "reductions", measure: reductions::measure, markdown: reductions::markdown },
+    Section { key: "frames", measure: frames::measure, markdown: frames::markdown },
+    Section { key: "options", measure: options::measure, markdown: options::markdown },
+    Section { key: "filters", measure: filters::measure, markdown: filters::markdown },
+];
 
 pub(super) fn run(args: &BenchTree) -> Outcome {
     make_folder(&args.output)?;
@@ -66,25 +76,53 @@ pub(super) fn run(args: &BenchTree) -> Outcome {
         let name = name.rsplit_once('.').map_or(name.as_str(), |(stem, _)| stem).to_owned();
         scenes.push(BenchScene { name, path, scene });
     }
-    let mut text = format!(
-        "# The voxel tree, measured\n\nWorld-aligned trees, sun towards (0.5, 0.8, 0.35), medians of {} runs that take turns, one \
-        thread but for the depth image. `primitives` and `landscape` are made with seed {SEED}. Depth n = 2^n voxels across the cube. \
-        Up to depth 10 builders test every voxel; from depth {FIRST_PRUNED_DEPTH} they skip cubes that the min/max pyramid decides. \
-        1 MB = 10^6 bytes.\n",
-        args.runs
-    );
-    let mut document = json!({ "sun": SUN, "seed": SEED, "runs": args.runs });
-    let sections = [builders::measure, frames::measure, options::measure, filters::measure];
-    for measure in sections {
-        let section = measure(args, &scenes)?;
-        text.push_str(&section.markdown);
-        document[section.key] = section.rows;
+    let json_path = args.output.join("tree.json");
+    // Sections that are not measured now keep what was measured before.
+    let mut document = match std::fs::read(&json_path) {
+        Ok(bytes) if !args.only.is_empty() => serde_json::from_slice(&bytes)
+            .map_err(|e| Failure::BadInput(format!("{}: {e}; remove it", json_path.display())))?,
+        _ => json!({}),
+    };
+    for section in SECTIONS {
+        if !args.only.is_empty() && !args.only.iter().any(|key| key == section.key) {
+            continue;
+        }
+        document[section.key] = json!({
+            "runs": args.runs, "samples": args.samples, "threads": rayon::current_num_threads(),
+            "rows": (section.measure)(args, &scenes)?,
+        });
         // What is measured stays, whatever happens to the next section.
-        write_whole(&args.output.join("tree.md"), text.as_bytes())?;
-        write_whole(&args.output.join("tree.json"), format!("{document:#}\n").as_bytes())?;
+        write_whole(&json_path, format!("{document:#}\n").as_bytes())?;
+        write_whole(&args.output.join("tree.md"), markdown(&document).as_bytes())?;
     }
     say!("{}", args.output.join("tree.md").display());
     Ok(Code::Fine)
+}
+
+fn markdown(document: &Value) -> String {
+    let mut text = format!(
+        "# The voxel tree, measured\n\nWorld-aligned trees, sun towards (0.5, 0.8, 0.35). `primitives` and `landscape` are made with seed \
+        {SEED}. Depth n = 2^n voxels across the cube. Seconds are medians of runs that take turns; 1 MB = 10^6 bytes.\n"
+    );
+    for section in SECTIONS {
+        let part = &document[section.key];
+        if !part.is_null() {
+            text.push_str(&(section.markdown)(part));
+        }
+    }
+    text
+}
+
+fn number(row: &Value, path: &str) -> f64 {
+    row.pointer(path).and_then(Value::as_f64).unwrap_or(f64::NAN)
+}
+
+fn text_of<'v>(row: &'v Value, key: &str) -> &'v str {
+    row[key].as_str().unwrap_or_default()
+}
+
+fn rows_of(part: &Value) -> &[Value] {
+    part["rows"].as_array().map_or(&[], Vec::as_slice)
 }
 
 fn tree_options(depth: u32) -> Result<TreeOptions, Failure> {

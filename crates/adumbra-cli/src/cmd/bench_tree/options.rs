@@ -13,7 +13,7 @@ use adumbra::tree::{BakedTree, PreparedTree};
 use adumbra::verify::{Random, Solids, SurfaceSampler};
 use serde_json::{Value, json};
 
-use super::{BenchScene, SUN, Section, median, tree_options};
+use super::{BenchScene, SUN, median, number, rows_of, text_of, tree_options};
 use crate::args::BenchTree;
 use crate::exit::Failure;
 use crate::plot::{Along, Panel, Series, write_svg};
@@ -25,14 +25,14 @@ const LOSSY_SHARES: [f64; 4] = [0.001, 0.005, 0.01, 0.05];
 /// Look-ups that are timed together.
 const LOOKUPS: usize = 500_000;
 
-pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Section, Failure> {
+pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, Failure> {
     let mut rows = Vec::new();
     for scene in scenes {
         rows.extend(scene_rows(args, scene)?);
         eprintln!("{}: options", scene.name);
     }
     plot(args, scenes, &rows)?;
-    Ok(Section { markdown: markdown(&rows), key: "options", rows: Value::Array(rows) })
+    Ok(Value::Array(rows))
 }
 
 fn scene_rows(args: &BenchTree, scene: &BenchScene) -> Result<Vec<Value>, Failure> {
@@ -129,15 +129,14 @@ impl Timer<'_> {
     }
 }
 
-fn markdown(rows: &[Value]) -> String {
-    let number = |r: &Value, key: &str| r[key].as_f64().unwrap_or(f64::NAN);
+pub(super) fn markdown(part: &Value) -> String {
     let mut text = format!(
         "\n## Options\n\nDepth {DEPTH}, world frame. Seconds are the option's own, beside the plain tree's; `changed` is counted voxel by \
         voxel against the plain tree, of the voxels at shadow borders (cells of leaves of eight); nanoseconds a look-up of one voxel, \
         at {LOOKUPS} random points of the scene's surfaces, one thread. The penumbra row adds the byte's own look-up.\n\n\
         | scene | option | MB | × plain | s | changed | of border voxels % | ns |\n|---|---|---|---|---|---|---|---|\n"
     );
-    for r in rows {
+    for r in rows_of(part) {
         let changed = match (r["changed_voxels"].as_u64(), r["leaf_voxels"].as_u64()) {
             (Some(changed), Some(all)) => {
                 format!("{changed} | {:.4}", 100.0 * changed as f64 / all.max(1) as f64)
@@ -147,12 +146,12 @@ fn markdown(rows: &[Value]) -> String {
         let _ = writeln!(
             text,
             "| {} | {} | {:.3} | {:.3} | {:.2} | {changed} | {:.0} |",
-            r["scene"].as_str().unwrap_or(""),
-            r["option"].as_str().unwrap_or(""),
-            number(r, "bytes") / 1e6,
-            number(r, "times_plain"),
-            number(r, "seconds"),
-            number(r, "nanoseconds"),
+            text_of(r, "scene"),
+            text_of(r, "option"),
+            number(r, "/bytes") / 1e6,
+            number(r, "/times_plain"),
+            number(r, "/seconds"),
+            number(r, "/nanoseconds"),
         );
     }
     text
