@@ -413,6 +413,10 @@ pub(crate) struct Query {
     pub(crate) weights: WeightsArg,
     #[command(flatten)]
     pub(crate) bias: BiasArgs,
+    /// Also write the width of the sun's penumbra, metres: one little-endian float32 a point, NaN away from shadow borders;
+    /// for files baked with --attribute penumbra
+    #[arg(long, value_name = "FILE")]
+    pub(crate) penumbra: Option<PathBuf>,
     /// Where the visibilities go: one little-endian float32 a point
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,

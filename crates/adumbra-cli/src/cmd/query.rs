@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use adumbra::Error;
-use adumbra::format::AnyFile;
+use adumbra::format::{AnyFile, AttributeKind, TreeBody};
+use adumbra::query::PenumbraQuery;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -32,14 +33,19 @@ pub(crate) fn run(args: &Query) -> Outcome {
     args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4) + file.encoded_len())?;
     let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
     let lookup = asking.lookup(&file)?;
+    let penumbrae = args.penumbra.as_ref().map(|_| penumbra_query(args, &asking, &file)).transpose()?;
+    let normal = |i: usize| normals.as_ref().map(|n| n[i]);
     let visibilities: Vec<f32> = with_threads(args.work.threads, || {
-        Ok((0..points.len())
-            .into_par_iter()
-            .map(|i| lookup.visibility(points[i], normals.as_ref().map(|n| n[i])))
-            .collect())
+        Ok((0..points.len()).into_par_iter().map(|i| lookup.visibility(points[i], normal(i))).collect())
     })?;
-    let bytes: Vec<u8> = visibilities.iter().flat_map(|v| v.to_le_bytes()).collect();
-    write_whole(&args.output, &bytes)?;
+    let floats = |values: &[f32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
+    if let (Some(query), Some(path)) = (&penumbrae, &args.penumbra) {
+        let width = |i: usize| query.width(points[i], normal(i)).map_or(f32::NAN, |w| w as f32);
+        let widths: Vec<f32> =
+            with_threads(args.work.threads, || Ok((0..points.len()).into_par_iter().map(width).collect()))?;
+        write_whole(path, &floats(&widths))?;
+    }
+    write_whole(&args.output, &floats(&visibilities))?;
     let mean = visibilities.iter().map(|v| f64::from(*v)).sum::<f64>() / visibilities.len().max(1) as f64;
     if args.json {
         print_json(
@@ -49,6 +55,23 @@ pub(crate) fn run(args: &Query) -> Outcome {
         say!("{}: {} points, mean visibility {mean:.4}", args.output.display(), points.len());
     }
     Ok(Code::Fine)
+}
+
+fn penumbra_query<'f>(
+    args: &Query,
+    asking: &Asking<'_>,
+    file: &'f AnyFile,
+) -> Result<PenumbraQuery<'f>, Failure> {
+    if let AnyFile::Tree(file) = file
+        && let TreeBody::Words(tree) = &file.body
+        && file.attribute_kind == Some(AttributeKind::Penumbra)
+    {
+        return Ok(PenumbraQuery::new(asking.tree(file, tree)?, tree, &file.attribute)?);
+    }
+    Err(Failure::BadInput(format!(
+        "{}: holds no penumbra widths; bake it with --frame world --attribute penumbra",
+        args.file.display()
+    )))
 }
 
 fn read_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {

@@ -4,8 +4,10 @@
 //! the receiver's plane at the centre of those taps less half the slope times their extent; the block's slab at that
 //! depth is fetched once and its bits counted under a mask. Specification §6.
 
+mod penumbra;
 mod tree;
 
+pub use penumbra::PenumbraQuery;
 pub use tree::{KERNEL_SIDES, TreeQuery, Weights};
 
 use crate::dag::Dag;

@@ -317,15 +317,15 @@ fn lay_out(scene: &Scene, options: &TreeOptions) -> Result<(TreeSpace, Regions)>
             Regions::rings(*center_xz, radii, depth)
         }
     };
-    regions.check()?;
-    let depth_in_all = regions.depth();
-    if depth_in_all > MAX_DEPTH {
+    if depth > MAX_DEPTH {
         return Err(Error::OptionRange {
             option: "--resolution",
-            value: format!("2^{depth_in_all}"),
+            value: resolution.to_string(),
             range: "at most 32768 for --frame world; --frame light goes further",
         });
     }
+    regions.check()?;
+    let depth_in_all = regions.depth();
     let mut space = TreeSpace::around(&bounds, depth);
     if let Size::VoxelSize(_) = options.size {
         // The cube grows to whole levels around the same centre.
