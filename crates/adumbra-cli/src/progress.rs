@@ -25,8 +25,23 @@ pub(crate) enum Style {
 /// Below this share of the tiles no time of arrival is given.
 const WARM_UP_SHARE: f64 = 0.03;
 
+/// What is counted.
+#[derive(Clone, Copy)]
+pub(crate) struct Units {
+    parts: &'static str,
+    millions: &'static str,
+}
+
+impl Units {
+    /// Tiles of texels.
+    pub(crate) const TEXELS: Self = Self { parts: "tiles", millions: "Mtexel" };
+    /// Cubes of voxels.
+    pub(crate) const VOXELS: Self = Self { parts: "cubes", millions: "Mvoxel" };
+}
+
 pub(crate) struct Reporter {
     style: Style,
+    units: Units,
     start: Instant,
     state: Mutex<State>,
 }
@@ -37,12 +52,12 @@ struct State {
 }
 
 impl Reporter {
-    pub(crate) fn new(style: Style) -> Self {
+    pub(crate) fn new(style: Style, units: Units) -> Self {
         let style = match style {
             Style::Auto if !std::io::stderr().is_terminal() => Style::Plain,
             other => other,
         };
-        Self { style, start: Instant::now(), state: Mutex::new(State { bar: None, last: None }) }
+        Self { style, units, start: Instant::now(), state: Mutex::new(State { bar: None, last: None }) }
     }
 
     pub(crate) fn update(&self, p: Progress) {
@@ -56,11 +71,12 @@ impl Reporter {
         let due = |last: Option<Instant>, gap: Duration| last.is_none_or(|t| t.elapsed() >= gap) || finished;
         match self.style {
             Style::Auto => {
-                let bar = state.bar.get_or_insert_with(|| new_bar(p.total_tiles as u64));
+                let bar = state.bar.get_or_insert_with(|| new_bar(p.total_tiles as u64, self.units.parts));
                 bar.set_position(p.done_tiles as u64);
                 bar.set_message(format!(
-                    "{:.0} Mtexel/s, {:.1} MB, {eta_words}",
+                    "{:.0} {}/s, {:.1} MB, {eta_words}",
                     rate / 1e6,
+                    self.units.millions,
                     p.graph_bytes as f64 / 1e6
                 ));
                 if finished {
@@ -72,10 +88,12 @@ impl Reporter {
                 if long && due(state.last, Duration::from_secs(10)) {
                     state.last = Some(Instant::now());
                     eprintln!(
-                        "baking: {} of {} tiles, {:.0} Mtexel/s, {:.1} MB, {eta_words}",
+                        "baking: {} of {} {}, {:.0} {}/s, {:.1} MB, {eta_words}",
                         p.done_tiles,
                         p.total_tiles,
+                        self.units.parts,
                         rate / 1e6,
+                        self.units.millions,
                         p.graph_bytes as f64 / 1e6
                     );
                 }
@@ -99,10 +117,10 @@ impl Reporter {
     }
 }
 
-fn new_bar(tiles: u64) -> ProgressBar {
-    let bar = ProgressBar::new(tiles);
-    if let Ok(style) = ProgressStyle::with_template("{spinner} baking [{wide_bar}] {pos}/{len} tiles, {msg}")
-    {
+fn new_bar(count: u64, parts: &str) -> ProgressBar {
+    let bar = ProgressBar::new(count);
+    let template = format!("{{spinner}} baking [{{wide_bar}}] {{pos}}/{{len}} {parts}, {{msg}}");
+    if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style);
     }
     bar

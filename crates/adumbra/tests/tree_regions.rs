@@ -19,7 +19,7 @@ fn sun() -> Sun {
 
 fn bake(scene: &Scene, depth: u32, detail: Detail) -> BakedTree {
     let options = TreeOptions { detail, ..TreeOptions::new(sun(), Size::Resolution(1_u64 << depth)) };
-    bake_tree(scene, &options, &AtomicBool::new(false)).unwrap()
+    bake_tree(scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
 fn query(baked: &BakedTree, kernel_side: u32) -> TreeQuery<'_, VoxelTree> {
@@ -74,7 +74,7 @@ fn tree_refuses_regions_that_make_no_sense() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let refused = |detail, depth: u32| {
         let options = TreeOptions { detail, ..TreeOptions::new(sun(), Size::Resolution(1_u64 << depth)) };
-        bake_tree(&scene, &options, &AtomicBool::new(false)).unwrap_err().to_string()
+        bake_tree(&scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap_err().to_string()
     };
     let region = |x, depth| Detail::Regions(vec![Region { x, z: [0.0, 1.0], depth }]);
     assert!(refused(region([1.0, 0.0], 8), 6).contains("--region"));

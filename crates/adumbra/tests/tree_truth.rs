@@ -36,7 +36,7 @@ fn options(sun: [f64; 3], depth: u32) -> TreeOptions {
 }
 
 fn bake_quietly(scene: &Scene, options: &TreeOptions) -> BakedTree {
-    bake_tree(scene, options, &AtomicBool::new(false)).unwrap()
+    bake_tree(scene, options, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
 fn verify(scene: &Scene, baked: &BakedTree, sun: Sun, volume: bool, samples: u64) -> Verification {
@@ -105,10 +105,10 @@ fn shared_tree_builders_and_reductions_agree_on_every_scene() {
             continue;
         }
         let base = options(SUNS[0], depth);
-        let prepared = PreparedTree::new(&scene, &base).unwrap();
+        let prepared = PreparedTree::new(&scene, &base, &AtomicBool::new(false)).unwrap();
         let build = |builder, reduction, prune| {
             let options = TreeOptions { builder, reduction, prune, ..base.clone() };
-            prepared.build(&options, &AtomicBool::new(false)).unwrap().tree
+            prepared.build(&options, &|_| {}, &AtomicBool::new(false)).unwrap().tree
         };
         let first = build(Builder::Recursive, Reduction::Hash, false);
         for (builder, reduction, prune) in [

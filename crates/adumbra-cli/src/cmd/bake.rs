@@ -12,7 +12,7 @@ use super::{GraphFigures, bake_tree, load_scene, print_json, with_threads};
 use crate::args::Bake;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::bytes_words;
-use crate::progress::Reporter;
+use crate::progress::{Reporter, Units};
 use crate::{memory, signals};
 
 pub(crate) fn run(args: &Bake) -> Outcome {
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         if let Some(tree_options) = &tree_options {
             return bake_tree::run(args, &scene, tree_options, &output, &cancel);
         }
-        let reporter = Reporter::new(args.progress);
+        let reporter = Reporter::new(args.progress, Units::TEXELS);
         let Baked { grid, settings, dag, report } =
             bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
         let file = ShadowFile { grid, settings, dag };

@@ -4,9 +4,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use adumbra::bake::Progress;
 use adumbra::format::{AttributeKind, TreeBody, TreeFile};
 use adumbra::scene::Scene;
-use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, lossy, symmetric::SymmetricTree};
+use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, TreeProgress, lossy, symmetric::SymmetricTree};
 use serde_json::{Value, json};
 
 use super::print_json;
@@ -14,6 +15,7 @@ use crate::args::Bake;
 use crate::exit::{Code, Outcome};
 use crate::memory;
 use crate::output::bytes_words;
+use crate::progress::{Reporter, Units};
 
 /// What options beside the plain tree made of it.
 struct Extras {
@@ -31,8 +33,9 @@ pub(super) fn run(
     cancel: &AtomicBool,
 ) -> Outcome {
     let start = Instant::now();
-    let prepared = PreparedTree::new(scene, options)?;
-    let baked = prepared.build(options, cancel)?;
+    let prepared = PreparedTree::new(scene, options, cancel)?;
+    let reporter = Reporter::new(args.progress, Units::VOXELS);
+    let baked = prepared.build(options, &|p| reporter.update(cubes(p)), cancel)?;
     let (file, extras) = finish(args, &prepared, options, baked.clone())?;
     let file_bytes = file.write(output)?;
     let seconds = start.elapsed().as_secs_f64();
@@ -75,6 +78,17 @@ pub(super) fn run(
         }
     }
     Ok(Code::Fine)
+}
+
+/// Progress in cubes of the same size, as many as a bar can show.
+fn cubes(p: TreeProgress) -> Progress {
+    const CUBES: usize = 512;
+    Progress {
+        done_tiles: (p.done_share * CUBES as f64) as usize,
+        total_tiles: CUBES,
+        texels_per_tile: p.voxels / CUBES as u64,
+        graph_bytes: p.tree_bytes,
+    }
 }
 
 /// The file, with what `--lossy`, `--symmetry` and `--attribute` ask for.

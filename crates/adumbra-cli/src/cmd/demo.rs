@@ -19,7 +19,7 @@ use super::{GraphFigures, load_scene};
 use crate::args::Demo;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{bytes_words, make_folder, write_png, write_whole};
-use crate::progress::{Reporter, Style};
+use crate::progress::{Reporter, Style, Units};
 use crate::signals;
 
 const SEED: u64 = 1;
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let start = Instant::now();
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
     let options = Options::new(sun, Size::Resolution(args.resolution));
-    let reporter = Reporter::new(Style::Auto);
+    let reporter = Reporter::new(Style::Auto, Units::TEXELS);
     let baked = bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
     let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
     file.write(&file_path)?;

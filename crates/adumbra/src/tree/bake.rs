@@ -147,6 +147,17 @@ pub struct TreeReport {
     pub collisions: Option<u64>,
 }
 
+/// Where the bake of a tree stands.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeProgress {
+    /// Share of the cube that is built.
+    pub done_share: f64,
+    /// Voxels in the cube.
+    pub voxels: u64,
+    /// Bytes that builder and reduction hold.
+    pub tree_bytes: u64,
+}
+
 /// Texels of the depth image along a voxel's edge: more than one where that image stays small.
 fn texels_per_voxel(depth: u32) -> f64 {
     if depth <= 11 { 2.0 } else { 1.0 }
@@ -165,8 +176,8 @@ impl PreparedTree {
     /// Settles the cube and draws the depth image.
     ///
     /// # Errors
-    /// An option out of range, or an image that does not fit `max_memory_bytes`.
-    pub fn new(scene: &Scene, options: &TreeOptions) -> Result<Self> {
+    /// An option out of range, an image that does not fit `max_memory_bytes`, or [`Error::Interrupted`].
+    pub fn new(scene: &Scene, options: &TreeOptions, cancel: &AtomicBool) -> Result<Self> {
         let start = Instant::now();
         let (space, regions) = lay_out(scene, options)?;
         let grid = image_grid(scene, options, &space);
@@ -177,7 +188,10 @@ impl PreparedTree {
             ignore_alpha: options.ignore_alpha,
             capture_bias: options.capture_bias,
         };
-        let (image, triangles) = DepthImage::capture(scene, &grid, image_options);
+        let (image, triangles) = DepthImage::capture(scene, &grid, image_options, cancel);
+        if cancel.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
         check_memory(options, "the light's depth image", image.memory_bytes() + scene.memory_bytes())?;
         let settings = TreeSettings {
             closed_regions: options.closed_regions,
@@ -192,11 +206,16 @@ impl PreparedTree {
         Ok(Self { space, regions, settings, image, image_seconds: start.elapsed().as_secs_f64() })
     }
 
-    /// Builds and reduces. `options` must be those of [`PreparedTree::new`] but for builder, reduction and pruning.
+    /// Builds and reduces, and says now and then how far it is. `options` must be those of [`PreparedTree::new`] but for builder, reduction and pruning.
     ///
     /// # Errors
     /// [`Error::Interrupted`], or a graph that does not fit.
-    pub fn build(&self, options: &TreeOptions, cancel: &AtomicBool) -> Result<BakedTree> {
+    pub fn build(
+        &self,
+        options: &TreeOptions,
+        progress: &dyn Fn(TreeProgress),
+        cancel: &AtomicBool,
+    ) -> Result<BakedTree> {
         let start = Instant::now();
         let space = LitSpace::new(&self.image, &self.space, &self.regions);
         let held = self.image.memory_bytes() + space.memory_bytes();
@@ -207,38 +226,43 @@ impl PreparedTree {
             ..TreeReport::default()
         };
         let (depth, builder, prune) = (self.space.depth, options.builder, options.prune);
-        let stop = |bytes: u64| {
+        let voxels = 1_u64 << (3 * depth);
+        let watch = |tree_bytes: u64, done_share: f64| {
             if cancel.load(Ordering::Relaxed) {
                 return Err(Error::Interrupted);
             }
-            check_memory(options, "the tree so far", held + bytes)
+            progress(TreeProgress { done_share, voxels, tree_bytes });
+            check_memory(options, "the tree so far", held + tree_bytes)
         };
         let built = Instant::now();
         let blocks = match options.reduction {
             Reduction::Hash => {
                 let mut sink = Interned::default();
-                let root =
-                    builder.build(&space, depth, prune, &mut sink, &|s: &Interned| stop(s.memory_bytes()))?;
+                let root = builder.build(&space, depth, prune, &mut sink, &|s: &Interned, share| {
+                    watch(s.memory_bytes(), share)
+                })?;
                 report.tree_bytes = sink.memory_bytes();
                 sink.finish(root)
             }
             Reduction::TreeHash => {
                 let mut sink = TreeHashed::default();
-                let root = builder
-                    .build(&space, depth, prune, &mut sink, &|s: &TreeHashed| stop(s.memory_bytes()))?;
+                let root = builder.build(&space, depth, prune, &mut sink, &|s: &TreeHashed, share| {
+                    watch(s.memory_bytes(), share)
+                })?;
                 report.tree_bytes = sink.memory_bytes();
                 report.collisions = Some(sink.collisions());
                 sink.finish(root)
             }
             Reduction::Sort => {
                 let mut blocks: Vec<[Word; 8]> = Vec::new();
-                let root = builder.build(&space, depth, prune, &mut blocks, &|b: &Vec<_>| {
+                let root = builder.build(&space, depth, prune, &mut blocks, &|b: &Vec<_>, share| {
                     // Sorting takes a key and two numbers a block more.
-                    stop(b.memory_bytes() * 5 / 2)
+                    watch(b.memory_bytes() * 5 / 2, share)
                 })?;
                 Blocks { root, blocks }
             }
         };
+        progress(TreeProgress { done_share: 1.0, voxels, tree_bytes: report.tree_bytes });
         report.build_seconds = built.elapsed().as_secs_f64();
         report.built_blocks = blocks.blocks.len() as u64;
         let reducing = Instant::now();
@@ -278,8 +302,13 @@ impl PreparedTree {
 ///
 /// # Errors
 /// As [`PreparedTree::new`] and [`PreparedTree::build`].
-pub fn bake_tree(scene: &Scene, options: &TreeOptions, cancel: &AtomicBool) -> Result<BakedTree> {
-    PreparedTree::new(scene, options)?.build(options, cancel)
+pub fn bake_tree(
+    scene: &Scene,
+    options: &TreeOptions,
+    progress: &dyn Fn(TreeProgress),
+    cancel: &AtomicBool,
+) -> Result<BakedTree> {
+    PreparedTree::new(scene, options, cancel)?.build(options, progress, cancel)
 }
 
 fn check_memory(options: &TreeOptions, what: &'static str, needed_bytes: u64) -> Result<()> {

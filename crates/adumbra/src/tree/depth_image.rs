@@ -4,6 +4,8 @@
 //! It exists only during the bake. Texels lie in tiles of 256 × 256, tile after tile, each row by row; depths are in
 //! 1/256 texel along the light.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rayon::prelude::*;
 
 use super::settings::CaptureBias;
@@ -62,8 +64,14 @@ pub(super) struct DepthImageOptions {
 }
 
 impl DepthImage {
-    /// Draws `scene` from the light into the columns of `grid`. On rayon's threads; the same for any number of them.
-    pub(super) fn capture(scene: &Scene, grid: &LightGrid, options: DepthImageOptions) -> (Self, u64) {
+    /// Draws `scene` from the light into the columns of `grid`, and counts the triangles that cast. On rayon's threads; the
+    /// same for any number of them. Once `cancel` is set what is left stays empty.
+    pub(super) fn capture(
+        scene: &Scene,
+        grid: &LightGrid,
+        options: DepthImageOptions,
+        cancel: &AtomicBool,
+    ) -> (Self, u64) {
         let tiles = tiles_of(grid);
         let caster_options =
             CasterOptions { closed_regions: options.closed_regions, ignore_alpha: options.ignore_alpha };
@@ -85,6 +93,9 @@ impl DepthImage {
             .par_chunks_mut(TILE_TEXELS)
             .enumerate()
             .map_init(CaptureBuffers::default, |buffers, (tile, depths)| {
+                if cancel.load(Ordering::Relaxed) {
+                    return None;
+                }
                 let corner = [tile as u32 % tiles[0], tile as u32 / tiles[0]].map(|t| t * TILE_SIDE);
                 let rect = TileRect {
                     x: corner[0],

@@ -22,7 +22,9 @@ mod space;
 pub mod symmetric;
 mod word;
 
-pub use bake::{BakedTree, Detail, PreparedTree, Reduction, TREE_BIAS, TreeOptions, TreeReport, bake_tree};
+pub use bake::{
+    BakedTree, Detail, PreparedTree, Reduction, TREE_BIAS, TreeOptions, TreeProgress, TreeReport, bake_tree,
+};
 pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
 pub(crate) use graph::check as check_words;

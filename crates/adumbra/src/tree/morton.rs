@@ -28,6 +28,11 @@ pub fn voxel(path: &[u32]) -> [u32; 3] {
     [sum(2), sum(1), sum(0)]
 }
 
+/// Share of a tree's voxels that stand before voxel (x, y, z) in the order of their paths.
+pub fn share_before(xyz: [u32; 3], depth: u32) -> f64 {
+    path(xyz, depth).iter().rev().fold(0.0, |share, &child| (share + f64::from(child)) / 8.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -43,6 +48,13 @@ mod tests {
         // In the plane the number is (x_bit << 1) | y_bit: the octree's without its z bit.
         let flat: Vec<u32> = path([5, 3, 0], 3).iter().map(|a| a >> 1).collect();
         assert_eq!(flat, [2, 1, 3]);
+    }
+
+    #[test]
+    fn morton_share_counts_the_voxels_before() {
+        assert_eq!(share_before([0, 0, 0], 3), 0.0);
+        assert_eq!(share_before([4, 0, 0], 3), 0.5);
+        assert_eq!(share_before([7, 7, 7], 3), 511.0 / 512.0);
     }
 
     #[test]

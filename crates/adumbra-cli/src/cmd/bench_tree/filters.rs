@@ -90,7 +90,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
 }
 
 fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree, Failure> {
-    Ok(bake_tree(&scene.scene, options, &AtomicBool::new(false))?)
+    Ok(bake_tree(&scene.scene, options, &|_| {}, &AtomicBool::new(false))?)
 }
 
 /// A look-up of one kind, compared at the points to which the usual bias moves them.

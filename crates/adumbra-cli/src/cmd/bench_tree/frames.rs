@@ -51,7 +51,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
 }
 
 fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree, Failure> {
-    Ok(bake_tree(&scene.scene, options, &AtomicBool::new(false))?)
+    Ok(bake_tree(&scene.scene, options, &|_| {}, &AtomicBool::new(false))?)
 }
 
 fn compare(

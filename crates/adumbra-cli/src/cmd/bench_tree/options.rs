@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::hint::black_box;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::light::Sun;
@@ -37,8 +38,9 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
 
 fn scene_rows(args: &BenchTree, scene: &BenchScene) -> Result<Vec<Value>, Failure> {
     let options = tree_options(DEPTH)?;
-    let prepared = PreparedTree::new(&scene.scene, &options)?;
-    let baked = prepared.build(&options, &std::sync::atomic::AtomicBool::new(false))?;
+    let never = AtomicBool::new(false);
+    let prepared = PreparedTree::new(&scene.scene, &options, &never)?;
+    let baked = prepared.build(&options, &|_| {}, &never)?;
     let voxels = surface_voxels(scene, &baked)?;
     let tree = &baked.tree;
     let timer = Timer { voxels: &voxels, runs: args.runs };

@@ -29,14 +29,15 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
 
 fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<Value, Failure> {
     let base = tree_options(depth)?;
-    let prepared = PreparedTree::new(&scene.scene, &base)?;
     let never = AtomicBool::new(false);
+    let prepared = PreparedTree::new(&scene.scene, &base, &never)?;
     let mut seconds: [Vec<f64>; 3] = Default::default();
     let mut last = Vec::new();
     for _ in 0..args.runs {
         last.clear();
         for ((_, reduction), seconds) in VARIANTS.iter().zip(&mut seconds) {
-            let baked = prepared.build(&TreeOptions { reduction: *reduction, ..base.clone() }, &never)?;
+            let baked =
+                prepared.build(&TreeOptions { reduction: *reduction, ..base.clone() }, &|_| {}, &never)?;
             seconds.push(baked.report.build_seconds + baked.report.reduce_seconds);
             last.push(baked);
         }

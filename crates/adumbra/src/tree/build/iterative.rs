@@ -65,7 +65,7 @@ pub(super) fn walk<C: Classify, S: Sink>(
             }
             continue;
         }
-        let joined = work.join(&frame.children)?;
+        let joined = work.join(frame.xyz, &frame.children)?;
         if let Some(done) = stack.pop() {
             frames.give_back(done);
         }

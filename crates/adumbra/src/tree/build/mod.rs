@@ -11,6 +11,7 @@ mod pooled;
 mod recursive;
 
 use super::blocks::Blocks;
+use super::morton;
 use super::reduce::Sink;
 use super::word::{Node, Word};
 use crate::error::Result;
@@ -73,19 +74,19 @@ impl Builder {
     pub const ALL: [Self; 3] = [Self::Recursive, Self::Iterative, Self::Pooled];
 
     /// Builds the tree of `depth` levels into `sink` and gives its root; `prune` asks [`Classify::cube`] of every cube
-    /// that is not a cell. `stop` is looked at now and then.
+    /// that is not a cell. `watch` is called now and then, with the sink and the share of the space that is done.
     ///
     /// # Errors
-    /// What `stop` says, or [`crate::Error::MemoryLimit`] of a sink that is full.
+    /// What `watch` says, or [`crate::Error::MemoryLimit`] of a sink that is full.
     pub fn build<S: Sink>(
         self,
         space: &impl Classify,
         depth: u32,
         prune: bool,
         sink: &mut S,
-        stop: &dyn Fn(&S) -> Result<()>,
+        watch: &dyn Fn(&S, f64) -> Result<()>,
     ) -> Result<Word> {
-        let mut work = Work { space, prune, sink, stop, blocks_until_stop: BLOCKS_BETWEEN_STOPS };
+        let mut work = Work { space, depth, prune, sink, watch, until_watch: NODES_BETWEEN_WATCHES };
         let root = match self {
             Self::Recursive => recursive::build(&mut work, depth)?,
             Self::Iterative => iterative::build(&mut work, depth)?,
@@ -101,13 +102,13 @@ impl Builder {
     /// As [`Builder::build`].
     pub fn tree(self, space: &impl Classify, depth: u32, prune: bool) -> Result<Blocks> {
         let mut blocks = Vec::new();
-        let root = self.build(space, depth, prune, &mut blocks, &|_| Ok(()))?;
+        let root = self.build(space, depth, prune, &mut blocks, &|_, _| Ok(()))?;
         Ok(Blocks { root, blocks })
     }
 }
 
-/// Blocks between two looks at `stop`.
-const BLOCKS_BETWEEN_STOPS: u32 = 1 << 16;
+/// Inner nodes between two calls of `watch`.
+const NODES_BETWEEN_WATCHES: u32 = 1 << 16;
 
 /// A built node; none where all of it is free.
 type Built = Option<Word>;
@@ -115,10 +116,11 @@ type Built = Option<Word>;
 /// What the three builders share: the questions, and what becomes of eight children.
 struct Work<'w, C, S> {
     space: &'w C,
+    depth: u32,
     prune: bool,
     sink: &'w mut S,
-    stop: &'w dyn Fn(&S) -> Result<()>,
-    blocks_until_stop: u32,
+    watch: &'w dyn Fn(&S, f64) -> Result<()>,
+    until_watch: u32,
 }
 
 impl<C: Classify, S: Sink> Work<'_, C, S> {
@@ -144,8 +146,13 @@ impl<C: Classify, S: Sink> Work<'_, C, S> {
         })
     }
 
-    /// What a node with these children is: upward merging, else a block.
-    fn join(&mut self, children: &[Built; 8]) -> Result<Built> {
+    /// What the node at `xyz` with these children is: upward merging, else a block.
+    fn join(&mut self, xyz: [u32; 3], children: &[Built; 8]) -> Result<Built> {
+        self.until_watch -= 1;
+        if self.until_watch == 0 {
+            self.until_watch = NODES_BETWEEN_WATCHES;
+            (self.watch)(self.sink, morton::share_before(xyz, self.depth))?;
+        }
         let mut defined = children.iter().flatten();
         let Some(&first) = defined.next() else { return Ok(None) };
         if matches!(first.node(), Node::Uniform(_)) && defined.all(|w| *w == first) {
@@ -158,11 +165,6 @@ impl<C: Classify, S: Sink> Work<'_, C, S> {
             match word.node() {
                 Node::Uniform(lit) => mask |= u8::from(lit) << c,
                 Node::Inner(_) | Node::Mask(_) => {
-                    self.blocks_until_stop -= 1;
-                    if self.blocks_until_stop == 0 {
-                        self.blocks_until_stop = BLOCKS_BETWEEN_STOPS;
-                        (self.stop)(self.sink)?;
-                    }
                     return self.sink.block(&words).map(Some);
                 }
             }
@@ -181,7 +183,7 @@ fn built(state: State) -> Built {
 
 /// Lowest voxel of child `c` of a cube of this level.
 fn child_corner(xyz: [u32; 3], level: u32, c: u32) -> [u32; 3] {
-    let offset = super::morton::child_offset(c);
+    let offset = morton::child_offset(c);
     std::array::from_fn(|a| xyz[a] + (offset[a] << (level - 1)))
 }
 

@@ -16,5 +16,5 @@ fn node<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, xyz: [u32; 3], level: u
     for (c, child) in (0..).zip(&mut children) {
         *child = node(work, child_corner(xyz, level, c), level - 1)?;
     }
-    work.join(&children)
+    work.join(xyz, &children)
 }

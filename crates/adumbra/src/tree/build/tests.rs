@@ -41,11 +41,11 @@ proptest! {
         distinct.dedup();
         prop_assert_eq!(distinct.len(), sorted.blocks.len());
         let mut interned = Interned::default();
-        let root = Builder::Pooled.build(&space, depth, true, &mut interned, &|_| Ok(())).unwrap();
+        let root = Builder::Pooled.build(&space, depth, true, &mut interned, &|_, _| Ok(())).unwrap();
         prop_assert_eq!(&interned.finish(root).number(depth), &numbered);
         for modulus in [2, 251, crate::tree::reduce::tree_hash::MODULUS] {
             let mut hashed = TreeHashed::with_modulus(modulus);
-            let root = Builder::Iterative.build(&space, depth, false, &mut hashed, &|_| Ok(())).unwrap();
+            let root = Builder::Iterative.build(&space, depth, false, &mut hashed, &|_, _| Ok(())).unwrap();
             prop_assert_eq!(&hashed.finish(root).number(depth), &numbered);
         }
         prop_assert_eq!(&Blocks::of(&numbered).number(depth), &numbered);
@@ -66,7 +66,7 @@ fn tree_hash_collisions_are_counted_and_change_nothing() {
     };
     let reduce = |modulus| {
         let mut hashed = TreeHashed::with_modulus(modulus);
-        let root = Builder::Recursive.build(&space, 4, false, &mut hashed, &|_| Ok(())).unwrap();
+        let root = Builder::Recursive.build(&space, 4, false, &mut hashed, &|_, _| Ok(())).unwrap();
         let collisions = hashed.collisions();
         (hashed.finish(root).number(4), collisions)
     };

@@ -73,7 +73,7 @@ pub(in crate::tree) fn all_voxels(depth: u32) -> impl Iterator<Item = [u32; 3]> 
 
 fn reduced(space: &impl Classify, depth: u32) -> VoxelTree {
     let mut interned = Interned::default();
-    let root = Builder::Recursive.build(space, depth, false, &mut interned, &|_| Ok(())).unwrap();
+    let root = Builder::Recursive.build(space, depth, false, &mut interned, &|_, _| Ok(())).unwrap();
     interned.finish(root).number(depth)
 }
 

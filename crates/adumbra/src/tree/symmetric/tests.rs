@@ -11,7 +11,7 @@ use crate::tree::{Blocks, Builder, State, VoxelTree};
 
 fn reduced(space: &Spelled) -> VoxelTree {
     let mut blocks = Interned::default();
-    let root = Builder::Pooled.build(space, space.depth, true, &mut blocks, &|_| Ok(())).unwrap();
+    let root = Builder::Pooled.build(space, space.depth, true, &mut blocks, &|_, _| Ok(())).unwrap();
     blocks.finish(root).number(space.depth)
 }
 
