@@ -30,7 +30,7 @@ proptest! {
     #[test]
     fn attributes_survive_the_reduction(space in spaces()) {
         let whole = Builder::Recursive.tree(&space, space.depth, true).unwrap();
-        let graph = sort(whole.clone()).number(space.depth);
+        let graph = sort(whole.clone()).0.number(space.depth);
         let whole = whole.number(space.depth);
         let [in_whole, in_graph] = [&whole, &graph].map(|t| AttributeIndex::of(t).unwrap());
         let values = gather(&whole, &in_whole, &by_position);
@@ -57,7 +57,7 @@ proptest! {
 
     #[test]
     fn attributes_of_a_lossy_graph_are_at_its_own_leaf_voxels(space in spaces(), share in 0.0..0.5_f64) {
-        let graph = sort(Builder::Pooled.tree(&space, space.depth, true).unwrap()).number(space.depth);
+        let graph = sort(Builder::Pooled.tree(&space, space.depth, true).unwrap()).0.number(space.depth);
         let graph = lossy::merge_similar(&graph, share).unwrap().tree;
         let index = AttributeIndex::of(&graph).unwrap();
         let values = gather(&graph, &index, &by_position);
