@@ -222,6 +222,12 @@ fn tree_faults_have_their_exit_codes() {
     refused(&["--symmetry"], 2, "--symmetry means nothing with --frame light");
     refused(&["--lossy", "1%"], 2, "--lossy");
     refused(&["--rings", "0,0:1"], 2, "--rings");
+    refused(&["--builder", "pooled"], 2, "--builder means nothing with --frame light");
+    refused(&world(&["--capture-bias-slope", "17"]), 2, "--capture-bias");
+    refused(&world(&["--region", "100,100,101,101:9"]), 2, "touch the scene's cube");
+    refused(&world(&["--region", "0,0,1,1:8", "--resolution", "256"]), 2, "deeper than the rest");
+    refused(&world(&["--rings", "0,0:nan"]), 2, "--rings");
+    refused(&world(&["--voxel-size", "0.0001"]), 2, "--voxel-size");
     refused(&world(&["--thickness", "0.1"]), 2, "--thickness means nothing with --frame world");
     refused(&world(&["--receivers", "static"]), 2, "--receivers static");
     refused(&world(&["--no-assume-ground"]), 2, "--no-assume-ground");

@@ -80,9 +80,14 @@ fn tree_refuses_regions_that_make_no_sense() {
     assert!(refused(region([1.0, 0.0], 8), 6).contains("--region"));
     assert!(refused(region([0.0, f64::NAN], 8), 6).contains("--region"));
     assert!(refused(region([0.0, 1.0], 16), 6).contains("depth of 16"));
+    assert!(refused(region([0.0, 1.0], 6), 6).contains("deeper than the rest"));
+    assert!(refused(region([900.0, 901.0], 8), 6).contains("touch the scene's cube"));
     let rings = |radii| Detail::Rings { center_xz: [0.0; 2], radii };
     assert!(refused(rings(vec![2.0, 1.0]), 6).contains("--rings"));
-    assert!(refused(rings(vec![1.0; 9]), 6).contains("--rings"));
+    assert!(refused(rings((1..9).map(f64::from).collect()), 6).contains("--rings"));
+    assert!(refused(rings(vec![f64::NAN]), 6).contains("--rings"));
+    assert!(refused(rings(vec![-1.0, 1.0]), 6).contains("--rings"));
+    assert!(refused(Detail::Rings { center_xz: [900.0; 2], radii: vec![1.0] }, 6).contains("--rings"));
 }
 
 /// Answers only near the borders of regions.
@@ -128,6 +133,61 @@ impl Answers for NearSeams<'_> {
 
     fn insides_are_free(&self) -> bool {
         self.answers.insides_are_free()
+    }
+}
+
+#[test]
+fn tree_regions_side_by_side_have_no_coarse_seam() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    // An L of two boxes and a deeper one over their common corner.
+    let region = |x, z, depth| Region { x, z, depth };
+    let list = vec![
+        region([-8.0, 1.0], [-8.0, 8.0], 9),
+        region([1.0, 8.0], [-8.0, 0.0], 9),
+        region([0.0, 2.0], [-2.0, 2.0], 10),
+    ];
+    let baked = bake(&scene, 6, Detail::Regions(list));
+    let query = query(&baked, 5);
+    let size =
+        |x: f64, z: f64| query.voxel_size_at([x, 2.0, z], Some([0.0, 1.0, 0.0])) / baked.space.voxel_size;
+    // Along the seam between the two boxes, away from the deeper one.
+    assert_eq!([0.9, 0.99, 1.0, 1.01, 1.1].map(|x| size(x, -6.0)), [2.0; 5]);
+    // Across the deeper one's border: never coarser than the boxes.
+    assert!((0..100).all(|i| size(0.5 + 0.02 * f64::from(i), -1.0) <= 2.0));
+    assert_eq!(size(1.5, -1.0), 1.0);
+    // Outside the L it is coarse, and so is its inner corner's rim.
+    assert_eq!(size(6.0, 6.0), 16.0);
+    assert_eq!(size(2.3, 2.3), 16.0);
+}
+
+/// Every cube that the pyramid decides has cells that say the same: under regions, a given box, several suns.
+#[test]
+fn tree_pruned_and_exhaustive_builds_agree_everywhere() {
+    let regions = Detail::Regions(vec![
+        Region { x: [-3.3, 4.1], z: [-2.2, 5.9], depth: 8 },
+        Region { x: [2.0, 9.7], z: [3.0, 8.3], depth: 7 },
+    ]);
+    let rings = Detail::Rings { center_xz: [1.0, -1.0], radii: vec![2.0, 5.0] };
+    let bounds = adumbra::scene::Bounds { min: [-4.0, -0.5, -3.0], max: [5.0, 3.0, 6.0] };
+    for kind in [GeneratedKind::Primitives, GeneratedKind::Landscape] {
+        let scene = generate(kind, 2);
+        for towards in [SUN, [0.0, 1.0, 0.0], [-0.9, 0.12, 0.4]] {
+            for (detail, bounds) in [
+                (Detail::Uniform, Some(bounds)),
+                (regions.clone(), None),
+                (regions.clone(), Some(bounds)),
+                (rings.clone(), None),
+            ] {
+                let sun = Sun::from_direction(towards).unwrap();
+                let options =
+                    TreeOptions { detail, bounds, ..TreeOptions::new(sun, Size::Resolution(1 << 6)) };
+                let build = |prune| {
+                    let options = TreeOptions { prune, ..options.clone() };
+                    bake_tree(&scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap().tree
+                };
+                assert!(build(true) == build(false), "{kind:?} {towards:?} {:?} {bounds:?}", options.detail);
+            }
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Options of world-aligned trees.
 
 use adumbra::query::Weights;
-use adumbra::tree::{Builder, Detail, Reduction, Region, TreeOptions};
+use adumbra::tree::{Builder, CaptureBias, Detail, Reduction, Region, TreeOptions};
 use clap::ValueEnum;
 
 use super::{BakeSettings, WorkArgs, numbers};
@@ -81,15 +81,21 @@ pub(crate) struct TreeArgs {
     /// World frame: keep a byte for each voxel at a shadow border
     #[arg(long, value_enum, conflicts_with = "symmetry")]
     pub(crate) attribute: Option<AttributeArg>,
-    /// World frame: how the tree is built; the result is the same
-    #[arg(long, value_enum, default_value = "recursive")]
-    builder: BuilderArg,
-    /// World frame: how equal subtrees are found; the result is the same
-    #[arg(long, value_enum, default_value = "hash")]
-    reduction: ReductionArg,
+    /// World frame: how the tree is built; the result is the same [default: pooled]
+    #[arg(long, value_enum)]
+    builder: Option<BuilderArg>,
+    /// World frame: how equal subtrees are found; the result is the same [default: hash]
+    #[arg(long, value_enum)]
+    reduction: Option<ReductionArg>,
     /// World frame: test every voxel, also where the min/max pyramid decides; the result is the same
     #[arg(long)]
     exhaustive: bool,
+    /// World frame: depths move away from the light by this, in texels of the depth image [default: 0]
+    #[arg(long, value_name = "TEXELS")]
+    capture_bias_constant: Option<f64>,
+    /// World frame: and by this times the slope [default: 0.75]
+    #[arg(long, value_name = "TEXELS")]
+    capture_bias_slope: Option<f64>,
 }
 
 impl TreeArgs {
@@ -113,6 +119,10 @@ impl TreeArgs {
                     (self.lossy.is_some(), "--lossy"),
                     (self.attribute.is_some(), "--attribute"),
                     (self.exhaustive, "--exhaustive"),
+                    (self.builder.is_some(), "--builder"),
+                    (self.reduction.is_some(), "--reduction"),
+                    (self.capture_bias_constant.is_some(), "--capture-bias-constant"),
+                    (self.capture_bias_slope.is_some(), "--capture-bias-slope"),
                 ],
                 "light",
                 "world",
@@ -133,6 +143,8 @@ impl BakeSettings {
     pub(crate) fn tree_options(&self, ignore_alpha: bool, work: &WorkArgs) -> Result<TreeOptions, Failure> {
         let common = self.options(ignore_alpha, work)?;
         let tree = &self.tree;
+        let default = TreeOptions::new(common.sun, common.size);
+        let bias = default.capture_bias;
         Ok(TreeOptions {
             detail: match &tree.rings {
                 Some(rings) => rings.clone(),
@@ -143,18 +155,24 @@ impl BakeSettings {
             ignore_alpha,
             bounds: common.bounds,
             builder: match tree.builder {
-                BuilderArg::Recursive => Builder::Recursive,
-                BuilderArg::Iterative => Builder::Iterative,
-                BuilderArg::Pooled => Builder::Pooled,
+                Some(BuilderArg::Recursive) => Builder::Recursive,
+                Some(BuilderArg::Iterative) => Builder::Iterative,
+                Some(BuilderArg::Pooled) => Builder::Pooled,
+                None => default.builder,
             },
             reduction: match tree.reduction {
-                ReductionArg::Hash => Reduction::Hash,
-                ReductionArg::Sort => Reduction::Sort,
-                ReductionArg::TreeHash => Reduction::TreeHash,
+                Some(ReductionArg::Hash) => Reduction::Hash,
+                Some(ReductionArg::Sort) => Reduction::Sort,
+                Some(ReductionArg::TreeHash) => Reduction::TreeHash,
+                None => default.reduction,
             },
             prune: !tree.exhaustive,
+            capture_bias: CaptureBias {
+                constant_texels: tree.capture_bias_constant.unwrap_or(bias.constant_texels),
+                slope_texels: tree.capture_bias_slope.unwrap_or(bias.slope_texels),
+            },
             max_memory_bytes: common.max_memory_bytes,
-            ..TreeOptions::new(common.sun, common.size)
+            ..default
         })
     }
 }

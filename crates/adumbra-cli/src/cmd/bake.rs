@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             return dry_run(args, &scene, &options);
         }
         if let Some(tree_options) = &tree_options {
-            return bake_tree::run(args, &scene, tree_options, &output, &cancel);
+            return bake_tree::run(args, &scene, tree_options, &output, start, &cancel);
         }
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let Baked { grid, settings, dag, report } =

@@ -1,18 +1,21 @@
 //! `adumbra bake --frame world`: scene in, world-aligned tree out.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use adumbra::Error;
 use adumbra::bake::Progress;
 use adumbra::format::{AttributeKind, TreeBody, TreeFile};
 use adumbra::scene::Scene;
-use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, TreeProgress, lossy, symmetric::SymmetricTree};
+use adumbra::tree::lossy::{self, leaf_voxels};
+use adumbra::tree::symmetric::SymmetricTree;
+use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, TreeProgress};
 use serde_json::{Value, json};
 
 use super::print_json;
 use crate::args::Bake;
-use crate::exit::{Code, Outcome};
+use crate::exit::{Code, Failure, Outcome};
 use crate::memory;
 use crate::output::bytes_words;
 use crate::progress::{Reporter, Units};
@@ -25,22 +28,23 @@ struct Extras {
     sentences: Vec<String>,
 }
 
+/// `start` is when the program began to load the scene.
 pub(super) fn run(
     args: &Bake,
     scene: &Scene,
     options: &TreeOptions,
     output: &Path,
+    start: Instant,
     cancel: &AtomicBool,
 ) -> Outcome {
-    let start = Instant::now();
     let prepared = PreparedTree::new(scene, options, cancel)?;
     let reporter = Reporter::new(args.progress, Units::VOXELS);
     let baked = prepared.build(options, &|p| reporter.update(cubes(p)), cancel)?;
-    let (file, extras) = finish(args, &prepared, options, baked.clone())?;
+    let report = baked.report;
+    let (file, extras) = finish(args, prepared, options, baked, cancel)?;
     let file_bytes = file.write(output)?;
     let seconds = start.elapsed().as_secs_f64();
-    let report = baked.report;
-    let peak = memory::peak_bytes().unwrap_or(report.image_bytes + report.tree_bytes);
+    let peak = memory::peak_bytes().unwrap_or(report.image_bytes + report.held_bytes);
     if args.json {
         let mut object = json!({
             "file": output.display().to_string(),
@@ -94,10 +98,15 @@ fn cubes(p: TreeProgress) -> Progress {
 /// The file, with what `--lossy`, `--symmetry` and `--attribute` ask for.
 fn finish(
     args: &Bake,
-    prepared: &PreparedTree,
+    prepared: PreparedTree,
     options: &TreeOptions,
     baked: BakedTree,
-) -> Result<(TreeFile, Extras), crate::exit::Failure> {
+    cancel: &AtomicBool,
+) -> Result<(TreeFile, Extras), Failure> {
+    let go_on = || if cancel.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
+    let wants_attribute = args.settings.tree.attribute.is_some();
+    // The depth images are of no more use, and may be large.
+    let prepared = wants_attribute.then_some(prepared);
     let BakedTree { space, regions, mut settings, mut tree, report } = baked;
     let mut extras =
         Extras { plain_bytes: tree.bytes(), body_bytes: 0, figures: Vec::new(), sentences: Vec::new() };
@@ -108,6 +117,9 @@ fn finish(
             .push(format!("tree hash: {collisions} comparisons of different subtrees with one hash"));
     }
     if let Some(share) = args.settings.tree.lossy {
+        go_on()?;
+        // About what a round holds beside the tree: its blocks twice, and lists of similar ones.
+        args.work.check_memory("merging similar subtrees", 6 * tree.bytes())?;
         let merged = lossy::merge_similar(&tree, share)?;
         settings.lossy = Some(merged.change);
         let change = merged.change;
@@ -125,13 +137,17 @@ fn finish(
         tree = merged.tree;
     }
     let (mut attribute, mut attribute_kind) = (Vec::new(), None);
-    if args.settings.tree.attribute.is_some() {
+    if let Some(prepared) = prepared {
+        go_on()?;
+        args.work.check_memory("the penumbra's widths", 2 * tree.bytes() + leaf_voxels(&tree))?;
         attribute = prepared.penumbra(&tree)?;
         attribute_kind = (!attribute.is_empty()).then_some(AttributeKind::Penumbra);
         extras.figures.push(("attribute_bytes", json!(attribute.len())));
         extras.sentences.push(format!("penumbra: {} beside the tree", bytes_words(attribute.len() as u64)));
     }
     let body = if args.settings.tree.symmetry {
+        go_on()?;
+        args.work.check_memory("the symmetric trees", 4 * tree.bytes())?;
         // Mirrors share more nodes but widen pointers: which wins depends on the scene.
         let [narrow, mirrored] = [SymmetricTree::of(&tree, false)?, SymmetricTree::of(&tree, true)?];
         let bytes = [&narrow, &mirrored].map(|t| t.bytes().len() as u64);

@@ -270,3 +270,33 @@ impl Columns {
         self.x[texel] = self.x[texel].max(x);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Intervals of crossings given as (depth, is left).
+    fn insides(crossings: &[(FixedDepth, bool)]) -> Vec<(FixedDepth, FixedDepth)> {
+        let mut keys: Vec<_> = crossings.iter().map(|&(d, left)| crossing_key(d, u32::from(left))).collect();
+        keys.sort_unstable();
+        let mut found = Vec::new();
+        for_each_inside(&keys, |from, to| found.push((from, to)));
+        found
+    }
+
+    #[test]
+    fn columns_lie_inside_solids_from_entering_to_leaving() {
+        let (enters, leaves) = (|d| (d, false), |d| (d, true));
+        assert_eq!(insides(&[]), []);
+        assert_eq!(insides(&[enters(-5), leaves(9)]), [(-5, 9)]);
+        // Nested, and one behind the other.
+        let nested = [enters(10), enters(20), leaves(30), leaves(40), enters(50), leaves(60)];
+        assert_eq!(insides(&nested), [(10, 40), (50, 60)]);
+        // Abutting: entering comes before leaving at one depth, so there is no gap.
+        assert_eq!(insides(&[enters(1), leaves(5), enters(5), leaves(8)]), [(1, 8)]);
+        // Without thickness; never left; left before entered.
+        assert_eq!(insides(&[enters(3), leaves(3)]), []);
+        assert_eq!(insides(&[enters(1), leaves(2), enters(7)]), [(1, 2)]);
+        assert_eq!(insides(&[leaves(0), enters(1), leaves(2)]), []);
+    }
+}

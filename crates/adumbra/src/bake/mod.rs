@@ -8,7 +8,7 @@ pub(crate) mod casters;
 pub(crate) mod columns;
 mod estimate;
 mod masked;
-mod options;
+pub(crate) mod options;
 pub(crate) mod project;
 #[cfg(test)]
 mod reference;
@@ -173,7 +173,7 @@ impl<'s> Plan<'s> {
             Some(bounds) => extent.add_box(bounds),
             None => add_casters(&mut extent, scene),
         }
-        let (resolution, voxel_size) = options.resolution_for(extent.longest_side())?;
+        let (resolution, voxel_size) = options.size.resolve(extent.longest_side())?;
         let grid = LightGrid::covering(options.sun, &extent, voxel_size);
         if f64::from(grid.size[2]) > project::DEPTH_MAX_VOXELS {
             return Err(Error::OptionRange {

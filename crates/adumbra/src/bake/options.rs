@@ -62,39 +62,32 @@ impl Options {
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        let range =
-            |option, value: f64, range| Err(Error::OptionRange { option, value: value.to_string(), range });
         if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
-            return range("--thickness", self.thickness_world, "a finite number of metres, 0 or more");
+            let (value, range) = (self.thickness_world.to_string(), "a finite number of metres, 0 or more");
+            return Err(Error::OptionRange { option: "--thickness", value, range });
         }
         self.bias.check()?;
-        if let Some(b) = &self.bounds {
-            for a in 0..3 {
-                if !(b.min[a].is_finite() && b.max[a].is_finite() && b.min[a] < b.max[a]) {
-                    let value = format!("{:?} to {:?}", b.min, b.max);
-                    let range = "six finite numbers, each minimum below its maximum";
-                    return Err(Error::OptionRange { option: "--bounds", value, range });
-                }
-            }
-        }
-        match self.size {
-            Size::VoxelSize(size) if !(size.is_finite() && size > 0.0) => {
-                range("--voxel-size", size, "a finite number of metres above 0")
-            }
-            _ => Ok(()),
+        self.bounds.as_ref().map_or(Ok(()), check_bounds)
+    }
+}
+
+/// Whether a box given as `--bounds` is one.
+pub(crate) fn check_bounds(b: &Bounds) -> Result<()> {
+    for a in 0..3 {
+        if !(b.min[a].is_finite() && b.max[a].is_finite() && b.min[a] < b.max[a]) {
+            let value = format!("{:?} to {:?}", b.min, b.max);
+            let range = "six finite numbers, each minimum below its maximum";
+            return Err(Error::OptionRange { option: "--bounds", value, range });
         }
     }
+    Ok(())
+}
 
-    /// Checks everything, and gives resolution and voxel size for a space of this longest side.
-    pub(crate) fn checked_resolution(&self, longest_side: f64) -> Result<(u32, f64)> {
-        self.check()?;
-        self.resolution_for(longest_side)
-    }
-
-    /// Resolution and voxel size for a scene of this longest side in the light's plane.
-    pub(super) fn resolution_for(&self, longest_side: f64) -> Result<(u32, f64)> {
-        match self.size {
-            Size::Resolution(resolution) => {
+impl Size {
+    /// Resolution and voxel size for a space of this longest side.
+    pub(crate) fn resolve(self, longest_side: f64) -> Result<(u32, f64)> {
+        match self {
+            Self::Resolution(resolution) => {
                 let nearest =
                     resolution.clamp(MIN_RESOLUTION.into(), MAX_RESOLUTION.into()).next_power_of_two();
                 if nearest != resolution {
@@ -107,14 +100,15 @@ impl Options {
                 }
                 Ok((nearest as u32, longest_side / nearest as f64))
             }
-            Size::VoxelSize(size) => {
+            Self::VoxelSize(size) => {
+                let refuse = |value, range| Err(Error::OptionRange { option: "--voxel-size", value, range });
+                if !(size.is_finite() && size > 0.0) {
+                    return refuse(size.to_string(), "a finite number of metres above 0");
+                }
                 let texels = (longest_side / size).ceil();
                 if texels > f64::from(MAX_RESOLUTION) {
-                    return Err(Error::OptionRange {
-                        option: "--voxel-size",
-                        value: format!("{size} ({texels} texels across)"),
-                        range: "coarse enough for at most 262144 texels across the scene",
-                    });
+                    let value = format!("{size} ({texels} texels across)");
+                    return refuse(value, "coarse enough for at most 262144 texels across the scene");
                 }
                 Ok(((texels as u32).next_power_of_two().max(MIN_RESOLUTION), size))
             }

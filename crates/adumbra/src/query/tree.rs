@@ -135,7 +135,9 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
     /// The cell that a point lies in after its bias, and its level.
     fn place(&self, p_tree: [f64; 3], normal: Option<[f64; 3]>) -> Option<([i64; 3], u32)> {
         let level = self.level(p_tree, normal);
-        let inside = self.entered(self.lifted(p_tree, normal, level))?;
+        let lifted = self.lifted(p_tree, normal, level);
+        // Not so where the normal is not a number.
+        let inside = lifted.iter().all(|c| c.is_finite()).then(|| self.entered(lifted)).flatten()?;
         Some((inside.map(|c| (c as i64) >> level), level))
     }
 
@@ -223,18 +225,36 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         }
     }
 
-    /// Level of the coarsest cells over a rectangle in plan: that of the deepest region which holds all of it.
+    /// Level of the coarsest cells over a rectangle in plan.
     fn level_over(&self, x: [f64; 2], z: [f64; 2]) -> u32 {
         let side = f64::from(self.space.side_voxels());
         // Beyond the cube there is nothing coarser.
         let [x, z] = [x, z].map(|r| r.map(|c| c.clamp(0.0, side)));
-        let holds = |r: &&RegionVoxels| {
-            f64::from(r.x[0]) <= x[0]
-                && x[1] <= f64::from(r.x[1])
-                && f64::from(r.z[0]) <= z[0]
-                && z[1] <= f64::from(r.z[1])
-        };
-        let depth = self.regions.iter().find(holds).map_or(self.base_depth, |r| r.depth.max(self.base_depth));
-        self.space.depth - depth
+        self.space.depth - shallowest(&self.regions, self.base_depth, x, z)
     }
+}
+
+/// Depth where a tree is shallowest over a rectangle in plan, borders included. The first of `regions` that a point lies
+/// in, deepest first, says how deep the tree is there.
+fn shallowest(regions: &[RegionVoxels], base_depth: u32, x: [f64; 2], z: [f64; 2]) -> u32 {
+    let overlap = |r: &RegionVoxels| {
+        let [from, to] = [0, 1].map(|end| [f64::from(r.x[end]), f64::from(r.z[end])]);
+        from[0] <= x[1] && x[0] <= to[0] && from[1] <= z[1] && z[0] <= to[1]
+    };
+    let Some(first) = regions.iter().position(overlap) else { return base_depth };
+    let (region, rest) = (&regions[first], &regions[first + 1..]);
+    let [rx, rz] = [region.x, region.z].map(|r| r.map(f64::from));
+    // What sticks out: beside it along x, then before and behind it along z.
+    let inside_x = [x[0].max(rx[0]), x[1].min(rx[1])];
+    let parts = [
+        (x[0] < rx[0], [x[0], rx[0]], z),
+        (x[1] > rx[1], [rx[1], x[1]], z),
+        (z[0] < rz[0], inside_x, [z[0], rz[0]]),
+        (z[1] > rz[1], inside_x, [rz[1], z[1]]),
+    ];
+    parts
+        .into_iter()
+        .filter(|(sticks_out, ..)| *sticks_out)
+        .map(|(_, x, z)| shallowest(rest, base_depth, x, z))
+        .fold(region.depth.max(base_depth), u32::min)
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::settings::CaptureBias;
-use crate::bake::capture::{CaptureBuffers, TileRect, capture_layers};
+use crate::bake::capture::{CaptureBuffers, TileRect, capture_layers, working_bytes};
 use crate::bake::casters::{CasterOptions, Casters};
 use crate::bake::columns::{ColumnRules, for_each_inside};
 use crate::bake::project::FixedDepth;
@@ -45,10 +45,13 @@ struct Insides {
     intervals: Vec<[FixedDepth; 2]>,
 }
 
-/// What a depth image of `grid` holds, at most, without the insides of solids.
-pub(super) fn image_bytes(grid: &LightGrid) -> u64 {
+/// What a depth image of `grid` takes while it is drawn, but for the intervals inside solids: its depths, where each
+/// column's intervals begin, and a tile's lists for every thread.
+pub(super) fn image_bytes(grid: &LightGrid, closed_regions: bool) -> u64 {
     let tiles = tiles_of(grid);
-    u64::from(tiles[0]) * u64::from(tiles[1]) * (TILE_TEXELS * size_of::<FixedDepth>()) as u64
+    let texels = u64::from(tiles[0]) * u64::from(tiles[1]) * TILE_TEXELS as u64;
+    let lists = working_bytes(TILE_TEXELS as u64) * rayon::current_num_threads() as u64;
+    texels * if closed_regions { 8 } else { 4 } + lists
 }
 
 fn tiles_of(grid: &LightGrid) -> [u32; 2] {

@@ -10,7 +10,7 @@
 //! | u, v | 2^-32 texel |
 //! | z | 2^-32 texel; its upper bits from 24 on are 1/256 texel, as the image's depths |
 
-use super::build::{Classify, State};
+use super::build::{Classify, State, child_corner};
 use super::depth_image::{DepthImage, NO_SURFACE, TILE_SIDE};
 use super::space::{RegionVoxels, Regions, TreeSpace};
 use crate::bake::project::FixedDepth;
@@ -26,12 +26,18 @@ const FINEST_BLOCK: u32 = 3;
 
 /// A scene's shadows over a cube.
 pub(super) struct LitSpace<'i> {
-    image: &'i DepthImage,
-    pyramid: Pyramid,
     depth: u32,
     base_depth: u32,
-    /// Regions in voxels, from (included) and to (excluded), deepest first.
+    /// Regions, deepest first.
     regions: Vec<RegionVoxels>,
+    /// For the space outside all regions, then for each region.
+    layers: Vec<Layer<'i>>,
+}
+
+/// One depth image, with the tree's positions in it.
+struct Layer<'i> {
+    image: &'i DepthImage,
+    pyramid: Option<Pyramid>,
     /// u, v, z of the cube's lowest corner.
     origin: [i64; 3],
     /// By tree axis: how much half a voxel along it adds to u, v, z.
@@ -44,7 +50,142 @@ pub(super) struct LitSpace<'i> {
 }
 
 impl<'i> LitSpace<'i> {
-    pub(super) fn new(image: &'i DepthImage, space: &TreeSpace, regions: &Regions) -> Self {
+    /// `images` are those of [`super::layout::Layout::image_grids`]; without `pyramids` no cube is decided whole.
+    pub(super) fn new(
+        images: &'i [DepthImage],
+        space: &TreeSpace,
+        regions: &Regions,
+        pyramids: bool,
+    ) -> Self {
+        Self {
+            depth: space.depth,
+            base_depth: regions.base_depth,
+            regions: regions.in_voxels(space),
+            layers: images.iter().map(|image| Layer::new(image, space, pyramids)).collect(),
+        }
+    }
+
+    /// Bytes of the pyramids.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        let levels = self.layers.iter().filter_map(|l| l.pyramid.as_ref()).flat_map(|p| &p.levels);
+        levels.map(|l| (l.blocks.capacity() * size_of::<Block>()) as u64).sum()
+    }
+
+    /// The deepest region that a cube touches in plan.
+    fn region_over(&self, xyz: [u32; 3], level: u32) -> Option<usize> {
+        let side = 1 << level;
+        self.regions.iter().position(|r| {
+            xyz[0] < r.x[1] && xyz[0] + side > r.x[0] && xyz[2] < r.z[1] && xyz[2] + side > r.z[0]
+        })
+    }
+
+    /// The layer in which a cell is tested.
+    fn layer_of(&self, xyz: [u32; 3], level: u32) -> &Layer<'i> {
+        &self.layers[self.region_over(xyz, level).map_or(0, |r| r + 1)]
+    }
+
+    /// The layer in which all cells of a cube are tested; none where they are tested in several.
+    fn layer_of_all(&self, xyz: [u32; 3], level: u32) -> Option<&Layer<'i>> {
+        let Some(region) = self.region_over(xyz, level) else { return Some(&self.layers[0]) };
+        let r = &self.regions[region];
+        let side = 1 << level;
+        let holds =
+            r.x[0] <= xyz[0] && xyz[0] + side <= r.x[1] && r.z[0] <= xyz[2] && xyz[2] + side <= r.z[1];
+        holds.then(|| &self.layers[region + 1])
+    }
+
+    /// Width of the sun's penumbra at a cell's centre, in eighths of a finest voxel, at most 255: from the nearest surface
+    /// of the columns that pass through the cell or beside it, as far from the centre as a cell is wide. 0 where none lies
+    /// before the centre.
+    pub(super) fn penumbra_eighths(&self, xyz: [u32; 3], level: u32) -> u8 {
+        self.layer_of_all(xyz, level).unwrap_or(&self.layers[0]).penumbra_eighths(xyz, level)
+    }
+
+    /// Whether a cell of the cube, whose defined cells are all of one state, is of that state rather than free: looked
+    /// up at its eight corners' cells.
+    fn a_corner_is(&self, state: State, xyz: [u32; 3], level: u32) -> bool {
+        (0..8_u32).any(|corner| {
+            let mut xyz = xyz;
+            let mut level = level;
+            while !self.is_cell(xyz, level) {
+                level -= 1;
+                for (a, c) in xyz.iter_mut().enumerate() {
+                    *c += (corner >> a & 1) << level;
+                }
+            }
+            self.cell(xyz, level) == state
+        })
+    }
+}
+
+impl Classify for LitSpace<'_> {
+    fn is_cell(&self, xyz: [u32; 3], level: u32) -> bool {
+        let depth = self.depth - level;
+        let needed = || self.region_over(xyz, level).map_or(self.base_depth, |r| self.regions[r].depth);
+        level == 0 || depth >= self.base_depth && depth >= needed()
+    }
+
+    fn cell(&self, xyz: [u32; 3], level: u32) -> State {
+        let layer = self.layer_of(xyz, level);
+        layer.state(layer.at(center(xyz, level)))
+    }
+
+    fn eight(&self, xyz: [u32; 3], level: u32) -> [u8; 2] {
+        let mut masks = [0; 2];
+        let mut set = |c: usize, state| match state {
+            State::Lit => masks[0] |= 1 << c,
+            State::Free => masks[1] |= 1 << c,
+            State::Shadowed => {}
+        };
+        match self.layer_of_all(xyz, level) {
+            Some(layer) => {
+                let first = layer.at(center(xyz, level - 1));
+                for (c, steps) in layer.child_steps[level as usize].iter().enumerate() {
+                    set(c, layer.state(std::array::from_fn(|axis| first[axis] + steps[axis])));
+                }
+            }
+            None => {
+                for c in 0..8 {
+                    set(c, self.cell(child_corner(xyz, level, c as u32), level - 1));
+                }
+            }
+        }
+        masks
+    }
+
+    fn cube(&self, xyz: [u32; 3], level: u32) -> Option<State> {
+        let layer = self.layer_of_all(xyz, level)?;
+        let Range { block, z } = layer.range(xyz, level)?;
+        if i64::from(block.entries_first_max) <= z[0] && z[1] < i64::from(block.exits_first_min) {
+            return Some(State::Free);
+        }
+        let state = if z[0] > i64::from(block.depth_max) {
+            State::Shadowed
+        } else if z[1] <= i64::from(block.depth_min) {
+            State::Lit
+        } else {
+            return None;
+        };
+        let may_be_free = z[1] >= i64::from(block.entries_min) && z[0] < i64::from(block.exits_max);
+        (!may_be_free || self.a_corner_is(state, xyz, level)).then_some(state)
+    }
+}
+
+/// A cube's centre in half voxels.
+fn center(xyz: [u32; 3], level: u32) -> [u32; 3] {
+    xyz.map(|c| 2 * c + (1 << level))
+}
+
+/// Where a cube lies in an image.
+struct Range {
+    /// What the columns that it may touch have in common.
+    block: Block,
+    /// First and last depth of its voxels' centres.
+    z: [i64; 2],
+}
+
+impl<'i> Layer<'i> {
+    fn new(image: &'i DepthImage, space: &TreeSpace, pyramid: bool) -> Self {
         let fixed = |c: f64| (c * (1_i64 << FRACTION) as f64).round() as i64;
         let origin = image.grid.to_grid(space.p_min).map(fixed);
         let texels_per_half_voxel = 0.5 * space.voxel_size / image.grid.voxel_size;
@@ -59,21 +200,13 @@ impl<'i> LitSpace<'i> {
         });
         Self {
             image,
+            pyramid: pyramid.then(|| Pyramid::of(image)),
+            origin,
+            half_steps,
             child_steps: child_steps.collect(),
             texels_per_voxel: 2.0 * texels_per_half_voxel,
             before_surface: i64::from(image.largest_bias),
-            pyramid: Pyramid::of(image),
-            depth: space.depth,
-            base_depth: regions.base_depth,
-            regions: regions.in_voxels(space),
-            origin,
-            half_steps,
         }
-    }
-
-    /// Bytes of the pyramid.
-    pub(super) fn memory_bytes(&self) -> u64 {
-        self.pyramid.levels.iter().map(|l| (l.blocks.capacity() * size_of::<Block>()) as u64).sum()
     }
 
     /// u, v, z of a point given in half voxels.
@@ -103,11 +236,21 @@ impl<'i> LitSpace<'i> {
         if z > i64::from(first) { State::Shadowed } else { State::Lit }
     }
 
-    /// Width of the sun's penumbra at a cell's centre, in eighths of a voxel, at most 255: from the nearest surface of the
-    /// columns that pass through the cell or beside it, as far from the centre as a cell is wide. 0 where none lies
-    /// before the centre.
-    pub(super) fn penumbra_eighths(&self, xyz: [u32; 3], level: u32) -> u8 {
-        let [u, v, z] = self.at(xyz.map(|c| 2 * c + (1 << level)));
+    /// None where there is no pyramid, or its blocks are too coarse to tell.
+    fn range(&self, xyz: [u32; 3], level: u32) -> Option<Range> {
+        let center = self.at(center(xyz, level));
+        // Centres of the cube's voxels: at most this far from its own, and so are the centres of larger cells.
+        let half = (1_i64 << level) - 1;
+        let reach: [i64; 3] =
+            std::array::from_fn(|axis| (0..3).map(|a| self.half_steps[a][axis].abs() * half).sum());
+        let [low, high] = [-1, 1].map(|sign| [center[0] + sign * reach[0], center[1] + sign * reach[1]]);
+        let block = self.pyramid.as_ref()?.over(low, high)?;
+        let z = [center[2] - reach[2], center[2] + reach[2]].map(|z| z >> DEPTH_SHIFT);
+        Some(Range { block, z })
+    }
+
+    fn penumbra_eighths(&self, xyz: [u32; 3], level: u32) -> u8 {
+        let [u, v, z] = self.at(center(xyz, level));
         let (z, cell) = (z >> DEPTH_SHIFT, f64::from(1_u32 << level));
         let step = (self.texels_per_voxel * cell).ceil() as i64;
         let [width, height] = self.image.size().map(i64::from);
@@ -121,80 +264,6 @@ impl<'i> LitSpace<'i> {
         let distance_texels = (z - i64::from(nearest)).max(0) as f64 / 256.0;
         let width_voxels = SUN_WIDTH * distance_texels / self.texels_per_voxel;
         (8.0 * width_voxels).round().min(255.0) as u8
-    }
-
-    /// Levels that the tree must have over a cube's plan.
-    fn depth_over(&self, xyz: [u32; 3], level: u32) -> u32 {
-        let side = 1 << level;
-        let overlaps = |r: &&RegionVoxels| {
-            xyz[0] < r.x[1] && xyz[0] + side > r.x[0] && xyz[2] < r.z[1] && xyz[2] + side > r.z[0]
-        };
-        self.regions.iter().find(overlaps).map_or(self.base_depth, |r| r.depth.max(self.base_depth))
-    }
-
-    /// Whether a cell of the cube, whose defined cells are all of one state, is of that state rather than free: looked
-    /// up at its eight corners' cells.
-    fn a_corner_is(&self, state: State, xyz: [u32; 3], level: u32) -> bool {
-        (0..8_u32).any(|corner| {
-            let mut xyz = xyz;
-            let mut level = level;
-            while !self.is_cell(xyz, level) {
-                level -= 1;
-                for (a, c) in xyz.iter_mut().enumerate() {
-                    *c += (corner >> a & 1) << level;
-                }
-            }
-            self.cell(xyz, level) == state
-        })
-    }
-}
-
-impl Classify for LitSpace<'_> {
-    fn is_cell(&self, xyz: [u32; 3], level: u32) -> bool {
-        level == 0
-            || self.depth - level >= self.base_depth && self.depth - level >= self.depth_over(xyz, level)
-    }
-
-    fn cell(&self, xyz: [u32; 3], level: u32) -> State {
-        self.state(self.at(xyz.map(|c| 2 * c + (1 << level))))
-    }
-
-    fn eight(&self, xyz: [u32; 3], level: u32) -> [u8; 2] {
-        let first = self.at(xyz.map(|c| 2 * c + (1 << (level - 1))));
-        let mut masks = [0; 2];
-        for (c, steps) in self.child_steps[level as usize].iter().enumerate() {
-            match self.state(std::array::from_fn(|axis| first[axis] + steps[axis])) {
-                State::Lit => masks[0] |= 1 << c,
-                State::Free => masks[1] |= 1 << c,
-                State::Shadowed => {}
-            }
-        }
-        masks
-    }
-
-    fn cube(&self, xyz: [u32; 3], level: u32) -> Option<State> {
-        let center = self.at(xyz.map(|c| 2 * c + (1 << level)));
-        // Centres of the cube's voxels: at most this far from its own, and so are the centres of larger cells.
-        let half = (1_i64 << level) - 1;
-        let reach: [i64; 3] =
-            std::array::from_fn(|axis| (0..3).map(|a| self.half_steps[a][axis].abs() * half).sum());
-        let block = self.pyramid.over(
-            [center[0] - reach[0], center[1] - reach[1]],
-            [center[0] + reach[0], center[1] + reach[1]],
-        )?;
-        let z = [center[2] - reach[2], center[2] + reach[2]].map(|z| z >> DEPTH_SHIFT);
-        if i64::from(block.entries_first_max) <= z[0] && z[1] < i64::from(block.exits_first_min) {
-            return Some(State::Free);
-        }
-        let state = if z[0] > i64::from(block.depth_max) {
-            State::Shadowed
-        } else if z[1] <= i64::from(block.depth_min) {
-            State::Lit
-        } else {
-            return None;
-        };
-        let may_be_free = z[1] >= i64::from(block.entries_min) && z[0] < i64::from(block.exits_max);
-        (!may_be_free || self.a_corner_is(state, xyz, level)).then_some(state)
     }
 }
 

@@ -12,24 +12,25 @@ mod depth_image;
 mod graph;
 #[cfg(test)]
 mod kit;
+mod layout;
 mod light;
 mod lit_space;
 pub mod lossy;
 pub mod morton;
+mod options;
 pub mod reduce;
 mod settings;
 mod space;
 pub mod symmetric;
 mod word;
 
-pub use bake::{
-    BakedTree, Detail, PreparedTree, Reduction, TREE_BIAS, TreeOptions, TreeProgress, TreeReport, bake_tree,
-};
+pub use bake::{BakedTree, PreparedTree, TreeProgress, TreeReport, bake_tree};
 pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
 pub(crate) use graph::check as check_words;
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};
 pub use light::{LightTreeError, MAX_ROOTS, dag_of_tree, tree_depth};
+pub use options::{Detail, Reduction, TREE_BIAS, TreeOptions};
 pub use settings::{CaptureBias, LossyChange, TreeSettings};
 pub use space::{MAX_REGIONS, Region, RegionVoxels, Regions, TreeSpace};
 pub use word::{Node, Word};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::{Error, Result};
 use crate::scene::Bounds;
 use crate::settings::Bias;
 
@@ -45,4 +46,27 @@ pub struct LossyChange {
     pub leaf_voxels: u64,
     /// Voxels of the finest level that changed: a bigger cell counts as all those in it.
     pub changed_voxels: u64,
+}
+
+impl Default for CaptureBias {
+    /// Half a texel's diagonal along the slope: the farthest that a depth of the same plane lies from its texel's centre.
+    fn default() -> Self {
+        Self { constant_texels: 0.0, slope_texels: 0.75 }
+    }
+}
+
+impl CaptureBias {
+    /// Whether both terms are from 0 to 16 texels.
+    ///
+    /// # Errors
+    /// [`Error::OptionRange`] with the first that is not.
+    pub fn check(&self) -> Result<()> {
+        for value in [self.constant_texels, self.slope_texels] {
+            if !(0.0..=16.0).contains(&value) {
+                let (value, range) = (value.to_string(), "from 0 to 16 texels");
+                return Err(Error::OptionRange { option: "--capture-bias", value, range });
+            }
+        }
+        Ok(())
+    }
 }

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::MAX_DEPTH;
 use crate::error::{Error, Result};
-use crate::scene::Bounds;
 
 /// The cube that a tree divides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,13 +17,6 @@ pub struct TreeSpace {
 }
 
 impl TreeSpace {
-    /// The smallest cube around `bounds`, around the same centre, divided into 2^depth voxels a side.
-    pub fn around(bounds: &Bounds, depth: u32) -> Self {
-        let side = (0..3).map(|a| bounds.max[a] - bounds.min[a]).fold(0.0, f64::max);
-        let center: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
-        Self { p_min: center.map(|c| c - 0.5 * side), voxel_size: side / f64::from(1_u32 << depth), depth }
-    }
-
     /// Voxels a side.
     pub fn side_voxels(&self) -> u32 {
         1 << self.depth

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
-use adumbra::tree::{PreparedTree, Reduction, TreeOptions};
+use adumbra::tree::{Builder, PreparedTree, Reduction, TreeOptions};
 use serde_json::{Value, json};
 
 use super::{BenchScene, bake_elsewhere, median, number, rows_of, text_of, tree_options};
@@ -28,7 +28,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
 }
 
 fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<Value, Failure> {
-    let base = tree_options(depth)?;
+    let base = TreeOptions { builder: Builder::Recursive, ..tree_options(depth)? };
     let never = AtomicBool::new(false);
     let prepared = PreparedTree::new(&scene.scene, &base, &never)?;
     let mut seconds: [Vec<f64>; 3] = Default::default();
@@ -47,7 +47,7 @@ fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<Value, Failur
     let resolution = (1_u64 << depth).to_string();
     let mut peaks = Vec::new();
     for (name, _) in VARIANTS {
-        let options = ["--resolution", &resolution, "--reduction", name];
+        let options = ["--resolution", &resolution, "--builder", "recursive", "--reduction", name];
         peaks.push(bake_elsewhere(scene, &options)?["peak_bytes"].clone());
     }
     let [sort_seconds, hash_seconds, tree_hash_seconds] = seconds.map(median);
@@ -58,7 +58,7 @@ fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<Value, Failur
         "depth": depth,
         "agree": agree,
         "seconds": {"sort": sort_seconds, "hash": hash_seconds, "tree_hash": tree_hash_seconds},
-        "held_bytes": {"sort": sort.tree_bytes, "hash": hash.tree_bytes, "tree_hash": tree_hash.tree_bytes},
+        "held_bytes": {"sort": sort.held_bytes, "hash": hash.held_bytes, "tree_hash": tree_hash.held_bytes},
         "peak_bytes": {"sort": peaks[0], "hash": peaks[1], "tree_hash": peaks[2]},
         "collisions": tree_hash.collisions,
         "complete_bytes": complete_bytes,

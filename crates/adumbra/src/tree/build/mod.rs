@@ -182,7 +182,7 @@ fn built(state: State) -> Built {
 }
 
 /// Lowest voxel of child `c` of a cube of this level.
-fn child_corner(xyz: [u32; 3], level: u32, c: u32) -> [u32; 3] {
+pub(super) fn child_corner(xyz: [u32; 3], level: u32, c: u32) -> [u32; 3] {
     let offset = morton::child_offset(c);
     std::array::from_fn(|a| xyz[a] + (offset[a] << (level - 1)))
 }
