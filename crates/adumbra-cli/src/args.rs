@@ -1,5 +1,6 @@
 //! Arguments of every verb, with their defaults and an example each.
 
+mod bench;
 mod tree;
 
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, NameFilter};
 use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
+pub(crate) use bench::{Bench, BenchBake, BenchTree, BenchVerb, BenchVerify};
 use clap::{Parser, Subcommand, ValueEnum};
 use tree::FrameArg;
 pub(crate) use tree::{TreeArgs, WeightsArg};
@@ -229,7 +231,8 @@ pub(crate) enum ReceiversArg {
 pub(crate) struct BakeSettings {
     #[command(flatten)]
     pub(crate) sun: SunArgs,
-    /// Texels on the longest side in the light's plane: a power of two from 8 to 262144
+    /// A power of two. Light: texels on the longest side in the light's plane, 8 to 262144; world: voxels along the cube's
+    /// side, at most 32768
     #[arg(long, value_name = "N", conflicts_with = "voxel_size")]
     resolution: Option<u64>,
     /// Edge of a voxel in metres, in place of a resolution
@@ -506,102 +509,6 @@ pub(crate) struct Render {
 }
 
 #[derive(clap::Args)]
-pub(crate) struct Bench {
-    #[command(subcommand)]
-    pub(crate) what: BenchVerb,
-}
-
-#[derive(Subcommand)]
-pub(crate) enum BenchVerb {
-    /// Seconds, memory and bytes by scene, resolution and option; writes bake.md and bake.json
-    #[command(
-        after_help = "Example: adumbra bench bake --scenes scenes --resolutions 1024,4096 -o docs/bench"
-    )]
-    Bake(BenchBake),
-    /// Interior agreement of every scene under four suns; writes verify.md and verify.json
-    #[command(after_help = "Example: adumbra bench verify --scenes scenes --resolution 8192 -o docs/bench")]
-    Verify(BenchVerify),
-    /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots, pictures
-    #[command(after_help = "Example: adumbra bench tree --scenes scenes -o docs/bench")]
-    Tree(BenchTree),
-}
-
-#[derive(clap::Args)]
-pub(crate) struct BenchBake {
-    /// Folder of scenes
-    #[arg(long, value_name = "DIR")]
-    pub(crate) scenes: PathBuf,
-    /// Scene files in that folder
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "kaykit_city_21.glb,zdm2.glb,alpine-2.glb,delft.glb,box-city-5k.glb,dragon_202k.ply"
-    )]
-    pub(crate) names: Vec<String>,
-    /// Resolutions
-    #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096,8192,16384")]
-    pub(crate) resolutions: Vec<u64>,
-    /// Resolution of the table that varies the options
-    #[arg(long, default_value_t = 8192)]
-    pub(crate) variant_resolution: u64,
-    /// Where the tables go
-    #[arg(short, long, value_name = "DIR")]
-    pub(crate) output: PathBuf,
-}
-
-#[derive(clap::Args)]
-pub(crate) struct BenchVerify {
-    /// Folder of scenes
-    #[arg(long, value_name = "DIR")]
-    pub(crate) scenes: PathBuf,
-    /// Scene files in that folder
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "zdm2.glb,kaykit_city_21.glb,dragon_202k.ply,armadillo.ply,alpine-2.glb,street-1.glb,delft.glb,bridge_garden.glb,auster.obj,box-city-5k.glb,oak_medium.glb"
-    )]
-    pub(crate) names: Vec<String>,
-    /// Resolution
-    #[arg(long, default_value_t = 8192)]
-    pub(crate) resolution: u64,
-    /// Points for each scene and sun
-    #[arg(long, default_value_t = 1_000_000)]
-    pub(crate) samples: u64,
-    /// Points in free space in place of points on surfaces, on files baked with --no-assume-ground
-    #[arg(long)]
-    pub(crate) volume: bool,
-    /// Where the tables go
-    #[arg(short, long, value_name = "DIR")]
-    pub(crate) output: PathBuf,
-}
-
-#[derive(clap::Args)]
-pub(crate) struct BenchTree {
-    /// Folder of scenes
-    #[arg(long, value_name = "DIR")]
-    pub(crate) scenes: PathBuf,
-    /// Scene files in that folder; primitives and landscape are made
-    #[arg(long, value_delimiter = ',', default_value = "primitives,landscape,zdm2.glb,kaykit_city_21.glb")]
-    pub(crate) names: Vec<String>,
-    /// Depths of the builders' tables
-    #[arg(long, value_delimiter = ',', default_value = "8,9,10,11,12",
-        value_parser = clap::value_parser!(u32).range(3..=14))]
-    pub(crate) depths: Vec<u32>,
-    /// Runs that a median is taken of
-    #[arg(long, default_value_t = 9, value_parser = runs)]
-    pub(crate) runs: usize,
-    /// Points compared with rays
-    #[arg(long, default_value_t = 200_000)]
-    pub(crate) samples: u64,
-    /// Measure these sections only, and keep the others of an earlier tree.json
-    #[arg(long, value_delimiter = ',', value_parser = ["builders", "reductions", "frames", "options", "filters"])]
-    pub(crate) only: Vec<String>,
-    /// Where tables, plots and pictures go
-    #[arg(short, long, value_name = "DIR")]
-    pub(crate) output: PathBuf,
-}
-
-#[derive(clap::Args)]
 pub(crate) struct Demo {
     /// Folder for the scene, the file, the pictures and the report
     #[arg(long, value_name = "DIR", default_value = "demo")]
@@ -609,10 +516,6 @@ pub(crate) struct Demo {
     /// Texels on the longest side
     #[arg(long, value_name = "N", default_value_t = 8192)]
     pub(crate) resolution: u64,
-}
-
-fn runs(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| (1..=99).contains(n)).ok_or_else(|| "give a number from 1 to 99".to_owned())
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {

@@ -27,6 +27,7 @@ fn tree_verbs_work_together() {
     assert_eq!(info["frame"], "world");
     assert_eq!(info["body"], "words");
     assert_eq!(info["body_bytes"], baked["tree_bytes"]);
+    assert_eq!(info["nodes"].as_u64(), info["body_bytes"].as_u64().map(|bytes| (bytes - 4) / 32));
     assert_eq!(info["settings"]["closed_regions"], true);
 
     for filter in ["1", "3", "5"] {
@@ -111,7 +112,12 @@ fn tree_options_report_what_they_did() {
     assert!(bytes * 2 < plain_bytes, "{baked}");
     let both = ["bytes_with_mirrors", "bytes_without_mirrors"].map(|k| baked[k].as_u64().unwrap());
     assert_eq!(bytes, both[0].min(both[1]));
-    assert_eq!(json(&["info", &symmetric, "--json"])["body"], "symmetric");
+    let info = json(&["info", &symmetric, "--json"]);
+    assert_eq!(info["body"], "symmetric");
+    // Mirrors merge more; without them the nodes are those of the words.
+    let plain_nodes = (plain_bytes - 4) / 32;
+    let nodes = info["nodes"].as_u64().unwrap();
+    assert!(nodes > 0 && nodes <= plain_nodes, "{nodes} of {plain_nodes}");
     assert_eq!(answers(&symmetric, "s.f32"), answers(&plain, "p.out.f32"));
 
     let lossy = folder.path("lossy.adumbra");
@@ -137,6 +143,16 @@ fn tree_options_report_what_they_did() {
     let (code, error) = query(&plain);
     assert_eq!(code, 3);
     assert!(error.contains("--attribute penumbra"), "{error}");
+    // One path for both answers: neither is written, whether or not the file exists.
+    let new = folder.path("one.f32");
+    for path in [&new, &widths] {
+        let earlier = fs::read(path).ok();
+        let (code, error) =
+            adumbra(&["query", &penumbra, "--points", &points, "--penumbra", path, "-o", path]);
+        assert_eq!(code, 2, "{error}");
+        assert!(error.contains("the same file"), "{error}");
+        assert_eq!(fs::read(path).ok(), earlier);
+    }
 }
 
 /// A thin board 10 m above a floor under a sun overhead: its outline's penumbra is 10 m · 0.0093 wide. Its side lies off the
@@ -286,6 +302,8 @@ fn bench_tree_writes_tables_plots_and_pictures() {
     };
     run("builders");
     run("reductions");
+    let text = fs::read_to_string(folder.path("bench/tree.md")).unwrap();
+    assert_eq!(text.matches("take turns").count(), 2, "{text}");
     let document: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path("bench/tree.json")).unwrap()).unwrap();
     for section in ["builders", "reductions"] {
@@ -296,10 +314,24 @@ fn bench_tree_writes_tables_plots_and_pictures() {
     let sizes = &document["reductions"]["rows"][1];
     let bytes = |key: &str| sizes[key].as_f64().unwrap();
     assert!(bytes("complete_bytes") > bytes("merged_bytes") && bytes("merged_bytes") > bytes("graph_bytes"));
-    let text = fs::read_to_string(folder.path("bench/tree.md")).unwrap();
     assert!(text.contains("## Builders") && text.contains("## Sort against hash"));
     for plot in ["tree-builders.svg", "tree-merging.svg", "tree-reductions.svg"] {
         let svg = fs::read_to_string(folder.path(&format!("bench/{plot}"))).unwrap();
         assert!(svg.contains("<svg") && svg.contains("depth"), "{plot}");
+    }
+}
+
+#[test]
+fn bench_tree_refuses_an_earlier_report_that_is_none() {
+    let folder = Folder::new();
+    for content in ["[]", "null", "{", ""] {
+        let earlier = folder.write("tree.json", content.as_bytes());
+        let out = folder.path("");
+        let base =
+            ["bench", "tree", "--scenes", "none", "--names", "primitives", "--depths", "3", "--runs", "1"];
+        let (code, error) = adumbra(&[&base[..], &["--only", "builders", "-o", &out]].concat());
+        assert_eq!(code, 3, "{content:?}: {error}");
+        assert!(error.contains("tree.json") && error.contains("remove it"), "{content:?}: {error}");
+        assert_eq!(fs::read(&earlier).unwrap(), content.as_bytes());
     }
 }

@@ -2,10 +2,12 @@
 
 use std::fs;
 use std::io::Cursor;
-use std::time::Instant;
+use std::path::Path;
 
 use adumbra::Error;
+use adumbra::format::{TreeBody, TreeFile};
 use adumbra::texture::{self, Layout, Page, TextureError, decode, encode, page_path};
+use adumbra::tree::{Builder, Classify, State, VoxelTree};
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use proptest::prelude::*;
 
@@ -352,18 +354,56 @@ fn texture_reads_interlaced_pngs() {
     assert_eq!(Page::from_png(&bytes), Ok(Page { width: 1, height: 1, rgba: vec![9, 8, 7, 6] }));
 }
 
+/// Noise below a height, lit above: almost no two blocks are alike, so a tree of it is large.
+struct Noise {
+    height: u32,
+}
+
+impl Noise {
+    /// The eight voxels from `xyz` on.
+    fn mask(&self, xyz: [u32; 3]) -> u8 {
+        let [x, y, z] = xyz.map(|c| u64::from(c >> 1));
+        if xyz[1] >= self.height { 255 } else { (random(x << 42 | y << 21 | z) >> 32) as u8 }
+    }
+}
+
+impl Classify for Noise {
+    fn cell(&self, xyz: [u32; 3], _: u32) -> State {
+        let child = (xyz[0] & 1) << 2 | (xyz[1] & 1) << 1 | xyz[2] & 1;
+        if self.mask(xyz) >> child & 1 == 1 { State::Lit } else { State::Shadowed }
+    }
+
+    fn eight(&self, xyz: [u32; 3], _: u32) -> [u8; 2] {
+        [self.mask(xyz), 0]
+    }
+
+    fn cube(&self, xyz: [u32; 3], _: u32) -> Option<State> {
+        (xyz[1] >= self.height).then_some(State::Lit)
+    }
+}
+
 #[test]
-fn texture_round_trip_of_a_hundred_megabytes() {
+fn texture_round_trip_of_a_tree_of_a_hundred_megabytes() {
+    let depth = 10;
+    let tree = Builder::Pooled.tree(&Noise { height: 176 }, depth, true).unwrap().number(depth);
+    let words = tree.into_words();
+    assert!(words.len() >= 25_000_000, "{} words", words.len());
+    let tree = VoxelTree::from_words(depth, words).unwrap();
+
+    let vector =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../test_vectors/tree/valid/example_8.adumbra");
+    let mut file = TreeFile::read(vector).unwrap();
+    (file.space.depth, file.regions.base_depth) = (depth, depth);
+    file.body = TreeBody::Words(tree);
+    file.check().unwrap();
+
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("large.png");
-    let words = words(25_000_000);
-    let rest: Vec<u8> = (0..384).map(|i| i as u8).collect();
-    let begun = Instant::now();
-    let written = texture::write(&path, &words, &rest, 8192).unwrap();
-    let writing = begun.elapsed();
-    assert_eq!((written.layout.width, written.layout.pages), (8192, 1));
-    let (read_words, read_rest) = texture::read(&path).unwrap();
-    let reading = begun.elapsed() - writing;
-    eprintln!("{} bytes of PNG: written in {writing:?}, read in {reading:?}", written.bytes);
-    assert!(read_words == words && read_rest == rest);
+    let rest = file.without_words().unwrap();
+    let TreeBody::Words(tree) = &file.body else { panic!("no words") };
+    let written = texture::write(&path, tree.words(), &rest, 3000).unwrap();
+    assert_eq!((written.layout.width, written.layout.pages), (2048, 5));
+    let (words, rest) = texture::read(&path).unwrap();
+    let read = TreeFile::with_words(&rest, &words).unwrap();
+    assert!(read.encode() == file.encode());
 }

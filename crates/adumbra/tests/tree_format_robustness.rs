@@ -11,11 +11,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use adumbra::Error;
-use adumbra::format::tree::{TREE_HEADER_BYTES, leaf_voxels};
+use adumbra::format::tree::TREE_HEADER_BYTES;
 use adumbra::format::{AnyFile, AttributeKind, FormatError, ShadowFile, TreeBody, TreeFile};
 use adumbra::scene::Bounds;
 use adumbra::tree::symmetric::SymmetricTree;
-use adumbra::tree::{Blocks, LossyChange, Node, Region, Regions, VoxelTree, Word};
+use adumbra::tree::{Blocks, LossyChange, Node, Region, Regions, VoxelTree, Word, leaf_voxels};
 use serde_json::Value;
 use tree_format_support::{Mutator, exercise, interpret, sweep};
 

@@ -8,9 +8,9 @@ use adumbra::Error;
 use adumbra::bake::Progress;
 use adumbra::format::{AttributeKind, TreeBody, TreeFile};
 use adumbra::scene::Scene;
-use adumbra::tree::lossy::{self, leaf_voxels};
+use adumbra::tree::lossy;
 use adumbra::tree::symmetric::SymmetricTree;
-use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, TreeProgress};
+use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, TreeProgress, leaf_voxels};
 use serde_json::{Value, json};
 
 use super::print_json;

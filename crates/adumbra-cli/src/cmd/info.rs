@@ -76,8 +76,9 @@ fn light(args: &Info, file: &ShadowFile) {
 
 fn tree(args: &Info, file: &TreeFile) {
     let (space, settings) = (&file.space, &file.settings);
+    // Inner nodes, which both bodies have: a block of eight words is one node's children.
     let (kind, body_bytes, nodes) = match &file.body {
-        TreeBody::Words(tree) => ("words", tree.bytes(), tree.words().len() as u64),
+        TreeBody::Words(tree) => ("words", tree.bytes(), tree.words().len() as u64 / 8),
         TreeBody::Symmetric(tree) => ("symmetric", tree.bytes().len() as u64, tree.node_count()),
     };
     let file_bytes = file.encoded_len();
@@ -110,7 +111,7 @@ fn tree(args: &Info, file: &TreeFile) {
         space.voxel_size
     );
     say!("  cube from       {:.3}, {:.3}, {:.3}", space.p_min[0], space.p_min[1], space.p_min[2]);
-    say!("  body            {kind}, {} in {nodes} nodes", bytes_words(body_bytes));
+    say!("  body            {kind}, {} in {nodes} inner nodes", bytes_words(body_bytes));
     for r in &file.regions.list {
         say!("  region          x {} to {}, z {} to {}: depth {}", r.x[0], r.x[1], r.z[0], r.z[1], r.depth);
     }

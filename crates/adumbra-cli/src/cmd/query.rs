@@ -1,6 +1,6 @@
 //! `adumbra query`: points in, visibilities out.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use adumbra::Error;
 use adumbra::format::{AnyFile, AttributeKind, TreeBody};
@@ -12,9 +12,17 @@ use super::lookup::Asking;
 use super::{print_json, with_threads};
 use crate::args::Query;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::write_whole;
+use crate::output::{same_file, write_whole};
 
 pub(crate) fn run(args: &Query) -> Outcome {
+    if let Some(widths) = &args.penumbra
+        && (same_file(widths, &args.output) || absolute(widths) == absolute(&args.output))
+    {
+        return Err(Failure::Usage(format!(
+            "--penumbra and --output are the same file {}; give one of them another path",
+            args.output.display()
+        )));
+    }
     let file = AnyFile::read(&args.file)?;
     let points = read_triples(&args.points)?;
     let normals = args.normals.as_deref().map(read_triples).transpose()?;
@@ -72,6 +80,11 @@ fn penumbra_query<'f>(
         "{}: holds no penumbra widths; bake it with --frame world --attribute penumbra",
         args.file.display()
     )))
+}
+
+/// A path from the root, for files that need not exist.
+fn absolute(path: &Path) -> Option<PathBuf> {
+    std::path::absolute(path).ok()
 }
 
 fn read_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {

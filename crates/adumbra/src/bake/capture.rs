@@ -61,28 +61,23 @@ pub(crate) fn capture(
     out: &mut Columns,
 ) {
     out.reset(rect.width, rect.height);
-    let mut bands = vec![(rect.y, rect.height)];
-    while let Some((y, height)) = bands.pop() {
-        let band = TileRect { y, height, ..rect };
-        if capture_surfaces(casters, tile, grid, rules, band, buffers) {
-            let start = ((y - rect.y) * rect.width) as usize;
-            find_receivers(casters, tile, grid, rules, &[ReceiverKind::Everywhere], band, buffers);
-            for i in 0..buffers.first.len() {
-                out.set(start + i, rules.column(buffers.first[i], buffers.base[i], buffers.next[i]));
-            }
-            if rules.receivers == Receivers::Static {
-                let kinds = [ReceiverKind::Itself, ReceiverKind::Filtered];
-                find_receivers(casters, tile, grid, rules, &kinds, band, buffers);
-                for i in 0..buffers.first.len() {
-                    out.extend(start + i, rules.static_end(buffers.first[i], buffers.next[i]));
-                }
-            }
-        } else {
-            let half = height / 2;
-            bands.push((y + half, height - half));
-            bands.push((y, half));
+    for_each_band(rect, |band, start| {
+        if !capture_surfaces(casters, tile, grid, rules, band, buffers) {
+            return false;
         }
-    }
+        find_receivers(casters, tile, grid, rules, &[ReceiverKind::Everywhere], band, buffers);
+        for i in 0..buffers.first.len() {
+            out.set(start + i, rules.column(buffers.first[i], buffers.base[i], buffers.next[i]));
+        }
+        if rules.receivers == Receivers::Static {
+            let kinds = [ReceiverKind::Itself, ReceiverKind::Filtered];
+            find_receivers(casters, tile, grid, rules, &kinds, band, buffers);
+            for i in 0..buffers.first.len() {
+                out.extend(start + i, rules.static_end(buffers.first[i], buffers.next[i]));
+            }
+        }
+        true
+    });
 }
 
 /// The first surface of every texel of `rect`, and what solids cover of it: calls `visit(texel of the rect, surface,
@@ -96,19 +91,28 @@ pub(crate) fn capture_layers(
     buffers: &mut CaptureBuffers,
     mut visit: impl FnMut(usize, FirstSurface, &[u32]),
 ) {
+    for_each_band(rect, |band, offset| {
+        if !sample_band(casters, tile, grid, rules, band, buffers) {
+            return false;
+        }
+        let texels = buffers.first.len();
+        sort_crossings(buffers, texels, |_| true);
+        let mut start = 0;
+        for (i, &end) in buffers.list_ends.iter().enumerate() {
+            visit(offset + i, buffers.first[i], &buffers.sorted[start..end as usize]);
+            start = end as usize;
+        }
+        true
+    });
+}
+
+/// All rows of `rect` in bands, from the first on: `capture(band, its first texel in rect)` says whether the band's
+/// crossings fit; where they do not, its halves follow. A single row must fit.
+fn for_each_band(rect: TileRect, mut capture: impl FnMut(TileRect, usize) -> bool) {
     let mut bands = vec![(rect.y, rect.height)];
     while let Some((y, height)) = bands.pop() {
-        let band = TileRect { y, height, ..rect };
-        if sample_band(casters, tile, grid, rules, band, buffers) {
-            let texels = buffers.first.len();
-            sort_crossings(buffers, texels, |_| true);
-            let offset = ((y - rect.y) * rect.width) as usize;
-            let mut start = 0;
-            for (i, &end) in buffers.list_ends.iter().enumerate() {
-                visit(offset + i, buffers.first[i], &buffers.sorted[start..end as usize]);
-                start = end as usize;
-            }
-        } else {
+        let start = ((y - rect.y) * rect.width) as usize;
+        if !capture(TileRect { y, height, ..rect }, start) {
             let half = height / 2;
             bands.push((y + half, height - half));
             bands.push((y, half));

@@ -4,7 +4,7 @@
 
 mod nodes;
 
-pub use nodes::nodes_by_size;
+pub use nodes::{MAX_NODES_SIDE, nodes_by_size};
 use rayon::prelude::*;
 
 use crate::light::{cross, dot, normalize};

@@ -21,20 +21,25 @@ const SHADOWED: f64 = 0.42;
 /// How much darker the rim of a leaf is.
 const RIM: f64 = 0.35;
 
-/// The layer of voxels at height `y` of a tree, x to the right and z down, `pixels` a voxel along each side. Red = a
-/// single voxel, then orange, yellow, green, blue to violet, twice as large at each step; dark = shadowed. Leaves of
-/// more than two pixels have a rim.
+/// Most pixels along a side of the picture: 805 MB.
+pub const MAX_NODES_SIDE: u32 = 1 << 14;
+
+/// The layer of voxels at height `y` of a tree, x to the right and z down, `pixels` a voxel along each side: at least
+/// one, and no more than [`MAX_NODES_SIDE`] allows. A tree with more voxels a side than that is shown by every second
+/// one. Red = a single voxel, then orange, yellow, green, blue to violet, twice as large at each step; dark = shadowed.
+/// Leaves of more than two pixels have a rim.
 ///
 /// Cost: one look-up a pixel.
 pub fn nodes_by_size(tree: &VoxelTree, y: u32, pixels: u32) -> Picture {
-    let side = tree.side() * pixels;
-    let mut rgb = Vec::with_capacity((side * side) as usize * 3);
+    let (pixels, step) = scale(tree.side(), pixels);
+    let side = tree.side() / step * pixels;
+    let mut rgb = Vec::with_capacity(side as usize * side as usize * 3);
     let y = y.min(tree.side() - 1);
     for row in 0..side {
         for column in 0..side {
-            let (lit, level) = tree.find([column / pixels, y, row / pixels]);
+            let (lit, level) = tree.find([column / pixels * step, y, row / pixels * step]);
             let color = LEVEL_COLORS[(level as usize).min(LEVEL_COLORS.len() - 1)];
-            let leaf_pixels = pixels << level;
+            let leaf_pixels = ((pixels << level) / step).max(1);
             let on_rim = |c: u32| c.is_multiple_of(leaf_pixels);
             let rim = leaf_pixels > 2 && (on_rim(row) || on_rim(column));
             let shade = if lit { 1.0 } else { SHADOWED } * if rim { RIM } else { 1.0 };
@@ -42,4 +47,35 @@ pub fn nodes_by_size(tree: &VoxelTree, y: u32, pixels: u32) -> Picture {
         }
     }
     Picture { width: side, height: side, rgb, difference_share: None }
+}
+
+/// Pixels a voxel, and voxels from one that is shown to the next, for a tree of `side` voxels: one of them is 1.
+fn scale(side: u32, pixels: u32) -> (u32, u32) {
+    (pixels.clamp(1, (MAX_NODES_SIDE / side).max(1)), side.div_ceil(MAX_NODES_SIDE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tree::Word;
+
+    #[test]
+    fn nodes_picture_has_a_largest_side() {
+        assert_eq!(scale(256, 3), (3, 1));
+        assert_eq!(scale(256, 0), (1, 1));
+        assert_eq!(scale(1 << 13, 3), (2, 1));
+        assert_eq!(scale(1 << 14, u32::MAX), (1, 1));
+        assert_eq!(scale(1 << 15, 3), (1, 2));
+    }
+
+    #[test]
+    fn nodes_picture_shows_each_leaf_at_its_place() {
+        // Depth 1: the children with z bit 1 are lit.
+        let tree = VoxelTree::from_words(1, vec![Word::leaf(0b1010_1010).0]).unwrap();
+        let picture = nodes_by_size(&tree, 0, 2);
+        assert_eq!((picture.width, picture.height, picture.rgb.len()), (4, 4, 4 * 4 * 3));
+        let red = |row: usize, column: usize| picture.rgb[(row * 4 + column) * 3];
+        assert!(red(3, 0) > red(0, 0));
+        assert_eq!((red(0, 0), red(3, 0)), (red(1, 3), red(2, 3)));
+    }
 }

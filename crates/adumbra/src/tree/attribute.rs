@@ -13,9 +13,9 @@
 //! Departures: the authors put an offset beside each pointer and compress the values with a palette; here a count stands
 //! beside each word, uniform ones too, and the values are left as they are.
 
-use super::VoxelTree;
-use super::morton;
+use super::morton::{self, child_corner};
 use super::word::Node;
+use super::{VoxelTree, leaf_voxels};
 use crate::error::{Error, Result};
 
 /// Where the values of a tree's leaf voxels stand.
@@ -36,7 +36,7 @@ impl AttributeIndex {
         let words = tree.words().len();
         let mut counts = Counts { tree, before: vec![0; words], below: vec![UNKNOWN; words / 8] };
         let Some(leaf_voxels) = counts.below(tree.node(0)) else {
-            let needed_bytes = super::lossy::leaf_voxels(tree);
+            let needed_bytes = leaf_voxels(tree);
             let what = "a value for each of 2^32 leaf voxels or more";
             return Err(Error::MemoryLimit { what, needed_bytes, limit_bytes: u64::from(u32::MAX) });
         };
@@ -173,12 +173,6 @@ impl Gather<'_> {
             b();
         }
     }
-}
-
-/// Lowest voxel of child `c` of a cube of 2^level voxels a side.
-fn child_corner(corner: [u32; 3], level: u32, c: u32) -> [u32; 3] {
-    let offset = morton::child_offset(c);
-    std::array::from_fn(|a| corner[a] + (offset[a] << (level - 1)))
 }
 
 #[cfg(test)]

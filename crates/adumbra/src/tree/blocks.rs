@@ -1,7 +1,7 @@
 //! Blocks of eight siblings, as builders and reductions make them, and their one numbering.
 
 use super::VoxelTree;
-use super::word::{Node, Word};
+use super::word::Word;
 
 /// Most blocks that a word's 31 index bits can reach.
 pub const MAX_BLOCKS: usize = (1 << 31) / 8 - 1;
@@ -24,9 +24,7 @@ impl Blocks {
         let mut numbers = vec![UNSEEN; self.blocks.len()];
         let mut order = Vec::new();
         let mut waiting = Vec::new();
-        if let Node::Inner(block) = self.root.node() {
-            waiting.push(block);
-        }
+        waiting.extend(self.root.inner());
         while let Some(block) = waiting.pop() {
             let number = &mut numbers[block as usize];
             if *number != UNSEEN {
@@ -35,17 +33,14 @@ impl Blocks {
             *number = order.len() as u32;
             order.push(block);
             for child in self.blocks[block as usize].iter().rev() {
-                if let Node::Inner(below) = child.node()
+                if let Some(below) = child.inner()
                     && numbers[below as usize] == UNSEEN
                 {
                     waiting.push(below);
                 }
             }
         }
-        let renumber = |word: Word| match word.node() {
-            Node::Inner(block) => 1 + 8 * numbers[block as usize],
-            Node::Uniform(_) | Node::Mask(_) => word.0,
-        };
+        let renumber = |word: Word| word.map_inner(|block| 1 + 8 * numbers[block as usize]).0;
         let mut words = Vec::with_capacity(1 + 8 * order.len());
         words.push(renumber(self.root));
         words.extend(order.iter().flat_map(|&b| self.blocks[b as usize].map(renumber)));
@@ -58,19 +53,14 @@ impl Blocks {
         let count = tree.words.len() / 8;
         let mut place = vec![u32::MAX; count];
         let mut blocks = Vec::with_capacity(count);
-        let block_of = |word: u32| match Word(word).node() {
-            Node::Inner(index) => Some(index / 8),
-            Node::Uniform(_) | Node::Mask(_) => None,
-        };
+        let block_of = |word: u32| Word(word).inner().map(|index| index / 8);
         let mut path: Vec<(u32, u32)> = block_of(tree.words[0]).map(|b| (b, 0)).into_iter().collect();
         while let Some((block, next)) = path.last_mut() {
             let at = 1 + 8 * *block as usize;
             if *next == 8 {
                 place[*block as usize] = blocks.len() as u32;
-                blocks.push(std::array::from_fn(|c| {
-                    let word = tree.words[at + c];
-                    block_of(word).map_or(Word(word), |b| Word::new(Node::Inner(place[b as usize])))
-                }));
+                let placed = |index: u32| place[index as usize / 8];
+                blocks.push(std::array::from_fn(|c| Word(tree.words[at + c]).map_inner(placed)));
                 path.pop();
                 continue;
             }
@@ -80,8 +70,7 @@ impl Blocks {
                 path.push((b, 0));
             }
         }
-        let root = block_of(tree.words[0])
-            .map_or(Word(tree.words[0]), |b| Word::new(Node::Inner(place[b as usize])));
+        let root = Word(tree.words[0]).map_inner(|index| place[index as usize / 8]);
         Self { root, blocks }
     }
 }

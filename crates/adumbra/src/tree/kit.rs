@@ -4,31 +4,42 @@ use proptest::prelude::*;
 
 use super::{Classify, State};
 
-/// A space of 2^depth voxels a side, spelled out; cubes are decided by looking at every voxel.
+/// A space of 2^depth voxels a side, spelled out; cubes are decided by looking at every cell.
 #[derive(Debug)]
 pub(super) struct Spelled {
     pub(super) depth: u32,
+    /// Cubes of two voxels a side are cells in the upper half along x, as in a region of less depth; the lowest voxel of
+    /// each counts. For two levels or more.
+    pub(super) coarse: bool,
     pub(super) states: Vec<State>,
 }
 
 impl Spelled {
-    /// The state of a voxel.
+    /// The state of a voxel: its cell's.
     pub(super) fn at(&self, xyz: [u32; 3]) -> State {
-        let [x, y, z] = xyz.map(|c| c as usize);
+        let level = self.cell_level(xyz);
+        let [x, y, z] = xyz.map(|c| (c >> level << level) as usize);
         self.states[(x << self.depth | y) << self.depth | z]
+    }
+
+    fn cell_level(&self, xyz: [u32; 3]) -> u32 {
+        u32::from(self.coarse && xyz[0] >= 1 << (self.depth - 1))
     }
 }
 
 impl Classify for Spelled {
+    fn is_cell(&self, xyz: [u32; 3], level: u32) -> bool {
+        level <= self.cell_level(xyz)
+    }
+
     fn cell(&self, xyz: [u32; 3], level: u32) -> State {
-        assert_eq!(level, 0, "only voxels are cells");
+        assert!(self.is_cell(xyz, level), "only cells are tested");
         self.at(xyz)
     }
 
     fn cube(&self, xyz: [u32; 3], level: u32) -> Option<State> {
         let mut seen = State::Free;
-        for i in 0..1 << (3 * level) {
-            let offset = [i >> (2 * level), i >> level & ((1 << level) - 1), i & ((1 << level) - 1)];
+        for offset in all_voxels(level) {
             match self.at(std::array::from_fn(|a| xyz[a] + offset[a])) {
                 State::Free => {}
                 state if seen == State::Free || seen == state => seen = state,
@@ -36,6 +47,25 @@ impl Classify for Spelled {
             }
         }
         Some(seen)
+    }
+}
+
+/// Every voxel of a cube of this level.
+pub(super) fn all_voxels(level: u32) -> impl Iterator<Item = [u32; 3]> {
+    let last = (1 << level) - 1;
+    (0..1_u32 << (3 * level)).map(move |i| [i >> (2 * level), i >> level & last, i & last])
+}
+
+/// Calls `put` with every voxel of the box between two corners, taken modulo `side`.
+fn for_each_in_box(corners: [u8; 6], side: usize, mut put: impl FnMut([usize; 3])) {
+    let corners = corners.map(|c| usize::from(c) % side);
+    let range = |a: usize| corners[a].min(corners[a + 3])..=corners[a].max(corners[a + 3]);
+    for x in range(0) {
+        for y in range(1) {
+            for z in range(2) {
+                put([x, y, z]);
+            }
+        }
     }
 }
 
@@ -48,17 +78,38 @@ pub(super) fn spaces() -> impl Strategy<Value = Spelled> {
         let side = 1_usize << depth;
         let mut states = vec![state(fill); side * side * side];
         for (corners, s) in boxes {
-            let corners = corners.map(|c| usize::from(c) % side);
-            let range = |a: usize| corners[a].min(corners[a + 3])..=corners[a].max(corners[a + 3]);
-            for x in range(0) {
-                for y in range(1) {
-                    for z in range(2) {
-                        let x = if mirrored { x % (side / 2).max(1) } else { x };
-                        states[(x * side + y) * side + z] = state(s);
-                    }
-                }
-            }
+            for_each_in_box(corners, side, |[x, y, z]| {
+                let x = if mirrored { x % (side / 2).max(1) } else { x };
+                states[(x * side + y) * side + z] = state(s);
+            });
         }
-        Spelled { depth, states }
+        Spelled { depth, coarse: false, states }
+    })
+}
+
+/// Boxes, and single voxels turned over: repeated parts that differ a little. Some are coarse.
+pub(super) fn noisy_spaces() -> impl Strategy<Value = Spelled> {
+    let boxes = proptest::collection::vec((any::<[u8; 6]>(), any::<bool>()), 0..8);
+    let flips = proptest::collection::vec(any::<[u8; 3]>(), 0..24);
+    (2..6_u32, boxes, flips, 0..3_u32, any::<bool>()).prop_map(|(depth, boxes, flips, period, coarse)| {
+        let side = 1_usize << depth;
+        // The pattern repeats every 2^-period of the side.
+        let tile = (side >> period).max(2);
+        let at = |x: usize, y: usize, z: usize| (x * side + y) * side + z;
+        let mut pattern = vec![false; side * side * side];
+        for (corners, lit) in boxes {
+            for_each_in_box(corners, tile, |[x, y, z]| pattern[at(x, y, z)] = lit);
+        }
+        let repeated = (0..pattern.len()).map(|i| {
+            let [x, y, z] = [i / side / side, i / side % side, i % side].map(|c| c % tile);
+            pattern[at(x, y, z)]
+        });
+        let mut lit: Vec<bool> = repeated.collect();
+        for [x, y, z] in flips {
+            let [x, y, z] = [x, y, z].map(|c| usize::from(c) % side);
+            lit[at(x, y, z)] ^= true;
+        }
+        let states = lit.into_iter().map(|lit| if lit { State::Lit } else { State::Shadowed }).collect();
+        Spelled { depth, coarse, states }
     })
 }

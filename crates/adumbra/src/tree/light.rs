@@ -182,11 +182,8 @@ impl ToTree<'_> {
                 pointer => self.node(pointer, level),
             };
         }
-        let half = level - 1 - self.dag.root_level;
-        self.join(|work, child| {
-            let offset = morton::child_offset(child);
-            work.top(std::array::from_fn(|a| corner[a] + (offset[a] << half)), level - 1)
-        })
+        let above_roots = level - self.dag.root_level;
+        self.join(|work, child| work.top(morton::child_corner(corner, above_roots, child), level - 1))
     }
 
     fn node(&mut self, pointer: u32, level: u32) -> Result<Word, LightTreeError> {
@@ -317,9 +314,7 @@ impl ToDag<'_> {
             Node::Mask(_) | Node::Inner(_) if level == 0 => {}
             Node::Mask(_) | Node::Inner(_) => {
                 for c in 0..8 {
-                    let offset = morton::child_offset(c);
-                    let corner = std::array::from_fn(|a| corner[a] + (offset[a] << (level - 1)));
-                    self.fill(self.child(word, c), level - 1, corner, slabs);
+                    self.fill(self.child(word, c), level - 1, morton::child_corner(corner, level, c), slabs);
                 }
             }
         }

@@ -10,7 +10,7 @@
 //! | u, v | 2^-32 texel |
 //! | z | 2^-32 texel; its upper bits from 24 on are 1/256 texel, as the image's depths |
 
-use super::build::{Classify, State, child_corner};
+use super::build::{Classify, State};
 use super::depth_image::{DepthImage, NO_SURFACE, TILE_SIDE};
 use super::space::{RegionVoxels, Regions, TreeSpace};
 use crate::bake::project::FixedDepth;
@@ -146,7 +146,7 @@ impl Classify for LitSpace<'_> {
             }
             None => {
                 for c in 0..8 {
-                    set(c, self.cell(child_corner(xyz, level, c as u32), level - 1));
+                    set(c, self.cell(super::morton::child_corner(xyz, level, c as u32), level - 1));
                 }
             }
         }

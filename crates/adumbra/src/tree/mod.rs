@@ -13,6 +13,7 @@ mod graph;
 #[cfg(test)]
 mod kit;
 mod layout;
+mod leaf_voxels;
 mod light;
 mod lit_space;
 pub mod lossy;
@@ -29,6 +30,7 @@ pub use blocks::{Blocks, MAX_BLOCKS};
 pub use build::{Builder, Classify, State};
 pub(crate) use graph::check as check_words;
 pub use graph::{MAX_DEPTH, TreeError, VoxelTree};
+pub use leaf_voxels::leaf_voxels;
 pub use light::{LightTreeError, MAX_ROOTS, dag_of_tree, tree_depth};
 pub use options::{Detail, Reduction, TREE_BIAS, TreeOptions};
 pub use settings::{CaptureBias, LossyChange, TreeSettings};

@@ -15,6 +15,12 @@ pub fn child_offset(child: u32) -> [u32; 3] {
     [child >> 2 & 1, child >> 1 & 1, child & 1]
 }
 
+/// The lowest voxel of a child of the cube at `corner`, 2^`level` voxels a side and at least two.
+pub fn child_corner(corner: [u32; 3], level: u32, child: u32) -> [u32; 3] {
+    let offset = child_offset(child);
+    std::array::from_fn(|a| corner[a] + (offset[a] << (level - 1)))
+}
+
 /// Child numbers from the root down to voxel (x, y, z) of a tree of `depth` levels.
 pub fn path(xyz: [u32; 3], depth: u32) -> Vec<u32> {
     (0..depth).rev().map(|level| child(xyz, level)).collect()

@@ -64,6 +64,20 @@ impl Word {
         }
     }
 
+    /// The index of an inner node; none of a leaf.
+    pub const fn inner(self) -> Option<u32> {
+        match self.node() {
+            Node::Inner(index) => Some(index),
+            Node::Uniform(_) | Node::Mask(_) => None,
+        }
+    }
+
+    /// An inner node with another index; a leaf as it is.
+    #[must_use]
+    pub fn map_inner(self, index: impl FnOnce(u32) -> u32) -> Self {
+        self.inner().map_or(self, |old| Self::new(Node::Inner(index(old))))
+    }
+
     /// Whether the word is one that [`Word::new`] makes and, for a mask, one that [`Word::leaf`] leaves mixed.
     pub const fn is_valid(self) -> bool {
         match self.node() {
@@ -89,6 +103,11 @@ mod tests {
         for word in [Word(9), Word::LIT, Word::SHADOWED, Word::leaf(0xf0)] {
             assert_eq!(Word::new(word.node()), word);
             assert!(word.is_valid());
+        }
+        assert_eq!(Word(9).inner(), Some(9));
+        assert_eq!(Word(9).map_inner(|index| index + 8), Word(17));
+        for leaf in [Word::LIT, Word::SHADOWED, Word::leaf(0xf0)] {
+            assert_eq!((leaf.inner(), leaf.map_inner(|_| 1)), (None, leaf));
         }
         for word in [0x8000_0002, 0xc000_0000, 0xc000_00ff, 0xc000_0101, 0xa000_0001] {
             assert!(!Word(word).is_valid(), "{word:08x}");

@@ -4,9 +4,9 @@
 #[path = "../format_support/damage.rs"]
 mod damage;
 
-use adumbra::format::tree::{TREE_HEADER_BYTES, leaf_voxels};
+use adumbra::format::tree::TREE_HEADER_BYTES;
 use adumbra::format::{FormatError, TreeBody, TreeFile};
-use adumbra::tree::VoxelTree;
+use adumbra::tree::{VoxelTree, leaf_voxels};
 use damage::Layout;
 
 /// Blocks are words of the body; an attribute has a byte a leaf voxel.

@@ -67,7 +67,7 @@ fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<Value, Failur
 
 pub(super) fn markdown(part: &Value) -> String {
     let mut text = format!(
-        "\n## Builders\n\nSeconds to build and reduce by hash, one thread, medians of {}. Up to depth 10 every voxel is tested; from depth \
+        "\n## Builders\n\nSeconds to build and reduce by hash, one thread, medians of {} runs in which the builders take turns. Up to depth 10 every voxel is tested; from depth \
         {FIRST_PRUNED_DEPTH} cubes that the min/max pyramid decides are skipped. `peak MB` is the largest resident size of a process that loads \
         the scene, draws the depth image, builds and writes.\n\n\
         | scene | depth | voxels tested | recursive s | iterative s | pooled s | recursion is | pooled / iterative | peak MB | same graph |\n\

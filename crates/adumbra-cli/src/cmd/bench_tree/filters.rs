@@ -1,19 +1,18 @@
 //! Bias and voxel PCF: acne and leak counts, and the paper's pictures (Fig. 4-1, 4-3, 4-5, 4-6, 5-1).
 
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::Size;
 use adumbra::light::{LightGrid, Sun};
 use adumbra::picture::{self, Picture, Shadows};
 use adumbra::query::{PointVisibility, TreeQuery, Weights};
 use adumbra::settings::Bias;
-use adumbra::tree::{BakedTree, TreeOptions, VoxelTree, bake_tree};
+use adumbra::tree::{BakedTree, TreeOptions, VoxelTree};
 use adumbra::verify::{Answers, TreeAnswers};
 use serde_json::{Value, json};
 
 use super::super::render::looking_at;
-use super::{BenchScene, Check, SUN, number, rows_of, text_of, tree_options};
+use super::{BenchScene, Check, SUN, bake_quietly, number, rows_of, text_of, tree_options};
 use crate::args::BenchTree;
 use crate::exit::Failure;
 use crate::output::write_png;
@@ -87,10 +86,6 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
         eprintln!("{}: filters and sheets", scene.name);
     }
     Ok(Value::Array(rows))
-}
-
-fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree, Failure> {
-    Ok(bake_tree(&scene.scene, options, &|_| {}, &AtomicBool::new(false))?)
 }
 
 /// A look-up of one kind, compared at the points to which the usual bias moves them.

@@ -7,17 +7,19 @@ mod frames;
 mod options;
 mod reductions;
 
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::AtomicBool;
 
 use adumbra::Error;
 use adumbra::bake::Size;
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, write_glb};
 use adumbra::trace::{TraceOptions, Tracer};
-use adumbra::tree::TreeOptions;
+use adumbra::tree::{BakedTree, TreeOptions, bake_tree};
 use adumbra::verify::{Answers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::load_scene;
 use crate::args::BenchTree;
@@ -78,35 +80,43 @@ pub(super) fn run(args: &BenchTree) -> Outcome {
     }
     let json_path = args.output.join("tree.json");
     // Sections that are not measured now keep what was measured before.
-    let mut document = match std::fs::read(&json_path) {
-        Ok(bytes) if !args.only.is_empty() => serde_json::from_slice(&bytes)
-            .map_err(|e| Failure::BadInput(format!("{}: {e}; remove it", json_path.display())))?,
-        _ => json!({}),
-    };
+    let mut document = if args.only.is_empty() { Map::new() } else { earlier(&json_path)? };
     for section in SECTIONS {
         if !args.only.is_empty() && !args.only.iter().any(|key| key == section.key) {
             continue;
         }
-        document[section.key] = json!({
+        let measured = json!({
             "runs": args.runs, "samples": args.samples, "threads": rayon::current_num_threads(),
             "rows": (section.measure)(args, &scenes)?,
         });
+        document.insert(section.key.to_owned(), measured);
         // What is measured stays, whatever happens to the next section.
-        write_whole(&json_path, format!("{document:#}\n").as_bytes())?;
+        write_whole(&json_path, format!("{:#}\n", Value::Object(document.clone())).as_bytes())?;
         write_whole(&args.output.join("tree.md"), markdown(&document).as_bytes())?;
     }
     say!("{}", args.output.join("tree.md").display());
     Ok(Code::Fine)
 }
 
-fn markdown(document: &Value) -> String {
+/// What an earlier run wrote; empty where there was none.
+fn earlier(path: &Path) -> Result<Map<String, Value>, Failure> {
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Map::new()),
+        Err(e) => return Err(Error::io("read", path)(e).into()),
+    };
+    serde_json::from_slice(&bytes).map_err(|e| {
+        Failure::BadInput(format!("{}: not what an earlier run wrote ({e}); remove it", path.display()))
+    })
+}
+
+fn markdown(document: &Map<String, Value>) -> String {
     let mut text = format!(
         "# The voxel tree, measured\n\nWorld-aligned trees, sun towards (0.5, 0.8, 0.35). `primitives` and `landscape` are made with seed \
-        {SEED}. Depth n = 2^n voxels across the cube. Seconds are medians of runs that take turns; 1 MB = 10^6 bytes.\n"
+        {SEED}. Depth n = 2^n voxels across the cube. 1 MB = 10^6 bytes.\n"
     );
     for section in SECTIONS {
-        let part = &document[section.key];
-        if !part.is_null() {
+        if let Some(part) = document.get(section.key) {
             text.push_str(&(section.markdown)(part));
         }
     }
@@ -127,6 +137,10 @@ fn rows_of(part: &Value) -> &[Value] {
 
 fn tree_options(depth: u32) -> Result<TreeOptions, Failure> {
     Ok(TreeOptions::new(Sun::from_direction(SUN)?, Size::Resolution(1 << depth)))
+}
+
+fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree, Failure> {
+    Ok(bake_tree(&scene.scene, options, &|_| {}, &AtomicBool::new(false))?)
 }
 
 /// The middle one; of an even number the upper.

@@ -133,10 +133,12 @@ impl Timer<'_> {
 
 pub(super) fn markdown(part: &Value) -> String {
     let mut text = format!(
-        "\n## Options\n\nDepth {DEPTH}, world frame. Seconds are the option's own, beside the plain tree's; `changed` is counted voxel by \
-        voxel against the plain tree, of the voxels at shadow borders (cells of leaves of eight); nanoseconds a look-up of one voxel, \
-        at {LOOKUPS} random points of the scene's surfaces, one thread. The penumbra row adds the byte's own look-up.\n\n\
-        | scene | option | MB | × plain | s | changed | of border voxels % | ns |\n|---|---|---|---|---|---|---|---|\n"
+        "\n## Options\n\nDepth {DEPTH}, world frame. Seconds are the option's own, beside the plain tree's, and timed once; `changed` is counted \
+        voxel by voxel against the plain tree, of the voxels at shadow borders (cells of leaves of eight); nanoseconds a look-up of one \
+        voxel, at {LOOKUPS} random points of the scene's surfaces, one thread, medians of {} runs one after the other. The penumbra row adds \
+        the byte's own look-up.\n\n\
+        | scene | option | MB | × plain | s | changed | of border voxels % | ns |\n|---|---|---|---|---|---|---|---|\n",
+        part["runs"]
     );
     for r in rows_of(part) {
         let changed = match (r["changed_voxels"].as_u64(), r["leaf_voxels"].as_u64()) {

@@ -91,7 +91,7 @@ pub(super) fn markdown(part: &Value) -> String {
     let _ = write!(
         text,
         "\n## Sort against hash\n\nThe recursive builder, skipping what the pyramid decides, with each reduction: seconds of building, reducing \
-        and numbering, medians of {}. `held MB` is what tree, tables and keys take at most, without the depth image; `peak MB` the whole process. \
+        and numbering, medians of {} runs in which the reductions take turns. `held MB` is what tree, tables and keys take at most, without the depth image; `peak MB` the whole process. \
         Collisions are comparisons of different subtrees with one tree hash (3-5, 3-6). They lie in the formula: the weights along a \
         path are multiplied, so two voxels whose paths hold the same child numbers in another order weigh the same.\n\n\
         | scene | depth | sort s | hash s | hash / sort | tree hash s | sort held MB | hash held MB | sort peak MB | hash peak MB | collisions | same graph |\n\

@@ -14,13 +14,11 @@
 
 mod body;
 mod header;
-mod leaf_voxels;
 mod read;
 mod write;
 
 pub use body::TreeBody;
 pub use header::{TREE_HEADER_BYTES, TREE_MAGIC, TREE_VERSION};
-pub use leaf_voxels::leaf_voxels;
 
 pub(super) use header::Header;
 
@@ -41,7 +39,7 @@ pub struct TreeFile {
     /// The voxels.
     pub body: TreeBody,
     /// One byte a leaf voxel, in the order of a walk: children 0 to 7 of every node, however often it is met, and of
-    /// each leaf of eight its voxels 0 to 7. [`leaf_voxels`] many; empty = no attribute.
+    /// each leaf of eight its voxels 0 to 7. [`crate::tree::leaf_voxels`] many; empty = no attribute.
     pub attribute: Vec<u8>,
     /// What the bytes mean; `None` where there are none.
     pub attribute_kind: Option<AttributeKind>,

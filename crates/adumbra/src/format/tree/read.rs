@@ -4,12 +4,12 @@ use std::path::Path;
 
 use super::body::{TreeBody, WORDS};
 use super::header::{BODY, Header, REGION_BYTES, SECTIONS};
-use super::{TREE_HEADER_BYTES, TreeFile, leaf_voxels};
+use super::{TREE_HEADER_BYTES, TreeFile};
 use crate::error::{Error, Result};
 use crate::format::FormatError;
 use crate::format::fields::{Decoder, field};
 use crate::format::sections::{bounds, read_file, split};
-use crate::tree::{Region, Regions};
+use crate::tree::{Region, Regions, leaf_voxels};
 
 impl TreeFile {
     /// Reads and checks the file at `path`.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::dag::store::mix;
-use crate::tree::lossy::tests::{all_voxels, spaces};
+use crate::tree::kit::{all_voxels, noisy_spaces};
 use crate::tree::reduce::sort;
 use crate::tree::word::Word;
 use crate::tree::{Builder, lossy};
@@ -28,7 +28,7 @@ fn cell(tree: &VoxelTree, xyz: [u32; 3]) -> Option<([u32; 3], u32)> {
 
 proptest! {
     #[test]
-    fn attributes_survive_the_reduction(space in spaces()) {
+    fn attributes_survive_the_reduction(space in noisy_spaces()) {
         let whole = Builder::Recursive.tree(&space, space.depth, true).unwrap();
         let graph = sort(whole.clone()).0.number(space.depth);
         let whole = whole.number(space.depth);
@@ -36,7 +36,7 @@ proptest! {
         let values = gather(&whole, &in_whole, &by_position);
         // The expanded trees are one, so are the values.
         prop_assert_eq!(&gather(&graph, &in_graph, &by_position), &values);
-        prop_assert_eq!(in_graph.leaf_voxels(), lossy::leaf_voxels(&graph));
+        prop_assert_eq!(in_graph.leaf_voxels(), leaf_voxels(&graph));
         prop_assert_eq!(values.len() as u64, in_graph.leaf_voxels());
         let mut cells = vec![None; values.len()];
         for xyz in all_voxels(space.depth) {
@@ -56,7 +56,7 @@ proptest! {
     }
 
     #[test]
-    fn attributes_of_a_lossy_graph_are_at_its_own_leaf_voxels(space in spaces(), share in 0.0..0.5_f64) {
+    fn attributes_of_a_lossy_graph_are_at_its_own_leaf_voxels(space in noisy_spaces(), share in 0.0..0.5_f64) {
         let graph = sort(Builder::Pooled.tree(&space, space.depth, true).unwrap()).0.number(space.depth);
         let graph = lossy::merge_similar(&graph, share).unwrap().tree;
         let index = AttributeIndex::of(&graph).unwrap();

@@ -1,7 +1,8 @@
 //! The tree with an explicit stack: every push makes a frame on the heap, every pop gives it back (the paper's §3.1.4).
 
-use super::{Built, Classify, Work, child_corner};
+use super::{Built, Classify, Work};
 use crate::error::Result;
+use crate::tree::morton::child_corner;
 use crate::tree::reduce::Sink;
 
 /// A node that waits for its children.

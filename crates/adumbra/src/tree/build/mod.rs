@@ -11,7 +11,7 @@ mod pooled;
 mod recursive;
 
 use super::blocks::Blocks;
-use super::morton;
+use super::morton::{self, child_corner};
 use super::reduce::Sink;
 use super::word::{Node, Word};
 use crate::error::Result;
@@ -179,12 +179,6 @@ fn built(state: State) -> Built {
         State::Shadowed => Some(Word::SHADOWED),
         State::Free => None,
     }
-}
-
-/// Lowest voxel of child `c` of a cube of this level.
-pub(super) fn child_corner(xyz: [u32; 3], level: u32, c: u32) -> [u32; 3] {
-    let offset = morton::child_offset(c);
-    std::array::from_fn(|a| xyz[a] + (offset[a] << (level - 1)))
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! The tree by a function that calls itself: as deep as the tree has levels.
 
-use super::{Built, Classify, Work, child_corner};
+use super::{Built, Classify, Work};
 use crate::error::Result;
+use crate::tree::morton::child_corner;
 use crate::tree::reduce::Sink;
 
 pub(super) fn build<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, depth: u32) -> Result<Built> {

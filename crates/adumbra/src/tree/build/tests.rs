@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::tree::VoxelTree;
-use crate::tree::kit::{Spelled, spaces};
+use crate::tree::kit::{Spelled, all_voxels, spaces};
 use crate::tree::reduce::{Interned, sort, tree_hash::TreeHashed};
 use proptest::prelude::*;
 
@@ -18,9 +18,7 @@ proptest! {
         }
         let numbered = tree.number(depth);
         prop_assert_eq!(VoxelTree::from_words(depth, numbered.words().to_vec()), Ok(numbered.clone()));
-        let side = 1_u32 << depth;
-        for i in 0..side * side * side {
-            let xyz = [i >> (2 * depth), i >> depth & (side - 1), i & (side - 1)];
+        for xyz in all_voxels(depth) {
             match space.at(xyz) {
                 State::Lit => prop_assert!(numbered.voxel(xyz)),
                 State::Shadowed => prop_assert!(!numbered.voxel(xyz)),
@@ -50,9 +48,7 @@ proptest! {
         }
         prop_assert_eq!(&Blocks::of(&numbered).number(depth), &numbered);
         let whole = tree.number(depth);
-        let side = 1_u32 << depth;
-        for i in 0..side * side * side {
-            let xyz = [i >> (2 * depth), i >> depth & (side - 1), i & (side - 1)];
+        for xyz in all_voxels(depth) {
             prop_assert_eq!(numbered.voxel(xyz), whole.voxel(xyz));
         }
     }
@@ -62,6 +58,7 @@ proptest! {
 fn tree_hash_collisions_are_counted_and_change_nothing() {
     let space = Spelled {
         depth: 4,
+        coarse: false,
         states: (0..4096_u32).map(|i| if i % 7 * i % 5 < 3 { State::Lit } else { State::Shadowed }).collect(),
     };
     let reduce = |modulus| {

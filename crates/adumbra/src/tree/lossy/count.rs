@@ -1,33 +1,13 @@
-//! Two exact counts: the voxels of a tree's leaves of eight, and the voxels in which two trees differ. Both count places
-//! in the expanded tree, so a block that stands in a thousand places counts a thousand times. Neither knows how a tree
-//! came to be: what a lossy merge did is proved with them afterwards.
+//! The voxels in which two trees differ, exactly. Places in the expanded tree count, so a block that stands in a thousand
+//! places counts a thousand times. Nothing here knows how a tree came to be: what a lossy merge did is proved with it
+//! afterwards.
 //!
-//! No count can overflow: a tree of [`crate::tree::MAX_DEPTH`] levels holds 2^45 voxels.
+//! The count cannot overflow: a tree of [`crate::tree::MAX_DEPTH`] levels holds 2^45 voxels.
 
 use hashbrown::HashMap;
 
 use crate::tree::VoxelTree;
 use crate::tree::word::{Node, Word};
-
-/// Voxels of the leaves of eight, at all the places where they stand: eight a leaf. A leaf of eight above the lowest
-/// level has bigger cells; each of them counts as one.
-///
-/// Cost: one walk over the graph, eight bytes a block.
-pub fn leaf_voxels(tree: &VoxelTree) -> u64 {
-    fn below(tree: &VoxelTree, node: Node, known: &mut [u64]) -> u64 {
-        let index = match node {
-            Node::Uniform(_) => return 0,
-            Node::Mask(_) => return 8,
-            Node::Inner(index) => index,
-        };
-        let slot = index as usize / 8;
-        if known[slot] == 0 {
-            known[slot] = (index..index + 8).map(|i| below(tree, tree.node(i), known)).sum();
-        }
-        known[slot]
-    }
-    below(tree, tree.node(0), &mut vec![0; tree.words().len() / 8])
-}
 
 /// Voxels of the finest level in which two trees of one depth differ; all of them where the depths are not the same.
 ///
@@ -88,10 +68,7 @@ fn child(tree: &VoxelTree, word: Word, c: u32) -> Word {
 
 /// Which blocks stand in more than one place: those that several words point to, and all below them.
 fn shared(tree: &VoxelTree) -> Vec<bool> {
-    let block_of = |word: &u32| match Word(*word).node() {
-        Node::Inner(index) => Some(index as usize / 8),
-        Node::Uniform(_) | Node::Mask(_) => None,
-    };
+    let block_of = |word: &u32| Word(*word).inner().map(|index| index as usize / 8);
     let mut met = vec![false; tree.words().len() / 8];
     let mut shared = met.clone();
     let mut waiting = Vec::new();

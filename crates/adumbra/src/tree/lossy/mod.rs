@@ -10,7 +10,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `count` | exact counts, before and after |
+//! | `count` | the change, counted exactly |
 //! | `round` | one walk from the lowest blocks up, merging what costs little enough |
 //! | `similar` | which blocks of one height resemble each other |
 //! | `nearest` | the few that resemble a block most |
@@ -22,11 +22,11 @@ mod nearest;
 mod round;
 mod similar;
 
-pub use count::{changed_voxels, leaf_voxels};
+pub use count::changed_voxels;
 
-use super::VoxelTree;
 use super::blocks::Blocks;
 use super::settings::LossyChange;
+use super::{VoxelTree, leaf_voxels};
 use crate::error::{Error, Result};
 
 /// What a lossy merge gives.
@@ -87,4 +87,4 @@ pub fn merge_similar(tree: &VoxelTree, max_share: f64) -> Result<Lossy> {
 }
 
 #[cfg(test)]
-pub(super) mod tests;
+mod tests;

@@ -49,15 +49,15 @@ pub(super) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Resul
     for (height, members) in (0..).zip(by_height(&old)) {
         let first = facts.len();
         for &b in &members {
-            let words = old[b as usize].map(|w| repointed(w, &now));
+            let words = old[b as usize].map(|w| w.map_inner(|block| now[block as usize]));
             let word = new.block(&words)?;
-            now[b as usize] = block_of(word).unwrap_or_default();
+            now[b as usize] = word.inner().unwrap_or_default();
             match facts.get_mut(now[b as usize] as usize) {
                 Some(known) => known.stays(),
                 None => {
                     let level = standing[b as usize];
                     let single = level != SEVERAL;
-                    let below = words.iter().filter_map(|w| block_of(*w)).map(|c| facts[c as usize].saved);
+                    let below = words.iter().filter_map(|w| w.inner()).map(|c| facts[c as usize].saved);
                     let saved = if single { 1 + below.sum::<u32>() } else { 0 };
                     let lit = (words.iter().map(|w| lit(*w, &facts)).sum::<u64>() / 8) as u32;
                     facts.push(Facts { single, level: if single { level } else { 0 }, saved, lit });
@@ -78,7 +78,7 @@ pub(super) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Resul
             }
         }
     }
-    Ok(Round { blocks: new.finish(repointed(root, &now)), merged })
+    Ok(Round { blocks: new.finish(root.map_inner(|block| now[block as usize])), merged })
 }
 
 /// In place of a level: the block stands in several places.
@@ -88,13 +88,13 @@ const SEVERAL: u8 = 255;
 fn standing(root: Word, blocks: &[[Word; 8]], depth: u32) -> Vec<u8> {
     const UNMET: u8 = 254;
     let mut standing = vec![UNMET; blocks.len()];
-    if let Some(block) = block_of(root) {
+    if let Some(block) = root.inner() {
         standing[block as usize] = depth as u8;
     }
     // Children stand before their parents.
     for (b, words) in blocks.iter().enumerate().rev() {
         let below = if standing[b] == SEVERAL { SEVERAL } else { standing[b] - 1 };
-        for child in words.iter().filter_map(|w| block_of(*w)) {
+        for child in words.iter().filter_map(|w| w.inner()) {
             let child = &mut standing[child as usize];
             *child = if *child == UNMET { below } else { SEVERAL };
         }
@@ -116,7 +116,7 @@ fn by_height(blocks: &[[Word; 8]]) -> Vec<Vec<u32>> {
     let mut heights = vec![0_u8; blocks.len()];
     let mut lists: Vec<Vec<u32>> = Vec::new();
     for (b, words) in blocks.iter().enumerate() {
-        let below = words.iter().filter_map(|w| block_of(*w)).map(|c| 1 + heights[c as usize]);
+        let below = words.iter().filter_map(|w| w.inner()).map(|c| 1 + heights[c as usize]);
         heights[b] = below.max().unwrap_or(0);
         let height = usize::from(heights[b]);
         if lists.len() <= height {
@@ -125,15 +125,4 @@ fn by_height(blocks: &[[Word; 8]]) -> Vec<Vec<u32>> {
         lists[height].push(b as u32);
     }
     lists
-}
-
-pub(super) fn block_of(word: Word) -> Option<u32> {
-    match word.node() {
-        Node::Inner(block) => Some(block),
-        Node::Uniform(_) | Node::Mask(_) => None,
-    }
-}
-
-fn repointed(word: Word, now: &[u32]) -> Word {
-    block_of(word).map_or(word, |block| Word::new(Node::Inner(now[block as usize])))
 }

@@ -1,80 +1,17 @@
 //! Lossy merging against the voxels themselves.
 
 use super::*;
+use crate::tree::kit::{Spelled, all_voxels, noisy_spaces};
 use crate::tree::reduce::{Interned, Sink};
 use crate::tree::word::{Node, Word};
-use crate::tree::{Builder, Classify, State, morton};
+use crate::tree::{Builder, morton};
 use proptest::prelude::*;
 use std::collections::HashSet;
 
-/// A space of 2^depth voxels a side, spelled out. With `coarse`, cubes of two voxels a side are cells in its upper half
-/// along x, as in a region of less depth.
-#[derive(Debug)]
-pub(in crate::tree) struct Spelled {
-    pub(in crate::tree) depth: u32,
-    coarse: bool,
-    lit: Vec<bool>,
-}
-
-impl Classify for Spelled {
-    fn is_cell(&self, xyz: [u32; 3], level: u32) -> bool {
-        level <= u32::from(self.coarse && xyz[0] >= 1 << (self.depth - 1))
-    }
-
-    fn cell(&self, xyz: [u32; 3], _: u32) -> State {
-        let [x, y, z] = xyz.map(|c| c as usize);
-        if self.lit[(x << self.depth | y) << self.depth | z] { State::Lit } else { State::Shadowed }
-    }
-
-    fn cube(&self, _: [u32; 3], _: u32) -> Option<State> {
-        None
-    }
-}
-
-/// Boxes, and single voxels turned over: repeated parts that differ a little.
-pub(in crate::tree) fn spaces() -> impl Strategy<Value = Spelled> {
-    let boxes = proptest::collection::vec((any::<[u8; 6]>(), any::<bool>()), 0..8);
-    let flips = proptest::collection::vec(any::<[u8; 3]>(), 0..24);
-    (2..6_u32, boxes, flips, 0..3_u32, any::<bool>()).prop_map(|(depth, boxes, flips, period, coarse)| {
-        let side = 1_usize << depth;
-        // The pattern repeats every 2^-period of the side.
-        let tile = (side >> period).max(2);
-        let at = |x: usize, y: usize, z: usize| (x * side + y) * side + z;
-        let mut lit = vec![false; side * side * side];
-        for (corners, state) in boxes {
-            let corners = corners.map(|c| usize::from(c) % tile);
-            let range = |a: usize| corners[a].min(corners[a + 3])..=corners[a].max(corners[a + 3]);
-            for x in range(0) {
-                for y in range(1) {
-                    for z in range(2) {
-                        lit[at(x, y, z)] = state;
-                    }
-                }
-            }
-        }
-        let pattern = lit.clone();
-        for (i, v) in lit.iter_mut().enumerate() {
-            let [x, y, z] = [i / side / side, i / side % side, i % side].map(|c| c % tile);
-            *v = pattern[at(x, y, z)];
-        }
-        for [x, y, z] in flips {
-            let [x, y, z] = [x, y, z].map(|c| usize::from(c) % side);
-            lit[at(x, y, z)] ^= true;
-        }
-        Spelled { depth, coarse, lit }
-    })
-}
-
-/// Every voxel of a tree of `depth` levels.
-pub(in crate::tree) fn all_voxels(depth: u32) -> impl Iterator<Item = [u32; 3]> {
-    let side = 1 << depth;
-    (0..1_u32 << (3 * depth)).map(move |i| [i >> (2 * depth), i >> depth & (side - 1), i & (side - 1)])
-}
-
-fn reduced(space: &impl Classify, depth: u32) -> VoxelTree {
+fn reduced(space: &Spelled) -> VoxelTree {
     let mut interned = Interned::default();
-    let root = Builder::Recursive.build(space, depth, false, &mut interned, &|_, _| Ok(())).unwrap();
-    interned.finish(root).number(depth)
+    let root = Builder::Recursive.build(space, space.depth, false, &mut interned, &|_, _| Ok(())).unwrap();
+    interned.finish(root).number(space.depth)
 }
 
 fn masks(tree: &VoxelTree) -> HashSet<u8> {
@@ -91,8 +28,8 @@ fn differing(a: &VoxelTree, b: &VoxelTree) -> u64 {
 
 proptest! {
     #[test]
-    fn lossy_changes_no_more_than_it_may_and_says_how_much(space in spaces(), share in 0.0..1.0_f64) {
-        let tree = reduced(&space, space.depth);
+    fn lossy_changes_no_more_than_it_may_and_says_how_much(space in noisy_spaces(), share in 0.0..1.0_f64) {
+        let tree = reduced(&space);
         let out = merge_similar(&tree, share).unwrap();
         let words = out.tree.words().to_vec();
         prop_assert_eq!(VoxelTree::from_words(space.depth, words), Ok(out.tree.clone()));
@@ -110,8 +47,8 @@ proptest! {
     }
 
     #[test]
-    fn lossy_leaf_voxels_are_those_below_leaves_of_eight(space in spaces()) {
-        let tree = reduced(&space, space.depth);
+    fn lossy_leaf_voxels_are_those_below_leaves_of_eight(space in noisy_spaces()) {
+        let tree = reduced(&space);
         let cells = all_voxels(space.depth).filter(|&xyz| {
             let (mut node, mut level) = (tree.node(0), tree.depth());
             while let Node::Inner(first) = node {
@@ -125,8 +62,8 @@ proptest! {
     }
 
     #[test]
-    fn lossy_with_no_share_changes_nothing(space in spaces()) {
-        let tree = reduced(&space, space.depth);
+    fn lossy_with_no_share_changes_nothing(space in noisy_spaces()) {
+        let tree = reduced(&space);
         let out = merge_similar(&tree, 0.0).unwrap();
         prop_assert_eq!(out.change.changed_voxels, 0);
         prop_assert_eq!(out.merged_blocks, 0);
@@ -134,8 +71,8 @@ proptest! {
     }
 
     #[test]
-    fn lossy_counts_the_difference_of_any_two_trees(a in spaces(), b in spaces()) {
-        let [x, y] = [&a, &b].map(|s| reduced(s, s.depth));
+    fn lossy_counts_the_difference_of_any_two_trees(a in noisy_spaces(), b in noisy_spaces()) {
+        let [x, y] = [&a, &b].map(reduced);
         let expected = if a.depth == b.depth { differing(&x, &y) } else { 1 << (3 * a.depth.max(b.depth)) };
         prop_assert_eq!(changed_voxels(&x, &y), expected);
         prop_assert_eq!(changed_voxels(&y, &x), expected);
@@ -144,8 +81,8 @@ proptest! {
 
 proptest! {
     #[test]
-    fn lossy_costs_are_the_voxels_that_differ(space in spaces()) {
-        let tree = reduced(&space, space.depth);
+    fn lossy_costs_are_the_voxels_that_differ(space in noisy_spaces()) {
+        let tree = reduced(&space);
         let Blocks { root, blocks } = Blocks::of(&tree);
         let Node::Inner(root) = root.node() else { return Ok(()) };
         let mut facts: Vec<round::Facts> = Vec::new();

@@ -4,7 +4,7 @@
 //! root, so equal subtrees at different depths merge too, as they do by hash.
 
 use crate::tree::blocks::Blocks;
-use crate::tree::word::{Node, Word};
+use crate::tree::word::Word;
 
 /// Merges equal blocks of `tree`; also gives the most bytes it held. Cost: n log n; besides the tree a copy of the
 /// largest height, and a word and a byte a block.
@@ -13,10 +13,7 @@ pub fn sort(tree: Blocks) -> (Blocks, u64) {
     let mut heights = vec![0_u8; tree.len()];
     let mut counts = Vec::new();
     for (b, words) in tree.iter().enumerate() {
-        let below = words.iter().filter_map(|w| match w.node() {
-            Node::Inner(child) => Some(heights[child as usize]),
-            Node::Uniform(_) | Node::Mask(_) => None,
-        });
+        let below = words.iter().filter_map(|w| w.inner()).map(|child| heights[child as usize]);
         let height = 1 + below.max().unwrap_or(0);
         heights[b] = height;
         counts.resize(counts.len().max(usize::from(height)), 0);
@@ -27,7 +24,8 @@ pub fn sort(tree: Blocks) -> (Blocks, u64) {
     for (height, &count) in (1_u8..).zip(&counts) {
         let mut keys: Vec<([Word; 8], u32)> = Vec::with_capacity(count);
         let of_height = (0..).zip(&heights).filter(|(_, h)| **h == height);
-        keys.extend(of_height.map(|(b, _)| (tree[b as usize].map(|w| repointed(w, &new_index)), b)));
+        let now = |child: u32| new_index[child as usize];
+        keys.extend(of_height.map(|(b, _)| (tree[b as usize].map(|w| w.map_inner(now)), b)));
         keys.sort_unstable();
         for same in keys.chunk_by(|a, b| a.0 == b.0) {
             for (_, b) in same {
@@ -42,12 +40,5 @@ pub fn sort(tree: Blocks) -> (Blocks, u64) {
         + tree.len() * 5
         + merged.capacity() * block
         + largest * size_of::<([Word; 8], u32)>();
-    (Blocks { root: repointed(root, &new_index), blocks: merged }, held as u64)
-}
-
-fn repointed(word: Word, new_index: &[u32]) -> Word {
-    match word.node() {
-        Node::Inner(block) => Word::new(Node::Inner(new_index[block as usize])),
-        Node::Uniform(_) | Node::Mask(_) => word,
-    }
+    (Blocks { root: root.map_inner(|block| new_index[block as usize]), blocks: merged }, held as u64)
 }

@@ -98,12 +98,8 @@ pub(super) fn mirror(tree: &Blocks, mirrors: bool) -> Mirrored {
     let mut nodes: Vec<[Word; 8]> = Vec::new();
     let mut table: HashTable<u32> = HashTable::new();
     let mut images: Vec<u32> = Vec::with_capacity(tree.blocks.len());
-    let pointed = |word: Word, images: &[u32]| match word.node() {
-        Node::Inner(block) => Word::new(Node::Inner(images[block as usize])),
-        Node::Uniform(_) | Node::Mask(_) => word,
-    };
     for block in &tree.blocks {
-        let block = block.map(|w| pointed(w, &images));
+        let block = block.map(|w| w.map_inner(|below| images[below as usize]));
         let (mut kept, mut mirror) = (block, 0);
         // Mirrors that show the same as the one kept so far; the first is the smallest.
         let mut same = vec![0];
@@ -133,7 +129,7 @@ pub(super) fn mirror(tree: &Blocks, mirrors: bool) -> Mirrored {
         };
         images.push(Image { node, mirror }.index());
     }
-    Mirrored { root: pointed(tree.root, &images), nodes, smallest }
+    Mirrored { root: tree.root.map_inner(|block| images[block as usize]), nodes, smallest }
 }
 
 impl Mirrored {
@@ -144,7 +140,7 @@ impl Mirrored {
         let mut uses = vec![[0_u32; 8]; self.nodes.len()];
         let mut turns = vec![0_u8; self.nodes.len()];
         let count = |word: Word, uses: &mut [[u32; 8]]| {
-            if let Node::Inner(index) = word.node() {
+            if let Some(index) = word.inner() {
                 let image = Image::of(index);
                 uses[image.node as usize][usize::from(image.mirror)] += 1;
             }

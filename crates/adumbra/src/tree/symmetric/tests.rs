@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::mirror::{Image, mirror};
 use super::{SymmetricError as E, SymmetricTree};
-use crate::tree::kit::{Spelled, spaces};
+use crate::tree::kit::{Spelled, all_voxels, spaces};
 use crate::tree::reduce::Interned;
 use crate::tree::word::{Node, Word};
 use crate::tree::{Blocks, Builder, State, VoxelTree};
@@ -18,18 +18,12 @@ fn reduced(space: &Spelled) -> VoxelTree {
 /// The space with its halves along the axes of `both` made images of each other.
 fn with_images(mut space: Spelled, both: u8) -> Spelled {
     let side = 1_u32 << space.depth;
-    let states = (0..side.pow(3)).map(|i| {
-        let xyz = [i >> (2 * space.depth), i >> space.depth & (side - 1), i & (side - 1)];
+    let states = all_voxels(space.depth).map(|xyz| {
         let folded = |a: usize| both >> (2 - a) & 1 == 1 && xyz[a] >= side / 2;
         space.at(std::array::from_fn(|a| if folded(a) { side - 1 - xyz[a] } else { xyz[a] }))
     });
     space.states = states.collect();
     space
-}
-
-fn voxels(depth: u32) -> impl Iterator<Item = [u32; 3]> {
-    let mask = (1 << depth) - 1;
-    (0..1_u32 << (3 * depth)).map(move |i| [i >> (2 * depth), i >> depth & mask, i & mask])
 }
 
 /// A tree of `depth` levels from its root and blocks, children first.
@@ -55,7 +49,7 @@ proptest! {
         prop_assert_eq!(plain.node_count() as usize, words.words().len() / 8);
         for (made, mirrors) in [(plain, false), (mirrored, true)] {
             prop_assert_eq!(made.mirrors(), mirrors);
-            for xyz in voxels(depth) {
+            for xyz in all_voxels(depth) {
                 prop_assert_eq!(made.find(xyz), words.find(xyz));
             }
             let unpacked = made.to_tree().unwrap();
@@ -101,7 +95,7 @@ fn symmetric_worked_example() {
         &[0, 0, 0, 0],
     ];
     assert_eq!(mirrored.bytes(), expected.concat());
-    for xyz in voxels(3) {
+    for xyz in all_voxels(3) {
         assert_eq!(mirrored.find(xyz), words.find(xyz));
     }
 }
@@ -144,7 +138,7 @@ fn symmetric_leaves_as_roots() {
             assert_eq!(made.node_count(), 0);
             assert_eq!(SymmetricTree::from_bytes(2, made.bytes().to_vec()).as_ref(), Ok(&made));
             assert_eq!(made.to_tree().unwrap(), words);
-            for xyz in voxels(2) {
+            for xyz in all_voxels(2) {
                 assert_eq!(made.find(xyz), words.find(xyz));
             }
         }
@@ -191,7 +185,7 @@ fn busy() -> VoxelTree {
         let x = if y % 8 < 4 { x } else { 31 - x };
         if (x * x + 3 * y + z * z / 5) % 37 < 20 { State::Lit } else { State::Shadowed }
     };
-    reduced(&Spelled { depth: 5, states: (0..1 << 15).map(state).collect() })
+    reduced(&Spelled { depth: 5, coarse: false, states: (0..1 << 15).map(state).collect() })
 }
 
 #[test]
@@ -229,7 +223,7 @@ fn symmetric_survives_random_damage() {
         if taken % 64 == 0 {
             let words = read.to_tree().unwrap();
             assert_eq!(VoxelTree::from_words(5, words.words().to_vec()).as_ref(), Ok(&words));
-            assert!(voxels(5).step_by(7).all(|xyz| words.voxel(xyz) == read.voxel(xyz)));
+            assert!(all_voxels(5).step_by(7).all(|xyz| words.voxel(xyz) == read.voxel(xyz)));
         }
     }
     assert!(taken > 1000, "{taken}");

@@ -1,18 +1,19 @@
-//! How many voxels an attribute has a byte for.
+//! How many voxels the leaves of eight have: those at shadow borders, and those that an attribute has a byte for.
 
-use crate::tree::{Node, VoxelTree};
+use super::VoxelTree;
+use super::word::Node;
 
 const UNSEEN: u64 = u64::MAX;
 
-/// Voxels of the leaves of eight, each counted as often as the whole tree has it: a block with several parents counts
-/// for each.
+/// Voxels of the leaves of eight, at all the places where they stand: eight a leaf, and a block with several parents
+/// counts for each. A leaf of eight above the lowest level has bigger cells; each of them counts as one.
 ///
-/// Cost: linear; eight bytes a block of the graph.
+/// Cost: one walk over the graph, eight bytes a block.
 pub fn leaf_voxels(tree: &VoxelTree) -> u64 {
     count(tree, 0, &mut vec![UNSEEN; tree.words().len() / 8])
 }
 
-/// Goes as deep as the tree has levels, at most 15.
+/// Goes as deep as the tree has levels, at most 15; so no sum is above 2^45.
 fn count(tree: &VoxelTree, word: u32, blocks: &mut [u64]) -> u64 {
     match tree.node(word) {
         Node::Uniform(_) => 0,
@@ -20,8 +21,7 @@ fn count(tree: &VoxelTree, word: u32, blocks: &mut [u64]) -> u64 {
         Node::Inner(first) => {
             let block = first as usize / 8;
             if blocks[block] == UNSEEN {
-                blocks[block] =
-                    (0..8).map(|child| count(tree, first + child, blocks)).fold(0, u64::saturating_add);
+                blocks[block] = (0..8).map(|child| count(tree, first + child, blocks)).sum();
             }
             blocks[block]
         }
@@ -31,7 +31,7 @@ fn count(tree: &VoxelTree, word: u32, blocks: &mut [u64]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tree::Word;
+    use crate::tree::word::Word;
 
     #[test]
     fn leaf_voxels_count_a_shared_block_for_each_parent() {
