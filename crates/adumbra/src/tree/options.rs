@@ -36,7 +36,7 @@ pub enum Detail {
     },
 }
 
-/// Options of [`bake_tree`].
+/// Options of [`super::bake_tree`].
 #[derive(Clone, Debug)]
 pub struct TreeOptions {
     /// The sun.
