@@ -112,6 +112,9 @@ fn tree(args: &Info, file: &TreeFile) {
     );
     say!("  cube from       {:.3}, {:.3}, {:.3}", space.p_min[0], space.p_min[1], space.p_min[2]);
     say!("  body            {kind}, {} in {nodes} inner nodes", bytes_words(body_bytes));
+    if let Some(b) = settings.bounds {
+        say!("  bounds          {:?} to {:?}", b.min, b.max);
+    }
     for r in &file.regions.list {
         say!("  region          x {} to {}, z {} to {}: depth {}", r.x[0], r.x[1], r.z[0], r.z[1], r.depth);
     }
