@@ -126,7 +126,8 @@ impl PreparedTree {
         self.scene_bytes + self.images.iter().map(DepthImage::memory_bytes).sum::<u64>()
     }
 
-    /// Builds and reduces, and says now and then how far it is. `options` must be those of [`PreparedTree::new`] but for builder, reduction and pruning.
+    /// Builds and reduces, and says now and then how far it is. `options` must be those of [`PreparedTree::new`] but for
+    /// builder, reduction and pruning.
     ///
     /// # Errors
     /// [`Error::Interrupted`], or a graph that does not fit.

@@ -22,6 +22,8 @@ const TILE_LOG2: u32 = 8;
 pub(super) const TILE_SIDE: u32 = 1 << TILE_LOG2;
 const TILE_TEXELS: usize = 1 << (2 * TILE_LOG2);
 
+/// Fractional bits of positions in an image, in texels.
+pub(super) const FRACTION: u32 = 32;
 /// The depth of no surface.
 pub(super) const NO_SURFACE: FixedDepth = FixedDepth::MAX;
 

@@ -11,18 +11,14 @@
 //! | z | 2^-32 texel; its upper bits from 24 on are 1/256 texel, as the image's depths |
 
 use super::build::{Classify, State};
-use super::depth_image::{DepthImage, NO_SURFACE, TILE_SIDE};
+use super::depth_image::{DepthImage, FRACTION, NO_SURFACE};
+use super::pyramid::{Block, Pyramid};
 use super::space::{RegionVoxels, Regions, TreeSpace};
-use crate::bake::project::FixedDepth;
 
-/// Fractional bits of u, v and z.
-const FRACTION: u32 = 32;
 /// Fractional bits of z below the image's 1/256 texel.
 const DEPTH_SHIFT: u32 = FRACTION - 8;
 /// Width of a sun's disc of 0.533° at distance 1: 2 tan(0.2665°).
 const SUN_WIDTH: f64 = 0.009_302_6;
-/// Level of the pyramid's finest blocks: 8 × 8 texels. A power of two that divides a tile.
-const FINEST_BLOCK: u32 = 3;
 
 /// A scene's shadows over a cube.
 pub(super) struct LitSpace<'i> {
@@ -67,8 +63,7 @@ impl<'i> LitSpace<'i> {
 
     /// Bytes of the pyramids.
     pub(super) fn memory_bytes(&self) -> u64 {
-        let levels = self.layers.iter().filter_map(|l| l.pyramid.as_ref()).flat_map(|p| &p.levels);
-        levels.map(|l| (l.blocks.capacity() * size_of::<Block>()) as u64).sum()
+        self.layers.iter().filter_map(|l| l.pyramid.as_ref()).map(Pyramid::memory_bytes).sum()
     }
 
     /// The deepest region that a cube touches in plan.
@@ -264,144 +259,5 @@ impl<'i> Layer<'i> {
         let distance_texels = (z - i64::from(nearest)).max(0) as f64 / 256.0;
         let width_voxels = SUN_WIDTH * distance_texels / self.texels_per_voxel;
         (8.0 * width_voxels).round().min(255.0) as u8
-    }
-}
-
-/// What the columns of a block have in common.
-#[derive(Clone, Copy)]
-struct Block {
-    depth_min: FixedDepth,
-    depth_max: FixedDepth,
-    /// Over all intervals inside solids.
-    entries_min: FixedDepth,
-    exits_max: FixedDepth,
-    /// Over each column's first interval; a column without one leaves nothing in common.
-    entries_first_max: FixedDepth,
-    exits_first_min: FixedDepth,
-}
-
-impl Block {
-    const EMPTY: Self = Self {
-        depth_min: FixedDepth::MAX,
-        depth_max: FixedDepth::MIN,
-        entries_min: FixedDepth::MAX,
-        exits_max: FixedDepth::MIN,
-        entries_first_max: FixedDepth::MIN,
-        exits_first_min: FixedDepth::MAX,
-    };
-    /// A column beside the image.
-    const OUTSIDE: Self = Self {
-        depth_min: NO_SURFACE,
-        depth_max: NO_SURFACE,
-        entries_min: FixedDepth::MAX,
-        exits_max: FixedDepth::MIN,
-        entries_first_max: FixedDepth::MAX,
-        exits_first_min: FixedDepth::MIN,
-    };
-
-    fn of_column(first: FixedDepth, insides: &[[FixedDepth; 2]]) -> Self {
-        let mut block = Self { depth_min: first, depth_max: first, ..Self::OUTSIDE };
-        if let [[from, to], ..] = insides {
-            (block.entries_first_max, block.exits_first_min) = (*from, *to);
-        }
-        for [from, to] in insides {
-            block.entries_min = block.entries_min.min(*from);
-            block.exits_max = block.exits_max.max(*to);
-        }
-        block
-    }
-
-    fn join(self, o: Self) -> Self {
-        Self {
-            depth_min: self.depth_min.min(o.depth_min),
-            depth_max: self.depth_max.max(o.depth_max),
-            entries_min: self.entries_min.min(o.entries_min),
-            exits_max: self.exits_max.max(o.exits_max),
-            entries_first_max: self.entries_first_max.max(o.entries_first_max),
-            exits_first_min: self.exits_first_min.min(o.exits_first_min),
-        }
-    }
-}
-
-struct Pyramid {
-    /// Blocks of 8 × 8 texels first.
-    levels: Vec<PyramidLevel>,
-    /// Texels of the image.
-    size: [u32; 2],
-}
-
-struct PyramidLevel {
-    width: usize,
-    height: usize,
-    blocks: Vec<Block>,
-}
-
-impl Pyramid {
-    fn of(image: &DepthImage) -> Self {
-        let size = image.size();
-        let [width, height] = size.map(|s| s.div_ceil(1 << FINEST_BLOCK) as usize);
-        debug_assert!(TILE_SIDE.is_multiple_of(1 << FINEST_BLOCK));
-        let mut blocks = Vec::with_capacity(width * height);
-        for by in 0..height as u32 {
-            for bx in 0..width as u32 {
-                let mut block = Block::EMPTY;
-                for v in (by << FINEST_BLOCK)..((by + 1) << FINEST_BLOCK).min(size[1]) {
-                    for u in (bx << FINEST_BLOCK)..((bx + 1) << FINEST_BLOCK).min(size[0]) {
-                        block = block.join(Block::of_column(image.depth(u, v), image.insides(u, v)));
-                    }
-                }
-                blocks.push(block);
-            }
-        }
-        let mut levels = vec![PyramidLevel { width, height, blocks }];
-        loop {
-            let below = &levels[levels.len() - 1];
-            if below.width == 1 && below.height == 1 {
-                break;
-            }
-            let (width, height) = (below.width.div_ceil(2), below.height.div_ceil(2));
-            let mut blocks = Vec::with_capacity(width * height);
-            for y in 0..height {
-                for x in 0..width {
-                    let mut block = Block::EMPTY;
-                    for v in 2 * y..(2 * y + 2).min(below.height) {
-                        for u in 2 * x..(2 * x + 2).min(below.width) {
-                            block = block.join(below.blocks[v * below.width + u]);
-                        }
-                    }
-                    blocks.push(block);
-                }
-            }
-            levels.push(PyramidLevel { width, height, blocks });
-        }
-        Self { levels, size }
-    }
-
-    /// What the columns from `low` to `high` have in common; none where blocks are too coarse to tell.
-    fn over(&self, low: [i64; 2], high: [i64; 2]) -> Option<Block> {
-        let [low, high] = [low, high].map(|p| p.map(|c| c >> FRACTION));
-        let extent = (high[0] - low[0]).max(high[1] - low[1]) as u64;
-        if extent < (1 << FINEST_BLOCK) / 2 {
-            return None;
-        }
-        let level = (extent.ilog2()).max(FINEST_BLOCK).min(FINEST_BLOCK + self.levels.len() as u32 - 1);
-        let blocks = &self.levels[(level - FINEST_BLOCK) as usize];
-        let mut block = Block::EMPTY;
-        for a in 0..2 {
-            if low[a] < 0 || high[a] >= i64::from(self.size[a]) {
-                block = Block::OUTSIDE;
-            }
-        }
-        let range = |a: usize, count: usize| {
-            let first = (low[a] >> level).max(0) as usize;
-            let end = ((high[a] >> level) + 1).clamp(0, count as i64) as usize;
-            first.min(count)..end
-        };
-        for y in range(1, blocks.height) {
-            for x in range(0, blocks.width) {
-                block = block.join(blocks.blocks[y * blocks.width + x]);
-            }
-        }
-        Some(block)
     }
 }

@@ -19,6 +19,7 @@ mod lit_space;
 pub mod lossy;
 pub mod morton;
 mod options;
+mod pyramid;
 pub mod reduce;
 mod settings;
 mod space;
