@@ -24,12 +24,20 @@ pub(crate) enum Along {
     Names(Vec<String>),
 }
 
+/// Where a panel has room for its legend.
+#[derive(Clone, Copy)]
+pub(crate) enum Legend {
+    UpperRight,
+    LowerLeft,
+}
+
 /// One diagram.
 pub(crate) struct Panel {
     pub(crate) title: String,
     pub(crate) along: Along,
     pub(crate) y_label: &'static str,
     pub(crate) logarithmic: bool,
+    pub(crate) legend: Legend,
     pub(crate) series: Vec<Series>,
 }
 
@@ -146,10 +154,9 @@ where
     }
     chart
         .configure_series_labels()
-        .position(if names.is_some() {
-            SeriesLabelPosition::UpperRight
-        } else {
-            SeriesLabelPosition::UpperLeft
+        .position(match panel.legend {
+            Legend::UpperRight => SeriesLabelPosition::UpperRight,
+            Legend::LowerLeft => SeriesLabelPosition::LowerLeft,
         })
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))

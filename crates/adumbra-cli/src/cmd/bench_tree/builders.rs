@@ -1,15 +1,19 @@
 //! The three builders against each other: the paper's Fig. 3-4.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::tree::{Builder, PreparedTree, TreeOptions};
 use serde_json::{Value, json};
 
-use super::{BenchScene, FIRST_PRUNED_DEPTH, bake_elsewhere, median, number, rows_of, text_of, tree_options};
+use super::{
+    BenchScene, FIRST_PRUNED_DEPTH, bake_elsewhere, median, number, rows_of, scene_names, text_of,
+    tree_options,
+};
 use crate::args::BenchTree;
 use crate::exit::Failure;
-use crate::plot::{Along, Panel, Series, write_svg};
+use crate::plot::{Along, Legend, Panel, Series, write_svg};
 
 const NAMES: [&str; 3] = ["recursive", "iterative", "pooled"];
 
@@ -22,7 +26,6 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
             rows.push(row);
         }
     }
-    plot(args, scenes, &rows)?;
     Ok(Value::Array(rows))
 }
 
@@ -99,24 +102,47 @@ pub(super) fn markdown(part: &Value) -> String {
     text
 }
 
-fn plot(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), Failure> {
-    let panel = |scene: &BenchScene| {
-        let series = NAMES.map(|builder| Series {
-            name: builder.to_owned(),
-            points: rows
-                .iter()
-                .filter(|r| r["scene"] == scene.name)
-                .map(|r| (number(r, "/depth"), number(r, &format!("/seconds/{builder}"))))
-                .collect(),
-        });
-        Panel {
-            title: format!("{}: three builders", scene.name),
-            along: Along::Numbers("depth"),
-            y_label: "seconds",
-            logarithmic: true,
-            series: series.into(),
-        }
+/// Seconds at the smallest depth, as in the figure, and at every depth as a share of recursion's.
+pub(super) fn plots(folder: &Path, part: &Value) -> Result<(), Failure> {
+    let scenes = scene_names(part);
+    let depth = rows_of(part).iter().map(|r| number(r, "/depth")).fold(f64::INFINITY, f64::min);
+    let at_depth = |builder: &str| Series {
+        name: builder.to_owned(),
+        points: scenes
+            .iter()
+            .enumerate()
+            .filter_map(|(i, scene)| {
+                let row =
+                    rows_of(part).iter().find(|r| r["scene"] == *scene && number(r, "/depth") == depth)?;
+                Some((i as f64, number(row, &format!("/seconds/{builder}"))))
+            })
+            .collect(),
     };
-    let panels: Vec<_> = scenes.iter().map(panel).collect();
-    write_svg(&args.output.join("tree-builders.svg"), &panels)
+    let share = |scene: &String| Series {
+        name: scene.clone(),
+        points: rows_of(part)
+            .iter()
+            .filter(|r| r["scene"] == *scene)
+            .map(|r| (number(r, "/depth"), number(r, "/seconds/pooled") / number(r, "/seconds/recursive")))
+            .collect(),
+    };
+    let panels = [
+        Panel {
+            title: format!("three builders at depth {depth} (Fig. 3-4)"),
+            along: Along::Names(scenes.clone()),
+            y_label: "seconds",
+            logarithmic: false,
+            legend: Legend::UpperRight,
+            series: NAMES.map(at_depth).into(),
+        },
+        Panel {
+            title: "pooled against recursive".to_owned(),
+            along: Along::Numbers("depth"),
+            y_label: "pooled / recursive",
+            logarithmic: false,
+            legend: Legend::LowerLeft,
+            series: scenes.iter().map(share).collect(),
+        },
+    ];
+    write_svg(&folder.join("tree-builders.svg"), &panels)
 }

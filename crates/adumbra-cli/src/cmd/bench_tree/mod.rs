@@ -46,14 +46,26 @@ struct Section {
     key: &'static str,
     measure: fn(&BenchTree, &[BenchScene]) -> Result<Value, Failure>,
     markdown: fn(&Value) -> String,
+    /// Writes its plots into a folder.
+    plots: fn(&Path, &Value) -> Result<(), Failure>,
 }
 
 const SECTIONS: [Section; 5] = [
-    Section { key: "builders", measure: builders::measure, markdown: builders::markdown },
-    Section { key: "reductions", measure: reductions::measure, markdown: reductions::markdown },
-    Section { key: "frames", measure: frames::measure, markdown: frames::markdown },
-    Section { key: "options", measure: options::measure, markdown: options::markdown },
-    Section { key: "filters", measure: filters::measure, markdown: filters::markdown },
+    Section {
+        key: "builders",
+        measure: builders::measure,
+        markdown: builders::markdown,
+        plots: builders::plots,
+    },
+    Section {
+        key: "reductions",
+        measure: reductions::measure,
+        markdown: reductions::markdown,
+        plots: reductions::plots,
+    },
+    Section { key: "frames", measure: frames::measure, markdown: frames::markdown, plots: no_plots },
+    Section { key: "options", measure: options::measure, markdown: options::markdown, plots: options::plots },
+    Section { key: "filters", measure: filters::measure, markdown: filters::markdown, plots: no_plots },
 ];
 
 pub(super) fn run(args: &BenchTree) -> Outcome {
@@ -94,8 +106,26 @@ pub(super) fn run(args: &BenchTree) -> Outcome {
         write_whole(&json_path, format!("{:#}\n", Value::Object(document.clone())).as_bytes())?;
         write_whole(&args.output.join("tree.md"), markdown(&document).as_bytes())?;
     }
+    for section in SECTIONS {
+        let part = &document[section.key];
+        if !part.is_null() {
+            (section.plots)(&args.output, part)?;
+        }
+    }
     say!("{}", args.output.join("tree.md").display());
     Ok(Code::Fine)
+}
+
+/// Scenes of a section's rows, in their order.
+fn scene_names(part: &Value) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for row in rows_of(part) {
+        let name = text_of(row, "scene");
+        if names.last().is_none_or(|last| last != name) {
+            names.push(name.to_owned());
+        }
+    }
+    names
 }
 
 /// What an earlier run wrote; empty where there was none.
@@ -121,6 +151,10 @@ fn markdown(document: &Map<String, Value>) -> String {
         }
     }
     text
+}
+
+fn no_plots(_: &Path, _: &Value) -> Result<(), Failure> {
+    Ok(())
 }
 
 fn number(row: &Value, path: &str) -> f64 {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::hint::black_box;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -14,10 +15,10 @@ use adumbra::tree::{BakedTree, PreparedTree};
 use adumbra::verify::{Random, Solids, SurfaceSampler};
 use serde_json::{Value, json};
 
-use super::{BenchScene, SUN, median, number, rows_of, text_of, tree_options};
+use super::{BenchScene, SUN, median, number, rows_of, scene_names, text_of, tree_options};
 use crate::args::BenchTree;
 use crate::exit::Failure;
-use crate::plot::{Along, Panel, Series, write_svg};
+use crate::plot::{Along, Legend, Panel, Series, write_svg};
 
 /// Depth of the trees.
 const DEPTH: u32 = 11;
@@ -32,7 +33,6 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
         rows.extend(scene_rows(args, scene)?);
         eprintln!("{}: options", scene.name);
     }
-    plot(args, scenes, &rows)?;
     Ok(Value::Array(rows))
 }
 
@@ -161,7 +161,8 @@ pub(super) fn markdown(part: &Value) -> String {
     text
 }
 
-fn plot(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), Failure> {
+pub(super) fn plots(folder: &Path, part: &Value) -> Result<(), Failure> {
+    let scenes = scene_names(part);
     let shown = [
         ("plain words", "plain"),
         ("variable-width pointers", "widths"),
@@ -173,12 +174,13 @@ fn plot(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), F
         scenes
             .iter()
             .map(|scene| Series {
-                name: scene.name.clone(),
+                name: scene.clone(),
                 points: shown
                     .iter()
                     .enumerate()
                     .filter_map(|(i, (option, _))| {
-                        let row = rows.iter().find(|r| r["scene"] == scene.name && r["option"] == *option)?;
+                        let row =
+                            rows_of(part).iter().find(|r| r["scene"] == *scene && r["option"] == *option)?;
                         Some((i as f64, row[key].as_f64()?))
                     })
                     .collect(),
@@ -191,10 +193,11 @@ fn plot(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), F
         along: names(),
         y_label,
         logarithmic: false,
+        legend: Legend::UpperRight,
         series: series(key),
     };
     write_svg(
-        &args.output.join("tree-options.svg"),
+        &folder.join("tree-options.svg"),
         &[
             panel("bytes by option", "× plain words", "times_plain"),
             panel("cost of a look-up", "nanoseconds", "nanoseconds"),

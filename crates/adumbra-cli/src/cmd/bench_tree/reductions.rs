@@ -1,15 +1,16 @@
 //! Upward merging and the two reductions: the paper's Fig. 3-2 and 3-5.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::tree::{Builder, PreparedTree, Reduction, TreeOptions};
 use serde_json::{Value, json};
 
-use super::{BenchScene, bake_elsewhere, median, number, rows_of, text_of, tree_options};
+use super::{BenchScene, bake_elsewhere, median, number, rows_of, scene_names, text_of, tree_options};
 use crate::args::BenchTree;
 use crate::exit::Failure;
-use crate::plot::{Along, Panel, Series, write_svg};
+use crate::plot::{Along, Legend, Panel, Series, write_svg};
 
 const VARIANTS: [(&str, Reduction); 3] =
     [("sort", Reduction::Sort), ("hash", Reduction::Hash), ("tree-hash", Reduction::TreeHash)];
@@ -23,7 +24,6 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
             rows.push(row);
         }
     }
-    plots(args, scenes, &rows)?;
     Ok(Value::Array(rows))
 }
 
@@ -118,20 +118,22 @@ pub(super) fn markdown(part: &Value) -> String {
     text
 }
 
-fn plots(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), Failure> {
-    let ratio = |title: &str, y_label, logarithmic, part: &str, whole: &str, scale: f64| Panel {
+pub(super) fn plots(folder: &Path, part: &Value) -> Result<(), Failure> {
+    let scenes = scene_names(part);
+    let ratio = |title: &str, y_label, logarithmic, legend, what: &str, whole: &str, scale: f64| Panel {
         title: title.to_owned(),
         along: Along::Numbers("depth"),
         y_label,
         logarithmic,
+        legend,
         series: scenes
             .iter()
             .map(|scene| Series {
-                name: scene.name.clone(),
-                points: rows
+                name: scene.clone(),
+                points: rows_of(part)
                     .iter()
-                    .filter(|r| r["scene"] == scene.name)
-                    .map(|r| (number(r, "/depth"), scale * number(r, part) / number(r, whole)))
+                    .filter(|r| r["scene"] == *scene)
+                    .map(|r| (number(r, "/depth"), scale * number(r, what) / number(r, whole)))
                     .collect(),
             })
             .collect(),
@@ -139,18 +141,34 @@ fn plots(args: &BenchTree, scenes: &[BenchScene], rows: &[Value]) -> Result<(), 
     let merged = ("after upward merging (Fig. 3-2)", "% of the complete tree");
     let shared = ("after sharing by hash (Fig. 3-5)", "% of the merged tree");
     write_svg(
-        &args.output.join("tree-merging.svg"),
+        &folder.join("tree-merging.svg"),
         &[
-            ratio(merged.0, merged.1, true, "/merged_bytes", "/complete_bytes", 100.0),
-            ratio(shared.0, shared.1, false, "/graph_bytes", "/merged_bytes", 100.0),
+            ratio(merged.0, merged.1, true, Legend::UpperRight, "/merged_bytes", "/complete_bytes", 100.0),
+            ratio(shared.0, shared.1, false, Legend::UpperRight, "/graph_bytes", "/merged_bytes", 100.0),
         ],
     )?;
     let label = "hash / sort";
     write_svg(
-        &args.output.join("tree-reductions.svg"),
+        &folder.join("tree-reductions.svg"),
         &[
-            ratio("hash against sort: seconds", label, false, "/seconds/hash", "/seconds/sort", 1.0),
-            ratio("hash against sort: bytes held", label, false, "/held_bytes/hash", "/held_bytes/sort", 1.0),
+            ratio(
+                "hash against sort: seconds",
+                label,
+                false,
+                Legend::LowerLeft,
+                "/seconds/hash",
+                "/seconds/sort",
+                1.0,
+            ),
+            ratio(
+                "hash against sort: bytes held",
+                label,
+                false,
+                Legend::UpperRight,
+                "/held_bytes/hash",
+                "/held_bytes/sort",
+                1.0,
+            ),
         ],
     )
 }
