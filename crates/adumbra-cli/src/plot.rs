@@ -84,7 +84,9 @@ fn y_range(panel: &Panel) -> Range<f64> {
         let low = values().filter(|y| *y > 0.0).fold(high, f64::min);
         low / 1.5..high * 1.8
     } else {
-        0.0..high * 1.3
+        // Room for the legend.
+        let room = if matches!(panel.along, Along::Names(_)) { 1.5 } else { 1.3 };
+        0.0..high * room
     }
 }
 
