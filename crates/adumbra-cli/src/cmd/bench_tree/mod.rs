@@ -107,8 +107,7 @@ pub(super) fn run(args: &BenchTree) -> Outcome {
         write_whole(&args.output.join("tree.md"), markdown(&document).as_bytes())?;
     }
     for section in SECTIONS {
-        let part = &document[section.key];
-        if !part.is_null() {
+        if let Some(part) = document.get(section.key) {
             (section.plots)(&args.output, part)?;
         }
     }
