@@ -3,7 +3,9 @@
 //! CI bakes at an eighth of the size; `ADUMBRA_FULL=1` at the whole. The folder is `ADUMBRA_SHARED`, or `shared` beside the
 //! checkout; without it the tests say so and pass.
 
-use std::path::{Path, PathBuf};
+mod shared_folder;
+
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Baked, Options, Size, bake};
@@ -17,21 +19,7 @@ use adumbra::verify::{
     VolumeSampler,
 };
 use npyz::npz::NpzArchive;
-
-fn shared(folder: &str) -> Option<PathBuf> {
-    let base = std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    let path = base.join(folder);
-    if !path.is_dir() {
-        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", path.display());
-        return None;
-    }
-    Some(path)
-}
-
-fn full() -> bool {
-    std::env::var_os("ADUMBRA_FULL").is_some()
-}
+use shared_folder::{full, shared};
 
 fn bake_quietly(scene: &Scene, options: &Options) -> Baked {
     bake(scene, options, &|_| {}, &AtomicBool::new(false)).unwrap()

@@ -1,7 +1,9 @@
 //! The light-aligned graph as a tree and back: the same voxels one way, the same words both ways.
 
+mod shared_folder;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -235,14 +237,8 @@ fn light_tree_round_trip_of_generated_scenes() {
 
 #[test]
 fn shared_light_tree_round_trip_of_a_real_scene() {
-    let base = std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    let path = base.join("scenes/kaykit_city_21.glb");
-    if !path.is_file() {
-        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", path.display());
-        return;
-    }
-    let dag = bake_at(&load(&path, &LoadOptions::default()).unwrap(), 2048);
+    let Some(scenes) = shared_folder::shared("scenes") else { return };
+    let dag = bake_at(&load(&scenes.join("kaykit_city_21.glb"), &LoadOptions::default()).unwrap(), 2048);
     let begun = Instant::now();
     let tree = there_and_back(&dag);
     eprintln!(

@@ -4,6 +4,7 @@
 mod kit;
 #[path = "scene_loading/others.rs"]
 mod others;
+mod shared_folder;
 
 use adumbra::Error;
 use adumbra::scene::{AlphaMode, LoadOptions, load};

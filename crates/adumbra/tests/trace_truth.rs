@@ -4,12 +4,15 @@
 //! CI looks at every eighth pixel along x and y; `ADUMBRA_FULL=1` at each. The folder is `ADUMBRA_SHARED`, or `shared`
 //! beside the checkout; without it the test says so and passes.
 
+mod shared_folder;
+
 use std::path::{Path, PathBuf};
 
 use adumbra::scene::{LoadOptions, Scene, load};
 use adumbra::trace::{TraceOptions, Tracer};
 use npyz::npz::NpzArchive;
 use rayon::prelude::*;
+use shared_folder::{full, shared};
 
 /// One pixel in so many along x and y is looked at by default.
 const STRIDE: usize = 8;
@@ -109,33 +112,26 @@ fn compare(scene: &Scene, view: &View, stride: usize) -> Figures {
     }
 }
 
-fn shared() -> PathBuf {
-    std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from)
-}
-
 /// The scene file of that name, whatever its ending.
-fn scene_file(name: &str) -> PathBuf {
-    let candidates = ["glb", "ply", "obj"].map(|e| shared().join("scenes").join(format!("{name}.{e}")));
+fn scene_file(scenes: &Path, name: &str) -> PathBuf {
+    let candidates = ["glb", "ply", "obj"].map(|e| scenes.join(format!("{name}.{e}")));
     candidates.into_iter().find(|p| p.exists()).unwrap_or_else(|| panic!("no scene for {name}"))
 }
 
 #[test]
 fn shared_trace_matches_another_renderer() {
-    let Ok(folder) = std::fs::read_dir(shared().join("truth")) else {
-        eprintln!("SKIPPED: {}/truth is absent; set ADUMBRA_SHARED", shared().display());
-        return;
-    };
+    let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
+    let folder = std::fs::read_dir(&truth).unwrap();
     let mut files: Vec<PathBuf> = folder.map(|entry| entry.unwrap().path()).collect();
     files.retain(|p| p.extension().is_some_and(|e| e == "npz"));
     files.sort();
-    assert!(!files.is_empty(), "no .npz in {}", shared().display());
-    let stride = if std::env::var_os("ADUMBRA_FULL").is_some() { 1 } else { STRIDE };
+    assert!(!files.is_empty(), "no .npz in {}", truth.display());
+    let stride = if full() { 1 } else { STRIDE };
     let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
     let mut missed = Vec::new();
     for file in files {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
-        let scene = load(&scene_file(&name), &options).unwrap();
+        let scene = load(&scene_file(&scenes, &name), &options).unwrap();
         let figures = compare(&scene, &View::open(&file), stride);
         eprintln!(
             "{name}: sun agrees on {:.3} % of {} pixels; ao off by {:+.5} in the mean, {:.5} in size, {} pixels",

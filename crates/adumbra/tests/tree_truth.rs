@@ -3,7 +3,8 @@
 //! CI builds two levels less deep where it says so; `ADUMBRA_FULL=1` the whole. The folder is `ADUMBRA_SHARED`, or
 //! `shared` beside the checkout; without it the tests that need it say so and pass.
 
-use std::path::{Path, PathBuf};
+mod shared_folder;
+
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::Size;
@@ -15,21 +16,7 @@ use adumbra::tree::{BakedTree, Builder, PreparedTree, Reduction, TreeOptions, ba
 use adumbra::verify::{
     Sampler, Solids, SurfaceSampler, TreeAnswers, Verification, Verifier, VerifyOptions, VolumeSampler,
 };
-
-fn shared(folder: &str) -> Option<PathBuf> {
-    let base = std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    let path = base.join(folder);
-    if !path.is_dir() {
-        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", path.display());
-        return None;
-    }
-    Some(path)
-}
-
-fn full() -> bool {
-    std::env::var_os("ADUMBRA_FULL").is_some()
-}
+use shared_folder::{full, shared};
 
 fn options(sun: [f64; 3], depth: u32) -> TreeOptions {
     TreeOptions::new(Sun::from_direction(sun).unwrap(), Size::Resolution(1 << depth))

@@ -1,6 +1,6 @@
 //! Builds tiny scene files for the loading tests.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use adumbra::scene::{LoadOptions, NameFilter, Scene, load};
 use adumbra::{Error, Result};
@@ -134,18 +134,6 @@ pub(crate) fn world_triangles(scene: &Scene) -> Vec<[[f64; 3]; 3]> {
         out.extend(mesh.triangles.iter().map(|t| t.map(|i| instance.to_world(mesh.positions[i as usize]))));
     }
     out
-}
-
-/// The folder of shared scenes, or none with a loud line.
-pub(crate) fn shared_scenes() -> Option<PathBuf> {
-    let shared = std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    let folder = shared.join("scenes");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: {} is not there; set ADUMBRA_SHARED to the shared folder", folder.display());
-    None
 }
 
 /// The error of a load that must fail, with a message that names the file.

@@ -3,7 +3,7 @@
 use adumbra::Error;
 use adumbra::scene::{AlphaMode, LoadOptions, Scene, load};
 
-use crate::kit::{file, load_bytes, only, refused, shared_scenes, world_triangles};
+use crate::kit::{file, load_bytes, only, refused, world_triangles};
 
 const PLAIN: fn() -> LoadOptions = LoadOptions::default;
 
@@ -190,7 +190,7 @@ fn files_that_are_not_there_or_not_scenes() {
 
 #[test]
 fn shared_scenes_have_the_triangles_that_their_list_says() {
-    let Some(folder) = shared_scenes() else { return };
+    let Some(folder) = crate::shared_folder::shared("scenes") else { return };
     // Name, triangles stored, triangles with instances (0: the same).
     let list = [
         ("bunny_69k.ply", 69_451, 0),
