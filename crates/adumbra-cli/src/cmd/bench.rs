@@ -2,10 +2,8 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 
-use adumbra::Error;
 use adumbra::bake::{self, Options, Size};
 use adumbra::light::Sun;
 use adumbra::query::Query;
@@ -16,7 +14,7 @@ use adumbra::verify::{
 };
 use serde_json::{Value, json};
 
-use super::load_scene;
+use super::{child, load_scene};
 use crate::args::{Bench, BenchBake, BenchVerb, BenchVerify};
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{make_folder, write_whole};
@@ -70,33 +68,9 @@ fn bake_tables(args: &BenchBake) -> Outcome {
     write_tables(&args.output, "bake", &text, &document)
 }
 
-/// One bake in a process of its own, so that its memory is its own.
 fn bake_row(scenes: &Path, name: &str, resolution: u64, variant: &(&str, &[&str])) -> Result<Value, Failure> {
-    let program = std::env::current_exe().map_err(Error::io("find", "this program"))?;
-    let file = tempfile::Builder::new()
-        .suffix(".adumbra")
-        .tempfile()
-        .map_err(Error::io("create", std::env::temp_dir()))?;
-    let mut command = Command::new(&program);
-    command.arg("bake").arg(scenes.join(name)).arg("-o").arg(file.path());
-    command.args([
-        "--sun",
-        "0.5,0.8,0.35",
-        "--progress",
-        "none",
-        "--json",
-        "--resolution",
-        &resolution.to_string(),
-    ]);
-    let output =
-        command.args(variant.1).stderr(Stdio::inherit()).output().map_err(Error::io("run", &program))?;
-    if !output.status.success() {
-        return Err(Failure::BadInput(format!(
-            "the bake of {name} at {resolution} failed: {}",
-            output.status
-        )));
-    }
-    let said: Value = serde_json::from_slice(&output.stdout).map_err(|e| Failure::BadInput(e.to_string()))?;
+    let resolution_words = resolution.to_string();
+    let said = child::bake(&scenes.join(name), &[&["--resolution", &resolution_words], variant.1].concat())?;
     let number = |key: &str| said[key].as_f64().unwrap_or(f64::NAN);
     let raw =
         said["size"][0].as_f64().unwrap_or(f64::NAN) * said["size"][1].as_f64().unwrap_or(f64::NAN) * 4.0;

@@ -4,6 +4,7 @@ mod bake;
 mod bake_tree;
 mod bench;
 mod bench_tree;
+mod child;
 mod demo;
 mod export;
 mod generate;

@@ -9,7 +9,6 @@ mod reductions;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 
 use adumbra::Error;
@@ -21,7 +20,7 @@ use adumbra::tree::{BakedTree, TreeOptions, bake_tree};
 use adumbra::verify::{Answers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
 use serde_json::{Map, Value, json};
 
-use super::load_scene;
+use super::{child, load_scene};
 use crate::args::BenchTree;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{make_folder, write_whole};
@@ -184,20 +183,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// What a bake in a process of its own says of itself.
 fn bake_elsewhere(scene: &BenchScene, options: &[&str]) -> Result<Value, Failure> {
-    let program = std::env::current_exe().map_err(Error::io("find", "this program"))?;
-    let file = tempfile::Builder::new()
-        .suffix(".adumbra")
-        .tempfile()
-        .map_err(Error::io("create", std::env::temp_dir()))?;
-    let mut command = Command::new(&program);
-    command.arg("bake").arg(&scene.path).arg("-o").arg(file.path());
-    command.args(["--sun", "0.5,0.8,0.35", "--progress", "none", "--json", "--frame", "world"]).args(options);
-    let output = command.stderr(Stdio::inherit()).output().map_err(Error::io("run", &program))?;
-    if !output.status.success() {
-        let what = format!("the bake of {} failed: {}", scene.path.display(), output.status);
-        return Err(Failure::BadInput(what));
-    }
-    serde_json::from_slice(&output.stdout).map_err(|e| Failure::BadInput(e.to_string()))
+    child::bake(&scene.path, &[&["--frame", "world"], options].concat())
 }
 
 /// Answers against rays at points on a scene's surfaces.
