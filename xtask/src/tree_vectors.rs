@@ -10,6 +10,7 @@ use adumbra::format::{AttributeKind, TreeBody, TreeFile};
 use adumbra::light::Sun;
 use adumbra::scene::Bounds;
 use adumbra::settings::Bias;
+use adumbra::tree::symmetric::SymmetricTree;
 use adumbra::tree::{CaptureBias, LossyChange, Region, Regions, TreeSettings, TreeSpace, VoxelTree};
 use serde_json::{Value, json};
 
@@ -29,7 +30,23 @@ pub(crate) fn run(folder: &Path) -> Result<(), Box<dyn Error>> {
         fs::write(valid.join(format!("{}.adumbra", vector.name)), vector.file.encode())?;
         fs::write(valid.join(format!("{}.json", vector.name)), vector.answers())?;
     }
+    write_symmetric(&vectors, &folder.join("symmetric"))?;
     broken::write(&broken_vectors(&vectors)?, &folder.join("invalid"))?;
+    Ok(())
+}
+
+/// The vectors without an attribute once more, with a symmetric body of either kind; their answers are the same.
+fn write_symmetric(vectors: &[Vector], folder: &Path) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
+    for vector in vectors.iter().filter(|v| v.file.attribute_kind.is_none()) {
+        let TreeBody::Words(tree) = &vector.file.body else { continue };
+        for (mirrors, kind) in [(false, "narrow"), (true, "mirrors")] {
+            let body = TreeBody::Symmetric(SymmetricTree::of(tree, mirrors)?);
+            let file = TreeFile { body, ..vector.file.clone() };
+            file.check()?;
+            fs::write(folder.join(format!("{}-{kind}.adumbra", vector.name)), file.encode())?;
+        }
+    }
     Ok(())
 }
 

@@ -25,14 +25,23 @@ fn vectors(folder: &str) -> PathBuf {
 
 /// Name and bytes of every valid vector, by name.
 fn valid() -> Vec<(String, Vec<u8>)> {
-    let mut all: Vec<_> = fs::read_dir(vectors("tree/valid"))
-        .expect("test_vectors/tree/valid")
+    named("tree/valid", 13)
+}
+
+/// The same of those with a symmetric body.
+fn symmetric() -> Vec<(String, Vec<u8>)> {
+    named("tree/symmetric", 20)
+}
+
+fn named(folder: &str, at_least: usize) -> Vec<(String, Vec<u8>)> {
+    let mut all: Vec<_> = fs::read_dir(vectors(folder))
+        .expect("test_vectors")
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| path.extension().is_some_and(|e| e == "adumbra"))
         .map(|path| (path.file_stem().unwrap().to_string_lossy().into_owned(), fs::read(&path).unwrap()))
         .collect();
     all.sort();
-    assert!(all.len() >= 13, "only {} vectors", all.len());
+    assert!(all.len() >= at_least, "only {} vectors", all.len());
     all
 }
 
@@ -99,7 +108,28 @@ fn tree_agrees_with_the_reference_on_every_voxel() {
             assert_eq!(tree.voxel(v), expected, "{name} {v:?}");
             lit += u64::from(expected);
         }
-        assert_eq!(sweep(tree, u64::MAX), lit, "{name}");
+        assert_eq!(sweep(tree, side, u64::MAX), lit, "{name}");
+    }
+}
+
+/// Every voxel of cubes up to 64 a side, read by the library, by a reader made from the specification, and from words.
+#[test]
+fn tree_symmetric_vectors_answer_as_their_words() {
+    for (name, bytes) in symmetric() {
+        let symmetric = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let TreeBody::Symmetric(tree) = &symmetric.body else { panic!("{name}: words") };
+        let (name, kind) = name.rsplit_once('-').unwrap();
+        assert_eq!(tree.mirrors(), kind == "mirrors");
+        let file = file(name);
+        // Deeper cubes: some thousand voxels all over.
+        let side = u64::from(words(&file).side());
+        let step = (side.pow(3) / (1 << 18)).max(1);
+        for i in (0..side.pow(3)).step_by(step as usize) {
+            let v = [i % side, i / side % side, i / side / side].map(|c| c as u32);
+            let expected = words(&file).voxel(v);
+            assert_eq!(tree.voxel(v), expected, "{name} {v:?}");
+            assert_eq!(reference::symmetric_voxel(&bytes, v) == 1, expected, "{name} {v:?}");
+        }
     }
 }
 
@@ -196,7 +226,7 @@ fn tree_every_changed_byte_is_an_error() {
 
 #[test]
 fn tree_mutations_are_refused_or_answer_everywhere() {
-    let seeds = valid();
+    let seeds = [valid(), symmetric()].concat();
     let (mut accepted, mut kinds) = (0, BTreeMap::new());
     for seed in 0..100_000_u64 {
         let (_, bytes) = &seeds[seed as usize % seeds.len()];
@@ -225,6 +255,12 @@ fn tree_mutations_are_refused_or_answer_everywhere() {
         "Order",
         "TooDeep",
         "NotMerged",
+        "Flags",
+        "Root",
+        "Cut",
+        "Mask",
+        "Pointer",
+        "Unreached",
     ] {
         assert!(kinds.contains(&kind), "no {kind} in {kinds:?}");
     }

@@ -6,7 +6,7 @@ mod damage;
 
 use adumbra::format::tree::TREE_HEADER_BYTES;
 use adumbra::format::{FormatError, TreeBody, TreeFile};
-use adumbra::tree::{VoxelTree, leaf_voxels};
+use adumbra::tree::{Voxels, leaf_voxels};
 use damage::Layout;
 
 /// Blocks are words of the body; an attribute has a byte a leaf voxel.
@@ -54,9 +54,12 @@ pub(crate) fn exercise(bytes: &[u8]) -> Result<TreeFile, FormatError> {
                     let again = TreeFile::with_words(&rest, tree.words()).expect("the same words");
                     assert_eq!(again.encode(), bytes);
                     assert!(file.attribute.is_empty() || file.attribute.len() as u64 == leaf_voxels(tree));
-                    sweep(tree, 512);
+                    sweep(tree, tree.side(), 512);
                 }
-                TreeBody::Symmetric(_) => assert!(file.without_words().is_none()),
+                TreeBody::Symmetric(tree) => {
+                    assert!(file.without_words().is_none());
+                    sweep(tree, 1 << tree.depth(), 512);
+                }
             }
         }
         // A message must not fail either.
@@ -66,8 +69,8 @@ pub(crate) fn exercise(bytes: &[u8]) -> Result<TreeFile, FormatError> {
 }
 
 /// Looks up to about `most` voxels up, every one where there are so few; returns how many are lit.
-pub(crate) fn sweep(tree: &VoxelTree, most: u64) -> u64 {
-    let side = u64::from(tree.side());
+pub(crate) fn sweep(tree: &impl Voxels, side: u32, most: u64) -> u64 {
+    let side = u64::from(side);
     let all = side * side * side;
     let step = usize::try_from(all.div_ceil(most).max(1) | 1).expect("64 bits");
     let voxels =

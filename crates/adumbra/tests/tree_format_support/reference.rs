@@ -1,5 +1,6 @@
 //! A slow reader of the tree file, written from `spec/adumbra-tree.md` alone: it works on the file's bytes and shares
-//! nothing with the library. It checks nothing; give it valid files whose body is words.
+//! nothing with the library. It checks nothing; give it valid files, whose body is words but for
+//! [`symmetric_voxel`].
 
 fn u32_at(file: &[u8], at: u64) -> u32 {
     let at = at as usize;
@@ -72,4 +73,48 @@ pub(crate) fn leaf_voxels(file: &[u8], node: u32) -> u64 {
 /// The root of the tree.
 pub(crate) fn root(file: &[u8]) -> u32 {
     word(file, 0)
+}
+
+/// Visibility of a voxel of a file with a symmetric body.
+pub(crate) fn symmetric_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u32 {
+    let body = u64_at(file, 248);
+    let u32_in = |at: u32| u32_at(file, body + u64::from(at));
+    let octant = |level: u32| (x >> level & 1) << 2 | (y >> level & 1) << 1 | z >> level & 1;
+    // Bytes of the children that a header's low bits name.
+    let bytes = |header: u32| -> u32 {
+        (0..8).map(|child| [0, 0, 0, 1, 1, 2, 3, 4][(header >> (3 * child) & 7) as usize]).sum()
+    };
+    let mirrors = u32_in(0) & 1 == 1;
+    let (root, mut level, mut mirror) = (u32_in(4), u32_at(file, 20), 0);
+    if root >> 30 == 3 {
+        return root >> octant(level - 1) & 1;
+    }
+    if root >> 30 == 2 {
+        return root & 1;
+    }
+    let mut at = root;
+    loop {
+        level -= 1;
+        let child = octant(level) ^ mirror;
+        let header = u32_in(at) & 0xff_ffff;
+        let here = at + 3 + bytes(header & ((1 << (3 * child)) - 1));
+        let value = u32_in(here);
+        let kind = header >> (3 * child) & 7;
+        at = match kind {
+            0 | 1 => return kind,
+            2 => at + 3 + bytes(header),
+            3 => return value >> (octant(level - 1) ^ mirror) & 1,
+            4 => here + 1 + (value & 0xff),
+            5 => value & 0xffff,
+            _ => {
+                let value = if kind == 6 { value & 0xff_ffff } else { value };
+                if mirrors {
+                    mirror ^= value & 7;
+                    value >> 3
+                } else {
+                    value
+                }
+            }
+        };
+    }
 }
