@@ -1,0 +1,1 @@
+//! Compares shadows with ray-traced truth.

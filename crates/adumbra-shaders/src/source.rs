@@ -1,0 +1,53 @@
+//! The WGSL files, and how a module is put together from them.
+
+use crate::{constants, layout};
+
+/// A WGSL file.
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    /// Path below `wgsl/`.
+    pub name: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+macro_rules! sources {
+    ($($(#[$doc:meta])* $name:ident = $path:literal;)*) => {
+        $($(#[$doc])* pub const $name: Source = Source { name: $path, text: include_str!(concat!("../wgsl/", $path)) };)*
+
+        /// Every file.
+        pub const ALL: &[Source] = &[$($name),*];
+    };
+}
+
+sources! {
+    /// A visible point, as every technique takes it.
+    SURFACE = "core/surface.wgsl";
+    /// From a pixel and its depth to the point behind it.
+    FRAME = "core/frame.wgsl";
+    /// World positions and normals into the G-buffer.
+    GBUFFER = "passes/gbuffer.wgsl";
+    /// Depth from the light.
+    MAP_DEPTH = "passes/map_depth.wgsl";
+    /// A technique's answer for every pixel of the G-buffer.
+    RESOLVE = "passes/resolve.wgsl";
+    /// A technique's answer for a list of points.
+    POINTS = "passes/points.wgsl";
+    /// The technique without shadows.
+    NONE = "passes/none.wgsl";
+    /// Sun, sky and shadow factor on the G-buffer.
+    COMPOSITE = "passes/composite.wgsl";
+}
+
+/// One module: every shared structure and constant, then `files` in this order.
+pub fn assemble(files: &[Source]) -> String {
+    let mut text = layout::declarations() + &constants::declarations();
+    for file in files {
+        text += "// ";
+        text += file.name;
+        text += "\n";
+        text += file.text;
+        text += "\n";
+    }
+    text
+}

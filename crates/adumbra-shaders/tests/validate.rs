@@ -1,0 +1,58 @@
+//! Every shader parsed and validated by naga, and every structure's layout held against naga's; no GPU is needed.
+
+use adumbra_shaders::assemble;
+use adumbra_shaders::layout::STRUCTS;
+use adumbra_shaders::source::{self, Source};
+use naga::TypeInner;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+/// Every module that a pass of `adumbra-render` is made from.
+const MODULES: &[(&str, &[Source])] = &[
+    ("gbuffer", &[source::GBUFFER]),
+    ("map_depth", &[source::MAP_DEPTH]),
+    ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
+    ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
+    ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
+];
+
+fn module(name: &str, files: &[Source]) -> naga::Module {
+    let text = assemble(files);
+    let module =
+        naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
+    if let Err(e) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
+        panic!("{name}: {}", e.emit_to_string(&text));
+    }
+    module
+}
+
+#[test]
+fn every_module_is_valid_without_a_gpu() {
+    for (name, files) in MODULES {
+        module(name, files);
+    }
+}
+
+#[test]
+fn every_file_is_in_a_module() {
+    for file in source::ALL {
+        let used = MODULES.iter().any(|(_, files)| files.iter().any(|f| f.name == file.name));
+        assert!(used, "{} is in no module", file.name);
+    }
+}
+
+#[test]
+fn structures_have_the_layout_that_rust_writes() {
+    let module = module("structures", &[]);
+    for expected in STRUCTS {
+        let (_, found) = module
+            .types
+            .iter()
+            .find(|(_, t)| t.name.as_deref() == Some(expected.name))
+            .unwrap_or_else(|| panic!("{} is not in the module", expected.name));
+        let TypeInner::Struct { members, span } = &found.inner else { panic!("{}", expected.name) };
+        assert_eq!(*span as usize, expected.size, "{}", expected.name);
+        let offsets: Vec<_> =
+            members.iter().map(|m| (m.name.as_deref().unwrap_or_default(), m.offset as usize)).collect();
+        assert_eq!(offsets, (expected.fields)(), "{}", expected.name);
+    }
+}

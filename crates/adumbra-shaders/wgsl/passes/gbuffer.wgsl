@@ -1,0 +1,72 @@
+// Depth, normal and base colour of the scene; vertices are three a triangle, each with the triangle's own normal. Masked materials
+// are cut by their alpha at full resolution, as the bake and the rays do it; colour is sampled with mip levels.
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(0) var<uniform> material: MaterialParams;
+@group(1) @binding(1) var color_texture: texture_2d<f32>;
+@group(1) @binding(2) var color_sampler: sampler;
+
+struct Corner {
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    // Rows of world from mesh.
+    @location(3) row_x: vec4f,
+    @location(4) row_y: vec4f,
+    @location(5) row_z: vec4f,
+}
+
+struct Fragment {
+    @builtin(position) position: vec4f,
+    @location(0) p_relative: vec3f,
+    @location(1) @interpolate(flat) normal: vec3f,
+    @location(2) uv: vec2f,
+}
+
+struct Targets {
+    @location(0) normal: vec4f,
+    @location(1) color: vec4f,
+}
+
+@vertex
+fn gbuffer_vertex(c: Corner) -> Fragment {
+    let translation = vec3f(c.row_x.w, c.row_y.w, c.row_z.w) - frame.anchor_world.xyz;
+    let turned = vec3f(dot(c.row_x.xyz, c.position), dot(c.row_y.xyz, c.position), dot(c.row_z.xyz, c.position));
+    var f: Fragment;
+    f.p_relative = turned + translation;
+    // The cofactor matrix turns normals; its sign does not matter, they are turned to the viewer.
+    let x = vec3f(c.row_x.x, c.row_y.x, c.row_z.x);
+    let y = vec3f(c.row_x.y, c.row_y.y, c.row_z.y);
+    let z = vec3f(c.row_x.z, c.row_y.z, c.row_z.z);
+    f.normal = cross(y, z) * c.normal.x + cross(z, x) * c.normal.y + cross(x, y) * c.normal.z;
+    f.position = frame.clip_from_relative * vec4f(f.p_relative, 1.0);
+    f.uv = c.uv;
+    return f;
+}
+
+fn targets(f: Fragment, alpha: f32) -> Targets {
+    // From the viewer: the ray of an orthographic camera is the same everywhere.
+    let to_viewer = frame.origin.xyz - f.p_relative;
+    let orthographic = frame.depth_to_z.w == 0.0;
+    let towards = select(to_viewer, -frame.forward.xyz, orthographic);
+    let normal = normalize(f.normal);
+    var t: Targets;
+    t.normal = vec4f(select(normal, -normal, dot(normal, towards) < 0.0), 1.0);
+    t.color = vec4f(material.base_color.rgb * textureSample(color_texture, color_sampler, f.uv).rgb, alpha);
+    return t;
+}
+
+@fragment
+fn gbuffer_opaque(f: Fragment) -> Targets {
+    return targets(f, 1.0);
+}
+
+@fragment
+fn gbuffer_masked(f: Fragment) -> Targets {
+    let t = targets(f, 1.0);
+    let alpha = material.base_color.a * textureSampleLevel(color_texture, color_sampler, f.uv, 0.0).a;
+    if (alpha < material.alpha.x) {
+        discard;
+    }
+    return t;
+}
