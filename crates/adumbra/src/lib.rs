@@ -23,6 +23,7 @@
 //! ```
 
 pub mod bake;
+pub mod camera;
 pub mod dag;
 pub mod error;
 pub mod files;

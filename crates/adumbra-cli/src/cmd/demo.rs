@@ -6,9 +6,10 @@ use std::time::Instant;
 
 use adumbra::Error;
 use adumbra::bake::{self, Options, Size};
+use adumbra::camera::Camera;
 use adumbra::format::ShadowFile;
 use adumbra::light::Sun;
-use adumbra::picture::{self, Camera, Shadows};
+use adumbra::picture::{self, Shadows};
 use adumbra::query::Query;
 use adumbra::scene::{GeneratedKind, LoadOptions, generate, write_glb};
 use adumbra::trace::{TraceOptions, Tracer};

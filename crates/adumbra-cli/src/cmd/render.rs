@@ -1,7 +1,8 @@
 //! `adumbra render`: a picture on the CPU.
 
+use adumbra::camera::{Camera, Projection};
 use adumbra::format::AnyFile;
-use adumbra::picture::{self, Camera, Shadows};
+use adumbra::picture::{self, Shadows};
 use adumbra::scene::Bounds;
 use adumbra::trace::{TraceOptions, Tracer};
 use serde_json::json;
@@ -79,5 +80,6 @@ pub(super) fn looking_at(bounds: &Bounds, fov_degrees: f64) -> Camera {
     // From the south-west, beside the default sun: shadows fall across the view.
     let direction = [-0.6, 0.5, 0.62];
     let eye = std::array::from_fn(|a| center[a] + direction[a] * distance);
-    Camera { eye, target: center, fov_degrees, width: 1280, height: 720 }
+    let projection = Projection::Perspective { fov_degrees };
+    Camera { eye, target: center, projection, width: 1280, height: 720 }
 }

@@ -7,25 +7,11 @@ mod nodes;
 pub use nodes::{MAX_NODES_SIDE, nodes_by_size};
 use rayon::prelude::*;
 
-use crate::light::{cross, dot, normalize};
+use crate::camera::Camera;
+use crate::light::dot;
 use crate::query::PointVisibility;
 use crate::scene::Scene;
 use crate::trace::{Hit, Ray, Tracer};
-
-/// A perspective camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
-    /// World position.
-    pub eye: [f64; 3],
-    /// World point in the middle of the picture.
-    pub target: [f64; 3],
-    /// Vertical field of view, degrees.
-    pub fov_degrees: f64,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-}
 
 /// Where the sun's visibility comes from.
 pub enum Shadows<'a> {
@@ -66,7 +52,7 @@ pub fn draw(
     shadows: &Shadows<'_>,
     samples: u32,
 ) -> Picture {
-    let view = View::new(camera);
+    let view = camera.view();
     let width = camera.width as usize;
     let mut rgb = vec![0; width * camera.height as usize * 3];
     let shader = Shader { scene, tracer, towards_sun, shadows };
@@ -80,8 +66,8 @@ pub fn draw(
                 for s in 0..samples * samples {
                     let dx = (f64::from(s % samples) + 0.5) / f64::from(samples);
                     let dy = (f64::from(s / samples) + 0.5) / f64::from(samples);
-                    let direction = view.direction(column as f64 + dx, row as f64 + dy);
-                    let color = shader.shade(camera.eye, direction, &mut counts);
+                    let (origin, direction) = view.ray(column as f64 + dx, row as f64 + dy);
+                    let color = shader.shade(origin, direction, &mut counts);
                     for a in 0..3 {
                         sum[a] += tone(color[a]);
                     }
@@ -94,32 +80,6 @@ pub fn draw(
     let difference_share = matches!(shadows, Shadows::Difference(_))
         .then(|| if compared == 0 { 0.0 } else { different as f64 / compared as f64 });
     Picture { width: camera.width, height: camera.height, rgb, difference_share }
-}
-
-struct View {
-    forward: [f64; 3],
-    right: [f64; 3],
-    up: [f64; 3],
-    half_height: f64,
-    size: [f64; 2],
-}
-
-impl View {
-    fn new(camera: &Camera) -> Self {
-        let forward = normalize(std::array::from_fn(|a| camera.target[a] - camera.eye[a]));
-        let flat = forward[0].abs() + forward[2].abs() < 1e-6;
-        let reference = if flat { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
-        let right = normalize(cross(forward, reference));
-        let half_height = libm::tan(camera.fov_degrees.to_radians() * 0.5);
-        let size = [f64::from(camera.width), f64::from(camera.height)];
-        Self { forward, right, up: cross(right, forward), half_height, size }
-    }
-
-    fn direction(&self, x: f64, y: f64) -> [f64; 3] {
-        let v = (1.0 - 2.0 * y / self.size[1]) * self.half_height;
-        let u = (2.0 * x / self.size[0] - 1.0) * self.half_height * self.size[0] / self.size[1];
-        normalize(std::array::from_fn(|a| self.forward[a] + u * self.right[a] + v * self.up[a]))
-    }
 }
 
 struct Shader<'a> {

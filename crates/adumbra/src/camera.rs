@@ -1,0 +1,132 @@
+//! A camera on the scene: perspective or orthographic, the same for rays, pictures and GPU frames.
+//!
+//! Pixel (0, 0) is at the top left, its centre at (0.5, 0.5). Right-handed: x to the right, y up, the view along forward.
+
+use crate::light::{cross, dot, normalize};
+
+/// How points are projected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// By lines through the eye; the vertical field of view in degrees, above 0 and below 180.
+    Perspective {
+        /// Vertical field of view, degrees.
+        fov_degrees: f64,
+    },
+    /// By parallel lines; the height of what is seen in world units.
+    Orthographic {
+        /// Height of the picture in the world.
+        height_world: f64,
+    },
+}
+
+/// A camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// World position.
+    pub eye: [f64; 3],
+    /// World point in the middle of the picture.
+    pub target: [f64; 3],
+    /// How points are projected.
+    pub projection: Projection,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+/// A camera's axes and extent, ready for rays.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// The camera's eye.
+    pub eye: [f64; 3],
+    /// Unit vector into the picture.
+    pub forward: [f64; 3],
+    /// Unit vector to the right.
+    pub right: [f64; 3],
+    /// Unit vector up.
+    pub up: [f64; 3],
+    /// Half of what is seen, to the right and up: at distance 1 for a perspective, in world units for an orthographic camera.
+    pub half: [f64; 2],
+    /// Whether rays are parallel.
+    pub orthographic: bool,
+    size: [f64; 2],
+}
+
+impl Camera {
+    /// Axes and extent. Looking straight up or down, the picture's top is towards -Z.
+    pub fn view(&self) -> View {
+        let forward = normalize(std::array::from_fn(|a| self.target[a] - self.eye[a]));
+        let flat = forward[0].abs() + forward[2].abs() < 1e-6;
+        let reference = if flat { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
+        let right = normalize(cross(forward, reference));
+        let (half_height, orthographic) = match self.projection {
+            Projection::Perspective { fov_degrees } => (libm::tan(fov_degrees.to_radians() * 0.5), false),
+            Projection::Orthographic { height_world } => (0.5 * height_world, true),
+        };
+        let size = [f64::from(self.width), f64::from(self.height)];
+        let half = [half_height * size[0] / size[1], half_height];
+        View { eye: self.eye, forward, right, up: cross(right, forward), half, orthographic, size }
+    }
+}
+
+impl View {
+    /// Origin and unit direction of the ray through (x, y), in pixels from the top left corner.
+    pub fn ray(&self, x: f64, y: f64) -> ([f64; 3], [f64; 3]) {
+        let u = (2.0 * x / self.size[0] - 1.0) * self.half[0];
+        let v = (1.0 - 2.0 * y / self.size[1]) * self.half[1];
+        let aside = |p: [f64; 3]| std::array::from_fn(|a| p[a] + u * self.right[a] + v * self.up[a]);
+        if self.orthographic {
+            (aside(self.eye), self.forward)
+        } else {
+            (self.eye, normalize(aside(self.forward)))
+        }
+    }
+
+    /// How far along forward a point lies, world units.
+    pub fn depth(&self, p_world: [f64; 3]) -> f64 {
+        dot(self.forward, std::array::from_fn(|a| p_world[a] - self.eye[a]))
+    }
+
+    /// Where a world point appears, in pixels from the top left corner; none at or behind a perspective camera's eye.
+    pub fn pixel(&self, p_world: [f64; 3]) -> Option<[f64; 2]> {
+        let d: [f64; 3] = std::array::from_fn(|a| p_world[a] - self.eye[a]);
+        let z = if self.orthographic { 1.0 } else { dot(self.forward, d) };
+        (z > 0.0).then(|| {
+            let u = dot(self.right, d) / (z * self.half[0]);
+            let v = dot(self.up, d) / (z * self.half[1]);
+            [0.5 * (1.0 + u) * self.size[0], 0.5 * (1.0 - v) * self.size[1]]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_and_pixels_are_each_others_inverse() {
+        for projection in
+            [Projection::Perspective { fov_degrees: 50.0 }, Projection::Orthographic { height_world: 7.0 }]
+        {
+            for target in [[4.0, 1.0, -3.0], [1.0, -9.0, 2.0]] {
+                let view = Camera { eye: [1.0, 2.0, 2.0], target, projection, width: 64, height: 36 }.view();
+                for (x, y) in [(0.5, 0.5), (32.0, 18.0), (60.25, 3.0)] {
+                    let (origin, direction) = view.ray(x, y);
+                    let p = std::array::from_fn(|a| origin[a] + 3.0 * direction[a]);
+                    let [px, py] = view.pixel(p).unwrap();
+                    assert!((px - x).abs() < 1e-9 && (py - y).abs() < 1e-9, "{projection:?} {px} {py}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pixel_rows_run_downwards() {
+        let projection = Projection::Perspective { fov_degrees: 90.0 };
+        let view =
+            Camera { eye: [0.0; 3], target: [0.0, 0.0, -1.0], projection, width: 10, height: 10 }.view();
+        let [x, y] = view.pixel([0.5, 0.5, -1.0]).unwrap();
+        assert!((x - 7.5).abs() < 1e-12 && (y - 2.5).abs() < 1e-12);
+        assert_eq!(view.pixel([0.0, 0.0, 1.0]), None);
+    }
+}
