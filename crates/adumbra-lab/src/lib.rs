@@ -1,1 +1,6 @@
 //! Compares shadows with ray-traced truth.
+
+pub mod error;
+pub mod metrics;
+
+pub use error::{Error, Result};
