@@ -2,5 +2,7 @@
 
 pub mod error;
 pub mod metrics;
+pub mod truth;
+mod vector;
 
 pub use error::{Error, Result};
