@@ -2,6 +2,9 @@
 
 pub mod error;
 pub mod metrics;
+pub mod paths;
+pub mod pictures;
+pub mod shimmer;
 pub mod truth;
 mod vector;
 
