@@ -35,6 +35,8 @@ sources! {
     POINTS = "passes/points.wgsl";
     /// The technique without shadows.
     NONE = "passes/none.wgsl";
+    /// Factors made elsewhere, as a technique.
+    GIVEN = "passes/given.wgsl";
     /// Sun, sky and shadow factor on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }

@@ -12,6 +12,7 @@ const MODULES: &[(&str, &[Source])] = &[
     ("map_depth", &[source::MAP_DEPTH]),
     ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
     ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
+    ("given", &[source::SURFACE, source::FRAME, source::GIVEN, source::RESOLVE]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 
