@@ -26,7 +26,7 @@ const VARIANTS: &[&str] = &[];
 
 fn camera() -> Camera {
     let projection = Projection::Perspective { fov_degrees: 45.0 };
-    Camera { eye: [-9.0, 7.0, 12.0], target: [0.0, 1.0, 0.0], projection, width: SIZE[0], height: SIZE[1] }
+    Camera { eye: [-12.0, 11.0, 17.0], target: [0.0, 0.5, 0.0], projection, width: SIZE[0], height: SIZE[1] }
 }
 
 fn folder() -> PathBuf {
