@@ -171,6 +171,24 @@ fn movers_meshes_go_with_them() {
 }
 
 #[test]
+fn movers_split_off_go_where_they_went_before() {
+    let mut scene = keep(&tower());
+    scene.add_ball(0.5, [1.0; 4], &[(0.0, [0.0; 3]), (4.0, [8.0, 0.0, 0.0])]);
+    let mut whole = scene.clone();
+    let mut moving = scene.take_movers();
+    assert_eq!((scene.instances.len(), scene.meshes.len(), scene.movers.len()), (1, 1, 0));
+    assert_eq!((moving.instances.len(), moving.meshes.len(), moving.movers.len()), (2, 2, 2));
+    for seconds in [0.5, 2.5] {
+        whole.pose(seconds);
+        moving.pose(seconds);
+        for (a, b) in whole.instances[1..].iter().zip(&moving.instances) {
+            assert_eq!((&a.name, a.world_from_mesh), (&b.name, b.world_from_mesh));
+            assert_eq!(whole.meshes[a.mesh as usize].name, moving.meshes[b.mesh as usize].name);
+        }
+    }
+}
+
+#[test]
 fn a_ball_moves_along_its_path_and_goes_again() {
     let mut scene = generate(GeneratedKind::Primitives, 1);
     let (instances, meshes) = (scene.instances.len(), scene.meshes.len());

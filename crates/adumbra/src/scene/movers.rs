@@ -170,15 +170,36 @@ impl Scene {
     /// Takes out every mover, with the meshes that nothing else places; what remains can be baked. Returns how many they were.
     pub fn remove_movers(&mut self) -> usize {
         let movers = std::mem::take(&mut self.movers);
-        let mut index = 0;
-        self.instances.retain(|_| {
-            index += 1;
-            !movers.contains(index - 1)
-        });
-        let mut placed = vec![false; self.meshes.len()];
-        self.instances.iter().for_each(|i| placed[i.mesh as usize] = true);
-        self.retain_meshes(|mesh| placed[mesh]);
+        self.retain_instances(|instance| !movers.contains(instance));
         movers.len()
+    }
+
+    /// Splits the movers off: this scene keeps what stands still, the result holds the movers, their meshes and materials, and
+    /// where they go ([`Scene::pose`]). Cost: a copy of the movers' meshes and of the textures that materials name.
+    pub fn take_movers(&mut self) -> Self {
+        let movers = std::mem::take(&mut self.movers);
+        let instance = |i: u32| self.instances[i as usize].clone();
+        let mut moving = Self {
+            instances: movers.instances().map(instance).collect(),
+            meshes: Vec::new(),
+            materials: self.materials.clone(),
+            textures: if movers.is_empty() { Vec::new() } else { self.textures.clone() },
+            movers: Movers {
+                list: (0..).zip(&movers.list).map(|(i, m)| Mover { instance: i, ..*m }).collect(),
+                nodes: movers.nodes.clone(),
+            },
+            ..Self::default()
+        };
+        let mut mesh_index = vec![None; self.meshes.len()];
+        for instance in &mut moving.instances {
+            let mesh = instance.mesh as usize;
+            instance.mesh = *mesh_index[mesh].get_or_insert_with(|| {
+                moving.meshes.push(self.meshes[mesh].clone());
+                moving.meshes.len() as u32 - 1
+            });
+        }
+        self.retain_instances(|instance| !movers.contains(instance));
+        moving
     }
 
     /// Adds a ball that moves along `path`: seconds and the place of its centre, straight between them. Returns its instance.
@@ -205,6 +226,18 @@ impl Scene {
         self.movers.add(instance, rest, Tracks { translation, ..Tracks::default() });
         self.pose(path[0].0);
         Some(instance)
+    }
+
+    /// Keeps the instances that `keep` is true for, and the meshes that they place; there are no movers.
+    fn retain_instances(&mut self, mut keep: impl FnMut(u32) -> bool) {
+        let mut index = 0;
+        self.instances.retain(|_| {
+            index += 1;
+            keep(index - 1)
+        });
+        let mut placed = vec![false; self.meshes.len()];
+        self.instances.iter().for_each(|i| placed[i.mesh as usize] = true);
+        self.retain_meshes(|mesh| placed[mesh]);
     }
 
     /// Keeps the meshes that `keep` is true for, with their instances and movers, and numbers them anew.
