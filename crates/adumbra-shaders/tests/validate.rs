@@ -12,6 +12,11 @@ const MODULES: &[(&str, &[Source])] = &[
     ("map_depth", &[source::MAP_DEPTH]),
     ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
     ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
+    ("blur", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_PASS]),
+    ("blur_pairs", &[source::BLUR_PAIRS]),
+    ("blur_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_EDGES]),
+    ("blur_half", &[source::BLUR_HALF]),
+    ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 
