@@ -144,8 +144,11 @@ impl Gpu {
     /// # Errors
     /// [`RenderError::Lost`], [`RenderError::Refused`].
     pub fn check(&self) -> Result<()> {
-        let trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take();
-        trouble.map_or(Ok(()), Err)
+        let take = || self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let Some(error) = take() else { return Ok(()) };
+        // What a lost device refuses is refused before the loss itself is told; polling tells it.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        Err(take().filter(|later| matches!(later, RenderError::Lost { .. })).unwrap_or(error))
     }
 
     /// Submits and waits until it is done.
