@@ -25,6 +25,7 @@ pub mod gpu;
 pub mod readback;
 mod renderer;
 pub mod scene;
+pub mod screen_blur;
 pub mod technique;
 mod timing;
 
