@@ -26,6 +26,7 @@ pub mod maps;
 pub mod readback;
 mod renderer;
 pub mod scene;
+pub mod screen_blur;
 pub mod technique;
 mod timing;
 

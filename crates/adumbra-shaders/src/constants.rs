@@ -18,6 +18,8 @@ macro_rules! shared {
 shared! {
     /// Most layers of a shadow map.
     MAX_LAYERS: u32 = 8;
+    /// Most neighbours on either side of a screen-space blur; one less than the length of `BlurParams::taps`.
+    MAX_BLUR_SIDE: u32 = 32;
     /// Slopes above this count as this (`adumbra::settings::MAX_SLOPE`).
     MAX_SLOPE: f32 = 9.95;
     /// A voxel in the fixed-point numbers of grid positions.

@@ -125,6 +125,24 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// A screen-space blur of the shadow factor. "Texels" are those of the picture that is blurred, which may be half the size of the
+    /// frame's.
+    pub struct BlurParams {
+        /// Neighbours on either side; pixels of the frame a texel (1 or 2) along a side; axis of a line (0 along x, 1 along y);
+        /// radius of the dilation in texels.
+        pub counts: [u32; 4],
+        /// Width and height in texels, width and height of the frame.
+        pub size: [u32; 4],
+        /// Sigma in texels; how far off a pixel's plane its surface may lie, in pixels; 0; 0.
+        pub shape: [f32; 4],
+        /// Pairs on either side, 0, 0, 0.
+        pub pairs: [u32; 4],
+        /// By distance i: weight of the texel i away, all of a line adding to 1; offset in texels and weight of pair i; 0.
+        pub taps: Array<[f32; 4], 33>,
+    }
+}
+
+gpu_struct! {
     /// What the composite makes of the G-buffer and the shadow factor. Colours are linear.
     pub struct CompositeParams {
         /// Sunlight.
@@ -171,6 +189,7 @@ pub const STRUCTS: &[StructInfo] = &[
     BlurParams::INFO,
     VoxelParams::INFO,
     PointQuery::INFO,
+    BlurParams::INFO,
     CompositeParams::INFO,
     MaterialParams::INFO,
 ];

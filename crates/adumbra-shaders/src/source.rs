@@ -77,6 +77,18 @@ sources! {
     POINTS = "passes/points.wgsl";
     /// The technique without shadows.
     NONE = "passes/none.wgsl";
+    /// Weights of the screen-space blur.
+    BLUR = "core/blur.wgsl";
+    /// The shadow factor blurred over the picture.
+    BLUR_PASS = "passes/blur.wgsl";
+    /// The same with two neighbours a sample.
+    BLUR_PAIRS = "passes/blur_pairs.wgsl";
+    /// The shadow factor blurred within surfaces.
+    BLUR_EDGES = "passes/blur_edges.wgsl";
+    /// To half size and back.
+    BLUR_HALF = "passes/blur_half.wgsl";
+    /// To half size and back within surfaces.
+    BLUR_HALF_EDGES = "passes/blur_half_edges.wgsl";
     /// Sun, sky and shadow factor on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }

@@ -180,6 +180,11 @@ const MODULES: &[(&str, &[Source])] = &[
     ("msm, columns", &[source::SURFACE, source::MAPS, source::MOMENTS, source::MSM, source::MOMENTS_COLUMNS]),
     ("msm, mip", &[source::SURFACE, source::MAPS, source::MOMENTS, source::MSM, source::MOMENTS_MIP]),
     ("cascade", &[source::SURFACE, source::FRAME, source::MAP_CASCADE, source::RESOLVE]),
+    ("blur", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_PASS]),
+    ("blur_pairs", &[source::BLUR_PAIRS]),
+    ("blur_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_EDGES]),
+    ("blur_half", &[source::BLUR_HALF]),
+    ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 

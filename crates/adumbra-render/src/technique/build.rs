@@ -7,6 +7,7 @@ use super::{NoShadows, Technique};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapSettings, ShadowMap};
+use crate::screen_blur::{BlurSettings, ScreenBlur};
 
 /// Baked files that techniques may look up in.
 #[derive(Clone, Copy, Default)]
@@ -32,17 +33,28 @@ pub const TECHNIQUES: &[(&str, &str)] = &[
     ),
     ("csm-vsm", "cascades of variance shadow maps"),
     ("csm-evsm", "cascades of exponential variance shadow maps"),
+    ("blur", "another technique's factor, blurred on the screen"),
+    ("blur-dilate", "the same, with the shade dilated first"),
+    ("blur-bilateral", "the same, within surfaces"),
 ];
 
 /// Builds a technique.
 ///
 /// # Errors
 /// [`crate::RenderError::Technique`] for a name or a value that does not exist, or a file that is missing; what the device cannot hold.
-pub fn build(gpu: &Gpu, spec: &TechniqueSpec, _baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
     match spec.name() {
         "none" => {
             spec.reader().finish()?;
             Ok(Box::new(NoShadows))
+        }
+        "blur" | "blur-dilate" | "blur-bilateral" => {
+            let (settings, base) = BlurSettings::read(spec)?;
+            if base.name().starts_with("blur") {
+                return Err(spec.wrong("base: a blur over a blur".to_owned()));
+            }
+            let base = build(gpu, &base, baked)?;
+            Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
         }
         _ => {
             if let Some(settings) = MapSettings::from_spec(spec)? {
