@@ -22,9 +22,11 @@ pub mod composite;
 mod error;
 pub mod frame;
 pub mod gpu;
+pub mod maps;
 pub mod readback;
 mod renderer;
 pub mod scene;
+pub mod screen_blur;
 pub mod technique;
 mod timing;
 
