@@ -73,8 +73,8 @@ fn captions(compared: &Compared) -> [String; 3] {
         .map_or_else(String::new, |ms| format!("{ms:.2} ms{} ", if row.wall_time { " (wall)" } else { "" }));
     [
         format!("{time}FLIP {:.4} SSIM {:.4}", row.flip, row.ssim),
-        format!("red {:.3} % lit called shadowed", 100.0 * row.wrong_shadowed),
-        format!("blue {:.3} % shadowed called lit", 100.0 * row.wrong_lit),
+        format!("red: lit called shadowed {:.3} %", 100.0 * row.wrong_shadowed),
+        format!("blue: shadowed called lit {:.3} %", 100.0 * row.wrong_lit),
     ]
 }
 
