@@ -12,7 +12,6 @@ const MODULES: &[(&str, &[Source])] = &[
     ("map_depth", &[source::MAP_DEPTH]),
     ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
     ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
-    ("given", &[source::SURFACE, source::FRAME, source::GIVEN, source::RESOLVE]),
     (
         "nearest",
         &[
@@ -186,6 +185,7 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_EDGES]),
     ("blur_half", &[source::BLUR_HALF]),
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
+    ("given", &[source::SURFACE, source::FRAME, source::GIVEN, source::RESOLVE]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 
