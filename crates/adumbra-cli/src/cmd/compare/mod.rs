@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use adumbra::camera::Camera;
 use adumbra::light::Sun;
-use adumbra::scene::Scene;
+use adumbra::trace::Ray;
 use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
 use adumbra_lab::paths::CameraPath;
 use adumbra_lab::report::{Report, TruthKind};
@@ -83,7 +83,7 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
     let comparison = compare(&mut renderer, &judge, &camera, &mut contenders, args.frames)?;
     let path = match &args.path {
         Some(path) => {
-            let path = path_of(path, args.path_frames, &scene, &camera)?;
+            let path = path_of(path, args.path_frames, &truth, &camera)?;
             Some(walk(&mut renderer, &judge, &path, args.view.size, &mut contenders)?)
         }
         None => None,
@@ -159,12 +159,25 @@ fn camera_of(
     }
 }
 
-fn path_of(path: &str, frames: Option<u32>, scene: &Scene, camera: &Camera) -> Result<CameraPath, Failure> {
+fn path_of(
+    path: &str,
+    frames: Option<u32>,
+    truth: &TruthTracer<'_>,
+    camera: &Camera,
+) -> Result<CameraPath, Failure> {
     let made = frames.unwrap_or(PATH_FRAMES);
-    let bounds = scene.bounds();
+    let diagonal = truth.bounds().diagonal();
     Ok(match path {
-        "orbit" => CameraPath::orbit(&bounds, made),
-        "fly" => CameraPath::fly(camera, 0.25 * bounds.diagonal(), made),
+        "orbit" => CameraPath::orbit(truth.bounds(), made),
+        "fly" => {
+            // Not into what stands ahead.
+            let forward = camera.view().forward;
+            let direction = [forward[0], 0.0, forward[2]];
+            let ray = Ray { origin: camera.eye, direction, t_min: 0.0, t_max: f64::INFINITY };
+            let length = (direction[0].powi(2) + direction[2].powi(2)).sqrt();
+            let free = truth.tracer().nearest_surface(&ray).map_or(f64::INFINITY, |hit| hit.t * length);
+            CameraPath::fly(camera, (0.7 * free).min(0.15 * diagonal), 0.15 * diagonal, made)
+        }
         file => {
             let path = CameraPath::read(Path::new(file))?;
             match frames {
