@@ -1,5 +1,6 @@
 //! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`.
 
+mod adapter;
 mod broken;
 mod tree_vectors;
 mod vectors;
@@ -42,10 +43,12 @@ fn test(root: &Path) -> Result<(), String> {
     cargo(root, &["fmt", "--all", "--check"], &[])?;
     cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
     cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    adapter::ensure()?;
     cargo(root, &["test", "--release", "--workspace"], &[])
 }
 
 fn quick_test(root: &Path) -> Result<(), String> {
+    adapter::ensure()?;
     // Tests of real scenes begin with `shared_`.
     cargo(root, &["test", "--release", "--workspace", "--", "--skip", "shared_"], &[])
 }

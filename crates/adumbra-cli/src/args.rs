@@ -1,6 +1,7 @@
 //! Arguments of every verb, with their defaults and an example each.
 
 mod bench;
+mod render;
 mod tree;
 
 use std::path::PathBuf;
@@ -12,6 +13,7 @@ use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
 pub(crate) use bench::{Bench, BenchBake, BenchTree, BenchVerb, BenchVerify};
 use clap::{Parser, Subcommand, ValueEnum};
+pub(crate) use render::{DeviceArg, LayerArg, Render, looking_at};
 use tree::FrameArg;
 pub(crate) use tree::{TreeArgs, WeightsArg};
 
@@ -26,7 +28,7 @@ use crate::progress::Style;
 #[command(
     version,
     max_term_width = 110,
-    after_help = "Exit codes: 0 fine, 1 a check failed, 2 usage, 3 bad input, 4 out of memory or disk, 130 interrupted."
+    after_help = "Exit codes: 0 fine, 1 a check failed, 2 usage, 3 bad input, 4 out of memory or disk, 5 GPU device lost, 130 interrupted."
 )]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -71,10 +73,8 @@ pub(crate) enum Verb {
     /// Turn exported PNGs back into the shadow file, bit for bit
     #[command(after_help = "Example: adumbra import city.png -o city.adumbra")]
     Import(Import),
-    /// Draw a scene on the CPU with a file's shadows, with rays, or where they differ
-    #[command(
-        after_help = "Example: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png"
-    )]
+    /// Draw a scene with a file's shadows, with a real-time technique, with rays, or where file and rays differ
+    #[command(after_help = render::after_help())]
     Render(Render),
     /// Measure: bake times and sizes, as tables
     #[command(after_help = "Example: adumbra bench bake --scenes scenes -o docs/bench")]
@@ -453,56 +453,6 @@ pub(crate) struct Import {
     /// The shadow file to write
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Print one JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-#[derive(clap::Args)]
-pub(crate) struct Render {
-    /// Scene: .glb, .gltf, .obj or .ply
-    pub(crate) scene: PathBuf,
-    /// The file whose shadows to draw
-    #[arg(long, value_name = "FILE", required_unless_present = "truth")]
-    pub(crate) shadow_file: Option<PathBuf>,
-    /// Trace the shadows
-    #[arg(long, conflicts_with = "diff")]
-    pub(crate) truth: bool,
-    /// Mark where file and rays differ: red = lit called shadowed, blue = shadowed called lit
-    #[arg(long, requires = "shadow_file")]
-    pub(crate) diff: bool,
-    #[command(flatten)]
-    pub(crate) sun: SunArgs,
-    /// Camera position [default: the scene from above at an angle]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple)]
-    pub(crate) eye: Option<[f64; 3]>,
-    /// Point in the middle of the picture [default: the scene's centre]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple)]
-    pub(crate) target: Option<[f64; 3]>,
-    /// Vertical field of view, degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 45.0)]
-    pub(crate) fov: f64,
-    /// Pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
-    pub(crate) size: [u32; 2],
-    /// Filter width in texels: 1, 3, 5, 9 or 17; of a world-aligned file K × K × K voxels: 1, 3 or 5
-    #[arg(long, value_name = "K", default_value_t = 5)]
-    pub(crate) filter: u32,
-    /// How a world-aligned file's taps are weighted
-    #[arg(long, value_enum, default_value = "mean")]
-    pub(crate) weights: WeightsArg,
-    /// Rays a pixel along each axis
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
-    pub(crate) antialias: u32,
-    #[command(flatten)]
-    pub(crate) load: SceneArgs,
-    #[command(flatten)]
-    pub(crate) bias: BiasArgs,
-    /// The PNG to write
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
-    #[command(flatten)]
-    pub(crate) work: WorkArgs,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -3,6 +3,8 @@
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
+use adumbra_render::RenderError;
+
 /// What the program tells its caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -12,6 +14,7 @@ pub(crate) enum Code {
     Usage = 2,
     BadInput = 3,
     OutOfRoom = 4,
+    DeviceLost = 5,
     Interrupted = 130,
 }
 
@@ -30,6 +33,17 @@ pub(crate) enum Failure {
     BadInput(String),
     #[error(transparent)]
     Library(#[from] adumbra::Error),
+    #[error(transparent)]
+    Render(RenderError),
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Library(error) => Self::Library(error),
+            other => Self::Render(other),
+        }
+    }
 }
 
 impl Failure {
@@ -46,7 +60,10 @@ impl Failure {
                 | ErrorKind::OutOfMemory => Code::OutOfRoom,
                 _ => Code::BadInput,
             },
-            Self::BadInput(_) | Self::Library(_) => Code::BadInput,
+            Self::Render(RenderError::Technique { .. }) => Code::Usage,
+            Self::Render(RenderError::TooLarge { .. }) => Code::OutOfRoom,
+            Self::Render(RenderError::Lost { .. }) => Code::DeviceLost,
+            Self::BadInput(_) | Self::Library(_) | Self::Render(_) => Code::BadInput,
         }
     }
 }

@@ -25,6 +25,27 @@ pub(crate) fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
     write_whole(path, &bytes)
 }
 
+/// Writes named channels of 32-bit floats as OpenEXR, without loss.
+pub(crate) fn write_exr(path: &Path, size: [u32; 2], channels: &[(&str, Vec<f32>)]) -> Result<(), Failure> {
+    use exr::prelude::*;
+    let list = channels
+        .iter()
+        .map(|(name, values)| AnyChannel::new(*name, FlatSamples::F32(values.clone())))
+        .collect();
+    let image = Image::from_layer(Layer::new(
+        (size[0] as usize, size[1] as usize),
+        LayerAttributes::default(),
+        Encoding::SMALL_FAST_LOSSLESS,
+        AnyChannels::sort(list),
+    ));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(|e| Failure::BadInput(format!("{}: cannot encode the picture: {e}", path.display())))?;
+    write_whole(path, bytes.get_ref())
+}
+
 /// Whether two paths lead to one file that exists.
 pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)

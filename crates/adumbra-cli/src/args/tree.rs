@@ -50,6 +50,16 @@ pub(crate) enum WeightsArg {
     Poisson,
 }
 
+impl WeightsArg {
+    /// As techniques are told.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Poisson => "poisson",
+        }
+    }
+}
+
 impl From<WeightsArg> for Weights {
     fn from(weights: WeightsArg) -> Self {
         match weights {

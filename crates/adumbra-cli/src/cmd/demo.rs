@@ -15,9 +15,8 @@ use adumbra::scene::{GeneratedKind, LoadOptions, generate, write_glb};
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
 
-use super::render::looking_at;
 use super::{GraphFigures, load_scene};
-use crate::args::Demo;
+use crate::args::{Demo, looking_at};
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{bytes_words, make_folder, write_png, write_whole};
 use crate::progress::{Reporter, Style, Units};

@@ -11,9 +11,9 @@ use adumbra::tree::{BakedTree, TreeOptions, VoxelTree};
 use adumbra::verify::{Answers, TreeAnswers};
 use serde_json::{Value, json};
 
-use super::super::render::looking_at;
 use super::{BenchScene, Check, SUN, bake_quietly, number, rows_of, text_of, tree_options};
 use crate::args::BenchTree;
+use crate::args::looking_at;
 use crate::exit::Failure;
 use crate::output::write_png;
 

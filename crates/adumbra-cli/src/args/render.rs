@@ -1,0 +1,194 @@
+//! Arguments of `render`, and of cameras and devices wherever they are asked for.
+
+use std::path::PathBuf;
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::scene::Bounds;
+use adumbra_render::{Features, GpuOptions, TECHNIQUES};
+use clap::ValueEnum;
+
+use super::{BiasArgs, SceneArgs, SunArgs, WeightsArg, WorkArgs, parse_size, parse_triple};
+use crate::exit::Failure;
+
+/// What `render` ends its help with: the techniques.
+pub(super) fn after_help() -> String {
+    let width = TECHNIQUES.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    let list: String = TECHNIQUES.iter().map(|(name, what)| format!("  {name:width$}  {what}\n")).collect();
+    format!(
+        "Techniques:\n{list}\nExamples:\n  adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\n  \
+         adumbra render city.glb --shadow csm:cascades=4:filter=5 --layer shadow -o shadow.exr"
+    )
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Render {
+    /// Scene: .glb, .gltf, .obj or .ply
+    pub(crate) scene: PathBuf,
+    /// How shadows are made, see below; may be repeated, one picture each [default: the shadow file's, or rays]
+    #[arg(long, value_name = "NAME[:KEY=VALUE...]")]
+    pub(crate) shadow: Vec<String>,
+    /// The file whose shadows to draw
+    #[arg(long, value_name = "FILE")]
+    pub(crate) shadow_file: Option<PathBuf>,
+    /// Trace the shadows, as --shadow truth
+    #[arg(long, conflicts_with_all = ["diff", "shadow"])]
+    pub(crate) truth: bool,
+    /// Mark where file and rays differ: red = lit called shadowed, blue = shadowed called lit; on the CPU
+    #[arg(long, requires = "shadow_file", conflicts_with = "shadow")]
+    pub(crate) diff: bool,
+    /// What to draw
+    #[arg(long, value_enum, default_value = "color")]
+    pub(crate) layer: LayerArg,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+    #[command(flatten)]
+    pub(crate) sun: SunArgs,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    /// Filter width in texels: 1, 3, 5, 9 or 17; of a world-aligned file K × K × K voxels: 1, 3 or 5
+    #[arg(long, value_name = "K", default_value_t = 5)]
+    pub(crate) filter: u32,
+    /// How a world-aligned file's taps are weighted
+    #[arg(long, value_enum, default_value = "mean")]
+    pub(crate) weights: WeightsArg,
+    /// Samples a pixel along each axis
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub(crate) antialias: u32,
+    #[command(flatten)]
+    pub(crate) load: SceneArgs,
+    #[command(flatten)]
+    pub(crate) bias: BiasArgs,
+    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibility
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What of a frame is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayerArg {
+    /// The finished picture
+    Color,
+    /// The shadow factor: white = lit
+    Shadow,
+    /// Distance along the view
+    Depth,
+    /// World normals
+    Normal,
+    /// The picture, coloured by cascade
+    Cascades,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DeviceArg {
+    /// The GPU, or the CPU where there is no adapter
+    Auto,
+    /// The GPU, or an error
+    Gpu,
+    /// The CPU
+    Cpu,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum WithoutArg {
+    /// GPU timestamps
+    Timestamps,
+    /// Filtering of 32-bit floats
+    Float32Filtering,
+    /// Depth clip control
+    DepthClipControl,
+}
+
+/// Where frames are drawn.
+#[derive(clap::Args)]
+pub(crate) struct DeviceArgs {
+    /// Where to draw
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(crate) device: DeviceArg,
+    /// Part of the GPU adapter's name [default: the first real GPU, or else a software adapter]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Do as if the device lacked this; may be repeated
+    #[arg(long, value_enum, value_name = "FEATURE")]
+    without: Vec<WithoutArg>,
+}
+
+impl DeviceArgs {
+    pub(crate) fn gpu_options(&self) -> GpuOptions {
+        let without = self.without.iter().map(|w| match w {
+            WithoutArg::Timestamps => Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS,
+            WithoutArg::Float32Filtering => Features::FLOAT32_FILTERABLE,
+            WithoutArg::DepthClipControl => Features::DEPTH_CLIP_CONTROL,
+        });
+        GpuOptions {
+            adapter: self.adapter.clone(),
+            without: without.fold(Features::empty(), |a, b| a | b),
+            ..GpuOptions::default()
+        }
+    }
+}
+
+/// Where a scene is seen from.
+#[derive(clap::Args)]
+pub(crate) struct CameraArgs {
+    /// Camera position [default: the scene from above at an angle]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple)]
+    pub(crate) eye: Option<[f64; 3]>,
+    /// Point in the middle of the picture [default: the scene's centre]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple)]
+    pub(crate) target: Option<[f64; 3]>,
+    /// Vertical field of view, degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 45.0)]
+    pub(crate) fov: f64,
+    /// An orthographic camera that sees this height, in place of a field of view
+    #[arg(long, value_name = "METRES", conflicts_with = "fov")]
+    pub(crate) ortho: Option<f64>,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub(crate) size: [u32; 2],
+}
+
+impl CameraArgs {
+    /// The camera on a scene within `bounds`.
+    pub(crate) fn camera(&self, bounds: &Bounds) -> Result<Camera, Failure> {
+        if !(self.fov > 0.0 && self.fov < 180.0) {
+            return Err(Failure::Usage(format!("--fov {}: give degrees between 0 and 180", self.fov)));
+        }
+        let projection = match self.ortho {
+            Some(height) if !(height > 0.0 && height.is_finite()) => {
+                return Err(Failure::Usage(format!("--ortho {height}: give a height above 0")));
+            }
+            Some(height_world) => Projection::Orthographic { height_world },
+            None => Projection::Perspective { fov_degrees: self.fov },
+        };
+        let [width, height] = self.size;
+        let whole = looking_at(bounds, self.fov);
+        let (eye, target) = (self.eye.unwrap_or(whole.eye), self.target.unwrap_or(whole.target));
+        if eye == target || !eye.iter().chain(&target).all(|c| c.is_finite()) {
+            return Err(Failure::Usage(
+                "--eye and --target must be finite and two different points".to_owned(),
+            ));
+        }
+        Ok(Camera { eye, target, projection, width, height })
+    }
+}
+
+/// A camera that sees a whole box from above at an angle.
+pub(crate) fn looking_at(bounds: &Bounds, fov_degrees: f64) -> Camera {
+    let mut center: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
+    let extent: [f64; 3] = std::array::from_fn(|a| bounds.max[a] - bounds.min[a]);
+    if extent[1] < extent[0].max(extent[2]) {
+        // A ground with a few tall things.
+        center[1] = 0.8 * bounds.min[1] + 0.2 * bounds.max[1];
+    }
+    let distance = 0.5 * bounds.diagonal() / (fov_degrees.to_radians() * 0.5).tan() * 0.7;
+    // From the south-west, beside the default sun: shadows fall across the view.
+    let direction = [-0.6, 0.5, 0.62];
+    let eye = std::array::from_fn(|a| center[a] + direction[a] * distance);
+    let projection = Projection::Perspective { fov_degrees };
+    Camera { eye, target: center, projection, width: 1280, height: 720 }
+}

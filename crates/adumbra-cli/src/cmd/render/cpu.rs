@@ -1,0 +1,39 @@
+//! Pictures on the CPU: a file's shadows, rays, or where they differ.
+
+use std::path::Path;
+
+use adumbra::picture::{self, Shadows};
+use adumbra::trace::{TraceOptions, Tracer};
+use serde_json::json;
+
+use super::Job;
+use crate::cmd::lookup::Asking;
+use crate::exit::Failure;
+use crate::output::write_png;
+
+pub(super) fn draw(job: &Job<'_>, truth: bool, output: &Path) -> Result<(), Failure> {
+    let args = job.args;
+    let camera = args.camera.camera(&job.scene.bounds())?;
+    let tracer = Tracer::build(&job.scene, TraceOptions { ignore_alpha: job.ignore_alpha });
+    let held = job.scene.memory_bytes() + tracer.memory_bytes();
+    args.work.check_memory("the scene and its rays' trees", held)?;
+    let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+    let lookup = job.file.as_ref().map(|f| asking.lookup(f)).transpose()?;
+    let shadows = match &lookup {
+        Some(lookup) if args.diff => Shadows::Difference(&**lookup),
+        Some(lookup) if !truth => Shadows::File(&**lookup),
+        _ => Shadows::Truth,
+    };
+    let picture = picture::draw(&job.scene, &tracer, &camera, job.sun.towards(), &shadows, args.antialias);
+    write_png(output, &picture)?;
+    match picture.difference_share {
+        Some(share) if !args.json => {
+            say!("{}: file and rays differ on {:.3} % of the samples", output.display(), 100.0 * share);
+        }
+        share => {
+            let figures = json!({ "device": "cpu", "difference_share": share });
+            job.report(output, [picture.width, picture.height], figures);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,121 @@
+//! `adumbra render`: pictures on the GPU with any technique, or on the CPU with a file's shadows or rays.
+
+mod cpu;
+mod gpu;
+mod layers;
+
+use std::path::{Path, PathBuf};
+
+use adumbra::format::AnyFile;
+use adumbra::light::Sun;
+use adumbra::scene::Scene;
+use adumbra_render::{Gpu, RenderError, TechniqueSpec};
+use serde_json::{Value, json};
+
+use super::lookup::{ignored_alpha, sun_of};
+use super::{load_scene, print_json, with_threads};
+use crate::args::{DeviceArg, LayerArg, Render};
+use crate::exit::{Code, Failure, Outcome};
+
+/// What every picture of a call is drawn from.
+struct Job<'a> {
+    args: &'a Render,
+    scene: Scene,
+    file: Option<AnyFile>,
+    sun: Sun,
+    ignore_alpha: bool,
+}
+
+pub(crate) fn run(args: &Render) -> Outcome {
+    let specs: Vec<TechniqueSpec> = args.shadow.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
+    let file = args.shadow_file.as_deref().map(AnyFile::read).transpose()?;
+    if specs.is_empty() && file.is_none() && !args.truth {
+        return Err(Failure::Usage(
+            "say how shadows are made: --shadow-file FILE, --shadow NAME, or --truth".to_owned(),
+        ));
+    }
+    let mut load = args.load.load_options()?;
+    load.color_textures = true;
+    load.ignore_alpha |= file.as_ref().is_some_and(ignored_alpha);
+    let sun = match &file {
+        Some(file) => sun_of(file),
+        None => args.sun.sun()?,
+    };
+    with_threads(args.work.threads, || {
+        let scene = load_scene(&args.scene, &load)?;
+        let job = Job { args, scene, file, sun, ignore_alpha: load.ignore_alpha };
+        job.draw(&specs)
+    })
+}
+
+impl Job<'_> {
+    fn draw(&self, specs: &[TechniqueSpec]) -> Outcome {
+        let traced_only = self.args.truth || !specs.is_empty() && specs.iter().all(|s| s.name() == "truth");
+        if self.args.diff || traced_only || self.args.device.device == DeviceArg::Cpu {
+            self.on_the_cpu(specs)?;
+            return Ok(Code::Fine);
+        }
+        match Gpu::request(&self.args.device.gpu_options()) {
+            Ok(gpu) => gpu::draw(self, gpu, specs)?,
+            Err(error @ RenderError::NoAdapter { .. }) if self.args.device.device == DeviceArg::Auto => {
+                let whose = if self.file.is_some() { "the file's shadows" } else { "traced shadows" };
+                eprintln!("note: {error}; drawing on the CPU with {whose}");
+                self.on_the_cpu(&[])?;
+            }
+            Err(error) => return Err(error.into()),
+        }
+        Ok(Code::Fine)
+    }
+
+    fn on_the_cpu(&self, specs: &[TechniqueSpec]) -> Result<(), Failure> {
+        if let Some(other) = specs.iter().find(|s| s.name() != "truth") {
+            return Err(Failure::Usage(format!(
+                "--shadow {other}: the CPU draws a file's shadows (--shadow-file alone) and truth"
+            )));
+        }
+        if self.args.layer != LayerArg::Color {
+            return Err(Failure::Usage("--layer: the CPU draws color alone".to_owned()));
+        }
+        let truth = self.args.truth || !specs.is_empty() || self.file.is_none();
+        cpu::draw(self, truth, &self.args.output)
+    }
+
+    fn report(&self, output: &Path, size: [u32; 2], mut more: Value) {
+        let [width, height] = size;
+        if !self.args.json {
+            return say!("{}: {width} x {height}", output.display());
+        }
+        more["output"] = json!(output.display().to_string());
+        more["width"] = json!(width);
+        more["height"] = json!(height);
+        print_json(&more);
+    }
+}
+
+/// Where a technique's picture goes: the path given, or beside it with the technique's name where there are several.
+fn output_of(path: &Path, spec: &TechniqueSpec, several: bool) -> PathBuf {
+    if !several {
+        return path.to_owned();
+    }
+    let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("picture");
+    let ending = path.extension().and_then(|s| s.to_str()).unwrap_or("png");
+    let name: String = spec
+        .to_string()
+        .chars()
+        .map(|c| if c.is_alphanumeric() || "-.+=".contains(c) { c } else { '_' })
+        .collect();
+    path.with_file_name(format!("{stem}.{name}.{ending}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_pictures_get_their_technique_s_name() {
+        let spec: TechniqueSpec = "csm:cascades=4:size=2048".parse().unwrap();
+        let path = Path::new("out/a.png");
+        assert_eq!(output_of(path, &spec, false), path);
+        assert_eq!(output_of(path, &spec, true), Path::new("out/a.csm_cascades=4_size=2048.png"));
+    }
+}

@@ -1,0 +1,185 @@
+//! Truth kept on disk between runs, under a key of everything that it follows from.
+//!
+//! An entry is a file named by its key: `"adumbraT"`, the version, the key, the payload's length, its BLAKE3 hash, the payload. One that
+//! is cut short, changed, or of another version or key is as good as absent. What cannot be written is not kept, and that is no error.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::files::replace_file;
+
+use super::{SunShape, Surfaces, TruthTracer};
+use crate::error::Result;
+
+const MAGIC: &[u8; 8] = b"adumbraT";
+/// Goes up whenever rays or this layout change what an entry holds.
+const VERSION: u32 = 1;
+const HEADER_BYTES: usize = 8 + 4 + 32 + 8 + 32;
+/// Distance along the view, position and normal.
+const SURFACE_BYTES: usize = 8 + 24 + 12;
+
+/// What an entry follows from, hashed.
+#[derive(Clone, Debug)]
+pub struct Key(blake3::Hasher);
+
+/// The key's part that is the scene: the bytes of its file, and in `options` whatever else decided how they were read (filters, masks).
+/// Files that a scene refers to (buffers, textures, materials) stand beside it and are not looked at: name in `options` what
+/// tells them apart, or keep such scenes out of a cache.
+///
+/// # Errors
+/// [`adumbra::Error::Io`] where the file cannot be read. Cost: reading it.
+pub fn scene_key(path: &Path, options: &str) -> Result<Key> {
+    let bytes = std::fs::read(path).map_err(adumbra::Error::io("read", path))?;
+    Ok(Key::new().with(&bytes).with(options.as_bytes()))
+}
+
+impl Key {
+    fn new() -> Self {
+        Self(blake3::Hasher::new()).with(&VERSION.to_le_bytes())
+    }
+
+    /// With another part; parts are told apart by their lengths.
+    #[must_use]
+    fn with(mut self, part: &[u8]) -> Self {
+        self.0.update(&(part.len() as u64).to_le_bytes());
+        self.0.update(part);
+        self
+    }
+
+    fn with_numbers(self, numbers: &[f64]) -> Self {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_bits().to_le_bytes()).collect();
+        self.with(&bytes)
+    }
+
+    fn with_camera(self, camera: &Camera) -> Self {
+        let (kind, extent) = match camera.projection {
+            Projection::Perspective { fov_degrees } => (0.0, fov_degrees),
+            Projection::Orthographic { height_world } => (1.0, height_world),
+        };
+        let size = [f64::from(camera.width), f64::from(camera.height)];
+        self.with_numbers(&[camera.eye.as_slice(), &camera.target, &[kind, extent], &size].concat())
+    }
+
+    fn with_sun(self, towards: [f64; 3], shape: SunShape) -> Self {
+        let shape = match shape {
+            SunShape::Hard => [0.0, 1.0],
+            SunShape::Disc { angle_degrees, samples } => [angle_degrees, f64::from(samples)],
+        };
+        self.with_numbers(&[towards.as_slice(), &shape].concat())
+    }
+
+    fn finish(&self) -> [u8; 32] {
+        *self.0.finalize().as_bytes()
+    }
+}
+
+/// A folder of entries, or none.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    folder: Option<PathBuf>,
+}
+
+impl Cache {
+    /// Entries in `folder`, which is made when the first is kept.
+    pub fn in_folder(folder: PathBuf) -> Self {
+        Self { folder: Some(folder) }
+    }
+
+    /// Keeps nothing.
+    pub fn none() -> Self {
+        Self { folder: None }
+    }
+
+    /// [`TruthTracer::surfaces`], kept under `scene` (see [`scene_key`]) and the camera.
+    pub fn surfaces(&self, truth: &TruthTracer<'_>, scene: &Key, camera: &Camera) -> Surfaces {
+        let key = scene.clone().with(b"surfaces").with_camera(camera).finish();
+        let pixels = camera.width as usize * camera.height as usize;
+        if let Some(bytes) = self.read(&key, pixels * SURFACE_BYTES) {
+            return decode_surfaces(camera, &bytes);
+        }
+        let surfaces = truth.surfaces(camera);
+        self.keep(&key, &encode_surfaces(&surfaces));
+        surfaces
+    }
+
+    /// [`TruthTracer::factors`] of the same camera's `surfaces`, kept under `scene`, camera, sun and shape.
+    pub fn factors(
+        &self,
+        truth: &TruthTracer<'_>,
+        scene: &Key,
+        camera: &Camera,
+        surfaces: &Surfaces,
+        towards_sun: [f64; 3],
+        shape: SunShape,
+    ) -> Vec<f32> {
+        let key = scene.clone().with(b"factors").with_camera(camera).with_sun(towards_sun, shape).finish();
+        if let Some(bytes) = self.read(&key, surfaces.pixels() * 4) {
+            return bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        }
+        let factors = truth.factors(surfaces, towards_sun, shape);
+        let bytes: Vec<u8> = factors.iter().flat_map(|f| f.to_le_bytes()).collect();
+        self.keep(&key, &bytes);
+        factors
+    }
+
+    fn path(&self, key: &[u8; 32]) -> Option<PathBuf> {
+        let name: String = key.iter().take(16).map(|b| format!("{b:02x}")).collect();
+        self.folder.as_ref().map(|folder| folder.join(format!("{name}.truth")))
+    }
+
+    /// The payload, if the entry is there, whole, and `length` bytes long.
+    fn read(&self, key: &[u8; 32], length: usize) -> Option<Vec<u8>> {
+        let mut bytes = std::fs::read(self.path(key)?).ok()?;
+        if bytes.len() != HEADER_BYTES + length {
+            return None;
+        }
+        let payload = bytes.split_off(HEADER_BYTES);
+        (bytes == header(key, &payload)).then_some(payload)
+    }
+
+    fn keep(&self, key: &[u8; 32], payload: &[u8]) {
+        let Some(path) = self.path(key) else { return };
+        let write = |file: &mut std::fs::File| {
+            file.write_all(&header(key, payload))?;
+            file.write_all(payload)?;
+            Ok(payload.len() as u64)
+        };
+        // A cache that cannot be written only costs time.
+        let made = path.parent().is_none_or(|folder| std::fs::create_dir_all(folder).is_ok());
+        if made {
+            let _ = replace_file(&path, write);
+        }
+    }
+}
+
+fn header(key: &[u8; 32], payload: &[u8]) -> Vec<u8> {
+    let length = (payload.len() as u64).to_le_bytes();
+    let hash = blake3::hash(payload);
+    [MAGIC.as_slice(), &VERSION.to_le_bytes(), key, &length, hash.as_bytes()].concat()
+}
+
+fn encode_surfaces(s: &Surfaces) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(s.pixels() * SURFACE_BYTES);
+    for i in 0..s.pixels() {
+        bytes.extend(s.view_depth[i].to_le_bytes());
+        s.position[i].iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+        s.normal[i].iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+    }
+    bytes
+}
+
+fn decode_surfaces(camera: &Camera, bytes: &[u8]) -> Surfaces {
+    let entries = bytes.as_chunks::<SURFACE_BYTES>().0;
+    let double =
+        |e: &[u8; SURFACE_BYTES], k: usize| f64::from_le_bytes(std::array::from_fn(|b| e[8 * k + b]));
+    let single =
+        |e: &[u8; SURFACE_BYTES], k: usize| f32::from_le_bytes(std::array::from_fn(|b| e[32 + 4 * k + b]));
+    Surfaces {
+        width: camera.width,
+        height: camera.height,
+        position: entries.iter().map(|e| [1, 2, 3].map(|k| double(e, k))).collect(),
+        normal: entries.iter().map(|e| [0, 1, 2].map(|k| single(e, k))).collect(),
+        view_depth: entries.iter().map(|e| double(e, 0)).collect(),
+    }
+}

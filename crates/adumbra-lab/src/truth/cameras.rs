@@ -1,0 +1,102 @@
+//! Truth of another renderer, and its cameras: NumPy `.npz` files with the arrays pos, normal (H, W, 3), ndotl, sun (H, W), all `f32`,
+//! valid (H, W, bool), and camera: JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height) and `sun` (towards it).
+
+use std::path::Path;
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::light::Sun;
+use npyz::npz::NpzArchive;
+use npyz::{Deserialize as NpyDeserialize, NpyFile};
+use serde::Deserialize;
+
+use crate::error::{Error, Result};
+
+/// One view, one value a pixel, row 0 at the top.
+#[derive(Clone, Debug)]
+pub struct TruthView {
+    /// Where it was seen from.
+    pub camera: Camera,
+    /// The sun.
+    pub sun: Sun,
+    /// World position of the first surface.
+    pub position: Vec<[f32; 3]>,
+    /// Its geometric normal, turned to the viewer.
+    pub normal: Vec<[f32; 3]>,
+    /// Cosine between normal and sun.
+    pub n_dot_l: Vec<f32>,
+    /// 1 where the sun's middle is seen.
+    pub visibility: Vec<f32>,
+    /// Whether there is a surface.
+    pub valid: Vec<bool>,
+}
+
+#[derive(Deserialize)]
+struct CameraText {
+    eye: [f64; 3],
+    target: [f64; 3],
+    fov_y: f64,
+    size: [u32; 2],
+    sun: [f64; 3],
+}
+
+/// Camera and sun of a truth file, without its arrays.
+///
+/// # Errors
+/// [`Error::TruthFile`] where the file is absent or holds no camera; [`Error::Library`] for a sun below the horizon.
+pub fn truth_camera(path: &Path) -> Result<(Camera, Sun)> {
+    let text: Vec<String> = array(path, "camera")?;
+    let text = text.first().map_or("", |t| t.trim_end_matches('\0'));
+    let c: CameraText =
+        serde_json::from_str(text).map_err(|e| refuse(path, format!("its camera is not readable: {e}")))?;
+    let projection = Projection::Perspective { fov_degrees: c.fov_y };
+    let [width, height] = c.size;
+    let camera = Camera { eye: c.eye, target: c.target, projection, width, height };
+    Ok((camera, Sun::from_direction(c.sun)?))
+}
+
+impl TruthView {
+    /// Reads a truth file.
+    ///
+    /// # Errors
+    /// As [`truth_camera`]; [`Error::TruthFile`] for arrays that are absent, of another type, or not the camera's size.
+    pub fn read(path: &Path) -> Result<Self> {
+        let (camera, sun) = truth_camera(path)?;
+        let pixels = camera.width as usize * camera.height as usize;
+        let of_size = |name: &str, length: usize, wanted: usize| {
+            let what = format!("{name} holds {length} values, not {wanted}");
+            if length == wanted { Ok(()) } else { Err(refuse(path, what)) }
+        };
+        let singles = |name: &str, channels: usize| {
+            let values: Vec<f32> = array(path, name)?;
+            of_size(name, values.len(), pixels * channels).map(|()| values)
+        };
+        let triples = |name: &str| singles(name, 3).map(|v| v.as_chunks::<3>().0.to_vec());
+        let valid: Vec<bool> = array(path, "valid")?;
+        of_size("valid", valid.len(), pixels)?;
+        Ok(Self {
+            camera,
+            sun,
+            position: triples("pos")?,
+            normal: triples("normal")?,
+            n_dot_l: singles("ndotl", 1)?,
+            visibility: singles("sun", 1)?,
+            valid,
+        })
+    }
+}
+
+fn refuse(path: &Path, what: String) -> Error {
+    Error::TruthFile { path: path.to_owned(), what }
+}
+
+fn array<T: NpyDeserialize>(path: &Path, name: &str) -> Result<Vec<T>> {
+    let read = || -> std::io::Result<Option<Vec<T>>> {
+        let mut archive = NpzArchive::open(path)?;
+        archive.by_name(name)?.map(|file: NpyFile<_>| file.into_vec()).transpose()
+    };
+    match read() {
+        Ok(Some(values)) => Ok(values),
+        Ok(None) => Err(refuse(path, format!("it has no array {name:?}"))),
+        Err(e) => Err(refuse(path, format!("{name:?}: {e}"))),
+    }
+}

@@ -1,0 +1,159 @@
+//! The truth at each pixel of a camera, by rays through the pixels' centres.
+//!
+//! First the [`Surfaces`] that the camera sees, then the sun's visibility there: hard, or of a disc. The conventions are those of the
+//! G-buffer: the geometric normal is turned to the viewer, a surface turned away from the sun is 0, the sky is 1. Shadow rays
+//! start [`LIFT_DIAGONALS`] of the scene's diagonal along the normal (coplanar faces depend on it).
+
+mod cache;
+mod cameras;
+mod edges;
+mod street;
+
+use adumbra::camera::Camera;
+use adumbra::scene::{Bounds, Scene};
+use adumbra::trace::{Ray, TraceOptions, Tracer};
+pub use cache::{Cache, Key, scene_key};
+pub use cameras::{TruthView, truth_camera};
+pub use edges::EdgeProbe;
+use rayon::prelude::*;
+pub use street::{StreetOptions, street_camera};
+
+use crate::vector::dot;
+
+/// Shadow rays start so far along the normal, in diagonals of the scene's bounds.
+pub const LIFT_DIAGONALS: f64 = 1e-5;
+
+/// What a camera sees, one value a pixel, row 0 at the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surfaces {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// World position of the first opaque surface; zero where there is none.
+    pub position: Vec<[f64; 3]>,
+    /// Its unit geometric normal turned to the viewer; zero where there is none.
+    pub normal: Vec<[f32; 3]>,
+    /// Distance along the camera's forward direction, world units; infinite where there is no surface.
+    pub view_depth: Vec<f64>,
+}
+
+/// What shape the sun has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SunShape {
+    /// A direction: one ray a pixel.
+    Hard,
+    /// A disc.
+    Disc {
+        /// Full angle, degrees.
+        angle_degrees: f64,
+        /// Rays a pixel.
+        samples: u32,
+    },
+}
+
+/// A scene ready for truth.
+#[derive(Debug)]
+pub struct TruthTracer<'s> {
+    tracer: Tracer<'s>,
+    bounds: Bounds,
+}
+
+impl Surfaces {
+    /// Pixels.
+    pub fn pixels(&self) -> usize {
+        self.view_depth.len()
+    }
+
+    /// Whether there is a surface.
+    pub fn is_valid(&self, pixel: usize) -> bool {
+        self.view_depth[pixel].is_finite()
+    }
+
+    /// Cosine between the normal and the sun; 0 without a surface.
+    pub fn n_dot_l(&self, pixel: usize, towards_sun: [f64; 3]) -> f64 {
+        dot(self.normal[pixel].map(f64::from), towards_sun)
+    }
+}
+
+impl<'s> TruthTracer<'s> {
+    /// Makes a scene ready. Cost: that of [`Tracer::build`].
+    pub fn build(scene: &'s Scene, ignore_alpha: bool) -> Self {
+        Self { tracer: Tracer::build(scene, TraceOptions { ignore_alpha }), bounds: scene.bounds() }
+    }
+
+    /// The rays beneath.
+    pub fn tracer(&self) -> &Tracer<'s> {
+        &self.tracer
+    }
+
+    /// The scene's box.
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    /// How far shadow rays start from a surface, world units.
+    pub fn lift_world(&self) -> f64 {
+        LIFT_DIAGONALS * self.bounds.diagonal()
+    }
+
+    /// What `camera` sees. Cost: a ray a pixel, 1 µs or so; rows on the current rayon pool.
+    pub fn surfaces(&self, camera: &Camera) -> Surfaces {
+        let view = camera.view();
+        let rows: Vec<Vec<_>> = (0..camera.height)
+            .into_par_iter()
+            .map(|y| {
+                let pixel = |x: u32| {
+                    let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                    let ray = Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
+                    let Some(hit) = self.tracer.nearest_surface(&ray) else {
+                        return ([0.0; 3], [0.0; 3], f64::INFINITY);
+                    };
+                    let side = if dot(hit.normal, direction) > 0.0 { -1.0 } else { 1.0 };
+                    let p = std::array::from_fn(|a| origin[a] + hit.t * direction[a]);
+                    (p, hit.normal.map(|c| (side * c) as f32), view.depth(p))
+                };
+                (0..camera.width).map(pixel).collect()
+            })
+            .collect();
+        let all = || rows.iter().flatten();
+        Surfaces {
+            width: camera.width,
+            height: camera.height,
+            position: all().map(|p| p.0).collect(),
+            normal: all().map(|p| p.1).collect(),
+            view_depth: all().map(|p| p.2).collect(),
+        }
+    }
+
+    /// The sun's visibility at each pixel: 1 without a surface, 0 on one turned away from the middle of the sun. The disc's samples
+    /// are seeded by the pixel's number. Cost: 1 or `samples` rays a pixel that faces the sun.
+    pub fn factors(&self, surfaces: &Surfaces, towards_sun: [f64; 3], shape: SunShape) -> Vec<f32> {
+        let lift = self.lift_world();
+        let pixel = |i: usize| {
+            if !surfaces.is_valid(i) {
+                return 1.0;
+            }
+            if surfaces.n_dot_l(i, towards_sun) <= 0.0 {
+                return 0.0;
+            }
+            let (p, n) = (surfaces.position[i], surfaces.normal[i]);
+            self.sun(std::array::from_fn(|a| p[a] + lift * f64::from(n[a])), towards_sun, shape, i as u64)
+        };
+        let width = surfaces.width as usize;
+        let mut factors = vec![0.0; surfaces.pixels()];
+        factors.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+            row.iter_mut().enumerate().for_each(|(x, factor)| *factor = pixel(y * width + x));
+        });
+        factors
+    }
+
+    fn sun(&self, origin: [f64; 3], towards: [f64; 3], shape: SunShape, seed: u64) -> f32 {
+        match shape {
+            SunShape::Hard => f32::from(u8::from(self.tracer.sun_visible(origin, towards))),
+            SunShape::Disc { angle_degrees, samples } => {
+                self.tracer.sun_disc_visibility(origin, towards, angle_degrees, samples, seed)
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! A street-level camera of any scene, chosen by rays: the same scene gives the same camera.
+//!
+//! Places are the ground points below a grid of rays from the sky. Those that stand above what is around them (roofs) or in nearly
+//! closed yards are left out; the others are ranked by how much stands around them. From the best, small pictures are traced in
+//! eight directions, and the one with walls, depth, ground, and both light and shadow in it wins. Lengths scale with the eye's height.
+
+use adumbra::camera::{Camera, Projection, View};
+use adumbra::trace::{Hit, Ray, Tracer};
+use rayon::prelude::*;
+
+use super::TruthTracer;
+use crate::error::{Error, Result};
+use crate::vector::dot;
+
+/// What camera to look for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StreetOptions {
+    /// Eye above the ground, world units; 1.7 where they are metres.
+    pub eye_height_world: f64,
+    /// Vertical field of view, degrees.
+    pub fov_degrees: f64,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+impl Default for StreetOptions {
+    fn default() -> Self {
+        Self { eye_height_world: 1.7, fov_degrees: 60.0, width: 1280, height: 720 }
+    }
+}
+
+/// Places tried along x and along z.
+const GRID: u32 = 32;
+/// Places that pictures are traced from.
+const FINALISTS: usize = 64;
+const DIRECTIONS: u32 = 8;
+/// Directions and distances (eye heights) around a place whose heights are looked at.
+const AROUND: u32 = 12;
+const RINGS: [f64; 3] = [5.0, 12.0, 25.0];
+/// Of the small picture.
+const SMALL: [u32; 2] = [32, 18];
+/// Ground and floors: cosine to straight up.
+const LEVEL: f64 = 0.85;
+
+/// A camera at street level of a scene under a sun in the unit direction `towards_sun`.
+///
+/// # Errors
+/// [`Error::NoStreet`] where no place suits. Cost: about half a million rays, on the current rayon pool.
+pub fn street_camera(
+    truth: &TruthTracer<'_>,
+    towards_sun: [f64; 3],
+    options: &StreetOptions,
+) -> Result<Camera> {
+    let scout = Scout { truth, tracer: truth.tracer(), towards_sun, options: *options };
+    let mut places: Vec<Place> = (0..GRID * GRID).into_par_iter().filter_map(|i| scout.place(i)).collect();
+    places.sort_by(|a, b| b.rank.total_cmp(&a.rank));
+    places.truncate(FINALISTS);
+    let views: Vec<(f64, Camera)> = places
+        .par_iter()
+        .flat_map_iter(|place| (0..DIRECTIONS).map(|d| scout.camera(place.eye, d)))
+        .filter_map(|camera| scout.score(&camera).map(|score| (score, camera)))
+        .collect();
+    // The first of equals, whatever the threads.
+    let best = views.iter().reduce(|best, view| if view.0 > best.0 { view } else { best });
+    best.map(|(_, camera)| *camera).ok_or(Error::NoStreet)
+}
+
+struct Scout<'a, 's> {
+    truth: &'a TruthTracer<'s>,
+    tracer: &'a Tracer<'s>,
+    towards_sun: [f64; 3],
+    options: StreetOptions,
+}
+
+struct Place {
+    eye: [f64; 3],
+    rank: f64,
+}
+
+impl Scout<'_, '_> {
+    fn unit(&self) -> f64 {
+        self.options.eye_height_world
+    }
+
+    fn first(&self, origin: [f64; 3], direction: [f64; 3]) -> Option<Hit> {
+        self.tracer.nearest_surface(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY })
+    }
+
+    /// The topmost surface at x, z: its height, and the cosine of its slope.
+    fn top(&self, x: f64, z: f64) -> Option<(f64, f64)> {
+        let above = self.truth.bounds().max[1] + self.unit();
+        let hit = self.first([x, above, z], [0.0, -1.0, 0.0])?;
+        Some((above - hit.t, hit.normal[1].abs()))
+    }
+
+    /// The `number`th place, if it is on the ground outside.
+    fn place(&self, number: u32) -> Option<Place> {
+        let bounds = self.truth.bounds();
+        let along = |a: usize, i: u32| {
+            // The middle nine tenths.
+            let share = 0.05 + 0.9 * (f64::from(i) + 0.5) / f64::from(GRID);
+            bounds.min[a] + share * (bounds.max[a] - bounds.min[a])
+        };
+        let (x, z) = (along(0, number % GRID), along(2, number / GRID));
+        let (ground, cosine) = self.top(x, z)?;
+        if cosine < LEVEL {
+            return None;
+        }
+        let (mut higher, mut lower, mut seen) = (0.0, 0.0, 0.0);
+        for (i, radius) in (0..AROUND).flat_map(|i| RINGS.map(|r| (i, r * self.unit()))) {
+            let (sin, cos) = turn(i, AROUND);
+            let Some((top, _)) = self.top(x + radius * cos, z + radius * sin) else { continue };
+            seen += 1.0;
+            // What a slope of a half would do is no roof and no wall.
+            let allowed = 1.2 * self.unit() + 0.25 * radius;
+            higher += f64::from(u8::from(top > ground + allowed));
+            lower += f64::from(u8::from(top < ground - allowed));
+        }
+        let whole: f64 = f64::from(AROUND) * RINGS.len() as f64;
+        if seen < 0.5 * whole || lower > 0.1 * seen || higher > 0.8 * seen {
+            return None;
+        }
+        let eye = [x, ground + self.unit(), z];
+        let open = (0..AROUND).filter(|&i| {
+            let (sin, cos) = turn(i, AROUND);
+            self.first(eye, [cos, 1.5, sin]).is_none()
+        });
+        (3 * open.count() >= AROUND as usize).then(|| Place { eye, rank: higher / seen - 2.0 * lower / seen })
+    }
+
+    fn camera(&self, eye: [f64; 3], direction: u32) -> Camera {
+        let (sin, cos) = turn(direction, DIRECTIONS);
+        let target = [eye[0] + 10.0 * self.unit() * cos, eye[1], eye[2] + 10.0 * self.unit() * sin];
+        let StreetOptions { fov_degrees, width, height, .. } = self.options;
+        Camera { eye, target, projection: Projection::Perspective { fov_degrees }, width, height }
+    }
+
+    /// How good a view is; none where something stands before the eye, or where light or shadow is missing.
+    fn score(&self, camera: &Camera) -> Option<f64> {
+        let [width, height] = SMALL;
+        let view = Camera { width, height, ..*camera }.view();
+        let all = f64::from(width * height);
+        let (mut ground, mut walls, mut near, mut far, mut lit, mut shadowed) =
+            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let Some((hit, p, normal)) = self.seen(&view, x, y) else { continue };
+            if normal[1] > LEVEL && p[1] < camera.eye[1] {
+                ground += 1.0;
+            } else {
+                walls += 1.0;
+                near += f64::from(u8::from(hit.t < 3.0 * self.unit()));
+            }
+            far += f64::from(u8::from(hit.t > 10.0 * self.unit()));
+            if dot(normal, self.towards_sun) > 0.1 {
+                let lift = self.truth.lift_world();
+                let origin = std::array::from_fn(|a| p[a] + lift * normal[a]);
+                if self.tracer.sun_visible(origin, self.towards_sun) { lit += 1.0 } else { shadowed += 1.0 }
+            }
+        }
+        if near > 0.1 * all || ground < 0.1 * all || lit + shadowed == 0.0 {
+            return None;
+        }
+        let share: f64 = shadowed / (lit + shadowed);
+        let mixed = 4.0 * share * (1.0 - share);
+        let capped = |count: f64, most: f64| (count / all).min(most) / most;
+        // Each part is good up to a point, and none alone decides.
+        (mixed > 0.0).then(|| mixed * (0.1 + capped(walls, 0.45)) * (0.1 + capped(far, 0.35)))
+    }
+
+    fn seen(&self, view: &View, x: u32, y: u32) -> Option<(Hit, [f64; 3], [f64; 3])> {
+        let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let hit = self.first(origin, direction)?;
+        let side = if dot(hit.normal, direction) > 0.0 { -1.0 } else { 1.0 };
+        let p = std::array::from_fn(|a| origin[a] + hit.t * direction[a]);
+        Some((hit, p, hit.normal.map(|c| c * side)))
+    }
+}
+
+/// Sine and cosine of `i` parts of `of` of a full turn, a little beside the axes: streets run along them, and their
+/// middle is rarely where the grid is.
+fn turn(i: u32, of: u32) -> (f64, f64) {
+    libm::sincos((f64::from(i) + 0.15) * std::f64::consts::TAU / f64::from(of))
+}

@@ -1,0 +1,96 @@
+//! Every technique's picture of a generated scene against the one kept in `golden/`: FLIP mean at most [`TOLERANCE`].
+//!
+//! `ADUMBRA_BLESS=1` writes them again; look at them before they are committed. Adapters round differently, so pictures are compared
+//! as they are seen, not by bytes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::{Options, Size, bake};
+use adumbra::camera::{Camera, Projection};
+use adumbra::format::{ShadowFile, TreeBody, TreeFile};
+use adumbra::light::Sun;
+use adumbra::picture::Picture;
+use adumbra::scene::{GeneratedKind, generate};
+use adumbra::tree::{TreeOptions, bake_tree};
+use adumbra_lab::metrics::flip;
+use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TECHNIQUES, build};
+use image::{ExtendedColorType, ImageEncoder};
+
+/// Largest FLIP mean.
+const TOLERANCE: f64 = 0.02;
+const SIZE: [u32; 2] = [192, 108];
+/// Techniques whose names alone leave variants unseen.
+const VARIANTS: &[&str] = &[];
+
+fn camera() -> Camera {
+    let projection = Projection::Perspective { fov_degrees: 45.0 };
+    Camera { eye: [-12.0, 11.0, 17.0], target: [0.0, 0.5, 0.0], projection, width: SIZE[0], height: SIZE[1] }
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
+}
+
+fn read(path: &Path) -> Picture {
+    let png =
+        image::open(path).unwrap_or_else(|e| panic!("{}: {e}; ADUMBRA_BLESS=1 writes it", path.display()));
+    let png = png.into_rgb8();
+    Picture { width: png.width(), height: png.height(), rgb: png.into_raw(), difference_share: None }
+}
+
+fn write(path: &Path, picture: &Picture) {
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut bytes)
+        .write_image(&picture.rgb, picture.width, picture.height, ExtendedColorType::Rgb8)
+        .unwrap();
+    fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn every_technique_draws_its_golden_picture() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let never = AtomicBool::new(false);
+    let light = bake(&scene, &Options::new(sun, Size::Resolution(1024)), &|_| {}, &never).unwrap();
+    let light = ShadowFile { grid: light.grid, settings: light.settings, dag: light.dag };
+    let tree = bake_tree(&scene, &TreeOptions::new(sun, Size::Resolution(512)), &|_| {}, &never).unwrap();
+    let tree = TreeFile {
+        space: tree.space,
+        sun,
+        settings: tree.settings,
+        regions: tree.regions,
+        body: TreeBody::Words(tree.tree),
+        attribute: Vec::new(),
+        attribute_kind: None,
+    };
+    let baked = Baked { light: Some(&light), tree: Some(&tree) };
+    let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
+    let shot = Shot { camera: camera(), towards_sun: sun.towards(), number: 0 };
+    let bless = std::env::var_os("ADUMBRA_BLESS").is_some();
+    let mut wrong = Vec::new();
+    for name in TECHNIQUES.iter().map(|(name, _)| *name).chain(VARIANTS.iter().copied()) {
+        if name == "truth" {
+            continue;
+        }
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), baked).unwrap();
+        let mut technique = renderer.prepare(technique).unwrap();
+        renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
+        let rgba = renderer.read_picture().unwrap();
+        let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let picture = Picture { width: SIZE[0], height: SIZE[1], rgb, difference_share: None };
+        let path = folder().join(format!("{}.png", name.replace([':', '='], "_")));
+        if bless {
+            fs::create_dir_all(folder()).unwrap();
+            write(&path, &picture);
+            continue;
+        }
+        let error = flip(&read(&path), &picture).unwrap();
+        if error > TOLERANCE {
+            wrong.push(format!("{name}: FLIP {error:.4}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

@@ -1,0 +1,257 @@
+//! Truth by rays: against another renderer, through the cache, beside edges, and from the street.
+
+mod shared_folder;
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::light::Sun;
+use adumbra::scene::{
+    GeneratedKind, Instance, LoadOptions, Material, Mesh, Scene, generate, load, write_glb,
+};
+use adumbra_lab::truth::{
+    Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, street_camera,
+};
+use shared_folder::{scene_file, shared};
+
+/// Share of sun pixels that must agree with the other renderer.
+const SUN_AGREEMENT: f64 = 0.995;
+
+#[test]
+fn shared_truth_matches_another_renderer_through_its_cameras() {
+    let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
+    for name in ["zdm2", "kaykit_city_21", "box-city-5k", "alpine-2", "auster", "dragon_202k"] {
+        let view = TruthView::read(&truth.join(format!("{name}.npz"))).unwrap();
+        let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
+        let scene = load(&scene_file(&scenes, name), &options).unwrap();
+        let tracer = TruthTracer::build(&scene, true);
+        let towards = view.sun.towards();
+        let surfaces = tracer.surfaces(&view.camera);
+        let factors = tracer.factors(&surfaces, towards, SunShape::Hard);
+        let (mut judged, mut agreeing, mut apart) = (0_u32, 0_u32, 0_u32);
+        for i in 0..factors.len() {
+            let far = (0..3).any(|a| {
+                (surfaces.position[i][a] - f64::from(view.position[i][a])).abs()
+                    > 1e-4 * tracer.bounds().diagonal()
+            });
+            if view.valid[i] != surfaces.is_valid(i) || (view.valid[i] && far) {
+                apart += 1;
+            } else if view.valid[i] && view.n_dot_l[i] > 0.1 {
+                judged += 1;
+                agreeing += u32::from((factors[i] > 0.5) == (view.visibility[i] > 0.5));
+            }
+        }
+        let share = f64::from(agreeing) / f64::from(judged);
+        eprintln!("{name}: {share:.5} of {judged} pixels agree; {apart} see other surfaces");
+        assert!(share >= SUN_AGREEMENT, "{name}: {share}");
+        assert!(f64::from(apart) < 0.01 * factors.len() as f64, "{name}: {apart}");
+    }
+}
+
+/// A ground square and a box on it.
+fn plane_and_box() -> Scene {
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    let mut quad = |corners: [[f32; 3]; 4]| {
+        let first = positions.len() as u32;
+        positions.extend(corners);
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    };
+    quad([[-20.0, 0.0, 20.0], [20.0, 0.0, 20.0], [20.0, 0.0, -20.0], [-20.0, 0.0, -20.0]]);
+    quad([[-1.0, 4.0, 1.0], [1.0, 4.0, 1.0], [1.0, 4.0, -1.0], [-1.0, 4.0, -1.0]]);
+    for (a, b) in [
+        ([-1.0, 1.0], [1.0, 1.0]),
+        ([1.0, 1.0], [1.0, -1.0]),
+        ([1.0, -1.0], [-1.0, -1.0]),
+        ([-1.0, -1.0], [-1.0, 1.0]),
+    ] {
+        quad([[a[0], 0.0, a[1]], [b[0], 0.0, b[1]], [b[0], 4.0, b[1]], [a[0], 4.0, a[1]]]);
+    }
+    let triangle_materials = vec![0; triangles.len()];
+    let mesh = Mesh { name: "box".to_owned(), positions, uvs: Vec::new(), triangles, triangle_materials };
+    let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    Scene {
+        meshes: vec![mesh],
+        instances: vec![Instance { name: "box".to_owned(), mesh: 0, world_from_mesh: rows, casts: true }],
+        materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
+        ..Scene::default()
+    }
+}
+
+fn above(width: u32, height: u32) -> Camera {
+    let projection = Projection::Orthographic { height_world: 18.0 };
+    Camera { eye: [0.0, 30.0, 0.0], target: [0.0; 3], projection, width, height }
+}
+
+#[test]
+fn truth_of_a_box_is_its_analytic_shadow() {
+    let scene = plane_and_box();
+    let truth = TruthTracer::build(&scene, false);
+    let sun = Sun::from_direction([1.0, 1.0, 0.0]).unwrap();
+    let surfaces = truth.surfaces(&above(96, 48));
+    let factors = truth.factors(&surfaces, sun.towards(), SunShape::Hard);
+    for i in 0..surfaces.pixels() {
+        let [x, y, z] = surfaces.position[i];
+        assert_eq!(surfaces.normal[i], [0.0, 1.0, 0.0]);
+        assert!((surfaces.view_depth[i] - (30.0 - y)).abs() < 1e-9);
+        // The box throws its shadow four metres to -x.
+        let shadowed = y < 1.0 && z.abs() < 1.0 && (-5.0..-1.0).contains(&x);
+        assert_eq!(factors[i], f32::from(u8::from(!shadowed)), "{x} {y} {z}");
+    }
+    // Straight below the disc's middle, half of it is seen at the shadow's far rim.
+    let soft = truth.factors(&surfaces, sun.towards(), SunShape::Disc { angle_degrees: 10.0, samples: 64 });
+    let partly = soft.iter().filter(|f| **f > 0.0 && **f < 1.0).count();
+    assert!(partly > 20, "{partly}");
+    let away = truth.factors(&surfaces, [0.6, -0.8, 0.0], SunShape::Hard);
+    assert!(away.iter().all(|f| *f == 0.0));
+}
+
+#[test]
+fn edges_of_a_box_shadow_are_where_they_must_be() {
+    let scene = plane_and_box();
+    let truth = TruthTracer::build(&scene, false);
+    let sun = Sun::from_direction([1.0, 1.0, 0.0]).unwrap();
+    let probe = EdgeProbe::new(&truth, sun.towards());
+    let clear = |p: [f64; 3], radius: f64| probe.is_clear(p, [0.0, 1.0, 0.0], radius);
+    // In the light's plane a metre on the ground along x is √½ of one; along z it is one.
+    for (p, distance) in [
+        ([-3.0, 0.0, 0.6], 0.4),
+        ([-3.0, 0.0, 1.5], 0.5),
+        ([-4.4, 0.0, 0.0], 0.6 * 0.5_f64.sqrt()),
+        ([-5.6, 0.0, 0.0], 0.6 * 0.5_f64.sqrt()),
+    ] {
+        assert!(clear(p, 0.95 * distance), "{p:?} is clear of an edge {distance} away");
+        assert!(!clear(p, 1.1 * distance), "{p:?} is not clear of an edge {distance} away");
+    }
+    assert!(!probe.is_clear([-3.0, 0.0, 9.0], [0.0, -1.0, 0.0], 0.1), "turned away");
+    let surfaces = truth.surfaces(&above(96, 48));
+    let mask = probe.clear_pixels(&surfaces, |_| 0.2);
+    let alone: Vec<bool> = (0..surfaces.pixels())
+        .map(|i| probe.is_clear(surfaces.position[i], surfaces.normal[i].map(f64::from), 0.2))
+        .collect();
+    assert_eq!(mask, alone);
+    assert!(mask.iter().any(|c| *c) && mask.iter().any(|c| !*c));
+}
+
+#[test]
+fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = plane_and_box();
+    let file = folder.path().join("box.glb");
+    write_glb(&scene, &file).unwrap();
+    let truth = TruthTracer::build(&scene, false);
+    let entries = folder.path().join("cache");
+    let cache = Cache::in_folder(entries.clone());
+    let key = scene_key(&file, "").unwrap();
+    let (camera, towards) = (above(24, 12), Sun::from_direction([1.0, 1.0, 0.3]).unwrap().towards());
+    let soft = SunShape::Disc { angle_degrees: 5.0, samples: 8 };
+    let ask = |cache: &Cache| -> (Surfaces, Vec<f32>) {
+        let surfaces = cache.surfaces(&truth, &key, &camera);
+        let factors = cache.factors(&truth, &key, &camera, &surfaces, towards, soft);
+        (surfaces, factors)
+    };
+    let plain = ask(&Cache::none());
+    let first = ask(&cache);
+    assert_eq!(first, plain);
+    assert_eq!(ask(&cache), first);
+    let files = || {
+        let mut files: Vec<_> = std::fs::read_dir(&entries).unwrap().map(|e| e.unwrap().path()).collect();
+        files.sort();
+        files
+    };
+    assert_eq!(files().len(), 2);
+    for file in files() {
+        let whole = std::fs::read(&file).unwrap();
+        let mut changed = whole.clone();
+        *changed.last_mut().unwrap() ^= 1;
+        let longer = [whole.as_slice(), &[0]].concat();
+        for damaged in [&whole[..whole.len() - 1], &whole[..20], &[], &changed, &longer] {
+            std::fs::write(&file, damaged).unwrap();
+            assert_eq!(ask(&cache), first);
+            assert_eq!(std::fs::read(&file).unwrap(), whole, "it is traced anew and kept");
+        }
+    }
+    // Whole entries are trusted: another's payload under this name and key is not.
+    let [a, b] = &files()[..] else { panic!() };
+    let (bytes_a, bytes_b) = (std::fs::read(a).unwrap(), std::fs::read(b).unwrap());
+    std::fs::write(a, &bytes_b).unwrap();
+    std::fs::write(b, &bytes_a).unwrap();
+    assert_eq!(ask(&cache), first);
+    // Anything that the answer follows from leads to another entry.
+    let before = files().len();
+    let surfaces = &first.0;
+    cache.factors(&truth, &key, &camera, surfaces, towards, SunShape::Hard);
+    cache.factors(&truth, &scene_key(&file, "ignore alpha").unwrap(), &camera, surfaces, towards, soft);
+    cache.surfaces(&truth, &key, &above(24, 13));
+    assert_eq!(files().len(), before + 3);
+}
+
+#[test]
+fn cache_without_a_place_still_answers() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = plane_and_box();
+    let file = folder.path().join("box.glb");
+    write_glb(&scene, &file).unwrap();
+    let truth = TruthTracer::build(&scene, false);
+    // A file stands where the folder would.
+    let cache = Cache::in_folder(file.clone());
+    let key = scene_key(&file, "").unwrap();
+    assert_eq!(cache.surfaces(&truth, &key, &above(8, 8)), truth.surfaces(&above(8, 8)));
+}
+
+/// What every street-level camera must be, by rays of the test's own.
+fn check_street(name: &str, scene: &Scene, sun: Sun) {
+    let truth = TruthTracer::build(scene, false);
+    let options = StreetOptions { width: 160, height: 90, ..StreetOptions::default() };
+    let camera = street_camera(&truth, sun.towards(), &options).unwrap();
+    assert_eq!(camera, street_camera(&truth, sun.towards(), &options).unwrap());
+    let down = adumbra::trace::Ray {
+        origin: camera.eye,
+        direction: [0.0, -1.0, 0.0],
+        t_min: 0.0,
+        t_max: f64::INFINITY,
+    };
+    let below = truth.tracer().nearest_surface(&down).unwrap().t;
+    assert!((below - 1.7).abs() < 1e-6, "{name}: {below} m above the ground");
+    assert!(truth.tracer().sun_visible(camera.eye, [0.0, 1.0, 0.0]), "{name}: open sky above");
+    let surfaces = truth.surfaces(&camera);
+    let factors = truth.factors(&surfaces, sun.towards(), SunShape::Hard);
+    let facing: Vec<usize> =
+        (0..factors.len()).filter(|&i| surfaces.n_dot_l(i, sun.towards()) > 0.1).collect();
+    let shadowed = facing.iter().filter(|&&i| factors[i] < 0.5).count() as f64 / facing.len() as f64;
+    let walls = surfaces.normal.iter().filter(|n| n[1].abs() < 0.5 && **n != [0.0; 3]).count();
+    let near = (0..factors.len()).filter(|&i| surfaces.view_depth[i] < 2.0 && surfaces.normal[i][1] < 0.8);
+    let (walls, near) = (walls as f64 / factors.len() as f64, near.count() as f64 / factors.len() as f64);
+    eprintln!(
+        "{name}: eye {:?}, {shadowed:.2} of what faces the sun shadowed, walls {walls:.2}, near {near:.2}",
+        camera.eye
+    );
+    assert!((0.05..0.95).contains(&shadowed), "{name}: shadows in view");
+    assert!(near < 0.1, "{name}: nothing before the eye");
+}
+
+#[test]
+fn street_camera_stands_in_a_generated_city() {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    check_street("city", &generate(GeneratedKind::City, 1), sun);
+    check_street("landscape", &generate(GeneratedKind::Landscape, 1), sun);
+}
+
+#[test]
+fn street_camera_is_refused_where_there_is_no_street() {
+    let mut scene = plane_and_box();
+    scene.meshes[0].positions.iter_mut().flatten().for_each(|c| *c *= 0.01);
+    let truth = TruthTracer::build(&scene, false);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let refused = street_camera(&truth, sun.towards(), &StreetOptions::default());
+    assert!(matches!(refused, Err(adumbra_lab::Error::NoStreet)), "{refused:?}");
+}
+
+#[test]
+fn shared_street_camera_stands_in_every_scene_of_the_tables() {
+    let Some(scenes) = shared("scenes") else { return };
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    for name in ["zdm2", "kaykit_city_21", "alpine-2", "auster"] {
+        let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).unwrap();
+        eprintln!("{name}: {:?}", scene.bounds());
+        check_street(name, &scene, sun);
+    }
+}

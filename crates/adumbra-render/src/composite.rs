@@ -1,0 +1,75 @@
+//! The finished picture: a plain sun and sky, the material's colour, and the shadow factor. The arithmetic is that of
+//! `adumbra::picture`, its CPU twin.
+
+use adumbra::picture::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
+use adumbra_shaders::layout::CompositeParams;
+use adumbra_shaders::{assemble, source};
+use wgpu::{BindingResource, ShaderStages, TextureFormat};
+
+use crate::frame::Targets;
+use crate::gpu::{Gpu, binding};
+
+/// Pixels of a workgroup along each side; as in passes/composite.wgsl.
+const GROUP: u32 = 8;
+
+/// The pass.
+pub struct Composite {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+    light: wgpu::Buffer,
+}
+
+impl Composite {
+    /// Builds the pipeline.
+    pub fn new(gpu: &Gpu) -> Self {
+        let bindings = [
+            binding::UNIFORM,
+            binding::DEPTH,
+            binding::LOADED,
+            binding::LOADED,
+            binding::LOADED,
+            binding::written(TextureFormat::Rgba8Unorm),
+            binding::UNIFORM,
+        ];
+        let layout = gpu.layout("composite", ShaderStages::COMPUTE, &bindings);
+        let text = assemble(&[source::SURFACE, source::FRAME, source::COMPOSITE]);
+        let pipeline = gpu.compute("composite", text, "composite", &[Some(&layout)]);
+        let wide = |c: [f64; 3]| [c[0] as f32, c[1] as f32, c[2] as f32, 0.0];
+        let params = CompositeParams {
+            sun_color: wide(SUN_COLOR),
+            sky_color: wide(SKY_COLOR),
+            ground_color: wide(GROUND_COLOR),
+        };
+        Self { layout, pipeline, light: gpu.uniform("composite::light", &params.bytes()) }
+    }
+
+    /// Writes `targets.picture` from the G-buffer and `factor`.
+    pub fn encode(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &wgpu::Buffer,
+        targets: &Targets,
+        factor: &wgpu::TextureView,
+    ) {
+        let view = BindingResource::TextureView;
+        let group = gpu.bind(
+            "composite",
+            &self.layout,
+            vec![
+                frame.as_entire_binding(),
+                view(&targets.depth.view),
+                view(&targets.normal.view),
+                view(&targets.color.view),
+                view(factor),
+                view(&targets.picture.view),
+                self.light.as_entire_binding(),
+            ],
+        );
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        let [w, h] = targets.size;
+        pass.dispatch_workgroups(w.div_ceil(GROUP), h.div_ceil(GROUP), 1);
+    }
+}

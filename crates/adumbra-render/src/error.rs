@@ -1,0 +1,63 @@
+//! Whatever ends a drawing early.
+
+/// Why the GPU could not be used, or drew nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// No adapter: no GPU, no driver, and no software Vulkan either.
+    #[error(
+        "no GPU adapter was found ({reason}); install a Vulkan, Metal or DirectX 12 driver, or Mesa's software Vulkan (Debian: \
+         apt-get install mesa-vulkan-drivers)"
+    )]
+    NoAdapter {
+        /// What was asked and what came back.
+        reason: String,
+    },
+    /// The adapter gave no device.
+    #[error("the adapter {adapter} gives no device: {reason}")]
+    NoDevice {
+        /// Its name.
+        adapter: String,
+        /// What it said.
+        reason: String,
+    },
+    /// The device went away or stopped answering; nothing that it held can be read any more.
+    #[error(
+        "the GPU device was lost: {reason}; run it again, with a smaller picture or map if it happens again"
+    )]
+    Lost {
+        /// What was said.
+        reason: String,
+    },
+    /// The device refused what was asked of it.
+    #[error("the GPU refused a command: {reason}")]
+    Refused {
+        /// What was said.
+        reason: String,
+    },
+    /// Something is larger than the device takes.
+    #[error("{what} takes {bytes} bytes, and this device takes at most {limit}; {mend}")]
+    TooLarge {
+        /// The thing.
+        what: String,
+        /// Its size.
+        bytes: u64,
+        /// What the device takes.
+        limit: u64,
+        /// What to do.
+        mend: &'static str,
+    },
+    /// A technique that does not exist, or a value that it does not take.
+    #[error("{name:?} is not a technique: {reason}")]
+    Technique {
+        /// As it was given.
+        name: String,
+        /// What is wrong, and what would do.
+        reason: String,
+    },
+    /// The library's own.
+    #[error(transparent)]
+    Library(#[from] adumbra::Error),
+}
+
+/// Short for results of this crate.
+pub type Result<T> = std::result::Result<T, RenderError>;

@@ -1,0 +1,151 @@
+//! A camera's frame: its uniform, its targets, the G-buffer pass.
+//!
+//! Targets: depth (Depth32Float, reversed: see [`Frame`]), normals (Rgba16Float, world space, towards the viewer), base colour
+//! (Rgba8UnormSrgb), shadow factor (R32Float, 1 = lit), picture (Rgba8Unorm, sRGB-encoded).
+
+mod gbuffer;
+mod targets;
+
+pub use gbuffer::GBuffer;
+pub use targets::{DEPTH_FORMAT, FACTOR_FORMAT, Targets};
+
+use adumbra::camera::{Camera, View};
+use adumbra::scene::Bounds;
+use adumbra_shaders::layout::Frame;
+
+use crate::scene::Volume;
+
+/// Near plane of a perspective camera, as a share of the scene's diagonal.
+const NEAR_SHARE: f64 = 1e-5;
+
+/// The frame of `camera` on a scene within `bounds`, relative to its eye.
+pub fn frame(camera: &Camera, bounds: &Bounds, towards_sun: [f64; 3], number: u32) -> Frame {
+    let view = camera.view();
+    let wide = |v: [f64; 3], w: f64| [v[0] as f32, v[1] as f32, v[2] as f32, w as f32];
+    let scaled = |v: [f64; 3], k: f64| v.map(|c| c * k);
+    let (right, up) = (scaled(view.right, view.half[0]), scaled(view.up, view.half[1]));
+    let near = (bounds.diagonal() * NEAR_SHARE).max(1e-6);
+    let far = far_plane(&view, bounds);
+    let x = scaled(view.right, 1.0 / view.half[0]);
+    let y = scaled(view.up, 1.0 / view.half[1]);
+    let f = view.forward;
+    // Rows of clip from relative; depth is reversed.
+    let rows = if view.orthographic {
+        [wide(x, 0.0), wide(y, 0.0), wide(scaled(f, -1.0 / far), 1.0), [0.0, 0.0, 0.0, 1.0]]
+    } else {
+        [wide(x, 0.0), wide(y, 0.0), [0.0, 0.0, 0.0, near as f32], wide(f, 0.0)]
+    };
+    let zero = [0.0; 4];
+    let aside = |v: [f64; 3], when: bool| if when { wide(v, 0.0) } else { zero };
+    Frame {
+        clip_from_relative: std::array::from_fn(|c| std::array::from_fn(|r| rows[r][c])),
+        origin: zero,
+        origin_x: aside(right, view.orthographic),
+        origin_y: aside(up, view.orthographic),
+        ray: wide(f, 0.0),
+        ray_x: aside(right, !view.orthographic),
+        ray_y: aside(up, !view.orthographic),
+        depth_to_z: if view.orthographic {
+            [far as f32, -far as f32, 1.0, 0.0]
+        } else {
+            [near as f32, 0.0, 0.0, 1.0]
+        },
+        anchor_world: wide(view.eye, 0.0),
+        towards_sun: wide(towards_sun, 0.0),
+        forward: wide(f, 0.0),
+        size: [camera.width, camera.height, number, 0],
+    }
+}
+
+/// Far plane of an orthographic camera: just behind everything.
+fn far_plane(view: &View, bounds: &Bounds) -> f64 {
+    corners(bounds).map(|c| view.depth(c)).fold(0.0, f64::max) * 1.001 + 1e-6
+}
+
+fn corners(bounds: &Bounds) -> impl Iterator<Item = [f64; 3]> {
+    (0..8_usize).map(|corner| {
+        std::array::from_fn(|a| if corner >> a & 1 == 0 { bounds.min[a] } else { bounds.max[a] })
+    })
+}
+
+/// What a camera sees, without a far plane.
+pub fn visible_volume(view: &View) -> Volume {
+    let plane =
+        |n: [f64; 3], through: [f64; 3]| [n[0], n[1], n[2], -(0..3).map(|a| n[a] * through[a]).sum::<f64>()];
+    let mut planes = vec![plane(view.forward, view.eye)];
+    for (axis, half) in [(view.right, view.half[0]), (view.up, view.half[1])] {
+        for side in [-1.0, 1.0] {
+            let inwards: [f64; 3] = axis.map(|c| -side * c);
+            planes.push(if view.orthographic {
+                plane(inwards, std::array::from_fn(|a| view.eye[a] + side * half * axis[a]))
+            } else {
+                plane(std::array::from_fn(|a| inwards[a] + half * view.forward[a]), view.eye)
+            });
+        }
+    }
+    Volume { planes }
+}
+
+#[cfg(test)]
+mod tests {
+    use adumbra::camera::Projection;
+
+    use super::*;
+
+    const BOUNDS: Bounds = Bounds { min: [-20.0; 3], max: [30.0; 3] };
+
+    fn camera(projection: Projection) -> Camera {
+        Camera { eye: [3.0, 4.0, 5.0], target: [-2.0, 1.0, -6.0], projection, width: 64, height: 40 }
+    }
+
+    #[test]
+    fn frame_maps_points_to_the_pixels_and_depths_that_lead_back_to_them() {
+        for projection in
+            [Projection::Perspective { fov_degrees: 55.0 }, Projection::Orthographic { height_world: 12.0 }]
+        {
+            let camera = camera(projection);
+            let (view, frame) = (camera.view(), frame(&camera, &BOUNDS, [0.0, 1.0, 0.0], 0));
+            for (px, py, t) in [(10.0, 7.0, 3.0), (50.5, 33.0, 17.0)] {
+                let (origin, direction) = view.ray(px, py);
+                let p: [f64; 3] = std::array::from_fn(|a| origin[a] + t * direction[a]);
+                let relative = [0, 1, 2].map(|a| (p[a] - view.eye[a]) as f32);
+                let clip: [f32; 4] = std::array::from_fn(|r| {
+                    let column = |c: usize| frame.clip_from_relative[c][r];
+                    (0..3).map(|c| column(c) * relative[c]).sum::<f32>() + column(3)
+                });
+                let ndc = [clip[0] / clip[3], clip[1] / clip[3]];
+                assert!((f64::from(ndc[0]) - (2.0 * px / 64.0 - 1.0)).abs() < 1e-5);
+                assert!((f64::from(ndc[1]) - (1.0 - 2.0 * py / 40.0)).abs() < 1e-5);
+                let depth = clip[2] / clip[3];
+                assert!(depth > 0.0 && depth <= 1.0);
+                let k = frame.depth_to_z;
+                let z = (k[0] + k[1] * depth) / (k[2] + k[3] * depth);
+                assert!((f64::from(z) - view.depth(p)).abs() < 1e-4, "{z} {}", view.depth(p));
+                for a in 0..3 {
+                    let origin = frame.origin_x[a] * ndc[0] + frame.origin_y[a] * ndc[1];
+                    let ray = frame.ray[a] + frame.ray_x[a] * ndc[0] + frame.ray_y[a] * ndc[1];
+                    assert!((origin + z * ray - relative[a]).abs() < 1e-3);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn visible_volume_holds_what_the_camera_sees() {
+        for projection in
+            [Projection::Perspective { fov_degrees: 55.0 }, Projection::Orthographic { height_world: 12.0 }]
+        {
+            let view = camera(projection).view();
+            let volume = visible_volume(&view);
+            let at = |x: f64, y: f64| {
+                let (origin, direction) = view.ray(x, y);
+                std::array::from_fn::<f64, 3, _>(|a| origin[a] + 5.0 * direction[a])
+            };
+            assert!(volume.may_touch(at(1.0, 1.0), [0.0; 3]));
+            assert!(volume.may_touch(at(63.0, 39.0), [0.0; 3]));
+            assert!(!volume.may_touch(at(-3.0, 20.0), [0.0; 3]));
+            assert!(!volume.may_touch(at(30.0, 43.0), [0.0; 3]));
+            assert!(!volume.may_touch(std::array::from_fn(|a| view.eye[a] - view.forward[a]), [0.0; 3]));
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! Frames: G-buffer, a technique's passes, its look-up, composite; and what can be read back of them.
+
+use adumbra::camera::Camera;
+use adumbra::scene::{Bounds, Scene};
+use adumbra_shaders::layout::PointQuery;
+
+use crate::composite::Composite;
+use crate::error::Result;
+use crate::frame::{GBuffer, Targets, frame, visible_volume};
+use crate::gpu::Gpu;
+use crate::readback::{read_floats, read_texture};
+use crate::scene::{InstanceList, SceneBuffers, SceneOptions};
+use crate::technique::{Answer, FrameInput, Lookup, Resolver, Technique};
+use crate::timing::{FrameTimes, Stage, StageTimer};
+
+/// A scene on a device, with everything that frames of it need but the technique.
+pub struct Renderer {
+    gpu: Gpu,
+    gbuffer: GBuffer,
+    resolver: Resolver,
+    composite: Composite,
+    scene: Part,
+    movers: Option<Part>,
+    targets: Option<Targets>,
+    frame: wgpu::Buffer,
+}
+
+struct Part {
+    buffers: SceneBuffers,
+    seen: InstanceList,
+}
+
+/// A technique with its pipelines.
+pub struct Prepared {
+    technique: Box<dyn Technique>,
+    lookup: Lookup,
+}
+
+impl Prepared {
+    /// The technique.
+    pub fn technique(&self) -> &dyn Technique {
+        &*self.technique
+    }
+}
+
+/// Where a frame is seen from.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot {
+    /// The camera.
+    pub camera: Camera,
+    /// Unit vector towards the sun.
+    pub towards_sun: [f64; 3],
+    /// Number of the frame.
+    pub number: u32,
+}
+
+/// A surface point to answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// World position.
+    pub p_world: [f64; 3],
+    /// Unit normal, or zero.
+    pub normal: [f64; 3],
+}
+
+/// What the last frame's G-buffer holds for each pixel, row 0 at the top.
+pub struct SurfaceImage {
+    /// Distance along the camera's forward direction, world units; infinite where nothing is.
+    pub view_depth: Vec<f32>,
+    /// World normal towards the viewer.
+    pub normal: Vec<[f32; 3]>,
+}
+
+impl Renderer {
+    /// Uploads a scene.
+    ///
+    /// # Errors
+    /// What the device cannot hold.
+    pub fn new(gpu: Gpu, scene: &Scene, options: SceneOptions) -> Result<Self> {
+        let buffers = SceneBuffers::new(&gpu, scene, options)?;
+        let seen = InstanceList::new(&gpu, "scene::seen", &buffers);
+        let empty = frame(&EMPTY_CAMERA, &buffers.bounds(), [0.0, 1.0, 0.0], 0);
+        let renderer = Self {
+            gbuffer: GBuffer::new(&gpu),
+            resolver: Resolver::new(&gpu),
+            composite: Composite::new(&gpu),
+            scene: Part { buffers, seen },
+            movers: None,
+            targets: None,
+            frame: gpu.uniform("frame", &empty.bytes()),
+            gpu,
+        };
+        renderer.gpu.check()?;
+        Ok(renderer)
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// What stands still.
+    pub fn scene(&self) -> &SceneBuffers {
+        &self.scene.buffers
+    }
+
+    /// Uploads what moves; it casts and receives like the rest, but no baked file holds it.
+    ///
+    /// # Errors
+    /// What the device cannot hold.
+    pub fn set_movers(&mut self, movers: &Scene, options: SceneOptions) -> Result<()> {
+        let buffers = SceneBuffers::new(&self.gpu, movers, options)?;
+        let seen = InstanceList::new(&self.gpu, "movers::seen", &buffers);
+        self.movers = Some(Part { buffers, seen });
+        Ok(())
+    }
+
+    /// Places the movers anew; `movers` is the scene given to [`Renderer::set_movers`] with other transforms.
+    pub fn move_movers(&mut self, movers: &Scene) {
+        if let Some(part) = &mut self.movers {
+            part.buffers.move_instances(movers);
+        }
+    }
+
+    /// Builds a technique's pipelines.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn prepare(&self, technique: Box<dyn Technique>) -> Result<Prepared> {
+        let lookup = self.resolver.lookup(&self.gpu, &*technique);
+        self.gpu.check()?;
+        Ok(Prepared { technique, lookup })
+    }
+
+    /// Draws a frame. Its layers stay readable until the next.
+    ///
+    /// # Errors
+    /// What the technique or the device reports.
+    pub fn draw(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
+        let size = [shot.camera.width, shot.camera.height];
+        let targets = match self.targets.take() {
+            Some(targets) if targets.size == size => targets,
+            _ => Targets::new(&self.gpu, size)?,
+        };
+        self.write_frame(shot);
+        let view = shot.camera.view();
+        let volume = visible_volume(&view);
+        for part in std::iter::once(&mut self.scene).chain(&mut self.movers) {
+            part.seen.update(&self.gpu, &part.buffers, &volume, false);
+        }
+        let input = self.input(shot, &view);
+        let Prepared { technique, lookup } = prepared;
+        technique.prepare(&input)?;
+        let mut timer = StageTimer::new(&self.gpu);
+        timer.stage(&self.gpu, Stage::GBuffer, |encoder| {
+            let parts = std::iter::once(&self.scene).chain(&self.movers);
+            let parts = parts.map(|p| (&p.buffers, &p.seen));
+            self.gbuffer.encode(&self.gpu, encoder, &self.frame, &targets, parts);
+        })?;
+        timer.stage(&self.gpu, Stage::Depth, |encoder| technique.encode_depth(&input, encoder))?;
+        timer.stage(&self.gpu, Stage::Lookup, |encoder| {
+            let asked = (&*lookup, answer);
+            self.resolver.encode(&self.gpu, encoder, &self.frame, &targets, &**technique, asked);
+        })?;
+        timer.stage(&self.gpu, Stage::Screen, |encoder| {
+            technique.encode_screen(&input, &self.frame, &targets, encoder);
+        })?;
+        timer.stage(&self.gpu, Stage::Composite, |encoder| {
+            let filtered = technique.has_screen_passes();
+            let factor = if filtered { &targets.filtered } else { &targets.factor };
+            self.composite.encode(&self.gpu, encoder, &self.frame, &targets, &factor.view);
+        })?;
+        let times = timer.finish(&self.gpu)?;
+        self.targets = Some(targets);
+        Ok(times)
+    }
+
+    /// A technique's answers for a list of points, as it would give them in a frame of `shot`: cascades are those of its
+    /// camera.
+    ///
+    /// # Errors
+    /// What the technique or the device reports.
+    pub fn answer(
+        &mut self,
+        shot: &Shot,
+        prepared: &mut Prepared,
+        points: &[SurfacePoint],
+    ) -> Result<Vec<f32>> {
+        self.write_frame(shot);
+        let view = shot.camera.view();
+        let input = self.input(shot, &view);
+        let Prepared { technique, lookup } = prepared;
+        technique.prepare(&input)?;
+        let mut encoder = self.gpu.encoder("answer::depth");
+        technique.encode_depth(&input, &mut encoder);
+        self.gpu.finish(encoder.finish())?;
+        let queries: Vec<PointQuery> = points
+            .iter()
+            .map(|p| {
+                let r: [f64; 3] = std::array::from_fn(|a| p.p_world[a] - input.anchor_world[a]);
+                let n = p.normal.map(|c| c as f32);
+                PointQuery {
+                    p_relative: [r[0] as f32, r[1] as f32, r[2] as f32, view.depth(p.p_world) as f32],
+                    normal: [n[0], n[1], n[2], 0.0],
+                }
+            })
+            .collect();
+        self.resolver.answer(&self.gpu, &self.frame, &**technique, lookup, &queries)
+    }
+
+    /// The shadow factor of the last frame, after a technique's screen passes; 1 where nothing is. Row 0 at the top.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read_factor(&self, prepared: &Prepared) -> Result<Vec<f32>> {
+        let Some(targets) = &self.targets else { return Ok(Vec::new()) };
+        let filtered = prepared.technique.has_screen_passes();
+        let target = if filtered { &targets.filtered } else { &targets.factor };
+        read_floats(&self.gpu, &target.texture, 0, 0)
+    }
+
+    /// The picture of the last frame: RGBA, sRGB, row 0 at the top.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read_picture(&self) -> Result<Vec<u8>> {
+        let Some(targets) = &self.targets else { return Ok(Vec::new()) };
+        read_texture(&self.gpu, &targets.picture.texture, 0, 0)
+    }
+
+    /// The surfaces of the last frame.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read_surface(&self, shot: &Shot) -> Result<SurfaceImage> {
+        let Some(targets) = &self.targets else {
+            return Ok(SurfaceImage { view_depth: Vec::new(), normal: Vec::new() });
+        };
+        let k = frame(&shot.camera, &self.bounds(), shot.towards_sun, shot.number).depth_to_z;
+        let to_z = |d: f32| if d == 0.0 { f32::INFINITY } else { (k[0] + k[1] * d) / (k[2] + k[3] * d) };
+        let depth = read_floats(&self.gpu, &targets.depth.texture, 0, 0)?;
+        let normals = read_texture(&self.gpu, &targets.normal.texture, 0, 0)?;
+        let normal = normals
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|b| std::array::from_fn(|a| half_to_f32(u16::from_le_bytes([b[2 * a], b[2 * a + 1]]))));
+        Ok(SurfaceImage { view_depth: depth.into_iter().map(to_z).collect(), normal: normal.collect() })
+    }
+
+    /// The last frame's targets, for tests that hold a pass against its twin.
+    pub fn targets(&self) -> Option<&Targets> {
+        self.targets.as_ref()
+    }
+
+    /// Box of everything, movers included.
+    pub fn bounds(&self) -> Bounds {
+        let all = self.scene.buffers.bounds();
+        self.movers.as_ref().map_or(all, |m| {
+            let b = m.buffers.bounds();
+            Bounds {
+                min: std::array::from_fn(|a| all.min[a].min(b.min[a])),
+                max: std::array::from_fn(|a| all.max[a].max(b.max[a])),
+            }
+        })
+    }
+
+    fn write_frame(&self, shot: &Shot) {
+        let frame = frame(&shot.camera, &self.bounds(), shot.towards_sun, shot.number);
+        self.gpu.queue.write_buffer(&self.frame, 0, &frame.bytes());
+    }
+
+    fn input<'a>(&'a self, shot: &'a Shot, view: &'a adumbra::camera::View) -> FrameInput<'a> {
+        FrameInput {
+            gpu: &self.gpu,
+            camera: &shot.camera,
+            view,
+            anchor_world: view.eye.map(|c| f64::from(c as f32)),
+            towards_sun: shot.towards_sun,
+            scene: &self.scene.buffers,
+            movers: self.movers.as_ref().map(|m| &m.buffers),
+            bounds: self.bounds(),
+            number: shot.number,
+        }
+    }
+}
+
+const EMPTY_CAMERA: Camera = Camera {
+    eye: [0.0; 3],
+    target: [0.0, 0.0, -1.0],
+    projection: adumbra::camera::Projection::Perspective { fov_degrees: 45.0 },
+    width: 1,
+    height: 1,
+};
+
+/// IEEE 754 binary16; normals need neither infinities nor NaN.
+fn half_to_f32(bits: u16) -> f32 {
+    let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
+    let exponent = i32::from(bits >> 10 & 31);
+    let fraction = f32::from(bits & 1023) / 1024.0;
+    let magnitude = if exponent == 0 {
+        fraction * 2.0_f32.powi(-14)
+    } else {
+        (1.0 + fraction) * 2.0_f32.powi(exponent - 15)
+    };
+    sign * magnitude
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half_to_f32;
+
+    #[test]
+    fn half_floats_have_their_values() {
+        for (bits, value) in [(0x3c00, 1.0), (0xbc00, -1.0), (0x3800, 0.5), (0, 0.0), (0x3555, 0.333_251_95)]
+        {
+            assert_eq!(half_to_f32(bits), value);
+        }
+    }
+}

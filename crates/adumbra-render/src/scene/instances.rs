@@ -1,0 +1,164 @@
+//! Where meshes stand, and which of them a view sees.
+
+use adumbra::scene::Scene;
+
+use super::SceneBuffers;
+use crate::gpu::Gpu;
+
+/// Three rows of four floats.
+pub(super) const INSTANCE_BYTES: u64 = 48;
+
+/// A convex volume: points with `xyz · p + w >= 0` for each plane, world space.
+#[derive(Clone, Debug, Default)]
+pub struct Volume {
+    /// The planes; none means everything.
+    pub planes: Vec<[f64; 4]>,
+}
+
+impl Volume {
+    /// Whether a box may reach into the volume; errs towards yes.
+    pub fn may_touch(&self, center: [f64; 3], half: [f64; 3]) -> bool {
+        self.planes.iter().all(|p| {
+            let distance: f64 = (0..3).map(|a| p[a] * center[a]).sum::<f64>() + p[3];
+            let reach: f64 = (0..3).map(|a| p[a].abs() * half[a]).sum();
+            distance + reach >= 0.0
+        })
+    }
+}
+
+struct Instance {
+    rows: [[f32; 4]; 3],
+    center: [f64; 3],
+    half: [f64; 3],
+    casts: bool,
+}
+
+/// Instances sorted by mesh, with their boxes.
+pub(super) struct Placed {
+    instances: Vec<Instance>,
+    /// Where each mesh's instances begin, and the end.
+    starts: Vec<usize>,
+}
+
+impl Placed {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let boxes: Vec<_> = scene.meshes.iter().map(|m| mesh_box(&m.positions)).collect();
+        let mut order: Vec<usize> = (0..scene.instances.len()).collect();
+        order.sort_by_key(|&i| scene.instances[i].mesh);
+        let mut starts = vec![0; scene.meshes.len() + 1];
+        for instance in &scene.instances {
+            starts[instance.mesh as usize + 1] += 1;
+        }
+        for m in 0..scene.meshes.len() {
+            starts[m + 1] += starts[m];
+        }
+        let instances = order.into_iter().map(|i| {
+            let instance = &scene.instances[i];
+            let (center, half) = boxes[instance.mesh as usize];
+            let world = instance.world_from_mesh;
+            Instance {
+                rows: world.map(|row| row.map(|c| c as f32)),
+                center: world.map(|r| (0..3).map(|a| r[a] * center[a]).sum::<f64>() + r[3]),
+                half: world.map(|r| (0..3).map(|a| r[a].abs() * half[a]).sum()),
+                casts: instance.casts,
+            }
+        });
+        Self { instances: instances.collect(), starts }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.instances.len()
+    }
+}
+
+/// Middle and half extent of a mesh's box.
+fn mesh_box(positions: &[[f32; 3]]) -> ([f64; 3], [f64; 3]) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in positions {
+        for a in 0..3 {
+            low[a] = low[a].min(f64::from(p[a]));
+            high[a] = high[a].max(f64::from(p[a]));
+        }
+    }
+    if positions.is_empty() {
+        return ([0.0; 3], [0.0; 3]);
+    }
+    let half_of = |f: fn(f64, f64) -> f64| std::array::from_fn(|a| 0.5 * f(high[a], low[a]));
+    (half_of(|h, l| h + l), half_of(|h, l| h - l))
+}
+
+/// The instances that one view draws, on the GPU.
+pub struct InstanceList {
+    buffer: wgpu::Buffer,
+    ranges: Vec<std::ops::Range<u32>>,
+    count: u32,
+}
+
+impl InstanceList {
+    /// A list with room for every instance of `scene`; nothing is in it yet.
+    pub fn new(gpu: &Gpu, label: &str, scene: &SceneBuffers) -> Self {
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: (scene.placed.len() as u64).max(1) * INSTANCE_BYTES,
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self { buffer, ranges: Vec::new(), count: 0 }
+    }
+
+    /// Lists the instances that may reach into `volume`; only those that cast, if `casters_only`. Cost: one test an
+    /// instance, and 48 bytes sent for each one listed.
+    pub fn update(&mut self, gpu: &Gpu, scene: &SceneBuffers, volume: &Volume, casters_only: bool) {
+        let placed = &scene.placed;
+        let mut rows: Vec<[[f32; 4]; 3]> = Vec::with_capacity(placed.instances.len());
+        self.ranges.clear();
+        for mesh in placed.starts.windows(2) {
+            let start = rows.len() as u32;
+            rows.extend(
+                placed.instances[mesh[0]..mesh[1]]
+                    .iter()
+                    .filter(|i| (i.casts || !casters_only) && volume.may_touch(i.center, i.half))
+                    .map(|i| i.rows),
+            );
+            self.ranges.push(start..rows.len() as u32);
+        }
+        self.count = rows.len() as u32;
+        if !rows.is_empty() {
+            gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&rows));
+        }
+    }
+
+    /// Instances listed.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.buffer.size()
+    }
+
+    pub(super) fn buffer(&self) -> &wgpu::Buffer {
+        &self.buffer
+    }
+
+    pub(super) fn ranges(&self) -> &[std::ops::Range<u32>] {
+        &self.ranges
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volume_keeps_what_may_reach_in() {
+        let volume = Volume { planes: vec![[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 10.0]] };
+        assert!(volume.may_touch([5.0, 0.0, 0.0], [0.1; 3]));
+        assert!(volume.may_touch([-1.0, 0.0, 0.0], [1.5, 0.0, 0.0]));
+        assert!(!volume.may_touch([-1.0, 0.0, 0.0], [0.5; 3]));
+        assert!(!volume.may_touch([12.0, 3.0, 0.0], [1.0; 3]));
+        assert!(Volume::default().may_touch([1e9; 3], [0.0; 3]));
+    }
+}

@@ -1,0 +1,270 @@
+//! A scene on the GPU: meshes once, instances by mesh, materials with their textures.
+//!
+//! | buffer | holds | read by |
+//! |---|---|---|
+//! | corners | three a triangle: position, the triangle's normal, texture coordinates; by mesh, then opaque before masked, then material | G-buffer, masked casters |
+//! | positions, indices | welded as in the file, opaque casters only | depth from the light |
+//! | instances | rows of world from mesh, sorted by mesh; one list a view, see [`InstanceList`] | both |
+//!
+//! Cost on the GPU: 28 bytes a corner, 12 a position, 4 an index, 48 an instance and view.
+
+mod instances;
+mod materials;
+
+pub use instances::{InstanceList, Volume};
+
+use adumbra::scene::{AlphaMode, Bounds, Mesh, Scene};
+use wgpu::BufferUsages;
+
+use crate::error::{RenderError, Result};
+use crate::gpu::Gpu;
+use instances::Placed;
+use materials::Materials;
+
+/// Bytes of a corner: position 12, normal 8, texture coordinates 8.
+const CORNER_BYTES: u64 = 28;
+
+/// Corners of one material, one behind the other.
+#[derive(Clone, Debug)]
+struct Run {
+    material: u32,
+    corners: std::ops::Range<u32>,
+    masked: bool,
+    casts: bool,
+}
+
+struct MeshRuns {
+    runs: Vec<Run>,
+    caster_indices: std::ops::Range<u32>,
+    base_vertex: i32,
+}
+
+/// What to make of a scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SceneOptions {
+    /// Take every material as opaque.
+    pub ignore_alpha: bool,
+}
+
+/// A scene on the GPU.
+pub struct SceneBuffers {
+    corners: wgpu::Buffer,
+    positions: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    meshes: Vec<MeshRuns>,
+    materials: Materials,
+    placed: Placed,
+    bounds: Bounds,
+}
+
+impl SceneBuffers {
+    /// Uploads a scene, valid as [`adumbra::scene::load`] leaves it. Cost: one pass over stored triangles, and over the
+    /// instanced vertices for the bounds.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] where a buffer or a texture is larger than the device takes.
+    pub fn new(gpu: &Gpu, scene: &Scene, options: SceneOptions) -> Result<Self> {
+        let mut corners = Vec::new();
+        let mut positions: Vec<f32> = Vec::new();
+        let mut indices: Vec<u32> = Vec::new();
+        let mut meshes = Vec::new();
+        for mesh in &scene.meshes {
+            meshes.push(mesh_runs(scene, mesh, options, &mut corners, &mut positions, &mut indices));
+        }
+        let check = |what: &str, bytes: usize| {
+            let limit = gpu.device.limits().max_buffer_size;
+            if bytes as u64 <= limit {
+                return Ok(());
+            }
+            let mend = "leave parts of the scene out with --exclude, or split it";
+            Err(RenderError::TooLarge { what: what.to_owned(), bytes: bytes as u64, limit, mend })
+        };
+        check("the scene's corners", corners.len())?;
+        check("the scene's positions", positions.len() * 4)?;
+        check("the scene's indices", indices.len() * 4)?;
+        let bounds = scene.bounds();
+        Ok(Self {
+            corners: gpu.buffer("scene::corners", &corners, BufferUsages::VERTEX),
+            positions: gpu.buffer("scene::positions", bytemuck::cast_slice(&positions), BufferUsages::VERTEX),
+            indices: gpu.buffer("scene::indices", bytemuck::cast_slice(&indices), BufferUsages::INDEX),
+            meshes,
+            materials: Materials::new(gpu, scene)?,
+            placed: Placed::new(scene),
+            bounds,
+        })
+    }
+
+    /// Box of everything placed, as it was when uploaded.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Instances.
+    pub fn instance_count(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// Bytes on the GPU, textures included.
+    pub fn bytes(&self) -> u64 {
+        self.corners.size() + self.positions.size() + self.indices.size() + self.materials.bytes
+    }
+
+    /// Places the instances anew; `scene` has the meshes and instances that this was made from.
+    pub fn move_instances(&mut self, scene: &Scene) {
+        self.placed = Placed::new(scene);
+        self.bounds = scene.bounds();
+    }
+
+    /// Draws every material of the listed instances; `bind` sets the pipeline for opaque or masked corners before they are
+    /// drawn. Bind group 1 is the material's: [`material_layout`].
+    pub fn draw_surfaces(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        list: &InstanceList,
+        bind: impl Fn(&mut wgpu::RenderPass<'_>, bool),
+    ) {
+        self.draw_runs(pass, list, bind, |_| true);
+    }
+
+    /// Draws the opaque casters of the listed instances, by position alone: vertex buffer 0 holds positions, 1 instances.
+    pub fn draw_opaque_casters(&self, pass: &mut wgpu::RenderPass<'_>, list: &InstanceList) {
+        if self.indices.size() <= 4 {
+            return;
+        }
+        pass.set_vertex_buffer(0, self.positions.slice(..));
+        pass.set_vertex_buffer(1, list.buffer().slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for (mesh, instances) in self.meshes.iter().zip(list.ranges()) {
+            if !instances.is_empty() && !mesh.caster_indices.is_empty() {
+                pass.draw_indexed(mesh.caster_indices.clone(), mesh.base_vertex, instances.clone());
+            }
+        }
+    }
+
+    /// Draws the masked casters of the listed instances: corners and instances, bind group 1 the material's. `bind` is
+    /// called once before the first, and not at all where there are none.
+    pub fn draw_masked_casters(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        list: &InstanceList,
+        bind: impl Fn(&mut wgpu::RenderPass<'_>),
+    ) {
+        self.draw_runs(pass, list, |pass, _| bind(pass), |run| run.masked && run.casts);
+    }
+
+    fn draw_runs(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        list: &InstanceList,
+        bind: impl Fn(&mut wgpu::RenderPass<'_>, bool),
+        wanted: impl Fn(&Run) -> bool,
+    ) {
+        for masked in [false, true] {
+            let mut bound = false;
+            let mut material = None;
+            for (mesh, instances) in self.meshes.iter().zip(list.ranges()) {
+                for run in mesh.runs.iter().filter(|run| run.masked == masked && wanted(run)) {
+                    if instances.is_empty() {
+                        continue;
+                    }
+                    if !bound {
+                        bind(pass, masked);
+                        pass.set_vertex_buffer(0, self.corners.slice(..));
+                        pass.set_vertex_buffer(1, list.buffer().slice(..));
+                        bound = true;
+                    }
+                    if material != Some(run.material) {
+                        pass.set_bind_group(1, self.materials.group(run.material), &[]);
+                        material = Some(run.material);
+                    }
+                    pass.draw(run.corners.clone(), instances.clone());
+                }
+            }
+        }
+    }
+}
+
+/// The layout of a material's bind group: parameters, colour texture, sampler.
+pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    materials::layout(gpu)
+}
+
+/// Vertex buffers of a pipeline that draws corners: position, normal, uv at locations 0 to 2, instance rows at 3 to 5.
+pub const CORNER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: CORNER_BYTES,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Float32x2],
+    }),
+    Some(INSTANCE_LAYOUT),
+];
+
+/// Vertex buffers of a pipeline that draws opaque casters: position at location 0, instance rows at 3 to 5.
+pub const CASTER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: 12,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+    }),
+    Some(INSTANCE_LAYOUT),
+];
+
+const INSTANCE_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: instances::INSTANCE_BYTES,
+    step_mode: wgpu::VertexStepMode::Instance,
+    attributes: &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4],
+};
+
+fn mesh_runs(
+    scene: &Scene,
+    mesh: &Mesh,
+    options: SceneOptions,
+    corners: &mut Vec<u8>,
+    positions: &mut Vec<f32>,
+    indices: &mut Vec<u32>,
+) -> MeshRuns {
+    let base_vertex = (positions.len() / 3) as i32;
+    positions.extend(mesh.positions.iter().flatten());
+    let masked = |m: u32| !options.ignore_alpha && scene.materials[m as usize].alpha != AlphaMode::Opaque;
+    let casts = |m: u32| scene.materials[m as usize].casts;
+    let first_index = indices.len() as u32;
+    let by_material: Vec<(u32, [u32; 3])> = {
+        let mut triangles: Vec<_> =
+            mesh.triangle_materials.iter().copied().zip(mesh.triangles.iter().copied()).collect();
+        triangles.sort_by_key(|&(m, _)| (masked(m), m));
+        triangles
+    };
+    let mut runs: Vec<Run> = Vec::new();
+    for (material, triangle) in by_material {
+        if casts(material) && !masked(material) {
+            indices.extend(triangle);
+        }
+        let at = (corners.len() as u64 / CORNER_BYTES) as u32;
+        push_corners(mesh, triangle, corners);
+        match runs.last_mut() {
+            Some(run) if run.material == material => run.corners.end = at + 3,
+            _ => runs.push(Run {
+                material,
+                corners: at..at + 3,
+                masked: masked(material),
+                casts: casts(material),
+            }),
+        }
+    }
+    MeshRuns { runs, caster_indices: first_index..indices.len() as u32, base_vertex }
+}
+
+fn push_corners(mesh: &Mesh, triangle: [u32; 3], corners: &mut Vec<u8>) {
+    let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
+    let edge = |to: [f64; 3]| glam::DVec3::from(std::array::from_fn::<f64, 3, _>(|k| to[k] - a[k]));
+    // Edges of length one, so that the cross product of very small triangles does not vanish.
+    let normal = edge(b).normalize_or_zero().cross(edge(c).normalize_or_zero()).normalize_or_zero();
+    let packed = [normal.x, normal.y, normal.z].map(|c| (c * 32767.0).round() as i16);
+    for i in triangle {
+        mesh.positions[i as usize].iter().for_each(|c| corners.extend(c.to_le_bytes()));
+        packed.iter().for_each(|c| corners.extend(c.to_le_bytes()));
+        corners.extend([0; 2]);
+        let uv = mesh.uvs.get(i as usize).copied().unwrap_or_default();
+        uv.iter().for_each(|c| corners.extend(c.to_le_bytes()));
+    }
+}

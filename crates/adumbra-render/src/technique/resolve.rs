@@ -1,0 +1,142 @@
+//! The look-up: a technique's `shadow_factor` for every pixel, or for every point of a list.
+
+use adumbra_shaders::layout::PointQuery;
+use adumbra_shaders::{assemble, source};
+use wgpu::{BindGroupLayout, BufferUsages, ShaderStages};
+
+use super::{Answer, Technique};
+use crate::error::Result;
+use crate::frame::{FACTOR_FORMAT, Targets};
+use crate::gpu::{Gpu, binding};
+use crate::readback::read_buffer;
+
+/// Pixels of a workgroup along each side; as in passes/resolve.wgsl.
+const GROUP: u32 = 8;
+/// Points of a workgroup; as in passes/points.wgsl.
+const POINT_GROUP: u32 = 64;
+
+/// Layouts that look-ups share.
+pub struct Resolver {
+    pixels: BindGroupLayout,
+    points: BindGroupLayout,
+}
+
+/// Pipelines of one technique.
+pub struct Lookup {
+    pixels: Option<wgpu::ComputePipeline>,
+    cascades: Option<wgpu::ComputePipeline>,
+    points: Option<wgpu::ComputePipeline>,
+}
+
+impl Resolver {
+    /// Makes the layouts.
+    pub fn new(gpu: &Gpu) -> Self {
+        let pixels = [binding::UNIFORM, binding::DEPTH, binding::LOADED, binding::written(FACTOR_FORMAT)];
+        let points = [binding::UNIFORM, binding::STORAGE, binding::STORAGE_OUT];
+        Self {
+            pixels: gpu.layout("resolve", ShaderStages::COMPUTE, &pixels),
+            points: gpu.layout("points", ShaderStages::COMPUTE, &points),
+        }
+    }
+
+    /// Builds a technique's pipelines.
+    pub fn lookup(&self, gpu: &Gpu, technique: &dyn Technique) -> Lookup {
+        let [first, second] = technique.layouts();
+        let pipeline = |layout, answer, pass, entry| {
+            let files = technique.sources(answer)?;
+            let all: Vec<_> =
+                [source::SURFACE, source::FRAME].into_iter().chain(files).chain([pass]).collect();
+            let label = format!("{entry}::{}", technique.name());
+            Some(gpu.compute(&label, assemble(&all), entry, &[Some(layout), first, second]))
+        };
+        Lookup {
+            pixels: pipeline(&self.pixels, Answer::Visibility, source::RESOLVE, "resolve"),
+            cascades: pipeline(&self.pixels, Answer::Cascade, source::RESOLVE, "resolve"),
+            points: pipeline(&self.points, Answer::Visibility, source::POINTS, "answer_points"),
+        }
+    }
+
+    /// Answers every pixel into `targets.factor`; false where the technique has no such answer.
+    pub fn encode(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &wgpu::Buffer,
+        targets: &Targets,
+        technique: &dyn Technique,
+        (lookup, answer): (&Lookup, Answer),
+    ) -> bool {
+        let pipeline = match answer {
+            Answer::Visibility => &lookup.pixels,
+            Answer::Cascade => &lookup.cascades,
+        };
+        let Some(pipeline) = pipeline else { return false };
+        let group = gpu.bind(
+            "resolve",
+            &self.pixels,
+            vec![
+                frame.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&targets.depth.view),
+                wgpu::BindingResource::TextureView(&targets.normal.view),
+                wgpu::BindingResource::TextureView(&targets.factor.view),
+            ],
+        );
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        bind_technique(&mut pass, technique);
+        let [w, h] = targets.size;
+        pass.dispatch_workgroups(w.div_ceil(GROUP), h.div_ceil(GROUP), 1);
+        true
+    }
+
+    /// Answers a list of points; the technique is prepared and its depth passes are drawn.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn answer(
+        &self,
+        gpu: &Gpu,
+        frame: &wgpu::Buffer,
+        technique: &dyn Technique,
+        lookup: &Lookup,
+        points: &[PointQuery],
+    ) -> Result<Vec<f32>> {
+        let Some(pipeline) = &lookup.points else { return Ok(Vec::new()) };
+        let most = gpu.max_binding_bytes.min(1 << 27) as usize / 32;
+        let mut factors = Vec::with_capacity(points.len());
+        for chunk in points.chunks(most.min(65535 * POINT_GROUP as usize)) {
+            let bytes: Vec<u8> = chunk.iter().flat_map(PointQuery::bytes).collect();
+            let asked = gpu.buffer("points", &bytes, BufferUsages::STORAGE);
+            let answered = gpu.buffer(
+                "factors",
+                &vec![0; chunk.len() * 4],
+                BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            );
+            let group = gpu.bind(
+                "points",
+                &self.points,
+                vec![frame.as_entire_binding(), asked.as_entire_binding(), answered.as_entire_binding()],
+            );
+            let mut encoder = gpu.encoder("points");
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            bind_technique(&mut pass, technique);
+            pass.dispatch_workgroups((chunk.len() as u32).div_ceil(POINT_GROUP), 1, 1);
+            drop(pass);
+            gpu.finish(encoder.finish())?;
+            let bytes = read_buffer(gpu, &answered)?;
+            factors.extend(bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)));
+        }
+        Ok(factors)
+    }
+}
+
+fn bind_technique(pass: &mut wgpu::ComputePass<'_>, technique: &dyn Technique) {
+    for (index, group) in (1..).zip(technique.groups()) {
+        if let Some(group) = group {
+            pass.set_bind_group(index, group, &[]);
+        }
+    }
+}

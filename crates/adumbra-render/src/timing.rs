@@ -1,0 +1,109 @@
+//! How long each stage of a frame took: GPU timestamps where there are any, else wall time of its submission.
+
+use wgpu::{BufferUsages, Features};
+
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::readback::read_buffer;
+
+/// A stage of a frame, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Depth, normals and base colour.
+    GBuffer,
+    /// A technique's depth passes and what else comes before its look-up.
+    Depth,
+    /// The look-up for every pixel.
+    Lookup,
+    /// A technique's passes on the screen.
+    Screen,
+    /// Sun, sky and shadow.
+    Composite,
+}
+
+const STAGES: usize = 5;
+
+/// Milliseconds by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameTimes {
+    /// By [`Stage`].
+    pub milliseconds: [f64; STAGES],
+    /// Wall times, because the device has no timestamps.
+    pub wall_time: bool,
+}
+
+impl FrameTimes {
+    /// Milliseconds of one stage.
+    pub fn of(&self, stage: Stage) -> f64 {
+        self.milliseconds[stage as usize]
+    }
+
+    /// Milliseconds that the shadows took: depth passes, look-up and screen passes.
+    pub fn shadow(&self) -> f64 {
+        self.of(Stage::Depth) + self.of(Stage::Lookup) + self.of(Stage::Screen)
+    }
+}
+
+/// Measures the stages of a frame.
+pub(crate) struct StageTimer {
+    queries: Option<(wgpu::QuerySet, wgpu::Buffer)>,
+    wall: [f64; STAGES],
+}
+
+impl StageTimer {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let has = gpu.has(Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
+        let queries = has.then(|| {
+            let count = 2 * STAGES as u32;
+            let set = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("frame::times"),
+                ty: wgpu::QueryType::Timestamp,
+                count,
+            });
+            let usage = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC;
+            (set, gpu.buffer("frame::times", &vec![0; count as usize * 8], usage))
+        });
+        Self { queries, wall: [0.0; STAGES] }
+    }
+
+    /// Encodes, submits and, where there are no timestamps, waits for one stage.
+    pub(crate) fn stage(
+        &mut self,
+        gpu: &Gpu,
+        stage: Stage,
+        encode: impl FnOnce(&mut wgpu::CommandEncoder),
+    ) -> Result<()> {
+        let mut encoder = gpu.encoder("frame");
+        let first = 2 * stage as u32;
+        if let Some((set, _)) = &self.queries {
+            encoder.write_timestamp(set, first);
+            encode(&mut encoder);
+            encoder.write_timestamp(set, first + 1);
+            gpu.queue.submit([encoder.finish()]);
+            return gpu.check();
+        }
+        encode(&mut encoder);
+        let commands = encoder.finish();
+        gpu.wait()?;
+        let start = std::time::Instant::now();
+        gpu.finish(commands)?;
+        self.wall[stage as usize] = start.elapsed().as_secs_f64() * 1e3;
+        Ok(())
+    }
+
+    /// Waits for the frame and gives its times; every stage was encoded.
+    pub(crate) fn finish(&self, gpu: &Gpu) -> Result<FrameTimes> {
+        let Some((set, buffer)) = &self.queries else {
+            return Ok(FrameTimes { milliseconds: self.wall, wall_time: true });
+        };
+        let mut encoder = gpu.encoder("frame::times");
+        encoder.resolve_query_set(set, 0..2 * STAGES as u32, buffer, 0);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = read_buffer(gpu, buffer)?;
+        let ticks: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|b| u64::from_le_bytes(*b)).collect();
+        let period = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
+        let milliseconds =
+            std::array::from_fn(|s| ticks[2 * s + 1].saturating_sub(ticks[2 * s]) as f64 * period);
+        Ok(FrameTimes { milliseconds, wall_time: false })
+    }
+}

@@ -1,0 +1,53 @@
+//! Devices that lack something, or go away.
+
+mod kit;
+
+use adumbra_render::{
+    Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, build,
+};
+
+fn shot() -> Shot {
+    Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 }
+}
+
+#[test]
+fn device_without_timestamps_still_draws_and_says_so() {
+    let without = Features::all();
+    let gpu = Gpu::request(&GpuOptions { without, ..GpuOptions::default() }).unwrap();
+    assert_eq!(gpu.left_out().len(), 3, "{:?}", gpu.left_out());
+    let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let mut none = renderer.prepare(none).unwrap();
+    let times = renderer.draw(&shot(), &mut none, Answer::Visibility).unwrap();
+    assert!(times.wall_time);
+    assert!(renderer.read_picture().unwrap().iter().any(|&byte| byte != 0));
+}
+
+#[test]
+fn lost_device_is_an_error_and_not_a_hang() {
+    let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let mut none = renderer.prepare(none).unwrap();
+    renderer.gpu().device.destroy();
+    let outcome = renderer
+        .draw(&shot(), &mut none, Answer::Visibility)
+        .and_then(|_| renderer.read_picture().map(|_| ()));
+    assert!(matches!(outcome, Err(RenderError::Lost { .. })), "{outcome:?}");
+}
+
+#[test]
+fn adapter_that_does_not_exist_is_named_with_what_is_there() {
+    let adapter = Some("no such adapter".to_owned());
+    let Err(error) = Gpu::request(&GpuOptions { adapter, ..GpuOptions::default() }) else {
+        panic!("there is such an adapter");
+    };
+    assert!(matches!(error, RenderError::NoAdapter { .. }), "{error}");
+    assert!(error.to_string().contains("no such adapter"), "{error}");
+}
+
+#[test]
+fn unknown_technique_is_named_with_those_that_exist() {
+    let gpu = kit::gpu();
+    let Err(error) = build(&gpu, &"cvs".parse().unwrap(), Baked::default()) else { panic!("it exists") };
+    assert!(error.to_string().contains("none"), "{error}");
+}

@@ -1,0 +1,26 @@
+//! What GPU tests share.
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::scene::{GeneratedKind, Scene, generate};
+use adumbra_render::{Gpu, GpuOptions};
+
+/// A device. There is always one to be had: the message says how.
+pub(crate) fn gpu() -> Gpu {
+    Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A small generated city.
+pub(crate) fn city() -> Scene {
+    generate(GeneratedKind::City, 7)
+}
+
+/// A camera over it.
+pub(crate) fn camera(width: u32, height: u32) -> Camera {
+    let projection = Projection::Perspective { fov_degrees: 45.0 };
+    Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], projection, width, height }
+}
+
+/// A unit vector towards the sun.
+pub(crate) fn sun() -> [f64; 3] {
+    adumbra::light::Sun::from_direction([0.5, 0.8, 0.35]).unwrap().towards()
+}
