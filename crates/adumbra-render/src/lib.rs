@@ -27,6 +27,7 @@ mod renderer;
 pub mod scene;
 pub mod technique;
 mod timing;
+pub mod voxel;
 
 pub use error::{RenderError, Result};
 pub use gpu::{Gpu, GpuOptions};

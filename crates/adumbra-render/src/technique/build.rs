@@ -6,6 +6,7 @@ use super::spec::TechniqueSpec;
 use super::{NoShadows, Technique};
 use crate::error::Result;
 use crate::gpu::Gpu;
+use crate::voxel::{Cubes, Voxel};
 
 /// Baked files that techniques may look up in.
 #[derive(Clone, Copy, Default)]
@@ -17,18 +18,25 @@ pub struct Baked<'a> {
 }
 
 /// Every technique, and one line of what it is.
-pub const TECHNIQUES: &[(&str, &str)] = &[("none", "no shadows")];
+pub const TECHNIQUES: &[(&str, &str)] = &[
+    ("none", "no shadows"),
+    ("voxel", "a light-aligned file, filtered over texels"),
+    ("voxel-cubes", "a world-aligned file, filtered over voxels"),
+    ("voxel-texture", "the same, read from an RGBA8 texture"),
+];
 
 /// Builds a technique.
 ///
 /// # Errors
 /// [`crate::RenderError::Technique`] for a name or a value that does not exist, or a file that is missing; what the device cannot hold.
-pub fn build(_gpu: &Gpu, spec: &TechniqueSpec, _baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
     match spec.name() {
         "none" => {
             spec.reader().finish()?;
             Ok(Box::new(NoShadows))
         }
+        "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
+        "voxel-cubes" | "voxel-texture" => Ok(Box::new(Cubes::from_spec(gpu, spec, baked.tree)?)),
         _ => {
             let names: Vec<&str> = TECHNIQUES.iter().map(|(name, _)| *name).collect();
             Err(spec.wrong(format!("there are: {}", names.join(", "))))
