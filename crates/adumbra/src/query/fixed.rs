@@ -31,7 +31,7 @@ pub const MARGIN_VOXELS: i32 = 1024;
 pub const MAX_FIXED_SIDE: u32 = (1 << 19) - (1 << 12);
 
 /// Largest number of a gradient.
-const MAX_GRADIENT: i32 = (MAX_SLOPE * GRADIENT_ONE as f64) as i32;
+pub const MAX_GRADIENT: i32 = (MAX_SLOPE * GRADIENT_ONE as f64) as i32;
 
 /// A [`Receiver`] in fixed point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

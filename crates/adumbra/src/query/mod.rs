@@ -13,6 +13,7 @@ mod tree_receiver;
 
 pub use fixed::{
     FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, GRADIENT_ONE, MARGIN_VOXELS, MAX_FIXED_SIDE,
+    MAX_GRADIENT,
 };
 pub use penumbra::PenumbraQuery;
 pub use plan::PlanLevels;
