@@ -34,6 +34,6 @@ pub use error::{RenderError, Result};
 pub use gpu::{Gpu, GpuOptions};
 pub use renderer::{Prepared, Renderer, Shot, SurfaceImage, SurfacePoint};
 pub use scene::SceneOptions;
-pub use technique::{Answer, Baked, TECHNIQUES, TechniqueSpec, build};
+pub use technique::{Answer, Baked, Given, TECHNIQUES, TechniqueSpec, build};
 pub use timing::{FrameTimes, Stage};
 pub use wgpu::Features;

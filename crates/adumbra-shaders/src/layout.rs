@@ -82,7 +82,7 @@ gpu_struct! {
 
 gpu_struct! {
     /// A pass that blurs moments of one layer.
-    pub struct BlurParams {
+    pub struct MomentBlurParams {
         /// Layer of the depth map, texels a side, taps beside the middle one on either side, 0.
         pub counts: [u32; 4],
         /// Positive and negative exponent; 0, 0.
@@ -186,7 +186,7 @@ pub const STRUCTS: &[StructInfo] = &[
     Frame::INFO,
     MapLayer::INFO,
     MapParams::INFO,
-    BlurParams::INFO,
+    MomentBlurParams::INFO,
     VoxelParams::INFO,
     PointQuery::INFO,
     BlurParams::INFO,

@@ -89,6 +89,8 @@ sources! {
     BLUR_HALF = "passes/blur_half.wgsl";
     /// To half size and back within surfaces.
     BLUR_HALF_EDGES = "passes/blur_half_edges.wgsl";
+    /// Factors made elsewhere, as a technique.
+    GIVEN = "passes/given.wgsl";
     /// Sun, sky and shadow factor on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }

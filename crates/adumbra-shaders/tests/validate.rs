@@ -185,6 +185,7 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_EDGES]),
     ("blur_half", &[source::BLUR_HALF]),
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
+    ("given", &[source::SURFACE, source::FRAME, source::GIVEN, source::RESOLVE]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 

@@ -2,7 +2,7 @@
 //!
 //! Each layer is filtered apart, with its border repeated: nothing of one cascade reaches another.
 
-use adumbra_shaders::layout::{Array, BlurParams};
+use adumbra_shaders::layout::{Array, MomentBlurParams};
 use adumbra_shaders::{Source, assemble, source};
 use wgpu::{BindingResource, ShaderStages, TextureFormat};
 
@@ -119,10 +119,10 @@ impl MomentsPass {
     }
 }
 
-fn blur_params(settings: &MomentSettings, weights: &[f32], layer: u32, size: u32) -> BlurParams {
+fn blur_params(settings: &MomentSettings, weights: &[f32], layer: u32, size: u32) -> MomentBlurParams {
     let weight = |i: usize| weights.get(i).copied().unwrap_or(0.0);
     let exponents = settings.exponents.map(|e| e as f32);
-    BlurParams {
+    MomentBlurParams {
         counts: [layer, size, weights.len() as u32 - 1, 0],
         exponents: [exponents[0], exponents[1], 0.0, 0.0],
         weights: Array(std::array::from_fn(|row| std::array::from_fn(|c| weight(4 * row + c)))),

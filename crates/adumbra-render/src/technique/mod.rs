@@ -1,10 +1,12 @@
 //! What every shadow technique is: buffers of its own, passes before the look-up, the look-up, and passes on the screen after it.
 
 mod build;
+mod given;
 mod resolve;
 pub mod spec;
 
 pub use build::{Baked, TECHNIQUES, build};
+pub use given::Given;
 pub use resolve::{Lookup, Resolver};
 pub use spec::TechniqueSpec;
 

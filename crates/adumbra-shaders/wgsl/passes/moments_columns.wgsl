@@ -1,6 +1,6 @@
 // Moments of one layer, blurred along columns by a Gaussian; one thread a texel.
 
-@group(0) @binding(0) var<uniform> blur: BlurParams;
+@group(0) @binding(0) var<uniform> blur: MomentBlurParams;
 @group(0) @binding(1) var moments_in: texture_2d<f32>;
 @group(0) @binding(2) var moments_out: MomentsOut;
 

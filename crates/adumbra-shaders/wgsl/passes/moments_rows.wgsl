@@ -1,7 +1,7 @@
 // Moments of one layer's depth, blurred along rows by a Gaussian; one thread a texel. The border's texels are repeated beyond it, and
 // other layers are never read.
 
-@group(0) @binding(0) var<uniform> blur: BlurParams;
+@group(0) @binding(0) var<uniform> blur: MomentBlurParams;
 @group(0) @binding(1) var map_depth: texture_depth_2d_array;
 @group(0) @binding(2) var moments_out: MomentsOut;
 
