@@ -22,6 +22,7 @@ pub mod composite;
 mod error;
 pub mod frame;
 pub mod gpu;
+pub mod movers;
 pub mod readback;
 mod renderer;
 pub mod scene;
