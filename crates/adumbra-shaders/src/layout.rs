@@ -73,8 +73,22 @@ gpu_struct! {
         /// View depth where shadows begin to fade to lit, and where they are gone; tangent of half the sun's angle; largest
         /// filter radius in texels.
         pub reach: [f32; 4],
-        /// Least variance, share of the tail cut off, positive and negative exponent.
+        /// Least standard deviation of depth in texels, share of the tail cut off, positive and negative exponent.
         pub moments: [f32; 4],
+        /// Edge of a pixel in world units at view depth 0, and what a unit of view depth adds; mip levels of moments; 0.
+        pub pixel: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// A pass that blurs moments of one layer.
+    pub struct MomentBlurParams {
+        /// Layer of the depth map, texels a side, taps beside the middle one on either side, 0.
+        pub counts: [u32; 4],
+        /// Positive and negative exponent; 0, 0.
+        pub exponents: [f32; 4],
+        /// Weights of the middle tap and those beside it, 4 by 4; they and their mirror images sum to one.
+        pub weights: Array<[f32; 4], 4>,
     }
 }
 
@@ -172,6 +186,7 @@ pub const STRUCTS: &[StructInfo] = &[
     Frame::INFO,
     MapLayer::INFO,
     MapParams::INFO,
+    MomentBlurParams::INFO,
     VoxelParams::INFO,
     PointQuery::INFO,
     BlurParams::INFO,

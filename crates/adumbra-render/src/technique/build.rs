@@ -6,6 +6,7 @@ use super::spec::TechniqueSpec;
 use super::{NoShadows, Technique};
 use crate::error::Result;
 use crate::gpu::Gpu;
+use crate::maps::{MapSettings, ShadowMap};
 use crate::screen_blur::{BlurSettings, ScreenBlur};
 
 /// Baked files that techniques may look up in.
@@ -20,6 +21,18 @@ pub struct Baked<'a> {
 /// Every technique, and one line of what it is.
 pub const TECHNIQUES: &[(&str, &str)] = &[
     ("none", "no shadows"),
+    ("sm", "shadow map, nearest texel"),
+    ("pcf", "shadow map, comparisons over filter=2 (the sampler's own), 3, 5, 7 or poisson"),
+    ("pcss", "shadow map, penumbrae of a sun of angle= degrees"),
+    ("vsm", "variance shadow map, blur= texels, light bleeding cut at bleed="),
+    ("evsm", "exponential variance shadow map"),
+    ("msm", "moment shadow map"),
+    (
+        "csm",
+        "cascades=1 to 8, split=practical, uniform or log, filter=1, 2, 3, 5, 7 or poisson, static=cached",
+    ),
+    ("csm-vsm", "cascades of variance shadow maps"),
+    ("csm-evsm", "cascades of exponential variance shadow maps"),
     ("blur", "another technique's factor, blurred on the screen"),
     ("blur-dilate", "the same, with the shade dilated first"),
     ("blur-bilateral", "the same, within surfaces"),
@@ -44,6 +57,9 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
         }
         _ => {
+            if let Some(settings) = MapSettings::from_spec(spec)? {
+                return Ok(Box::new(ShadowMap::new(gpu, &spec.to_string(), settings)?));
+            }
             let names: Vec<&str> = TECHNIQUES.iter().map(|(name, _)| *name).collect();
             Err(spec.wrong(format!("there are: {}", names.join(", "))))
         }
