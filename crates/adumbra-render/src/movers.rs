@@ -16,6 +16,8 @@ const COLUMNS: u32 = 128;
 const LENGTHS: [f64; 3] = [8.0, 14.0, 24.0];
 /// A caster nearer than this, in radii, is not what casts a shade to walk into.
 const NEAREST_CASTER: f64 = 3.0;
+/// Half width of a shade to walk into, in radii.
+const WIDE: f64 = 4.0;
 /// Keys of a path, so that it follows the ground.
 const KEYS: u32 = 9;
 
@@ -139,8 +141,9 @@ impl BallPath {
             let turn = side * f64::from((turn + 1) / 2) * std::f64::consts::PI / 8.0;
             eye(turn + 0.4, (25.0 + 14.0 * f64::from(rise)).to_radians())
         });
-        let found = places.clone().find(|&e| sees(e)).or_else(|| places.clone().last());
-        [found.unwrap_or(target), target]
+        let places: Vec<[f64; 3]> = places.collect();
+        let free = places.iter().position(|&e| sees(e)).unwrap_or(places.len() - 1);
+        [places[free], target]
     }
 }
 
@@ -213,7 +216,10 @@ impl Finder<'_> {
         };
         let lit = points.iter().all(|&p| !self.still.occluded(&to_sun(p, 0.0)));
         let away = NEAREST_CASTER * self.radius;
-        let shadowed = !lit && points.iter().all(|&p| self.still.occluded(&to_sun(p, away)));
+        // A wide shade, such as a building's: the ball is in it as a whole, and so is its surrounding.
+        let wide =
+            around.map(|d| std::array::from_fn(|a| center[a] + if a == 1 { 0.0 } else { WIDE * d[a] }));
+        let shadowed = !lit && points.iter().chain(&wide).all(|&p| self.still.occluded(&to_sun(p, away)));
         // Nothing may stand within the ball's reach.
         let free = around[1..].iter().all(|&d| {
             let direction = d.map(|c| 1.5 * c);
