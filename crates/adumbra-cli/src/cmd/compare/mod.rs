@@ -24,7 +24,7 @@ const PATH_FRAMES: u32 = 60;
 
 pub(crate) fn run(args: &Compare) -> Outcome {
     args.check()?;
-    let specs = parse(&args.shadow)?;
+    let specs = with_sun_angle(parse(&args.shadow)?, args.sun_angle)?;
     if args.device.device == DeviceArg::Cpu {
         return Err(Failure::Usage(
             "--device cpu: compare draws on a GPU adapter; a software one will do".to_owned(),
@@ -44,6 +44,15 @@ pub(super) fn parse(names: &[String]) -> Result<Vec<TechniqueSpec>, Failure> {
         }
     }
     Ok(specs)
+}
+
+/// `pcss` shows the sun that it is judged by, unless it was told otherwise.
+fn with_sun_angle(specs: Vec<TechniqueSpec>, angle_degrees: f64) -> Result<Vec<TechniqueSpec>, Failure> {
+    let told = |spec: &TechniqueSpec| spec.name() != "pcss" || spec.reader().text("angle").is_some();
+    let sees = |spec: TechniqueSpec| {
+        if told(&spec) { Ok(spec) } else { Ok(format!("{spec}:angle={angle_degrees}").parse()?) }
+    };
+    specs.into_iter().map(sees).collect()
 }
 
 fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outcome {
