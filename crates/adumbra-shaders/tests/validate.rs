@@ -23,14 +23,6 @@ const MODULES: &[(&str, &[Source])] = &[
             source::MAP_NEAREST,
             source::MAP_LOOKUP,
             source::MAP_ONLY,
-        "voxel",
-        &[
-            source::SURFACE,
-            source::FRAME,
-            source::GRID,
-            source::VOXEL,
-            source::WORDS_1,
-            source::VOXEL_PASS,
             source::RESOLVE,
         ],
     ),
@@ -194,6 +186,20 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_half", &[source::BLUR_HALF]),
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
     ("given", &[source::SURFACE, source::FRAME, source::GIVEN, source::RESOLVE]),
+    ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
+    (
+        "voxel",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::GRID,
+            source::VOXEL,
+            source::WORDS_1,
+            source::VOXEL_PASS,
+            source::RESOLVE,
+        ],
+    ),
+    (
         "voxel in six bindings, fixed point",
         &[
             source::SURFACE,
@@ -229,7 +235,6 @@ const MODULES: &[(&str, &[Source])] = &[
         ],
     ),
     ("decode_texture", &[source::WORDS_TEXTURE, source::DECODE_TEXTURE]),
-    ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 
 fn module(name: &str, files: &[Source]) -> naga::Module {
