@@ -147,7 +147,7 @@ fn camera_of(
     from_file: Option<Camera>,
 ) -> Result<(String, Camera), Failure> {
     let [width, height] = args.view.size;
-    let plain = args.view.camera(truth.bounds())?;
+    let plain = args.view.camera(truth.bounds(), None)?;
     if let Some(camera) = from_file {
         let name = args.camera.as_deref().map(Path::new).and_then(Path::file_name);
         let name = name.map_or_else(String::new, |n| n.to_string_lossy().into_owned());
