@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use adumbra::bake::{Options, Preset, Size};
 use adumbra::light::Sun;
-use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, NameFilter};
+use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
 use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
 pub(crate) use bench::{Bench, BenchBake, BenchTree, BenchVerb, BenchVerify};
@@ -120,6 +120,10 @@ pub(crate) struct SceneArgs {
     /// Take masked and blended materials as opaque
     #[arg(long)]
     pub(crate) ignore_alpha: bool,
+    /// Take animated instances too, standing still in their first pose; without it they are left out, because they move.
+    /// Give it to verify where it was given to bake
+    #[arg(long)]
+    include_animated: bool,
 }
 
 impl SceneArgs {
@@ -128,6 +132,7 @@ impl SceneArgs {
             filter: NameFilter::new(&self.only, &self.exclude)?,
             color_textures: false,
             ignore_alpha: self.ignore_alpha,
+            movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::LeaveOut },
         })
     }
 }

@@ -11,6 +11,9 @@ pub enum Error {
     /// The library could not do its part.
     #[error(transparent)]
     Library(#[from] adumbra::Error),
+    /// The renderer could not do its part.
+    #[error(transparent)]
+    Render(#[from] adumbra_render::RenderError),
     /// Two things that belong together differ in size.
     #[error("{what} differ in size: {left} and {right}")]
     Sizes {

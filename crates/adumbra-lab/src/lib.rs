@@ -1,7 +1,12 @@
 //! Compares shadows with ray-traced truth.
 
+pub mod compare;
 pub mod error;
 pub mod metrics;
+pub mod paths;
+pub mod pictures;
+pub mod report;
+pub mod shimmer;
 pub mod truth;
 mod vector;
 

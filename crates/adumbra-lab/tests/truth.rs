@@ -27,7 +27,7 @@ fn shared_truth_matches_another_renderer_through_its_cameras() {
         let surfaces = tracer.surfaces(&view.camera);
         let factors = tracer.factors(&surfaces, towards, SunShape::Hard);
         let (mut judged, mut agreeing, mut apart) = (0_u32, 0_u32, 0_u32);
-        for i in 0..factors.len() {
+        for (i, factor) in factors.iter().enumerate() {
             let far = (0..3).any(|a| {
                 (surfaces.position[i][a] - f64::from(view.position[i][a])).abs()
                     > 1e-4 * tracer.bounds().diagonal()
@@ -36,7 +36,7 @@ fn shared_truth_matches_another_renderer_through_its_cameras() {
                 apart += 1;
             } else if view.valid[i] && view.n_dot_l[i] > 0.1 {
                 judged += 1;
-                agreeing += u32::from((factors[i] > 0.5) == (view.visibility[i] > 0.5));
+                agreeing += u32::from((*factor > 0.5) == (view.visibility[i] > 0.5));
             }
         }
         let share = f64::from(agreeing) / f64::from(judged);
@@ -88,13 +88,13 @@ fn truth_of_a_box_is_its_analytic_shadow() {
     let sun = Sun::from_direction([1.0, 1.0, 0.0]).unwrap();
     let surfaces = truth.surfaces(&above(96, 48));
     let factors = truth.factors(&surfaces, sun.towards(), SunShape::Hard);
-    for i in 0..surfaces.pixels() {
+    for (i, factor) in factors.iter().enumerate() {
         let [x, y, z] = surfaces.position[i];
         assert_eq!(surfaces.normal[i], [0.0, 1.0, 0.0]);
         assert!((surfaces.view_depth[i] - (30.0 - y)).abs() < 1e-9);
         // The box throws its shadow four metres to -x.
         let shadowed = y < 1.0 && z.abs() < 1.0 && (-5.0..-1.0).contains(&x);
-        assert_eq!(factors[i], f32::from(u8::from(!shadowed)), "{x} {y} {z}");
+        assert_eq!(*factor, f32::from(u8::from(!shadowed)), "{x} {y} {z}");
     }
     // Straight below the disc's middle, half of it is seen at the shadow's far rim.
     let soft = truth.factors(&surfaces, sun.towards(), SunShape::Disc { angle_degrees: 10.0, samples: 64 });

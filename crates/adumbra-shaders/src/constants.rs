@@ -8,6 +8,8 @@ macro_rules! shared {
         pub fn declarations() -> String {
             let mut text = String::new();
             $(text += &format!("const {}: {} = {:?};\n", stringify!($name), stringify!($kind), $name);)*
+            let points: Vec<_> = POISSON_DISC.iter().map(|[x, y]| format!("vec2f({x:?}, {y:?})")).collect();
+            text += &format!("const POISSON_DISC = array<vec2f, {}>({});\n", points.len(), points.join(", "));
             text + "\n"
         }
     };
@@ -16,6 +18,8 @@ macro_rules! shared {
 shared! {
     /// Most layers of a shadow map.
     MAX_LAYERS: u32 = 8;
+    /// Most neighbours on either side of a screen-space blur; one less than the length of `BlurParams::taps`.
+    MAX_BLUR_SIDE: u32 = 32;
     /// Slopes above this count as this (`adumbra::settings::MAX_SLOPE`).
     MAX_SLOPE: f32 = 9.95;
     /// A voxel in the fixed-point numbers of grid positions.
@@ -40,4 +44,43 @@ shared! {
     TOP_LIT: u32 = u32::MAX;
     /// Top-grid entry: the whole root cube is shadowed (`adumbra::dag::SHADOWED`).
     TOP_SHADOWED: u32 = u32::MAX - 1;
+    /// Share that four moments of depth move towards those of an even spread: what their rounding needs in 32-bit floats.
+    MOMENT_BIAS: f32 = 0.000003;
 }
+
+/// Points in the unit disc, far from each other from the first few on; their mean is the middle. Made once by best candidates
+/// (Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*, 1991).
+pub const POISSON_DISC: [[f32; 2]; 32] = [
+    [-0.052, -0.009],
+    [0.661, 0.478],
+    [0.684, -0.426],
+    [-0.150, 0.820],
+    [-0.186, -0.824],
+    [-0.809, 0.308],
+    [-0.777, -0.414],
+    [0.346, -0.830],
+    [0.450, 0.020],
+    [0.164, 0.436],
+    [-0.338, 0.386],
+    [0.086, -0.449],
+    [-0.512, -0.030],
+    [-0.583, 0.746],
+    [0.288, 0.854],
+    [0.877, 0.005],
+    [-0.342, -0.424],
+    [-0.973, -0.064],
+    [-0.581, -0.769],
+    [0.368, -0.299],
+    [0.073, -0.954],
+    [0.187, 0.147],
+    [0.609, -0.712],
+    [0.425, 0.314],
+    [0.408, 0.600],
+    [0.864, 0.284],
+    [-0.064, 0.274],
+    [-0.811, 0.586],
+    [-0.097, 0.555],
+    [-0.276, -0.161],
+    [-0.290, 0.115],
+    [0.345, -0.565],
+];

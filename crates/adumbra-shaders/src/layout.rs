@@ -73,8 +73,22 @@ gpu_struct! {
         /// View depth where shadows begin to fade to lit, and where they are gone; tangent of half the sun's angle; largest
         /// filter radius in texels.
         pub reach: [f32; 4],
-        /// Least variance, share of the tail cut off, positive and negative exponent.
+        /// Least standard deviation of depth in texels, share of the tail cut off, positive and negative exponent.
         pub moments: [f32; 4],
+        /// Edge of a pixel in world units at view depth 0, and what a unit of view depth adds; mip levels of moments; 0.
+        pub pixel: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// A pass that blurs moments of one layer.
+    pub struct MomentBlurParams {
+        /// Layer of the depth map, texels a side, taps beside the middle one on either side, 0.
+        pub counts: [u32; 4],
+        /// Positive and negative exponent; 0, 0.
+        pub exponents: [f32; 4],
+        /// Weights of the middle tap and those beside it, 4 by 4; they and their mirror images sum to one.
+        pub weights: Array<[f32; 4], 4>,
     }
 }
 
@@ -198,6 +212,24 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// A screen-space blur of the shadow factor. "Texels" are those of the picture that is blurred, which may be half the size of the
+    /// frame's.
+    pub struct BlurParams {
+        /// Neighbours on either side; pixels of the frame a texel (1 or 2) along a side; axis of a line (0 along x, 1 along y);
+        /// radius of the dilation in texels.
+        pub counts: [u32; 4],
+        /// Width and height in texels, width and height of the frame.
+        pub size: [u32; 4],
+        /// Sigma in texels; how far off a pixel's plane its surface may lie, in pixels; 0; 0.
+        pub shape: [f32; 4],
+        /// Pairs on either side, 0, 0, 0.
+        pub pairs: [u32; 4],
+        /// By distance i: weight of the texel i away, all of a line adding to 1; offset in texels and weight of pair i; 0.
+        pub taps: Array<[f32; 4], 33>,
+    }
+}
+
+gpu_struct! {
     /// What the composite makes of the G-buffer and the shadow factor. Colours are linear.
     pub struct CompositeParams {
         /// Sunlight.
@@ -241,6 +273,7 @@ pub const STRUCTS: &[StructInfo] = &[
     Frame::INFO,
     MapLayer::INFO,
     MapParams::INFO,
+    MomentBlurParams::INFO,
     GridTransform::INFO,
     VoxelParams::INFO,
     CubesParams::INFO,
@@ -249,6 +282,7 @@ pub const STRUCTS: &[StructInfo] = &[
     VoxelQuery::INFO,
     CubesQuery::INFO,
     PointQuery::INFO,
+    BlurParams::INFO,
     CompositeParams::INFO,
     MaterialParams::INFO,
 ];

@@ -43,6 +43,48 @@ sources! {
     GBUFFER = "passes/gbuffer.wgsl";
     /// Depth from the light.
     MAP_DEPTH = "passes/map_depth.wgsl";
+    /// A point as a layer of a shadow map sees it.
+    MAPS = "core/maps.wgsl";
+    /// Discs of taps, turned from pixel to pixel.
+    DISC = "core/disc.wgsl";
+    /// Comparisons with a depth map, and their means.
+    PCF = "core/pcf.wgsl";
+    /// Penumbrae by the distance of blockers.
+    PCSS = "core/pcss.wgsl";
+    /// What all statistics of depth share.
+    MOMENTS = "core/moments.wgsl";
+    /// Mean and mean square of depth.
+    VSM = "core/vsm.wgsl";
+    /// The same of two exponentials.
+    EVSM = "core/evsm.wgsl";
+    /// Four moments of depth.
+    MSM = "core/msm.wgsl";
+    /// Layers of a map, their blends and where shadows end.
+    MAP_LOOKUP = "passes/map_lookup.wgsl";
+    /// A shadow map as the whole technique.
+    MAP_ONLY = "passes/map_only.wgsl";
+    /// The layer that a point falls in.
+    MAP_CASCADE = "passes/map_cascade.wgsl";
+    /// One texel compared.
+    MAP_NEAREST = "passes/map_nearest.wgsl";
+    /// The sampler's 2 × 2 comparisons.
+    MAP_HARDWARE = "passes/map_hardware.wgsl";
+    /// A square of comparisons.
+    MAP_PCF = "passes/map_pcf.wgsl";
+    /// A disc of comparisons.
+    MAP_POISSON = "passes/map_poisson.wgsl";
+    /// Soft shadows of a sun with a size.
+    MAP_PCSS = "passes/map_pcss.wgsl";
+    /// Moments through a filtering sampler.
+    MAP_MOMENTS = "passes/map_moments.wgsl";
+    /// Moments blended in the shader.
+    MAP_MOMENTS_LOADED = "passes/map_moments_loaded.wgsl";
+    /// Moments of a layer's depth, blurred along rows.
+    MOMENTS_ROWS = "passes/moments_rows.wgsl";
+    /// Moments blurred along columns.
+    MOMENTS_COLUMNS = "passes/moments_columns.wgsl";
+    /// The next mip level of moments.
+    MOMENTS_MIP = "passes/moments_mip.wgsl";
     /// A technique's answer for every pixel of the G-buffer.
     RESOLVE = "passes/resolve.wgsl";
     /// A technique's answer for a list of points.
@@ -59,6 +101,20 @@ sources! {
     VOXEL_CUBES_FIXED = "passes/voxel_cubes_fixed.wgsl";
     /// A texture's words into a storage buffer.
     DECODE_TEXTURE = "passes/decode_texture.wgsl";
+    /// Weights of the screen-space blur.
+    BLUR = "core/blur.wgsl";
+    /// The shadow factor blurred over the picture.
+    BLUR_PASS = "passes/blur.wgsl";
+    /// The same with two neighbours a sample.
+    BLUR_PAIRS = "passes/blur_pairs.wgsl";
+    /// The shadow factor blurred within surfaces.
+    BLUR_EDGES = "passes/blur_edges.wgsl";
+    /// To half size and back.
+    BLUR_HALF = "passes/blur_half.wgsl";
+    /// To half size and back within surfaces.
+    BLUR_HALF_EDGES = "passes/blur_half_edges.wgsl";
+    /// Factors made elsewhere, as a technique.
+    GIVEN = "passes/given.wgsl";
     /// Sun, sky and shadow factor on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }

@@ -23,6 +23,7 @@ pub(crate) fn run(args: &Inspect) -> Outcome {
             "instanced_triangles": instanced,
             "meshes": scene.meshes.len(),
             "instances": scene.instances.len(),
+            "movers_left_out": scene.notes.movers_left_out,
             "materials": scene.materials.len(),
             "masked_materials": masked,
             "blended_materials": scene.notes.blended_materials,

@@ -61,6 +61,13 @@ fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
             notes.blended_materials
         );
     }
+    if notes.movers_left_out > 0 {
+        eprintln!(
+            "note: {}: {} animated instances are left out: they move; --include-animated takes them in their first pose",
+            path.display(),
+            notes.movers_left_out
+        );
+    }
     Ok(scene)
 }
 

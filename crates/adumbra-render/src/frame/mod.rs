@@ -7,7 +7,7 @@ mod gbuffer;
 mod targets;
 
 pub use gbuffer::GBuffer;
-pub use targets::{DEPTH_FORMAT, FACTOR_FORMAT, Targets};
+pub use targets::{DEPTH_FORMAT, FACTOR_FORMAT, Target, Targets};
 
 use adumbra::camera::{Camera, View};
 use adumbra::scene::Bounds;

@@ -1,6 +1,6 @@
 //! Where meshes stand, and which of them a view sees.
 
-use adumbra::scene::Scene;
+use adumbra::scene::{Bounds, Scene};
 
 use super::SceneBuffers;
 use crate::gpu::Gpu;
@@ -64,6 +64,14 @@ impl Placed {
             }
         });
         Self { instances: instances.collect(), starts }
+    }
+
+    /// World boxes of the instances.
+    pub(super) fn boxes(&self) -> impl Iterator<Item = Bounds> {
+        self.instances.iter().map(|i| Bounds {
+            min: std::array::from_fn(|a| i.center[a] - i.half[a]),
+            max: std::array::from_fn(|a| i.center[a] + i.half[a]),
+        })
     }
 
     pub(super) fn len(&self) -> usize {

@@ -13,6 +13,7 @@ mod materials;
 
 pub use instances::{InstanceList, Volume};
 
+use adumbra::light::{LightExtent, Sun};
 use adumbra::scene::{AlphaMode, Bounds, Mesh, Scene};
 use wgpu::BufferUsages;
 
@@ -97,6 +98,13 @@ impl SceneBuffers {
     /// Box of everything placed, as it was when uploaded.
     pub fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    /// What the boxes of everything placed cover along the light's axes. Cost: eight corners an instance.
+    pub fn light_extent(&self, sun: &Sun) -> LightExtent {
+        let mut extent = LightExtent::empty(sun);
+        self.placed.boxes().for_each(|b| extent.add_box(&b));
+        extent
     }
 
     /// Instances.

@@ -6,6 +6,8 @@ use super::spec::TechniqueSpec;
 use super::{NoShadows, Technique};
 use crate::error::Result;
 use crate::gpu::Gpu;
+use crate::maps::{MapSettings, ShadowMap};
+use crate::screen_blur::{BlurSettings, ScreenBlur};
 use crate::voxel::{Cubes, Voxel};
 
 /// Baked files that techniques may look up in.
@@ -23,6 +25,21 @@ pub const TECHNIQUES: &[(&str, &str)] = &[
     ("voxel", "a light-aligned file, filtered over texels"),
     ("voxel-cubes", "a world-aligned file, filtered over voxels"),
     ("voxel-texture", "the same, read from an RGBA8 texture"),
+    ("sm", "shadow map, nearest texel"),
+    ("pcf", "shadow map, comparisons over filter=2 (the sampler's own), 3, 5, 7 or poisson"),
+    ("pcss", "shadow map, penumbrae of a sun of angle= degrees"),
+    ("vsm", "variance shadow map, blur= texels, light bleeding cut at bleed="),
+    ("evsm", "exponential variance shadow map"),
+    ("msm", "moment shadow map"),
+    (
+        "csm",
+        "cascades=1 to 8, split=practical, uniform or log, filter=1, 2, 3, 5, 7 or poisson, static=cached",
+    ),
+    ("csm-vsm", "cascades of variance shadow maps"),
+    ("csm-evsm", "cascades of exponential variance shadow maps"),
+    ("blur", "another technique's factor, blurred on the screen"),
+    ("blur-dilate", "the same, with the shade dilated first"),
+    ("blur-bilateral", "the same, within surfaces"),
 ];
 
 /// Builds a technique.
@@ -37,7 +54,18 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
         }
         "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
         "voxel-cubes" | "voxel-texture" => Ok(Box::new(Cubes::from_spec(gpu, spec, baked.tree)?)),
+        "blur" | "blur-dilate" | "blur-bilateral" => {
+            let (settings, base) = BlurSettings::read(spec)?;
+            if base.name().starts_with("blur") {
+                return Err(spec.wrong("base: a blur over a blur".to_owned()));
+            }
+            let base = build(gpu, &base, baked)?;
+            Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
+        }
         _ => {
+            if let Some(settings) = MapSettings::from_spec(spec)? {
+                return Ok(Box::new(ShadowMap::new(gpu, &spec.to_string(), settings)?));
+            }
             let names: Vec<&str> = TECHNIQUES.iter().map(|(name, _)| *name).collect();
             Err(spec.wrong(format!("there are: {}", names.join(", "))))
         }

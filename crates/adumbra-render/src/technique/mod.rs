@@ -1,10 +1,12 @@
 //! What every shadow technique is: buffers of its own, passes before the look-up, the look-up, and passes on the screen after it.
 
 mod build;
+mod given;
 mod resolve;
 pub mod spec;
 
 pub use build::{Baked, TECHNIQUES, build};
+pub use given::Given;
 pub use resolve::{Lookup, Resolver};
 pub use spec::TechniqueSpec;
 
@@ -15,6 +17,7 @@ use adumbra_shaders::{Source, source};
 use crate::error::Result;
 use crate::frame::Targets;
 use crate::gpu::Gpu;
+use crate::maps::ShadowMap;
 use crate::scene::SceneBuffers;
 
 /// What a frame is drawn from.
@@ -95,6 +98,11 @@ pub trait Technique {
     /// Bytes that the technique holds on the GPU for its shadows.
     fn bytes(&self) -> u64 {
         0
+    }
+
+    /// Its shadow map, where it has one, for those who read it back.
+    fn map(&self) -> Option<&ShadowMap> {
+        None
     }
 
     /// What it had to leave out on this device, or changed of what was asked.

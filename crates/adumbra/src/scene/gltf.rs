@@ -2,9 +2,10 @@
 //!
 //! The `gltf` crate parses the container and the JSON; accessors are read here with their bounds checked, so that
 //! no file can make it panic, and quantised positions work. A mesh is stored once however many nodes place it.
-//! Animations, morph targets, vertex colours, cameras and lights are not read.
+//! Animations of nodes make movers; morph targets, vertex colours, cameras and lights are not read.
 
 mod accessor;
+mod animations;
 mod container;
 mod materials;
 mod meshes;
@@ -16,12 +17,14 @@ use std::path::Path;
 use ::gltf::json::{Root, mesh::Primitive};
 use hashbrown::HashMap;
 
+use super::affine::{self, IDENTITY};
+use super::movers::{Mover, MoverPolicy, Movers};
 use super::validate::{Sieve, finish, read};
 use super::{Instance, LoadNotes, LoadOptions, Scene};
 use crate::error::{Error, Result};
+use animations::Animations;
 use container::{Buffers, bad};
 use meshes::{Builder, has_triangles, material_of};
-pub(super) use nodes::IDENTITY;
 use nodes::Nodes;
 
 /// Required extensions that are understood, or that change nothing about what is opaque where.
@@ -97,10 +100,21 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         let primitives: Vec<&Primitive> = kept(&root, variant).collect();
         scene.meshes.push(builder.build(name, &primitives, skin.as_ref(), &mut sieve)?);
     }
+    let animations = Animations::load(path, &root, &buffers, &nodes, &mut scene.notes)?;
+    let placer = Placer { path, root: &root, buffers: &buffers, nodes: &nodes, animations: &animations };
+    let mut movers = Vec::new();
     for placing in &plan.placings {
-        place(path, &root, &buffers, &nodes, placing, &mut scene)?;
+        placer.place(placing, &mut scene, &mut movers)?;
     }
+    placer.note_moving_skins(&plan, &mut scene.notes);
+    scene.movers = Movers::new(movers, animations.moving);
     (scene.materials, scene.textures) = (materials.list, materials.textures);
+    scene.pose(0.0);
+    match options.movers {
+        MoverPolicy::Keep => {}
+        MoverPolicy::LeaveOut => scene.notes.movers_left_out = scene.remove_movers() as u64,
+        MoverPolicy::Freeze => scene.movers = Movers::default(),
+    }
     finish(path, scene, &sieve, options)
 }
 
@@ -201,37 +215,53 @@ fn kept<'a>(root: &'a Root, variant: &'a Variant) -> impl Iterator<Item = &'a Pr
     variant.kept.iter().filter_map(|&i| primitives.get(i as usize))
 }
 
-fn place(
-    path: &Path,
-    root: &Root,
-    buffers: &Buffers<'_>,
-    nodes: &Nodes,
-    placing: &Placing,
-    scene: &mut Scene,
-) -> Result<()> {
-    let &Placing { variant, node, casts } = placing;
-    let json = &root.nodes[node];
-    let mut add = |world_from_mesh| {
-        let name = nodes::name(json, node);
-        scene.instances.push(Instance { name, mesh: variant, world_from_mesh, casts });
-    };
-    if json.skin.is_some() {
-        add(IDENTITY);
-        return Ok(());
-    }
-    let world = &nodes.world[node];
-    match nodes::gpu_instances(path, root, buffers, node)? {
-        None => add(*world),
-        Some(maps) => {
-            for map in &maps {
-                let world_from_mesh = nodes::multiply(world, map);
-                if !nodes::is_finite(&world_from_mesh) {
-                    let what = format!("the transform of node {:?}", nodes::name(json, node));
-                    return Err(Error::NotFinite { path: path.to_owned(), what });
-                }
-                add(world_from_mesh);
+/// What instances are made from.
+struct Placer<'a> {
+    path: &'a Path,
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    nodes: &'a Nodes,
+    animations: &'a Animations,
+}
+
+impl Placer<'_> {
+    /// Adds the instances of a placing, and those of them that move to `movers`.
+    fn place(&self, placing: &Placing, scene: &mut Scene, movers: &mut Vec<Mover>) -> Result<()> {
+        let &Placing { variant, node, casts } = placing;
+        let json = &self.root.nodes[node];
+        let mut add = |world_from_mesh| {
+            let name = nodes::name(json, node);
+            scene.instances.push(Instance { name, mesh: variant, world_from_mesh, casts });
+            scene.instances.len() as u32 - 1
+        };
+        if json.skin.is_some() {
+            add(IDENTITY);
+            return Ok(());
+        }
+        let maps = nodes::gpu_instances(self.path, self.root, self.buffers, node)?;
+        for map in maps.as_deref().unwrap_or(&[IDENTITY]) {
+            let world_from_mesh = affine::multiply(&self.nodes.world[node], map);
+            if !affine::is_finite(&world_from_mesh) {
+                let what = format!("the transform of node {:?}", nodes::name(json, node));
+                return Err(Error::NotFinite { path: self.path.to_owned(), what });
+            }
+            let instance = add(world_from_mesh);
+            if let Some((on, moving_from_node)) = self.animations.of_node(node) {
+                let node_from_mesh = affine::multiply(&moving_from_node, map);
+                movers.push(Mover { instance, node: on, node_from_mesh });
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    /// Skins stand in the pose of the file's nodes, whatever their joints do.
+    fn note_moving_skins(&self, plan: &Plan, notes: &mut LoadNotes) {
+        let skins = plan.placings.iter().filter_map(|p| self.root.nodes[p.node].skin);
+        let count = skins.filter(|s| self.animations.moves_skin(self.root, s.value())).count();
+        if count > 0 {
+            notes
+                .warnings
+                .push(format!("{count} skinned meshes have animated joints, which do not move them"));
+        }
+    }
 }

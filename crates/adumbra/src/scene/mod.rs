@@ -4,10 +4,12 @@
 //! Loaders ([`load`]) validate: after loading every vertex and transform is finite, every index is in range, and at
 //! least one triangle casts.
 
+mod affine;
 mod filter;
 mod generate;
 mod glb;
 mod gltf;
+mod movers;
 mod obj;
 mod ply;
 mod texture;
@@ -19,6 +21,7 @@ use std::path::Path;
 pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate};
 pub use glb::{to_glb, write_glb};
+pub use movers::{MoverPolicy, Movers};
 pub use texture::{Pixels, Texture, Wrap};
 
 use crate::error::{Error, Result};
@@ -34,6 +37,9 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Textures that materials name by index.
     pub textures: Vec<Texture>,
+    /// Which instances move, and how; their `world_from_mesh` is where they are at the time last asked for with [`Scene::pose`],
+    /// at first 0. A bake takes every instance as it stands: [`Scene::remove_movers`] first.
+    pub movers: Movers,
     /// What the loader noticed.
     pub notes: LoadNotes,
 }
@@ -109,6 +115,8 @@ pub struct LoadNotes {
     pub blended_triangles: u64,
     /// Lines and points that were skipped.
     pub skipped_primitives: u64,
+    /// Animated instances that were left out, by [`MoverPolicy::LeaveOut`].
+    pub movers_left_out: u64,
     /// Sentences for the user: skins in bind pose, missing colour textures, and so on.
     pub warnings: Vec<String>,
 }
@@ -122,6 +130,8 @@ pub struct LoadOptions {
     pub color_textures: bool,
     /// Take every material as opaque; no texture is needed then.
     pub ignore_alpha: bool,
+    /// What becomes of animated instances.
+    pub movers: MoverPolicy,
 }
 
 /// Axis-aligned box in world space.

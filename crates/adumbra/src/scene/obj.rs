@@ -8,7 +8,7 @@ mod tidy;
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::gltf::IDENTITY;
+use super::affine::IDENTITY;
 use super::validate::{Sieve, check_vertex, finish, read};
 use super::{AlphaMode, Instance, LoadNotes, LoadOptions, Material, Mesh, Pixels, Scene, Texture};
 use crate::error::{Error, Result};

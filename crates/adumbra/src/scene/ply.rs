@@ -9,7 +9,7 @@ use ply_rs_bw::ply::{
     ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
-use super::gltf::IDENTITY;
+use super::affine::IDENTITY;
 use super::validate::{Sieve, check_vertex, finish, read};
 use super::{Instance, LoadOptions, Material, Mesh, Scene};
 use crate::error::{Error, Result};

@@ -67,6 +67,12 @@ pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &Loa
         if sieve.degenerate > 0 && !sieve.spread {
             return Err(Error::ZeroExtent { path: path.to_owned() });
         }
+        if scene.notes.movers_left_out > 0 {
+            let movers = scene.notes.movers_left_out;
+            return empty(format!(
+                " that stand still: all {movers} instances are animated; --include-animated takes them in their first pose"
+            ));
+        }
         if sieve.degenerate > 0 {
             return empty(format!(" with an area: all {} have zero area", sieve.degenerate));
         }
@@ -91,23 +97,8 @@ pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &Loa
 }
 
 fn drop_empty_meshes(scene: &mut Scene) {
-    let mut new_index = Vec::with_capacity(scene.meshes.len());
-    let mut kept = 0_u32;
-    for mesh in &scene.meshes {
-        new_index.push(if mesh.triangles.is_empty() { None } else { Some(kept) });
-        kept += u32::from(!mesh.triangles.is_empty());
-    }
-    if kept as usize == new_index.len() {
-        return;
-    }
-    scene.meshes.retain(|m| !m.triangles.is_empty());
-    scene.instances.retain_mut(|instance| match new_index.get(instance.mesh as usize) {
-        Some(&Some(index)) => {
-            instance.mesh = index;
-            true
-        }
-        _ => false,
-    });
+    let empty: Vec<bool> = scene.meshes.iter().map(|m| m.triangles.is_empty()).collect();
+    scene.retain_meshes(|mesh| !empty[mesh]);
 }
 
 fn count_blended(scene: &mut Scene) {

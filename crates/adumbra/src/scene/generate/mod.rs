@@ -38,6 +38,13 @@ pub fn generate(kind: GeneratedKind, seed: u64) -> Scene {
     }
 }
 
+/// A ball of radius 1 about the origin: 1,280 triangles, corners on the sphere.
+pub(super) fn unit_ball(name: &str, material: u32) -> Mesh {
+    let mut builder = shapes::Builder::new(name, material);
+    builder.ball(3, |direction| direction);
+    builder.finish()
+}
+
 /// How deep things stand in what they stand on, so that no light gets below them.
 const SINK: f64 = 0.05;
 

@@ -7,18 +7,17 @@ use ::gltf::json::{Root, extras::Extras, scene::Node};
 use super::accessor::Accessor;
 use super::container::{Buffers, bad};
 use crate::error::{Error, Result};
-
-/// An affine map, row major, as [`crate::scene::Instance::world_from_mesh`].
-pub(in crate::scene) type Affine = [[f64; 4]; 3];
-
-/// The map that changes nothing.
-pub(in crate::scene) const IDENTITY: Affine =
-    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+use crate::scene::affine::{Affine, IDENTITY, compose, from_columns, is_finite, multiply};
+use crate::scene::movers::Rest;
 
 /// The node tree with transforms multiplied out.
 pub(super) struct Nodes {
     /// World transform of every node.
     pub(super) world: Vec<Affine>,
+    /// The parent of every node.
+    pub(super) parent: Vec<Option<usize>>,
+    /// Every node, after its parent.
+    pub(super) order: Vec<usize>,
     /// Nodes of the scene that have a mesh, depth first, with whether they cast.
     pub(super) drawn: Vec<(usize, bool)>,
 }
@@ -44,10 +43,10 @@ impl Nodes {
         }
         let roots: Vec<usize> = (0..count).filter(|&i| parent[i].is_none()).collect();
         let mut world = vec![IDENTITY; count];
-        let mut reached = 0;
+        let mut order = Vec::with_capacity(count);
         let mut stack: Vec<usize> = roots.clone();
         while let Some(index) = stack.pop() {
-            reached += 1;
+            order.push(index);
             let node = &root.nodes[index];
             let above = parent[index].map_or(IDENTITY, |p| world[p]);
             world[index] = multiply(&above, &local(node));
@@ -57,7 +56,7 @@ impl Nodes {
             }
             stack.extend(children(node));
         }
-        if reached != count {
+        if order.len() != count {
             return Err(bad(path, "its nodes form a cycle"));
         }
         let starts = match root.scene.map(|s| s.value()).or((!root.scenes.is_empty()).then_some(0)) {
@@ -68,7 +67,7 @@ impl Nodes {
             None => roots,
         };
         let drawn = walk(path, root, starts)?;
-        Ok(Self { world, drawn })
+        Ok(Self { world, parent, order, drawn })
     }
 }
 
@@ -127,7 +126,7 @@ pub(super) fn gpu_instances(
         let t = move_by.as_ref().and_then(|a| a.floats::<3>(i)).unwrap_or_default();
         let r = turn_by.as_ref().and_then(|a| a.floats::<4>(i)).unwrap_or([0.0, 0.0, 0.0, 1.0]);
         let s = scale_by.as_ref().and_then(|a| a.floats::<3>(i)).unwrap_or([1.0; 3]);
-        let map = compose(t, r, s);
+        let map = compose(t.map(f64::from), r.map(f64::from), s.map(f64::from));
         if !is_finite(&map) {
             let what = format!("the transform of instance {i} of node {index}");
             return Err(Error::NotFinite { path: path.to_owned(), what });
@@ -164,48 +163,19 @@ fn children(node: &Node) -> impl Iterator<Item = usize> + '_ {
     node.children.iter().flatten().map(|c| c.value())
 }
 
-/// `a · b`: first `b`, then `a`.
-pub(super) fn multiply(a: &Affine, b: &Affine) -> Affine {
-    std::array::from_fn(|r| {
-        std::array::from_fn(|c| {
-            let product = a[r][0] * b[0][c] + a[r][1] * b[1][c] + a[r][2] * b[2][c];
-            if c == 3 { product + a[r][3] } else { product }
-        })
-    })
-}
-
-/// The affine part of a column-major 4×4 matrix.
-pub(super) fn from_columns(m: &[f32; 16]) -> Affine {
-    std::array::from_fn(|r| std::array::from_fn(|c| f64::from(m[c * 4 + r])))
-}
-
-/// Whether all twelve numbers are finite.
-pub(super) fn is_finite(m: &Affine) -> bool {
-    m.iter().flatten().all(|v| v.is_finite())
-}
-
-fn local(node: &Node) -> Affine {
-    if let Some(matrix) = &node.matrix {
-        return from_columns(matrix);
+/// The node's own map, to its parent's frame.
+pub(super) fn local(node: &Node) -> Affine {
+    match &node.matrix {
+        Some(matrix) => from_columns(matrix),
+        None => rest(node).map(),
     }
-    let rotation = node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |r| r.0);
-    compose(node.translation.unwrap_or_default(), rotation, node.scale.unwrap_or([1.0; 3]))
 }
 
-/// Translation · rotation · scale; the quaternion is normalised first, a zero one turns nothing.
-fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Affine {
-    let q = rotation.map(f64::from);
-    let square = q.iter().map(|c| c * c).sum::<f64>();
-    let k = if square == 0.0 { 0.0 } else { 2.0 / square };
-    let [x, y, z, w] = q;
-    let turn = [
-        [1.0 - k * (y * y + z * z), k * (x * y - z * w), k * (x * z + y * w)],
-        [k * (x * y + z * w), 1.0 - k * (x * x + z * z), k * (y * z - x * w)],
-        [k * (x * z - y * w), k * (y * z + x * w), 1.0 - k * (x * x + y * y)],
-    ];
-    std::array::from_fn(|r| {
-        std::array::from_fn(
-            |c| if c == 3 { f64::from(translation[r]) } else { turn[r][c] * f64::from(scale[c]) },
-        )
-    })
+/// Where the node stands without an animation; a matrix is not looked at.
+pub(super) fn rest(node: &Node) -> Rest {
+    Rest {
+        translation: node.translation.unwrap_or_default(),
+        rotation: node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |r| r.0),
+        scale: node.scale.unwrap_or([1.0; 3]),
+    }
 }

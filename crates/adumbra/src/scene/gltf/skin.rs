@@ -6,8 +6,9 @@ use ::gltf::json::Root;
 
 use super::accessor::Accessor;
 use super::container::{Buffers, bad};
-use super::nodes::{Affine, Nodes, from_columns, multiply};
+use super::nodes::Nodes;
 use crate::error::Result;
+use crate::scene::affine::{Affine, IDENTITY, from_columns, multiply};
 
 /// Joint matrices of a skin, from mesh to world.
 pub(super) struct Skin {
@@ -42,7 +43,7 @@ impl Skin {
             let bind = binds.as_ref().and_then(|b| b.floats::<16>(i));
             world_from_mesh.push(bind.map_or(*world, |m| multiply(world, &from_columns(&m))));
         }
-        let node = nodes.world.get(node).copied().unwrap_or(super::nodes::IDENTITY);
+        let node = nodes.world.get(node).copied().unwrap_or(IDENTITY);
         Ok(Self { world_from_mesh, node })
     }
 

@@ -1,0 +1,80 @@
+//! Animated instances through the program: left out of a bake unless asked for, and verified as they were baked.
+
+mod kit;
+
+use kit::{Folder, adumbra, json};
+
+/// A ground, and a block above it that rises: one key 1 m up, one key 9 m up. The file is put together here.
+fn rising_block() -> Vec<u8> {
+    let mut bin = Vec::new();
+    let mut floats = |values: &[f32]| {
+        let from = bin.len();
+        bin.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+        (from, values.len() * 4)
+    };
+    let square = |half: f32| {
+        let corner = |x: f32, z: f32| [x * half, 0.0, z * half];
+        [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0)]
+            .into_iter()
+            .chain([corner(-1.0, -1.0), corner(1.0, 1.0), corner(1.0, -1.0)])
+            .flatten()
+            .collect::<Vec<f32>>()
+    };
+    let parts = [
+        (floats(&square(10.0)), 6, "VEC3"),
+        (floats(&square(2.0)), 6, "VEC3"),
+        (floats(&[0.0, 1.0]), 2, "SCALAR"),
+        (floats(&[0.0, 1.0, 0.0, 0.0, 9.0, 0.0]), 2, "VEC3"),
+    ];
+    let views: Vec<_> = parts
+        .iter()
+        .map(|((o, l), _, _)| serde_json::json!({"buffer": 0, "byteOffset": o, "byteLength": l}))
+        .collect();
+    let accessors: Vec<_> = (0..)
+        .zip(&parts)
+        .map(|(i, (_, n, t))| serde_json::json!({"bufferView": i, "componentType": 5126, "count": n, "type": t}))
+        .collect();
+    let document = serde_json::json!({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0, "name": "ground"}, {"mesh": 1, "name": "lift"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}, {"primitives": [{"attributes": {"POSITION": 1}}]}],
+        "animations": [{"samplers": [{"input": 2, "output": 3}],
+            "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}],
+        "buffers": [{"byteLength": bin.len()}], "bufferViews": views, "accessors": accessors,
+    });
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut glb = b"glTF".to_vec();
+    let length = 12 + 8 + text.len() + 8 + bin.len();
+    [2, length as u32, text.len() as u32].iter().for_each(|w: &u32| glb.extend(w.to_le_bytes()));
+    glb.extend(b"JSON");
+    glb.extend(text);
+    glb.extend((bin.len() as u32).to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(bin);
+    glb
+}
+
+#[test]
+fn bake_leaves_movers_out_and_verify_agrees() {
+    let folder = Folder::new();
+    let scene = folder.write("lift.glb", &rising_block());
+    let bake = |name: &str, more: &[&str]| {
+        let file = folder.path(name);
+        let words = [&["bake", &scene, "--resolution", "512", "-o", &file], more].concat();
+        let (code, said) = adumbra(&words);
+        assert_eq!(code, 0, "{said}");
+        (file, said)
+    };
+    let (without, said) = bake("without.adumbra", &[]);
+    assert!(said.contains("1 animated instances are left out"), "{said}");
+    let (with, said) = bake("with.adumbra", &["--include-animated"]);
+    assert!(!said.contains("left out"), "{said}");
+    let verify = |file: &str, more: &[&str]| {
+        let words = [&["verify", file, "--scene", &scene, "--samples", "20000", "--json"], more].concat();
+        json(&words)["shadowed_share"].as_f64().unwrap()
+    };
+    assert_eq!(verify(&without, &[]), 0.0);
+    // In its first pose the block stands 1 m up, and its shadow falls onto the ground.
+    assert!(verify(&with, &["--include-animated"]) > 0.02);
+}

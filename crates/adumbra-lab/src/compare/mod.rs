@@ -1,0 +1,230 @@
+//! Techniques beside the truth: each drawn by the renderer at one camera, and judged pixel by pixel.
+
+mod walk;
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::picture::Picture;
+use adumbra_render::{
+    Answer, FrameTimes, Given, Prepared, Renderer, Shot, Stage, SurfaceImage, TechniqueSpec,
+};
+pub use walk::walk;
+
+use crate::error::Result;
+use crate::metrics::{bands, factor_errors, flip, ssim};
+use crate::pictures::{difference_picture, picture_of_rgba};
+use crate::report::{CameraFigures, PixelCounts, TechniqueRow, TruthKind, median};
+use crate::truth::{Cache, Key, SunShape, Surfaces, TruthTracer};
+
+/// G-buffer and rays see the same surface where their view depths differ by no more than this share.
+pub const SAME_SURFACE: f64 = 1e-3;
+/// Pixels with a smaller cosine to the sun are not compared.
+pub const MIN_N_DOT_L: f64 = adumbra::verify::MIN_N_DOT_L;
+
+/// The truth's side of a comparison.
+pub struct Judge<'a, 's> {
+    /// The scene's rays.
+    pub truth: &'a TruthTracer<'s>,
+    /// Where traced pictures are kept.
+    pub cache: &'a Cache,
+    /// The scene's part of their keys.
+    pub scene: &'a Key,
+    /// Unit vector towards the sun.
+    pub towards_sun: [f64; 3],
+    /// The disc that soft techniques are judged by: full angle in degrees, rays a pixel.
+    pub disc: (f64, u32),
+}
+
+/// A technique to compare.
+pub struct Contender {
+    /// As it was asked for.
+    pub spec: TechniqueSpec,
+    /// Its pipelines; none for `truth` itself.
+    pub prepared: Option<Prepared>,
+    /// What judges it.
+    pub truth: TruthKind,
+}
+
+/// A technique's figures and pictures.
+pub struct Compared {
+    /// Its row of the report.
+    pub row: TechniqueRow,
+    /// Shadow factors, one a pixel.
+    pub factors: Vec<f32>,
+    /// What it drew.
+    pub picture: Picture,
+    /// Where it is wrong.
+    pub difference: Picture,
+}
+
+/// What one camera gave.
+pub struct Comparison {
+    /// Which pixels were compared.
+    pub pixels: PixelCounts,
+    /// Composited truths that judged a technique.
+    pub truths: Vec<(TruthKind, Picture)>,
+    /// One a contender.
+    pub compared: Vec<Compared>,
+}
+
+/// What judges a technique unless it is told otherwise: `pcss` and the blurs of the screen set out to show penumbrae, and get the disc; all
+/// others answer for the sun's middle, their filters only smooth the edge.
+pub fn truth_for(spec: &TechniqueSpec) -> TruthKind {
+    if spec.name() == "pcss" || spec.name().starts_with("blur") { TruthKind::Disc } else { TruthKind::Hard }
+}
+
+/// Draws every contender at `camera` and compares. The first frame of each is not timed; the medians are of the `frames` (at least 1) after it.
+///
+/// # Errors
+/// What the renderer reports; [`crate::Error::PictureTooSmall`] for a camera of fewer than 11 pixels a side. Cost: the frames, the truth
+/// where it is not kept yet, and about 3 µs a pixel and contender for the pictures' metrics.
+pub fn compare(
+    renderer: &mut Renderer,
+    judge: &Judge<'_, '_>,
+    camera: &Camera,
+    contenders: &mut [Contender],
+    frames: u32,
+) -> Result<Comparison> {
+    let shot = Shot { camera: *camera, towards_sun: judge.towards_sun, number: 0 };
+    let surfaces = judge.cache.surfaces(judge.truth, judge.scene, camera);
+    let mut truths: Vec<Truth> = Vec::new();
+    for kind in [TruthKind::Hard, TruthKind::Disc] {
+        if contenders.iter().any(|c| c.truth == kind) {
+            truths.push(Truth::new(renderer, judge, &shot, &surfaces, kind)?);
+        }
+    }
+    let (mut pixels, mut counted) = (PixelCounts::default(), Vec::new());
+    let mut compared = Vec::new();
+    for contender in contenders.iter_mut() {
+        let Some(truth) = truths.iter().find(|t| t.kind == contender.truth) else { continue };
+        if counted.is_empty() {
+            (pixels, counted) = judge.count(&surfaces, &renderer_surface(renderer, &shot)?);
+        }
+        compared.push(draw_and_judge(renderer, &shot, contender, frames, truth, &surfaces, &counted)?);
+    }
+    let truths = truths.into_iter().map(|t| (t.kind, t.picture)).collect();
+    Ok(Comparison { pixels, truths, compared })
+}
+
+/// One kind of truth at the camera.
+struct Truth {
+    kind: TruthKind,
+    factors: Vec<f32>,
+    picture: Picture,
+}
+
+impl Truth {
+    fn new(
+        renderer: &mut Renderer,
+        judge: &Judge<'_, '_>,
+        shot: &Shot,
+        surfaces: &Surfaces,
+        kind: TruthKind,
+    ) -> Result<Self> {
+        let (angle_degrees, samples) = judge.disc;
+        let shape = match kind {
+            TruthKind::Hard => SunShape::Hard,
+            TruthKind::Disc => SunShape::Disc { angle_degrees, samples },
+        };
+        let towards = judge.towards_sun;
+        let factors = judge.cache.factors(judge.truth, judge.scene, &shot.camera, surfaces, towards, shape);
+        let size = [shot.camera.width, shot.camera.height];
+        let given = Given::new(renderer.gpu(), "truth", size, &factors)?;
+        let mut given = renderer.prepare(Box::new(given))?;
+        renderer.draw(shot, &mut given, Answer::Visibility)?;
+        let picture = picture_of_rgba(size, &renderer.read_picture()?);
+        Ok(Self { kind, factors, picture })
+    }
+}
+
+impl Judge<'_, '_> {
+    /// Sorts the pixels; true where they are compared.
+    fn count(&self, surfaces: &Surfaces, drawn: &SurfaceImage) -> (PixelCounts, Vec<bool>) {
+        let mut counts = PixelCounts::default();
+        let compared = (0..surfaces.pixels()).map(|i| {
+            let (traced, drawn) = (surfaces.view_depth[i], f64::from(drawn.view_depth[i]));
+            let same = (traced - drawn).abs() <= SAME_SURFACE * traced.abs();
+            let count = match (surfaces.is_valid(i), drawn.is_finite()) {
+                (false, false) => &mut counts.sky,
+                (true, true) if same && surfaces.n_dot_l(i, self.towards_sun) <= MIN_N_DOT_L => {
+                    &mut counts.facing_away
+                }
+                (true, true) if same => {
+                    counts.compared += 1;
+                    return true;
+                }
+                _ => &mut counts.excluded,
+            };
+            *count += 1;
+            false
+        });
+        let compared = compared.collect();
+        (counts, compared)
+    }
+}
+
+/// The surfaces of the frame that was drawn last.
+fn renderer_surface(renderer: &Renderer, shot: &Shot) -> Result<SurfaceImage> {
+    Ok(renderer.read_surface(shot)?)
+}
+
+fn draw_and_judge(
+    renderer: &mut Renderer,
+    shot: &Shot,
+    contender: &mut Contender,
+    frames: u32,
+    truth: &Truth,
+    surfaces: &Surfaces,
+    counted: &[bool],
+) -> Result<Compared> {
+    let size = [shot.camera.width, shot.camera.height];
+    let (factors, picture, times, bytes, notes) = match &mut contender.prepared {
+        Some(prepared) => {
+            renderer.draw(shot, prepared, Answer::Visibility)?;
+            let times: Vec<FrameTimes> = (0..frames.max(1))
+                .map(|_| renderer.draw(shot, prepared, Answer::Visibility))
+                .collect::<Result<_, _>>()?;
+            let picture = picture_of_rgba(size, &renderer.read_picture()?);
+            let technique = prepared.technique();
+            (renderer.read_factor(prepared)?, picture, times, technique.bytes(), technique.notes())
+        }
+        None => {
+            let picture = Picture { rgb: truth.picture.rgb.clone(), ..picture_of_rgba(size, &[]) };
+            (truth.factors.clone(), picture, Vec::new(), 0, Vec::new())
+        }
+    };
+    let judged = |i: usize| counted[i];
+    let errors = factor_errors(&factors, &truth.factors, judged)?;
+    let of = |what: &dyn Fn(&FrameTimes) -> f64| {
+        (!times.is_empty()).then(|| median(times.iter().map(what).collect()))
+    };
+    let row = TechniqueRow {
+        name: contender.spec.to_string(),
+        gpu_ms: of(&FrameTimes::shadow),
+        depth_ms: of(&|t| t.of(Stage::Depth)),
+        lookup_ms: of(&|t| t.of(Stage::Lookup)),
+        screen_ms: of(&|t| t.of(Stage::Screen)),
+        wall_time: times.iter().any(|t| t.wall_time),
+        bytes,
+        truth: truth.kind,
+        rmse: errors.rmse,
+        mean_difference: errors.mean_difference,
+        ssim: ssim(&truth.picture, &picture)?,
+        flip: flip(&truth.picture, &picture)?,
+        wrong_lit: errors.wrong_lit,
+        wrong_shadowed: errors.wrong_shadowed,
+        bands: bands(&factors, &truth.factors, &surfaces.view_depth, judged)?,
+        notes,
+    };
+    let difference = difference_picture(size, &factors, &truth.factors, judged)?;
+    Ok(Compared { row, factors, picture, difference })
+}
+
+/// A camera's figures for the report.
+pub fn camera_figures(name: &str, camera: &Camera) -> CameraFigures {
+    let (fov_degrees, height_world) = match camera.projection {
+        Projection::Perspective { fov_degrees } => (Some(fov_degrees), None),
+        Projection::Orthographic { height_world } => (None, Some(height_world)),
+    };
+    let Camera { eye, target, width, height, .. } = *camera;
+    CameraFigures { name: name.to_owned(), eye, target, fov_degrees, height_world, width, height }
+}

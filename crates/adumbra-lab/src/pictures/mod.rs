@@ -1,0 +1,97 @@
+//! Pictures of a comparison: what a technique drew, where it is wrong, and sheets of both.
+
+mod sheet;
+mod text;
+
+use adumbra::picture::Picture;
+use image::ImageEncoder;
+pub use sheet::{Cell, sheet};
+
+use crate::error::{Error, Result};
+use crate::metrics::is_lit;
+
+/// Lit called shadowed.
+const WRONG_SHADOWED: [f32; 3] = [0.95, 0.10, 0.08];
+/// Shadowed called lit.
+const WRONG_LIT: [f32; 3] = [0.10, 0.30, 1.00];
+/// Brightness of what is shadowed, lit, and left out of the comparison.
+const SHADOWED_GREY: f32 = 0.22;
+const LIT_GREY: f32 = 0.62;
+const LEFT_OUT_GREY: f32 = 0.08;
+
+/// Where `factors` are on the wrong side of 1/2: red = lit called shadowed, blue = shadowed called lit. Elsewhere the truth in grey, turned
+/// towards red or blue by half of what the factor is off; nearly black where `counts` does not hold.
+///
+/// # Errors
+/// [`Error::Sizes`] where factors, truth and size do not fit.
+pub fn difference_picture(
+    [width, height]: [u32; 2],
+    factors: &[f32],
+    truth: &[f32],
+    counts: impl Fn(usize) -> bool,
+) -> Result<Picture> {
+    Error::check_sizes("shadow factors and truth", factors.len(), truth.len())?;
+    Error::check_sizes("shadow factors and pixels", factors.len(), width as usize * height as usize)?;
+    let pixel = |(i, (&factor, &right)): (usize, (&f32, &f32))| {
+        if !counts(i) {
+            return [LEFT_OUT_GREY; 3];
+        }
+        let wrong = if factor < right { WRONG_SHADOWED } else { WRONG_LIT };
+        if is_lit(factor) != is_lit(right) {
+            return wrong;
+        }
+        let grey = SHADOWED_GREY + (LIT_GREY - SHADOWED_GREY) * right;
+        let off = 0.5 * (factor - right).abs();
+        wrong.map(|c| grey + off * (c - grey))
+    };
+    let rgb = factors.iter().zip(truth).enumerate().flat_map(|p| pixel(p).map(byte)).collect();
+    Ok(Picture { width, height, rgb, difference_share: None })
+}
+
+/// A picture of RGBA pixels, alpha left out.
+pub fn picture_of_rgba([width, height]: [u32; 2], rgba: &[u8]) -> Picture {
+    let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+    Picture { width, height, rgb, difference_share: None }
+}
+
+/// The picture as the bytes of a PNG.
+///
+/// # Errors
+/// [`Error::Encode`] where its bytes are not its size's.
+pub fn png(picture: &Picture) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut bytes)
+        .write_image(&picture.rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
+        .map_err(|e| Error::Encode { width: picture.width, height: picture.height, what: e.to_string() })?;
+    Ok(bytes)
+}
+
+fn byte(c: f32) -> u8 {
+    (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn difference_picture_marks_both_kinds_of_wrong() {
+        let factors = [0.0, 1.0, 1.0, 0.0, 0.0, 0.75];
+        let truth = [1.0, 0.0, 1.0, 0.0, 1.0, 1.0];
+        let picture = difference_picture([3, 2], &factors, &truth, |i| i != 4).unwrap();
+        let p = picture.rgb.as_chunks::<3>().0;
+        assert!(p[0][0] > 200 && p[0][2] < 60, "lit called shadowed is red");
+        assert!(p[1][2] > 200 && p[1][0] < 60, "shadowed called lit is blue");
+        assert!(p[2][0] == p[2][1] && p[2][1] == p[2][2] && p[2][0] > p[3][0], "right is grey");
+        assert!(p[4][0] < p[3][0], "what does not count is dark");
+        assert!(p[5][0] > p[5][2], "a little too dark is a little red");
+        assert!(difference_picture([2, 2], &factors, &truth, |_| true).is_err());
+    }
+
+    #[test]
+    fn png_gives_the_pixels_back() {
+        let picture = picture_of_rgba([2, 1], &[1, 2, 3, 255, 4, 5, 6, 0]);
+        let image = image::load_from_memory(&png(&picture).unwrap()).unwrap().into_rgb8();
+        assert_eq!(image.into_raw(), [1, 2, 3, 4, 5, 6]);
+    }
+}

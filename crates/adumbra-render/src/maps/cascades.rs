@@ -1,0 +1,212 @@
+//! Where the layers of a shadow map lie: over the scene, or in cascades fitted to a camera. Pure arithmetic in `f64`.
+//!
+//! Sources: Dimitrov, *Cascaded Shadow Maps*, 2007; Zhang, Sun, Xu, Lun, *Parallel-Split Shadow Maps*, 2006; Valient, *Stable
+//! Rendering of Cascaded Shadow Maps*, 2008 (spheres and snapping).
+//!
+//! Texels of a layer lie on a lattice that is fixed in the world: light coordinates come from the light's rotation alone, a
+//! texel's edge does not change while the camera moves or turns, and a layer's corner is a whole number of texels. So a world
+//! point keeps its place within its texel whatever the camera does. A layer whose slice of the view is larger than the scene
+//! covers the scene instead, which is finer and never moves.
+
+use adumbra::camera::View;
+use adumbra::light::LightExtent;
+use adumbra_shaders::layout::MapLayer;
+
+use super::params::{CascadeSettings, Split};
+use crate::scene::Volume;
+
+/// A view depth beyond every point: where the one layer over a scene ends.
+pub const ENDLESS: f64 = 1e30;
+
+/// What the logarithmic split takes for its nearest depth where the view starts at the eye: this share of the far depth.
+const LOG_START: f64 = 1e-3;
+
+/// A layer's place in the light's space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerFit {
+    /// The light's unit axes in world space: x along u, y along v, z away from the sun.
+    pub axes: [[f64; 3]; 3],
+    /// Edge of a texel, world units.
+    pub texel_world: f64,
+    /// The first texel's place on the world's lattice.
+    pub corner: [i64; 2],
+    /// Texels a side.
+    pub size: u32,
+    /// Coordinates along axis z of depth 0 and depth 1, world units.
+    pub depth_world: [f64; 2],
+    /// View depth where the layer ends, and where its blend into the next begins.
+    pub end: [f64; 2],
+}
+
+impl LayerFit {
+    /// The layer as shaders take it, for positions relative to `anchor_world`.
+    pub fn layer(&self, anchor_world: [f64; 3]) -> MapLayer {
+        let row = |axis: usize, unit: f64, first: f64| {
+            let a = self.axes[axis];
+            let shift = (dot(a, anchor_world) - first) / unit;
+            [(a[0] / unit) as f32, (a[1] / unit) as f32, (a[2] / unit) as f32, shift as f32]
+        };
+        let extent = self.texel_world * f64::from(self.size);
+        let range = self.depth_world[1] - self.depth_world[0];
+        MapLayer {
+            u_from_relative: row(0, extent, self.corner[0] as f64 * self.texel_world),
+            v_from_relative: row(1, extent, self.corner[1] as f64 * self.texel_world),
+            depth_from_relative: row(2, range, self.depth_world[0]),
+            scale: [self.texel_world as f32, range as f32, self.end[0] as f32, self.end[1] as f32],
+        }
+    }
+
+    /// A world point in texels from the layer's corner, and its depth.
+    pub fn project(&self, p_world: [f64; 3]) -> [f64; 3] {
+        let range = self.depth_world[1] - self.depth_world[0];
+        [
+            dot(self.axes[0], p_world) / self.texel_world - self.corner[0] as f64,
+            dot(self.axes[1], p_world) / self.texel_world - self.corner[1] as f64,
+            (dot(self.axes[2], p_world) - self.depth_world[0]) / range,
+        ]
+    }
+
+    /// What may cast into the layer: everything sunward of it, and what lies in it.
+    pub fn caster_volume(&self) -> Volume {
+        let planes = (0..2).flat_map(|a| {
+            let [x, y, z] = self.axes[a];
+            let first = self.corner[a] as f64 * self.texel_world;
+            let last = first + self.texel_world * f64::from(self.size);
+            [[x, y, z, -first], [-x, -y, -z, last]]
+        });
+        Volume { planes: planes.collect() }
+    }
+
+    /// Whether both layers hold the same depths: everything but where the view uses them.
+    pub fn same_place(&self, other: &Self) -> bool {
+        Self { end: other.end, ..*self } == *other
+    }
+}
+
+/// One layer over everything in `extent`, with `margin` texels on every side.
+///
+/// `depth_world` is what [`depth_range`] gives.
+pub fn scene_layer(extent: &LightExtent, depth_world: [f64; 2], size: u32, margin: f64) -> LayerFit {
+    // A whole number of texels may be lost where the corner is rounded.
+    let texels = (f64::from(size) - 2.0 * margin - 1.0).max(1.0);
+    let side = extent.longest_side().max(1e-6 * (depth_world[1] - depth_world[0]));
+    let texel_world = side / texels;
+    let corner = std::array::from_fn(|a| {
+        let middle = 0.5 * (extent.min[a] + extent.max[a]) / texel_world;
+        libm::floor(middle - 0.5 * f64::from(size) + 0.5) as i64
+    });
+    LayerFit { axes: extent.axes, texel_world, corner, size, depth_world, end: [ENDLESS; 2] }
+}
+
+/// Layers fitted to slices of the view, nearest first.
+///
+/// `scene` is the layer over the whole scene; `reach` the view depths from [`reach`]; `margin` as for [`scene_layer`].
+pub fn cascade_layers(
+    view: &View,
+    scene: &LayerFit,
+    settings: &CascadeSettings,
+    reach: [f64; 2],
+    margin: f64,
+) -> Vec<LayerFit> {
+    let size = scene.size;
+    let ends = split_depths(settings.split, settings.cascades, reach);
+    let mut begin = 0.0;
+    let mut layers = Vec::with_capacity(ends.len());
+    for (i, &end) in ends.iter().enumerate() {
+        let slice = end - if i == 0 { reach[0] } else { ends[i - 1] };
+        let blend_begin = end - settings.blend * slice;
+        let (centre, radius) = slice_sphere(view, [begin, end]);
+        // A texel of rounding, and the margin, on either side.
+        let texel_world = 2.0 * radius / (f64::from(size) - 2.0 * margin - 2.0).max(1.0);
+        let mut layer = *scene;
+        if texel_world < scene.texel_world {
+            layer.texel_world = texel_world;
+            layer.corner = std::array::from_fn(|a| {
+                libm::floor(dot(scene.axes[a], centre) / texel_world + 0.5) as i64 - i64::from(size / 2)
+            });
+        }
+        layer.end = [end, blend_begin];
+        layers.push(layer);
+        begin = blend_begin;
+    }
+    layers
+}
+
+/// The view depths that cascades share: from where slices are counted, and where shadows end.
+///
+/// With a far depth given, from the eye to it. Otherwise to the scene's diagonal, which does not change as the camera moves; a
+/// camera that sees parts of the scene box farther away gets that times the smallest power of √2 that reaches them, and one
+/// farther from the box than half the diagonal counts slices from the largest such power that lies before it.
+pub fn reach(view: &View, scene: &adumbra::scene::Bounds, far_world: Option<f64>) -> [f64; 2] {
+    if let Some(far) = far_world {
+        return [0.0, far];
+    }
+    let diagonal = scene.diagonal();
+    let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for corner in 0..8_usize {
+        let pick = |a: usize| if corner >> a & 1 == 0 { scene.min[a] } else { scene.max[a] };
+        let depth = view.depth([pick(0), pick(1), pick(2)]);
+        (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
+    }
+    let steps = |depth: f64| 2.0 * libm::log2(depth / diagonal);
+    let power = |k: f64| diagonal * libm::exp2(0.5 * k);
+    let far = if farthest > diagonal { power(libm::ceil(steps(farthest))) } else { diagonal };
+    let near = if nearest > 0.5 * diagonal { power(libm::floor(steps(nearest))) } else { 0.0 };
+    [near, far]
+}
+
+/// Where each of `count` slices of `reach` ends.
+///
+/// The logarithmic split needs a start above 0: a thousandth of the far depth, where the view starts nearer than that.
+pub fn split_depths(split: Split, count: u32, reach: [f64; 2]) -> Vec<f64> {
+    let [near, far] = reach;
+    let log_near = near.max(LOG_START * far);
+    let slice = |i: u32| {
+        let share = f64::from(i) / f64::from(count);
+        let uniform = near + (far - near) * share;
+        let logarithmic = log_near * libm::pow(far / log_near, share);
+        match split {
+            Split::Uniform => uniform,
+            Split::Logarithmic => logarithmic,
+            Split::Practical { lambda } => lambda * logarithmic + (1.0 - lambda) * uniform,
+        }
+    };
+    // The last one is exactly the far depth, whatever a power rounds to.
+    (1..=count).map(|i| if i == count { far } else { slice(i) }).collect()
+}
+
+/// World centre and radius of the smallest sphere with its centre on the view's axis that holds a slice of the view. The radius
+/// does not depend on where the camera is or looks.
+pub fn slice_sphere(view: &View, slice: [f64; 2]) -> ([f64; 3], f64) {
+    let [a, b] = slice;
+    let k2 = view.half[0] * view.half[0] + view.half[1] * view.half[1];
+    let (along, radius) = if view.orthographic {
+        let half = 0.5 * (b - a);
+        (0.5 * (a + b), (k2 + half * half).sqrt())
+    } else {
+        // Equally far from the corners of both ends, or the middle of the far end where that lies beyond it.
+        let along = (0.5 * (a + b) * (1.0 + k2)).min(b);
+        (along, ((b - along) * (b - along) + k2 * b * b).sqrt())
+    };
+    (std::array::from_fn(|c| view.eye[c] + along * view.forward[c]), radius)
+}
+
+/// Coordinates along the light of depth 0 and depth 1: all of `still`, and a little more, so that a receiver moved by its bias stays
+/// inside. With `all`, all of that too: the range then grows in whole steps, so that it does not follow every move.
+///
+/// Casters sunward of the range are pressed onto its near plane where the device can do that (depth clip control), and `all` is
+/// not needed then.
+pub fn depth_range(still: &LightExtent, all: Option<&LightExtent>) -> [f64; 2] {
+    let [near, far] = [still.min[2], still.max[2]];
+    let length = (far - near).max(still.longest_side()).max(1e-6);
+    let steps = |past: f64| 0.01 * length + 0.25 * length * libm::ceil((past / (0.25 * length)).max(0.0));
+    let [before, behind] = all.map_or([0.0; 2], |a| [near - a.min[2], a.max[2] - far]);
+    [near - steps(before), far + steps(behind)]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,102 @@
+//! The layers of a map from frame to frame: where each lies, what is drawn into it, what of it is kept.
+
+use super::cascades::LayerFit;
+use super::depth_pass::{DepthPass, LayerUniform};
+use super::textures::DepthTextures;
+use crate::gpu::Gpu;
+use crate::scene::InstanceList;
+use crate::technique::FrameInput;
+
+/// One layer.
+pub(super) struct Layer {
+    uniform: LayerUniform,
+    still: Option<InstanceList>,
+    moving: Option<InstanceList>,
+    /// Where it lay when its static casters were last drawn.
+    drawn: Option<LayerFit>,
+    /// Static casters are to be drawn in this frame.
+    stale: bool,
+    /// Movers stand in it: it must be made anew even if nothing else changed.
+    had_movers: bool,
+}
+
+impl Layer {
+    pub(super) fn new(gpu: &Gpu, pass: &DepthPass) -> Self {
+        let uniform = pass.uniform(gpu);
+        Self { uniform, still: None, moving: None, drawn: None, stale: true, had_movers: false }
+    }
+
+    /// Lists what casts into the layer at `fit`. With `keep`, static casters are listed only where the layer has moved.
+    pub(super) fn prepare(
+        &mut self,
+        input: &FrameInput<'_>,
+        fit: &LayerFit,
+        static_casters: bool,
+        keep: bool,
+    ) {
+        let gpu = input.gpu;
+        self.uniform.write(gpu, &fit.layer(input.anchor_world), input.anchor_world);
+        self.stale = !keep || !self.drawn.is_some_and(|d| d.same_place(fit));
+        let volume = fit.caster_volume();
+        if static_casters && self.stale {
+            let list = self.still.get_or_insert_with(|| InstanceList::new(gpu, "map::still", input.scene));
+            list.update(gpu, input.scene, &volume, true);
+        }
+        self.drawn = Some(*fit);
+        match input.movers {
+            Some(movers) => {
+                let list = self.moving.get_or_insert_with(|| InstanceList::new(gpu, "map::moving", movers));
+                list.update(gpu, movers, &volume, true);
+            }
+            None => self.moving = None,
+        }
+    }
+
+    /// Draws the layer; whether it changed. With `kept`, static casters are drawn there, copied, and movers drawn over the copy.
+    pub(super) fn encode(
+        &mut self,
+        input: &FrameInput<'_>,
+        pass: &DepthPass,
+        encoder: &mut wgpu::CommandEncoder,
+        index: usize,
+        live: &DepthTextures,
+        kept: Option<&DepthTextures>,
+    ) -> bool {
+        let still = self.still.as_ref().map(|list| (input.scene, list));
+        let moving = input.movers.zip(self.moving.as_ref()).filter(|(_, list)| list.count() > 0);
+        let target = &live.layers[index];
+        let Some(kept) = kept else {
+            let parts: Vec<_> = still.into_iter().chain(moving).collect();
+            pass.encode(encoder, &self.uniform, target, false, &parts);
+            return true;
+        };
+        if self.stale {
+            let parts: Vec<_> = still.into_iter().collect();
+            pass.encode(encoder, &self.uniform, &kept.layers[index], false, &parts);
+        }
+        let changed = self.stale || self.had_movers || moving.is_some();
+        if changed {
+            copy_layer(encoder, &kept.all.texture, &live.all.texture, index as u32);
+        }
+        if let Some(part) = moving {
+            pass.encode(encoder, &self.uniform, target, true, &[part]);
+        }
+        self.had_movers = moving.is_some();
+        changed
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.still.iter().chain(&self.moving).map(InstanceList::bytes).sum()
+    }
+}
+
+fn copy_layer(encoder: &mut wgpu::CommandEncoder, source: &wgpu::Texture, to: &wgpu::Texture, layer: u32) {
+    let at = |texture| wgpu::TexelCopyTextureInfo {
+        texture,
+        mip_level: 0,
+        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+        aspect: wgpu::TextureAspect::All,
+    };
+    let size = wgpu::Extent3d { width: to.width(), height: to.height(), depth_or_array_layers: 1 };
+    encoder.copy_texture_to_texture(at(source), at(to), size);
+}

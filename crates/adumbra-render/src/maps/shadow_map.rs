@@ -1,0 +1,291 @@
+//! The shadow-map technique: every fit with every filter.
+//!
+//! Bind group 2 holds, for filters that compare: parameters, depth, a comparing sampler, a gathering one; for moments: parameters,
+//! moments, a filtering sampler where the device filters 32-bit floats.
+
+use adumbra::light::Sun;
+use adumbra_shaders::layout::{Array, MapLayer, MapParams};
+use adumbra_shaders::{Source, source};
+use wgpu::{BindingResource, BindingType, Features, FilterMode, SamplerBindingType, ShaderStages};
+
+use super::cascades::{ENDLESS, LayerFit, cascade_layers, depth_range, reach, scene_layer};
+use super::depth_pass::DepthPass;
+use super::layers::Layer;
+use super::moments_pass::{MomentsPass, kind_source};
+use super::params::{MapCasters, MapFilter, MapFit, MapSettings};
+use super::textures::DepthTextures;
+use crate::error::Result;
+use crate::gpu::{Gpu, binding};
+use crate::technique::{Answer, FrameInput, Technique};
+
+/// A shadow map on one device.
+pub struct ShadowMap {
+    name: String,
+    settings: MapSettings,
+    params: MapParams,
+    uniform: wgpu::Buffer,
+    depth: DepthTextures,
+    kept: Option<DepthTextures>,
+    layers: Vec<Layer>,
+    pass: DepthPass,
+    moments: Option<MomentsPass>,
+    filtering: bool,
+    layout: wgpu::BindGroupLayout,
+    group: wgpu::BindGroup,
+}
+
+impl ShadowMap {
+    /// Makes the textures and pipelines of these settings, which are taken to be in range.
+    ///
+    /// # Errors
+    /// [`crate::RenderError::TooLarge`] for a size that the device does not take.
+    pub fn new(gpu: &Gpu, name: &str, settings: MapSettings) -> Result<Self> {
+        let (size, count) = (settings.size, settings.layers());
+        let depth = DepthTextures::new(gpu, "map::depth", size, count)?;
+        let keeps = settings.cache_static && settings.casters == MapCasters::All;
+        let kept = if keeps { Some(DepthTextures::new(gpu, "map::kept", size, count)?) } else { None };
+        let moments = match &settings.filter {
+            MapFilter::Moments(m) => Some(MomentsPass::new(gpu, m, &depth, size)?),
+            _ => None,
+        };
+        let filtering = gpu.has(Features::FLOAT32_FILTERABLE);
+        let pass = DepthPass::new(gpu);
+        let empty = MapLayer {
+            u_from_relative: [0.0; 4],
+            v_from_relative: [0.0; 4],
+            depth_from_relative: [0.0; 4],
+            scale: [1.0, 1.0, 0.0, 0.0],
+        };
+        let mut params = filter_params(&settings, empty);
+        params.pixel[2] = moments.as_ref().map_or(1.0, |m| m.levels() as f32);
+        let uniform = gpu.uniform("map::params", &params.bytes());
+        let (layout, group) = look_up_group(gpu, &uniform, &depth, moments.as_ref(), filtering);
+        let layers = (0..count).map(|_| Layer::new(gpu, &pass)).collect();
+        let name = name.to_owned();
+        Ok(Self {
+            name,
+            settings,
+            params,
+            uniform,
+            depth,
+            kept,
+            layers,
+            pass,
+            moments,
+            filtering,
+            layout,
+            group,
+        })
+    }
+
+    /// The parameters of the last frame.
+    pub fn params(&self) -> &MapParams {
+        &self.params
+    }
+
+    /// What it was made from.
+    pub fn settings(&self) -> &MapSettings {
+        &self.settings
+    }
+
+    /// Depth, a layer each.
+    pub fn depth_texture(&self) -> &wgpu::Texture {
+        &self.depth.all.texture
+    }
+
+    /// Moments, a layer each, with mip levels.
+    pub fn moments_texture(&self) -> Option<&wgpu::Texture> {
+        self.moments.as_ref().map(|m| &m.textures.all.texture)
+    }
+
+    /// Whether look-ups of moments read mip levels through the sampler.
+    pub fn is_filtering(&self) -> bool {
+        self.filtering
+    }
+
+    /// The WGSL files that define `map_visibility`, with what they need but core/surface.wgsl; bind group 2.
+    pub fn visibility_sources(&self) -> Vec<Source> {
+        let mut files = vec![source::MAPS];
+        match &self.settings.filter {
+            MapFilter::Nearest => files.extend([source::DISC, source::PCF, source::MAP_NEAREST]),
+            MapFilter::Pcf { width: 2 } => files.extend([source::DISC, source::PCF, source::MAP_HARDWARE]),
+            MapFilter::Pcf { .. } => files.extend([source::DISC, source::PCF, source::MAP_PCF]),
+            MapFilter::Poisson { .. } => files.extend([source::DISC, source::PCF, source::MAP_POISSON]),
+            MapFilter::Pcss { .. } => {
+                files.extend([source::DISC, source::PCF, source::PCSS, source::MAP_PCSS]);
+            }
+            MapFilter::Moments(m) => {
+                let look_up = if self.filtering { source::MAP_MOMENTS } else { source::MAP_MOMENTS_LOADED };
+                files.extend([source::MOMENTS, kind_source(m.kind), look_up]);
+            }
+        }
+        files.push(source::MAP_LOOKUP);
+        files
+    }
+
+    /// Where the layers lie for this frame, and the view depths between which shadows fade.
+    fn fit(&self, input: &FrameInput<'_>) -> Result<(Vec<LayerFit>, [f64; 2])> {
+        let sun = Sun::from_direction(input.towards_sun)?;
+        let still = input.scene.light_extent(&sun);
+        let mut all = still;
+        all.add_box(&input.bounds);
+        let clipped = !input.gpu.has(Features::DEPTH_CLIP_CONTROL);
+        let depth = depth_range(&still, clipped.then_some(&all));
+        let margin = self.settings.filter.reach_texels() + self.settings.bias.normal_offset_texels;
+        let scene = scene_layer(&still, depth, self.settings.size, margin);
+        let MapFit::Cascades(cascades) = &self.settings.fit else {
+            return Ok((vec![scene], [ENDLESS; 2]));
+        };
+        let far = reach(input.view, &input.bounds, cascades.far_world);
+        let layers = cascade_layers(input.view, &scene, cascades, far, margin);
+        let last = layers.last().map_or([ENDLESS; 2], |l| l.end);
+        Ok((layers, [last[1], last[0]]))
+    }
+}
+
+impl Technique for ShadowMap {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
+        let (fits, fade) = self.fit(input)?;
+        let static_casters = self.settings.casters == MapCasters::All;
+        for (layer, fit) in self.layers.iter_mut().zip(&fits) {
+            layer.prepare(input, fit, static_casters, self.kept.is_some());
+        }
+        for (layer, fit) in self.params.layers.0.iter_mut().zip(&fits) {
+            *layer = fit.layer(input.anchor_world);
+        }
+        self.params.reach[0] = fade[0] as f32;
+        self.params.reach[1] = fade[1] as f32;
+        let pixel = 2.0 * input.view.half[1] / f64::from(input.camera.height);
+        let [fixed, growing] = if input.view.orthographic { [pixel, 0.0] } else { [0.0, pixel] };
+        self.params.pixel[0] = fixed as f32;
+        self.params.pixel[1] = growing as f32;
+        input.gpu.queue.write_buffer(&self.uniform, 0, &self.params.bytes());
+        Ok(())
+    }
+
+    fn encode_depth(&mut self, input: &FrameInput<'_>, encoder: &mut wgpu::CommandEncoder) {
+        for (index, layer) in self.layers.iter_mut().enumerate() {
+            let changed = layer.encode(input, &self.pass, encoder, index, &self.depth, self.kept.as_ref());
+            if let (true, Some(moments)) = (changed, &self.moments) {
+                moments.encode(encoder, index);
+            }
+        }
+    }
+
+    fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
+        Some(match answer {
+            Answer::Cascade => vec![source::MAP_CASCADE],
+            Answer::Visibility => self.visibility_sources().into_iter().chain([source::MAP_ONLY]).collect(),
+        })
+    }
+
+    fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
+        [None, Some(&self.layout)]
+    }
+
+    fn groups(&self) -> [Option<&wgpu::BindGroup>; 2] {
+        [None, Some(&self.group)]
+    }
+
+    fn bytes(&self) -> u64 {
+        let lists: u64 = self.layers.iter().map(Layer::bytes).sum();
+        let kept = self.kept.as_ref().map_or(0, DepthTextures::bytes);
+        let moments = self.moments.as_ref().map_or(0, |m| m.textures.bytes());
+        self.depth.bytes() + kept + moments + lists + self.uniform.size()
+    }
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(self)
+    }
+
+    fn notes(&self) -> Vec<String> {
+        if self.moments.is_some() && !self.filtering {
+            return vec![format!("{}: moments are blended in the shader, without mip levels", self.name)];
+        }
+        Vec::new()
+    }
+}
+
+/// What does not change from frame to frame.
+fn filter_params(settings: &MapSettings, empty: MapLayer) -> MapParams {
+    let bias = &settings.bias;
+    let widening = 1.0 + bias.filter_factor * (settings.filter.bias_width() - 1.0);
+    let (mut width, mut taps, mut half_tangent, mut radius) = (1, 1, 0.0, 0.0);
+    let mut moments = [0.0; 4];
+    match settings.filter {
+        MapFilter::Nearest => {}
+        MapFilter::Pcf { width: w } => width = w,
+        MapFilter::Poisson { radius: r } => (taps, radius) = (16, r),
+        MapFilter::Pcss { angle_degrees, max_radius } => {
+            (taps, radius) = (32, max_radius);
+            half_tangent = libm::tan(0.5 * angle_degrees.to_radians());
+        }
+        MapFilter::Moments(m) => {
+            width = m.blur;
+            moments = [m.least_deviation_texels, m.bleed, m.exponents[0], m.exponents[1]];
+        }
+    }
+    let wide = |v: [f64; 4]| v.map(|c| c as f32);
+    MapParams {
+        layers: Array([empty; 8]),
+        bias: wide([bias.constant_texels, bias.slope_texels, bias.normal_offset_texels, widening]),
+        counts: [settings.layers(), settings.size, width, taps],
+        reach: wide([0.0, 0.0, half_tangent, radius]),
+        moments: wide(moments),
+        pixel: [0.0; 4],
+    }
+}
+
+fn look_up_group(
+    gpu: &Gpu,
+    uniform: &wgpu::Buffer,
+    depth: &DepthTextures,
+    moments: Option<&MomentsPass>,
+    filtering: bool,
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let sampler = |filter, compare: Option<wgpu::CompareFunction>| {
+        gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("map"),
+            mag_filter: filter,
+            min_filter: filter,
+            mipmap_filter: if compare.is_none() && filter == FilterMode::Linear {
+                wgpu::MipmapFilterMode::Linear
+            } else {
+                wgpu::MipmapFilterMode::Nearest
+            },
+            compare,
+            ..Default::default()
+        })
+    };
+    let comparing = sampler(FilterMode::Linear, Some(wgpu::CompareFunction::LessEqual));
+    let gathering = sampler(FilterMode::Nearest, None);
+    let smooth = sampler(FilterMode::Linear, None);
+    let mut kinds = vec![binding::UNIFORM];
+    let mut resources = vec![uniform.as_entire_binding()];
+    let mut bind = |kind: BindingType, resource| {
+        kinds.push(kind);
+        resources.push(resource);
+    };
+    match moments {
+        Some(moments) => {
+            let view = BindingResource::TextureView(&moments.textures.all.view);
+            bind(if filtering { binding::SAMPLED_ARRAY } else { binding::LOADED_ARRAY }, view);
+            if filtering {
+                bind(binding::SAMPLER, BindingResource::Sampler(&smooth));
+            }
+        }
+        None => {
+            bind(binding::DEPTH_ARRAY, BindingResource::TextureView(&depth.all.view));
+            bind(binding::COMPARISON, BindingResource::Sampler(&comparing));
+            let plain = BindingType::Sampler(SamplerBindingType::NonFiltering);
+            bind(plain, BindingResource::Sampler(&gathering));
+        }
+    }
+    let layout = gpu.layout("map", ShaderStages::COMPUTE, &kinds);
+    let group = gpu.bind("map", &layout, resources);
+    (layout, group)
+}

@@ -1,0 +1,143 @@
+//! From a technique's text to settings: `csm:cascades=4:size=2048:filter=5:split=practical:lambda=0.5:static=cached`.
+
+use super::params::{
+    CascadeSettings, MapBias, MapCasters, MapFilter, MapFit, MapSettings, MomentKind, MomentSettings, Split,
+};
+use crate::error::Result;
+use crate::technique::TechniqueSpec;
+use crate::technique::spec::SpecReader;
+
+const SIZES: &[u32] = &[128, 256, 512, 1024, 2048, 4096, 8192, 16384];
+
+impl MapSettings {
+    /// The settings that a technique's text asks for; none where its name is not a shadow map's.
+    ///
+    /// # Errors
+    /// [`crate::RenderError::Technique`] for a value out of range, or an unknown key.
+    pub fn from_spec(spec: &TechniqueSpec) -> Result<Option<Self>> {
+        let mut reader = spec.reader();
+        let name = spec.name();
+        let fit =
+            if name.starts_with("csm") { MapFit::Cascades(cascades(&mut reader)?) } else { MapFit::Scene };
+        let filter = match name {
+            "sm" => MapFilter::Nearest,
+            "pcf" => comparisons(&mut reader, &["5", "2", "3", "7", "poisson"])?,
+            "csm" => comparisons(&mut reader, &["5", "1", "2", "3", "7", "poisson"])?,
+            "pcss" => MapFilter::Pcss {
+                angle_degrees: reader.number("angle", 0.53, 0.01..=20.0)?,
+                max_radius: reader.number("radius", 32.0, 1.0..=256.0)?,
+            },
+            "vsm" | "csm-vsm" => moments(&mut reader, MomentKind::Variance)?,
+            "evsm" | "csm-evsm" => moments(&mut reader, MomentKind::ExponentialVariance)?,
+            "msm" => moments(&mut reader, MomentKind::FourMoments)?,
+            _ => return Ok(None),
+        };
+        let usual = MapBias::of(&filter);
+        let settings = Self {
+            size: reader.integer("size", 2048, SIZES)?,
+            fit,
+            filter,
+            bias: MapBias {
+                constant_texels: reader.number("bias", usual.constant_texels, 0.0..=16.0)?,
+                slope_texels: reader.number("slope", usual.slope_texels, 0.0..=16.0)?,
+                normal_offset_texels: reader.number("normal", usual.normal_offset_texels, 0.0..=16.0)?,
+                ..usual
+            },
+            cache_static: reader.choice("static", &["redrawn", "cached"])? == "cached",
+            casters: MapCasters::All,
+        };
+        reader.finish()?;
+        Ok(Some(settings))
+    }
+}
+
+fn cascades(reader: &mut SpecReader<'_>) -> Result<CascadeSettings> {
+    let usual = CascadeSettings::default();
+    let split = reader.choice("split", &["practical", "uniform", "log"])?;
+    let lambda = reader.number("lambda", 0.5, 0.0..=1.0)?;
+    let far = reader.number("far", 0.0, 0.0..=1e12)?;
+    Ok(CascadeSettings {
+        cascades: reader.count("cascades", usual.cascades, 1..=8)?,
+        split: match split {
+            "uniform" => Split::Uniform,
+            "log" => Split::Logarithmic,
+            _ => Split::Practical { lambda },
+        },
+        far_world: (far > 0.0).then_some(far),
+        blend: reader.number("blend", usual.blend, 0.0..=0.5)?,
+    })
+}
+
+fn comparisons(reader: &mut SpecReader<'_>, choices: &[&'static str]) -> Result<MapFilter> {
+    let filter = reader.choice("filter", choices)?;
+    Ok(match filter.parse() {
+        Ok(1) => MapFilter::Nearest,
+        Ok(width) => MapFilter::Pcf { width },
+        Err(_) => MapFilter::Poisson { radius: reader.number("radius", 2.0, 0.5..=32.0)? },
+    })
+}
+
+fn moments(reader: &mut SpecReader<'_>, kind: MomentKind) -> Result<MapFilter> {
+    let usual = MomentSettings::new(kind);
+    let odd: Vec<u32> = (0..16).map(|i| 2 * i + 1).collect();
+    let exponents = if kind == MomentKind::ExponentialVariance {
+        [reader.number("positive", 40.0, 1.0..=42.0)?, reader.number("negative", 5.0, 1.0..=42.0)?]
+    } else {
+        usual.exponents
+    };
+    Ok(MapFilter::Moments(MomentSettings {
+        blur: reader.integer("blur", usual.blur, &odd)?,
+        bleed: reader.number("bleed", usual.bleed, 0.0..=0.9)?,
+        least_deviation_texels: reader.number("deviation", usual.least_deviation_texels, 0.0..=16.0)?,
+        exponents,
+        ..usual
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::technique::TECHNIQUES;
+
+    fn settings(text: &str) -> Result<Option<MapSettings>> {
+        MapSettings::from_spec(&text.parse()?)
+    }
+
+    #[test]
+    fn spec_gives_settings_for_every_name() {
+        let known = TECHNIQUES.iter().filter_map(|(name, _)| Some((name, settings(name).unwrap()?)));
+        let known: Vec<_> = known.collect();
+        assert!(known.len() >= 9);
+        for (name, found) in known {
+            assert_eq!((found.size, found.cache_static), (2048, false), "{name}");
+            assert_eq!(found.layers(), if name.starts_with("csm") { 4 } else { 1 });
+        }
+        assert_eq!(settings("voxel").unwrap(), None);
+    }
+
+    #[test]
+    fn spec_reads_every_key_of_cascades() {
+        let text =
+            "csm:cascades=3:size=1024:filter=7:split=log:far=90:blend=0.2:static=cached:bias=2:slope=0.25";
+        let found = settings(text).unwrap().unwrap();
+        let MapFit::Cascades(c) = found.fit else { panic!("{found:?}") };
+        assert_eq!((c.cascades, c.split, c.far_world, c.blend), (3, Split::Logarithmic, Some(90.0), 0.2));
+        assert_eq!(found.filter, MapFilter::Pcf { width: 7 });
+        assert!(found.cache_static && found.size == 1024);
+        assert_eq!((found.bias.constant_texels, found.bias.slope_texels), (2.0, 0.25));
+    }
+
+    #[test]
+    fn spec_refuses_what_does_not_fit() {
+        for text in [
+            "sm:filter=3",
+            "csm:cascades=9",
+            "vsm:blur=4",
+            "evsm:positive=43",
+            "pcf:size=1000",
+            "pcf:filter=4",
+        ] {
+            assert!(settings(text).is_err(), "{text}");
+        }
+    }
+}

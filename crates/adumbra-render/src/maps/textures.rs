@@ -1,0 +1,113 @@
+//! The textures of a shadow map: depth, and what is kept or made of it.
+
+use wgpu::{Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView};
+
+use crate::error::{RenderError, Result};
+use crate::frame::Target;
+use crate::gpu::Gpu;
+
+/// Of light depth.
+pub const MAP_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+/// Mip levels of moments, at most.
+const MOST_LEVELS: u32 = 6;
+
+/// Depth of up to 8 layers.
+pub(super) struct DepthTextures {
+    /// All layers, as look-ups read them.
+    pub(super) all: Target,
+    /// Each layer, to be drawn into.
+    pub(super) layers: Vec<TextureView>,
+}
+
+/// Moments of up to 8 layers, and the rows' blur of one.
+pub(super) struct MomentTextures {
+    /// All layers and mip levels.
+    pub(super) all: Target,
+    /// By layer, then by mip level.
+    pub(super) levels: Vec<Vec<TextureView>>,
+    /// One layer between its two passes.
+    pub(super) rows: Target,
+}
+
+impl DepthTextures {
+    pub(super) fn new(gpu: &Gpu, label: &'static str, size: u32, layers: u32) -> Result<Self> {
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_DST;
+        let all = array(gpu, label, size, layers, 1, MAP_FORMAT, usage)?;
+        let layers = (0..layers).map(|l| one(&all.texture, l, 0)).collect();
+        Ok(Self { all, layers })
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        bytes(&self.all.texture)
+    }
+}
+
+impl MomentTextures {
+    pub(super) fn new(gpu: &Gpu, format: TextureFormat, size: u32, layers: u32) -> Result<Self> {
+        let count = (size.ilog2() + 1).min(MOST_LEVELS);
+        let usage = TextureUsages::STORAGE_BINDING;
+        let all = array(gpu, "map::moments", size, layers, count, format, usage)?;
+        let mut rows = array(gpu, "map::moment_rows", size, 1, 1, format, usage)?;
+        rows.view = one(&rows.texture, 0, 0);
+        let levels = (0..layers).map(|l| (0..count).map(|m| one(&all.texture, l, m)).collect()).collect();
+        Ok(Self { all, levels, rows })
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        bytes(&self.all.texture) + bytes(&self.rows.texture)
+    }
+}
+
+fn array(
+    gpu: &Gpu,
+    label: &'static str,
+    size: u32,
+    layers: u32,
+    mip_level_count: u32,
+    format: TextureFormat,
+    usage: TextureUsages,
+) -> Result<Target> {
+    let limit = gpu.max_texture_side();
+    if size > limit {
+        let texel = u64::from(format.block_copy_size(None).unwrap_or(4));
+        return Err(RenderError::TooLarge {
+            what: format!("a shadow map of {size} x {size} texels"),
+            bytes: u64::from(size) * u64::from(size) * texel * u64::from(layers),
+            limit: u64::from(limit) * u64::from(limit) * texel,
+            mend: "give a smaller size=",
+        });
+    }
+    let texture = gpu.device.create_texture(&TextureDescriptor {
+        label: Some(label),
+        size: Extent3d { width: size, height: size, depth_or_array_layers: layers },
+        mip_level_count,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    });
+    Ok(Target { texture, view })
+}
+
+fn one(texture: &wgpu::Texture, layer: u32, mip_level: u32) -> TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        base_mip_level: mip_level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}
+
+fn bytes(texture: &wgpu::Texture) -> u64 {
+    let texel = u64::from(texture.format().block_copy_size(None).unwrap_or(4));
+    let texels = |m: u32| u64::from(texture.width() >> m) * u64::from(texture.height() >> m);
+    let levels: u64 = (0..texture.mip_level_count()).map(texels).sum();
+    levels * texel * u64::from(texture.depth_or_array_layers())
+}

@@ -1,0 +1,67 @@
+//! A point as a layer sees it: twin of core/maps.wgsl.
+
+use adumbra_shaders::constants::MAX_SLOPE;
+use adumbra_shaders::layout::MapLayer;
+
+use super::Surface;
+
+/// `MapReceiver`, but for the layer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Receiver {
+    pub(super) p_texels: [f32; 2],
+    pub(super) depth: f32,
+    pub(super) gradient: [f32; 2],
+}
+
+impl Receiver {
+    pub(super) fn new(layer: &MapLayer, size: u32, bias: [f32; 4], s: &Surface) -> Self {
+        let unit_world = layer.scale[0] * bias[3];
+        let p: [f32; 3] = std::array::from_fn(|a| s.p_relative[a] + s.normal[a] * (bias[2] * unit_world));
+        let along = |row: [f32; 4]| dot([row[0], row[1], row[2]], p) + row[3];
+        let n_dot_l = dot(s.normal, s.towards_sun);
+        let aside: [f32; 3] = std::array::from_fn(|a| s.normal[a] - n_dot_l * s.towards_sun[a]);
+        let tangent = dot(aside, aside).sqrt();
+        let slope = if tangent == 0.0 { 0.0 } else { tangent / n_dot_l.max(tangent / MAX_SLOPE) };
+        let moved = (bias[0] + bias[1] * slope) * unit_world / layer.scale[1];
+        let side = size as f32;
+        Self {
+            p_texels: [along(layer.u_from_relative) * side, along(layer.v_from_relative) * side],
+            depth: along(layer.depth_from_relative) - moved,
+            gradient: gradient(layer, side, s, n_dot_l),
+        }
+    }
+
+    pub(super) fn plane_depth(&self, p_texels: [f32; 2]) -> f32 {
+        let [x, y] = [p_texels[0] - self.p_texels[0], p_texels[1] - self.p_texels[1]];
+        (self.depth + self.gradient[0] * x + self.gradient[1] * y).min(1.0)
+    }
+
+    pub(super) fn moved(&self, offset: [f32; 2]) -> Self {
+        Self {
+            p_texels: [self.p_texels[0] + offset[0], self.p_texels[1] + offset[1]],
+            depth: self.depth + self.gradient[0] * offset[0] + self.gradient[1] * offset[1],
+            gradient: self.gradient,
+        }
+    }
+}
+
+fn gradient(layer: &MapLayer, side: f32, s: &Surface, n_dot_l: f32) -> [f32; 2] {
+    let edge_world = layer.scale[0] * side;
+    let n = [layer.u_from_relative, layer.v_from_relative]
+        .map(|row| edge_world * dot([row[0], row[1], row[2]], s.normal));
+    let tangent = (n[0] * n[0] + n[1] * n[1]).sqrt();
+    if tangent == 0.0 {
+        return [0.0; 2];
+    }
+    let scale = layer.scale[0] / layer.scale[1] / n_dot_l.max(tangent / MAX_SLOPE);
+    n.map(|c| c * scale)
+}
+
+/// `map_band`.
+pub(super) fn band(begin: f32, end: f32, view_depth: f32) -> f32 {
+    if view_depth <= begin { 0.0 } else { ((view_depth - begin) / (end - begin)).clamp(0.0, 1.0) }
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

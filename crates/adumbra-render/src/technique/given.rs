@@ -1,0 +1,77 @@
+//! Factors made elsewhere, such as traced truth, composited like any technique's.
+
+use adumbra_shaders::{Source, source};
+use wgpu::{ShaderStages, TextureFormat, TextureUsages};
+
+use super::{Answer, FrameInput, Technique};
+use crate::error::{RenderError, Result};
+use crate::gpu::{Gpu, binding};
+
+/// One factor a pixel. It answers frames of its own size, not lists of points.
+pub struct Given {
+    name: String,
+    size: [u32; 2],
+    layout: wgpu::BindGroupLayout,
+    group: wgpu::BindGroup,
+}
+
+impl Given {
+    /// Uploads `factors`, row 0 at the top; 1 = lit.
+    ///
+    /// # Errors
+    /// [`RenderError::Technique`] where `factors` are not `size`'s pixels.
+    pub fn new(gpu: &Gpu, name: &str, size: [u32; 2], factors: &[f32]) -> Result<Self> {
+        let [width, height] = size;
+        if factors.len() != width as usize * height as usize {
+            let reason = format!("{} factors for {width} x {height} pixels", factors.len());
+            return Err(RenderError::Technique { name: name.to_owned(), reason });
+        }
+        let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("given::factors"),
+            size: extent,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TextureFormat::R32Float,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let bytes: Vec<u8> = factors.iter().flat_map(|f| f.to_le_bytes()).collect();
+        let rows =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None };
+        gpu.queue.write_texture(texture.as_image_copy(), &bytes, rows, extent);
+        let layout = gpu.layout("given", ShaderStages::COMPUTE, &[binding::LOADED]);
+        let view = texture.create_view(&Default::default());
+        let group = gpu.bind("given", &layout, vec![wgpu::BindingResource::TextureView(&view)]);
+        gpu.check()?;
+        Ok(Self { name: name.to_owned(), size, layout, group })
+    }
+}
+
+impl Technique for Given {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
+        let asked = [input.camera.width, input.camera.height];
+        if asked == self.size {
+            return Ok(());
+        }
+        let reason = format!("it was made for {:?} pixels, not {asked:?}", self.size);
+        Err(RenderError::Technique { name: self.name.clone(), reason })
+    }
+
+    fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
+        (answer == Answer::Visibility).then(|| vec![source::GIVEN])
+    }
+
+    fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
+        [Some(&self.layout), None]
+    }
+
+    fn groups(&self) -> [Option<&wgpu::BindGroup>; 2] {
+        [Some(&self.group), None]
+    }
+}

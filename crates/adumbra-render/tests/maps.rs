@@ -1,0 +1,104 @@
+//! Shadow maps on the GPU against their CPU twin, on the textures that the GPU filled.
+
+mod kit;
+
+use adumbra::camera::{Camera, Projection};
+use adumbra_render::maps::twin::{MapTwin, Surface};
+use adumbra_render::{
+    Answer, Baked, Features, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
+};
+
+const SIZE: [u32; 2] = [160, 90];
+
+fn prepare(renderer: &Renderer, name: &str) -> Prepared {
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    renderer.prepare(technique).unwrap()
+}
+
+/// The look-up's surfaces, as the shader has them.
+fn surfaces(renderer: &Renderer, shot: &Shot) -> Vec<Option<Surface>> {
+    let image = renderer.read_surface(shot).unwrap();
+    let view = shot.camera.view();
+    let anchor = view.eye.map(|c| f64::from(c as f32));
+    let towards_sun = shot.towards_sun.map(|c| c as f32);
+    let pixels = image.view_depth.iter().zip(&image.normal).enumerate();
+    pixels
+        .map(|(at, (&view_depth, n))| {
+            let pixel = [at as u32 % shot.camera.width, at as u32 / shot.camera.width];
+            let (origin, direction) = view.ray(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+            let along: f64 = (0..3).map(|a| direction[a] * view.forward[a]).sum();
+            let t = f64::from(view_depth) / along;
+            let length = n.iter().map(|c| c * c).sum::<f32>().sqrt();
+            let normal = n.map(|c| c / length);
+            let lit = (0..3).map(|a| normal[a] * towards_sun[a]).sum::<f32>() > 0.0;
+            (view_depth.is_finite() && lit).then(|| Surface {
+                p_relative: std::array::from_fn(|a| (origin[a] + t * direction[a] - anchor[a]) as f32),
+                normal,
+                towards_sun,
+                view_depth,
+                pixel,
+            })
+        })
+        .collect()
+}
+
+fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) {
+    let mut technique = prepare(renderer, name);
+    let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
+    renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
+    let factors = renderer.read_factor(&technique).unwrap();
+    let twin = MapTwin::read(renderer.gpu(), technique.technique().map().unwrap()).unwrap();
+    let (mut seen, mut apart, mut mixed) = (0, 0, [0; 2]);
+    for (surface, &gpu) in surfaces(renderer, &shot).iter().zip(&factors) {
+        let Some(surface) = surface else { continue };
+        let cpu = twin.visibility(surface);
+        seen += 1;
+        apart += usize::from((gpu - cpu).abs() > 1e-3);
+        mixed[usize::from(gpu > 0.5)] += 1;
+    }
+    println!("{name}: {apart} of {seen} apart; {mixed:?} shadowed, lit");
+    assert!(seen > 5000 && mixed[0] > 500 && mixed[1] > 500, "{name}: {seen} {mixed:?}");
+    // A comparison turns over where a receiver is as deep as the texel to the last bit: positions are made in another order here.
+    assert!(apart * 500 < seen, "{name}: {apart} of {seen}");
+}
+
+const EVERY_KIND: &[&str] = &[
+    "sm:size=512",
+    "pcf:filter=2:size=512",
+    "pcf:filter=3:size=512",
+    "pcf:filter=5:size=512",
+    "pcf:filter=7:size=512",
+    "pcf:filter=poisson:size=512",
+    "pcss:size=512:angle=2",
+    "vsm:size=512",
+    "evsm:size=512:blur=9",
+    "msm:size=512",
+    "csm:size=256:cascades=3",
+    "csm:size=256:cascades=8:split=log:filter=poisson:far=300",
+    "csm-vsm:size=256",
+    "csm-evsm:size=256:cascades=2",
+];
+
+#[test]
+fn maps_answer_as_their_twins_do() {
+    let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
+    let perspective = kit::camera(SIZE[0], SIZE[1]);
+    for name in EVERY_KIND {
+        check_twin(&mut renderer, perspective, name);
+    }
+    let orthographic = Camera { projection: Projection::Orthographic { height_world: 120.0 }, ..perspective };
+    check_twin(&mut renderer, orthographic, "csm:size=256");
+    check_twin(&mut renderer, orthographic, "csm-vsm:size=256");
+}
+
+#[test]
+fn maps_answer_as_their_twins_do_without_optional_features() {
+    let without = Features::FLOAT32_FILTERABLE | Features::DEPTH_CLIP_CONTROL;
+    let gpu = Gpu::request(&GpuOptions { without, ..Default::default() }).unwrap();
+    let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
+    for name in ["csm:size=256", "csm-vsm:size=256", "msm:size=512"] {
+        check_twin(&mut renderer, kit::camera(SIZE[0], SIZE[1]), name);
+    }
+    let notes = prepare(&renderer, "vsm:size=128").technique().notes();
+    assert!(notes.len() == 1 && notes[0].contains("without mip levels"), "{notes:?}");
+}

@@ -1,0 +1,33 @@
+// Visibility from a shadow map of one or more layers: the layer of the point's view depth, blended into the next at its end, and into
+// the open light where shadows end. A filter is a file that defines
+//     fn map_filter(s: Surface, layer: u32) -> f32
+
+@group(2) @binding(0) var<uniform> map_params: MapParams;
+
+fn map_layer_of(view_depth: f32) -> u32 {
+    let last = map_params.counts.x - 1u;
+    var layer = 0u;
+    while (layer < last && view_depth >= map_params.layers[layer].scale.z) {
+        layer++;
+    }
+    return layer;
+}
+
+fn map_receiver_in(s: Surface, layer: u32) -> MapReceiver {
+    return map_receiver(map_params.layers[layer], layer, map_params.counts.y, map_params.bias, s);
+}
+
+fn map_visibility(s: Surface) -> f32 {
+    let reach = map_params.reach;
+    if (s.view_depth >= reach.y) {
+        return 1.0;
+    }
+    let layer = map_layer_of(s.view_depth);
+    let scale = map_params.layers[layer].scale;
+    var lit = map_filter(s, layer);
+    let next = map_band(scale.w, scale.z, s.view_depth);
+    if (next > 0.0 && layer + 1u < map_params.counts.x) {
+        lit = mix(lit, map_filter(s, layer + 1u), next);
+    }
+    return mix(lit, 1.0, map_band(reach.x, reach.y, s.view_depth));
+}

@@ -1,0 +1,147 @@
+//! Animations of nodes: which nodes move, and their keys. Morph weights, skins' joints and pointers are not animated.
+
+use std::path::Path;
+
+use ::gltf::json::Root;
+use ::gltf::json::animation::{Animation, Channel, Interpolation as Kind, Property};
+use ::gltf::json::validation::Checked;
+use hashbrown::HashMap;
+
+use super::accessor::Accessor;
+use super::container::{Buffers, bad};
+use super::nodes::{Nodes, local, rest};
+use crate::error::Result;
+use crate::scene::LoadNotes;
+use crate::scene::affine::{Affine, IDENTITY, multiply};
+use crate::scene::movers::{Interpolation, MovingNode, Track, Tracks};
+
+/// What moves.
+#[derive(Default)]
+pub(super) struct Animations {
+    /// Animated nodes, each after the next animated one above it.
+    pub(super) moving: Vec<MovingNode>,
+    /// Of every node that moves, the index into `moving` and the map to that node.
+    hangs_on: Vec<Option<(u32, Affine)>>,
+}
+
+impl Animations {
+    /// Reads every channel that moves a node. Several animations play together: a property that two of them move follows the
+    /// first, with a warning. Tracks that keep a node where it stands anyway do not make it a mover.
+    pub(super) fn load(
+        path: &Path,
+        root: &Root,
+        buffers: &Buffers<'_>,
+        nodes: &Nodes,
+        notes: &mut LoadNotes,
+    ) -> Result<Self> {
+        let mut of_node: HashMap<usize, Tracks> = HashMap::new();
+        let (mut twice, mut morphs) = (0_u32, 0_u32);
+        for (index, animation) in root.animations.iter().enumerate() {
+            for channel in &animation.channels {
+                let node = channel.target.node.value();
+                let what = |what: &str| bad(path, format!("animation {index} of node {node} {what}"));
+                let json = root.nodes.get(node).ok_or_else(|| what("moves a node that does not exist"))?;
+                let Checked::Valid(property) = channel.target.path else { continue };
+                if property == Property::MorphTargetWeights {
+                    morphs += 1;
+                    continue;
+                }
+                if json.matrix.is_some() {
+                    return Err(what("moves a node that has a matrix"));
+                }
+                let tracks = of_node.entry(node).or_default();
+                let reader = Reader { path, root, buffers, animation, channel, what: &what };
+                let fresh = match property {
+                    Property::Translation => set(&mut tracks.translation, reader.track()?),
+                    Property::Scale => set(&mut tracks.scale, reader.track()?),
+                    _ => set(&mut tracks.rotation, reader.track()?),
+                };
+                twice += u32::from(!fresh);
+            }
+        }
+        if twice > 0 {
+            notes.warnings.push(format!("{twice} animations move what another one moves; the first counts"));
+        }
+        if morphs > 0 {
+            notes.warnings.push(format!("{morphs} animations of morph weights are ignored"));
+        }
+        Ok(Self::of(root, nodes, of_node))
+    }
+
+    fn of(root: &Root, nodes: &Nodes, mut of_node: HashMap<usize, Tracks>) -> Self {
+        let mut all = Self { moving: Vec::new(), hangs_on: vec![None; root.nodes.len()] };
+        for &node in &nodes.order {
+            let json = &root.nodes[node];
+            let above = nodes.parent[node].and_then(|p| all.hangs_on[p]);
+            let rest = rest(json);
+            let tracks = of_node.remove(&node).map(|mut tracks| {
+                tracks.drop_still(&rest);
+                tracks
+            });
+            all.hangs_on[node] = match tracks.filter(|t| !t.is_empty()) {
+                Some(tracks) => {
+                    let fixed = nodes.parent[node].map_or(IDENTITY, |p| nodes.world[p]);
+                    let (parent, above) = above.map_or((None, fixed), |(on, map)| (Some(on), map));
+                    all.moving.push(MovingNode { parent, above, rest, tracks });
+                    Some((all.moving.len() as u32 - 1, IDENTITY))
+                }
+                None => above.map(|(on, map)| (on, multiply(&map, &local(json)))),
+            };
+        }
+        all
+    }
+
+    /// The moving node that this node hangs on (or is), and the map to it; none for what stands still.
+    pub(super) fn of_node(&self, node: usize) -> Option<(u32, Affine)> {
+        self.hangs_on.get(node).copied().flatten()
+    }
+
+    /// Whether a joint of a skin moves.
+    pub(super) fn moves_skin(&self, root: &Root, skin: usize) -> bool {
+        root.skins.get(skin).is_some_and(|s| s.joints.iter().any(|j| self.of_node(j.value()).is_some()))
+    }
+}
+
+/// Whether the place was free.
+fn set<T>(place: &mut Option<T>, value: T) -> bool {
+    let free = place.is_none();
+    place.get_or_insert(value);
+    free
+}
+
+/// One channel of an animation.
+struct Reader<'a, E> {
+    path: &'a Path,
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    animation: &'a Animation,
+    channel: &'a Channel,
+    what: E,
+}
+
+impl<E: Fn(&str) -> crate::Error> Reader<'_, E> {
+    fn track<const N: usize>(&self) -> Result<Track<N>> {
+        let sampler = self.animation.samplers.get(self.channel.sampler.value());
+        let sampler = sampler.ok_or_else(|| (self.what)("has a sampler that does not exist"))?;
+        let Checked::Valid(kind) = sampler.interpolation else {
+            return Err((self.what)("has an unknown interpolation"));
+        };
+        let interpolation = match kind {
+            Kind::Step => Interpolation::Step,
+            Kind::Linear => Interpolation::Linear,
+            Kind::CubicSpline => Interpolation::Cubic,
+        };
+        let open = |accessor: usize| Accessor::open(self.path, self.root, self.buffers, accessor);
+        let (times, values) = (open(sampler.input.value())?, open(sampler.output.value())?);
+        if times.components != 1 || values.components != N {
+            return Err((self.what)("has keys of the wrong type"));
+        }
+        let times: Vec<f32> = (0..times.count).filter_map(|i| times.floats::<1>(i)).map(|[t]| t).collect();
+        let values: Vec<[f32; N]> = (0..values.count).filter_map(|i| values.floats(i)).collect();
+        Track::new(times, values, interpolation).ok_or_else(|| {
+            (self.what)(
+                "has keys that are not finite, not in order, or not as many as its interpolation needs",
+            )
+        })
+    }
+}
