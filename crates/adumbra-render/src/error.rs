@@ -72,6 +72,14 @@ pub enum RenderError {
         /// What is wrong, and what would do.
         reason: String,
     },
+    /// A mover that does not exist, a value that it does not take, or no way for it.
+    #[error("{name:?} cannot move: {reason}")]
+    Mover {
+        /// As it was given.
+        name: String,
+        /// What is wrong, and what would do.
+        reason: String,
+    },
     /// The library's own.
     #[error(transparent)]
     Library(#[from] adumbra::Error),

@@ -23,6 +23,7 @@ mod error;
 pub mod frame;
 pub mod gpu;
 pub mod maps;
+pub mod movers;
 pub mod readback;
 mod renderer;
 pub mod scene;

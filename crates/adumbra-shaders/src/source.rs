@@ -91,16 +91,6 @@ sources! {
     POINTS = "passes/points.wgsl";
     /// The technique without shadows.
     NONE = "passes/none.wgsl";
-    /// The technique `voxel`.
-    VOXEL_PASS = "passes/voxel.wgsl";
-    /// Counts of `voxel` for receivers in fixed point.
-    VOXEL_FIXED = "passes/voxel_fixed.wgsl";
-    /// The techniques `voxel-cubes` and `voxel-texture`.
-    VOXEL_CUBES_PASS = "passes/voxel_cubes.wgsl";
-    /// Their counts for receivers in fixed point.
-    VOXEL_CUBES_FIXED = "passes/voxel_cubes_fixed.wgsl";
-    /// A texture's words into a storage buffer.
-    DECODE_TEXTURE = "passes/decode_texture.wgsl";
     /// Weights of the screen-space blur.
     BLUR = "core/blur.wgsl";
     /// The shadow factor blurred over the picture.
@@ -115,6 +105,16 @@ sources! {
     BLUR_HALF_EDGES = "passes/blur_half_edges.wgsl";
     /// Factors made elsewhere, as a technique.
     GIVEN = "passes/given.wgsl";
+    /// The technique `voxel`.
+    VOXEL_PASS = "passes/voxel.wgsl";
+    /// Counts of `voxel` for receivers in fixed point.
+    VOXEL_FIXED = "passes/voxel_fixed.wgsl";
+    /// The techniques `voxel-cubes` and `voxel-texture`.
+    VOXEL_CUBES_PASS = "passes/voxel_cubes.wgsl";
+    /// Their counts for receivers in fixed point.
+    VOXEL_CUBES_FIXED = "passes/voxel_cubes_fixed.wgsl";
+    /// A texture's words into a storage buffer.
+    DECODE_TEXTURE = "passes/decode_texture.wgsl";
     /// Sun, sky and shadow factor on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }

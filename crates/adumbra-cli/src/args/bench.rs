@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
+use super::BenchPeers;
+
 #[derive(clap::Args)]
 pub(crate) struct Bench {
     #[command(subcommand)]
@@ -23,6 +25,9 @@ pub(crate) enum BenchVerb {
     /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots, pictures
     #[command(after_help = "Example: adumbra bench tree --scenes scenes -o docs/bench")]
     Tree(BenchTree),
+    /// Every technique on the truth cameras, beside today's engines; writes peers.md and peers.json
+    #[command(after_help = "Example: adumbra bench peers --scenes scenes --truth truth -o docs/bench")]
+    Peers(BenchPeers),
 }
 
 #[derive(clap::Args)]

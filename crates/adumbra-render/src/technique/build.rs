@@ -22,9 +22,6 @@ pub struct Baked<'a> {
 /// Every technique, and one line of what it is.
 pub const TECHNIQUES: &[(&str, &str)] = &[
     ("none", "no shadows"),
-    ("voxel", "a light-aligned file, filtered over texels"),
-    ("voxel-cubes", "a world-aligned file, filtered over voxels"),
-    ("voxel-texture", "the same, read from an RGBA8 texture"),
     ("sm", "shadow map, nearest texel"),
     ("pcf", "shadow map, comparisons over filter=2 (the sampler's own), 3, 5, 7 or poisson"),
     ("pcss", "shadow map, penumbrae of a sun of angle= degrees"),
@@ -40,6 +37,9 @@ pub const TECHNIQUES: &[(&str, &str)] = &[
     ("blur", "another technique's factor, blurred on the screen"),
     ("blur-dilate", "the same, with the shade dilated first"),
     ("blur-bilateral", "the same, within surfaces"),
+    ("voxel", "a light-aligned file, filtered over texels"),
+    ("voxel-cubes", "a world-aligned file, filtered over voxels"),
+    ("voxel-texture", "the same, read from an RGBA8 texture"),
 ];
 
 /// Builds a technique.
@@ -52,8 +52,6 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             spec.reader().finish()?;
             Ok(Box::new(NoShadows))
         }
-        "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
-        "voxel-cubes" | "voxel-texture" => Ok(Box::new(Cubes::from_spec(gpu, spec, baked.tree)?)),
         "blur" | "blur-dilate" | "blur-bilateral" => {
             let (settings, base) = BlurSettings::read(spec)?;
             if base.name().starts_with("blur") {
@@ -62,6 +60,8 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             let base = build(gpu, &base, baked)?;
             Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
         }
+        "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
+        "voxel-cubes" | "voxel-texture" => Ok(Box::new(Cubes::from_spec(gpu, spec, baked.tree)?)),
         _ => {
             if let Some(settings) = MapSettings::from_spec(spec)? {
                 return Ok(Box::new(ShadowMap::new(gpu, &spec.to_string(), settings)?));
