@@ -3,6 +3,7 @@
 mod bake;
 mod bake_tree;
 mod bench;
+mod bench_blur;
 mod bench_tree;
 mod child;
 mod demo;
