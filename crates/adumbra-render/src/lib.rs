@@ -30,6 +30,7 @@ pub mod scene;
 pub mod screen_blur;
 pub mod technique;
 mod timing;
+pub mod voxel;
 
 pub use error::{RenderError, Result};
 pub use gpu::{Gpu, GpuOptions};

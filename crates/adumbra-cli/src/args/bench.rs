@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::parse_size;
 use super::render::DeviceArgs;
+use super::{BenchPeers, parse_size};
 
 #[derive(clap::Args)]
 pub(crate) struct Bench {
@@ -29,6 +29,9 @@ pub(crate) enum BenchVerb {
     /// The screen-space blur: milliseconds by samples, and its halo and gap; writes blur.md, blur.json, a plot
     #[command(after_help = "Example: adumbra bench blur --size 1280x720 -o docs/bench")]
     Blur(BenchBlur),
+    /// Every technique on the truth cameras, beside today's engines; writes peers.md and peers.json
+    #[command(after_help = "Example: adumbra bench peers --scenes scenes --truth truth -o docs/bench")]
+    Peers(BenchPeers),
 }
 
 #[derive(clap::Args)]

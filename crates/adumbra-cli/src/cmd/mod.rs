@@ -2,10 +2,13 @@
 
 mod bake;
 mod bake_tree;
+mod baked;
 mod bench;
 mod bench_blur;
+mod bench_peers;
 mod bench_tree;
 mod child;
+mod compare;
 mod demo;
 mod export;
 mod generate;
@@ -40,6 +43,7 @@ pub(crate) fn run(args: Args) -> Outcome {
         Verb::Export(a) => export::run(&a),
         Verb::Import(a) => import::run(&a),
         Verb::Render(a) => render::run(&a),
+        Verb::Compare(a) => compare::run(&a),
         Verb::Bench(a) => bench::run(&a),
         Verb::Demo(a) => demo::run(&a),
     }

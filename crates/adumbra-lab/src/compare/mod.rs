@@ -97,7 +97,7 @@ pub fn compare(
     for contender in contenders.iter_mut() {
         let Some(truth) = truths.iter().find(|t| t.kind == contender.truth) else { continue };
         if counted.is_empty() {
-            (pixels, counted) = judge.count(&surfaces, &renderer_surface(renderer, &shot)?);
+            (pixels, counted) = judge.count(&surfaces, &renderer.read_surface(&shot)?);
         }
         compared.push(draw_and_judge(renderer, &shot, contender, frames, truth, &surfaces, &counted)?);
     }
@@ -160,11 +160,6 @@ impl Judge<'_, '_> {
         let compared = compared.collect();
         (counts, compared)
     }
-}
-
-/// The surfaces of the frame that was drawn last.
-fn renderer_surface(renderer: &Renderer, shot: &Shot) -> Result<SurfaceImage> {
-    Ok(renderer.read_surface(shot)?)
 }
 
 fn draw_and_judge(

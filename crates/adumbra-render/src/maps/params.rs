@@ -125,7 +125,7 @@ pub struct MapBias {
 impl MapBias {
     /// The usual bias of this filter.
     pub fn of(_filter: &MapFilter) -> Self {
-        Self { constant_texels: 0.5, slope_texels: 0.1, normal_offset_texels: 0.0, filter_factor: 0.25 }
+        Self { constant_texels: 1.0, slope_texels: 0.1, normal_offset_texels: 0.0, filter_factor: 0.1 }
     }
 }
 

@@ -123,12 +123,13 @@ fn output_of(path: &Path, spec: &TechniqueSpec, several: bool) -> PathBuf {
     }
     let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("picture");
     let ending = path.extension().and_then(|s| s.to_str()).unwrap_or("png");
-    let name: String = spec
-        .to_string()
-        .chars()
-        .map(|c| if c.is_alphanumeric() || "-.+=".contains(c) { c } else { '_' })
-        .collect();
+    let name = name_in_paths(&spec.to_string());
     path.with_file_name(format!("{stem}.{name}.{ending}"))
+}
+
+/// A technique's name, as a part of a file's.
+pub(super) fn name_in_paths(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || "-.+=".contains(c) { c } else { '_' }).collect()
 }
 
 #[cfg(test)]
