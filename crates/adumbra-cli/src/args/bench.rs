@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::BenchPeers;
+use super::render::DeviceArgs;
+use super::{BenchPeers, parse_size};
 
 #[derive(clap::Args)]
 pub(crate) struct Bench {
@@ -25,6 +26,9 @@ pub(crate) enum BenchVerb {
     /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots, pictures
     #[command(after_help = "Example: adumbra bench tree --scenes scenes -o docs/bench")]
     Tree(BenchTree),
+    /// The screen-space blur: milliseconds by samples, and its halo and gap; writes blur.md, blur.json, a plot
+    #[command(after_help = "Example: adumbra bench blur --size 1280x720 -o docs/bench")]
+    Blur(BenchBlur),
     /// Every technique on the truth cameras, beside today's engines; writes peers.md and peers.json
     #[command(after_help = "Example: adumbra bench peers --scenes scenes --truth truth -o docs/bench")]
     Peers(BenchPeers),
@@ -103,6 +107,28 @@ pub(crate) struct BenchTree {
     /// Where tables, plots and pictures go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct BenchBlur {
+    /// Samples along a line
+    #[arg(long, value_delimiter = ',', default_value = "8,16,24,32,48,64",
+        value_parser = clap::value_parser!(u32).range(8..=64))]
+    pub(crate) samples: Vec<u32>,
+    /// Runs that a median is taken of
+    #[arg(long, default_value_t = 5, value_parser = runs)]
+    pub(crate) runs: usize,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size)]
+    pub(crate) size: [u32; 2],
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+    /// Where tables and the plot go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 fn runs(text: &str) -> Result<usize, String> {

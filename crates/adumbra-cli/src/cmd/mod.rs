@@ -4,6 +4,7 @@ mod bake;
 mod bake_tree;
 mod baked;
 mod bench;
+mod bench_blur;
 mod bench_peers;
 mod bench_tree;
 mod child;
