@@ -156,7 +156,8 @@ pub struct PathRow {
     pub lookup_ms: Vec<f64>,
     /// The times are wall times.
     pub wall_time: bool,
-    /// Changes at fixed points; none for a technique that filters on the screen, which answers no points.
+    /// Changes at fixed points; none for a technique that filters on the screen, which answers no points, and where no point stays in
+    /// view from one frame to the next.
     pub shimmer: Option<Shimmer>,
 }
 

@@ -16,7 +16,8 @@ use crate::exit::{Code, Failure, Outcome};
 use crate::output::{make_folder, write_whole};
 
 /// Techniques beside every name with its defaults.
-const VARIANTS: [&str; 4] = ["voxel:filter=1", "voxel:filter=3", "voxel:filter=9", "csm:size=4096"];
+const VARIANTS: [&str; 5] =
+    ["voxel:filter=1", "voxel:filter=3", "voxel:filter=5", "voxel-cubes:filter=1", "csm:size=4096"];
 
 pub(super) fn run(args: &BenchPeers) -> Outcome {
     let specs = match args.shadow.as_slice() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use adumbra::camera::Camera;
 use adumbra::light::Sun;
-use adumbra::scene::Scene;
+use adumbra::trace::Ray;
 use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
 use adumbra_lab::paths::CameraPath;
 use adumbra_lab::report::{Report, TruthKind};
@@ -24,7 +24,7 @@ const PATH_FRAMES: u32 = 60;
 
 pub(crate) fn run(args: &Compare) -> Outcome {
     args.check()?;
-    let specs = parse(&args.shadow)?;
+    let specs = with_sun_angle(parse(&args.shadow)?, args.sun_angle)?;
     if args.device.device == DeviceArg::Cpu {
         return Err(Failure::Usage(
             "--device cpu: compare draws on a GPU adapter; a software one will do".to_owned(),
@@ -44,6 +44,15 @@ pub(super) fn parse(names: &[String]) -> Result<Vec<TechniqueSpec>, Failure> {
         }
     }
     Ok(specs)
+}
+
+/// `pcss` shows the sun that it is judged by, unless it was told otherwise.
+fn with_sun_angle(specs: Vec<TechniqueSpec>, angle_degrees: f64) -> Result<Vec<TechniqueSpec>, Failure> {
+    let told = |spec: &TechniqueSpec| spec.name() != "pcss" || spec.reader().text("angle").is_some();
+    let sees = |spec: TechniqueSpec| {
+        if told(&spec) { Ok(spec) } else { Ok(format!("{spec}:angle={angle_degrees}").parse()?) }
+    };
+    specs.into_iter().map(sees).collect()
 }
 
 fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outcome {
@@ -83,7 +92,7 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
     let comparison = compare(&mut renderer, &judge, &camera, &mut contenders, args.frames)?;
     let path = match &args.path {
         Some(path) => {
-            let path = path_of(path, args.path_frames, &scene, &camera)?;
+            let path = path_of(path, args.path_frames, &truth, &camera)?;
             Some(walk(&mut renderer, &judge, &path, args.view.size, &mut contenders)?)
         }
         None => None,
@@ -159,12 +168,25 @@ fn camera_of(
     }
 }
 
-fn path_of(path: &str, frames: Option<u32>, scene: &Scene, camera: &Camera) -> Result<CameraPath, Failure> {
+fn path_of(
+    path: &str,
+    frames: Option<u32>,
+    truth: &TruthTracer<'_>,
+    camera: &Camera,
+) -> Result<CameraPath, Failure> {
     let made = frames.unwrap_or(PATH_FRAMES);
-    let bounds = scene.bounds();
+    let diagonal = truth.bounds().diagonal();
     Ok(match path {
-        "orbit" => CameraPath::orbit(&bounds, made),
-        "fly" => CameraPath::fly(camera, 0.25 * bounds.diagonal(), made),
+        "orbit" => CameraPath::orbit(truth.bounds(), made),
+        "fly" => {
+            // Not into what stands ahead.
+            let forward = camera.view().forward;
+            let direction = [forward[0], 0.0, forward[2]];
+            let ray = Ray { origin: camera.eye, direction, t_min: 0.0, t_max: f64::INFINITY };
+            let length = (direction[0].powi(2) + direction[2].powi(2)).sqrt();
+            let free = truth.tracer().nearest_surface(&ray).map_or(f64::INFINITY, |hit| hit.t * length);
+            CameraPath::fly(camera, (0.7 * free).min(0.15 * diagonal), 0.15 * diagonal, made)
+        }
         file => {
             let path = CameraPath::read(Path::new(file))?;
             match frames {
