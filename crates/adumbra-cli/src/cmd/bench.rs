@@ -28,6 +28,7 @@ pub(crate) fn run(args: &Bench) -> Outcome {
         BenchVerb::Tree(a) => super::bench_tree::run(a),
         BenchVerb::Blur(a) => super::bench_blur::run(a),
         BenchVerb::Peers(a) => super::bench_peers::run(a),
+        BenchVerb::Shadows(a) => super::bench_shadows::run(a),
     }
 }
 

@@ -6,6 +6,7 @@ mod baked;
 mod bench;
 mod bench_blur;
 mod bench_peers;
+mod bench_shadows;
 mod bench_tree;
 mod child;
 mod compare;
