@@ -236,6 +236,23 @@ const MODULES: &[(&str, &[Source])] = &[
     ("given", &[source::SURFACE, source::FRAME, source::GIVEN, source::RESOLVE]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
     (
+        "voxel+csm",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::GRID,
+            source::VOXEL,
+            source::WORDS_6,
+            source::MAPS,
+            source::DISC,
+            source::PCF,
+            source::MAP_PCF,
+            source::MAP_LOOKUP,
+            source::VOXEL_CSM,
+            source::RESOLVE,
+        ],
+    ),
+    (
         "voxel",
         &[
             source::SURFACE,
