@@ -1,5 +1,8 @@
 //! What GPU tests share.
 
+#[allow(dead_code, reason = "not every test program builds scenes")]
+pub(crate) mod boxes;
+
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::{GeneratedKind, Scene, generate};
 use adumbra_render::{Gpu, GpuOptions};
