@@ -1,6 +1,7 @@
 //! Arguments of every verb, with their defaults and an example each.
 
 mod bench;
+mod compare;
 mod render;
 mod tree;
 
@@ -11,9 +12,10 @@ use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
 use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
-pub(crate) use bench::{Bench, BenchBake, BenchTree, BenchVerb, BenchVerify};
+pub(crate) use bench::{Bench, BenchBake, BenchBlur, BenchShadows, BenchTree, BenchVerb, BenchVerify};
 use clap::{Parser, Subcommand, ValueEnum};
-pub(crate) use render::{DeviceArg, LayerArg, Render, looking_at};
+pub(crate) use compare::{BenchPeers, Compare, JudgeArg};
+pub(crate) use render::{DeviceArg, DeviceArgs, LayerArg, Render, looking_at};
 use tree::FrameArg;
 pub(crate) use tree::{TreeArgs, WeightsArg};
 
@@ -76,6 +78,13 @@ pub(crate) enum Verb {
     /// Draw a scene with a file's shadows, with a real-time technique, with rays, or where file and rays differ
     #[command(after_help = render::after_help())]
     Render(Render),
+    /// Hold techniques beside ray-traced truth: milliseconds, bytes and errors as tables, and pictures
+    #[command(
+        after_help = "Writes report.md, report.json, sheet.png, and a picture and a difference picture a technique (red = lit called shadowed, \
+        blue = shadowed called lit); with --path also path.csv and path.svg.\n\n\
+        Example: adumbra compare city.glb --camera street --shadow csm:cascades=4 --shadow voxel:filter=9 -o compared"
+    )]
+    Compare(Compare),
     /// Measure: bake times and sizes, as tables
     #[command(after_help = "Example: adumbra bench bake --scenes scenes -o docs/bench")]
     Bench(Bench),
@@ -100,6 +109,11 @@ pub(crate) struct SunArgs {
 }
 
 impl SunArgs {
+    /// Whether any of it was given.
+    pub(crate) fn is_given(&self) -> bool {
+        self.sun.is_some() || self.elevation.is_some()
+    }
+
     pub(crate) fn sun(&self) -> Result<Sun, Failure> {
         Ok(match self.elevation {
             Some(elevation) => Sun::from_angles(self.azimuth.unwrap_or(0.0), elevation)?,

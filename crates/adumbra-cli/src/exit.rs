@@ -46,6 +46,16 @@ impl From<RenderError> for Failure {
     }
 }
 
+impl From<adumbra_lab::Error> for Failure {
+    fn from(error: adumbra_lab::Error) -> Self {
+        match error {
+            adumbra_lab::Error::Library(error) => Self::Library(error),
+            adumbra_lab::Error::Render(error) => error.into(),
+            other => Self::BadInput(other.to_string()),
+        }
+    }
+}
+
 impl Failure {
     pub(crate) fn code(&self) -> Code {
         use adumbra::Error as E;
@@ -60,7 +70,7 @@ impl Failure {
                 | ErrorKind::OutOfMemory => Code::OutOfRoom,
                 _ => Code::BadInput,
             },
-            Self::Render(RenderError::Technique { .. }) => Code::Usage,
+            Self::Render(RenderError::Technique { .. } | RenderError::Mover { .. }) => Code::Usage,
             Self::Render(RenderError::TooLarge { .. }) => Code::OutOfRoom,
             Self::Render(RenderError::Lost { .. }) => Code::DeviceLost,
             Self::BadInput(_) | Self::Library(_) | Self::Render(_) => Code::BadInput,

@@ -41,6 +41,8 @@ pub(crate) struct Panel {
     pub(crate) series: Vec<Series>,
 }
 
+/// Most labels along numbers.
+const MOST_LABELS: usize = 12;
 const PANEL_PIXELS: (u32, u32) = (440, 300);
 const COLORS: [RGBColor; 6] = [
     RGBColor(31, 96, 170),
@@ -122,7 +124,11 @@ where
         }
         None => format!("{x:.0}"),
     };
-    let labels = if names.is_some() { 2 * (high - low) as usize + 3 } else { (high - low) as usize + 1 };
+    let labels = if names.is_some() {
+        2 * (high - low) as usize + 3
+    } else {
+        ((high - low) as usize + 1).min(MOST_LABELS)
+    };
     chart
         .configure_mesh()
         .light_line_style(WHITE.mix(0.0))

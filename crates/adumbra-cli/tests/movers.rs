@@ -78,3 +78,33 @@ fn bake_leaves_movers_out_and_verify_agrees() {
     // In its first pose the block stands 1 m up, and its shadow falls onto the ground.
     assert!(verify(&with, &["--include-animated"]) > 0.02);
 }
+
+#[test]
+fn render_numbers_frames_and_says_what_cannot_move() {
+    let folder = Folder::new();
+    let scene = folder.generate("city");
+    let lift = folder.write("lift.glb", &rising_block());
+    let draw = |words: &[&str]| {
+        let always = ["--device", "cpu", "--truth", "--size", "32x18", "--antialias", "1"];
+        adumbra(&[&["render"], words, &always].concat())
+    };
+    let (code, said) = draw(&[&scene, "--move", "sphere", "--frames", "2", "-o", &folder.path("ball.png")]);
+    assert_eq!(code, 0, "{said}");
+    assert!(folder.exists("ball.0000.png") && folder.exists("ball.0001.png") && !folder.exists("ball.png"));
+    // The animation's first and last pictures differ; standing still they do not.
+    let picture = |name: &str, more: &[&str]| {
+        let output = folder.path(name);
+        let (code, said) = draw(&[&[lift.as_str(), "-o", &output], more].concat());
+        assert_eq!(code, 0, "{said}");
+        std::fs::read(output).unwrap()
+    };
+    let view = ["--eye", "0,12,14", "--target", "0,1,0"];
+    let at =
+        |seconds: &str, more: &[&str]| picture("lift.png", &[&["--time", seconds], &view[..], more].concat());
+    assert_ne!(at("0", &[]), at("1", &[]));
+    assert_eq!(at("0", &["--include-animated"]), at("1", &["--include-animated"]));
+    let (code, said) = draw(&[&scene, "--frames", "2", "-o", &folder.path("still.png")]);
+    assert!(code == 2 && said.contains("nothing moves"), "{code} {said}");
+    let (code, said) = draw(&[&scene, "--move", "cube", "-o", &folder.path("still.png")]);
+    assert!(code == 2 && said.contains("there is: sphere"), "{code} {said}");
+}

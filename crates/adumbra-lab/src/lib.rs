@@ -4,6 +4,7 @@ pub mod compare;
 pub mod error;
 pub mod metrics;
 pub mod paths;
+pub mod peers;
 pub mod pictures;
 pub mod report;
 pub mod shimmer;

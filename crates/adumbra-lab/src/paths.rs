@@ -118,9 +118,9 @@ impl CameraPath {
         }
     }
 
-    /// Forwards from a camera, `distance_world` along its horizontal direction, then up to twice that height above its eye while it
-    /// keeps looking ahead and down: near and far shadows in one path.
-    pub fn fly(from: &Camera, distance_world: f64, frames: u32) -> Self {
+    /// From a camera `walk_world` along its horizontal direction, then `rise_world` straight up while it keeps looking ahead and more and
+    /// more down: near and far shadows in one path.
+    pub fn fly(from: &Camera, walk_world: f64, rise_world: f64, frames: u32) -> Self {
         let view = from.view();
         let flat = (view.forward[0].powi(2) + view.forward[2].powi(2)).sqrt().max(1e-9);
         let ahead = [view.forward[0] / flat, 0.0, view.forward[2] / flat];
@@ -128,23 +128,22 @@ impl CameraPath {
             Projection::Perspective { fov_degrees } => fov_degrees,
             Projection::Orthographic { .. } => DEFAULT_FOV_DEGREES,
         };
-        let keyframe = |along: f64, up: f64, down: f64| {
+        let keyframe = |walk: f64, rise: f64, down: f64| {
+            let up = [0.0, 1.0, 0.0];
             let eye: [f64; 3] = std::array::from_fn(|a| {
-                from.eye[a]
-                    + ahead[a] * along * distance_world
-                    + if a == 1 { up * distance_world } else { 0.0 }
+                from.eye[a] + walk * walk_world * ahead[a] + rise * rise_world * up[a]
             });
-            let target = std::array::from_fn(|a| {
-                eye[a] + distance_world * (ahead[a] - if a == 1 { down } else { 0.0 })
-            });
+            let reach = walk_world.max(rise_world);
+            let target = std::array::from_fn(|a| eye[a] + reach * (ahead[a] - down * up[a]));
             Keyframe { eye, target, fov_degrees }
         };
         Self {
             keyframes: vec![
                 keyframe(0.0, 0.0, 0.0),
-                keyframe(0.4, 0.0, 0.0),
-                keyframe(0.7, 0.5, 0.3),
-                keyframe(1.0, 2.0, 0.8),
+                keyframe(0.5, 0.0, 0.0),
+                keyframe(1.0, 0.0, 0.0),
+                keyframe(1.0, 0.4, 0.3),
+                keyframe(1.0, 1.0, 0.7),
             ],
             interpolation: Interpolation::CatmullRom,
             frames: frames.clamp(1, MOST_FRAMES),
@@ -247,6 +246,19 @@ mod tests {
             let error = CameraPath::parse(text.as_bytes()).unwrap_err();
             assert!(error.contains(fault), "{error}");
         }
+    }
+
+    #[test]
+    fn fly_walks_then_rises() {
+        let projection = Projection::Perspective { fov_degrees: 60.0 };
+        let from = Camera { eye: [1.0, 2.0, 3.0], target: [1.0, 2.0, -7.0], projection, width: 8, height: 8 };
+        let path = CameraPath::fly(&from, 10.0, 20.0, 9);
+        assert_eq!(path.camera(0, 8, 8).eye, [1.0, 2.0, 3.0]);
+        assert_eq!(path.camera(4, 8, 8).eye, [1.0, 2.0, -7.0]);
+        let last = path.camera(8, 8, 8);
+        assert_eq!(last.eye, [1.0, 22.0, -7.0]);
+        assert!(last.view().forward[1] < -0.5 && last.view().forward[2] < -0.5);
+        assert_eq!(last.projection, projection);
     }
 
     #[test]

@@ -58,16 +58,16 @@ impl ShimmerCount {
         Ok(())
     }
 
-    /// The shares; 0 where no point was added.
-    pub fn finish(&self) -> Shimmer {
+    /// The shares; none where no point was added, shares of edge points 0 where none lay near an edge.
+    pub fn finish(&self) -> Option<Shimmer> {
         let of = |part: f64, whole: u64| if whole == 0 { 0.0 } else { part / whole as f64 };
-        Shimmer {
+        (self.points > 0).then(|| Shimmer {
             edge_points: self.edge_points,
             edge_share: of(self.edge_changed as f64, self.edge_points),
             edge_mean: of(self.edge_sum, self.edge_points),
             points: self.points,
             share: of(self.changed as f64, self.points),
-        }
+        })
     }
 }
 
@@ -80,7 +80,7 @@ mod tests {
         let mut count = ShimmerCount::default();
         count.add(&[0.0, 0.5, 1.0, 0.0], &[0.0, 0.54, 0.5, 1.0], &[true, true, true, false]).unwrap();
         count.add(&[1.0], &[1.0], &[true]).unwrap();
-        let s = count.finish();
+        let s = count.finish().unwrap();
         assert_eq!((s.edge_points, s.points), (4, 5));
         assert!((s.edge_share - 0.25).abs() < 1e-12 && (s.share - 0.4).abs() < 1e-12);
         assert!((s.edge_mean - 0.54 / 4.0).abs() < 1e-6);
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn shimmer_of_nothing_is_nothing() {
-        assert_eq!(ShimmerCount::default().finish(), Shimmer::default());
+        assert_eq!(ShimmerCount::default().finish(), None);
         assert!(ShimmerCount::default().add(&[0.0], &[0.0], &[]).is_err());
     }
 }

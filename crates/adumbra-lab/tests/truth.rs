@@ -4,9 +4,7 @@ mod shared_folder;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::light::Sun;
-use adumbra::scene::{
-    GeneratedKind, Instance, LoadOptions, Material, Mesh, Scene, generate, load, write_glb,
-};
+use adumbra::scene::{GeneratedKind, Instance, LoadOptions, Material, Mesh, Scene, generate, load};
 use adumbra_lab::truth::{
     Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, street_camera,
 };
@@ -135,12 +133,10 @@ fn edges_of_a_box_shadow_are_where_they_must_be() {
 fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
     let folder = tempfile::tempdir().unwrap();
     let scene = plane_and_box();
-    let file = folder.path().join("box.glb");
-    write_glb(&scene, &file).unwrap();
     let truth = TruthTracer::build(&scene, false);
     let entries = folder.path().join("cache");
     let cache = Cache::in_folder(entries.clone());
-    let key = scene_key(&file, "").unwrap();
+    let key = scene_key(&scene, false);
     let (camera, towards) = (above(24, 12), Sun::from_direction([1.0, 1.0, 0.3]).unwrap().towards());
     let soft = SunShape::Disc { angle_degrees: 5.0, samples: 8 };
     let ask = |cache: &Cache| -> (Surfaces, Vec<f32>) {
@@ -179,21 +175,29 @@ fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
     let before = files().len();
     let surfaces = &first.0;
     cache.factors(&truth, &key, &camera, surfaces, towards, SunShape::Hard);
-    cache.factors(&truth, &scene_key(&file, "ignore alpha").unwrap(), &camera, surfaces, towards, soft);
+    cache.factors(&truth, &scene_key(&scene, true), &camera, surfaces, towards, soft);
     cache.surfaces(&truth, &key, &above(24, 13));
-    assert_eq!(files().len(), before + 3);
+    let mut moved = scene.clone();
+    moved.instances[0].world_from_mesh[1][3] = 0.5;
+    cache.surfaces(&truth, &scene_key(&moved, false), &camera);
+    assert_eq!(files().len(), before + 4);
+    // A colour is none of that.
+    let mut red = scene.clone();
+    red.materials[0].base_color = [1.0, 0.0, 0.0, 1.0];
+    cache.surfaces(&truth, &scene_key(&red, false), &camera);
+    assert_eq!(files().len(), before + 4);
 }
 
 #[test]
 fn cache_without_a_place_still_answers() {
     let folder = tempfile::tempdir().unwrap();
     let scene = plane_and_box();
-    let file = folder.path().join("box.glb");
-    write_glb(&scene, &file).unwrap();
     let truth = TruthTracer::build(&scene, false);
     // A file stands where the folder would.
-    let cache = Cache::in_folder(file.clone());
-    let key = scene_key(&file, "").unwrap();
+    let file = folder.path().join("a file");
+    std::fs::write(&file, "").unwrap();
+    let cache = Cache::in_folder(file);
+    let key = scene_key(&scene, false);
     assert_eq!(cache.surfaces(&truth, &key, &above(8, 8)), truth.surfaces(&above(8, 8)));
 }
 

@@ -46,9 +46,35 @@ pub enum RenderError {
         /// What to do.
         mend: &'static str,
     },
+    /// Baked voxels that are more than the shaders take.
+    #[error("{what} is {value}, and a look-up on this device takes at most {limit}; {mend}")]
+    VoxelLimit {
+        /// What is counted.
+        what: &'static str,
+        /// How much there is.
+        value: u64,
+        /// How much there may be.
+        limit: u64,
+        /// What to do.
+        mend: &'static str,
+    },
+    /// Words that are not, or do not fit, the pages of a texture.
+    #[error("the texture's pages: {source}")]
+    Pages {
+        /// What is wrong.
+        source: adumbra::texture::TextureError,
+    },
     /// A technique that does not exist, or a value that it does not take.
     #[error("{name:?} is not a technique: {reason}")]
     Technique {
+        /// As it was given.
+        name: String,
+        /// What is wrong, and what would do.
+        reason: String,
+    },
+    /// A mover that does not exist, a value that it does not take, or no way for it.
+    #[error("{name:?} cannot move: {reason}")]
+    Mover {
         /// As it was given.
         name: String,
         /// What is wrong, and what would do.

@@ -99,7 +99,7 @@ impl Gpu {
                 },
             );
         }));
-        let most = u64::from(device.limits().max_storage_buffer_binding_size);
+        let most = device.limits().max_storage_buffer_binding_size;
         let max_binding_bytes = options.max_binding_bytes.map_or(most, |b| b.min(most));
         Ok(Self { device, queue, max_binding_bytes, features, info, trouble })
     }

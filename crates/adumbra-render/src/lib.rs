@@ -23,12 +23,14 @@ mod error;
 pub mod frame;
 pub mod gpu;
 pub mod maps;
+pub mod movers;
 pub mod readback;
 mod renderer;
 pub mod scene;
 pub mod screen_blur;
 pub mod technique;
 mod timing;
+pub mod voxel;
 
 pub use error::{RenderError, Result};
 pub use gpu::{Gpu, GpuOptions};

@@ -30,6 +30,16 @@ shared! {
     GRADIENT_ONE: i32 = 256;
     /// Bits behind the point of a gradient.
     GRADIENT_BITS: u32 = 8;
+    /// Largest number of a receiver's gradient (`MAX_SLOPE` in them).
+    MAX_GRADIENT: i32 = 2547;
+    /// Voxels beyond a grid that positions are clamped to.
+    MARGIN_VOXELS: i32 = 1024;
+    /// 1 in the fixed-point numbers of a tree receiver's normal and height.
+    NORMAL_ONE: i32 = 1024;
+    /// Heights over a receiver's plane are clamped to this many cells.
+    MAX_HEIGHT_CELLS: i32 = 8;
+    /// Most regions of several depths that a tree's look-up takes.
+    MAX_PLAN_REGIONS: u32 = 16;
     /// Top-grid entry: the whole root cube is lit (`adumbra::dag::LIT`).
     TOP_LIT: u32 = u32::MAX;
     /// Top-grid entry: the whole root cube is shadowed (`adumbra::dag::SHADOWED`).

@@ -93,24 +93,111 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// A baked light-aligned grid. Fixed-point numbers count [`crate::constants::FIXED_ONE`] to a voxel.
-    pub struct VoxelParams {
-        /// First row of grid from relative, in voxels; w = what [`VoxelParams::anchor_fixed`] leaves over, in voxels.
-        pub grid_x_from_relative: [f32; 4],
-        /// Second row.
-        pub grid_y_from_relative: [f32; 4],
-        /// Third row.
-        pub grid_z_from_relative: [f32; 4],
+    /// From relative positions to a grid of voxels, to better than 1e-5 voxels however large the grid. A position is cut into whole
+    /// steps of about 8 voxels, whose part is exact in whole numbers, and what is left over; core/grid.wgsl puts them together.
+    /// Fixed-point numbers count [`crate::constants::FIXED_ONE`] to a voxel, and wrap.
+    pub struct GridTransform {
+        /// The grid's x axis in the world, unit; w = what [`GridTransform::anchor_fixed`] leaves over along it, in voxels.
+        pub axis_x: [f32; 4],
+        /// The y axis, likewise.
+        pub axis_y: [f32; 4],
+        /// The z axis, likewise.
+        pub axis_z: [f32; 4],
+        /// What a step along the world's x adds to the grid position, fixed point; w = 0.
+        pub step_x: [i32; 4],
+        /// A step along y.
+        pub step_y: [i32; 4],
+        /// A step along z.
+        pub step_z: [i32; 4],
+        /// What [`GridTransform::step_x`] leaves over, in voxels; w = 0.
+        pub rest_x: [f32; 4],
+        /// Likewise.
+        pub rest_y: [f32; 4],
+        /// Likewise.
+        pub rest_z: [f32; 4],
         /// Grid position of the anchor, fixed point; w = 0.
         pub anchor_fixed: [i32; 4],
-        /// Voxels along x, y, z; level of the roots.
+        /// The same in voxels, rounded; w = 0.
+        pub anchor_voxels: [f32; 4],
+        /// Voxels a world unit; world units a step; its inverse; 0.
+        pub scale: [f32; 4],
+        /// Voxels along x, y, z; 0.
         pub size: [i32; 4],
-        /// Root cubes along x, y, z; width of the filter in texels.
+    }
+}
+
+gpu_struct! {
+    /// A baked light-aligned grid.
+    pub struct VoxelParams {
+        /// Where it lies.
+        pub grid: GridTransform,
+        /// Root cubes along x, y, z; level of the roots.
         pub top_dims: [u32; 4],
-        /// Index of the first word of nodes and of slabs, log2 of the words in a binding, 0.
+        /// Index of the first word of nodes and of slabs, width of the filter in texels, 0.
         pub places: [u32; 4],
         /// Constant, slope and normal offset in texels; 0.
         pub bias: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// A baked world-aligned tree.
+    pub struct CubesParams {
+        /// Where its cube lies; the axes are the world's.
+        pub grid: GridTransform,
+        /// Unit vector towards the sun of the bake; w = 0.
+        pub towards_sun: [f32; 4],
+        /// Constant, slope and normal offset in cells; 0.
+        pub bias: [f32; 4],
+        /// Levels; level of the cells outside all regions; voxels from the kernel's middle to its end; weights of taps at
+        /// distances 0, 1, 2 along an axis, four bits each.
+        pub kernel: [u32; 4],
+        /// 1 where taps behind the receiver's plane count too; 0, 0, 0.
+        pub taps: [u32; 4],
+    }
+}
+
+gpu_struct! {
+    /// How coarse a tree is where, in plan: `adumbra::query::PlanLevels`.
+    pub struct CubesPlan {
+        /// Edges along x, along z: at most twice [`crate::constants::MAX_PLAN_REGIONS`]; 0, 0.
+        pub counts: [u32; 4],
+        /// Voxels, ascending, four an element.
+        pub edges_x: Array<[i32; 4], 8>,
+        /// Likewise.
+        pub edges_z: Array<[i32; 4], 8>,
+        /// A level a rectangle, x fastest, four bits each from the lowest up, eight a word.
+        pub levels: Array<[u32; 4], 35>,
+    }
+}
+
+gpu_struct! {
+    /// The uniform of a look-up in a tree.
+    pub struct CubesUniform {
+        /// The tree.
+        pub params: CubesParams,
+        /// Its regions.
+        pub plan: CubesPlan,
+    }
+}
+
+gpu_struct! {
+    /// A receiver in fixed point, for the pass that answers lists of them: `adumbra::query::FixedReceiver`.
+    pub struct VoxelQuery {
+        /// Grid position; w = 0.
+        pub p_fixed: [i32; 4],
+        /// Gradient along x and y; 0, 0.
+        pub gradient: [i32; 4],
+    }
+}
+
+gpu_struct! {
+    /// The same for a tree: `adumbra::query::TreeReceiver`.
+    pub struct CubesQuery {
+        /// Position; w = level of the cells.
+        pub p_fixed: [i32; 4],
+        /// Normal; w = height.
+        pub normal: [i32; 4],
     }
 }
 
@@ -187,7 +274,13 @@ pub const STRUCTS: &[StructInfo] = &[
     MapLayer::INFO,
     MapParams::INFO,
     MomentBlurParams::INFO,
+    GridTransform::INFO,
     VoxelParams::INFO,
+    CubesParams::INFO,
+    CubesPlan::INFO,
+    CubesUniform::INFO,
+    VoxelQuery::INFO,
+    CubesQuery::INFO,
     PointQuery::INFO,
     BlurParams::INFO,
     CompositeParams::INFO,

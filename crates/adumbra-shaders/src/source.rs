@@ -25,6 +25,20 @@ sources! {
     SURFACE = "core/surface.wgsl";
     /// From a pixel and its depth to the point behind it.
     FRAME = "core/frame.wgsl";
+    /// From relative positions to a grid of voxels.
+    GRID = "core/grid.wgsl";
+    /// Look-up in a light-aligned graph.
+    VOXEL = "core/voxel.wgsl";
+    /// Look-up in a tree.
+    VOXEL_CUBES = "core/voxel_cubes.wgsl";
+    /// Surface to receiver, for a tree.
+    VOXEL_CUBES_RECEIVER = "core/voxel_cubes_receiver.wgsl";
+    /// Words from one storage buffer.
+    WORDS_1 = "access/words_1.wgsl";
+    /// Words from six storage buffers.
+    WORDS_6 = "access/words_6.wgsl";
+    /// Words from the pages of an RGBA8 texture.
+    WORDS_TEXTURE = "access/words_texture.wgsl";
     /// World positions and normals into the G-buffer.
     GBUFFER = "passes/gbuffer.wgsl";
     /// Depth from the light.
@@ -91,6 +105,16 @@ sources! {
     BLUR_HALF_EDGES = "passes/blur_half_edges.wgsl";
     /// Factors made elsewhere, as a technique.
     GIVEN = "passes/given.wgsl";
+    /// The technique `voxel`.
+    VOXEL_PASS = "passes/voxel.wgsl";
+    /// Counts of `voxel` for receivers in fixed point.
+    VOXEL_FIXED = "passes/voxel_fixed.wgsl";
+    /// The techniques `voxel-cubes` and `voxel-texture`.
+    VOXEL_CUBES_PASS = "passes/voxel_cubes.wgsl";
+    /// Their counts for receivers in fixed point.
+    VOXEL_CUBES_FIXED = "passes/voxel_cubes_fixed.wgsl";
+    /// A texture's words into a storage buffer.
+    DECODE_TEXTURE = "passes/decode_texture.wgsl";
     /// Sun, sky and shadow factor on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }

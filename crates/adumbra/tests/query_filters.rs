@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Baked, Options, Size, bake};
 use adumbra::light::Sun;
-use adumbra::query::{FILTER_WIDTHS, Query, Receiver, receiver};
+use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query, Receiver, receiver};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::verify::Random;
@@ -16,9 +16,9 @@ fn baked() -> Baked {
     bake(&generate(GeneratedKind::Primitives, 1), &options, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-/// The definition: taps gathered by block, one depth a block, every voxel asked by itself.
-fn by_definition(baked: &Baked, r: &Receiver, width: i64) -> f32 {
-    let texel = [0, 1].map(|a| r.p_grid[a].floor() as i64);
+/// The definition: taps gathered by block, one layer a block, every voxel asked by itself.
+fn by_definition(baked: &Baked, r: &FixedReceiver, width: i64) -> u32 {
+    let texel = [0, 1].map(|a| r.p_fixed[a].div_euclid(4096));
     let reach = width / 2;
     let mut blocks: HashMap<[i64; 2], Vec<[i64; 2]>> = HashMap::new();
     for y in texel[1] - reach..=texel[1] + reach {
@@ -29,20 +29,22 @@ fn by_definition(baked: &Baked, r: &Receiver, width: i64) -> f32 {
     let [nx, ny, nz] = baked.dag.size.map(i64::from);
     let mut lit = 0;
     for taps in blocks.values() {
-        let mut depth = r.p_grid[2];
+        let mut sum = 0;
         for a in 0..2 {
-            let mean = taps.iter().map(|t| t[a] as f64 + 0.5).sum::<f64>() / taps.len() as f64;
+            let g = i64::from(r.gradient[a]);
             let low = taps.iter().map(|t| t[a]).min().unwrap();
             let high = taps.iter().map(|t| t[a]).max().unwrap();
-            depth += r.gradient[a] * (mean - r.p_grid[a]) - 0.5 * r.gradient[a].abs() * (high - low) as f64;
+            let center = 2048 * (low + high + 1);
+            sum += g * (center - r.p_fixed[a]) - g.abs() * (high - low) * 2048;
         }
+        let layer = (r.p_fixed[2] + sum.div_euclid(256)).div_euclid(4096);
         for &[x, y] in taps {
-            let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && depth >= 0.0;
-            let k = (depth.floor() as i64).min(nz - 1);
-            lit += i32::from(!inside || baked.dag.voxel(x as u32, y as u32, k as u32));
+            let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
+            let k = layer.min(nz - 1);
+            lit += u32::from(!inside || baked.dag.voxel(x as u32, y as u32, k as u32));
         }
     }
-    lit as f32 / (width * width) as f32
+    lit
 }
 
 #[test]
@@ -55,12 +57,13 @@ fn query_counts_the_taps_that_the_definition_names() {
         // A little beyond the grid on every side.
         let p_grid: [f64; 3] = std::array::from_fn(|a| (random.unit() * 1.2 - 0.1) * size[a]);
         let gradient = [random.unit() * 6.0 - 3.0, random.unit() * 6.0 - 3.0];
-        let r = Receiver { p_grid, gradient };
+        let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, baked.dag.size);
         for width in FILTER_WIDTHS {
             let query = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
-            let answer = query.receiver_visibility(&r);
-            let expected = by_definition(&baked, &r, width.into());
-            assert!((answer - expected).abs() < 1e-6, "{r:?} {width}: {answer}, not {expected}");
+            let lit = query.lit_taps(&fixed);
+            assert_eq!(lit, by_definition(&baked, &fixed, width.into()), "{fixed:?} {width}");
+            let answer = query.receiver_visibility(&Receiver { p_grid, gradient });
+            assert_eq!(answer, lit as f32 / (width * width) as f32);
             partly_lit += usize::from(answer > 0.0 && answer < 1.0);
         }
     }

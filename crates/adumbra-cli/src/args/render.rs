@@ -45,6 +45,16 @@ pub(crate) struct Render {
     pub(crate) sun: SunArgs,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
+    /// Something that moves: sphere[:radius=R][:from=X,Y,Z:to=X,Y,Z][:seconds=S]. Without from and to the ball goes from the sun into
+    /// a shade, and the camera looks at it where --eye and --target do not say otherwise; may be repeated
+    #[arg(long = "move", value_name = "MOVER", allow_hyphen_values = true)]
+    pub(crate) movers: Vec<String>,
+    /// Seconds since movers and the scene's animations began
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, conflicts_with = "frames")]
+    pub(crate) time: f64,
+    /// Draw this many pictures, from the beginning of all movements to their end: NAME.0000.png and so on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
+    pub(crate) frames: Option<u32>,
     /// Filter width in texels: 1, 3, 5, 9 or 17; of a world-aligned file K × K × K voxels: 1, 3 or 5
     #[arg(long, value_name = "K", default_value_t = 5)]
     pub(crate) filter: u32,
@@ -153,8 +163,9 @@ pub(crate) struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// The camera on a scene within `bounds`.
-    pub(crate) fn camera(&self, bounds: &Bounds) -> Result<Camera, Failure> {
+    /// The camera on a scene within `bounds`; `view` is where it stands and looks where the user does not say, if not so as to see
+    /// the whole scene.
+    pub(crate) fn camera(&self, bounds: &Bounds, view: Option<[[f64; 3]; 2]>) -> Result<Camera, Failure> {
         if !(self.fov > 0.0 && self.fov < 180.0) {
             return Err(Failure::Usage(format!("--fov {}: give degrees between 0 and 180", self.fov)));
         }
@@ -167,7 +178,8 @@ impl CameraArgs {
         };
         let [width, height] = self.size;
         let whole = looking_at(bounds, self.fov);
-        let (eye, target) = (self.eye.unwrap_or(whole.eye), self.target.unwrap_or(whole.target));
+        let [eye, target] = view.unwrap_or([whole.eye, whole.target]);
+        let (eye, target) = (self.eye.unwrap_or(eye), self.target.unwrap_or(target));
         if eye == target || !eye.iter().chain(&target).all(|c| c.is_finite()) {
             return Err(Failure::Usage(
                 "--eye and --target must be finite and two different points".to_owned(),

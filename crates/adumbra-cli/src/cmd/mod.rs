@@ -2,9 +2,14 @@
 
 mod bake;
 mod bake_tree;
+mod baked;
 mod bench;
+mod bench_blur;
+mod bench_peers;
+mod bench_shadows;
 mod bench_tree;
 mod child;
+mod compare;
 mod demo;
 mod export;
 mod generate;
@@ -39,6 +44,7 @@ pub(crate) fn run(args: Args) -> Outcome {
         Verb::Export(a) => export::run(&a),
         Verb::Import(a) => import::run(&a),
         Verb::Render(a) => render::run(&a),
+        Verb::Compare(a) => compare::run(&a),
         Verb::Bench(a) => bench::run(&a),
         Verb::Demo(a) => demo::run(&a),
     }

@@ -52,7 +52,7 @@ pub fn walk(
                 let after = renderer.answer(&shot(frame), prepared, &followed.points)?;
                 count.add(&before, &after, &followed.near_edge)?;
             }
-            Some(count.finish())
+            count.finish()
         };
         let of = |what: &dyn Fn(&FrameTimes) -> f64| times.iter().map(what).collect::<Vec<f64>>();
         techniques.push(PathRow {

@@ -4,13 +4,13 @@
 //! is cut short, changed, or of another version or key is as good as absent. What cannot be written is not kept, and that is no error.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::files::replace_file;
+use adumbra::scene::{AlphaMode, Pixels, Scene, Texture};
 
 use super::{SunShape, Surfaces, TruthTracer};
-use crate::error::Result;
 
 const MAGIC: &[u8; 8] = b"adumbraT";
 /// Goes up whenever rays or this layout change what an entry holds.
@@ -23,15 +23,31 @@ const SURFACE_BYTES: usize = 8 + 24 + 12;
 #[derive(Clone, Debug)]
 pub struct Key(blake3::Hasher);
 
-/// The key's part that is the scene: the bytes of its file, and in `options` whatever else decided how they were read (filters, masks).
-/// Files that a scene refers to (buffers, textures, materials) stand beside it and are not looked at: name in `options` what
-/// tells them apart, or keep such scenes out of a cache.
-///
-/// # Errors
-/// [`adumbra::Error::Io`] where the file cannot be read. Cost: reading it.
-pub fn scene_key(path: &Path, options: &str) -> Result<Key> {
-    let bytes = std::fs::read(path).map_err(adumbra::Error::io("read", path))?;
-    Ok(Key::new().with(&bytes).with(options.as_bytes()))
+/// The key's part that is the scene: everything that rays see of it, wherever it came from. Colours and names are not in it. Cost: hashing
+/// the meshes, and the alpha of masked textures.
+pub fn scene_key(scene: &Scene, ignore_alpha: bool) -> Key {
+    let mut key = Key::new().with(&[u8::from(ignore_alpha)]);
+    for mesh in &scene.meshes {
+        key = key.with_all(mesh.positions.iter().flatten().map(|c| c.to_bits()));
+        key = key.with_all(mesh.triangles.iter().flatten().copied());
+        key = key.with_all(mesh.triangle_materials.iter().copied());
+        let uvs = if ignore_alpha { &[][..] } else { &mesh.uvs };
+        key = key.with_all(uvs.iter().flatten().map(|c| c.to_bits()));
+    }
+    for instance in &scene.instances {
+        key = key.with(&instance.mesh.to_le_bytes()).with(&[u8::from(instance.casts)]);
+        key = key.with_numbers(instance.world_from_mesh.as_flattened());
+    }
+    for material in &scene.materials {
+        key = key.with(&[u8::from(material.casts)]);
+        if let (AlphaMode::Mask { cutoff }, false) = (material.alpha, ignore_alpha) {
+            key = key.with_numbers(&[f64::from(cutoff), f64::from(material.base_color[3])]);
+            if let Some(texture) = material.texture.and_then(|t| scene.textures.get(t as usize)) {
+                key = key.with_alpha(texture);
+            }
+        }
+    }
+    key
 }
 
 impl Key {
@@ -45,6 +61,20 @@ impl Key {
         self.0.update(&(part.len() as u64).to_le_bytes());
         self.0.update(part);
         self
+    }
+
+    fn with_all(self, numbers: impl Iterator<Item = u32>) -> Self {
+        let bytes: Vec<u8> = numbers.flat_map(u32::to_le_bytes).collect();
+        self.with(&bytes)
+    }
+
+    fn with_alpha(self, texture: &Texture) -> Self {
+        let shape = format!("{} {} {:?} {}", texture.width, texture.height, texture.wrap, texture.nearest);
+        let alpha: Vec<u8> = match &texture.pixels {
+            Pixels::Alpha(bytes) => bytes.clone(),
+            Pixels::Rgba(bytes) => bytes.as_chunks::<4>().0.iter().map(|p| p[3]).collect(),
+        };
+        self.with(shape.as_bytes()).with(&alpha)
     }
 
     fn with_numbers(self, numbers: &[f64]) -> Self {

@@ -41,6 +41,8 @@ const AROUND: u32 = 12;
 const RINGS: [f64; 3] = [5.0, 12.0, 25.0];
 /// Of the small picture.
 const SMALL: [u32; 2] = [32, 18];
+/// Eye heights that a view along a street has ahead of it.
+const LONG: f64 = 40.0;
 /// Ground and floors: cosine to straight up.
 const LEVEL: f64 = 0.85;
 
@@ -165,8 +167,11 @@ impl Scout<'_, '_> {
         let share: f64 = shadowed / (lit + shadowed);
         let mixed = 4.0 * share * (1.0 - share);
         let capped = |count: f64, most: f64| (count / all).min(most) / most;
+        // Along the street, not at its side.
+        let ahead = self.first(camera.eye, view.forward).map_or(f64::INFINITY, |hit| hit.t);
+        let along = (ahead / (LONG * self.unit())).min(1.0);
         // Each part is good up to a point, and none alone decides.
-        (mixed > 0.0).then(|| mixed * (0.1 + capped(walls, 0.45)) * (0.1 + capped(far, 0.35)))
+        (mixed > 0.0).then(|| mixed * (0.1 + along) * (0.1 + capped(walls, 0.45)) * (0.1 + capped(far, 0.35)))
     }
 
     fn seen(&self, view: &View, x: u32, y: u32) -> Option<(Hit, [f64; 3], [f64; 3])> {

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapSettings, ShadowMap};
 use crate::screen_blur::{BlurSettings, ScreenBlur};
+use crate::voxel::{Cubes, Voxel};
 
 /// Baked files that techniques may look up in.
 #[derive(Clone, Copy, Default)]
@@ -36,6 +37,9 @@ pub const TECHNIQUES: &[(&str, &str)] = &[
     ("blur", "another technique's factor, blurred on the screen"),
     ("blur-dilate", "the same, with the shade dilated first"),
     ("blur-bilateral", "the same, within surfaces"),
+    ("voxel", "a light-aligned file, filtered over texels"),
+    ("voxel-cubes", "a world-aligned file, filtered over voxels"),
+    ("voxel-texture", "the same, read from an RGBA8 texture"),
 ];
 
 /// Builds a technique.
@@ -56,6 +60,8 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             let base = build(gpu, &base, baked)?;
             Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
         }
+        "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
+        "voxel-cubes" | "voxel-texture" => Ok(Box::new(Cubes::from_spec(gpu, spec, baked.tree)?)),
         _ => {
             if let Some(settings) = MapSettings::from_spec(spec)? {
                 return Ok(Box::new(ShadowMap::new(gpu, &spec.to_string(), settings)?));

@@ -1,6 +1,7 @@
 //! What GPU tests share.
 
-#[allow(dead_code, reason = "not every test program builds scenes")]
+#![allow(dead_code, reason = "each test program uses a part")]
+
 pub(crate) mod boxes;
 
 use adumbra::camera::{Camera, Projection};

@@ -2,13 +2,23 @@
 //!
 //! World point → bias → grid → K × K texels. All taps that fall in one 8 × 8 block share one receiver depth, that of
 //! the receiver's plane at the centre of those taps less half the slope times their extent; the block's slab at that
-//! depth is fetched once and its bits counted under a mask. Specification §6.
+//! depth is fetched once and its bits counted under a mask. Specification §6. Up to the bias it is `f64`; from there on whole
+//! numbers, see [`FixedReceiver`].
 
+mod fixed;
 mod penumbra;
+mod plan;
 mod tree;
+mod tree_receiver;
 
+pub use fixed::{
+    FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, GRADIENT_ONE, MARGIN_VOXELS, MAX_FIXED_SIDE,
+    MAX_GRADIENT,
+};
 pub use penumbra::PenumbraQuery;
+pub use plan::PlanLevels;
 pub use tree::{KERNEL_SIDES, TreeQuery, Weights};
+pub use tree_receiver::{MAX_HEIGHT_CELLS, NORMAL_BITS, NORMAL_ONE, TreeReceiver};
 
 use crate::dag::Dag;
 use crate::error::{Error, Result};
@@ -85,12 +95,14 @@ impl<'d> Query<'d> {
 
     /// Visibility of a point that is already biased.
     pub fn receiver_visibility(&self, r: &Receiver) -> f32 {
-        // Beyond any grid; also where it is not a number.
-        if !r.p_grid.iter().all(|c| c.abs() < 1e9) {
-            return 1.0;
-        }
+        let lit = self.lit_taps(&FixedReceiver::new(r, self.dag.size));
+        lit as f32 / (self.filter * self.filter) as f32
+    }
+
+    /// Taps of filter² that are lit, for a point in fixed point: what a shader answers too.
+    pub fn lit_taps(&self, r: &FixedReceiver) -> u32 {
         let reach = i64::from(self.filter / 2);
-        let texel = [r.p_grid[0].floor() as i64, r.p_grid[1].floor() as i64];
+        let texel = r.texel();
         let (low, high) = (texel.map(|t| t - reach), texel.map(|t| t + reach));
         let mut lit = 0;
         let mut y = low[1];
@@ -104,11 +116,11 @@ impl<'d> Query<'d> {
             }
             y = y_last + 1;
         }
-        lit as f32 / (self.filter * self.filter) as f32
+        lit
     }
 
     /// Lit taps among texels x[0]..=x[1], y[0]..=y[1], all in one block.
-    fn block(&self, r: &Receiver, x: [i64; 2], y: [i64; 2]) -> u32 {
+    fn block(&self, r: &FixedReceiver, x: [i64; 2], y: [i64; 2]) -> u32 {
         let [nx, ny, nz] = self.dag.size.map(i64::from);
         let mut mask = rectangle(x, y);
         let taps = mask.count_ones();
@@ -118,27 +130,16 @@ impl<'d> Query<'d> {
         if inside_x[0] > inside_x[1] || inside_y[0] > inside_y[1] {
             return taps;
         }
-        let k = shared_depth(r, x, y).floor();
-        if k < 0.0 {
+        let layer = r.shared_layer(x, y);
+        if layer < 0 {
             return taps;
         }
-        let k = (k as i64).min(nz - 1) as u32;
+        let k = layer.min(nz - 1) as u32;
         mask &= rectangle(inside_x, inside_y);
         let outside = taps - mask.count_ones();
         let slab = self.dag.slab(inside_x[0] as u32, inside_y[0] as u32, k);
         outside + (slab & mask).count_ones()
     }
-}
-
-/// The depth that the taps x[0]..=x[1] × y[0]..=y[1] share: never behind the receiver's plane at any of them.
-fn shared_depth(r: &Receiver, x: [i64; 2], y: [i64; 2]) -> f64 {
-    let mut depth = r.p_grid[2];
-    for (a, taps) in [x, y].into_iter().enumerate() {
-        let center = (taps[0] + taps[1] + 1) as f64 * 0.5;
-        let extent = (taps[1] - taps[0]) as f64;
-        depth += r.gradient[a] * (center - r.p_grid[a]) - 0.5 * r.gradient[a].abs() * extent;
-    }
-    depth
 }
 
 /// Bits y·8 + x of a rectangle within one block.

@@ -3,12 +3,15 @@
 //! World point → bias along the light → voxel → 1, 3 × 3 × 3 or 5 × 5 × 5 voxels around it, with weights. Departures:
 //! taps whose centre lies behind the receiver's plane are left out, where a normal is known, because every one of them
 //! is in the receiver's own shadow; and where a tree has several depths, one voxel size serves the whole kernel, the
-//! coarsest within its reach, so that neither bias nor kernel changes along the seam.
+//! coarsest within its reach, so that neither bias nor kernel changes along the seam. Up to bias and entry it is `f64`; from
+//! there on whole numbers, see [`TreeReceiver`].
 
+use super::plan::PlanLevels;
+use super::tree_receiver::TreeReceiver;
 use crate::error::{Error, Result};
 use crate::light::{Sun, dot};
 use crate::settings::{Bias, MAX_SLOPE};
-use crate::tree::{RegionVoxels, Regions, TreeSpace, Voxels};
+use crate::tree::{Regions, TreeSpace, Voxels};
 
 /// Kernel sides in voxels that a look-up may use.
 pub const KERNEL_SIDES: [u32; 3] = [1, 3, 5];
@@ -24,7 +27,8 @@ pub enum Weights {
 }
 
 impl Weights {
-    fn along_axis(self, distance: u32) -> u32 {
+    /// Factor of a tap `distance` voxels from the middle along one axis, 0 to 2.
+    pub fn along_axis(self, distance: u32) -> u32 {
         match self {
             Self::Mean => 1,
             Self::Poisson => [8, 4, 1][distance as usize],
@@ -39,11 +43,10 @@ pub struct TreeQuery<'t, T> {
     tree: &'t T,
     towards_sun: [f64; 3],
     bias: Bias,
-    reach: i64,
+    reach: i32,
     weights: Weights,
     all_taps: bool,
-    base_depth: u32,
-    regions: Vec<RegionVoxels>,
+    plan: PlanLevels,
 }
 
 impl<'t, T: Voxels> TreeQuery<'t, T> {
@@ -72,11 +75,10 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
             tree,
             towards_sun: sun.towards(),
             bias,
-            reach: i64::from(kernel_side / 2),
+            reach: (kernel_side / 2) as i32,
             weights,
             all_taps: false,
-            base_depth: regions.base_depth,
-            regions: regions.in_voxels(space),
+            plan: PlanLevels::new(space, regions),
         })
     }
 
@@ -88,57 +90,56 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
     /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
     ///
     /// A point beside the cube or sunward of it is lit; one behind it has the visibility of the place where its sun ray
-    /// enters the cube. A point that is not finite is lit. Cost: one path a tap.
+    /// enters the cube. A point that is not finite, or 10^9 voxels away, is lit. Cost: one path a tap.
     pub fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        let Some(receiver) = self.receiver(p_world, normal) else { return 1.0 };
+        let [lit, weights] = self.lit_weights(&receiver);
+        lit as f32 / weights as f32
+    }
+
+    /// What answers a point: it is moved by the bias and to where its sun ray enters the cube. None where it is lit because that
+    /// ray misses the cube, or because it is not finite.
+    pub fn receiver(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<TreeReceiver> {
         let p_tree = self.space.to_tree(p_world);
         if !p_tree.iter().all(|c| c.abs() < 1e9) {
-            return 1.0;
+            return None;
         }
-        let Some((cell, level)) = self.place(p_tree, normal) else { return 1.0 };
-        if self.reach == 0 {
-            return if self.cell(cell, level) { 1.0 } else { 0.0 };
-        }
-        let mut lit = 0;
-        let mut weights = 0;
+        let level = self.level(p_tree, normal);
+        let lifted = self.lifted(p_tree, normal, level);
+        // Not so where the normal is not a number.
+        let inside = lifted.iter().all(|c| c.is_finite()).then(|| self.entered(lifted)).flatten()?;
+        let n = normal.filter(|_| !self.all_taps).unwrap_or_default();
+        let height = dot(n, std::array::from_fn(|a| inside[a] - p_tree[a])) / f64::from(1_u32 << level);
+        Some(TreeReceiver::new(inside, self.space.side_voxels(), level, n, height))
+    }
+
+    /// Sum of the weights of the taps that are lit, and of all that count: what a shader answers too.
+    pub fn lit_weights(&self, r: &TreeReceiver) -> [u32; 2] {
+        let (cell, plane) = (r.cell(), r.plane());
+        let (mut lit, mut weights) = (0, 0);
         for x in -self.reach..=self.reach {
             for y in -self.reach..=self.reach {
                 for z in -self.reach..=self.reach {
                     let offset = [x, y, z];
-                    let tap: [i64; 3] = std::array::from_fn(|a| cell[a] + offset[a]);
-                    let plane = normal.filter(|_| !self.all_taps);
-                    let in_front = plane.is_none_or(|n| {
-                        let center = tap.map(|c| (c as f64 + 0.5) * f64::from(1_u32 << level));
-                        dot(n, std::array::from_fn(|a| center[a] - p_tree[a])) >= 0.0
-                    });
-                    if !in_front && offset != [0; 3] {
+                    if !r.counts(plane, offset) {
                         continue;
                     }
-                    let factors = offset.map(|o| self.weights.along_axis(o.unsigned_abs() as u32));
+                    let factors = offset.map(|o| self.weights.along_axis(o.unsigned_abs()));
                     let weight = factors[0] * factors[1] * factors[2];
                     weights += weight;
-                    lit += weight * u32::from(self.cell(tap, level));
+                    let tap = std::array::from_fn(|a| cell[a] + offset[a]);
+                    lit += weight * u32::from(self.tree.voxel(self.voxel_of(tap, r.level)));
                 }
             }
         }
-        lit as f32 / weights as f32
+        [lit, weights]
     }
 
     /// The voxel in the middle of what answers this point; none where the point is lit because its sun ray misses the
     /// cube, or is not finite.
     pub fn voxel_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<[u32; 3]> {
-        let p_tree = self.space.to_tree(p_world);
-        let finite = p_tree.iter().all(|c| c.abs() < 1e9);
-        let (cell, level) = finite.then(|| self.place(p_tree, normal)).flatten()?;
-        Some(self.voxel_of(cell, level))
-    }
-
-    /// The cell that a point lies in after its bias, and its level.
-    fn place(&self, p_tree: [f64; 3], normal: Option<[f64; 3]>) -> Option<([i64; 3], u32)> {
-        let level = self.level(p_tree, normal);
-        let lifted = self.lifted(p_tree, normal, level);
-        // Not so where the normal is not a number.
-        let inside = lifted.iter().all(|c| c.is_finite()).then(|| self.entered(lifted)).flatten()?;
-        Some((inside.map(|c| (c as i64) >> level), level))
+        let receiver = self.receiver(p_world, normal)?;
+        Some(self.voxel_of(receiver.cell(), receiver.level))
     }
 
     /// Edge of the voxels that answer this point, world units.
@@ -157,13 +158,9 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         &self.space
     }
 
-    /// Visibility of a cell of 2^level voxels a side; beside the cube, of the nearest one within.
-    fn cell(&self, cell: [i64; 3], level: u32) -> bool {
-        self.tree.voxel(self.voxel_of(cell, level))
-    }
-
-    fn voxel_of(&self, cell: [i64; 3], level: u32) -> [u32; 3] {
-        let last = (i64::from(self.space.side_voxels()) >> level) - 1;
+    /// The voxel in the middle of a cell of 2^level voxels a side; beside the cube, of the nearest one within.
+    fn voxel_of(&self, cell: [i32; 3], level: u32) -> [u32; 3] {
+        let last = (self.space.side_voxels() >> level) as i32 - 1;
         let half = (1 << level) >> 1;
         cell.map(|c| (c.clamp(0, last) as u32) << level | half)
     }
@@ -209,52 +206,16 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
 
     /// Level of the coarsest cells between a point, its lifted self and the kernel's ends.
     fn level(&self, p_tree: [f64; 3], normal: Option<[f64; 3]>) -> u32 {
-        if self.regions.is_empty() {
-            return self.space.depth - self.base_depth;
-        }
-        let mut level = self.level_over([p_tree[0]; 2], [p_tree[2]; 2]);
+        let mut level = self.plan.coarsest_over([p_tree[0]; 2], [p_tree[2]; 2]);
         loop {
             let lifted = self.lifted(p_tree, normal, level);
-            let margin = (self.reach + 1) as f64 * f64::from(1_u32 << level);
+            let margin = f64::from(self.reach + 1) * f64::from(1_u32 << level);
             let range = |a: usize| [p_tree[a].min(lifted[a]) - margin, p_tree[a].max(lifted[a]) + margin];
-            let coarsest = self.level_over(range(0), range(2));
+            let coarsest = self.plan.coarsest_over(range(0), range(2));
             if coarsest <= level {
                 return level;
             }
             level = coarsest;
         }
     }
-
-    /// Level of the coarsest cells over a rectangle in plan.
-    fn level_over(&self, x: [f64; 2], z: [f64; 2]) -> u32 {
-        let side = f64::from(self.space.side_voxels());
-        // Beyond the cube there is nothing coarser.
-        let [x, z] = [x, z].map(|r| r.map(|c| c.clamp(0.0, side)));
-        self.space.depth - shallowest(&self.regions, self.base_depth, x, z)
-    }
-}
-
-/// Depth where a tree is shallowest over a rectangle in plan, borders included. The first of `regions` that a point lies
-/// in, deepest first, says how deep the tree is there.
-fn shallowest(regions: &[RegionVoxels], base_depth: u32, x: [f64; 2], z: [f64; 2]) -> u32 {
-    let overlap = |r: &RegionVoxels| {
-        let [from, to] = [0, 1].map(|end| [f64::from(r.x[end]), f64::from(r.z[end])]);
-        from[0] <= x[1] && x[0] <= to[0] && from[1] <= z[1] && z[0] <= to[1]
-    };
-    let Some(first) = regions.iter().position(overlap) else { return base_depth };
-    let (region, rest) = (&regions[first], &regions[first + 1..]);
-    let [rx, rz] = [region.x, region.z].map(|r| r.map(f64::from));
-    // What sticks out: beside it along x, then before and behind it along z.
-    let inside_x = [x[0].max(rx[0]), x[1].min(rx[1])];
-    let parts = [
-        (x[0] < rx[0], [x[0], rx[0]], z),
-        (x[1] > rx[1], [rx[1], x[1]], z),
-        (z[0] < rz[0], inside_x, [z[0], rz[0]]),
-        (z[1] > rz[1], inside_x, [rz[1], z[1]]),
-    ];
-    parts
-        .into_iter()
-        .filter(|(sticks_out, ..)| *sticks_out)
-        .map(|(_, x, z)| shallowest(rest, base_depth, x, z))
-        .fold(region.depth.max(base_depth), u32::min)
 }

@@ -7,15 +7,23 @@ use adumbra::trace::{TraceOptions, Tracer};
 use serde_json::json;
 
 use super::Job;
+use super::movers::numbered;
 use crate::cmd::lookup::Asking;
 use crate::exit::Failure;
 use crate::output::write_png;
 
+/// Every frame.
 pub(super) fn draw(job: &Job<'_>, truth: bool, output: &Path) -> Result<(), Failure> {
+    job.moments
+        .iter()
+        .try_for_each(|&(seconds, number)| draw_one(job, truth, seconds, &numbered(output, number)))
+}
+
+fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<(), Failure> {
     let args = job.args;
-    let camera = args.camera.camera(&job.scene.bounds())?;
-    let tracer = Tracer::build(&job.scene, TraceOptions { ignore_alpha: job.ignore_alpha });
-    let held = job.scene.memory_bytes() + tracer.memory_bytes();
+    let scene = job.scene_at(seconds);
+    let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: job.ignore_alpha });
+    let held = scene.memory_bytes() + tracer.memory_bytes();
     args.work.check_memory("the scene and its rays' trees", held)?;
     let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
     let lookup = job.file.as_ref().map(|f| asking.lookup(f)).transpose()?;
@@ -24,7 +32,7 @@ pub(super) fn draw(job: &Job<'_>, truth: bool, output: &Path) -> Result<(), Fail
         Some(lookup) if !truth => Shadows::File(&**lookup),
         _ => Shadows::Truth,
     };
-    let picture = picture::draw(&job.scene, &tracer, &camera, job.sun.towards(), &shadows, args.antialias);
+    let picture = picture::draw(&scene, &tracer, &job.camera, job.sun.towards(), &shadows, args.antialias);
     write_png(output, &picture)?;
     match picture.difference_share {
         Some(share) if !args.json => {

@@ -3,12 +3,15 @@
 mod cpu;
 mod gpu;
 mod layers;
+mod movers;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use adumbra::camera::Camera;
 use adumbra::format::AnyFile;
 use adumbra::light::Sun;
-use adumbra::scene::Scene;
+use adumbra::scene::{MoverPolicy, Scene};
 use adumbra_render::{Gpu, RenderError, TechniqueSpec};
 use serde_json::{Value, json};
 
@@ -20,7 +23,11 @@ use crate::exit::{Code, Failure, Outcome};
 /// What every picture of a call is drawn from.
 struct Job<'a> {
     args: &'a Render,
+    /// Movers included.
     scene: Scene,
+    camera: Camera,
+    /// Seconds and number of each picture.
+    moments: Vec<(f64, Option<u32>)>,
     file: Option<AnyFile>,
     sun: Sun,
     ignore_alpha: bool,
@@ -36,14 +43,21 @@ pub(crate) fn run(args: &Render) -> Outcome {
     }
     let mut load = args.load.load_options()?;
     load.color_textures = true;
+    if load.movers == MoverPolicy::LeaveOut {
+        load.movers = MoverPolicy::Keep;
+    }
     load.ignore_alpha |= file.as_ref().is_some_and(ignored_alpha);
     let sun = match &file {
         Some(file) => sun_of(file),
         None => args.sun.sun()?,
     };
     with_threads(args.work.threads, || {
-        let scene = load_scene(&args.scene, &load)?;
-        let job = Job { args, scene, file, sun, ignore_alpha: load.ignore_alpha };
+        let mut scene = load_scene(&args.scene, &load)?;
+        let ignore_alpha = load.ignore_alpha;
+        let view = movers::add(args, &mut scene, sun.towards(), ignore_alpha)?;
+        let camera = args.camera.camera(&scene.bounds(), view)?;
+        let moments = movers::moments(args, &scene)?;
+        let job = Job { args, scene, camera, moments, file, sun, ignore_alpha };
         job.draw(&specs)
     })
 }
@@ -80,6 +94,16 @@ impl Job<'_> {
         cpu::draw(self, truth, &self.args.output)
     }
 
+    /// The scene with everything where it is at a time.
+    fn scene_at(&self, seconds: f64) -> Cow<'_, Scene> {
+        if self.scene.movers.is_empty() {
+            return Cow::Borrowed(&self.scene);
+        }
+        let mut scene = self.scene.clone();
+        scene.pose(seconds);
+        Cow::Owned(scene)
+    }
+
     fn report(&self, output: &Path, size: [u32; 2], mut more: Value) {
         let [width, height] = size;
         if !self.args.json {
@@ -99,12 +123,13 @@ fn output_of(path: &Path, spec: &TechniqueSpec, several: bool) -> PathBuf {
     }
     let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("picture");
     let ending = path.extension().and_then(|s| s.to_str()).unwrap_or("png");
-    let name: String = spec
-        .to_string()
-        .chars()
-        .map(|c| if c.is_alphanumeric() || "-.+=".contains(c) { c } else { '_' })
-        .collect();
+    let name = name_in_paths(&spec.to_string());
     path.with_file_name(format!("{stem}.{name}.{ending}"))
+}
+
+/// A technique's name, as a part of a file's.
+pub(super) fn name_in_paths(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || "-.+=".contains(c) { c } else { '_' }).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,95 @@
+//! What `compare` leaves in its folder.
+
+use std::path::Path;
+
+use adumbra::picture::Picture;
+use adumbra_lab::compare::{Compared, Comparison};
+use adumbra_lab::pictures::{Cell, sheet};
+use adumbra_lab::report::{PathReport, Report, TruthKind};
+use serde_json::Value;
+
+use super::super::render::name_in_paths;
+use crate::exit::Failure;
+use crate::output::{write_png, write_whole};
+use crate::plot::{Along, Legend, Panel, Series, write_svg};
+
+/// Widest picture of the sheet, pixels.
+const WIDEST: u32 = 640;
+
+/// Writes tables, pictures, the sheet, and what a path gave.
+pub(super) fn write(
+    folder: &Path,
+    report: &Report,
+    comparison: &Comparison,
+    document: &Value,
+) -> Result<(), Failure> {
+    write_whole(&folder.join("report.json"), format!("{document:#}\n").as_bytes())?;
+    write_whole(&folder.join("report.md"), report.markdown().as_bytes())?;
+    for (kind, picture) in &comparison.truths {
+        write_png(&folder.join(format!("truth-{}.png", kind_name(*kind))), picture)?;
+    }
+    for compared in &comparison.compared {
+        let name = name_in_paths(&compared.row.name);
+        write_png(&folder.join(format!("{name}.png")), &compared.picture)?;
+        write_png(&folder.join(format!("{name}.difference.png")), &compared.difference)?;
+    }
+    write_png(&folder.join("sheet.png"), &whole_sheet(comparison))?;
+    match &report.path {
+        Some(path) => {
+            write_whole(&folder.join("path.csv"), path.csv().as_bytes())?;
+            write_svg(&folder.join("path.svg"), &[panel(path, report)])
+        }
+        None => Ok(()),
+    }
+}
+
+fn kind_name(kind: TruthKind) -> &'static str {
+    match kind {
+        TruthKind::Hard => "hard",
+        TruthKind::Disc => "disc",
+    }
+}
+
+/// A row a technique: its picture and where it is wrong; the truths first.
+fn whole_sheet(comparison: &Comparison) -> Picture {
+    let mut cells = Vec::new();
+    for compared in &comparison.compared {
+        let truth = comparison.truths.iter().find(|t| t.0 == compared.row.truth);
+        let [first, second, third] = captions(compared);
+        if let Some((kind, picture)) = truth {
+            let caption = vec![format!("truth, {} sun", kind_name(*kind))];
+            cells.push(Cell { picture, caption });
+        }
+        cells.push(Cell { picture: &compared.picture, caption: vec![compared.row.name.clone(), first] });
+        cells.push(Cell { picture: &compared.difference, caption: vec![second, third] });
+    }
+    sheet(&cells, 3, WIDEST)
+}
+
+fn captions(compared: &Compared) -> [String; 3] {
+    let row = &compared.row;
+    let time = row
+        .gpu_ms
+        .map_or_else(String::new, |ms| format!("{ms:.2} ms{} ", if row.wall_time { " (wall)" } else { "" }));
+    [
+        format!("{time}FLIP {:.4} SSIM {:.4}", row.flip, row.ssim),
+        format!("red: lit called shadowed {:.3} %", 100.0 * row.wrong_shadowed),
+        format!("blue: shadowed called lit {:.3} %", 100.0 * row.wrong_lit),
+    ]
+}
+
+fn panel(path: &PathReport, report: &Report) -> Panel {
+    let series = path.techniques.iter().map(|t| Series {
+        name: t.name.clone(),
+        points: (0_u32..).zip(&t.gpu_ms).map(|(frame, ms)| (f64::from(frame), *ms)).collect(),
+    });
+    let wall = path.techniques.iter().any(|t| t.wall_time);
+    Panel {
+        title: format!("{}, shadow passes{}", report.scene, if wall { " (wall time)" } else { "" }),
+        along: Along::Numbers("frame"),
+        y_label: "ms",
+        logarithmic: true,
+        legend: Legend::UpperRight,
+        series: series.collect(),
+    }
+}

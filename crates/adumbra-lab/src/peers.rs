@@ -1,0 +1,152 @@
+//! The two figures that today's engines were measured by on the truth cameras, and a table of ours beside theirs.
+//!
+//! 320 × 240, no anti-aliasing, masks ignored, valid pixels with n·l > 0.1. First figure: share of pixels on the wrong side of 1/2; second: mean
+//! |shadow factor - truth|; both in %. Quote both: acne at half strength hides in the first.
+
+use std::fmt::Write as _;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::Result;
+use crate::metrics::factor_errors;
+use crate::truth::TruthView;
+
+/// The scenes, in the table's order.
+pub const SCENES: [&str; 4] = ["kaykit_city_21", "box-city-5k", "zdm2", "alpine-2"];
+/// Pixels with a smaller cosine to the sun are not judged.
+const MIN_N_DOT_L: f32 = 0.1;
+
+/// Where a row comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RowSource {
+    /// By this program, in this run.
+    Here,
+    /// On the same cameras against the same truth, with another program.
+    MeasuredElsewhere,
+    /// What is aimed at.
+    Aim,
+}
+
+/// Both figures of one scene, %.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeerFigures {
+    /// Share of pixels on the wrong side of 1/2.
+    pub wrong_percent: f64,
+    /// Mean |shadow factor - truth|.
+    pub mean_percent: f64,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeerRow {
+    /// The technique or program.
+    pub name: String,
+    /// Where its figures come from.
+    pub source: RowSource,
+    /// By [`SCENES`]; none where it was not measured.
+    pub scenes: [Option<PeerFigures>; 4],
+}
+
+const ELSEWHERE: [(&str, [(f64, f64); 4]); 6] = [
+    ("Bevy 0.19.1, default cascades (150 m)", [(9.42, 9.7), (18.51, 18.7), (1.34, 1.6), (9.98, 10.0)]),
+    ("Bevy 0.19.1, distance = scene, 4 × 2048²", [(6.47, 7.0), (1.59, 2.7), (1.30, 1.5), (6.51, 8.5)]),
+    ("Bevy 0.19.1, distance = scene, 4 × 4096²", [(3.48, 4.3), (0.69, 1.4), (0.64, 0.8), (3.26, 5.2)]),
+    (
+        "Bevy 0.19.1, cascades fitted to this one view, 4 × 4096²",
+        [(2.58, 3.3), (0.42, 0.9), (0.59, 0.7), (2.79, 4.5)],
+    ),
+    (
+        "three.js r187, CSM 4 × 4096², single-sided default",
+        [(0.77, 1.5), (0.29, 0.5), (0.16, 0.3), (9.66, 10.2)],
+    ),
+    (
+        "three.js r187, SunLight 4096², biases of a texel",
+        [(2.36, 2.8), (0.52, 0.7), (0.52, 0.6), (11.04, 10.6)],
+    ),
+];
+const AIM: (&str, [(f64, f64); 4]) =
+    ("aim: voxel, one file at 65536, any view", [(0.40, 0.6), (0.20, 0.4), (0.15, 0.3), (0.60, 0.8)]);
+
+fn row(source: RowSource, (name, figures): (&str, [(f64, f64); 4])) -> PeerRow {
+    let scenes =
+        figures.map(|(wrong_percent, mean_percent)| Some(PeerFigures { wrong_percent, mean_percent }));
+    PeerRow { name: name.to_owned(), source, scenes }
+}
+
+/// The engines' rows.
+pub fn engines() -> Vec<PeerRow> {
+    ELSEWHERE.into_iter().map(|r| row(RowSource::MeasuredElsewhere, r)).collect()
+}
+
+/// What is aimed at.
+pub fn aim() -> PeerRow {
+    row(RowSource::Aim, AIM)
+}
+
+/// Both figures of shadow factors drawn with the view's camera.
+///
+/// # Errors
+/// [`crate::Error::Sizes`] where the factors are not the view's pixels.
+pub fn figures(factors: &[f32], view: &TruthView) -> Result<PeerFigures> {
+    let judged = |i: usize| view.valid[i] && view.n_dot_l[i] > MIN_N_DOT_L;
+    let errors = factor_errors(factors, &view.visibility, judged)?;
+    Ok(PeerFigures { wrong_percent: 100.0 * errors.wrong(), mean_percent: 100.0 * errors.mean_difference })
+}
+
+/// The table as Markdown.
+pub fn markdown(rows: &[PeerRow]) -> String {
+    let mut text = format!("| sun shadow | measured | {} |\n|---|---|---|---|---|---|\n", SCENES.join(" | "));
+    for row in rows {
+        let source = match row.source {
+            RowSource::Here => "here",
+            RowSource::MeasuredElsewhere => "elsewhere",
+            RowSource::Aim => "–",
+        };
+        let cells = row.scenes.map(|s| {
+            s.map_or_else(|| "–".to_owned(), |f| format!("{:.2} ({:.1})", f.wrong_percent, f.mean_percent))
+        });
+        // Writing to a String does not fail.
+        let _ = writeln!(text, "| {} | {source} | {} |", row.name, cells.join(" | "));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use adumbra::camera::{Camera, Projection};
+    use adumbra::light::Sun;
+
+    use super::*;
+
+    #[test]
+    fn peers_stand_in_one_table() {
+        let mut rows = engines();
+        rows.push(PeerRow { name: "voxel".to_owned(), source: RowSource::Here, scenes: [None; 4] });
+        rows.push(aim());
+        let text = markdown(&rows);
+        assert_eq!(text.lines().count(), 2 + 6 + 2);
+        assert!(
+            text.contains("| three.js r187, CSM 4 × 4096², single-sided default | elsewhere | 0.77 (1.5) |")
+        );
+        assert!(text.contains("| voxel | here | – | – | – | – |"));
+        assert!(text.contains("0.40 (0.6) | 0.20 (0.4) | 0.15 (0.3) | 0.60 (0.8) |"));
+    }
+
+    #[test]
+    fn peers_figures_leave_out_what_is_not_judged() {
+        let projection = Projection::Perspective { fov_degrees: 45.0 };
+        let view = TruthView {
+            camera: Camera { eye: [0.0; 3], target: [1.0; 3], projection, width: 2, height: 2 },
+            sun: Sun::from_direction([0.0, 1.0, 0.0]).unwrap(),
+            position: vec![[0.0; 3]; 4],
+            normal: vec![[0.0, 1.0, 0.0]; 4],
+            n_dot_l: vec![0.5, 0.5, 0.1, 0.5],
+            visibility: vec![1.0, 0.0, 1.0, 1.0],
+            valid: vec![true, true, true, false],
+        };
+        let f = figures(&[0.25, 0.25, 0.0, 0.0], &view).unwrap();
+        assert_eq!((f.wrong_percent, f.mean_percent), (50.0, 50.0));
+        assert!(figures(&[0.0; 3], &view).is_err());
+    }
+}

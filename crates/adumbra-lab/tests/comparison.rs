@@ -1,0 +1,205 @@
+//! A comparison on a small generated scene: figures, pictures, the walk, and the report's form.
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::light::Sun;
+use adumbra::scene::{GeneratedKind, Scene, generate};
+use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
+use adumbra_lab::paths::CameraPath;
+use adumbra_lab::report::{BakedFigures, Report, TruthKind};
+use adumbra_lab::truth::{Cache, SunShape, TruthTracer, scene_key};
+use adumbra_render::{
+    Answer, Baked, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build,
+};
+
+const SIZE: [u32; 2] = [96, 64];
+
+fn camera() -> Camera {
+    let projection = Projection::Perspective { fov_degrees: 45.0 };
+    Camera { eye: [-12.0, 11.0, 17.0], target: [0.0, 0.5, 0.0], projection, width: SIZE[0], height: SIZE[1] }
+}
+
+fn renderer(scene: &Scene) -> Renderer {
+    let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    Renderer::new(gpu, scene, SceneOptions::default()).unwrap()
+}
+
+fn contender(renderer: &Renderer, name: &str, truth: TruthKind) -> Contender {
+    let spec: TechniqueSpec = name.parse().unwrap();
+    let prepared = (name != "truth")
+        .then(|| renderer.prepare(build(renderer.gpu(), &spec, Baked::default()).unwrap()).unwrap());
+    Contender { spec, prepared, truth }
+}
+
+struct World {
+    scene: Scene,
+    sun: Sun,
+}
+
+impl World {
+    fn new() -> Self {
+        let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+        Self { scene: generate(GeneratedKind::Primitives, 1), sun }
+    }
+
+    fn with_judge<T>(&self, work: impl FnOnce(&Judge<'_, '_>) -> T) -> T {
+        let truth = TruthTracer::build(&self.scene, false);
+        let key = scene_key(&self.scene, false);
+        let towards_sun = self.sun.towards();
+        work(&Judge { truth: &truth, cache: &Cache::none(), scene: &key, towards_sun, disc: (8.0, 16) })
+    }
+}
+
+#[test]
+fn comparison_of_no_shadows_is_wrong_where_the_truth_is_shadowed() {
+    let world = World::new();
+    let mut renderer = renderer(&world.scene);
+    let mut contenders = [
+        contender(&renderer, "none", TruthKind::Hard),
+        contender(&renderer, "truth", TruthKind::Hard),
+        contender(&renderer, "truth", TruthKind::Disc),
+    ];
+    let Comparison { pixels, truths, compared } =
+        world.with_judge(|judge| compare(&mut renderer, judge, &camera(), &mut contenders, 2).unwrap());
+    let all = pixels.compared + pixels.sky + pixels.facing_away + pixels.excluded;
+    assert_eq!(all, u64::from(SIZE[0] * SIZE[1]));
+    assert!(pixels.compared > 2000 && pixels.excluded * 100 < all, "{pixels:?}");
+    assert_eq!(truths.iter().map(|t| t.0).collect::<Vec<_>>(), [TruthKind::Hard, TruthKind::Disc]);
+    let none = &compared[0].row;
+    assert!(none.wrong_lit > 0.02 && none.wrong_shadowed == 0.0, "{none:?}");
+    // All is lit: the squares of the differences are the shadowed share.
+    assert!((none.rmse - none.wrong_lit.sqrt()).abs() < 1e-9);
+    assert!(none.ssim < 0.999 && none.flip > 0.0 && none.gpu_ms.is_some());
+    let sum: u64 = none.bands.iter().map(|b| b.errors.pixels).sum();
+    assert_eq!(sum, pixels.compared);
+    for truth in &compared[1..] {
+        let row = &truth.row;
+        assert_eq!((row.rmse, row.wrong_lit, row.wrong_shadowed, row.flip), (0.0, 0.0, 0.0, 0.0));
+        assert!((row.ssim - 1.0).abs() < 1e-12 && row.gpu_ms.is_none());
+    }
+    let soft = compared[2].factors.iter().filter(|f| **f > 0.0 && **f < 1.0).count();
+    assert!(soft > 20, "{soft} pixels in penumbra");
+    assert_ne!(compared[1].picture.rgb, compared[2].picture.rgb);
+}
+
+#[test]
+fn given_factors_are_composited_as_they_are() {
+    let world = World::new();
+    let mut renderer = renderer(&world.scene);
+    let shot = Shot { camera: camera(), towards_sun: world.sun.towards(), number: 0 };
+    let factors: Vec<f32> = (0..SIZE[0] * SIZE[1]).map(|i| (i % 17) as f32 / 16.0).collect();
+    let given = Given::new(renderer.gpu(), "given", SIZE, &factors).unwrap();
+    let mut given = renderer.prepare(Box::new(given)).unwrap();
+    renderer.draw(&shot, &mut given, Answer::Visibility).unwrap();
+    let surface = renderer.read_surface(&shot).unwrap();
+    let back = renderer.read_factor(&given).unwrap();
+    for (i, (&there, &asked)) in back.iter().zip(&factors).enumerate() {
+        let n_dot_l: f64 = (0..3).map(|a| f64::from(surface.normal[i][a]) * shot.towards_sun[a]).sum();
+        // A normal of half precision decides only where it is clear of zero.
+        if surface.view_depth[i].is_finite() && n_dot_l.abs() < 1e-3 {
+            continue;
+        }
+        let expected = match (surface.view_depth[i].is_finite(), n_dot_l > 0.0) {
+            (false, _) => 1.0,
+            (true, false) => 0.0,
+            (true, true) => asked,
+        };
+        assert_eq!(there, expected, "pixel {i}");
+    }
+    let larger = Shot { camera: Camera { width: 97, ..camera() }, ..shot };
+    assert!(renderer.draw(&larger, &mut given, Answer::Visibility).is_err());
+    assert!(Given::new(renderer.gpu(), "given", [5, 5], &factors).is_err());
+}
+
+#[test]
+fn walk_gives_times_and_shimmer_of_every_technique() {
+    let world = World::new();
+    let mut renderer = renderer(&world.scene);
+    let mut contenders =
+        [contender(&renderer, "none", TruthKind::Hard), contender(&renderer, "truth", TruthKind::Hard)];
+    let path = CameraPath::orbit(&world.scene.bounds(), 36).with_frames(3);
+    let report = world.with_judge(|judge| walk(&mut renderer, judge, &path, SIZE, &mut contenders).unwrap());
+    assert_eq!((report.frames, report.techniques.len()), (3, 1), "truth draws no frames");
+    let row = &report.techniques[0];
+    assert_eq!(row.gpu_ms.len(), 3);
+    let shimmer = row.shimmer.unwrap();
+    assert_eq!((shimmer.edge_share, shimmer.share), (0.0, 0.0));
+    assert!(shimmer.edge_points > 50 && shimmer.points > shimmer.edge_points, "{shimmer:?}");
+    let csv = report.csv();
+    assert_eq!(csv.lines().count(), 4);
+    assert!(csv.starts_with("frame,none all ms,none depth ms,none lookup ms\n0,"), "{csv}");
+}
+
+#[test]
+fn techniques_are_judged_by_the_truth_that_they_aim_at() {
+    let kind = |name: &str| truth_for(&name.parse().unwrap());
+    for soft in ["pcss", "pcss:size=1024", "blur", "blur-dilate", "blur-bilateral"] {
+        assert_eq!(kind(soft), TruthKind::Disc, "{soft}");
+    }
+    for hard in ["sm", "pcf", "csm", "csm-vsm", "vsm", "evsm", "msm", "voxel", "voxel+csm", "none", "truth"] {
+        assert_eq!(kind(hard), TruthKind::Hard, "{hard}");
+    }
+}
+
+#[test]
+fn report_keeps_its_form() {
+    let world = World::new();
+    let mut renderer = renderer(&world.scene);
+    let mut contenders = [contender(&renderer, "none", TruthKind::Hard)];
+    let comparison =
+        world.with_judge(|judge| compare(&mut renderer, judge, &camera(), &mut contenders, 1).unwrap());
+    let mut report = Report {
+        adapter: renderer.gpu().name(),
+        software: renderer.gpu().is_software(),
+        scene: "primitives".to_owned(),
+        camera: camera_figures("given", &camera()),
+        sun: world.sun.towards(),
+        sun_angle_degrees: 0.53,
+        sun_samples: 64,
+        frames: 1,
+        pixels: comparison.pixels,
+        baked: vec![BakedFigures {
+            frame: "light".to_owned(),
+            resolution: 1024,
+            voxel_size: 0.05,
+            file_bytes: 4096,
+        }],
+        left_out: Vec::new(),
+        techniques: comparison.compared.iter().map(|c| c.row.clone()).collect(),
+        path: None,
+    };
+    let value = serde_json::to_value(&report).unwrap();
+    let row = value["techniques"][0].as_object().unwrap();
+    for field in [
+        "name",
+        "gpu_ms",
+        "depth_ms",
+        "lookup_ms",
+        "bytes",
+        "rmse",
+        "ssim",
+        "flip",
+        "wrong_lit",
+        "wrong_shadowed",
+    ] {
+        assert!(row.contains_key(field), "{field}");
+    }
+    assert!(row["wall_time"].is_boolean() && row["truth"] == "hard");
+    assert_eq!(serde_json::from_value::<Report>(value).unwrap(), report);
+    let text = report.markdown();
+    assert!(text.contains("| `none` |") && text.contains("excluded") && text.contains("light-aligned, 1024"));
+    report.techniques[0].wall_time = true;
+    assert!(report.markdown().contains("* |"), "wall times are marked");
+}
+
+#[test]
+fn disc_truth_is_softer_for_a_larger_sun() {
+    let world = World::new();
+    let truth = TruthTracer::build(&world.scene, false);
+    let surfaces = truth.surfaces(&camera());
+    let soft = |angle_degrees: f64| {
+        let shape = SunShape::Disc { angle_degrees, samples: 32 };
+        let factors = truth.factors(&surfaces, world.sun.towards(), shape);
+        factors.iter().filter(|f| **f > 0.0 && **f < 1.0).count()
+    };
+    assert!(soft(8.0) > 2 * soft(1.0), "{} {}", soft(8.0), soft(1.0));
+}

@@ -1,0 +1,48 @@
+//! Lists of receivers in fixed point, answered by the passes `voxel_fixed` and `voxel_cubes_fixed`: the twin's exact test.
+
+use adumbra_shaders::layout::GpuType;
+use adumbra_shaders::{Source, assemble};
+use wgpu::{BufferUsages, ShaderStages};
+
+use super::VoxelBindings;
+use crate::error::Result;
+use crate::gpu::{Gpu, binding};
+use crate::readback::read_buffer;
+
+/// Threads of a workgroup, as in the passes.
+const GROUP: usize = 64;
+/// Receivers a dispatch: one row of workgroups, and 32 bytes each within the least binding that devices offer.
+const CHUNK: usize = 65535 * GROUP;
+
+/// An answer of `BYTES` bytes for each query, from the entry point `count_taps` of the last of `files`.
+pub(super) fn answer<Q: GpuType, const BYTES: usize>(
+    gpu: &Gpu,
+    bindings: &VoxelBindings,
+    files: &[Source],
+    queries: &[Q],
+) -> Result<Vec<[u8; BYTES]>> {
+    let layout = gpu.layout("count_taps", ShaderStages::COMPUTE, &[binding::STORAGE, binding::STORAGE_OUT]);
+    let layouts = [Some(&layout), Some(bindings.layout())];
+    let pipeline = gpu.compute("count_taps", assemble(files), "count_taps", &layouts);
+    let most = gpu.device.limits().max_storage_buffer_binding_size as usize / Q::SIZE;
+    let mut answers = Vec::with_capacity(queries.len());
+    for chunk in queries.chunks(most.min(CHUNK)) {
+        let mut bytes = Vec::with_capacity(chunk.len() * Q::SIZE);
+        chunk.iter().for_each(|q| q.put(&mut bytes));
+        let asked = gpu.buffer("count_taps::receivers", &bytes, BufferUsages::STORAGE);
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let answered = gpu.buffer("count_taps::answers", &vec![0; chunk.len() * BYTES], usage);
+        let group =
+            gpu.bind("count_taps", &layout, vec![asked.as_entire_binding(), answered.as_entire_binding()]);
+        let mut encoder = gpu.encoder("count_taps");
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(1, bindings.group(), &[]);
+        pass.dispatch_workgroups(chunk.len().div_ceil(GROUP) as u32, 1, 1);
+        drop(pass);
+        gpu.finish(encoder.finish())?;
+        answers.extend_from_slice(read_buffer(gpu, &answered)?.as_chunks::<BYTES>().0);
+    }
+    Ok(answers)
+}

@@ -1,0 +1,129 @@
+//! The technique `voxel`: a light-aligned file, filtered over K × K texels.
+
+use adumbra::dag::Dag;
+use adumbra::format::ShadowFile;
+use adumbra::light::LightGrid;
+use adumbra::query::{FILTER_WIDTHS, FixedReceiver};
+use adumbra::settings::Bias;
+use adumbra_shaders::layout::{VoxelParams, VoxelQuery};
+use adumbra_shaders::{Source, source};
+
+use super::{VoxelBindings, WordBuffers, bias_uniform, fixed, grid_transform, read_bias};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
+
+/// A light-aligned graph on the GPU.
+pub struct Voxel {
+    grid: LightGrid,
+    params: VoxelParams,
+    bindings: VoxelBindings,
+}
+
+impl Voxel {
+    /// Uploads a graph. `filter` is one of [`FILTER_WIDTHS`]. Cost: the bytes of top, nodes and slabs.
+    ///
+    /// # Errors
+    /// [`crate::RenderError::TooLarge`], [`crate::RenderError::VoxelLimit`]; [`crate::RenderError::Library`] for another width.
+    pub fn new(gpu: &Gpu, grid: &LightGrid, dag: &Dag, bias: Bias, filter: u32) -> Result<Self> {
+        adumbra::query::Query::new(grid, dag, bias, filter)?;
+        let nodes = dag.top.len() as u32;
+        let params = VoxelParams {
+            grid: grid_transform(grid.origin, grid.axes, grid.voxel_size, dag.size, grid.origin)?,
+            top_dims: [dag.top_dims[0], dag.top_dims[1], dag.top_dims[2], dag.root_level],
+            places: [nodes, nodes + dag.nodes.len() as u32, filter, 0],
+            bias: bias_uniform(bias),
+        };
+        // A slab is its low word, then its high word.
+        let slabs: &[u32] = bytemuck::cast_slice(&dag.slabs);
+        let words = WordBuffers::new(gpu, "voxel::words", &[&dag.top, &dag.nodes, slabs])?;
+        let bindings = VoxelBindings::of_words(gpu, "voxel", &params.bytes(), &words);
+        Ok(Self { grid: *grid, params, bindings })
+    }
+
+    /// The technique `voxel[:filter=K][:bias=…][:slope=…][:normal=…]`; K = 9 and the file's bias by default.
+    ///
+    /// # Errors
+    /// As [`Voxel::new`]; [`crate::RenderError::Technique`] for other parameters.
+    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
+        let file = file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file".to_owned()))?;
+        let mut reader = spec.reader();
+        let filter = reader.integer("filter", 9, &FILTER_WIDTHS)?;
+        let bias = read_bias(&mut reader, file.settings.bias)?;
+        reader.finish()?;
+        Self::new(gpu, &file.grid, &file.dag, bias, filter)
+    }
+
+    /// Group 1, for techniques that look up voxels beside other things.
+    pub fn bindings(&self) -> &VoxelBindings {
+        &self.bindings
+    }
+
+    /// Writes the uniform for positions relative to `anchor_world`.
+    ///
+    /// # Errors
+    /// None that [`Voxel::new`] has not given.
+    pub fn set_anchor(&mut self, gpu: &Gpu, anchor_world: [f64; 3]) -> Result<()> {
+        let g = &self.grid;
+        let size = self.params.grid.size;
+        let size = [size[0] as u32, size[1] as u32, size[2] as u32];
+        self.params.grid = grid_transform(g.origin, g.axes, g.voxel_size, size, anchor_world)?;
+        self.bindings.write(gpu, &self.params.bytes());
+        Ok(())
+    }
+
+    /// Lit taps for receivers in fixed point: what `Query::lit_taps` answers on the CPU.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn lit_taps(&self, gpu: &Gpu, receivers: &[FixedReceiver]) -> Result<Vec<u32>> {
+        let queries: Vec<VoxelQuery> = receivers
+            .iter()
+            .map(|r| {
+                let [x, y, z] = r.p_fixed.map(|c| c as i32);
+                VoxelQuery { p_fixed: [x, y, z, 0], gradient: [r.gradient[0], r.gradient[1], 0, 0] }
+            })
+            .collect();
+        let files = [
+            source::SURFACE,
+            source::GRID,
+            source::VOXEL,
+            self.bindings.access(),
+            source::VOXEL_PASS,
+            source::VOXEL_FIXED,
+        ];
+        let answers = fixed::answer::<_, 4>(gpu, &self.bindings, &files, &queries)?;
+        Ok(answers.into_iter().map(u32::from_le_bytes).collect())
+    }
+}
+
+impl Technique for Voxel {
+    fn name(&self) -> String {
+        format!("voxel:filter={}", self.params.places[2])
+    }
+
+    fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
+        self.set_anchor(input.gpu, input.anchor_world)
+    }
+
+    fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
+        let files = [source::GRID, source::VOXEL, self.bindings.access(), source::VOXEL_PASS];
+        (answer == Answer::Visibility).then(|| files.to_vec())
+    }
+
+    fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
+        [Some(self.bindings.layout()), None]
+    }
+
+    fn groups(&self) -> [Option<&wgpu::BindGroup>; 2] {
+        [Some(self.bindings.group()), None]
+    }
+
+    fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        Some(self.grid.voxel_size)
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bindings.bytes()
+    }
+}

@@ -1,0 +1,38 @@
+//! Baked voxels on the GPU: the techniques `voxel`, `voxel-cubes` and `voxel-texture`.
+//!
+//! A file's words → [`WordBuffers`] or [`PageTexture`] → [`VoxelBindings`] (group 1) → [`Voxel`] or [`Cubes`]. What an engine binds:
+//! binding 0 a uniform, then either one storage buffer, or six for what is larger than one may be, or one texture. The CPU twins are
+//! `adumbra::query::Query` and `TreeQuery`; receivers in fixed point get the very same counts from both.
+
+mod bindings;
+mod cubes;
+mod fixed;
+mod grid;
+mod light;
+mod texture;
+mod words;
+
+pub use bindings::VoxelBindings;
+pub use cubes::{Cubes, CubesOptions, CubesStore};
+pub use grid::grid_transform;
+pub use light::Voxel;
+pub use texture::PageTexture;
+pub use words::{MAX_WORD_BINDINGS, WordBuffers};
+
+use adumbra::settings::Bias;
+
+use crate::error::Result;
+use crate::technique::spec::SpecReader;
+
+/// The file's bias, or what was asked for: `bias`, `slope` and `normal` in texels.
+fn read_bias(reader: &mut SpecReader<'_>, file: Bias) -> Result<Bias> {
+    Ok(Bias {
+        constant_texels: reader.number("bias", file.constant_texels, 0.0..=16.0)?,
+        slope_texels: reader.number("slope", file.slope_texels, 0.0..=16.0)?,
+        normal_offset_texels: reader.number("normal", file.normal_offset_texels, 0.0..=16.0)?,
+    })
+}
+
+fn bias_uniform(bias: Bias) -> [f32; 4] {
+    [bias.constant_texels as f32, bias.slope_texels as f32, bias.normal_offset_texels as f32, 0.0]
+}

@@ -1,0 +1,121 @@
+//! Words in storage buffers: one, or six where one binding cannot hold them.
+
+use adumbra_shaders::{Source, source};
+use wgpu::{BindingResource, BufferUsages};
+
+use crate::error::{RenderError, Result};
+use crate::gpu::Gpu;
+
+/// Most bindings that words are split over. With a binding of 128 MiB, the least that devices offer, that is 768 MiB.
+pub const MAX_WORD_BINDINGS: usize = 6;
+
+/// Words on the GPU, as wgsl/access/words_1.wgsl or words_6.wgsl reads them.
+pub struct WordBuffers {
+    buffers: Vec<wgpu::Buffer>,
+    words: u64,
+}
+
+impl WordBuffers {
+    /// Uploads `parts` one behind the other. Cost: a copy of them in the device's memory and, until it is done, in the queue's.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] for more than [`MAX_WORD_BINDINGS`] bindings hold.
+    pub fn new(gpu: &Gpu, label: &str, parts: &[&[u32]]) -> Result<Self> {
+        let words = parts.iter().map(|p| p.len() as u64).sum();
+        let found = Self::empty(gpu, label, words)?;
+        let mut at = 0_u64;
+        for part in parts {
+            let mut rest = *part;
+            while !rest.is_empty() {
+                let capacity = found.buffers[0].size() / 4;
+                let (index, within) = (at / capacity, at % capacity);
+                let (now, later) = rest.split_at(rest.len().min((capacity - within) as usize));
+                let buffer = &found.buffers[index as usize];
+                gpu.queue.write_buffer(buffer, within * 4, bytemuck::cast_slice(now));
+                at += now.len() as u64;
+                rest = later;
+            }
+        }
+        gpu.check()?;
+        Ok(found)
+    }
+
+    /// Buffers for `words` words, all zero.
+    ///
+    /// # Errors
+    /// As [`WordBuffers::new`].
+    pub fn empty(gpu: &Gpu, label: &str, words: u64) -> Result<Self> {
+        let limits = gpu.device.limits();
+        let most_bytes = gpu.max_binding_bytes.min(limits.max_buffer_size);
+        let most_bindings =
+            if limits.max_storage_buffers_per_shader_stage < 8 { 1 } else { MAX_WORD_BINDINGS as u64 };
+        let sizes = split(words, most_bytes, most_bindings).ok_or(RenderError::TooLarge {
+            what: label.to_owned(),
+            bytes: words * 4,
+            limit: capacity(most_bytes) * 4 * most_bindings,
+            mend: "bake at a lower --resolution",
+        })?;
+        let buffer = |words: &u64| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: (words * 4).max(4),
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        };
+        Ok(Self { buffers: sizes.iter().map(buffer).collect(), words })
+    }
+
+    /// The WGSL file that reads them.
+    pub fn access(&self) -> Source {
+        if self.buffers.len() == 1 { source::WORDS_1 } else { source::WORDS_6 }
+    }
+
+    /// The buffers, in order.
+    pub fn buffers(&self) -> &[wgpu::Buffer] {
+        &self.buffers
+    }
+
+    /// Bytes of the words.
+    pub fn bytes(&self) -> u64 {
+        self.words * 4
+    }
+
+    pub(super) fn resources(&self) -> Vec<BindingResource<'_>> {
+        self.buffers.iter().map(wgpu::Buffer::as_entire_binding).collect()
+    }
+}
+
+/// Words that a binding holds where there are several: a power of two.
+fn capacity(most_bytes: u64) -> u64 {
+    1 << (most_bytes / 4).max(1).ilog2()
+}
+
+/// Words of each buffer: one, or [`MAX_WORD_BINDINGS`] with the unused ones a word each. None where they do not fit.
+fn split(words: u64, most_bytes: u64, most_bindings: u64) -> Option<Vec<u64>> {
+    if words * 4 <= most_bytes {
+        return Some(vec![words]);
+    }
+    let capacity = capacity(most_bytes);
+    if words > capacity * most_bindings {
+        return None;
+    }
+    let size = |i| words.saturating_sub(i * capacity).clamp(1, capacity);
+    Some((0..MAX_WORD_BINDINGS as u64).map(size).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_split_by_powers_of_two_up_to_six_bindings() {
+        assert_eq!(split(100, 400, 6), Some(vec![100]));
+        assert_eq!(split(101, 400, 6), Some(vec![64, 37, 1, 1, 1, 1]));
+        assert_eq!(split(6 * 64, 400, 6), Some(vec![64; 6]));
+        assert_eq!(split(6 * 64 + 1, 400, 6), None);
+        assert_eq!(split(101, 400, 1), None);
+        let mib = 1 << 20;
+        assert_eq!(capacity(128 * mib) * 4 * MAX_WORD_BINDINGS as u64, 768 * mib);
+    }
+}

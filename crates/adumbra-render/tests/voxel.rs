@@ -1,0 +1,152 @@
+//! Baked voxels on the GPU against their CPU twins: the same count for every receiver in fixed point, and from f32 positions the same
+//! answer but where a point lies on a voxel's face.
+
+mod kit;
+mod voxel_points;
+
+use adumbra::query::{FILTER_WIDTHS, KERNEL_SIDES, Weights};
+use adumbra::scene::{GeneratedKind, generate};
+use adumbra::tree::Detail;
+use adumbra_render::voxel::{CubesStore, MAX_WORD_BINDINGS, PageTexture, Voxel};
+use adumbra_render::{Gpu, GpuOptions, RenderError};
+use voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
+
+fn generated() -> Vec<BakedScene> {
+    let kinds = [GeneratedKind::Primitives, GeneratedKind::City, GeneratedKind::Landscape];
+    kinds.map(|kind| BakedScene::new(generate(kind, 3), [0.5, 0.8, 0.35], 1024, 256)).into()
+}
+
+const COUNT: usize = 100_000;
+
+#[test]
+fn voxel_counts_the_taps_that_the_cpu_counts() {
+    let gpu = kit::gpu();
+    for baked in generated() {
+        for filter in FILTER_WIDTHS {
+            exact_light(&gpu, &baked, filter, COUNT);
+        }
+    }
+}
+
+#[test]
+fn voxel_in_six_bindings_counts_the_same() {
+    let baked = &generated()[0];
+    let words = baked.light.dag.top.len() + baked.light.dag.nodes.len() + 2 * baked.light.dag.slabs.len();
+    let limited = |bytes: u64| {
+        Gpu::request(&GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() }).unwrap()
+    };
+    // More than two bindings of a power of two.
+    let bytes = 4 * (words as u64 / 4).next_power_of_two();
+    let gpu = limited(bytes);
+    exact_light(&gpu, baked, 9, 20_000);
+    exact_cubes(
+        &limited(4096),
+        &BakedScene::new(generate(GeneratedKind::Primitives, 3), [0.5, 0.8, 0.35], 64, 32),
+        CubesStore::Words,
+        (3, Weights::Mean),
+        20_000,
+    );
+    let (grid, dag) = (&baked.light.grid, &baked.light.dag);
+    let small = limited(4 * words as u64 / 16);
+    let Err(error) = Voxel::new(&small, grid, dag, baked.light.settings.bias, 9) else { panic!("it fits") };
+    assert!(matches!(error, RenderError::TooLarge { .. }), "{error}");
+    assert_eq!(MAX_WORD_BINDINGS, 6);
+}
+
+#[test]
+fn voxel_cubes_count_the_taps_that_the_cpu_counts() {
+    let gpu = kit::gpu();
+    for baked in generated() {
+        for side in KERNEL_SIDES {
+            for weights in [Weights::Mean, Weights::Poisson] {
+                exact_cubes(&gpu, &baked, CubesStore::Words, (side, weights), COUNT);
+            }
+        }
+    }
+}
+
+#[test]
+fn voxel_texture_counts_the_taps_that_the_cpu_counts() {
+    let gpu = kit::gpu();
+    for baked in generated() {
+        for side in KERNEL_SIDES {
+            exact_cubes(&gpu, &baked, CubesStore::Texels, (side, Weights::Mean), COUNT);
+        }
+        exact_cubes(&gpu, &baked, CubesStore::Decoded, (3, Weights::Poisson), COUNT);
+    }
+}
+
+#[test]
+fn voxel_cubes_with_regions_count_the_same_and_stay_within_their_limit() {
+    let gpu = kit::gpu();
+    let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![8.0, 20.0, 40.0] };
+    let scene = generate(GeneratedKind::Landscape, 3);
+    let mut baked = BakedScene::with_detail(scene, [0.5, 0.8, 0.35], 64, 128, rings);
+    for side in KERNEL_SIDES {
+        exact_cubes(&gpu, &baked, CubesStore::Words, (side, Weights::Mean), 30_000);
+        float_cubes(&gpu, &baked, (side, Weights::Mean), 30_000);
+    }
+    let region = baked.tree.regions.list[0];
+    // Seventeen apart from each other, two voxels wide.
+    let (space, size) = (baked.tree.space, baked.tree.space.voxel_size);
+    let range = |axis: usize, i: u32| {
+        let from = space.p_min[axis] + size * f64::from(2 + 6 * i);
+        [from, from + 2.0 * size]
+    };
+    baked.tree.regions.list =
+        (0..17).map(|i| adumbra::tree::Region { x: range(0, i), z: range(2, i), ..region }).collect();
+    let error = voxel_points::try_cubes(&gpu, &baked, CubesStore::Words, (3, Weights::Mean)).err().unwrap();
+    assert!(matches!(error, RenderError::VoxelLimit { value: 17, limit: 16, .. }), "{error}");
+}
+
+#[test]
+fn voxel_from_f32_positions_differs_only_on_faces() {
+    let gpu = kit::gpu();
+    for baked in generated() {
+        for filter in [1, 9, 17] {
+            float_light(&gpu, &baked, filter, COUNT);
+        }
+        for side in KERNEL_SIDES {
+            float_cubes(&gpu, &baked, (side, Weights::Mean), COUNT);
+        }
+    }
+}
+
+#[test]
+fn texture_is_decoded_bit_for_bit() {
+    let gpu = kit::gpu();
+    let baked = &generated()[1];
+    let words = baked.words();
+    // Several pages, then several bindings.
+    let pages = adumbra::texture::encode(words, &[1, 2, 3], 64).unwrap();
+    assert!(pages.len() > 2, "{}", pages.len());
+    for bytes in [1 << 27, 4 * (words.len() as u64 / 4).next_power_of_two()] {
+        let options = GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() };
+        let gpu = Gpu::request(&options).unwrap();
+        let decoded = PageTexture::new(&gpu, &pages).unwrap().decode(&gpu, words.len() as u64).unwrap();
+        let mut read = Vec::new();
+        for buffer in decoded.buffers() {
+            let bytes = adumbra_render::readback::read_buffer(&gpu, buffer).unwrap();
+            read.extend(bytes.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)));
+        }
+        assert_eq!(&read[..words.len()], words);
+    }
+    let mut damaged = pages;
+    damaged[0].rgba[5] ^= 1;
+    assert!(matches!(PageTexture::new(&gpu, &damaged), Err(RenderError::Pages { .. })));
+}
+
+#[test]
+fn constants_of_shaders_are_those_of_the_library() {
+    use adumbra::{dag, query, settings};
+    use adumbra_shaders::constants as shaders;
+    assert_eq!(shaders::MAX_SLOPE, settings::MAX_SLOPE as f32);
+    assert_eq!((shaders::FIXED_ONE, shaders::FIXED_BITS), (query::FIXED_ONE, query::FIXED_BITS));
+    assert_eq!((shaders::GRADIENT_ONE, shaders::GRADIENT_BITS), (query::GRADIENT_ONE, query::GRADIENT_BITS));
+    assert_eq!((shaders::MAX_GRADIENT, shaders::MARGIN_VOXELS), (query::MAX_GRADIENT, query::MARGIN_VOXELS));
+    assert_eq!(
+        (shaders::NORMAL_ONE, shaders::MAX_HEIGHT_CELLS),
+        (query::NORMAL_ONE, query::MAX_HEIGHT_CELLS)
+    );
+    assert_eq!((shaders::TOP_LIT, shaders::TOP_SHADOWED), (dag::LIT, dag::SHADOWED));
+}

@@ -1,0 +1,136 @@
+//! Receivers in fixed point: from here on a look-up is whole numbers, so that CPU, GPU and any other reader agree to the last
+//! tap. `spec/adumbra-file.md`, "Bias and filters", has the rule.
+//!
+//! | number | bits behind the point | from | to |
+//! |---|---|---|---|
+//! | grid position p | 12 | −1024 voxels | side + 1024 voxels: below 2^31 where a side has at most [`MAX_FIXED_SIDE`] voxels |
+//! | gradient g | 8 | −2547 | 2547 (9.949) |
+//! | centre of taps − p | 12 | −8.5 voxels | 8.5 voxels: ±34,816 |
+//! | g · (centre − p), one axis | 20 | −88,676,352 | 88,676,352 |
+//! | \|g\| · (taps − 1) · 2048, one axis | 20 | 0 | 36,513,792 |
+//! | sum s of both axes, both terms | 20 | −250,380,288 | 177,352,704: within 2^28 |
+//! | s >> 8, what the plane adds | 12 | −239 voxels | 170 voxels: less than the margin |
+//!
+//! Worked value: g = (128, 0) is a slope of 1/2, p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). Taps x 6…7, y 3…5 have their
+//! centre at (28672, 18432): s = 128 · (−2048) − 128 · 1 · 2048 = −524,288; depth = 82944 − 2048 = 80896 = 19.75, layer 19.
+
+use super::Receiver;
+use crate::settings::MAX_SLOPE;
+
+/// Bits behind the point of a grid position.
+pub const FIXED_BITS: u32 = 12;
+/// A voxel in grid positions.
+pub const FIXED_ONE: i32 = 1 << FIXED_BITS;
+/// Bits behind the point of a gradient.
+pub const GRADIENT_BITS: u32 = 8;
+/// Slope 1 in gradients.
+pub const GRADIENT_ONE: i32 = 1 << GRADIENT_BITS;
+/// Voxels beyond the grid that positions are clamped to: every tap there is outside, however steep the plane.
+pub const MARGIN_VOXELS: i32 = 1024;
+/// Most voxels along a side of a grid whose positions, and the depths made of them, fit 32 bits.
+pub const MAX_FIXED_SIDE: u32 = (1 << 19) - (1 << 12);
+
+/// Largest number of a gradient.
+pub const MAX_GRADIENT: i32 = (MAX_SLOPE * GRADIENT_ONE as f64) as i32;
+
+/// A [`Receiver`] in fixed point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FixedReceiver {
+    /// Grid position after the bias, [`FIXED_ONE`] to a voxel; fits 32 bits where the grid's sides are at most
+    /// [`MAX_FIXED_SIDE`].
+    pub p_fixed: [i64; 3],
+    /// dz/dx and dz/dy, [`GRADIENT_ONE`] to a slope of 1.
+    pub gradient: [i32; 2],
+}
+
+impl FixedReceiver {
+    /// Positions rounded down, gradients to the nearest. A point far beyond a grid of `size` voxels stands
+    /// [`MARGIN_VOXELS`] beyond it; one that is not finite, before it, where everything is lit.
+    pub fn new(r: &Receiver, size: [u32; 3]) -> Self {
+        let finite = r.p_grid.iter().all(|c| c.is_finite());
+        let p_fixed = std::array::from_fn(|a| {
+            let far = i64::from(size[a]) + i64::from(MARGIN_VOXELS);
+            let [low, high] = [-i64::from(MARGIN_VOXELS), far].map(|voxels| voxels << FIXED_BITS);
+            let fixed = (r.p_grid[a] * f64::from(FIXED_ONE)).floor() as i64;
+            if finite { fixed.clamp(low, high) } else { low }
+        });
+        let gradient = r.gradient.map(|g| {
+            let fixed = (g * f64::from(GRADIENT_ONE) + 0.5).floor() as i32;
+            fixed.clamp(-MAX_GRADIENT, MAX_GRADIENT)
+        });
+        Self { p_fixed, gradient }
+    }
+
+    /// The texel that the point lies in.
+    pub(super) fn texel(&self) -> [i64; 2] {
+        [0, 1].map(|a| self.p_fixed[a] >> FIXED_BITS)
+    }
+
+    /// The layer that the taps x[0]..=x[1] × y[0]..=y[1] share: that of the receiver's plane at their centre, less half its
+    /// slope times their extent, so never behind the plane at any of them.
+    pub(super) fn shared_layer(&self, x: [i64; 2], y: [i64; 2]) -> i64 {
+        let half = i64::from(FIXED_ONE / 2);
+        let sum: i64 = [x, y]
+            .into_iter()
+            .enumerate()
+            .map(|(a, taps)| {
+                let g = i64::from(self.gradient[a]);
+                let center = (taps[0] + taps[1] + 1) * half;
+                g * (center - self.p_fixed[a]) - g.abs() * (taps[1] - taps[0]) * half
+            })
+            .sum();
+        (self.p_fixed[2] + (sum >> GRADIENT_BITS)) >> FIXED_BITS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fixed_receiver_worked_values() {
+        let r = Receiver { p_grid: [7.5, 4.5, 20.25], gradient: [0.5, 0.0] };
+        let fixed = FixedReceiver::new(&r, [64; 3]);
+        assert_eq!(fixed, FixedReceiver { p_fixed: [30720, 18432, 82944], gradient: [128, 0] });
+        assert_eq!(fixed.texel(), [7, 4]);
+        assert_eq!(fixed.shared_layer([6, 7], [3, 5]), 19);
+        assert_eq!(fixed.shared_layer([8, 8], [3, 5]), 20);
+    }
+
+    #[test]
+    fn fixed_receiver_rounds_down_and_stays_near_the_grid() {
+        let fixed =
+            |p_grid, gradient| FixedReceiver::new(&Receiver { p_grid, gradient }, [8, 16, MAX_FIXED_SIDE]);
+        assert_eq!(fixed([-0.000_01, 2.999_999, 0.5], [0.0; 2]).p_fixed, [-1, 12287, 2048]);
+        assert_eq!(fixed([0.0; 3], [9.96, -20.0]).gradient, [2547, -2547]);
+        assert_eq!(fixed([0.0; 3], [0.003, f64::NAN]).gradient, [1, 0]);
+        let far = fixed([1e30, -1e30, 1e30], [0.0; 2]).p_fixed;
+        assert_eq!(far, [1032 << 12, -1024 << 12, (i64::from(MAX_FIXED_SIDE) + 1024) << 12]);
+        assert!(far[2] + (170 << 12) <= i64::from(i32::MAX));
+        assert_eq!(fixed([1.0, f64::INFINITY, 1.0], [0.0; 2]).p_fixed, [-1024 << 12; 3]);
+    }
+
+    #[test]
+    fn fixed_depths_never_leave_the_documented_range() {
+        // The farthest that taps of a 17 × 17 filter lie: a lone column or row at either end.
+        let (mut low, mut high) = (0_i64, 0_i64);
+        for g in [-MAX_GRADIENT, MAX_GRADIENT] {
+            for fraction in [0, i64::from(FIXED_ONE) - 1] {
+                for first in 0..8_i64 {
+                    for taps in
+                        [[first - 8, 7], [first, first + 8], [first - 8, first - 8], [first + 8, first + 8]]
+                    {
+                        let taps = [taps[0], taps[1].min(taps[0] | 7)];
+                        let center = (taps[0] + taps[1] + 1) * 2048;
+                        let p = first * 4096 + fraction;
+                        let plane = i64::from(g) * (center - p);
+                        let term = plane - i64::from(g.abs()) * (taps[1] - taps[0]) * 2048;
+                        (low, high) = (low.min(2 * term), high.max(2 * term));
+                    }
+                }
+            }
+        }
+        assert!(low >= -250_380_288 && high <= 177_352_704, "{low} {high}");
+        assert!(low >> 8 > i64::from(-MARGIN_VOXELS) << 12);
+    }
+}
