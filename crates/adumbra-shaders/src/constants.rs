@@ -44,6 +44,8 @@ shared! {
     TOP_LIT: u32 = u32::MAX;
     /// Top-grid entry: the whole root cube is shadowed (`adumbra::dag::SHADOWED`).
     TOP_SHADOWED: u32 = u32::MAX - 1;
+    /// How far from the receiver, in texels, the sampler's own 2 × 2 comparison takes the receiver's plane.
+    HARDWARE_REACH: f32 = 0.75;
     /// Share that four moments of depth move towards those of an even spread: what their rounding needs in 32-bit floats.
     MOMENT_BIAS: f32 = 0.000003;
 }

@@ -136,7 +136,8 @@ impl ShadowMap {
         let MapFit::Cascades(cascades) = &self.settings.fit else {
             return Ok((vec![scene], [ENDLESS; 2]));
         };
-        let far = reach(input.view, &input.bounds, cascades.far_world);
+        // Of what stands still: splits do not follow movers.
+        let far = reach(input.view, &input.scene.bounds(), cascades.far_world);
         let layers = cascade_layers(input.view, &scene, cascades, far, margin);
         let last = layers.last().map_or([ENDLESS; 2], |l| l.end);
         Ok((layers, [last[1], last[0]]))

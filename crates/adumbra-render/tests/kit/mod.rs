@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
+pub(crate) mod boxes;
+
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::{GeneratedKind, Scene, generate};
 use adumbra_render::{Gpu, GpuOptions};

@@ -7,6 +7,9 @@ struct MapReceiver {
     p_texels: vec2f,
     // After the bias.
     depth: f32,
+    // No comparison is with a depth behind this: the point's own. Beyond a crease the plane runs below the surface, which would
+    // shadow it.
+    deepest: f32,
     // Change of the surface's depth a texel to the right and a texel down.
     gradient: vec2f,
     layer: i32,
@@ -33,14 +36,15 @@ fn map_receiver(layer: MapLayer, index: u32, size: u32, bias: vec4f, s: Surface)
     var r: MapReceiver;
     r.p_texels = vec2f(u, v) * f32(size);
     r.depth = depth - bias_along_light(bias, surface_slope(s)) * unit_world / layer.scale.y;
+    r.deepest = min(r.depth, 1.0);
     r.gradient = map_gradient(layer, size, s);
     r.layer = i32(index);
     return r;
 }
 
-// Depth of the receiver's plane at a place of the layer; never behind what a texel without a caster holds.
+// What a texel at a place of the layer is compared with: the receiver's plane there. Never behind what a texel without a caster holds.
 fn map_plane_depth(r: MapReceiver, p_texels: vec2f) -> f32 {
-    return min(r.depth + dot(r.gradient, p_texels - r.p_texels), 1.0);
+    return min(r.depth + dot(r.gradient, p_texels - r.p_texels), r.deepest);
 }
 
 // The receiver, moved along its plane.

@@ -11,10 +11,11 @@ fn pcf_nearest(map: texture_depth_2d_array, r: MapReceiver) -> f32 {
     return select(0.0, 1.0, map_plane_depth(r, vec2f(texel) + 0.5) <= stored);
 }
 
-// The sampler's own comparison of 2 × 2 texels, which has one depth for all four: that of the plane at the nearest of them.
+// The sampler's own comparison of 2 × 2 texels, which has one depth for all four: that of the plane HARDWARE_REACH texels nearer the sun.
+// With 1 no plane would shadow itself, and light would leak further at feet; with less, texels of little weight do.
 fn pcf_hardware(map: texture_depth_2d_array, comparing: sampler_comparison, r: MapReceiver) -> f32 {
     let size = f32(textureDimensions(map).x);
-    let depth = clamp(r.depth - abs(r.gradient.x) - abs(r.gradient.y), 0.0, 1.0);
+    let depth = clamp(r.depth - HARDWARE_REACH * (abs(r.gradient.x) + abs(r.gradient.y)), 0.0, 1.0);
     return textureSampleCompareLevel(map, comparing, r.p_texels / size, r.layer, depth);
 }
 
@@ -42,7 +43,7 @@ fn pcf_box(map: texture_depth_2d_array, gathering: sampler, r: MapReceiver, widt
             let down = 0.5 * r.gradient.y;
             // In the gather's order: below left, below right, above right, above left.
             let plane = vec4f(middle - right + down, middle + right + down, middle + right - down, middle - right - down);
-            let passed = select(vec4f(0.0), vec4f(1.0), min(plane, vec4f(1.0)) <= stored);
+            let passed = select(vec4f(0.0), vec4f(1.0), min(plane, vec4f(r.deepest)) <= stored);
             let columns = pcf_overlap(vec2f(corner.x - 1.0, corner.x), vec2f(low.x, high.x));
             let rows = pcf_overlap(vec2f(corner.y - 1.0, corner.y), vec2f(low.y, high.y));
             lit += dot(passed, vec4f(columns.x, columns.y, columns.y, columns.x) * rows.yyxx);

@@ -1,7 +1,8 @@
 // Soft shadows whose width follows the distance of what casts them.
 // Source: Fernando, Percentage-Closer Soft Shadows, 2005.
 // Departure: for a sun, whose rays from one point fill a cone of fixed angle, a caster at a distance d along the light is a blocker
-// within tan(angle / 2) · d of the point, and its penumbra is 2 · tan(angle / 2) · d wide. Only casters within their own cone count.
+// within tan(angle / 2) · d of the point, and its penumbra is 2 · tan(angle / 2) · d wide. Only casters within their own cone count; taps
+// of the search are denser towards the middle, where near casters must be found.
 
 // Mean distance from the receiver to its blockers in depth units; negative where there are none.
 // `cone_texels`: radius of the sun's cone in texels for a distance of one depth unit. `max_radius`: searched at most, texels.
@@ -18,7 +19,9 @@ fn pcss_blocker_distance(
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0u; i < 32u; i++) {
-        let offset = search * disc_tap(i, turn);
+        let tap = disc_tap(i, turn);
+        // As many taps on every ring of equal width.
+        let offset = search * length(tap) * tap;
         let texel = clamp(vec2i(floor(r.p_texels + offset)), vec2i(0), last);
         let stored = textureLoad(map, texel, r.layer, 0);
         let distance = r.depth - stored;

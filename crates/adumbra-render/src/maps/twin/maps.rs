@@ -10,6 +10,7 @@ use super::Surface;
 pub(super) struct Receiver {
     pub(super) p_texels: [f32; 2],
     pub(super) depth: f32,
+    deepest: f32,
     pub(super) gradient: [f32; 2],
 }
 
@@ -24,23 +25,25 @@ impl Receiver {
         let slope = if tangent == 0.0 { 0.0 } else { tangent / n_dot_l.max(tangent / MAX_SLOPE) };
         let moved = (bias[0] + bias[1] * slope) * unit_world / layer.scale[1];
         let side = size as f32;
+        let depth = along(layer.depth_from_relative) - moved;
         Self {
             p_texels: [along(layer.u_from_relative) * side, along(layer.v_from_relative) * side],
-            depth: along(layer.depth_from_relative) - moved,
+            depth,
+            deepest: depth.min(1.0),
             gradient: gradient(layer, side, s, n_dot_l),
         }
     }
 
     pub(super) fn plane_depth(&self, p_texels: [f32; 2]) -> f32 {
         let [x, y] = [p_texels[0] - self.p_texels[0], p_texels[1] - self.p_texels[1]];
-        (self.depth + self.gradient[0] * x + self.gradient[1] * y).min(1.0)
+        (self.depth + self.gradient[0] * x + self.gradient[1] * y).min(self.deepest)
     }
 
     pub(super) fn moved(&self, offset: [f32; 2]) -> Self {
         Self {
             p_texels: [self.p_texels[0] + offset[0], self.p_texels[1] + offset[1]],
             depth: self.depth + self.gradient[0] * offset[0] + self.gradient[1] * offset[1],
-            gradient: self.gradient,
+            ..*self
         }
     }
 }

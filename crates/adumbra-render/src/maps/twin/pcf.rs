@@ -1,6 +1,6 @@
 //! Comparisons and their means: twin of core/pcf.wgsl and core/disc.wgsl.
 
-use adumbra_shaders::constants::POISSON_DISC;
+use adumbra_shaders::constants::{HARDWARE_REACH, POISSON_DISC};
 
 use super::maps::Receiver;
 
@@ -26,7 +26,7 @@ impl DepthImage<'_> {
 
     /// `pcf_hardware`.
     pub(super) fn hardware(&self, r: &Receiver) -> f32 {
-        let depth = (r.depth - r.gradient[0].abs() - r.gradient[1].abs()).clamp(0.0, 1.0);
+        let depth = (r.depth - HARDWARE_REACH * (r.gradient[0].abs() + r.gradient[1].abs())).clamp(0.0, 1.0);
         let p = r.p_texels.map(|c| c - 0.5);
         let [fx, fy] = p.map(|c| c - c.floor());
         let [x, y] = p.map(|c| c.floor() as i64);

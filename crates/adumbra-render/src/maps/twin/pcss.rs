@@ -16,7 +16,9 @@ fn blocker_distance(
     let search = (cone_texels * r.depth).clamp(1.0, max_radius);
     let (mut sum, mut count) = (0.0, 0.0);
     for &tap in &POISSON_DISC {
-        let offset = turned(tap, turn).map(|c| search * c);
+        let tap = turned(tap, turn);
+        let spread = search * (tap[0] * tap[0] + tap[1] * tap[1]).sqrt();
+        let offset = tap.map(|c| spread * c);
         let place = [r.p_texels[0] + offset[0], r.p_texels[1] + offset[1]];
         let [x, y] = place.map(|c| (c.floor() as i64).clamp(0, image.size - 1));
         let stored = image.at(x, y);

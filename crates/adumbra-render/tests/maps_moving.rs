@@ -1,0 +1,122 @@
+//! Maps from frame to frame: what is kept, what movers cast, and that cascades do not shimmer.
+
+mod kit;
+
+use adumbra::camera::Camera;
+use adumbra::scene::Scene;
+use adumbra_render::readback::read_floats;
+use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
+use kit::boxes::boxes;
+
+fn prepare(renderer: &Renderer, name: &str) -> Prepared {
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    renderer.prepare(technique).unwrap()
+}
+
+/// A box in the air before the camera, `along` metres to the side.
+fn mover(along: f64) -> Scene {
+    let mut scene = boxes(&[([-104.0, 14.0, 110.0], [-96.0, 18.0, 118.0])]);
+    scene.instances[0].world_from_mesh[0][3] = along;
+    scene
+}
+
+fn depth_of(renderer: &Renderer, technique: &Prepared) -> Vec<f32> {
+    let map = technique.technique().map().unwrap();
+    let layers = 0..map.settings().layers();
+    layers.flat_map(|l| read_floats(renderer.gpu(), map.depth_texture(), 0, l).unwrap()).collect()
+}
+
+#[test]
+fn cached_layers_hold_what_redrawn_ones_do() {
+    let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
+    renderer.set_movers(&mover(0.0), SceneOptions::default()).unwrap();
+    let mut redrawn = prepare(&renderer, "csm:size=256");
+    let mut cached = prepare(&renderer, "csm:size=256:static=cached");
+    assert!(cached.technique().bytes() >= redrawn.technique().bytes() + 4 * 256 * 256 * 4);
+    let mut last = Vec::new();
+    for step in 0..6 {
+        renderer.move_movers(&mover(3.0 * f64::from(step)));
+        let mut camera = kit::camera(64, 36);
+        if step >= 3 {
+            // Far enough for the first layers to move.
+            camera.eye[0] += 11.0;
+            camera.target[0] += 11.0;
+        }
+        let shot = Shot { camera, towards_sun: kit::sun(), number: step };
+        let mut depths = [&mut redrawn, &mut cached].map(|technique| {
+            renderer.draw(&shot, technique, Answer::Visibility).unwrap();
+            depth_of(&renderer, technique)
+        });
+        let apart = depths[0].iter().zip(&depths[1]).filter(|(a, b)| (*a - *b).abs() > 1e-5).count();
+        // Layers that stayed were drawn relative to another eye: a triangle's edge may round to the other side of a texel's middle.
+        assert!(apart * 5000 < depths[0].len(), "frame {step}: {apart} texels differ");
+        let moved = depths[0].iter().zip(&last).filter(|(a, b)| a != b).count();
+        assert!(step == 0 || moved > 20, "frame {step}: the mover casts nothing");
+        last = std::mem::take(&mut depths[0]);
+    }
+}
+
+#[test]
+fn movers_cast_and_leave_no_trace() {
+    let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
+    let shot = Shot { camera: kit::camera(160, 90), towards_sun: kit::sun(), number: 0 };
+    let mut cached = prepare(&renderer, "csm:size=512:static=cached");
+    renderer.draw(&shot, &mut cached, Answer::Visibility).unwrap();
+    let without = depth_of(&renderer, &cached);
+    renderer.set_movers(&mover(0.0), SceneOptions::default()).unwrap();
+    renderer.draw(&shot, &mut cached, Answer::Visibility).unwrap();
+    let with = depth_of(&renderer, &cached);
+    assert!(with.iter().zip(&without).all(|(a, b)| a <= b));
+    assert!(with.iter().zip(&without).filter(|(a, b)| a < b).count() > 100);
+    renderer.move_movers(&mover(1000.0));
+    renderer.draw(&shot, &mut cached, Answer::Visibility).unwrap();
+    assert!(depth_of(&renderer, &cached) == without);
+}
+
+/// Fixed points, a camera that walks and turns: the share of points at shadow edges whose factor changes from frame to frame.
+#[test]
+fn cascades_do_not_shimmer() {
+    let scene = kit::city();
+    let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
+    let first = kit::camera(160, 90);
+    let mut csm = prepare(&renderer, "csm:size=1024");
+    let shot = |step: u32| {
+        let s = 0.05 * f64::from(step);
+        let eye = [first.eye[0] + s, first.eye[1] + 0.3 * s, first.eye[2] - 0.7 * s];
+        let target = [first.target[0] - 0.5 * s, first.target[1], first.target[2] + 0.4 * s];
+        Shot { camera: Camera { eye, target, ..first }, towards_sun: kit::sun(), number: step }
+    };
+    renderer.draw(&shot(0), &mut csm, Answer::Visibility).unwrap();
+    let surface = renderer.read_surface(&shot(0)).unwrap();
+    let view = first.view();
+    let mut points = Vec::new();
+    for (at, (&depth, normal)) in surface.view_depth.iter().zip(&surface.normal).enumerate() {
+        if depth.is_finite() {
+            let (origin, direction) = view.ray((at % 160) as f64 + 0.5, (at / 160) as f64 + 0.5);
+            let along: f64 = (0..3).map(|a| direction[a] * view.forward[a]).sum();
+            let t = f64::from(depth) / along;
+            let p_world = std::array::from_fn(|a| origin[a] + t * direction[a]);
+            points.push(SurfacePoint { p_world, normal: normal.map(f64::from) });
+        }
+    }
+    let (mut before, mut edges, mut changed, mut moved) = (Vec::new(), 0, 0, 0);
+    let mut places = Vec::new();
+    for step in 0..40 {
+        let now = renderer.answer(&shot(step), &mut csm, &points).unwrap();
+        let layers = csm.technique().map().unwrap().params().layers.0;
+        let place = layers[0].u_from_relative;
+        moved += usize::from(step > 0 && places != place.to_vec());
+        places = place.to_vec();
+        for (a, b) in now.iter().zip(&before) {
+            let (a, b): (f32, f32) = (*a, *b);
+            if a.min(b) < 0.95 && a.max(b) > 0.05 {
+                edges += 1;
+                changed += usize::from((a - b).abs() > 0.05);
+            }
+        }
+        before = now;
+    }
+    println!("shimmer: {changed} of {edges} edge points a frame change by more than 0.05");
+    assert!(edges > 20_000 && moved > 20, "{edges} {moved}");
+    assert!(changed * 100 < edges, "{changed} of {edges}");
+}
