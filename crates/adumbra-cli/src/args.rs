@@ -12,10 +12,10 @@ use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
 use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
-pub(crate) use bench::{Bench, BenchBake, BenchTree, BenchVerb, BenchVerify};
+pub(crate) use bench::{Bench, BenchBake, BenchBlur, BenchShadows, BenchTree, BenchVerb, BenchVerify};
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use compare::{BenchPeers, Compare, JudgeArg};
-pub(crate) use render::{DeviceArg, LayerArg, Render, looking_at};
+pub(crate) use render::{DeviceArg, DeviceArgs, LayerArg, Render, looking_at};
 use tree::FrameArg;
 pub(crate) use tree::{TreeArgs, WeightsArg};
 

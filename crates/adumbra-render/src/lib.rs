@@ -31,6 +31,7 @@ pub mod screen_blur;
 pub mod technique;
 mod timing;
 pub mod voxel;
+pub mod voxel_csm;
 
 pub use error::{RenderError, Result};
 pub use gpu::{Gpu, GpuOptions};

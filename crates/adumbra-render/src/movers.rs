@@ -18,6 +18,8 @@ const LENGTHS: [f64; 3] = [8.0, 14.0, 24.0];
 const NEAREST_CASTER: f64 = 3.0;
 /// Half width of a shade to walk into, in radii.
 const WIDE: f64 = 4.0;
+/// A camera stands so many radians aside of the sun: the ball's lit side and its shadow are both seen.
+const ASIDE: f64 = 1.1;
 /// Keys of a path, so that it follows the ground.
 const KEYS: u32 = 9;
 
@@ -112,7 +114,7 @@ impl BallPath {
     }
 
     /// Eye and target of a camera from which nothing of `still` hides the ball on its way: the first of a ring of places about the
-    /// path, those on the sun's side before others.
+    /// path, those near [`ASIDE`] of the sun before others.
     pub fn viewpoint(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> [[f64; 3]; 2] {
         let (first, last) = (self.keys[0].1, self.keys[self.keys.len() - 1].1);
         let target: [f64; 3] = std::array::from_fn(|a| 0.5 * (first[a] + last[a]));
@@ -139,7 +141,7 @@ impl BallPath {
         let places = places.map(|(rise, turn)| {
             let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
             let turn = side * f64::from((turn + 1) / 2) * std::f64::consts::PI / 8.0;
-            eye(turn + 0.4, (25.0 + 14.0 * f64::from(rise)).to_radians())
+            eye(turn + ASIDE, (25.0 + 14.0 * f64::from(rise)).to_radians())
         });
         let places: Vec<[f64; 3]> = places.collect();
         let free = places.iter().position(|&e| sees(e)).unwrap_or(places.len() - 1);

@@ -8,7 +8,7 @@ use adumbra::scene::{Instance, Material, Mesh, Scene};
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::frame::frame;
 use adumbra_render::readback::read_floats;
-use adumbra_render::screen_blur::twin::{Surfaces, blur};
+use adumbra_render::screen_blur::twin::{Bleeding, Surfaces, bleeding, blur};
 use adumbra_render::screen_blur::{BlurInput, BlurPasses, BlurSettings};
 use adumbra_render::{Answer, Baked, Features, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
 
@@ -170,13 +170,6 @@ impl View {
     }
 }
 
-#[derive(Debug, Default)]
-struct Bleeding {
-    halo: u32,
-    gap: u32,
-    largest: f32,
-}
-
 /// Every pass is in one of these.
 const ALL: [&str; 13] = [
     "blur:samples=8",
@@ -215,7 +208,15 @@ fn blur_bleeds_over_silhouettes_and_within_surfaces_does_not() {
     let view = view(kit::gpu(), PERSPECTIVE);
     let bleeding = |text: &str| {
         let settings = settings(text);
-        let found = view.bleeding(&view.on_gpu(settings).0, settings.samples as i32 / 2 + 3);
+        let (blurred, _) = view.on_gpu(settings);
+        let reach = settings.samples / 2 + 3;
+        let found = view.bleeding(&blurred, reach as i32);
+        // Judged by depth and normal alone it comes to about the same.
+        let frame = frame(&view.shot.camera, &view.renderer.bounds(), view.shot.towards_sun, 0);
+        let surfaces = Surfaces { frame, depth: &view.depth, normal: &view.normal };
+        let judged = bleeding(&view.factor, &blurred, &surfaces, reach);
+        assert!(judged.halo.abs_diff(found.halo) * 20 <= found.halo + 20, "{text}: {judged:?} {found:?}");
+        assert!(judged.gap.abs_diff(found.gap) * 20 <= found.gap + 40, "{text}: {judged:?} {found:?}");
         println!("{text}: {found:?}");
         found
     };

@@ -5,12 +5,14 @@ mod kit;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Options, Size, bake};
+use adumbra::camera::{Camera, Projection};
 use adumbra::format::ShadowFile;
 use adumbra::light::Sun;
 use adumbra::query::Query;
 use adumbra::scene::Scene;
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::movers::MoveSpec;
+use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, build};
 
 fn spec(text: &str) -> MoveSpec {
     text.parse().unwrap()
@@ -89,4 +91,121 @@ fn ball_is_seen_from_its_viewpoint() {
         });
         assert!(hit.is_none(), "{p:?} is hidden");
     }
+}
+
+const SIZE: [u32; 2] = [320, 180];
+
+/// A pixel's surface point, lifted a little, and its factor.
+struct Seen {
+    p_world: [f64; 3],
+    on_ball: bool,
+    factor: f32,
+    /// By rays through everything, and the same at four points a little around it: all equal means that no edge is near.
+    truth: f32,
+    interior: bool,
+}
+
+/// Draws a frame and asks rays at its pixels that face the sun.
+fn frame(
+    renderer: &mut Renderer,
+    prepared: &mut Prepared,
+    shot: &Shot,
+    tracer: &Tracer<'_>,
+    (center, radius): ([f64; 3], f64),
+) -> Vec<Seen> {
+    renderer.draw(shot, prepared, Answer::Visibility).unwrap();
+    let factor = renderer.read_factor(prepared).unwrap();
+    let surface = renderer.read_surface(shot).unwrap();
+    let view = shot.camera.view();
+    let mut seen = Vec::new();
+    for (at, (&z, n)) in surface.view_depth.iter().zip(&surface.normal).enumerate() {
+        let n = n.map(f64::from);
+        let n_dot_l: f64 = (0..3).map(|a| n[a] * shot.towards_sun[a]).sum();
+        if !z.is_finite() || n_dot_l < 0.2 {
+            continue;
+        }
+        let (x, y) = (at as u32 % SIZE[0], at as u32 / SIZE[0]);
+        let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let along: f64 = (0..3).map(|a| direction[a] * view.forward[a]).sum();
+        let p_world: [f64; 3] =
+            std::array::from_fn(|a| origin[a] + direction[a] * f64::from(z) / along + 0.01 * n[a]);
+        let far: f64 = (0..3).map(|a| (p_world[a] - center[a]).powi(2)).sum::<f64>().sqrt();
+        let lit = |dx: f64, dz: f64| {
+            let p = [p_world[0] + dx, p_world[1], p_world[2] + dz];
+            tracer.sun_visible(p, shot.towards_sun)
+        };
+        let truth = lit(0.0, 0.0);
+        let interior =
+            [[0.2, 0.0], [-0.2, 0.0], [0.0, 0.2], [0.0, -0.2]].iter().all(|&[x, z]| lit(x, z) == truth);
+        seen.push(Seen {
+            p_world,
+            on_ball: far < 1.05 * radius,
+            factor: factor[at],
+            truth: f32::from(u8::from(truth)),
+            interior,
+        });
+    }
+    seen
+}
+
+#[test]
+fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
+    let mut scene = kit::city();
+    let still = scene.clone();
+    let still_tracer = Tracer::build(&still, TraceOptions::default());
+    let path = spec("sphere").path(&still_tracer, kit::sun()).unwrap();
+    path.add_to(&mut scene);
+    let mut moving = scene.clone().take_movers();
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = Options::new(sun, Size::Resolution(4096));
+    let baked = bake(&still, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
+    let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+    let baked = Baked { light: Some(&file), ..Baked::default() };
+    let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
+    renderer.set_movers(&moving, SceneOptions::default()).unwrap();
+    let [mut voxel, mut both] =
+        ["voxel:filter=3", "voxel+csm:filter=3:csm=cascades=2/filter=3"].map(|name| {
+            let technique = build(renderer.gpu(), &name.parse().unwrap(), baked).unwrap();
+            renderer.prepare(technique).unwrap()
+        });
+    let [eye, target] = path.viewpoint(&still_tracer, kit::sun());
+    let projection = Projection::Perspective { fov_degrees: 45.0 };
+    let camera = Camera { eye, target, projection, width: SIZE[0], height: SIZE[1] };
+    let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
+    let mut means = Vec::new();
+    for i in 0..=2 {
+        let seconds = scene.movers.end_seconds() * f64::from(i) / 2.0;
+        let center = ball_center(&mut scene, seconds);
+        let ball = (center, path.radius_world);
+        moving.pose(seconds);
+        renderer.move_movers(&moving);
+        // The file knows what stands still: the ball's own shade is not in it.
+        let seen = frame(&mut renderer, &mut voxel, &shot, &still_tracer, ball);
+        let mean = |value: fn(&Seen) -> f32| {
+            let on_ball: Vec<f32> = seen.iter().filter(|s| s.on_ball).map(value).collect();
+            assert!(on_ball.len() > 50, "{i}: {} pixels of the ball", on_ball.len());
+            on_ball.iter().sum::<f32>() / on_ball.len() as f32
+        };
+        let (found, truth) = (mean(|s| s.factor), mean(|s| s.truth));
+        assert!((found - truth).abs() < 0.1, "{i}: {found}, rays {truth}");
+        means.push(found);
+        // Everything, movers as casters too.
+        let tracer = Tracer::build(&scene, TraceOptions::default());
+        let wrong = |seen: &[Seen]| {
+            let interior = seen.iter().filter(|s| s.interior);
+            interior.filter(|s| (s.factor - s.truth).abs() > 0.5).count()
+        };
+        let with = frame(&mut renderer, &mut both, &shot, &tracer, ball);
+        let without = frame(&mut renderer, &mut voxel, &shot, &tracer, ball);
+        let interior = with.iter().filter(|s| s.interior).count();
+        println!("{i}: {} of {interior} wrong, {} without cascades", wrong(&with), wrong(&without));
+        assert!(wrong(&with) * 200 < interior, "{i}: {} of {interior} are wrong", wrong(&with));
+        if i == 0 {
+            assert!(wrong(&without) > wrong(&with) + 20, "the ball casts no shade to speak of");
+            let on_ground = |s: &&Seen| !s.on_ball && s.interior && s.truth == 0.0 && s.factor < 0.5;
+            let near = |s: &&Seen| (0..3).map(|a| (s.p_world[a] - center[a]).powi(2)).sum::<f64>() < 9.0;
+            assert!(with.iter().filter(on_ground).filter(near).count() > 20);
+        }
+    }
+    assert!(means[0] > 0.95 && means[2] < 0.05 && means.is_sorted_by(|a, b| a >= b), "{means:?}");
 }

@@ -107,6 +107,8 @@ sources! {
     GIVEN = "passes/given.wgsl";
     /// The technique `voxel`.
     VOXEL_PASS = "passes/voxel.wgsl";
+    /// The technique `voxel+csm`.
+    VOXEL_CSM = "passes/voxel_csm.wgsl";
     /// Counts of `voxel` for receivers in fixed point.
     VOXEL_FIXED = "passes/voxel_fixed.wgsl";
     /// The techniques `voxel-cubes` and `voxel-texture`.

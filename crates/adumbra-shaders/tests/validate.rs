@@ -13,6 +13,54 @@ const MODULES: &[(&str, &[Source])] = &[
     ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
     ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
     (
+        "voxel",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::GRID,
+            source::VOXEL,
+            source::WORDS_1,
+            source::VOXEL_PASS,
+            source::RESOLVE,
+        ],
+    ),
+    (
+        "voxel in six bindings, fixed point",
+        &[
+            source::SURFACE,
+            source::GRID,
+            source::VOXEL,
+            source::WORDS_6,
+            source::VOXEL_PASS,
+            source::VOXEL_FIXED,
+        ],
+    ),
+    (
+        "voxel-cubes, points",
+        &[
+            source::SURFACE,
+            source::GRID,
+            source::VOXEL_CUBES,
+            source::VOXEL_CUBES_RECEIVER,
+            source::WORDS_1,
+            source::VOXEL_CUBES_PASS,
+            source::POINTS,
+        ],
+    ),
+    (
+        "voxel-texture, fixed point",
+        &[
+            source::SURFACE,
+            source::GRID,
+            source::VOXEL_CUBES,
+            source::VOXEL_CUBES_RECEIVER,
+            source::WORDS_TEXTURE,
+            source::VOXEL_CUBES_PASS,
+            source::VOXEL_CUBES_FIXED,
+        ],
+    ),
+    ("decode_texture", &[source::WORDS_TEXTURE, source::DECODE_TEXTURE]),
+    (
         "nearest",
         &[
             source::SURFACE,
@@ -187,6 +235,23 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
     ("given", &[source::SURFACE, source::FRAME, source::GIVEN, source::RESOLVE]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
+    (
+        "voxel+csm",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::GRID,
+            source::VOXEL,
+            source::WORDS_6,
+            source::MAPS,
+            source::DISC,
+            source::PCF,
+            source::MAP_PCF,
+            source::MAP_LOOKUP,
+            source::VOXEL_CSM,
+            source::RESOLVE,
+        ],
+    ),
     (
         "voxel",
         &[

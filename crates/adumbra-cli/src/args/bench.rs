@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::BenchPeers;
+use super::render::DeviceArgs;
+use super::{BenchPeers, parse_size};
 
 #[derive(clap::Args)]
 pub(crate) struct Bench {
@@ -25,6 +26,12 @@ pub(crate) enum BenchVerb {
     /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots, pictures
     #[command(after_help = "Example: adumbra bench tree --scenes scenes -o docs/bench")]
     Tree(BenchTree),
+    /// The screen-space blur: milliseconds by samples, and its halo and gap; writes blur.md, blur.json, a plot
+    #[command(after_help = "Example: adumbra bench blur --size 1280x720 -o docs/bench")]
+    Blur(BenchBlur),
+    /// Baked voxels and real-time techniques beside the truth, from above and from the street; writes shadows.md and shadows.json
+    #[command(after_help = "Example: adumbra bench shadows --scenes scenes --truth truth -o docs/bench")]
+    Shadows(BenchShadows),
     /// Every technique on the truth cameras, beside today's engines; writes peers.md and peers.json
     #[command(after_help = "Example: adumbra bench peers --scenes scenes --truth truth -o docs/bench")]
     Peers(BenchPeers),
@@ -105,6 +112,81 @@ pub(crate) struct BenchTree {
     pub(crate) output: PathBuf,
 }
 
+#[derive(clap::Args)]
+pub(crate) struct BenchBlur {
+    /// Samples along a line
+    #[arg(long, value_delimiter = ',', default_value = "8,16,24,32,48,64",
+        value_parser = clap::value_parser!(u32).range(8..=64))]
+    pub(crate) samples: Vec<u32>,
+    /// Runs that a median is taken of
+    #[arg(long, default_value_t = 5, value_parser = runs)]
+    pub(crate) runs: usize,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size)]
+    pub(crate) size: [u32; 2],
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+    /// Where tables and the plot go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 fn runs(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|n| (1..=99).contains(n)).ok_or_else(|| "give a number from 1 to 99".to_owned())
+}
+
+#[derive(clap::Args)]
+pub(crate) struct BenchShadows {
+    /// Folder of scenes
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenes: PathBuf,
+    /// Folder of truth files, whose cameras and suns are used
+    #[arg(long, value_name = "DIR")]
+    pub(crate) truth: PathBuf,
+    /// Scenes, without their endings
+    #[arg(long, value_delimiter = ',', default_value = "zdm2,kaykit_city_21,alpine-2,auster")]
+    pub(crate) names: Vec<String>,
+    /// Techniques to compare, as for render
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "voxel:filter=1,csm:filter=1,voxel:filter=5,csm:filter=5,voxel:filter=9,sm,pcf,pcss,vsm,evsm,msm,csm-vsm,csm-evsm"
+    )]
+    pub(crate) shadow: Vec<String>,
+    /// Texels on the longest side of the light-aligned files
+    #[arg(long, value_name = "N", default_value_t = 16384)]
+    pub(crate) resolution: u64,
+    /// Voxels a side of the world-aligned files
+    #[arg(long, value_name = "N", default_value_t = 2048)]
+    pub(crate) cube_resolution: u64,
+    /// The scene whose costs are compared
+    #[arg(long, value_name = "NAME", default_value = "kaykit_city_121")]
+    pub(crate) cost_scene: String,
+    /// The techniques whose costs are compared there
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "voxel:filter=9,csm:filter=5,csm:filter=5:static=cached"
+    )]
+    pub(crate) cost_shadow: Vec<String>,
+    /// Frames that times are medians of
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub(crate) frames: u32,
+    /// Frames of the path that shimmer is measured along
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    pub(crate) path_frames: u32,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = super::parse_size)]
+    pub(crate) size: [u32; 2],
+    #[command(flatten)]
+    pub(crate) device: super::DeviceArgs,
+    /// Folder that traced pictures are kept in between runs [default: the output's truth-cache]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
+    /// Where the tables go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
 }

@@ -99,7 +99,7 @@ fn measure(
 }
 
 /// The scene of that name, whatever its ending.
-fn scene_file(folder: &Path, name: &str) -> Result<PathBuf, Failure> {
+pub(super) fn scene_file(folder: &Path, name: &str) -> Result<PathBuf, Failure> {
     let candidates = ["glb", "gltf", "obj", "ply"].map(|e| folder.join(format!("{name}.{e}")));
     let missing = || Failure::BadInput(format!("{}: holds no scene {name}", folder.display()));
     candidates.into_iter().find(|p| p.exists()).ok_or_else(missing)

@@ -1,5 +1,6 @@
 //! Techniques beside the truth: each drawn by the renderer at one camera, and judged pixel by pixel.
 
+mod clear;
 mod walk;
 
 use adumbra::camera::{Camera, Projection};
@@ -7,13 +8,15 @@ use adumbra::picture::Picture;
 use adumbra_render::{
     Answer, FrameTimes, Given, Prepared, Renderer, Shot, Stage, SurfaceImage, TechniqueSpec,
 };
+pub use clear::CLEAR_TEXELS;
 pub use walk::walk;
 
+use self::clear::clear_errors;
 use crate::error::Result;
 use crate::metrics::{bands, factor_errors, flip, ssim};
 use crate::pictures::{difference_picture, picture_of_rgba};
 use crate::report::{CameraFigures, PixelCounts, TechniqueRow, TruthKind, median};
-use crate::truth::{Cache, Key, SunShape, Surfaces, TruthTracer};
+use crate::truth::{Cache, EdgeProbe, Key, SunShape, Surfaces, TruthTracer};
 
 /// G-buffer and rays see the same surface where their view depths differ by no more than this share.
 pub const SAME_SURFACE: f64 = 1e-3;
@@ -99,7 +102,7 @@ pub fn compare(
         if counted.is_empty() {
             (pixels, counted) = judge.count(&surfaces, &renderer.read_surface(&shot)?);
         }
-        compared.push(draw_and_judge(renderer, &shot, contender, frames, truth, &surfaces, &counted)?);
+        compared.push(draw_and_judge(renderer, judge, &shot, contender, frames, truth, &surfaces, &counted)?);
     }
     let truths = truths.into_iter().map(|t| (t.kind, t.picture)).collect();
     Ok(Comparison { pixels, truths, compared })
@@ -164,6 +167,7 @@ impl Judge<'_, '_> {
 
 fn draw_and_judge(
     renderer: &mut Renderer,
+    judge: &Judge<'_, '_>,
     shot: &Shot,
     contender: &mut Contender,
     frames: u32,
@@ -189,6 +193,12 @@ fn draw_and_judge(
     };
     let judged = |i: usize| counted[i];
     let errors = factor_errors(&factors, &truth.factors, judged)?;
+    let probe = EdgeProbe::new(judge.truth, judge.towards_sun);
+    let texel = |i: usize| {
+        let prepared = contender.prepared.as_ref()?;
+        prepared.technique().texel_world(surfaces.view_depth[i] as f32)
+    };
+    let clear = clear_errors(&probe, surfaces, (&factors, &truth.factors), judged, texel);
     let of = |what: &dyn Fn(&FrameTimes) -> f64| {
         (!times.is_empty()).then(|| median(times.iter().map(what).collect()))
     };
@@ -207,6 +217,7 @@ fn draw_and_judge(
         flip: flip(&truth.picture, &picture)?,
         wrong_lit: errors.wrong_lit,
         wrong_shadowed: errors.wrong_shadowed,
+        clear,
         bands: bands(&factors, &truth.factors, &surfaces.view_depth, judged)?,
         notes,
     };

@@ -191,6 +191,12 @@ impl Technique for ShadowMap {
         [None, Some(&self.group)]
     }
 
+    fn texel_world(&self, view_depth: f32) -> Option<f64> {
+        let layers = &self.params.layers.0[..self.params.counts[0] as usize];
+        let layer = layers.iter().find(|l| view_depth < l.scale[2]).or(layers.last());
+        layer.map(|l| f64::from(l.scale[0]))
+    }
+
     fn bytes(&self) -> u64 {
         let lists: u64 = self.layers.iter().map(Layer::bytes).sum();
         let kept = self.kept.as_ref().map_or(0, DepthTextures::bytes);

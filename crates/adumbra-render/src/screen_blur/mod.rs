@@ -82,6 +82,10 @@ impl Technique for ScreenBlur {
         self.passes.encode(input.gpu, encoder, &blur);
     }
 
+    fn texel_world(&self, view_depth: f32) -> Option<f64> {
+        self.base.texel_world(view_depth)
+    }
+
     fn bytes(&self) -> u64 {
         self.base.bytes() + self.passes.bytes()
     }

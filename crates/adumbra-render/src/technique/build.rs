@@ -9,6 +9,7 @@ use crate::gpu::Gpu;
 use crate::maps::{MapSettings, ShadowMap};
 use crate::screen_blur::{BlurSettings, ScreenBlur};
 use crate::voxel::{Cubes, Voxel};
+use crate::voxel_csm::VoxelCsm;
 
 /// Baked files that techniques may look up in.
 #[derive(Clone, Copy, Default)]
@@ -38,6 +39,7 @@ pub const TECHNIQUES: &[(&str, &str)] = &[
     ("blur-dilate", "the same, with the shade dilated first"),
     ("blur-bilateral", "the same, within surfaces"),
     ("voxel", "a light-aligned file, filtered over texels"),
+    ("voxel+csm", "the same for what stands still, cascades for movers (csm=cascades=2/filter=3)"),
     ("voxel-cubes", "a world-aligned file, filtered over voxels"),
     ("voxel-texture", "the same, read from an RGBA8 texture"),
 ];
@@ -61,6 +63,7 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
         }
         "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
+        "voxel+csm" => Ok(Box::new(VoxelCsm::from_spec(gpu, spec, baked.light)?)),
         "voxel-cubes" | "voxel-texture" => Ok(Box::new(Cubes::from_spec(gpu, spec, baked.tree)?)),
         _ => {
             if let Some(settings) = MapSettings::from_spec(spec)? {

@@ -105,6 +105,12 @@ pub trait Technique {
         None
     }
 
+    /// Edge of what it compares with, a texel or a voxel, at a view depth, world units; as of the frame prepared last. None where it
+    /// compares with nothing.
+    fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        None
+    }
+
     /// What it had to leave out on this device, or changed of what was asked.
     fn notes(&self) -> Vec<String> {
         Vec::new()

@@ -234,6 +234,10 @@ impl Technique for Cubes {
         [Some(self.bindings.group()), None]
     }
 
+    fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        Some(self.space.voxel_size)
+    }
+
     fn bytes(&self) -> u64 {
         self.bindings.bytes()
     }

@@ -122,6 +122,6 @@ mod tests {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let side = MAX_FIXED_SIDE + 1;
         let refused = grid_transform([0.0; 3], axes, 1.0, [8, 8, side], [0.0; 3]);
-        assert!(matches!(refused, Err(RenderError::VoxelLimit { value, .. }) if value == side.into()));
+        assert!(matches!(refused, Err(RenderError::VoxelLimit { value, .. }) if value == u64::from(side)));
     }
 }

@@ -119,6 +119,10 @@ impl Technique for Voxel {
         [Some(self.bindings.group()), None]
     }
 
+    fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        Some(self.grid.voxel_size)
+    }
+
     fn bytes(&self) -> u64 {
         self.bindings.bytes()
     }

@@ -1,5 +1,7 @@
 //! What GPU tests share.
 
+#![allow(dead_code, reason = "each test program uses a part")]
+
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::{GeneratedKind, Scene, generate};
 use adumbra_render::{Gpu, GpuOptions};

@@ -81,7 +81,7 @@ mod tests {
         assert!(r.counts(-102, [1, 0, -1]) && !r.counts(-102, [0, -1, 0]) && r.counts(-102, [0; 3]));
         // In cells of 4 voxels it stands at 2.1 of them.
         let coarse = TreeReceiver { level: 2, ..r };
-        assert_eq!((coarse.cell(), coarse.plane()), ([1, 2, 2], -(1024 * 1639 >> 12)));
+        assert_eq!((coarse.cell(), coarse.plane()), ([1, 2, 2], -((1024 * 1639) >> 12)));
     }
 
     #[test]

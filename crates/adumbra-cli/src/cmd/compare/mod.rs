@@ -197,7 +197,7 @@ fn path_of(
     })
 }
 
-fn contenders(
+pub(super) fn contenders(
     renderer: &Renderer,
     specs: &[TechniqueSpec],
     files: &BakedFiles,
