@@ -15,7 +15,7 @@ pub(super) fn after_help() -> String {
     let width = TECHNIQUES.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let list: String = TECHNIQUES.iter().map(|(name, what)| format!("  {name:width$}  {what}\n")).collect();
     format!(
-        "Techniques:\n{list}\nExamples:\n  adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\n  \
+        "Techniques:\n{list}\nExample: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\nExample: \
          adumbra render city.glb --shadow csm:cascades=4:filter=5 --layer shadow -o shadow.exr"
     )
 }

@@ -123,7 +123,10 @@ impl<'a, 's> Stage<'a, 's> {
         let judge = Judge { truth, cache, scene, towards_sun, disc: DISC };
         let (renderer, contenders) = (&mut self.renderer, &mut self.contenders);
         let comparison = compare(renderer, &judge, camera, contenders, self.args.frames)?;
-        let path = path.map(|p| walk(renderer, &judge, p, PATH_SIZE, contenders)).transpose()?;
+        let path = match path {
+            Some(path) => Some(walk(renderer, &judge, path, PATH_SIZE, contenders)?),
+            None => None,
+        };
         for c in &comparison.compared {
             let row = &c.row;
             eprintln!("{}, {what}, {}: {:.3} % wrong", self.name, row.name, 100.0 * wrong(row));

@@ -121,10 +121,10 @@ mod tests {
                 let k = frame.depth_to_z;
                 let z = (k[0] + k[1] * depth) / (k[2] + k[3] * depth);
                 assert!((f64::from(z) - view.depth(p)).abs() < 1e-4, "{z} {}", view.depth(p));
-                for a in 0..3 {
+                for (a, expected) in relative.into_iter().enumerate() {
                     let origin = frame.origin_x[a] * ndc[0] + frame.origin_y[a] * ndc[1];
                     let ray = frame.ray[a] + frame.ray_x[a] * ndc[0] + frame.ray_y[a] * ndc[1];
-                    assert!((origin + z * ray - relative[a]).abs() < 1e-3);
+                    assert!((origin + z * ray - expected).abs() < 1e-3);
                 }
             }
         }

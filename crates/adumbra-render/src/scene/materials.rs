@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn mip_level_leaves_out_what_is_cut_away() {
         // One opaque red texel, three transparent green ones.
-        let mut texels = vec![0, 255, 0, 0].repeat(4);
+        let mut texels = [0, 255, 0, 0].repeat(4);
         texels[..4].copy_from_slice(&[255, 0, 0, 255]);
         assert_eq!(half_size(&texels, [2, 2]), [255, 0, 0, 64]);
         assert_eq!(half_size(&[7, 8, 9, 255], [1, 1]), [7, 8, 9, 255]);
