@@ -3,6 +3,7 @@
 mod kit;
 
 use std::fs;
+use std::path::{Path, PathBuf};
 
 use kit::{Folder, adumbra, json};
 
@@ -111,6 +112,67 @@ fn compare_refuses_what_makes_no_sense() {
         let (found, error) = adumbra(&[&base[..], &more].concat());
         assert_eq!(found, code, "{more:?}: {error}");
         assert!(error.contains(words), "{more:?}: {error}");
+    }
+}
+
+/// Where the tests find scenes and truth that are no part of the repository.
+fn shared() -> Option<PathBuf> {
+    let base = std::env::var_os("ADUMBRA_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
+    if !base.join("truth").is_dir() {
+        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", base.display());
+        return None;
+    }
+    Some(base)
+}
+
+#[test]
+fn shared_compare_takes_camera_and_sun_of_a_truth_file() {
+    let Some(shared) = shared() else { return };
+    let folder = Folder::new();
+    let (scene, camera) = (shared.join("scenes/zdm2.glb"), shared.join("truth/zdm2.npz"));
+    let (scene, camera) = (scene.to_str().unwrap(), camera.to_str().unwrap());
+    let out = folder.path("out");
+    let base = [
+        "compare", scene, "--camera", camera, "--shadow", "none", "--size", "64x48", "--frames", "1",
+        "--json", "-o", &out,
+    ];
+    let report = json(&base);
+    assert_eq!(report["camera"]["name"], "zdm2.npz");
+    assert_eq!(report["camera"]["width"], 64);
+    let other = json(&[&base[..], &["--sun", "0,1,0"]].concat());
+    assert_eq!(other["sun"], serde_json::json!([0.0, 1.0, 0.0]));
+    assert_ne!(report["sun"], other["sun"]);
+}
+
+#[test]
+fn shared_bench_peers_stands_beside_the_engines() {
+    let Some(shared) = shared() else { return };
+    let folder = Folder::new();
+    let (scenes, truth) = (shared.join("scenes"), shared.join("truth"));
+    let out = folder.path("out");
+    let (code, error) = adumbra(&[
+        "bench",
+        "peers",
+        "--scenes",
+        scenes.to_str().unwrap(),
+        "--truth",
+        truth.to_str().unwrap(),
+        "--shadow",
+        "none",
+        "-o",
+        &out,
+    ]);
+    assert_eq!(code, 0, "{error}");
+    let table: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path("out/peers.json")).unwrap()).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), &rows[0]["name"], &rows[7]["source"]), (8, &"none".into(), &"aim".into()));
+    for scene in rows[0]["scenes"].as_array().unwrap() {
+        // Without shadows, what is wrong is what is shadowed.
+        let (wrong, mean) =
+            (scene["wrong_percent"].as_f64().unwrap(), scene["mean_percent"].as_f64().unwrap());
+        assert!(wrong > 1.0 && (wrong - mean).abs() < 1e-3, "{scene}");
     }
 }
 

@@ -1,15 +1,25 @@
-//! A comparison on a small generated scene: figures, pictures, the walk, and the report's form.
+//! A comparison on a small generated scene: figures, pictures, the walk, and the report's form; and what baked voxels must reach
+//! beside cascades.
 
+mod shared_folder;
+
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::{Options, Size, bake};
 use adumbra::camera::{Camera, Projection};
+use adumbra::format::ShadowFile;
 use adumbra::light::Sun;
-use adumbra::scene::{GeneratedKind, Scene, generate};
+use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
 use adumbra_lab::paths::CameraPath;
 use adumbra_lab::report::{BakedFigures, Report, TruthKind};
-use adumbra_lab::truth::{Cache, SunShape, TruthTracer, scene_key};
+use adumbra_lab::truth::{
+    Cache, StreetOptions, SunShape, TruthTracer, scene_key, street_camera, truth_camera,
+};
 use adumbra_render::{
     Answer, Baked, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build,
 };
+use shared_folder::{full, scene_file, shared};
 
 const SIZE: [u32; 2] = [96, 64];
 
@@ -189,6 +199,60 @@ fn report_keeps_its_form() {
     assert!(text.contains("| `none` |") && text.contains("excluded") && text.contains("light-aligned, 1024"));
     report.techniques[0].wall_time = true;
     assert!(report.markdown().contains("* |"), "wall times are marked");
+}
+
+/// Wrong pixels of cascades and of voxels at one camera, %.
+fn cascades_and_voxels(
+    scene: &Scene,
+    truth: &TruthTracer<'_>,
+    file: &ShadowFile,
+    camera: &Camera,
+) -> [f64; 2] {
+    let mut renderer = renderer(scene);
+    let baked = Baked { light: Some(file), ..Baked::default() };
+    // 4 cascades of 2048², practical split at 0.5, as far as the scene is wide: the default.
+    let mut contenders: Vec<Contender> = ["csm:filter=5", "voxel:filter=5"]
+        .iter()
+        .map(|name| {
+            let spec: TechniqueSpec = name.parse().unwrap();
+            let technique = build(renderer.gpu(), &spec, baked).unwrap();
+            Contender { prepared: Some(renderer.prepare(technique).unwrap()), spec, truth: TruthKind::Hard }
+        })
+        .collect();
+    let key = scene_key(scene, false);
+    let towards_sun = file.grid.sun.towards();
+    let judge = Judge { truth, cache: &Cache::none(), scene: &key, towards_sun, disc: (0.53, 2) };
+    let comparison = compare(&mut renderer, &judge, camera, &mut contenders, 1).unwrap();
+    [0, 1].map(|i| {
+        let row = &comparison.compared[i].row;
+        100.0 * (row.wrong_lit + row.wrong_shadowed)
+    })
+}
+
+#[test]
+fn shared_voxels_are_wrong_at_fewer_pixels_than_cascades() {
+    let (Some(scenes), Some(truths)) = (shared("scenes"), shared("truth")) else { return };
+    let (names, [width, height]): (&[&str], _) = if full() {
+        (&["zdm2", "kaykit_city_21", "alpine-2", "auster"], [1280, 720])
+    } else {
+        (&["zdm2"], [480, 270])
+    };
+    for name in names {
+        let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).unwrap();
+        let truth = TruthTracer::build(&scene, false);
+        let (given, sun) = truth_camera(&truths.join(format!("{name}.npz"))).unwrap();
+        let options = Options::new(sun, Size::Resolution(16384));
+        let baked = bake(&scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
+        let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+        let options = StreetOptions { width, height, ..StreetOptions::default() };
+        let street = street_camera(&truth, sun.towards(), &options).unwrap();
+        for (from, camera) in [("truth camera", Camera { width, height, ..given }), ("street", street)] {
+            let [cascades, voxels] = cascades_and_voxels(&scene, &truth, &file, &camera);
+            eprintln!("{name}, {from}: cascades {cascades:.3} %, voxels {voxels:.3} %");
+            // At street level the nearest cascade's texels may be the finer ones; the tables show where.
+            assert!(voxels < cascades || from == "street", "{name}, {from}: {voxels} and {cascades}");
+        }
+    }
 }
 
 #[test]

@@ -2,7 +2,8 @@
 //!
 //! Places are the ground points below a grid of rays from the sky. Those that stand above what is around them (roofs) or in nearly
 //! closed yards are left out; the others are ranked by how much stands around them. From the best, small pictures are traced in
-//! eight directions, and the one with walls, depth, ground, and both light and shadow in it wins. Lengths scale with the eye's height.
+//! eight directions, and the one that sees walls, ground, far ahead, and light and shadow with many edges wins. Lengths scale with the
+//! eye's height.
 
 use adumbra::camera::{Camera, Projection, View};
 use adumbra::trace::{Hit, Ray, Tracer};
@@ -144,9 +145,12 @@ impl Scout<'_, '_> {
         let [width, height] = SMALL;
         let view = Camera { width, height, ..*camera }.view();
         let all = f64::from(width * height);
-        let (mut ground, mut walls, mut near, mut far, mut lit, mut shadowed) =
-            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut ground, mut walls, mut near, mut far, mut edges) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut lit, mut shadowed) = (0.0, 0.0);
+        // Whether the pixel before was lit, if it faced the sun.
+        let mut before: Option<bool> = None;
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let last = before.take().filter(|_| x > 0);
             let Some((hit, p, normal)) = self.seen(&view, x, y) else { continue };
             if normal[1] > LEVEL && p[1] < camera.eye[1] {
                 ground += 1.0;
@@ -158,7 +162,14 @@ impl Scout<'_, '_> {
             if dot(normal, self.towards_sun) > 0.1 {
                 let lift = self.truth.lift_world();
                 let origin = std::array::from_fn(|a| p[a] + lift * normal[a]);
-                if self.tracer.sun_visible(origin, self.towards_sun) { lit += 1.0 } else { shadowed += 1.0 }
+                let sees_sun = self.tracer.sun_visible(origin, self.towards_sun);
+                if sees_sun {
+                    lit += 1.0;
+                } else {
+                    shadowed += 1.0;
+                }
+                edges += f64::from(u8::from(last.is_some_and(|l| l != sees_sun)));
+                before = Some(sees_sun);
             }
         }
         if near > 0.1 * all || ground < 0.1 * all || lit + shadowed == 0.0 {
@@ -171,7 +182,9 @@ impl Scout<'_, '_> {
         let ahead = self.first(camera.eye, view.forward).map_or(f64::INFINITY, |hit| hit.t);
         let along = (ahead / (LONG * self.unit())).min(1.0);
         // Each part is good up to a point, and none alone decides.
-        (mixed > 0.0).then(|| mixed * (0.1 + along) * (0.1 + capped(walls, 0.45)) * (0.1 + capped(far, 0.35)))
+        let edges = 0.1 + capped(edges, 0.1);
+        (mixed > 0.0)
+            .then(|| mixed * edges * (0.1 + along) * (0.1 + capped(walls, 0.45)) * (0.1 + capped(far, 0.35)))
     }
 
     fn seen(&self, view: &View, x: u32, y: u32) -> Option<(Hit, [f64; 3], [f64; 3])> {

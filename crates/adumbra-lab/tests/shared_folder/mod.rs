@@ -1,5 +1,5 @@
 //! Where the tests find scenes and truth that are no part of the repository: `ADUMBRA_SHARED`, or `shared` beside the
-//! checkout.
+//! checkout. `ADUMBRA_FULL=1` asks for their full size.
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
@@ -15,6 +15,11 @@ pub(crate) fn shared(folder: &str) -> Option<PathBuf> {
         return None;
     }
     Some(path)
+}
+
+/// Whether the full size was asked for.
+pub(crate) fn full() -> bool {
+    std::env::var_os("ADUMBRA_FULL").is_some()
 }
 
 /// The scene file of that name, whatever its ending.
