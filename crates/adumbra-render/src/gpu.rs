@@ -53,6 +53,18 @@ impl Gpu {
         pollster::block_on(Self::request_async(options))
     }
 
+    /// An engine's own device and queue. What the device reports stays the engine's to hear: [`Gpu::check`] knows nothing of it.
+    pub fn sharing(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        Self {
+            max_binding_bytes: device.limits().max_storage_buffer_binding_size,
+            features: WANTED.intersection(device.features()),
+            info: device.adapter_info(),
+            trouble: Arc::new(Mutex::new(None)),
+            device: device.clone(),
+            queue: queue.clone(),
+        }
+    }
+
     async fn request_async(options: &GpuOptions) -> Result<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;

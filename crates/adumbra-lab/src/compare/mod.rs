@@ -102,7 +102,15 @@ pub fn compare(
         if counted.is_empty() {
             (pixels, counted) = judge.count(&surfaces, &renderer.read_surface(&shot)?);
         }
-        compared.push(draw_and_judge(renderer, judge, &shot, contender, frames, truth, &surfaces, &counted)?);
+        compared.push(draw_and_judge(
+            renderer,
+            judge,
+            &shot,
+            contender,
+            frames,
+            truth,
+            (&surfaces, &counted),
+        )?);
     }
     let truths = truths.into_iter().map(|t| (t.kind, t.picture)).collect();
     Ok(Comparison { pixels, truths, compared })
@@ -172,8 +180,7 @@ fn draw_and_judge(
     contender: &mut Contender,
     frames: u32,
     truth: &Truth,
-    surfaces: &Surfaces,
-    counted: &[bool],
+    (surfaces, counted): (&Surfaces, &[bool]),
 ) -> Result<Compared> {
     let size = [shot.camera.width, shot.camera.height];
     let (factors, picture, times, bytes, notes) = match &mut contender.prepared {

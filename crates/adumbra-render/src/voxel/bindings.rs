@@ -42,7 +42,7 @@ impl VoxelBindings {
         (kinds, resources): (&[BindingType], Vec<wgpu::BindingResource<'_>>),
     ) -> Self {
         let bindings: Vec<_> = [binding::UNIFORM].into_iter().chain(kinds.iter().copied()).collect();
-        let layout = gpu.layout(label, ShaderStages::COMPUTE, &bindings);
+        let layout = gpu.layout(label, ShaderStages::COMPUTE | ShaderStages::FRAGMENT, &bindings);
         let uniform = gpu.uniform(label, uniform);
         let all = [uniform.as_entire_binding()].into_iter().chain(resources).collect();
         let group = gpu.bind(label, &layout, all);
