@@ -147,10 +147,13 @@ impl Bench<'_> {
         // Writing to a String does not fail.
         let _ = writeln!(
             text,
-            "{}, {} × {} pixels, the blur's own passes, median of {} ({clock}). A square of two passes costs samples, of one pass \
-             their square; weights computed in the shader cost an exponential a sample. `adumbra bench blur -o docs/bench` \
-             writes this.\n\n![Milliseconds by samples](blur.svg)",
+            "{}, {} × {} pixels, the blur's own passes, median of {} ({clock}). Two passes cost as many samples as a line has, one \
+             pass their square; weights computed in the shader cost an exponential a sample. Made by `adumbra bench blur --size \
+             {}x{} --runs {} -o docs/bench`.\n\n![Milliseconds by samples](blur.svg)",
             document["device"].as_str().unwrap_or_default(),
+            self.args.size[0],
+            self.args.size[1],
+            self.args.runs,
             self.args.size[0],
             self.args.size[1],
             self.args.runs,
