@@ -166,6 +166,12 @@ pub(crate) struct BiasArgs {
 }
 
 impl BiasArgs {
+    /// What was given, as parameters of a technique.
+    pub(crate) fn parameters(&self) -> String {
+        let given = [("bias", self.bias_constant), ("slope", self.bias_slope), ("normal", self.bias_normal)];
+        given.iter().filter_map(|(key, value)| value.map(|v| format!(":{key}={v}"))).collect()
+    }
+
     pub(crate) fn over(&self, file: Bias) -> Result<Bias, Failure> {
         let bias = Bias {
             constant_texels: self.bias_constant.unwrap_or(file.constant_texels),

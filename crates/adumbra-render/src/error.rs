@@ -65,7 +65,7 @@ pub enum RenderError {
         source: adumbra::texture::TextureError,
     },
     /// A technique that does not exist, or a value that it does not take.
-    #[error("{name:?} is not a technique: {reason}")]
+    #[error("technique {name}: {reason}")]
     Technique {
         /// As it was given.
         name: String,

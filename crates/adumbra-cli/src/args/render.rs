@@ -56,10 +56,10 @@ pub(crate) struct Render {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
     pub(crate) frames: Option<u32>,
     /// Filter width in texels: 1, 3, 5, 9 or 17; of a world-aligned file K × K × K voxels: 1, 3 or 5
-    #[arg(long, value_name = "K", default_value_t = 5)]
+    #[arg(long, value_name = "K", default_value_t = 5, conflicts_with = "shadow")]
     pub(crate) filter: u32,
     /// How a world-aligned file's taps are weighted
-    #[arg(long, value_enum, default_value = "mean")]
+    #[arg(long, value_enum, default_value = "mean", conflicts_with = "shadow")]
     pub(crate) weights: WeightsArg,
     /// Samples a pixel along each axis
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
@@ -128,6 +128,11 @@ pub(crate) struct DeviceArgs {
 }
 
 impl DeviceArgs {
+    /// Whether the CPU may draw where there is no adapter: no other was asked for.
+    pub(crate) fn may_fall_back(&self) -> bool {
+        self.device == DeviceArg::Auto && self.adapter.is_none()
+    }
+
     pub(crate) fn gpu_options(&self) -> GpuOptions {
         let without = self.without.iter().map(|w| match w {
             WithoutArg::Timestamps => Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS,

@@ -98,7 +98,8 @@ pub fn scene_layer(extent: &LightExtent, depth_world: [f64; 2], size: u32, margi
     LayerFit { axes: extent.axes, texel_world, corner, size, depth_world, end: [ENDLESS; 2] }
 }
 
-/// Layers fitted to slices of the view, nearest first.
+/// Layers fitted to slices of the view, nearest first. Slices that would cover the scene alike share one layer, so there may be fewer
+/// than cascades.
 ///
 /// `scene` is the layer over the whole scene; `reach` the view depths from [`reach`]; `margin` as for [`scene_layer`].
 pub fn cascade_layers(
@@ -111,7 +112,7 @@ pub fn cascade_layers(
     let size = scene.size;
     let ends = split_depths(settings.split, settings.cascades, reach);
     let mut begin = 0.0;
-    let mut layers = Vec::with_capacity(ends.len());
+    let mut layers: Vec<LayerFit> = Vec::with_capacity(ends.len());
     for (i, &end) in ends.iter().enumerate() {
         let slice = end - if i == 0 { reach[0] } else { ends[i - 1] };
         let blend_begin = end - settings.blend * slice;
@@ -126,8 +127,12 @@ pub fn cascade_layers(
             });
         }
         layer.end = [end, blend_begin];
-        layers.push(layer);
         begin = blend_begin;
+        match layers.last_mut() {
+            // Drawn once, used for both slices.
+            Some(before) if before.same_place(&layer) => *before = layer,
+            _ => layers.push(layer),
+        }
     }
     layers
 }

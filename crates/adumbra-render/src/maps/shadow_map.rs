@@ -151,6 +151,7 @@ impl Technique for ShadowMap {
 
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
         let (fits, fade) = self.fit(input)?;
+        self.params.counts[0] = fits.len() as u32;
         let static_casters = self.settings.casters == MapCasters::All;
         for (layer, fit) in self.layers.iter_mut().zip(&fits) {
             layer.prepare(input, fit, static_casters, self.kept.is_some());
@@ -169,7 +170,8 @@ impl Technique for ShadowMap {
     }
 
     fn encode_depth(&mut self, input: &FrameInput<'_>, encoder: &mut wgpu::CommandEncoder) {
-        for (index, layer) in self.layers.iter_mut().enumerate() {
+        let used = self.params.counts[0] as usize;
+        for (index, layer) in self.layers[..used].iter_mut().enumerate() {
             let changed = layer.encode(input, &self.pass, encoder, index, &self.depth, self.kept.as_ref());
             if let (true, Some(moments)) = (changed, &self.moments) {
                 moments.encode(encoder, index);

@@ -48,7 +48,7 @@ pub struct FrameInput<'a> {
 pub enum Answer {
     /// Visibility of the sun, 1 = lit.
     Visibility,
-    /// The cascade that a point falls in, from 0.
+    /// The cascade that a point falls in, from 0; -1 beyond the last, and where nothing is.
     Cascade,
 }
 

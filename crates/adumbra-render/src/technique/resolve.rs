@@ -51,7 +51,7 @@ impl Resolver {
         };
         Lookup {
             pixels: pipeline(&self.pixels, Answer::Visibility, source::RESOLVE, "resolve"),
-            cascades: pipeline(&self.pixels, Answer::Cascade, source::RESOLVE, "resolve"),
+            cascades: pipeline(&self.pixels, Answer::Cascade, source::RESOLVE, "resolve_all"),
             points: pipeline(&self.points, Answer::Visibility, source::POINTS, "answer_points"),
         }
     }

@@ -102,7 +102,8 @@ impl Cubes {
     /// # Errors
     /// As [`Cubes::new`]; [`RenderError::Technique`] for other parameters.
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&TreeFile>) -> Result<Self> {
-        let file = file.ok_or_else(|| spec.wrong("it needs a world-aligned shadow file".to_owned()))?;
+        let file =
+            file.ok_or_else(|| spec.wrong("it needs a world-aligned shadow file: --shadow-file".to_owned()))?;
         let mut reader = spec.reader();
         let filter = reader.integer("filter", 3, &KERNEL_SIDES)?;
         let weights = match reader.choice("weights", &["mean", "poisson"])? {

@@ -46,7 +46,8 @@ impl Voxel {
     /// # Errors
     /// As [`Voxel::new`]; [`crate::RenderError::Technique`] for other parameters.
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
-        let file = file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file".to_owned()))?;
+        let file =
+            file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
         let mut reader = spec.reader();
         let filter = reader.integer("filter", 9, &FILTER_WIDTHS)?;
         let bias = read_bias(&mut reader, file.settings.bias)?;

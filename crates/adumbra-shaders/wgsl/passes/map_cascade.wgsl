@@ -1,10 +1,10 @@
-// The layer of a shadow map that a point falls in, from 0; the number of layers where shadows have ended.
+// The layer of a shadow map that a point falls in, from 0; -1 where shadows have ended.
 
 @group(2) @binding(0) var<uniform> map_params: MapParams;
 
 fn shadow_factor(s: Surface) -> f32 {
     if (s.view_depth >= map_params.reach.y) {
-        return f32(map_params.counts.x);
+        return -1.0;
     }
     let last = map_params.counts.x - 1u;
     var layer = 0u;

@@ -22,3 +22,18 @@ fn resolve(@builtin(global_invocation_id) id: vec3u) {
     }
     textureStore(shadow_out, pixel, vec4f(factor, 0.0, 0.0, 0.0));
 }
+
+// The same for what is asked of every surface, whichever way it faces: pixels of the sky are -1.
+@compute @workgroup_size(8, 8)
+fn resolve_all(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = id.xy;
+    if (any(pixel >= frame.size.xy)) {
+        return;
+    }
+    let depth = textureLoad(gbuffer_depth, pixel, 0);
+    var answer = -1.0;
+    if (depth > 0.0) {
+        answer = shadow_factor(frame_surface(frame, pixel, depth, textureLoad(gbuffer_normal, pixel, 0).xyz));
+    }
+    textureStore(shadow_out, pixel, vec4f(answer, 0.0, 0.0, 0.0));
+}

@@ -1,18 +1,20 @@
 //! Pictures on the GPU.
 
 use std::borrow::Cow;
+use std::path::Path;
 
 use adumbra::format::AnyFile;
 use adumbra::scene::Scene;
+use adumbra_lab::truth::{SunShape, TruthTracer};
 use adumbra_render::{
-    Answer, Baked, FrameTimes, Gpu, Prepared, RenderError, Renderer, SceneOptions, Shot, Stage,
+    Answer, Baked, FrameTimes, Given, Gpu, Prepared, RenderError, Renderer, SceneOptions, Shot, Stage,
     TechniqueSpec, build,
 };
 use serde_json::{Value, json};
 
 use super::layers::{self, Layer};
 use super::movers::numbered;
-use super::{Job, cpu, output_of};
+use super::{Job, output_of};
 use crate::args::LayerArg;
 use crate::exit::Failure;
 
@@ -37,7 +39,8 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
     for spec in &asked {
         let output = output_of(&args.output, spec, asked.len() > 1);
         if spec.name() == "truth" {
-            cpu::draw(job, true, &output)?;
+            spec.reader().finish()?;
+            draw_truth(job, &mut renderer, &mut moving, &output)?;
             continue;
         }
         let mut technique = renderer.prepare(build(renderer.gpu(), spec, baked)?)?;
@@ -59,14 +62,41 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
     Ok(())
 }
 
+/// Frames of traced shadows, composited as a technique's are.
+fn draw_truth(
+    job: &Job<'_>,
+    renderer: &mut Renderer,
+    moving: &mut Scene,
+    output: &Path,
+) -> Result<(), Failure> {
+    for (frame, &(seconds, number)) in (0..).zip(&job.moments) {
+        moving.pose(seconds);
+        renderer.move_movers(moving);
+        let output = numbered(output, number);
+        let scene = job.scene_at(seconds);
+        let truth = TruthTracer::build(&scene, job.ignore_alpha);
+        let held = scene.memory_bytes() + truth.tracer().memory_bytes();
+        job.args.work.check_memory("the scene and its rays' trees", held)?;
+        let (shot, _) = shot(job, &output, frame);
+        let factors = truth.factors(&truth.surfaces(&shot.camera), shot.towards_sun, SunShape::Hard);
+        let size = [shot.camera.width, shot.camera.height];
+        let given = Given::new(renderer.gpu(), "truth", size, &factors)?;
+        let mut technique = renderer.prepare(Box::new(given))?;
+        let (layer, times) = draw_one(job, renderer, &mut technique, &output, frame)?;
+        layers::write(&output, &layer)?;
+        job.report(&output, layer.size, figures(renderer, &technique, &times));
+    }
+    Ok(())
+}
+
 /// What a shadow file is looked up with where no technique is named.
 fn file_technique(job: &Job<'_>) -> Result<TechniqueSpec, RenderError> {
-    let filter = job.args.filter;
+    let (filter, bias) = (job.args.filter, job.args.bias.parameters());
     match &job.file {
         Some(AnyFile::Tree(_)) => {
-            format!("voxel-cubes:filter={filter}:weights={}", job.args.weights.name()).parse()
+            format!("voxel-cubes:filter={filter}:weights={}{bias}", job.args.weights.name()).parse()
         }
-        _ => format!("voxel:filter={filter}").parse(),
+        _ => format!("voxel:filter={filter}{bias}").parse(),
     }
 }
 
@@ -78,20 +108,25 @@ fn baked(file: Option<&AnyFile>) -> Baked<'_> {
     }
 }
 
-fn draw_one(
-    job: &Job<'_>,
-    renderer: &mut Renderer,
-    technique: &mut Prepared,
-    output: &std::path::Path,
-    number: u32,
-) -> Result<(Layer, FrameTimes), Failure> {
+/// A frame with all its samples as pixels, and how many of them a pixel has along each side.
+fn shot(job: &Job<'_>, output: &Path, number: u32) -> (Shot, u32) {
     let mut camera = job.camera;
     // Raw values are not blended.
     let samples = if layers::is_exr(output) { 1 } else { job.args.antialias };
     camera.width *= samples;
     camera.height *= samples;
-    let shot = Shot { camera, towards_sun: job.sun.towards(), number };
-    let size = [camera.width, camera.height];
+    (Shot { camera, towards_sun: job.sun.towards(), number }, samples)
+}
+
+fn draw_one(
+    job: &Job<'_>,
+    renderer: &mut Renderer,
+    technique: &mut Prepared,
+    output: &Path,
+    number: u32,
+) -> Result<(Layer, FrameTimes), Failure> {
+    let (shot, samples) = shot(job, output, number);
+    let size = [shot.camera.width, shot.camera.height];
     let layer = job.args.layer;
     let cascades = if layer == LayerArg::Cascades {
         if technique.technique().sources(Answer::Cascade).is_none() {

@@ -60,8 +60,8 @@ pub(super) fn normal(size: [u32; 2], surface: &SurfaceImage) -> Layer {
 
 pub(super) fn cascades(size: [u32; 2], rgba: &[u8], indices: &[f32]) -> Layer {
     let mut layer = color(size, rgba);
-    for (shown, &index) in layer.shown.iter_mut().zip(indices) {
-        let tint = CASCADE_COLORS[(index.max(0.0) as usize).min(CASCADE_COLORS.len() - 1)];
+    for (shown, &index) in layer.shown.iter_mut().zip(indices).filter(|(_, index)| **index >= 0.0) {
+        let tint = CASCADE_COLORS[(index as usize).min(CASCADE_COLORS.len() - 1)];
         let grey = (shown[0] + shown[1] + shown[2]) / 3.0;
         *shown = tint.map(|t| t * (0.25 + 1.5 * grey));
     }

@@ -35,7 +35,18 @@ struct Job<'a> {
 
 pub(crate) fn run(args: &Render) -> Outcome {
     let specs: Vec<TechniqueSpec> = args.shadow.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
+    if let Some((i, spec)) = specs.iter().enumerate().find(|(i, s)| specs[..*i].contains(s)) {
+        return Err(Failure::Usage(format!("--shadow {spec}: it is asked for twice (number {})", i + 1)));
+    }
+    let ending = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    if !["png", "exr"].contains(&ending.as_str()) {
+        let output = args.output.display();
+        return Err(Failure::Usage(format!("--output {output}: give a path that ends in .png or .exr")));
+    }
     let file = args.shadow_file.as_deref().map(AnyFile::read).transpose()?;
+    if file.is_some() && args.sun.is_given() {
+        return Err(Failure::Usage("--sun: the shadow file was baked for a sun of its own".to_owned()));
+    }
     if specs.is_empty() && file.is_none() && !args.truth {
         return Err(Failure::Usage(
             "say how shadows are made: --shadow-file FILE, --shadow NAME, or --truth".to_owned(),
@@ -65,13 +76,15 @@ pub(crate) fn run(args: &Render) -> Outcome {
 impl Job<'_> {
     fn draw(&self, specs: &[TechniqueSpec]) -> Outcome {
         let traced_only = self.args.truth || !specs.is_empty() && specs.iter().all(|s| s.name() == "truth");
-        if self.args.diff || traced_only || self.args.device.device == DeviceArg::Cpu {
+        let plain = self.args.layer == LayerArg::Color && !layers::is_exr(&self.args.output);
+        if self.args.diff || traced_only && plain || self.args.device.device == DeviceArg::Cpu {
             self.on_the_cpu(specs)?;
             return Ok(Code::Fine);
         }
         match Gpu::request(&self.args.device.gpu_options()) {
+            Ok(gpu) if self.args.truth => gpu::draw(self, gpu, &["truth".parse()?])?,
             Ok(gpu) => gpu::draw(self, gpu, specs)?,
-            Err(error @ RenderError::NoAdapter { .. }) if self.args.device.device == DeviceArg::Auto => {
+            Err(error @ RenderError::NoAdapter { .. }) if self.args.device.may_fall_back() => {
                 let whose = if self.file.is_some() { "the file's shadows" } else { "traced shadows" };
                 eprintln!("note: {error}; drawing on the CPU with {whose}");
                 self.on_the_cpu(&[])?;
@@ -87,8 +100,11 @@ impl Job<'_> {
                 "--shadow {other}: the CPU draws a file's shadows (--shadow-file alone) and truth"
             )));
         }
-        if self.args.layer != LayerArg::Color {
-            return Err(Failure::Usage("--layer: the CPU draws color alone".to_owned()));
+        if self.args.layer != LayerArg::Color || layers::is_exr(&self.args.output) {
+            return Err(Failure::Usage(
+                "the CPU draws color alone, as PNG; other layers and EXR need a GPU adapter, a software one will do"
+                    .to_owned(),
+            ));
         }
         let truth = self.args.truth || !specs.is_empty() || self.file.is_none();
         cpu::draw(self, truth, &self.args.output)
