@@ -86,8 +86,8 @@ fn voxel_over(v: VoxelParams, low: vec3u, high: vec3u) -> VoxelNode {
     return node;
 }
 
-// The slab of 8 × 8 voxels that holds this one, below a node that does: bit y·8 + x, rows 0 to 3 in x.
-fn voxel_slab(v: VoxelParams, over: VoxelNode, voxel: vec3u) -> vec2u {
+// Lit bits of a mask in the slab of 8 × 8 voxels that holds this one, below a node that does: bit y·8 + x, rows 0 to 3 in x.
+fn voxel_lit_bits(v: VoxelParams, over: VoxelNode, voxel: vec3u, mask: vec2u) -> u32 {
     var node = over;
     if (node.state == VOXEL_UNKNOWN) {
         node = voxel_root(v, voxel);
@@ -102,10 +102,17 @@ fn voxel_slab(v: VoxelParams, over: VoxelNode, voxel: vec3u) -> vec2u {
         state = voxel_child(header, child);
         if (state == VOXEL_MIXED) {
             let slab = v.places.y + 2u * voxel_pointer(node, header, child);
-            return vec2u(voxel_word(slab), voxel_word(slab + 1u));
+            var lit = 0u;
+            if (mask.x != 0u) {
+                lit = countOneBits(voxel_word(slab) & mask.x);
+            }
+            if (mask.y != 0u) {
+                lit += countOneBits(voxel_word(slab + 1u) & mask.y);
+            }
+            return lit;
         }
     }
-    return vec2u(0u - state);
+    return state * (countOneBits(mask.x) + countOneBits(mask.y));
 }
 
 // Bits of the texels low…high, which lie in one block.
@@ -131,7 +138,8 @@ fn voxel_layer(r: VoxelReceiver, tap: vec2i) -> i32 {
 // Lit taps among the texels low…high, which lie in one block. Their layer is that of the plane at their centre less half its slope times
 // their extent, which is that at the tap where the plane is nearest to the sun.
 fn voxel_block(v: VoxelParams, r: VoxelReceiver, over: VoxelNode, low: vec2i, high: vec2i) -> u32 {
-    let count = u32((high.x - low.x + 1) * (high.y - low.y + 1));
+    let size = high - low + 1;
+    let count = u32(size.x * size.y);
     // Texels beside the grid are lit.
     let inside_low = max(low, vec2i(0));
     let inside_high = min(high, v.grid.size.xy - 1);
@@ -139,11 +147,10 @@ fn voxel_block(v: VoxelParams, r: VoxelReceiver, over: VoxelNode, low: vec2i, hi
     if (any(inside_low > inside_high) || layer < 0) {
         return count;
     }
+    let inside = inside_high - inside_low + 1;
     let mask = voxel_rectangle(inside_low, inside_high);
-    let slab = voxel_slab(v, over, vec3u(vec3i(inside_low, min(layer, v.grid.size.z - 1))));
-    let bits = countOneBits(slab & mask);
-    let taps = countOneBits(mask);
-    return count - (taps.x + taps.y) + bits.x + bits.y;
+    let voxel = vec3u(vec3i(inside_low, min(layer, v.grid.size.z - 1)));
+    return count - u32(inside.x * inside.y) + voxel_lit_bits(v, over, voxel, mask);
 }
 
 // Lit taps of K².
