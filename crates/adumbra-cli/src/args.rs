@@ -85,7 +85,7 @@ pub(crate) enum Verb {
         Example: adumbra compare city.glb --camera street --shadow csm:cascades=4 --shadow voxel:filter=9 -o compared"
     )]
     Compare(Compare),
-    /// Measure: bake times and sizes, as tables
+    /// Measure: bakes, trees, shadows beside the truth, as tables
     #[command(after_help = "Example: adumbra bench bake --scenes scenes -o docs/bench")]
     Bench(Bench),
     /// The main job from end to end on a generated scene; leaves the file, pictures and a report

@@ -243,7 +243,7 @@ impl Report {
     /// A row a technique.
     pub fn technique_table(&self) -> String {
         let mut text = format!(
-            "Times are medians of {} frames in milliseconds (* wall time: the device has no timestamps). Truth is traced from the sun's middle \
+            "Times are medians of {} frames in milliseconds (* wall time: the device has no timestamps, or is a program). Truth is traced from the sun's middle \
             (hard) or from a disc of {}° with {} rays a pixel (disc). RMSE and wrong shares are of the shadow factor, SSIM and FLIP (67 pixels a \
             degree) of the composited picture. Wrong lit: shadowed called lit; wrong shadowed: lit called shadowed. Clear of edges: the same two at \
             pixels more than two of the technique's texels from an edge of the true shadow.\n\n\

@@ -37,6 +37,6 @@ pub use error::{RenderError, Result};
 pub use gpu::{Gpu, GpuOptions};
 pub use renderer::{Prepared, Renderer, Shot, SurfaceImage, SurfacePoint};
 pub use scene::SceneOptions;
-pub use technique::{Answer, Baked, Given, TECHNIQUES, TechniqueSpec, build};
+pub use technique::{Answer, Baked, Given, TECHNIQUES, TechniqueSpec, build, parameters};
 pub use timing::{FrameTimes, Stage};
 pub use wgpu::Features;

@@ -153,7 +153,7 @@ pub(crate) struct BenchShadows {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "voxel:filter=1,csm:filter=1,voxel:filter=5,csm:filter=5,voxel:filter=9,sm,pcf,pcss,vsm,evsm,msm,csm-vsm,csm-evsm"
+        default_value = "voxel:filter=1,csm:filter=1,voxel:filter=5,csm:filter=5,voxel:filter=9,voxel-cubes,sm,pcf,pcss,vsm,evsm,msm,csm-vsm,csm-evsm,blur,blur-bilateral"
     )]
     pub(crate) shadow: Vec<String>,
     /// Texels on the longest side of the light-aligned files

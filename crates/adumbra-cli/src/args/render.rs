@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::Bounds;
-use adumbra_render::{Features, GpuOptions, TECHNIQUES};
+use adumbra_render::{Features, GpuOptions, TECHNIQUES, parameters};
 use clap::ValueEnum;
 
 use super::{BiasArgs, SceneArgs, SunArgs, WeightsArg, WorkArgs, parse_size, parse_triple};
@@ -13,7 +13,14 @@ use crate::exit::Failure;
 /// What `render` ends its help with: the techniques.
 pub(super) fn after_help() -> String {
     let width = TECHNIQUES.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    let list: String = TECHNIQUES.iter().map(|(name, what)| format!("  {name:width$}  {what}\n")).collect();
+    let list: String = TECHNIQUES
+        .iter()
+        .map(|(name, what)| {
+            let told = parameters(name);
+            let told = if told.is_empty() { told } else { format!("  {:width$}    {told}\n", "") };
+            format!("  {name:width$}  {what}\n{told}")
+        })
+        .collect();
     format!(
         "Techniques:\n{list}\nExample: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\nExample: \
          adumbra render city.glb --shadow csm:cascades=4:filter=5 --layer shadow -o shadow.exr"

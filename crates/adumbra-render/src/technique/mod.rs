@@ -2,11 +2,13 @@
 
 mod build;
 mod given;
+mod parameters;
 mod resolve;
 pub mod spec;
 
 pub use build::{Baked, TECHNIQUES, build};
 pub use given::Given;
+pub use parameters::parameters;
 pub use resolve::{Lookup, Resolver};
 pub use spec::TechniqueSpec;
 

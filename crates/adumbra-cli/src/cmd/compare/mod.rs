@@ -31,7 +31,6 @@ pub(crate) fn run(args: &Compare) -> Outcome {
         ));
     }
     let files = BakedFiles::read(&args.baked.shadow_file)?;
-    make_folder(&args.output)?;
     with_threads(args.work.threads, || draw(args, &specs, files))
 }
 
@@ -63,6 +62,9 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
     let truth = TruthTracer::build(&scene, load.ignore_alpha);
     let held = scene.memory_bytes() + truth.tracer().memory_bytes();
     args.work.check_memory("the scene and its rays' trees", held)?;
+    if files.sun().is_some() && args.sun.is_given() {
+        return Err(Failure::Usage("--sun: the shadow file was baked for a sun of its own".to_owned()));
+    }
     let truth_file = args.camera.as_deref().filter(|c| c.ends_with(".npz")).map(PathBuf::from);
     let from_file = truth_file.as_deref().map(truth_camera).transpose()?;
     let sun = match (files.sun(), from_file) {
@@ -84,6 +86,7 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
             max_memory_bytes: args.work.max_memory,
         },
     )?;
+    make_folder(&args.output)?;
     let mut contenders = contenders(&renderer, specs, &files, args.judge)?;
     let folder = args.cache.clone().unwrap_or_else(|| args.output.join("truth-cache"));
     let (cache, key) = (Cache::in_folder(folder), scene_key(&scene, load.ignore_alpha));
