@@ -9,7 +9,7 @@ const INK: [u8; 3] = [24, 24, 28];
 /// Pixels between pictures.
 const GAP: u32 = 12;
 /// Captions below pictures of this width and more are twice as large.
-const WIDE: u32 = 480;
+const WIDE: u32 = 560;
 
 /// A picture of a sheet.
 pub struct Cell<'a> {
