@@ -79,3 +79,16 @@ impl Failure {
 }
 
 pub(crate) type Outcome = Result<Code, Failure>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_the_renderer_have_their_codes() {
+        let lost = RenderError::Lost { reason: "gone".to_owned() };
+        let unknown = RenderError::Technique { name: "cvs".to_owned(), reason: "no such".to_owned() };
+        assert_eq!(Failure::from(lost).code() as u8, 5);
+        assert_eq!(Failure::from(unknown).code() as u8, 2);
+    }
+}
