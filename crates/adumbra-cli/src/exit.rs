@@ -71,7 +71,7 @@ impl Failure {
                 _ => Code::BadInput,
             },
             Self::Render(RenderError::Technique { .. } | RenderError::Mover { .. }) => Code::Usage,
-            Self::Render(RenderError::TooLarge { .. }) => Code::OutOfRoom,
+            Self::Render(RenderError::TooLarge { .. } | RenderError::OutOfMemory { .. }) => Code::OutOfRoom,
             Self::Render(RenderError::Lost { .. }) => Code::DeviceLost,
             Self::BadInput(_) | Self::Library(_) | Self::Render(_) => Code::BadInput,
         }

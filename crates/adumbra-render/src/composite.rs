@@ -2,15 +2,13 @@
 //! `adumbra::picture`, its CPU twin.
 
 use adumbra::picture::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
+use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::layout::CompositeParams;
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindingResource, ShaderStages, TextureFormat};
 
 use crate::frame::Targets;
 use crate::gpu::{Gpu, binding};
-
-/// Pixels of a workgroup along each side; as in passes/composite.wgsl.
-const GROUP: u32 = 8;
 
 /// The pass.
 pub struct Composite {
@@ -70,6 +68,6 @@ impl Composite {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         let [w, h] = targets.size;
-        pass.dispatch_workgroups(w.div_ceil(GROUP), h.div_ceil(GROUP), 1);
+        pass.dispatch_workgroups(w.div_ceil(PIXEL_GROUP), h.div_ceil(PIXEL_GROUP), 1);
     }
 }

@@ -28,6 +28,14 @@ pub enum RenderError {
         /// What was said.
         reason: String,
     },
+    /// The device has no memory left for what was asked of it.
+    #[error(
+        "the GPU is out of memory: {reason}; make the picture or the maps smaller, or leave parts of the scene out"
+    )]
+    OutOfMemory {
+        /// What was said.
+        reason: String,
+    },
     /// The device refused what was asked of it.
     #[error("the GPU refused a command: {reason}")]
     Refused {
@@ -71,6 +79,12 @@ pub enum RenderError {
         name: String,
         /// What is wrong, and what would do.
         reason: String,
+    },
+    /// A camera from which nothing can be drawn.
+    #[error("the camera: {reason}")]
+    Camera {
+        /// What is wrong.
+        reason: &'static str,
     },
     /// A mover that does not exist, a value that it does not take, or no way for it.
     #[error("{name:?} cannot move: {reason}")]

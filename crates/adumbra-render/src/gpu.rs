@@ -4,6 +4,7 @@
 //! reports on its own are kept, and given by the next [`Gpu::check`]; a device that is lost, or does not answer for
 //! [`PATIENCE`], is [`RenderError::Lost`].
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -106,7 +107,7 @@ impl Gpu {
             note(
                 &refused,
                 match error {
-                    wgpu::Error::OutOfMemory { .. } => RenderError::Lost { reason },
+                    wgpu::Error::OutOfMemory { .. } => RenderError::OutOfMemory { reason },
                     _ => RenderError::Refused { reason },
                 },
             );
@@ -154,13 +155,13 @@ impl Gpu {
     /// What went wrong since the last call, if anything did.
     ///
     /// # Errors
-    /// [`RenderError::Lost`], [`RenderError::Refused`].
+    /// [`RenderError::Lost`], [`RenderError::OutOfMemory`], [`RenderError::Refused`].
     pub fn check(&self) -> Result<()> {
         let take = || self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take();
         let Some(error) = take() else { return Ok(()) };
         // What a lost device refuses is refused before the loss itself is told; polling tells it.
-        let _ = self.device.poll(wgpu::PollType::Poll);
-        Err(take().filter(|later| matches!(later, RenderError::Lost { .. })).unwrap_or(error))
+        let polled = self.poll(wgpu::PollType::Poll).err();
+        Err(take().or(polled).filter(|later| matches!(later, RenderError::Lost { .. })).unwrap_or(error))
     }
 
     /// Submits and waits until it is done.
@@ -177,13 +178,13 @@ impl Gpu {
     /// # Errors
     /// As [`Gpu::check`].
     pub fn wait(&self) -> Result<()> {
-        let waited =
-            self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) });
+        let waited = self.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) });
         self.check()?;
-        match waited {
-            Ok(_) => Ok(()),
-            Err(e) => Err(RenderError::Lost { reason: e.to_string() }),
-        }
+        waited
+    }
+
+    fn poll(&self, how: wgpu::PollType) -> Result<()> {
+        answered(|| self.device.poll(how))
     }
 
     /// A uniform buffer with these bytes.
@@ -296,6 +297,19 @@ impl Gpu {
     }
 }
 
+/// What a poll came to. A device that is really lost makes wgpu's own poll panic.
+fn answered<T, E: std::fmt::Display>(poll: impl FnOnce() -> std::result::Result<T, E>) -> Result<()> {
+    let reason = match catch_unwind(AssertUnwindSafe(poll)) {
+        Ok(Ok(_)) => return Ok(()),
+        Ok(Err(error)) => error.to_string(),
+        Err(payload) => {
+            let text = payload.downcast_ref::<String>().map(String::as_str);
+            text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("polling failed").to_owned()
+        }
+    };
+    Err(RenderError::Lost { reason })
+}
+
 fn note(trouble: &Mutex<Option<RenderError>>, error: RenderError) {
     let mut kept = trouble.lock().unwrap_or_else(PoisonError::into_inner);
     // The first is the cause; but a lost device outweighs what followed from it.
@@ -357,5 +371,23 @@ pub mod binding {
             format,
             view_dimension: TextureViewDimension::D2,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poll_that_panics_is_a_lost_device() {
+        let lost = |outcome| match outcome {
+            Err(RenderError::Lost { reason }) => reason,
+            other => panic!("{other:?}"),
+        };
+        assert!(answered(|| Ok::<_, String>(7)).is_ok());
+        assert_eq!(lost(answered(|| Err::<(), _>("too slow"))), "too slow");
+        assert_eq!(lost(answered(|| -> std::result::Result<(), String> { panic!("gone") })), "gone");
+        let reason = |n: u32| lost(answered(|| -> std::result::Result<(), String> { panic!("gone {n}") }));
+        assert_eq!(reason(3), "gone 3");
     }
 }

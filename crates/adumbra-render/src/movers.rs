@@ -54,16 +54,24 @@ impl FromStr for MoveSpec {
         }
         let mut spec = Self { radius_world: None, ends_world: None, seconds: 4.0 };
         let (mut from, mut to) = (None, None);
+        let mut seen = Vec::new();
         for part in parts {
             let (key, value) =
                 part.split_once('=').ok_or_else(|| wrong(format!("{part:?} is not key=value")))?;
-            let numbers: Vec<f64> = value.split(',').filter_map(|n| n.trim().parse().ok()).collect();
+            if seen.contains(&key) {
+                return Err(wrong(format!("{key:?} is given twice")));
+            }
+            seen.push(key);
+            // As a mover's track holds them.
+            let number = |n: &str| n.trim().parse().ok().filter(|n: &f64| (*n as f32).is_finite());
+            let numbers: Option<Vec<f64>> = value.split(',').map(number).collect();
+            let numbers = numbers.unwrap_or_default();
             let above_0 = || match numbers[..] {
-                [n] if n > 0.0 && n.is_finite() => Ok(n),
+                [n] if n as f32 > 0.0 => Ok(n),
                 _ => Err(wrong(format!("{key}={value}: give a number above 0"))),
             };
             let point = || match numbers[..] {
-                [x, y, z] if numbers.iter().all(|n| n.is_finite()) => Ok([x, y, z]),
+                [x, y, z] => Ok([x, y, z]),
                 _ => Err(wrong(format!("{key}={value}: give three numbers with commas between"))),
             };
             match key {
@@ -88,13 +96,13 @@ impl MoveSpec {
     /// it is to be found.
     ///
     /// # Errors
-    /// [`RenderError::Mover`] where no place in the sun has a shade to go to.
+    /// [`RenderError::Mover`] where no place in the sun has a shade to go to, or the path is one that no mover can take.
     pub fn path(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> Result<BallPath> {
         let bounds = still.scene().bounds();
         let radius_world = self.radius_world.unwrap_or_else(|| (bounds.diagonal() / 40.0).min(1.0));
         let seconds = |share: f64| share * self.seconds;
         if let Some([from, to]) = self.ends_world {
-            return Ok(BallPath { radius_world, keys: vec![(0.0, from), (self.seconds, to)] });
+            return BallPath { radius_world, keys: vec![(0.0, from), (self.seconds, to)] }.checked();
         }
         let finder = Finder { still, bounds, towards_sun, radius: radius_world };
         let centers = finder.find().ok_or_else(|| RenderError::Mover {
@@ -103,12 +111,26 @@ impl MoveSpec {
         })?;
         let last = f64::from(KEYS - 1);
         let keys = (0..).zip(centers).map(|(i, c)| (seconds(f64::from(i) / last), c)).collect();
-        Ok(BallPath { radius_world, keys })
+        BallPath { radius_world, keys }.checked()
     }
 }
 
 impl BallPath {
-    /// Adds the ball to a scene, as its last instance and a mover.
+    /// This path, if a ball can go along it.
+    fn checked(self) -> Result<Self> {
+        let wrong =
+            |reason: &str| RenderError::Mover { name: "sphere".to_owned(), reason: reason.to_owned() };
+        if !(self.radius_world as f32 > 0.0 && (self.radius_world as f32).is_finite()) {
+            return Err(wrong("its radius is not above 0 and finite; give radius"));
+        }
+        match Scene::default().add_ball(self.radius_world, BALL_COLOR, &self.keys) {
+            Some(_) => Ok(self),
+            None => Err(wrong("its way is empty, not finite, or goes back in time")),
+        }
+    }
+
+    /// Adds the ball to a scene, as its last instance and a mover. Nothing is added of a way that [`MoveSpec::path`] would not give:
+    /// empty, not finite, or back in time.
     pub fn add_to(&self, scene: &mut Scene) {
         scene.add_ball(self.radius_world, BALL_COLOR, &self.keys);
     }

@@ -1,11 +1,11 @@
 //! Frames: G-buffer, a technique's passes, its look-up, composite; and what can be read back of them.
 
-use adumbra::camera::Camera;
+use adumbra::camera::{Camera, Projection};
 use adumbra::scene::{Bounds, Scene};
 use adumbra_shaders::layout::PointQuery;
 
 use crate::composite::Composite;
-use crate::error::Result;
+use crate::error::{RenderError, Result};
 use crate::frame::{GBuffer, Targets, frame, visible_volume};
 use crate::gpu::Gpu;
 use crate::readback::{read_floats, read_texture};
@@ -23,6 +23,8 @@ pub struct Renderer {
     movers: Option<Part>,
     targets: Option<Targets>,
     frame: wgpu::Buffer,
+    /// What the last frame was asked for.
+    answered: Answer,
 }
 
 struct Part {
@@ -87,6 +89,7 @@ impl Renderer {
             scene: Part { buffers, seen },
             movers: None,
             targets: None,
+            answered: Answer::Visibility,
             frame: gpu.uniform("frame", &empty.bytes()),
             gpu,
         };
@@ -132,11 +135,17 @@ impl Renderer {
         Ok(Prepared { technique, lookup })
     }
 
-    /// Draws a frame. Its layers stay readable until the next.
+    /// Draws a frame. Its layers stay readable until the next. Screen passes are for visibilities: cascades are left as they are.
     ///
     /// # Errors
-    /// What the technique or the device reports.
+    /// [`RenderError::Camera`]; [`RenderError::Technique`] for an answer that the technique does not have; what the technique or the
+    /// device reports.
     pub fn draw(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
+        check_camera(&shot.camera)?;
+        if !prepared.lookup.answers(answer) {
+            let reason = format!("it has no answer of the kind {answer:?}");
+            return Err(RenderError::Technique { name: prepared.technique.name(), reason });
+        }
         let size = [shot.camera.width, shot.camera.height];
         let targets = match self.targets.take() {
             Some(targets) if targets.size == size => targets,
@@ -162,16 +171,19 @@ impl Renderer {
             let asked = (&*lookup, answer);
             self.resolver.encode(&self.gpu, encoder, &self.frame, &targets, &**technique, asked);
         })?;
+        let filtered = answer == Answer::Visibility && technique.has_screen_passes();
         timer.stage(&self.gpu, Stage::Screen, |encoder| {
-            technique.encode_screen(&input, &self.frame, &targets, encoder);
+            if filtered {
+                technique.encode_screen(&input, &self.frame, &targets, encoder);
+            }
         })?;
         timer.stage(&self.gpu, Stage::Composite, |encoder| {
-            let filtered = technique.has_screen_passes();
             let factor = if filtered { &targets.filtered } else { &targets.factor };
             self.composite.encode(&self.gpu, encoder, &self.frame, &targets, &factor.view);
         })?;
         let times = timer.finish(&self.gpu)?;
         self.targets = Some(targets);
+        self.answered = answer;
         Ok(times)
     }
 
@@ -179,13 +191,15 @@ impl Renderer {
     /// camera.
     ///
     /// # Errors
-    /// What the technique or the device reports.
+    /// [`RenderError::Camera`]; [`RenderError::Technique`] for one that answers pictures alone, such as a blur on the screen; what the
+    /// technique or the device reports.
     pub fn answer(
         &mut self,
         shot: &Shot,
         prepared: &mut Prepared,
         points: &[SurfacePoint],
     ) -> Result<Vec<f32>> {
+        check_camera(&shot.camera)?;
         self.write_frame(shot);
         let view = shot.camera.view();
         let input = self.input(shot, &view);
@@ -208,13 +222,14 @@ impl Renderer {
         self.resolver.answer(&self.gpu, &self.frame, &**technique, lookup, &queries)
     }
 
-    /// The shadow factor of the last frame, after a technique's screen passes; 1 where nothing is. Row 0 at the top.
+    /// What the last frame was asked for: visibilities, after a technique's screen passes, 1 where nothing is; or cascades. Row 0 at
+    /// the top.
     ///
     /// # Errors
     /// What the device reports.
     pub fn read_factor(&self, prepared: &Prepared) -> Result<Vec<f32>> {
         let Some(targets) = &self.targets else { return Ok(Vec::new()) };
-        let filtered = prepared.technique.has_screen_passes();
+        let filtered = self.answered == Answer::Visibility && prepared.technique.has_screen_passes();
         let target = if filtered { &targets.filtered } else { &targets.factor };
         read_floats(&self.gpu, &target.texture, 0, 0)
     }
@@ -285,10 +300,36 @@ impl Renderer {
     }
 }
 
+/// Whether anything can be drawn from a camera.
+fn check_camera(camera: &Camera) -> Result<()> {
+    let wrong = |reason| Err(RenderError::Camera { reason });
+    if camera.width == 0 || camera.height == 0 {
+        return wrong("its picture has no pixels");
+    }
+    if !camera.eye.iter().chain(&camera.target).all(|c| (*c as f32).is_finite()) {
+        return wrong("its eye or its target is not finite");
+    }
+    match camera.projection {
+        Projection::Perspective { fov_degrees } if !(fov_degrees > 0.0 && fov_degrees < 180.0) => {
+            return wrong("its field of view is not between 0 and 180 degrees");
+        }
+        Projection::Orthographic { height_world } if !(height_world > 0.0 && height_world.is_finite()) => {
+            return wrong("the height of what it sees is not above 0 and finite");
+        }
+        _ => {}
+    }
+    let view = camera.view();
+    let axes = [view.forward, view.right, view.up];
+    if !axes.iter().flatten().chain(&view.half).all(|c| c.is_finite()) {
+        return wrong("its eye is at its target");
+    }
+    Ok(())
+}
+
 const EMPTY_CAMERA: Camera = Camera {
     eye: [0.0; 3],
     target: [0.0, 0.0, -1.0],
-    projection: adumbra::camera::Projection::Perspective { fov_degrees: 45.0 },
+    projection: Projection::Perspective { fov_degrees: 45.0 },
     width: 1,
     height: 1,
 };
@@ -308,7 +349,29 @@ fn half_to_f32(bits: u16) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::half_to_f32;
+    use super::*;
+
+    #[test]
+    fn cameras_that_see_nothing_are_refused() {
+        let fine = EMPTY_CAMERA;
+        assert!(check_camera(&fine).is_ok());
+        let flat = |height_world| Projection::Orthographic { height_world };
+        let wide = |fov_degrees| Projection::Perspective { fov_degrees };
+        for wrong in [
+            Camera { width: 0, ..fine },
+            Camera { height: 0, ..fine },
+            Camera { eye: [f64::NAN, 0.0, 0.0], ..fine },
+            Camera { target: [0.0, f64::INFINITY, 0.0], ..fine },
+            Camera { target: fine.eye, ..fine },
+            Camera { projection: wide(0.0), ..fine },
+            Camera { projection: wide(180.0), ..fine },
+            Camera { projection: wide(f64::NAN), ..fine },
+            Camera { projection: flat(-1.0), ..fine },
+            Camera { projection: flat(f64::INFINITY), ..fine },
+        ] {
+            assert!(matches!(check_camera(&wrong), Err(RenderError::Camera { .. })), "{wrong:?}");
+        }
+    }
 
     #[test]
     fn half_floats_have_their_values() {

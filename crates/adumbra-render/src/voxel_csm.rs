@@ -24,7 +24,8 @@ impl VoxelCsm {
     /// `csm=cascades=2/filter=3`.
     ///
     /// # Errors
-    /// As [`Voxel::from_spec`] and [`ShadowMap::new`].
+    /// As [`Voxel::from_spec`] and [`ShadowMap::new`]; [`crate::RenderError::Technique`] for `static=cached` too, of which cascades
+    /// without static casters have nothing.
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
         let mut reader = spec.reader();
         let filter = reader.text("filter").map_or_else(String::new, |f| format!(":filter={f}"));
@@ -33,6 +34,11 @@ impl VoxelCsm {
         let voxel = Voxel::from_spec(gpu, &format!("voxel{filter}").parse()?, file)?;
         let map: TechniqueSpec = format!("csm{map}").parse()?;
         let settings = MapSettings::from_spec(&map)?.ok_or_else(|| spec.wrong("csm is no map".to_owned()))?;
+        if settings.cache_static {
+            return Err(
+                spec.wrong("csm=static=cached: nothing that stands still is in the cascades".to_owned())
+            );
+        }
         let settings = MapSettings { casters: MapCasters::Movers, ..settings };
         let map = ShadowMap::new(gpu, map.name(), settings)?;
         Ok(Self { name: spec.to_string(), voxel, map })
@@ -76,6 +82,10 @@ impl Technique for VoxelCsm {
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
+    }
+
+    fn texel_world(&self, view_depth: f32) -> Option<f64> {
+        self.voxel.texel_world(view_depth)
     }
 
     fn notes(&self) -> Vec<String> {

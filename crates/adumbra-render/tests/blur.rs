@@ -10,7 +10,9 @@ use adumbra_render::frame::frame;
 use adumbra_render::readback::read_floats;
 use adumbra_render::screen_blur::twin::{Bleeding, Surfaces, bleeding, blur};
 use adumbra_render::screen_blur::{BlurInput, BlurPasses, BlurSettings};
-use adumbra_render::{Answer, Baked, Features, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{
+    Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, SurfacePoint, build,
+};
 
 const SIZE: [u32; 2] = [203, 151];
 
@@ -249,6 +251,28 @@ fn blur_without_float_filtering_leaves_pairs_out() {
     assert!(asked.pairs && !passes.settings().pairs);
     let expected = view.on_cpu(&asked);
     assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-3));
+}
+
+#[test]
+fn blur_leaves_cascade_numbers_alone_and_answers_no_points() {
+    let mut renderer = Renderer::new(kit::gpu(), &scene(), SceneOptions::default()).unwrap();
+    let shot = Shot { camera: kit::camera(SIZE[0], SIZE[1]), towards_sun: kit::sun(), number: 0 };
+    let [mut plain, mut blurred, mut none] =
+        ["csm:size=256:far=300", "blur:base=csm/size=256/far=300", "none"].map(|name| {
+            let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+            renderer.prepare(technique).unwrap()
+        });
+    let [expected, found] = [&mut plain, &mut blurred].map(|technique| {
+        renderer.draw(&shot, technique, Answer::Cascade).unwrap();
+        renderer.read_factor(technique).unwrap()
+    });
+    assert!(expected == found);
+    assert!(expected.iter().any(|&n| n >= 1.0) && expected.iter().all(|n| n.fract() == 0.0));
+    let refused = renderer.draw(&shot, &mut none, Answer::Cascade).unwrap_err();
+    assert!(matches!(refused, RenderError::Technique { .. }), "{refused}");
+    let point = SurfacePoint { p_world: shot.camera.target, normal: [0.0, 1.0, 0.0] };
+    let refused = renderer.answer(&shot, &mut blurred, &[point]).unwrap_err();
+    assert!(matches!(refused, RenderError::Technique { .. }), "{refused}");
 }
 
 #[test]

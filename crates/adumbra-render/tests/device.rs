@@ -16,11 +16,18 @@ fn device_without_timestamps_still_draws_and_says_so() {
     let gpu = Gpu::request(&GpuOptions { without, ..GpuOptions::default() }).unwrap();
     assert_eq!(gpu.left_out().len(), 3, "{:?}", gpu.left_out());
     let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
-    let mut none = renderer.prepare(none).unwrap();
-    let times = renderer.draw(&shot(), &mut none, Answer::Visibility).unwrap();
-    assert!(times.wall_time);
-    assert!(renderer.read_picture().unwrap().iter().any(|&byte| byte != 0));
+    for name in ["none", "csm:size=512", "vsm:size=512"] {
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+        let mut technique = renderer.prepare(technique).unwrap();
+        let times = renderer.draw(&shot(), &mut technique, Answer::Visibility).unwrap();
+        assert!(times.wall_time);
+        let picture = renderer.read_picture().unwrap();
+        let spread = [0, 1, 2].map(|channel| {
+            let values = || picture.iter().skip(channel).step_by(4).copied();
+            values().max().unwrap() - values().min().unwrap()
+        });
+        assert!(spread.iter().all(|&s| s > 40), "{name}: {spread:?}");
+    }
 }
 
 #[test]

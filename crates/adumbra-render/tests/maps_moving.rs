@@ -120,3 +120,104 @@ fn cascades_do_not_shimmer() {
     assert!(edges > 20_000 && moved > 20, "{edges} {moved}");
     assert!(changed * 100 < edges, "{changed} of {edges}");
 }
+
+/// Lowest and highest of finite numbers.
+fn range(values: &[f32]) -> [f32; 2] {
+    assert!(values.iter().all(|v| v.is_finite()));
+    values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)])
+}
+
+#[test]
+fn scene_of_movers_alone_is_drawn() {
+    let nothing = Scene { instances: Vec::new(), ..mover(0.0) };
+    // A plate over a floor, all of it moving.
+    let plate = boxes(&[([-6.0, 0.0, -6.0], [6.0, 0.5, 6.0]), ([-2.0, 3.0, -2.0], [2.0, 3.5, 2.0])]);
+    let mut renderer = Renderer::new(kit::gpu(), &nothing, SceneOptions::default()).unwrap();
+    let camera = Camera { eye: [-9.0, 8.0, 11.0], target: [0.0, 1.0, 0.0], ..kit::camera(96, 54) };
+    let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
+    for name in ["pcf:size=512", "csm:size=512", "csm-vsm:size=512", "csm:size=512:static=cached"] {
+        let mut technique = prepare(&renderer, name);
+        for movers in [None, Some(&plate)] {
+            if let Some(movers) = movers {
+                renderer.set_movers(movers, SceneOptions::default()).unwrap();
+            }
+            renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
+            let map = technique.technique().map().unwrap().params();
+            let layers = &map.layers.0[..map.counts[0] as usize];
+            assert!(!layers.is_empty());
+            for layer in layers {
+                let rows =
+                    [layer.u_from_relative, layer.v_from_relative, layer.depth_from_relative, layer.scale];
+                assert!(rows.as_flattened().iter().all(|c| c.is_finite()), "{name}: {rows:?}");
+            }
+        }
+        let factors = renderer.read_factor(&technique).unwrap();
+        let [low, high] = range(&factors);
+        assert!(low < 1e-4 && (high - 1.0).abs() < 1e-4, "{name}: {low} {high}");
+        // Where the plate's shade falls on the floor, and where it does not.
+        let [x, z] = [0, 2].map(|a| -2.5 * kit::sun()[a] / kit::sun()[1]);
+        let at = |x, z| SurfacePoint { p_world: [x, 0.5, z], normal: [0.0, 1.0, 0.0] };
+        let answers = renderer.answer(&shot, &mut technique, &[at(x, z), at(-5.0, 4.0)]).unwrap();
+        assert!(answers[0] < 0.1 && answers[1] > 0.9, "{name}: {answers:?}");
+    }
+}
+
+#[test]
+fn what_stands_beside_every_layer_is_lit() {
+    let still = boxes(&[([-6.0, 0.0, -6.0], [6.0, 0.5, 6.0]), ([-2.0, 3.0, -2.0], [2.0, 3.5, 2.0])]);
+    let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
+    let beside = boxes(&[([30.0, 0.0, -3.0], [36.0, 4.0, 3.0]), ([-40.0, 0.0, -3.0], [-34.0, 4.0, 3.0])]);
+    renderer.set_movers(&beside, SceneOptions::default()).unwrap();
+    let camera = Camera { eye: [10.0, 40.0, 60.0], target: [0.0, 0.0, 0.0], ..kit::camera(96, 54) };
+    let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
+    let tops = [33.0, -37.0].map(|x| SurfacePoint { p_world: [x, 4.0, 0.0], normal: [0.0, 1.0, 0.0] });
+    for name in
+        ["sm", "pcf", "pcf:filter=2", "pcf:filter=poisson", "pcss", "vsm", "evsm", "msm", "csm", "csm-evsm"]
+    {
+        let mut technique = prepare(&renderer, &format!("{name}:size=512"));
+        let answers = renderer.answer(&shot, &mut technique, &tops).unwrap();
+        assert!(answers.iter().all(|&lit| lit > 0.99), "{name}: {answers:?}");
+    }
+}
+
+#[test]
+fn movers_may_be_set_again_with_more_of_them() {
+    let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
+    let shot = Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 };
+    let mut cached = prepare(&renderer, "csm:size=256:static=cached");
+    let mut redrawn = prepare(&renderer, "csm:size=256");
+    for count in [1, 40] {
+        let mut movers = mover(0.0);
+        let first = movers.instances[0].clone();
+        movers.instances = vec![first; count];
+        for (instance, along) in movers.instances.iter_mut().zip(0..) {
+            instance.world_from_mesh[0][3] = 2.0 * f64::from(along);
+        }
+        renderer.set_movers(&movers, SceneOptions::default()).unwrap();
+        let [a, b] = [&mut cached, &mut redrawn].map(|technique| {
+            renderer.draw(&shot, technique, Answer::Visibility).unwrap();
+            depth_of(&renderer, technique)
+        });
+        assert!(a == b, "{count} movers");
+    }
+}
+
+#[test]
+fn kept_layers_are_not_taken_for_another_scene_s() {
+    let shot = Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 };
+    let first =
+        boxes(&[([-160.0, 0.0, 0.0], [0.0, 1.0, 180.0]), ([-104.0, 14.0, 110.0], [-96.0, 18.0, 118.0])]);
+    // The same box around it, with the small one elsewhere.
+    let second =
+        boxes(&[([-160.0, 0.0, 0.0], [0.0, 1.0, 180.0]), ([-94.0, 14.0, 100.0], [-86.0, 18.0, 108.0])]);
+    let gpu = kit::gpu();
+    let share = || adumbra_render::Gpu::sharing(&gpu.device, &gpu.queue);
+    let [mut a, mut b] =
+        [&first, &second].map(|scene| Renderer::new(share(), scene, SceneOptions::default()).unwrap());
+    let mut cached = prepare(&a, "pcf:size=256:static=cached");
+    let mut redrawn = prepare(&b, "pcf:size=256");
+    a.draw(&shot, &mut cached, Answer::Visibility).unwrap();
+    b.draw(&shot, &mut cached, Answer::Visibility).unwrap();
+    b.draw(&shot, &mut redrawn, Answer::Visibility).unwrap();
+    assert!(depth_of(&b, &cached) == depth_of(&b, &redrawn));
+}

@@ -24,7 +24,19 @@ fn moves_are_read() {
     assert_eq!(moved.ends_world, Some([[0.0, 1.0, 2.0], [-3.0, 4.0, 5.0]]));
     assert_eq!((moved.radius_world, moved.seconds), (Some(0.5), 2.0));
     assert_eq!(spec("sphere").ends_world, None);
-    for wrong in ["cube", "sphere:radius=-1", "sphere:from=0,0,0", "sphere:from=0,0:to=1,1,1", "sphere:x"] {
+    for wrong in [
+        "cube",
+        "sphere:radius=-1",
+        "sphere:radius=1,x",
+        "sphere:radius=1,2",
+        "sphere:radius=1:radius=2",
+        "sphere:seconds=1e300",
+        "sphere:from=0,0,0",
+        "sphere:from=0,0:to=1,1,1",
+        "sphere:from=0,0,up,0:to=1,1,1",
+        "sphere:from=0,0,0,0:to=1,1,1",
+        "sphere:x",
+    ] {
         assert!(wrong.parse::<MoveSpec>().is_err(), "{wrong}");
     }
 }

@@ -16,6 +16,10 @@ macro_rules! shared {
 }
 
 shared! {
+    /// Threads of a workgroup over pixels or texels, along each side.
+    PIXEL_GROUP: u32 = 8;
+    /// Threads of a workgroup over a list.
+    LIST_GROUP: u32 = 64;
     /// Most layers of a shadow map.
     MAX_LAYERS: u32 = 8;
     /// Most neighbours on either side of a screen-space blur; one less than the length of `BlurParams::taps`.

@@ -123,7 +123,8 @@ pub fn cascade_layers(
         if texel_world < scene.texel_world {
             layer.texel_world = texel_world;
             layer.corner = std::array::from_fn(|a| {
-                libm::floor(dot(scene.axes[a], centre) / texel_world + 0.5) as i64 - i64::from(size / 2)
+                let middle = libm::floor(dot(scene.axes[a], centre) / texel_world + 0.5) as i64;
+                middle.saturating_sub(i64::from(size / 2))
             });
         }
         layer.end = [end, blend_begin];
@@ -146,17 +147,24 @@ pub fn reach(view: &View, scene: &adumbra::scene::Bounds, far_world: Option<f64>
     if let Some(far) = far_world {
         return [0.0, far];
     }
-    let diagonal = scene.diagonal();
+    // A scene of one point, or of nothing, still has a reach.
+    let diagonal = Some(scene.diagonal()).filter(|d| d.is_finite()).map_or(1e-6, |d| d.max(1e-6));
     let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
     for corner in 0..8_usize {
         let pick = |a: usize| if corner >> a & 1 == 0 { scene.min[a] } else { scene.max[a] };
         let depth = view.depth([pick(0), pick(1), pick(2)]);
-        (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
+        if depth.is_finite() {
+            (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
+        }
     }
     let steps = |depth: f64| 2.0 * libm::log2(depth / diagonal);
     let power = |k: f64| diagonal * libm::exp2(0.5 * k);
     let far = if farthest > diagonal { power(libm::ceil(steps(farthest))) } else { diagonal };
-    let near = if nearest > 0.5 * diagonal { power(libm::floor(steps(nearest))) } else { 0.0 };
+    let near = if nearest.is_finite() && nearest > 0.5 * diagonal {
+        power(libm::floor(steps(nearest)))
+    } else {
+        0.0
+    };
     [near, far]
 }
 

@@ -7,13 +7,23 @@ use crate::gpu::Gpu;
 use crate::scene::InstanceList;
 use crate::technique::FrameInput;
 
+/// What a layer's static casters depend on.
+#[derive(Clone, Copy)]
+struct Place {
+    fit: LayerFit,
+    /// [`SceneBuffers::id`](crate::scene::SceneBuffers::id).
+    scene: u64,
+}
+
 /// One layer.
 pub(super) struct Layer {
     uniform: LayerUniform,
     still: Option<InstanceList>,
     moving: Option<InstanceList>,
-    /// Where it lay when its static casters were last drawn.
-    drawn: Option<LayerFit>,
+    /// Where it lies.
+    place: Option<Place>,
+    /// The same when its static casters were last drawn.
+    drawn: Option<Place>,
     /// Static casters are to be drawn in this frame.
     stale: bool,
     /// Movers stand in it: it must be made anew even if nothing else changed.
@@ -23,7 +33,7 @@ pub(super) struct Layer {
 impl Layer {
     pub(super) fn new(gpu: &Gpu, pass: &DepthPass) -> Self {
         let uniform = pass.uniform(gpu);
-        Self { uniform, still: None, moving: None, drawn: None, stale: true, had_movers: false }
+        Self { uniform, still: None, moving: None, place: None, drawn: None, stale: true, had_movers: false }
     }
 
     /// Lists what casts into the layer at `fit`. With `keep`, static casters are listed only where the layer has moved.
@@ -36,13 +46,14 @@ impl Layer {
     ) {
         let gpu = input.gpu;
         self.uniform.write(gpu, &fit.layer(input.anchor_world), input.anchor_world);
-        self.stale = !keep || !self.drawn.is_some_and(|d| d.same_place(fit));
+        let scene = input.scene.id();
+        self.stale = !keep || !self.drawn.is_some_and(|d| d.scene == scene && d.fit.same_place(fit));
+        self.place = Some(Place { fit: *fit, scene });
         let volume = fit.caster_volume();
         if static_casters && self.stale {
             let list = self.still.get_or_insert_with(|| InstanceList::new(gpu, "map::still", input.scene));
             list.update(gpu, input.scene, &volume, true);
         }
-        self.drawn = Some(*fit);
         match input.movers {
             Some(movers) => {
                 let list = self.moving.get_or_insert_with(|| InstanceList::new(gpu, "map::moving", movers));
@@ -73,6 +84,7 @@ impl Layer {
         if self.stale {
             let parts: Vec<_> = still.into_iter().collect();
             pass.encode(encoder, &self.uniform, &kept.layers[index], false, &parts);
+            self.drawn = self.place;
         }
         let changed = self.stale || self.had_movers || moving.is_some();
         if changed {

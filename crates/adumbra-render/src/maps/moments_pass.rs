@@ -2,6 +2,7 @@
 //!
 //! Each layer is filtered apart, with its border repeated: nothing of one cascade reaches another.
 
+use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::layout::{Array, MomentBlurParams};
 use adumbra_shaders::{Source, assemble, source};
 use wgpu::{BindingResource, ShaderStages, TextureFormat};
@@ -10,9 +11,6 @@ use super::params::{MomentKind, MomentSettings};
 use super::textures::{DepthTextures, MomentTextures};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
-
-/// Texels of a workgroup along each side; as in the passes.
-const GROUP: u32 = 8;
 
 /// The passes, with the textures that they fill.
 pub(super) struct MomentsPass {
@@ -114,7 +112,7 @@ impl MomentsPass {
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[]);
-            pass.dispatch_workgroups(side.div_ceil(GROUP), side.div_ceil(GROUP), 1);
+            pass.dispatch_workgroups(side.div_ceil(PIXEL_GROUP), side.div_ceil(PIXEL_GROUP), 1);
         }
     }
 }

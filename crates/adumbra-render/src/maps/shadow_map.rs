@@ -3,7 +3,7 @@
 //! Bind group 2 holds, for filters that compare: parameters, depth, a comparing sampler, a gathering one; for moments: parameters,
 //! moments, a filtering sampler where the device filters 32-bit floats.
 
-use adumbra::light::Sun;
+use adumbra::light::{LightExtent, Sun};
 use adumbra_shaders::layout::{Array, MapLayer, MapParams};
 use adumbra_shaders::{Source, source};
 use wgpu::{BindingResource, BindingType, Features, FilterMode, SamplerBindingType, ShaderStages};
@@ -126,9 +126,7 @@ impl ShadowMap {
     /// Where the layers lie for this frame, and the view depths between which shadows fade.
     fn fit(&self, input: &FrameInput<'_>) -> Result<(Vec<LayerFit>, [f64; 2])> {
         let sun = Sun::from_direction(input.towards_sun)?;
-        let still = input.scene.light_extent(&sun);
-        let mut all = still;
-        all.add_box(&input.bounds);
+        let (still, all) = extents(input, &sun);
         let clipped = !input.gpu.has(Features::DEPTH_CLIP_CONTROL);
         let depth = depth_range(&still, clipped.then_some(&all));
         let margin = self.settings.filter.reach_texels() + self.settings.bias.normal_offset_texels;
@@ -136,8 +134,10 @@ impl ShadowMap {
         let MapFit::Cascades(cascades) = &self.settings.fit else {
             return Ok((vec![scene], [ENDLESS; 2]));
         };
-        // Of what stands still: splits do not follow movers.
-        let far = reach(input.view, &input.scene.bounds(), cascades.far_world);
+        // Of what stands still: splits do not follow movers, unless there is nothing else.
+        let still = input.scene.bounds();
+        let bounds = if still.min[0] <= still.max[0] { still } else { input.bounds };
+        let far = reach(input.view, &bounds, cascades.far_world);
         let layers = cascade_layers(input.view, &scene, cascades, far, margin);
         let last = layers.last().map_or([ENDLESS; 2], |l| l.end);
         Ok((layers, [last[1], last[0]]))
@@ -217,6 +217,20 @@ impl Technique for ShadowMap {
         }
         Vec::new()
     }
+}
+
+/// What stands still, and everything, along the light. Where nothing stands still both are everything; where nothing is at all, a point.
+fn extents(input: &FrameInput<'_>, sun: &Sun) -> (LightExtent, LightExtent) {
+    let is_empty = |e: &LightExtent| !(e.min[0] <= e.max[0]);
+    let still = input.scene.light_extent(sun);
+    let mut all = still;
+    if input.bounds.min[0] <= input.bounds.max[0] {
+        all.add_box(&input.bounds);
+    }
+    if is_empty(&all) {
+        all.add(input.anchor_world);
+    }
+    (if is_empty(&still) { all } else { still }, all)
 }
 
 /// What does not change from frame to frame.

@@ -55,7 +55,7 @@ fn cascades(reader: &mut SpecReader<'_>) -> Result<CascadeSettings> {
     let usual = CascadeSettings::default();
     let split = reader.choice("split", &["practical", "uniform", "log"])?;
     let lambda = reader.number("lambda", 0.5, 0.0..=1.0)?;
-    let far = reader.number("far", 0.0, 0.0..=1e12)?;
+    let far = reader.number("far", 0.0, 1e-3..=1e12)?;
     Ok(CascadeSettings {
         cascades: reader.count("cascades", usual.cascades, 1..=8)?,
         split: match split {
@@ -136,6 +136,7 @@ mod tests {
             "evsm:positive=43",
             "pcf:size=1000",
             "pcf:filter=4",
+            "csm:far=1e-300",
         ] {
             assert!(settings(text).is_err(), "{text}");
         }

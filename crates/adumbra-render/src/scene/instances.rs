@@ -43,11 +43,12 @@ pub(super) struct Placed {
 impl Placed {
     pub(super) fn new(scene: &Scene) -> Self {
         let boxes: Vec<_> = scene.meshes.iter().map(|m| mesh_box(&m.positions)).collect();
-        let mut order: Vec<usize> = (0..scene.instances.len()).collect();
+        let mut order: Vec<usize> =
+            (0..scene.instances.len()).filter(|&i| has_place(&scene.instances[i])).collect();
         order.sort_by_key(|&i| scene.instances[i].mesh);
         let mut starts = vec![0; scene.meshes.len() + 1];
-        for instance in &scene.instances {
-            starts[instance.mesh as usize + 1] += 1;
+        for &i in &order {
+            starts[scene.instances[i].mesh as usize + 1] += 1;
         }
         for m in 0..scene.meshes.len() {
             starts[m + 1] += starts[m];
@@ -79,6 +80,29 @@ impl Placed {
     }
 }
 
+/// Whether an instance stands anywhere: one that does not is neither drawn nor part of any box.
+fn has_place(instance: &adumbra::scene::Instance) -> bool {
+    instance.world_from_mesh.iter().flatten().all(|&c| (c as f32).is_finite())
+}
+
+/// Box of everything placed. Cost: the instanced vertices.
+pub(super) fn bounds(scene: &Scene) -> Bounds {
+    if scene.instances.iter().all(has_place) {
+        return scene.bounds();
+    }
+    let mut b = Bounds { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+    for instance in scene.instances.iter().filter(|i| has_place(i)) {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        for &corner in mesh.triangles.iter().flatten() {
+            let p_world = instance.to_world(mesh.positions[corner as usize]);
+            for (a, c) in p_world.into_iter().enumerate() {
+                (b.min[a], b.max[a]) = (b.min[a].min(c), b.max[a].max(c));
+            }
+        }
+    }
+    b
+}
+
 /// Middle and half extent of a mesh's box.
 fn mesh_box(positions: &[[f32; 3]]) -> ([f64; 3], [f64; 3]) {
     let mut low = [f64::INFINITY; 3];
@@ -98,6 +122,7 @@ fn mesh_box(positions: &[[f32; 3]]) -> ([f64; 3], [f64; 3]) {
 
 /// The instances that one view draws, on the GPU.
 pub struct InstanceList {
+    label: String,
     buffer: wgpu::Buffer,
     ranges: Vec<std::ops::Range<u32>>,
     count: u32,
@@ -106,17 +131,12 @@ pub struct InstanceList {
 impl InstanceList {
     /// A list with room for every instance of `scene`; nothing is in it yet.
     pub fn new(gpu: &Gpu, label: &str, scene: &SceneBuffers) -> Self {
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: (scene.placed.len() as u64).max(1) * INSTANCE_BYTES,
-            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        Self { buffer, ranges: Vec::new(), count: 0 }
+        let buffer = rows_buffer(gpu, label, scene.placed.len() as u64);
+        Self { label: label.to_owned(), buffer, ranges: Vec::new(), count: 0 }
     }
 
     /// Lists the instances that may reach into `volume`; only those that cast, if `casters_only`. Cost: one test an
-    /// instance, and 48 bytes sent for each one listed.
+    /// instance, and 48 bytes sent for each one listed; a new buffer where there are more than there was room for.
     pub fn update(&mut self, gpu: &Gpu, scene: &SceneBuffers, volume: &Volume, casters_only: bool) {
         let placed = &scene.placed;
         let mut rows: Vec<[[f32; 4]; 3]> = Vec::with_capacity(placed.instances.len());
@@ -132,6 +152,10 @@ impl InstanceList {
             self.ranges.push(start..rows.len() as u32);
         }
         self.count = rows.len() as u32;
+        if rows.len() as u64 * INSTANCE_BYTES > self.buffer.size() {
+            // Made for another scene, which had fewer.
+            self.buffer = rows_buffer(gpu, &self.label, placed.len() as u64);
+        }
         if !rows.is_empty() {
             gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&rows));
         }
@@ -156,9 +180,33 @@ impl InstanceList {
     }
 }
 
+fn rows_buffer(gpu: &Gpu, label: &str, count: u64) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: count.max(1) * INSTANCE_BYTES,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use adumbra::scene::{GeneratedKind, generate};
+
+    #[test]
+    fn instances_without_a_place_are_left_out() {
+        let mut scene = generate(GeneratedKind::Primitives, 1);
+        let fine = scene.bounds();
+        for broken in [f64::NAN, f64::INFINITY, 1e300] {
+            let mut instance = scene.instances[0].clone();
+            instance.world_from_mesh[1][3] = broken;
+            scene.instances.push(instance);
+        }
+        assert_eq!(Placed::new(&scene).len(), scene.instances.len() - 3);
+        assert_eq!(bounds(&scene), fine);
+        assert!(Placed::new(&scene).boxes().all(|b| b.diagonal().is_finite()));
+    }
 
     #[test]
     fn volume_keeps_what_may_reach_in() {

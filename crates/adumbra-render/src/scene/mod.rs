@@ -13,6 +13,8 @@ mod materials;
 
 pub use instances::{InstanceList, Volume};
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use adumbra::light::{LightExtent, Sun};
 use adumbra::scene::{AlphaMode, Bounds, Mesh, Scene};
 use wgpu::BufferUsages;
@@ -24,6 +26,11 @@ use materials::Materials;
 
 /// Bytes of a corner: position 12, normal 8, texture coordinates 8.
 const CORNER_BYTES: u64 = 28;
+
+fn next_id() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
 
 /// Corners of one material, one behind the other.
 #[derive(Clone, Debug)]
@@ -56,6 +63,7 @@ pub struct SceneBuffers {
     materials: Materials,
     placed: Placed,
     bounds: Bounds,
+    id: u64,
 }
 
 impl SceneBuffers {
@@ -83,7 +91,7 @@ impl SceneBuffers {
         check("the scene's corners", corners.len())?;
         check("the scene's positions", positions.len() * 4)?;
         check("the scene's indices", indices.len() * 4)?;
-        let bounds = scene.bounds();
+        let bounds = instances::bounds(scene);
         Ok(Self {
             corners: gpu.buffer("scene::corners", &corners, BufferUsages::VERTEX),
             positions: gpu.buffer("scene::positions", bytemuck::cast_slice(&positions), BufferUsages::VERTEX),
@@ -92,7 +100,13 @@ impl SceneBuffers {
             materials: Materials::new(gpu, scene)?,
             placed: Placed::new(scene),
             bounds,
+            id: next_id(),
         })
+    }
+
+    /// A number that no other content has in this process: another after [`SceneBuffers::move_instances`].
+    pub fn id(&self) -> u64 {
+        self.id
     }
 
     /// Box of everything placed, as it was when uploaded.
@@ -120,7 +134,8 @@ impl SceneBuffers {
     /// Places the instances anew; `scene` has the meshes and instances that this was made from.
     pub fn move_instances(&mut self, scene: &Scene) {
         self.placed = Placed::new(scene);
-        self.bounds = scene.bounds();
+        self.bounds = instances::bounds(scene);
+        self.id = next_id();
     }
 
     /// Draws every material of the listed instances; `bind` sets the pipeline for opaque or masked corners before they are

@@ -1,14 +1,12 @@
 //! The blur's passes on a device.
 
+use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::{Source, assemble, source};
 use wgpu::{BindGroupLayout, BindingResource, ComputePipeline, Features, ShaderStages, TextureUsages};
 
 use super::settings::{BlurPass, BlurSettings, BlurStep};
 use crate::frame::FACTOR_FORMAT;
 use crate::gpu::{Gpu, binding};
-
-/// Texels of a workgroup along each side; as in the shaders.
-const GROUP: u32 = 8;
 
 /// What the passes read and write.
 #[derive(Clone, Copy)]
@@ -106,7 +104,7 @@ impl BlurPasses {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(&built.pipeline);
             pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(w.div_ceil(GROUP), h.div_ceil(GROUP), 1);
+            pass.dispatch_workgroups(w.div_ceil(PIXEL_GROUP), h.div_ceil(PIXEL_GROUP), 1);
             from = to;
         }
         self.scratch = Some(scratch);

@@ -67,6 +67,10 @@ impl Technique for Given {
         (answer == Answer::Visibility).then(|| vec![source::GIVEN])
     }
 
+    fn answers_points(&self) -> bool {
+        false
+    }
+
     fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
         [Some(&self.layout), None]
     }

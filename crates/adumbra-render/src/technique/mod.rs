@@ -41,7 +41,7 @@ pub struct FrameInput<'a> {
     pub movers: Option<&'a SceneBuffers>,
     /// Box of everything, movers included.
     pub bounds: Bounds,
-    /// Number of the frame; equal numbers mean that nothing static has changed.
+    /// Number of the frame, for the caller's use: nothing is kept or dropped because of it.
     pub number: u32,
 }
 
@@ -85,6 +85,11 @@ pub trait Technique {
     /// Whether [`Technique::encode_screen`] does something.
     fn has_screen_passes(&self) -> bool {
         false
+    }
+
+    /// Whether it answers points apart from a picture of them.
+    fn answers_points(&self) -> bool {
+        !self.has_screen_passes()
     }
 
     /// Passes on the factor after the look-up, from `targets.factor` to `targets.filtered`.

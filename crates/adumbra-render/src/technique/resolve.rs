@@ -1,19 +1,15 @@
 //! The look-up: a technique's `shadow_factor` for every pixel, or for every point of a list.
 
+use adumbra_shaders::constants::{LIST_GROUP, PIXEL_GROUP};
 use adumbra_shaders::layout::PointQuery;
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindGroupLayout, BufferUsages, ShaderStages};
 
 use super::{Answer, Technique};
-use crate::error::Result;
+use crate::error::{RenderError, Result};
 use crate::frame::{FACTOR_FORMAT, Targets};
 use crate::gpu::{Gpu, binding};
 use crate::readback::read_buffer;
-
-/// Pixels of a workgroup along each side; as in passes/resolve.wgsl.
-const GROUP: u32 = 8;
-/// Points of a workgroup; as in passes/points.wgsl.
-const POINT_GROUP: u32 = 64;
 
 /// Layouts that look-ups share.
 pub struct Resolver {
@@ -26,6 +22,20 @@ pub struct Lookup {
     pixels: Option<wgpu::ComputePipeline>,
     cascades: Option<wgpu::ComputePipeline>,
     points: Option<wgpu::ComputePipeline>,
+}
+
+impl Lookup {
+    fn pipeline(&self, answer: Answer) -> Option<&wgpu::ComputePipeline> {
+        match answer {
+            Answer::Visibility => self.pixels.as_ref(),
+            Answer::Cascade => self.cascades.as_ref(),
+        }
+    }
+
+    /// Whether the technique has such an answer for pixels.
+    pub fn answers(&self, answer: Answer) -> bool {
+        self.pipeline(answer).is_some()
+    }
 }
 
 impl Resolver {
@@ -56,7 +66,7 @@ impl Resolver {
         }
     }
 
-    /// Answers every pixel into `targets.factor`; false where the technique has no such answer.
+    /// Answers every pixel into `targets.factor`; nothing where the technique has no such answer, see [`Lookup::answers`].
     pub fn encode(
         &self,
         gpu: &Gpu,
@@ -65,12 +75,8 @@ impl Resolver {
         targets: &Targets,
         technique: &dyn Technique,
         (lookup, answer): (&Lookup, Answer),
-    ) -> bool {
-        let pipeline = match answer {
-            Answer::Visibility => &lookup.pixels,
-            Answer::Cascade => &lookup.cascades,
-        };
-        let Some(pipeline) = pipeline else { return false };
+    ) {
+        let Some(pipeline) = lookup.pipeline(answer) else { return };
         let group = gpu.bind(
             "resolve",
             &self.pixels,
@@ -86,14 +92,13 @@ impl Resolver {
         pass.set_bind_group(0, &group, &[]);
         bind_technique(&mut pass, technique);
         let [w, h] = targets.size;
-        pass.dispatch_workgroups(w.div_ceil(GROUP), h.div_ceil(GROUP), 1);
-        true
+        pass.dispatch_workgroups(w.div_ceil(PIXEL_GROUP), h.div_ceil(PIXEL_GROUP), 1);
     }
 
     /// Answers a list of points; the technique is prepared and its depth passes are drawn.
     ///
     /// # Errors
-    /// What the device reports.
+    /// What the device reports; [`RenderError::Technique`] for one that answers no points.
     pub fn answer(
         &self,
         gpu: &Gpu,
@@ -102,10 +107,13 @@ impl Resolver {
         lookup: &Lookup,
         points: &[PointQuery],
     ) -> Result<Vec<f32>> {
-        let Some(pipeline) = &lookup.points else { return Ok(Vec::new()) };
+        let Some(pipeline) = lookup.points.as_ref().filter(|_| technique.answers_points()) else {
+            let reason = "it answers pictures, not lists of points".to_owned();
+            return Err(RenderError::Technique { name: technique.name(), reason });
+        };
         let most = gpu.max_binding_bytes.min(1 << 27) as usize / 32;
         let mut factors = Vec::with_capacity(points.len());
-        for chunk in points.chunks(most.min(65535 * POINT_GROUP as usize)) {
+        for chunk in points.chunks(most.clamp(1, 65535 * LIST_GROUP as usize)) {
             let bytes: Vec<u8> = chunk.iter().flat_map(PointQuery::bytes).collect();
             let asked = gpu.buffer("points", &bytes, BufferUsages::STORAGE);
             let answered = gpu.buffer(
@@ -123,7 +131,7 @@ impl Resolver {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &group, &[]);
             bind_technique(&mut pass, technique);
-            pass.dispatch_workgroups((chunk.len() as u32).div_ceil(POINT_GROUP), 1, 1);
+            pass.dispatch_workgroups((chunk.len() as u32).div_ceil(LIST_GROUP), 1, 1);
             drop(pass);
             gpu.finish(encoder.finish())?;
             let bytes = read_buffer(gpu, &answered)?;

@@ -39,12 +39,31 @@ pub struct CubesOptions {
     pub store: CubesStore,
 }
 
+impl CubesOptions {
+    /// As a technique is called for with these options, but for the bias.
+    fn name(&self) -> String {
+        let weights = match self.weights {
+            Weights::Mean => "mean",
+            Weights::Poisson => "poisson",
+        };
+        let (name, read) = match self.store {
+            CubesStore::Words => ("voxel-cubes", ""),
+            CubesStore::Texels => ("voxel-texture", ""),
+            CubesStore::Decoded => ("voxel-texture", ":read=buffer"),
+        };
+        let taps = if self.all_taps { ":taps=all" } else { "" };
+        format!("{name}:filter={}:weights={weights}{taps}{read}", self.filter)
+    }
+}
+
 /// A tree on the GPU.
 pub struct Cubes {
     space: TreeSpace,
     uniform: CubesUniform,
     bindings: VoxelBindings,
-    options: CubesOptions,
+    name: String,
+    /// Edge of the coarsest cells, world units.
+    cell_world: f64,
 }
 
 impl Cubes {
@@ -67,6 +86,7 @@ impl Cubes {
         let sun = file.sun.towards();
         let levels = [file.space.depth, file.space.depth - file.regions.base_depth];
         let packed = (0..3).map(|d| weights.along_axis(d) << (4 * d)).sum();
+        let plan_levels = PlanLevels::new(&file.space, &file.regions);
         let uniform = CubesUniform {
             params: CubesParams {
                 grid: transform(&file.space, file.space.p_min)?,
@@ -75,7 +95,7 @@ impl Cubes {
                 kernel: [levels[0], levels[1], filter / 2, packed],
                 taps: [options.all_taps.into(), 0, 0, 0],
             },
-            plan: plan(&PlanLevels::new(&file.space, &file.regions))?,
+            plan: plan(&plan_levels)?,
         };
         let bytes = uniform.bytes();
         let bindings = match options.store {
@@ -93,7 +113,9 @@ impl Cubes {
                 VoxelBindings::of_words(gpu, "voxel-texture", &bytes, &words)
             }
         };
-        Ok(Self { space: file.space, uniform, bindings, options })
+        let coarsest = plan_levels.levels().iter().copied().max().unwrap_or(0);
+        let cell_world = file.space.voxel_size * f64::from(coarsest).exp2();
+        Ok(Self { space: file.space, uniform, bindings, name: options.name(), cell_world })
     }
 
     /// The technique `voxel-cubes[:filter=1|3|5][:weights=mean|poisson][:taps=front|all][:bias=…][:slope=…][:normal=…]`, or `voxel-texture`,
@@ -120,7 +142,8 @@ impl Cubes {
             CubesStore::Texels
         };
         reader.finish()?;
-        Self::new(gpu, file, CubesOptions { bias, filter, weights, all_taps, store })
+        let options = CubesOptions { bias, filter, weights, all_taps, store };
+        Ok(Self { name: spec.to_string(), ..Self::new(gpu, file, options)? })
     }
 
     /// Group 1, for techniques that look up a tree beside other things.
@@ -206,17 +229,7 @@ fn plan(plan: &PlanLevels) -> Result<CubesPlan> {
 
 impl Technique for Cubes {
     fn name(&self) -> String {
-        let weights = match self.options.weights {
-            Weights::Mean => "mean",
-            Weights::Poisson => "poisson",
-        };
-        let (name, read) = match self.options.store {
-            CubesStore::Words => ("voxel-cubes", ""),
-            CubesStore::Texels => ("voxel-texture", ""),
-            CubesStore::Decoded => ("voxel-texture", ":read=buffer"),
-        };
-        let taps = if self.options.all_taps { ":taps=all" } else { "" };
-        format!("{name}:filter={}:weights={weights}{taps}{read}", self.options.filter)
+        self.name.clone()
     }
 
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
@@ -236,7 +249,7 @@ impl Technique for Cubes {
     }
 
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
-        Some(self.space.voxel_size)
+        Some(self.cell_world)
     }
 
     fn bytes(&self) -> u64 {

@@ -1,5 +1,6 @@
 //! Lists of receivers in fixed point, answered by the passes `voxel_fixed` and `voxel_cubes_fixed`: the twin's exact test.
 
+use adumbra_shaders::constants::LIST_GROUP;
 use adumbra_shaders::layout::GpuType;
 use adumbra_shaders::{Source, assemble};
 use wgpu::{BufferUsages, ShaderStages};
@@ -9,8 +10,8 @@ use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::readback::read_buffer;
 
-/// Threads of a workgroup, as in the passes.
-const GROUP: usize = 64;
+/// Threads of a workgroup.
+const GROUP: usize = LIST_GROUP as usize;
 /// Receivers a dispatch: one row of workgroups, and 32 bytes each within the least binding that devices offer.
 const CHUNK: usize = 65535 * GROUP;
 
@@ -26,7 +27,7 @@ pub(super) fn answer<Q: GpuType, const BYTES: usize>(
     let pipeline = gpu.compute("count_taps", assemble(files), "count_taps", &layouts);
     let most = gpu.device.limits().max_storage_buffer_binding_size as usize / Q::SIZE;
     let mut answers = Vec::with_capacity(queries.len());
-    for chunk in queries.chunks(most.min(CHUNK)) {
+    for chunk in queries.chunks(most.clamp(1, CHUNK)) {
         let mut bytes = Vec::with_capacity(chunk.len() * Q::SIZE);
         chunk.iter().for_each(|q| q.put(&mut bytes));
         let asked = gpu.buffer("count_taps::receivers", &bytes, BufferUsages::STORAGE);

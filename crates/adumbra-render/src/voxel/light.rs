@@ -18,6 +18,7 @@ pub struct Voxel {
     grid: LightGrid,
     params: VoxelParams,
     bindings: VoxelBindings,
+    name: String,
 }
 
 impl Voxel {
@@ -38,7 +39,7 @@ impl Voxel {
         let slabs: &[u32] = bytemuck::cast_slice(&dag.slabs);
         let words = WordBuffers::new(gpu, "voxel::words", &[&dag.top, &dag.nodes, slabs])?;
         let bindings = VoxelBindings::of_words(gpu, "voxel", &params.bytes(), &words);
-        Ok(Self { grid: *grid, params, bindings })
+        Ok(Self { grid: *grid, params, bindings, name: format!("voxel:filter={filter}") })
     }
 
     /// The technique `voxel[:filter=K][:bias=…][:slope=…][:normal=…]`; K = 9 and the file's bias by default.
@@ -52,7 +53,7 @@ impl Voxel {
         let filter = reader.integer("filter", 9, &FILTER_WIDTHS)?;
         let bias = read_bias(&mut reader, file.settings.bias)?;
         reader.finish()?;
-        Self::new(gpu, &file.grid, &file.dag, bias, filter)
+        Ok(Self { name: spec.to_string(), ..Self::new(gpu, &file.grid, &file.dag, bias, filter)? })
     }
 
     /// Group 1, for techniques that look up voxels beside other things.
@@ -100,7 +101,7 @@ impl Voxel {
 
 impl Technique for Voxel {
     fn name(&self) -> String {
-        format!("voxel:filter={}", self.params.places[2])
+        self.name.clone()
     }
 
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {

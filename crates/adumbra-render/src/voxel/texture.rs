@@ -3,6 +3,7 @@
 //! their files.
 
 use adumbra::texture::{self, Page};
+use adumbra_shaders::constants::LIST_GROUP;
 use adumbra_shaders::{Source, assemble, source};
 use wgpu::{BindingType, ShaderStages, TextureSampleType, TextureUsages, TextureViewDimension};
 
@@ -10,8 +11,6 @@ use super::WordBuffers;
 use crate::error::{RenderError, Result};
 use crate::gpu::{Gpu, binding};
 
-/// Threads of a workgroup, as in passes/decode_texture.wgsl.
-const GROUP: u64 = 64;
 /// Most workgroups in a row.
 const MAX_ROW: u64 = 65535;
 
@@ -142,7 +141,7 @@ impl PageTexture {
             pass.set_pipeline(&pipeline);
             pass.set_bind_group(0, &output, &[]);
             pass.set_bind_group(1, &input, &[]);
-            let groups = (buffer.size() / 4).div_ceil(GROUP);
+            let groups = (buffer.size() / 4).div_ceil(LIST_GROUP.into());
             let row = groups.min(MAX_ROW);
             pass.dispatch_workgroups(row as u32, groups.div_ceil(row) as u32, 1);
             drop(pass);

@@ -7,8 +7,12 @@
 // Chebyshev's upper bound on the share of depths at or behind t, given mean and mean square; its tail below `bleed` is cut off, and the
 // rest stretched. Source: Donnelly, Lauritzen, Variance Shadow Maps, 2006; the cut: Lauritzen, Summed-Area Variance Shadow Maps, 2007.
 fn moments_chebyshev(m: vec2f, t: f32, least_variance: f32, bleed: f32) -> f32 {
-    let variance = max(m.y - m.x * m.x, least_variance);
-    let behind = max(t - m.x, 0.0);
+    if (t <= m.x) {
+        return 1.0;
+    }
+    // Neither rounding nor an asked deviation of 0 makes it 0 / 0.
+    let variance = max(m.y - m.x * m.x, max(least_variance, 1e-12));
+    let behind = t - m.x;
     return moments_cut(variance / (variance + behind * behind), bleed);
 }
 

@@ -18,7 +18,7 @@ fn write_factor(texel: vec2u, factor: f32) {
     textureStore(factor_out, texel, vec4f(factor, 0.0, 0.0, 0.0));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn blur_line_table(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;
@@ -31,7 +31,7 @@ fn blur_line_table(@builtin(global_invocation_id) id: vec3u) {
     write_factor(id.xy, sum);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn blur_line_shader(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;
@@ -48,7 +48,7 @@ fn blur_line_shader(@builtin(global_invocation_id) id: vec3u) {
     write_factor(id.xy, sum / weights);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn blur_square_table(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;
@@ -64,7 +64,7 @@ fn blur_square_table(@builtin(global_invocation_id) id: vec3u) {
     write_factor(id.xy, sum);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn blur_square_shader(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;
@@ -84,7 +84,7 @@ fn blur_square_shader(@builtin(global_invocation_id) id: vec3u) {
 }
 
 // Morphological dilation of the shade by counts.w texels, one axis a pass: the darkest of the line.
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn dilate_line(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;

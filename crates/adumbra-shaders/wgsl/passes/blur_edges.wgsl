@@ -42,7 +42,7 @@ fn share(c: Center, texel: vec2i) -> f32 {
     return blur_same_surface(c.surface, surface_at(vec2u(texel), depth), c.tolerance_world);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn blur_line_edges(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;
@@ -64,7 +64,7 @@ fn blur_line_edges(@builtin(global_invocation_id) id: vec3u) {
     textureStore(factor_out, id.xy, vec4f(sum / weights, 0.0, 0.0, 0.0));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn blur_square_edges(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;

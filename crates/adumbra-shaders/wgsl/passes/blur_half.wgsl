@@ -9,7 +9,7 @@ fn factor_at(texel: vec2i, size: vec2u) -> f32 {
     return textureLoad(factor_in, clamp(texel, vec2i(0), vec2i(size) - 1), 0).x;
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn half_down(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;
@@ -21,7 +21,7 @@ fn half_down(@builtin(global_invocation_id) id: vec3u) {
     textureStore(factor_out, id.xy, vec4f(0.25 * (upper + lower), 0.0, 0.0, 0.0));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn half_up(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.zw)) {
         return;

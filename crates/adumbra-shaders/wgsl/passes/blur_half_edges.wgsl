@@ -22,7 +22,7 @@ fn share(pixel: vec2u, other: vec2u) -> f32 {
     return blur_same_surface(a, b, 2.0 * blur.shape.y * blur_pixel_world(frame, a.view_depth));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn half_down_edges(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;
@@ -41,7 +41,7 @@ fn half_down_edges(@builtin(global_invocation_id) id: vec3u) {
     textureStore(factor_out, id.xy, vec4f(sum / weights, 0.0, 0.0, 0.0));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn half_up_edges(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.zw)) {
         return;

@@ -6,7 +6,7 @@
 @group(0) @binding(2) var factor_out: texture_storage_2d<r32float, write>;
 @group(0) @binding(3) var factor_sampler: sampler;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn blur_line_pairs(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size.xy)) {
         return;

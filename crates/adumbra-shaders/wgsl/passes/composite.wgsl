@@ -19,7 +19,7 @@ fn srgb(linear: vec3f) -> vec3f {
     return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn composite(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy;
     if (any(pixel >= frame.size.xy)) {

@@ -17,6 +17,15 @@ fn map_receiver_in(s: Surface, layer: u32) -> MapReceiver {
     return map_receiver(map_params.layers[layer], layer, map_params.counts.y, map_params.bias, s);
 }
 
+// Beside the layer nothing is known, and what is there is lit: movers may stand beside what stands still.
+fn map_lit(s: Surface, layer: u32) -> f32 {
+    let p_texels = map_receiver_in(s, layer).p_texels;
+    if (any(p_texels < vec2f(0.0)) || any(p_texels > vec2f(f32(map_params.counts.y)))) {
+        return 1.0;
+    }
+    return map_filter(s, layer);
+}
+
 fn map_visibility(s: Surface) -> f32 {
     let reach = map_params.reach;
     if (s.view_depth >= reach.y) {
@@ -24,10 +33,10 @@ fn map_visibility(s: Surface) -> f32 {
     }
     let layer = map_layer_of(s.view_depth);
     let scale = map_params.layers[layer].scale;
-    var lit = map_filter(s, layer);
+    var lit = map_lit(s, layer);
     let next = map_band(scale.w, scale.z, s.view_depth);
     if (next > 0.0 && layer + 1u < map_params.counts.x) {
-        lit = mix(lit, map_filter(s, layer + 1u), next);
+        lit = mix(lit, map_lit(s, layer + 1u), next);
     }
     return mix(lit, 1.0, map_band(reach.x, reach.y, s.view_depth));
 }

@@ -9,5 +9,6 @@ fn map_filter(s: Surface, layer: u32) -> f32 {
     let uv = r.p_texels / f32(map_params.counts.y);
     let m = textureSampleLevel(map_moments, map_filtering, uv, r.layer, level);
     let scale = map_params.layers[layer].scale;
-    return moments_visibility(m, r.depth, map_params.moments.x * scale.x / scale.y, map_params.moments);
+    // A receiver before or behind the layer is at its border: warps of depths beyond overflow.
+    return moments_visibility(m, clamp(r.depth, 0.0, 1.0), map_params.moments.x * scale.x / scale.y, map_params.moments);
 }

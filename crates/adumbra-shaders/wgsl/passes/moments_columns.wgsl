@@ -8,7 +8,7 @@ fn moments_at(x: i32, y: i32) -> vec4f {
     return textureLoad(moments_in, vec2i(x, clamp(y, 0, i32(blur.counts.y) - 1)), 0);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn moments_columns(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.counts.yy)) {
         return;

@@ -3,7 +3,7 @@
 @group(0) @binding(0) var moments_in: texture_2d<f32>;
 @group(0) @binding(1) var moments_out: MomentsOut;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn moments_mip(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= textureDimensions(moments_out))) {
         return;

@@ -10,7 +10,7 @@ fn moments_at(x: i32, y: i32) -> vec4f {
     return moments_of(textureLoad(map_depth, vec2i(column, y), i32(blur.counts.x), 0), blur.exponents.xy);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn moments_rows(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.counts.yy)) {
         return;

@@ -4,7 +4,7 @@
 @group(0) @binding(1) var<storage, read> points: array<PointQuery>;
 @group(0) @binding(2) var<storage, read_write> factors: array<f32>;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(LIST_GROUP)
 fn answer_points(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&points)) {
         return;

@@ -5,7 +5,7 @@
 @group(0) @binding(2) var gbuffer_normal: texture_2d<f32>;
 @group(0) @binding(3) var shadow_out: texture_storage_2d<r32float, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn resolve(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy;
     if (any(pixel >= frame.size.xy)) {
@@ -24,7 +24,7 @@ fn resolve(@builtin(global_invocation_id) id: vec3u) {
 }
 
 // The same for what is asked of every surface, whichever way it faces: pixels of the sky are -1.
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn resolve_all(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy;
     if (any(pixel >= frame.size.xy)) {

@@ -3,7 +3,7 @@
 @group(0) @binding(0) var<storage, read> receivers: array<CubesQuery>;
 @group(0) @binding(1) var<storage, read_write> lit_weights: array<vec2u>;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(LIST_GROUP)
 fn count_taps(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&receivers)) {
         return;

@@ -91,6 +91,9 @@ impl MapTwin {
         let place = &self.params.layers.0[layer];
         let size = self.params.counts[1];
         let r = Receiver::new(place, size, self.params.bias, s);
+        if r.p_texels.iter().any(|c| !(0.0..=size as f32).contains(c)) {
+            return 1.0;
+        }
         let image = pcf::DepthImage { texels: &self.depth[layer], size: i64::from(size) };
         let [_, _, half_tangent, radius] = self.params.reach;
         match &self.filter {
@@ -107,7 +110,7 @@ impl MapTwin {
                 let deviation = self.params.moments[0] * place.scale[0] / place.scale[1];
                 let level = moments::level(self.params.pixel, place, s.view_depth);
                 let stored = image.sample(layer, r.p_texels, level);
-                moments::visibility(m.kind, stored, r.depth, deviation, self.params.moments)
+                moments::visibility(m.kind, stored, r.depth.clamp(0.0, 1.0), deviation, self.params.moments)
             }
         }
     }

@@ -112,8 +112,11 @@ fn warp(depth: f32, exponents: [f32; 2]) -> [f32; 2] {
 }
 
 fn chebyshev(m: [f32; 2], t: f32, least_variance: f32, bleed: f32) -> f32 {
-    let variance = (m[1] - m[0] * m[0]).max(least_variance);
-    let behind = (t - m[0]).max(0.0);
+    if t <= m[0] {
+        return 1.0;
+    }
+    let variance = (m[1] - m[0] * m[0]).max(least_variance.max(1e-12));
+    let behind = t - m[0];
     cut(variance / (variance + behind * behind), bleed)
 }
 
@@ -164,6 +167,12 @@ mod tests {
             assert!((lit - 0.3).abs() < 0.02, "{kind:?} {lit}");
             assert!(visibility(kind, m, 0.15, 1e-4, EXPONENTS) > 0.95, "{kind:?}");
         }
+    }
+
+    #[test]
+    fn receiver_at_the_mean_is_lit_whatever_the_variance() {
+        assert_eq!(chebyshev([0.3, 0.09], 0.3, 0.0, 0.0), 1.0);
+        assert!(chebyshev([0.3, 0.09], 0.4, 0.0, 0.0) < 1e-6);
     }
 
     #[test]
