@@ -161,7 +161,8 @@ impl Gpu {
         let Some(error) = take() else { return Ok(()) };
         // What a lost device refuses is refused before the loss itself is told; polling tells it.
         let polled = self.poll(wgpu::PollType::Poll).err();
-        Err(take().or(polled).filter(|later| matches!(later, RenderError::Lost { .. })).unwrap_or(error))
+        let told = take().filter(|later| matches!(later, RenderError::Lost { .. }));
+        Err(told.or(polled).unwrap_or(error))
     }
 
     /// Submits and waits until it is done.
@@ -179,8 +180,10 @@ impl Gpu {
     /// As [`Gpu::check`].
     pub fn wait(&self) -> Result<()> {
         let waited = self.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) });
-        self.check()?;
-        waited
+        match (self.check(), waited) {
+            (Err(lost @ RenderError::Lost { .. }), _) | (_, Err(lost)) => Err(lost),
+            (checked, Ok(())) => checked,
+        }
     }
 
     fn poll(&self, how: wgpu::PollType) -> Result<()> {

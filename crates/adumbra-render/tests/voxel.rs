@@ -8,7 +8,7 @@ use adumbra::query::{FILTER_WIDTHS, KERNEL_SIDES, Weights};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::tree::Detail;
 use adumbra_render::voxel::{CubesStore, MAX_WORD_BINDINGS, PageTexture, Voxel};
-use adumbra_render::{Gpu, GpuOptions, RenderError};
+use adumbra_render::{Baked, Gpu, GpuOptions, RenderError, build};
 use voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 
 fn generated() -> Vec<BakedScene> {
@@ -149,4 +149,30 @@ fn constants_of_shaders_are_those_of_the_library() {
         (query::NORMAL_ONE, query::MAX_HEIGHT_CELLS)
     );
     assert_eq!((shaders::TOP_LIT, shaders::TOP_SHADOWED), (dag::LIT, dag::SHADOWED));
+}
+
+#[test]
+fn voxel_techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
+    let gpu = kit::gpu();
+    let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![8.0, 20.0] };
+    let scene = generate(GeneratedKind::Landscape, 3);
+    let baked = BakedScene::with_detail(scene, [0.5, 0.8, 0.35], 64, 128, rings);
+    let files = Baked { light: Some(&baked.light), tree: Some(&baked.tree) };
+    let levels = baked.tree.space.depth - baked.tree.regions.base_depth;
+    assert_eq!(levels, 2);
+    let cell = 4.0 * baked.tree.space.voxel_size;
+    let voxel = baked.light.grid.voxel_size;
+    for (name, edge) in [
+        ("voxel", voxel),
+        ("voxel:bias=2", voxel),
+        ("voxel:filter=17:slope=0.5", voxel),
+        ("voxel+csm:csm=cascades=2/filter=3", voxel),
+        ("voxel-cubes:normal=1", cell),
+        ("voxel-texture:read=buffer", cell),
+    ] {
+        let technique = build(&gpu, &name.parse().unwrap(), files).unwrap();
+        assert_eq!((technique.name().as_str(), technique.texel_world(10.0)), (name, Some(edge)));
+    }
+    let refused = build(&gpu, &"voxel+csm:csm=static=cached".parse().unwrap(), files).err().unwrap();
+    assert!(refused.to_string().contains("static=cached"), "{refused}");
 }

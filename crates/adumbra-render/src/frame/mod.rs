@@ -3,9 +3,11 @@
 //! Targets: depth (Depth32Float, reversed: see [`Frame`]), normals (Rgba16Float, world space, towards the viewer), base colour
 //! (Rgba8UnormSrgb), shadow factor (R32Float, 1 = lit), picture (Rgba8Unorm, sRGB-encoded).
 
+mod check;
 mod gbuffer;
 mod targets;
 
+pub use check::check_camera;
 pub use gbuffer::GBuffer;
 pub use targets::{DEPTH_FORMAT, FACTOR_FORMAT, Target, Targets};
 
