@@ -70,7 +70,9 @@ impl Failure {
                 | ErrorKind::OutOfMemory => Code::OutOfRoom,
                 _ => Code::BadInput,
             },
-            Self::Render(RenderError::Technique { .. } | RenderError::Mover { .. }) => Code::Usage,
+            Self::Render(
+                RenderError::Technique { .. } | RenderError::Mover { .. } | RenderError::Camera { .. },
+            ) => Code::Usage,
             Self::Render(RenderError::TooLarge { .. } | RenderError::OutOfMemory { .. }) => Code::OutOfRoom,
             Self::Render(RenderError::Lost { .. }) => Code::DeviceLost,
             Self::BadInput(_) | Self::Library(_) | Self::Render(_) => Code::BadInput,
