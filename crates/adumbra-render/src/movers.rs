@@ -136,7 +136,7 @@ impl BallPath {
     }
 
     /// Eye and target of a camera from which nothing of `still` hides the ball on its way: the first of a ring of places about the
-    /// path, those near [`ASIDE`] of the sun before others.
+    /// path, those near `ASIDE` of the sun before others.
     pub fn viewpoint(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> [[f64; 3]; 2] {
         let (first, last) = (self.keys[0].1, self.keys[self.keys.len() - 1].1);
         let target: [f64; 3] = std::array::from_fn(|a| 0.5 * (first[a] + last[a]));

@@ -50,7 +50,7 @@ struct Scratch {
 }
 
 impl BlurPasses {
-    /// Builds the pipelines. Without filtering of 32-bit floats, pairs are left out: [`BlurPasses::notes`].
+    /// Builds the pipelines. Without filtering of 32-bit floats, pairs are left out: the technique's notes say so.
     pub fn new(gpu: &Gpu, mut settings: BlurSettings) -> Self {
         settings.pairs &= gpu.has(Features::FLOAT32_FILTERABLE);
         let steps = settings.steps().into_iter().map(|step| {

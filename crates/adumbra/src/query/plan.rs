@@ -50,7 +50,7 @@ impl PlanLevels {
         &self.levels
     }
 
-    /// Level of the coarsest cells that x[0]..=x[1], z[0]..=z[1] touches, in voxels. Beyond the cube there is nothing coarser.
+    /// Level of the coarsest cells that `x[0]..=x[1]`, `z[0]..=z[1]` touches, in voxels. Beyond the cube there is nothing coarser.
     pub fn coarsest_over(&self, x: [f64; 2], z: [f64; 2]) -> u32 {
         let cells = |axis: usize, range: [f64; 2]| {
             let place = |c: f64| self.edges[axis].partition_point(|edge| f64::from(*edge) <= c);
