@@ -1,6 +1,7 @@
 //! A comparison on a small generated scene: figures, pictures, the walk, and the report's form; and what baked voxels must reach
 //! beside cascades.
 
+#[path = "../../adumbra/tests/shared_folder/mod.rs"]
 mod shared_folder;
 
 use std::sync::atomic::AtomicBool;

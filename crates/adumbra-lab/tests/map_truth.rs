@@ -1,5 +1,6 @@
 //! Every shadow-map technique against rays, away from shadow edges, on the shared scenes.
 
+#[path = "../../adumbra/tests/shared_folder/mod.rs"]
 mod shared_folder;
 
 use adumbra::camera::Camera;

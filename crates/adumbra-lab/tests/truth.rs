@@ -1,5 +1,6 @@
 //! Truth by rays: against another renderer, through the cache, beside edges, and from the street.
 
+#[path = "../../adumbra/tests/shared_folder/mod.rs"]
 mod shared_folder;
 
 use adumbra::camera::{Camera, Projection};

@@ -21,3 +21,9 @@ pub(crate) fn shared(folder: &str) -> Option<PathBuf> {
 pub(crate) fn full() -> bool {
     std::env::var_os("ADUMBRA_FULL").is_some()
 }
+
+/// The scene file of that name, whatever its ending.
+pub(crate) fn scene_file(scenes: &Path, name: &str) -> PathBuf {
+    let candidates = ["glb", "ply", "obj"].map(|e| scenes.join(format!("{name}.{e}")));
+    candidates.into_iter().find(|p| p.exists()).unwrap_or_else(|| panic!("no scene for {name}"))
+}
