@@ -50,6 +50,20 @@ shared! {
     TOP_SHADOWED: u32 = u32::MAX - 1;
     /// How far from the receiver, in texels, the sampler's own 2 × 2 comparison takes the receiver's plane.
     HARDWARE_REACH: f32 = 0.75;
+    /// Blocks of a row whose ranks are counted together when a hybrid map is built.
+    HYBRID_SECTION: u32 = 64;
+    /// A word of a hybrid map with this bit holds where its four finer texels are; one without it is a depth.
+    HYBRID_INDEX: u32 = 0x80000000;
+    /// Depth 1 in the whole numbers that planes of a hybrid map are fitted in.
+    HYBRID_ONE: f32 = 16777216.0;
+    /// Largest code of a plane's depth.
+    HYBRID_LAST_DEPTH: i32 = 131071;
+    /// Whole-number depth from one code to the next.
+    HYBRID_DEPTH_STEP: i32 = 128;
+    /// Largest code of a plane's slope.
+    HYBRID_LAST_SLOPE: i32 = 63;
+    /// Threshold e0 of the relative test (Li, Yang, Zhao, Chen 2016, equation 1).
+    HYBRID_E0: f32 = 0.25;
     /// Share that four moments of depth move towards those of an even spread: what their rounding needs in 32-bit floats.
     MOMENT_BIAS: f32 = 0.000003;
 }

@@ -81,6 +81,33 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// A hybrid-resolution shadow map, as look-ups take it.
+    pub struct HybridParams {
+        /// Where it lies; texels are those of the finest level.
+        pub layer: MapLayer,
+        /// As in [`MapParams`].
+        pub bias: [f32; 4],
+        /// Finest texels a side, merges, width of the filter in texels, 1 where finest depths are 16 bits.
+        pub counts: [u32; 4],
+        /// Depth of a plane's slope code 1, in 4096ths of [`crate::constants::HYBRID_ONE`]'s steps a texel; 0, 0, 0.
+        pub slope: [i32; 4],
+    }
+}
+
+gpu_struct! {
+    /// A pass that merges texels of one level of a hybrid map into the next coarser one.
+    pub struct HybridLevel {
+        /// Finest texels a side, the level made (1 the first), texels a side of it, merges in all.
+        pub counts: [u32; 4],
+        /// First word of the level before and of this one among the levels, words that four children take, 1 where finest depths are 16
+        /// bits.
+        pub places: [u32; 4],
+        /// Slope as in [`HybridParams`]; twice the depth that a plane may lie behind its texels; 0, 0.
+        pub plane: [i32; 4],
+    }
+}
+
+gpu_struct! {
     /// A pass that blurs moments of one layer.
     pub struct MomentBlurParams {
         /// Layer of the depth map, texels a side, taps beside the middle one on either side, 0.
@@ -273,6 +300,8 @@ pub const STRUCTS: &[StructInfo] = &[
     Frame::INFO,
     MapLayer::INFO,
     MapParams::INFO,
+    HybridParams::INFO,
+    HybridLevel::INFO,
     MomentBlurParams::INFO,
     GridTransform::INFO,
     VoxelParams::INFO,

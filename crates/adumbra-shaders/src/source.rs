@@ -85,6 +85,38 @@ sources! {
     MOMENTS_COLUMNS = "passes/moments_columns.wgsl";
     /// The next mip level of moments.
     MOMENTS_MIP = "passes/moments_mip.wgsl";
+    /// Down the levels of a hybrid map.
+    HYBRID = "core/hybrid.wgsl";
+    /// A mean over a square of a hybrid map.
+    HYBRID_BOX = "core/hybrid_box.wgsl";
+    /// Texels of a hybrid map that are planes.
+    HYBRID_PLANE = "core/hybrid_plane.wgsl";
+    /// Texels of a hybrid map that are mean depths.
+    HYBRID_MEAN = "core/hybrid_mean.wgsl";
+    /// Words of a hybrid map of 32 bits a texel.
+    HYBRID_COMPACT = "access/hybrid_compact.wgsl";
+    /// What the passes that build a hybrid map share.
+    HYBRID_BUILD = "passes/hybrid_build.wgsl";
+    /// Blocks that lie in a plane.
+    HYBRID_MERGE_PLANE = "passes/hybrid_merge_plane.wgsl";
+    /// Blocks whose depths differ little from their mean.
+    HYBRID_MERGE_MEAN = "passes/hybrid_merge_mean.wgsl";
+    /// Merging, a thread a strip.
+    HYBRID_SWEEP = "passes/hybrid_sweep.wgsl";
+    /// Merging, a thread a block.
+    HYBRID_BLOCKS = "passes/hybrid_blocks.wgsl";
+    /// Where each section's children go.
+    HYBRID_SCAN = "passes/hybrid_scan.wgsl";
+    /// Children to their places.
+    HYBRID_PLACE = "passes/hybrid_place.wgsl";
+    /// The technique `hrsm`, bindings.
+    HYBRID_MAP = "passes/hybrid_map.wgsl";
+    /// `hrsm`, one texel compared.
+    HYBRID_NEAREST = "passes/hybrid_nearest.wgsl";
+    /// `hrsm`, a square of comparisons.
+    HYBRID_PCF = "passes/hybrid_pcf.wgsl";
+    /// The level that a look-up in a hybrid map ends at.
+    HYBRID_LEVELS = "passes/hybrid_levels.wgsl";
     /// A technique's answer for every pixel of the G-buffer.
     RESOLVE = "passes/resolve.wgsl";
     /// A technique's answer for a list of points.

@@ -10,6 +10,66 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 const MODULES: &[(&str, &[Source])] = &[
     ("gbuffer", &[source::GBUFFER]),
     ("map_depth", &[source::MAP_DEPTH]),
+    (
+        "hybrid plane, sweep",
+        &[source::HYBRID_PLANE, source::HYBRID_BUILD, source::HYBRID_MERGE_PLANE, source::HYBRID_SWEEP],
+    ),
+    (
+        "hybrid plane, blocks",
+        &[source::HYBRID_PLANE, source::HYBRID_BUILD, source::HYBRID_MERGE_PLANE, source::HYBRID_BLOCKS],
+    ),
+    (
+        "hybrid mean, sweep",
+        &[source::HYBRID_MEAN, source::HYBRID_BUILD, source::HYBRID_MERGE_MEAN, source::HYBRID_SWEEP],
+    ),
+    (
+        "hybrid mean, blocks",
+        &[source::HYBRID_MEAN, source::HYBRID_BUILD, source::HYBRID_MERGE_MEAN, source::HYBRID_BLOCKS],
+    ),
+    ("hybrid scan", &[source::HYBRID_BUILD, source::HYBRID_SCAN]),
+    ("hybrid place", &[source::HYBRID_BUILD, source::HYBRID_PLACE]),
+    (
+        "hybrid nearest, planes",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::MAPS,
+            source::HYBRID_PLANE,
+            source::HYBRID_COMPACT,
+            source::HYBRID,
+            source::HYBRID_NEAREST,
+            source::HYBRID_MAP,
+            source::RESOLVE,
+        ],
+    ),
+    (
+        "hybrid square, means",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::MAPS,
+            source::HYBRID_MEAN,
+            source::HYBRID_COMPACT,
+            source::HYBRID,
+            source::HYBRID_BOX,
+            source::HYBRID_PCF,
+            source::HYBRID_MAP,
+            source::RESOLVE,
+        ],
+    ),
+    (
+        "hybrid levels",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::MAPS,
+            source::HYBRID_PLANE,
+            source::HYBRID_COMPACT,
+            source::HYBRID,
+            source::HYBRID_LEVELS,
+            source::RESOLVE,
+        ],
+    ),
     ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
     ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
     (

@@ -1,0 +1,210 @@
+//! Hybrid maps on the CPU: the build, word for word as on the GPU, and the look-up, finest texel by finest texel.
+
+mod build;
+mod leaf;
+
+use adumbra_shaders::constants::HYBRID_INDEX;
+use adumbra_shaders::layout::HybridParams;
+
+use super::MergeTest;
+use super::settings::PlaneUnits;
+use crate::error::{RenderError, Result};
+use crate::maps::DepthPrecision;
+use crate::maps::twin::{Receiver, Surface};
+use leaf::leaf;
+
+/// Light depth, a square of texels row by row: linear, 0 near the sun, 1 far and where no caster is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthImage {
+    side: usize,
+    texels: Vec<f32>,
+}
+
+impl DepthImage {
+    /// Checks what may come from anywhere.
+    ///
+    /// # Errors
+    /// [`RenderError::DepthImage`] for a side that is no power of two from 2 to 16,384, for another number of texels than its square, and
+    /// for a depth that is not within 0 to 1, NaN among them.
+    pub fn new(side: usize, texels: Vec<f32>) -> Result<Self> {
+        let wrong = |what: String| RenderError::DepthImage { what };
+        if !side.is_power_of_two() || !(2..=16384).contains(&side) {
+            return Err(wrong(format!("a side of {side} texels is no power of two from 2 to 16384")));
+        }
+        if texels.len() != side * side {
+            return Err(wrong(format!("{} texels are not {side} x {side}", texels.len())));
+        }
+        if let Some(at) = texels.iter().position(|d| !(0.0..=1.0).contains(d)) {
+            return Err(wrong(format!(
+                "the depth {} at column {}, row {} is not within 0 to 1",
+                texels[at],
+                at % side,
+                at / side
+            )));
+        }
+        Ok(Self { side, texels })
+    }
+
+    /// Texels a side.
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// All texels, row by row.
+    pub fn texels(&self) -> &[f32] {
+        &self.texels
+    }
+
+    fn at(&self, x: usize, y: usize) -> f32 {
+        // What the shader's abs() does to a depth of -0.
+        self.texels[y * self.side + x].abs()
+    }
+
+    /// Left above, right above, left below, right below.
+    fn block(&self, x: usize, y: usize) -> [f32; 4] {
+        [0, 1, 2, 3].map(|i| self.at(2 * x + i % 2, 2 * y + i / 2))
+    }
+}
+
+/// A hybrid map in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HybridTree {
+    /// Finest texels a side.
+    pub start: u32,
+    /// Levels above the finest.
+    pub merges: u32,
+    /// When texels merged.
+    pub test: MergeTest,
+    /// Of the finest texels.
+    pub precision: DepthPrecision,
+    /// What planes are measured in.
+    pub units: PlaneUnits,
+    /// Blocks of each level, from 1, that did not merge.
+    pub split: [u32; 3],
+    /// The map as core/hybrid.wgsl reads it: see access/hybrid_compact.wgsl.
+    pub words: Vec<u32>,
+}
+
+impl HybridTree {
+    /// Builds a map of 1 to 3 merges. Cost: a read of the image a level.
+    ///
+    /// # Errors
+    /// [`RenderError::DepthImage`] where the image cannot be merged so often.
+    pub fn build(
+        image: &DepthImage,
+        merges: u32,
+        test: MergeTest,
+        precision: DepthPrecision,
+        units: PlaneUnits,
+    ) -> Result<Self> {
+        if !(1..=3).contains(&merges) || image.side() >> merges == 0 {
+            let what = format!("{merges} merges of {} texels; there are 1 to 3", image.side());
+            return Err(RenderError::DepthImage { what });
+        }
+        Ok(build::tree(image, merges, test, precision, units))
+    }
+
+    /// Depth that the map holds at a finest texel's centre, and the level that holds it. Clamped to the border.
+    pub fn texel(&self, x: i64, y: i64) -> (f32, u32) {
+        let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as usize);
+        let mut level = self.merges;
+        let side = (self.start >> level) as usize;
+        let mut word = self.words[(y >> level) * side + (x >> level)];
+        while word & HYBRID_INDEX != 0 {
+            level -= 1;
+            let place = (word ^ HYBRID_INDEX) as usize;
+            let [right, below] = [x >> level & 1, y >> level & 1];
+            if level == 0 {
+                return (self.finest(place, right, below), 0);
+            }
+            word = self.words[place + right + 2 * below];
+        }
+        let [d, dx, dy] = leaf(self.test, word, self.units.slope);
+        let size = (1_u32 << level) as f32;
+        let offset = |c: usize| c as f32 + 0.5 - ((c >> level) as f32 + 0.5) * size;
+        (d + (dx * offset(x) + dy * offset(y)), level)
+    }
+
+    fn finest(&self, place: usize, right: usize, below: usize) -> f32 {
+        match self.precision {
+            DepthPrecision::Bits32 => f32::from_bits(self.words[place + right + 2 * below]),
+            DepthPrecision::Bits16 => {
+                (self.words[place + below] >> (16 * right) & 0xffff) as f32 / 65535.0
+            }
+        }
+    }
+
+    /// Share of the finest texels' area by level, the finest first; they sum to 1.
+    pub fn shares(&self) -> [f64; 4] {
+        level_shares(self.start, self.merges, self.split)
+    }
+}
+
+/// Share of the area that each level answers for, the finest first, from the blocks of each level that did not merge.
+pub fn level_shares(start: u32, merges: u32, split: [u32; 3]) -> [f64; 4] {
+    let cells = f64::from(start).powi(2);
+    let mut shares = [0.0; 4];
+    for (level, share) in (0_u32..).zip(&mut shares).take(merges as usize + 1) {
+        // Texels of this level that were looked at, less those that lead further down.
+        let seen = if level == merges {
+            f64::from(start >> merges).powi(2)
+        } else {
+            4.0 * f64::from(split[level as usize])
+        };
+        let down = if level == 0 { 0 } else { split[level as usize - 1] };
+        *share = (seen - f64::from(down)) * f64::from(1 << (2 * level)) / cells;
+    }
+    shares
+}
+
+/// The look-up.
+pub struct HybridTwin<'a> {
+    /// What the shader has.
+    pub params: &'a HybridParams,
+    /// The map.
+    pub tree: &'a HybridTree,
+}
+
+impl HybridTwin<'_> {
+    /// Visibility of the sun at a point, 1 = lit: `shadow_factor` of passes/hybrid_map.wgsl, every finest texel compared.
+    pub fn visibility(&self, s: &Surface) -> f32 {
+        let [size, _, width, _] = self.params.counts;
+        let Some(r) = self.receiver(s) else { return 1.0 };
+        if width == 1 {
+            let [x, y] = r.p_texels.map(|c| (c.floor() as i64).clamp(0, i64::from(size) - 1));
+            let plane = r.plane_depth([x as f32 + 0.5, y as f32 + 0.5]);
+            return f32::from(u8::from(plane <= self.tree.texel(x, y).0));
+        }
+        let half_side = 0.5 * (width as f32 - 1.0);
+        let low = r.p_texels.map(|c| c - half_side);
+        let high = r.p_texels.map(|c| c + half_side);
+        let overlap = |left: f32, a: usize| ((left + 1.0).min(high[a]) - left.max(low[a])).clamp(0.0, 1.0);
+        let inside = |c: f32| (0.0..size as f32).contains(&c);
+        let mut lit = 0.0;
+        for (dx, dy) in (0..width).flat_map(|dy| (0..width).map(move |dx| (dx, dy))) {
+            let (x, y) = (low[0].floor() + dx as f32, low[1].floor() + dy as f32);
+            let beside = !inside(x) || !inside(y);
+            if beside || r.plane_depth([x + 0.5, y + 0.5]) <= self.tree.texel(x as i64, y as i64).0 {
+                lit += overlap(x, 0) * overlap(y, 1);
+            }
+        }
+        lit / (4.0 * half_side * half_side)
+    }
+
+    /// The level that the look-up ends at, 0 the finest; none beside the map.
+    pub fn level(&self, s: &Surface) -> Option<u32> {
+        let r = self.receiver(s)?;
+        let [x, y] = r.p_texels.map(|c| c.floor() as i64);
+        Some(self.tree.texel(x, y).1)
+    }
+
+    fn receiver(&self, s: &Surface) -> Option<Receiver> {
+        let size = self.params.counts[0];
+        let least = self.params.least_bias[0];
+        let r = Receiver::new(&self.params.layer, size, self.params.bias, least, s);
+        r.p_texels.iter().all(|c| (0.0..=size as f32).contains(c)).then_some(r)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,12 @@
+// The technique `hrsm`: a hybrid-resolution shadow map. A filter is a file that defines
+//     fn hybrid_filter(r: MapReceiver) -> f32
+
+@group(2) @binding(0) var<uniform> hybrid: HybridParams;
+
+fn shadow_factor(s: Surface) -> f32 {
+    let r = map_receiver(hybrid.layer, 0u, hybrid.counts.x, hybrid.bias, s);
+    if (any(r.p_texels < vec2f(0.0)) || any(r.p_texels > vec2f(f32(hybrid.counts.x)))) {
+        return 1.0;
+    }
+    return hybrid_filter(r);
+}

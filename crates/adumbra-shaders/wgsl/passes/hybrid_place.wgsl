@@ -1,0 +1,39 @@
+// Children of blocks that did not merge to their places in the map, and the coarsest level; one thread a block.
+
+fn half_pair(left: f32, right: f32) -> u32 {
+    return u32(left * 65535.0 + 0.5) | (u32(right * 65535.0 + 0.5) << 16u);
+}
+
+@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+fn hybrid_place(@builtin(global_invocation_id) id: vec3u) {
+    let block = id.xy;
+    if (any(block >= level.counts.zz)) {
+        return;
+    }
+    var word = hybrid_levels[block_place(block)];
+    if ((word & HYBRID_INDEX) != 0u) {
+        let section = block.y * level_sections() + block.x / HYBRID_SECTION;
+        let place = hybrid_counts[HYBRID_SECTIONS + section] + (word ^ HYBRID_INDEX) * level.places.z;
+        if (level.counts.y > 1u) {
+            let words = block_children(block);
+            for (var i = 0u; i < 4u; i++) {
+                hybrid_words[place + i] = words[i];
+            }
+        } else {
+            let depths = block_depths(block);
+            if (level.places.w == 1u) {
+                hybrid_words[place] = half_pair(depths.x, depths.y);
+                hybrid_words[place + 1u] = half_pair(depths.z, depths.w);
+            } else {
+                for (var i = 0u; i < 4u; i++) {
+                    hybrid_words[place + i] = bitcast<u32>(depths[i]);
+                }
+            }
+        }
+        word = HYBRID_INDEX | place;
+        hybrid_levels[block_place(block)] = word;
+    }
+    if (level.counts.y == level.counts.w) {
+        hybrid_words[block.y * level.counts.z + block.x] = word;
+    }
+}

@@ -1,0 +1,39 @@
+// From the number of blocks in each section that did not merge to the word at which their children begin; one workgroup.
+
+const SCAN_GROUP: u32 = 256u;
+
+var<workgroup> scan_sums: array<u32, SCAN_GROUP>;
+
+@compute @workgroup_size(SCAN_GROUP)
+fn hybrid_scan(@builtin(local_invocation_index) local: u32) {
+    let sections = level.counts.z * level_sections();
+    let share = (sections + SCAN_GROUP - 1u) / SCAN_GROUP;
+    let first = HYBRID_SECTIONS + min(local * share, sections);
+    let last = HYBRID_SECTIONS + min((local + 1u) * share, sections);
+    var sum = 0u;
+    for (var i = first; i < last; i++) {
+        sum += hybrid_counts[i];
+    }
+    scan_sums[local] = sum;
+    workgroupBarrier();
+    if (local == 0u) {
+        // The coarsest level comes first in the map.
+        let coarsest = level.counts.x >> level.counts.w;
+        let begin = select(hybrid_counts[0], coarsest * coarsest, level.counts.y == 1u);
+        var blocks = 0u;
+        for (var i = 0u; i < SCAN_GROUP; i++) {
+            let next = blocks + scan_sums[i];
+            scan_sums[i] = begin + blocks * level.places.z;
+            blocks = next;
+        }
+        hybrid_counts[0] = begin + blocks * level.places.z;
+        hybrid_counts[level.counts.y] = blocks;
+    }
+    workgroupBarrier();
+    var word = scan_sums[local];
+    for (var i = first; i < last; i++) {
+        let blocks = hybrid_counts[i];
+        hybrid_counts[i] = word;
+        word += blocks * level.places.z;
+    }
+}

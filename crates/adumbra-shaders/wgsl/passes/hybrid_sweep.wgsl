@@ -1,0 +1,25 @@
+// Merging by the parallel line sweep: each thread owns a strip two texels wide and advances along it, a block a step.
+// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 1.
+
+@compute @workgroup_size(LIST_GROUP)
+fn hybrid_sweep(@builtin(global_invocation_id) id: vec3u) {
+    let y = id.x;
+    let side = level.counts.z;
+    if (y >= side) {
+        return;
+    }
+    var rank = 0u;
+    for (var x = 0u; x < side; x++) {
+        let word = block_merged(vec2u(x, y));
+        if (word == HYBRID_INDEX) {
+            hybrid_levels[block_place(vec2u(x, y))] = HYBRID_INDEX | rank;
+            rank++;
+        } else {
+            hybrid_levels[block_place(vec2u(x, y))] = word;
+        }
+        if ((x + 1u) % HYBRID_SECTION == 0u || x + 1u == side) {
+            hybrid_counts[HYBRID_SECTIONS + y * level_sections() + x / HYBRID_SECTION] = rank;
+            rank = 0u;
+        }
+    }
+}
