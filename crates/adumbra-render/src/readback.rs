@@ -65,6 +65,19 @@ pub fn read_floats(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, layer: u3
     Ok(bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect())
 }
 
+/// One layer of a depth map, row by row: floats as they are stored, 16-bit depth as `k / 65535`.
+///
+/// # Errors
+/// What the device reports.
+pub fn read_depth(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<Vec<f32>> {
+    if texture.format() != TextureFormat::Depth16Unorm {
+        return read_floats(gpu, texture, 0, layer);
+    }
+    let bytes = read_texture(gpu, texture, 0, layer)?;
+    let depth = |b: &[u8; 2]| (f64::from(u16::from_le_bytes(*b)) / 65535.0) as f32;
+    Ok(bytes.as_chunks::<2>().0.iter().map(depth).collect())
+}
+
 fn bytes_per_texel(format: TextureFormat) -> u32 {
     format.block_copy_size(None).unwrap_or(4)
 }

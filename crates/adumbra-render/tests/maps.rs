@@ -77,6 +77,12 @@ const EVERY_KIND: &[&str] = &[
     "csm:size=256:cascades=8:split=log:filter=poisson:far=300",
     "csm-vsm:size=256",
     "csm-evsm:size=256:cascades=2",
+    "sm:size=512:depth=16",
+    "pcf:filter=2:size=512:depth=16",
+    "pcf:filter=5:size=512:depth=16",
+    "pcss:size=512:angle=2:depth=16",
+    "evsm:size=512:depth=16",
+    "csm:size=256:depth=16:static=cached",
 ];
 
 #[test]
@@ -101,4 +107,46 @@ fn maps_answer_as_their_twins_do_without_optional_features() {
     }
     let notes = prepare(&renderer, "vsm:size=128").technique().notes();
     assert!(notes.len() == 1 && notes[0].contains("without mip levels"), "{notes:?}");
+}
+
+/// Pixels that are darker and lighter by 0.02 with 16-bit depth than with 32, and the bytes of both.
+fn half_against_full(renderer: &mut Renderer, camera: Camera, name: &str) -> ([usize; 2], [u64; 2]) {
+    let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
+    let mut answer = |name: &str| {
+        let mut technique = prepare(renderer, name);
+        renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
+        (renderer.read_factor(&technique).unwrap(), technique.technique().bytes())
+    };
+    let (full, full_bytes) = answer(name);
+    let (half, half_bytes) = answer(&format!("{name}:depth=16"));
+    let darker = half.iter().zip(&full).filter(|(h, f)| **h < **f - 0.02).count();
+    let lighter = half.iter().zip(&full).filter(|(h, f)| **h > **f + 0.02).count();
+    println!("{name}: {darker} darker, {lighter} lighter of {}", full.len());
+    ([darker, lighter], [half_bytes, full_bytes])
+}
+
+/// In the city, and among cubes on a plain of two kilometres, where a step of 16-bit depth is six times the bias of the nearest cascade:
+/// without the least bias 5 % of those pixels are darker than they should be.
+#[test]
+fn maps_of_16_bits_shadow_no_lit_surface_by_their_rounding() {
+    let mut corners = vec![([-1000.0, -1.0, -1000.0], [1000.0, 0.0, 1000.0])];
+    corners.extend((0..25_u8).map(|i| {
+        let [x, z] = [3.1 * f32::from(i % 5) - 6.3, 3.1 * f32::from(i / 5) - 6.3];
+        ([x, 0.0, z], [x + 1.0, 1.0 + 0.13 * f32::from(i % 7), z + 1.0])
+    }));
+    let plain = kit::boxes::boxes(&corners);
+    let near = Camera { eye: [-11.0, 6.0, 14.0], target: [0.0; 3], ..kit::camera(320, 180) };
+    let cases: [(_, _, &[&str]); 2] = [
+        (plain, near, &["csm:cascades=2:far=40:filter=1", "csm:cascades=2:far=40", "pcf:filter=2"]),
+        (kit::city(), kit::camera(320, 180), &["sm", "pcf", "pcss:angle=2", "csm", "vsm", "msm"]),
+    ];
+    for (scene, camera, names) in cases {
+        let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
+        for name in names {
+            let ([darker, lighter], [half, full]) = half_against_full(&mut renderer, camera, name);
+            assert!(half < full, "{name}: {half}, {full}");
+            assert!(darker * 1000 < 320 * 180, "{name}: {darker}");
+            assert!(lighter * 1000 < 320 * 180, "{name}: {lighter}");
+        }
+    }
 }

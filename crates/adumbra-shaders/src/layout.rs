@@ -75,7 +75,8 @@ gpu_struct! {
         pub reach: [f32; 4],
         /// Least standard deviation of depth in texels, share of the tail cut off, positive and negative exponent.
         pub moments: [f32; 4],
-        /// Edge of a pixel in world units at view depth 0, and what a unit of view depth adds; mip levels of moments; 0.
+        /// Edge of a pixel in world units at view depth 0, and what a unit of view depth adds; mip levels of moments;
+        /// least bias along the light, as a share of the layer's depth: a step of 16-bit depth.
         pub pixel: [f32; 4],
     }
 }

@@ -6,28 +6,27 @@
 
 use adumbra_shaders::layout::MapLayer;
 use adumbra_shaders::{assemble, source};
-use wgpu::{CompareFunction, Features, LoadOp, ShaderStages};
+use wgpu::{CompareFunction, Features, LoadOp, ShaderStages, TextureFormat};
 
-use super::textures::MAP_FORMAT;
 use crate::gpu::{Gpu, binding};
 use crate::scene::{CASTER_LAYOUT, CORNER_LAYOUT, InstanceList, SceneBuffers, material_layout};
 
 /// The pass and its pipelines.
-pub(super) struct DepthPass {
+pub(crate) struct DepthPass {
     layer_layout: wgpu::BindGroupLayout,
     opaque: wgpu::RenderPipeline,
     masked: wgpu::RenderPipeline,
 }
 
 /// Where a layer lies, on the GPU.
-pub(super) struct LayerUniform {
+pub(crate) struct LayerUniform {
     buffer: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
 impl LayerUniform {
     /// For the layer as shaders take it, relative to `anchor_world`.
-    pub(super) fn write(&self, gpu: &Gpu, layer: &MapLayer, anchor_world: [f64; 3]) {
+    pub(crate) fn write(&self, gpu: &Gpu, layer: &MapLayer, anchor_world: [f64; 3]) {
         let anchor = [anchor_world[0] as f32, anchor_world[1] as f32, anchor_world[2] as f32, 0.0];
         let mut bytes = layer.bytes();
         bytes.extend_from_slice(bytemuck::bytes_of(&anchor));
@@ -36,7 +35,7 @@ impl LayerUniform {
 }
 
 impl DepthPass {
-    pub(super) fn new(gpu: &Gpu) -> Self {
+    pub(crate) fn new(gpu: &Gpu, format: TextureFormat) -> Self {
         let layer_layout = gpu.layout("map_depth", ShaderStages::VERTEX, &[binding::UNIFORM]);
         let material = material_layout(gpu);
         let module = gpu.shader("map_depth", assemble(&[source::MAP_DEPTH]));
@@ -56,7 +55,7 @@ impl DepthPass {
                         ..Default::default()
                     },
                     depth_stencil: Some(wgpu::DepthStencilState {
-                        format: MAP_FORMAT,
+                        format,
                         depth_write_enabled: Some(true),
                         depth_compare: Some(CompareFunction::Less),
                         stencil: Default::default(),
@@ -79,14 +78,14 @@ impl DepthPass {
         Self { layer_layout, opaque, masked }
     }
 
-    pub(super) fn uniform(&self, gpu: &Gpu) -> LayerUniform {
+    pub(crate) fn uniform(&self, gpu: &Gpu) -> LayerUniform {
         let buffer = gpu.uniform("map_depth", &[0; 80]);
         let group = gpu.bind("map_depth", &self.layer_layout, vec![buffer.as_entire_binding()]);
         LayerUniform { buffer, group }
     }
 
     /// Draws the casters of `parts` into `target`, over what is there if `keep`.
-    pub(super) fn encode(
+    pub(crate) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         layer: &LayerUniform,

@@ -16,7 +16,7 @@ struct Place {
 }
 
 /// One layer.
-pub(super) struct Layer {
+pub(crate) struct Layer {
     uniform: LayerUniform,
     still: Option<InstanceList>,
     moving: Option<InstanceList>,
@@ -31,13 +31,13 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    pub(super) fn new(gpu: &Gpu, pass: &DepthPass) -> Self {
+    pub(crate) fn new(gpu: &Gpu, pass: &DepthPass) -> Self {
         let uniform = pass.uniform(gpu);
         Self { uniform, still: None, moving: None, place: None, drawn: None, stale: true, had_movers: false }
     }
 
     /// Lists what casts into the layer at `fit`. With `keep`, static casters are listed only where the layer has moved.
-    pub(super) fn prepare(
+    pub(crate) fn prepare(
         &mut self,
         input: &FrameInput<'_>,
         fit: &LayerFit,
@@ -64,7 +64,7 @@ impl Layer {
     }
 
     /// Draws the layer; whether it changed. With `kept`, static casters are drawn there, copied, and movers drawn over the copy.
-    pub(super) fn encode(
+    pub(crate) fn encode(
         &mut self,
         input: &FrameInput<'_>,
         pass: &DepthPass,
@@ -97,7 +97,7 @@ impl Layer {
         changed
     }
 
-    pub(super) fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         self.still.iter().chain(&self.moving).map(InstanceList::bytes).sum()
     }
 }

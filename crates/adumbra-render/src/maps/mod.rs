@@ -5,18 +5,18 @@
 //! the look-up on the CPU.
 
 pub mod cascades;
-mod depth_pass;
-mod layers;
+pub(crate) mod depth_pass;
+pub(crate) mod layers;
 mod moments_pass;
 mod params;
 mod shadow_map;
 mod spec;
-mod textures;
+pub(crate) mod textures;
 pub mod twin;
 
 pub use moments_pass::gaussian;
 pub use params::{
-    CascadeSettings, MapBias, MapCasters, MapFilter, MapFit, MapSettings, MomentKind, MomentSettings, Split,
+    CascadeSettings, DepthPrecision, MapBias, MapCasters, MapFilter, MapFit, MapSettings, MomentKind,
+    MomentSettings, Split,
 };
 pub use shadow_map::ShadowMap;
-pub use textures::MAP_FORMAT;

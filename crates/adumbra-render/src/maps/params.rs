@@ -1,5 +1,7 @@
 //! What a shadow-map technique is made of: plain settings, each with a default.
 
+use wgpu::TextureFormat;
+
 /// How a view's depth is shared between cascades.
 ///
 /// Source: Zhang, Sun, Xu, Lun, *Parallel-Split Shadow Maps for Large-Scale Virtual Environments*, 2006.
@@ -132,11 +134,41 @@ impl MapBias {
     }
 }
 
+/// How exactly a map holds the depth of a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DepthPrecision {
+    /// A float: 24 bits or better, four bytes a texel.
+    #[default]
+    Bits32,
+    /// The nearest of 65,536 depths, two bytes a texel.
+    Bits16,
+}
+
+impl DepthPrecision {
+    /// Of the textures.
+    pub fn format(self) -> TextureFormat {
+        match self {
+            Self::Bits32 => TextureFormat::Depth32Float,
+            Self::Bits16 => TextureFormat::Depth16Unorm,
+        }
+    }
+
+    /// From one depth to the next, as a share of the layer's range; 0 where that is too little to count.
+    pub fn step(self) -> f64 {
+        match self {
+            Self::Bits32 => 0.0,
+            Self::Bits16 => 1.0 / 65535.0,
+        }
+    }
+}
+
 /// A shadow-map technique.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSettings {
     /// Texels a side of each layer, a power of two.
     pub size: u32,
+    /// How exactly depth is held.
+    pub depth: DepthPrecision,
     /// Where the layers lie.
     pub fit: MapFit,
     /// How they are read.
@@ -159,10 +191,11 @@ pub enum MapCasters {
 }
 
 impl MapSettings {
-    /// Default settings of this fit and filter: 2048 texels a side.
+    /// Default settings of this fit and filter: 2048 texels a side, 32-bit depth.
     pub fn new(fit: MapFit, filter: MapFilter) -> Self {
         let bias = MapBias::of(&filter);
-        Self { size: 2048, fit, filter, bias, cache_static: false, casters: MapCasters::All }
+        let (depth, casters) = (DepthPrecision::default(), MapCasters::All);
+        Self { size: 2048, depth, fit, filter, bias, cache_static: false, casters }
     }
 
     /// Layers.

@@ -40,16 +40,17 @@ impl ShadowMap {
     /// # Errors
     /// [`crate::RenderError::TooLarge`] for a size that the device does not take.
     pub fn new(gpu: &Gpu, name: &str, settings: MapSettings) -> Result<Self> {
-        let (size, count) = (settings.size, settings.layers());
-        let depth = DepthTextures::new(gpu, "map::depth", size, count)?;
+        let (size, count, format) = (settings.size, settings.layers(), settings.depth.format());
+        let depth = DepthTextures::new(gpu, "map::depth", size, count, format)?;
         let keeps = settings.cache_static && settings.casters == MapCasters::All;
-        let kept = if keeps { Some(DepthTextures::new(gpu, "map::kept", size, count)?) } else { None };
+        let kept =
+            if keeps { Some(DepthTextures::new(gpu, "map::kept", size, count, format)?) } else { None };
         let moments = match &settings.filter {
             MapFilter::Moments(m) => Some(MomentsPass::new(gpu, m, &depth, size)?),
             _ => None,
         };
         let filtering = gpu.has(Features::FLOAT32_FILTERABLE);
-        let pass = DepthPass::new(gpu);
+        let pass = DepthPass::new(gpu, format);
         let empty = MapLayer {
             u_from_relative: [0.0; 4],
             v_from_relative: [0.0; 4],
@@ -259,7 +260,7 @@ fn filter_params(settings: &MapSettings, empty: MapLayer) -> MapParams {
         counts: [settings.layers(), settings.size, width, taps],
         reach: wide([0.0, 0.0, half_tangent, radius]),
         moments: wide(moments),
-        pixel: [0.0; 4],
+        pixel: wide([0.0, 0.0, 0.0, settings.depth.step()]),
     }
 }
 

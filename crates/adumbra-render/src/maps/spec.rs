@@ -1,7 +1,8 @@
 //! From a technique's text to settings: `csm:cascades=4:size=2048:filter=5:split=practical:lambda=0.5:static=cached`.
 
 use super::params::{
-    CascadeSettings, MapBias, MapCasters, MapFilter, MapFit, MapSettings, MomentKind, MomentSettings, Split,
+    CascadeSettings, DepthPrecision, MapBias, MapCasters, MapFilter, MapFit, MapSettings, MomentKind,
+    MomentSettings, Split,
 };
 use crate::error::Result;
 use crate::technique::TechniqueSpec;
@@ -35,6 +36,10 @@ impl MapSettings {
         let usual = MapBias::of(&filter);
         let settings = Self {
             size: reader.integer("size", 2048, SIZES)?,
+            depth: match reader.choice("depth", &["32", "16"])? {
+                "16" => DepthPrecision::Bits16,
+                _ => DepthPrecision::Bits32,
+            },
             fit,
             filter,
             bias: MapBias {
@@ -110,6 +115,9 @@ mod tests {
         assert!(known.len() >= 9);
         for (name, found) in known {
             assert_eq!((found.size, found.cache_static), (2048, false), "{name}");
+            assert_eq!(found.depth, DepthPrecision::Bits32, "{name}");
+            let halved = settings(&format!("{name}:depth=16")).unwrap().unwrap();
+            assert_eq!(halved, MapSettings { depth: DepthPrecision::Bits16, ..found });
             assert_eq!(found.layers(), if name.starts_with("csm") { 4 } else { 1 });
         }
         assert_eq!(settings("voxel").unwrap(), None);
@@ -135,6 +143,7 @@ mod tests {
             "vsm:blur=4",
             "evsm:positive=43",
             "pcf:size=1000",
+            "sm:depth=24",
             "pcf:filter=4",
             "csm:far=1e-300",
         ] {

@@ -6,17 +6,15 @@ use crate::error::{RenderError, Result};
 use crate::frame::Target;
 use crate::gpu::Gpu;
 
-/// Of light depth.
-pub const MAP_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 /// Mip levels of moments, at most.
 const MOST_LEVELS: u32 = 6;
 
 /// Depth of up to 8 layers.
-pub(super) struct DepthTextures {
+pub(crate) struct DepthTextures {
     /// All layers, as look-ups read them.
-    pub(super) all: Target,
+    pub(crate) all: Target,
     /// Each layer, to be drawn into.
-    pub(super) layers: Vec<TextureView>,
+    pub(crate) layers: Vec<TextureView>,
 }
 
 /// Moments of up to 8 layers, and the rows' blur of one.
@@ -30,14 +28,20 @@ pub(super) struct MomentTextures {
 }
 
 impl DepthTextures {
-    pub(super) fn new(gpu: &Gpu, label: &'static str, size: u32, layers: u32) -> Result<Self> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        label: &'static str,
+        size: u32,
+        layers: u32,
+        format: TextureFormat,
+    ) -> Result<Self> {
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_DST;
-        let all = array(gpu, label, size, layers, 1, MAP_FORMAT, usage)?;
+        let all = array(gpu, label, size, layers, 1, format, usage)?;
         let layers = (0..layers).map(|l| one(&all.texture, l, 0)).collect();
         Ok(Self { all, layers })
     }
 
-    pub(super) fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         bytes(&self.all.texture)
     }
 }

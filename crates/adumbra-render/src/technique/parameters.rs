@@ -1,8 +1,7 @@
 //! What techniques can be told, as help shows it; a test holds it against what they ask for.
 
 /// Of every shadow map.
-const MAP: &str =
-    "size=2048 (256 to 16384), bias=, slope=, normal= (texels, 0 to 16), static=redrawn or cached";
+const MAP: &str = "size=2048 (256 to 16384), depth=32 or 16 (bits), bias=, slope=, normal= (texels, 0 to 16), static=redrawn or cached";
 /// Of cascades.
 const CASCADES: &str = "cascades=4 (1 to 8), split=practical, uniform or log, lambda=0.5 (0 to 1), far=METRES, blend=0.1 (0 to 0.5)";
 /// Of filters over comparisons.

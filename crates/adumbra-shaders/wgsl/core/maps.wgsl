@@ -26,8 +26,9 @@ fn map_gradient(layer: MapLayer, size: u32, s: Surface) -> vec2f {
     return n / max(dot(s.normal, s.towards_sun), tangent / MAX_SLOPE) * (layer.scale.x / layer.scale.y);
 }
 
-// `bias` as in MapParams.
-fn map_receiver(layer: MapLayer, index: u32, size: u32, bias: vec4f, s: Surface) -> MapReceiver {
+// `bias` as in MapParams. `least_bias`, a share of the layer's depth, is a step of stored depth, or 0: rounding moves a caster by half
+// a step at most, so at least half the bias is left for what it is there for.
+fn map_receiver(layer: MapLayer, index: u32, size: u32, bias: vec4f, least_bias: f32, s: Surface) -> MapReceiver {
     let unit_world = layer.scale.x * bias.w;
     let p = s.p_relative + s.normal * (bias.z * unit_world);
     let u = dot(layer.u_from_relative.xyz, p) + layer.u_from_relative.w;
@@ -35,7 +36,7 @@ fn map_receiver(layer: MapLayer, index: u32, size: u32, bias: vec4f, s: Surface)
     let depth = dot(layer.depth_from_relative.xyz, p) + layer.depth_from_relative.w;
     var r: MapReceiver;
     r.p_texels = vec2f(u, v) * f32(size);
-    r.depth = depth - bias_along_light(bias, surface_slope(s)) * unit_world / layer.scale.y;
+    r.depth = depth - max(bias_along_light(bias, surface_slope(s)) * unit_world / layer.scale.y, least_bias);
     r.deepest = min(r.depth, 1.0);
     r.gradient = map_gradient(layer, size, s);
     r.layer = i32(index);

@@ -14,7 +14,8 @@ fn map_layer_of(view_depth: f32) -> u32 {
 }
 
 fn map_receiver_in(s: Surface, layer: u32) -> MapReceiver {
-    return map_receiver(map_params.layers[layer], layer, map_params.counts.y, map_params.bias, s);
+    let least_bias = map_params.pixel.w;
+    return map_receiver(map_params.layers[layer], layer, map_params.counts.y, map_params.bias, least_bias, s);
 }
 
 // Beside the layer nothing is known, and what is there is lit: movers may stand beside what stands still.

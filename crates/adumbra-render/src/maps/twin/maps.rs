@@ -15,7 +15,7 @@ pub(super) struct Receiver {
 }
 
 impl Receiver {
-    pub(super) fn new(layer: &MapLayer, size: u32, bias: [f32; 4], s: &Surface) -> Self {
+    pub(super) fn new(layer: &MapLayer, size: u32, bias: [f32; 4], least_bias: f32, s: &Surface) -> Self {
         let unit_world = layer.scale[0] * bias[3];
         let p: [f32; 3] = std::array::from_fn(|a| s.p_relative[a] + s.normal[a] * (bias[2] * unit_world));
         let along = |row: [f32; 4]| dot([row[0], row[1], row[2]], p) + row[3];
@@ -23,7 +23,7 @@ impl Receiver {
         let aside: [f32; 3] = std::array::from_fn(|a| s.normal[a] - n_dot_l * s.towards_sun[a]);
         let tangent = dot(aside, aside).sqrt();
         let slope = if tangent == 0.0 { 0.0 } else { tangent / n_dot_l.max(tangent / MAX_SLOPE) };
-        let moved = (bias[0] + bias[1] * slope) * unit_world / layer.scale[1];
+        let moved = ((bias[0] + bias[1] * slope) * unit_world / layer.scale[1]).max(least_bias);
         let side = size as f32;
         let depth = along(layer.depth_from_relative) - moved;
         Self {

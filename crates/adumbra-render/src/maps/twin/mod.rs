@@ -11,7 +11,7 @@ use super::params::{MapFilter, MomentKind};
 use super::shadow_map::ShadowMap;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::readback::read_floats;
+use crate::readback::read_depth;
 use maps::Receiver;
 use moments::MomentImage;
 
@@ -46,8 +46,7 @@ impl MapTwin {
     /// What the device reports.
     pub fn read(gpu: &Gpu, map: &ShadowMap) -> Result<Self> {
         let layers = map.settings().layers();
-        let depth =
-            (0..layers).map(|l| read_floats(gpu, map.depth_texture(), 0, l)).collect::<Result<_>>()?;
+        let depth = (0..layers).map(|l| read_depth(gpu, map.depth_texture(), l)).collect::<Result<_>>()?;
         let moments = match (&map.settings().filter, map.moments_texture()) {
             (MapFilter::Moments(m), Some(texture)) => {
                 Some(MomentImage::read(gpu, texture, layers, m.kind, map.is_filtering())?)
@@ -90,7 +89,7 @@ impl MapTwin {
     fn filtered(&self, s: &Surface, layer: usize) -> f32 {
         let place = &self.params.layers.0[layer];
         let size = self.params.counts[1];
-        let r = Receiver::new(place, size, self.params.bias, s);
+        let r = Receiver::new(place, size, self.params.bias, self.params.pixel[3], s);
         if r.p_texels.iter().any(|c| !(0.0..=size as f32).contains(c)) {
             return 1.0;
         }
