@@ -54,6 +54,12 @@ pub enum RenderError {
         /// What to do.
         mend: &'static str,
     },
+    /// A depth image that no shadow map holds.
+    #[error("a depth image cannot be used: {what}")]
+    DepthImage {
+        /// What is wrong with it, and where.
+        what: String,
+    },
     /// Baked voxels that are more than the shaders take.
     #[error("{what} is {value}, and a look-up on this device takes at most {limit}; {mend}")]
     VoxelLimit {

@@ -22,6 +22,7 @@ pub mod composite;
 mod error;
 pub mod frame;
 pub mod gpu;
+pub mod hybrid;
 pub mod maps;
 pub mod movers;
 pub mod readback;

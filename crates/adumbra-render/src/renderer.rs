@@ -167,6 +167,7 @@ impl Renderer {
             self.gbuffer.encode(&self.gpu, encoder, &self.frame, &targets, parts);
         })?;
         timer.stage(&self.gpu, Stage::Depth, |encoder| technique.encode_depth(&input, encoder))?;
+        timer.stage(&self.gpu, Stage::Build, |encoder| technique.encode_build(&input, encoder))?;
         timer.stage(&self.gpu, Stage::Lookup, |encoder| {
             let asked = (&*lookup, answer);
             self.resolver.encode(&self.gpu, encoder, &self.frame, &targets, &**technique, asked);
@@ -207,6 +208,7 @@ impl Renderer {
         technique.prepare(&input)?;
         let mut encoder = self.gpu.encoder("answer::depth");
         technique.encode_depth(&input, &mut encoder);
+        technique.encode_build(&input, &mut encoder);
         self.gpu.finish(encoder.finish())?;
         let queries: Vec<PointQuery> = points
             .iter()

@@ -11,8 +11,10 @@ use crate::readback::read_buffer;
 pub enum Stage {
     /// Depth, normals and base colour.
     GBuffer,
-    /// A technique's depth passes and what else comes before its look-up.
+    /// A technique's depth passes.
     Depth,
+    /// What a technique makes of depth before its look-up.
+    Build,
     /// The look-up for every pixel.
     Lookup,
     /// A technique's passes on the screen.
@@ -21,7 +23,7 @@ pub enum Stage {
     Composite,
 }
 
-const STAGES: usize = 5;
+const STAGES: usize = 6;
 
 /// Milliseconds by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,9 +40,14 @@ impl FrameTimes {
         self.milliseconds[stage as usize]
     }
 
-    /// Milliseconds that the shadows took: depth passes, look-up and screen passes.
+    /// Milliseconds before the look-up: depth passes, and what is made of them.
+    pub fn before_lookup(&self) -> f64 {
+        self.of(Stage::Depth) + self.of(Stage::Build)
+    }
+
+    /// Milliseconds that the shadows took: depth passes, what is made of them, look-up and screen passes.
     pub fn shadow(&self) -> f64 {
-        self.of(Stage::Depth) + self.of(Stage::Lookup) + self.of(Stage::Screen)
+        self.before_lookup() + self.of(Stage::Lookup) + self.of(Stage::Screen)
     }
 }
 

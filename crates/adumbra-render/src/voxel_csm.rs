@@ -60,7 +60,7 @@ impl Technique for VoxelCsm {
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        if answer == Answer::Cascade {
+        if answer != Answer::Visibility {
             return self.map.sources(answer);
         }
         let voxel = [source::GRID, source::VOXEL, self.voxel.bindings().access()];

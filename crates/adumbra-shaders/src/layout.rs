@@ -92,6 +92,8 @@ gpu_struct! {
         pub counts: [u32; 4],
         /// Depth of a plane's slope code 1, in 4096ths of [`crate::constants::HYBRID_ONE`]'s steps a texel; 0, 0, 0.
         pub slope: [i32; 4],
+        /// Least bias along the light, a share of the layer's depth: a step of stored depth; 0, 0, 0.
+        pub least_bias: [f32; 4],
     }
 }
 

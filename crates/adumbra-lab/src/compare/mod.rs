@@ -212,7 +212,7 @@ fn draw_and_judge(
     let row = TechniqueRow {
         name: contender.spec.to_string(),
         gpu_ms: of(&FrameTimes::shadow),
-        depth_ms: of(&|t| t.of(Stage::Depth)),
+        depth_ms: of(&|t| t.before_lookup()),
         lookup_ms: of(&|t| t.of(Stage::Lookup)),
         screen_ms: of(&|t| t.of(Stage::Screen)),
         wall_time: times.iter().any(|t| t.wall_time),

@@ -58,7 +58,7 @@ pub fn walk(
         techniques.push(PathRow {
             name: contender.spec.to_string(),
             gpu_ms: of(&FrameTimes::shadow),
-            depth_ms: of(&|t| t.of(Stage::Depth)),
+            depth_ms: of(&|t| t.before_lookup()),
             lookup_ms: of(&|t| t.of(Stage::Lookup) + t.of(Stage::Screen)),
             wall_time: times.iter().any(|t| t.wall_time),
             shimmer,

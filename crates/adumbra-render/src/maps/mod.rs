@@ -20,3 +20,4 @@ pub use params::{
     MomentSettings, Split,
 };
 pub use shadow_map::ShadowMap;
+pub(crate) use shadow_map::scene_fit;

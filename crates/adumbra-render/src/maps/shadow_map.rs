@@ -126,12 +126,8 @@ impl ShadowMap {
 
     /// Where the layers lie for this frame, and the view depths between which shadows fade.
     fn fit(&self, input: &FrameInput<'_>) -> Result<(Vec<LayerFit>, [f64; 2])> {
-        let sun = Sun::from_direction(input.towards_sun)?;
-        let (still, all) = extents(input, &sun);
-        let clipped = !input.gpu.has(Features::DEPTH_CLIP_CONTROL);
-        let depth = depth_range(&still, clipped.then_some(&all));
         let margin = self.settings.filter.reach_texels() + self.settings.bias.normal_offset_texels;
-        let scene = scene_layer(&still, depth, self.settings.size, margin);
+        let scene = scene_fit(input, self.settings.size, margin)?;
         let MapFit::Cascades(cascades) = &self.settings.fit else {
             return Ok((vec![scene], [ENDLESS; 2]));
         };
@@ -183,6 +179,7 @@ impl Technique for ShadowMap {
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         Some(match answer {
             Answer::Cascade => vec![source::MAP_CASCADE],
+            Answer::Level => return None,
             Answer::Visibility => self.visibility_sources().into_iter().chain([source::MAP_ONLY]).collect(),
         })
     }
@@ -218,6 +215,18 @@ impl Technique for ShadowMap {
         }
         Vec::new()
     }
+}
+
+/// One layer over everything that stands still, with `margin` texels on every side.
+///
+/// # Errors
+/// A direction towards the sun that is none.
+pub(crate) fn scene_fit(input: &FrameInput<'_>, size: u32, margin: f64) -> Result<LayerFit> {
+    let sun = Sun::from_direction(input.towards_sun)?;
+    let (still, all) = extents(input, &sun);
+    let clipped = !input.gpu.has(Features::DEPTH_CLIP_CONTROL);
+    let depth = depth_range(&still, clipped.then_some(&all));
+    Ok(scene_layer(&still, depth, size, margin))
 }
 
 /// What stands still, and everything, along the light. Where nothing stands still both are everything; where nothing is at all, a point.

@@ -33,26 +33,39 @@ impl MapSettings {
             "msm" => moments(&mut reader, MomentKind::FourMoments)?,
             _ => return Ok(None),
         };
-        let usual = MapBias::of(&filter);
         let settings = Self {
             size: reader.integer("size", 2048, SIZES)?,
-            depth: match reader.choice("depth", &["32", "16"])? {
-                "16" => DepthPrecision::Bits16,
-                _ => DepthPrecision::Bits32,
-            },
+            depth: DepthPrecision::from_reader(&mut reader)?,
             fit,
             filter,
-            bias: MapBias {
-                constant_texels: reader.number("bias", usual.constant_texels, 0.0..=16.0)?,
-                slope_texels: reader.number("slope", usual.slope_texels, 0.0..=16.0)?,
-                normal_offset_texels: reader.number("normal", usual.normal_offset_texels, 0.0..=16.0)?,
-                ..usual
-            },
+            bias: MapBias::from_reader(&mut reader, &filter)?,
             cache_static: reader.choice("static", &["redrawn", "cached"])? == "cached",
             casters: MapCasters::All,
         };
         reader.finish()?;
         Ok(Some(settings))
+    }
+}
+
+impl DepthPrecision {
+    pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
+        Ok(match reader.choice("depth", &["32", "16"])? {
+            "16" => Self::Bits16,
+            _ => Self::Bits32,
+        })
+    }
+}
+
+impl MapBias {
+    /// What is said of it, and the filter's usual bias for the rest.
+    pub(crate) fn from_reader(reader: &mut SpecReader<'_>, filter: &MapFilter) -> Result<Self> {
+        let usual = Self::of(filter);
+        Ok(Self {
+            constant_texels: reader.number("bias", usual.constant_texels, 0.0..=16.0)?,
+            slope_texels: reader.number("slope", usual.slope_texels, 0.0..=16.0)?,
+            normal_offset_texels: reader.number("normal", usual.normal_offset_texels, 0.0..=16.0)?,
+            ..usual
+        })
     }
 }
 

@@ -6,6 +6,7 @@ use super::spec::TechniqueSpec;
 use super::{NoShadows, Technique};
 use crate::error::Result;
 use crate::gpu::Gpu;
+use crate::hybrid::{HybridMap, HybridSettings};
 use crate::maps::{MapSettings, ShadowMap};
 use crate::screen_blur::{BlurSettings, ScreenBlur};
 use crate::voxel::{Cubes, Voxel};
@@ -35,6 +36,7 @@ pub const TECHNIQUES: &[(&str, &str)] = &[
     ),
     ("csm-vsm", "cascades of variance shadow maps"),
     ("csm-evsm", "cascades of exponential variance shadow maps"),
+    ("hrsm", "hybrid-resolution shadow map, START-TARGET texels a side (4096-1024), test=plane or paper"),
     ("blur", "another technique's factor, blurred on the screen"),
     ("blur-dilate", "the same, with the shade dilated first"),
     ("blur-bilateral", "the same, within surfaces"),
@@ -61,6 +63,10 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             }
             let base = build(gpu, &base, baked)?;
             Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
+        }
+        "hrsm" => {
+            let settings = HybridSettings::from_spec(spec)?;
+            Ok(Box::new(HybridMap::new(gpu, &spec.to_string(), settings)?))
         }
         "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
         "voxel+csm" => Ok(Box::new(VoxelCsm::from_spec(gpu, spec, baked.light)?)),

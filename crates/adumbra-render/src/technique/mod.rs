@@ -19,6 +19,7 @@ use adumbra_shaders::{Source, source};
 use crate::error::Result;
 use crate::frame::Targets;
 use crate::gpu::Gpu;
+use crate::hybrid::HybridMap;
 use crate::maps::ShadowMap;
 use crate::scene::SceneBuffers;
 
@@ -52,6 +53,8 @@ pub enum Answer {
     Visibility,
     /// The cascade that a point falls in, from 0; -1 beyond the last, and where nothing is.
     Cascade,
+    /// The level that a look-up in a hybrid map ends at, 0 the finest; -1 beside the map, and where nothing is.
+    Level,
 }
 
 /// A shadow technique on one device.
@@ -65,8 +68,11 @@ pub trait Technique {
     /// Whatever the technique cannot do.
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()>;
 
-    /// Depth passes and what else comes before the look-up.
+    /// Depth passes.
     fn encode_depth(&mut self, _input: &FrameInput<'_>, _encoder: &mut wgpu::CommandEncoder) {}
+
+    /// What is made of depth before the look-up.
+    fn encode_build(&mut self, _input: &FrameInput<'_>, _encoder: &mut wgpu::CommandEncoder) {}
 
     /// The WGSL files that define `shadow_factor`, with what they need but core/surface.wgsl; none where the technique has
     /// no such answer.
@@ -115,6 +121,11 @@ pub trait Technique {
     /// Edge of what it compares with, a texel or a voxel, at a view depth, world units; as of the frame prepared last. None where it
     /// compares with nothing.
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        None
+    }
+
+    /// Its hybrid map, where it has one, for those who read it back.
+    fn hybrid(&self) -> Option<&HybridMap> {
         None
     }
 

@@ -21,6 +21,7 @@ pub struct Resolver {
 pub struct Lookup {
     pixels: Option<wgpu::ComputePipeline>,
     cascades: Option<wgpu::ComputePipeline>,
+    levels: Option<wgpu::ComputePipeline>,
     points: Option<wgpu::ComputePipeline>,
 }
 
@@ -29,6 +30,7 @@ impl Lookup {
         match answer {
             Answer::Visibility => self.pixels.as_ref(),
             Answer::Cascade => self.cascades.as_ref(),
+            Answer::Level => self.levels.as_ref(),
         }
     }
 
@@ -62,6 +64,7 @@ impl Resolver {
         Lookup {
             pixels: pipeline(&self.pixels, Answer::Visibility, source::RESOLVE, "resolve"),
             cascades: pipeline(&self.pixels, Answer::Cascade, source::RESOLVE, "resolve_all"),
+            levels: pipeline(&self.pixels, Answer::Level, source::RESOLVE, "resolve_all"),
             points: pipeline(&self.points, Answer::Visibility, source::POINTS, "answer_points"),
         }
     }

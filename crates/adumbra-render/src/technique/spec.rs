@@ -1,4 +1,5 @@
-//! Techniques by name: `NAME[:key=value…]`, such as `csm:cascades=4:size=2048:filter=5`.
+//! Techniques by name: `NAME[:key=value…]`, such as `csm:cascades=4:size=2048:filter=5`. Two sizes alone, such as the `4096-1024` of
+//! `hrsm:4096-1024`, are short for `sizes=4096-1024`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -26,7 +27,8 @@ impl FromStr for TechniqueSpec {
         }
         let mut values = BTreeMap::new();
         for part in parts {
-            let Some((key, value)) = part.split_once('=') else {
+            let pair = part.split_once('=').or_else(|| is_sizes(part).then_some(("sizes", part)));
+            let Some((key, value)) = pair else {
                 return Err(wrong(format!("{part:?} is not key=value")));
             };
             if values.insert(key.trim().to_lowercase(), value.trim().to_lowercase()).is_some() {
@@ -35,6 +37,11 @@ impl FromStr for TechniqueSpec {
         }
         Ok(Self { name, values, text: text.to_owned() })
     }
+}
+
+fn is_sizes(part: &str) -> bool {
+    let is_number = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
+    part.trim().split_once('-').is_some_and(|(a, b)| is_number(a) && is_number(b))
 }
 
 impl fmt::Display for TechniqueSpec {
@@ -163,6 +170,8 @@ mod tests {
         let wrong = |text: &str| text.parse::<TechniqueSpec>().unwrap_err().to_string();
         assert!(wrong("pcf:5").contains("not key=value"));
         assert!(wrong("pcf:a=1:a=2").contains("twice"));
+        assert!(wrong("hrsm:4096-1024:sizes=2048-1024").contains("twice"));
+        assert!(wrong("hrsm:4096-").contains("not key=value"));
         assert!(wrong("").contains("no name"));
         let spec: TechniqueSpec = "pcf:filter=4:taps=3".parse().unwrap();
         let mut reader = spec.reader();

@@ -4,7 +4,7 @@
 @group(2) @binding(0) var<uniform> hybrid: HybridParams;
 
 fn shadow_factor(s: Surface) -> f32 {
-    let r = map_receiver(hybrid.layer, 0u, hybrid.counts.x, hybrid.bias, s);
+    let r = map_receiver(hybrid.layer, 0u, hybrid.counts.x, hybrid.bias, hybrid.least_bias.x, s);
     if (any(r.p_texels < vec2f(0.0)) || any(r.p_texels > vec2f(f32(hybrid.counts.x)))) {
         return 1.0;
     }

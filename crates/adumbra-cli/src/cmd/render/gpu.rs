@@ -159,6 +159,7 @@ fn figures(renderer: &Renderer, technique: &Prepared, times: &FrameTimes) -> Val
         "wall_time": times.wall_time,
         "gbuffer_ms": times.of(Stage::GBuffer),
         "depth_ms": times.of(Stage::Depth),
+        "build_ms": times.of(Stage::Build),
         "lookup_ms": times.of(Stage::Lookup),
         "screen_ms": times.of(Stage::Screen),
     })

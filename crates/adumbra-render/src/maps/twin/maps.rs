@@ -7,15 +7,15 @@ use super::Surface;
 
 /// `MapReceiver`, but for the layer.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Receiver {
-    pub(super) p_texels: [f32; 2],
-    pub(super) depth: f32,
+pub(crate) struct Receiver {
+    pub(crate) p_texels: [f32; 2],
+    pub(crate) depth: f32,
     deepest: f32,
-    pub(super) gradient: [f32; 2],
+    pub(crate) gradient: [f32; 2],
 }
 
 impl Receiver {
-    pub(super) fn new(layer: &MapLayer, size: u32, bias: [f32; 4], least_bias: f32, s: &Surface) -> Self {
+    pub(crate) fn new(layer: &MapLayer, size: u32, bias: [f32; 4], least_bias: f32, s: &Surface) -> Self {
         let unit_world = layer.scale[0] * bias[3];
         let p: [f32; 3] = std::array::from_fn(|a| s.p_relative[a] + s.normal[a] * (bias[2] * unit_world));
         let along = |row: [f32; 4]| dot([row[0], row[1], row[2]], p) + row[3];
@@ -34,7 +34,7 @@ impl Receiver {
         }
     }
 
-    pub(super) fn plane_depth(&self, p_texels: [f32; 2]) -> f32 {
+    pub(crate) fn plane_depth(&self, p_texels: [f32; 2]) -> f32 {
         let [x, y] = [p_texels[0] - self.p_texels[0], p_texels[1] - self.p_texels[1]];
         (self.depth + self.gradient[0] * x + self.gradient[1] * y).min(self.deepest)
     }

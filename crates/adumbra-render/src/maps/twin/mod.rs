@@ -12,7 +12,7 @@ use super::shadow_map::ShadowMap;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::readback::read_depth;
-use maps::Receiver;
+pub(crate) use maps::Receiver;
 use moments::MomentImage;
 
 /// A visible point, as the shaders' `Surface`.
