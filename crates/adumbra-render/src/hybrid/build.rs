@@ -53,11 +53,12 @@ impl Builder {
     /// # Errors
     /// [`RenderError::TooLarge`] where the device binds less than the largest map of this size.
     pub fn new(gpu: &Gpu, settings: &HybridSettings, depth: &wgpu::TextureView) -> Result<Self> {
-        let texels: Vec<u64> = (0..=settings.merges()).map(|k| u64::from(settings.start >> k).pow(2)).collect();
+        let texels: Vec<u64> =
+            (0..=settings.merges()).map(|k| u64::from(settings.start >> k).pow(2)).collect();
         let target = u64::from(settings.target).pow(2);
         let finest = texels[0] / if settings.depth == DepthPrecision::Bits16 { 2 } else { 1 };
         let between: u64 = texels[1..texels.len() - 1].iter().sum();
-        let largest = 4 * (target + finest + between);
+        let largest = 4 * (target + finest + between).next_multiple_of(4);
         if largest > gpu.max_binding_bytes {
             return Err(RenderError::TooLarge {
                 what: format!("a hybrid shadow map from {} texels a side", settings.start),
@@ -107,8 +108,18 @@ impl Builder {
         let built = Self {
             settings: *settings,
             merge: gpu.compute(entry, assemble(&[leaf, common, test, pass]), entry, &groups),
-            scan: gpu.compute("hybrid_scan", assemble(&[common, source::HYBRID_SCAN]), "hybrid_scan", &groups),
-            place: gpu.compute("hybrid_place", assemble(&[common, source::HYBRID_PLACE]), "hybrid_place", &groups),
+            scan: gpu.compute(
+                "hybrid_scan",
+                assemble(&[common, source::HYBRID_SCAN]),
+                "hybrid_scan",
+                &groups,
+            ),
+            place: gpu.compute(
+                "hybrid_place",
+                assemble(&[common, source::HYBRID_PLACE]),
+                "hybrid_place",
+                &groups,
+            ),
             levels: levels.collect(),
             scratch,
             counts,
@@ -169,7 +180,10 @@ impl Builder {
         let bytes = read_buffer(gpu, &copy)?;
         let at = |i: usize| bytes.as_chunks::<4>().0.get(i).map_or(0, |b| u32::from_le_bytes(*b));
         let merges = self.settings.merges() as usize;
-        Ok(BuiltCounts { words: at(0), split: std::array::from_fn(|k| if k < merges { at(k + 1) } else { 0 }) })
+        Ok(BuiltCounts {
+            words: at(0),
+            split: std::array::from_fn(|k| if k < merges { at(k + 1) } else { 0 }),
+        })
     }
 
     /// Bytes on the GPU, the map's largest size among them.

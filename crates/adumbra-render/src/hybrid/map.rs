@@ -1,6 +1,6 @@
 //! The technique `hrsm`: a shadow map over the scene, merged where depth is smooth.
 //!
-//! Bind group 2: parameters, words (see access/hybrid_compact.wgsl). The shadow map that it is made from, and room for the largest map of
+//! Bind group 2: parameters, words, the same words by fours (see access/hybrid_compact.wgsl). The shadow map that it is made from, and room for the largest map of
 //! its size, stay on the device while light or casters change; with `cache_static` they are given back once nothing does.
 
 use adumbra_shaders::constants::HYBRID_ONE;
@@ -69,10 +69,9 @@ impl HybridMap {
         let working = Working::new(gpu, &settings)?;
         let params = params(&settings);
         let uniform = gpu.uniform("hybrid::params", &params.bytes());
-        let layout = gpu.layout("hybrid", ShaderStages::COMPUTE, &[binding::UNIFORM, binding::STORAGE]);
-        let words = working.builder.words();
-        let resources = vec![uniform.as_entire_binding(), words.as_entire_binding()];
-        let group = gpu.bind("hybrid", &layout, resources);
+        let kinds = [binding::UNIFORM, binding::STORAGE, binding::STORAGE];
+        let layout = gpu.layout("hybrid", ShaderStages::COMPUTE, &kinds);
+        let group = look_up_group(gpu, &layout, &uniform, working.builder.words());
         Ok(Self {
             name: name.to_owned(),
             settings,
@@ -150,22 +149,17 @@ impl HybridMap {
         let counts = working.builder.counts(gpu)?;
         let words = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("hybrid::kept"),
-            size: 4 * u64::from(counts.words.max(1)),
+            size: 4 * u64::from(counts.words.next_multiple_of(4)),
             usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let mut encoder = gpu.encoder("hybrid::keep");
         encoder.copy_buffer_to_buffer(working.builder.words(), 0, &words, 0, words.size());
         gpu.finish(encoder.finish())?;
-        self.bind(gpu, &words);
+        self.group = look_up_group(gpu, &self.layout, &self.uniform, &words);
         self.kept = Some(Kept { words, counts });
         self.working = None;
         Ok(())
-    }
-
-    fn bind(&mut self, gpu: &Gpu, words: &wgpu::Buffer) {
-        let resources = vec![self.uniform.as_entire_binding(), words.as_entire_binding()];
-        self.group = gpu.bind("hybrid", &self.layout, resources);
     }
 }
 
@@ -191,7 +185,7 @@ impl Technique for HybridMap {
         if self.stale {
             if self.working.is_none() {
                 let working = Working::new(input.gpu, &self.settings)?;
-                self.bind(input.gpu, working.builder.words());
+                self.group = look_up_group(input.gpu, &self.layout, &self.uniform, working.builder.words());
                 self.working = Some(working);
                 self.kept = None;
             }
@@ -199,7 +193,8 @@ impl Technique for HybridMap {
         } else {
             self.keep(input.gpu)?;
         }
-        self.units = PlaneUnits::new(self.settings.test, fit.texel_world / (fit.depth_world[1] - fit.depth_world[0]));
+        self.units =
+            PlaneUnits::new(self.settings.test, fit.texel_world / (fit.depth_world[1] - fit.depth_world[0]));
         if let Some(working) = &self.working {
             working.builder.write(input.gpu, self.units);
         }
@@ -231,7 +226,9 @@ impl Technique for HybridMap {
         match (answer, &self.settings.filter) {
             (Answer::Cascade, _) => return None,
             (Answer::Level, _) => files.push(source::HYBRID_LEVELS),
-            (Answer::Visibility, MapFilter::Nearest) => files.extend([source::HYBRID_NEAREST, source::HYBRID_MAP]),
+            (Answer::Visibility, MapFilter::Nearest) => {
+                files.extend([source::HYBRID_NEAREST, source::HYBRID_MAP])
+            }
             (Answer::Visibility, _) => {
                 files.extend([source::HYBRID_BOX, source::HYBRID_PCF, source::HYBRID_MAP]);
             }
@@ -264,6 +261,16 @@ impl Technique for HybridMap {
     fn notes(&self) -> Vec<String> {
         self.settings.notes()
     }
+}
+
+fn look_up_group(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    uniform: &wgpu::Buffer,
+    words: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    let words = words.as_entire_binding();
+    gpu.bind("hybrid", layout, vec![uniform.as_entire_binding(), words.clone(), words])
 }
 
 /// What does not change from frame to frame.

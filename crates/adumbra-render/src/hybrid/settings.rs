@@ -171,7 +171,8 @@ mod tests {
 
     #[test]
     fn spec_reads_every_key() {
-        let s = settings("hrsm:2048-256:test=paper:depth=16:build=sweep:filter=1:static=cached:bias=2").unwrap();
+        let s =
+            settings("hrsm:2048-256:test=paper:depth=16:build=sweep:filter=1:static=cached:bias=2").unwrap();
         assert_eq!((s.start, s.target, s.merges(), s.width()), (2048, 256, 3, 1));
         assert_eq!((s.test, s.build, s.depth), (MergeTest::Paper, BuildKind::Sweep, DepthPrecision::Bits16));
         assert!(s.cache_static && s.bias.constant_texels == 2.0);

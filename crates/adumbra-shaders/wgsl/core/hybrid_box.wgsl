@@ -1,27 +1,27 @@
 // The mean of comparisons over a square of a hybrid map: what core/pcf.wgsl's pcf_box is for a shadow map, over the same finest texels with
-// the same weights. Texels that merged are compared as a whole, by the extremes of what a plane less a plane can be; only where those
-// disagree are their finest texels taken one by one.
+// the same weights.
+// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, of which this is the filter: the coarsest texels under the
+// square are asked first, as whole planes, and only where one of them leads further down, or they disagree, finest texels are.
 
+// The square: `low` to `high` in finest texels, and who is compared.
 struct HybridBox {
-    // Of the square, in finest texels.
     low: vec2f,
     high: vec2f,
     receiver: MapReceiver,
 }
 
-// How a receiver compares with a texel: 1 lit all over, 0 shadowed all over, 0.5 neither.
-fn hybrid_compare(box: HybridBox, leaf: vec3f, middle: vec2f, corner: vec2f, size: f32) -> f32 {
+// How a receiver compares with a texel of the coarsest level: 1 lit all over, 0 shadowed all over, 0.5 neither.
+fn hybrid_compare(box: HybridBox, leaf: vec3f, corner: vec2f, size: f32) -> f32 {
     let r = box.receiver;
     // Centres of the finest texels that both hold.
     let first = max(corner, floor(box.low)) + 0.5;
     let last = min(corner + size, ceil(box.high)) - 0.5;
     let reach = 0.5 * (last - first);
     let centre = 0.5 * (first + last);
-    let caster = leaf.x + dot(leaf.yz, centre - middle);
-    let slant = r.gradient - leaf.yz;
+    let caster = leaf.x + dot(leaf.yz, centre - (corner + 0.5 * size));
     // Receiver less caster: where the receiver's plane counts, and where its deepest does.
     let plane = r.depth + dot(r.gradient, centre - r.p_texels) - caster;
-    let plane_reach = dot(abs(slant), reach);
+    let plane_reach = dot(abs(r.gradient - leaf.yz), reach);
     let flat = r.deepest - caster;
     let flat_reach = dot(abs(leaf.yz), reach);
     if (min(plane + plane_reach, flat + flat_reach) <= 0.0) {
@@ -30,133 +30,62 @@ fn hybrid_compare(box: HybridBox, leaf: vec3f, middle: vec2f, corner: vec2f, siz
     return select(0.5, 0.0, min(plane - plane_reach, flat - flat_reach) > 0.0);
 }
 
-// Finest texels' area that the square and a texel of `size` share.
-fn hybrid_area(box: HybridBox, corner: vec2f, size: f32) -> f32 {
-    let sides = max(min(corner + size, box.high) - max(corner, box.low), vec2f(0.0));
-    return sides.x * sides.y;
-}
-
-// Lit area of a texel that merged.
-fn hybrid_leaf_area(params: HybridParams, box: HybridBox, word: u32, texel: vec2u, level: u32) -> f32 {
-    let size = f32(1u << level);
-    let corner = vec2f(texel) * size;
-    let middle = corner + 0.5 * size;
-    let leaf = hybrid_leaf(word, params.slope.x);
-    let lit = hybrid_compare(box, leaf, middle, corner, size);
-    if (lit != 0.5) {
-        return lit * hybrid_area(box, corner, size);
-    }
-    let first = max(corner, floor(box.low));
-    let last = min(corner + size, ceil(box.high));
-    var area = 0.0;
-    for (var y = first.y; y < last.y; y += 1.0) {
-        for (var x = first.x; x < last.x; x += 1.0) {
-            let p = vec2f(x, y);
-            let depth = leaf.x + dot(leaf.yz, p + 0.5 - middle);
-            let passed = map_plane_depth(box.receiver, p + 0.5) <= depth;
-            area += select(0.0, hybrid_area(box, p, 1.0), passed);
+// What all coarsest texels under the square agree on, 0 or 1; 0.5 where they do not.
+fn hybrid_agreed(shape: HybridShape, box: HybridBox) -> f32 {
+    let size = f32(1u << shape.merges);
+    let side = shape.start >> shape.merges;
+    let last_cell = vec2i(i32(side) - 1);
+    let first = clamp(vec2i(floor(box.low / size)), vec2i(0), last_cell);
+    let last = clamp(vec2i(ceil(box.high / size)) - 1, vec2i(0), last_cell);
+    var sum = 0.0;
+    var count = 0.0;
+    for (var y = first.y; y <= last.y; y++) {
+        for (var x = first.x; x <= last.x; x++) {
+            let word = hybrid_root(vec2u(vec2i(x, y)), side);
+            if (hybrid_is_index(word)) {
+                return 0.5;
+            }
+            sum += hybrid_compare(box, hybrid_leaf(word, shape.slope), vec2f(vec2i(x, y)) * size, size);
+            count += 1.0;
         }
     }
-    return area;
-}
-
-// Lit area of the four finest texels below `parent`, whose place in level 1 is `texel`.
-fn hybrid_finest_area(params: HybridParams, box: HybridBox, parent: u32, texel: vec2u) -> f32 {
-    var area = 0.0;
-    for (var i = 0u; i < 4u; i++) {
-        let finest = 2u * texel + vec2u(i & 1u, i >> 1u);
-        let p = vec2f(finest);
-        let share = hybrid_area(box, p, 1.0);
-        if (share > 0.0) {
-            let depth = hybrid_finest(parent, finest, params.counts.w == 1u);
-            area += select(0.0, share, map_plane_depth(box.receiver, p + 0.5) <= depth);
-        }
-    }
-    return area;
-}
-
-fn hybrid_area_1(params: HybridParams, box: HybridBox, word: u32, texel: vec2u) -> f32 {
-    if (hybrid_is_index(word)) {
-        return hybrid_finest_area(params, box, word, texel);
-    }
-    return hybrid_leaf_area(params, box, word, texel, 1u);
-}
-
-fn hybrid_area_2(params: HybridParams, box: HybridBox, word: u32, texel: vec2u) -> f32 {
-    if (!hybrid_is_index(word)) {
-        return hybrid_leaf_area(params, box, word, texel, 2u);
-    }
-    var area = 0.0;
-    for (var i = 0u; i < 4u; i++) {
-        let child = 2u * texel + vec2u(i & 1u, i >> 1u);
-        if (hybrid_area(box, 2.0 * vec2f(child), 2.0) > 0.0) {
-            area += hybrid_area_1(params, box, hybrid_child(word, child), child);
-        }
-    }
-    return area;
-}
-
-fn hybrid_area_3(params: HybridParams, box: HybridBox, word: u32, texel: vec2u) -> f32 {
-    if (!hybrid_is_index(word)) {
-        return hybrid_leaf_area(params, box, word, texel, 3u);
-    }
-    var area = 0.0;
-    for (var i = 0u; i < 4u; i++) {
-        let child = 2u * texel + vec2u(i & 1u, i >> 1u);
-        if (hybrid_area(box, 4.0 * vec2f(child), 4.0) > 0.0) {
-            area += hybrid_area_2(params, box, hybrid_child(word, child), child);
-        }
-    }
-    return area;
-}
-
-// Lit area of a texel of the coarsest level.
-fn hybrid_cell_area(params: HybridParams, box: HybridBox, word: u32, cell: vec2u) -> f32 {
-    switch params.counts.y {
-        case 1u: { return hybrid_area_1(params, box, word, cell); }
-        case 2u: { return hybrid_area_2(params, box, word, cell); }
-        default: { return hybrid_area_3(params, box, word, cell); }
-    }
+    return select(select(0.5, 1.0, sum == count), 0.0, sum == 0.0);
 }
 
 // The mean over a square of `width` - 1 finest texels around the receiver. Beyond the map is lit.
-fn hybrid_box(params: HybridParams, r: MapReceiver, width: u32) -> f32 {
+fn hybrid_box(shape: HybridShape, r: MapReceiver, width: u32) -> f32 {
     let half_side = 0.5 * (f32(width) - 1.0);
-    let box = HybridBox(r.p_texels - half_side, r.p_texels + half_side, r);
-    let level = params.counts.y;
-    let size = f32(1u << level);
-    let side = params.counts.x >> level;
-    let first = vec2i(floor(box.low / size));
-    let last = vec2i(ceil(box.high / size)) - 1;
-    // Where no texel of the coarsest level leads further down and all agree, that is the answer.
-    var lit = true;
-    var shadowed = true;
-    for (var y = first.y; y <= last.y; y++) {
-        for (var x = first.x; x <= last.x; x++) {
-            let cell = vec2u(clamp(vec2i(x, y), vec2i(0), vec2i(i32(side) - 1)));
-            let word = hybrid_root(cell, side);
-            var answer = 0.5;
-            if (!hybrid_is_index(word)) {
-                let corner = vec2f(cell) * size;
-                answer = hybrid_compare(box, hybrid_leaf(word, params.slope.x), corner + 0.5 * size, corner, size);
-            }
-            lit = lit && answer == 1.0;
-            shadowed = shadowed && answer == 0.0;
+    let low = r.p_texels - half_side;
+    let high = r.p_texels + half_side;
+    // After one merge there are as many coarse texels as blocks.
+    if (shape.merges > 1u) {
+        let agreed = hybrid_agreed(shape, HybridBox(low, high, r));
+        if (agreed != 0.5) {
+            return agreed;
         }
     }
-    if (lit || shadowed) {
-        return select(0.0, 1.0, lit);
-    }
-    var area = 0.0;
-    for (var y = first.y; y <= last.y; y++) {
-        for (var x = first.x; x <= last.x; x++) {
-            let cell = vec2i(x, y);
-            if (any(cell < vec2i(0)) || any(cell >= vec2i(i32(side)))) {
-                area += hybrid_area(box, vec2f(cell) * size, size);
-            } else {
-                area += hybrid_cell_area(params, box, hybrid_root(vec2u(cell), side), vec2u(cell));
+    let first = vec2i(floor(0.5 * low));
+    let last_block = vec2i(i32(shape.start >> 1u) - 1);
+    let pairs = i32((width + 1u) / 2u);
+    var lit = 0.0;
+    for (var y = 0; y < pairs; y++) {
+        for (var x = 0; x < pairs; x++) {
+            let block = first + vec2i(x, y);
+            let inside = clamp(block, vec2i(0), last_block);
+            var stored = vec4f(1.0);
+            if (all(inside == block)) {
+                stored = hybrid_block(shape, vec2u(block));
             }
+            let corner = 2.0 * vec2f(block) + 1.0;
+            let middle = r.depth + dot(r.gradient, corner - r.p_texels);
+            let right = 0.5 * r.gradient.x;
+            let down = 0.5 * r.gradient.y;
+            let plane = vec4f(middle - right - down, middle + right - down, middle - right + down, middle + right + down);
+            let passed = select(vec4f(0.0), vec4f(1.0), min(plane, vec4f(r.deepest)) <= stored);
+            let columns = map_overlap(vec2f(corner.x - 1.0, corner.x), vec2f(low.x, high.x));
+            let rows = map_overlap(vec2f(corner.y - 1.0, corner.y), vec2f(low.y, high.y));
+            lit += dot(passed, columns.xyxy * rows.xxyy);
         }
     }
-    return area / (4.0 * half_side * half_side);
+    return lit / (4.0 * half_side * half_side);
 }

@@ -60,3 +60,8 @@ fn map_moved(r: MapReceiver, offset_texels: vec2f) -> MapReceiver {
 fn map_band(begin: f32, end: f32, view_depth: f32) -> f32 {
     return select(clamp((view_depth - begin) / (end - begin), 0.0, 1.0), 0.0, view_depth <= begin);
 }
+
+// How much of the texel from `left` lies within a span.
+fn map_overlap(left: vec2f, span: vec2f) -> vec2f {
+    return clamp(min(left + 1.0, vec2f(span.y)) - max(left, vec2f(span.x)), vec2f(0.0), vec2f(1.0));
+}

@@ -19,11 +19,6 @@ fn pcf_hardware(map: texture_depth_2d_array, comparing: sampler_comparison, r: M
     return textureSampleCompareLevel(map, comparing, r.p_texels / size, r.layer, depth);
 }
 
-// How much of the texel from `left` lies within a span.
-fn pcf_overlap(left: vec2f, span: vec2f) -> vec2f {
-    return clamp(min(left + 1.0, vec2f(span.y)) - max(left, vec2f(span.x)), vec2f(0.0), vec2f(1.0));
-}
-
 // The mean over a square of `width` - 1 texels around the receiver: up to `width` × `width` texels, those at its border by the part
 // that lies inside. Width 2 is bilinear. Reads four texels at a time: 1, 4, 9 or 16 gathers for 2, 3, 5 or 7.
 fn pcf_box(map: texture_depth_2d_array, gathering: sampler, r: MapReceiver, width: u32) -> f32 {
@@ -44,8 +39,8 @@ fn pcf_box(map: texture_depth_2d_array, gathering: sampler, r: MapReceiver, widt
             // In the gather's order: below left, below right, above right, above left.
             let plane = vec4f(middle - right + down, middle + right + down, middle + right - down, middle - right - down);
             let passed = select(vec4f(0.0), vec4f(1.0), min(plane, vec4f(r.deepest)) <= stored);
-            let columns = pcf_overlap(vec2f(corner.x - 1.0, corner.x), vec2f(low.x, high.x));
-            let rows = pcf_overlap(vec2f(corner.y - 1.0, corner.y), vec2f(low.y, high.y));
+            let columns = map_overlap(vec2f(corner.x - 1.0, corner.x), vec2f(low.x, high.x));
+            let rows = map_overlap(vec2f(corner.y - 1.0, corner.y), vec2f(low.y, high.y));
             lit += dot(passed, vec4f(columns.x, columns.y, columns.y, columns.x) * rows.yyxx);
         }
     }

@@ -7,5 +7,6 @@ fn shadow_factor(s: Surface) -> f32 {
     if (any(r.p_texels < vec2f(0.0)) || any(r.p_texels > vec2f(f32(hybrid.counts.x)))) {
         return -1.0;
     }
-    return f32(hybrid_texel(hybrid, hybrid_receiver_texel(hybrid, r)).level);
+    let shape = hybrid_shape(hybrid);
+    return f32(hybrid_texel(shape, hybrid_receiver_texel(shape, r)).level);
 }

@@ -17,9 +17,10 @@ fn hybrid_scan(@builtin(local_invocation_index) local: u32) {
     scan_sums[local] = sum;
     workgroupBarrier();
     if (local == 0u) {
-        // The coarsest level comes first in the map.
+        // The coarsest level comes first in the map, and each level begins at a multiple of four words.
         let coarsest = level.counts.x >> level.counts.w;
-        let begin = select(hybrid_counts[0], coarsest * coarsest, level.counts.y == 1u);
+        let free = select(hybrid_counts[0], coarsest * coarsest, level.counts.y == 1u);
+        let begin = (free + 3u) & ~3u;
         var blocks = 0u;
         for (var i = 0u; i < SCAN_GROUP; i++) {
             let next = blocks + scan_sums[i];

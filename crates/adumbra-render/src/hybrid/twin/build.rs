@@ -36,6 +36,7 @@ pub(super) fn tree(
     let mut before: Option<Level> = None;
     for made in 1..=merges {
         let side = image.side() >> made;
+        map.resize(map.len().next_multiple_of(4), 0);
         let mut words = Vec::with_capacity(side * side);
         for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
             let children = before.as_ref().map(|level| level.children(x, y));

@@ -128,9 +128,7 @@ impl HybridTree {
     fn finest(&self, place: usize, right: usize, below: usize) -> f32 {
         match self.precision {
             DepthPrecision::Bits32 => f32::from_bits(self.words[place + right + 2 * below]),
-            DepthPrecision::Bits16 => {
-                (self.words[place + below] >> (16 * right) & 0xffff) as f32 / 65535.0
-            }
+            DepthPrecision::Bits16 => (self.words[place + below] >> (16 * right) & 0xffff) as f32 / 65535.0,
         }
     }
 
