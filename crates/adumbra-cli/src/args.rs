@@ -193,6 +193,12 @@ pub(crate) enum KindArg {
     Landscape,
     /// Closed boxes along streets
     City,
+    /// A ball with dimples, 268,800 triangles, without a ground
+    Ball,
+    /// 25 spheres in the air and on the ground, 12,000 triangles, without a ground
+    SphereGrid,
+    /// A pavilion of thin rods with railings, braces and a net, without a ground
+    Wires,
 }
 
 impl From<KindArg> for GeneratedKind {
@@ -202,6 +208,9 @@ impl From<KindArg> for GeneratedKind {
             KindArg::Primitives => Self::Primitives,
             KindArg::Landscape => Self::Landscape,
             KindArg::City => Self::City,
+            KindArg::Ball => Self::Ball,
+            KindArg::SphereGrid => Self::SphereGrid,
+            KindArg::Wires => Self::Wires,
         }
     }
 }

@@ -104,6 +104,16 @@ fn bake_writes_the_same_bytes_for_any_threads_and_memory() {
 }
 
 #[test]
+fn generate_makes_models_without_a_ground() {
+    let folder = Folder::new();
+    for (kind, triangles) in [("ball", 268_800), ("sphere-grid", 12_000), ("wires", 5_732)] {
+        let said = json(&["inspect", &folder.generate(kind), "--json"]);
+        assert_eq!(said["instanced_triangles"], triangles, "{kind}");
+        assert_eq!((&said["bounds"]["min"][1], &said["solid_share"]), (&0.0.into(), &1.0.into()), "{kind}");
+    }
+}
+
+#[test]
 fn verify_exits_with_1_when_the_scene_is_another() {
     let folder = Folder::new();
     let (one, other) = (folder.generate("primitives"), folder.generate("spheres"));

@@ -2,11 +2,22 @@
 
 use std::collections::BTreeSet;
 
+use adumbra::error::Error;
 use adumbra::scene::topology::{Component, analyse};
-use adumbra::scene::{GeneratedKind, Mesh, Scene, generate, to_glb};
+use adumbra::scene::{GeneratedKind, Instance, Mesh, Scene, generate, to_glb};
 
-const KINDS: [GeneratedKind; 4] =
-    [GeneratedKind::Spheres, GeneratedKind::Primitives, GeneratedKind::Landscape, GeneratedKind::City];
+const KINDS: [GeneratedKind; 7] = [
+    GeneratedKind::Spheres,
+    GeneratedKind::Primitives,
+    GeneratedKind::Landscape,
+    GeneratedKind::City,
+    GeneratedKind::Ball,
+    GeneratedKind::SphereGrid,
+    GeneratedKind::Wires,
+];
+/// Those that stand on y = 0 without a ground of their own.
+const WITHOUT_GROUND: [GeneratedKind; 3] =
+    [GeneratedKind::Ball, GeneratedKind::SphereGrid, GeneratedKind::Wires];
 
 /// FNV-1a: enough to see that bytes changed.
 fn fingerprint(bytes: &[u8]) -> u64 {
@@ -25,8 +36,15 @@ fn same_seed_gives_same_bytes_and_another_seed_others() {
 #[test]
 fn bytes_are_the_same_on_every_machine() {
     // Change these only together with the generator.
-    let expected =
-        [0x9498_B367_C9CF_57A1, 0x1755_3006_93F1_C730, 0x487C_97EC_FD4D_E314, 0x2EA8_F41C_50ED_9D84];
+    let expected = [
+        0x9498_B367_C9CF_57A1,
+        0x1755_3006_93F1_C730,
+        0x487C_97EC_FD4D_E314,
+        0x2EA8_F41C_50ED_9D84,
+        0x9E3F_6569_2C66_4032,
+        0x1AAC_89B9_18A0_6B13,
+        0x43EC_C479_4C0C_8FE8,
+    ];
     let found = KINDS.map(|kind| fingerprint(&to_glb(&generate(kind, 1))));
     assert_eq!(found, expected, "{found:#018X?}");
 }
@@ -88,11 +106,90 @@ fn scenes_have_the_sizes_they_promise() {
         assert!(found[0] >= 500 && found[1] >= 100 && found[2] >= 4, "seed {seed}: {found:?}");
         let city = generate(GeneratedKind::City, seed);
         assert!((10_000..28_000).contains(&city.stored_triangles()), "{}", city.stored_triangles());
+        let ball = generate(GeneratedKind::Ball, seed);
+        assert_eq!((ball.instances.len(), ball.stored_triangles()), (1, 268_800));
+        let grid = generate(GeneratedKind::SphereGrid, seed);
+        assert_eq!((grid.instances.len(), grid.stored_triangles()), (25, 480));
+        assert_eq!(grid.instanced_triangles(), 12_000);
+        let wires = generate(GeneratedKind::Wires, seed);
+        assert!((4_000..12_000).contains(&wires.stored_triangles()), "{}", wires.stored_triangles());
         for scene in [landscape, city] {
             let bounds = scene.bounds();
             assert!([0, 2].into_iter().all(|a| (399.0..410.0).contains(&(bounds.max[a] - bounds.min[a]))));
         }
     }
+}
+
+#[test]
+fn scenes_without_a_ground_rest_on_zero() {
+    for (kind, seed) in WITHOUT_GROUND.into_iter().flat_map(|k| [1, 2, 3].map(|s| (k, s))) {
+        let scene = generate(kind, seed);
+        assert_eq!(scene.bounds().min[1], 0.0, "{kind:?} {seed}");
+        assert!(scene.instances.iter().all(|i| i.name != "ground"));
+    }
+}
+
+#[test]
+fn ball_is_a_unit_ball_with_dimples() {
+    let ball = generate(GeneratedKind::Ball, 1);
+    assert_eq!(ball.bounds().max[1], 2.0);
+    let radius = |p: &[f32; 3]| {
+        let [x, y, z] = p.map(f64::from);
+        (x * x + (y - 1.0).powi(2) + z * z).sqrt()
+    };
+    let radii: Vec<f64> = ball.meshes[0].positions.iter().map(radius).collect();
+    assert!(radii.iter().all(|r| (0.97..1.000_001).contains(r)));
+    let hollow = radii.iter().filter(|&&r| r < 0.999).count() as f64 / radii.len() as f64;
+    assert!((0.3..0.9).contains(&hollow), "{hollow}");
+}
+
+#[test]
+fn sphere_grid_has_spheres_in_the_air_and_on_the_ground() {
+    let scene = generate(GeneratedKind::SphereGrid, 4);
+    let foot = |i: &Instance| i.world_from_mesh[1][3] - i.world_from_mesh[1][1];
+    let on_ground = scene.instances.iter().filter(|i| foot(i) == 0.0).count();
+    let in_air = scene.instances.iter().filter(|i| foot(i) > 0.4).count();
+    assert_eq!((on_ground, in_air), (13, 12));
+}
+
+#[test]
+fn ground_is_a_slab_below_the_middle_of_the_model() {
+    for kind in WITHOUT_GROUND {
+        let mut scene = generate(kind, 2);
+        for row in 0..3 {
+            scene.instances[0].world_from_mesh[row][3] += [40.0, -7.0, 3.0][row];
+        }
+        let (model, triangles) = (scene.bounds(), scene.instanced_triangles());
+        scene.stand_on_ground(4.0).unwrap();
+        assert_eq!(scene.instanced_triangles(), triangles + 12);
+        let mut ground = scene.clone();
+        ground.instances.retain(|i| i.name == "ground");
+        let slab = ground.bounds();
+        let extent = (0..3).map(|a| model.max[a] - model.min[a]).fold(0.0, f64::max);
+        let near = |x: f64, y: f64| (x - y).abs() < 1e-5 * extent.max(40.0);
+        for a in [0, 2] {
+            assert!(near(slab.max[a] - slab.min[a], 4.0 * extent), "{kind:?} {slab:?}");
+            assert!(near(slab.max[a] + slab.min[a], model.max[a] + model.min[a]), "{kind:?} {slab:?}");
+        }
+        let depth = slab.max[1] - model.min[1];
+        assert!(depth > 0.0 && depth < 0.005 * extent && slab.min[1] < model.min[1], "{kind:?} {slab:?}");
+        assert!(ground.instances[0].world_from_mesh.iter().flatten().all(|&m| f64::from(m as f32) == m));
+        let mesh = &scene.meshes[ground.instances[0].mesh as usize];
+        assert_eq!(analyse(mesh, &scene.materials).solid_share(), 1.0);
+    }
+}
+
+#[test]
+fn ground_of_a_wrong_factor_is_refused_and_nothing_stands_on_none() {
+    let mut scene = generate(GeneratedKind::SphereGrid, 1);
+    for factor in [0.0, -4.0, 0.99, 1001.0, f64::NAN, f64::INFINITY] {
+        let refused = scene.stand_on_ground(factor);
+        assert!(matches!(refused, Err(Error::OptionRange { option: "ground", .. })), "{factor}");
+    }
+    assert_eq!(scene.instances.len(), 25);
+    let mut empty = Scene::default();
+    empty.stand_on_ground(4.0).unwrap();
+    assert!(empty.instances.is_empty() && empty.meshes.is_empty());
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod gltf;
 mod movers;
 mod obj;
 mod ply;
+mod subdivide;
 mod texture;
 pub mod topology;
 mod validate;

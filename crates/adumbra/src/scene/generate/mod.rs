@@ -1,17 +1,22 @@
-//! Scenes made from a seed: the kinds that the papers on voxel shadows test with, and a city of closed boxes.
+//! Scenes made from a seed: the kinds that the papers on shadows test with, and a city of closed boxes.
 //!
 //! Metres, Y up. The same seed gives the same bytes on every machine: integers, `f64` sums, products, quotients and
-//! roots, and `libm` for the rest. Whatever is a solid is closed and wound outwards, and stands a little in the ground.
+//! roots, and `libm` for the rest. Whatever is a solid is closed and wound outwards, and stands a little in the ground
+//! where there is one.
 
+mod ball;
 mod city;
 mod city_buildings;
 mod city_street;
+mod ground;
 mod landscape;
 mod landscape_props;
 mod primitives;
 mod random;
 mod shapes;
+mod sphere_grid;
 mod spheres;
+mod wires;
 
 use super::{Instance, Material, Mesh, Scene};
 
@@ -26,6 +31,12 @@ pub enum GeneratedKind {
     Landscape,
     /// 400 m of city: closed boxes by blocks and streets.
     City,
+    /// A ball with dimples, of radius 1 and 268,800 triangles, on the origin. Without a ground, as the next two.
+    Ball,
+    /// 25 spheres in the air and on the ground, instances of one mesh of 480 triangles: 12,000 in all.
+    SphereGrid,
+    /// A pavilion of thin rods, with railings, braces and a net.
+    Wires,
 }
 
 /// Makes the scene of this kind and seed. Cost: well below a second.
@@ -35,6 +46,9 @@ pub fn generate(kind: GeneratedKind, seed: u64) -> Scene {
         GeneratedKind::Primitives => primitives::generate(seed),
         GeneratedKind::Landscape => landscape::generate(seed),
         GeneratedKind::City => city::generate(seed),
+        GeneratedKind::Ball => ball::generate(seed),
+        GeneratedKind::SphereGrid => sphere_grid::generate(seed),
+        GeneratedKind::Wires => wires::generate(seed),
     }
 }
 

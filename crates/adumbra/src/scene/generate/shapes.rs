@@ -1,10 +1,10 @@
 //! Closed shapes with shared vertices, counter-clockwise from outside.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::Mesh;
-use crate::light::normalize;
+use crate::light::{cross, normalize};
 
 /// A mesh being built; what is added has the material last painted with.
 pub(super) struct Builder {
@@ -137,6 +137,55 @@ impl Builder {
         }
         for [a, b, c] in triangles {
             self.triangle(first + a, first + b, first + c);
+        }
+    }
+
+    /// A ball about the origin of `segments` around and `rings` from pole to pole: 2 · `segments` · (`rings` - 1) triangles, a
+    /// vertex at each pole. `point` says where the unit direction goes.
+    pub(super) fn globe(&mut self, [segments, rings]: [u32; 2], point: impl Fn([f64; 3]) -> [f64; 3]) {
+        let north = self.vertex(point([0.0, 1.0, 0.0]));
+        for i in 1..rings {
+            let down = PI * f64::from(i) / f64::from(rings);
+            let (across, y) = (libm::sin(down), libm::cos(down));
+            for j in 0..segments {
+                let around = TAU * f64::from(j) / f64::from(segments);
+                self.vertex(point([across * libm::cos(around), y, across * libm::sin(around)]));
+            }
+        }
+        let south = self.vertex(point([0.0, -1.0, 0.0]));
+        let at = |i: u32, j: u32| north + 1 + (i - 1) * segments + j % segments;
+        for j in 0..segments {
+            self.triangle(north, at(1, j + 1), at(1, j));
+            for i in 1..rings - 1 {
+                self.quad([at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
+            }
+            self.triangle(at(rings - 1, j), at(rings - 1, j + 1), south);
+        }
+    }
+
+    /// A straight rod with flat ends: a prism of `sides` corners at `radius` from the line between two points that differ.
+    pub(super) fn rod(&mut self, from: [f64; 3], to: [f64; 3], radius: f64, sides: u32) {
+        let axis = normalize([0, 1, 2].map(|a| to[a] - from[a]));
+        let aside = if axis[1].abs() < 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
+        let u = normalize(cross(axis, aside));
+        let v = cross(axis, u);
+        let [base, top] = [from, to].map(|centre| -> Vec<u32> {
+            (0..sides)
+                .map(|i| {
+                    let angle = TAU * f64::from(i) / f64::from(sides);
+                    let (c, s) = (radius * libm::cos(angle), radius * libm::sin(angle));
+                    self.vertex([0, 1, 2].map(|a| centre[a] + c * u[a] + s * v[a]))
+                })
+                .collect()
+        });
+        let n = base.len();
+        for i in 0..n {
+            let j = (i + 1) % n;
+            self.quad([base[i], base[j], top[j], top[i]]);
+        }
+        for i in 1..n - 1 {
+            self.triangle(top[0], top[i], top[i + 1]);
+            self.triangle(base[0], base[i + 1], base[i]);
         }
     }
 
