@@ -24,6 +24,7 @@ pub mod frame;
 pub mod gpu;
 pub mod maps;
 pub mod movers;
+pub mod octahedral;
 pub mod readback;
 mod renderer;
 pub mod scene;

@@ -10,6 +10,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 const MODULES: &[(&str, &[Source])] = &[
     ("gbuffer", &[source::GBUFFER]),
     ("map_depth", &[source::MAP_DEPTH]),
+    ("map_normals", &[source::OCTAHEDRAL, source::MAP_DEPTH, source::MAP_NORMALS]),
     ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
     ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
     (
