@@ -25,6 +25,7 @@ pub mod gpu;
 pub mod hybrid;
 pub mod maps;
 pub mod movers;
+pub mod octahedral;
 pub mod readback;
 mod renderer;
 pub mod scene;

@@ -43,6 +43,10 @@ sources! {
     GBUFFER = "passes/gbuffer.wgsl";
     /// Depth from the light.
     MAP_DEPTH = "passes/map_depth.wgsl";
+    /// A unit vector as two bytes.
+    OCTAHEDRAL = "core/octahedral.wgsl";
+    /// Depth from the light, and normals.
+    MAP_NORMALS = "passes/map_normals.wgsl";
     /// A point as a layer of a shadow map sees it.
     MAPS = "core/maps.wgsl";
     /// Discs of taps, turned from pixel to pixel.

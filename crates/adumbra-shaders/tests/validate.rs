@@ -70,6 +70,7 @@ const MODULES: &[(&str, &[Source])] = &[
             source::RESOLVE,
         ],
     ),
+    ("map_normals", &[source::OCTAHEDRAL, source::MAP_DEPTH, source::MAP_NORMALS]),
     ("none", &[source::SURFACE, source::FRAME, source::NONE, source::RESOLVE]),
     ("none, points", &[source::SURFACE, source::NONE, source::POINTS]),
     (

@@ -14,7 +14,7 @@ use super::twin::HybridTree;
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::maps::cascades::LayerFit;
-use crate::maps::depth_pass::DepthPass;
+use crate::maps::depth_pass::{DepthPass, DepthPassOptions};
 use crate::maps::layers::Layer;
 use crate::maps::textures::DepthTextures;
 use crate::maps::{MapFilter, scene_fit};
@@ -65,7 +65,7 @@ impl HybridMap {
     /// # Errors
     /// [`crate::RenderError::TooLarge`] for a size that the device does not take.
     pub fn new(gpu: &Gpu, name: &str, settings: HybridSettings) -> Result<Self> {
-        let pass = DepthPass::new(gpu, settings.depth.format());
+        let pass = DepthPass::new(gpu, options(&settings));
         let working = Working::new(gpu, &settings)?;
         let params = params(&settings);
         let uniform = gpu.uniform("hybrid::params", &params.bytes());
@@ -165,7 +165,7 @@ impl HybridMap {
 
 impl Working {
     fn new(gpu: &Gpu, settings: &HybridSettings) -> Result<Self> {
-        let depth = DepthTextures::new(gpu, "hybrid::depth", settings.start, 1, settings.depth.format())?;
+        let depth = DepthTextures::new(gpu, "hybrid::depth", settings.start, 1, options(settings))?;
         let builder = Builder::new(gpu, settings, &depth.all.view)?;
         Ok(Self { depth, builder })
     }
@@ -261,6 +261,10 @@ impl Technique for HybridMap {
     fn notes(&self) -> Vec<String> {
         self.settings.notes()
     }
+}
+
+fn options(settings: &HybridSettings) -> DepthPassOptions {
+    DepthPassOptions { format: settings.depth.format(), normals: false }
 }
 
 fn look_up_group(

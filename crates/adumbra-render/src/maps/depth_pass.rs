@@ -1,4 +1,5 @@
 //! Draws casters into a layer: depth alone, by position, and masked ones cut by their alpha. Same stem as passes/map_depth.wgsl.
+//! With normals beside it, everything by its corners: passes/map_normals.wgsl.
 //!
 //! Reads a layer's uniform and an instance list, writes one layer; both sides of every triangle cast. No depth bias: receivers are
 //! moved instead. Where the device lacks depth clip control the fit has its near plane before every caster
@@ -11,11 +12,34 @@ use wgpu::{CompareFunction, Features, LoadOp, ShaderStages, TextureFormat};
 use crate::gpu::{Gpu, binding};
 use crate::scene::{CASTER_LAYOUT, CORNER_LAYOUT, InstanceList, SceneBuffers, material_layout};
 
+/// Of normals: the two bytes of core/octahedral.wgsl, world space, turned towards the sun before they are packed; one that is
+/// edge-on to the light may come back up to a degree beyond. (0, 0), which no normal is, where there is no caster.
+pub(crate) const NORMAL_FORMAT: TextureFormat = TextureFormat::Rg8Unorm;
+
+/// What the pass writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct DepthPassOptions {
+    /// Of depth: a [`DepthPrecision`](super::DepthPrecision)'s.
+    pub(crate) format: TextureFormat,
+    /// Beside depth, the nearest caster's geometric normal, in [`NORMAL_FORMAT`].
+    pub(crate) normals: bool,
+}
+
+/// What a layer is drawn into.
+#[derive(Clone, Copy)]
+pub(crate) struct LayerTarget<'a> {
+    /// One layer of depth.
+    pub(crate) depth: &'a wgpu::TextureView,
+    /// One layer of normals, exactly where the pass writes them.
+    pub(crate) normals: Option<&'a wgpu::TextureView>,
+}
+
 /// The pass and its pipelines.
 pub(crate) struct DepthPass {
     layer_layout: wgpu::BindGroupLayout,
     opaque: wgpu::RenderPipeline,
     masked: wgpu::RenderPipeline,
+    normals: bool,
 }
 
 /// Where a layer lies, on the GPU.
@@ -35,10 +59,16 @@ impl LayerUniform {
 }
 
 impl DepthPass {
-    pub(crate) fn new(gpu: &Gpu, format: TextureFormat) -> Self {
+    pub(crate) fn new(gpu: &Gpu, options: DepthPassOptions) -> Self {
         let layer_layout = gpu.layout("map_depth", ShaderStages::VERTEX, &[binding::UNIFORM]);
         let material = material_layout(gpu);
-        let module = gpu.shader("map_depth", assemble(&[source::MAP_DEPTH]));
+        let (files, targets): (&[_], &[_]) = if options.normals {
+            let target = wgpu::ColorTargetState::from(NORMAL_FORMAT);
+            (&[source::OCTAHEDRAL, source::MAP_DEPTH, source::MAP_NORMALS], &[Some(target)])
+        } else {
+            (&[source::MAP_DEPTH], &[])
+        };
+        let module = gpu.shader("map_depth", assemble(files));
         let pipeline =
             |vertex, fragment: Option<&str>, buffers, groups: &[Option<&wgpu::BindGroupLayout>]| {
                 gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -55,7 +85,7 @@ impl DepthPass {
                         ..Default::default()
                     },
                     depth_stencil: Some(wgpu::DepthStencilState {
-                        format,
+                        format: options.format,
                         depth_write_enabled: Some(true),
                         depth_compare: Some(CompareFunction::Less),
                         stencil: Default::default(),
@@ -66,16 +96,22 @@ impl DepthPass {
                         module: &module,
                         entry_point: Some(entry),
                         compilation_options: Default::default(),
-                        targets: &[],
+                        targets,
                     }),
                     multiview_mask: None,
                     cache: None,
                 })
             };
-        let opaque = pipeline("map_vertex", None, &CASTER_LAYOUT, &[Some(&layer_layout)]);
         let both = [Some(&layer_layout), Some(&material)];
-        let masked = pipeline("map_masked_vertex", Some("map_masked_fragment"), &CORNER_LAYOUT, &both);
-        Self { layer_layout, opaque, masked }
+        let by_corner = |vertex, fragment| pipeline(vertex, Some(fragment), &CORNER_LAYOUT, &both);
+        let (opaque, masked) = if options.normals {
+            let vertex = "map_normals_vertex";
+            (by_corner(vertex, "map_normals_fragment"), by_corner(vertex, "map_normals_masked_fragment"))
+        } else {
+            let opaque = pipeline("map_vertex", None, &CASTER_LAYOUT, &[Some(&layer_layout)]);
+            (opaque, by_corner("map_masked_vertex", "map_masked_fragment"))
+        };
+        Self { layer_layout, opaque, masked, normals: options.normals }
     }
 
     pub(crate) fn uniform(&self, gpu: &Gpu) -> LayerUniform {
@@ -89,14 +125,25 @@ impl DepthPass {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         layer: &LayerUniform,
-        target: &wgpu::TextureView,
+        target: LayerTarget<'_>,
         keep: bool,
         parts: &[(&SceneBuffers, &InstanceList)],
     ) {
+        let normals = target.normals.map(|view| wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: if keep { LoadOp::Load } else { LoadOp::Clear(wgpu::Color::TRANSPARENT) },
+                store: wgpu::StoreOp::Store,
+            },
+        });
+        let colors: &[_] = if normals.is_some() { &[normals] } else { &[] };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("map_depth"),
+            color_attachments: colors,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: target,
+                view: target.depth,
                 depth_ops: Some(wgpu::Operations {
                     load: if keep { LoadOp::Load } else { LoadOp::Clear(1.0) },
                     store: wgpu::StoreOp::Store,
@@ -106,6 +153,13 @@ impl DepthPass {
             ..Default::default()
         });
         for (scene, list) in parts {
+            if self.normals {
+                scene.draw_caster_corners(&mut pass, list, |pass, masked| {
+                    pass.set_pipeline(if masked { &self.masked } else { &self.opaque });
+                    pass.set_bind_group(0, &layer.group, &[]);
+                });
+                continue;
+            }
             pass.set_pipeline(&self.opaque);
             pass.set_bind_group(0, &layer.group, &[]);
             scene.draw_opaque_casters(&mut pass, list);
@@ -116,3 +170,6 @@ impl DepthPass {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -75,7 +75,7 @@ impl Layer {
     ) -> bool {
         let still = self.still.as_ref().map(|list| (input.scene, list));
         let moving = input.movers.zip(self.moving.as_ref()).filter(|(_, list)| list.count() > 0);
-        let target = &live.layers[index];
+        let target = live.target(index);
         let Some(kept) = kept else {
             let parts: Vec<_> = still.into_iter().chain(moving).collect();
             pass.encode(encoder, &self.uniform, target, false, &parts);
@@ -83,12 +83,12 @@ impl Layer {
         };
         if self.stale {
             let parts: Vec<_> = still.into_iter().collect();
-            pass.encode(encoder, &self.uniform, &kept.layers[index], false, &parts);
+            pass.encode(encoder, &self.uniform, kept.target(index), false, &parts);
             self.drawn = self.place;
         }
         let changed = self.stale || self.had_movers || moving.is_some();
         if changed {
-            copy_layer(encoder, &kept.all.texture, &live.all.texture, index as u32);
+            live.copy_layer(encoder, kept, index as u32);
         }
         if let Some(part) = moving {
             pass.encode(encoder, &self.uniform, target, true, &[part]);
@@ -100,15 +100,4 @@ impl Layer {
     pub(crate) fn bytes(&self) -> u64 {
         self.still.iter().chain(&self.moving).map(InstanceList::bytes).sum()
     }
-}
-
-fn copy_layer(encoder: &mut wgpu::CommandEncoder, source: &wgpu::Texture, to: &wgpu::Texture, layer: u32) {
-    let at = |texture| wgpu::TexelCopyTextureInfo {
-        texture,
-        mip_level: 0,
-        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-        aspect: wgpu::TextureAspect::All,
-    };
-    let size = wgpu::Extent3d { width: to.width(), height: to.height(), depth_or_array_layers: 1 };
-    encoder.copy_texture_to_texture(at(source), at(to), size);
 }

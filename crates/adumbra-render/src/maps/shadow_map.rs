@@ -9,7 +9,7 @@ use adumbra_shaders::{Source, source};
 use wgpu::{BindingResource, BindingType, Features, FilterMode, SamplerBindingType, ShaderStages};
 
 use super::cascades::{ENDLESS, LayerFit, cascade_layers, depth_range, reach, scene_layer};
-use super::depth_pass::DepthPass;
+use super::depth_pass::{DepthPass, DepthPassOptions};
 use super::layers::Layer;
 use super::moments_pass::{MomentsPass, kind_source};
 use super::params::{MapCasters, MapFilter, MapFit, MapSettings};
@@ -40,17 +40,18 @@ impl ShadowMap {
     /// # Errors
     /// [`crate::RenderError::TooLarge`] for a size that the device does not take.
     pub fn new(gpu: &Gpu, name: &str, settings: MapSettings) -> Result<Self> {
-        let (size, count, format) = (settings.size, settings.layers(), settings.depth.format());
-        let depth = DepthTextures::new(gpu, "map::depth", size, count, format)?;
+        let (size, count) = (settings.size, settings.layers());
+        let options = DepthPassOptions { format: settings.depth.format(), normals: false };
+        let depth = DepthTextures::new(gpu, "map::depth", size, count, options)?;
         let keeps = settings.cache_static && settings.casters == MapCasters::All;
         let kept =
-            if keeps { Some(DepthTextures::new(gpu, "map::kept", size, count, format)?) } else { None };
+            if keeps { Some(DepthTextures::new(gpu, "map::kept", size, count, options)?) } else { None };
         let moments = match &settings.filter {
             MapFilter::Moments(m) => Some(MomentsPass::new(gpu, m, &depth, size)?),
             _ => None,
         };
         let filtering = gpu.has(Features::FLOAT32_FILTERABLE);
-        let pass = DepthPass::new(gpu, format);
+        let pass = DepthPass::new(gpu, options);
         let empty = MapLayer {
             u_from_relative: [0.0; 4],
             v_from_relative: [0.0; 4],

@@ -1,7 +1,8 @@
-//! The textures of a shadow map: depth, and what is kept or made of it.
+//! The textures of a shadow map: depth, normals beside it, and what is kept or made of them.
 
 use wgpu::{Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView};
 
+use super::depth_pass::{DepthPassOptions, LayerTarget, NORMAL_FORMAT};
 use crate::error::{RenderError, Result};
 use crate::frame::Target;
 use crate::gpu::Gpu;
@@ -9,12 +10,14 @@ use crate::gpu::Gpu;
 /// Mip levels of moments, at most.
 const MOST_LEVELS: u32 = 6;
 
-/// Depth of up to 8 layers.
+/// Depth of up to 8 layers, and normals where they are drawn too.
 pub(crate) struct DepthTextures {
     /// All layers, as look-ups read them.
     pub(crate) all: Target,
     /// Each layer, to be drawn into.
     pub(crate) layers: Vec<TextureView>,
+    /// Of [`NORMAL_FORMAT`], all layers and each.
+    pub(crate) normals: Option<(Target, Vec<TextureView>)>,
 }
 
 /// Moments of up to 8 layers, and the rows' blur of one.
@@ -33,16 +36,35 @@ impl DepthTextures {
         label: &'static str,
         size: u32,
         layers: u32,
-        format: TextureFormat,
+        options: DepthPassOptions,
     ) -> Result<Self> {
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_DST;
-        let all = array(gpu, label, size, layers, 1, format, usage)?;
-        let layers = (0..layers).map(|l| one(&all.texture, l, 0)).collect();
-        Ok(Self { all, layers })
+        let made = |label, format| -> Result<(Target, Vec<TextureView>)> {
+            let all = array(gpu, label, size, layers, 1, format, usage)?;
+            let each = (0..layers).map(|l| one(&all.texture, l, 0)).collect();
+            Ok((all, each))
+        };
+        let (all, each) = made(label, options.format)?;
+        let normals = options.normals.then(|| made("map::normals", NORMAL_FORMAT)).transpose()?;
+        Ok(Self { all, layers: each, normals })
+    }
+
+    /// A layer, to be drawn into.
+    pub(crate) fn target(&self, layer: usize) -> LayerTarget<'_> {
+        let normals = self.normals.as_ref().map(|(_, layers)| &layers[layer]);
+        LayerTarget { depth: &self.layers[layer], normals }
+    }
+
+    /// Copies a layer from textures of the same options.
+    pub(crate) fn copy_layer(&self, encoder: &mut wgpu::CommandEncoder, source: &Self, layer: u32) {
+        copy_layer(encoder, &source.all.texture, &self.all.texture, layer);
+        if let (Some((from, _)), Some((to, _))) = (&source.normals, &self.normals) {
+            copy_layer(encoder, &from.texture, &to.texture, layer);
+        }
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        bytes(&self.all.texture)
+        bytes(&self.all.texture) + self.normals.as_ref().map_or(0, |(all, _)| bytes(&all.texture))
     }
 }
 
@@ -107,6 +129,17 @@ fn one(texture: &wgpu::Texture, layer: u32, mip_level: u32) -> TextureView {
         mip_level_count: Some(1),
         ..Default::default()
     })
+}
+
+fn copy_layer(encoder: &mut wgpu::CommandEncoder, source: &wgpu::Texture, to: &wgpu::Texture, layer: u32) {
+    let at = |texture| wgpu::TexelCopyTextureInfo {
+        texture,
+        mip_level: 0,
+        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+        aspect: wgpu::TextureAspect::All,
+    };
+    let size = wgpu::Extent3d { width: to.width(), height: to.height(), depth_or_array_layers: 1 };
+    encoder.copy_texture_to_texture(at(source), at(to), size);
 }
 
 fn bytes(texture: &wgpu::Texture) -> u64 {

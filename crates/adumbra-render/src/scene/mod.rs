@@ -175,6 +175,16 @@ impl SceneBuffers {
         self.draw_runs(pass, list, |pass, _| bind(pass), |run| run.masked && run.casts);
     }
 
+    /// Draws all casters of the listed instances by their corners, as [`SceneBuffers::draw_surfaces`] does with every surface.
+    pub fn draw_caster_corners(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        list: &InstanceList,
+        bind: impl Fn(&mut wgpu::RenderPass<'_>, bool),
+    ) {
+        self.draw_runs(pass, list, bind, |run| run.casts);
+    }
+
     fn draw_runs(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

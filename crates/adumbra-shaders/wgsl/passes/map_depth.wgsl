@@ -46,10 +46,14 @@ fn map_masked_vertex(
     return MaskedFragment(map_position(position, row_x, row_y, row_z), uv);
 }
 
+fn map_is_cut(uv: vec2f) -> bool {
+    let alpha = material.base_color.a * textureSampleLevel(color_texture, color_sampler, uv, 0.0).a;
+    return alpha < material.alpha.x;
+}
+
 @fragment
 fn map_masked_fragment(f: MaskedFragment) {
-    let alpha = material.base_color.a * textureSampleLevel(color_texture, color_sampler, f.uv, 0.0).a;
-    if (alpha < material.alpha.x) {
+    if (map_is_cut(f.uv)) {
         discard;
     }
 }
