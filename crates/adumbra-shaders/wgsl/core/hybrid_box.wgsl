@@ -3,53 +3,54 @@
 // Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, of which this is the filter: the coarsest texels under the
 // square are asked first, as whole planes, and only where one of them leads further down, or they disagree, finest texels are.
 
-// The square: `low` to `high` in finest texels, and who is compared.
-struct HybridBox {
-    low: vec2f,
-    high: vec2f,
-    receiver: MapReceiver,
-}
-
-// How a receiver compares with a texel of the coarsest level: 1 lit all over, 0 shadowed all over, 0.5 neither.
-fn hybrid_compare(box: HybridBox, leaf: vec3f, corner: vec2f, size: f32) -> f32 {
-    let r = box.receiver;
-    // Centres of the finest texels that both hold.
-    let first = max(corner, floor(box.low)) + 0.5;
-    let last = min(corner + size, ceil(box.high)) - 0.5;
-    let reach = 0.5 * (last - first);
-    let centre = 0.5 * (first + last);
-    let caster = leaf.x + dot(leaf.yz, centre - (corner + 0.5 * size));
-    // Receiver less caster: where the receiver's plane counts, and where its deepest does.
-    let plane = r.depth + dot(r.gradient, centre - r.p_texels) - caster;
-    let plane_reach = dot(abs(r.gradient - leaf.yz), reach);
-    let flat = r.deepest - caster;
-    let flat_reach = dot(abs(leaf.yz), reach);
-    if (min(plane + plane_reach, flat + flat_reach) <= 0.0) {
-        return 1.0;
-    }
-    return select(0.5, 0.0, min(plane - plane_reach, flat - flat_reach) > 0.0);
-}
-
-// What all coarsest texels under the square agree on, 0 or 1; 0.5 where they do not.
-fn hybrid_agreed(shape: HybridShape, box: HybridBox) -> f32 {
+// What the coarsest texels under the square `low` to `high` agree on, 0 or 1; 0.5 where they do not. The square is no wider than one of
+// them, so it touches at most 2 × 2. Answers are exact: planes less planes are largest and smallest at corners.
+fn hybrid_agreed(shape: HybridShape, r: MapReceiver, low: vec2f, high: vec2f) -> f32 {
     let size = f32(1u << shape.merges);
     let side = shape.start >> shape.merges;
     let last_cell = vec2i(i32(side) - 1);
-    let first = clamp(vec2i(floor(box.low / size)), vec2i(0), last_cell);
-    let last = clamp(vec2i(ceil(box.high / size)) - 1, vec2i(0), last_cell);
-    var sum = 0.0;
-    var count = 0.0;
-    for (var y = first.y; y <= last.y; y++) {
-        for (var x = first.x; x <= last.x; x++) {
-            let word = hybrid_root(vec2u(vec2i(x, y)), side);
-            if (hybrid_is_index(word)) {
-                return 0.5;
-            }
-            sum += hybrid_compare(box, hybrid_leaf(word, shape.slope), vec2f(vec2i(x, y)) * size, size);
-            count += 1.0;
-        }
+    let first = floor(low / size);
+    let split = (first + 1.0) * size;
+    // A column or row that the square does not reach is the first one again.
+    let one = high <= split;
+    let second = select(first + 1.0, first, one);
+    let near = clamp(vec2i(first), vec2i(0), last_cell);
+    let far = clamp(vec2i(second), vec2i(0), last_cell);
+    let words = vec4u(
+        hybrid_root(vec2u(near), side),
+        hybrid_root(vec2u(vec2i(far.x, near.y)), side),
+        hybrid_root(vec2u(vec2i(near.x, far.y)), side),
+        hybrid_root(vec2u(far), side),
+    );
+    if (any((words & vec4u(HYBRID_INDEX)) != vec4u(0u))) {
+        return 0.5;
     }
-    return select(select(0.5, 1.0, sum == count), 0.0, sum == 0.0);
+    let a = hybrid_leaf(words.x, shape.slope);
+    let b = hybrid_leaf(words.y, shape.slope);
+    let c = hybrid_leaf(words.z, shape.slope);
+    let d = hybrid_leaf(words.w, shape.slope);
+    let slope_x = vec4f(a.y, b.y, c.y, d.y);
+    let slope_y = vec4f(a.z, b.z, c.z, d.z);
+    // Centres of the finest texels that square and texel share: their middle, and how far they reach.
+    let begin = floor(low) + 0.5;
+    let end = ceil(high) - 0.5;
+    let near_end = min(end, split - 0.5);
+    let far_begin = select(split + 0.5, begin, one);
+    let middle_x = 0.5 * vec2f(begin.x + near_end.x, far_begin.x + end.x).xyxy;
+    let middle_y = 0.5 * vec2f(begin.y + near_end.y, far_begin.y + end.y).xxyy;
+    let reach_x = 0.5 * vec2f(near_end.x - begin.x, end.x - far_begin.x).xyxy;
+    let reach_y = 0.5 * vec2f(near_end.y - begin.y, end.y - far_begin.y).xxyy;
+    let cell_x = ((vec2f(first.x, second.x) + 0.5) * size).xyxy;
+    let cell_y = ((vec2f(first.y, second.y) + 0.5) * size).xxyy;
+    let caster = vec4f(a.x, b.x, c.x, d.x) + slope_x * (middle_x - cell_x) + slope_y * (middle_y - cell_y);
+    let plane = r.depth + r.gradient.x * (middle_x - r.p_texels.x) + r.gradient.y * (middle_y - r.p_texels.y) - caster;
+    let plane_reach = abs(r.gradient.x - slope_x) * reach_x + abs(r.gradient.y - slope_y) * reach_y;
+    let flat = r.deepest - caster;
+    let flat_reach = abs(slope_x) * reach_x + abs(slope_y) * reach_y;
+    if (all(min(plane + plane_reach, flat + flat_reach) <= vec4f(0.0))) {
+        return 1.0;
+    }
+    return select(0.5, 0.0, all(min(plane - plane_reach, flat - flat_reach) > vec4f(0.0)));
 }
 
 // The mean over a square of `width` - 1 finest texels around the receiver. Beyond the map is lit.
@@ -57,9 +58,9 @@ fn hybrid_box(shape: HybridShape, r: MapReceiver, width: u32) -> f32 {
     let half_side = 0.5 * (f32(width) - 1.0);
     let low = r.p_texels - half_side;
     let high = r.p_texels + half_side;
-    // After one merge there are as many coarse texels as blocks.
-    if (shape.merges > 1u) {
-        let agreed = hybrid_agreed(shape, HybridBox(low, high, r));
+    // A wider square touches as many of the coarsest texels as there are blocks to be read.
+    if (width <= (1u << shape.merges) + 1u) {
+        let agreed = hybrid_agreed(shape, r, low, high);
         if (agreed != 0.5) {
             return agreed;
         }
