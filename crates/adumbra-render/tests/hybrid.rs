@@ -37,7 +37,7 @@ fn image(side: usize, mut depth: impl FnMut(f64, f64) -> f64) -> DepthImage {
 fn piecewise(side: usize, random: &mut Random) -> DepthImage {
     let lines: Vec<[f64; 3]> = (0..4)
         .map(|_| {
-            let angle = 6.283 * random.next();
+            let angle = std::f64::consts::TAU * random.next();
             [libm::cos(angle), libm::sin(angle), (random.next() - 0.5) * side as f64]
         })
         .collect();

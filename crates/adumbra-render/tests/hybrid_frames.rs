@@ -194,7 +194,7 @@ fn kept_map_is_built_again_when_casters_or_the_sun_move() {
             1 => renderer.set_movers(&mover(0.0), SceneOptions::default()).unwrap(),
             2 => renderer.move_movers(&mover(5.0)),
             3 => {
-                turned.towards_sun = adumbra::light::Sun::from_direction([-0.4, 0.9, 0.1]).unwrap().towards()
+                turned.towards_sun = adumbra::light::Sun::from_direction([-0.4, 0.9, 0.1]).unwrap().towards();
             }
             4 => renderer.move_movers(&mover(1000.0)),
             _ => (),
