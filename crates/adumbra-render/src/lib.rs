@@ -1,7 +1,8 @@
 //! Draws a scene with baked and real-time shadows on any wgpu adapter, without a window.
 //!
 //! [`Gpu`] → [`Renderer`] (a scene on the device) → [`Renderer::draw`] with a [`Prepared`] technique → read back. A frame is
-//! G-buffer → the technique's depth passes → its look-up into the shadow factor → its passes on the screen → composite.
+//! G-buffer → the technique's depth passes → what it builds of them → its look-up into the shadow factor → its passes on the
+//! screen → composite.
 //! One polarity: visibility, 1 = unoccluded. Depth conventions stand in [`adumbra_shaders::layout`].
 //!
 //! ```no_run

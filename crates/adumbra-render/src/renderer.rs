@@ -224,8 +224,8 @@ impl Renderer {
         self.resolver.answer(&self.gpu, &self.frame, &**technique, lookup, &queries)
     }
 
-    /// What the last frame was asked for: visibilities, after a technique's screen passes, 1 where nothing is; or cascades. Row 0 at
-    /// the top.
+    /// What the last frame was asked for: visibilities, after a technique's screen passes, 1 where nothing is; or cascades or
+    /// levels. Row 0 at the top.
     ///
     /// # Errors
     /// What the device reports.

@@ -3,7 +3,7 @@
 mod kit;
 
 use adumbra::camera::{Camera, Projection};
-use adumbra_render::maps::twin::{MapTwin, Surface};
+use adumbra_render::maps::twin::MapTwin;
 use adumbra_render::{
     Answer, Baked, Features, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
 };
@@ -15,33 +15,6 @@ fn prepare(renderer: &Renderer, name: &str) -> Prepared {
     renderer.prepare(technique).unwrap()
 }
 
-/// The look-up's surfaces, as the shader has them.
-fn surfaces(renderer: &Renderer, shot: &Shot) -> Vec<Option<Surface>> {
-    let image = renderer.read_surface(shot).unwrap();
-    let view = shot.camera.view();
-    let anchor = view.eye.map(|c| f64::from(c as f32));
-    let towards_sun = shot.towards_sun.map(|c| c as f32);
-    let pixels = image.view_depth.iter().zip(&image.normal).enumerate();
-    pixels
-        .map(|(at, (&view_depth, n))| {
-            let pixel = [at as u32 % shot.camera.width, at as u32 / shot.camera.width];
-            let (origin, direction) = view.ray(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
-            let along: f64 = (0..3).map(|a| direction[a] * view.forward[a]).sum();
-            let t = f64::from(view_depth) / along;
-            let length = n.iter().map(|c| c * c).sum::<f32>().sqrt();
-            let normal = n.map(|c| c / length);
-            let lit = (0..3).map(|a| normal[a] * towards_sun[a]).sum::<f32>() > 0.0;
-            (view_depth.is_finite() && lit).then(|| Surface {
-                p_relative: std::array::from_fn(|a| (origin[a] + t * direction[a] - anchor[a]) as f32),
-                normal,
-                towards_sun,
-                view_depth,
-                pixel,
-            })
-        })
-        .collect()
-}
-
 fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) {
     let mut technique = prepare(renderer, name);
     let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
@@ -49,7 +22,7 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) {
     let factors = renderer.read_factor(&technique).unwrap();
     let twin = MapTwin::read(renderer.gpu(), technique.technique().map().unwrap()).unwrap();
     let (mut seen, mut apart, mut mixed) = (0, 0, [0; 2]);
-    for (surface, &gpu) in surfaces(renderer, &shot).iter().zip(&factors) {
+    for (surface, &gpu) in kit::surfaces::surfaces(renderer, &shot).iter().zip(&factors) {
         let Some(surface) = surface else { continue };
         let cpu = twin.visibility(surface);
         seen += 1;

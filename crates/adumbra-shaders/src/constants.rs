@@ -62,6 +62,8 @@ shared! {
     HYBRID_DEPTH_STEP: i32 = 128;
     /// Largest code of a plane's slope.
     HYBRID_LAST_SLOPE: i32 = 63;
+    /// From one depth of 16 bits to the next.
+    DEPTH_16_STEP: f32 = 1.0 / 65535.0;
     /// Threshold e0 of the relative test (Li, Yang, Zhao, Chen 2016, equation 1).
     HYBRID_E0: f32 = 0.25;
     /// Share that four moments of depth move towards those of an even spread: what their rounding needs in 32-bit floats.

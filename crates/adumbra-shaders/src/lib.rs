@@ -3,7 +3,7 @@
 //! | folder | holds |
 //! |---|---|
 //! | `wgsl/core/` | functions without bindings: look-ups, filters, cascades. An engine includes these |
-//! | `wgsl/access/` | where words come from: one buffer, several, a texture |
+//! | `wgsl/access/` | where words come from: one buffer, several, a texture; those of hybrid maps |
 //! | `wgsl/passes/` | bindings and entry points |
 //!
 //! A module is made by [`assemble`]: [`layout::declarations`] and [`constants::declarations`], then the files asked for, in order.

@@ -89,6 +89,8 @@ sources! {
     MOMENTS_COLUMNS = "passes/moments_columns.wgsl";
     /// The next mip level of moments.
     MOMENTS_MIP = "passes/moments_mip.wgsl";
+    /// A depth image into a shadow map.
+    DEPTH_IMAGE = "passes/depth_image.wgsl";
     /// Down the levels of a hybrid map.
     HYBRID = "core/hybrid.wgsl";
     /// A mean over a square of a hybrid map.

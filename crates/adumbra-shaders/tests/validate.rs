@@ -10,6 +10,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 const MODULES: &[(&str, &[Source])] = &[
     ("gbuffer", &[source::GBUFFER]),
     ("map_depth", &[source::MAP_DEPTH]),
+    ("depth_image", &[source::DEPTH_IMAGE]),
     (
         "hybrid plane, sweep",
         &[source::HYBRID_PLANE, source::HYBRID_BUILD, source::HYBRID_MERGE_PLANE, source::HYBRID_SWEEP],

@@ -75,7 +75,7 @@ pub(crate) struct Render {
     pub(crate) load: SceneArgs,
     #[command(flatten)]
     pub(crate) bias: BiasArgs,
-    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibility
+    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibility, cascade or level
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -98,6 +98,8 @@ pub(crate) enum LayerArg {
     Normal,
     /// The picture, coloured by cascade
     Cascades,
+    /// The picture, coloured by the level of a hybrid map that answers: red the finest, then orange, green, blue
+    HrsmLevels,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -227,7 +227,7 @@ impl Technique for HybridMap {
             (Answer::Cascade, _) => return None,
             (Answer::Level, _) => files.push(source::HYBRID_LEVELS),
             (Answer::Visibility, MapFilter::Nearest) => {
-                files.extend([source::HYBRID_NEAREST, source::HYBRID_MAP])
+                files.extend([source::HYBRID_NEAREST, source::HYBRID_MAP]);
             }
             (Answer::Visibility, _) => {
                 files.extend([source::HYBRID_BOX, source::HYBRID_PCF, source::HYBRID_MAP]);

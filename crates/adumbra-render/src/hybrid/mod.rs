@@ -6,11 +6,13 @@
 //!
 //! [`HybridSettings`] → [`HybridMap`], a [`Technique`](crate::technique::Technique). A frame: a shadow map of the finest resolution is
 //! drawn → [`build`] merges it level by level → the look-up, bind group 2. [`twin`] is all of it on the CPU, on the same depths.
+//! [`upload`] gives the build a depth image from anywhere in place of a drawn one.
 
 pub mod build;
 mod map;
 mod settings;
 pub mod twin;
+pub mod upload;
 
 pub use map::HybridMap;
-pub use settings::{BuildKind, HybridLayout, HybridSettings, MergeTest};
+pub use settings::{BuildKind, HybridLayout, HybridSettings, MergeTest, PlaneUnits};

@@ -2,6 +2,10 @@
 
 /// Of every shadow map.
 const MAP: &str = "size=2048 (256 to 16384), depth=32 or 16 (bits), bias=, slope=, normal= (texels, 0 to 16), static=redrawn or cached";
+/// Of hybrid maps.
+const HYBRID: &str = "START-TARGET or sizes=4096-1024 (START 256 to 8192, TARGET its half, quarter or eighth), test=plane or paper, \
+    tolerance=0.5 (of test=plane, texels, 0 to 64), depth=32 or 16 (bits), build=blocks or sweep, filter=5, 1, 3 or 7, \
+    bias=, slope=, normal= (finest texels, 0 to 16), static=redrawn or cached";
 /// Of cascades.
 const CASCADES: &str = "cascades=4 (1 to 8), split=practical, uniform or log, lambda=0.5 (0 to 1), far=METRES, blend=0.1 (0 to 0.5)";
 /// Of filters over comparisons.
@@ -27,6 +31,7 @@ pub fn parameters(name: &str) -> String {
         "csm" => vec![CASCADES.to_owned(), format!("filter=5, 1, {COMPARISONS}"), MAP.to_owned()],
         "csm-vsm" => vec![CASCADES.to_owned(), MOMENTS.to_owned(), MAP.to_owned()],
         "csm-evsm" => vec![CASCADES.to_owned(), EXPONENTS.to_owned(), MOMENTS.to_owned(), MAP.to_owned()],
+        "hrsm" => vec![HYBRID.to_owned()],
         "blur" => vec![BLUR.to_owned()],
         "blur-dilate" => vec!["radius=2 (of the dilation, 1 to 16 pixels)".to_owned(), BLUR.to_owned()],
         "blur-bilateral" => {
@@ -50,6 +55,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::hybrid::HybridSettings;
     use crate::maps::MapSettings;
     use crate::screen_blur::BlurSettings;
     use crate::technique::{TECHNIQUES, TechniqueSpec};
@@ -57,10 +63,10 @@ mod tests {
     /// The keys that a technique asks for, from what it says of one that it does not know.
     fn asked(name: &str) -> BTreeSet<String> {
         let spec: TechniqueSpec = format!("{name}:zzz=1").parse().unwrap();
-        let error = if name.starts_with("blur") {
-            BlurSettings::read(&spec).unwrap_err()
-        } else {
-            MapSettings::from_spec(&spec).unwrap_err()
+        let error = match name {
+            "hrsm" => HybridSettings::from_spec(&spec).unwrap_err(),
+            _ if name.starts_with("blur") => BlurSettings::read(&spec).unwrap_err(),
+            _ => MapSettings::from_spec(&spec).unwrap_err(),
         };
         let text = error.to_string();
         let (_, keys) = text.split_once("it has: ").unwrap_or_else(|| panic!("{text}"));

@@ -20,7 +20,9 @@ fn level_sections() -> u32 {
 }
 
 fn start_at(texel: vec2u) -> f32 {
-    return abs(textureLoad(start_depth, texel, 0, 0));
+    let depth = abs(textureLoad(start_depth, texel, 0, 0));
+    // Devices make floats of 16 bits by a product or a quotient, which may round apart.
+    return select(depth, floor(depth * 65535.0 + 0.5) * DEPTH_16_STEP, level.places.w == 1u);
 }
 
 // Place of a block's word among the levels.

@@ -121,6 +121,9 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
 fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Outcome {
     let document = serde_json::to_value(report).map_err(|e| Failure::BadInput(e.to_string()))?;
     output::write(&args.output, report, comparison, &document)?;
+    for t in &report.techniques {
+        t.notes.iter().for_each(|note| eprintln!("note: {}: {note}", t.name));
+    }
     if args.json {
         print_json(&document);
         return Ok(Code::Fine);

@@ -128,16 +128,20 @@ fn draw_one(
     let (shot, samples) = shot(job, output, number);
     let size = [shot.camera.width, shot.camera.height];
     let layer = job.args.layer;
-    let cascades = if layer == LayerArg::Cascades {
-        if technique.technique().sources(Answer::Cascade).is_none() {
-            let name = technique.technique().name();
-            return Err(Failure::Usage(format!("--layer cascades: {name} has no cascades")));
-        }
-        renderer.draw(&shot, technique, Answer::Cascade)?;
-        Some(renderer.read_factor(technique)?)
-    } else {
-        None
+    let asked = match layer {
+        LayerArg::Cascades => Some((Answer::Cascade, "cascades", "no cascades")),
+        LayerArg::HrsmLevels => Some((Answer::Level, "hrsm-levels", "no levels; hrsm has them")),
+        _ => None,
     };
+    let mut indices = Vec::new();
+    if let Some((answer, layer, missing)) = asked {
+        if technique.technique().sources(answer).is_none() {
+            let name = technique.technique().name();
+            return Err(Failure::Usage(format!("--layer {layer}: {name} has {missing}")));
+        }
+        renderer.draw(&shot, technique, answer)?;
+        indices = renderer.read_factor(technique)?;
+    }
     let times = renderer.draw(&shot, technique, Answer::Visibility)?;
     let layer = match layer {
         LayerArg::Color => layers::color(size, &renderer.read_picture()?),
@@ -145,7 +149,10 @@ fn draw_one(
         LayerArg::Depth => layers::depth(size, renderer.read_surface(&shot)?.view_depth),
         LayerArg::Normal => layers::normal(size, &renderer.read_surface(&shot)?),
         LayerArg::Cascades => {
-            layers::cascades(size, &renderer.read_picture()?, &cascades.unwrap_or_default())
+            layers::tinted(size, &renderer.read_picture()?, indices, &layers::CASCADE_COLORS)
+        }
+        LayerArg::HrsmLevels => {
+            layers::tinted(size, &renderer.read_picture()?, indices, &layers::LEVEL_COLORS)
         }
     };
     Ok((layer.smaller(samples), times))

@@ -9,7 +9,7 @@ use crate::exit::Failure;
 use crate::output::{write_exr, write_png};
 
 /// Colours of cascades, near to far.
-const CASCADE_COLORS: [[f32; 3]; 8] = [
+pub(super) const CASCADE_COLORS: [[f32; 3]; 8] = [
     [0.90, 0.25, 0.20],
     [0.95, 0.65, 0.15],
     [0.40, 0.75, 0.20],
@@ -19,6 +19,10 @@ const CASCADE_COLORS: [[f32; 3]; 8] = [
     [0.85, 0.35, 0.65],
     [0.60, 0.60, 0.60],
 ];
+
+/// Colours of a hybrid map's levels, fine to coarse.
+pub(super) const LEVEL_COLORS: [[f32; 3]; 4] =
+    [[0.90, 0.22, 0.18], [0.95, 0.65, 0.15], [0.40, 0.75, 0.20], [0.20, 0.40, 0.90]];
 
 /// A layer, row 0 at the top.
 pub(super) struct Layer {
@@ -58,14 +62,15 @@ pub(super) fn normal(size: [u32; 2], surface: &SurfaceImage) -> Layer {
     Layer { size, shown: shown.collect(), data: true, raw }
 }
 
-pub(super) fn cascades(size: [u32; 2], rgba: &[u8], indices: &[f32]) -> Layer {
+/// A picture in the colours of what answers each pixel; below 0 nothing does.
+pub(super) fn tinted(size: [u32; 2], rgba: &[u8], indices: Vec<f32>, colors: &[[f32; 3]]) -> Layer {
     let mut layer = color(size, rgba);
-    for (shown, &index) in layer.shown.iter_mut().zip(indices).filter(|(_, index)| **index >= 0.0) {
-        let tint = CASCADE_COLORS[(index as usize).min(CASCADE_COLORS.len() - 1)];
+    for (shown, &index) in layer.shown.iter_mut().zip(&indices).filter(|(_, index)| **index >= 0.0) {
+        let tint = colors[(index as usize).min(colors.len() - 1)];
         let grey = (shown[0] + shown[1] + shown[2]) / 3.0;
         *shown = tint.map(|t| t * (0.25 + 1.5 * grey));
     }
-    layer.raw = vec![("Y", indices.to_vec())];
+    layer.raw = vec![("Y", indices)];
     layer
 }
 

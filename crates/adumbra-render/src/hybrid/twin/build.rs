@@ -30,6 +30,13 @@ pub(super) fn tree(
     precision: DepthPrecision,
     units: PlaneUnits,
 ) -> HybridTree {
+    let rounded;
+    let image = if precision == DepthPrecision::Bits16 {
+        rounded = image.of_16_bits();
+        &rounded
+    } else {
+        image
+    };
     let side = image.side() >> merges;
     let mut map = vec![0; side * side];
     let mut split = [0; 3];

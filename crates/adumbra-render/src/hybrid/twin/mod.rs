@@ -3,7 +3,7 @@
 mod build;
 mod leaf;
 
-use adumbra_shaders::constants::HYBRID_INDEX;
+use adumbra_shaders::constants::{DEPTH_16_STEP, HYBRID_INDEX};
 use adumbra_shaders::layout::HybridParams;
 
 use super::MergeTest;
@@ -55,6 +55,12 @@ impl DepthImage {
         &self.texels
     }
 
+    /// `start_at` of a map of 16 bits.
+    fn of_16_bits(&self) -> Self {
+        let texels = self.texels.iter().map(|d| (d.abs() * 65535.0 + 0.5).floor() * DEPTH_16_STEP).collect();
+        Self { side: self.side, texels }
+    }
+
     fn at(&self, x: usize, y: usize) -> f32 {
         // What the shader's abs() does to a depth of -0.
         self.texels[y * self.side + x].abs()
@@ -86,7 +92,7 @@ pub struct HybridTree {
 }
 
 impl HybridTree {
-    /// Builds a map of 1 to 3 merges. Cost: a read of the image a level.
+    /// Builds a map of 1 to 3 merges; with 16 bits, of the nearest of their depths. Cost: a read of the image a level.
     ///
     /// # Errors
     /// [`RenderError::DepthImage`] where the image cannot be merged so often.

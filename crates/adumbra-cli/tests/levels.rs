@@ -1,0 +1,91 @@
+//! Hybrid maps as a user draws them: the levels that answer, and what is said of a coarse start.
+
+mod kit;
+
+use exr::prelude::read_first_flat_layer_from_file;
+use kit::{Folder, adumbra, json};
+
+const SIZE: [&str; 2] = ["--size", "96x64"];
+
+#[test]
+fn render_shows_the_levels_of_a_hybrid_map() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let render = |shadow: &str, extra: &[&str], output: &str| {
+        let mut arguments = vec!["render", &scene, "--shadow", shadow, "--layer", "hrsm-levels"];
+        arguments.extend(SIZE);
+        arguments.extend(extra);
+        let output = folder.path(output);
+        adumbra(&[&arguments[..], &["-o", &output]].concat())
+    };
+    // Raw levels, one channel.
+    assert_eq!(render("hrsm:1024-256", &[], "levels.exr").0, 0);
+    let levels = read_first_flat_layer_from_file(folder.path("levels.exr")).unwrap().layer_data;
+    let channels = &levels.channel_data.list;
+    assert_eq!((channels.len(), channels[0].name.to_string().as_str()), (1, "Y"));
+    let values: Vec<f32> = channels[0].sample_data.values_as_f32().collect();
+    assert_eq!(values.len(), 96 * 64);
+    assert!(values.iter().all(|v| [-1.0, 0.0, 1.0, 2.0].contains(v)));
+    for level in [0.0, 1.0, 2.0] {
+        assert!(values.iter().filter(|v| **v == level).count() > 20, "level {level}");
+    }
+    // A picture: the coarsest of three levels is green, the finest red.
+    assert_eq!(render("hrsm:1024-256", &["--antialias", "1"], "levels.png").0, 0);
+    let picture = image::open(folder.path("levels.png")).unwrap().into_rgb8();
+    for (pixel, level) in picture.pixels().zip(&values) {
+        let [r, g, b] = pixel.0;
+        assert!(*level != 2.0 || g > r && g > b, "{level}: {pixel:?}");
+        assert!(*level != 0.0 || r > g && r > b, "{level}: {pixel:?}");
+    }
+    // Of what has none, and without a GPU.
+    let (code, error) = render("pcf:size=256", &[], "none.png");
+    assert_eq!(code, 2, "{error}");
+    assert!(error.contains("--layer hrsm-levels: pcf:size=256 has no levels"), "{error}");
+    let (code, error) = render("hrsm:1024-256", &["--device", "cpu"], "cpu.png");
+    assert_eq!(code, 2, "{error}");
+    assert!(error.contains("hrsm:1024-256: the CPU draws"), "{error}");
+    let (code, error) = render("truth", &["--device", "cpu"], "cpu.png");
+    assert_eq!(code, 2, "{error}");
+    assert!(error.contains("other layers and EXR need a GPU adapter"), "{error}");
+    assert!(!folder.exists("none.png") && !folder.exists("cpu.png"));
+}
+
+#[test]
+fn hybrid_map_from_a_coarse_start_is_warned_of() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let of = |verb: &[&str], shadow: &str, output: &str| {
+        let output = folder.path(output);
+        let (code, error) = adumbra(&[verb, &SIZE, &["--shadow", shadow, "-o", &output]].concat());
+        assert_eq!(code, 0, "{error}");
+        error
+    };
+    let compare = ["compare", &scene, "--sun-samples", "2", "--frames", "1", "--shadow", "none"];
+    for (start, warned) in [("512-256", true), ("1024-512", false)] {
+        let shadow = format!("hrsm:{start}");
+        let said = [
+            of(&["render", &scene], &shadow, &format!("{start}.png")),
+            of(&compare, &shadow, &format!("compared-{start}")),
+        ];
+        for said in said {
+            let note = format!("note: {shadow}: hrsm from 512: the paper advises against starts below 1024");
+            assert_eq!(said.contains(&note), warned, "{said}");
+        }
+        let report = std::fs::read_to_string(folder.path(&format!("compared-{start}/report.md"))).unwrap();
+        assert_eq!(report.contains("advises against"), warned, "{report}");
+    }
+}
+
+#[test]
+fn render_gives_the_time_of_the_build() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let milliseconds = |shadow: &str| {
+        let output = folder.path("out.png");
+        let said =
+            json(&[&["render", &scene, "--json"][..], &SIZE, &["--shadow", shadow, "-o", &output]].concat());
+        said["build_ms"].as_f64().unwrap()
+    };
+    assert!(milliseconds("hrsm:1024-512") > 0.0);
+    assert!(milliseconds("pcf:size=256") < 10.0);
+}
