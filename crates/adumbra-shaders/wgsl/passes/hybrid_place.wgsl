@@ -1,5 +1,7 @@
 // Children of blocks that did not merge to their places in the map, and the coarsest level; one thread a block.
 
+@group(1) @binding(0) var<storage, read_write> hybrid_words: array<u32>;
+
 fn half_pair(left: f32, right: f32) -> u32 {
     return u32(left * 65535.0 + 0.5) | (u32(right * 65535.0 + 0.5) << 16u);
 }
