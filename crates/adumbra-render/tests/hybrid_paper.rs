@@ -1,4 +1,5 @@
-//! Hybrid maps of the paper's layout on the GPU: texels and links against their CPU twin, answers against the compact layout's.
+//! Hybrid maps of the paper's layout on the GPU: texels and links against their CPU twin, answers against the compact
+//! layout's.
 
 mod kit;
 

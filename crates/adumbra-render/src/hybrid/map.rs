@@ -1,8 +1,8 @@
 //! The technique `hrsm`: a shadow map over the scene, merged where depth is smooth.
 //!
-//! Bind group 2: parameters; words and the same words by fours, or texels and links (see access/hybrid_compact.wgsl, hybrid_paper.wgsl).
-//! The shadow map that it is made from, and room for the largest map of its size, stay on the device while light or casters change;
-//! with `cache_static` they are given back once nothing does.
+//! Bind group 2: parameters; words and the same words by fours, or texels and links (see access/hybrid_*.wgsl). The shadow map
+//! that it is made from, and room for the largest map of its size, stay on the device while light or casters change; with
+//! `cache_static` they are given back once nothing does.
 
 use adumbra_shaders::constants::HYBRID_ONE;
 use adumbra_shaders::layout::{HybridParams, MapLayer};
@@ -266,7 +266,7 @@ impl Technique for HybridMap {
             (Answer::Cascade, _) => return None,
             (Answer::Level, _) => files.push(source::HYBRID_LEVELS),
             (Answer::Visibility, MapFilter::Nearest) => {
-                files.extend([source::HYBRID_NEAREST, source::HYBRID_MAP])
+                files.extend([source::HYBRID_NEAREST, source::HYBRID_MAP]);
             }
             (Answer::Visibility, _) => {
                 files.extend([source::HYBRID_BOX, source::HYBRID_PCF, source::HYBRID_MAP]);

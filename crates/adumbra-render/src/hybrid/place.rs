@@ -17,8 +17,8 @@ pub(super) struct PlacePass {
 }
 
 impl PlacePass {
-    /// For maps in `stored`. `build` is the layout of bind group 0, `blocks` the texels of all levels but the finest, `start_normals` of
-    /// the shadow map: a `texture_2d_array` of one layer, which the paper's layout alone reads.
+    /// For maps in `stored`. `build` is the layout of bind group 0, `blocks` the texels of all levels but the finest,
+    /// `start_normals` those of the shadow map: a `texture_2d_array` of one layer, which the paper's layout alone reads.
     ///
     /// # Errors
     /// [`RenderError::DepthImage`] where that layout is to be made without normals.

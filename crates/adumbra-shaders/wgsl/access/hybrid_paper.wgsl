@@ -1,18 +1,18 @@
-// Texels of a hybrid map of 128 bits, and beside them the list that leads from a texel to its four finer ones.
+// Texels of a hybrid map of 128 bits, and the lists that lead from a texel to its four finer ones.
 // Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, section 2.3, figures 2 and 3.
-// Departures: links are numbers of texels and links, not pointers; which bits hold what is ours, the paper names channels alone.
+// Departures: links are numbers, not pointers; of bits the paper gives those of A alone.
 //
 // | channel | bits | hold |
 // |---|---|---|
 // | R | 0 to 15, 16 to 31 | column and row of the texel in its level |
-// | G | 0 to 31 | depth: the word of core/hybrid_mean or hybrid_plane; at finest texels a 32-bit float, or the 16 bits of A |
+// | G | 0 to 31 | depth: a word of core/hybrid_mean or hybrid_plane; at finest texels a 32-bit float, or A's 16 bits |
 // | B | 31, 0 to 30 | HYBRID_INDEX and the first link of its list; 0 where it holds a depth |
 // | A | 16 to 31 | depth at its middle, 65535 = 1 |
 // | A | 0 to 7, 8 to 15 | normal: bytes 0 and 1 of core/octahedral.wgsl, both 0 where there is no caster |
 //
-// G and A of a texel that leads to others are 0. Texels: the coarsest level row by row, then those that links lead to, four by four. A link
-// is the number of a texel and that of the next link, HYBRID_NO_LINK in a list's last. Worked value: column 5, row 3 of the finest
-// level, depth 0.25, normal (0, 1, 0): 0x00030005, 0x3e800000, 0, 0x4000ff80.
+// G and A of a texel that leads to others are 0. Texels: the coarsest level row by row, then those that links lead to, four by
+// four. A link is the number of a texel and that of the next link, HYBRID_NO_LINK in a list's last. Worked value: column 5,
+// row 3 of the finest level, depth 0.25, normal (0, 1, 0): 0x00030005, 0x3e800000, 0, 0x4000ff80.
 
 @group(2) @binding(1) var<storage, read> hybrid_texels: array<vec4u>;
 @group(2) @binding(2) var<storage, read> hybrid_links: array<vec2u>;

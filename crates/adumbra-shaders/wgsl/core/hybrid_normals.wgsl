@@ -1,6 +1,6 @@
 // The mean of normals that are two bytes each, as core/octahedral.wgsl packs them: low and high byte of a word; 0 is none.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 1, which stores a normal with the merged texel.
-// In whole numbers: every machine packs the same bytes.
+// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 1, which stores a normal with what
+// merged. In whole numbers: every machine packs the same bytes.
 
 // Largest whole number whose square is no more than `square`, which is below 2^31.
 fn whole_root(square: u32) -> u32 {

@@ -1,5 +1,5 @@
-// Children of blocks that did not merge to their places in a map of the paper's layout, their links, and the coarsest level; one thread a
-// block. Beside that the normal of each block that merged. Texels are packed as access/hybrid_paper.wgsl says.
+// Children of blocks that did not merge to their places in a map of the paper's layout, their links, and the coarsest level;
+// beside that the normal of each block that merged; one thread a block. Texels are packed as access/hybrid_paper.wgsl says.
 
 @group(1) @binding(0) var start_normals: texture_2d_array<f32>;
 @group(1) @binding(1) var<storage, read_write> hybrid_texels: array<vec4u>;
@@ -25,7 +25,8 @@ fn block_normals(block: vec2u) -> vec4u {
     }
     let row = 2u * level.counts.z;
     let first = level.places.x + 2u * block.y * row + 2u * block.x;
-    return vec4u(hybrid_normals[first], hybrid_normals[first + 1u], hybrid_normals[first + row], hybrid_normals[first + row + 1u]);
+    let below = first + row;
+    return vec4u(hybrid_normals[first], hybrid_normals[first + 1u], hybrid_normals[below], hybrid_normals[below + 1u]);
 }
 
 // The nearest of 65,536 depths, in whole numbers: every machine finds the same.

@@ -1,4 +1,5 @@
-//! The paper's layout: texels of 128 bits and the list of links, twin of passes/hybrid_place_paper.wgsl and access/hybrid_paper.wgsl.
+//! The paper's layout: texels of 128 bits and the list of links. Twin of passes/hybrid_place_paper.wgsl and
+//! access/hybrid_paper.wgsl.
 
 use adumbra_shaders::constants::{HYBRID_INDEX, HYBRID_NO_LINK, HYBRID_ONE};
 
@@ -50,11 +51,11 @@ impl Blocks {
         if precision == DepthPrecision::Bits16 {
             all.width[0] = 2;
         }
-        for k in 0..merges as usize {
+        for (k, &count) in split.iter().enumerate().take(merges as usize) {
             all.begin[k] = words.next_multiple_of(4);
             all.before[k] = blocks;
-            words = all.begin[k] + split[k] * all.width[k];
-            blocks += split[k];
+            words = all.begin[k] + count * all.width[k];
+            blocks += count;
         }
         all.words = words;
         all
@@ -160,8 +161,8 @@ impl HybridPaper {
         }
     }
 
-    /// The texel that a finest texel's depth is in, and its level: from the coarsest level on, each list is followed to the texel whose
-    /// coordinate is the wanted one. Clamped to the border.
+    /// The texel that a finest texel's depth is in, and its level: from the coarsest level on, each list is followed to the
+    /// texel whose coordinate is the wanted one. Clamped to the border.
     pub fn found(&self, x: i64, y: i64) -> ([u32; 4], u32) {
         let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as u32);
         let mut level = self.merges;
