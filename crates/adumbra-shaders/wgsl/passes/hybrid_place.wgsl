@@ -26,6 +26,11 @@ fn hybrid_place(@builtin(global_invocation_id) id: vec3u) {
             if (level.places.w == 1u) {
                 hybrid_words[place] = half_pair(depths.x, depths.y);
                 hybrid_words[place + 1u] = half_pair(depths.z, depths.w);
+                // The next level begins at a multiple of four words.
+                if (place % 4u == 0u && place + 2u == hybrid_counts[0]) {
+                    hybrid_words[place + 2u] = 0u;
+                    hybrid_words[place + 3u] = 0u;
+                }
             } else {
                 for (var i = 0u; i < 4u; i++) {
                     hybrid_words[place + i] = bitcast<u32>(depths[i]);
