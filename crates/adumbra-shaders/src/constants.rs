@@ -54,6 +54,8 @@ shared! {
     HYBRID_SECTION: u32 = 64;
     /// A word of a hybrid map with this bit holds where its four finer texels are; one without it is a depth.
     HYBRID_INDEX: u32 = 0x80000000;
+    /// The end of a list of links.
+    HYBRID_NO_LINK: u32 = 0xffffffff;
     /// Depth 1 in the whole numbers that planes of a hybrid map are fitted in.
     HYBRID_ONE: f32 = 16777216.0;
     /// Largest code of a plane's depth.

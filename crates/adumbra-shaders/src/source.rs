@@ -101,6 +101,10 @@ sources! {
     HYBRID_MEAN = "core/hybrid_mean.wgsl";
     /// Words of a hybrid map of 32 bits a texel.
     HYBRID_COMPACT = "access/hybrid_compact.wgsl";
+    /// Texels of a hybrid map of 128 bits, and the list of links.
+    HYBRID_PAPER = "access/hybrid_paper.wgsl";
+    /// Means of packed normals.
+    HYBRID_NORMALS = "core/hybrid_normals.wgsl";
     /// What the passes that build a hybrid map share.
     HYBRID_BUILD = "passes/hybrid_build.wgsl";
     /// Blocks that lie in a plane.
@@ -115,6 +119,8 @@ sources! {
     HYBRID_SCAN = "passes/hybrid_scan.wgsl";
     /// Children to their places.
     HYBRID_PLACE = "passes/hybrid_place.wgsl";
+    /// The same as texels of 128 bits, with their links.
+    HYBRID_PLACE_PAPER = "passes/hybrid_place_paper.wgsl";
     /// The technique `hrsm`, bindings.
     HYBRID_MAP = "passes/hybrid_map.wgsl";
     /// `hrsm`, one texel compared.

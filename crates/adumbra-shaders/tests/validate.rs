@@ -30,6 +30,55 @@ const MODULES: &[(&str, &[Source])] = &[
     ("hybrid scan", &[source::HYBRID_BUILD, source::HYBRID_SCAN]),
     ("hybrid place", &[source::HYBRID_BUILD, source::HYBRID_PLACE]),
     (
+        "hybrid place, paper's layout, means",
+        &[
+            source::HYBRID_MEAN,
+            source::OCTAHEDRAL,
+            source::HYBRID_NORMALS,
+            source::HYBRID_BUILD,
+            source::HYBRID_PLACE_PAPER,
+        ],
+    ),
+    (
+        "hybrid place, paper's layout, planes",
+        &[
+            source::HYBRID_PLANE,
+            source::OCTAHEDRAL,
+            source::HYBRID_NORMALS,
+            source::HYBRID_BUILD,
+            source::HYBRID_PLACE_PAPER,
+        ],
+    ),
+    (
+        "hybrid square, paper's layout",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::MAPS,
+            source::HYBRID_MEAN,
+            source::HYBRID_PAPER,
+            source::HYBRID,
+            source::HYBRID_BOX,
+            source::HYBRID_PCF,
+            source::HYBRID_MAP,
+            source::RESOLVE,
+        ],
+    ),
+    (
+        "hybrid nearest, paper's layout",
+        &[
+            source::SURFACE,
+            source::FRAME,
+            source::MAPS,
+            source::HYBRID_PLANE,
+            source::HYBRID_PAPER,
+            source::HYBRID,
+            source::HYBRID_NEAREST,
+            source::HYBRID_MAP,
+            source::RESOLVE,
+        ],
+    ),
+    (
         "hybrid nearest, planes",
         &[
             source::SURFACE,

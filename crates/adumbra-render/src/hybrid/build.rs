@@ -4,17 +4,19 @@
 //! |---|---|---|
 //! | merge (sweep or blocks) | depth, the level before | the level's words, a count a section |
 //! | scan | counts | where each section's children begin |
-//! | place | both levels, depth | children, the coarsest level |
+//! | place | both levels, depth, in the paper's layout normals | children, the coarsest level |
 //!
-//! No pass waits for the CPU. The map is held at its largest until [`Builder::used_words`] is asked for.
+//! No pass waits for the CPU, so there is room for the largest map; [`Builder::counts`] says how much of it is in use.
 
 use adumbra_shaders::constants::{HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP};
 use adumbra_shaders::layout::HybridLevel;
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindingResource, BufferUsages, ShaderStages};
 
-use super::settings::{BuildKind, HybridSettings, MergeTest, PlaneUnits};
-use crate::error::{RenderError, Result};
+use super::place::PlacePass;
+use super::settings::{BuildKind, HybridLayout, HybridSettings, MergeTest, PlaneUnits};
+use super::stored::Stored;
+use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::maps::DepthPrecision;
 use crate::readback::read_buffer;
@@ -22,51 +24,52 @@ use crate::readback::read_buffer;
 /// Words before the sections in the buffer of counts.
 const SECTIONS: u64 = 4;
 
-/// What does not fit into one storage binding.
-const MEND: &str = "give a smaller START";
-
 /// The passes that build one map, with their buffers.
 pub struct Builder {
     settings: HybridSettings,
     merge: wgpu::ComputePipeline,
     scan: wgpu::ComputePipeline,
-    place: wgpu::ComputePipeline,
+    place: PlacePass,
     levels: Vec<(wgpu::Buffer, wgpu::BindGroup)>,
     scratch: wgpu::Buffer,
     counts: wgpu::Buffer,
-    words: wgpu::Buffer,
+    stored: Stored,
 }
 
-/// Blocks that did not merge, and the words that the map takes.
+/// Blocks that did not merge, and what the map takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltCounts {
-    /// Words in use.
+    /// 32-bit words in use: of the compact layout its words, of the paper's four a texel and two a link.
     pub words: u32,
+    /// Texels in use: the coarsest, and four a block that did not merge.
+    pub texels: u32,
     /// By level, from 1.
     pub split: [u32; 3],
 }
 
 impl Builder {
     /// Buffers and pipelines for maps of these settings, made from `depth`: a `texture_depth_2d_array` of one layer with
-    /// `settings.start` texels a side.
+    /// `settings.start` texels a side. Of the compact layout; see [`Builder::with_normals`].
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] where the device binds less than the largest map of this size.
+    /// [`crate::RenderError::TooLarge`] where the device binds less than the largest map of this size.
     pub fn new(gpu: &Gpu, settings: &HybridSettings, depth: &wgpu::TextureView) -> Result<Self> {
-        let texels: Vec<u64> =
-            (0..=settings.merges()).map(|k| u64::from(settings.start >> k).pow(2)).collect();
-        let target = u64::from(settings.target).pow(2);
-        let finest = texels[0] / if settings.depth == DepthPrecision::Bits16 { 2 } else { 1 };
-        let between: u64 = texels[1..texels.len() - 1].iter().sum();
-        let largest = 4 * (target + finest + between).next_multiple_of(4);
-        if largest > gpu.max_binding_bytes {
-            return Err(RenderError::TooLarge {
-                what: format!("a hybrid shadow map from {} texels a side", settings.start),
-                bytes: largest,
-                limit: gpu.max_binding_bytes,
-                mend: MEND,
-            });
-        }
+        Self::with_normals(gpu, settings, depth, None)
+    }
+
+    /// The same of either layout. The paper's takes `normals` beside depth: a `texture_2d_array` of two bytes a texel, as
+    /// core/octahedral.wgsl packs them.
+    ///
+    /// # Errors
+    /// As [`Builder::new`], and [`crate::RenderError::DepthImage`] where normals are missing.
+    pub fn with_normals(
+        gpu: &Gpu,
+        settings: &HybridSettings,
+        depth: &wgpu::TextureView,
+        normals: Option<&wgpu::TextureView>,
+    ) -> Result<Self> {
+        let stored = Stored::largest(gpu, settings)?;
+        let blocks: u64 = (1..=settings.merges()).map(|k| u64::from(settings.start >> k).pow(2)).sum();
         let side = settings.start / 2;
         let sections = u64::from(side) * u64::from(side.div_ceil(HYBRID_SECTION));
         let storage = |label, words: u64| {
@@ -77,11 +80,10 @@ impl Builder {
                 mapped_at_creation: false,
             })
         };
-        let scratch = storage("hybrid::levels", texels[1..].iter().sum());
+        let scratch = storage("hybrid::levels", blocks);
         let counts = storage("hybrid::counts", SECTIONS + sections);
-        let words = storage("hybrid::words", largest / 4);
         let out = binding::STORAGE_OUT;
-        let kinds = [binding::UNIFORM, binding::DEPTH_ARRAY, out, out, out];
+        let kinds = [binding::UNIFORM, binding::DEPTH_ARRAY, out, out];
         let layout = gpu.layout("hybrid_build", ShaderStages::COMPUTE, &kinds);
         let levels = (0..settings.merges()).map(|_| {
             let uniform = gpu.uniform("hybrid::level", &[0; 48]);
@@ -90,7 +92,6 @@ impl Builder {
                 BindingResource::TextureView(depth),
                 scratch.as_entire_binding(),
                 counts.as_entire_binding(),
-                words.as_entire_binding(),
             ];
             let group = gpu.bind("hybrid_build", &layout, resources);
             (uniform, group)
@@ -114,16 +115,11 @@ impl Builder {
                 "hybrid_scan",
                 &groups,
             ),
-            place: gpu.compute(
-                "hybrid_place",
-                assemble(&[common, source::HYBRID_PLACE]),
-                "hybrid_place",
-                &groups,
-            ),
+            place: PlacePass::new(gpu, settings, &layout, &stored, blocks, normals)?,
             levels: levels.collect(),
             scratch,
             counts,
-            words,
+            stored,
         };
         gpu.check()?;
         Ok(built)
@@ -132,12 +128,13 @@ impl Builder {
     /// Sets what planes are measured in.
     pub fn write(&self, gpu: &Gpu, units: PlaneUnits) {
         let halves = self.settings.depth == DepthPrecision::Bits16;
+        let pairs = halves && self.settings.layout == HybridLayout::Compact;
         let (mut before, mut first) = (0, 0);
         for (made, (uniform, _)) in (1..).zip(&self.levels) {
             let side = self.settings.start >> made;
             let level = HybridLevel {
                 counts: [self.settings.start, made, side, self.settings.merges()],
-                places: [before, first, if halves && made == 1 { 2 } else { 4 }, u32::from(halves)],
+                places: [before, first, if pairs && made == 1 { 2 } else { 4 }, u32::from(halves)],
                 plane: [units.slope, units.tolerance, 0, 0],
             };
             gpu.queue.write_buffer(uniform, 0, &level.bytes());
@@ -158,14 +155,23 @@ impl Builder {
             }
             pass.set_pipeline(&self.scan);
             pass.dispatch_workgroups(1, 1, 1);
-            pass.set_pipeline(&self.place);
+            pass.set_pipeline(&self.place.pipeline);
+            pass.set_bind_group(1, &self.place.group, &[]);
             pass.dispatch_workgroups(side.div_ceil(PIXEL_GROUP), side.div_ceil(PIXEL_GROUP), 1);
         }
     }
 
-    /// The map.
+    /// The map: words of the compact layout, texels of the paper's.
     pub fn words(&self) -> &wgpu::Buffer {
-        &self.words
+        match &self.stored {
+            Stored::Compact { words } => words,
+            Stored::Paper { texels, .. } => texels,
+        }
+    }
+
+    /// The map in either layout.
+    pub(super) fn stored(&self) -> &Stored {
+        &self.stored
     }
 
     /// How much of the map the last build filled; waits for it.
@@ -180,14 +186,17 @@ impl Builder {
         let bytes = read_buffer(gpu, &copy)?;
         let at = |i: usize| bytes.as_chunks::<4>().0.get(i).map_or(0, |b| u32::from_le_bytes(*b));
         let merges = self.settings.merges() as usize;
-        Ok(BuiltCounts {
-            words: at(0),
-            split: std::array::from_fn(|k| if k < merges { at(k + 1) } else { 0 }),
+        let split: [u32; 3] = std::array::from_fn(|k| if k < merges { at(k + 1) } else { 0 });
+        let listed = 4 * split.iter().sum::<u32>();
+        let texels = self.settings.target.pow(2) + listed;
+        Ok(match self.settings.layout {
+            HybridLayout::Compact => BuiltCounts { words: at(0), texels, split },
+            HybridLayout::Paper => BuiltCounts { words: 4 * texels + 2 * listed, texels, split },
         })
     }
 
     /// Bytes on the GPU, the map's largest size among them.
     pub fn bytes(&self) -> u64 {
-        self.scratch.size() + self.counts.size() + self.words.size()
+        self.scratch.size() + self.counts.size() + self.stored.bytes() + self.place.bytes()
     }
 }

@@ -1,16 +1,18 @@
 //! The technique `hrsm`: a shadow map over the scene, merged where depth is smooth.
 //!
-//! Bind group 2: parameters, words, the same words by fours (see access/hybrid_compact.wgsl). The shadow map that it is made from, and room for the largest map of
-//! its size, stay on the device while light or casters change; with `cache_static` they are given back once nothing does.
+//! Bind group 2: parameters; words and the same words by fours, or texels and links (see access/hybrid_*.wgsl). The shadow map
+//! that it is made from, and room for the largest map of its size, stay on the device while light or casters change; with
+//! `cache_static` they are given back once nothing does.
 
 use adumbra_shaders::constants::HYBRID_ONE;
 use adumbra_shaders::layout::{HybridParams, MapLayer};
 use adumbra_shaders::{Source, source};
-use wgpu::{BufferUsages, ShaderStages};
+use wgpu::ShaderStages;
 
 use super::build::{Builder, BuiltCounts};
-use super::settings::{HybridSettings, MergeTest, PlaneUnits};
-use super::twin::HybridTree;
+use super::settings::{HybridLayout, HybridSettings, MergeTest, PlaneUnits};
+use super::stored::Stored;
+use super::twin::{HybridPaper, HybridTree};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::maps::cascades::LayerFit;
@@ -18,7 +20,7 @@ use crate::maps::depth_pass::{DepthPass, DepthPassOptions};
 use crate::maps::layers::Layer;
 use crate::maps::textures::DepthTextures;
 use crate::maps::{MapFilter, scene_fit};
-use crate::readback::{read_buffer, read_depth};
+use crate::readback::{read_depth, read_texture};
 use crate::technique::{Answer, FrameInput, Technique};
 
 /// A hybrid-resolution shadow map on one device.
@@ -48,7 +50,7 @@ struct Working {
 }
 
 struct Kept {
-    words: wgpu::Buffer,
+    stored: Stored,
     counts: BuiltCounts,
 }
 
@@ -71,7 +73,7 @@ impl HybridMap {
         let uniform = gpu.uniform("hybrid::params", &params.bytes());
         let kinds = [binding::UNIFORM, binding::STORAGE, binding::STORAGE];
         let layout = gpu.layout("hybrid", ShaderStages::COMPUTE, &kinds);
-        let group = look_up_group(gpu, &layout, &uniform, working.builder.words());
+        let group = look_up_group(gpu, &layout, &uniform, working.builder.stored());
         Ok(Self {
             name: name.to_owned(),
             settings,
@@ -107,22 +109,21 @@ impl HybridMap {
         match (&self.kept, &self.working) {
             (Some(kept), _) => Ok(kept.counts),
             (None, Some(working)) => working.builder.counts(gpu),
-            (None, None) => Ok(BuiltCounts { words: 0, split: [0; 3] }),
+            (None, None) => Ok(BuiltCounts { words: 0, texels: 0, split: [0; 3] }),
         }
     }
 
-    /// The last frame's map.
+    /// The last frame's map; of the paper's layout, as the compact one would hold it.
     ///
     /// # Errors
     /// What the device reports.
     pub fn read(&self, gpu: &Gpu) -> Result<HybridTree> {
+        if let Some(paper) = self.read_paper(gpu)? {
+            return Ok(paper.compact());
+        }
         let counts = self.counts(gpu)?;
-        let words = match (&self.kept, &self.working) {
-            (Some(kept), _) => read_buffer(gpu, &kept.words)?,
-            (None, Some(working)) => read_buffer(gpu, working.builder.words())?,
-            (None, None) => Vec::new(),
-        };
-        let words = words.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b));
+        let [mut words, _] = self.read_stored(gpu)?;
+        words.truncate(counts.words as usize);
         Ok(HybridTree {
             start: self.settings.start,
             merges: self.settings.merges(),
@@ -130,8 +131,39 @@ impl HybridMap {
             precision: self.settings.depth,
             units: self.units,
             split: counts.split,
-            words: words.take(counts.words as usize).collect(),
+            words,
         })
+    }
+
+    /// The last frame's map as the paper's layout stores it; none of the compact one.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read_paper(&self, gpu: &Gpu) -> Result<Option<HybridPaper>> {
+        if self.settings.layout != HybridLayout::Paper {
+            return Ok(None);
+        }
+        let counts = self.counts(gpu)?;
+        let [texels, links] = self.read_stored(gpu)?;
+        let listed = 4 * counts.split.iter().sum::<u32>() as usize;
+        Ok(Some(HybridPaper {
+            start: self.settings.start,
+            merges: self.settings.merges(),
+            test: self.settings.test,
+            precision: self.settings.depth,
+            units: self.units,
+            split: counts.split,
+            texels: texels.as_chunks().0.iter().take(counts.texels as usize).copied().collect(),
+            links: links.as_chunks().0.iter().take(listed).copied().collect(),
+        }))
+    }
+
+    fn read_stored(&self, gpu: &Gpu) -> Result<[Vec<u32>; 2]> {
+        match (&self.kept, &self.working) {
+            (Some(kept), _) => kept.stored.read(gpu),
+            (None, Some(working)) => working.builder.stored().read(gpu),
+            (None, None) => Ok([Vec::new(), Vec::new()]),
+        }
     }
 
     /// The shadow map that the last frame's was made from, row by row; none where it is not kept.
@@ -143,21 +175,23 @@ impl HybridMap {
         read_depth(gpu, &working.depth.all.texture, 0).map(Some)
     }
 
-    /// Copies the map into a buffer of its size and drops what it was built with.
+    /// Normals beside [`HybridMap::read_start`], two bytes each ([`crate::octahedral`]); none where there are none.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read_start_normals(&self, gpu: &Gpu) -> Result<Option<Vec<[u8; 2]>>> {
+        let normals = self.working.as_ref().and_then(|w| w.depth.normals.as_ref());
+        let Some((all, _)) = normals else { return Ok(None) };
+        Ok(Some(read_texture(gpu, &all.texture, 0, 0)?.as_chunks().0.to_vec()))
+    }
+
+    /// Copies the map into buffers of its size and drops what it was built with.
     fn keep(&mut self, gpu: &Gpu) -> Result<()> {
         let Some(working) = &self.working else { return Ok(()) };
         let counts = working.builder.counts(gpu)?;
-        let words = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("hybrid::kept"),
-            size: 4 * u64::from(counts.words.next_multiple_of(4)),
-            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.encoder("hybrid::keep");
-        encoder.copy_buffer_to_buffer(working.builder.words(), 0, &words, 0, words.size());
-        gpu.finish(encoder.finish())?;
-        self.group = look_up_group(gpu, &self.layout, &self.uniform, &words);
-        self.kept = Some(Kept { words, counts });
+        let stored = working.builder.stored().kept(gpu, &counts)?;
+        self.group = look_up_group(gpu, &self.layout, &self.uniform, &stored);
+        self.kept = Some(Kept { stored, counts });
         self.working = None;
         Ok(())
     }
@@ -166,7 +200,8 @@ impl HybridMap {
 impl Working {
     fn new(gpu: &Gpu, settings: &HybridSettings) -> Result<Self> {
         let depth = DepthTextures::new(gpu, "hybrid::depth", settings.start, 1, options(settings))?;
-        let builder = Builder::new(gpu, settings, &depth.all.view)?;
+        let normals = depth.normals.as_ref().map(|(all, _)| &all.view);
+        let builder = Builder::with_normals(gpu, settings, &depth.all.view, normals)?;
         Ok(Self { depth, builder })
     }
 }
@@ -185,7 +220,7 @@ impl Technique for HybridMap {
         if self.stale {
             if self.working.is_none() {
                 let working = Working::new(input.gpu, &self.settings)?;
-                self.group = look_up_group(input.gpu, &self.layout, &self.uniform, working.builder.words());
+                self.group = look_up_group(input.gpu, &self.layout, &self.uniform, working.builder.stored());
                 self.working = Some(working);
                 self.kept = None;
             }
@@ -222,7 +257,11 @@ impl Technique for HybridMap {
             MergeTest::Plane { .. } => source::HYBRID_PLANE,
             MergeTest::Paper => source::HYBRID_MEAN,
         };
-        let mut files = vec![source::MAPS, leaf, source::HYBRID_COMPACT, source::HYBRID];
+        let access = match self.settings.layout {
+            HybridLayout::Compact => source::HYBRID_COMPACT,
+            HybridLayout::Paper => source::HYBRID_PAPER,
+        };
+        let mut files = vec![source::MAPS, leaf, access, source::HYBRID];
         match (answer, &self.settings.filter) {
             (Answer::Cascade, _) => return None,
             (Answer::Level, _) => files.push(source::HYBRID_LEVELS),
@@ -250,7 +289,7 @@ impl Technique for HybridMap {
 
     fn bytes(&self) -> u64 {
         let working = self.working.as_ref().map_or(0, |w| w.depth.bytes() + w.builder.bytes());
-        let kept = self.kept.as_ref().map_or(0, |k| k.words.size());
+        let kept = self.kept.as_ref().map_or(0, |k| k.stored.bytes());
         working + kept + self.layer.bytes() + self.uniform.size()
     }
 
@@ -264,17 +303,18 @@ impl Technique for HybridMap {
 }
 
 fn options(settings: &HybridSettings) -> DepthPassOptions {
-    DepthPassOptions { format: settings.depth.format(), normals: false }
+    let normals = settings.layout == HybridLayout::Paper;
+    DepthPassOptions { format: settings.depth.format(), normals }
 }
 
 fn look_up_group(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
     uniform: &wgpu::Buffer,
-    words: &wgpu::Buffer,
+    stored: &Stored,
 ) -> wgpu::BindGroup {
-    let words = words.as_entire_binding();
-    gpu.bind("hybrid", layout, vec![uniform.as_entire_binding(), words.clone(), words])
+    let [first, second] = stored.bindings();
+    gpu.bind("hybrid", layout, vec![uniform.as_entire_binding(), first, second])
 }
 
 /// What does not change from frame to frame.

@@ -30,6 +30,8 @@ pub enum MergeTest {
 pub enum HybridLayout {
     /// 32 bits a texel.
     Compact,
+    /// The paper's: 128 bits a texel, with its coordinate and normal, and a list that leads to finer ones.
+    Paper,
 }
 
 /// Which pass merges.
@@ -96,7 +98,10 @@ impl HybridSettings {
             target,
             test,
             depth: DepthPrecision::from_reader(&mut reader)?,
-            layout: HybridLayout::Compact,
+            layout: match reader.choice("layout", &["compact", "paper"])? {
+                "paper" => HybridLayout::Paper,
+                _ => HybridLayout::Compact,
+            },
             build: match reader.choice("build", &["blocks", "sweep"])? {
                 "sweep" => BuildKind::Sweep,
                 _ => BuildKind::Blocks,
@@ -178,7 +183,8 @@ mod tests {
         assert!(s.cache_static && s.bias.constant_texels == 2.0);
         let s = settings("hrsm").unwrap();
         assert_eq!((s.start, s.target, s.width()), (4096, 1024, 5));
-        assert_eq!(s.test, MergeTest::Plane { tolerance_texels: 0.5 });
+        assert_eq!((s.test, s.layout), (MergeTest::Plane { tolerance_texels: 0.5 }, HybridLayout::Compact));
+        assert_eq!(settings("hrsm:layout=paper").unwrap().layout, HybridLayout::Paper);
     }
 
     #[test]
@@ -190,6 +196,7 @@ mod tests {
             "hrsm:4096",
             "hrsm:filter=2",
             "hrsm:test=mean",
+            "hrsm:layout=wide",
             "hrsm:test=paper:tolerance=1",
         ] {
             assert!(settings(text).is_err(), "{text}");

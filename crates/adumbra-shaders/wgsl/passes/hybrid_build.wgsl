@@ -3,6 +3,8 @@
 // blocks of its row, then, placed, the word at which its children begin. Ranks follow rows, so the map is the same in every run and
 // however it is swept.
 //
+// What the map is made of is the place pass's, in bind group 1; below, a word is a texel where the paper's layout is stored.
+//
 // hybrid_counts: word 0 = next free word of the map; 1 to 3 = blocks of level 1 to 3 that did not merge; from HYBRID_SECTIONS on, one a
 // section: such blocks, then the word at which their children begin.
 
@@ -11,7 +13,6 @@
 // All levels but the finest, one behind the other, row by row.
 @group(0) @binding(2) var<storage, read_write> hybrid_levels: array<u32>;
 @group(0) @binding(3) var<storage, read_write> hybrid_counts: array<u32>;
-@group(0) @binding(4) var<storage, read_write> hybrid_words: array<u32>;
 
 const HYBRID_SECTIONS: u32 = 4u;
 

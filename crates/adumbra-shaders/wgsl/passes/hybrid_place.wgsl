@@ -1,5 +1,7 @@
 // Children of blocks that did not merge to their places in the map, and the coarsest level; one thread a block.
 
+@group(1) @binding(0) var<storage, read_write> hybrid_words: array<u32>;
+
 fn half_pair(left: f32, right: f32) -> u32 {
     return u32(left * 65535.0 + 0.5) | (u32(right * 65535.0 + 0.5) << 16u);
 }
@@ -24,6 +26,11 @@ fn hybrid_place(@builtin(global_invocation_id) id: vec3u) {
             if (level.places.w == 1u) {
                 hybrid_words[place] = half_pair(depths.x, depths.y);
                 hybrid_words[place + 1u] = half_pair(depths.z, depths.w);
+                // The next level begins at a multiple of four words.
+                if (place % 4u == 0u && place + 2u == hybrid_counts[0]) {
+                    hybrid_words[place + 2u] = 0u;
+                    hybrid_words[place + 3u] = 0u;
+                }
             } else {
                 for (var i = 0u; i < 4u; i++) {
                     hybrid_words[place + i] = bitcast<u32>(depths[i]);

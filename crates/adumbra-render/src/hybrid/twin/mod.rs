@@ -2,6 +2,10 @@
 
 mod build;
 mod leaf;
+mod normals;
+mod paper;
+
+pub use paper::HybridPaper;
 
 use adumbra_shaders::constants::{DEPTH_16_STEP, HYBRID_INDEX};
 use adumbra_shaders::layout::HybridParams;
@@ -103,10 +107,7 @@ impl HybridTree {
         precision: DepthPrecision,
         units: PlaneUnits,
     ) -> Result<Self> {
-        if !(1..=3).contains(&merges) || image.side() >> merges == 0 {
-            let what = format!("{merges} merges of {} texels; there are 1 to 3", image.side());
-            return Err(RenderError::DepthImage { what });
-        }
+        merges_fit(image, merges)?;
         Ok(build::tree(image, merges, test, precision, units))
     }
 
@@ -125,10 +126,7 @@ impl HybridTree {
             }
             word = self.words[place + right + 2 * below];
         }
-        let [d, dx, dy] = leaf(self.test, word, self.units.slope);
-        let size = (1_u32 << level) as f32;
-        let offset = |c: usize| c as f32 + 0.5 - ((c >> level) as f32 + 0.5) * size;
-        (d + (dx * offset(x) + dy * offset(y)), level)
+        (leaf_at(self.test, word, self.units.slope, level, [x, y]), level)
     }
 
     fn finest(&self, place: usize, right: usize, below: usize) -> f32 {
@@ -142,6 +140,22 @@ impl HybridTree {
     pub fn shares(&self) -> [f64; 4] {
         level_shares(self.start, self.merges, self.split)
     }
+}
+
+fn merges_fit(image: &DepthImage, merges: u32) -> Result<()> {
+    if (1..=3).contains(&merges) && image.side() >> merges > 0 {
+        return Ok(());
+    }
+    let what = format!("{merges} merges of {} texels; there are 1 to 3", image.side());
+    Err(RenderError::DepthImage { what })
+}
+
+/// Depth of a texel of `level` that merged at the centre of a finest texel.
+fn leaf_at(test: MergeTest, word: u32, slope: i32, level: u32, [x, y]: [usize; 2]) -> f32 {
+    let [d, dx, dy] = leaf(test, word, slope);
+    let size = (1_u32 << level) as f32;
+    let offset = |c: usize| c as f32 + 0.5 - ((c >> level) as f32 + 0.5) * size;
+    d + (dx * offset(x) + dy * offset(y))
 }
 
 /// Share of the area that each level answers for, the finest first, from the blocks of each level that did not merge.

@@ -1,0 +1,127 @@
+//! Where a hybrid map lies on the GPU, in either layout: the buffers that place passes write and look-ups read.
+//!
+//! | layout | bytes |
+//! |---|---|
+//! | compact | words: 4 a coarsest texel and a finer one, 2 a finest one of 16-bit depth |
+//! | paper | texels: 16 each; links: 8 a texel below the coarsest level |
+
+use wgpu::{BindingResource, BufferUsages};
+
+use super::build::BuiltCounts;
+use super::settings::{HybridLayout, HybridSettings};
+use crate::error::{RenderError, Result};
+use crate::gpu::Gpu;
+use crate::maps::DepthPrecision;
+use crate::readback::read_buffer;
+
+/// A map.
+pub(super) enum Stored {
+    /// See access/hybrid_compact.wgsl.
+    Compact { words: wgpu::Buffer },
+    /// See access/hybrid_paper.wgsl.
+    Paper { texels: wgpu::Buffer, links: wgpu::Buffer },
+}
+
+impl Stored {
+    /// Room for the largest map of these settings.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] where the device binds less.
+    pub(super) fn largest(gpu: &Gpu, settings: &HybridSettings) -> Result<Self> {
+        let texels = |level: u32| u64::from(settings.start >> level).pow(2);
+        let target = texels(settings.merges());
+        let between: u64 = (1..settings.merges()).map(texels).sum();
+        match settings.layout {
+            HybridLayout::Compact => {
+                let finest = texels(0) / if settings.depth == DepthPrecision::Bits16 { 2 } else { 1 };
+                let largest = 4 * (target + finest + between).next_multiple_of(4);
+                fits(gpu, settings, largest, "give a smaller START")?;
+                Ok(Self::Compact { words: buffer(gpu, "hybrid::words", largest) })
+            }
+            HybridLayout::Paper => {
+                let listed = between + texels(0);
+                let largest = 16 * (target + listed);
+                fits(gpu, settings, largest, "give layout=compact or a smaller START")?;
+                Ok(Self::Paper {
+                    texels: buffer(gpu, "hybrid::texels", largest),
+                    links: buffer(gpu, "hybrid::links", 8 * listed),
+                })
+            }
+        }
+    }
+
+    /// A map of no more than what is in use.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub(super) fn kept(&self, gpu: &Gpu, counts: &BuiltCounts) -> Result<Self> {
+        let mut encoder = gpu.encoder("hybrid::keep");
+        let mut copy = |from: &wgpu::Buffer, bytes: u64| {
+            // A binding of vec4u holds at least one.
+            let to = buffer(gpu, "hybrid::kept", bytes.next_multiple_of(16).clamp(16, from.size()));
+            encoder.copy_buffer_to_buffer(from, 0, &to, 0, to.size());
+            to
+        };
+        let kept = match self {
+            Self::Compact { words } => Self::Compact { words: copy(words, 4 * u64::from(counts.words)) },
+            Self::Paper { texels, links } => {
+                let listed = 4 * counts.split.iter().map(|&n| u64::from(n)).sum::<u64>();
+                Self::Paper {
+                    texels: copy(texels, 16 * u64::from(counts.texels)),
+                    links: copy(links, 8 * listed),
+                }
+            }
+        };
+        gpu.finish(encoder.finish())?;
+        Ok(kept)
+    }
+
+    /// Bindings 1 and 2 of look-ups.
+    pub(super) fn bindings(&self) -> [BindingResource<'_>; 2] {
+        match self {
+            Self::Compact { words } => [words.as_entire_binding(), words.as_entire_binding()],
+            Self::Paper { texels, links } => [texels.as_entire_binding(), links.as_entire_binding()],
+        }
+    }
+
+    /// All 32-bit words of its buffers, room that is not in use among them; of the compact layout the second is empty.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub(super) fn read(&self, gpu: &Gpu) -> Result<[Vec<u32>; 2]> {
+        let words = |buffer| -> Result<Vec<u32>> {
+            let bytes = read_buffer(gpu, buffer)?;
+            Ok(bytes.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect())
+        };
+        Ok(match self {
+            Self::Compact { words: all } => [words(all)?, Vec::new()],
+            Self::Paper { texels, links } => [words(texels)?, words(links)?],
+        })
+    }
+
+    /// On the GPU.
+    pub(super) fn bytes(&self) -> u64 {
+        match self {
+            Self::Compact { words } => words.size(),
+            Self::Paper { texels, links } => texels.size() + links.size(),
+        }
+    }
+}
+
+fn fits(gpu: &Gpu, settings: &HybridSettings, bytes: u64, mend: &'static str) -> Result<()> {
+    let limit = gpu.max_binding_bytes.min(gpu.device.limits().max_buffer_size);
+    if bytes <= limit {
+        return Ok(());
+    }
+    let what = format!("a hybrid shadow map from {} texels a side", settings.start);
+    Err(RenderError::TooLarge { what, bytes, limit, mend })
+}
+
+fn buffer(gpu: &Gpu, label: &str, size: u64) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}

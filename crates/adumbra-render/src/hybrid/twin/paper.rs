@@ -1,0 +1,266 @@
+//! The paper's layout: texels of 128 bits and the list of links. Twin of passes/hybrid_place_paper.wgsl and
+//! access/hybrid_paper.wgsl.
+
+use adumbra_shaders::constants::{HYBRID_INDEX, HYBRID_NO_LINK, HYBRID_ONE};
+
+use super::leaf::leaf;
+use super::{DepthImage, HybridTree, build, leaf_at, merges_fit, normals};
+use crate::error::{RenderError, Result};
+use crate::hybrid::MergeTest;
+use crate::hybrid::settings::PlaneUnits;
+use crate::maps::DepthPrecision;
+
+/// A hybrid map of the paper's layout in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HybridPaper {
+    /// Finest texels a side.
+    pub start: u32,
+    /// Levels above the finest.
+    pub merges: u32,
+    /// When texels merged.
+    pub test: MergeTest,
+    /// Of the finest texels.
+    pub precision: DepthPrecision,
+    /// What planes are measured in.
+    pub units: PlaneUnits,
+    /// Blocks of each level, from 1, that did not merge.
+    pub split: [u32; 3],
+    /// R, G, B and A of each: see access/hybrid_paper.wgsl.
+    pub texels: Vec<[u32; 4]>,
+    /// A texel's number, the next link's.
+    pub links: Vec<[u32; 2]>,
+}
+
+/// Where a compact map has the children of its blocks, by the level of the block from 1.
+struct Blocks {
+    /// Words that the children of one take.
+    width: [u32; 3],
+    /// Where those of the level begin.
+    begin: [u32; 3],
+    /// Blocks of the levels before.
+    before: [u32; 3],
+    /// Words in all.
+    words: u32,
+}
+
+impl Blocks {
+    fn new(start: u32, merges: u32, precision: DepthPrecision, split: [u32; 3]) -> Self {
+        let mut words = (start >> merges).pow(2);
+        let mut blocks = 0;
+        let mut all = Self { width: [4; 3], begin: [0; 3], before: [0; 3], words };
+        if precision == DepthPrecision::Bits16 {
+            all.width[0] = 2;
+        }
+        for (k, &count) in split.iter().enumerate().take(merges as usize) {
+            all.begin[k] = words.next_multiple_of(4);
+            all.before[k] = blocks;
+            words = all.begin[k] + count * all.width[k];
+            blocks += count;
+        }
+        all.words = words;
+        all
+    }
+
+    /// First link of the list of a block whose children are at a word.
+    fn link(&self, level: u32, place: u32) -> u32 {
+        let k = level as usize - 1;
+        4 * (self.before[k] + (place - self.begin[k]) / self.width[k])
+    }
+
+    /// The inverse.
+    fn place(&self, level: u32, link: u32) -> u32 {
+        let k = level as usize - 1;
+        self.begin[k] + (link / 4 - self.before[k]) * self.width[k]
+    }
+}
+
+/// What texels are filled from.
+struct Source {
+    tree: HybridTree,
+    blocks: Blocks,
+    /// By level, row by row.
+    normals: Vec<Vec<[u8; 2]>>,
+}
+
+impl HybridPaper {
+    /// Builds a map of 1 to 3 merges from depth and, as many, packed normals. Cost: a read of the image a level.
+    ///
+    /// # Errors
+    /// [`RenderError::DepthImage`] where the image cannot be merged so often, or has another number of normals than texels.
+    pub fn build(
+        image: &DepthImage,
+        normals: &[[u8; 2]],
+        merges: u32,
+        test: MergeTest,
+        precision: DepthPrecision,
+        units: PlaneUnits,
+    ) -> Result<Self> {
+        merges_fit(image, merges)?;
+        if normals.len() != image.texels().len() {
+            let what = format!("{} normals of {} texels", normals.len(), image.texels().len());
+            return Err(RenderError::DepthImage { what });
+        }
+        let tree = build::tree(image, merges, test, precision, units);
+        let mut levels = vec![normals.to_vec()];
+        for made in 1..=merges as usize {
+            let side = image.side() >> made;
+            let before = &levels[made - 1];
+            let child = |x: usize, y: usize, i: usize| before[(2 * y + i / 2) * 2 * side + 2 * x + i % 2];
+            let means = (0..side * side)
+                .map(|at| normals::mean([0, 1, 2, 3].map(|i| child(at % side, at / side, i))));
+            let means = means.collect();
+            levels.push(means);
+        }
+        let blocks = Blocks::new(tree.start, merges, precision, tree.split);
+        let listed = 4 * tree.split.iter().sum::<u32>() as usize;
+        let side = tree.start >> merges;
+        let mut paper = Self {
+            start: tree.start,
+            merges,
+            test,
+            precision,
+            units,
+            split: tree.split,
+            texels: vec![[0; 4]; first_listed(tree.start, merges) as usize + listed],
+            links: vec![[0; 2]; listed],
+        };
+        let source = Source { tree, blocks, normals: levels };
+        for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+            let word = source.tree.words[(y * side + x) as usize];
+            paper.fill(&source, y * side + x, merges, [x, y], word);
+        }
+        Ok(paper)
+    }
+
+    /// Writes a texel of level 1 or coarser and all below it.
+    fn fill(&mut self, source: &Source, number: u32, level: u32, [x, y]: [u32; 2], word: u32) {
+        if word & HYBRID_INDEX == 0 {
+            let [depth, ..] = leaf(self.test, word, self.units.slope);
+            self.texels[number as usize] =
+                [x | y << 16, word, 0, packed(unorm16(depth), source.normal(level, [x, y]))];
+            return;
+        }
+        let place = word ^ HYBRID_INDEX;
+        let first = source.blocks.link(level, place);
+        self.texels[number as usize] = [x | y << 16, 0, HYBRID_INDEX | first, 0];
+        for i in 0..4 {
+            let [right, below] = [i % 2, i / 2];
+            let at = [2 * x + right, 2 * y + below];
+            let child = first_listed(self.start, self.merges) + first + i;
+            let next = if i < 3 { first + i + 1 } else { HYBRID_NO_LINK };
+            self.links[(first + i) as usize] = [child, next];
+            if level > 1 {
+                self.fill(source, child, level - 1, at, source.tree.words[(place + i) as usize]);
+                continue;
+            }
+            let depth = source.tree.finest(place as usize, right as usize, below as usize);
+            let short = unorm16(depth);
+            let stored = if self.precision == DepthPrecision::Bits16 { short } else { depth.to_bits() };
+            let normal = source.normal(0, at);
+            self.texels[child as usize] = [at[0] | at[1] << 16, stored, 0, packed(short, normal)];
+        }
+    }
+
+    /// The texel that a finest texel's depth is in, and its level: from the coarsest level on, each list is followed to the
+    /// texel whose coordinate is the wanted one. Clamped to the border.
+    pub fn found(&self, x: i64, y: i64) -> ([u32; 4], u32) {
+        let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as u32);
+        let mut level = self.merges;
+        let mut texel = self.texels[((y >> level) * (self.start >> level) + (x >> level)) as usize];
+        while texel[2] & HYBRID_INDEX != 0 {
+            level -= 1;
+            let wanted = (x >> level) | (y >> level) << 16;
+            let mut link = texel[2] ^ HYBRID_INDEX;
+            texel = [0; 4];
+            while link != HYBRID_NO_LINK {
+                let [number, next] = self.links[link as usize];
+                texel = self.texels[number as usize];
+                if texel[0] == wanted {
+                    break;
+                }
+                link = next;
+            }
+        }
+        (texel, level)
+    }
+
+    /// As [`HybridTree::texel`].
+    pub fn texel(&self, x: i64, y: i64) -> (f32, u32) {
+        let (texel, level) = self.found(x, y);
+        let depth = match (level, self.precision) {
+            (0, DepthPrecision::Bits32) => f32::from_bits(texel[1]),
+            (0, DepthPrecision::Bits16) => texel[1] as f32 / 65535.0,
+            _ => {
+                let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as usize);
+                leaf_at(self.test, texel[1], self.units.slope, level, [x, y])
+            }
+        };
+        (depth, level)
+    }
+
+    /// The same map in the compact layout, without normals.
+    pub fn compact(&self) -> HybridTree {
+        let blocks = Blocks::new(self.start, self.merges, self.precision, self.split);
+        let mut words = vec![0; blocks.words as usize];
+        for cell in 0..(self.start >> self.merges).pow(2) {
+            words[cell as usize] = self.word(&blocks, &mut words, cell, self.merges);
+        }
+        HybridTree {
+            start: self.start,
+            merges: self.merges,
+            test: self.test,
+            precision: self.precision,
+            units: self.units,
+            split: self.split,
+            words,
+        }
+    }
+
+    /// A texel's compact word; those below it go to their places.
+    fn word(&self, blocks: &Blocks, words: &mut [u32], number: u32, level: u32) -> u32 {
+        let [_, depth, index, _] = self.texels[number as usize];
+        if index & HYBRID_INDEX == 0 {
+            return depth;
+        }
+        let mut link = index ^ HYBRID_INDEX;
+        let place = blocks.place(level, link);
+        while link != HYBRID_NO_LINK {
+            let [child, next] = self.links[link as usize];
+            let [right, below] =
+                [self.texels[child as usize][0] & 1, self.texels[child as usize][0] >> 16 & 1];
+            let word = self.word(blocks, words, child, level - 1);
+            if level == 1 && self.precision == DepthPrecision::Bits16 {
+                words[(place + below) as usize] |= word << (16 * right);
+            } else {
+                words[(place + right + 2 * below) as usize] = word;
+            }
+            link = next;
+        }
+        HYBRID_INDEX | place
+    }
+}
+
+impl Source {
+    fn normal(&self, level: u32, [x, y]: [u32; 2]) -> [u8; 2] {
+        let side = self.tree.start >> level;
+        self.normals[level as usize][(y * side + x) as usize]
+    }
+}
+
+/// Number of the first texel that a link leads to.
+fn first_listed(start: u32, merges: u32) -> u32 {
+    (start >> merges).pow(2).next_multiple_of(4)
+}
+
+/// `depth_unorm16`.
+fn unorm16(depth: f32) -> u32 {
+    let steps = (depth * HYBRID_ONE) as i32;
+    ((steps + (((0.5 * HYBRID_ONE) as i32 - steps) >> 16)) >> 8) as u32
+}
+
+fn packed(depth: u32, [x, y]: [u8; 2]) -> u32 {
+    depth << 16 | u32::from(y) << 8 | u32::from(x)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,125 @@
+//! Hybrid maps of the paper's layout on the GPU: texels and links against their CPU twin, answers against the compact
+//! layout's.
+
+mod kit;
+
+use adumbra::scene::{GeneratedKind, Scene, generate};
+use adumbra_render::hybrid::HybridMap;
+use adumbra_render::hybrid::twin::{DepthImage, HybridPaper};
+use adumbra_render::{
+    Answer, Baked, FrameTimes, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
+};
+
+const SIZE: [u32; 2] = [160, 90];
+
+fn renderer(scene: &Scene) -> Renderer {
+    Renderer::new(kit::gpu(), scene, SceneOptions::default()).unwrap()
+}
+
+fn prepare(renderer: &Renderer, name: &str) -> Prepared {
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    renderer.prepare(technique).unwrap()
+}
+
+fn shot(number: u32) -> Shot {
+    Shot { camera: kit::camera(SIZE[0], SIZE[1]), towards_sun: kit::sun(), number }
+}
+
+fn draw(renderer: &mut Renderer, technique: &mut Prepared, number: u32, answer: Answer) -> FrameTimes {
+    renderer.draw(&shot(number), technique, answer).unwrap()
+}
+
+fn map(technique: &Prepared) -> &HybridMap {
+    technique.technique().hybrid().unwrap()
+}
+
+/// The twin, from the depth and the normals that the GPU drew.
+fn twin(gpu: &Gpu, map: &HybridMap) -> HybridPaper {
+    let settings = map.settings();
+    let depth = map.read_start(gpu).unwrap().unwrap();
+    let normals = map.read_start_normals(gpu).unwrap().unwrap();
+    let image = DepthImage::new(settings.start as usize, depth).unwrap();
+    let units = map.read(gpu).unwrap().units;
+    HybridPaper::build(&image, &normals, settings.merges(), settings.test, settings.depth, units).unwrap()
+}
+
+#[test]
+fn texels_and_links_are_the_twin_s() {
+    for kind in [GeneratedKind::City, GeneratedKind::Landscape] {
+        let mut renderer = renderer(&generate(kind, 7));
+        for name in [
+            "hrsm:1024-256",
+            "hrsm:512-256:build=sweep",
+            "hrsm:1024-128:test=paper",
+            "hrsm:512-64:test=paper:build=sweep",
+            "hrsm:1024-256:depth=16",
+        ] {
+            let mut technique = prepare(&renderer, &format!("{name}:layout=paper"));
+            draw(&mut renderer, &mut technique, 0, Answer::Visibility);
+            let map = map(&technique);
+            let found = map.read_paper(renderer.gpu()).unwrap().unwrap();
+            let expected = twin(renderer.gpu(), map);
+            assert_eq!(found.split, expected.split, "{name}");
+            assert_eq!(found.links, expected.links, "{name}");
+            assert_eq!(found.texels.len(), expected.texels.len(), "{name}");
+            for (at, (f, e)) in found.texels.iter().zip(&expected.texels).enumerate() {
+                assert_eq!(f, e, "{kind:?} {name}: texel {at}");
+            }
+            let counts = map.counts(renderer.gpu()).unwrap();
+            assert_eq!(counts.texels as usize, found.texels.len());
+            assert_eq!(counts.words as usize, 4 * found.texels.len() + 2 * found.links.len());
+            // Normals there are, of merged texels too.
+            let coarsest = (map.settings().target as usize).pow(2);
+            let merged = found.texels[..coarsest].iter().filter(|t| t[2] == 0 && t[3] & 0xffff != 0).count();
+            assert!(merged > 100 && found.split[0] > 100, "{kind:?} {name}: {merged} {:?}", found.split);
+        }
+    }
+}
+
+#[test]
+fn answers_are_the_compact_layout_s() {
+    let mut renderer = renderer(&kit::city());
+    for name in ["hrsm:1024-256", "hrsm:1024-128:test=paper:filter=1", "hrsm:512-256:depth=16:filter=7"] {
+        for answer in [Answer::Visibility, Answer::Level] {
+            let [compact, paper] = ["compact", "paper"].map(|layout| {
+                let mut technique = prepare(&renderer, &format!("{name}:layout={layout}"));
+                draw(&mut renderer, &mut technique, 0, answer);
+                let tree = map(&technique).read(renderer.gpu()).unwrap();
+                (renderer.read_factor(&technique).unwrap(), tree)
+            });
+            assert_eq!(compact.1, paper.1, "{name}: the tree");
+            let values = compact.0.iter().filter(|&&f| f > 0.0).count();
+            assert!(values > 100 && values < compact.0.len(), "{name}: {values}");
+            let apart = compact.0.iter().zip(&paper.0).position(|(c, p)| c.to_bits() != p.to_bits());
+            assert_eq!(apart, None, "{name} {answer:?}");
+        }
+    }
+}
+
+#[test]
+fn kept_map_answers_as_it_was_built_in_the_bytes_in_use() {
+    let mut renderer = renderer(&kit::city());
+    let mut technique = prepare(&renderer, "hrsm:1024-256:layout=paper:static=cached");
+    draw(&mut renderer, &mut technique, 0, Answer::Visibility);
+    let first = renderer.read_factor(&technique).unwrap();
+    let built = map(&technique).read_paper(renderer.gpu()).unwrap();
+    let bytes = technique.technique().bytes();
+    draw(&mut renderer, &mut technique, 1, Answer::Visibility);
+    assert_eq!(renderer.read_factor(&technique).unwrap(), first);
+    assert_eq!(map(&technique).read_paper(renderer.gpu()).unwrap(), built);
+    assert!(map(&technique).read_start_normals(renderer.gpu()).unwrap().is_none());
+    let words = map(&technique).counts(renderer.gpu()).unwrap().words;
+    let kept = technique.technique().bytes();
+    assert!(kept < bytes / 4 && kept >= 4 * u64::from(words), "{kept} of {bytes}, {words} words");
+}
+
+#[test]
+fn map_too_large_says_what_to_give_instead() {
+    let options = GpuOptions { max_binding_bytes: Some(8 << 20), ..GpuOptions::default() };
+    let gpu = Gpu::request(&options).unwrap();
+    let built = |name: &str| build(&gpu, &name.parse().unwrap(), Baked::default()).map(|_| ());
+    // 1024² texels of 16 bytes and the coarser ones.
+    let error = built("hrsm:1024-256:layout=paper").unwrap_err().to_string();
+    assert!(error.contains("22020096 bytes") && error.contains("layout=compact"), "{error}");
+    built("hrsm:1024-256").unwrap();
+}
