@@ -21,9 +21,6 @@ fn hybrid_scan(@builtin(local_invocation_index) local: u32) {
         let coarsest = level.counts.x >> level.counts.w;
         let free = select(hybrid_counts[0], coarsest * coarsest, level.counts.y == 1u);
         let begin = (free + 3u) & ~3u;
-        for (var i = free; i < begin; i++) {
-            hybrid_words[i] = 0u;
-        }
         var blocks = 0u;
         for (var i = 0u; i < SCAN_GROUP; i++) {
             let next = blocks + scan_sums[i];
