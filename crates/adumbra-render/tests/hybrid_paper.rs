@@ -51,7 +51,7 @@ fn texels_and_links_are_the_twin_s() {
             "hrsm:1024-256",
             "hrsm:512-256:build=sweep",
             "hrsm:1024-128:test=paper",
-            "hrsm:512-64:test=paper:build=sweep",
+            "hrsm:512-64:test=paper:depth=16:build=sweep",
             "hrsm:1024-256:depth=16",
         ] {
             let mut technique = prepare(&renderer, &format!("{name}:layout=paper"));

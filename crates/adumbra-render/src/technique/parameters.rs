@@ -4,8 +4,8 @@
 const MAP: &str = "size=2048 (256 to 16384), depth=32 or 16 (bits), bias=, slope=, normal= (texels, 0 to 16), static=redrawn or cached";
 /// Of hybrid maps.
 const HYBRID: &str = "START-TARGET or sizes=4096-1024 (START 256 to 8192, TARGET its half, quarter or eighth), test=plane or paper, \
-    tolerance=0.5 (of test=plane, texels, 0 to 64), depth=32 or 16 (bits), build=blocks or sweep, filter=5, 1, 3 or 7, \
-    bias=, slope=, normal= (finest texels, 0 to 16), static=redrawn or cached";
+    tolerance=0.5 (of test=plane, texels, 0 to 64), depth=32 or 16 (bits), layout=compact or paper, \
+    build=blocks or sweep, filter=5, 1, 3 or 7, bias=, slope=, normal= (finest texels, 0 to 16), static=redrawn or cached";
 /// Of cascades.
 const CASCADES: &str = "cascades=4 (1 to 8), split=practical, uniform or log, lambda=0.5 (0 to 1), far=METRES, blend=0.1 (0 to 0.5)";
 /// Of filters over comparisons.
