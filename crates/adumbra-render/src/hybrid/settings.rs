@@ -129,12 +129,12 @@ impl HybridSettings {
 
     /// What the user should know of these settings.
     pub(super) fn notes(&self) -> Vec<String> {
-        let [start, advised] = [self.start, ADVISED_START];
-        if start >= advised {
+        if self.start >= ADVISED_START {
             return Vec::new();
         }
         vec![format!(
-            "hrsm from {start}: the paper advises against starts below {advised}; edges are as coarse as its texels"
+            "the paper advises against a START below {ADVISED_START}, here {}: edges are as coarse as its texels",
+            self.start
         )]
     }
 }
