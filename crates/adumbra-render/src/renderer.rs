@@ -183,6 +183,7 @@ impl Renderer {
             self.composite.encode(&self.gpu, encoder, &self.frame, &targets, &factor.view);
         })?;
         let times = timer.finish(&self.gpu)?;
+        technique.check(&self.gpu)?;
         self.targets = Some(targets);
         self.answered = answer;
         Ok(times)
@@ -210,6 +211,7 @@ impl Renderer {
         technique.encode_depth(&input, &mut encoder);
         technique.encode_build(&input, &mut encoder);
         self.gpu.finish(encoder.finish())?;
+        technique.check(&self.gpu)?;
         let queries: Vec<PointQuery> = points
             .iter()
             .map(|p| {

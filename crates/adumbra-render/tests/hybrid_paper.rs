@@ -114,12 +114,23 @@ fn kept_map_answers_as_it_was_built_in_the_bytes_in_use() {
 }
 
 #[test]
-fn map_too_large_says_what_to_give_instead() {
-    let options = GpuOptions { max_binding_bytes: Some(8 << 20), ..GpuOptions::default() };
-    let gpu = Gpu::request(&options).unwrap();
-    let built = |name: &str| build(&gpu, &name.parse().unwrap(), Baked::default()).map(|_| ());
-    // 1024² texels of 16 bytes and the coarser ones.
-    let error = built("hrsm:1024-256:layout=paper").unwrap_err().to_string();
-    assert!(error.contains("22020096 bytes") && error.contains("layout=compact"), "{error}");
-    built("hrsm:1024-256").unwrap();
+fn map_without_room_is_refused_and_one_that_fits_is_not() {
+    // Less than the largest map of either layout takes; of the city's the compact one fits.
+    let options = GpuOptions { max_binding_bytes: Some(2 << 20), ..GpuOptions::default() };
+    let draw = |options: &GpuOptions, name: &str| {
+        let gpu = Gpu::request(options).unwrap();
+        let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default())?;
+        let mut prepared = renderer.prepare(technique)?;
+        let shot = Shot { camera: kit::camera(160, 90), towards_sun: kit::sun(), number: 0 };
+        renderer.draw(&shot, &mut prepared, Answer::Visibility)?;
+        renderer.read_factor(&prepared)
+    };
+    let compact = draw(&options, "hrsm:1024-256").unwrap();
+    assert_eq!(compact, draw(&GpuOptions::default(), "hrsm:1024-256").unwrap());
+    let error = draw(&options, "hrsm:1024-256:layout=paper").unwrap_err().to_string();
+    assert!(error.contains("1024 texels a side") && error.contains("layout=compact"), "{error}");
+    let small = GpuOptions { max_binding_bytes: Some(1 << 19), ..options };
+    let error = draw(&small, "hrsm:1024-512").unwrap_err().to_string();
+    assert!(error.contains("1048576 bytes") && error.contains("smaller START"), "{error}");
 }

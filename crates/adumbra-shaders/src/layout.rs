@@ -105,7 +105,8 @@ gpu_struct! {
         /// First word of the level before and of this one among the levels, words that four children take, 1 where finest depths are 16
         /// bits.
         pub places: [u32; 4],
-        /// Slope as in [`HybridParams`]; twice the depth that a plane may lie behind its texels; 0, 0.
+        /// Slope as in [`HybridParams`]; twice the depth that a plane may lie behind its texels; places that the map has room for; the
+        /// word of a texel without a caster.
         pub plane: [i32; 4],
     }
 }

@@ -6,16 +6,17 @@
 //! | scan | counts | where each section's children begin |
 //! | place | both levels, depth, in the paper's layout normals | children, the coarsest level |
 //!
-//! No pass waits for the CPU, so there is room for the largest map; [`Builder::counts`] says how much of it is in use.
+//! No pass waits for the CPU, so there is room for the largest map, or as much of it as the device binds; [`Builder::counts`] says how
+//! much is in use. Where room runs out a block is taken as without a caster, and [`Builder::check`] says so.
 
-use adumbra_shaders::constants::{HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP};
+use adumbra_shaders::constants::{HYBRID_LAST_DEPTH, HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP};
 use adumbra_shaders::layout::HybridLevel;
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindingResource, BufferUsages, ShaderStages};
 
 use super::place::PlacePass;
 use super::settings::{BuildKind, HybridLayout, HybridSettings, MergeTest, PlaneUnits};
-use super::stored::Stored;
+use super::stored::{Stored, too_large};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::maps::DepthPrecision;
@@ -52,7 +53,7 @@ impl Builder {
     /// `settings.start` texels a side. Of the compact layout; see [`Builder::with_normals`].
     ///
     /// # Errors
-    /// [`crate::RenderError::TooLarge`] where the device binds less than the largest map of this size.
+    /// [`crate::RenderError::TooLarge`] where the device binds less than the coarsest level.
     pub fn new(gpu: &Gpu, settings: &HybridSettings, depth: &wgpu::TextureView) -> Result<Self> {
         Self::with_normals(gpu, settings, depth, None)
     }
@@ -129,13 +130,17 @@ impl Builder {
     pub fn write(&self, gpu: &Gpu, units: PlaneUnits) {
         let halves = self.settings.depth == DepthPrecision::Bits16;
         let pairs = halves && self.settings.layout == HybridLayout::Compact;
+        let empty = match self.settings.test {
+            MergeTest::Plane { .. } => (HYBRID_LAST_DEPTH as u32) << 14,
+            MergeTest::Paper => 1.0_f32.to_bits(),
+        };
         let (mut before, mut first) = (0, 0);
         for (made, (uniform, _)) in (1..).zip(&self.levels) {
             let side = self.settings.start >> made;
             let level = HybridLevel {
                 counts: [self.settings.start, made, side, self.settings.merges()],
                 places: [before, first, if pairs && made == 1 { 2 } else { 4 }, u32::from(halves)],
-                plane: [units.slope, units.tolerance, 0, 0],
+                plane: [units.slope, units.tolerance, self.stored.room() as i32, empty as i32],
             };
             gpu.queue.write_buffer(uniform, 0, &level.bytes());
             (before, first) = (first, first + side * side);
@@ -193,6 +198,25 @@ impl Builder {
             HybridLayout::Compact => BuiltCounts { words: at(0), texels, split },
             HybridLayout::Paper => BuiltCounts { words: 4 * texels + 2 * listed, texels, split },
         })
+    }
+
+    /// Whether the last build found room for all of the map; waits for it where it may not have.
+    ///
+    /// # Errors
+    /// [`crate::RenderError::TooLarge`], and what the device reports.
+    pub fn check(&self, gpu: &Gpu) -> Result<()> {
+        if !self.stored.may_run_out(&self.settings) {
+            return Ok(());
+        }
+        let counts = self.counts(gpu)?;
+        let (used, each) = match self.settings.layout {
+            HybridLayout::Compact => (counts.words, 4),
+            HybridLayout::Paper => (counts.texels, 16),
+        };
+        if used <= self.stored.room() {
+            return Ok(());
+        }
+        Err(too_large(gpu, &self.settings, each * u64::from(used)))
     }
 
     /// Bytes on the GPU, the map's largest size among them.

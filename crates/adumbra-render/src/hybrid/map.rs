@@ -252,6 +252,13 @@ impl Technique for HybridMap {
         }
     }
 
+    fn check(&self, gpu: &Gpu) -> Result<()> {
+        match &self.working {
+            Some(working) if self.stale => working.builder.check(gpu),
+            _ => Ok(()),
+        }
+    }
+
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         let leaf = match self.settings.test {
             MergeTest::Plane { .. } => source::HYBRID_PLANE,

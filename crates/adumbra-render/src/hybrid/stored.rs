@@ -23,31 +23,50 @@ pub(super) enum Stored {
 }
 
 impl Stored {
-    /// Room for the largest map of these settings.
+    /// Room for the largest map of these settings, or as much of it as one binding holds.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] where the device binds less.
+    /// [`RenderError::TooLarge`] where a binding holds less than the coarsest level.
     pub(super) fn largest(gpu: &Gpu, settings: &HybridSettings) -> Result<Self> {
         let texels = |level: u32| u64::from(settings.start >> level).pow(2);
         let target = texels(settings.merges());
         let between: u64 = (1..settings.merges()).map(texels).sum();
+        let limit = binding_limit(gpu);
+        let room = |all: u64, each: u64| -> Result<u64> {
+            if target * each <= limit {
+                return Ok(all.min(limit / each / 4 * 4));
+            }
+            Err(too_large(gpu, settings, target * each))
+        };
         match settings.layout {
             HybridLayout::Compact => {
                 let finest = texels(0) / if settings.depth == DepthPrecision::Bits16 { 2 } else { 1 };
-                let largest = 4 * (target + finest + between).next_multiple_of(4);
-                fits(gpu, settings, largest, "give a smaller START")?;
-                Ok(Self::Compact { words: buffer(gpu, "hybrid::words", largest) })
+                let words = room((target + finest + between).next_multiple_of(4), 4)?;
+                Ok(Self::Compact { words: buffer(gpu, "hybrid::words", 4 * words) })
             }
             HybridLayout::Paper => {
-                let listed = between + texels(0);
-                let largest = 16 * (target + listed);
-                fits(gpu, settings, largest, "give layout=compact or a smaller START")?;
+                let all = room(target + between + texels(0), 16)?;
                 Ok(Self::Paper {
-                    texels: buffer(gpu, "hybrid::texels", largest),
-                    links: buffer(gpu, "hybrid::links", 8 * listed),
+                    texels: buffer(gpu, "hybrid::texels", 16 * all),
+                    links: buffer(gpu, "hybrid::links", 8 * (all - target).max(4)),
                 })
             }
         }
+    }
+
+    /// Places that there is room for: words of the compact layout, texels of the paper's.
+    pub(super) fn room(&self) -> u32 {
+        match self {
+            Self::Compact { words } => (words.size() / 4) as u32,
+            Self::Paper { texels, .. } => (texels.size() / 16) as u32,
+        }
+    }
+
+    /// Whether a map of these settings may need more room than there is.
+    pub(super) fn may_run_out(&self, settings: &HybridSettings) -> bool {
+        let levels = 0..=settings.merges();
+        let most: u64 = levels.map(|level| u64::from(settings.start >> level).pow(2)).sum();
+        u64::from(self.room()) < most
     }
 
     /// A map of no more than what is in use.
@@ -108,13 +127,21 @@ impl Stored {
     }
 }
 
-fn fits(gpu: &Gpu, settings: &HybridSettings, bytes: u64, mend: &'static str) -> Result<()> {
-    let limit = gpu.max_binding_bytes.min(gpu.device.limits().max_buffer_size);
-    if bytes <= limit {
-        return Ok(());
+fn binding_limit(gpu: &Gpu) -> u64 {
+    gpu.max_binding_bytes.min(gpu.device.limits().max_buffer_size)
+}
+
+/// That a map takes more bytes than one binding.
+pub(super) fn too_large(gpu: &Gpu, settings: &HybridSettings, bytes: u64) -> RenderError {
+    RenderError::TooLarge {
+        what: format!("a hybrid shadow map from {} texels a side", settings.start),
+        bytes,
+        limit: binding_limit(gpu),
+        mend: match settings.layout {
+            HybridLayout::Compact => "give a smaller START, or a larger tolerance",
+            HybridLayout::Paper => "give layout=compact, or a smaller START",
+        },
     }
-    let what = format!("a hybrid shadow map from {} texels a side", settings.start);
-    Err(RenderError::TooLarge { what, bytes, limit, mend })
 }
 
 fn buffer(gpu: &Gpu, label: &str, size: u64) -> wgpu::Buffer {

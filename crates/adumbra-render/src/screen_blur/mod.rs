@@ -48,6 +48,10 @@ impl Technique for ScreenBlur {
         self.base.encode_depth(input, encoder);
     }
 
+    fn check(&self, gpu: &Gpu) -> Result<()> {
+        self.base.check(gpu)
+    }
+
     fn encode_build(&mut self, input: &FrameInput<'_>, encoder: &mut wgpu::CommandEncoder) {
         self.base.encode_build(input, encoder);
     }

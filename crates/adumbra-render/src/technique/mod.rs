@@ -74,6 +74,15 @@ pub trait Technique {
     /// What is made of depth before the look-up.
     fn encode_build(&mut self, _input: &FrameInput<'_>, _encoder: &mut wgpu::CommandEncoder) {}
 
+    /// After a frame's commands were submitted: what went wrong in them that only the device knew. Waits for it only where something may
+    /// have.
+    ///
+    /// # Errors
+    /// What the technique could not do.
+    fn check(&self, _gpu: &Gpu) -> Result<()> {
+        Ok(())
+    }
+
     /// The WGSL files that define `shadow_factor`, with what they need but core/surface.wgsl; none where the technique has
     /// no such answer.
     fn sources(&self, answer: Answer) -> Option<Vec<Source>>;

@@ -16,6 +16,12 @@
 
 const HYBRID_SECTIONS: u32 = 4u;
 
+// Where a block's children go, whose word is HYBRID_INDEX and its rank.
+fn block_room(block: vec2u, word: u32) -> u32 {
+    let section = block.y * level_sections() + block.x / HYBRID_SECTION;
+    return hybrid_counts[HYBRID_SECTIONS + section] + (word ^ HYBRID_INDEX) * level.places.z;
+}
+
 fn level_sections() -> u32 {
     return (level.counts.z + HYBRID_SECTION - 1u) / HYBRID_SECTION;
 }

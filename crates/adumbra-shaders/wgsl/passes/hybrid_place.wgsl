@@ -13,9 +13,11 @@ fn hybrid_place(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     var word = hybrid_levels[block_place(block)];
-    if ((word & HYBRID_INDEX) != 0u) {
-        let section = block.y * level_sections() + block.x / HYBRID_SECTION;
-        let place = hybrid_counts[HYBRID_SECTIONS + section] + (word ^ HYBRID_INDEX) * level.places.z;
+    if ((word & HYBRID_INDEX) != 0u && block_room(block, word) + level.places.z > u32(level.plane.z)) {
+        word = u32(level.plane.w);
+        hybrid_levels[block_place(block)] = word;
+    } else if ((word & HYBRID_INDEX) != 0u) {
+        let place = block_room(block, word);
         if (level.counts.y > 1u) {
             let words = block_children(block);
             for (var i = 0u; i < 4u; i++) {

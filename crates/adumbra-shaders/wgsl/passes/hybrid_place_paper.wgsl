@@ -62,9 +62,11 @@ fn hybrid_place_paper(@builtin(global_invocation_id) id: vec3u) {
     let normals = block_normals(block);
     var word = hybrid_levels[block_place(block)];
     var normal = 0u;
-    if ((word & HYBRID_INDEX) != 0u) {
-        let section = block.y * level_sections() + block.x / HYBRID_SECTION;
-        let place = hybrid_counts[HYBRID_SECTIONS + section] + (word ^ HYBRID_INDEX) * level.places.z;
+    if ((word & HYBRID_INDEX) != 0u && block_room(block, word) + level.places.z > u32(level.plane.z)) {
+        word = u32(level.plane.w);
+        hybrid_levels[block_place(block)] = word;
+    } else if ((word & HYBRID_INDEX) != 0u) {
+        let place = block_room(block, word);
         let coarsest = level.counts.x >> level.counts.w;
         let link = place - ((coarsest * coarsest + 3u) & ~3u);
         var depths: vec4f;
