@@ -208,7 +208,7 @@ pub(crate) struct BenchHrsm {
         value_parser = ["dragon", "bunny", "ball", "spheres", "oak", "wires"])]
     pub(crate) only: Vec<String>,
     /// Frames that times are medians of
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = frames)]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = frames)]
     pub(crate) frames: u32,
     /// Pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = super::parse_size)]

@@ -8,7 +8,7 @@ use adumbra_lab::truth::SunShape;
 use adumbra_render::{Answer, Baked, Given, Prepared, Renderer, Shot, build};
 
 use super::measure::{hybrid, plain};
-use super::models::{SUN, Standing};
+use super::models::Standing;
 use crate::exit::Failure;
 
 /// Pixels of a picture of a sheet.
@@ -18,7 +18,7 @@ const LEVEL_COLORS: [[f32; 3]; 4] =
     [[0.90, 0.22, 0.15], [0.96, 0.75, 0.18], [0.25, 0.68, 0.32], [0.18, 0.40, 0.85]];
 const LEVEL_WORDS: &str = "finest level red, then yellow, green, blue";
 /// How much of a pixel is its level's colour.
-const TINT: f32 = 0.55;
+const TINT: f32 = 0.7;
 
 /// A name, a caption and a sheet.
 type Figure = (&'static str, String, Picture);
@@ -60,10 +60,9 @@ impl Stage<'_, '_, '_> {
     }
 
     fn thin(&mut self) -> Result<Figure, Failure> {
-        let away = [-SUN[0], 0.0, -SUN[2]];
         let cameras = [
-            self.standing.outline(self.judge.towards_sun, away, 0.55, SIZE),
             self.standing.part([0.5, 0.1, 0.5], [-0.42, 0.45, 0.66], 0.8, SIZE),
+            self.standing.part([0.45, 0.0, 0.45], [-0.2, 0.9, 0.3], 0.35, SIZE),
         ];
         let mut cells = Vec::new();
         for camera in &cameras {
@@ -94,8 +93,7 @@ impl Stage<'_, '_, '_> {
     }
 
     fn foliage(&mut self) -> Result<Figure, Failure> {
-        let away = [-SUN[0], 0.0, -SUN[2]];
-        let camera = self.standing.outline(self.judge.towards_sun, away, 0.45, SIZE);
+        let camera = self.standing.outline(self.judge.towards_sun, 0.45, SIZE);
         let name = hybrid(4096, 1024, 1);
         let shows =
             [Show::Technique(plain(4096, 1)), Show::Technique(name.clone()), Show::Levels(name), Show::Truth];
@@ -106,8 +104,7 @@ impl Stage<'_, '_, '_> {
 
     /// Of the shadow, away from the sun.
     fn outline(&self) -> Camera {
-        let away = [-SUN[0], 0.0, -SUN[2]];
-        self.standing.outline(self.judge.towards_sun, away, 0.3, SIZE)
+        self.standing.outline(self.judge.towards_sun, 0.25, SIZE)
     }
 
     fn sheet(
@@ -203,7 +200,7 @@ fn tint(picture: &mut Picture, levels: &[f32]) {
         for (channel, target) in pixel.iter_mut().zip(color) {
             let own = f32::from(*channel) / 255.0;
             // Shading stays visible in the colour.
-            let tinted = target * (0.35 + 0.65 * own);
+            let tinted = target * (0.5 + 0.5 * own);
             *channel = (255.0 * (own + TINT * (tinted - own)) + 0.5) as u8;
         }
     }

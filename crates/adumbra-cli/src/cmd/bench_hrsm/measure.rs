@@ -34,7 +34,7 @@ pub(super) struct Row {
     pub(super) still_frame_ratio: f64,
     pub(super) moving_bytes: u64,
     pub(super) still_bytes: u64,
-    /// Of the bytes of the shadow map at START.
+    /// Of the bytes of the shadow map at START that is drawn anew: kept ones hold a second layer for what moves.
     pub(super) moving_share: f64,
     pub(super) still_share: f64,
     /// Share of the area that each level answers for, the finest first.
@@ -189,19 +189,20 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
     }
 
     fn row(&mut self, pairs: &mut [Pair], at: usize, beside: usize) -> Result<Row, Failure> {
-        let moving = &mut pairs[at].ready[0];
-        self.renderer.draw(&self.shot, moving, Answer::Visibility)?;
-        let factors = self.renderer.read_factor(moving)?;
-        let counts = match moving.technique().hybrid() {
+        // The kept one: its frames draw no depth.
+        let kept = &mut pairs[at].ready[1];
+        self.renderer.draw(&self.shot, kept, Answer::Visibility)?;
+        let factors = self.renderer.read_factor(kept)?;
+        let counts = match kept.technique().hybrid() {
             Some(map) => Some((*map.settings(), map.counts(self.renderer.gpu())?)),
             None => None,
         };
         let levels = counts.as_ref().map(|(s, counts)| level_shares(s.start, s.merges(), counts.split));
         let boundary = match &counts {
             Some((s, _)) => {
-                self.renderer.draw(&self.shot, moving, Answer::Level)?;
-                let ends = self.renderer.read_factor(moving)?;
-                let texel = moving.technique().texel_world(0.0).unwrap_or(0.0) * f64::from(1 << s.merges());
+                self.renderer.draw(&self.shot, kept, Answer::Level)?;
+                let ends = self.renderer.read_factor(kept)?;
+                let texel = kept.technique().texel_world(0.0).unwrap_or(0.0) * f64::from(1 << s.merges());
                 Some(boundary_gain(&ends, s.merges(), self.edges(s.target, texel)))
             }
             None => None,
@@ -234,7 +235,7 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
             moving_bytes,
             still_bytes,
             moving_share: moving_bytes as f64 / of[0] as f64,
-            still_share: still_bytes as f64 / of[1] as f64,
+            still_share: still_bytes as f64 / of[0] as f64,
             levels,
             rmse: errors.rmse,
             wrong_lit: errors.wrong_lit,

@@ -18,6 +18,8 @@ const EYE_DIRECTION: [f64; 3] = [-0.42, 0.62, 0.66];
 const FOV_DEGREES: f64 = 40.0;
 /// Share of the picture's width or height that model and shadow fill.
 const FILL: f64 = 0.94;
+/// How far from the tip of a shadow the picture's middle lies, in its width.
+const INWARD: f64 = 0.3;
 const SEED: u64 = 1;
 
 /// Where a model comes from.
@@ -140,18 +142,15 @@ impl Standing {
         fitted(&points, EYE_DIRECTION, size)
     }
 
-    /// A part of the shadow's outline on the ground: where it reaches furthest along `direction`, in a picture `width` of the model's longest
-    /// extents wide.
-    pub(super) fn outline(
-        &self,
-        towards_sun: [f64; 3],
-        direction: [f64; 3],
-        width: f64,
-        size: [u32; 2],
-    ) -> Camera {
-        let along = |p: &[f64; 3]| dot(*p, direction);
+    /// A part of the shadow on the ground, its outline furthest from the sun, in a picture `width` of the model's longest extents wide.
+    pub(super) fn outline(&self, towards_sun: [f64; 3], width: f64, size: [u32; 2]) -> Camera {
+        let level = [towards_sun[0], 0.0, towards_sun[2]];
+        let along = |p: &[f64; 3]| dot(*p, level);
         let shadows = self.points.iter().map(|&p| self.shadow(p, towards_sun));
-        let target = shadows.max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or_default();
+        let tip = shadows.min_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or_default();
+        // The tip stands to one side, the shadow fills the other.
+        let inward = INWARD * width * self.extent() / dot(level, level).sqrt();
+        let target = std::array::from_fn(|a| tip[a] + inward * level[a]);
         self.near(target, EYE_DIRECTION, width, size)
     }
 
@@ -163,13 +162,17 @@ impl Standing {
     }
 
     fn near(&self, target: [f64; 3], direction: [f64; 3], width: f64, [w, h]: [u32; 2]) -> Camera {
-        let [least, most] = self.ends();
-        let extent = (0..3).map(|a| most[a] - least[a]).fold(0.0, f64::max);
         let projection = Projection::Perspective { fov_degrees: FOV_DEGREES };
         let camera = Camera { eye: direction, target: [0.0; 3], projection, width: w, height: h };
-        let distance = 0.5 * width * extent / camera.view().half[0] / dot(direction, direction).sqrt();
+        let distance = 0.5 * width * self.extent() / camera.view().half[0] / dot(direction, direction).sqrt();
         let eye = std::array::from_fn(|a| target[a] + distance * direction[a]);
         Camera { eye, target, ..camera }
+    }
+
+    /// The model's longest extent along an axis.
+    fn extent(&self) -> f64 {
+        let [least, most] = self.ends();
+        (0..3).map(|a| most[a] - least[a]).fold(0.0, f64::max)
     }
 
     fn ends(&self) -> [[f64; 3]; 2] {
