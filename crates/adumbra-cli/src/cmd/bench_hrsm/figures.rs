@@ -62,7 +62,7 @@ impl Stage<'_, '_, '_> {
     fn thin(&mut self) -> Result<Figure, Failure> {
         let cameras = [
             self.standing.part([0.5, 0.1, 0.5], [-0.42, 0.45, 0.66], 0.8, SIZE),
-            self.standing.part([0.45, 0.0, 0.45], [-0.2, 0.9, 0.3], 0.35, SIZE),
+            self.standing.part([0.55, 0.0, 0.5], [-0.2, 0.9, 0.3], 0.45, SIZE),
         ];
         let mut cells = Vec::new();
         for camera in &cameras {

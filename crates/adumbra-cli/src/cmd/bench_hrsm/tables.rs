@@ -67,7 +67,7 @@ fn head(document: &Document) -> String {
 fn case_table(document: &Document) -> String {
     let mut text = String::from(
         "HRSM START-START/4 beside SM at START, and at START/4. Wrong and acne in %; memory, look-up and shadow (depth, build and look-up) \
-        as shares of SM's at START.\n\n\
+        as shares of SM's at START; of memory, of the map that is drawn anew, as a kept one holds a second layer for what moves.\n\n\
         | model | START | filter | wrong SM | wrong HRSM | points more | wrong SM START/4 | HRSM by it | acne SM | acne HRSM | memory, \
         moving | memory, still | look-up | shadow, moving | shadow, still |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
