@@ -12,7 +12,9 @@ use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
 use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
-pub(crate) use bench::{Bench, BenchBake, BenchBlur, BenchShadows, BenchTree, BenchVerb, BenchVerify};
+pub(crate) use bench::{
+    Bench, BenchBake, BenchBlur, BenchHrsm, BenchShadows, BenchTree, BenchVerb, BenchVerify,
+};
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use compare::{BenchPeers, Compare, JudgeArg};
 pub(crate) use render::{DeviceArg, DeviceArgs, LayerArg, Render, looking_at};

@@ -35,6 +35,9 @@ pub(crate) enum BenchVerb {
     /// Every technique on the truth cameras, beside today's engines; writes peers.md and peers.json
     #[command(after_help = "Example: adumbra bench peers --scenes scenes --truth truth -o docs/bench")]
     Peers(BenchPeers),
+    /// Hybrid-resolution shadow maps beside plain ones, as in their paper; writes hrsm.md, hrsm.json, pictures
+    #[command(after_help = "Example: adumbra bench hrsm --scenes scenes -o docs/bench")]
+    Hrsm(BenchHrsm),
 }
 
 #[derive(clap::Args)]
@@ -189,4 +192,37 @@ pub(crate) struct BenchShadows {
     /// Where the tables go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct BenchHrsm {
+    /// Folder of scenes, for dragon_202k, bunny_69k and oak_medium
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenes: PathBuf,
+    /// Resolutions that maps start from
+    #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096",
+        value_parser = clap::value_parser!(u32).range(1024..=8192))]
+    pub(crate) starts: Vec<u32>,
+    /// These models only; wires is a figure's
+    #[arg(long, value_delimiter = ',', num_args = 1..,
+        value_parser = ["dragon", "bunny", "ball", "spheres", "oak", "wires"])]
+    pub(crate) only: Vec<String>,
+    /// Frames that times are medians of
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = frames)]
+    pub(crate) frames: u32,
+    /// Pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = super::parse_size)]
+    pub(crate) size: [u32; 2],
+    #[command(flatten)]
+    pub(crate) device: super::DeviceArgs,
+    /// Folder that traced pictures are kept in between runs [default: the output's truth-cache]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
+    /// Where tables and pictures go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+fn frames(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|n| (1..=99).contains(n)).ok_or_else(|| "give a number from 1 to 99".to_owned())
 }

@@ -5,6 +5,7 @@ mod bake_tree;
 mod baked;
 mod bench;
 mod bench_blur;
+mod bench_hrsm;
 mod bench_peers;
 mod bench_shadows;
 mod bench_tree;

@@ -14,7 +14,7 @@ const SAMPLE: usize = 29;
 
 /// Errors of `factors` at the pixels that are `judged` and lie [`CLEAR_TEXELS`] texels from an edge; `texel_world` gives a pixel's.
 /// Cost: 17 rays for each wrong pixel and for every 29th.
-pub(super) fn clear_errors(
+pub fn clear_errors(
     probe: &EdgeProbe<'_, '_>,
     surfaces: &Surfaces,
     (factors, truth): (&[f32], &[f32]),

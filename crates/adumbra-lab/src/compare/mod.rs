@@ -1,6 +1,8 @@
 //! Techniques beside the truth: each drawn by the renderer at one camera, and judged pixel by pixel.
 
+mod boundary;
 mod clear;
+mod timing;
 mod walk;
 
 use adumbra::camera::{Camera, Projection};
@@ -8,10 +10,11 @@ use adumbra::picture::Picture;
 use adumbra_render::{
     Answer, FrameTimes, Given, Prepared, Renderer, Shot, Stage, SurfaceImage, TechniqueSpec,
 };
-pub use clear::CLEAR_TEXELS;
+pub use boundary::{BoundaryGain, boundary_gain, pixels_at_edges};
+pub use clear::{CLEAR_TEXELS, clear_errors};
+pub use timing::{interleaved, median_ratio, median_time};
 pub use walk::walk;
 
-use self::clear::clear_errors;
 use crate::error::Result;
 use crate::metrics::{bands, factor_errors, flip, ssim};
 use crate::pictures::{difference_picture, picture_of_rgba};
@@ -148,8 +151,8 @@ impl Truth {
 }
 
 impl Judge<'_, '_> {
-    /// Sorts the pixels; true where they are compared.
-    fn count(&self, surfaces: &Surfaces, drawn: &SurfaceImage) -> (PixelCounts, Vec<bool>) {
+    /// Sorts the pixels by what rays and the G-buffer see there; true where they are compared.
+    pub fn count(&self, surfaces: &Surfaces, drawn: &SurfaceImage) -> (PixelCounts, Vec<bool>) {
         let mut counts = PixelCounts::default();
         let compared = (0..surfaces.pixels()).map(|i| {
             let (traced, drawn) = (surfaces.view_depth[i], f64::from(drawn.view_depth[i]));

@@ -1,0 +1,207 @@
+//! The paper's figures 4 to 7, foliage, and the levels, as sheets.
+
+use adumbra::camera::Camera;
+use adumbra::picture::Picture;
+use adumbra_lab::compare::Judge;
+use adumbra_lab::pictures::{Cell, picture_of_rgba, sheet};
+use adumbra_lab::truth::SunShape;
+use adumbra_render::{Answer, Baked, Given, Prepared, Renderer, Shot, build};
+
+use super::measure::{hybrid, plain};
+use super::models::Standing;
+use crate::exit::Failure;
+
+/// Pixels of a picture of a sheet.
+const SIZE: [u32; 2] = [640, 480];
+/// Of the finest level to the coarsest.
+const LEVEL_COLORS: [[f32; 3]; 4] =
+    [[0.90, 0.22, 0.15], [0.96, 0.75, 0.18], [0.25, 0.68, 0.32], [0.18, 0.40, 0.85]];
+const LEVEL_WORDS: &str = "finest level red, then yellow, green, blue";
+/// How much of a pixel is its level's colour.
+const TINT: f32 = 0.7;
+
+/// A name, a caption and a sheet.
+type Figure = (&'static str, String, Picture);
+
+/// A model on the device.
+pub(super) struct Stage<'a, 'j, 's> {
+    pub(super) renderer: &'a mut Renderer,
+    pub(super) judge: &'a Judge<'j, 's>,
+    pub(super) standing: &'a Standing,
+}
+
+/// What a picture shows.
+enum Show {
+    Technique(String),
+    Truth,
+    Levels(String),
+}
+
+impl Stage<'_, '_, '_> {
+    /// The figures that a model is in.
+    pub(super) fn figures(&mut self, model: &str) -> Result<Vec<Figure>, Failure> {
+        match model {
+            "dragon" => Ok(vec![self.outlines()?, self.self_shadow()?, self.starts()?]),
+            "wires" => Ok(vec![self.thin()?]),
+            "oak" => Ok(vec![self.foliage()?]),
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    fn outlines(&mut self) -> Result<Figure, Failure> {
+        let camera = self.outline();
+        let pairs = [(1024, 2048), (512, 1024), (2048, 4096)];
+        let shows = pairs.into_iter().flat_map(|(size, start)| {
+            [Show::Technique(plain(size, 1)), Show::Technique(hybrid(start, size, 1))]
+        });
+        let picture = self.sheet(&camera, shows, 2)?;
+        let caption = "The paper's figure 4: the outline of the Dragon's shadow, equal TARGET, SM to the left and HRSM to the right, unfiltered.";
+        Ok(("hrsm-figure-4", caption.to_owned(), picture))
+    }
+
+    fn thin(&mut self) -> Result<Figure, Failure> {
+        let cameras = [
+            self.standing.part([0.5, 0.1, 0.5], [-0.42, 0.45, 0.66], 0.8, SIZE),
+            self.standing.part([0.55, 0.0, 0.5], [-0.2, 0.9, 0.3], 0.45, SIZE),
+        ];
+        let mut cells = Vec::new();
+        for camera in &cameras {
+            for name in [plain(2048, 1), hybrid(4096, 2048, 1)] {
+                cells.push((self.show(camera, &Show::Technique(name.clone()))?, vec![name]));
+            }
+        }
+        let caption = "The paper's figure 5: thin casters, SM to the left and HRSM to the right, unfiltered.";
+        Ok(("hrsm-figure-5", caption.to_owned(), together(&cells, 2)))
+    }
+
+    fn self_shadow(&mut self) -> Result<Figure, Failure> {
+        let camera = self.standing.part([0.45, 0.55, 0.5], [0.1, 0.45, 0.9], 0.55, SIZE);
+        let name = hybrid(2048, 1024, 1);
+        let paper = format!("{name}:test=paper");
+        let shows =
+            [Show::Technique(name), Show::Truth, Show::Technique(paper), Show::Technique(plain(1024, 1))];
+        let caption = "The paper's figure 6: self-shadow. HRSM by the plane test, rays, HRSM by the paper's test, and SM at TARGET.";
+        Ok(("hrsm-figure-6", caption.to_owned(), self.sheet(&camera, shows, 2)?))
+    }
+
+    fn starts(&mut self) -> Result<Figure, Failure> {
+        let camera = self.outline();
+        let mut shows = vec![Show::Technique(plain(512, 1))];
+        shows.extend([1024, 2048, 4096].map(|start| Show::Technique(hybrid(start, 512, 1))));
+        let caption = "The paper's figure 7: TARGET 512 of higher and higher START, unfiltered.";
+        Ok(("hrsm-figure-7", caption.to_owned(), self.sheet(&camera, shows, 2)?))
+    }
+
+    fn foliage(&mut self) -> Result<Figure, Failure> {
+        let camera = self.standing.outline(self.judge.towards_sun, 0.45, SIZE);
+        let name = hybrid(4096, 1024, 1);
+        let shows =
+            [Show::Technique(plain(4096, 1)), Show::Technique(name.clone()), Show::Levels(name), Show::Truth];
+        let caption =
+            format!("Foliage, where little merges: SM, HRSM, its levels ({LEVEL_WORDS}), and rays.");
+        Ok(("hrsm-foliage", caption, self.sheet(&camera, shows, 2)?))
+    }
+
+    /// Of the shadow, away from the sun.
+    fn outline(&self) -> Camera {
+        self.standing.outline(self.judge.towards_sun, 0.25, SIZE)
+    }
+
+    fn sheet(
+        &mut self,
+        camera: &Camera,
+        shows: impl IntoIterator<Item = Show>,
+        columns: usize,
+    ) -> Result<Picture, Failure> {
+        let mut cells = Vec::new();
+        for show in shows {
+            let caption = match &show {
+                Show::Technique(name) => name.clone(),
+                Show::Truth => "rays".to_owned(),
+                Show::Levels(name) => format!("{name}, levels"),
+            };
+            cells.push((self.show(camera, &show)?, vec![caption]));
+        }
+        Ok(together(&cells, columns))
+    }
+
+    fn show(&mut self, camera: &Camera, show: &Show) -> Result<Picture, Failure> {
+        let shot = Shot { camera: *camera, towards_sun: self.judge.towards_sun, number: 0 };
+        let size = [camera.width, camera.height];
+        let mut prepared = match show {
+            Show::Technique(name) | Show::Levels(name) => self.prepare(name)?,
+            Show::Truth => self.truth(camera)?,
+        };
+        self.renderer.draw(&shot, &mut prepared, Answer::Visibility)?;
+        let mut picture = picture_of_rgba(size, &self.renderer.read_picture()?);
+        if let Show::Levels(_) = show {
+            self.renderer.draw(&shot, &mut prepared, Answer::Level)?;
+            tint(&mut picture, &self.renderer.read_factor(&prepared)?);
+        }
+        Ok(picture)
+    }
+
+    fn prepare(&self, name: &str) -> Result<Prepared, Failure> {
+        let built = build(self.renderer.gpu(), &name.parse()?, Baked::default())?;
+        Ok(self.renderer.prepare(built)?)
+    }
+
+    fn truth(&self, camera: &Camera) -> Result<Prepared, Failure> {
+        let Judge { truth, cache, scene, towards_sun, .. } = *self.judge;
+        let surfaces = cache.surfaces(truth, scene, camera);
+        let factors = cache.factors(truth, scene, camera, &surfaces, towards_sun, SunShape::Hard);
+        let size = [camera.width, camera.height];
+        let given = Given::new(self.renderer.gpu(), "truth", size, &factors)?;
+        Ok(self.renderer.prepare(Box::new(given))?)
+    }
+}
+
+/// The levels of every model.
+#[derive(Default)]
+pub(super) struct Levels {
+    cells: Vec<(Picture, Vec<String>)>,
+}
+
+impl Levels {
+    /// Draws a model's, from `start` over three merges.
+    pub(super) fn add(
+        &mut self,
+        stage: &mut Stage<'_, '_, '_>,
+        title: &str,
+        start: u32,
+    ) -> Result<(), Failure> {
+        let camera = stage.standing.whole(stage.judge.towards_sun, SIZE);
+        let name = hybrid(start, start / 8, 1);
+        let caption = vec![format!("{title}, {start}-{}", start / 8)];
+        self.cells.push((stage.show(&camera, &Show::Levels(name))?, caption));
+        Ok(())
+    }
+
+    /// All of them, where there are any.
+    pub(super) fn sheet(&self) -> Option<(Picture, String)> {
+        let caption = format!("Levels where look-ups end over three merges: {LEVEL_WORDS}.");
+        (!self.cells.is_empty()).then(|| (together(&self.cells, 2), caption))
+    }
+}
+
+fn together(cells: &[(Picture, Vec<String>)], columns: usize) -> Picture {
+    let cells: Vec<Cell<'_>> =
+        cells.iter().map(|(picture, caption)| Cell { picture, caption: caption.clone() }).collect();
+    sheet(&cells, columns, SIZE[0])
+}
+
+/// Turns pixels towards their level's colour.
+fn tint(picture: &mut Picture, levels: &[f32]) {
+    for (pixel, &level) in picture.rgb.as_chunks_mut::<3>().0.iter_mut().zip(levels) {
+        if level < 0.0 {
+            continue;
+        }
+        let color = LEVEL_COLORS[(level as usize).min(LEVEL_COLORS.len() - 1)];
+        for (channel, target) in pixel.iter_mut().zip(color) {
+            let own = f32::from(*channel) / 255.0;
+            // Shading stays visible in the colour.
+            let tinted = target * (0.5 + 0.5 * own);
+            *channel = (255.0 * (own + TINT * (tinted - own)) + 0.5) as u8;
+        }
+    }
+}
