@@ -123,13 +123,20 @@ fn map_without_room_is_refused_and_one_that_fits_is_not() {
         let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default())?;
         let mut prepared = renderer.prepare(technique)?;
         let shot = Shot { camera: kit::camera(160, 90), towards_sun: kit::sun(), number: 0 };
-        renderer.draw(&shot, &mut prepared, Answer::Visibility)?;
+        let drawn = renderer.draw(&shot, &mut prepared, Answer::Visibility);
+        // What failed once is not kept.
+        let again = renderer.draw(&shot, &mut prepared, Answer::Visibility);
+        assert_eq!(drawn.is_err(), again.is_err(), "{name}");
+        drawn?;
         renderer.read_factor(&prepared)
     };
     let compact = draw(&options, "hrsm:1024-256").unwrap();
     assert_eq!(compact, draw(&GpuOptions::default(), "hrsm:1024-256").unwrap());
-    let error = draw(&options, "hrsm:1024-256:layout=paper").unwrap_err().to_string();
-    assert!(error.contains("1024 texels a side") && error.contains("layout=compact"), "{error}");
+    for kept in ["redrawn", "cached"] {
+        let name = format!("hrsm:1024-256:layout=paper:static={kept}");
+        let error = draw(&options, &name).unwrap_err().to_string();
+        assert!(error.contains("1024 texels a side") && error.contains("layout=compact"), "{error}");
+    }
     let small = GpuOptions { max_binding_bytes: Some(1 << 19), ..options };
     let error = draw(&small, "hrsm:1024-512").unwrap_err().to_string();
     assert!(error.contains("1048576 bytes") && error.contains("smaller START"), "{error}");

@@ -52,6 +52,10 @@ shared! {
     HARDWARE_REACH: f32 = 0.75;
     /// Blocks of a row whose ranks are counted together when a hybrid map is built.
     HYBRID_SECTION: u32 = 64;
+    /// Words before the sections in the counts of a hybrid map.
+    HYBRID_FIRST_SECTION: u32 = 4;
+    /// Bits behind the point of a plane's slope of code 1.
+    HYBRID_SLOPE_BITS: u32 = 12;
     /// A word of a hybrid map with this bit holds where its four finer texels are; one without it is a depth.
     HYBRID_INDEX: u32 = 0x80000000;
     /// The end of a list of links.

@@ -76,7 +76,7 @@ gpu_struct! {
         /// Least standard deviation of depth in texels, share of the tail cut off, positive and negative exponent.
         pub moments: [f32; 4],
         /// Edge of a pixel in world units at view depth 0, and what a unit of view depth adds; mip levels of moments;
-        /// least bias along the light, as a share of the layer's depth: a step of 16-bit depth.
+        /// least bias along the light, as a share of the layer's depth: a step of 16-bit depth, 0 with 32 bits.
         pub pixel: [f32; 4],
     }
 }
@@ -90,7 +90,7 @@ gpu_struct! {
         pub bias: [f32; 4],
         /// Finest texels a side, merges, width of the filter in texels, 1 where finest depths are 16 bits.
         pub counts: [u32; 4],
-        /// Depth of a plane's slope code 1, in 4096ths of [`crate::constants::HYBRID_ONE`]'s steps a texel; 0, 0, 0.
+        /// Depth of a plane's slope code 1, with [`crate::constants::HYBRID_SLOPE_BITS`] behind the point, in steps of 1 / [`crate::constants::HYBRID_ONE`] a texel; 0, 0, 0.
         pub slope: [i32; 4],
         /// Least bias along the light, a share of the layer's depth: a step of stored depth; 0, 0, 0.
         pub least_bias: [f32; 4],
@@ -105,9 +105,10 @@ gpu_struct! {
         /// First word of the level before and of this one among the levels, words that four children take, 1 where finest depths are 16
         /// bits.
         pub places: [u32; 4],
-        /// Slope as in [`HybridParams`]; twice the depth that a plane may lie behind its texels; places that the map has room for; the
-        /// word of a texel without a caster.
+        /// Slope as in [`HybridParams`]; twice the depth that a plane may lie behind its texels; 0, 0.
         pub plane: [i32; 4],
+        /// Places that the map has room for; the word of a texel without a caster; 0, 0.
+        pub room: [u32; 4],
     }
 }
 

@@ -9,29 +9,36 @@
 //! No pass waits for the CPU, so there is room for the largest map, or as much of it as the device binds; [`Builder::counts`] says how
 //! much is in use. Where room runs out a block is taken as without a caster, and [`Builder::check`] says so.
 
-use adumbra_shaders::constants::{HYBRID_LAST_DEPTH, HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP};
+use adumbra_shaders::constants::{
+    HYBRID_FIRST_SECTION, HYBRID_LAST_DEPTH, HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP,
+};
 use adumbra_shaders::layout::HybridLevel;
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindingResource, BufferUsages, ShaderStages};
 
-use super::place::PlacePass;
+use super::place::{PlaceGroup, PlacePipeline};
 use super::settings::{BuildKind, HybridLayout, HybridSettings, MergeTest, PlaneUnits};
-use super::stored::{Stored, too_large};
+use super::stored::{Stored, buffer, check_binding, too_large};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::maps::DepthPrecision;
 use crate::readback::read_buffer;
 
-/// Words before the sections in the buffer of counts.
-const SECTIONS: u64 = 4;
+/// The pipelines of maps of the same settings.
+#[derive(Clone)]
+pub(super) struct Pipelines {
+    layout: wgpu::BindGroupLayout,
+    merge: wgpu::ComputePipeline,
+    scan: wgpu::ComputePipeline,
+    place: PlacePipeline,
+}
 
 /// The passes that build one map, with their buffers.
 pub struct Builder {
     settings: HybridSettings,
-    merge: wgpu::ComputePipeline,
-    scan: wgpu::ComputePipeline,
-    place: PlacePass,
+    pipelines: Pipelines,
     levels: Vec<(wgpu::Buffer, wgpu::BindGroup)>,
+    place: PlaceGroup,
     scratch: wgpu::Buffer,
     counts: wgpu::Buffer,
     stored: Stored,
@@ -48,12 +55,37 @@ pub struct BuiltCounts {
     pub split: [u32; 3],
 }
 
+impl Pipelines {
+    pub(super) fn new(gpu: &Gpu, settings: &HybridSettings) -> Self {
+        let out = binding::STORAGE_OUT;
+        let kinds = [binding::UNIFORM, binding::DEPTH_ARRAY, out, out];
+        let layout = gpu.layout("hybrid_build", ShaderStages::COMPUTE, &kinds);
+        let test = match settings.test {
+            MergeTest::Plane { .. } => source::HYBRID_MERGE_PLANE,
+            MergeTest::Paper => source::HYBRID_MERGE_MEAN,
+        };
+        let (pass, entry) = match settings.build {
+            BuildKind::Sweep => (source::HYBRID_SWEEP, "hybrid_sweep"),
+            BuildKind::Blocks => (source::HYBRID_BLOCKS, "hybrid_blocks"),
+        };
+        let common = source::HYBRID_BUILD;
+        let pipeline = |entry, files: &[_]| gpu.compute(entry, assemble(files), entry, &[Some(&layout)]);
+        Self {
+            merge: pipeline(entry, &[settings.test.leaf(), common, test, pass]),
+            scan: pipeline("hybrid_scan", &[common, source::HYBRID_SCAN]),
+            place: PlacePipeline::new(gpu, settings, &layout),
+            layout,
+        }
+    }
+}
+
 impl Builder {
     /// Buffers and pipelines for maps of these settings, made from `depth`: a `texture_depth_2d_array` of one layer with
     /// `settings.start` texels a side. Of the compact layout; see [`Builder::with_normals`].
     ///
     /// # Errors
-    /// [`crate::RenderError::TooLarge`] where the device binds less than the coarsest level.
+    /// [`crate::RenderError::Technique`] for settings out of range, [`crate::RenderError::TooLarge`] where the device binds less than
+    /// the levels of this size.
     pub fn new(gpu: &Gpu, settings: &HybridSettings, depth: &wgpu::TextureView) -> Result<Self> {
         Self::with_normals(gpu, settings, depth, None)
     }
@@ -69,55 +101,41 @@ impl Builder {
         depth: &wgpu::TextureView,
         normals: Option<&wgpu::TextureView>,
     ) -> Result<Self> {
-        let stored = Stored::largest(gpu, settings)?;
+        settings.check()?;
+        Self::of(gpu, settings, &Pipelines::new(gpu, settings), depth, normals)
+    }
+
+    /// The same with pipelines that were made before, of settings that were checked.
+    pub(super) fn of(
+        gpu: &Gpu,
+        settings: &HybridSettings,
+        pipelines: &Pipelines,
+        depth: &wgpu::TextureView,
+        normals: Option<&wgpu::TextureView>,
+    ) -> Result<Self> {
         let blocks: u64 = (1..=settings.merges()).map(|k| u64::from(settings.start >> k).pow(2)).sum();
+        check_binding(gpu, settings, 4 * blocks)?;
+        let stored = Stored::largest(gpu, settings)?;
         let side = settings.start / 2;
         let sections = u64::from(side) * u64::from(side.div_ceil(HYBRID_SECTION));
-        let storage = |label, words: u64| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: 4 * words,
-                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        let scratch = storage("hybrid::levels", blocks);
-        let counts = storage("hybrid::counts", SECTIONS + sections);
-        let out = binding::STORAGE_OUT;
-        let kinds = [binding::UNIFORM, binding::DEPTH_ARRAY, out, out];
-        let layout = gpu.layout("hybrid_build", ShaderStages::COMPUTE, &kinds);
+        let scratch = buffer(gpu, "hybrid::levels", 4 * blocks);
+        let counts = buffer(gpu, "hybrid::counts", 4 * (u64::from(HYBRID_FIRST_SECTION) + sections));
         let levels = (0..settings.merges()).map(|_| {
-            let uniform = gpu.uniform("hybrid::level", &[0; 48]);
+            let uniform = gpu.uniform("hybrid::level", &[0; 64]);
             let resources = vec![
                 uniform.as_entire_binding(),
                 BindingResource::TextureView(depth),
                 scratch.as_entire_binding(),
                 counts.as_entire_binding(),
             ];
-            let group = gpu.bind("hybrid_build", &layout, resources);
+            let group = gpu.bind("hybrid_build", &pipelines.layout, resources);
             (uniform, group)
         });
-        let (leaf, test) = match settings.test {
-            MergeTest::Plane { .. } => (source::HYBRID_PLANE, source::HYBRID_MERGE_PLANE),
-            MergeTest::Paper => (source::HYBRID_MEAN, source::HYBRID_MERGE_MEAN),
-        };
-        let (pass, entry) = match settings.build {
-            BuildKind::Sweep => (source::HYBRID_SWEEP, "hybrid_sweep"),
-            BuildKind::Blocks => (source::HYBRID_BLOCKS, "hybrid_blocks"),
-        };
-        let groups = [Some(&layout)];
-        let common = source::HYBRID_BUILD;
         let built = Self {
             settings: *settings,
-            merge: gpu.compute(entry, assemble(&[leaf, common, test, pass]), entry, &groups),
-            scan: gpu.compute(
-                "hybrid_scan",
-                assemble(&[common, source::HYBRID_SCAN]),
-                "hybrid_scan",
-                &groups,
-            ),
-            place: PlacePass::new(gpu, settings, &layout, &stored, blocks, normals)?,
             levels: levels.collect(),
+            place: pipelines.place.group(gpu, &stored, blocks, normals)?,
+            pipelines: pipelines.clone(),
             scratch,
             counts,
             stored,
@@ -140,7 +158,8 @@ impl Builder {
             let level = HybridLevel {
                 counts: [self.settings.start, made, side, self.settings.merges()],
                 places: [before, first, if pairs && made == 1 { 2 } else { 4 }, u32::from(halves)],
-                plane: [units.slope, units.tolerance, self.stored.room() as i32, empty as i32],
+                plane: [units.slope, units.tolerance, 0, 0],
+                room: [self.stored.room(), empty, 0, 0],
             };
             gpu.queue.write_buffer(uniform, 0, &level.bytes());
             (before, first) = (first, first + side * side);
@@ -153,14 +172,14 @@ impl Builder {
         for (made, (_, group)) in (1..).zip(&self.levels) {
             let side = self.settings.start >> made;
             pass.set_bind_group(0, group, &[]);
-            pass.set_pipeline(&self.merge);
+            pass.set_pipeline(&self.pipelines.merge);
             match self.settings.build {
                 BuildKind::Sweep => pass.dispatch_workgroups(side.div_ceil(LIST_GROUP), 1, 1),
                 BuildKind::Blocks => pass.dispatch_workgroups(side.div_ceil(HYBRID_SECTION), side, 1),
             }
-            pass.set_pipeline(&self.scan);
+            pass.set_pipeline(&self.pipelines.scan);
             pass.dispatch_workgroups(1, 1, 1);
-            pass.set_pipeline(&self.place.pipeline);
+            pass.set_pipeline(&self.pipelines.place.pipeline);
             pass.set_bind_group(1, &self.place.group, &[]);
             pass.dispatch_workgroups(side.div_ceil(PIXEL_GROUP), side.div_ceil(PIXEL_GROUP), 1);
         }
@@ -185,8 +204,9 @@ impl Builder {
     /// What the device reports.
     pub fn counts(&self, gpu: &Gpu) -> Result<BuiltCounts> {
         let mut encoder = gpu.encoder("hybrid::counts");
-        let copy = gpu.buffer("hybrid::counts", &[0; 4 * SECTIONS as usize], BufferUsages::COPY_SRC);
-        encoder.copy_buffer_to_buffer(&self.counts, 0, &copy, 0, 4 * SECTIONS);
+        let copy =
+            gpu.buffer("hybrid::counts", &[0; 4 * HYBRID_FIRST_SECTION as usize], BufferUsages::COPY_SRC);
+        encoder.copy_buffer_to_buffer(&self.counts, 0, &copy, 0, copy.size());
         gpu.finish(encoder.finish())?;
         let bytes = read_buffer(gpu, &copy)?;
         let at = |i: usize| bytes.as_chunks::<4>().0.get(i).map_or(0, |b| u32::from_le_bytes(*b));

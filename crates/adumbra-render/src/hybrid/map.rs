@@ -4,13 +4,12 @@
 //! that it is made from, and room for the largest map of its size, stay on the device while light or casters change; with
 //! `cache_static` they are given back once nothing does.
 
-use adumbra_shaders::constants::HYBRID_ONE;
 use adumbra_shaders::layout::{HybridParams, MapLayer};
 use adumbra_shaders::{Source, source};
 use wgpu::ShaderStages;
 
-use super::build::{Builder, BuiltCounts};
-use super::settings::{HybridLayout, HybridSettings, MergeTest, PlaneUnits};
+use super::build::{Builder, BuiltCounts, Pipelines};
+use super::settings::{HybridLayout, HybridSettings, PlaneUnits};
 use super::stored::Stored;
 use super::twin::{HybridPaper, HybridTree};
 use crate::error::Result;
@@ -32,10 +31,8 @@ pub struct HybridMap {
     uniform: wgpu::Buffer,
     pass: DepthPass,
     layer: Layer,
-    /// What a map is built with; none once the map is kept alone.
-    working: Option<Working>,
-    /// The map alone.
-    kept: Option<Kept>,
+    pipelines: Pipelines,
+    held: Held,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     /// Where the map was last built, and of what.
@@ -44,14 +41,17 @@ pub struct HybridMap {
     stale: bool,
 }
 
+/// What is on the device.
+enum Held {
+    /// A map with everything that it is built with.
+    Working(Working),
+    /// The map alone.
+    Kept { stored: Stored, counts: BuiltCounts },
+}
+
 struct Working {
     depth: DepthTextures,
     builder: Builder,
-}
-
-struct Kept {
-    stored: Stored,
-    counts: BuiltCounts,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -62,13 +62,16 @@ struct Place {
 }
 
 impl HybridMap {
-    /// Makes the buffers and pipelines of these settings, which are taken to be in range.
+    /// Makes the buffers and pipelines of these settings.
     ///
     /// # Errors
-    /// [`crate::RenderError::TooLarge`] for a size that the device does not take.
+    /// [`crate::RenderError::Technique`] for settings out of range, [`crate::RenderError::TooLarge`] for a size that the device does not
+    /// take.
     pub fn new(gpu: &Gpu, name: &str, settings: HybridSettings) -> Result<Self> {
+        settings.check()?;
         let pass = DepthPass::new(gpu, options(&settings));
-        let working = Working::new(gpu, &settings)?;
+        let pipelines = Pipelines::new(gpu, &settings);
+        let working = Working::new(gpu, &settings, &pipelines)?;
         let params = params(&settings);
         let uniform = gpu.uniform("hybrid::params", &params.bytes());
         let kinds = [binding::UNIFORM, binding::STORAGE, binding::STORAGE];
@@ -82,8 +85,8 @@ impl HybridMap {
             uniform,
             layer: Layer::new(gpu, &pass),
             pass,
-            working: Some(working),
-            kept: None,
+            pipelines,
+            held: Held::Working(working),
             layout,
             group,
             built: None,
@@ -106,10 +109,23 @@ impl HybridMap {
     /// # Errors
     /// What the device reports.
     pub fn counts(&self, gpu: &Gpu) -> Result<BuiltCounts> {
-        match (&self.kept, &self.working) {
-            (Some(kept), _) => Ok(kept.counts),
-            (None, Some(working)) => working.builder.counts(gpu),
-            (None, None) => Ok(BuiltCounts { words: 0, texels: 0, split: [0; 3] }),
+        match &self.held {
+            Held::Working(working) => working.builder.counts(gpu),
+            Held::Kept { counts, .. } => Ok(*counts),
+        }
+    }
+
+    fn stored(&self) -> &Stored {
+        match &self.held {
+            Held::Working(working) => working.builder.stored(),
+            Held::Kept { stored, .. } => stored,
+        }
+    }
+
+    fn working(&self) -> Option<&Working> {
+        match &self.held {
+            Held::Working(working) => Some(working),
+            Held::Kept { .. } => None,
         }
     }
 
@@ -122,7 +138,7 @@ impl HybridMap {
             return Ok(paper.compact());
         }
         let counts = self.counts(gpu)?;
-        let [mut words, _] = self.read_stored(gpu)?;
+        let [mut words, _] = self.stored().read(gpu)?;
         words.truncate(counts.words as usize);
         Ok(HybridTree {
             start: self.settings.start,
@@ -144,7 +160,7 @@ impl HybridMap {
             return Ok(None);
         }
         let counts = self.counts(gpu)?;
-        let [texels, links] = self.read_stored(gpu)?;
+        let [texels, links] = self.stored().read(gpu)?;
         let listed = 4 * counts.split.iter().sum::<u32>() as usize;
         Ok(Some(HybridPaper {
             start: self.settings.start,
@@ -158,20 +174,12 @@ impl HybridMap {
         }))
     }
 
-    fn read_stored(&self, gpu: &Gpu) -> Result<[Vec<u32>; 2]> {
-        match (&self.kept, &self.working) {
-            (Some(kept), _) => kept.stored.read(gpu),
-            (None, Some(working)) => working.builder.stored().read(gpu),
-            (None, None) => Ok([Vec::new(), Vec::new()]),
-        }
-    }
-
     /// The shadow map that the last frame's was made from, row by row; none where it is not kept.
     ///
     /// # Errors
     /// What the device reports.
     pub fn read_start(&self, gpu: &Gpu) -> Result<Option<Vec<f32>>> {
-        let Some(working) = &self.working else { return Ok(None) };
+        let Some(working) = self.working() else { return Ok(None) };
         read_depth(gpu, &working.depth.all.texture, 0).map(Some)
     }
 
@@ -180,28 +188,32 @@ impl HybridMap {
     /// # Errors
     /// What the device reports.
     pub fn read_start_normals(&self, gpu: &Gpu) -> Result<Option<Vec<[u8; 2]>>> {
-        let normals = self.working.as_ref().and_then(|w| w.depth.normals.as_ref());
+        let normals = self.working().and_then(|w| w.depth.normals.as_ref());
         let Some((all, _)) = normals else { return Ok(None) };
         Ok(Some(read_texture(gpu, &all.texture, 0, 0)?.as_chunks().0.to_vec()))
     }
 
     /// Copies the map into buffers of its size and drops what it was built with.
     fn keep(&mut self, gpu: &Gpu) -> Result<()> {
-        let Some(working) = &self.working else { return Ok(()) };
+        let Some(working) = self.working() else { return Ok(()) };
+        working.builder.check(gpu)?;
         let counts = working.builder.counts(gpu)?;
         let stored = working.builder.stored().kept(gpu, &counts)?;
-        self.group = look_up_group(gpu, &self.layout, &self.uniform, &stored);
-        self.kept = Some(Kept { stored, counts });
-        self.working = None;
+        self.hold(gpu, Held::Kept { stored, counts });
         Ok(())
+    }
+
+    fn hold(&mut self, gpu: &Gpu, held: Held) {
+        self.held = held;
+        self.group = look_up_group(gpu, &self.layout, &self.uniform, self.stored());
     }
 }
 
 impl Working {
-    fn new(gpu: &Gpu, settings: &HybridSettings) -> Result<Self> {
+    fn new(gpu: &Gpu, settings: &HybridSettings, pipelines: &Pipelines) -> Result<Self> {
         let depth = DepthTextures::new(gpu, "hybrid::depth", settings.start, 1, options(settings))?;
         let normals = depth.normals.as_ref().map(|(all, _)| &all.view);
-        let builder = Builder::with_normals(gpu, settings, &depth.all.view, normals)?;
+        let builder = Builder::of(gpu, settings, pipelines, &depth.all.view, normals)?;
         Ok(Self { depth, builder })
     }
 }
@@ -218,11 +230,9 @@ impl Technique for HybridMap {
         let place = Place { fit, casters };
         self.stale = !self.settings.cache_static || self.built != Some(place);
         if self.stale {
-            if self.working.is_none() {
-                let working = Working::new(input.gpu, &self.settings)?;
-                self.group = look_up_group(input.gpu, &self.layout, &self.uniform, working.builder.stored());
-                self.working = Some(working);
-                self.kept = None;
+            if self.working().is_none() {
+                let working = Working::new(input.gpu, &self.settings, &self.pipelines)?;
+                self.hold(input.gpu, Held::Working(working));
             }
             self.layer.prepare(input, &fit, true, false);
         } else {
@@ -230,7 +240,7 @@ impl Technique for HybridMap {
         }
         self.units =
             PlaneUnits::new(self.settings.test, fit.texel_world / (fit.depth_world[1] - fit.depth_world[0]));
-        if let Some(working) = &self.working {
+        if let Some(working) = self.working() {
             working.builder.write(input.gpu, self.units);
         }
         self.built = Some(place);
@@ -241,34 +251,30 @@ impl Technique for HybridMap {
     }
 
     fn encode_depth(&mut self, input: &FrameInput<'_>, encoder: &mut wgpu::CommandEncoder) {
-        if let (true, Some(working)) = (self.stale, &self.working) {
+        if let (true, Held::Working(working)) = (self.stale, &self.held) {
             self.layer.encode(input, &self.pass, encoder, 0, &working.depth, None);
         }
     }
 
     fn encode_build(&mut self, _input: &FrameInput<'_>, encoder: &mut wgpu::CommandEncoder) {
-        if let (true, Some(working)) = (self.stale, &self.working) {
+        if let (true, Some(working)) = (self.stale, self.working()) {
             working.builder.encode(encoder);
         }
     }
 
     fn check(&self, gpu: &Gpu) -> Result<()> {
-        match &self.working {
+        match self.working() {
             Some(working) if self.stale => working.builder.check(gpu),
             _ => Ok(()),
         }
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        let leaf = match self.settings.test {
-            MergeTest::Plane { .. } => source::HYBRID_PLANE,
-            MergeTest::Paper => source::HYBRID_MEAN,
-        };
         let access = match self.settings.layout {
             HybridLayout::Compact => source::HYBRID_COMPACT,
             HybridLayout::Paper => source::HYBRID_PAPER,
         };
-        let mut files = vec![source::MAPS, leaf, access, source::HYBRID];
+        let mut files = vec![source::MAPS, self.settings.test.leaf(), access, source::HYBRID];
         match (answer, &self.settings.filter) {
             (Answer::Cascade, _) => return None,
             (Answer::Level, _) => files.push(source::HYBRID_LEVELS),
@@ -295,9 +301,11 @@ impl Technique for HybridMap {
     }
 
     fn bytes(&self) -> u64 {
-        let working = self.working.as_ref().map_or(0, |w| w.depth.bytes() + w.builder.bytes());
-        let kept = self.kept.as_ref().map_or(0, |k| k.stored.bytes());
-        working + kept + self.layer.bytes() + self.uniform.size()
+        let held = match &self.held {
+            Held::Working(working) => working.depth.bytes() + working.builder.bytes(),
+            Held::Kept { stored, .. } => stored.bytes(),
+        };
+        held + self.layer.bytes() + self.uniform.size()
     }
 
     fn hybrid(&self) -> Option<&HybridMap> {
@@ -339,7 +347,7 @@ fn params(settings: &HybridSettings) -> HybridParams {
         },
         bias: bias.map(|c| c as f32),
         counts: [settings.start, settings.merges(), settings.width(), halves],
-        slope: [HYBRID_ONE as i32, 0, 0, 0],
+        slope: [1, 0, 0, 0],
         least_bias: [settings.depth.step() as f32, 0.0, 0.0, 0.0],
     }
 }

@@ -1,8 +1,9 @@
 //! What a hybrid map is made of, and from a technique's text to it: `hrsm:4096-1024:test=paper:filter=5`.
 
-use adumbra_shaders::constants::{HYBRID_LAST_SLOPE, HYBRID_ONE, MAX_SLOPE};
+use adumbra_shaders::constants::{HYBRID_LAST_SLOPE, HYBRID_ONE, HYBRID_SLOPE_BITS, MAX_SLOPE};
+use adumbra_shaders::{Source, source};
 
-use crate::error::Result;
+use crate::error::{RenderError, Result};
 use crate::maps::{DepthPrecision, MapBias, MapFilter};
 use crate::technique::TechniqueSpec;
 
@@ -23,6 +24,16 @@ pub enum MergeTest {
     },
     /// The paper's equation 1: no depth differs from the mean of the four by more than a quarter of itself.
     Paper,
+}
+
+impl MergeTest {
+    /// The file that says what texels that merged hold.
+    pub(super) fn leaf(self) -> Source {
+        match self {
+            Self::Plane { .. } => source::HYBRID_PLANE,
+            Self::Paper => source::HYBRID_MEAN,
+        }
+    }
 }
 
 /// How a map's texels are stored.
@@ -114,6 +125,29 @@ impl HybridSettings {
         Ok(settings)
     }
 
+    /// Whether a map can be built of these settings.
+    ///
+    /// # Errors
+    /// [`RenderError::Technique`] where START is no power of two up to 16,384, TARGET not its half, quarter or eighth and at least 2,
+    /// the filter neither nearest nor percentage closer over 3, 5 or 7 texels, the tolerance negative or no number.
+    pub fn check(&self) -> Result<()> {
+        let wrong = |reason: String| Err(RenderError::Technique { name: "hrsm".to_owned(), reason });
+        let Self { start, target, .. } = *self;
+        let merges = (1..=3).any(|k| start >> k == target);
+        if !start.is_power_of_two() || start > 16384 || target < 2 || !merges {
+            return wrong(format!("{start}-{target}: TARGET is a half, quarter or eighth of START"));
+        }
+        if !matches!(self.filter, MapFilter::Nearest | MapFilter::Pcf { width: 3 | 5 | 7 }) {
+            return wrong(format!("it has no filter {:?}", self.filter));
+        }
+        match self.test {
+            MergeTest::Plane { tolerance_texels: t } if !(t >= 0.0 && t.is_finite()) => {
+                wrong(format!("a tolerance of {t} texels"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Levels above the finest.
     pub fn merges(&self) -> u32 {
         (self.start / self.target).ilog2()
@@ -153,7 +187,7 @@ impl PlaneUnits {
     pub fn new(test: MergeTest, texel_depth: f64) -> Self {
         let texel_steps = texel_depth * f64::from(HYBRID_ONE);
         let last = f64::from(HYBRID_LAST_SLOPE * HYBRID_LAST_SLOPE);
-        let slope = 4096.0 * f64::from(MAX_SLOPE) * texel_steps / last;
+        let slope = f64::from(1 << HYBRID_SLOPE_BITS) * f64::from(MAX_SLOPE) * texel_steps / last;
         let tolerance = match test {
             MergeTest::Plane { tolerance_texels } => 2.0 * tolerance_texels * texel_steps,
             MergeTest::Paper => 0.0,
@@ -200,6 +234,24 @@ mod tests {
             "hrsm:test=paper:tolerance=1",
         ] {
             assert!(settings(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn check_refuses_what_text_cannot_say() {
+        let good = settings("hrsm:1024-256").unwrap();
+        good.check().unwrap();
+        let bad = [
+            HybridSettings { target: 1024, ..good },
+            HybridSettings { target: 0, ..good },
+            HybridSettings { start: 0, target: 0, ..good },
+            HybridSettings { start: 1000, target: 500, ..good },
+            HybridSettings { filter: MapFilter::Pcf { width: 2 }, ..good },
+            HybridSettings { filter: MapFilter::Poisson { radius: 2.0 }, ..good },
+            HybridSettings { test: MergeTest::Plane { tolerance_texels: f64::NAN }, ..good },
+        ];
+        for s in bad {
+            assert!(s.check().is_err(), "{s:?}");
         }
     }
 

@@ -28,30 +28,21 @@ impl Stored {
     /// # Errors
     /// [`RenderError::TooLarge`] where a binding holds less than the coarsest level.
     pub(super) fn largest(gpu: &Gpu, settings: &HybridSettings) -> Result<Self> {
-        let texels = |level: u32| u64::from(settings.start >> level).pow(2);
-        let target = texels(settings.merges());
-        let between: u64 = (1..settings.merges()).map(texels).sum();
-        let limit = binding_limit(gpu);
-        let room = |all: u64, each: u64| -> Result<u64> {
-            if target * each <= limit {
-                return Ok(all.min(limit / each / 4 * 4));
-            }
-            Err(too_large(gpu, settings, target * each))
+        let target = u64::from(settings.target).pow(2);
+        let room = |each: u64| -> Result<u64> {
+            check_binding(gpu, settings, target * each)?;
+            Ok(most_places(settings).min(binding_limit(gpu) / each / 4 * 4))
         };
-        match settings.layout {
-            HybridLayout::Compact => {
-                let finest = texels(0) / if settings.depth == DepthPrecision::Bits16 { 2 } else { 1 };
-                let words = room((target + finest + between).next_multiple_of(4), 4)?;
-                Ok(Self::Compact { words: buffer(gpu, "hybrid::words", 4 * words) })
-            }
+        Ok(match settings.layout {
+            HybridLayout::Compact => Self::Compact { words: buffer(gpu, "hybrid::words", 4 * room(4)?) },
             HybridLayout::Paper => {
-                let all = room(target + between + texels(0), 16)?;
-                Ok(Self::Paper {
-                    texels: buffer(gpu, "hybrid::texels", 16 * all),
-                    links: buffer(gpu, "hybrid::links", 8 * (all - target).max(4)),
-                })
+                let places = room(16)?;
+                Self::Paper {
+                    texels: buffer(gpu, "hybrid::texels", 16 * places),
+                    links: buffer(gpu, "hybrid::links", 8 * (places - target).max(4)),
+                }
             }
-        }
+        })
     }
 
     /// Places that there is room for: words of the compact layout, texels of the paper's.
@@ -64,9 +55,7 @@ impl Stored {
 
     /// Whether a map of these settings may need more room than there is.
     pub(super) fn may_run_out(&self, settings: &HybridSettings) -> bool {
-        let levels = 0..=settings.merges();
-        let most: u64 = levels.map(|level| u64::from(settings.start >> level).pow(2)).sum();
-        u64::from(self.room()) < most
+        u64::from(self.room()) < most_places(settings)
     }
 
     /// A map of no more than what is in use.
@@ -127,8 +116,24 @@ impl Stored {
     }
 }
 
+/// Places of the largest map: words of the compact layout, texels of the paper's.
+fn most_places(settings: &HybridSettings) -> u64 {
+    let texels = |level: u32| u64::from(settings.start >> level).pow(2);
+    let halves = settings.layout == HybridLayout::Compact && settings.depth == DepthPrecision::Bits16;
+    let finest = texels(0) / if halves { 2 } else { 1 };
+    (finest + (1..=settings.merges()).map(texels).sum::<u64>()).next_multiple_of(4)
+}
+
 fn binding_limit(gpu: &Gpu) -> u64 {
     gpu.max_binding_bytes.min(gpu.device.limits().max_buffer_size)
+}
+
+/// Whether the device binds so many bytes.
+///
+/// # Errors
+/// [`RenderError::TooLarge`] where it does not.
+pub(super) fn check_binding(gpu: &Gpu, settings: &HybridSettings, bytes: u64) -> Result<()> {
+    if bytes <= binding_limit(gpu) { Ok(()) } else { Err(too_large(gpu, settings, bytes)) }
 }
 
 /// That a map takes more bytes than one binding.
@@ -138,17 +143,32 @@ pub(super) fn too_large(gpu: &Gpu, settings: &HybridSettings, bytes: u64) -> Ren
         bytes,
         limit: binding_limit(gpu),
         mend: match settings.layout {
-            HybridLayout::Compact => "give a smaller START, or a larger tolerance",
+            HybridLayout::Compact => "give a smaller START",
             HybridLayout::Paper => "give layout=compact, or a smaller START",
         },
     }
 }
 
-fn buffer(gpu: &Gpu, label: &str, size: u64) -> wgpu::Buffer {
+/// A storage buffer that can be copied.
+pub(super) fn buffer(gpu: &Gpu, label: &str, size: u64) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size,
         usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn most_places_are_those_of_a_map_in_which_nothing_merges() {
+        let most = |name: &str| most_places(&HybridSettings::from_spec(&name.parse().unwrap()).unwrap());
+        let texels = (1024 + 512) * (1024 + 512) - 2 * 1024 * 512 + 256 * 256;
+        assert_eq!(most("hrsm:1024-256"), texels);
+        assert_eq!(most("hrsm:1024-256:layout=paper:depth=16"), texels);
+        assert_eq!(most("hrsm:1024-256:depth=16"), texels - 1024 * 512);
+    }
 }

@@ -1,5 +1,5 @@
 // Words of a hybrid map of 32 bits a texel: the coarsest level row by row, then blocks of four children: left above, right above, left
-// below, right below. HYBRID_INDEX and a word's place is where the children of a texel begin, a multiple of four. Finest depths are
+// below, right below. HYBRID_INDEX and a word's place is where the children of a texel begin, a multiple of four; of two for 16-bit depths. Finest depths are
 // 32-bit floats, or two of 16 bits a word, the left one low; two such blocks share four words.
 
 @group(2) @binding(1) var<storage, read> hybrid_words: array<u32>;

@@ -4,8 +4,11 @@
 // square are asked first, as whole planes, and only where one of them leads further down, or they disagree, finest texels are.
 
 // What the coarsest texels under the square `low` to `high` agree on, 0 or 1; 0.5 where they do not. The square is no wider than one of
-// them, so it touches at most 2 × 2. Answers are exact: planes less planes are largest and smallest at corners.
+// them, so it touches at most 2 × 2. Answers are exact: planes less planes are largest and smallest at corners. A square that reaches beyond the map has no answer here.
 fn hybrid_agreed(shape: HybridShape, r: MapReceiver, low: vec2f, high: vec2f) -> f32 {
+    if (any(low < vec2f(0.0)) || any(high > vec2f(f32(shape.start)))) {
+        return 0.5;
+    }
     let size = f32(1u << shape.merges);
     let side = shape.start >> shape.merges;
     let last_cell = vec2i(i32(side) - 1);

@@ -17,7 +17,7 @@ fn hybrid_slope_code(word: u32, first: u32) -> i32 {
 
 // Change of depth a texel, in steps of 1 / HYBRID_ONE.
 fn hybrid_slope(code: i32, unit: i32) -> i32 {
-    let size = (code * code * unit) >> 12u;
+    let size = (code * code * unit) >> HYBRID_SLOPE_BITS;
     return select(size, -size, code < 0);
 }
 

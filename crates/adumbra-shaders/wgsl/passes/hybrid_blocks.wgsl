@@ -24,6 +24,6 @@ fn hybrid_blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
     }
     if (local == 0u) {
         let section = block.y * level_sections() + block.x / HYBRID_SECTION;
-        hybrid_counts[HYBRID_SECTIONS + section] = countOneBits(low) + countOneBits(high);
+        hybrid_counts[HYBRID_FIRST_SECTION + section] = countOneBits(low) + countOneBits(high);
     }
 }

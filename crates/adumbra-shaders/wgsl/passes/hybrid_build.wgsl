@@ -5,7 +5,7 @@
 //
 // What the map is made of is the place pass's, in bind group 1; below, a word is a texel where the paper's layout is stored.
 //
-// hybrid_counts: word 0 = next free word of the map; 1 to 3 = blocks of level 1 to 3 that did not merge; from HYBRID_SECTIONS on, one a
+// hybrid_counts: word 0 = next free word of the map; 1 to 3 = blocks of level 1 to 3 that did not merge; from HYBRID_FIRST_SECTION on, one a
 // section: such blocks, then the word at which their children begin.
 
 @group(0) @binding(0) var<uniform> level: HybridLevel;
@@ -14,12 +14,10 @@
 @group(0) @binding(2) var<storage, read_write> hybrid_levels: array<u32>;
 @group(0) @binding(3) var<storage, read_write> hybrid_counts: array<u32>;
 
-const HYBRID_SECTIONS: u32 = 4u;
-
 // Where a block's children go, whose word is HYBRID_INDEX and its rank.
 fn block_room(block: vec2u, word: u32) -> u32 {
     let section = block.y * level_sections() + block.x / HYBRID_SECTION;
-    return hybrid_counts[HYBRID_SECTIONS + section] + (word ^ HYBRID_INDEX) * level.places.z;
+    return hybrid_counts[HYBRID_FIRST_SECTION + section] + (word ^ HYBRID_INDEX) * level.places.z;
 }
 
 fn level_sections() -> u32 {

@@ -1,5 +1,6 @@
 // The test of the paper: four texels merge into their mean where none of them differs from it by more than e0 of its own depth.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, equation 1, multiplied by D_n: so depth 0 is allowed.
+// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, equation 1, multiplied by D_n: so depth 0 is allowed. A light far away has no
+// distance: D is counted from the near plane of the map.
 
 fn block_merged(block: vec2u) -> u32 {
     var depths: vec4f;

@@ -11,7 +11,7 @@ fn block_steps(block: vec2u) -> vec4i {
 fn slope_code(slope: i32) -> i32 {
     let unit = level.plane.x;
     let size = abs(slope);
-    let about = min(i32(sqrt(f32(size) * 4096.0 / f32(unit))), HYBRID_LAST_SLOPE);
+    let about = min(i32(sqrt(f32(size) * f32(1u << HYBRID_SLOPE_BITS) / f32(unit))), HYBRID_LAST_SLOPE);
     var best = 0;
     var best_off = size;
     for (var q = max(about - 1, 1); q <= min(about + 1, HYBRID_LAST_SLOPE); q++) {

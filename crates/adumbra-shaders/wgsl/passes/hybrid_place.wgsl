@@ -13,8 +13,8 @@ fn hybrid_place(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     var word = hybrid_levels[block_place(block)];
-    if ((word & HYBRID_INDEX) != 0u && block_room(block, word) + level.places.z > u32(level.plane.z)) {
-        word = u32(level.plane.w);
+    if ((word & HYBRID_INDEX) != 0u && block_room(block, word) + level.places.z > level.room.x) {
+        word = level.room.y;
         hybrid_levels[block_place(block)] = word;
     } else if ((word & HYBRID_INDEX) != 0u) {
         let place = block_room(block, word);

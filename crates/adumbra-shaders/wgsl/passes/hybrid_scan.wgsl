@@ -8,8 +8,8 @@ var<workgroup> scan_sums: array<u32, SCAN_GROUP>;
 fn hybrid_scan(@builtin(local_invocation_index) local: u32) {
     let sections = level.counts.z * level_sections();
     let share = (sections + SCAN_GROUP - 1u) / SCAN_GROUP;
-    let first = HYBRID_SECTIONS + min(local * share, sections);
-    let last = HYBRID_SECTIONS + min((local + 1u) * share, sections);
+    let first = HYBRID_FIRST_SECTION + min(local * share, sections);
+    let last = HYBRID_FIRST_SECTION + min((local + 1u) * share, sections);
     var sum = 0u;
     for (var i = first; i < last; i++) {
         sum += hybrid_counts[i];

@@ -18,7 +18,7 @@ fn hybrid_sweep(@builtin(global_invocation_id) id: vec3u) {
             hybrid_levels[block_place(vec2u(x, y))] = word;
         }
         if ((x + 1u) % HYBRID_SECTION == 0u || x + 1u == side) {
-            hybrid_counts[HYBRID_SECTIONS + y * level_sections() + x / HYBRID_SECTION] = rank;
+            hybrid_counts[HYBRID_FIRST_SECTION + y * level_sections() + x / HYBRID_SECTION] = rank;
             rank = 0u;
         }
     }

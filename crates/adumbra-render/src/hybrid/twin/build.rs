@@ -2,6 +2,7 @@
 
 use adumbra_shaders::constants::{
     HYBRID_DEPTH_STEP, HYBRID_E0, HYBRID_INDEX, HYBRID_LAST_DEPTH, HYBRID_LAST_SLOPE, HYBRID_ONE,
+    HYBRID_SLOPE_BITS,
 };
 
 use super::leaf::{middle, slope};
@@ -126,7 +127,8 @@ fn steps(depth: f32) -> i32 {
 /// `slope_code`.
 fn slope_code(wanted: i32, unit: i32) -> i32 {
     let size = wanted.abs();
-    let about = ((size as f32 * 4096.0 / unit as f32).sqrt() as i32).min(HYBRID_LAST_SLOPE);
+    let about =
+        ((size as f32 * (1 << HYBRID_SLOPE_BITS) as f32 / unit as f32).sqrt() as i32).min(HYBRID_LAST_SLOPE);
     let (mut best, mut best_off) = (0, size);
     for q in (about - 1).max(1)..=(about + 1).min(HYBRID_LAST_SLOPE) {
         let off = (slope(q, unit) - size).abs();

@@ -1,12 +1,12 @@
 //! Texels that merged: twin of core/hybrid_plane.wgsl and core/hybrid_mean.wgsl.
 
-use adumbra_shaders::constants::{HYBRID_DEPTH_STEP, HYBRID_ONE};
+use adumbra_shaders::constants::{HYBRID_DEPTH_STEP, HYBRID_ONE, HYBRID_SLOPE_BITS};
 
 use crate::hybrid::MergeTest;
 
 /// `hybrid_slope`.
 pub(super) fn slope(code: i32, unit: i32) -> i32 {
-    let size = (code * code * unit) >> 12;
+    let size = (code * code * unit) >> HYBRID_SLOPE_BITS;
     if code < 0 { -size } else { size }
 }
 
