@@ -2,6 +2,7 @@
 
 mod boundary;
 mod clear;
+mod flips;
 mod timing;
 mod walk;
 
@@ -12,6 +13,7 @@ use adumbra_render::{
 };
 pub use boundary::{BoundaryGain, boundary_gain, pixels_at_edges};
 pub use clear::{CLEAR_TEXELS, clear_errors};
+pub use flips::near_flips;
 pub use timing::{interleaved, median_ratio, median_time};
 pub use walk::walk;
 

@@ -76,7 +76,7 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
                 return Ok(Box::new(ShadowMap::new(gpu, &spec.to_string(), settings)?));
             }
             let names: Vec<&str> = TECHNIQUES.iter().map(|(name, _)| *name).collect();
-            Err(spec.wrong(format!("there are: {}", names.join(", "))))
+            Err(spec.wrong(format!("there is no such technique; there are: {}", names.join(", "))))
         }
     }
 }

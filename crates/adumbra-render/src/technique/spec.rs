@@ -29,7 +29,7 @@ impl FromStr for TechniqueSpec {
         for part in parts {
             let pair = part.split_once('=').or_else(|| is_sizes(part).then_some(("sizes", part)));
             let Some((key, value)) = pair else {
-                return Err(wrong(format!("{part:?} is not key=value")));
+                return Err(wrong(format!("{part:?} is not key=value, nor two sizes such as 4096-1024")));
             };
             if values.insert(key.trim().to_lowercase(), value.trim().to_lowercase()).is_some() {
                 return Err(wrong(format!("{key:?} is given twice")));

@@ -1,0 +1,92 @@
+//! Where the true shadow's edges lie in a picture: between neighbouring pixels that rays answer differently.
+//!
+//! [`crate::truth::EdgeProbe`] asks rays around a point, on its tangent plane, and takes the folds of a bumpy surface for edges, as points
+//! of that plane lie below the surface there. Here an edge is one that the picture shows, so folds that cast no shadow are none; edges
+//! that the camera does not see are missed.
+
+use std::collections::HashMap;
+
+use crate::metrics::is_lit;
+use crate::truth::Surfaces;
+use crate::vector::{cross, dot, normalize};
+
+/// For each pixel, whether it lies within `radius_world`, in the light's plane, of a pixel at an edge of `truth`, the hard shadow. False
+/// where there is no surface. Cost: a pass over the picture, and a look at the edges near each pixel.
+pub fn near_flips(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], radius_world: f64) -> Vec<bool> {
+    let other = if towards_sun[1].abs() < 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
+    let x = normalize(cross(other, towards_sun));
+    let y = cross(towards_sun, x);
+    let flat = |i: usize| [dot(x, surfaces.position[i]), dot(y, surfaces.position[i])];
+    let cell = |p: [f64; 2]| p.map(|c| (c / radius_world).floor() as i64);
+    let within = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= radius_world;
+    let mut edges: HashMap<[i64; 2], Vec<[f64; 2]>> = HashMap::new();
+    let width = surfaces.width as usize;
+    for i in 0..surfaces.pixels() {
+        let right = (i % width + 1 < width).then_some(i + 1);
+        let below = (i + width < surfaces.pixels()).then_some(i + width);
+        for j in [right, below].into_iter().flatten() {
+            if !surfaces.is_valid(i) || !surfaces.is_valid(j) || is_lit(truth[i]) == is_lit(truth[j]) {
+                continue;
+            }
+            let (p, q) = (flat(i), flat(j));
+            // Neighbours of the picture that lie apart in the world, at a silhouette, tell of no edge.
+            if within(p, q) {
+                edges.entry(cell(p)).or_default().push(p);
+                edges.entry(cell(q)).or_default().push(q);
+            }
+        }
+    }
+    let near = |i: usize| {
+        let p = flat(i);
+        let [column, row] = cell(p);
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [column + dx, row + dy]));
+        around.filter_map(|c| edges.get(&c)).flatten().any(|&edge| within(p, edge))
+    };
+    (0..surfaces.pixels()).map(|i| surfaces.is_valid(i) && near(i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use adumbra::camera::{Camera, Projection};
+    use adumbra::scene::{GeneratedKind, generate};
+
+    use super::*;
+    use crate::truth::{SunShape, TruthTracer};
+
+    /// The dimpled ball on its ground, from the sun's side: folds, and one shadow.
+    fn ball(radius_world: f64) -> (Surfaces, Vec<f32>, Vec<bool>) {
+        let mut scene = generate(GeneratedKind::Ball, 1);
+        scene.stand_on_ground(4.0).unwrap();
+        let truth = TruthTracer::build(&scene, false);
+        let projection = Projection::Perspective { fov_degrees: 45.0 };
+        let camera =
+            Camera { eye: [3.0, 6.0, 3.0], target: [0.0, 0.5, 0.0], projection, width: 160, height: 120 };
+        let surfaces = truth.surfaces(&camera);
+        let towards_sun = normalize([0.5, 0.8, 0.35]);
+        let factors = truth.factors(&surfaces, towards_sun, SunShape::Hard);
+        let near = near_flips(&surfaces, &factors, towards_sun, radius_world);
+        (surfaces, factors, near)
+    }
+
+    #[test]
+    fn folds_that_cast_no_shadow_are_no_edges() {
+        let (surfaces, factors, near) = ball(0.04);
+        // The top of the ball, where the sun stands high over every dimple.
+        let top = (0..surfaces.pixels()).filter(|&i| surfaces.is_valid(i) && surfaces.position[i][1] > 1.8);
+        let top: Vec<usize> = top.collect();
+        assert!(top.len() > 100 && top.iter().all(|&i| factors[i] > 0.5 && !near[i]));
+        assert!(near.iter().any(|n| *n), "the ball's shadow has an outline");
+    }
+
+    #[test]
+    fn both_sides_of_an_edge_are_near_it_and_more_so_within_a_larger_radius() {
+        let count = |radius| {
+            let (_, factors, near) = ball(radius);
+            let sides = [true, false]
+                .map(|lit| (0..near.len()).filter(|&i| near[i] && is_lit(factors[i]) == lit).count());
+            assert!(sides[0] > 20 && sides[1] > 20, "{sides:?}");
+            sides[0] + sides[1]
+        };
+        assert!(count(0.05) < count(0.2));
+    }
+}
