@@ -32,6 +32,7 @@ const VARIANTS: &[&str] = &[
     "pcf:filter=2",
     "voxel:filter=17",
     "voxel-cubes:filter=5:weights=poisson",
+    "hrsm:test=paper",
 ];
 /// Pictures that are to differ: what tells the first technique from the second would otherwise be unseen.
 const DIFFERENT: &[[&str; 2]] = &[

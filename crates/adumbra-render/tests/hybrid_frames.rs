@@ -5,30 +5,10 @@ mod kit;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::Scene;
-use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, HybridTwin};
-use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
+use adumbra_render::{Answer, Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
 use kit::boxes::boxes;
-
-const SIZE: [u32; 2] = [160, 90];
-
-fn renderer(scene: &Scene) -> Renderer {
-    Renderer::new(kit::gpu(), scene, SceneOptions::default()).unwrap()
-}
-
-fn prepare(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
-    renderer.prepare(technique).unwrap()
-}
-
-fn hybrid(technique: &Prepared) -> &HybridMap {
-    technique.technique().hybrid().unwrap()
-}
-
-/// A shot in the kit's sun.
-fn shot(camera: Camera) -> Shot {
-    Shot { camera, towards_sun: kit::sun(), number: 0 }
-}
+use kit::hybrid::{SIZE, check_shares, hybrid, prepare, renderer, shot};
 
 /// Draws a frame and holds the map, the factors and the levels against the twin. The share of the area by level.
 fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
@@ -43,6 +23,7 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
     let built = HybridTree::build(&image, tree.merges, tree.test, tree.precision, tree.units).unwrap();
     assert_eq!(tree.split, built.split, "{name}");
     assert!(tree.words == built.words, "{name}: the map is not the one that its shadow map makes");
+    check_shares(&tree, name);
     let params = *map.params();
     renderer.draw(&shot, &mut technique, Answer::Level).unwrap();
     let levels = renderer.read_factor(&technique).unwrap();
@@ -83,7 +64,7 @@ fn hybrid_answers_as_its_twin_does_in_a_city() {
     let camera = kit::camera(SIZE[0], SIZE[1]);
     for name in KINDS {
         let shares = check_twin(&mut renderer, camera, name);
-        assert!(shares[0] < 0.9 && (shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {shares:?}");
+        assert!(shares[0] > 0.0 && shares[0] < 0.9, "{name}: {shares:?}");
     }
     let orthographic = Camera { projection: Projection::Orthographic { height_world: 120.0 }, ..camera };
     for name in ["hrsm:512-128", "hrsm:512-256:filter=1:depth=16", "hrsm:512-64:test=paper:filter=3"] {
