@@ -40,6 +40,7 @@ const DIFFERENT: &[[&str; 2]] = &[
     ["csm-vsm:far=24", "vsm"],
     ["csm-evsm:far=24", "evsm"],
     ["voxel+csm", "voxel"],
+    ["hrsm:test=paper", "hrsm"],
 ];
 /// Linear.
 const BALL_COLOR: [f32; 4] = [0.80, 0.10, 0.06, 1.0];

@@ -6,7 +6,7 @@ mod kit;
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::Scene;
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, HybridTwin};
-use adumbra_render::{Answer, Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
+use adumbra_render::{Answer, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
 use kit::boxes::boxes;
 use kit::hybrid::{SIZE, check_shares, hybrid, prepare, renderer, shot};
 
@@ -111,6 +111,39 @@ fn hybrid_of_planes_answers_as_the_shadow_map_does() {
         println!("filter {filter}: {apart} of {} apart", a.len());
         assert!(apart * 200 < a.len(), "filter {filter}: {apart}");
     }
+}
+
+#[test]
+fn largest_start_is_built_and_answers_in_bindings_of_128_mib() {
+    // What every device has; a map that nowhere merged would not fit.
+    let most = 128 << 20;
+    let options = GpuOptions { max_binding_bytes: Some(most), ..GpuOptions::default() };
+    let gpu = Gpu::request(&options).unwrap();
+    let mut renderer = Renderer::new(gpu, &on_a_ground(), SceneOptions::default()).unwrap();
+    let mut technique = prepare(&renderer, "hrsm:8192-2048");
+    let shot = shot(over_boxes());
+    let factors = drawn(&mut renderer, &shot, &mut technique);
+    let map = hybrid(&technique);
+    assert_eq!((map.settings().start, map.settings().merges()), (8192, 2));
+    let tree = map.read(renderer.gpu()).unwrap();
+    let words = u64::from(map.counts(renderer.gpu()).unwrap().words);
+    println!("{words} words, shares {:?}", tree.shares());
+    assert!((2048 * 2048 + 1000..most / 4).contains(&words), "{words}");
+    assert!(tree.shares()[2] > 0.8 && tree.split.iter().take(2).all(|&n| n > 1000), "{:?}", tree.split);
+    let twin = HybridTwin { params: map.params(), tree: &tree };
+    let surfaces = kit::surfaces::surfaces(&renderer, &shot);
+    let seen = surfaces.iter().flatten().count();
+    let wrong = surfaces.iter().zip(&factors).filter(|(surface, factor)| {
+        surface.as_ref().is_some_and(|s| (twin.visibility(s) - **factor).abs() > 1e-3)
+    });
+    let wrong = wrong.count();
+    let mut plain = prepare(&renderer, "pcf:filter=5:size=8192");
+    let expected = drawn(&mut renderer, &shot, &mut plain);
+    let other = factors.iter().zip(&expected).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+    let shadowed = surfaces.iter().zip(&factors).filter(|(s, f)| s.is_some() && **f < 0.5).count();
+    println!("of {seen}: {wrong} apart from the twin, {other} from the shadow map, {shadowed} shadowed");
+    assert!(seen > 5000 && shadowed > 300, "{seen}, {shadowed}");
+    assert!(wrong * 500 < seen && other * 200 < seen, "{wrong} and {other} of {seen}");
 }
 
 /// A frame's factors.
