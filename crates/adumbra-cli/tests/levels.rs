@@ -68,7 +68,7 @@ fn hybrid_map_from_a_coarse_start_is_warned_of() {
             of(&compare, &shadow, &format!("compared-{start}")),
         ];
         for said in said {
-            let note = format!("note: {shadow}: hrsm from 512: the paper advises against starts below 1024");
+            let note = format!("note: {shadow}: the paper advises against a START below 1024, here 512: ");
             assert_eq!(said.contains(&note), warned, "{said}");
         }
         let report = std::fs::read_to_string(folder.path(&format!("compared-{start}/report.md"))).unwrap();
@@ -86,6 +86,7 @@ fn render_gives_the_time_of_the_build() {
             json(&[&["render", &scene, "--json"][..], &SIZE, &["--shadow", shadow, "-o", &output]].concat());
         said["build_ms"].as_f64().unwrap()
     };
-    assert!(milliseconds("hrsm:1024-512") > 0.0);
-    assert!(milliseconds("pcf:size=256") < 10.0);
+    // Without a build the stage is timed all the same, with nothing in it.
+    let [none, some] = ["pcf:size=256", "hrsm:1024-512"].map(milliseconds);
+    assert!(none >= 0.0 && some > none && some > 0.0, "{none} {some}");
 }

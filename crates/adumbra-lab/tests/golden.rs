@@ -32,6 +32,7 @@ const VARIANTS: &[&str] = &[
     "pcf:filter=2",
     "voxel:filter=17",
     "voxel-cubes:filter=5:weights=poisson",
+    "hrsm:test=paper",
 ];
 /// Pictures that are to differ: what tells the first technique from the second would otherwise be unseen.
 const DIFFERENT: &[[&str; 2]] = &[
@@ -39,6 +40,7 @@ const DIFFERENT: &[[&str; 2]] = &[
     ["csm-vsm:far=24", "vsm"],
     ["csm-evsm:far=24", "evsm"],
     ["voxel+csm", "voxel"],
+    ["hrsm:test=paper", "hrsm"],
 ];
 /// Linear.
 const BALL_COLOR: [f32; 4] = [0.80, 0.10, 0.06, 1.0];

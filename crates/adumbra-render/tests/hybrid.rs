@@ -9,6 +9,7 @@ use adumbra_render::hybrid::{BuildKind, HybridSettings, MergeTest, PlaneUnits};
 use adumbra_render::maps::DepthPrecision;
 use adumbra_render::readback::read_buffer;
 use adumbra_render::{Gpu, RenderError};
+use kit::hybrid::check_shares;
 
 /// Sides and merges.
 const SIZES: [(usize, u32); 5] = [(64, 1), (64, 3), (128, 2), (256, 3), (512, 2)];
@@ -125,6 +126,7 @@ fn check_images(gpu: &Gpu, (side, merges): (usize, u32), precision: DepthPrecisi
             start.write(gpu, image).unwrap();
             let held = start.read(gpu).unwrap();
             let twin = HybridTree::build(&held, merges, merge, precision, units).unwrap();
+            check_shares(&twin, &format!("{name}, {side} texels, {merges} merges, {test}"));
             merged += usize::from(twin.shares()[0] < 1.0 && twin.split[0] > 0);
             for (kind, builder) in &builders {
                 builder.write(gpu, units);
@@ -186,7 +188,7 @@ fn upload_refuses_another_size_and_what_is_no_depth() {
 }
 
 #[test]
-fn plane_s_map_is_at_most_the_tolerance_before_the_image() {
+fn plane_s_map_is_at_most_the_tolerance_behind_the_image() {
     // What the words mean, whoever built them.
     let units = PlaneUnits::new(MergeTest::Plane { tolerance_texels: 0.5 }, 1.0 / 128.0);
     let image = piecewise(128, &mut Random(77));

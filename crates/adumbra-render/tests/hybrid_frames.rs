@@ -5,30 +5,10 @@ mod kit;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::Scene;
-use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, HybridTwin};
-use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
+use adumbra_render::{Answer, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
 use kit::boxes::boxes;
-
-const SIZE: [u32; 2] = [160, 90];
-
-fn renderer(scene: &Scene) -> Renderer {
-    Renderer::new(kit::gpu(), scene, SceneOptions::default()).unwrap()
-}
-
-fn prepare(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
-    renderer.prepare(technique).unwrap()
-}
-
-fn hybrid(technique: &Prepared) -> &HybridMap {
-    technique.technique().hybrid().unwrap()
-}
-
-/// A shot in the kit's sun.
-fn shot(camera: Camera) -> Shot {
-    Shot { camera, towards_sun: kit::sun(), number: 0 }
-}
+use kit::hybrid::{SIZE, check_shares, hybrid, prepare, renderer, shot};
 
 /// Draws a frame and holds the map, the factors and the levels against the twin. The share of the area by level.
 fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
@@ -43,6 +23,7 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
     let built = HybridTree::build(&image, tree.merges, tree.test, tree.precision, tree.units).unwrap();
     assert_eq!(tree.split, built.split, "{name}");
     assert!(tree.words == built.words, "{name}: the map is not the one that its shadow map makes");
+    check_shares(&tree, name);
     let params = *map.params();
     renderer.draw(&shot, &mut technique, Answer::Level).unwrap();
     let levels = renderer.read_factor(&technique).unwrap();
@@ -83,7 +64,7 @@ fn hybrid_answers_as_its_twin_does_in_a_city() {
     let camera = kit::camera(SIZE[0], SIZE[1]);
     for name in KINDS {
         let shares = check_twin(&mut renderer, camera, name);
-        assert!(shares[0] < 0.9 && (shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {shares:?}");
+        assert!(shares[0] > 0.0 && shares[0] < 0.9, "{name}: {shares:?}");
     }
     let orthographic = Camera { projection: Projection::Orthographic { height_world: 120.0 }, ..camera };
     for name in ["hrsm:512-128", "hrsm:512-256:filter=1:depth=16", "hrsm:512-64:test=paper:filter=3"] {
@@ -130,6 +111,39 @@ fn hybrid_of_planes_answers_as_the_shadow_map_does() {
         println!("filter {filter}: {apart} of {} apart", a.len());
         assert!(apart * 200 < a.len(), "filter {filter}: {apart}");
     }
+}
+
+#[test]
+fn largest_start_is_built_and_answers_in_bindings_of_128_mib() {
+    // What every device has; a map that nowhere merged would not fit.
+    let most = 128 << 20;
+    let options = GpuOptions { max_binding_bytes: Some(most), ..GpuOptions::default() };
+    let gpu = Gpu::request(&options).unwrap();
+    let mut renderer = Renderer::new(gpu, &on_a_ground(), SceneOptions::default()).unwrap();
+    let mut technique = prepare(&renderer, "hrsm:8192-2048");
+    let shot = shot(over_boxes());
+    let factors = drawn(&mut renderer, &shot, &mut technique);
+    let map = hybrid(&technique);
+    assert_eq!((map.settings().start, map.settings().merges()), (8192, 2));
+    let tree = map.read(renderer.gpu()).unwrap();
+    let words = u64::from(map.counts(renderer.gpu()).unwrap().words);
+    println!("{words} words, shares {:?}", tree.shares());
+    assert!((2048 * 2048 + 1000..most / 4).contains(&words), "{words}");
+    assert!(tree.shares()[2] > 0.8 && tree.split.iter().take(2).all(|&n| n > 1000), "{:?}", tree.split);
+    let twin = HybridTwin { params: map.params(), tree: &tree };
+    let surfaces = kit::surfaces::surfaces(&renderer, &shot);
+    let seen = surfaces.iter().flatten().count();
+    let wrong = surfaces.iter().zip(&factors).filter(|(surface, factor)| {
+        surface.as_ref().is_some_and(|s| (twin.visibility(s) - **factor).abs() > 1e-3)
+    });
+    let wrong = wrong.count();
+    let mut plain = prepare(&renderer, "pcf:filter=5:size=8192");
+    let expected = drawn(&mut renderer, &shot, &mut plain);
+    let other = factors.iter().zip(&expected).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+    let shadowed = surfaces.iter().zip(&factors).filter(|(s, f)| s.is_some() && **f < 0.5).count();
+    println!("of {seen}: {wrong} apart from the twin, {other} from the shadow map, {shadowed} shadowed");
+    assert!(seen > 5000 && shadowed > 300, "{seen}, {shadowed}");
+    assert!(wrong * 500 < seen && other * 200 < seen, "{wrong} and {other} of {seen}");
 }
 
 /// A frame's factors.

@@ -3,34 +3,17 @@
 
 mod kit;
 
-use adumbra::scene::{GeneratedKind, Scene, generate};
+use adumbra::scene::{GeneratedKind, generate};
 use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::{DepthImage, HybridPaper};
 use adumbra_render::{
     Answer, Baked, FrameTimes, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
 };
-
-const SIZE: [u32; 2] = [160, 90];
-
-fn renderer(scene: &Scene) -> Renderer {
-    Renderer::new(kit::gpu(), scene, SceneOptions::default()).unwrap()
-}
-
-fn prepare(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
-    renderer.prepare(technique).unwrap()
-}
-
-fn shot(number: u32) -> Shot {
-    Shot { camera: kit::camera(SIZE[0], SIZE[1]), towards_sun: kit::sun(), number }
-}
+use kit::hybrid::{SIZE, hybrid, prepare, renderer, shot};
 
 fn draw(renderer: &mut Renderer, technique: &mut Prepared, number: u32, answer: Answer) -> FrameTimes {
-    renderer.draw(&shot(number), technique, answer).unwrap()
-}
-
-fn map(technique: &Prepared) -> &HybridMap {
-    technique.technique().hybrid().unwrap()
+    let shot = Shot { number, ..shot(kit::camera(SIZE[0], SIZE[1])) };
+    renderer.draw(&shot, technique, answer).unwrap()
 }
 
 /// The twin, from the depth and the normals that the GPU drew.
@@ -56,7 +39,7 @@ fn texels_and_links_are_the_twin_s() {
         ] {
             let mut technique = prepare(&renderer, &format!("{name}:layout=paper"));
             draw(&mut renderer, &mut technique, 0, Answer::Visibility);
-            let map = map(&technique);
+            let map = hybrid(&technique);
             let found = map.read_paper(renderer.gpu()).unwrap().unwrap();
             let expected = twin(renderer.gpu(), map);
             assert_eq!(found.split, expected.split, "{name}");
@@ -84,7 +67,7 @@ fn answers_are_the_compact_layout_s() {
             let [compact, paper] = ["compact", "paper"].map(|layout| {
                 let mut technique = prepare(&renderer, &format!("{name}:layout={layout}"));
                 draw(&mut renderer, &mut technique, 0, answer);
-                let tree = map(&technique).read(renderer.gpu()).unwrap();
+                let tree = hybrid(&technique).read(renderer.gpu()).unwrap();
                 (renderer.read_factor(&technique).unwrap(), tree)
             });
             assert_eq!(compact.1, paper.1, "{name}: the tree");
@@ -102,13 +85,13 @@ fn kept_map_answers_as_it_was_built_in_the_bytes_in_use() {
     let mut technique = prepare(&renderer, "hrsm:1024-256:layout=paper:static=cached");
     draw(&mut renderer, &mut technique, 0, Answer::Visibility);
     let first = renderer.read_factor(&technique).unwrap();
-    let built = map(&technique).read_paper(renderer.gpu()).unwrap();
+    let built = hybrid(&technique).read_paper(renderer.gpu()).unwrap();
     let bytes = technique.technique().bytes();
     draw(&mut renderer, &mut technique, 1, Answer::Visibility);
     assert_eq!(renderer.read_factor(&technique).unwrap(), first);
-    assert_eq!(map(&technique).read_paper(renderer.gpu()).unwrap(), built);
-    assert!(map(&technique).read_start_normals(renderer.gpu()).unwrap().is_none());
-    let words = map(&technique).counts(renderer.gpu()).unwrap().words;
+    assert_eq!(hybrid(&technique).read_paper(renderer.gpu()).unwrap(), built);
+    assert!(hybrid(&technique).read_start_normals(renderer.gpu()).unwrap().is_none());
+    let words = hybrid(&technique).counts(renderer.gpu()).unwrap().words;
     let kept = technique.technique().bytes();
     assert!(kept < bytes / 4 && kept >= 4 * u64::from(words), "{kept} of {bytes}, {words} words");
 }
@@ -122,7 +105,7 @@ fn map_without_room_is_refused_and_one_that_fits_is_not() {
         let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
         let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default())?;
         let mut prepared = renderer.prepare(technique)?;
-        let shot = Shot { camera: kit::camera(160, 90), towards_sun: kit::sun(), number: 0 };
+        let shot = shot(kit::camera(SIZE[0], SIZE[1]));
         let drawn = renderer.draw(&shot, &mut prepared, Answer::Visibility);
         // What failed once is not kept.
         let again = renderer.draw(&shot, &mut prepared, Answer::Visibility);

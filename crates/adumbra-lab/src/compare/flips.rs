@@ -18,21 +18,22 @@ pub fn near_flips(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], rad
     let y = cross(towards_sun, x);
     let flat = |i: usize| [dot(x, surfaces.position[i]), dot(y, surfaces.position[i])];
     let cell = |p: [f64; 2]| p.map(|c| (c / radius_world).floor() as i64);
-    let within = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= radius_world;
-    let mut edges: HashMap<[i64; 2], Vec<[f64; 2]>> = HashMap::new();
+    let apart = |a: [f64; 2], b: [f64; 2]| libm::hypot(a[0] - b[0], a[1] - b[1]);
     let width = surfaces.width as usize;
-    for i in 0..surfaces.pixels() {
-        let right = (i % width + 1 < width).then_some(i + 1);
-        let below = (i + width < surfaces.pixels()).then_some(i + width);
-        for j in [right, below].into_iter().flatten() {
-            if !surfaces.is_valid(i) || !surfaces.is_valid(j) || is_lit(truth[i]) == is_lit(truth[j]) {
-                continue;
-            }
-            let (p, q) = (flat(i), flat(j));
-            // Neighbours of the picture that lie apart in the world, at a silhouette, tell of no edge.
-            if within(p, q) {
-                edges.entry(cell(p)).or_default().push(p);
-                edges.entry(cell(q)).or_default().push(q);
+    let neighbours = |i: usize| {
+        let beside = [(i % width > 0).then(|| i - 1), (i % width + 1 < width).then_some(i + 1)];
+        let above = [i.checked_sub(width), Some(i + width).filter(|&j| j < surfaces.pixels())];
+        beside.into_iter().chain(above).flatten().filter(|&j| surfaces.is_valid(j))
+    };
+    // Edge of a pixel in the light's plane.
+    let spacing = |i: usize| neighbours(i).map(|j| apart(flat(i), flat(j))).fold(f64::INFINITY, f64::min);
+    let mut edges: HashMap<[i64; 2], Vec<[f64; 2]>> = HashMap::new();
+    for i in (0..surfaces.pixels()).filter(|&i| surfaces.is_valid(i)) {
+        for j in neighbours(i).filter(|&j| is_lit(truth[i]) != is_lit(truth[j])) {
+            // Neighbours that lie apart in the world, at a silhouette, tell of no edge.
+            if apart(flat(i), flat(j)) <= radius_world.max(3.0 * spacing(i).min(spacing(j))) {
+                edges.entry(cell(flat(i))).or_default().push(flat(i));
+                break;
             }
         }
     }
@@ -40,7 +41,7 @@ pub fn near_flips(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], rad
         let p = flat(i);
         let [column, row] = cell(p);
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [column + dx, row + dy]));
-        around.filter_map(|c| edges.get(&c)).flatten().any(|&edge| within(p, edge))
+        around.filter_map(|c| edges.get(&c)).flatten().any(|&edge| apart(p, edge) <= radius_world)
     };
     (0..surfaces.pixels()).map(|i| surfaces.is_valid(i) && near(i)).collect()
 }

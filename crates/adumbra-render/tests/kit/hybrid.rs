@@ -1,0 +1,52 @@
+//! Frames with hybrid maps, and what their levels hold.
+
+use adumbra::camera::Camera;
+use adumbra::scene::Scene;
+use adumbra_render::hybrid::HybridMap;
+use adumbra_render::hybrid::twin::HybridTree;
+use adumbra_render::{Baked, Prepared, Renderer, SceneOptions, Shot, build};
+
+/// Pixels of these frames.
+pub(crate) const SIZE: [u32; 2] = [160, 90];
+
+/// Draws a scene on [`super::gpu`].
+pub(crate) fn renderer(scene: &Scene) -> Renderer {
+    Renderer::new(super::gpu(), scene, SceneOptions::default()).unwrap()
+}
+
+/// A technique by its text, which needs nothing baked.
+pub(crate) fn prepare(renderer: &Renderer, name: &str) -> Prepared {
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    renderer.prepare(technique).unwrap()
+}
+
+/// The hybrid map of a technique that has one.
+pub(crate) fn hybrid(technique: &Prepared) -> &HybridMap {
+    technique.technique().hybrid().unwrap()
+}
+
+/// The first shot in the kit's sun.
+pub(crate) fn shot(camera: Camera) -> Shot {
+    Shot { camera, towards_sun: super::sun(), number: 0 }
+}
+
+/// Finest texels that each level answers for, the finest first, counted one by one.
+pub(crate) fn level_counts(tree: &HybridTree) -> [u64; 4] {
+    let side = i64::from(tree.start);
+    let mut counts = [0; 4];
+    for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+        counts[tree.texel(x, y).1 as usize] += 1;
+    }
+    counts
+}
+
+/// Holds the tree's shares, which come from the blocks that did not merge, against its texels.
+pub(crate) fn check_shares(tree: &HybridTree, what: &str) {
+    let cells = f64::from(tree.start).powi(2);
+    let (shares, counts) = (tree.shares(), level_counts(tree));
+    for (level, (&share, &count)) in shares.iter().zip(&counts).enumerate() {
+        // Both are whole numbers by a power of two, and so exact.
+        assert!((0.0..=1.0).contains(&share), "{what}, level {level}: {share}");
+        assert_eq!(share, count as f64 / cells, "{what}, level {level}");
+    }
+}
