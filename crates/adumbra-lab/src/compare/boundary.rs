@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::truth::{EdgeProbe, Surfaces};
 
-/// Every so many compared pixels are asked about.
-const SAMPLE: usize = 7;
+/// Every so many compared pixels are asked whether an edge is near.
+pub const EDGE_SAMPLE: usize = 7;
 
 /// What a hybrid map's levels add at the edges of the true shadow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,14 +24,14 @@ pub struct BoundaryGain {
     pub at_finest: f64,
 }
 
-/// Of every seventh pixel that is `judged`, those within `radius_world` of an edge of the true shadow. Cost: up to 17 rays each.
+/// Of one pixel in [`EDGE_SAMPLE`] that is `judged`, those within `radius_world` of an edge of the true shadow. Cost: up to 17 rays each.
 pub fn pixels_at_edges(
     probe: &EdgeProbe<'_, '_>,
     surfaces: &Surfaces,
     judged: impl Fn(usize) -> bool,
     radius_world: f64,
 ) -> Vec<usize> {
-    let asked: Vec<usize> = (0..surfaces.pixels()).filter(|&i| judged(i)).step_by(SAMPLE).collect();
+    let asked: Vec<usize> = (0..surfaces.pixels()).filter(|&i| judged(i)).step_by(EDGE_SAMPLE).collect();
     let at_edge =
         |&i: &usize| !probe.is_clear(surfaces.position[i], surfaces.normal[i].map(f64::from), radius_world);
     asked.into_par_iter().filter(at_edge).collect()
@@ -83,7 +83,7 @@ mod tests {
         let judged = |i: usize| surfaces.is_valid(i) && surfaces.n_dot_l(i, towards_sun) > 0.1;
         let near = pixels_at_edges(&probe, &surfaces, judged, 0.05);
         let wide = pixels_at_edges(&probe, &surfaces, judged, 0.2);
-        let asked = (0..surfaces.pixels()).filter(|&i| judged(i)).count() / SAMPLE;
+        let asked = (0..surfaces.pixels()).filter(|&i| judged(i)).count() / EDGE_SAMPLE;
         assert!(near.len() > 3 && near.len() < wide.len() && wide.len() < asked / 2, "{near:?} of {asked}");
         // An edge lies between what is lit and what is not: the wide band holds both.
         let factors = truth.factors(&surfaces, towards_sun, SunShape::Hard);
