@@ -20,10 +20,14 @@ fn bench(folder: &Folder, only: &str, size: &str) -> Value {
 /// Error, acne and memory hold; times at this size say nothing.
 fn assert_holds(document: &Value, models: usize) {
     let checks = document["checks"].as_array().unwrap();
-    assert_eq!(checks.len(), 4);
-    for check in checks {
+    let (look_up, others) = checks.split_last().unwrap();
+    assert_eq!(others.len(), 5);
+    for check in others {
         assert_eq!(check["holds"], true, "{check}");
     }
+    assert!(look_up["holds"].is_null() && look_up["measured"] == "not measured", "{look_up}");
+    let covers = document["covers"].as_str().unwrap();
+    assert!(covers.contains("START 1024. Not measured: Dragon") && covers.contains("START 4096"), "{covers}");
     assert_eq!(document["models"].as_array().unwrap().len(), models);
 }
 
@@ -49,8 +53,17 @@ fn bench_hrsm_measures_spheres_and_holds() {
     // A still map is smaller than a shadow map; one that is made anew holds both.
     assert!(number(quarter, "still_share") < 0.35 && number(quarter, "moving_share") > 1.0);
     let shares = quarter["levels"].as_array().unwrap();
-    let sum: f64 = shares.iter().map(|s| s.as_f64().unwrap()).sum();
-    assert!((sum - 1.0).abs() < 1e-9 && shares[2].as_f64().unwrap() > 0.9, "{shares:?}");
+    let shares: Vec<f64> = shares.iter().map(|s| s.as_f64().unwrap()).collect();
+    assert!(shares.len() == 3 && shares.iter().all(|s| (0.0..=1.0).contains(s)), "{shares:?}");
+    assert!(shares[0] > 0.0 && shares[2] > 0.9, "{shares:?}");
+    // What the levels answer for takes the room that the map has: the coarsest level, and four words a block that split.
+    let finest_blocks = shares[0] * 1024.0 * 1024.0 / 4.0;
+    let middle_blocks = (shares[1] * 512.0 * 512.0 + finest_blocks) / 4.0;
+    let expected = 4.0 * (256.0 * 256.0 + 4.0 * (finest_blocks + middle_blocks));
+    let beside = number(quarter, "still_bytes") - expected;
+    assert!((0.0..4096.0).contains(&beside), "{beside} of {expected}");
+    let [least, most] = [0, 1].map(|i| quarter["lookup_ratio_range"][i].as_f64().unwrap());
+    assert!(least <= number(quarter, "lookup_ratio") && number(quarter, "lookup_ratio") <= most);
     // Coarser targets gain more over themselves.
     let gain = |r: &Value| r["boundary"]["gain"].as_f64().unwrap();
     assert!(gain(half) > 0.2 && gain(quarter) > gain(half), "{} {}", gain(half), gain(quarter));
@@ -61,9 +74,14 @@ fn bench_hrsm_measures_spheres_and_holds() {
         assert_eq!(sweep[key], quarter[key], "{key}");
     }
     let text = fs::read_to_string(folder.path("out/hrsm.md")).unwrap();
-    for part in
-        ["## Must hold", "tables 1 and 2", "| Spheres | 12000 | 1024 | 5.3 | 5 | 0.94 |", "hrsm-levels.png"]
-    {
+    for part in [
+        "## Must hold",
+        "tables 1 and 2",
+        "| Spheres | 12000 | 1024 | 5.3 | 5 | 0.94 |",
+        "hrsm-levels.png",
+        "### Why the paper",
+        "| 1024-256 | 5 × 5 |",
+    ] {
         assert!(text.contains(part), "{part}");
     }
     assert!(folder.exists("out/hrsm-levels.png"));
@@ -73,6 +91,14 @@ fn bench_hrsm_measures_spheres_and_holds() {
 fn bench_hrsm_holds_on_the_ball() {
     let folder = Folder::new();
     assert_holds(&bench(&folder, "ball", "240x136"), 1);
+}
+
+#[test]
+fn bench_hrsm_refuses_a_start_that_is_no_size() {
+    let folder = Folder::new();
+    let out = folder.path("out");
+    let (code, error) = adumbra(&["bench", "hrsm", "--scenes", &out, "--starts", "1500", "-o", &out]);
+    assert!(code == 2 && error.contains("1024, 2048, 4096 or 8192"), "{code} {error}");
 }
 
 #[test]

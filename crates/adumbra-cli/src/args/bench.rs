@@ -200,15 +200,14 @@ pub(crate) struct BenchHrsm {
     #[arg(long, value_name = "DIR")]
     pub(crate) scenes: PathBuf,
     /// Resolutions that maps start from
-    #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096",
-        value_parser = clap::value_parser!(u32).range(1024..=8192))]
+    #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096", value_parser = start)]
     pub(crate) starts: Vec<u32>,
     /// These models only; wires is a figure's
     #[arg(long, value_delimiter = ',', num_args = 1..,
         value_parser = ["dragon", "bunny", "ball", "spheres", "oak", "wires"])]
     pub(crate) only: Vec<String>,
     /// Frames that times are medians of
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = frames)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = frames)]
     pub(crate) frames: u32,
     /// Pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = super::parse_size)]
@@ -221,6 +220,11 @@ pub(crate) struct BenchHrsm {
     /// Where tables and pictures go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
+}
+
+fn start(text: &str) -> Result<u32, String> {
+    let known = |n: &u32| [1024, 2048, 4096, 8192].contains(n);
+    text.parse().ok().filter(known).ok_or_else(|| "give 1024, 2048, 4096 or 8192".to_owned())
 }
 
 fn frames(text: &str) -> Result<u32, String> {

@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 
 use crate::metrics::is_lit;
+use crate::report::ClearErrors;
 use crate::truth::Surfaces;
 use crate::vector::{cross, dot, normalize};
 
@@ -46,6 +47,32 @@ pub fn near_flips(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], rad
     (0..surfaces.pixels()).map(|i| surfaces.is_valid(i) && near(i)).collect()
 }
 
+/// Errors of `factors` at the pixels that are `judged` and not `near` an edge: acne and leaks.
+pub fn errors_off_edges(
+    factors: &[f32],
+    truth: &[f32],
+    judged: impl Fn(usize) -> bool,
+    near: &[bool],
+) -> ClearErrors {
+    let (mut all, mut clear, mut wrong) = (0_u64, 0_u64, [0_u64; 2]);
+    for i in (0..factors.len()).filter(|&i| judged(i)) {
+        all += 1;
+        if near[i] {
+            continue;
+        }
+        clear += 1;
+        if is_lit(factors[i]) != is_lit(truth[i]) {
+            wrong[usize::from(is_lit(truth[i]))] += 1;
+        }
+    }
+    let of = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
+    ClearErrors {
+        pixels: of(clear, all),
+        wrong_lit: of(wrong[0], clear),
+        wrong_shadowed: of(wrong[1], clear),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use adumbra::camera::{Camera, Projection};
@@ -54,14 +81,14 @@ mod tests {
     use super::*;
     use crate::truth::{SunShape, TruthTracer};
 
-    /// The dimpled ball on its ground, from the sun's side: folds, and one shadow.
+    /// The dimpled ball on its ground, across the light: folds, and one shadow.
     fn ball(radius_world: f64) -> (Surfaces, Vec<f32>, Vec<bool>) {
         let mut scene = generate(GeneratedKind::Ball, 1);
         scene.stand_on_ground(4.0).unwrap();
         let truth = TruthTracer::build(&scene, false);
         let projection = Projection::Perspective { fov_degrees: 45.0 };
         let camera =
-            Camera { eye: [3.0, 6.0, 3.0], target: [0.0, 0.5, 0.0], projection, width: 160, height: 120 };
+            Camera { eye: [-4.0, 5.0, 4.0], target: [-0.5, 0.0, 0.0], projection, width: 160, height: 120 };
         let surfaces = truth.surfaces(&camera);
         let towards_sun = normalize([0.5, 0.8, 0.35]);
         let factors = truth.factors(&surfaces, towards_sun, SunShape::Hard);
@@ -75,7 +102,8 @@ mod tests {
         // The top of the ball, where the sun stands high over every dimple.
         let top = (0..surfaces.pixels()).filter(|&i| surfaces.is_valid(i) && surfaces.position[i][1] > 1.8);
         let top: Vec<usize> = top.collect();
-        assert!(top.len() > 100 && top.iter().all(|&i| factors[i] > 0.5 && !near[i]));
+        assert!(top.len() > 30, "{}", top.len());
+        assert!(top.iter().all(|&i| factors[i] > 0.5 && !near[i]));
         assert!(near.iter().any(|n| *n), "the ball's shadow has an outline");
     }
 
@@ -89,5 +117,14 @@ mod tests {
             sides[0] + sides[1]
         };
         assert!(count(0.05) < count(0.2));
+    }
+
+    #[test]
+    fn errors_off_edges_of_known_values() {
+        let truth = [0.0, 0.0, 1.0, 1.0, 1.0, 0.0];
+        let factors = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
+        let near = [false, false, false, false, true, false];
+        let e = errors_off_edges(&factors, &truth, |i| i != 5, &near);
+        assert_eq!((e.pixels, e.wrong_lit, e.wrong_shadowed), (0.8, 0.25, 0.25));
     }
 }

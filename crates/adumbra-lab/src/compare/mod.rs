@@ -11,10 +11,10 @@ use adumbra::picture::Picture;
 use adumbra_render::{
     Answer, FrameTimes, Given, Prepared, Renderer, Shot, Stage, SurfaceImage, TechniqueSpec,
 };
-pub use boundary::{BoundaryGain, boundary_gain, pixels_at_edges};
+pub use boundary::{BoundaryGain, boundary_gain};
 pub use clear::{CLEAR_TEXELS, clear_errors};
-pub use flips::near_flips;
-pub use timing::{interleaved, median_ratio, median_time};
+pub use flips::{errors_off_edges, near_flips};
+pub use timing::{interleaved, median_ratio, median_time, ratio_range};
 pub use walk::walk;
 
 use crate::error::Result;

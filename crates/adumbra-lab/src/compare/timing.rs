@@ -6,8 +6,9 @@ use adumbra_render::{Answer, FrameTimes, Prepared, Renderer, Shot};
 use crate::error::Result;
 use crate::report::median;
 
-/// Draws frame k of every technique before frame k + 1 of any; gives each technique's `frames` times. What a first frame makes is timed
-/// too: draw it before.
+/// Draws frame k of every technique before frame k + 1 of any; gives each technique's `frames` times. Each round begins with another
+/// technique, and every other one runs backwards, so that none is always drawn after the same one. What a first frame makes is
+/// timed too: draw it before.
 ///
 /// # Errors
 /// What the renderer reports.
@@ -18,12 +19,20 @@ pub fn interleaved(
     frames: u32,
 ) -> Result<Vec<Vec<FrameTimes>>> {
     let mut times = vec![Vec::new(); techniques.len()];
-    for _ in 0..frames {
-        for (technique, times) in techniques.iter_mut().zip(&mut times) {
-            times.push(renderer.draw(shot, technique, Answer::Visibility)?);
+    for round in 0..frames as usize {
+        for at in turns(round, techniques.len()) {
+            times[at].push(renderer.draw(shot, techniques[at], Answer::Visibility)?);
         }
     }
     Ok(times)
+}
+
+/// The order of a round.
+fn turns(round: usize, count: usize) -> impl Iterator<Item = usize> {
+    (0..count).map(move |turn| {
+        let at = (turn + round) % count;
+        if round.is_multiple_of(2) { at } else { count - 1 - at }
+    })
 }
 
 /// The median over frames of `what`; NaN of none.
@@ -34,6 +43,16 @@ pub fn median_time(times: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f
 /// The median over frames k of `what` of frame k of `times` by that of `beside`; NaN of none.
 pub fn median_ratio(times: &[FrameTimes], beside: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f64 {
     median(times.iter().zip(beside).map(|(a, b)| what(a) / what(b)).collect())
+}
+
+/// The least and the most of what [`median_ratio`] is the median of; infinities of none.
+pub fn ratio_range(
+    times: &[FrameTimes],
+    beside: &[FrameTimes],
+    what: impl Fn(&FrameTimes) -> f64,
+) -> [f64; 2] {
+    let ratios = times.iter().zip(beside).map(|(a, b)| what(a) / what(b));
+    ratios.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], r| [least.min(r), most.max(r)])
 }
 
 #[cfg(test)]
@@ -57,5 +76,23 @@ mod tests {
         assert_eq!(median_ratio(&a, &b, |t| t.of(Stage::Lookup)), 0.5);
         assert_eq!(median_time(&a, |t| t.of(Stage::Lookup)), 2.0);
         assert!(median_time(&[], |t| t.of(Stage::Lookup)).is_nan());
+        let c = frames(&[1.0, 4.0, 16.0]);
+        assert_eq!(ratio_range(&a, &c, |t| t.of(Stage::Lookup)), [0.125, 2.0]);
+    }
+
+    #[test]
+    fn turns_hold_each_once_and_begin_elsewhere_every_round() {
+        let orders: Vec<Vec<usize>> = (0..4).map(|round| turns(round, 5).collect()).collect();
+        assert_eq!(orders[0], [0, 1, 2, 3, 4]);
+        assert_eq!(orders[1], [3, 2, 1, 0, 4]);
+        for order in &orders {
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, [0, 1, 2, 3, 4]);
+        }
+        let mut first: Vec<usize> = orders.iter().map(|o| o[0]).collect();
+        first.dedup();
+        assert_eq!(first.len(), 4);
+        assert_eq!(turns(3, 0).count(), 0);
     }
 }

@@ -9,19 +9,16 @@ use adumbra_render::{Answer, Baked, Given, Prepared, Renderer, Shot, build};
 
 use super::measure::{hybrid, plain};
 use super::models::Standing;
+use crate::cmd::render::layers;
 use crate::exit::Failure;
 
 /// Pixels of a picture of a sheet.
 const SIZE: [u32; 2] = [640, 480];
-/// Of the finest level to the coarsest.
-const LEVEL_COLORS: [[f32; 3]; 4] =
-    [[0.90, 0.22, 0.15], [0.96, 0.75, 0.18], [0.25, 0.68, 0.32], [0.18, 0.40, 0.85]];
-const LEVEL_WORDS: &str = "finest level red, then yellow, green, blue";
-/// How much of a pixel is its level's colour.
-const TINT: f32 = 0.7;
+/// [`layers::LEVEL_COLORS`] in words.
+const LEVEL_WORDS: &str = "finest level red, then orange, green, blue";
 
-/// A name, a caption and a sheet.
-type Figure = (&'static str, String, Picture);
+/// A caption and a sheet.
+type Figure = (String, Picture);
 
 /// A model on the device.
 pub(super) struct Stage<'a, 'j, 's> {
@@ -38,13 +35,17 @@ enum Show {
 }
 
 impl Stage<'_, '_, '_> {
-    /// The figures that a model is in.
-    pub(super) fn figures(&mut self, model: &str) -> Result<Vec<Figure>, Failure> {
+    /// The figures that a model is in, by name, each drawn or what kept it from being.
+    pub(super) fn figures(&mut self, model: &str) -> Vec<(&'static str, Result<Figure, Failure>)> {
         match model {
-            "dragon" => Ok(vec![self.outlines()?, self.self_shadow()?, self.starts()?]),
-            "wires" => Ok(vec![self.thin()?]),
-            "oak" => Ok(vec![self.foliage()?]),
-            _ => Ok(Vec::new()),
+            "dragon" => vec![
+                ("hrsm-figure-4", self.outlines()),
+                ("hrsm-figure-6", self.self_shadow()),
+                ("hrsm-figure-7", self.starts()),
+            ],
+            "wires" => vec![("hrsm-figure-5", self.thin())],
+            "oak" => vec![("hrsm-foliage", self.foliage())],
+            _ => Vec::new(),
         }
     }
 
@@ -56,7 +57,7 @@ impl Stage<'_, '_, '_> {
         });
         let picture = self.sheet(&camera, shows, 2)?;
         let caption = "The paper's figure 4: the outline of the Dragon's shadow, equal TARGET, SM to the left and HRSM to the right, unfiltered.";
-        Ok(("hrsm-figure-4", caption.to_owned(), picture))
+        Ok((caption.to_owned(), picture))
     }
 
     fn thin(&mut self) -> Result<Figure, Failure> {
@@ -71,7 +72,7 @@ impl Stage<'_, '_, '_> {
             }
         }
         let caption = "The paper's figure 5: thin casters, SM to the left and HRSM to the right, unfiltered.";
-        Ok(("hrsm-figure-5", caption.to_owned(), together(&cells, 2)))
+        Ok((caption.to_owned(), together(&cells, 2)))
     }
 
     fn self_shadow(&mut self) -> Result<Figure, Failure> {
@@ -81,7 +82,7 @@ impl Stage<'_, '_, '_> {
         let shows =
             [Show::Technique(name), Show::Truth, Show::Technique(paper), Show::Technique(plain(1024, 1))];
         let caption = "The paper's figure 6: self-shadow. HRSM by the plane test, rays, HRSM by the paper's test, and SM at TARGET.";
-        Ok(("hrsm-figure-6", caption.to_owned(), self.sheet(&camera, shows, 2)?))
+        Ok((caption.to_owned(), self.sheet(&camera, shows, 2)?))
     }
 
     fn starts(&mut self) -> Result<Figure, Failure> {
@@ -89,7 +90,7 @@ impl Stage<'_, '_, '_> {
         let mut shows = vec![Show::Technique(plain(512, 1))];
         shows.extend([1024, 2048, 4096].map(|start| Show::Technique(hybrid(start, 512, 1))));
         let caption = "The paper's figure 7: TARGET 512 of higher and higher START, unfiltered.";
-        Ok(("hrsm-figure-7", caption.to_owned(), self.sheet(&camera, shows, 2)?))
+        Ok((caption.to_owned(), self.sheet(&camera, shows, 2)?))
     }
 
     fn foliage(&mut self) -> Result<Figure, Failure> {
@@ -97,9 +98,10 @@ impl Stage<'_, '_, '_> {
         let name = hybrid(4096, 1024, 1);
         let shows =
             [Show::Technique(plain(4096, 1)), Show::Technique(name.clone()), Show::Levels(name), Show::Truth];
-        let caption =
-            format!("Foliage, where little merges: SM, HRSM, its levels ({LEVEL_WORDS}), and rays.");
-        Ok(("hrsm-foliage", caption, self.sheet(&camera, shows, 2)?))
+        let caption = format!(
+            "Foliage, which the paper names as its failure: within the tree and its shadow little merges. SM, HRSM, its levels ({LEVEL_WORDS}), and rays."
+        );
+        Ok((caption, self.sheet(&camera, shows, 2)?))
     }
 
     /// Of the shadow, away from the sun.
@@ -133,12 +135,13 @@ impl Stage<'_, '_, '_> {
             Show::Truth => self.truth(camera)?,
         };
         self.renderer.draw(&shot, &mut prepared, Answer::Visibility)?;
-        let mut picture = picture_of_rgba(size, &self.renderer.read_picture()?);
+        let rgba = self.renderer.read_picture()?;
         if let Show::Levels(_) = show {
             self.renderer.draw(&shot, &mut prepared, Answer::Level)?;
-            tint(&mut picture, &self.renderer.read_factor(&prepared)?);
+            let levels = self.renderer.read_factor(&prepared)?;
+            return Ok(layers::tinted(size, &rgba, levels, &layers::LEVEL_COLORS).picture());
         }
-        Ok(picture)
+        Ok(picture_of_rgba(size, &rgba))
     }
 
     fn prepare(&self, name: &str) -> Result<Prepared, Failure> {
@@ -188,20 +191,4 @@ fn together(cells: &[(Picture, Vec<String>)], columns: usize) -> Picture {
     let cells: Vec<Cell<'_>> =
         cells.iter().map(|(picture, caption)| Cell { picture, caption: caption.clone() }).collect();
     sheet(&cells, columns, SIZE[0])
-}
-
-/// Turns pixels towards their level's colour.
-fn tint(picture: &mut Picture, levels: &[f32]) {
-    for (pixel, &level) in picture.rgb.as_chunks_mut::<3>().0.iter_mut().zip(levels) {
-        if level < 0.0 {
-            continue;
-        }
-        let color = LEVEL_COLORS[(level as usize).min(LEVEL_COLORS.len() - 1)];
-        for (channel, target) in pixel.iter_mut().zip(color) {
-            let own = f32::from(*channel) / 255.0;
-            // Shading stays visible in the colour.
-            let tinted = target * (0.5 + 0.5 * own);
-            *channel = (255.0 * (own + TINT * (tinted - own)) + 0.5) as u8;
-        }
-    }
 }

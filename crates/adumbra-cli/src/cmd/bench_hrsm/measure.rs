@@ -1,11 +1,12 @@
 //! One model's figures: every technique timed beside the others, and judged by rays.
 
 use adumbra_lab::compare::{
-    BoundaryGain, Judge, boundary_gain, clear_errors, interleaved, median_ratio, median_time, pixels_at_edges,
+    BoundaryGain, CLEAR_TEXELS, Judge, boundary_gain, errors_off_edges, interleaved, median_ratio,
+    median_time, near_flips, ratio_range,
 };
 use adumbra_lab::metrics::factor_errors;
 use adumbra_lab::report::{ClearErrors, PixelCounts};
-use adumbra_lab::truth::{EdgeProbe, SunShape, Surfaces};
+use adumbra_lab::truth::{SunShape, Surfaces};
 use adumbra_render::hybrid::twin::level_shares;
 use adumbra_render::{Answer, Baked, FrameTimes, Prepared, RenderError, Renderer, Shot, Stage, build};
 use serde::Serialize;
@@ -28,6 +29,8 @@ pub(super) struct Row {
     pub(super) still_ms: f64,
     /// Look-up, shadow, frame, still and its frame by those of the shadow map at START, frame by frame.
     pub(super) lookup_ratio: f64,
+    /// Least and most of the frames that the look-up's is the median of.
+    pub(super) lookup_ratio_range: [f64; 2],
     pub(super) shadow_ratio: f64,
     pub(super) frame_ratio: f64,
     pub(super) still_ratio: f64,
@@ -37,8 +40,8 @@ pub(super) struct Row {
     /// Of the bytes of the shadow map at START that is drawn anew: kept ones hold a second layer for what moves.
     pub(super) moving_share: f64,
     pub(super) still_share: f64,
-    /// Share of the area that each level answers for, the finest first.
-    pub(super) levels: Option<[f64; 4]>,
+    /// Share of the area that each of the map's levels answers for, the finest first.
+    pub(super) levels: Option<Vec<f64>>,
     pub(super) rmse: f64,
     /// Shares of the compared pixels.
     pub(super) wrong_lit: f64,
@@ -60,7 +63,7 @@ pub(super) struct Group {
     pub(super) start: u32,
     pub(super) filter: u32,
     pub(super) rows: Vec<Row>,
-    /// What the device or the technique refused, and why.
+    /// What is larger than the device takes, and why.
     pub(super) left_out: Vec<[String; 2]>,
 }
 
@@ -84,10 +87,11 @@ pub(super) fn hybrid(start: u32, target: u32, filter: u32) -> String {
 fn techniques(start: u32, filter: u32, all: bool) -> Vec<[String; 2]> {
     let sm = |size| plain(size, filter);
     let hrsm = |merges: u32| hybrid(start, start >> merges, filter);
-    let mut names =
-        vec![sm(start), sm(start / 2), sm(start / 4), hrsm(1), hrsm(2), format!("{}:test=paper", hrsm(2))];
+    let paper = |merges| format!("{}:test=paper", hrsm(merges));
+    let mut names = vec![sm(start), sm(start / 2), sm(start / 4), hrsm(1), hrsm(2), paper(1), paper(2)];
     if all {
-        names.push(hrsm(3));
+        // Merged texels of the paper's test are flat: a bias of half a coarsest texel, and one that grows with the slope.
+        names.extend([hrsm(3), format!("{}:bias=2:slope=2", paper(2))]);
         names.extend(["build=sweep", "layout=paper"].map(|option| format!("{}:{option}", hrsm(2))));
     }
     let mut pairs: Vec<[String; 2]> = names.into_iter().map(|name| [name, sm(start)]).collect();
@@ -107,8 +111,8 @@ pub(super) struct Measure<'a, 'j, 's> {
     truth: Vec<f32>,
     counted: Vec<bool>,
     pub(super) pixels: PixelCounts,
-    /// Pixels at edges, by the coarsest texels a side.
-    edges: Vec<(u32, Vec<usize>)>,
+    /// A frame was timed by the wall.
+    pub(super) wall_time: bool,
 }
 
 /// A technique, once for a light that moves and once for one that does not.
@@ -131,7 +135,7 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
         let mut none = renderer.prepare(build(renderer.gpu(), &"none".parse()?, Baked::default())?)?;
         renderer.draw(&shot, &mut none, Answer::Visibility)?;
         let (pixels, counted) = judge.count(&surfaces, &renderer.read_surface(&shot)?);
-        Ok(Self { renderer, judge, shot, surfaces, truth, counted, pixels, edges: Vec::new() })
+        Ok(Self { renderer, judge, shot, surfaces, truth, counted, pixels, wall_time: false })
     }
 
     /// Times and judges every technique of a start and filter; `all` adds the variants.
@@ -146,20 +150,24 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
         for [name, beside] in techniques(start, filter, all) {
             match self.ready(&name, beside) {
                 Ok(pair) => pairs.push(pair),
-                Err(RenderError::Technique { reason, .. }) => left_out.push([name, reason]),
                 Err(other @ RenderError::TooLarge { .. }) => left_out.push([name, other.to_string()]),
                 Err(other) => return Err(other.into()),
             }
         }
         let mut turns: Vec<&mut Prepared> = pairs.iter_mut().flat_map(|p| &mut p.ready).collect();
         let times = interleaved(self.renderer, &self.shot, &mut turns, frames)?;
+        self.wall_time |= times.iter().flatten().any(|t| t.wall_time);
         let mut times = times.into_iter();
         for pair in &mut pairs {
             pair.times = std::array::from_fn(|_| times.next().unwrap_or_default());
         }
         let mut rows = Vec::new();
         for at in 0..pairs.len() {
-            let beside = pairs.iter().position(|p| p.name == pairs[at].beside).unwrap_or(at);
+            let Some(beside) = pairs.iter().position(|p| p.name == pairs[at].beside) else {
+                let Pair { name, beside, .. } = &pairs[at];
+                left_out.push([name.clone(), format!("{beside}, which it is held against, is left out")]);
+                continue;
+            };
             let row = self.row(&mut pairs, at, beside)?;
             eprintln!(
                 "{}: {:.1} ms, of the map's {:.2}; {:.3} % wrong",
@@ -197,22 +205,25 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
             Some(map) => Some((*map.settings(), map.counts(self.renderer.gpu())?)),
             None => None,
         };
-        let levels = counts.as_ref().map(|(s, counts)| level_shares(s.start, s.merges(), counts.split));
+        let levels = counts.as_ref().map(|(s, counts)| {
+            level_shares(s.start, s.merges(), counts.split)[..=s.merges() as usize].to_vec()
+        });
         let boundary = match &counts {
             Some((s, _)) => {
                 self.renderer.draw(&self.shot, kept, Answer::Level)?;
                 let ends = self.renderer.read_factor(kept)?;
                 let texel = kept.technique().texel_world(0.0).unwrap_or(0.0) * f64::from(1 << s.merges());
-                Some(boundary_gain(&ends, s.merges(), self.edges(s.target, texel)))
+                let near = near_flips(&self.surfaces, &self.truth, self.judge.towards_sun, texel);
+                let pixels: Vec<usize> = (0..near.len()).filter(|&i| near[i] && self.counted[i]).collect();
+                Some(boundary_gain(&ends, s.merges(), &pixels))
             }
             None => None,
         };
-        let probe = EdgeProbe::new(self.judge.truth, self.judge.towards_sun);
         let judged = |i: usize| self.counted[i];
         let errors = factor_errors(&factors, &self.truth, judged)?;
-        let texel = pairs[at].ready[0].technique();
-        let texel = |i: usize| texel.texel_world(self.surfaces.view_depth[i] as f32);
-        let clear = clear_errors(&probe, &self.surfaces, (&factors, &self.truth), judged, texel);
+        let texel = pairs[at].ready[0].technique().texel_world(0.0).unwrap_or(0.0);
+        let near = near_flips(&self.surfaces, &self.truth, self.judge.towards_sun, CLEAR_TEXELS * texel);
+        let clear = Some(errors_off_edges(&factors, &self.truth, judged, &near));
         let (own, other) = (&pairs[at], &pairs[beside]);
         let [moving, still] = &own.times;
         let bytes = |pair: &Pair| [0, 1].map(|i: usize| pair.ready[i].technique().bytes());
@@ -228,6 +239,7 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
             frame_ms: median_time(moving, frame),
             still_ms: median_time(still, FrameTimes::shadow),
             lookup_ratio: median_ratio(moving, &other.times[0], lookup),
+            lookup_ratio_range: ratio_range(moving, &other.times[0], lookup),
             shadow_ratio: median_ratio(moving, &other.times[0], FrameTimes::shadow),
             frame_ratio: median_ratio(moving, &other.times[0], frame),
             still_ratio: median_ratio(still, &other.times[1], FrameTimes::shadow),
@@ -244,17 +256,5 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
             boundary,
             notes: own.ready[0].technique().notes(),
         })
-    }
-
-    /// Pixels within a coarsest texel of a true edge.
-    fn edges(&mut self, target: u32, texel_world: f64) -> &[usize] {
-        let known = self.edges.iter().position(|(size, _)| *size == target);
-        let at = known.unwrap_or_else(|| {
-            let probe = EdgeProbe::new(self.judge.truth, self.judge.towards_sun);
-            let pixels = pixels_at_edges(&probe, &self.surfaces, |i| self.counted[i], texel_world);
-            self.edges.push((target, pixels));
-            self.edges.len() - 1
-        });
-        &self.edges[at].1
     }
 }

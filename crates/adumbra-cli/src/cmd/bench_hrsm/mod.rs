@@ -8,6 +8,7 @@ mod figures;
 mod measure;
 mod models;
 mod tables;
+mod why;
 
 use adumbra::light::Sun;
 use adumbra::picture::Picture;
@@ -15,7 +16,7 @@ use adumbra_lab::compare::{Judge, camera_figures};
 use adumbra_lab::pictures::png;
 use adumbra_lab::report::{CameraFigures, PixelCounts};
 use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
-use adumbra_render::{Gpu, Renderer, SceneOptions, Shot};
+use adumbra_render::{Gpu, RenderError, Renderer, SceneOptions, Shot};
 use serde::Serialize;
 
 use self::checks::Check;
@@ -34,16 +35,22 @@ const FILTERS: [u32; 2] = [1, 5];
 struct Document {
     command: String,
     adapter: String,
-    /// The adapter is a program: its times are wall times.
+    /// The adapter is a program.
     software: bool,
+    /// Times are wall times: the device has no timestamps, or is a program.
+    wall_time: bool,
     frames: u32,
     size: [u32; 2],
     sun: [f64; 3],
     starts: Vec<u32>,
+    /// What the checks speak for, and what was not measured.
+    covers: String,
     checks: Vec<Check>,
     models: Vec<ModelFigures>,
     /// File and caption of each picture.
     sheets: Vec<[String; 2]>,
+    /// Sheet, or part of one, that is larger than the device takes, and why.
+    left_out: Vec<[String; 2]>,
 }
 
 /// One model's figures.
@@ -75,24 +82,26 @@ pub(super) fn run(args: &BenchHrsm) -> Outcome {
     let starts: Vec<String> = args.starts.iter().map(u32::to_string).collect();
     let mut document = Document {
         command: format!(
-            "adumbra bench hrsm --scenes DIR --starts {} --size {width}x{height} --frames {}{only} -o docs/bench",
+            "adumbra bench hrsm --scenes DIR --starts {} --size {width}x{height} --frames {}{only} -o DIR",
             starts.join(","),
             args.frames
         ),
         adapter: String::new(),
         software: false,
+        wall_time: false,
         frames: args.frames,
         size: args.size,
         sun: Sun::from_direction(SUN)?.towards(),
         starts: args.starts.clone(),
+        covers: String::new(),
         checks: Vec::new(),
         models: Vec::new(),
         sheets: Vec::new(),
+        left_out: Vec::new(),
     };
     let mut levels = Levels::default();
     for model in MODELS.iter().chain([&WIRES]).filter(asked) {
         one(args, model, &mut document, &mut levels)?;
-        document.checks = checks::all(&document);
         write(args, &document)?;
     }
     if let Some((sheet, caption)) = levels.sheet() {
@@ -135,15 +144,39 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Le
             groups,
             paper: model.paper,
         });
+        document.wall_time |= measure.wall_time;
+        document.checks = checks::all(document);
+        document.covers = checks::covers(document);
+        // Pictures may fail where figures did not.
+        write(args, document)?;
     }
     let mut stage = Stage { renderer: &mut renderer, judge: &judge, standing: &standing };
-    for (name, caption, sheet) in stage.figures(model.name)? {
-        keep(args, document, name, caption, &sheet)?;
+    for (name, figure) in stage.figures(model.name) {
+        if let Some((caption, sheet)) = fitting(figure, name.to_owned(), document)? {
+            keep(args, document, name, caption, &sheet)?;
+        }
     }
     if model.name != WIRES.name {
-        levels.add(&mut stage, model.title, args.starts.iter().copied().max().unwrap_or(1024))?;
+        let added = levels.add(&mut stage, model.title, args.starts.iter().copied().max().unwrap_or(1024));
+        fitting(added, format!("hrsm-levels, {}", model.title), document)?;
     }
     Ok(())
+}
+
+/// What was drawn; where it is larger than the device takes, notes `what` as left out.
+fn fitting<T>(
+    drawn: Result<T, Failure>,
+    what: String,
+    document: &mut Document,
+) -> Result<Option<T>, Failure> {
+    match drawn {
+        Ok(drawn) => Ok(Some(drawn)),
+        Err(Failure::Render(why @ RenderError::TooLarge { .. })) => {
+            document.left_out.push([what, why.to_string()]);
+            Ok(None)
+        }
+        Err(other) => Err(other),
+    }
 }
 
 fn keep(

@@ -2,30 +2,45 @@
 
 use std::fmt::Write as _;
 
+use adumbra_lab::compare::CLEAR_TEXELS;
+
 use super::checks::cases;
 use super::measure::{Group, Row, hybrid, plain};
-use super::{Document, FILTERS, ModelFigures};
+use super::{Document, FILTERS, ModelFigures, why};
 
 /// Starts of the paper's tables.
-const PAPER_STARTS: [u32; 3] = [1024, 2048, 4096];
+pub(super) const PAPER_STARTS: [u32; 3] = [1024, 2048, 4096];
 const LOADS: [(&str, &str); 2] = [("", "unfiltered"), ("PCF 5 × 5, ", "PCF 5 × 5")];
 
 // Writing to a String does not fail, so what `write!` gives is dropped throughout.
 
 pub(super) fn markdown(document: &Document) -> String {
     let mut text = head(document);
-    text.push_str("## Must hold\n\nOver every start, filter and model but foliage.\n\n| requirement | measured | |\n|---|---|---|\n");
+    let _ = writeln!(
+        text,
+        "## Must hold\n\nOver {}\n\n| requirement | measured | |\n|---|---|---|",
+        document.covers
+    );
     for c in &document.checks {
-        let holds = if c.holds { "holds" } else { "**does not hold**" };
+        let holds = match c.holds {
+            Some(true) => "holds",
+            Some(false) => "**does not hold**",
+            None => "–",
+        };
         let _ = writeln!(text, "| {} | {} | {holds} |", c.requirement, c.measured);
     }
     text.push('\n');
     text.push_str(&case_table(document));
     text.push_str(&paper_table(document));
-    if !document.sheets.is_empty() {
+    text.push_str(&why::claims(document));
+    text.push_str(&why::text(document));
+    if !document.sheets.is_empty() || !document.left_out.is_empty() {
         text.push_str("## Figures\n\n");
         for [file, caption] in &document.sheets {
             let _ = writeln!(text, "![{caption}]({file})\n\n{caption}\n");
+        }
+        for [sheet, why] in &document.left_out {
+            let _ = writeln!(text, "{sheet} is left out: {why}\n");
         }
     }
     for model in &document.models {
@@ -38,21 +53,23 @@ fn head(document: &Document) -> String {
     let [width, height] = document.size;
     let clock = if document.software {
         "The adapter is a program and not a GPU: times are wall times of its passes"
+    } else if document.wall_time {
+        "The device has no timestamps: times are wall times of its passes"
     } else {
-        "Times are GPU timestamps, or wall times where the device has none"
+        "Times are GPU timestamps"
     };
     format!(
         "# Hybrid-resolution shadow maps\n\nDrawn by {} at {width} x {height}. {clock}, medians of {} frames in milliseconds; frame k of \
-        every technique is drawn before frame k + 1 of any, and ratios are medians of the ratios within frames of one number, so that \
+        every technique is drawn before frame k + 1 of any, in another order, and ratios are medians of the ratios within frames of one number, so that \
         what else the machine does weighs on both sides. Made by `{}`.\n\n\
         Each model stands on a square ground four times its longest extent, seen from above with its shadow; sun towards ({:.3}, {:.3}, \
         {:.3}). SM is a shadow map, HRSM a hybrid one, named by its finest (START) and coarsest (TARGET) texels a side; 32-bit depth, \
         the plane test, 32 bits a texel, and a thread a block unless a row says otherwise. *Moving*: depth and map are made anew \
         for each frame. *Still*: both are kept, and the look-up is all that is left; what the map was made with is given back.\n\n\
         Wrong pixels: the shadow factor is on the other side of 1/2 than a ray to the sun's middle says, in % of the compared pixels \
-        (surfaces with n·l > 0.1 that rays and G-buffer see alike). Acne: lit pixels more than two of the technique's finest texels from an edge \
-        of the true shadow that are called shadowed; leaks: shadowed ones called lit. Boundary resolution gained: over pixels \
-        within one TARGET texel of an edge of the true shadow, in the light's plane (every seventh compared pixel is asked), the mean of \
+        (surfaces with n·l > 0.1 that rays and G-buffer see alike). Clear pixels: those more than {CLEAR_TEXELS} of the technique's finest texels from an edge \
+        of the true shadow that the traced picture shows, between neighbouring pixels. Acne: lit ones called shadowed; leaks: shadowed ones called lit; both in % of all clear pixels. Boundary resolution gained: over pixels \
+        within one TARGET texel of an edge of the true shadow, in the light's plane, the mean of \
         TARGET's texel edge by that of the level where the look-up ends, less 1; and the share of these pixels that end at START's level.\n\n",
         document.adapter,
         document.frames,
@@ -69,14 +86,14 @@ fn case_table(document: &Document) -> String {
         "HRSM START-START/4 beside SM at START, and at START/4. Wrong and acne in %; memory, look-up and shadow (depth, build and look-up) \
         as shares of SM's at START; of memory, of the map that is drawn anew, as a kept one holds a second layer for what moves.\n\n\
         | model | START | filter | wrong SM | wrong HRSM | points more | wrong SM START/4 | HRSM by it | acne SM | acne HRSM | memory, \
-        moving | memory, still | look-up | shadow, moving | shadow, still |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        moving | memory, still | look-up | least to most | shadow, moving | shadow, still |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for c in cases(document) {
         let [acne_hybrid, acne_plain] = c.acne().map(|a| 100.0 * a);
         let _ = writeln!(
             text,
             "| {} | {} | {f} × {f} | {:.3} | {:.3} | {:+.3} | {:.3} | {:.2} | {acne_plain:.3} | {acne_hybrid:.3} | {:.2} | {:.2} | {:.2} | \
-            {:.2} | {:.2} |",
+            {:.2} to {:.2} | {:.2} | {:.2} |",
             c.model.title,
             c.group.start,
             100.0 * c.fine.wrong(),
@@ -87,6 +104,8 @@ fn case_table(document: &Document) -> String {
             c.hybrid.moving_share,
             c.hybrid.still_share,
             c.hybrid.lookup_ratio,
+            c.hybrid.lookup_ratio_range[0],
+            c.hybrid.lookup_ratio_range[1],
             c.hybrid.shadow_ratio,
             c.hybrid.still_ratio,
             f = c.group.filter,
@@ -161,7 +180,7 @@ fn group_table(group: &Group) -> String {
     let load = LOADS[usize::from(group.filter != 1)].1;
     let mut text = format!(
         "### START {}, {load}\n\n| technique | depth ms | build | look-up | shadow | frame | still | MB moving | share | MB still | share | \
-        texels by level, finest first % | RMSE | wrong lit % | wrong shadowed % | leaks % | acne % | gained % | at START % |\n\
+        area by level, finest first % | RMSE | wrong lit % | wrong shadowed % | leaks % | acne % | gained % | at START % |\n\
         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         group.start
     );
@@ -183,12 +202,9 @@ fn row_text(r: &Row) -> String {
             |[a, b]| format!("{:.digits$} | {:.digits$}", 100.0 * a, 100.0 * b),
         )
     };
-    let levels = r.levels.map_or_else(
+    let levels = r.levels.as_ref().map_or_else(
         || "–".to_owned(),
-        |shares| {
-            let last = shares.iter().rposition(|s| *s > 0.0).unwrap_or(0);
-            shares[..=last].iter().map(|s| format!("{:.1}", 100.0 * s)).collect::<Vec<_>>().join(" / ")
-        },
+        |shares| shares.iter().map(|s| format!("{:.1}", 100.0 * s)).collect::<Vec<_>>().join(" / "),
     );
     format!(
         "| `{}` | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {levels} | {:.4} | {:.3} | {:.3} | {} | {} |\n",

@@ -21,11 +21,11 @@ pub(super) const CASCADE_COLORS: [[f32; 3]; 8] = [
 ];
 
 /// Colours of a hybrid map's levels, fine to coarse.
-pub(super) const LEVEL_COLORS: [[f32; 3]; 4] =
+pub(in crate::cmd) const LEVEL_COLORS: [[f32; 3]; 4] =
     [[0.90, 0.22, 0.18], [0.95, 0.65, 0.15], [0.40, 0.75, 0.20], [0.20, 0.40, 0.90]];
 
 /// A layer, row 0 at the top.
-pub(super) struct Layer {
+pub(in crate::cmd) struct Layer {
     pub(super) size: [u32; 2],
     /// Linear colours that a PNG shows.
     shown: Vec<[f32; 3]>,
@@ -63,7 +63,7 @@ pub(super) fn normal(size: [u32; 2], surface: &SurfaceImage) -> Layer {
 }
 
 /// A picture in the colours of what answers each pixel; below 0 nothing does.
-pub(super) fn tinted(size: [u32; 2], rgba: &[u8], indices: Vec<f32>, colors: &[[f32; 3]]) -> Layer {
+pub(in crate::cmd) fn tinted(size: [u32; 2], rgba: &[u8], indices: Vec<f32>, colors: &[[f32; 3]]) -> Layer {
     let mut layer = color(size, rgba);
     for (shown, &index) in layer.shown.iter_mut().zip(&indices).filter(|(_, index)| **index >= 0.0) {
         let tint = colors[(index as usize).min(colors.len() - 1)];
@@ -93,6 +93,14 @@ impl Layer {
         });
         Self { size: [width, height], shown: shown.collect(), data: self.data, raw: Vec::new() }
     }
+
+    /// What a PNG shows.
+    pub(in crate::cmd) fn picture(&self) -> Picture {
+        let [width, height] = self.size;
+        let encode = |c: f32| if self.data { (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 } else { srgb8(c) };
+        let rgb = self.shown.iter().flat_map(|p| p.map(encode)).collect();
+        Picture { width, height, rgb, difference_share: None }
+    }
 }
 
 pub(super) fn is_exr(path: &Path) -> bool {
@@ -101,13 +109,10 @@ pub(super) fn is_exr(path: &Path) -> bool {
 
 /// Writes a layer: raw values where the path ends in .exr, else a PNG.
 pub(super) fn write(path: &Path, layer: &Layer) -> Result<(), Failure> {
-    let [width, height] = layer.size;
     if is_exr(path) {
         return write_exr(path, layer.size, &layer.raw);
     }
-    let encode = |c: f32| if layer.data { (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 } else { srgb8(c) };
-    let rgb = layer.shown.iter().flat_map(|p| p.map(encode)).collect();
-    write_png(path, &Picture { width, height, rgb, difference_share: None })
+    write_png(path, &layer.picture())
 }
 
 fn linear(byte: u8) -> f32 {

@@ -2,7 +2,7 @@
 
 mod cpu;
 mod gpu;
-mod layers;
+pub(super) mod layers;
 mod movers;
 
 use std::borrow::Cow;

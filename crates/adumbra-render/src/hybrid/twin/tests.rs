@@ -51,7 +51,12 @@ fn one_texel_keeps_its_depth_and_splits_its_parents_alone() {
     assert_eq!(t.split, [1, 1, 1]);
     assert_eq!(t.texel(21, 38), (0.2, 0));
     assert_eq!((t.texel(20, 38).1, t.texel(22, 38).1, t.texel(16, 32).1, t.texel(0, 0).1), (0, 1, 2, 3));
-    assert!((t.shares().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    let mut counts = [0.0; 4];
+    for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
+        counts[t.texel(x, y).1 as usize] += 1.0;
+    }
+    assert_eq!(counts, [4.0, 12.0, 48.0, 4032.0]);
+    assert_eq!(t.shares(), counts.map(|n| n / 4096.0));
 }
 
 #[test]
