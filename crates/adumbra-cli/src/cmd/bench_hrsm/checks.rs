@@ -137,7 +137,14 @@ pub(super) fn covers(document: &Document) -> String {
             }
         }
     }
-    missing.extend(PAPER_STARTS.iter().filter(|s| !starts.contains(s)).map(|start| format!("START {start}")));
+    let finer = document.starts.iter().filter(|s| !PAPER_STARTS.contains(s));
+    missing.extend(
+        PAPER_STARTS
+            .iter()
+            .chain(finer)
+            .filter(|s| !starts.contains(s))
+            .map(|start| format!("START {start}")),
+    );
     let starts: Vec<String> = starts.iter().map(u32::to_string).collect();
     let measured = if cases.is_empty() {
         "no case.".to_owned()
