@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::measure::{Group, Row, hybrid, plain};
 use super::models::MODELS;
 use super::tables::PAPER_STARTS;
-use super::{Document, ModelFigures};
+use super::{Document, FILTERS, ModelFigures};
 
 /// Wrong pixels above those of the shadow map at START, share.
 const MORE_WRONG: f64 = 0.001;
@@ -128,7 +128,23 @@ pub(super) fn covers(document: &Document) -> String {
     starts.dedup();
     let required = MODELS.iter().filter(|m| !m.foliage).map(|m| m.title);
     let mut missing: Vec<String> = required.filter(|t| !titles.contains(t)).map(str::to_owned).collect();
-    missing.extend(PAPER_STARTS.iter().filter(|s| !starts.contains(s)).map(|start| format!("START {start}")));
+    for model in document.models.iter().filter(|m| titles.contains(&m.title)) {
+        for (&start, filter) in document.starts.iter().flat_map(|s| FILTERS.map(|f| (s, f))) {
+            let at = (model.title, start, filter);
+            let found = cases.iter().any(|c| (c.model.title, c.group.start, c.group.filter) == at);
+            if !found && starts.contains(&start) {
+                missing.push(format!("{} {start}, {filter} × {filter}", model.title));
+            }
+        }
+    }
+    let finer = document.starts.iter().filter(|s| !PAPER_STARTS.contains(s));
+    missing.extend(
+        PAPER_STARTS
+            .iter()
+            .chain(finer)
+            .filter(|s| !starts.contains(s))
+            .map(|start| format!("START {start}")),
+    );
     let starts: Vec<String> = starts.iter().map(u32::to_string).collect();
     let measured = if cases.is_empty() {
         "no case.".to_owned()
@@ -136,7 +152,7 @@ pub(super) fn covers(document: &Document) -> String {
         let (count, titles, starts) = (cases.len(), titles.join(", "), starts.join(", "));
         format!("{count} cases (model, START, filter): {titles}; START {starts}.")
     };
-    if missing.is_empty() { measured } else { format!("{measured} Not measured: {}.", missing.join(", ")) }
+    if missing.is_empty() { measured } else { format!("{measured} Not measured: {}.", missing.join("; ")) }
 }
 
 /// Every case but foliage's.

@@ -52,14 +52,16 @@ pub(super) fn text(document: &Document) -> String {
         depth, build and look-up; the look-up by SM's at START; and how many look-ups in one map make up for its build.\n\n\
         | START-TARGET | filter | depth % | build % | look-up % | look-up by SM's | look-ups that pay for the build |\n\
         |---|---|---|---|---|---|---|\n{rows}\n\
-        The depth pass is SM's own. The build comes on top: the pass of each level reads every START texel again, but those under \
-        blocks that have already split, so it grows with START² and not with what is in view, and a light that moves pays it in every \
-        frame. Only the look-up can win it back. Unfiltered, SM reads one texel and a hybrid map at least one, so nothing is to \
-        be won but what smaller memory gives. Under PCF 5 × 5 SM gathers 9 times a pixel; at START/4 the 2 × 2 coarsest planes under \
-        the square answer most pixels, and only edges go on to the 9 blocks of finest texels. At START/2, as in the paper's tables, \
-        the square may touch 3 × 3 coarsest texels, which is no fewer reads, so every pixel walks the levels for all 9. So a hybrid map pays where it is \
-        kept while light and casters stand still, or looked up in often (large pictures, several views); a map that is looked up in \
-        once costs its build.\n\n"
+        The depth pass is SM's own. The build comes on top: the pass of each level reads every START texel again, but \
+        those under blocks that have already split, so it grows with START² and not with what is in view, and a light \
+        that moves pays it in every frame. Only the look-up can win it back. Unfiltered, SM reads one texel and a hybrid \
+        map at least one, so nothing is to be won but what smaller memory gives. Under PCF 5 × 5 SM gathers 9 times a \
+        pixel; at START/4 the 2 × 2 coarsest planes under the square answer wherever none has split and they agree, and \
+        only the other pixels go on to the 9 blocks of finest texels. At START/2, as in the paper's tables, the square \
+        may touch 3 × 3 coarsest texels, which is no fewer reads, so every pixel walks the levels for all 9. Where its \
+        look-up is the cheaper, then, a hybrid map pays where it is kept while light and casters stand still, or looked \
+        up in often (large pictures, several views); a map that is looked up in once costs its build. Where no look-ups \
+        pay, it saves memory and no time.\n\n"
     )
 }
 
