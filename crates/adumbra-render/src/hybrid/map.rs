@@ -44,7 +44,7 @@ pub struct HybridMap {
 /// What is on the device.
 enum Held {
     /// A map with everything that it is built with.
-    Working(Working),
+    Working(Box<Working>),
     /// The map alone.
     Kept { stored: Stored, counts: BuiltCounts },
 }
@@ -86,7 +86,7 @@ impl HybridMap {
             layer: Layer::new(gpu, &pass),
             pass,
             pipelines,
-            held: Held::Working(working),
+            held: Held::Working(Box::new(working)),
             layout,
             group,
             built: None,
@@ -232,7 +232,7 @@ impl Technique for HybridMap {
         if self.stale {
             if self.working().is_none() {
                 let working = Working::new(input.gpu, &self.settings, &self.pipelines)?;
-                self.hold(input.gpu, Held::Working(working));
+                self.hold(input.gpu, Held::Working(Box::new(working)));
             }
             self.layer.prepare(input, &fit, true, false);
         } else {
