@@ -2,7 +2,7 @@
 //!
 //! [`crate::truth::EdgeProbe`] asks rays around a point, on its tangent plane, and takes the folds of a bumpy surface for edges, as points
 //! of that plane lie below the surface there. Here an edge is one that the picture shows, so folds that cast no shadow are none; edges
-//! that the camera does not see are missed.
+//! that the camera does not see are missed, and where pixels are larger than the radius so are shadows that fall between them.
 
 use std::collections::HashMap;
 
