@@ -213,6 +213,25 @@ impl Gpu {
         buffer
     }
 
+    /// A texture of 32-bit floats to load from, row by row; `texels` are as many as its size says.
+    pub fn float_texture(&self, label: &str, [width, height]: [u32; 2], texels: &[f32]) -> wgpu::Texture {
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::R32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let rows =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None };
+        self.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), rows, size);
+        texture
+    }
+
     /// A shader module from WGSL.
     pub fn shader(&self, label: &str, text: String) -> wgpu::ShaderModule {
         self.device.create_shader_module(wgpu::ShaderModuleDescriptor {

@@ -25,6 +25,8 @@ sources! {
     SURFACE = "core/surface.wgsl";
     /// From a pixel and its depth to the point behind it.
     FRAME = "core/frame.wgsl";
+    /// From a mesh to the world.
+    INSTANCE = "core/instance.wgsl";
     /// From relative positions to a grid of voxels.
     GRID = "core/grid.wgsl";
     /// Look-up in a light-aligned graph.

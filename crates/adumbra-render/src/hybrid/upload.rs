@@ -1,7 +1,7 @@
 //! A depth image from anywhere as the shadow map that a hybrid map is built from. Same stem as passes/depth_image.wgsl.
 
 use adumbra_shaders::{assemble, source};
-use wgpu::{CompareFunction, LoadOp, ShaderStages, TextureFormat, TextureUsages, TextureView};
+use wgpu::{CompareFunction, LoadOp, ShaderStages, TextureFormat, TextureView};
 
 use super::twin::DepthImage;
 use crate::error::{RenderError, Result};
@@ -43,7 +43,7 @@ impl StartDepth {
             let what = format!("{0} x {0} texels for a map of {side} x {side}", image.side());
             return Err(RenderError::DepthImage { what });
         }
-        let source = self.source(gpu, image);
+        let source = gpu.float_texture("depth_image", [side; 2], image.texels());
         let source = source.create_view(&Default::default());
         let group = gpu.bind("depth_image", &self.layout, vec![wgpu::BindingResource::TextureView(&source)]);
         let mut encoder = gpu.encoder("depth_image");
@@ -75,28 +75,6 @@ impl StartDepth {
     pub fn read(&self, gpu: &Gpu) -> Result<DepthImage> {
         let side = self.depth.all.texture.width() as usize;
         DepthImage::new(side, read_depth(gpu, &self.depth.all.texture, 0)?)
-    }
-
-    /// The image as 32-bit floats, to be drawn from.
-    fn source(&self, gpu: &Gpu, image: &DepthImage) -> wgpu::Texture {
-        let size = self.depth.all.texture.size();
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("depth_image"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: TextureFormat::R32Float,
-            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(4 * size.width),
-            rows_per_image: None,
-        };
-        gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(image.texels()), layout, size);
-        texture
     }
 }
 

@@ -64,9 +64,9 @@ impl DepthPass {
         let material = material_layout(gpu);
         let (files, targets): (&[_], &[_]) = if options.normals {
             let target = wgpu::ColorTargetState::from(NORMAL_FORMAT);
-            (&[source::OCTAHEDRAL, source::MAP_DEPTH, source::MAP_NORMALS], &[Some(target)])
+            (&[source::OCTAHEDRAL, source::INSTANCE, source::MAP_DEPTH, source::MAP_NORMALS], &[Some(target)])
         } else {
-            (&[source::MAP_DEPTH], &[])
+            (&[source::INSTANCE, source::MAP_DEPTH], &[])
         };
         let module = gpu.shader("map_depth", assemble(files));
         let pipeline =

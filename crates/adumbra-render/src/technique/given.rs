@@ -1,7 +1,7 @@
 //! Factors made elsewhere, such as traced truth, composited like any technique's.
 
 use adumbra_shaders::{Source, source};
-use wgpu::{ShaderStages, TextureFormat, TextureUsages};
+use wgpu::ShaderStages;
 
 use super::{Answer, FrameInput, Technique};
 use crate::error::{RenderError, Result};
@@ -26,21 +26,7 @@ impl Given {
             let reason = format!("{} factors for {width} x {height} pixels", factors.len());
             return Err(RenderError::Technique { name: name.to_owned(), reason });
         }
-        let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("given::factors"),
-            size: extent,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: TextureFormat::R32Float,
-            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        let bytes: Vec<u8> = factors.iter().flat_map(|f| f.to_le_bytes()).collect();
-        let rows =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None };
-        gpu.queue.write_texture(texture.as_image_copy(), &bytes, rows, extent);
+        let texture = gpu.float_texture("given::factors", size, factors);
         let layout = gpu.layout("given", ShaderStages::COMPUTE, &[binding::LOADED]);
         let view = texture.create_view(&Default::default());
         let group = gpu.bind("given", &layout, vec![wgpu::BindingResource::TextureView(&view)]);

@@ -30,15 +30,9 @@ struct Targets {
 
 @vertex
 fn gbuffer_vertex(c: Corner) -> Fragment {
-    let translation = vec3f(c.row_x.w, c.row_y.w, c.row_z.w) - frame.anchor_world.xyz;
-    let turned = vec3f(dot(c.row_x.xyz, c.position), dot(c.row_y.xyz, c.position), dot(c.row_z.xyz, c.position));
     var f: Fragment;
-    f.p_relative = turned + translation;
-    // The cofactor matrix turns normals; its sign does not matter, they are turned to the viewer.
-    let x = vec3f(c.row_x.x, c.row_y.x, c.row_z.x);
-    let y = vec3f(c.row_x.y, c.row_y.y, c.row_z.y);
-    let z = vec3f(c.row_x.z, c.row_y.z, c.row_z.z);
-    f.normal = cross(y, z) * c.normal.x + cross(z, x) * c.normal.y + cross(x, y) * c.normal.z;
+    f.p_relative = instance_relative(c.row_x, c.row_y, c.row_z, c.position, frame.anchor_world.xyz);
+    f.normal = instance_normal(c.row_x, c.row_y, c.row_z, c.normal);
     f.position = frame.clip_from_relative * vec4f(f.p_relative, 1.0);
     f.uv = c.uv;
     return f;

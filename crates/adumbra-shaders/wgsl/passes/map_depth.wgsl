@@ -12,8 +12,7 @@ struct LayerUniform {
 @group(1) @binding(2) var color_sampler: sampler;
 
 fn map_position(position: vec3f, row_x: vec4f, row_y: vec4f, row_z: vec4f) -> vec4f {
-    let translation = vec3f(row_x.w, row_y.w, row_z.w) - view.anchor_world.xyz;
-    let p = vec3f(dot(row_x.xyz, position), dot(row_y.xyz, position), dot(row_z.xyz, position)) + translation;
+    let p = instance_relative(row_x, row_y, row_z, position, view.anchor_world.xyz);
     let u = dot(view.layer.u_from_relative.xyz, p) + view.layer.u_from_relative.w;
     let v = dot(view.layer.v_from_relative.xyz, p) + view.layer.v_from_relative.w;
     let depth = dot(view.layer.depth_from_relative.xyz, p) + view.layer.depth_from_relative.w;

@@ -16,11 +16,7 @@ fn map_normals_vertex(
     @location(4) row_y: vec4f,
     @location(5) row_z: vec4f,
 ) -> NormalFragment {
-    // The cofactor matrix turns normals.
-    let x = vec3f(row_x.x, row_y.x, row_z.x);
-    let y = vec3f(row_x.y, row_y.y, row_z.y);
-    let z = vec3f(row_x.z, row_y.z, row_z.z);
-    let n = cross(y, z) * normal.x + cross(z, x) * normal.y + cross(x, y) * normal.z;
+    let n = instance_normal(row_x, row_y, row_z, normal);
     let away_from_sun = view.layer.depth_from_relative.xyz;
     let turned = select(n, -n, dot(n, away_from_sun) > 0.0);
     // A triangle without area has no normal; it covers no texel either.

@@ -50,7 +50,7 @@ impl Case<'_> {
 
     /// Acne of hybrid and shadow map.
     pub(super) fn acne(&self) -> [f64; 2] {
-        [self.hybrid, self.fine].map(|r| r.clear.map_or(f64::NAN, |c| c.wrong_shadowed))
+        [self.hybrid, self.fine].map(|r| r.clear.wrong_shadowed)
     }
 
     fn name(&self) -> String {

@@ -1,5 +1,7 @@
 //! One model's figures: every technique timed beside the others, and judged by rays.
 
+use std::rc::Rc;
+
 use adumbra_lab::compare::{
     BoundaryGain, CLEAR_TEXELS, Judge, boundary_gain, errors_off_edges, interleaved, median_ratio,
     median_time, near_flips, ratio_range,
@@ -46,7 +48,7 @@ pub(super) struct Row {
     /// Shares of the compared pixels.
     pub(super) wrong_lit: f64,
     pub(super) wrong_shadowed: f64,
-    pub(super) clear: Option<ClearErrors>,
+    pub(super) clear: ClearErrors,
     pub(super) boundary: Option<BoundaryGain>,
     pub(super) notes: Vec<String>,
 }
@@ -113,6 +115,8 @@ pub(super) struct Measure<'a, 'j, 's> {
     pub(super) pixels: PixelCounts,
     /// A frame was timed by the wall.
     pub(super) wall_time: bool,
+    /// Which pixels lie near an edge, by how near.
+    near: Vec<(f64, Rc<[bool]>)>,
 }
 
 /// A technique, once for a light that moves and once for one that does not.
@@ -135,7 +139,17 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
         let mut none = renderer.prepare(build(renderer.gpu(), &"none".parse()?, Baked::default())?)?;
         renderer.draw(&shot, &mut none, Answer::Visibility)?;
         let (pixels, counted) = judge.count(&surfaces, &renderer.read_surface(&shot)?);
-        Ok(Self { renderer, judge, shot, surfaces, truth, counted, pixels, wall_time: false })
+        Ok(Self {
+            renderer,
+            judge,
+            shot,
+            surfaces,
+            truth,
+            counted,
+            pixels,
+            wall_time: false,
+            near: Vec::new(),
+        })
     }
 
     /// Times and judges every technique of a start and filter; `all` adds the variants.
@@ -213,17 +227,17 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
                 self.renderer.draw(&self.shot, kept, Answer::Level)?;
                 let ends = self.renderer.read_factor(kept)?;
                 let texel = kept.technique().texel_world(0.0).unwrap_or(0.0) * f64::from(1 << s.merges());
-                let near = near_flips(&self.surfaces, &self.truth, self.judge.towards_sun, texel);
+                let near = self.near(texel);
                 let pixels: Vec<usize> = (0..near.len()).filter(|&i| near[i] && self.counted[i]).collect();
                 Some(boundary_gain(&ends, s.merges(), &pixels))
             }
             None => None,
         };
-        let judged = |i: usize| self.counted[i];
-        let errors = factor_errors(&factors, &self.truth, judged)?;
+        let errors = factor_errors(&factors, &self.truth, |i| self.counted[i])?;
         let texel = pairs[at].ready[0].technique().texel_world(0.0).unwrap_or(0.0);
-        let near = near_flips(&self.surfaces, &self.truth, self.judge.towards_sun, CLEAR_TEXELS * texel);
-        let clear = Some(errors_off_edges(&factors, &self.truth, judged, &near));
+        let near = self.near(CLEAR_TEXELS * texel);
+        let judged = |i: usize| self.counted[i];
+        let clear = errors_off_edges(&factors, &self.truth, judged, &near);
         let (own, other) = (&pairs[at], &pairs[beside]);
         let [moving, still] = &own.times;
         let bytes = |pair: &Pair| [0, 1].map(|i: usize| pair.ready[i].technique().bytes());
@@ -256,5 +270,16 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
             boundary,
             notes: own.ready[0].technique().notes(),
         })
+    }
+
+    /// Pixels within `radius_world` of an edge of the true shadow.
+    fn near(&mut self, radius_world: f64) -> Rc<[bool]> {
+        if let Some((_, known)) = self.near.iter().find(|(r, _)| r.to_bits() == radius_world.to_bits()) {
+            return known.clone();
+        }
+        let found = near_flips(&self.surfaces, &self.truth, self.judge.towards_sun, radius_world);
+        let found: Rc<[bool]> = found.into();
+        self.near.push((radius_world, found.clone()));
+        found
     }
 }

@@ -222,7 +222,7 @@ fn row_text(r: &Row) -> String {
         r.rmse,
         100.0 * r.wrong_lit,
         100.0 * r.wrong_shadowed,
-        two(r.clear.map(|c| [c.wrong_lit, c.wrong_shadowed]), 3),
+        two(Some([r.clear.wrong_lit, r.clear.wrong_shadowed]), 3),
         two(r.boundary.map(|b| [b.gain, b.at_finest]), 1),
     )
 }

@@ -88,7 +88,7 @@ pub(super) fn claims(document: &Document) -> String {
         shown(range(gains.collect()), " %")
     };
     let acne = |option| {
-        let acne = rows(1, 2, option).filter_map(|r| r.clear.map(|c| 100.0 * c.wrong_shadowed));
+        let acne = rows(1, 2, option).map(|r| 100.0 * r.clear.wrong_shadowed);
         shown(range(acne.collect()), " %")
     };
     if models().next().is_none() {
