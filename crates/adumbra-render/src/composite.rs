@@ -15,6 +15,8 @@ pub struct Composite {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
     light: wgpu::Buffer,
+    /// Ambient visibility of every pixel where nothing else says.
+    open: wgpu::TextureView,
 }
 
 impl Composite {
@@ -28,6 +30,7 @@ impl Composite {
             binding::LOADED,
             binding::written(TextureFormat::Rgba8Unorm),
             binding::UNIFORM,
+            binding::LOADED,
         ];
         let layout = gpu.layout("composite", ShaderStages::COMPUTE, &bindings);
         let text = assemble(&[source::SURFACE, source::FRAME, source::COMPOSITE]);
@@ -38,10 +41,11 @@ impl Composite {
             sky_color: wide(SKY_COLOR),
             ground_color: wide(GROUND_COLOR),
         };
-        Self { layout, pipeline, light: gpu.uniform("composite::light", &params.bytes()) }
+        let open = gpu.float_texture("composite::open", [1, 1], &[1.0]).create_view(&Default::default());
+        Self { layout, pipeline, light: gpu.uniform("composite::light", &params.bytes()), open }
     }
 
-    /// Writes `targets.picture` from the G-buffer and `factor`.
+    /// Writes `targets.picture` from the G-buffer, `factor` and, if there is any, ambient visibility.
     pub fn encode(
         &self,
         gpu: &Gpu,
@@ -49,6 +53,7 @@ impl Composite {
         frame: &wgpu::Buffer,
         targets: &Targets,
         factor: &wgpu::TextureView,
+        ambient: Option<&wgpu::TextureView>,
     ) {
         let view = BindingResource::TextureView;
         let group = gpu.bind(
@@ -62,6 +67,7 @@ impl Composite {
                 view(factor),
                 view(&targets.picture.view),
                 self.light.as_entire_binding(),
+                view(ambient.unwrap_or(&self.open)),
             ],
         );
         let mut pass = encoder.begin_compute_pass(&Default::default());

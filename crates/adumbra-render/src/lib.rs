@@ -26,6 +26,7 @@ pub mod gpu;
 pub mod hybrid;
 pub mod maps;
 pub mod movers;
+pub mod occlusion;
 pub mod octahedral;
 pub mod readback;
 mod renderer;

@@ -8,6 +8,7 @@ use crate::composite::Composite;
 use crate::error::{RenderError, Result};
 use crate::frame::{GBuffer, Targets, check_camera, frame, visible_volume};
 use crate::gpu::Gpu;
+use crate::occlusion::{OcclusionInput, OcclusionPasses};
 use crate::readback::{read_floats, read_texture};
 use crate::scene::{InstanceList, SceneBuffers, SceneOptions};
 use crate::technique::{Answer, FrameInput, Lookup, Resolver, Technique};
@@ -23,6 +24,7 @@ pub struct Renderer {
     movers: Option<Part>,
     targets: Option<Targets>,
     frame: wgpu::Buffer,
+    ambient: Option<OcclusionPasses>,
     /// What the last frame was asked for.
     answered: Answer,
 }
@@ -90,6 +92,7 @@ impl Renderer {
             movers: None,
             targets: None,
             answered: Answer::Visibility,
+            ambient: None,
             frame: gpu.uniform("frame", &empty.bytes()),
             gpu,
         };
@@ -123,6 +126,45 @@ impl Renderer {
         if let Some(part) = &mut self.movers {
             part.buffers.move_instances(movers);
         }
+    }
+
+    /// Ambient occlusion for the frames to come; none for open sky everywhere.
+    pub fn set_ambient(&mut self, ambient: Option<OcclusionPasses>) {
+        self.ambient = ambient;
+    }
+
+    /// The ambient occlusion of frames.
+    pub fn ambient(&self) -> Option<&OcclusionPasses> {
+        self.ambient.as_ref()
+    }
+
+    /// Ambient occlusion alone, on the G-buffer of the frame drawn last, which was `shot`'s.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn occlude(&self, shot: &Shot, ambient: &mut OcclusionPasses) -> Result<FrameTimes> {
+        let mut timer = StageTimer::new(&self.gpu);
+        if let Some(targets) = &self.targets {
+            self.encode_ambient(shot, targets, ambient, &mut timer)?;
+        }
+        timer.finish(&self.gpu)
+    }
+
+    fn encode_ambient(
+        &self,
+        shot: &Shot,
+        targets: &Targets,
+        ambient: &mut OcclusionPasses,
+        timer: &mut StageTimer,
+    ) -> Result<()> {
+        let gpu = &self.gpu;
+        let frame = frame(&shot.camera, &self.bounds(), shot.towards_sun, shot.number);
+        let input =
+            OcclusionInput { frame: &frame, depth: &targets.depth.view, normal: &targets.normal.view };
+        ambient.prepare(gpu, &frame);
+        timer.stage(gpu, Stage::AmbientSurface, |encoder| ambient.encode_surfaces(gpu, encoder, &input))?;
+        timer.stage(gpu, Stage::AmbientEstimate, |encoder| ambient.encode_estimate(gpu, encoder, &input))?;
+        timer.stage(gpu, Stage::AmbientFilter, |encoder| ambient.encode_filter(gpu, encoder))
     }
 
     /// Builds a technique's pipelines.
@@ -178,10 +220,16 @@ impl Renderer {
                 technique.encode_screen(&input, &self.frame, &targets, encoder);
             }
         })?;
+        let mut ambient = self.ambient.take();
+        if let Some(ambient) = &mut ambient {
+            self.encode_ambient(shot, &targets, ambient, &mut timer)?;
+        }
         timer.stage(&self.gpu, Stage::Composite, |encoder| {
             let factor = if filtered { &targets.filtered } else { &targets.factor };
-            self.composite.encode(&self.gpu, encoder, &self.frame, &targets, &factor.view);
+            let open = ambient.as_ref().and_then(OcclusionPasses::result).map(|t| &t.view);
+            self.composite.encode(&self.gpu, encoder, &self.frame, &targets, &factor.view, open);
         })?;
+        self.ambient = ambient;
         let times = timer.finish(&self.gpu)?;
         technique.check(&self.gpu)?;
         self.targets = Some(targets);

@@ -19,11 +19,19 @@ pub enum Stage {
     Lookup,
     /// A technique's passes on the screen.
     Screen,
-    /// Sun, sky and shadow.
+    /// View depth, and normals where ambient occlusion makes its own.
+    AmbientSurface,
+    /// The estimator of ambient occlusion.
+    AmbientEstimate,
+    /// What smooths its estimate.
+    AmbientFilter,
+    /// Sun, sky, shadow and ambient occlusion.
     Composite,
 }
 
-const STAGES: usize = 6;
+const STAGES: usize = 9;
+/// A stage's two ticks, each pair where a query may be resolved to.
+const RESOLVED_BYTES: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
 
 /// Milliseconds by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,12 +57,18 @@ impl FrameTimes {
     pub fn shadow(&self) -> f64 {
         self.before_lookup() + self.of(Stage::Lookup) + self.of(Stage::Screen)
     }
+
+    /// Milliseconds that ambient occlusion took.
+    pub fn ambient(&self) -> f64 {
+        self.of(Stage::AmbientSurface) + self.of(Stage::AmbientEstimate) + self.of(Stage::AmbientFilter)
+    }
 }
 
 /// Measures the stages of a frame.
 pub(crate) struct StageTimer {
     queries: Option<(wgpu::QuerySet, wgpu::Buffer)>,
     wall: [f64; STAGES],
+    encoded: [bool; STAGES],
 }
 
 impl StageTimer {
@@ -64,15 +78,16 @@ impl StageTimer {
             && !gpu.is_software();
         let queries = has.then(|| {
             let count = 2 * STAGES as u32;
+            let bytes = STAGES * RESOLVED_BYTES as usize;
             let set = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("frame::times"),
                 ty: wgpu::QueryType::Timestamp,
                 count,
             });
             let usage = BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC;
-            (set, gpu.buffer("frame::times", &vec![0; count as usize * 8], usage))
+            (set, gpu.buffer("frame::times", &vec![0; bytes], usage))
         });
-        Self { queries, wall: [0.0; STAGES] }
+        Self { queries, wall: [0.0; STAGES], encoded: [false; STAGES] }
     }
 
     /// Encodes, submits and, where there are no timestamps, waits for one stage.
@@ -82,6 +97,7 @@ impl StageTimer {
         stage: Stage,
         encode: impl FnOnce(&mut wgpu::CommandEncoder),
     ) -> Result<()> {
+        self.encoded[stage as usize] = true;
         let mut encoder = gpu.encoder("frame");
         let first = 2 * stage as u32;
         if let Some((set, _)) = &self.queries {
@@ -100,19 +116,24 @@ impl StageTimer {
         Ok(())
     }
 
-    /// Waits for the frame and gives its times; every stage was encoded.
+    /// Waits for the frame and gives its times: 0 for what was not encoded.
     pub(crate) fn finish(&self, gpu: &Gpu) -> Result<FrameTimes> {
         let Some((set, buffer)) = &self.queries else {
             return Ok(FrameTimes { milliseconds: self.wall, wall_time: true });
         };
         let mut encoder = gpu.encoder("frame::times");
-        encoder.resolve_query_set(set, 0..2 * STAGES as u32, buffer, 0);
+        for stage in (0..STAGES).filter(|&s| self.encoded[s]) {
+            let first = 2 * stage as u32;
+            encoder.resolve_query_set(set, first..first + 2, buffer, stage as u64 * RESOLVED_BYTES);
+        }
         gpu.queue.submit([encoder.finish()]);
         let bytes = read_buffer(gpu, buffer)?;
-        let ticks: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|b| u64::from_le_bytes(*b)).collect();
         let period = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
-        let milliseconds =
-            std::array::from_fn(|s| ticks[2 * s + 1].saturating_sub(ticks[2 * s]) as f64 * period);
+        let milliseconds = std::array::from_fn(|stage| {
+            let ticks = bytes[stage * RESOLVED_BYTES as usize..].as_chunks::<8>().0;
+            let [start, end] = [0, 1].map(|i| u64::from_le_bytes(ticks[i]));
+            end.saturating_sub(start) as f64 * period
+        });
         Ok(FrameTimes { milliseconds, wall_time: false })
     }
 }

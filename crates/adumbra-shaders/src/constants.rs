@@ -24,6 +24,10 @@ shared! {
     MAX_LAYERS: u32 = 8;
     /// Most neighbours on either side of a screen-space blur; one less than the length of `BlurParams::taps`.
     MAX_BLUR_SIDE: u32 = 32;
+    /// Most taps of an estimator of ambient occlusion; a 16th of the length of `OcclusionTaps::taps`.
+    OCCLUSION_MAX_TAPS: u32 = 64;
+    /// Most neighbours on either side of the filter of ambient occlusion; one less than the weights of `OcclusionFilterParams`.
+    OCCLUSION_MAX_SIDE: u32 = 16;
     /// Slopes above this count as this (`adumbra::settings::MAX_SLOPE`).
     MAX_SLOPE: f32 = 9.95;
     /// A voxel in the fixed-point numbers of grid positions.

@@ -262,6 +262,57 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// Ambient occlusion on the screen. "Texels" are those of the picture that holds it, which may be half the size of the frame's; view
+    /// space is x right, y up, z along [`Frame::forward`], world units, from the eye.
+    pub struct OcclusionParams {
+        /// Width and height in texels; pixels of the frame a texel along a side (1 or 2); the same of the normals.
+        pub size: [u32; 4],
+        /// Taps; steps of a march; what is added to a texel's place in the tile of noise; parts of the taps that are left at a distance, of 4.
+        pub counts: [u32; 4],
+        /// Radius in world units; texels that it may take on the screen; edge of a texel in world units at view depth 0, and what a
+        /// unit of view depth adds.
+        pub region: [f32; 4],
+        /// Of a texel's centre: `ndc = xy · texel + zw`.
+        pub ndc_from_texel: [f32; 4],
+        /// Half of what is seen along x and y at view depth 0, and what a unit of view depth adds.
+        pub half_view: [f32; 4],
+        /// As in [`Frame`].
+        pub depth_to_z: [f32; 4],
+        /// Unit axes of view space in the world; w = 0.
+        pub right: [f32; 4],
+        /// Likewise.
+        pub up: [f32; 4],
+        /// Likewise.
+        pub forward: [f32; 4],
+        /// The estimator's own parameters; its file says which.
+        pub shape: [f32; 4],
+        /// More of them.
+        pub shape_more: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// The random texture of ambient occlusion: [`crate::constants::OCCLUSION_MAX_TAPS`] taps for each of the tile's 16 places; the
+    /// estimator's file says what they are.
+    pub struct OcclusionTaps {
+        /// By place, then by tap.
+        pub taps: Array<[f32; 4], 1024>,
+    }
+}
+
+gpu_struct! {
+    /// A pass that filters ambient visibility.
+    pub struct OcclusionFilterParams {
+        /// Width and height in texels; neighbours on either side; axis of a line (0 along x, 1 along y).
+        pub counts: [u32; 4],
+        /// Sigma in texels, sigma of view depth in world units, difference of visibility that the edge test passes over, 0.
+        pub shape: [f32; 4],
+        /// Weights by distance in texels, not normalised, 4 by 4.
+        pub weights: Array<[f32; 4], 5>,
+    }
+}
+
+gpu_struct! {
     /// What the composite makes of the G-buffer and the shadow factor. Colours are linear.
     pub struct CompositeParams {
         /// Sunlight.
@@ -317,6 +368,9 @@ pub const STRUCTS: &[StructInfo] = &[
     CubesQuery::INFO,
     PointQuery::INFO,
     BlurParams::INFO,
+    OcclusionParams::INFO,
+    OcclusionTaps::INFO,
+    OcclusionFilterParams::INFO,
     CompositeParams::INFO,
     MaterialParams::INFO,
 ];

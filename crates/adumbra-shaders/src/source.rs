@@ -163,7 +163,17 @@ sources! {
     VOXEL_CUBES_FIXED = "passes/voxel_cubes_fixed.wgsl";
     /// A texture's words into a storage buffer.
     DECODE_TEXTURE = "passes/decode_texture.wgsl";
-    /// Sun, sky and shadow factor on the G-buffer.
+    /// A texel's place in view space, for ambient occlusion.
+    OCCLUSION = "core/occlusion.wgsl";
+    /// View depth for ambient occlusion.
+    OCCLUSION_SURFACE = "passes/occlusion_surface.wgsl";
+    /// What estimators of ambient occlusion share.
+    OCCLUSION_PASS = "passes/occlusion.wgsl";
+    /// The estimator `issao`.
+    OCCLUSION_ISSAO = "passes/occlusion_issao.wgsl";
+    /// Filters of ambient visibility.
+    OCCLUSION_FILTER = "passes/occlusion_filter.wgsl";
+    /// Sun, sky, shadow factor and ambient visibility on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }
 

@@ -306,6 +306,9 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_EDGES]),
     ("blur_half", &[source::BLUR_HALF]),
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
+    ("occlusion, surface", &[source::OCCLUSION_SURFACE]),
+    ("issao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ISSAO]),
+    ("occlusion, filter", &[source::OCCLUSION_FILTER]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 

@@ -1,5 +1,5 @@
-// A plain sun and sky on the G-buffer, with the shadow factor; one thread a pixel. Linear light in, sRGB out: the same arithmetic as
-// the CPU renderer's (adumbra::picture).
+// A plain sun and sky on the G-buffer, with the shadow factor and, on the light of the sky alone, ambient visibility; one thread a pixel.
+// Linear light in, sRGB out: the same arithmetic as the CPU renderer's (adumbra::picture).
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var gbuffer_depth: texture_depth_2d;
@@ -8,6 +8,8 @@
 @group(0) @binding(4) var shadow_factors: texture_2d<f32>;
 @group(0) @binding(5) var color_out: texture_storage_2d<rgba8unorm, write>;
 @group(0) @binding(6) var<uniform> light: CompositeParams;
+// Of the frame's size, or a single texel for all.
+@group(0) @binding(7) var ambient_visibilities: texture_2d<f32>;
 
 // A gentle shoulder, so that sunlit white stays below white.
 fn tone(c: vec3f) -> vec3f {
@@ -36,7 +38,8 @@ fn composite(@builtin(global_invocation_id) id: vec3u) {
         let ambient = light.sky_color.rgb * up + light.ground_color.rgb * (1.0 - up);
         let n_dot_l = max(dot(normal, frame.towards_sun.xyz), 0.0);
         let sun = light.sun_color.rgb * n_dot_l * textureLoad(shadow_factors, pixel, 0).x;
-        color = textureLoad(gbuffer_color, pixel, 0).rgb * (ambient + sun);
+        let open = textureLoad(ambient_visibilities, min(pixel, textureDimensions(ambient_visibilities) - 1u), 0).x;
+        color = textureLoad(gbuffer_color, pixel, 0).rgb * (ambient * open + sun);
     }
     textureStore(color_out, pixel, vec4f(srgb(tone(color)), 1.0));
 }

@@ -1,0 +1,100 @@
+//! The estimators of ambient occlusion, and what each can be told.
+
+use std::fmt;
+
+/// How occlusion is estimated from depth and normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Estimator {
+    /// Points in a hemisphere that lie behind what is seen: Mittring, *Finding Next Gen: CryEngine 2*, 2007.
+    Ssao,
+    /// Horizons along a few directions: Bavoil, Sainz, Dimitrov, *Image-Space Horizon-Based Ambient Occlusion*, 2008.
+    Hbao,
+    /// McGuire, Osman, Bukowski, Hennessy, *The Alchemy Screen-Space Ambient Obscurance Algorithm*, 2011.
+    Alchemy,
+    /// Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*, 2014.
+    Issao,
+    /// Jimenez, Wu, Pesce, Jarabo, *Practical Real-Time Strategies for Accurate Indirect Occlusion*, 2016.
+    Gtao,
+}
+
+/// A number that shapes an estimator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// As it is called for.
+    pub name: &'static str,
+    /// What it is, with its unit.
+    pub what: &'static str,
+    /// Where nothing is said: what `cargo xtask tune-ao` found over all of its scenes.
+    pub default: f64,
+    /// Least and largest.
+    pub range: [f64; 2],
+    /// Where the tuner looks; none for what it leaves as it is.
+    pub search: Option<Search>,
+}
+
+/// Where a parameter is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Search {
+    /// Evenly between the two.
+    Even(f64, f64),
+    /// By factors between the two.
+    Factors(f64, f64),
+}
+
+/// Most parameters of an estimator.
+pub const MAX_PARAMETERS: usize = 6;
+
+use Search::{Even, Factors};
+
+const fn tuned(
+    name: &'static str,
+    what: &'static str,
+    default: f64,
+    range: [f64; 2],
+    search: Search,
+) -> Parameter {
+    Parameter { name, what, default, range, search: Some(search) }
+}
+
+const fn fixed(name: &'static str, what: &'static str, default: f64, range: [f64; 2]) -> Parameter {
+    Parameter { name, what, default, range, search: None }
+}
+
+const ISSAO: &[Parameter] = &[
+    tuned("lambda", "λ, strength", 1.0, [0.0, 100.0], Factors(0.1, 10.0)),
+    fixed("phi", "φ, the user's contrast", 0.5, [0.0, 10.0]),
+    tuned("psi", "ψ, part of the view depth that w·n is over", 0.01, [0.0, 1.0], Factors(0.0005, 0.1)),
+    tuned("zcap", "most view depth in radii that ψ counts", 5.0, [0.0, 1000.0], Factors(0.5, 50.0)),
+    tuned("sigma", "σ, radii²", 0.01, [0.0, 10.0], Factors(0.00005, 1.0)),
+    fixed("reading", "1: φ is contrast; 2: it shapes the falloff as well", 1.0, [1.0, 2.0]),
+];
+
+impl Estimator {
+    /// Every estimator.
+    pub const ALL: [Self; 5] = [Self::Ssao, Self::Hbao, Self::Alchemy, Self::Issao, Self::Gtao];
+
+    /// As it is called for.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ssao => "ssao",
+            Self::Hbao => "hbao",
+            Self::Alchemy => "alchemy",
+            Self::Issao => "issao",
+            Self::Gtao => "gtao",
+        }
+    }
+
+    /// What it can be told, in the order of [`super::OcclusionSettings::shape`].
+    pub fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Self::Issao => ISSAO,
+            _ => &[],
+        }
+    }
+}
+
+impl fmt::Display for Estimator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -1,0 +1,17 @@
+//! Ambient occlusion on the screen: one chain of passes for every estimator, so that they differ in nothing else.
+//!
+//! depth → view depth (at half size, if asked) → normals, from the G-buffer or made of depth → an [`Estimator`] → the frame before, where
+//! it is still valid → filter → full size. The result is ambient visibility, 1 = unoccluded, for the light of the sky alone, never the
+//! sun's. Source of `issao` and its filter: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*, Chinese Journal of
+//! Computers 37(3), 2014.
+
+mod estimator;
+mod passes;
+mod settings;
+mod taps;
+pub mod twin;
+
+pub use estimator::{Estimator, MAX_PARAMETERS, Parameter, Search};
+pub use passes::{AMBIENT_FORMAT, OcclusionInput, OcclusionPasses};
+pub use settings::{DEFAULT_RADIUS_SHARE, Filter, Normals, OcclusionSettings};
+pub use taps::taps;

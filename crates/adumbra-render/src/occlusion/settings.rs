@@ -1,0 +1,211 @@
+//! What ambient occlusion is asked for.
+
+use adumbra_shaders::constants::{OCCLUSION_MAX_SIDE, OCCLUSION_MAX_TAPS};
+use adumbra_shaders::layout::{Array, Frame, OcclusionFilterParams, OcclusionParams};
+
+use super::estimator::{Estimator, MAX_PARAMETERS, Parameter};
+use crate::error::Result;
+use crate::technique::TechniqueSpec;
+
+/// Radius where none is given, as a share of the scene's diagonal.
+pub const DEFAULT_RADIUS_SHARE: f64 = 0.02;
+
+/// Where normals come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Normals {
+    /// The G-buffer's.
+    GBuffer,
+    /// Made from depth.
+    Depth,
+}
+
+/// What smooths the noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filter {
+    /// Nothing.
+    None,
+    /// Two lines, one after the other, that see depth: near the square where surfaces are flat.
+    Bilateral,
+    /// The square of equation 7.
+    BilateralSquare,
+    /// Two lines that see no depth.
+    Gauss,
+}
+
+/// An ambient occlusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OcclusionSettings {
+    /// How it is estimated.
+    pub estimator: Estimator,
+    /// The estimator's parameters, by [`Estimator::parameters`].
+    pub shape: [f64; MAX_PARAMETERS],
+    /// Nothing further than this occludes, world units.
+    pub radius_world: f64,
+    /// Taps a texel, 1 to 64.
+    pub samples: u32,
+    /// Most texels that the radius takes on the screen.
+    pub cap_texels: f64,
+    /// Fewer taps where the radius takes few texels (`issao`).
+    pub levels: bool,
+    /// Where normals come from.
+    pub normals: Normals,
+    /// What smooths the noise.
+    pub filter: Filter,
+    /// Neighbours on either side that the filter takes, 1 to 16.
+    pub filter_side: u32,
+    /// Standard deviation of the filter, texels.
+    pub sigma_texels: f64,
+    /// Standard deviation of view depth in the filter, radii.
+    pub sigma_depth: f64,
+    /// The filter leaves texels as they are whose neighbourhood needs none.
+    pub edge_test: bool,
+    /// At half of the width and height.
+    pub half: bool,
+    /// With what is still valid of the frame before.
+    pub reuse: bool,
+}
+
+impl OcclusionSettings {
+    /// An estimator as it is without any parameter.
+    pub fn new(estimator: Estimator, radius_world: f64) -> Self {
+        let mut shape = [0.0; MAX_PARAMETERS];
+        shape.iter_mut().zip(estimator.parameters()).for_each(|(s, p)| *s = p.default);
+        Self {
+            estimator,
+            shape,
+            radius_world,
+            samples: 12,
+            cap_texels: 256.0,
+            levels: true,
+            normals: Normals::GBuffer,
+            filter: Filter::Bilateral,
+            filter_side: 4,
+            sigma_texels: 2.5,
+            sigma_depth: 0.1,
+            edge_test: false,
+            half: false,
+            reuse: false,
+        }
+    }
+
+    /// Reads `NAME[:key=value…]`; `default_radius_world` where it has no `radius`.
+    ///
+    /// # Errors
+    /// [`crate::RenderError::Technique`] for a name or values that do not exist.
+    pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
+        let Some(estimator) = Estimator::ALL.into_iter().find(|e| e.name() == spec.name()) else {
+            let names: Vec<&str> = Estimator::ALL.iter().map(|e| e.name()).collect();
+            let names = names.join(", ");
+            return Err(spec.wrong(format!("there is no such occlusion; there are: {names}, truth, none")));
+        };
+        let mut s = Self::new(estimator, default_radius_world);
+        let mut r = spec.reader();
+        s.radius_world = r.number("radius", s.radius_world, 0.0..=1e9)?;
+        s.samples = r.count("samples", s.samples, 1..=OCCLUSION_MAX_TAPS)?;
+        s.cap_texels = r.number("cap", s.cap_texels, 1.0..=4096.0)?;
+        s.normals = match r.choice("normals", &["gbuffer", "depth"])? {
+            "gbuffer" => Normals::GBuffer,
+            _ => Normals::Depth,
+        };
+        s.filter = match r.choice("filter", &["bilateral", "square", "gauss", "none"])? {
+            "bilateral" => Filter::Bilateral,
+            "square" => Filter::BilateralSquare,
+            "gauss" => Filter::Gauss,
+            _ => Filter::None,
+        };
+        s.filter_side = r.count("side", s.filter_side, 1..=OCCLUSION_MAX_SIDE)?;
+        s.sigma_texels = r.number("blur", s.sigma_texels, 0.1..=16.0)?;
+        s.sigma_depth = r.number("sharpness", s.sigma_depth, 1e-4..=100.0)?;
+        s.edge_test = r.choice("edges", &["off", "on"])? == "on";
+        s.half = r.choice("half", &["off", "on"])? == "on";
+        s.reuse = r.choice("reuse", &["off", "on"])? == "on";
+        for (value, p) in s.shape.iter_mut().zip(estimator.parameters()) {
+            *value = r.number(p.name, p.default, p.range[0]..=p.range[1])?;
+        }
+        r.finish()?;
+        Ok(s)
+    }
+
+    /// A parameter's value by its name; 0 for one that the estimator does not have.
+    pub fn parameter(&self, name: &str) -> f64 {
+        let named = |p: &Parameter| p.name == name;
+        self.estimator.parameters().iter().position(named).map_or(0.0, |i| self.shape[i])
+    }
+
+    /// Width and height of the picture that occlusion is estimated in.
+    pub fn size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+        if self.half { [width.div_ceil(2), height.div_ceil(2)] } else { [width, height] }
+    }
+
+    /// The estimator's uniform in a frame. Every number that depends on the scene's unit is in it once, so that a scene that is scaled,
+    /// its radius too, gives the same picture.
+    pub fn params(&self, frame: &Frame) -> OcclusionParams {
+        let scale = if self.half { 2 } else { 1 };
+        let [width, height] = self.size([frame.size[0], frame.size[1]]);
+        let length = |v: [f32; 4]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        let along = |origin: [f32; 4], ray: [f32; 4]| {
+            let whole = length(origin) + length(ray);
+            [0, 1, 2, 3].map(|a| if a < 3 { (origin[a] + ray[a]) / whole } else { 0.0 })
+        };
+        let half_view =
+            [length(frame.origin_x), length(frame.origin_y), length(frame.ray_x), length(frame.ray_y)];
+        let per_texel = 2.0 * scale as f32 / frame.size[1] as f32;
+        let ndc = |pixels: u32, side: f32| {
+            let step = 2.0 * scale as f32 / pixels as f32;
+            [side * step, side * (1.0 / pixels as f32 - 1.0)]
+        };
+        let ([ax, bx], [ay, by]) = (ndc(frame.size[0], 1.0), ndc(frame.size[1], -1.0));
+        let (shape, shape_more) = self.packed_shape();
+        OcclusionParams {
+            size: [width, height, scale, if self.normals == Normals::GBuffer { scale } else { 1 }],
+            counts: [
+                self.samples,
+                1,
+                if self.reuse { frame.size[2] * 5 } else { 0 },
+                if self.levels { 0 } else { 4 },
+            ],
+            region: [
+                self.radius_world as f32,
+                self.cap_texels as f32,
+                per_texel * half_view[1],
+                per_texel * half_view[3],
+            ],
+            ndc_from_texel: [ax, ay, bx, by],
+            half_view,
+            depth_to_z: frame.depth_to_z,
+            right: along(frame.origin_x, frame.ray_x),
+            up: along(frame.origin_y, frame.ray_y),
+            forward: frame.forward,
+            shape,
+            shape_more,
+        }
+    }
+
+    /// The parameters as the estimator's shader takes them.
+    fn packed_shape(&self) -> ([f32; 4], [f32; 4]) {
+        let p = |name| self.parameter(name);
+        let (shape, more) = match self.estimator {
+            Estimator::Issao => {
+                let exponent = if p("reading") < 1.5 { 0.0 } else { 1.0 / p("phi").max(1e-3) };
+                let contrast = if exponent > 0.0 { 1.0 } else { p("phi") };
+                ([2.0 * p("lambda") * contrast, p("psi"), p("zcap"), p("sigma")], [exponent, 1.0, 0.0, 0.0])
+            }
+            _ => ([0.0; 4], [0.0; 4]),
+        };
+        (shape.map(|v| v as f32), more.map(|v| v as f32))
+    }
+
+    /// A filter pass's uniform along an axis (0 x, 1 y).
+    pub fn filter_params(&self, [width, height]: [u32; 2], axis: u32) -> OcclusionFilterParams {
+        let mut weights = [[0.0; 4]; OCCLUSION_MAX_SIDE as usize / 4 + 1];
+        for i in 0..=self.filter_side {
+            let d = f64::from(i) / self.sigma_texels;
+            weights[i as usize / 4][i as usize % 4] = (-0.5 * d * d).exp() as f32;
+        }
+        OcclusionFilterParams {
+            counts: [width, height, self.filter_side, axis],
+            shape: [self.sigma_texels as f32, (self.sigma_depth * self.radius_world) as f32, 0.0, 0.0],
+            weights: Array(weights),
+        }
+    }
+}
