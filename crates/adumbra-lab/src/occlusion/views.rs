@@ -103,7 +103,7 @@ pub const SCENES: [OcclusionScene; 8] = [
         radius: MODEL_RADIUS,
     },
     OcclusionScene {
-        name: "apartment",
+        name: "dream_apartment",
         title: "Apartment",
         fold: Fold::A,
         source: Source::File("dream_apartment.glb"),
@@ -123,7 +123,7 @@ pub const SCENES: [OcclusionScene; 8] = [
         radius: 3.0,
     },
     OcclusionScene {
-        name: "city",
+        name: "kaykit_city_21",
         title: "KayKit city",
         fold: Fold::A,
         source: Source::File("kaykit_city_21.glb"),
@@ -133,7 +133,7 @@ pub const SCENES: [OcclusionScene; 8] = [
         radius: 10.0,
     },
     OcclusionScene {
-        name: "garden",
+        name: "bridge_garden",
         title: "Bridge garden",
         fold: Fold::B,
         source: Source::File("bridge_garden.glb"),
