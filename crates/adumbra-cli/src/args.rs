@@ -201,6 +201,8 @@ pub(crate) enum KindArg {
     SphereGrid,
     /// A pavilion of thin rods with railings, braces and a net, without a ground
     Wires,
+    /// A room open to one side, with coloured walls and two blocks
+    Cornell,
 }
 
 impl From<KindArg> for GeneratedKind {
@@ -213,6 +215,7 @@ impl From<KindArg> for GeneratedKind {
             KindArg::Ball => Self::Ball,
             KindArg::SphereGrid => Self::SphereGrid,
             KindArg::Wires => Self::Wires,
+            KindArg::Cornell => Self::Cornell,
         }
     }
 }

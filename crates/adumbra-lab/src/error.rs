@@ -35,7 +35,7 @@ pub enum Error {
         least: u32,
     },
     /// A truth file does not hold what it must.
-    #[error("{path:?}: not a truth file: {what}; it must be a NumPy .npz with the arrays pos, normal, ndotl, sun, valid and camera", path = path.display())]
+    #[error("{path:?}: not a truth file: {what}; it must be a NumPy .npz with the arrays pos, normal, ndotl, sun, ao, valid and camera", path = path.display())]
     TruthFile {
         /// The file.
         path: PathBuf,

@@ -6,8 +6,10 @@ mod shared_folder;
 use adumbra::camera::{Camera, Projection};
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, Instance, LoadOptions, Material, Mesh, Scene, generate, load};
+use adumbra_lab::occlusion::{SCENES, occlusion_errors};
 use adumbra_lab::truth::{
-    Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, street_camera,
+    Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, standard_error,
+    street_camera,
 };
 use shared_folder::{scene_file, shared};
 
@@ -42,6 +44,33 @@ fn shared_truth_matches_another_renderer_through_its_cameras() {
         eprintln!("{name}: {share:.5} of {judged} pixels agree; {apart} see other surfaces");
         assert!(share >= SUN_AGREEMENT, "{name}: {share}");
         assert!(f64::from(apart) < 0.01 * factors.len() as f64, "{name}: {apart}");
+    }
+}
+
+#[test]
+fn shared_ambient_agrees_with_another_renderer_at_its_positions() {
+    let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
+    for name in ["kaykit_city_21", "dragon_202k"] {
+        let view = TruthView::read(&truth.join(format!("{name}.npz"))).unwrap();
+        let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
+        let scene = load(&scene_file(&scenes, name), &options).unwrap();
+        let tracer = TruthTracer::build(&scene, true);
+        // The file's own surfaces, every third row, so that only occlusion is judged.
+        let rows = (0..view.camera.height as usize).step_by(3);
+        let pixels: Vec<usize> = rows.flat_map(|y| (0..320).map(move |x| y * 320 + x)).collect();
+        let surfaces = Surfaces {
+            width: 320,
+            height: pixels.len() as u32 / 320,
+            position: pixels.iter().map(|&i| view.position[i].map(f64::from)).collect(),
+            normal: pixels.iter().map(|&i| view.normal[i]).collect(),
+            view_depth: pixels.iter().map(|&i| if view.valid[i] { 1.0 } else { f64::INFINITY }).collect(),
+        };
+        let ambient = tracer.ambient(&surfaces, view.ambient_radius_world, 64);
+        let theirs: Vec<f32> = pixels.iter().map(|&i| view.ambient[i]).collect();
+        let errors = occlusion_errors(&ambient, &theirs, |i| surfaces.is_valid(i)).unwrap();
+        eprintln!("{name}: {errors:?}");
+        assert!(errors.mean_signed.abs() < 0.003 && errors.mean_absolute < 0.03, "{name}: {errors:?}");
+        assert!(ambient.iter().enumerate().all(|(i, v)| surfaces.is_valid(i) || *v == 1.0));
     }
 }
 
@@ -101,6 +130,81 @@ fn truth_of_a_box_is_its_analytic_shadow() {
     assert!(partly > 20, "{partly}");
     let away = truth.factors(&surfaces, [0.6, -0.8, 0.0], SunShape::Hard);
     assert!(away.iter().all(|f| *f == 0.0));
+}
+
+#[test]
+fn ambient_of_a_wall_is_its_integral() {
+    let scene = plane_and_box();
+    let truth = TruthTracer::build(&scene, false);
+    // Beside the middle of a side of the box, with a radius that reaches neither its top nor its corners.
+    let at = |x: f64| ([x, 0.0, 0.0], [0.0, 1.0, 0.0_f32]);
+    let places = [at(1.25), at(1.5), at(5.0)];
+    let surfaces = Surfaces {
+        width: 4,
+        height: 1,
+        position: places.iter().map(|p| p.0).chain([[0.0; 3]]).collect(),
+        normal: places.iter().map(|p| p.1).chain([[0.0; 3]]).collect(),
+        view_depth: vec![1.0, 1.0, 1.0, f64::INFINITY],
+    };
+    let radius = 0.75;
+    let ambient = truth.ambient(&surfaces, radius, 4096);
+    // A plane `d` away is met within the radius where the direction's part towards it is d / radius or more. Cosine-weighted directions,
+    // seen from above, fill the unit circle evenly: what is met is the segment beyond that chord.
+    let wall = |d: f64| {
+        let chord: f64 = d / radius;
+        (chord.acos() - chord * (1.0 - chord * chord).sqrt()) / std::f64::consts::PI
+    };
+    for (i, d) in [(0, 0.25), (1, 0.5)] {
+        assert!((f64::from(ambient[i]) - (1.0 - wall(d))).abs() < 0.004, "{d}: {} {}", ambient[i], wall(d));
+    }
+    assert_eq!(ambient[2..], [1.0, 1.0]);
+    for none in [0.0, -1.0, f64::NAN] {
+        assert!(truth.ambient(&surfaces, none, 16).iter().all(|v| *v == 1.0), "{none}");
+    }
+    assert!(truth.ambient(&surfaces, radius, 0).iter().all(|v| *v == 1.0));
+}
+
+#[test]
+fn ambient_error_is_below_its_bound_and_falls_with_the_rays() {
+    let scene = plane_and_box();
+    let truth = TruthTracer::build(&scene, false);
+    let projection = Projection::Orthographic { height_world: 6.0 };
+    let camera = Camera { eye: [0.0, 30.0, 0.0], target: [0.0; 3], projection, width: 64, height: 64 };
+    let surfaces = truth.surfaces(&camera);
+    let errors = [16, 256].map(|rays| {
+        let ambient = truth.ambient(&surfaces, 2.0, rays);
+        let bound = standard_error(&ambient, rays, |i| surfaces.is_valid(i));
+        let measured = truth.measured_error(&surfaces, &ambient, 2.0, rays, 3).unwrap();
+        assert!(measured > 0.0 && measured < bound, "{rays}: {measured} {bound}");
+        measured
+    });
+    assert!(errors[1] < errors[0] / 3.0, "{errors:?}");
+    assert_eq!(standard_error(&[0.5, 0.5], 25, |_| true), 0.1);
+    assert_eq!(standard_error(&[0.5], 25, |_| false), 0.0);
+    assert_eq!(standard_error(&[0.0, 1.0], 25, |_| true), 0.0);
+    let sky = Surfaces { view_depth: vec![f64::INFINITY; surfaces.pixels()], ..surfaces };
+    assert_eq!(truth.measured_error(&sky, &vec![1.0; sky.pixels()], 2.0, 16, 1), None);
+}
+
+#[test]
+fn ambient_is_kept_under_its_radius_and_rays() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = plane_and_box();
+    let truth = TruthTracer::build(&scene, false);
+    let (cache, key, camera) =
+        (Cache::in_folder(folder.path().to_owned()), scene_key(&scene, false), above(24, 12));
+    let surfaces = truth.surfaces(&camera);
+    let ask = |radius: f64, rays: u32| cache.ambient(&truth, &key, &camera, &surfaces, radius, rays);
+    let entries = || std::fs::read_dir(folder.path()).unwrap().count();
+    let first = ask(2.0, 16);
+    assert_eq!(first, truth.ambient(&surfaces, 2.0, 16));
+    assert_eq!((ask(2.0, 16), entries()), (first, 1));
+    ask(2.5, 16);
+    ask(2.0, 17);
+    assert_eq!(entries(), 3);
+    let threads = |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+    let by = |n: usize| threads(n).install(|| truth.ambient(&surfaces, 2.0, 16));
+    assert_eq!(by(1), by(3));
 }
 
 #[test]
@@ -258,5 +362,28 @@ fn shared_street_camera_stands_in_every_scene_of_the_tables() {
         let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).unwrap();
         eprintln!("{name}: {:?}", scene.bounds());
         check_street(name, &scene, sun);
+    }
+}
+
+#[test]
+fn shared_occlusion_scenes_show_contact_and_open_space() {
+    let Some(scenes) = shared("scenes") else { return };
+    for scene in &SCENES {
+        let view = scene.open(&scenes).unwrap();
+        let tracer = TruthTracer::build(&view.scene, false);
+        let size = [96, 54];
+        for camera in [view.camera(size), *view.path(size).last().unwrap()] {
+            let surfaces = tracer.surfaces(&camera);
+            let ambient = tracer.ambient(&surfaces, view.radius_world, 16);
+            let share = |of: &dyn Fn(usize) -> bool| {
+                (0..surfaces.pixels()).filter(|&i| of(i)).count() as f64 / surfaces.pixels() as f64
+            };
+            let seen = share(&|i| surfaces.is_valid(i));
+            let open = share(&|i| surfaces.is_valid(i) && ambient[i] > 0.95);
+            let occluded = share(&|i| ambient[i] < 0.8);
+            eprintln!("{}: seen {seen:.3}, open {open:.3}, occluded {occluded:.3}", scene.name);
+            assert!(seen > 0.65, "{}: not mostly sky: {seen}", scene.name);
+            assert!(open > 0.1 && occluded > 0.03, "{}: {open} {occluded}", scene.name);
+        }
     }
 }

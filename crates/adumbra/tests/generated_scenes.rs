@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use adumbra::error::Error;
 use adumbra::scene::topology::{Component, analyse};
 use adumbra::scene::{GeneratedKind, Instance, Mesh, Scene, generate, to_glb};
+use adumbra::trace::{Ray, TraceOptions, Tracer};
 
-const KINDS: [GeneratedKind; 7] = [
+const KINDS: [GeneratedKind; 8] = [
     GeneratedKind::Spheres,
     GeneratedKind::Primitives,
     GeneratedKind::Landscape,
@@ -14,6 +15,7 @@ const KINDS: [GeneratedKind; 7] = [
     GeneratedKind::Ball,
     GeneratedKind::SphereGrid,
     GeneratedKind::Wires,
+    GeneratedKind::Cornell,
 ];
 /// Those that stand on y = 0 without a ground of their own.
 const WITHOUT_GROUND: [GeneratedKind; 3] =
@@ -44,6 +46,7 @@ fn bytes_are_the_same_on_every_machine() {
         0x9E3F_6569_2C66_4032,
         0x1AAC_89B9_18A0_6B13,
         0x43EC_C479_4C0C_8FE8,
+        0x82E8_F1BE_BDDA_0205,
     ];
     let found = KINDS.map(|kind| fingerprint(&to_glb(&generate(kind, 1))));
     assert_eq!(found, expected, "{found:#018X?}");
@@ -113,6 +116,8 @@ fn scenes_have_the_sizes_they_promise() {
         assert_eq!(grid.instanced_triangles(), 12_000);
         let wires = generate(GeneratedKind::Wires, seed);
         assert!((4_000..12_000).contains(&wires.stored_triangles()), "{}", wires.stored_triangles());
+        let cornell = generate(GeneratedKind::Cornell, seed);
+        assert_eq!((cornell.instances.len(), cornell.stored_triangles()), (3, 28 + 2 * 12));
         for scene in [landscape, city] {
             let bounds = scene.bounds();
             assert!([0, 2].into_iter().all(|a| (399.0..410.0).contains(&(bounds.max[a] - bounds.min[a]))));
@@ -150,6 +155,38 @@ fn sphere_grid_has_spheres_in_the_air_and_on_the_ground() {
     let on_ground = scene.instances.iter().filter(|i| foot(i) == 0.0).count();
     let in_air = scene.instances.iter().filter(|i| foot(i) > 0.4).count();
     assert_eq!((on_ground, in_air), (13, 12));
+}
+
+#[test]
+fn cornell_box_is_open_to_the_front_and_holds_its_blocks() {
+    let scene = generate(GeneratedKind::Cornell, 3);
+    let tracer = Tracer::build(&scene, TraceOptions::default());
+    let wall = |direction: [f64; 3]| {
+        let ray = Ray { origin: [0.0, 5.0, 0.0], direction, t_min: 0.0, t_max: f64::INFINITY };
+        tracer.nearest_surface(&ray).map(|hit| (hit.t, hit.material, hit.front))
+    };
+    // As `f32` holds them.
+    let (half, height) = (f64::from(2.8_f32), 5.5);
+    let near = |found: Option<(f64, u32, bool)>, t: f64, name: &str| {
+        let (at, material, front) = found.unwrap();
+        assert!((at - t).abs() < 1e-9 && front, "{name}: {at}");
+        assert_eq!(scene.materials[material as usize].name, name);
+    };
+    near(wall([-1.0, 0.0, 0.0]), half, "left");
+    near(wall([1.0, 0.0, 0.0]), half, "right");
+    near(wall([0.0, 0.0, -1.0]), half, "white");
+    near(wall([0.0, 1.0, 0.0]), height - 5.0, "white");
+    assert_eq!(wall([0.0, 0.0, 1.0]), None);
+    for (block, height) in [("tall block", f64::from(3.3_f32)), ("short block", f64::from(1.65_f32))] {
+        let mut alone = scene.clone();
+        alone.instances.retain(|i| i.name == block);
+        let bounds = alone.bounds();
+        assert!((bounds.max[1] - height).abs() < 1e-6 && bounds.min[1] < 0.0, "{block}: {bounds:?}");
+        for a in [0, 2] {
+            assert!(bounds.min[a] > -2.6 && bounds.max[a] < 2.6, "{block} stands free: {bounds:?}");
+            assert!(bounds.max[a] - bounds.min[a] > 1.9, "{block} is turned: {bounds:?}");
+        }
+    }
 }
 
 #[test]

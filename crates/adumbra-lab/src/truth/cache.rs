@@ -145,12 +145,31 @@ impl Cache {
     ) -> Vec<f32> {
         let key = scene.clone().with(b"factors").with_camera(camera).with_sun(towards_sun, shape).finish();
         if let Some(bytes) = self.read(&key, surfaces.pixels() * 4) {
-            return bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+            return decode_singles(&bytes);
         }
         let factors = truth.factors(surfaces, towards_sun, shape);
-        let bytes: Vec<u8> = factors.iter().flat_map(|f| f.to_le_bytes()).collect();
-        self.keep(&key, &bytes);
+        self.keep(&key, &encode_singles(&factors));
         factors
+    }
+
+    /// [`TruthTracer::ambient`] of the same camera's `surfaces`, kept under `scene`, camera, radius and rays.
+    pub fn ambient(
+        &self,
+        truth: &TruthTracer<'_>,
+        scene: &Key,
+        camera: &Camera,
+        surfaces: &Surfaces,
+        radius_world: f64,
+        rays: u32,
+    ) -> Vec<f32> {
+        let asked = [radius_world, f64::from(rays)];
+        let key = scene.clone().with(b"ambient").with_camera(camera).with_numbers(&asked).finish();
+        if let Some(bytes) = self.read(&key, surfaces.pixels() * 4) {
+            return decode_singles(&bytes);
+        }
+        let visibility = truth.ambient(surfaces, radius_world, rays);
+        self.keep(&key, &encode_singles(&visibility));
+        visibility
     }
 
     fn path(&self, key: &[u8; 32]) -> Option<PathBuf> {
@@ -187,6 +206,14 @@ fn header(key: &[u8; 32], payload: &[u8]) -> Vec<u8> {
     let length = (payload.len() as u64).to_le_bytes();
     let hash = blake3::hash(payload);
     [MAGIC.as_slice(), &VERSION.to_le_bytes(), key, &length, hash.as_bytes()].concat()
+}
+
+fn encode_singles(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn decode_singles(bytes: &[u8]) -> Vec<f32> {
+    bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
 }
 
 fn encode_surfaces(s: &Surfaces) -> Vec<u8> {

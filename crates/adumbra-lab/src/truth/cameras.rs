@@ -1,5 +1,6 @@
-//! Truth of another renderer, and its cameras: NumPy `.npz` files with the arrays pos, normal (H, W, 3), ndotl, sun (H, W), all `f32`,
-//! valid (H, W, bool), and camera: JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height) and `sun` (towards it).
+//! Truth of another renderer, and its cameras: NumPy `.npz` files with the arrays pos, normal (H, W, 3), ndotl, sun, ao (H, W), all `f32`,
+//! valid (H, W, bool), and camera: JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height), `sun` (towards it) and
+//! `ao_radius` (world units).
 
 use std::path::Path;
 
@@ -26,6 +27,10 @@ pub struct TruthView {
     pub n_dot_l: Vec<f32>,
     /// 1 where the sun's middle is seen.
     pub visibility: Vec<f32>,
+    /// Ambient visibility: cosine-weighted, within [`Self::ambient_radius_world`]; 1 = open.
+    pub ambient: Vec<f32>,
+    /// How far what occludes may be, world units.
+    pub ambient_radius_world: f64,
     /// Whether there is a surface.
     pub valid: Vec<bool>,
 }
@@ -37,6 +42,7 @@ struct CameraText {
     fov_y: f64,
     size: [u32; 2],
     sun: [f64; 3],
+    ao_radius: Option<f64>,
 }
 
 /// Camera and sun of a truth file, without its arrays.
@@ -44,23 +50,33 @@ struct CameraText {
 /// # Errors
 /// [`Error::TruthFile`] where the file is absent or holds no camera; [`Error::Library`] for a sun below the horizon.
 pub fn truth_camera(path: &Path) -> Result<(Camera, Sun)> {
+    let text = camera_text(path)?;
+    Ok((text.camera(), Sun::from_direction(text.sun)?))
+}
+
+fn camera_text(path: &Path) -> Result<CameraText> {
     let text: Vec<String> = array(path, "camera")?;
     let text = text.first().map_or("", |t| t.trim_end_matches('\0'));
-    let c: CameraText =
-        serde_json::from_str(text).map_err(|e| refuse(path, format!("its camera is not readable: {e}")))?;
-    let projection = Projection::Perspective { fov_degrees: c.fov_y };
-    let [width, height] = c.size;
-    let camera = Camera { eye: c.eye, target: c.target, projection, width, height };
-    Ok((camera, Sun::from_direction(c.sun)?))
+    serde_json::from_str(text).map_err(|e| refuse(path, format!("its camera is not readable: {e}")))
+}
+
+impl CameraText {
+    fn camera(&self) -> Camera {
+        let projection = Projection::Perspective { fov_degrees: self.fov_y };
+        let [width, height] = self.size;
+        Camera { eye: self.eye, target: self.target, projection, width, height }
+    }
 }
 
 impl TruthView {
     /// Reads a truth file.
     ///
     /// # Errors
-    /// As [`truth_camera`]; [`Error::TruthFile`] for arrays that are absent, of another type, or not the camera's size.
+    /// As [`truth_camera`]; [`Error::TruthFile`] for arrays that are absent, of another type, or not the camera's size, and for no `ao_radius`.
     pub fn read(path: &Path) -> Result<Self> {
-        let (camera, sun) = truth_camera(path)?;
+        let text = camera_text(path)?;
+        let (camera, sun) = (text.camera(), Sun::from_direction(text.sun)?);
+        let no_radius = || refuse(path, "its camera has no ao_radius".to_owned());
         let pixels = camera.width as usize * camera.height as usize;
         let of_size = |name: &str, length: usize, wanted: usize| {
             let what = format!("{name} holds {length} values, not {wanted}");
@@ -80,6 +96,8 @@ impl TruthView {
             normal: triples("normal")?,
             n_dot_l: singles("ndotl", 1)?,
             visibility: singles("sun", 1)?,
+            ambient: singles("ao", 1)?,
+            ambient_radius_world: text.ao_radius.ok_or_else(no_radius)?,
             valid,
         })
     }

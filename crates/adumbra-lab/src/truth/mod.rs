@@ -1,9 +1,10 @@
 //! The truth at each pixel of a camera, by rays through the pixels' centres.
 //!
-//! First the [`Surfaces`] that the camera sees, then the sun's visibility there: hard, or of a disc. The conventions are those of the
-//! G-buffer: the geometric normal is turned to the viewer, a surface turned away from the sun is 0, the sky is 1. Shadow rays
+//! First the [`Surfaces`] that the camera sees, then the sun's visibility there, hard or of a disc, or ambient occlusion's. The conventions
+//! are those of the G-buffer: the geometric normal is turned to the viewer, a surface turned away from the sun is 0, the sky is 1. Shadow rays
 //! start [`LIFT_DIAGONALS`] of the scene's diagonal along the normal (coplanar faces depend on it).
 
+mod ambient;
 mod cache;
 mod cameras;
 mod edges;
@@ -12,6 +13,7 @@ mod street;
 use adumbra::camera::Camera;
 use adumbra::scene::{Bounds, Scene};
 use adumbra::trace::{Ray, TraceOptions, Tracer};
+pub use ambient::standard_error;
 pub use cache::{Cache, Key, scene_key};
 pub use cameras::{TruthView, truth_camera};
 pub use edges::EdgeProbe;
@@ -20,7 +22,7 @@ pub use street::{StreetOptions, street_camera};
 
 use crate::vector::dot;
 
-/// Shadow rays start so far along the normal, in diagonals of the scene's bounds.
+/// Shadow and occlusion rays start so far along the normal, in diagonals of the scene's bounds.
 pub const LIFT_DIAGONALS: f64 = 1e-5;
 
 /// What a camera sees, one value a pixel, row 0 at the top.
@@ -92,7 +94,7 @@ impl<'s> TruthTracer<'s> {
         &self.bounds
     }
 
-    /// How far shadow rays start from a surface, world units.
+    /// How far shadow and occlusion rays start from a surface, world units.
     pub fn lift_world(&self) -> f64 {
         LIFT_DIAGONALS * self.bounds.diagonal()
     }

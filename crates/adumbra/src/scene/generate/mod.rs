@@ -8,6 +8,7 @@ mod ball;
 mod city;
 mod city_buildings;
 mod city_street;
+mod cornell;
 mod ground;
 mod landscape;
 mod landscape_props;
@@ -37,6 +38,8 @@ pub enum GeneratedKind {
     SphereGrid,
     /// A pavilion of thin rods, with railings, braces and a net.
     Wires,
+    /// A room 5.6 m wide and deep and 5.5 m high, open towards +Z, with coloured side walls and two blocks.
+    Cornell,
 }
 
 /// Makes the scene of this kind and seed. Cost: well below a second.
@@ -49,6 +52,7 @@ pub fn generate(kind: GeneratedKind, seed: u64) -> Scene {
         GeneratedKind::Ball => ball::generate(seed),
         GeneratedKind::SphereGrid => sphere_grid::generate(seed),
         GeneratedKind::Wires => wires::generate(seed),
+        GeneratedKind::Cornell => cornell::generate(seed),
     }
 }
 

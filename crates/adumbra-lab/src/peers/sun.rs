@@ -1,4 +1,4 @@
-//! The two figures that today's engines were measured by on the truth cameras, and a table of ours beside theirs.
+//! Sun shadows: the two figures that today's engines were measured by on the truth cameras, and a table of ours beside theirs.
 //!
 //! 320 × 240, no anti-aliasing, masks ignored, valid pixels with n·l > 0.1. First figure: share of pixels on the wrong side of 1/2; second: mean
 //! |shadow factor - truth|; both in %. Quote both: acne at half strength hides in the first.
@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
+use super::RowSource;
 use crate::error::Result;
 use crate::metrics::factor_errors;
 use crate::truth::TruthView;
@@ -15,18 +16,6 @@ use crate::truth::TruthView;
 pub const SCENES: [&str; 4] = ["kaykit_city_21", "box-city-5k", "zdm2", "alpine-2"];
 /// Pixels with a smaller cosine to the sun are not judged.
 const MIN_N_DOT_L: f32 = 0.1;
-
-/// Where a row comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RowSource {
-    /// By this program, in this run.
-    Here,
-    /// On the same cameras against the same truth, with another program.
-    MeasuredElsewhere,
-    /// What is aimed at.
-    Aim,
-}
 
 /// Both figures of one scene, %.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,16 +87,11 @@ pub fn figures(factors: &[f32], view: &TruthView) -> Result<PeerFigures> {
 pub fn markdown(rows: &[PeerRow]) -> String {
     let mut text = format!("| sun shadow | measured | {} |\n|---|---|---|---|---|---|\n", SCENES.join(" | "));
     for row in rows {
-        let source = match row.source {
-            RowSource::Here => "here",
-            RowSource::MeasuredElsewhere => "elsewhere",
-            RowSource::Aim => "–",
-        };
         let cells = row.scenes.map(|s| {
             s.map_or_else(|| "–".to_owned(), |f| format!("{:.2} ({:.1})", f.wrong_percent, f.mean_percent))
         });
         // Writing to a String does not fail.
-        let _ = writeln!(text, "| {} | {source} | {} |", row.name, cells.join(" | "));
+        let _ = writeln!(text, "| {} | {} | {} |", row.name, row.source.word(), cells.join(" | "));
     }
     text
 }
@@ -143,6 +127,8 @@ mod tests {
             normal: vec![[0.0, 1.0, 0.0]; 4],
             n_dot_l: vec![0.5, 0.5, 0.1, 0.5],
             visibility: vec![1.0, 0.0, 1.0, 1.0],
+            ambient: vec![1.0; 4],
+            ambient_radius_world: 1.0,
             valid: vec![true, true, true, false],
         };
         let f = figures(&[0.25, 0.25, 0.0, 0.0], &view).unwrap();

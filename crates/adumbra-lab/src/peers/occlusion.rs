@@ -1,0 +1,147 @@
+//! Ambient occlusion: the figures that today's engines were measured by on the truth cameras, and a table of ours beside theirs.
+//!
+//! 320 × 240, no anti-aliasing, masks ignored, every valid pixel; the truth's radius in world units where a row says that it was matched.
+//! RMSE of visibility, and the mean of visibility minus truth: above 0 is too light.
+
+use std::fmt::Write as _;
+
+use serde::{Deserialize, Serialize};
+
+use super::RowSource;
+use crate::error::Result;
+use crate::occlusion::occlusion_errors;
+use crate::truth::TruthView;
+
+/// The scenes, in the table's order. On alpine-2 the radius is a pixel on the screen, so it is left out.
+pub const SCENES: [&str; 3] = ["kaykit_city_21", "box-city-5k", "zdm2"];
+
+/// Both figures of one scene.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OcclusionFigures {
+    /// Root of the mean squared difference of visibility.
+    pub rmse: f64,
+    /// Mean of visibility minus truth; none where it was not published.
+    pub mean_signed: Option<f64>,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OcclusionRow {
+    /// The technique or program.
+    pub name: String,
+    /// Where its figures come from.
+    pub source: RowSource,
+    /// By [`SCENES`]; none where it was not measured.
+    pub scenes: [Option<OcclusionFigures>; 3],
+}
+
+/// RMSE and, where published, mean signed error.
+type Published = (&'static str, [(f64, Option<f64>); 3]);
+
+const ELSEWHERE: [Published; 6] = [
+    ("none at all", [(0.327, None), (0.168, None), (0.156, None)]),
+    (
+        "Bevy SSAO High as shipped (0.73 m)",
+        [(0.322, Some(0.232)), (0.166, Some(0.080)), (0.148, Some(0.053))],
+    ),
+    (
+        "Bevy, radius matched, Ultra, raw visibility",
+        [(0.165, Some(-0.029)), (0.156, Some(-0.089)), (0.157, Some(-0.121))],
+    ),
+    (
+        "three.js GTAO, radius matched, 16 samples",
+        [(0.214, Some(0.146)), (0.124, Some(0.060)), (0.115, Some(0.048))],
+    ),
+    (
+        "three.js GTAO, radius matched, 64 samples",
+        [(0.202, Some(0.137)), (0.123, Some(0.051)), (0.113, Some(0.047))],
+    ),
+    ("three.js SSAO, radius matched", [(0.209, Some(0.118)), (0.111, Some(0.011)), (0.099, Some(0.025))]),
+];
+const AIM: Published = ("aim: issao, 12 samples and filter", [(0.12, None), (0.07, None), (0.07, None)]);
+
+fn row(source: RowSource, (name, figures): Published) -> OcclusionRow {
+    let scenes = figures.map(|(rmse, mean_signed)| Some(OcclusionFigures { rmse, mean_signed }));
+    OcclusionRow { name: name.to_owned(), source, scenes }
+}
+
+/// The engines' rows, and that of no occlusion at all, which comes first.
+pub fn engines() -> Vec<OcclusionRow> {
+    ELSEWHERE.into_iter().map(|r| row(RowSource::MeasuredElsewhere, r)).collect()
+}
+
+/// What is aimed at.
+pub fn aim() -> OcclusionRow {
+    row(RowSource::Aim, AIM)
+}
+
+/// Both figures of visibility drawn with the view's camera and radius, over its valid pixels.
+///
+/// # Errors
+/// [`crate::Error::Sizes`] where the visibility is not the view's pixels.
+pub fn figures(visibility: &[f32], view: &TruthView) -> Result<OcclusionFigures> {
+    let errors = occlusion_errors(visibility, &view.ambient, |i| view.valid[i])?;
+    Ok(OcclusionFigures { rmse: errors.rmse, mean_signed: Some(errors.mean_signed) })
+}
+
+/// The table as Markdown.
+pub fn markdown(rows: &[OcclusionRow]) -> String {
+    let mut text =
+        format!("| ambient occlusion | measured | {} |\n|---|---|---|---|---|\n", SCENES.join(" | "));
+    for row in rows {
+        let cells = row.scenes.map(|s| s.map_or_else(|| "–".to_owned(), |f| cell(&f)));
+        // Writing to a String does not fail.
+        let _ = writeln!(text, "| {} | {} | {} |", row.name, row.source.word(), cells.join(" | "));
+    }
+    text
+}
+
+fn cell(figures: &OcclusionFigures) -> String {
+    match figures.mean_signed {
+        Some(signed) => format!("{:.3} ({signed:+.3})", figures.rmse),
+        None => format!("{:.3}", figures.rmse),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use adumbra::camera::{Camera, Projection};
+    use adumbra::light::Sun;
+
+    use super::*;
+
+    #[test]
+    fn occlusion_peers_stand_in_one_table() {
+        let mut rows = engines();
+        rows.push(OcclusionRow { name: "issao".to_owned(), source: RowSource::Here, scenes: [None; 3] });
+        rows.push(aim());
+        let text = markdown(&rows);
+        assert_eq!(text.lines().count(), 2 + 6 + 2);
+        assert!(text.contains("| none at all | elsewhere | 0.327 | 0.168 | 0.156 |"));
+        assert!(text.contains(
+            "| three.js SSAO, radius matched | elsewhere | 0.209 (+0.118) | 0.111 (+0.011) | 0.099 (+0.025) |"
+        ));
+        assert!(text.contains("| issao | here | – | – | – |"));
+        assert!(text.contains("filter | – | 0.120 | 0.070 | 0.070 |"));
+    }
+
+    #[test]
+    fn occlusion_peers_figures_leave_out_the_sky() {
+        let projection = Projection::Perspective { fov_degrees: 45.0 };
+        let view = TruthView {
+            camera: Camera { eye: [0.0; 3], target: [1.0; 3], projection, width: 2, height: 2 },
+            sun: Sun::from_direction([0.0, 1.0, 0.0]).unwrap(),
+            position: vec![[0.0; 3]; 4],
+            normal: vec![[0.0, 1.0, 0.0]; 4],
+            n_dot_l: vec![-0.5; 4],
+            visibility: vec![0.0; 4],
+            ambient: vec![0.5, 0.5, 0.5, 1.0],
+            ambient_radius_world: 1.0,
+            valid: vec![true, true, true, false],
+        };
+        let f = figures(&[0.75, 0.25, 1.0, 0.0], &view).unwrap();
+        assert!((f.rmse - 0.125_f64.sqrt()).abs() < 1e-12, "{f:?}");
+        assert!((f.mean_signed.unwrap() - 0.5 / 3.0).abs() < 1e-12, "{f:?}");
+        assert!(figures(&[0.0; 3], &view).is_err());
+    }
+}
