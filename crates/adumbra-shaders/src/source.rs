@@ -171,6 +171,16 @@ sources! {
     OCCLUSION_PASS = "passes/occlusion.wgsl";
     /// The estimator `issao`.
     OCCLUSION_ISSAO = "passes/occlusion_issao.wgsl";
+    /// The estimator `ssao`.
+    OCCLUSION_SSAO = "passes/occlusion_ssao.wgsl";
+    /// The estimator `alchemy`.
+    OCCLUSION_ALCHEMY = "passes/occlusion_alchemy.wgsl";
+    /// What `hbao` and `gtao` share.
+    OCCLUSION_MARCH = "passes/occlusion_march.wgsl";
+    /// The estimator `hbao`.
+    OCCLUSION_HBAO = "passes/occlusion_hbao.wgsl";
+    /// The estimator `gtao`.
+    OCCLUSION_GTAO = "passes/occlusion_gtao.wgsl";
     /// Filters of ambient visibility.
     OCCLUSION_FILTER = "passes/occlusion_filter.wgsl";
     /// Sun, sky, shadow factor and ambient visibility on the G-buffer.

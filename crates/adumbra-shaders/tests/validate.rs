@@ -308,6 +308,10 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
     ("occlusion, surface", &[source::OCCLUSION_SURFACE]),
     ("issao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ISSAO]),
+    ("ssao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_SSAO]),
+    ("alchemy", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ALCHEMY]),
+    ("hbao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_MARCH, source::OCCLUSION_HBAO]),
+    ("gtao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_MARCH, source::OCCLUSION_GTAO]),
     ("occlusion, filter", &[source::OCCLUSION_FILTER]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];

@@ -57,7 +57,8 @@ struct Pictures {
 impl OcclusionPasses {
     /// Builds the pipelines.
     pub fn new(gpu: &Gpu, settings: OcclusionSettings) -> Self {
-        let estimate = [source::OCCLUSION, source::OCCLUSION_PASS, estimator(settings.estimator)];
+        let mut estimate = vec![source::OCCLUSION, source::OCCLUSION_PASS];
+        estimate.extend(estimator(settings.estimator));
         let filter = match settings.filter {
             Filter::None => None,
             _ => Some("bilateral_line"),
@@ -241,9 +242,13 @@ impl Pictures {
     }
 }
 
-fn estimator(estimator: Estimator) -> Source {
+fn estimator(estimator: Estimator) -> &'static [Source] {
     match estimator {
-        _ => source::OCCLUSION_ISSAO,
+        Estimator::Ssao => &[source::OCCLUSION_SSAO],
+        Estimator::Hbao => &[source::OCCLUSION_MARCH, source::OCCLUSION_HBAO],
+        Estimator::Alchemy => &[source::OCCLUSION_ALCHEMY],
+        Estimator::Issao => &[source::OCCLUSION_ISSAO],
+        Estimator::Gtao => &[source::OCCLUSION_MARCH, source::OCCLUSION_GTAO],
     }
 }
 

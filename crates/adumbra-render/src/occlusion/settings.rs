@@ -156,11 +156,12 @@ impl OcclusionSettings {
         };
         let ([ax, bx], [ay, by]) = (ndc(frame.size[0], 1.0), ndc(frame.size[1], -1.0));
         let (shape, shape_more) = self.packed_shape();
+        let [taps, steps] = self.counted_taps();
         OcclusionParams {
             size: [width, height, scale, if self.normals == Normals::GBuffer { scale } else { 1 }],
             counts: [
-                self.samples,
-                1,
+                taps,
+                steps,
                 if self.reuse { frame.size[2] * 5 } else { 0 },
                 if self.levels { 0 } else { 4 },
             ],
@@ -181,6 +182,17 @@ impl OcclusionSettings {
         }
     }
 
+    /// Taps that are taken, and steps of a march among them.
+    fn counted_taps(&self) -> [u32; 2] {
+        match self.estimator {
+            Estimator::Hbao | Estimator::Gtao => {
+                let [directions, steps] = march(self.samples);
+                [directions * steps, steps]
+            }
+            _ => [self.samples, 1],
+        }
+    }
+
     /// The parameters as the estimator's shader takes them.
     fn packed_shape(&self) -> ([f32; 4], [f32; 4]) {
         let p = |name| self.parameter(name);
@@ -190,7 +202,10 @@ impl OcclusionSettings {
                 let contrast = if exponent > 0.0 { 1.0 } else { p("phi") };
                 ([2.0 * p("lambda") * contrast, p("psi"), p("zcap"), p("sigma")], [exponent, 1.0, 0.0, 0.0])
             }
-            _ => ([0.0; 4], [0.0; 4]),
+            Estimator::Ssao => ([p("strength"), p("power"), p("bias"), p("range")], [0.0; 4]),
+            Estimator::Hbao => ([p("strength"), p("power"), p("bias"), 0.5 * p("falloff")], [0.0; 4]),
+            Estimator::Alchemy => ([2.0 * p("sigma"), p("k"), p("beta"), p("epsilon")], [0.0; 4]),
+            Estimator::Gtao => ([1.0 / (1.0 - p("falloff")), 1.0 + p("thin"), p("power"), 0.0], [0.0; 4]),
         };
         (shape.map(|v| v as f32), more.map(|v| v as f32))
     }
@@ -206,6 +221,41 @@ impl OcclusionSettings {
             counts: [width, height, self.filter_side, axis],
             shape: [self.sigma_texels as f32, (self.sigma_depth * self.radius_world) as f32, 0.0, 0.0],
             weights: Array(weights),
+        }
+    }
+}
+
+/// Directions of a march of `samples` taps, and steps along each. Directions are an even number, so that two make a slice, except for
+/// a single tap, and 1/2 to 3 times the steps; so a few taps may be left over. Of what leaves fewest the nearest to four
+/// directions for three steps.
+pub(super) fn march(samples: u32) -> [u32; 2] {
+    let pairs = (2..=samples).step_by(2).map(|directions| [directions, samples / directions]);
+    let fitting = pairs.filter(|&[d, s]| s <= 2 * d && d <= 3 * s);
+    let off = |[d, s]: [u32; 2]| (3 * d).abs_diff(4 * s);
+    fitting.min_by_key(|&[d, s]| (samples - d * s, off([d, s]))).unwrap_or([1, 1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::march;
+
+    #[test]
+    fn march_takes_nearly_all_taps() {
+        for (samples, expected) in [
+            (1, [1, 1]),
+            (2, [2, 1]),
+            (4, [2, 2]),
+            (8, [4, 2]),
+            (12, [4, 3]),
+            (16, [4, 4]),
+            (24, [6, 4]),
+            (64, [8, 8]),
+        ] {
+            assert_eq!(march(samples), expected, "{samples}");
+        }
+        for samples in 1..=64 {
+            let [directions, steps] = march(samples);
+            assert!(samples - directions * steps <= 2, "{samples}: {directions} × {steps}");
         }
     }
 }

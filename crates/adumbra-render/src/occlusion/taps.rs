@@ -10,8 +10,9 @@ use adumbra_shaders::constants::OCCLUSION_MAX_TAPS;
 use adumbra_shaders::layout::{Array, OcclusionTaps};
 
 use super::estimator::Estimator;
-use super::settings::OcclusionSettings;
+use super::settings::{OcclusionSettings, march};
 
+const GOLDEN: f64 = 1.618_033_988_749_895;
 const PLASTIC: f64 = 1.324_717_957_244_746;
 /// Places of the tile.
 const PLACES: usize = 16;
@@ -23,7 +24,7 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
     let samples = settings.samples as usize;
     let mut sequence = (1_u32..)
         .map(|i| [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + f64::from(i) * step).fract()));
-    for place in taps.chunks_exact_mut(MAX_TAPS) {
+    for (number, place) in taps.chunks_exact_mut(MAX_TAPS).enumerate() {
         match settings.estimator {
             Estimator::Issao => {
                 let mut inside = sequence.by_ref().map(disc_tap).filter(|c| c[0].hypot(c[1]) < 1.0);
@@ -32,7 +33,21 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
                     *tap = [c[0] as f32, c[1] as f32, 0.0, 0.0];
                 }
             }
-            _ => {}
+            Estimator::Alchemy => {
+                place.iter_mut().zip(sequence.by_ref()).take(samples).for_each(|(tap, e)| {
+                    let r = e[0].sqrt();
+                    *tap = [r * libm::cos(TAU * e[1]), r * libm::sin(TAU * e[1]), 0.0, 0.0].map(|v| v as f32);
+                })
+            }
+            Estimator::Ssao => {
+                for ((i, tap), e) in place.iter_mut().enumerate().take(samples).zip(sequence.by_ref()) {
+                    *tap = ball_tap(e, (i as f64 + within_tile(number)) / samples as f64);
+                }
+            }
+            Estimator::Hbao => march_taps(place, number, march(settings.samples), false, 1.0),
+            Estimator::Gtao => {
+                march_taps(place, number, march(settings.samples), true, settings.parameter("distribution"));
+            }
         }
     }
     OcclusionTaps { taps: Array(taps) }
@@ -42,4 +57,44 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
 /// sequence. What falls outside the disc, which counts nothing, is passed over when the texture is made.
 fn disc_tap([e1, e2]: [f64; 2]) -> [f64; 2] {
     [e1 * libm::sin(TAU * e2), e2 * libm::cos(TAU * e1)]
+}
+
+/// Where a place of the tile falls in each of the parts that taps divide something into.
+fn within_tile(place: usize) -> f64 {
+    (place as f64 + 0.5) / PLACES as f64
+}
+
+/// A point in the unit ball, denser towards the middle: the share `at` of the way from the first tap to the last, at lerp(0.1, 1, at²).
+fn ball_tap([e1, e2]: [f64; 2], at: f64) -> [f32; 4] {
+    let (z, length) = (1.0 - 2.0 * e1, 0.1 + 0.9 * at * at);
+    let r = (1.0 - z * z).sqrt();
+    [r * libm::cos(TAU * e2), r * libm::sin(TAU * e2), z, 0.0].map(|v| (v * length) as f32)
+}
+
+/// Taps of a march: by direction, then by step; of `paired` directions only the first half, which the others are opposite to. x and y are
+/// the direction, y up; z how far the step is, of the radius, and w the same of the opposite direction. The tile turns directions by
+/// what lies between two of them, and moves the steps of each by one.
+fn march_taps(
+    place: &mut [[f32; 4]],
+    number: usize,
+    [directions, steps]: [u32; 2],
+    paired: bool,
+    power: f64,
+) {
+    let slices = if paired { directions.div_ceil(2) } else { directions };
+    let turns = if paired { 0.5 } else { 1.0 };
+    let mut next = place.iter_mut();
+    for slice in 0..slices {
+        let angle = TAU * turns * (f64::from(slice) + within_tile(number)) / f64::from(slices);
+        let start = |side: u32| {
+            let i = (2 * slice + side) as usize * PLACES + number;
+            (0.5 + i as f64 * (GOLDEN - 1.0)).fract()
+        };
+        for step in 0..steps {
+            let far = |side| libm::pow((f64::from(step) + start(side)) / f64::from(steps), power);
+            if let Some(tap) = next.next() {
+                *tap = [libm::cos(angle), libm::sin(angle), far(0), far(1)].map(|v| v as f32);
+            }
+        }
+    }
 }

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test program uses a part")]
 
 pub(crate) mod boxes;
+pub(crate) mod buffers;
 pub(crate) mod hybrid;
 pub(crate) mod surfaces;
 

@@ -1,6 +1,11 @@
 //! Ambient occlusion on the CPU: the same passes on pictures in memory.
 
+mod alchemy;
+mod gtao;
+mod hbao;
 mod issao;
+mod march;
+mod ssao;
 
 use adumbra_shaders::constants::OCCLUSION_MAX_TAPS;
 use adumbra_shaders::layout::{Frame, OcclusionFilterParams, OcclusionParams, OcclusionTaps};
@@ -93,8 +98,11 @@ impl Pass<'_> {
             return [1.0, z];
         }
         let visibility = match settings.estimator {
+            Estimator::Ssao => ssao::visibility(self, &c),
+            Estimator::Hbao => hbao::visibility(self, &c),
+            Estimator::Alchemy => alchemy::visibility(self, &c),
             Estimator::Issao => issao::visibility(self, &c),
-            _ => 1.0,
+            Estimator::Gtao => gtao::visibility(self, &c),
         };
         [visibility, z]
     }
@@ -113,6 +121,21 @@ impl Pass<'_> {
             ndc * (o.half_view[a] + o.half_view[a + 2] * z)
         };
         [at(0), at(1), z]
+    }
+
+    /// Where a view-space point lies, in texels; whole numbers are centres.
+    fn texel(&self, p: [f32; 3]) -> [f32; 2] {
+        let o = &self.params;
+        [0, 1].map(|a| {
+            let ndc = p[a] / (o.half_view[a] + o.half_view[a + 2] * p[2]);
+            (ndc - o.ndc_from_texel[a + 2]) / o.ndc_from_texel[a]
+        })
+    }
+
+    /// From P to what is seen at a texel, in radii.
+    fn reach(&self, c: &Center, texel: [i32; 2], z: f32, inverse_radius: f32) -> [f32; 3] {
+        let s = self.point(texel, z);
+        std::array::from_fn(|a| (s[a] - c.p[a]) * inverse_radius)
     }
 
     fn center(&self, texel: [u32; 2], z: f32) -> Center {
