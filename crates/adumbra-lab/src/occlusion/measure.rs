@@ -116,10 +116,7 @@ impl OcclusionJudge<'_, '_> {
     /// # Errors
     /// What the device reports.
     pub fn judge(&self, stage: &OcclusionStage) -> Result<Judged> {
-        let camera = stage.camera();
-        let surfaces = self.cache.surfaces(self.truth, self.scene, camera);
-        let truth =
-            self.cache.ambient(self.truth, self.scene, camera, &surfaces, self.radius_world, self.rays);
+        let (surfaces, truth) = self.trace(stage.camera());
         let drawn = stage.surface()?;
         let mut pixels = PixelCounts::default();
         let counted = surfaces.view_depth.iter().zip(&drawn.view_depth).map(|(&traced, &drawn)| {
@@ -134,6 +131,14 @@ impl OcclusionJudge<'_, '_> {
         });
         let counted = counted.collect();
         Ok(Judged { surfaces, truth, counted, pixels })
+    }
+
+    /// What `camera` sees, and its ambient visibility.
+    pub(super) fn trace(&self, camera: &Camera) -> (Surfaces, Vec<f32>) {
+        let surfaces = self.cache.surfaces(self.truth, self.scene, camera);
+        let (radius, rays) = (self.radius_world, self.rays);
+        let truth = self.cache.ambient(self.truth, self.scene, camera, &surfaces, radius, rays);
+        (surfaces, truth)
     }
 }
 
