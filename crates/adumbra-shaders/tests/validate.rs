@@ -308,7 +308,10 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
     ("occlusion, surface", &[source::OCCLUSION_SURFACE]),
     ("issao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ISSAO]),
-    ("occlusion, filter", &[source::OCCLUSION_FILTER]),
+    ("occlusion, normals", &[source::OCCLUSION_NORMALS]),
+    ("occlusion, history", &[source::OCCLUSION, source::OCCLUSION_HISTORY]),
+    ("occlusion, filter", &[source::OCCLUSION_PLANE, source::OCCLUSION_FILTER]),
+    ("occlusion, up", &[source::OCCLUSION_PLANE, source::OCCLUSION_UP]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 

@@ -9,6 +9,10 @@ use crate::technique::TechniqueSpec;
 
 /// Radius where none is given, as a share of the scene's diagonal.
 pub const DEFAULT_RADIUS_SHARE: f64 = 0.02;
+/// Difference of visibility that the edge test passes over: a step of eight bits.
+const EDGE_TOLERANCE: f32 = 1.0 / 255.0;
+/// Least standard deviation of view depth, world units: its inverse squared is still a number.
+const LEAST_SIGMA_WORLD: f64 = 1e-15;
 
 /// Where normals come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,12 +61,17 @@ pub struct OcclusionSettings {
     pub sigma_texels: f64,
     /// Standard deviation of view depth in the filter, radii.
     pub sigma_depth: f64,
+    /// The filter takes differences of depth from the centre's own surface, drawn on to each tap, so that it smooths planes at any angle;
+    /// not from the centre's own depth, as equation 7 is printed.
+    pub planes: bool,
     /// The filter leaves texels as they are whose neighbourhood needs none.
     pub edge_test: bool,
     /// At half of the width and height.
     pub half: bool,
     /// With what is still valid of the frame before.
     pub reuse: bool,
+    /// Most frames that the mean over them goes back, 1 to 64.
+    pub frames: u32,
 }
 
 impl OcclusionSettings {
@@ -82,9 +91,11 @@ impl OcclusionSettings {
             filter_side: 4,
             sigma_texels: 2.5,
             sigma_depth: 0.1,
+            planes: true,
             edge_test: false,
             half: false,
             reuse: false,
+            frames: 8,
         }
     }
 
@@ -116,9 +127,11 @@ impl OcclusionSettings {
         s.filter_side = r.count("side", s.filter_side, 1..=OCCLUSION_MAX_SIDE)?;
         s.sigma_texels = r.number("blur", s.sigma_texels, 0.1..=16.0)?;
         s.sigma_depth = r.number("sharpness", s.sigma_depth, 1e-4..=100.0)?;
+        s.planes = r.choice("depth", &["plane", "plain"])? == "plane";
         s.edge_test = r.choice("edges", &["off", "on"])? == "on";
         s.half = r.choice("half", &["off", "on"])? == "on";
         s.reuse = r.choice("reuse", &["off", "on"])? == "on";
+        s.frames = r.count("frames", s.frames, 1..=64)?;
         for (value, p) in s.shape.iter_mut().zip(estimator.parameters()) {
             *value = r.number(p.name, p.default, p.range[0]..=p.range[1])?;
         }
@@ -161,7 +174,7 @@ impl OcclusionSettings {
             counts: [
                 self.samples,
                 1,
-                if self.reuse { frame.size[2] * 5 } else { 0 },
+                if self.reuse { frame.size[2] % 16 * 5 } else { 0 },
                 if self.levels { 0 } else { 4 },
             ],
             region: [
@@ -195,16 +208,34 @@ impl OcclusionSettings {
         (shape.map(|v| v as f32), more.map(|v| v as f32))
     }
 
+    /// Passes of the filter.
+    pub(super) fn filter_passes(&self) -> u32 {
+        match self.filter {
+            Filter::None => 0,
+            Filter::BilateralSquare => 1,
+            Filter::Bilateral | Filter::Gauss => 2,
+        }
+    }
+
     /// A filter pass's uniform along an axis (0 x, 1 y).
-    pub fn filter_params(&self, [width, height]: [u32; 2], axis: u32) -> OcclusionFilterParams {
+    pub fn filter_params(&self, frame: &Frame, axis: u32) -> OcclusionFilterParams {
+        let [width, height] = self.size([frame.size[0], frame.size[1]]);
         let mut weights = [[0.0; 4]; OCCLUSION_MAX_SIDE as usize / 4 + 1];
         for i in 0..=self.filter_side {
             let d = f64::from(i) / self.sigma_texels;
             weights[i as usize / 4][i as usize % 4] = (-0.5 * d * d).exp() as f32;
         }
+        let sigma_world = (self.sigma_depth * self.radius_world).max(LEAST_SIGMA_WORLD);
+        let is_perspective = frame.depth_to_z[3] != 0.0;
+        let follows = |projection: bool| f32::from(u8::from(self.planes && projection));
         OcclusionFilterParams {
             counts: [width, height, self.filter_side, axis],
-            shape: [self.sigma_texels as f32, (self.sigma_depth * self.radius_world) as f32, 0.0, 0.0],
+            shape: [
+                (std::f64::consts::FRAC_1_SQRT_2 / sigma_world) as f32,
+                follows(is_perspective),
+                follows(!is_perspective),
+                if self.edge_test { EDGE_TOLERANCE } else { -1.0 },
+            ],
             weights: Array(weights),
         }
     }
