@@ -308,8 +308,8 @@ gpu_struct! {
         /// 1 / (√2 sigma of view depth) per world unit; 1 where the filter follows planes in perspective, and where it does in an
         /// orthographic picture; difference of visibility that the edge test passes over, negative without it.
         pub shape: [f32; 4],
-        /// Weights by distance in texels, not normalised, 4 by 4.
-        pub weights: Array<[f32; 4], 5>,
+        /// 1 / (2 sigma²) of the distance in texels; 0; 0; 0.
+        pub near: [f32; 4],
     }
 }
 

@@ -1,7 +1,7 @@
 //! What ambient occlusion is asked for.
 
 use adumbra_shaders::constants::{OCCLUSION_MAX_SIDE, OCCLUSION_MAX_TAPS};
-use adumbra_shaders::layout::{Array, Frame, OcclusionFilterParams, OcclusionParams};
+use adumbra_shaders::layout::{Frame, OcclusionFilterParams, OcclusionParams};
 
 use super::estimator::{Estimator, MAX_PARAMETERS, Parameter};
 use crate::error::Result;
@@ -220,11 +220,6 @@ impl OcclusionSettings {
     /// A filter pass's uniform along an axis (0 x, 1 y).
     pub fn filter_params(&self, frame: &Frame, axis: u32) -> OcclusionFilterParams {
         let [width, height] = self.size([frame.size[0], frame.size[1]]);
-        let mut weights = [[0.0; 4]; OCCLUSION_MAX_SIDE as usize / 4 + 1];
-        for i in 0..=self.filter_side {
-            let d = f64::from(i) / self.sigma_texels;
-            weights[i as usize / 4][i as usize % 4] = (-0.5 * d * d).exp() as f32;
-        }
         let sigma_world = (self.sigma_depth * self.radius_world).max(LEAST_SIGMA_WORLD);
         let is_perspective = frame.depth_to_z[3] != 0.0;
         let follows = |projection: bool| f32::from(u8::from(self.planes && projection));
@@ -236,7 +231,7 @@ impl OcclusionSettings {
                 follows(!is_perspective),
                 if self.edge_test { EDGE_TOLERANCE } else { -1.0 },
             ],
-            weights: Array(weights),
+            near: [(0.5 / (self.sigma_texels * self.sigma_texels)) as f32, 0.0, 0.0, 0.0],
         }
     }
 }

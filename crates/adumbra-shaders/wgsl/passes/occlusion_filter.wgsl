@@ -7,19 +7,14 @@
 @group(0) @binding(1) var ambient_in: texture_2d<f32>;
 @group(0) @binding(2) var ambient_out: texture_storage_2d<rg32float, write>;
 
-fn near_weight(distance: i32) -> f32 {
-    let i = u32(abs(distance));
-    return blur.weights[i >> 2u][i & 3u];
-}
-
 fn ambient_at(texel: vec2i) -> vec2f {
     return textureLoad(ambient_in, texel, 0).xy;
 }
 
-// 0 for what is not there. The tap lies `i` steps along x, `j` along y.
-fn depth_weight(z: f32, other_z: f32, run: vec2f) -> f32 {
+// Of a tap whose distance has this square, in texels; 0 for what is not there.
+fn weight_of(squared: f32, z: f32, other_z: f32, run: vec2f) -> f32 {
     let d = (other_z * (1.0 + run.x) - (z + run.y)) * blur.shape.x;
-    return select(0.0, exp(-d * d), other_z > 0.0);
+    return select(0.0, exp(-d * d - squared * blur.near.x), other_z > 0.0);
 }
 
 // View depth, 0 beyond the picture.
@@ -78,7 +73,7 @@ fn bilateral_line(@builtin(global_invocation_id) id: vec3u) {
         var weights = 0.0;
         for (var i = taps.x; i <= taps.y; i++) {
             let other = ambient_at(texel + i * axis);
-            let weight = near_weight(i) * depth_weight(center.y, other.y, f32(i) * run);
+            let weight = weight_of(f32(i * i), center.y, other.y, f32(i) * run);
             sum += weight * other.x;
             weights += weight;
         }
@@ -106,7 +101,7 @@ fn bilateral_square(@builtin(global_invocation_id) id: vec3u) {
             for (var i = columns.x; i <= columns.y; i++) {
                 let other = ambient_at(texel + vec2i(i, j));
                 let run = f32(i) * run_x + f32(j) * run_y;
-                let weight = near_weight(i) * near_weight(j) * depth_weight(center.y, other.y, run);
+                let weight = weight_of(f32(i * i + j * j), center.y, other.y, run);
                 sum += weight * other.x;
                 weights += weight;
             }
@@ -132,7 +127,7 @@ fn gauss_line(@builtin(global_invocation_id) id: vec3u) {
         var weights = 0.0;
         for (var i = taps.x; i <= taps.y; i++) {
             let other = ambient_at(texel + i * axis);
-            let weight = select(0.0, near_weight(i), other.y > 0.0);
+            let weight = select(0.0, exp(-f32(i * i) * blur.near.x), other.y > 0.0);
             sum += weight * other.x;
             weights += weight;
         }

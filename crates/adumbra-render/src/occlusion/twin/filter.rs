@@ -83,14 +83,9 @@ impl Pass<'_> {
         if self.params.counts[3] == 1 { [0, 1] } else { [1, 0] }
     }
 
-    fn near_weight(&self, distance: i32) -> f32 {
-        let i = distance.unsigned_abs() as usize;
-        self.params.weights.0[i / 4][i % 4]
-    }
-
-    fn depth_weight(&self, z: f32, other_z: f32, run: [f32; 2]) -> f32 {
+    fn weight_of(&self, squared: i32, z: f32, other_z: f32, run: [f32; 2]) -> f32 {
         let d = (other_z * (1.0 + run[0]) - (z + run[1])) * self.params.shape[0];
-        if other_z > 0.0 { (-d * d).exp() } else { 0.0 }
+        if other_z > 0.0 { (-d * d - squared as f32 * self.params.near[0]).exp() } else { 0.0 }
     }
 
     fn run(&self, texel: [i32; 2], axis: [i32; 2], z: f32) -> [f32; 2] {
@@ -112,13 +107,15 @@ impl Pass<'_> {
         for i in -self.side()..=self.side() {
             let Some(at) = index(self.size(), along(texel, axis, i)) else { continue };
             let [other, other_z] = self.from[at];
-            let share = if sees_depth {
-                self.depth_weight(z, other_z, run.map(|r| i as f32 * r))
+            let weight = if sees_depth {
+                self.weight_of(i * i, z, other_z, run.map(|r| i as f32 * r))
+            } else if other_z > 0.0 {
+                ((-i * i) as f32 * self.params.near[0]).exp()
             } else {
-                f32::from(u8::from(other_z > 0.0))
+                0.0
             };
-            sum += self.near_weight(i) * share * other;
-            weights += self.near_weight(i) * share;
+            sum += weight * other;
+            weights += weight;
         }
         [sum / weights, z]
     }
@@ -135,7 +132,7 @@ impl Pass<'_> {
                 let Some(at) = index(self.size(), [texel[0] + i, texel[1] + j]) else { continue };
                 let [other, other_z] = self.from[at];
                 let run = [0, 1].map(|a| i as f32 * run_x[a] + j as f32 * run_y[a]);
-                let weight = self.near_weight(i) * self.near_weight(j) * self.depth_weight(z, other_z, run);
+                let weight = self.weight_of(i * i + j * j, z, other_z, run);
                 sum += weight * other;
                 weights += weight;
             }
