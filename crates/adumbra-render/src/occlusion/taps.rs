@@ -26,6 +26,11 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
         .map(|i| [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + f64::from(i) * step).fract()));
     for (number, place) in taps.chunks_exact_mut(MAX_TAPS).enumerate() {
         match settings.estimator {
+            Estimator::Issao if settings.parameter("relation") > 0.5 => {
+                for (i, tap) in place.iter_mut().enumerate().take(samples) {
+                    *tap = spiral_tap((i as f64 + within_tile(number)) / samples as f64, number);
+                }
+            }
             Estimator::Issao => {
                 let mut inside = sequence.by_ref().map(disc_tap).filter(|c| c[0].hypot(c[1]) < 1.0);
                 for tap in place.iter_mut().take(samples) {
@@ -53,10 +58,18 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
     OcclusionTaps { taps: Array(taps) }
 }
 
-/// Equation 1 of Qiu et al. 2014 for a radius of 1. The relation of e1 and e2, lost in print, is that of consecutive points of the
-/// sequence. What falls outside the disc, which counts nothing, is passed over when the texture is made.
+/// C(e1, e2) of Qiu et al. 2014, equation 1, for a radius of 1.
 fn disc_tap([e1, e2]: [f64; 2]) -> [f64; 2] {
     [e1 * libm::sin(TAU * e2), e2 * libm::cos(TAU * e1)]
+}
+
+/// The same where the relation of e1 and e2, lost in print, is that they are equal: a spiral of one turn, whose density falls with the distance from the
+/// middle, and which ends at the rim (free of each other they reach 1.255, and what is beyond 1 is passed over). Each place turns its
+/// spiral by a 16th of a circle more.
+fn spiral_tap(e: f64, place: usize) -> [f32; 4] {
+    let [x, y] = disc_tap([e, e]);
+    let (sin, cos) = libm::sincos(TAU * place as f64 / PLACES as f64);
+    [cos * x - sin * y, sin * x + cos * y, 0.0, 0.0].map(|v| v as f32)
 }
 
 /// Where a place of the tile falls in each of the parts that taps divide something into.
