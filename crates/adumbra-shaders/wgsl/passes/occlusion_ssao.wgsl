@@ -1,9 +1,12 @@
-// Mittring, Finding Next Gen: CryEngine 2, 2007, with the hemisphere about the normal that engines have taken since: the share of points
-// near P that lie behind what is seen where they are. Numbers are radii, so that nothing depends on the scene's unit.
-// shape: strength, exponent of the visibility, bias, range. What is seen occludes a point that it lies nearer than by more than the bias; it
-// counts for smoothstep(0, 1, range / |difference of its depth and P's|), so that what lies far before P does not darken it.
-// shape_more: how far it rises over P's tangent plane at least. That is a departure: a depth is that of a texel's centre, up to half a texel
-// from the point, and on a slope the difference is the surface's own, so a bias in depth that is right for one slope is wrong for others.
+// Mittring, Finding Next Gen: CryEngine 2, 2007, with the hemisphere about the normal that engines have taken since: the
+// share of points near P that lie behind what is seen where they are. Numbers are radii, so that nothing depends on the
+// scene's unit.
+// shape: strength, exponent of the visibility, bias, range. What is seen occludes a point that it lies nearer than by more
+// than the bias; it counts for smoothstep(0, 1, range / |difference of its depth and P's|), so that what lies far before P
+// does not darken it.
+// shape_more: how far it rises over P's tangent plane at least. That is a departure: a depth is that of a texel's centre, up
+// to half a texel from the point, and on a slope the difference is the surface's own, so a bias in depth that is right for
+// one slope is wrong for others.
 // A tap: a point in the unit ball, in radii.
 
 fn ambient_visibility(c: OcclusionCenter) -> f32 {
