@@ -138,6 +138,11 @@ impl Renderer {
         self.ambient.as_ref()
     }
 
+    /// The same, to have it forget the frames before.
+    pub fn ambient_mut(&mut self) -> Option<&mut OcclusionPasses> {
+        self.ambient.as_mut()
+    }
+
     /// Ambient occlusion alone, on the G-buffer of the frame drawn last, which was `shot`'s.
     ///
     /// # Errors
@@ -164,7 +169,11 @@ impl Renderer {
         ambient.prepare(gpu, &frame);
         timer.stage(gpu, Stage::AmbientSurface, |encoder| ambient.encode_surfaces(gpu, encoder, &input))?;
         timer.stage(gpu, Stage::AmbientEstimate, |encoder| ambient.encode_estimate(gpu, encoder, &input))?;
-        timer.stage(gpu, Stage::AmbientFilter, |encoder| ambient.encode_filter(gpu, encoder))
+        if ambient.has_history() {
+            timer
+                .stage(gpu, Stage::AmbientHistory, |encoder| ambient.encode_history(gpu, encoder, &input))?;
+        }
+        timer.stage(gpu, Stage::AmbientFilter, |encoder| ambient.encode_filter(gpu, encoder, &input))
     }
 
     /// Builds a technique's pipelines.

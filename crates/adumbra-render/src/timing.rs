@@ -23,13 +23,15 @@ pub enum Stage {
     AmbientSurface,
     /// The estimator of ambient occlusion.
     AmbientEstimate,
-    /// What smooths its estimate.
+    /// Its mean with the frames before.
+    AmbientHistory,
+    /// What smooths its estimate, and brings it to the frame's size.
     AmbientFilter,
     /// Sun, sky, shadow and ambient occlusion.
     Composite,
 }
 
-const STAGES: usize = 9;
+const STAGES: usize = 10;
 /// A stage's two ticks, each pair where a query may be resolved to.
 const RESOLVED_BYTES: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
 
@@ -60,7 +62,11 @@ impl FrameTimes {
 
     /// Milliseconds that ambient occlusion took.
     pub fn ambient(&self) -> f64 {
-        self.of(Stage::AmbientSurface) + self.of(Stage::AmbientEstimate) + self.of(Stage::AmbientFilter)
+        use Stage::{AmbientEstimate, AmbientFilter, AmbientHistory, AmbientSurface};
+        [AmbientSurface, AmbientEstimate, AmbientHistory, AmbientFilter]
+            .map(|stage| self.of(stage))
+            .iter()
+            .sum()
     }
 }
 

@@ -71,63 +71,82 @@ fn occlusion_on_the_gpu_is_the_cpu_s() {
         let depth = read_floats(renderer.gpu(), &renderer.targets().unwrap().depth.texture, 0, 0).unwrap();
         let normal = renderer.read_surface(shot).unwrap().normal;
         let frame = frame(&shot.camera, &renderer.bounds(), shot.towards_sun, 0);
-        for estimator in Estimator::ALL {
-            for text in [format!("{estimator}:filter=none"), estimator.to_string()] {
-                let found = view.occlude(&text, 8.0);
-                let surfaces = Surfaces { frame, depth: &depth, normal: &normal };
-                let expected = ambient(&settings(&text, 8.0), &surfaces);
-                let differences = found.iter().zip(&expected).map(|(a, b)| (a - b[0]).abs());
-                let worst = differences.clone().fold(0.0, f32::max);
-                let off = differences.filter(|d| *d > 2e-3).count();
-                let mean = mean(found.iter().copied());
-                println!("{text}: {worst}, {off} texels, mean {mean}");
-                assert!(worst < 2e-3, "{text}: {worst}");
-                assert!(mean < 0.98 && mean > 0.3, "{text}: {mean}");
-            }
+        let each = Estimator::ALL.iter().flat_map(|e| [e.to_string(), format!("{e}:filter=none")]);
+        for text in each.chain(["ssao:tangent=0".to_owned()]) {
+            let found = view.occlude(&text, 8.0);
+            let surfaces = Surfaces { frame, depth: &depth, normal: &normal };
+            let expected = ambient(&settings(&text, 8.0), &surfaces);
+            let worst = found.iter().zip(&expected).map(|(a, b)| (a - b[0]).abs()).fold(0.0, f32::max);
+            let mean = mean(found.iter().copied());
+            println!("{text}: {worst}, mean {mean}");
+            assert!(worst < 2e-3, "{text}: {worst}");
+            assert!(mean < 0.98 && mean > 0.3, "{text}: {mean}");
         }
     }
 }
 
+/// A turn that leaves no axis where it was: normals of 16 bits are exact along the axes alone.
+fn tilted([x, y, z]: [f64; 3]) -> [f64; 3] {
+    let turn = |[a, b]: [f64; 2], angle: f64| {
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        [cos * a - sin * b, sin * a + cos * b]
+    };
+    let [x, y] = turn([x, y], 0.57);
+    let [y, z] = turn([y, z], 0.31);
+    [x, y, z]
+}
+
+fn tilted_scene(mut scene: Scene) -> Scene {
+    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(tilted);
+    for instance in &mut scene.instances {
+        instance.world_from_mesh =
+            std::array::from_fn(|row| [columns[0][row], columns[1][row], columns[2][row], 0.0]);
+    }
+    scene
+}
+
 #[test]
 fn occlusion_of_a_plane_is_none() {
-    let ground = boxes(&[([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])]);
+    let ground = tilted_scene(boxes(&[([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])]));
     for degrees in [90.0_f64, 45.0, 15.0, 5.0] {
         for (projection, distance) in [
             (Projection::Perspective { fov_degrees: 45.0 }, 10.0),
             (Projection::Orthographic { height_world: 8.0 }, 100.0),
         ] {
             let angle = degrees.to_radians();
-            let eye = [0.0, distance * libm::sin(angle), distance * libm::cos(angle)];
+            let eye = tilted([0.0, distance * libm::sin(angle), distance * libm::cos(angle)]);
             let view =
                 View::new(&ground, Camera { eye, target: [0.0; 3], projection, width: 129, height: 97 });
             let points = view.points();
-            for estimator in Estimator::ALL {
-                for filter in ["none", "bilateral"] {
-                    for radius_world in [0.5, 2.0] {
-                        let found = view.occlude(&format!("{estimator}:filter={filter}"), radius_world);
-                        let on_ground = || points.iter().zip(&found).filter(|(p, _)| p.is_some());
-                        let mean = mean(on_ground().map(|(_, v)| *v));
-                        let least = on_ground().map(|(_, v)| *v).fold(1.0, f32::min);
-                        println!(
-                            "{estimator} {filter} {degrees}° {projection:?} {radius_world}: {mean} {least}"
-                        );
-                        assert!(mean > 0.99, "{estimator} {filter} {degrees}° {projection:?}: {mean}");
-                    }
-                }
+            for (estimator, filter, radius_world) in Estimator::ALL
+                .into_iter()
+                .flat_map(|e| ["none", "bilateral"].map(|f| (e, f)))
+                .flat_map(|(e, f)| [0.5, 2.0].map(|r| (e, f, r)))
+            {
+                let found = view.occlude(&format!("{estimator}:filter={filter}"), radius_world);
+                let on_ground = || points.iter().zip(&found).filter(|(p, _)| p.is_some()).map(|(_, v)| *v);
+                let (mean, least) = (mean(on_ground()), on_ground().fold(1.0, f32::min));
+                let what = format!("{estimator} {filter} {degrees}° {projection:?} {radius_world}");
+                println!("{what}: {mean} {least}");
+                assert!(on_ground().count() > 1000 && mean > 0.99 && least > 0.9, "{what}: {mean} {least}");
             }
         }
     }
 }
 
+/// Ground y = 0 and a wall x = 0, drawn with the radius 2 in mind.
+fn corner() -> View {
+    let scene =
+        boxes(&[([-60.0, -1.0, -60.0], [60.0, 0.0, 60.0]), ([-61.0, -1.0, -60.0], [0.0, 60.0, 60.0])]);
+    let projection = Projection::Perspective { fov_degrees: 50.0 };
+    let camera =
+        Camera { eye: [12.0, 9.0, 4.0], target: [1.5, 0.5, 0.0], projection, width: 203, height: 151 };
+    View::new(&scene, camera)
+}
+
 #[test]
 fn occlusion_of_an_inside_corner_is_darker_than_a_plane_s() {
-    // Ground y = 0 and a wall x = 0.
-    let corner =
-        boxes(&[([-60.0, -1.0, -60.0], [60.0, 0.0, 60.0]), ([-61.0, -1.0, -60.0], [0.0, 60.0, 60.0])]);
-    let eye = [12.0, 9.0, 4.0];
-    let projection = Projection::Perspective { fov_degrees: 50.0 };
-    let view =
-        View::new(&corner, Camera { eye, target: [1.5, 0.5, 0.0], projection, width: 203, height: 151 });
+    let view = corner();
     let points = view.points();
     for estimator in Estimator::ALL {
         let found = view.occlude(estimator.name(), 2.0);
@@ -137,25 +156,29 @@ fn occlusion_of_an_inside_corner_is_darker_than_a_plane_s() {
             mean(points.iter().zip(&found).filter(|(p, _)| p.as_ref().is_some_and(of)).map(|(_, v)| *v))
         };
         let rings = [at(0.0, 0.15), at(0.15, 0.4), at(0.4, 0.8), at(1.3, 2.0)];
-        let mut error = 0.0;
-        let mut n = 0.0;
-        for (p, v) in points.iter().zip(&found) {
-            if let Some(p) = p {
-                let u = (p[0].max(p[1]) / 2.0).min(1.0);
-                if u < 1.0 {
-                    let open = 1.0 - (libm::acos(u) - u * (1.0 - u * u).sqrt()) / std::f64::consts::PI;
-                    error += (open - f64::from(*v)).abs();
-                    n += 1.0;
-                }
-            }
-        }
-        println!("{estimator}: {rings:?}, mean absolute error {}", error / n);
+        println!("{estimator}: {rings:?}");
         assert!(
             rings[0] < rings[2] && rings[1] < rings[3] && rings[2] < rings[3] + 0.01,
             "{estimator}: {rings:?}"
         );
         assert!(rings[0] < rings[3] - 0.15, "{estimator}: {rings:?}");
     }
+}
+
+#[test]
+fn occlusion_of_gtao_with_many_taps_is_the_corner_s_integral() {
+    let view = corner();
+    let text = "gtao:samples=64:falloff=0.99:power=1:distribution=1:cap=1000:filter=none";
+    let found = view.occlude(text, 2.0);
+    // A wall at the distance u R takes the cap x < -u of the unit disc that cosine-weighted directions fill evenly.
+    let open = |u: f64| 1.0 - (libm::acos(u) - u * (1.0 - u * u).sqrt()) / std::f64::consts::PI;
+    let near = view.points().into_iter().zip(&found).filter_map(|(p, v)| {
+        let u = p.map(|p| p[0].max(p[1]).max(0.0) / 2.0)?;
+        (u < 1.0).then(|| v - open(u) as f32)
+    });
+    let (bias, error) = (mean(near.clone()), mean(near.clone().map(f32::abs)));
+    println!("{bias} {error}");
+    assert!(near.count() > 3000 && bias.abs() < 0.005 && error < 0.02, "{bias} {error}");
 }
 
 /// The same in other units.
@@ -174,12 +197,15 @@ fn occlusion_does_not_depend_on_the_scene_s_unit() {
     let millimetres = View::new(&scaled(&kit::city(), 1000.0), Camera { eye, target, ..camera });
     for estimator in Estimator::ALL {
         let text = format!("{estimator}:filter=none");
-        let (a, b) = (metres.occlude(&text, 8.0), millimetres.occlude(&text, 8000.0));
+        let (a, b) = (metres.occlude(&text, 7.3), millimetres.occlude(&text, 7300.0));
         let differences = || a.iter().zip(&b).map(|(a, b)| (a - b).abs());
-        let off = differences().filter(|d| *d > 1e-3).count();
-        let tight = differences().filter(|d| *d <= 1e-3).fold(0.0, f32::max);
-        let worst = differences().fold(0.0, f32::max);
-        println!("{estimator}: {worst}, {off} texels; others {tight}");
-        assert!(off <= a.len() / 1000, "{estimator}: {off}");
+        // 1000 is no power of two: depths differ in their last bits, and a tap that falls on the edge between two texels may take
+        // the other one.
+        let moved = differences().filter(|d| *d > 1e-3).count();
+        println!(
+            "{estimator}: {} and {moved} texels",
+            differences().filter(|d| *d <= 1e-3).fold(0.0, f32::max)
+        );
+        assert!(moved <= a.len() / 10_000, "{estimator}: {moved}");
     }
 }

@@ -26,7 +26,7 @@ shared! {
     MAX_BLUR_SIDE: u32 = 32;
     /// Most taps of an estimator of ambient occlusion; a 16th of the length of `OcclusionTaps::taps`.
     OCCLUSION_MAX_TAPS: u32 = 64;
-    /// Most neighbours on either side of the filter of ambient occlusion; one less than the weights of `OcclusionFilterParams`.
+    /// Most neighbours on either side of the filter of ambient occlusion.
     OCCLUSION_MAX_SIDE: u32 = 16;
     /// Slopes above this count as this (`adumbra::settings::MAX_SLOPE`).
     MAX_SLOPE: f32 = 9.95;

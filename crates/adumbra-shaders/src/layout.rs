@@ -305,10 +305,36 @@ gpu_struct! {
     pub struct OcclusionFilterParams {
         /// Width and height in texels; neighbours on either side; axis of a line (0 along x, 1 along y).
         pub counts: [u32; 4],
-        /// Sigma in texels, sigma of view depth in world units, difference of visibility that the edge test passes over, 0.
+        /// 1 / (√2 sigma of view depth) per world unit; 1 where the filter follows planes in perspective, and where it does in an
+        /// orthographic picture; difference of visibility that the edge test passes over, negative without it.
         pub shape: [f32; 4],
-        /// Weights by distance in texels, not normalised, 4 by 4.
-        pub weights: Array<[f32; 4], 5>,
+        /// 1 / (2 sigma²) of the distance in texels; 0; 0; 0.
+        pub near: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// Where the frame before saw what this one sees, in view space as in [`OcclusionParams`].
+    pub struct OcclusionHistoryParams {
+        /// `x = xyz · p + w` of a point in the frame before.
+        pub before_x: [f32; 4],
+        /// Its y, likewise.
+        pub before_y: [f32; 4],
+        /// Its view depth, likewise.
+        pub before_z: [f32; 4],
+        /// The frame before's own, as in [`OcclusionParams`].
+        pub ndc_from_texel: [f32; 4],
+        /// Likewise.
+        pub half_view: [f32; 4],
+        /// Likewise.
+        pub right: [f32; 4],
+        /// Likewise.
+        pub up: [f32; 4],
+        /// Likewise.
+        pub forward: [f32; 4],
+        /// How far off a point's plane its own surface may have been, in world units at view depth 0, and what a unit of view depth
+        /// adds; most frames that count; 1 where there was a frame before.
+        pub limits: [f32; 4],
     }
 }
 
@@ -371,6 +397,7 @@ pub const STRUCTS: &[StructInfo] = &[
     OcclusionParams::INFO,
     OcclusionTaps::INFO,
     OcclusionFilterParams::INFO,
+    OcclusionHistoryParams::INFO,
     CompositeParams::INFO,
     MaterialParams::INFO,
 ];

@@ -165,6 +165,8 @@ sources! {
     DECODE_TEXTURE = "passes/decode_texture.wgsl";
     /// A texel's place in view space, for ambient occlusion.
     OCCLUSION = "core/occlusion.wgsl";
+    /// Depth along an axis of the screen, for ambient occlusion.
+    OCCLUSION_PLANE = "core/occlusion_plane.wgsl";
     /// View depth for ambient occlusion.
     OCCLUSION_SURFACE = "passes/occlusion_surface.wgsl";
     /// What estimators of ambient occlusion share.
@@ -181,8 +183,14 @@ sources! {
     OCCLUSION_HBAO = "passes/occlusion_hbao.wgsl";
     /// The estimator `gtao`.
     OCCLUSION_GTAO = "passes/occlusion_gtao.wgsl";
+    /// World normals from depth.
+    OCCLUSION_NORMALS = "passes/occlusion_normals.wgsl";
+    /// Ambient visibility of the frames before.
+    OCCLUSION_HISTORY = "passes/occlusion_history.wgsl";
     /// Filters of ambient visibility.
     OCCLUSION_FILTER = "passes/occlusion_filter.wgsl";
+    /// Ambient visibility from half size to the frame's.
+    OCCLUSION_UP = "passes/occlusion_up.wgsl";
     /// Sun, sky, shadow factor and ambient visibility on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
 }

@@ -312,7 +312,10 @@ const MODULES: &[(&str, &[Source])] = &[
     ("alchemy", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ALCHEMY]),
     ("hbao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_MARCH, source::OCCLUSION_HBAO]),
     ("gtao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_MARCH, source::OCCLUSION_GTAO]),
-    ("occlusion, filter", &[source::OCCLUSION_FILTER]),
+    ("occlusion, normals", &[source::OCCLUSION_NORMALS]),
+    ("occlusion, history", &[source::OCCLUSION, source::OCCLUSION_HISTORY]),
+    ("occlusion, filter", &[source::OCCLUSION_PLANE, source::OCCLUSION_FILTER]),
+    ("occlusion, up", &[source::OCCLUSION_PLANE, source::OCCLUSION_UP]),
     ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
 ];
 

@@ -30,6 +30,8 @@ pub struct Parameter {
     pub range: [f64; 2],
     /// Where the tuner looks; none for what it leaves as it is.
     pub search: Option<Search>,
+    /// Words that stand for 0, 1 and so on; none for a number.
+    pub words: &'static [&'static str],
 }
 
 /// Where a parameter is looked for.
@@ -42,7 +44,7 @@ pub enum Search {
 }
 
 /// Most parameters of an estimator.
-pub const MAX_PARAMETERS: usize = 6;
+pub const MAX_PARAMETERS: usize = 8;
 
 use Search::{Even, Factors};
 
@@ -53,22 +55,32 @@ const fn tuned(
     range: [f64; 2],
     search: Search,
 ) -> Parameter {
-    Parameter { name, what, default, range, search: Some(search) }
+    Parameter { name, what, default, range, search: Some(search), words: &[] }
 }
 
 const fn fixed(name: &'static str, what: &'static str, default: f64, range: [f64; 2]) -> Parameter {
-    Parameter { name, what, default, range, search: None }
+    Parameter { name, what, default, range, search: None, words: &[] }
+}
+
+const fn word(
+    name: &'static str,
+    what: &'static str,
+    words: &'static [&'static str],
+    default: u8,
+) -> Parameter {
+    let range = [0.0, words.len() as f64 - 1.0];
+    Parameter { name, what, default: default as f64, range, search: None, words }
 }
 
 const SSAO: &[Parameter] = &[
     tuned("strength", "what occlusion is multiplied by", 1.0, [0.0, 10.0], Factors(0.3, 3.0)),
-    tuned("power", "exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.3, 4.0)),
+    tuned("power", "exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.5, 6.0)),
     tuned(
         "bias",
         "how far before a point its occluder lies at least, radii",
         0.05,
         [0.0, 1.0],
-        Factors(0.005, 0.3),
+        Factors(0.001, 0.3),
     ),
     tuned(
         "range",
@@ -77,24 +89,30 @@ const SSAO: &[Parameter] = &[
         [0.01, 100.0],
         Factors(0.2, 5.0),
     ),
+    fixed(
+        "tangent",
+        "1: what occludes rises over the tangent plane by the bias too; 0: as published",
+        1.0,
+        [0.0, 1.0],
+    ),
 ];
 
 const HBAO: &[Parameter] = &[
     tuned("strength", "what occlusion is multiplied by", 1.0, [0.0, 10.0], Factors(0.3, 3.0)),
-    tuned("power", "exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.3, 4.0)),
+    tuned("power", "exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.5, 6.0)),
     tuned("bias", "what horizons rise over the tangent at least, sine", 0.1, [0.0, 1.0], Even(0.0, 0.5)),
     tuned("falloff", "exponent of the distance: 1 - r^falloff", 2.0, [0.1, 20.0], Factors(0.5, 16.0)),
 ];
 
 const ALCHEMY: &[Parameter] = &[
-    tuned("sigma", "σ, strength", 1.0, [0.0, 100.0], Factors(0.1, 10.0)),
-    tuned("k", "k, exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.3, 4.0)),
-    tuned("beta", "β, part of the view depth that w·n is over", 1e-4, [0.0, 1.0], Factors(1e-5, 1e-2)),
-    tuned("epsilon", "ε, radii²", 1e-3, [1e-6, 10.0], Factors(1e-4, 1.0)),
+    tuned("sigma", "σ, strength, radii", 0.5, [0.0, 100.0], Factors(0.05, 5.0)),
+    tuned("k", "k, exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.5, 6.0)),
+    tuned("beta", "β, part of the view depth that w·n is over", 1e-4, [0.0, 1.0], Factors(1e-6, 1e-2)),
+    tuned("epsilon", "ε, radii²", 1e-3, [1e-6, 10.0], Factors(1e-5, 1.0)),
 ];
 
 const GTAO: &[Parameter] = &[
-    tuned("falloff", "part of the radius from which occluders fade", 0.385, [0.0, 0.99], Even(0.0, 0.95)),
+    tuned("falloff", "part of the radius from which occluders fade", 0.385, [0.0, 0.99], Even(0.0, 0.99)),
     tuned(
         "thin",
         "how much further along the view occluders count as, so that thin ones fade",
@@ -103,16 +121,18 @@ const GTAO: &[Parameter] = &[
         Even(0.0, 2.0),
     ),
     tuned("distribution", "exponent of the taps' distances", 2.0, [0.2, 8.0], Even(1.0, 3.0)),
-    tuned("power", "exponent of the visibility", 2.2, [0.1, 10.0], Factors(0.3, 4.0)),
+    tuned("power", "exponent of the visibility", 2.2, [0.1, 10.0], Factors(0.5, 6.0)),
 ];
 
 const ISSAO: &[Parameter] = &[
-    tuned("lambda", "λ, strength", 1.0, [0.0, 100.0], Factors(0.1, 10.0)),
-    fixed("phi", "φ, the user's contrast", 0.5, [0.0, 10.0]),
-    tuned("psi", "ψ, part of the view depth that w·n is over", 0.01, [0.0, 1.0], Factors(0.0005, 0.1)),
+    tuned("lambda", "λ, strength", 0.5, [0.0, 100.0], Factors(0.1, 10.0)),
+    tuned("phi", "φ, the user's contrast, as reading= says", 0.7, [0.0, 10.0], Factors(0.3, 3.0)),
+    tuned("psi", "ψ, part of the view depth that w·n is over", 0.02, [0.0, 1.0], Factors(0.0005, 0.1)),
     tuned("zcap", "most view depth in radii that ψ counts", 5.0, [0.0, 1000.0], Factors(0.5, 50.0)),
     tuned("sigma", "σ, radii²", 0.01, [0.0, 10.0], Factors(0.00005, 1.0)),
-    fixed("reading", "1: φ is contrast; 2: it shapes the falloff as well", 1.0, [1.0, 2.0]),
+    fixed("reading", "1: φ is a factor; 2: it shapes the falloff; 3: it is an exponent of A", 3.0, [1.0, 3.0]),
+    word("attenuation", "off: v normalised, as before the paper (its Fig. 4)", &["off", "on"], 1),
+    word("relation", "of e1 and e2: equal, or free of each other", &["free", "equal"], 1),
 ];
 
 impl Estimator {

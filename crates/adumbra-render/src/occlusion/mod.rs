@@ -6,7 +6,9 @@
 //! Computers 37(3), 2014.
 
 mod estimator;
+mod history;
 mod passes;
+mod pictures;
 mod settings;
 mod taps;
 pub mod twin;

@@ -1,12 +1,15 @@
 //! The passes on a device.
 
 use adumbra_shaders::constants::PIXEL_GROUP;
-use adumbra_shaders::layout::Frame;
+use adumbra_shaders::layout::{
+    Frame, GpuType, OcclusionFilterParams, OcclusionHistoryParams, OcclusionParams,
+};
 use adumbra_shaders::{Source, assemble, source};
-use wgpu::{BindGroupLayout, BindingResource, ComputePipeline, ShaderStages, TextureFormat, TextureUsages};
+use wgpu::{BindGroupLayout, BindingResource, ComputePipeline, ShaderStages, TextureFormat};
 
 use super::estimator::Estimator;
-use super::settings::{Filter, OcclusionSettings};
+use super::pictures::{HISTORY_FORMAT, NORMAL_FORMAT, Pictures};
+use super::settings::{Filter, Normals, OcclusionSettings};
 use super::taps::taps;
 use crate::error::Result;
 use crate::frame::Target;
@@ -31,11 +34,21 @@ pub struct OcclusionInput<'a> {
 pub struct OcclusionPasses {
     settings: OcclusionSettings,
     surface: Pass,
+    normals: Option<Pass>,
     estimate: Pass,
+    history: Option<Pass>,
     filter: Option<Pass>,
+    up: Option<Pass>,
     params: wgpu::Buffer,
     noise: wgpu::Buffer,
+    history_params: wgpu::Buffer,
+    filter_params: [wgpu::Buffer; 2],
     pictures: Option<Pictures>,
+    /// The frame being made.
+    now: Option<Frame>,
+    /// The frame that the history is of, and which of the two holds it.
+    before: Option<Frame>,
+    held: usize,
 }
 
 /// One pipeline.
@@ -44,51 +57,56 @@ struct Pass {
     pipeline: ComputePipeline,
 }
 
-/// Made for one size of frame.
-struct Pictures {
-    frame_size: [u32; 2],
-    view_depth: Target,
-    /// The estimate, and what filters make of it; two take turns.
-    ambient: [Target; 2],
-    filter_params: [wgpu::Buffer; 2],
-    bytes: u64,
-}
-
 impl OcclusionPasses {
     /// Builds the pipelines.
     pub fn new(gpu: &Gpu, settings: OcclusionSettings) -> Self {
+        use binding::{DEPTH, LOADED, UNIFORM, written};
         let mut estimate = vec![source::OCCLUSION, source::OCCLUSION_PASS];
         estimate.extend(estimator(settings.estimator));
         let filter = match settings.filter {
             Filter::None => None,
-            _ => Some("bilateral_line"),
+            Filter::Bilateral => Some("bilateral_line"),
+            Filter::BilateralSquare => Some("bilateral_square"),
+            Filter::Gauss => Some("gauss_line"),
         };
+        let ambient = written(AMBIENT_FORMAT);
+        let normals = || {
+            let bindings = [UNIFORM, DEPTH, written(NORMAL_FORMAT)];
+            Pass::new(gpu, "occlusion_normals", &[source::OCCLUSION_NORMALS], &bindings)
+        };
+        let history = || {
+            let files = [source::OCCLUSION, source::OCCLUSION_HISTORY];
+            let bindings = [UNIFORM, UNIFORM, LOADED, LOADED, LOADED, ambient, written(HISTORY_FORMAT)];
+            Pass::new(gpu, "occlusion_history", &files, &bindings)
+        };
+        let up = || {
+            let files = [source::OCCLUSION_PLANE, source::OCCLUSION_UP];
+            Pass::new(gpu, "occlusion_up", &files, &[UNIFORM, UNIFORM, DEPTH, LOADED, ambient])
+        };
+        let uniform = |label, bytes| gpu.uniform(label, &vec![0; bytes]);
         Self {
             surface: Pass::new(
                 gpu,
                 "occlusion_surface",
                 &[source::OCCLUSION_SURFACE],
-                &[binding::UNIFORM, binding::DEPTH, binding::written(TextureFormat::R32Float)],
+                &[UNIFORM, DEPTH, written(TextureFormat::R32Float)],
             ),
-            estimate: Pass::new(
-                gpu,
-                "occlude",
-                &estimate,
-                &[
-                    binding::UNIFORM,
-                    binding::UNIFORM,
-                    binding::LOADED,
-                    binding::LOADED,
-                    binding::written(AMBIENT_FORMAT),
-                ],
-            ),
+            normals: (settings.normals == Normals::Depth).then(normals),
+            estimate: Pass::new(gpu, "occlude", &estimate, &[UNIFORM, UNIFORM, LOADED, LOADED, ambient]),
+            history: settings.reuse.then(history),
             filter: filter.map(|entry| {
-                let bindings = [binding::UNIFORM, binding::LOADED, binding::written(AMBIENT_FORMAT)];
-                Pass::new(gpu, entry, &[source::OCCLUSION_FILTER], &bindings)
+                let files = [source::OCCLUSION_PLANE, source::OCCLUSION_FILTER];
+                Pass::new(gpu, entry, &files, &[UNIFORM, LOADED, ambient])
             }),
-            params: gpu.uniform("occlusion::params", &vec![0; size_of_params()]),
+            up: settings.half.then(up),
+            params: uniform("occlusion::params", OcclusionParams::SIZE),
             noise: gpu.uniform("occlusion::noise", &taps(&settings).bytes()),
+            history_params: uniform("occlusion::history", OcclusionHistoryParams::SIZE),
+            filter_params: [0, 1].map(|_| uniform("occlusion::filter", OcclusionFilterParams::SIZE)),
             pictures: None,
+            now: None,
+            before: None,
+            held: 0,
             settings,
         }
     }
@@ -98,7 +116,8 @@ impl OcclusionPasses {
         &self.settings
     }
 
-    /// Other numbers for the same estimator and the same passes; false, and nothing done, where passes would differ.
+    /// Other numbers for the same estimator and the same passes, without what is known of frames before; false, and nothing done, where passes
+    /// would differ.
     pub fn reshape(&mut self, gpu: &Gpu, settings: &OcclusionSettings) -> bool {
         let same = OcclusionSettings {
             shape: self.settings.shape,
@@ -109,6 +128,7 @@ impl OcclusionPasses {
             return false;
         }
         self.settings = *settings;
+        self.forget();
         gpu.queue.write_buffer(&self.noise, 0, &taps(settings).bytes());
         true
     }
@@ -118,19 +138,27 @@ impl OcclusionPasses {
         self.pictures.as_ref().map_or(0, |p| p.bytes)
     }
 
-    /// Writes uniforms and makes room. Called before every other method of a frame.
+    /// Drops what is known of the frames before, as after a cut to another camera.
+    pub fn forget(&mut self) {
+        self.before = None;
+    }
+
+    /// Writes uniforms and makes room. Called before every other method of a frame; those follow in the order in which they stand here.
     pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame) {
         let size = [frame.size[0], frame.size[1]];
         if self.pictures.as_ref().is_none_or(|p| p.frame_size != size) {
             self.pictures = Some(Pictures::new(gpu, &self.settings, size));
+            self.forget();
         }
         gpu.queue.write_buffer(&self.params, 0, &self.settings.params(frame).bytes());
-        if let Some(p) = &self.pictures {
-            for (axis, buffer) in (0..).zip(&p.filter_params) {
-                let params = self.settings.filter_params(self.settings.size(size), axis);
-                gpu.queue.write_buffer(buffer, 0, &params.bytes());
-            }
+        for (axis, buffer) in (0..).zip(&self.filter_params) {
+            gpu.queue.write_buffer(buffer, 0, &self.settings.filter_params(frame, axis).bytes());
         }
+        if self.history.is_some() {
+            let params = self.settings.history_params(frame, self.before.as_ref());
+            gpu.queue.write_buffer(&self.history_params, 0, &params.bytes());
+        }
+        self.now = Some(*frame);
     }
 
     /// View depth, and normals where they are made from it.
@@ -139,6 +167,10 @@ impl OcclusionPasses {
         let view = BindingResource::TextureView;
         let resources = vec![self.params.as_entire_binding(), view(input.depth), view(&p.view_depth.view)];
         self.surface.encode(gpu, encoder, resources, self.size(p));
+        if let (Some(pass), Some(normals)) = (&self.normals, &p.normals) {
+            let resources = vec![self.params.as_entire_binding(), view(input.depth), view(&normals.view)];
+            pass.encode(gpu, encoder, resources, self.size(p));
+        }
     }
 
     /// The estimator.
@@ -149,29 +181,72 @@ impl OcclusionPasses {
             self.params.as_entire_binding(),
             self.noise.as_entire_binding(),
             view(&p.view_depth.view),
-            view(input.normal),
+            view(p.normals.as_ref().map_or(input.normal, |n| &n.view)),
             view(&p.ambient[0].view),
         ];
         self.estimate.encode(gpu, encoder, resources, self.size(p));
     }
 
-    /// What smooths the estimate.
-    pub fn encode_filter(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
-        let (Some(p), Some(filter)) = (&self.pictures, &self.filter) else { return };
+    /// Whether frames before count.
+    pub fn has_history(&self) -> bool {
+        self.history.is_some()
+    }
+
+    /// The mean with the frames before.
+    pub fn encode_history(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &OcclusionInput<'_>,
+    ) {
+        let (Some(p), Some(pass)) = (&self.pictures, &self.history) else { return };
+        let Some(history) = &p.history else { return };
         let view = BindingResource::TextureView;
-        for axis in 0..2 {
+        let resources = vec![
+            self.params.as_entire_binding(),
+            self.history_params.as_entire_binding(),
+            view(&p.ambient[0].view),
+            view(p.normals.as_ref().map_or(input.normal, |n| &n.view)),
+            view(&history[self.held].view),
+            view(&p.ambient[1].view),
+            view(&history[1 - self.held].view),
+        ];
+        pass.encode(gpu, encoder, resources, self.size(p));
+        self.held = 1 - self.held;
+        self.before = self.now;
+    }
+
+    /// What smooths the estimate, and brings it to the frame's size.
+    pub fn encode_filter(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, input: &OcclusionInput<'_>) {
+        let Some(p) = &self.pictures else { return };
+        let view = BindingResource::TextureView;
+        if let Some(filter) = &self.filter {
+            let axes = self.filter_params.iter().take(self.settings.filter_passes() as usize);
+            for (axis, params) in axes.enumerate() {
+                let from = (self.first() + axis) % 2;
+                let resources = vec![
+                    params.as_entire_binding(),
+                    view(&p.ambient[from].view),
+                    view(&p.ambient[1 - from].view),
+                ];
+                filter.encode(gpu, encoder, resources, self.size(p));
+            }
+        }
+        if let (Some(up), Some(whole)) = (&self.up, &p.whole) {
             let resources = vec![
-                p.filter_params[axis].as_entire_binding(),
-                view(&p.ambient[axis].view),
-                view(&p.ambient[1 - axis].view),
+                self.params.as_entire_binding(),
+                self.filter_params[0].as_entire_binding(),
+                view(input.depth),
+                view(&p.ambient[self.last()].view),
+                view(&whole.view),
             ];
-            filter.encode(gpu, encoder, resources, self.size(p));
+            up.encode(gpu, encoder, resources, p.frame_size);
         }
     }
 
     /// Ambient visibility and view depth, of the frame's size; none before the first frame.
     pub fn result(&self) -> Option<&Target> {
-        self.pictures.as_ref().map(|p| &p.ambient[0])
+        self.pictures.as_ref().map(|p| p.whole.as_ref().unwrap_or(&p.ambient[self.last()]))
     }
 
     /// Ambient visibility, 1 = unoccluded and where nothing is, row 0 at the top; empty before the first frame.
@@ -182,6 +257,16 @@ impl OcclusionPasses {
         let Some(target) = self.result() else { return Ok(Vec::new()) };
         let bytes = read_texture(gpu, &target.texture, 0, 0)?;
         Ok(bytes.as_chunks::<8>().0.iter().map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+    }
+
+    /// Which picture the filter begins with.
+    fn first(&self) -> usize {
+        usize::from(self.history.is_some())
+    }
+
+    /// Which picture it ends with.
+    fn last(&self) -> usize {
+        (self.first() + self.settings.filter_passes() as usize) % 2
     }
 
     fn size(&self, p: &Pictures) -> [u32; 2] {
@@ -212,36 +297,6 @@ impl Pass {
     }
 }
 
-impl Pictures {
-    fn new(gpu: &Gpu, settings: &OcclusionSettings, frame_size: [u32; 2]) -> Self {
-        let [width, height] = settings.size(frame_size);
-        let mut bytes = 0;
-        let mut picture = |format: TextureFormat| {
-            bytes +=
-                u64::from(width) * u64::from(height) * u64::from(format.block_copy_size(None).unwrap_or(4));
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("occlusion::picture"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: TextureUsages::STORAGE_BINDING
-                    | TextureUsages::TEXTURE_BINDING
-                    | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            Target { view: texture.create_view(&Default::default()), texture }
-        };
-        let view_depth = picture(TextureFormat::R32Float);
-        let ambient = [picture(AMBIENT_FORMAT), picture(AMBIENT_FORMAT)];
-        let filter_params = [0, 1].map(|axis| {
-            gpu.uniform("occlusion::filter", &settings.filter_params([width, height], axis).bytes())
-        });
-        Self { frame_size, view_depth, ambient, filter_params, bytes }
-    }
-}
-
 fn estimator(estimator: Estimator) -> &'static [Source] {
     match estimator {
         Estimator::Ssao => &[source::OCCLUSION_SSAO],
@@ -250,8 +305,4 @@ fn estimator(estimator: Estimator) -> &'static [Source] {
         Estimator::Issao => &[source::OCCLUSION_ISSAO],
         Estimator::Gtao => &[source::OCCLUSION_MARCH, source::OCCLUSION_GTAO],
     }
-}
-
-fn size_of_params() -> usize {
-    <adumbra_shaders::layout::OcclusionParams as adumbra_shaders::layout::GpuType>::SIZE
 }

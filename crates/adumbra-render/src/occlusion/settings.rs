@@ -1,14 +1,19 @@
 //! What ambient occlusion is asked for.
 
 use adumbra_shaders::constants::{OCCLUSION_MAX_SIDE, OCCLUSION_MAX_TAPS};
-use adumbra_shaders::layout::{Array, Frame, OcclusionFilterParams, OcclusionParams};
+use adumbra_shaders::layout::{Frame, OcclusionFilterParams, OcclusionParams};
 
 use super::estimator::{Estimator, MAX_PARAMETERS, Parameter};
 use crate::error::Result;
 use crate::technique::TechniqueSpec;
+use crate::technique::spec::SpecReader;
 
 /// Radius where none is given, as a share of the scene's diagonal.
 pub const DEFAULT_RADIUS_SHARE: f64 = 0.02;
+/// Difference of visibility that the edge test passes over: a step of eight bits.
+const EDGE_TOLERANCE: f32 = 1.0 / 255.0;
+/// Least standard deviation of view depth, world units: its inverse squared is still a number.
+const LEAST_SIGMA_WORLD: f64 = 1e-15;
 
 /// Where normals come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,12 +62,17 @@ pub struct OcclusionSettings {
     pub sigma_texels: f64,
     /// Standard deviation of view depth in the filter, radii.
     pub sigma_depth: f64,
+    /// The filter takes differences of depth from the centre's own surface, drawn on to each tap, so that it smooths planes at any angle;
+    /// not from the centre's own depth, as equation 7 is printed.
+    pub planes: bool,
     /// The filter leaves texels as they are whose neighbourhood needs none.
     pub edge_test: bool,
     /// At half of the width and height.
     pub half: bool,
     /// With what is still valid of the frame before.
     pub reuse: bool,
+    /// Most frames that the mean over them goes back, 1 to 64.
+    pub frames: u32,
 }
 
 impl OcclusionSettings {
@@ -82,9 +92,11 @@ impl OcclusionSettings {
             filter_side: 4,
             sigma_texels: 2.5,
             sigma_depth: 0.1,
+            planes: true,
             edge_test: false,
             half: false,
             reuse: false,
+            frames: 8,
         }
     }
 
@@ -116,11 +128,15 @@ impl OcclusionSettings {
         s.filter_side = r.count("side", s.filter_side, 1..=OCCLUSION_MAX_SIDE)?;
         s.sigma_texels = r.number("blur", s.sigma_texels, 0.1..=16.0)?;
         s.sigma_depth = r.number("sharpness", s.sigma_depth, 1e-4..=100.0)?;
+        s.planes = r.choice("depth", &["plane", "plain"])? == "plane";
         s.edge_test = r.choice("edges", &["off", "on"])? == "on";
         s.half = r.choice("half", &["off", "on"])? == "on";
         s.reuse = r.choice("reuse", &["off", "on"])? == "on";
+        s.frames = r.count("frames", s.frames, 1..=64)?;
+        let preset = if estimator == Estimator::Issao { preset(&mut r)? } else { &[] };
         for (value, p) in s.shape.iter_mut().zip(estimator.parameters()) {
-            *value = r.number(p.name, p.default, p.range[0]..=p.range[1])?;
+            let default = preset.iter().find(|(name, _)| *name == p.name).map_or(p.default, |(_, v)| *v);
+            *value = r.number_or_word(p.name, default, p.range[0]..=p.range[1], p.words)?;
         }
         r.finish()?;
         Ok(s)
@@ -162,7 +178,7 @@ impl OcclusionSettings {
             counts: [
                 taps,
                 steps,
-                if self.reuse { frame.size[2] * 5 } else { 0 },
+                if self.reuse { frame.size[2] % 16 * 5 } else { 0 },
                 if self.levels { 0 } else { 4 },
             ],
             region: [
@@ -198,11 +214,22 @@ impl OcclusionSettings {
         let p = |name| self.parameter(name);
         let (shape, more) = match self.estimator {
             Estimator::Issao => {
-                let exponent = if p("reading") < 1.5 { 0.0 } else { 1.0 / p("phi").max(1e-3) };
-                let contrast = if exponent > 0.0 { 1.0 } else { p("phi") };
-                ([2.0 * p("lambda") * contrast, p("psi"), p("zcap"), p("sigma")], [exponent, 1.0, 0.0, 0.0])
+                let phi = p("phi").max(1e-3);
+                // What φ is of each reading: factor, exponent of the falloff, exponent of A.
+                let [factor, falloff, contrast] = match p("reading").round() as u8 {
+                    1 => [p("phi"), 0.0, 1.0],
+                    2 => [1.0, 1.0 / phi, 1.0],
+                    _ => [1.0, 0.0, phi],
+                };
+                (
+                    [2.0 * p("lambda") * factor, p("psi"), p("zcap"), p("sigma")],
+                    [falloff, contrast, p("attenuation"), 0.0],
+                )
             }
-            Estimator::Ssao => ([p("strength"), p("power"), p("bias"), p("range")], [0.0; 4]),
+            Estimator::Ssao => {
+                let least_rise = if p("tangent") > 0.5 { p("bias") } else { f64::from(f32::MIN) };
+                ([p("strength"), p("power"), p("bias"), p("range")], [least_rise, 0.0, 0.0, 0.0])
+            }
             Estimator::Hbao => ([p("strength"), p("power"), p("bias"), 0.5 * p("falloff")], [0.0; 4]),
             Estimator::Alchemy => ([2.0 * p("sigma"), p("k"), p("beta"), p("epsilon")], [0.0; 4]),
             Estimator::Gtao => ([1.0 / (1.0 - p("falloff")), 1.0 + p("thin"), p("power"), 0.0], [0.0; 4]),
@@ -210,19 +237,53 @@ impl OcclusionSettings {
         (shape.map(|v| v as f32), more.map(|v| v as f32))
     }
 
-    /// A filter pass's uniform along an axis (0 x, 1 y).
-    pub fn filter_params(&self, [width, height]: [u32; 2], axis: u32) -> OcclusionFilterParams {
-        let mut weights = [[0.0; 4]; OCCLUSION_MAX_SIDE as usize / 4 + 1];
-        for i in 0..=self.filter_side {
-            let d = f64::from(i) / self.sigma_texels;
-            weights[i as usize / 4][i as usize % 4] = (-0.5 * d * d).exp() as f32;
-        }
-        OcclusionFilterParams {
-            counts: [width, height, self.filter_side, axis],
-            shape: [self.sigma_texels as f32, (self.sigma_depth * self.radius_world) as f32, 0.0, 0.0],
-            weights: Array(weights),
+    /// Passes of the filter.
+    pub(super) fn filter_passes(&self) -> u32 {
+        match self.filter {
+            Filter::None => 0,
+            Filter::BilateralSquare => 1,
+            Filter::Bilateral | Filter::Gauss => 2,
         }
     }
+
+    /// A filter pass's uniform along an axis (0 x, 1 y).
+    pub fn filter_params(&self, frame: &Frame, axis: u32) -> OcclusionFilterParams {
+        let [width, height] = self.size([frame.size[0], frame.size[1]]);
+        let sigma_world = (self.sigma_depth * self.radius_world).max(LEAST_SIGMA_WORLD);
+        let is_perspective = frame.depth_to_z[3] != 0.0;
+        let follows = |projection: bool| f32::from(u8::from(self.planes && projection));
+        OcclusionFilterParams {
+            counts: [width, height, self.filter_side, axis],
+            shape: [
+                (std::f64::consts::FRAC_1_SQRT_2 / sigma_world) as f32,
+                follows(is_perspective),
+                follows(!is_perspective),
+                if self.edge_test { EDGE_TOLERANCE } else { -1.0 },
+            ],
+            near: [(0.5 / (self.sigma_texels * self.sigma_texels)) as f32, 0.0, 0.0, 0.0],
+        }
+    }
+}
+
+/// The paper's published settings for its figures 3, 4 and 5 as numbers in radii: with v = R w its equation has λ / R, σ / R², and φ and ψ as
+/// they are. R itself stays the radius asked for: it is in units of scenes that were not published.
+fn preset(r: &mut SpecReader<'_>) -> Result<&'static [(&'static str, f64)]> {
+    Ok(match r.choice("preset", &["none", "fig3", "fig4", "fig5"])? {
+        "fig3" => &const { published(1.75, 0.40, 0.022, 1.06, 0.000_16) },
+        "fig4" => &const { published(1.05, 0.43, 0.014, 1.00, 0.000_19) },
+        "fig5" => &const { published(2.20, 0.55, 0.018, 1.00, 0.000_15) },
+        _ => &[],
+    })
+}
+
+const fn published(radius: f64, phi: f64, psi: f64, lambda: f64, sigma: f64) -> [(&'static str, f64); 5] {
+    [
+        ("lambda", lambda / radius),
+        ("phi", phi),
+        ("psi", psi),
+        ("sigma", sigma / (radius * radius)),
+        ("reading", 1.0),
+    ]
 }
 
 /// Directions of a march of `samples` taps, and steps along each. Directions are an even number, so that two make a slice, except for
@@ -255,7 +316,10 @@ mod tests {
         }
         for samples in 1..=64 {
             let [directions, steps] = march(samples);
-            assert!(samples - directions * steps <= 2, "{samples}: {directions} × {steps}");
+            assert!(
+                3 * (samples - directions * steps) <= samples.min(15),
+                "{samples}: {directions} × {steps}"
+            );
         }
     }
 }

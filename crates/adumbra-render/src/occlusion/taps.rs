@@ -2,7 +2,8 @@
 //!
 //! Numbers come from one sequence of points that fill the unit square evenly from any start on: multiples of 1/p and 1/p², p the plastic
 //! number (M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018). Place k takes the k-th run of it, so that the
-//! taps of a tile, which the filter averages, are as even as those of a texel.
+//! taps of a tile, which the filter averages, are as even as those of a texel. Marches turn with the place instead, a 16th of what lies
+//! between two directions at a time, and start at multiples of the golden ratio.
 
 use std::f64::consts::TAU;
 
@@ -26,6 +27,11 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
         .map(|i| [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + f64::from(i) * step).fract()));
     for (number, place) in taps.chunks_exact_mut(MAX_TAPS).enumerate() {
         match settings.estimator {
+            Estimator::Issao if settings.parameter("relation") > 0.5 => {
+                for (i, tap) in place.iter_mut().enumerate().take(samples) {
+                    *tap = spiral_tap((i as f64 + within_tile(number)) / samples as f64, number);
+                }
+            }
             Estimator::Issao => {
                 let mut inside = sequence.by_ref().map(disc_tap).filter(|c| c[0].hypot(c[1]) < 1.0);
                 for tap in place.iter_mut().take(samples) {
@@ -34,10 +40,10 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
                 }
             }
             Estimator::Alchemy => {
-                place.iter_mut().zip(sequence.by_ref()).take(samples).for_each(|(tap, e)| {
+                for (tap, e) in place.iter_mut().take(samples).zip(sequence.by_ref()) {
                     let r = e[0].sqrt();
                     *tap = [r * libm::cos(TAU * e[1]), r * libm::sin(TAU * e[1]), 0.0, 0.0].map(|v| v as f32);
-                })
+                }
             }
             Estimator::Ssao => {
                 for ((i, tap), e) in place.iter_mut().enumerate().take(samples).zip(sequence.by_ref()) {
@@ -53,10 +59,18 @@ pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
     OcclusionTaps { taps: Array(taps) }
 }
 
-/// Equation 1 of Qiu et al. 2014 for a radius of 1. The relation of e1 and e2, lost in print, is that of consecutive points of the
-/// sequence. What falls outside the disc, which counts nothing, is passed over when the texture is made.
+/// C(e1, e2) of Qiu et al. 2014, equation 1, for a radius of 1.
 fn disc_tap([e1, e2]: [f64; 2]) -> [f64; 2] {
     [e1 * libm::sin(TAU * e2), e2 * libm::cos(TAU * e1)]
+}
+
+/// The same where the relation of e1 and e2, lost in print, is that they are equal: a spiral of one turn, whose density falls with the distance from the
+/// middle, and which ends at the rim (free of each other they reach 1.255, and what is beyond 1 is passed over). Each place turns its
+/// spiral by a 16th of a circle more.
+fn spiral_tap(e: f64, place: usize) -> [f32; 4] {
+    let [x, y] = disc_tap([e, e]);
+    let (sin, cos) = libm::sincos(TAU * place as f64 / PLACES as f64);
+    [cos * x - sin * y, sin * x + cos * y, 0.0, 0.0].map(|v| v as f32)
 }
 
 /// Where a place of the tile falls in each of the parts that taps divide something into.
@@ -81,8 +95,7 @@ fn march_taps(
     paired: bool,
     power: f64,
 ) {
-    let slices = if paired { directions.div_ceil(2) } else { directions };
-    let turns = if paired { 0.5 } else { 1.0 };
+    let (slices, turns) = if paired && directions > 1 { (directions / 2, 0.5) } else { (directions, 1.0) };
     let mut next = place.iter_mut();
     for slice in 0..slices {
         let angle = TAU * turns * (f64::from(slice) + within_tile(number)) / f64::from(slices);
@@ -96,5 +109,65 @@ fn march_taps(
                 *tap = [libm::cos(angle), libm::sin(angle), far(0), far(1)].map(|v| v as f32);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(estimator: Estimator, samples: u32) -> Vec<[f32; 4]> {
+        let settings = OcclusionSettings { samples, ..OcclusionSettings::new(estimator, 1.0) };
+        taps(&settings).taps.0.chunks_exact(MAX_TAPS).flat_map(|p| p[..samples as usize].to_vec()).collect()
+    }
+
+    fn mean(taps: &[[f32; 4]], of: impl Fn(&[f32; 4]) -> f32) -> f32 {
+        taps.iter().map(of).sum::<f32>() / taps.len() as f32
+    }
+
+    #[test]
+    fn taps_of_a_disc_are_even() {
+        let taps = of(Estimator::Alchemy, 12);
+        assert!(taps.iter().all(|t| t[0].hypot(t[1]) < 1.0));
+        assert!((mean(&taps, |t| t[0] * t[0] + t[1] * t[1]) - 0.5).abs() < 0.02);
+        assert!(mean(&taps, |t| t[0]).hypot(mean(&taps, |t| t[1])) < 0.02);
+    }
+
+    #[test]
+    fn taps_of_a_ball_are_even_in_direction_and_denser_inside() {
+        let length = |t: &[f32; 4]| (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
+        let taps = of(Estimator::Ssao, 12);
+        assert!(taps.iter().all(|t| (0.1..1.0).contains(&length(t))));
+        // Of 0.1 + 0.9 t², t even.
+        assert!((mean(&taps, length) - 0.4).abs() < 0.01);
+        for axis in 0..3 {
+            assert!((mean(&taps, |t| (t[axis] / length(t)).powi(2)) - 1.0 / 3.0).abs() < 0.02, "{axis}");
+        }
+    }
+
+    #[test]
+    fn taps_of_a_march_are_unit_directions_all_round_and_steps_outwards() {
+        for samples in 1..=64 {
+            let [directions, steps] = march(samples);
+            for (estimator, slices) in
+                [(Estimator::Hbao, directions), (Estimator::Gtao, directions.div_ceil(2))]
+            {
+                let taps = of(estimator, samples);
+                for place in taps.chunks_exact(samples as usize) {
+                    let (used, rest) = place.split_at((slices * steps) as usize);
+                    assert!(used.iter().all(|t| (t[0].hypot(t[1]) - 1.0).abs() < 1e-6));
+                    assert!(used.iter().flat_map(|t| &t[2..]).all(|far| (0.0..1.0).contains(far)));
+                    assert!(rest.iter().all(|t| *t == [0.0; 4]), "{estimator} {samples}");
+                    let outwards = |d: &[[f32; 4]]| d.is_sorted_by(|a, b| a[2] < b[2] && a[3] < b[3]);
+                    assert!(used.chunks_exact(steps as usize).all(outwards));
+                }
+            }
+            // A whole turn, or half of one where each direction has its opposite.
+            let turns = |estimator| {
+                mean(&of(estimator, samples), |t| t[0]).hypot(mean(&of(estimator, samples), |t| t[1]))
+            };
+            assert!(turns(Estimator::Hbao) < 1e-3, "{samples}");
+        }
+        assert!(of(Estimator::Gtao, 12).iter().take(6).all(|t| t[1] >= 0.0));
     }
 }

@@ -102,6 +102,26 @@ impl<'s> SpecReader<'s> {
         value.parse().ok().filter(|n| range.contains(n)).ok_or_else(wrong)
     }
 
+    /// One of `words`, as its place among them; a number within `range` where there are none.
+    ///
+    /// # Errors
+    /// [`RenderError::Technique`] for any other.
+    pub fn number_or_word(
+        &mut self,
+        key: &'static str,
+        default: f64,
+        range: std::ops::RangeInclusive<f64>,
+        words: &[&'static str],
+    ) -> Result<f64> {
+        if words.is_empty() {
+            return self.number(key, default, range);
+        }
+        let Some(value) = self.text(key) else { return Ok(default) };
+        let place = words.iter().position(|w| *w == value);
+        let wrong = || self.spec.wrong(format!("{key}={value}: give {}", words.join(", ")));
+        place.map(|p| p as f64).ok_or_else(wrong)
+    }
+
     /// A whole number among `choices`.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
+pub(crate) mod ambient;
 pub(crate) mod boxes;
 pub(crate) mod buffers;
 pub(crate) mod hybrid;

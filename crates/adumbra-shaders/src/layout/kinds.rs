@@ -64,14 +64,12 @@ macro_rules! gpu_struct {
                 name: stringify!($name),
                 size: <Self as $crate::layout::GpuType>::SIZE,
                 fields: || {
-                    let mut at = 0;
-                    let mut fields = Vec::new();
-                    $(
-                        fields.push((stringify!($field), at));
-                        at += <$kind as $crate::layout::GpuType>::SIZE;
-                    )*
-                    let _ = at;
-                    fields
+                    let mut end = 0;
+                    let mut place = |size: usize| {
+                        end += size;
+                        end - size
+                    };
+                    vec![$((stringify!($field), place(<$kind as $crate::layout::GpuType>::SIZE)),)*]
                 },
                 declare: || {
                     let mut text = concat!("struct ", stringify!($name), " {\n").to_owned();

@@ -1,7 +1,8 @@
-// McGuire, Osman, Bukowski, Hennessy, The Alchemy Screen-Space Ambient Obscurance Algorithm, 2011, equation 10, written in radii,
-// w = v / R, so that it does not depend on the scene's unit:
+// McGuire, Osman, Bukowski, Hennessy, The Alchemy Screen-Space Ambient Obscurance Algorithm, 2011, written in radii, w = v / R,
+// so that it does not depend on the scene's unit:
 //     A = max(0, 1 - (2 σ / s) Σ max(0, w·n - β z / R) / (w·w + ε))^k
-// As published, nothing but the disc that taps lie in limits how far off an occluder may be: what lies behind others may be far before P.
+// As published, nothing but the disc that taps lie in limits how far off an occluder may be: what lies behind others may be
+// far before P.
 // shape: 2 σ, k, β, ε.
 // A tap: a point of the unit disc, as many everywhere, in radii.
 

@@ -1,10 +1,12 @@
-// Jimenez, Wu, Pesce, Jarabo, Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016, as XeGTAO (Intel, 2021) runs it: in
-// slices that hold the line of sight the horizon on either side, and between the two the cosine-weighted part of the hemisphere.
-// Horizons fall to the tangent plane from a share of the radius to its end; distances count more along the view, so that thin things fade.
-// Departures: the sum over slices is divided by what it would be with nothing in the way, which for few slices is not 1; a side counts for as
-// many steps of it as lie in the picture; horizons rise over the tangent of each tap's own slice (rise_over_tangent). No depth mips.
-// shape: 1 / (1 - falloff), 1 + thin, exponent of the visibility, 0. Taps as in passes/occlusion_march.wgsl; their distances are already
-// raised to the power that gathers them near P.
+// Jimenez, Wu, Pesce, Jarabo, Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016, as XeGTAO (Intel, 2021)
+// runs it: in slices that hold the line of sight the horizon on either side, and between the two the cosine-weighted part of
+// the hemisphere. Horizons fall to the tangent plane from a share of the radius to its end; distances count more along the
+// view, so that thin things fade.
+// Departures: the sum over slices is divided by what it would be with nothing in the way, which for few slices is not 1; a
+// side counts for as many steps of it as lie in the picture; horizons rise over the tangent of each tap's own slice
+// (rise_over_tangent). No depth mips.
+// shape: 1 / (1 - falloff), 1 + thin, exponent of the visibility, 0. Taps as in passes/occlusion_march.wgsl; their distances
+// are already raised to the power that gathers them near P.
 
 // Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.45; off by less than 7e-5.
 fn acos_near(x: f32) -> f32 {
@@ -13,9 +15,9 @@ fn acos_near(x: f32) -> f32 {
     return select(angle, 3.14159265 - angle, x < 0.0);
 }
 
-// The paper's inner integral, from the eye's direction to a horizon, ∫ cos(θ - γ) sin θ dθ, times the length of the normal's projection into
-// the slice: that projection is n_slice, along the eye's direction and across it towards this side. In terms of the horizon's angle h
-// 1/4 (cos γ + 2 h sin γ - cos(2 h - γ)) becomes 1/2 (cos γ sin² h + sin γ (h - sin h cos h)).
+// The paper's inner integral, from the eye's direction to a horizon, ∫ cos(θ - γ) sin θ dθ, times the length of the normal's
+// projection into the slice: that projection is n_slice, along the eye's direction and across it towards this side. In terms
+// of the horizon's angle h 1/4 (cos γ + 2 h sin γ - cos(2 h - γ)) becomes 1/2 (cos γ sin² h + sin γ (h - sin h cos h)).
 fn arc(n_slice: vec2f, cos_h: f32) -> f32 {
     let sin_h_2 = max(1.0 - cos_h * cos_h, 0.0);
     return 0.5 * (n_slice.x * sin_h_2 + n_slice.y * (acos_near(cos_h) - sqrt(sin_h_2) * cos_h));

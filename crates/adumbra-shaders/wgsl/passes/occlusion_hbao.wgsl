@@ -1,9 +1,10 @@
-// Bavoil, Sainz, Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008: in each direction the sine of the horizon's elevation less
-// that of the tangent plane's, gathered step by step: what a step adds to the horizon counts for 1 - r^falloff, r its distance in radii,
-// and steps out of reach do not raise it. The mean over directions is the occlusion.
-// Departures: elevations are over the plane across the line of sight, not across the camera's axis; the tangent is that of each tap's own
-// slice (rise_over_tangent) instead of the direction's, so that no bias is needed against slopes.
-// shape: strength, exponent of the visibility, bias (a horizon counts from where it rises that much over the tangent), falloff / 2.
+// Bavoil, Sainz, Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008: in each direction the sine of the horizon's
+// elevation less that of the tangent plane's, gathered step by step: what a step adds to the horizon counts for 1 -
+// r^falloff, r its distance in radii, and steps out of reach do not raise it. The mean over directions is the occlusion.
+// Departures: elevations are over the plane across the line of sight, not across the camera's axis; the tangent is that of
+// each tap's own slice (rise_over_tangent) instead of the direction's, so that no bias is needed against slopes.
+// shape: strength, exponent of the visibility, bias (a horizon counts from where it rises that much over the tangent),
+// falloff / 2.
 // Taps as in passes/occlusion_march.wgsl.
 
 fn ambient_visibility(c: OcclusionCenter) -> f32 {

@@ -1,5 +1,5 @@
-// What estimators share that march along directions on the screen and look for horizons. Angles are those from the direction to the eye,
-// so every direction on the screen is a slice of space that holds it.
+// What estimators share that march along directions on the screen and look for horizons. Angles are those from the direction
+// to the eye, so every direction on the screen is a slice of space that holds it.
 // A tap: x and y are the direction, y up; z is how far off it is, of the radius; w likewise in the opposite direction.
 
 fn towards_eye(c: OcclusionCenter) -> vec3f {
@@ -13,9 +13,10 @@ fn march_texel(c: OcclusionCenter, along: vec2f, share: f32) -> vec2i {
     return c.texel + vec2i(round(vec2f(along.x, -along.y) * texels));
 }
 
-// How much nearer to the eye's direction what is seen at w lies than P's tangent plane in the same slice: the difference of the two cosines,
-// or sines of elevation. The slice is the one that w itself lies in: a texel's centre is a little off the direction that was asked for,
-// and at a grazing view the tangent of that one is another. facing is the cosine between normal and eye.
+// How much nearer to the eye's direction what is seen at w lies than P's tangent plane in the same slice: the difference of
+// the two cosines, or sines of elevation. The slice is the one that w itself lies in: a texel's centre is a little off the
+// direction that was asked for, and at a grazing view the tangent of that one is another. facing is the cosine between
+// normal and eye.
 fn rise_over_tangent(w: vec3f, ww: f32, n: vec3f, to_eye: vec3f, facing: f32) -> f32 {
     let a = dot(w, to_eye);
     let h = dot(w, n);

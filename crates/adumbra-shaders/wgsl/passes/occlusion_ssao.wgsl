@@ -1,9 +1,12 @@
-// Mittring, Finding Next Gen: CryEngine 2, 2007, with the hemisphere about the normal that engines have taken since: the share of points
-// near P that lie behind what is seen where they are. Numbers are radii, so that nothing depends on the scene's unit.
-// shape: strength, exponent of the visibility, bias, range. Something seen occludes a point that it lies nearer than by more than the bias;
-// it counts for smoothstep(0, 1, range / |difference of its depth and P's|), so that what lies far before P does not darken it.
-// Departure: it must rise over P's tangent plane by more than the bias too. A depth is that of a texel's centre, up to half a texel from
-// the point: on a slope the difference is the surface's own, and no bias in depth is right for all slopes.
+// Mittring, Finding Next Gen: CryEngine 2, 2007, with the hemisphere about the normal that engines have taken since: the
+// share of points near P that lie behind what is seen where they are. Numbers are radii, so that nothing depends on the
+// scene's unit.
+// shape: strength, exponent of the visibility, bias, range. What is seen occludes a point that it lies nearer than by more
+// than the bias; it counts for smoothstep(0, 1, range / |difference of its depth and P's|), so that what lies far before P
+// does not darken it.
+// shape_more: how far it rises over P's tangent plane at least. That is a departure: a depth is that of a texel's centre, up
+// to half a texel from the point, and on a slope the difference is the surface's own, so a bias in depth that is right for
+// one slope is wrong for others.
 // A tap: a point in the unit ball, in radii.
 
 fn ambient_visibility(c: OcclusionCenter) -> f32 {
@@ -30,7 +33,7 @@ fn ambient_visibility(c: OcclusionCenter) -> f32 {
             continue;
         }
         let w = (point_at(texel, z) - c.p) * inverse_radius;
-        if (dot(w, c.n) > bias) {
+        if (dot(w, c.n) > occlusion.shape_more.x) {
             let near = range / max(abs(w.z), range);
             sum += near * near * (3.0 - 2.0 * near);
         }

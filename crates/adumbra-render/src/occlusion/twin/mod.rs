@@ -1,17 +1,23 @@
 //! Ambient occlusion on the CPU: the same passes on pictures in memory.
 
 mod alchemy;
+mod filter;
 mod gtao;
+mod half;
 mod hbao;
+mod history;
 mod issao;
 mod march;
+mod normals;
 mod ssao;
 
+pub use filter::skipped;
+
 use adumbra_shaders::constants::OCCLUSION_MAX_TAPS;
-use adumbra_shaders::layout::{Frame, OcclusionFilterParams, OcclusionParams, OcclusionTaps};
+use adumbra_shaders::layout::{Frame, OcclusionParams, OcclusionTaps};
 
 use super::estimator::Estimator;
-use super::settings::{Filter, OcclusionSettings};
+use super::settings::{Normals, OcclusionSettings};
 use super::taps::taps;
 
 /// What the camera sees, as the G-buffer holds it; row 0 at the top.
@@ -27,43 +33,96 @@ pub struct Surfaces<'a> {
 /// Ambient visibility with view depth, 0 where nothing is.
 pub type Ambient = [f32; 2];
 
-/// Ambient visibility as the GPU has it. Cost: as many operations as the GPU's, on one thread.
-pub fn ambient(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
-    let estimate = estimate(settings, surfaces);
-    let size = settings.size([surfaces.frame.size[0], surfaces.frame.size[1]]);
-    match settings.filter {
-        Filter::None => estimate,
-        _ => [0, 1]
-            .into_iter()
-            .fold(estimate, |from, axis| bilateral_line(&settings.filter_params(size, axis), &from)),
+/// Ambient visibility from frame to frame, as the GPU has it.
+pub struct Twin {
+    settings: OcclusionSettings,
+    before: Option<(Frame, Vec<history::Seen>)>,
+}
+
+impl Twin {
+    /// Before the first frame.
+    pub fn new(settings: OcclusionSettings) -> Self {
+        Self { settings, before: None }
+    }
+
+    /// Drops what is known of the frames before.
+    pub fn forget(&mut self) {
+        self.before = None;
+    }
+
+    /// Of the next frame. Cost: as many operations as the GPU's, on one thread.
+    pub fn ambient(&mut self, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
+        let settings = &self.settings;
+        let mut ambient = estimate(settings, surfaces);
+        if settings.reuse {
+            let seen = history::mean(settings, surfaces, &ambient, self.before.as_ref());
+            ambient = seen.iter().map(|s| [s[0], s[1]]).collect();
+            self.before = Some((surfaces.frame, seen));
+        }
+        let ambient = filter::filter(settings, &surfaces.frame, ambient);
+        if settings.half { half::up(settings, surfaces, &ambient) } else { ambient }
     }
 }
 
-/// The estimator alone.
+/// Ambient visibility of a first frame as the GPU has it. Cost: as many operations as the GPU's, on one thread.
+pub fn ambient(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
+    Twin::new(*settings).ambient(surfaces)
+}
+
+/// The estimator alone, of the size that it is estimated in.
 pub fn estimate(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
     let params = settings.params(&surfaces.frame);
+    let made = made_normals(settings, surfaces);
     let pass = Pass {
         view_depth: view_depth(&params, surfaces),
         taps: taps(settings),
-        frame_width: surfaces.frame.size[0],
-        normals: surfaces.normal,
+        frame_width: if made.is_some() { params.size[0] } else { surfaces.frame.size[0] },
+        normals: made.as_deref().unwrap_or(surfaces.normal),
         params,
     };
-    let [width, height, ..] = params.size;
-    (0..height)
-        .flat_map(|y| (0..width).map(move |x| [x, y]))
-        .map(|texel| pass.occlude(settings, texel))
+    texels([params.size[0], params.size[1]])
+        .map(|texel| pass.occlude(settings, texel.map(|c| c as u32)))
         .collect()
+}
+
+/// World normals made from depth, of the size that occlusion is estimated in; none where the G-buffer's serve.
+pub fn made_normals(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Option<Vec<[f32; 3]>> {
+    (settings.normals == Normals::Depth)
+        .then(|| normals::normals(&settings.params(&surfaces.frame), surfaces))
+}
+
+/// Row by row from the top.
+fn texels([width, height]: [u32; 2]) -> impl Iterator<Item = [i32; 2]> {
+    (0..height as i32).flat_map(move |y| (0..width as i32).map(move |x| [x, y]))
+}
+
+/// Where a texel stands among all; none beyond the picture.
+fn index([width, height]: [u32; 2], [x, y]: [i32; 2]) -> Option<usize> {
+    let is_inside = (0..width as i32).contains(&x) && (0..height as i32).contains(&y);
+    is_inside.then(|| (y * width as i32 + x) as usize)
+}
+
+/// View depth of a stored depth; 0 where nothing is.
+fn z_of(k: [f32; 4], depth: f32) -> f32 {
+    if depth == 0.0 { 0.0 } else { (k[0] + k[1] * depth) / (k[2] + k[3] * depth) }
+}
+
+/// `occlusion_point` of the shaders.
+fn point_of(ndc_from_texel: [f32; 4], half_view: [f32; 4], texel: [i32; 2], z: f32) -> [f32; 3] {
+    let at = |a: usize| {
+        let ndc = ndc_from_texel[a] * texel[a] as f32 + ndc_from_texel[a + 2];
+        ndc * (half_view[a] + half_view[a + 2] * z)
+    };
+    [at(0), at(1), z]
 }
 
 fn view_depth(params: &OcclusionParams, surfaces: &Surfaces<'_>) -> Vec<f32> {
     let [width, height, scale, _] = params.size;
-    let k = params.depth_to_z;
-    let texels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-    texels
+    let frame_width = surfaces.frame.size[0];
+    texels([width, height])
         .map(|[x, y]| {
-            let depth = surfaces.depth[(y * scale * surfaces.frame.size[0] + x * scale) as usize];
-            if depth == 0.0 { 0.0 } else { (k[0] + k[1] * depth) / (k[2] + k[3] * depth) }
+            let pixel = (y as u32 * scale * frame_width + x as u32 * scale) as usize;
+            z_of(params.depth_to_z, surfaces.depth[pixel])
         })
         .collect()
 }
@@ -115,12 +174,7 @@ impl Pass<'_> {
     }
 
     fn point(&self, texel: [i32; 2], z: f32) -> [f32; 3] {
-        let o = &self.params;
-        let at = |a: usize| {
-            let ndc = o.ndc_from_texel[a] * texel[a] as f32 + o.ndc_from_texel[a + 2];
-            ndc * (o.half_view[a] + o.half_view[a + 2] * z)
-        };
-        [at(0), at(1), z]
+        point_of(self.params.ndc_from_texel, self.params.half_view, texel, z)
     }
 
     /// Where a view-space point lies, in texels; whole numbers are centres.
@@ -169,29 +223,4 @@ fn place(texel: [u32; 2]) -> u32 {
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// One line of the bilateral filter.
-fn bilateral_line(params: &OcclusionFilterParams, from: &[Ambient]) -> Vec<Ambient> {
-    let [width, height, side, axis] = params.counts.map(|c| c as i32);
-    let line = |[x, y]: [i32; 2]| {
-        let [own, z] = from[(y * width + x) as usize];
-        let (mut sum, mut weights) = (own, 1.0);
-        for i in (-side..=side).filter(|i| *i != 0 && z > 0.0) {
-            let [x, y] = if axis == 1 { [x, y + i] } else { [x + i, y] };
-            if !(0..width).contains(&x) || !(0..height).contains(&y) {
-                continue;
-            }
-            let [other, other_z] = from[(y * width + x) as usize];
-            if other_z > 0.0 {
-                let d = (other_z - z) / params.shape[1];
-                let near = i.unsigned_abs() as usize;
-                let weight = params.weights.0[near / 4][near % 4] * (-0.5 * d * d).exp();
-                sum += weight * other;
-                weights += weight;
-            }
-        }
-        [sum / weights, z]
-    };
-    (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).map(line).collect()
 }

@@ -25,7 +25,7 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center) -> f32 {
             continue;
         }
         let w = pass.reach(c, texel, z, inverse_radius);
-        if dot(w, c.n) > bias {
+        if dot(w, c.n) > o.shape_more[0] {
             let near = range / w[2].abs().max(range);
             sum += near * near * (3.0 - 2.0 * near);
         }

@@ -1,0 +1,74 @@
+//! The mean of the frames so far.
+
+use adumbra_shaders::layout::Frame;
+
+use super::{Ambient, Surfaces, dot, index, made_normals, point_of, texels};
+use crate::occlusion::settings::OcclusionSettings;
+
+/// Visibility, view depth, frames.
+pub(super) type Seen = [f32; 3];
+
+const LEAST_WEIGHT: f32 = 0.05;
+
+pub(super) fn mean(
+    settings: &OcclusionSettings,
+    surfaces: &Surfaces<'_>,
+    estimate: &[Ambient],
+    before: Option<&(Frame, Vec<Seen>)>,
+) -> Vec<Seen> {
+    let frame = &surfaces.frame;
+    let before = before.filter(|(old, _)| old.size[..2] == frame.size[..2]);
+    let history = settings.history_params(frame, before.map(|(old, _)| old));
+    let now = settings.params(frame);
+    let size = [now.size[0], now.size[1]];
+    let made = made_normals(settings, surfaces);
+    let normals = made.as_deref().unwrap_or(surfaces.normal);
+    let normals_width = if made.is_some() { now.size[0] } else { frame.size[0] };
+    let seen_before = |texel: [i32; 2], z: f32| -> Option<[f32; 2]> {
+        let (_, old) = before?;
+        let p = point_of(now.ndc_from_texel, now.half_view, texel, z);
+        let carried = |row: [f32; 4]| dot([row[0], row[1], row[2]], p) + row[3];
+        let p = [carried(history.before_x), carried(history.before_y), carried(history.before_z)];
+        let at = [0, 1].map(|a| {
+            let ndc = p[a] / (history.half_view[a] + history.half_view[a + 2] * p[2]);
+            (ndc - history.ndc_from_texel[a + 2]) / history.ndc_from_texel[a]
+        });
+        if p[2] <= 0.0 || at.iter().any(|c| c.abs() > 65536.0) {
+            return None;
+        }
+        let [x, y] = texel.map(|c| c as u32 * now.size[3]);
+        let n_world = normals[(y * normals_width + x) as usize];
+        let axis = |a: [f32; 4]| dot(n_world, [a[0], a[1], a[2]]);
+        let n = [axis(history.right), axis(history.up), axis(history.forward)];
+        let limit = history.limits[0] + history.limits[1] * p[2];
+        let first = at.map(f32::floor);
+        let (mut sum, mut weights) = ([0.0; 2], 0.0);
+        for step in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            let other = [0, 1].map(|a| first[a] as i32 + step[a]);
+            let Some([visibility, old_z, frames]) = index(size, other).map(|i| old[i]) else { continue };
+            let q = point_of(history.ndc_from_texel, history.half_view, other, old_z);
+            if old_z <= 0.0 || dot([0, 1, 2].map(|a| q[a] - p[a]), n).abs() > limit {
+                continue;
+            }
+            let near = [0, 1].map(|a| {
+                let part = at[a] - first[a];
+                if step[a] == 1 { part } else { 1.0 - part }
+            });
+            let weight = near[0] * near[1];
+            sum = [sum[0] + weight * visibility, sum[1] + weight * frames];
+            weights += weight;
+        }
+        (weights >= LEAST_WEIGHT).then(|| sum.map(|s| s / weights))
+    };
+    texels(size)
+        .zip(estimate)
+        .map(|(texel, &[visibility, z])| match seen_before(texel, z) {
+            _ if z <= 0.0 => [visibility, z, 0.0],
+            Some([old, frames]) => {
+                let frames = (frames + 1.0).min(settings.frames as f32);
+                [old + (visibility - old) / frames, z, frames]
+            }
+            None => [visibility, z, 1.0],
+        })
+        .collect()
+}
