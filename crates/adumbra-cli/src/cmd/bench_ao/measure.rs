@@ -18,7 +18,7 @@ pub(super) type Pictures = Vec<(String, Vec<f32>)>;
 #[derive(Serialize)]
 pub(super) struct Row {
     pub(super) estimator: &'static str,
-    /// Name and value of each parameter.
+    /// Name and value of each number that shapes it.
     pub(super) settings: Vec<(&'static str, f64)>,
     pub(super) surface_ms: f64,
     pub(super) estimate_ms: f64,
@@ -56,6 +56,12 @@ pub(super) fn unfiltered(mut settings: OcclusionSettings) -> OcclusionSettings {
     settings
 }
 
+/// Its parameters, without those that are words.
+fn numbers(settings: &OcclusionSettings) -> Vec<(&'static str, f64)> {
+    let parameters = settings.estimator.parameters().iter().zip(settings.shape);
+    parameters.filter(|(p, _)| p.words.is_empty()).map(|(p, value)| (p.name, value)).collect()
+}
+
 impl Bench<'_, '_, '_> {
     /// Frames of each of `passes`, in turns; what a first frame makes is not timed.
     pub(super) fn times(
@@ -89,7 +95,7 @@ impl Bench<'_, '_, '_> {
             let unfiltered = self.stage.visibility(&mut without)?;
             let row = Row {
                 estimator: estimator.name(),
-                settings: estimator.parameters().iter().map(|p| p.name).zip(settings.shape).collect(),
+                settings: numbers(&settings),
                 surface_ms: median_time(own, |t| t.of(Stage::AmbientSurface)),
                 estimate_ms: median_time(own, |t| t.of(Stage::AmbientEstimate)),
                 filter_ms: median_time(own, |t| t.of(Stage::AmbientFilter)),

@@ -28,38 +28,38 @@ struct Part {
     shows: &'static [&'static str],
 }
 
-const SIZE: [f64; 2] = [0.17, 0.22];
+const SIZE: [f64; 2] = [0.2, 0.26];
 const PARTS: [Part; 4] = [
     Part {
         file: "ao-figure-3",
         caption: "The paper's figure 3, detail: the Dragon's head with filter. Truth, hbao, issao, and issao with the paper's settings.",
-        from: [0.27, 0.30],
+        from: [0.19, 0.14],
         size: SIZE,
-        columns: 4,
+        columns: 2,
         shows: &["truth", "hbao", "issao", FIG_3],
     },
     Part {
         file: "ao-figure-4",
         caption: "The paper's figure 4, self-occlusion: issao with its attenuation and without, tuned and with the paper's settings.",
-        from: [0.42, 0.45],
+        from: [0.28, 0.64],
         size: SIZE,
-        columns: 5,
+        columns: 3,
         shows: &["truth", "issao", WITHOUT_ATTENUATION, FIG_4, "preset=fig4:attenuation=off"],
     },
     Part {
         file: "ao-figure-4-ssao",
         caption: "Self-occlusion beside ssao: with filter, and without.",
-        from: [0.42, 0.45],
+        from: [0.28, 0.64],
         size: SIZE,
-        columns: 5,
+        columns: 3,
         shows: &["truth", "ssao", "issao", "ssao:filter=none", "issao:filter=none"],
     },
     Part {
         file: "ao-figure-5",
         caption: "The paper's figure 5, edges after filtering: truth, alchemy and issao; issao with the paper's settings, and with a Gaussian for its filter.",
-        from: [0.60, 0.32],
+        from: [0.58, 0.50],
         size: SIZE,
-        columns: 5,
+        columns: 3,
         shows: &["truth", "alchemy", "issao", FIG_5, "filter=gauss"],
     },
 ];
