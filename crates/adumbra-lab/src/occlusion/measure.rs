@@ -8,7 +8,7 @@ use adumbra_render::{
 };
 
 use super::{OcclusionErrors, occlusion_errors};
-use crate::compare::SAME_SURFACE;
+use crate::compare::{SAME_SURFACE, take_turns};
 use crate::error::Result;
 use crate::report::PixelCounts;
 use crate::truth::{Cache, Key, Surfaces, TruthTracer, standard_error};
@@ -98,6 +98,14 @@ impl OcclusionStage {
     /// What the device reports.
     pub fn occlude(&self, passes: &mut OcclusionPasses) -> Result<FrameTimes> {
         Ok(self.renderer.occlude(&self.shot, passes)?)
+    }
+
+    /// Occludes what is seen with each of `passes` in turns, see [`take_turns`]; gives each one's `frames` times.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn times(&self, passes: &mut [OcclusionPasses], frames: u32) -> Result<Vec<Vec<FrameTimes>>> {
+        take_turns(passes.len(), frames, |at| self.occlude(&mut passes[at]))
     }
 
     /// Ambient visibility of what is seen, row 0 at the top.

@@ -1,7 +1,7 @@
 //! Every estimator with its filter and without: times side by side, errors, pictures' metrics, flicker.
 
 use adumbra::camera::Camera;
-use adumbra_lab::compare::{median_ratio, median_time, ratio_range, take_turns};
+use adumbra_lab::compare::{median_ratio, median_time, ratio_range};
 use adumbra_lab::metrics::{flip, ssim};
 use adumbra_lab::occlusion::{ClaimProbe, Claims, Flicker, OcclusionErrors, grey_picture, path_flicker};
 use adumbra_render::occlusion::{Estimator, Filter, OcclusionPasses, OcclusionSettings};
@@ -72,7 +72,7 @@ impl Bench<'_, '_, '_> {
         for p in &mut *passes {
             self.stage.occlude(p)?;
         }
-        let times = take_turns(passes.len(), frames, |at| self.stage.occlude(&mut passes[at]))?;
+        let times = self.stage.times(passes, frames)?;
         self.wall_time |= times.iter().flatten().any(|t| t.wall_time);
         Ok(times)
     }
@@ -123,8 +123,8 @@ impl Bench<'_, '_, '_> {
     }
 
     fn judgement(&self, probe: &ClaimProbe<'_>, visibility: &[f32]) -> Result<Judgement, Failure> {
-        let [truth, own] = [&self.judged.truth, visibility].map(|v| grey_picture(self.args.size, v));
-        let (truth, own) = (truth?, own?);
+        let truth = grey_picture(self.args.size, &self.judged.truth)?;
+        let own = grey_picture(self.args.size, visibility)?;
         Ok(Judgement {
             errors: self.judged.errors(visibility)?,
             ssim: ssim(&truth, &own)?,
