@@ -30,11 +30,16 @@ impl Seen {
         let mut none = renderer.prepare(none).unwrap();
         let shot = Shot { camera, towards_sun: super::sun(), number };
         renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
+        Self::now(renderer, &shot)
+    }
+
+    /// The frame that was drawn last. On the GPU it is there until the next is drawn.
+    pub(crate) fn now(renderer: &Renderer, shot: &Shot) -> Self {
         let targets = renderer.targets().unwrap();
         Self {
-            frame: frame(&camera, &renderer.bounds(), shot.towards_sun, number),
+            frame: frame(&shot.camera, &renderer.bounds(), shot.towards_sun, shot.number),
             depth: read_floats(renderer.gpu(), &targets.depth.texture, 0, 0).unwrap(),
-            normal: renderer.read_surface(&shot).unwrap().normal,
+            normal: renderer.read_surface(shot).unwrap().normal,
             depth_view: targets.depth.view.clone(),
             normal_view: targets.normal.view.clone(),
         }

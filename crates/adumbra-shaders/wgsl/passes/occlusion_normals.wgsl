@@ -6,7 +6,7 @@
 
 @group(0) @binding(0) var<uniform> occlusion: OcclusionParams;
 @group(0) @binding(1) var gbuffer_depth: texture_depth_2d;
-@group(0) @binding(2) var normal_out: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(2) var normal_out: texture_storage_2d<rgba32float, write>;
 
 // Larger than the miss of any two depths.
 const ONE_PIXEL: f32 = 4.0;

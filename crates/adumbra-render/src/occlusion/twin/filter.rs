@@ -97,8 +97,7 @@ impl Pass<'_> {
 
     fn line(&self, texel: [i32; 2], sees_depth: bool) -> Ambient {
         let [own, z] = self.at(texel);
-        let tested = self.params.shape[3] >= 0.0;
-        if z <= 0.0 || (tested && self.is_even_line(texel, own)) {
+        if z <= 0.0 || (self.params.shape[3] >= 0.0 && self.is_even_line(texel, own)) {
             return [own, z];
         }
         let axis = self.axis();
