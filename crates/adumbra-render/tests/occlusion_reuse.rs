@@ -40,19 +40,15 @@ fn reuse_on_the_gpu_is_the_cpu_s() {
     ];
     for projection in [kit::camera(1, 1).projection, ORTHOGRAPHIC] {
         for [width, height] in [[1, 1], [7, 5], SIZE] {
-            let cameras = (0..5).map(|n| on_the_way(Camera { projection, ..kit::camera(width, height) }, n));
-            let frames: Vec<Seen> =
-                cameras.zip(0..).map(|(c, number)| Seen::drawn(&mut renderer, c, number)).collect();
-            for text in texts {
-                // The pictures are drawn over by the next frame: what each held is drawn again before it is asked.
-                let settings = settings(text, RADIUS_WORLD);
-                let mut passes = OcclusionPasses::new(renderer.gpu(), settings);
-                let mut twin = Twin::new(settings);
-                for (number, seen) in (0..).zip(&frames) {
-                    let camera = on_the_way(Camera { projection, ..kit::camera(width, height) }, number);
-                    let again = Seen::drawn(&mut renderer, camera, number);
-                    let found = again.on_gpu(renderer.gpu(), &mut passes);
-                    let worst = largest(&found, &visibility(&twin.ambient(&seen.surfaces())));
+            let all = texts.map(|text| settings(text, RADIUS_WORLD));
+            let mut passes = all.map(|s| OcclusionPasses::new(renderer.gpu(), s));
+            let mut twins = all.map(Twin::new);
+            for number in 0..5 {
+                let camera = on_the_way(Camera { projection, ..kit::camera(width, height) }, number);
+                let seen = Seen::drawn(&mut renderer, camera, number);
+                for (i, text) in texts.iter().enumerate() {
+                    let found = seen.on_gpu(renderer.gpu(), &mut passes[i]);
+                    let worst = largest(&found, &visibility(&twins[i].ambient(&seen.surfaces())));
                     assert!(worst < 2e-3, "{text} at {width} x {height}, frame {number}: {worst}");
                 }
             }

@@ -161,3 +161,39 @@ impl Pass<'_> {
 pub(super) fn along(texel: [i32; 2], axis: [i32; 2], i: i32) -> [i32; 2] {
     [texel[0] + i * axis[0], texel[1] + i * axis[1]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::run;
+
+    /// How far the taps of a line lie off what a run says, over their view depth; `depth` is by texel.
+    fn miss(depth: impl Fn(f32) -> f32, kind: [f32; 2]) -> f32 {
+        let own = depth(0.0);
+        let [s, t] = run(depth(-1.0), own, depth(1.0), kind, 10.0);
+        let off = |i: i32| (depth(i as f32) * (1.0 + s * i as f32) - (own + t * i as f32)).abs() / own;
+        (-4..=4).map(off).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn run_follows_planes_at_any_angle() {
+        for slope in [-0.12, -0.01, 0.0, 0.003, 0.1] {
+            // In perspective the inverse is even: the steepest of these goes from half of the view depth to twice of it.
+            assert!(miss(|i| 20.0 / (1.0 + slope * i), [1.0, 0.0]) < 1e-5, "{slope}");
+            assert!(miss(|i| 20.0 + 30.0 * slope * i, [0.0, 1.0]) < 1e-5, "{slope}");
+        }
+        // Without, the same planes are left.
+        assert!(miss(|i| 20.0 / (1.0 + 0.1 * i), [0.0, 0.0]) > 0.1);
+    }
+
+    #[test]
+    fn run_does_not_leave_a_surface_over_its_edge() {
+        let kind = [1.0, 0.0];
+        // A thing one texel wide, before things and before the sky; the nearer neighbour at an edge; nothing about.
+        assert_eq!(run(30.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
+        assert_eq!(run(0.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
+        assert_eq!(run(20.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
+        assert_eq!(run(0.0, 20.0, 0.0, kind, 10.0), [0.0; 2]);
+        let [s, _] = run(19.99, 20.0, 40.0, kind, 10.0);
+        assert!((s + 20.0 / 19.99 - 1.0).abs() < 1e-6, "{s}");
+    }
+}
