@@ -1,4 +1,5 @@
-//! What surrounds the estimators of ambient occlusion: filters, edge test, half size, normals from depth. GPU against CPU, and what each is for.
+//! What surrounds the estimators of ambient occlusion: filters, edge test, half size, normals from depth. GPU against CPU,
+//! and what each is for.
 
 mod kit;
 
@@ -104,7 +105,8 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
     let seen = Seen::drawn(&mut renderer, before_pole(SIZE[0], SIZE[1]), 0);
     let [width, height] = seen.size();
     let raw = seen.on_cpu(&settings("issao:filter=none", 3.0));
-    // Open ground, with nothing but open ground and the pole before it in the filter's window: what it changes comes from the pole.
+    // Open ground, with nothing but open ground and the pole before it in the filter's window: what it changes comes from
+    // the pole.
     let is_open_ground = |at: usize| {
         seen.normal[at][1] > 0.9 && raw[at] > 0.999 && seen.view_depth(at).is_some_and(|z| z > 24.0)
     };

@@ -166,7 +166,8 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
     let (old, new) = (camera(0.0).view(), camera(3.0).view());
     let mut seen = Seen::drawn(&mut renderer, camera(3.0), 8);
     let [width, height] = seen.size();
-    // Pixels whose point the frame before did not see: something lay before it at all four pixels about its place there, or it was beyond the picture.
+    // Pixels whose point the frame before did not see: something lay before it at all four pixels about its place there, or
+    // it was beyond the picture.
     let is_hidden = |at: usize| {
         let Some(z) = seen.view_depth(at) else { return false };
         let (origin, direction) = new.ray((at % width) as f64 + 0.5, (at / width) as f64 + 0.5);
@@ -194,12 +195,8 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
     // And what was seen before is nearer to the estimator's own mean than without.
     let [a, b] = [visibility(&filtered_twin.ambient(&seen.surfaces())), seen.on_cpu(&with_filter)];
     let smooth = without_noise(&mut seen, &reusing);
-    println!(
-        "{} disoccluded, whole frame {:.4} from the mean, {:.4} without reuse",
-        hidden.len(),
-        rms(&a, &smooth),
-        rms(&b, &smooth)
-    );
+    let (with, without) = (rms(&a, &smooth), rms(&b, &smooth));
+    println!("{} disoccluded, whole frame {with:.4} from the mean, {without:.4} without reuse", hidden.len());
     println!("unfiltered {:.4}, {:.4}", rms(&reused, &smooth), rms(&fresh, &smooth));
     assert!(rms(&reused, &smooth) < rms(&fresh, &smooth));
 }

@@ -1,7 +1,7 @@
-// Filters of ambient visibility. Bilateral (Qiu et al. 2014, equation 7): weights fall with the distance of texels and with the difference of
-// their view depths, exp(-(difference / sigma)² / 2) each. Departures: two lines may stand for the square; the difference may be taken from the
-// centre's own surface (occlusion_run). Visibility and view depth come from one texture. Sky counts nowhere and stays as it is. One thread a
-// texel.
+// Filters of ambient visibility. Bilateral (Qiu et al. 2014, equation 7): weights fall with the distance of texels and with
+// the difference of their view depths, exp(-(difference / sigma)² / 2) each. Departures: two lines may stand for the
+// square; the difference may be taken from the centre's own surface (occlusion_run). Visibility and view depth come from
+// one texture. Sky counts nowhere and stays as it is. One thread a texel.
 
 @group(0) @binding(0) var<uniform> blur: OcclusionFilterParams;
 @group(0) @binding(1) var ambient_in: texture_2d<f32>;
@@ -70,12 +70,10 @@ fn bilateral_line(@builtin(global_invocation_id) id: vec3u) {
         let after = ambient_near(texel + axis);
         let run = occlusion_run(before.y, z, after.y, blur.shape.yz, blur.shape.x);
         var sum = vec2f(center.x, 1.0) + tap(1.0, z, before, -run) + tap(1.0, z, after, run);
-        let taps = reach(dot(texel, axis), blur.counts[blur.counts.w]);
-        for (var i = taps.x; i <= -2; i++) {
-            sum += tap(f32(i * i), z, ambient_at(texel + i * axis), f32(i) * run);
-        }
-        for (var i = 2; i <= taps.y; i++) {
-            sum += tap(f32(i * i), z, ambient_at(texel + i * axis), f32(i) * run);
+        for (var i = 2; i <= i32(blur.counts.z); i++) {
+            let squared = f32(i * i);
+            sum += tap(squared, z, ambient_near(texel - i * axis), -f32(i) * run);
+            sum += tap(squared, z, ambient_near(texel + i * axis), f32(i) * run);
         }
         visibility = sum.x / sum.y;
     }
@@ -123,11 +121,13 @@ fn gauss_line(@builtin(global_invocation_id) id: vec3u) {
     let axis = select(vec2i(1, 0), vec2i(0, 1), blur.counts.w == 1u);
     var visibility = center.x;
     if (center.y > 0.0 && !(blur.shape.w >= 0.0 && is_even_line(texel, axis, center.x))) {
-        let taps = reach(dot(texel, axis), blur.counts[blur.counts.w]);
-        var sum = vec2f(0.0);
-        for (var i = taps.x; i <= taps.y; i++) {
-            let other = ambient_at(texel + i * axis);
-            sum += select(0.0, exp(-f32(i * i) * blur.near.x), other.y > 0.0) * vec2f(other.x, 1.0);
+        var sum = vec2f(center.x, 1.0);
+        for (var i = 1; i <= i32(blur.counts.z); i++) {
+            let near = exp(-f32(i * i) * blur.near.x);
+            let before = ambient_near(texel - i * axis);
+            let after = ambient_near(texel + i * axis);
+            sum += select(0.0, near, before.y > 0.0) * vec2f(before.x, 1.0);
+            sum += select(0.0, near, after.y > 0.0) * vec2f(after.x, 1.0);
         }
         visibility = sum.x / sum.y;
     }

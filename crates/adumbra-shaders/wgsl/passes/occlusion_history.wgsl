@@ -1,7 +1,8 @@
-// The mean of the frames so far: each texel's point is carried into the frame before and meets what that frame, and those before it, knew of it: the four
-// texels about it, less those that lie off its plane. What has no such texel was not seen, and begins anew. The camera moves; of what moves in the
-// scene nothing is known: it counts as seen where it lies in the plane of what was there. After D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk,
-// J. R. Isidoro, Accelerating Real-Time Shading with Reverse Reprojection Caching, 2007. One thread a texel.
+// The mean of the frames so far: each texel's point is carried into the frame before and meets what that frame, and those
+// before it, knew of it: the four texels about it, less those that lie off its plane. What has no such texel was not seen,
+// and begins anew. The camera moves; of what moves in the scene nothing is known: it counts as seen where it lies in the
+// plane of what was there. After D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk, J. R. Isidoro, Accelerating Real-Time
+// Shading with Reverse Reprojection Caching, 2007. One thread a texel.
 
 @group(0) @binding(0) var<uniform> occlusion: OcclusionParams;
 @group(0) @binding(1) var<uniform> history: OcclusionHistoryParams;

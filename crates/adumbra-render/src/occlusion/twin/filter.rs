@@ -19,8 +19,8 @@ pub(super) fn filter(settings: &OcclusionSettings, frame: &Frame, from: Vec<Ambi
     })
 }
 
-/// Share of the filter's work on surfaces that its edge test spares: texels left as they are, by all, over the filter's passes. `from` is
-/// the estimate.
+/// Share of the filter's work on surfaces that its edge test spares: texels left as they are, by all, over the filter's
+/// passes. `from` is the estimate.
 pub fn skipped(settings: &OcclusionSettings, frame: &Frame, from: &[Ambient]) -> f64 {
     let tested = OcclusionSettings { edge_test: true, ..*settings };
     let (mut left, mut all) = (0_u32, 0_u32);
