@@ -83,6 +83,23 @@ fn lines_are_near_the_square() {
     }
 }
 
+#[test]
+fn planes_leave_less_noise_than_depth_alone() {
+    let mut renderer = city();
+    let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
+    let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
+    for (sharpness, limit) in [(0.03, 0.98), (0.01, 0.9)] {
+        let [plane, plain] = ["plane", "plain"].map(|depth| {
+            let text = format!("issao:sharpness={sharpness}:depth={depth}");
+            rms(&seen.on_cpu(&settings(&text, RADIUS_WORLD)), &smooth)
+        });
+        println!(
+            "sharpness {sharpness}: RMS from the mean {plane:.4} along planes, {plain:.4} by depth alone"
+        );
+        assert!(plane < limit * plain, "{plane}, {plain}");
+    }
+}
+
 /// A pole with a shelf before a far ground.
 fn pole() -> Renderer {
     let scene = boxes(&[

@@ -3,8 +3,8 @@
 mod kit;
 
 use adumbra::camera::{Camera, Projection};
-use adumbra_render::occlusion::twin::{Twin, estimate};
-use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
+use adumbra_render::occlusion::OcclusionPasses;
+use adumbra_render::occlusion::twin::Twin;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, Stage, build};
 use kit::ambient::{Seen, largest, rms, settings, visibility};
 use kit::boxes::boxes;
@@ -87,19 +87,6 @@ fn renderer_keeps_the_history_of_its_frames() {
     assert!(largest(&found, &expected) < 2e-3);
 }
 
-/// What the estimator would give with a great many taps.
-fn without_noise(seen: &mut Seen, settings: &OcclusionSettings) -> Vec<f32> {
-    let many = OcclusionSettings { reuse: true, samples: 64, ..*settings };
-    let number = seen.frame.size[2];
-    let mut sum = vec![0.0; seen.depth.len()];
-    for turn in 0..16 {
-        seen.frame.size[2] = turn;
-        sum.iter_mut().zip(estimate(&many, &seen.surfaces())).for_each(|(s, a)| *s += a[0] / 16.0);
-    }
-    seen.frame.size[2] = number;
-    sum
-}
-
 #[test]
 fn reuse_lowers_the_noise() {
     let mut renderer = city();
@@ -116,7 +103,7 @@ fn reuse_lowers_the_noise() {
             let by = f64::from(number) * 110.0 / 120.0;
             let moved = |p: [f64; 3]| [0, 1, 2].map(|a| p[a] + by * right[a]);
             let camera = Camera { eye: moved(camera.eye), target: moved(camera.target), ..camera };
-            let mut seen = Seen::drawn(&mut renderer, camera, number);
+            let seen = Seen::drawn(&mut renderer, camera, number);
             let now = [seen.on_cpu(&alone), visibility(&twin.ambient(&seen.surfaces()))];
             let last = last.replace(now.clone());
             if let (Some(last), true) = (last, number >= 6) {
@@ -128,7 +115,7 @@ fn reuse_lowers_the_noise() {
                 }
             }
             if number == 9 {
-                let smooth = without_noise(&mut seen, &reusing);
+                let smooth = seen.without_noise(&reusing);
                 error = [0, 1].map(|i| rms(&now[i], &smooth));
             }
         }
@@ -164,7 +151,7 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
     }
     let before = Seen::drawn(&mut renderer, camera(0.0), 7);
     let (old, new) = (camera(0.0).view(), camera(3.0).view());
-    let mut seen = Seen::drawn(&mut renderer, camera(3.0), 8);
+    let seen = Seen::drawn(&mut renderer, camera(3.0), 8);
     let [width, height] = seen.size();
     // Pixels whose point the frame before did not see: something lay before it at all four pixels about its place there, or
     // it was beyond the picture.
@@ -194,7 +181,7 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
     assert_eq!(worst, 0.0, "of {} disoccluded pixels", hidden.len());
     // And what was seen before is nearer to the estimator's own mean than without.
     let [a, b] = [visibility(&filtered_twin.ambient(&seen.surfaces())), seen.on_cpu(&with_filter)];
-    let smooth = without_noise(&mut seen, &reusing);
+    let smooth = seen.without_noise(&reusing);
     let (with, without) = (rms(&a, &smooth), rms(&b, &smooth));
     println!("{} disoccluded, whole frame {with:.4} from the mean, {without:.4} without reuse", hidden.len());
     println!("unfiltered {:.4}, {:.4}", rms(&reused, &smooth), rms(&fresh, &smooth));

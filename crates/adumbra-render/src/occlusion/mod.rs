@@ -7,7 +7,7 @@
 //!
 //! Departures from its filter: two lines stand for the square unless that is asked for, and differences of depth are taken
 //! from the centre's own surface, drawn on to the tap (`depth=plane`), not from the centre's depth (`depth=plain`): what is
-//! left of the noise is then up to a tenth less over the generated city, the more the sharper depth is judged.
+//! left of the noise is then less, the more so the sharper depth is judged.
 //!
 //! The frames before are known by the camera's way alone. What moves in the scene is met by what was seen in its plane, or
 //! begins anew; what it uncovers begins anew.

@@ -2,7 +2,7 @@
 
 use adumbra::camera::Camera;
 use adumbra_render::frame::{DEPTH_FORMAT, frame};
-use adumbra_render::occlusion::twin::{Ambient, Surfaces, Twin};
+use adumbra_render::occlusion::twin::{Ambient, Surfaces, Twin, estimate};
 use adumbra_render::occlusion::{OcclusionInput, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Gpu, Renderer, Shot, build};
@@ -134,6 +134,19 @@ impl Seen {
     /// A first frame of it on the CPU.
     pub(crate) fn on_cpu(&self, settings: &OcclusionSettings) -> Vec<f32> {
         visibility(&Twin::new(*settings).ambient(&self.surfaces()))
+    }
+
+    /// What the estimator would give with a great many taps: its mean over every turn of the noise.
+    pub(crate) fn without_noise(&self, settings: &OcclusionSettings) -> Vec<f32> {
+        let many = OcclusionSettings { reuse: true, samples: 64, ..*settings };
+        let mut sum = vec![0.0; self.depth.len()];
+        for turn in 0..16 {
+            let [width, height, ..] = self.frame.size;
+            let frame = Frame { size: [width, height, turn, 0], ..self.frame };
+            let turned = estimate(&many, &Surfaces { frame, ..self.surfaces() });
+            sum.iter_mut().zip(turned).for_each(|(s, a)| *s += a[0] / 16.0);
+        }
+        sum
     }
 
     /// Largest difference of a first frame's visibility, GPU from CPU.
