@@ -1,8 +1,9 @@
-//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`.
+//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`, `cargo xtask tune-ao`.
 
 mod adapter;
 mod broken;
 mod tree_vectors;
+mod tune_ao;
 mod vectors;
 
 use std::env;
@@ -12,7 +13,10 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test
   cargo xtask test --quick    the tests that need no real scenes, under two minutes
-  cargo xtask vectors         write test_vectors/ again";
+  cargo xtask vectors         write test_vectors/ again
+  cargo xtask tune-ao [--scenes DIR] [--budget N] [--only NAME,...]
+                              look for the estimators' parameters of ambient occlusion on the eight scenes; DIR is where the tests
+                              find scenes, N 240, and NAME every estimator if not given";
 
 fn main() -> ExitCode {
     let args: Vec<String> = env::args().skip(1).collect();
@@ -22,6 +26,9 @@ fn main() -> ExitCode {
         ["test"] => test(root),
         ["test", "--quick"] => quick_test(root),
         ["vectors"] => vectors::run(root).map_err(|e| e.to_string()),
+        ["tune-ao", options @ ..] => {
+            adapter::ensure().and_then(|()| tune_ao::run(root, options).map_err(|e| e.to_string()))
+        }
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

@@ -13,7 +13,7 @@ use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, MoverPolicy, NameFilter
 use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
 pub(crate) use bench::{
-    Bench, BenchBake, BenchBlur, BenchHrsm, BenchShadows, BenchTree, BenchVerb, BenchVerify,
+    Bench, BenchAo, BenchBake, BenchBlur, BenchHrsm, BenchShadows, BenchTree, BenchVerb, BenchVerify,
 };
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use compare::{BenchPeers, Compare, JudgeArg};

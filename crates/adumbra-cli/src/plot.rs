@@ -20,6 +20,8 @@ pub(crate) struct Series {
 pub(crate) enum Along {
     /// Numbers, joined by lines.
     Numbers(&'static str),
+    /// Likewise, but x is the binary logarithm of what labels say.
+    Powers(&'static str),
     /// Names, with bars.
     Names(Vec<String>),
 }
@@ -107,7 +109,7 @@ where
     let xs = || panel.series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
     let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(f64::NEG_INFINITY, f64::max));
     let names = match &panel.along {
-        Along::Numbers(_) => None,
+        Along::Numbers(_) | Along::Powers(_) => None,
         Along::Names(names) => Some(names),
     };
     let x = if names.is_some() { low - 0.6..high + 0.6 } else { low - 0.2..high + 0.2 };
@@ -122,6 +124,7 @@ where
             let whole = (x - x.round()).abs() < 0.01 && *x >= 0.0;
             names.get(x.round() as usize).filter(|_| whole).cloned().unwrap_or_default()
         }
+        None if matches!(panel.along, Along::Powers(_)) => short(x.exp2()),
         None => format!("{x:.0}"),
     };
     let labels = if names.is_some() {
@@ -136,7 +139,7 @@ where
         .x_label_formatter(&label)
         .y_label_formatter(&|y| short(*y))
         .x_desc(match &panel.along {
-            Along::Numbers(what) => *what,
+            Along::Numbers(what) | Along::Powers(what) => *what,
             Along::Names(_) => "",
         })
         .y_desc(panel.y_label)

@@ -38,6 +38,9 @@ pub(crate) enum BenchVerb {
     /// Hybrid-resolution shadow maps beside plain ones, as in their paper; writes hrsm.md, hrsm.json, pictures
     #[command(after_help = "Example: adumbra bench hrsm --scenes scenes -o docs/bench")]
     Hrsm(BenchHrsm),
+    /// Every estimator of ambient occlusion beside rays, on eight scenes; writes ao.md, ao.json, a plot, pictures
+    #[command(after_help = "Example: adumbra bench ao --scenes scenes --truth truth -o docs/bench")]
+    Ao(BenchAo),
 }
 
 #[derive(clap::Args)]
@@ -218,6 +221,37 @@ pub(crate) struct BenchHrsm {
     #[arg(long, value_name = "DIR")]
     pub(crate) cache: Option<PathBuf>,
     /// Where tables and pictures go
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct BenchAo {
+    /// Folder of scenes: dragon_202k, bunny_69k, armadillo, dream_apartment, zdm2, kaykit_city_21, bridge_garden, box-city-5k
+    #[arg(long, value_name = "DIR")]
+    pub(crate) scenes: PathBuf,
+    /// Folder of truth files, for the table beside today's engines [default: it is left out]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) truth: Option<PathBuf>,
+    /// These scenes only
+    #[arg(long, value_delimiter = ',', num_args = 1.., value_parser = ["dragon", "bunny", "armadillo",
+        "dream_apartment", "zdm2", "kaykit_city_21", "bridge_garden", "cornell"])]
+    pub(crate) only: Vec<String>,
+    /// Frames that times are medians of
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = frames)]
+    pub(crate) frames: u32,
+    /// Pixels of the still pictures; those of the path have half the width and height
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = super::parse_size)]
+    pub(crate) size: [u32; 2],
+    /// Rays a pixel of the truth
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub(crate) rays: u32,
+    #[command(flatten)]
+    pub(crate) device: super::DeviceArgs,
+    /// Folder that traced pictures are kept in between runs [default: the output's truth-cache]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
+    /// Where tables, the plot and pictures go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
 }

@@ -27,6 +27,7 @@ pub(crate) fn run(args: &Bench) -> Outcome {
         BenchVerb::Verify(a) => verify_table(a),
         BenchVerb::Tree(a) => super::bench_tree::run(a),
         BenchVerb::Hrsm(a) => super::bench_hrsm::run(a),
+        BenchVerb::Ao(a) => super::bench_ao::run(a),
         BenchVerb::Blur(a) => super::bench_blur::run(a),
         BenchVerb::Peers(a) => super::bench_peers::run(a),
         BenchVerb::Shadows(a) => super::bench_shadows::run(a),

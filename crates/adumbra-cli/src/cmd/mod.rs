@@ -4,6 +4,7 @@ mod bake;
 mod bake_tree;
 mod baked;
 mod bench;
+mod bench_ao;
 mod bench_blur;
 mod bench_hrsm;
 mod bench_peers;

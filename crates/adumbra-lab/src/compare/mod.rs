@@ -14,7 +14,7 @@ use adumbra_render::{
 pub use boundary::{BoundaryGain, boundary_gain};
 pub use clear::{CLEAR_TEXELS, clear_errors};
 pub use flips::{errors_off_edges, near_flips};
-pub use timing::{interleaved, median_ratio, median_time, ratio_range};
+pub use timing::{interleaved, median_ratio, median_time, ratio_range, take_turns};
 pub use walk::walk;
 
 use crate::error::Result;

@@ -18,10 +18,22 @@ pub fn interleaved(
     techniques: &mut [&mut Prepared],
     frames: u32,
 ) -> Result<Vec<Vec<FrameTimes>>> {
-    let mut times = vec![Vec::new(); techniques.len()];
+    take_turns(techniques.len(), frames, |at| Ok(renderer.draw(shot, techniques[at], Answer::Visibility)?))
+}
+
+/// As [`interleaved`], of `count` things of which `draw` draws a frame of the one asked for.
+///
+/// # Errors
+/// What `draw` gives.
+pub fn take_turns(
+    count: usize,
+    frames: u32,
+    mut draw: impl FnMut(usize) -> Result<FrameTimes>,
+) -> Result<Vec<Vec<FrameTimes>>> {
+    let mut times = vec![Vec::new(); count];
     for round in 0..frames as usize {
-        for at in turns(round, techniques.len()) {
-            times[at].push(renderer.draw(shot, techniques[at], Answer::Visibility)?);
+        for at in turns(round, count) {
+            times[at].push(draw(at)?);
         }
     }
     Ok(times)

@@ -1,11 +1,22 @@
-//! Ambient occlusion judged by rays: errors of visibility, flicker along a camera path, and the eight scenes of `bench ao`.
+//! Ambient occlusion judged by rays: errors of visibility, flicker along a camera path, the paper's claims as numbers, the eight scenes of
+//! `bench ao`, and the tuner that gives every estimator the same chance on them.
 //!
 //! One polarity: visibility, 1 = unoccluded.
 
+mod claims;
 mod errors;
 mod flicker;
+mod measure;
+mod record;
+mod tune;
 mod views;
+mod walk;
 
+pub use claims::{BLUR_PIXELS, ClaimProbe, Claims, EDGE_COSINE, EDGE_PIXELS, EDGE_STEP, FLAT, OPEN};
 pub use errors::{OcclusionErrors, grey_picture, occlusion_errors};
 pub use flicker::{CHANGE, Flicker, FlickerCount, FlickerFrame};
+pub use measure::{Judged, OcclusionJudge, OcclusionStage};
+pub use record::{Record, RecordEntry, RecordScene, TunedOn, tuned, with_tuned};
+pub use tune::{TuneOptions, TuneScene, tune};
 pub use views::{Fold, OcclusionScene, OcclusionView, PATH_FRAMES, SCENES, scene_named};
+pub use walk::{path_flicker, truth_flicker};

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 
@@ -23,7 +24,7 @@ const MODEL_RADIUS: f64 = 0.12;
 const SEED: u64 = 1;
 
 /// Half of the scenes: a setting that is judged on one half was tuned on the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fold {
     /// The first half.
     A,

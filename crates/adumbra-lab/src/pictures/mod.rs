@@ -54,6 +54,19 @@ pub fn picture_of_rgba([width, height]: [u32; 2], rgba: &[u8]) -> Picture {
     Picture { width, height, rgb, difference_share: None }
 }
 
+/// The part of `size` from the corner `from`, as far as the picture goes, each of its pixels `times` as wide and high.
+pub fn enlarged(picture: &Picture, from: [u32; 2], size: [u32; 2], times: u32) -> Picture {
+    let part = |a: usize, whole: u32| size[a].min(whole.saturating_sub(from[a]));
+    let [width, height] = [part(0, picture.width) * times, part(1, picture.height) * times];
+    let pixels =
+        (0..height).flat_map(|y| (0..width).map(move |x| (from[0] + x / times, from[1] + y / times)));
+    let rgb = pixels.flat_map(|(x, y)| {
+        let at = (y as usize * picture.width as usize + x as usize) * 3;
+        [picture.rgb[at], picture.rgb[at + 1], picture.rgb[at + 2]]
+    });
+    Picture { width, height, rgb: rgb.collect(), difference_share: None }
+}
+
 /// The picture as the bytes of a PNG.
 ///
 /// # Errors
@@ -86,6 +99,16 @@ mod tests {
         assert!(p[4][0] < p[3][0], "what does not count is dark");
         assert!(p[5][0] > p[5][2], "a little too dark is a little red");
         assert!(difference_picture([2, 2], &factors, &truth, |_| true).is_err());
+    }
+
+    #[test]
+    fn enlarged_part_is_the_picture_s() {
+        let picture = picture_of_rgba([3, 2], &std::array::from_fn::<u8, 24, _>(|i| i as u8 / 4 * 10));
+        let part = enlarged(&picture, [1, 0], [9, 1], 2);
+        assert_eq!((part.width, part.height), (4, 2));
+        let grey: Vec<u8> = part.rgb.chunks(3).map(|p| p[0]).collect();
+        assert_eq!(grey, [10, 10, 20, 20, 10, 10, 20, 20]);
+        assert_eq!(enlarged(&picture, [3, 0], [1, 1], 2).rgb.len(), 0);
     }
 
     #[test]

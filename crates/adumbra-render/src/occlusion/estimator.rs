@@ -130,7 +130,12 @@ const ISSAO: &[Parameter] = &[
     tuned("psi", "ψ, part of the view depth that w·n is over", 0.02, [0.0, 1.0], Factors(0.0005, 0.1)),
     tuned("zcap", "most view depth in radii that ψ counts", 5.0, [0.0, 1000.0], Factors(0.5, 50.0)),
     tuned("sigma", "σ, radii²", 0.01, [0.0, 10.0], Factors(0.00005, 1.0)),
-    fixed("reading", "1: φ is a factor; 2: it shapes the falloff; 3: it is an exponent of A", 3.0, [1.0, 3.0]),
+    fixed(
+        "reading",
+        "1: φ is a factor; 2: it shapes the falloff; 3: it is an exponent of A",
+        3.0,
+        [1.0, 3.0],
+    ),
     word("attenuation", "off: v normalised, as before the paper (its Fig. 4)", &["off", "on"], 1),
     word("relation", "of e1 and e2: equal, or free of each other", &["free", "equal"], 1),
 ];

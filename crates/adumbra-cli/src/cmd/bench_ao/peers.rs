@@ -1,0 +1,54 @@
+//! Every estimator on the truth cameras, beside today's engines.
+
+use std::path::Path;
+
+use adumbra::scene::LoadOptions;
+use adumbra_lab::occlusion::{OcclusionStage, TunedOn, with_tuned};
+use adumbra_lab::peers::RowSource;
+use adumbra_lab::peers::occlusion::{OcclusionRow, SCENES, aim, engines, figures};
+use adumbra_lab::truth::TruthView;
+use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
+use adumbra_render::{Gpu, SceneOptions};
+
+use super::measure::unfiltered;
+use crate::args::BenchAo;
+use crate::cmd::bench_peers::scene_file;
+use crate::cmd::load_scene;
+use crate::exit::Failure;
+
+/// The name of a row of ours.
+pub(super) fn name(estimator: Estimator, samples: u32, filtered: bool) -> String {
+    format!("{estimator}, {samples} samples{}", if filtered { " and filter" } else { "" })
+}
+
+/// Ours, theirs, and the aim.
+pub(super) fn rows(args: &BenchAo, truth: &Path) -> Result<Vec<OcclusionRow>, Failure> {
+    let kinds: Vec<(Estimator, bool)> =
+        Estimator::ALL.iter().flat_map(|e| [(*e, true), (*e, false)]).collect();
+    let samples = OcclusionSettings::new(Estimator::Issao, 1.0).samples;
+    let row = |(e, filtered): &(Estimator, bool)| OcclusionRow {
+        name: name(*e, samples, *filtered),
+        source: RowSource::Here,
+        scenes: [None; 3],
+    };
+    let mut rows: Vec<OcclusionRow> = kinds.iter().map(row).collect();
+    for (column, scene) in SCENES.into_iter().enumerate() {
+        let view = TruthView::read(&truth.join(format!("{scene}.npz")))?;
+        let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
+        let loaded = load_scene(&scene_file(&args.scenes, scene)?, &options)?;
+        let gpu = Gpu::request(&args.device.gpu_options())?;
+        let stage = OcclusionStage::new(gpu, &loaded, SceneOptions { ignore_alpha: true }, view.camera)?;
+        for ((estimator, filtered), row) in kinds.iter().zip(&mut rows) {
+            let settings = OcclusionSettings::new(*estimator, view.ambient_radius_world);
+            let settings = with_tuned(settings, TunedOn::without(scene));
+            let settings = if *filtered { settings } else { unfiltered(settings) };
+            let visibility = stage.visibility(&mut OcclusionPasses::new(stage.gpu(), settings))?;
+            let found = figures(&visibility, &view)?;
+            eprintln!("{scene} {}: {:.3}", row.name, found.rmse);
+            row.scenes[column] = Some(found);
+        }
+    }
+    rows.extend(engines());
+    rows.push(aim());
+    Ok(rows)
+}

@@ -1,0 +1,294 @@
+//! Looks for the parameters of every estimator of ambient occlusion in the same way: what `cargo xtask tune-ao` runs.
+//!
+//! An estimator may vary what its own list of parameters says ([`adumbra_render::occlusion::Parameter::search`]); radius, samples, noise and
+//! filter are the same for all. What is made small is the mean over scenes of RMSE after the filter by that of open sky everywhere. A run
+//! is a fixed number of evaluations: a third of them over the whole box of parameters, along a sequence that fills it evenly (M. Roberts,
+//! *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018), then steps about the best so far, which shrink from a quarter of the
+//! box to a hundredth. Nothing is drawn by chance, so a run repeats itself on the same adapter.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use adumbra::camera::Camera;
+use adumbra::scene::Scene;
+use adumbra_render::occlusion::{
+    Estimator, MAX_PARAMETERS, OcclusionPasses, OcclusionSettings, Parameter, Search,
+};
+use adumbra_render::{Gpu, SceneOptions};
+
+use super::measure::{Judged, OcclusionJudge, OcclusionStage};
+use super::record::{Record, RecordEntry, RecordScene, TunedOn};
+use super::views::{Fold, SCENES};
+use crate::error::Result;
+use crate::truth::{Cache, TruthTracer, scene_key};
+
+/// Half-widths of the first and the last step, in sides of the box.
+const STEPS: [f64; 2] = [0.25, 0.01];
+/// Digits that count of a parameter: what is recorded is what was tried.
+const DIGITS: i32 = 4;
+
+/// How much is tried, and on what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TuneOptions {
+    /// Evaluations a run, each over all scenes of the run.
+    pub budget: u32,
+    /// Pixels of the pictures.
+    pub size: [u32; 2],
+    /// Rays a pixel of the truth.
+    pub rays: u32,
+}
+
+impl Default for TuneOptions {
+    fn default() -> Self {
+        Self { budget: 240, size: [640, 360], rays: 256 }
+    }
+}
+
+/// A view that estimators are tuned on.
+pub struct TuneScene {
+    name: String,
+    fold: Fold,
+    stage: OcclusionStage,
+    judged: Judged,
+    radius_world: f64,
+    none_rmse: f64,
+}
+
+impl TuneScene {
+    /// Draws the scene on a device of its own, or one shared with other scenes ([`Gpu::sharing`]), and traces its truth.
+    ///
+    /// # Errors
+    /// What the renderer reports.
+    pub fn new(
+        gpu: Gpu,
+        (name, fold): (&str, Fold),
+        scene: &Scene,
+        camera: Camera,
+        radius_world: f64,
+        rays: u32,
+        cache: &Cache,
+    ) -> Result<Self> {
+        let stage = OcclusionStage::new(gpu, scene, SceneOptions::default(), camera)?;
+        let truth = TruthTracer::build(scene, false);
+        let key = scene_key(scene, false);
+        let judge = OcclusionJudge { truth: &truth, cache, scene: &key, radius_world, rays };
+        let judged = judge.judge(&stage)?;
+        let none_rmse = judged.errors_of_none().rmse;
+        Ok(Self { name: name.to_owned(), fold, stage, judged, radius_world, none_rmse })
+    }
+
+    /// The eight of [`SCENES`], from files in `folder`, on one device.
+    ///
+    /// # Errors
+    /// Scenes that are absent; what the renderer reports. Cost: the truths that are not kept yet, about a minute each.
+    pub fn all(gpu: &Gpu, folder: &Path, options: &TuneOptions, cache: &Cache) -> Result<Vec<Self>> {
+        let open = |scene: &super::OcclusionScene| {
+            let view = scene.open(folder)?;
+            let gpu = Gpu::sharing(&gpu.device, &gpu.queue);
+            let camera = view.camera(options.size);
+            let named = (scene.name, scene.fold);
+            Self::new(gpu, named, &view.scene, camera, view.radius_world, options.rays, cache)
+        };
+        SCENES.iter().map(open).collect()
+    }
+
+    fn record(&self) -> RecordScene {
+        RecordScene {
+            name: self.name.clone(),
+            fold: self.fold,
+            radius_world: self.radius_world,
+            none_rmse: rounded(self.none_rmse, DIGITS),
+        }
+    }
+}
+
+/// Tunes each of `estimators` on fold A, fold B and all scenes; tells `done` of each run's entry. The scenes must be on one device.
+///
+/// # Errors
+/// What the device reports. Cost: at most 5 · budget · scenes / 3 pictures an estimator: what both folds try over the whole box is
+/// computed once.
+pub fn tune(
+    scenes: &[TuneScene],
+    options: &TuneOptions,
+    estimators: &[Estimator],
+    mut done: impl FnMut(&RecordEntry),
+) -> Result<Record> {
+    let mut record = Record {
+        adapter: scenes.first().map_or_else(String::new, |s| s.stage.gpu().name()),
+        size: options.size,
+        rays: options.rays,
+        samples: OcclusionSettings::new(Estimator::Issao, 1.0).samples,
+        budget: options.budget,
+        scenes: scenes.iter().map(TuneScene::record).collect(),
+        entries: Vec::new(),
+    };
+    for &estimator in estimators {
+        let mut tuner = Tuner::new(scenes, estimator);
+        for on in TunedOn::ALL {
+            let entry = tuner.run(on, options.budget)?;
+            done(&entry);
+            record.entries.push(entry);
+        }
+    }
+    Ok(record)
+}
+
+/// One estimator's search.
+struct Tuner<'a> {
+    scenes: &'a [TuneScene],
+    settings: OcclusionSettings,
+    /// Where the shape holds what varies, and its parameter.
+    varied: Vec<(usize, Search, &'static Parameter)>,
+    passes: Option<OcclusionPasses>,
+    /// RMSE by scene of every shape that was tried.
+    known: HashMap<[u64; MAX_PARAMETERS], Vec<Option<f64>>>,
+}
+
+impl<'a> Tuner<'a> {
+    fn new(scenes: &'a [TuneScene], estimator: Estimator) -> Self {
+        let settings = OcclusionSettings::new(estimator, 1.0);
+        let parameters = estimator.parameters().iter().enumerate();
+        let varied = parameters.filter_map(|(i, p)| p.search.map(|s| (i, s, p))).collect();
+        let passes = scenes.first().map(|s| OcclusionPasses::new(s.stage.gpu(), settings));
+        Self { scenes, settings, varied, passes, known: HashMap::new() }
+    }
+
+    fn run(&mut self, on: TunedOn, budget: u32) -> Result<RecordEntry> {
+        let inside = |s: &TuneScene| on.has(s.fold);
+        let mut points = sequence(self.varied.len());
+        let mut next = || points.next().unwrap_or_default();
+        // With nothing to vary one evaluation says it all.
+        let budget = if self.varied.is_empty() { 1 } else { budget.max(1) };
+        let wide = budget.div_ceil(3);
+        let mut best = next();
+        let mut least = self.objective(&best, &inside)?;
+        for k in 1..budget {
+            let random = next();
+            let point = if k < wide {
+                random
+            } else {
+                let t = f64::from(k - wide) / f64::from((budget - wide).max(2) - 1);
+                let half = STEPS[0] * libm::pow(STEPS[1] / STEPS[0], t);
+                let step = |(b, r): (&f64, &f64)| (b + half * (2.0 * r - 1.0)).clamp(0.0, 1.0);
+                best.iter().zip(&random).map(step).collect()
+            };
+            let objective = self.objective(&point, &inside)?;
+            if objective < least {
+                (best, least) = (point, objective);
+            }
+        }
+        let shape = self.shape(&best);
+        let rmse = self.rmse(&shape, &|_| true)?;
+        let elsewhere = if on == TunedOn::All { None } else { self.mean(&rmse, &|s| !inside(s)) };
+        Ok(RecordEntry {
+            estimator: self.settings.estimator.name().to_owned(),
+            on,
+            settings: self.varied.iter().map(|&(i, _, p)| (p.name.to_owned(), shape[i])).collect(),
+            objective: rounded(least, DIGITS),
+            elsewhere: elsewhere.map(|e| rounded(e, DIGITS)),
+            rmse: self
+                .scenes
+                .iter()
+                .zip(&rmse)
+                .map(|(s, e)| (s.name.clone(), rounded(e.unwrap_or(f64::NAN), DIGITS)))
+                .collect(),
+        })
+    }
+
+    fn objective(&mut self, point: &[f64], inside: &dyn Fn(&TuneScene) -> bool) -> Result<f64> {
+        let rmse = self.rmse(&self.shape(point), inside)?;
+        Ok(self.mean(&rmse, inside).unwrap_or(f64::INFINITY))
+    }
+
+    /// Mean of RMSE by that of open sky; none without scenes.
+    fn mean(&self, rmse: &[Option<f64>], inside: &dyn Fn(&TuneScene) -> bool) -> Option<f64> {
+        let of = |(s, e): (&TuneScene, &Option<f64>)| e.filter(|_| inside(s)).map(|e| e / s.none_rmse);
+        let shares: Vec<f64> = self.scenes.iter().zip(rmse).filter_map(of).collect();
+        (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
+    }
+
+    /// By scene, computed where it is asked for and not known.
+    fn rmse(
+        &mut self,
+        shape: &[f64; MAX_PARAMETERS],
+        inside: &dyn Fn(&TuneScene) -> bool,
+    ) -> Result<Vec<Option<f64>>> {
+        let known =
+            self.known.entry(shape.map(f64::to_bits)).or_insert_with(|| vec![None; self.scenes.len()]);
+        let Some(passes) = &mut self.passes else { return Ok(Vec::new()) };
+        for (scene, known) in self.scenes.iter().zip(known.iter_mut()) {
+            if known.is_some() || !inside(scene) {
+                continue;
+            }
+            let settings = shaped(self.settings, *shape, scene.radius_world);
+            passes.reshape(scene.stage.gpu(), &settings);
+            *known = Some(scene.judged.errors(&scene.stage.visibility(passes)?)?.rmse);
+        }
+        Ok(known.clone())
+    }
+
+    /// The parameters at a point of the unit box.
+    fn shape(&self, point: &[f64]) -> [f64; MAX_PARAMETERS] {
+        let mut shape = self.settings.shape;
+        for (&(i, search, _), u) in self.varied.iter().zip(point) {
+            shape[i] = rounded(value(search, *u), DIGITS);
+        }
+        shape
+    }
+}
+
+fn shaped(mut s: OcclusionSettings, shape: [f64; MAX_PARAMETERS], radius_world: f64) -> OcclusionSettings {
+    s.shape = shape;
+    s.radius_world = radius_world;
+    s
+}
+
+fn value(search: Search, u: f64) -> f64 {
+    match search {
+        Search::Even(low, high) => low + u * (high - low),
+        Search::Factors(low, high) => low * libm::pow(high / low, u),
+    }
+}
+
+/// To so many digits that count, as decimal text has them.
+fn rounded(value: f64, digits: i32) -> f64 {
+    format!("{value:.*e}", (digits - 1).max(0) as usize).parse().unwrap_or(value)
+}
+
+/// Points that fill the unit box evenly: multiples of the powers of 1/φ, φ the root above 1 of φ^(d + 1) = φ + 1.
+fn sequence(dimensions: usize) -> impl Iterator<Item = Vec<f64>> {
+    let exponent = 1.0 / (dimensions as f64 + 1.0);
+    let root = (0..64).fold(2.0, |x: f64, _| libm::pow(1.0 + x, exponent));
+    let steps: Vec<f64> = (1..=dimensions).map(|k| libm::pow(root, -(k as f64))).collect();
+    (1_u32..).map(move |i| steps.iter().map(|s| (0.5 + f64::from(i) * s).fract()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tuner_values_span_their_range() {
+        assert_eq!([0.0, 0.5, 1.0].map(|u| value(Search::Even(-1.0, 3.0), u)), [-1.0, 1.0, 3.0]);
+        let factors = [0.0, 0.5, 1.0].map(|u| rounded(value(Search::Factors(0.01, 100.0), u), 6));
+        assert_eq!(factors, [0.01, 1.0, 100.0]);
+        assert_eq!((rounded(1.234_56, 4), rounded(0.000_987_654, 4)), (1.235, 0.000_987_7));
+    }
+
+    #[test]
+    fn tuner_points_fill_the_box() {
+        for dimensions in 1..=6 {
+            let points: Vec<Vec<f64>> = sequence(dimensions).take(256).collect();
+            assert!(points.iter().flatten().all(|u| (0.0..1.0).contains(u)));
+            // Of every pair of neighbouring sides, each quarter holds a quarter of the points.
+            for side in 0..dimensions {
+                let other = (side + 1) % dimensions;
+                let quarter = |p: &&Vec<f64>| p[side] < 0.5 && (p[other] < 0.5 || dimensions == 1);
+                let share = points.iter().filter(quarter).count();
+                let expected = if dimensions == 1 { 128 } else { 64 };
+                assert!(share.abs_diff(expected) <= 12, "{dimensions} {side}: {share}");
+            }
+        }
+        assert_eq!(sequence(0).next(), Some(Vec::new()));
+    }
+}
