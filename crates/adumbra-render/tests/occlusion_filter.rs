@@ -1,4 +1,5 @@
-//! What surrounds the estimators of ambient occlusion: filters, edge test, half size, normals from depth. GPU against CPU, and what each is for.
+//! What surrounds the estimators of ambient occlusion: filters, edge test, half size, normals from depth. GPU against CPU,
+//! and what each is for.
 
 mod kit;
 
@@ -73,12 +74,29 @@ fn every_option_on_random_depth_is_the_cpu_s() {
 fn lines_are_near_the_square() {
     let mut renderer = city();
     let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
-    for (depth, limit_rms, limit) in [("plane", 0.01, 0.2), ("plain", 0.01, 0.2)] {
+    for (depth, limit_rms, limit) in [("plane", 0.01, 0.25), ("plain", 0.02, 0.4)] {
         let [square, lines] = ["square", "bilateral"]
             .map(|f| seen.on_cpu(&settings(&format!("issao:filter={f}:depth={depth}"), RADIUS_WORLD)));
         let (worst, mean) = (largest(&square, &lines), rms(&square, &lines));
         println!("{depth}: lines from square: largest {worst:.4}, RMS {mean:.5}");
         assert!(mean < limit_rms && worst < limit, "{depth}: {worst}, {mean}");
+    }
+}
+
+#[test]
+fn planes_leave_less_noise_than_depth_alone() {
+    let mut renderer = city();
+    let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
+    let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
+    for (sharpness, limit) in [(0.03, 0.98), (0.01, 0.9)] {
+        let [plane, plain] = ["plane", "plain"].map(|depth| {
+            let text = format!("issao:sharpness={sharpness}:depth={depth}");
+            rms(&seen.on_cpu(&settings(&text, RADIUS_WORLD)), &smooth)
+        });
+        println!(
+            "sharpness {sharpness}: RMS from the mean {plane:.4} along planes, {plain:.4} by depth alone"
+        );
+        assert!(plane < limit * plain, "{plane}, {plain}");
     }
 }
 
@@ -104,7 +122,8 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
     let seen = Seen::drawn(&mut renderer, before_pole(SIZE[0], SIZE[1]), 0);
     let [width, height] = seen.size();
     let raw = seen.on_cpu(&settings("issao:filter=none", 3.0));
-    // Open ground, with nothing but open ground and the pole before it in the filter's window: what it changes comes from the pole.
+    // Open ground, with nothing but open ground and the pole before it in the filter's window: what it changes comes from
+    // the pole.
     let is_open_ground = |at: usize| {
         seen.normal[at][1] > 0.9 && raw[at] > 0.999 && seen.view_depth(at).is_some_and(|z| z > 24.0)
     };
@@ -145,7 +164,7 @@ fn edge_test_leaves_out_what_it_may() {
         let (a, b) = (seen.on_cpu(&without), seen.on_cpu(&with));
         println!("{filter}: skipped {share:.3}, largest {:.4}, RMS {:.5}", largest(&a, &b), rms(&a, &b));
         assert!(share > 0.1 && share < 1.0, "{filter}: {share}");
-        assert!(rms(&a, &b) < 0.01 && largest(&a, &b) < 0.2, "{filter}");
+        assert!(rms(&a, &b) < 0.01 && largest(&a, &b) < 0.25, "{filter}");
     }
 }
 
@@ -157,7 +176,7 @@ fn half_size_is_near_the_whole() {
         let [whole, half] =
             ["off", "on"].map(|h| seen.on_cpu(&settings(&format!("issao:half={h}"), RADIUS_WORLD)));
         println!("half: largest {:.4}, RMS {:.5}", largest(&whole, &half), rms(&whole, &half));
-        assert!(rms(&whole, &half) < 0.05);
+        assert!(rms(&whole, &half) < 0.06);
     }
 }
 
@@ -244,5 +263,32 @@ fn zero_radius_leaves_everything_open() {
         let found = seen.on_gpu(renderer.gpu(), &mut OcclusionPasses::new(renderer.gpu(), settings));
         assert!(found.iter().all(|&v| v == 1.0), "{text}");
         assert_eq!(found, visibility(&adumbra_render::occlusion::twin::ambient(&settings, &seen.surfaces())));
+    }
+}
+
+#[test]
+fn scaled_scene_gives_the_same_picture() {
+    let things = [([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]), ([-3.0, 0.0, -3.0], [1.0, 5.0, 0.0])];
+    let picture = |scale: f32, text: &str| {
+        let scaled =
+            things.map(|(min, max): ([f32; 3], [f32; 3])| (min.map(|c| c * scale), max.map(|c| c * scale)));
+        let mut renderer = Renderer::new(kit::gpu(), &boxes(&scaled), SceneOptions::default()).unwrap();
+        let wide = |p: [f64; 3]| p.map(|c| c * f64::from(scale));
+        let camera = Camera {
+            eye: wide([7.0, 8.0, 12.0]),
+            target: wide([0.0, 1.0, 0.0]),
+            projection: Projection::Perspective { fov_degrees: 50.0 },
+            width: SIZE[0],
+            height: SIZE[1],
+        };
+        let seen = Seen::drawn(&mut renderer, camera, 0);
+        let settings = settings(text, 1.5 * f64::from(scale));
+        seen.on_gpu(renderer.gpu(), &mut OcclusionPasses::new(renderer.gpu(), settings))
+    };
+    for text in ["issao", "issao:filter=square", "issao:half=on:normals=depth", "issao:edges=on"] {
+        let (one, thousand) = (picture(1.0, text), picture(1000.0, text));
+        // A tap that lies on the rim of the region may fall on either side of it.
+        let other = one.iter().zip(&thousand).filter(|(a, b)| (*a - *b).abs() > 2e-3).count();
+        assert!(other * 500 < one.len(), "{text}: {other} of {}", one.len());
     }
 }

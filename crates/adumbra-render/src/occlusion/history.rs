@@ -4,9 +4,9 @@ use adumbra_shaders::layout::{Frame, OcclusionHistoryParams};
 
 use super::settings::OcclusionSettings;
 
-/// How far off a point's plane its own surface may have been, of half of what is seen at its depth: what interpolation and rounding come
-/// to, and little beside things worth seeing.
-const TOLERANCE: f32 = 0.005;
+/// How far off a point's plane its own surface may have been, of half of what is seen at its depth: what interpolation and
+/// rounding come to, and little beside things worth seeing.
+const TOLERANCE: f32 = 0.002;
 
 impl OcclusionSettings {
     /// The uniform of the mean over frames; `before` none where nothing is known of a frame before.

@@ -4,6 +4,13 @@
 //! it is still valid → filter → full size. The result is ambient visibility, 1 = unoccluded, for the light of the sky alone, never the
 //! sun's. Source of `issao` and its filter: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*, Chinese Journal of
 //! Computers 37(3), 2014.
+//!
+//! Departures from its filter: two lines stand for the square unless that is asked for, and differences of depth are taken
+//! from the centre's own surface, drawn on to the tap (`depth=plane`), not from the centre's depth (`depth=plain`): what is
+//! left of the noise is then less, the more so the sharper depth is judged.
+//!
+//! The frames before are known by the camera's way alone. What moves in the scene is met by what was seen in its plane, or
+//! begins anew; what it uncovers begins anew.
 
 mod estimator;
 mod history;

@@ -116,8 +116,8 @@ impl OcclusionPasses {
         &self.settings
     }
 
-    /// Other numbers for the same estimator and the same passes, without what is known of frames before; false, and nothing done, where passes
-    /// would differ.
+    /// Other numbers for the same estimator and the same passes, without what is known of frames before; false, and nothing
+    /// done, where passes would differ.
     pub fn reshape(&mut self, gpu: &Gpu, settings: &OcclusionSettings) -> bool {
         let same = OcclusionSettings {
             shape: self.settings.shape,
@@ -143,7 +143,8 @@ impl OcclusionPasses {
         self.before = None;
     }
 
-    /// Writes uniforms and makes room. Called before every other method of a frame; those follow in the order in which they stand here.
+    /// Writes uniforms and makes room. Called before every other method of a frame; those follow in the order in which they
+    /// stand here.
     pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame) {
         let size = [frame.size[0], frame.size[1]];
         if self.pictures.as_ref().is_none_or(|p| p.frame_size != size) {

@@ -7,8 +7,8 @@ use super::settings::{Normals, OcclusionSettings};
 use crate::frame::Target;
 use crate::gpu::Gpu;
 
-/// World normals made from depth.
-pub(super) const NORMAL_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+/// World normals made from depth: whole floats, of which no rounding differs from device to device.
+pub(super) const NORMAL_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 /// Visibility, view depth, frames, 0.
 pub(super) const HISTORY_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 

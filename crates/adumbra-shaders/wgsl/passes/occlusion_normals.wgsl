@@ -1,12 +1,14 @@
-// World normals made of depth alone, for engines that store none. Along each axis the side is taken whose two pixels, drawn on, come nearest to the
-// middle's depth: so neither an edge nor a crease is smoothed over, as in W. Wu, Accurate Normal Reconstruction from Depth Buffer, 2019.
+// World normals made of depth alone, for engines that store none. Along each axis the side is taken whose two pixels, drawn
+// on, come nearest to the middle's depth: so neither an edge nor a crease is smoothed over, as in W. Wu, Accurate Normal
+// Reconstruction from Depth Buffer, 2019.
 //
-// Stored depth d changes evenly over a plane in either projection: in perspective n·P = const is n·(hx X, hy Y, 1) = const · d at the point
-// z (hx X, hy Y, 1), hence n ~ (dd/dX / hx, dd/dY / hy, d - X dd/dX - Y dd/dY), away from the viewer. One thread a texel.
+// Stored depth d changes evenly over a plane in either projection: in perspective n·P = const is n·(hx X, hy Y, 1) = const
+// · d at the point z (hx X, hy Y, 1), hence n ~ (dd/dX / hx, dd/dY / hy, d - X dd/dX - Y dd/dY), away from the viewer. One
+// thread a texel.
 
 @group(0) @binding(0) var<uniform> occlusion: OcclusionParams;
 @group(0) @binding(1) var gbuffer_depth: texture_depth_2d;
-@group(0) @binding(2) var normal_out: texture_storage_2d<rgba16float, write>;
+@group(0) @binding(2) var normal_out: texture_storage_2d<rgba32float, write>;
 
 // Larger than the miss of any two depths.
 const ONE_PIXEL: f32 = 4.0;

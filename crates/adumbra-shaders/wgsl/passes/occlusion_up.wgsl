@@ -1,6 +1,6 @@
-// Ambient visibility of half width and height brought to the frame's: a texel is its frame's pixel 2 · texel, so even pixels have theirs; the
-// others take the two or four about them, all equally far, by how near those lie to the pixel's own surface. Where none does, the nearest in depth.
-// One thread a pixel.
+// Ambient visibility of half width and height brought to the frame's: a texel is its frame's pixel 2 · texel, so even
+// pixels have theirs; the others take the two or four about them, all equally far, by how near those lie to the pixel's own
+// surface. Where none does, the nearest in depth. One thread a pixel.
 
 @group(0) @binding(0) var<uniform> occlusion: OcclusionParams;
 @group(0) @binding(1) var<uniform> blur: OcclusionFilterParams;

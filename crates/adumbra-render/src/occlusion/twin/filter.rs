@@ -19,8 +19,8 @@ pub(super) fn filter(settings: &OcclusionSettings, frame: &Frame, from: Vec<Ambi
     })
 }
 
-/// Share of the filter's work on surfaces that its edge test spares: texels left as they are, by all, over the filter's passes. `from` is
-/// the estimate.
+/// Share of the filter's work on surfaces that its edge test spares: texels left as they are, by all, over the filter's
+/// passes. `from` is the estimate.
 pub fn skipped(settings: &OcclusionSettings, frame: &Frame, from: &[Ambient]) -> f64 {
     let tested = OcclusionSettings { edge_test: true, ..*settings };
     let (mut left, mut all) = (0_u32, 0_u32);
@@ -97,8 +97,7 @@ impl Pass<'_> {
 
     fn line(&self, texel: [i32; 2], sees_depth: bool) -> Ambient {
         let [own, z] = self.at(texel);
-        let tested = self.params.shape[3] >= 0.0;
-        if z <= 0.0 || (tested && self.is_even_line(texel, own)) {
+        if z <= 0.0 || (self.params.shape[3] >= 0.0 && self.is_even_line(texel, own)) {
             return [own, z];
         }
         let axis = self.axis();
@@ -161,4 +160,40 @@ impl Pass<'_> {
 
 pub(super) fn along(texel: [i32; 2], axis: [i32; 2], i: i32) -> [i32; 2] {
     [texel[0] + i * axis[0], texel[1] + i * axis[1]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::run;
+
+    /// How far the taps of a line lie off what a run says, over their view depth; `depth` is by texel.
+    fn miss(depth: impl Fn(f32) -> f32, kind: [f32; 2]) -> f32 {
+        let own = depth(0.0);
+        let [s, t] = run(depth(-1.0), own, depth(1.0), kind, 10.0);
+        let off = |i: i32| (depth(i as f32) * (1.0 + s * i as f32) - (own + t * i as f32)).abs() / own;
+        (-4..=4).map(off).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn run_follows_planes_at_any_angle() {
+        for slope in [-0.12, -0.01, 0.0, 0.003, 0.1] {
+            // In perspective the inverse is even: the steepest of these goes from half of the view depth to twice of it.
+            assert!(miss(|i| 20.0 / (1.0 + slope * i), [1.0, 0.0]) < 1e-5, "{slope}");
+            assert!(miss(|i| 20.0 + 30.0 * slope * i, [0.0, 1.0]) < 1e-5, "{slope}");
+        }
+        // Without, the same planes are left.
+        assert!(miss(|i| 20.0 / (1.0 + 0.1 * i), [0.0, 0.0]) > 0.1);
+    }
+
+    #[test]
+    fn run_does_not_leave_a_surface_over_its_edge() {
+        let kind = [1.0, 0.0];
+        // A thing one texel wide, before things and before the sky; the nearer neighbour at an edge; nothing about.
+        assert_eq!(run(30.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
+        assert_eq!(run(0.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
+        assert_eq!(run(20.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
+        assert_eq!(run(0.0, 20.0, 0.0, kind, 10.0), [0.0; 2]);
+        let [s, _] = run(19.99, 20.0, 40.0, kind, 10.0);
+        assert!((s + 20.0 / 19.99 - 1.0).abs() < 1e-6, "{s}");
+    }
 }

@@ -8,7 +8,7 @@ use crate::occlusion::settings::OcclusionSettings;
 /// Visibility, view depth, frames.
 pub(super) type Seen = [f32; 3];
 
-const LEAST_WEIGHT: f32 = 0.05;
+const WHOLE_WEIGHT: f32 = 0.25;
 
 pub(super) fn mean(
     settings: &OcclusionSettings,
@@ -47,18 +47,20 @@ pub(super) fn mean(
             let other = [0, 1].map(|a| first[a] as i32 + step[a]);
             let Some([visibility, old_z, frames]) = index(size, other).map(|i| old[i]) else { continue };
             let q = point_of(history.ndc_from_texel, history.half_view, other, old_z);
-            if old_z <= 0.0 || dot([0, 1, 2].map(|a| q[a] - p[a]), n).abs() > limit {
+            if old_z <= 0.0 {
                 continue;
             }
+            let off = dot([0, 1, 2].map(|a| q[a] - p[a]), n).abs();
+            let share = (2.0 - off / limit).clamp(0.0, 1.0);
             let near = [0, 1].map(|a| {
                 let part = at[a] - first[a];
                 if step[a] == 1 { part } else { 1.0 - part }
             });
-            let weight = near[0] * near[1];
+            let weight = near[0] * near[1] * share;
             sum = [sum[0] + weight * visibility, sum[1] + weight * frames];
             weights += weight;
         }
-        (weights >= LEAST_WEIGHT).then(|| sum.map(|s| s / weights))
+        (weights > 0.0).then(|| [sum[0] / weights, sum[1] / weights.max(WHOLE_WEIGHT)])
     };
     texels(size)
         .zip(estimate)

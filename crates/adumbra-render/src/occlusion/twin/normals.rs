@@ -41,30 +41,7 @@ pub(super) fn normals(params: &OcclusionParams, surfaces: &Surfaces<'_>) -> Vec<
             };
             let length = n.iter().map(|c| c * c).sum::<f32>().sqrt();
             let n = n.map(|c| c / length);
-            let world = |a: usize| n[0] * params.right[a] + n[1] * params.up[a] + n[2] * params.forward[a];
-            [0, 1, 2].map(|a| as_half(world(a)))
+            [0, 1, 2].map(|a| n[0] * params.right[a] + n[1] * params.up[a] + n[2] * params.forward[a])
         })
         .collect()
-}
-
-/// As 16 bits hold a number of at most 1.
-fn as_half(value: f32) -> f32 {
-    // The 11 bits of a half float stand 13 above the last of a float; below its least exponent its steps no longer shrink.
-    let exponent = ((value.to_bits() >> 23 & 255) as i32 - 127).max(-14);
-    let step = 2.0_f32.powi(exponent - 10);
-    (value / step).round_ties_even() * step
-}
-
-#[cfg(test)]
-mod tests {
-    use super::as_half;
-
-    #[test]
-    fn halves_are_rounded_to_the_nearest() {
-        for (value, half) in
-            [(1.0, 1.0), (0.333_333_34, 0.333_251_95), (-0.1, -0.099_975_586), (0.0, 0.0), (1e-8, 0.0)]
-        {
-            assert_eq!(as_half(value), half);
-        }
-    }
 }
