@@ -1,4 +1,5 @@
-//! `cargo xtask tune-ao`: gives every estimator of ambient occlusion the same search on the eight scenes, and records what it finds in
+//! `cargo xtask tune-ao`: gives every estimator of ambient occlusion the same search on the eight scenes, and
+//! records what it finds in
 //! `crates/adumbra-lab/data/ao_tuning.json` and `docs/bench/ao-tuning.md`.
 
 use std::error::Error;
@@ -21,7 +22,8 @@ struct Asked {
     options: TuneOptions,
 }
 
-/// Tunes, and writes both files; with `--only`, entries of other estimators stay if they are of the same scenes and options.
+/// Tunes, and writes both files; with `--only`, entries of other estimators stay if they are of the same scenes and
+/// options.
 pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
     let asked = Asked::read(root, words)?;
     let gpu = Gpu::request(&GpuOptions::default())?;

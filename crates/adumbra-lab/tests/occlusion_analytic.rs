@@ -1,7 +1,8 @@
-//! Ambient occlusion where integrals say what is right: a plane, the inside corner of two planes, a sphere on a plane.
+//! Ambient occlusion where integrals say what is right: a plane, the inside corner of two planes, a sphere on a
+//! plane.
 //!
-//! Visibility is cosine-weighted, within a radius R. Seen from above the surface, cosine-weighted directions fill the unit disc evenly, so
-//! visibility is the share of the disc whose rays meet nothing within R.
+//! Visibility is cosine-weighted, within a radius R. Seen from above the surface, cosine-weighted directions fill the
+//! unit disc evenly, so visibility is the share of the disc whose rays meet nothing within R.
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -100,7 +101,8 @@ fn inside(i: usize) -> bool {
     within(x, SIZE[0]) && within(y, SIZE[1])
 }
 
-/// Judges truth and every estimator by `integral`, which has the visibility of a point with its normal where it is asked for.
+/// Judges truth and every estimator by `integral`, which has the visibility of a point with its normal where it is
+/// asked for.
 fn check(
     name: &str,
     scene: &Scene,
@@ -164,8 +166,8 @@ fn occlusion_of_an_infinite_plane_is_none() {
     }
 }
 
-/// A wall's share of the disc: a ray meets a plane that is `distance` away after distance / (its part towards it), so within R where that
-/// part is distance / R or more. What is met is the disc beyond a chord.
+/// A wall's share of the disc: a ray meets a plane that is `distance` away after distance / (its part towards it), so
+/// within R where that part is distance / R or more. What is met is the disc beyond a chord.
 fn wall(distance: f64, radius: f64) -> f64 {
     let chord = (distance / radius).min(1.0);
     (chord.acos() - chord * (1.0 - chord * chord).sqrt()) / PI

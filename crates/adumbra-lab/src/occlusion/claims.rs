@@ -1,6 +1,7 @@
 //! What Qiu et al. 2014 claim of their estimator, as numbers: detail, self-occlusion, clean edges after filtering.
 //!
-//! The high pass of a picture is the picture minus its Gaussian mean over [`BLUR_PIXELS`], taken over pixels that count alone.
+//! The high pass of a picture is the picture minus its Gaussian mean over [`BLUR_PIXELS`], taken over pixels that
+//! count alone.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

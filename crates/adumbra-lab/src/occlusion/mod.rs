@@ -1,4 +1,5 @@
-//! Ambient occlusion judged by rays: errors of visibility, flicker along a camera path, the paper's claims as numbers, the eight scenes of
+//! Ambient occlusion judged by rays: errors of visibility, flicker along a camera path, the paper's claims as
+//! numbers, the eight scenes of
 //! `bench ao`, and the tuner that gives every estimator the same chance on them.
 //!
 //! One polarity: visibility, 1 = unoccluded.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 
-use adumbra_render::occlusion::{Estimator, MAX_PARAMETERS, OcclusionSettings};
+use adumbra_render::occlusion::{Estimator, MAX_PARAMETERS, OcclusionSettings, Search};
 use serde::{Deserialize, Serialize};
 
 use super::views::{Fold, scene_named};
@@ -116,8 +116,8 @@ impl Record {
         self.entries.iter().find(|e| e.estimator == estimator.name() && e.on == on)
     }
 
-    /// An estimator's parameters as a run left them; none where there is no entry, or where it names other parameters than those that the
-    /// tuner varies today.
+    /// An estimator's parameters as a run left them; none where there is no entry, or where it names other parameters
+    /// than those that the tuner varies today.
     pub fn shape(&self, estimator: Estimator, on: TunedOn) -> Option<[f64; MAX_PARAMETERS]> {
         let entry = self.entry(estimator, on)?;
         let mut shape = OcclusionSettings::new(estimator, 1.0).shape;
@@ -131,7 +131,8 @@ impl Record {
         (varied == entry.settings.len()).then_some(shape)
     }
 
-    /// This one with the entries of `other` in place of its own, if both are of the same scenes and options; else `other`.
+    /// This one with the entries of `other` in place of its own, if both are of the same scenes and options; else
+    /// `other`.
     #[must_use]
     pub fn joined(&self, other: Self) -> Self {
         let head = |r: &Self| Self { entries: Vec::new(), ..r.clone() };
@@ -162,11 +163,16 @@ impl Record {
             inside.collect::<Vec<_>>().join(", ")
         };
         let mut text = format!(
-            "# Ambient occlusion, tuned\n\nBy `cargo xtask tune-ao`, drawn by {}: {width} x {height}, {} samples, each estimator with its filter, judged by {} rays a \
-            pixel of the same radius over the pixels where rays and G-buffer see the same surface. Every estimator has the same search: {} evaluations a run, a third of \
-            them spread over all that its parameters may be, the rest in shrinking steps about the best. What is made small is the mean over the \
-            run's scenes of RMSE by the RMSE of open sky everywhere. Fold A: {}. Fold B: {}. *Elsewhere* is the same mean over the \
-            scenes that the run did not see. RMSE in brackets is of scenes that were tuned on.\n\n\
+            "# Ambient occlusion, tuned\n\nBy `cargo xtask tune-ao`, drawn by {}: {width} x {height}, {} samples, \
+            each estimator with its filter, judged by {} rays a \
+            pixel of the same radius over the pixels where rays and G-buffer see the same surface. Every estimator \
+            has the same search: {} evaluations a run, a third of \
+            them spread over all that its parameters may be, the rest in shrinking steps about the best. What is made \
+            small is the mean over the \
+            run's scenes of RMSE by the RMSE of open sky everywhere. Fold A: {}. Fold B: {}. *Elsewhere* is the same \
+            mean over the \
+            scenes that the run did not see. RMSE in brackets is of scenes that were tuned on. A star marks a parameter \
+            at an end of what it may be.\n\n\
             | estimator | tuned on | settings | mean | elsewhere | {} |\n|---|---|---|---|---|{}\n",
             self.adapter,
             self.samples,
@@ -181,7 +187,11 @@ impl Record {
         // Writing to a String does not fail.
         let _ = writeln!(text, "| none | – | – | 1 | – |{none}");
         for e in &self.entries {
-            let settings: Vec<String> = e.settings.iter().map(|(name, v)| format!("{name} {v}")).collect();
+            let settings = e.settings.iter().map(|(name, value)| {
+                let end = if at_an_end(&e.estimator, name, *value) { "*" } else { "" };
+                format!("{name} {value}{end}")
+            });
+            let settings: Vec<String> = settings.collect();
             let elsewhere = e.elsewhere.map_or_else(|| "–".to_owned(), |m| format!("{m:.4}"));
             let _ = write!(
                 text,
@@ -202,6 +212,17 @@ impl Record {
         }
         text
     }
+}
+
+/// Whether a parameter lies in the outer hundredth of where the tuner looks.
+fn at_an_end(estimator: &str, name: &str, value: f64) -> bool {
+    let of = |e: &Estimator| e.parameters().iter().find(|p| p.name == name).and_then(|p| p.search);
+    let place = match Estimator::ALL.iter().find(|e| e.name() == estimator).and_then(of) {
+        Some(Search::Even(low, high)) => (value - low) / (high - low),
+        Some(Search::Factors(low, high)) => libm::log(value / low) / libm::log(high / low),
+        None => return false,
+    };
+    !(0.01..=0.99).contains(&place)
 }
 
 /// An estimator's parameters as tuned `on` those scenes; its defaults where [`Record::shape`] has none.
@@ -261,6 +282,17 @@ mod tests {
         assert_eq!(record.shape(Estimator::Issao, TunedOn::All), None);
         record.entries[0].settings.clear();
         assert_eq!(record.shape(Estimator::Issao, TunedOn::All), None);
+    }
+
+    #[test]
+    fn tuned_settings_at_an_end_are_marked() {
+        let p = Estimator::Issao.parameters().iter().find(|p| p.search.is_some()).unwrap();
+        let Some(Search::Even(low, high) | Search::Factors(low, high)) = p.search else { return };
+        let at = |value| at_an_end("issao", p.name, value);
+        assert!(at(low) && at(high) && !at((low * high).sqrt()) && !at_an_end("issao", "none", low));
+        let entries = vec![entry(Estimator::Issao, TunedOn::All, low)];
+        let text = Record { entries, ..Record::default() }.markdown();
+        assert!(text.contains(&format!("{} {low}*", p.name)), "{text}");
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! Looks for the parameters of every estimator of ambient occlusion in the same way: what `cargo xtask tune-ao` runs.
 //!
-//! An estimator may vary what its own list of parameters says ([`adumbra_render::occlusion::Parameter::search`]); radius, samples, noise and
-//! filter are the same for all. What is made small is the mean over scenes of RMSE after the filter by that of open sky everywhere. A run
-//! is a fixed number of evaluations: a third of them over the whole box of parameters, along a sequence that fills it evenly (M. Roberts,
-//! *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018), then steps about the best so far, which shrink from a quarter of the
-//! box to a hundredth. Nothing is drawn by chance, so a run repeats itself on the same adapter.
+//! An estimator may vary what its own list of parameters says ([`adumbra_render::occlusion::Parameter::search`]);
+//! radius, samples, noise and filter are the same for all. What is made small is the mean over scenes of RMSE after
+//! the filter by that of open sky everywhere. A run is a fixed number of evaluations: a third of them over the whole
+//! box of parameters, along a sequence that fills it evenly (M. Roberts, *The Unreasonable Effectiveness of
+//! Quasirandom Sequences*, 2018), then steps about the best so far, which shrink from a quarter of the box to a
+//! hundredth. Nothing is drawn by chance, so a run repeats itself on the same adapter.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -55,7 +56,8 @@ pub struct TuneScene {
 }
 
 impl TuneScene {
-    /// Draws the scene on a device of its own, or one shared with other scenes ([`Gpu::sharing`]), and traces its truth.
+    /// Draws the scene on a device of its own, or one shared with other scenes ([`Gpu::sharing`]), and traces its
+    /// truth.
     ///
     /// # Errors
     /// What the renderer reports.
@@ -80,7 +82,8 @@ impl TuneScene {
     /// The eight of [`SCENES`], from files in `folder`, on one device.
     ///
     /// # Errors
-    /// Scenes that are absent; what the renderer reports. Cost: the truths that are not kept yet, about a minute each.
+    /// Scenes that are absent; what the renderer reports. Cost: the truths that are not kept yet, about a minute
+    /// each.
     pub fn all(gpu: &Gpu, folder: &Path, options: &TuneOptions, cache: &Cache) -> Result<Vec<Self>> {
         let open = |scene: &super::OcclusionScene| {
             let view = scene.open(folder)?;
@@ -102,11 +105,12 @@ impl TuneScene {
     }
 }
 
-/// Tunes each of `estimators` on fold A, fold B and all scenes; tells `done` of each run's entry. The scenes must be on one device.
+/// Tunes each of `estimators` on fold A, fold B and all scenes; tells `done` of each run's entry. The scenes must be
+/// on one device.
 ///
 /// # Errors
-/// What the device reports. Cost: at most 5 · budget · scenes / 3 pictures an estimator: what both folds try over the whole box is
-/// computed once.
+/// What the device reports. Cost: at most 5 · budget · scenes / 3 pictures an estimator: what both folds try over the
+/// whole box is computed once.
 pub fn tune(
     scenes: &[TuneScene],
     options: &TuneOptions,

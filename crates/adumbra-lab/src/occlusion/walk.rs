@@ -20,8 +20,8 @@ impl Frame {
     }
 }
 
-/// Each of `passes` at every camera in turn, frame k of all before frame k + 1 of any; one figure each, none where no pixel was counted. The
-/// stage is left at the last camera.
+/// Each of `passes` at every camera in turn, frame k of all before frame k + 1 of any; one figure each, none where no
+/// pixel was counted. The stage is left at the last camera.
 ///
 /// # Errors
 /// What the renderer reports.

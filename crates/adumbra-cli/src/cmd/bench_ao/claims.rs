@@ -8,8 +8,8 @@ use adumbra_render::occlusion::Estimator;
 use super::variants::{FIG_3, FIG_4, FIG_5, Variant, WITHOUT_ATTENUATION};
 use super::{Document, SceneFigures};
 
-/// Milliseconds on a GTS 450, the Dragon: with the bilateral filter, and without. Which column is whose is lost in print: the order is most
-/// likely that of the text.
+/// Milliseconds on a GTS 450, the Dragon: with the bilateral filter, and without. Which column is whose is lost in
+/// print: the order is most likely that of the text.
 const PAPER_TIMES: [(Estimator, [f64; 2]); 4] = [
     (Estimator::Hbao, [14.64, 10.97]),
     (Estimator::Ssao, [8.37, 4.54]),
@@ -21,10 +21,14 @@ const PAPER_TIMES: [(Estimator, [f64; 2]); 4] = [
 
 pub(super) fn text(document: &Document) -> String {
     let mut text = format!(
-        "## The paper's claims\n\nThe high pass of a picture is the picture minus its Gaussian mean of {BLUR_PIXELS} pixels. *Detail*: its correlation with the truth's (1 is best), and in \
-        brackets its variance by the truth's (below 1 blurred, above 1 noisy or too strong). *Self-occlusion*: mean occlusion where truth is above \
-        {OPEN}. *Edges*: RMSE within {EDGE_PIXELS} pixels of a discontinuity (a neighbour further than {EDGE_STEP} radii from the surface's plane, or normals apart by a cosine \
-        below {EDGE_COSINE}). *Noise*: root mean square of the high pass where the truth's is below {FLAT} around the pixel. `preset=figN` is issao with the settings that the paper prints for its \
+        "## The paper's claims\n\nThe high pass of a picture is the picture minus its Gaussian mean of {BLUR_PIXELS} \
+        pixels. *Detail*: its correlation with the truth's (1 is best), and in \
+        brackets its variance by the truth's (below 1 blurred, above 1 noisy or too strong). *Self-occlusion*: mean \
+        occlusion where truth is above \
+        {OPEN}. *Edges*: RMSE within {EDGE_PIXELS} pixels of a discontinuity (a neighbour further than {EDGE_STEP} \
+        radii from the surface's plane, or normals apart by a cosine \
+        below {EDGE_COSINE}). *Noise*: root mean square of the high pass where the truth's is below {FLAT} around the \
+        pixel. `preset=figN` is issao with the settings that the paper prints for its \
         figure N, in radii of its R, untuned.\n\n"
     );
     let table = |text: &mut String,
@@ -92,8 +96,10 @@ impl Pick {
 /// With and without the attenuation, as in figure 4.
 fn ablation(document: &Document) -> String {
     let mut text = String::from(
-        "Figure 4, the attenuation: issao with it and without, all else equal; RMSE, in brackets the mean signed error, then self-occlusion and noise, with filter and without.\n\n\
-        | scene | issao | RMSE | self-occlusion | noise | RMSE, no filter | self-occlusion | noise |\n|---|---|---|---|---|---|---|---|\n",
+        "Figure 4, the attenuation: issao with it and without, all else equal; RMSE, in brackets the mean signed \
+        error, then self-occlusion and noise, with filter and without.\n\n\
+        | scene | issao | RMSE | self-occlusion | noise | RMSE, no filter | self-occlusion | noise \
+        |\n|---|---|---|---|---|---|---|---|\n",
     );
     let mut rows = 0;
     for scene in &document.scenes {
@@ -122,7 +128,8 @@ fn ablation(document: &Document) -> String {
 pub(super) fn times(document: &Document) -> String {
     let Some(dragon) = document.scenes.iter().find(|s| s.name == "dragon") else { return String::new() };
     let mut text = format!(
-        "## The paper's times\n\nMilliseconds, the Dragon, {} samples; the paper's on a GTS 450 and most likely in this order. In brackets: by alchemy's.\n\n\
+        "## The paper's times\n\nMilliseconds, the Dragon, {} samples; the paper's on a GTS 450 and most likely in \
+        this order. In brackets: by alchemy's.\n\n\
         | estimator | paper, with filter | here | paper, without | here |\n|---|---|---|---|---|\n",
         document.samples
     );
@@ -148,8 +155,10 @@ pub(super) fn times(document: &Document) -> String {
 /// The variants of issao, by scene.
 pub(super) fn variants(document: &Document) -> String {
     let mut text = String::from(
-        "## Variants of issao\n\nTuned parameters, but for presets, which are the paper's. Time in milliseconds, in brackets by issao's own; RMSE with filter, in brackets the \
-        mean signed error; flicker is the mean change. `reuse=on` is judged after 16 frames of a camera that stands still.\n\n\
+        "## Variants of issao\n\nTuned parameters, but for presets, which are the paper's. Time in milliseconds, in \
+        brackets by issao's own; RMSE with filter, in brackets the \
+        mean signed error; flicker is the mean change. `reuse=on` is judged after 16 frames of a camera that stands \
+        still.\n\n\
         | scene | variant | time | RMSE | flicker | changed % |\n|---|---|---|---|---|---|\n",
     );
     for scene in &document.scenes {

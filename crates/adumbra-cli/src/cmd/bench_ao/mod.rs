@@ -1,7 +1,9 @@
-//! `adumbra bench ao`: every estimator of ambient occlusion beside rays, each scene with the settings of the half that lacks it.
+//! `adumbra bench ao`: every estimator of ambient occlusion beside rays, each scene with the settings of the half
+//! that lacks it.
 //!
-//! Source of the claims, figures and times: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*, Chinese Journal of
-//! Computers 37(3), 2014. Departures: RMSE and the rest against rays, flicker, `gtao`, and requirements with their outcome.
+//! Source of the claims, figures and times: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*,
+//! Chinese Journal of Computers 37(3), 2014. Departures: RMSE and the rest against rays, flicker, `gtao`, and
+//! requirements with their outcome.
 
 mod checks;
 mod claims;

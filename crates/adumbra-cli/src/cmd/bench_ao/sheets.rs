@@ -1,4 +1,5 @@
-//! Pictures side by side: every estimator beside the truth, and the Dragon's parts that the paper's figures 3 to 5 speak of.
+//! Pictures side by side: every estimator beside the truth, and the Dragon's parts that the paper's figures 3 to 5
+//! speak of.
 
 use adumbra::picture::Picture;
 use adumbra_lab::occlusion::{Judged, grey_picture};

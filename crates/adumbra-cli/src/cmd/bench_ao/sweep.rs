@@ -59,7 +59,8 @@ impl Bench<'_, '_, '_> {
         Ok(points)
     }
 
-    /// The largest number of issao's taps whose time, side by side, is no more than gtao's with 12: begins where the sweep's times meet.
+    /// The largest number of issao's taps whose time, side by side, is no more than gtao's with 12: begins where the
+    /// sweep's times meet.
     pub(super) fn equal_time(&mut self, sweep: &[Point]) -> Result<Option<EqualTime>, Failure> {
         let of = |e: Estimator| sweep.iter().filter(move |p| p.estimator == e.name());
         let allowed = of(Estimator::Gtao).find(|p| p.samples == 12).map(|p| p.ms);

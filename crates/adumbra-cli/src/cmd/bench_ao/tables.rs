@@ -1,4 +1,5 @@
-//! The document: requirements, the summary, error against time, the paper's claims, today's engines, then everything by scene.
+//! The document: requirements, the summary, error against time, the paper's claims, today's engines, then everything
+//! by scene.
 
 use std::fmt::Write as _;
 
@@ -34,9 +35,12 @@ pub(super) fn markdown(document: &Document) -> String {
     if let Some(rows) = &document.peers {
         let _ = write!(
             text,
-            "## Beside today's engines\n\n320 x 240, no anti-aliasing, masks ignored, every valid pixel against another renderer's truth of the radius in its file. RMSE of \
-            visibility, in brackets the mean signed error (above 0 is too light). Ours with the settings of the half that lacks the scene; box-city-5k is in \
-            neither, and has those of all eight. Rows marked elsewhere were measured with those engines on the same cameras.\n\n{}\n",
+            "## Beside today's engines\n\n320 x 240, no anti-aliasing, masks ignored, every valid pixel against \
+            another renderer's truth of the radius in its file. RMSE of \
+            visibility, in brackets the mean signed error (above 0 is too light). Ours with the settings of the half \
+            that lacks the scene; box-city-5k is in \
+            neither, and has those of all eight. Rows marked elsewhere were measured with those engines on the same \
+            cameras.\n\n{}\n",
             occlusion::markdown(rows)
         );
     }
@@ -69,13 +73,19 @@ fn head(document: &Document) -> String {
         "Times are GPU timestamps"
     };
     let mut text = format!(
-        "# Ambient occlusion beside rays\n\nDrawn by {} at {width} x {height}, {} samples a pixel. {clock}, medians of {} frames in milliseconds; frame k of every estimator is drawn \
-        before frame k + 1 of any, in another order, and ratios are medians of the ratios within frames of one number. Made by `{}`.\n\n\
+        "# Ambient occlusion beside rays\n\nDrawn by {} at {width} x {height}, {} samples a pixel. {clock}, medians \
+        of {} frames in milliseconds; frame k of every estimator is drawn \
+        before frame k + 1 of any, in another order, and ratios are medians of the ratios within frames of one \
+        number. Made by `{}`.\n\n\
         All estimators share depth, normals, samples, noise and filter (bilateral, two lines). Their parameters were \
-        [tuned](ao-tuning.md) by one search in two halves of the scenes, and each scene is judged with those of the half that lacks it. Truth: {} \
-        cosine-weighted rays a pixel up to the same radius. Figures are over the pixels where rays and G-buffer see the same surface. RMSE, and the mean \
-        of visibility minus truth (above 0 is too light); SSIM and FLIP (67 pixels a degree) of the whole picture of visibility as grey. Flicker: mean change of visibility from frame to frame at the same \
-        places of the world, and the share of them that changes by more than 0.05, along a path of 16 frames at {path_width} x {path_height}; the \
+        [tuned](ao-tuning.md) by one search in two halves of the scenes, and each scene is judged with those of the \
+        half that lacks it. Truth: {} \
+        cosine-weighted rays a pixel up to the same radius. Figures are over the pixels where rays and G-buffer see \
+        the same surface. RMSE, and the mean \
+        of visibility minus truth (above 0 is too light); SSIM and FLIP (67 pixels a degree) of the whole picture of \
+        visibility as grey. Flicker: mean change of visibility from frame to frame at the same \
+        places of the world, and the share of them that changes by more than 0.05, along a path of 16 frames at \
+        {path_width} x {path_height}; the \
         truth's own, over {FLOOR_FRAMES} frames, is what resampling and its rays' noise leave.\n\n",
         document.adapter, document.samples, document.frames, document.command, document.rays
     );
@@ -95,7 +105,8 @@ fn summary(document: &Document) -> String {
     let columns = "---|".repeat(Estimator::ALL.len());
     let mut text = format!(
         "## Summary\n\nRMSE, the lowest in bold; by scene with filter, then without.\n\n\
-        | scene | radius | none | {names} | no filter: {names} | issao's time by alchemy's | least to most | without filter |\n\
+        | scene | radius | none | {names} | no filter: {names} | issao's time by alchemy's | least to most | without \
+        filter |\n\
         |---|---|---|{columns}{columns}---|---|---|\n"
     );
     for s in &document.scenes {
@@ -126,7 +137,8 @@ fn summary(document: &Document) -> String {
 
 fn equal_time(document: &Document) -> String {
     let mut text = String::from(
-        "## issao beside gtao at equal time\n\nThe most samples of issao, 4 to 64, whose time is no more than gtao's with 12, both with filter and in turns.\n\n\
+        "## issao beside gtao at equal time\n\nThe most samples of issao, 4 to 64, whose time is no more than gtao's \
+        with 12, both with filter and in turns.\n\n\
         | scene | issao's samples | issao ms | gtao ms | ratio | issao RMSE | gtao RMSE |\n|---|---|---|---|---|---|---|\n",
     );
     for s in &document.scenes {
@@ -142,7 +154,8 @@ fn equal_time(document: &Document) -> String {
 
 fn against_time(document: &Document) -> String {
     let mut text = format!(
-        "## Error against time\n\n![Error against time](ao-time.svg)\n\nWith filter: milliseconds and RMSE by that of none, both means over {} scenes; parameters are those tuned for 12 \
+        "## Error against time\n\n![Error against time](ao-time.svg)\n\nWith filter: milliseconds and RMSE by that of \
+        none, both means over {} scenes; parameters are those tuned for 12 \
         samples.\n\n| samples | {} |\n|---|{}\n",
         document.scenes.len(),
         Estimator::ALL.map(|e| format!("`{e}`")).join(" | "),
@@ -165,9 +178,12 @@ fn scene_table(s: &SceneFigures) -> String {
     let p = &s.pixels;
     let error = s.standard_error.map_or_else(|| "–".to_owned(), |e| format!("{e:.4}"));
     let mut text = format!(
-        "## {}\n\nRadius {:.4}; settings tuned on {}. {} pixels are compared, {} are sky, {} are excluded: rays and G-buffer see different surfaces. Standard error of the \
-        truth {error}, measured, and at most {:.4} by its bound. Edges are {:.1} % of the compared pixels, flat are {:.1} %.\n\n\
-        | estimator | surfaces ms | estimate ms | filter ms | all ms | RMSE | mean signed | SSIM | FLIP | flicker | changed % |\n\
+        "## {}\n\nRadius {:.4}; settings tuned on {}. {} pixels are compared, {} are sky, {} are excluded: rays and \
+        G-buffer see different surfaces. Standard error of the \
+        truth {error}, measured, and at most {:.4} by its bound. Edges are {:.1} % of the compared pixels, flat are \
+        {:.1} %.\n\n\
+        | estimator | surfaces ms | estimate ms | filter ms | all ms | RMSE | mean signed | SSIM | FLIP | flicker | \
+        changed % |\n\
         |---|---|---|---|---|---|---|---|---|---|---|\n",
         s.title,
         s.radius_world,
