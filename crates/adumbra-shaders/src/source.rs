@@ -173,6 +173,12 @@ sources! {
     OCCLUSION_PASS = "passes/occlusion.wgsl";
     /// The estimator `issao`.
     OCCLUSION_ISSAO = "passes/occlusion_issao.wgsl";
+    /// Its term.
+    OCCLUSION_ISSAO_TERM = "passes/occlusion_issao_term.wgsl";
+    /// Its term in the second reading.
+    OCCLUSION_ISSAO_FALLOFF = "passes/occlusion_issao_falloff.wgsl";
+    /// Its term without the attenuation.
+    OCCLUSION_ISSAO_BARE = "passes/occlusion_issao_bare.wgsl";
     /// The estimator `ssao`.
     OCCLUSION_SSAO = "passes/occlusion_ssao.wgsl";
     /// The estimator `alchemy`.

@@ -307,7 +307,23 @@ const MODULES: &[(&str, &[Source])] = &[
     ("blur_half", &[source::BLUR_HALF]),
     ("blur_half_edges", &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES]),
     ("occlusion, surface", &[source::OCCLUSION_SURFACE]),
-    ("issao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ISSAO]),
+    (
+        "issao",
+        &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ISSAO, source::OCCLUSION_ISSAO_TERM],
+    ),
+    (
+        "issao, second reading",
+        &[
+            source::OCCLUSION,
+            source::OCCLUSION_PASS,
+            source::OCCLUSION_ISSAO,
+            source::OCCLUSION_ISSAO_FALLOFF,
+        ],
+    ),
+    (
+        "issao, no attenuation",
+        &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ISSAO, source::OCCLUSION_ISSAO_BARE],
+    ),
     ("ssao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_SSAO]),
     ("alchemy", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_ALCHEMY]),
     ("hbao", &[source::OCCLUSION, source::OCCLUSION_PASS, source::OCCLUSION_MARCH, source::OCCLUSION_HBAO]),

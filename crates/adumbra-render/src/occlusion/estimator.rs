@@ -44,7 +44,7 @@ pub enum Search {
 }
 
 /// Most parameters of an estimator.
-pub const MAX_PARAMETERS: usize = 8;
+pub const MAX_PARAMETERS: usize = 9;
 
 use Search::{Even, Factors};
 
@@ -125,19 +125,15 @@ const GTAO: &[Parameter] = &[
 ];
 
 const ISSAO: &[Parameter] = &[
-    tuned("lambda", "λ, strength", 0.5, [0.0, 100.0], Factors(0.1, 10.0)),
-    tuned("phi", "φ, the user's contrast, as reading= says", 0.7, [0.0, 10.0], Factors(0.3, 3.0)),
-    tuned("psi", "ψ, part of the view depth that w·n is over", 0.02, [0.0, 1.0], Factors(0.0005, 0.1)),
-    tuned("zcap", "most view depth in radii that ψ counts", 5.0, [0.0, 1000.0], Factors(0.5, 50.0)),
-    tuned("sigma", "σ, radii²", 0.01, [0.0, 10.0], Factors(0.00005, 1.0)),
-    fixed(
-        "reading",
-        "1: φ is a factor; 2: it shapes the falloff; 3: it is an exponent of A",
-        3.0,
-        [1.0, 3.0],
-    ),
+    tuned("lambda", "λ, strength", 0.43, [0.0, 100.0], Factors(0.05, 5.0)),
+    tuned("phi", "φ, the user's contrast, as reading= says", 0.3, [0.01, 10.0], Factors(0.1, 2.0)),
+    tuned("psi", "ψ, part of the view depth that w·n is over", 0.016, [0.0, 1.0], Factors(0.0005, 0.1)),
+    tuned("zcap", "most view depth in radii that ψ counts", 6.5, [0.0, 1000.0], Factors(0.1, 50.0)),
+    tuned("sigma", "σ, radii²", 0.0025, [0.0, 10.0], Factors(0.0001, 1.0)),
+    fixed("reading", "φ is 1: a factor; 2: what shapes the falloff; 3: contrast", 3.0, [1.0, 3.0]),
     word("attenuation", "off: v normalised, as before the paper (its Fig. 4)", &["off", "on"], 1),
-    word("relation", "of e1 and e2: equal, or free of each other", &["free", "equal"], 1),
+    word("before", "what hides the region: nothing, or on its surface", &["nothing", "surface"], 1),
+    word("relation", "of e1 and e2: free of each other, or equal", &["free", "equal"], 1),
 ];
 
 impl Estimator {

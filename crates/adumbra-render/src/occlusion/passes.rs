@@ -9,7 +9,7 @@ use wgpu::{BindGroupLayout, BindingResource, ComputePipeline, ShaderStages, Text
 
 use super::estimator::Estimator;
 use super::pictures::{HISTORY_FORMAT, NORMAL_FORMAT, Pictures};
-use super::settings::{Filter, Normals, OcclusionSettings};
+use super::settings::{Filter, Normals, OcclusionSettings, Term};
 use super::taps::taps;
 use crate::error::Result;
 use crate::frame::Target;
@@ -62,7 +62,7 @@ impl OcclusionPasses {
     pub fn new(gpu: &Gpu, settings: OcclusionSettings) -> Self {
         use binding::{DEPTH, LOADED, UNIFORM, written};
         let mut estimate = vec![source::OCCLUSION, source::OCCLUSION_PASS];
-        estimate.extend(estimator(settings.estimator));
+        estimate.extend(estimator(&settings));
         let filter = match settings.filter {
             Filter::None => None,
             Filter::Bilateral => Some("bilateral_line"),
@@ -124,7 +124,7 @@ impl OcclusionPasses {
             radius_world: self.settings.radius_world,
             ..*settings
         };
-        if same != self.settings {
+        if same != self.settings || settings.term() != self.settings.term() {
             return false;
         }
         self.settings = *settings;
@@ -298,12 +298,17 @@ impl Pass {
     }
 }
 
-fn estimator(estimator: Estimator) -> &'static [Source] {
-    match estimator {
+/// The files that say what the pass asks.
+fn estimator(settings: &OcclusionSettings) -> &'static [Source] {
+    match settings.estimator {
         Estimator::Ssao => &[source::OCCLUSION_SSAO],
         Estimator::Hbao => &[source::OCCLUSION_MARCH, source::OCCLUSION_HBAO],
         Estimator::Alchemy => &[source::OCCLUSION_ALCHEMY],
-        Estimator::Issao => &[source::OCCLUSION_ISSAO],
+        Estimator::Issao => match settings.term() {
+            Term::Attenuated => &[source::OCCLUSION_ISSAO, source::OCCLUSION_ISSAO_TERM],
+            Term::Falloff => &[source::OCCLUSION_ISSAO, source::OCCLUSION_ISSAO_FALLOFF],
+            Term::Bare => &[source::OCCLUSION_ISSAO, source::OCCLUSION_ISSAO_BARE],
+        },
         Estimator::Gtao => &[source::OCCLUSION_MARCH, source::OCCLUSION_GTAO],
     }
 }

@@ -38,6 +38,17 @@ pub enum Filter {
     Gauss,
 }
 
+/// What `issao` adds up, each a file of the shader's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Term {
+    /// The paper's.
+    Attenuated,
+    /// With the falloff of the second reading of φ.
+    Falloff,
+    /// Without the attenuation.
+    Bare,
+}
+
 /// An ambient occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OcclusionSettings {
@@ -149,6 +160,15 @@ impl OcclusionSettings {
         self.estimator.parameters().iter().position(named).map_or(0.0, |i| self.shape[i])
     }
 
+    /// Which term `issao` adds up.
+    pub(super) fn term(&self) -> Term {
+        match (self.parameter("attenuation") > 0.5, self.parameter("reading").round() as u8) {
+            (false, _) => Term::Bare,
+            (true, 2) => Term::Falloff,
+            (true, _) => Term::Attenuated,
+        }
+    }
+
     /// Width and height of the picture that occlusion is estimated in.
     pub fn size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         if self.half { [width.div_ceil(2), height.div_ceil(2)] } else { [width, height] }
@@ -215,16 +235,15 @@ impl OcclusionSettings {
         let p = |name| self.parameter(name);
         let (shape, more) = match self.estimator {
             Estimator::Issao => {
-                let phi = p("phi").max(1e-3);
-                // What φ is of each reading: factor, exponent of the falloff, exponent of A.
+                // What φ is of each reading: factor, exponent of the falloff, exponent of the visibility.
                 let [factor, falloff, contrast] = match p("reading").round() as u8 {
                     1 => [p("phi"), 0.0, 1.0],
-                    2 => [1.0, 1.0 / phi, 1.0],
-                    _ => [1.0, 0.0, phi],
+                    2 => [1.0, 1.0 / p("phi"), 1.0],
+                    _ => [1.0, 0.0, 1.0 / p("phi")],
                 };
                 (
                     [2.0 * p("lambda") * factor, p("psi"), p("zcap"), p("sigma")],
-                    [falloff, contrast, p("attenuation"), 0.0],
+                    [falloff, contrast, 0.0, p("before")],
                 )
             }
             Estimator::Ssao => {

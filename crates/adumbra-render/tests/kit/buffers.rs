@@ -111,7 +111,7 @@ impl Buffers {
         let mut encoder = gpu.encoder("occlude");
         passes.encode_surfaces(gpu, &mut encoder, &input);
         passes.encode_estimate(gpu, &mut encoder, &input);
-        passes.encode_filter(gpu, &mut encoder);
+        passes.encode_filter(gpu, &mut encoder, &input);
         gpu.finish(encoder.finish())?;
         passes.read(gpu)
     }

@@ -1,9 +1,11 @@
 // Qiu, Li, Wu, Shi, Zhang, Improved Screen Space Ambient Occlusion, Chinese Journal of Computers 37(3), 2014: 4.1 and 4.2, with the lost
 // equation (6) rebuilt and written in radii, w = v / R, so that it does not depend on the scene's unit:
-//     A = clamp((2 λ φ / s) Σ max(0, w·n - ψ min(z / R, z_cap)) / (w·w + σ), 0, 1)
-// over the s taps that are within the picture, on texels not yet taken, and within R (w·w < 1): others are skipped.
-// shape: 2 λ φ, ψ, z_cap, σ. shape_more: exponent of the factor (1 - w·w) of each term, 0 for none; exponent of A; 1 with the attenuation,
-// 0 for v normalised, as before it (Fig. 4).
+//     A = clamp((2 λ / s) Σ max(0, w·n - ψ min(z / R, z_cap)) / (w·w + σ), 0, 1),    visibility (1 - A)^(1 / φ)
+// over the s taps that are in the picture, on texels not yet taken, and within R; others are skipped. Readings 1 and 2 of φ: a factor
+// beside λ; an exponent, 1 / φ, of (1 - w·w) on each term. A term is a file of its own, of which the pass takes one.
+// Departure: what lies before the sphere of R hides what is in it. Such a tap counts from the sphere's surface, where its line of sight
+// enters, less by 1 / (w·w); without it the ground behind things is too light.
+// shape: 2 λ, ψ, z_cap, σ. shape_more: exponent of (1 - w·w); exponent of the visibility; 0; 1 with the departure.
 // A tap: C(e1, e2) of (1), in radii, by distance.
 
 // Taps at a distance, where the disc covers few texels: a quarter less for each halving from 16 texels.
@@ -12,51 +14,35 @@ fn taps_at(radius_texels: f32) -> u32 {
     return max(occlusion.counts.x * max(4u - lost, occlusion.counts.w) / 4u, 1u);
 }
 
-fn issao_term(w: vec3f, ww: f32, n: vec3f, bias: f32) -> f32 {
-    if (occlusion.shape_more.z == 0.0) {
-        return max(dot(w, n), 0.0) * inverseSqrt(max(ww, 1e-12));
-    }
-    var term = max(dot(w, n) - bias, 0.0) / (ww + occlusion.shape.w);
-    if (occlusion.shape_more.x > 0.0) {
-        term *= pow(1.0 - ww, occlusion.shape_more.x);
-    }
-    return term;
-}
-
 fn ambient_visibility(c: OcclusionCenter) -> f32 {
     let inverse_radius = 1.0 / c.radius_world;
     let bias = occlusion.shape.y * min(c.p.z * inverse_radius, occlusion.shape.z);
+    let hides = occlusion.shape_more.w > 0.0;
+    let taps = taps_at(c.radius_texels);
+    let stride = (occlusion.counts.x << 16u) / taps;
     var sum = 0.0;
     var count = 0.0;
-    // Texels taken of the 5 × 5 about the middle, where taps meet; the middle itself is.
-    var taken = 1u << 12u;
-    let taps = taps_at(c.radius_texels);
+    // Taps go outwards along a spiral: two that meet on a texel follow each other.
+    var before = vec2i(0);
     for (var i = 0u; i < taps; i++) {
-        let tap = noise.taps[c.first_tap + i * occlusion.counts.x / taps];
-        let offset = vec2i(round(tap.xy * c.radius_texels));
-        if (all(abs(offset) <= vec2i(2))) {
-            let bit = 1u << u32(offset.y * 5 + offset.x + 12);
-            if ((taken & bit) != 0u) {
-                continue;
-            }
-            taken |= bit;
-        }
+        let offset = vec2i(round(noise.taps[c.first_tap + ((i * stride) >> 16u)].xy * c.radius_texels));
         let texel = c.texel + offset;
-        if (!is_inside(texel)) {
+        let is_new = any(offset != before);
+        before = offset;
+        if (!(is_new && is_inside(texel))) {
             continue;
         }
         let z = view_depth_at(texel);
-        if (z <= 0.0) {
-            count += 1.0;
-            continue;
-        }
-        let w = (point_at(texel, z) - c.p) * inverse_radius;
+        var w = (point_at(texel, z) - c.p) * inverse_radius;
         let ww = dot(w, w);
-        if (ww < 1.0) {
-            count += 1.0;
-            sum += issao_term(w, ww, c.n, bias);
-        }
+        let outside = ww >= 1.0;
+        let is_sky = z <= 0.0;
+        let counts = is_sky || !outside || (hides && w.z < 0.0);
+        w.z = select(w.z, -sqrt(max(1.0 - dot(w.xy, w.xy), 0.0)), outside);
+        let term = issao_term(dot(w, c.n), min(ww, 1.0), bias) / max(ww, 1.0);
+        count += f32(counts);
+        sum += select(0.0, term, counts && !is_sky);
     }
     let a = clamp(occlusion.shape.x * sum / max(count, 1.0), 0.0, 1.0);
-    return 1.0 - pow(a, occlusion.shape_more.y);
+    return pow(1.0 - a, occlusion.shape_more.y);
 }

@@ -1,46 +1,45 @@
 //! `passes/occlusion_issao.wgsl` on the CPU.
 
 use super::{Center, Pass, dot};
+use crate::occlusion::settings::Term;
 
-pub(super) fn visibility(pass: &Pass<'_>, c: &Center) -> f32 {
+pub(super) fn visibility(pass: &Pass<'_>, c: &Center, term: Term) -> f32 {
     let o = &pass.params;
     let inverse_radius = 1.0 / c.radius_world;
     let bias = o.shape[1] * (c.p[2] * inverse_radius).min(o.shape[2]);
     let (mut sum, mut count) = (0.0, 0.0_f32);
-    let mut taken = vec![[0, 0]];
+    let mut before = [0, 0];
     let taps = taps_at(o.counts, c.radius_texels);
+    let stride = (o.counts[0] << 16) / taps;
     for i in 0..taps {
-        let tap = pass.taps.taps.0[c.first_tap + (i * o.counts[0] / taps) as usize];
+        let tap = pass.taps.taps.0[c.first_tap + ((i * stride) >> 16) as usize];
         let offset = [tap[0], tap[1]].map(|t| (t * c.radius_texels).round_ties_even() as i32);
-        if offset.iter().all(|d| d.abs() <= 2) {
-            if taken.contains(&offset) {
-                continue;
-            }
-            taken.push(offset);
-        }
         let texel = [c.texel[0] + offset[0], c.texel[1] + offset[1]];
-        let Some(z) = pass.z_at(texel) else { continue };
+        let is_new = offset != before;
+        before = offset;
+        let Some(z) = pass.z_at(texel).filter(|_| is_new) else { continue };
         if z <= 0.0 {
             count += 1.0;
             continue;
         }
-        let w = pass.reach(c, texel, z, inverse_radius);
+        let mut w = pass.reach(c, texel, z, inverse_radius);
         let ww = dot(w, w);
-        if ww < 1.0 {
-            count += 1.0;
-            sum += term(o.shape[3], o.shape_more, dot(w, c.n), ww, bias);
+        if ww >= 1.0 {
+            if w[2] > 0.0 || o.shape_more[3] == 0.0 {
+                continue;
+            }
+            w[2] = -(1.0 - w[0] * w[0] - w[1] * w[1]).max(0.0).sqrt();
         }
+        count += 1.0;
+        let (w_n, ww, over) = (dot(w, c.n), ww.min(1.0), ww.max(1.0));
+        sum += match term {
+            Term::Attenuated => (w_n - bias).max(0.0) / (ww + o.shape[3]),
+            Term::Falloff => (w_n - bias).max(0.0) / (ww + o.shape[3]) * (1.0 - ww).powf(o.shape_more[0]),
+            Term::Bare => w_n.max(0.0) / ww.max(1e-12).sqrt(),
+        } / over;
     }
     let a = (o.shape[0] * sum / count.max(1.0)).clamp(0.0, 1.0);
-    1.0 - a.powf(o.shape_more[1])
-}
-
-fn term(sigma: f32, [falloff, _, attenuated, _]: [f32; 4], w_n: f32, ww: f32, bias: f32) -> f32 {
-    if attenuated == 0.0 {
-        return w_n.max(0.0) / ww.max(1e-12).sqrt();
-    }
-    let term = (w_n - bias).max(0.0) / (ww + sigma);
-    if falloff > 0.0 { term * (1.0 - ww).powf(falloff) } else { term }
+    (1.0 - a).powf(o.shape_more[1])
 }
 
 /// Taps that are left where the radius covers so many texels.

@@ -160,7 +160,7 @@ impl Pass<'_> {
             Estimator::Ssao => ssao::visibility(self, &c),
             Estimator::Hbao => hbao::visibility(self, &c),
             Estimator::Alchemy => alchemy::visibility(self, &c),
-            Estimator::Issao => issao::visibility(self, &c),
+            Estimator::Issao => issao::visibility(self, &c, settings.term()),
             Estimator::Gtao => gtao::visibility(self, &c),
         };
         [visibility, z]
