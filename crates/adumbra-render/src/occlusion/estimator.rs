@@ -74,7 +74,7 @@ const fn word(
 
 const SSAO: &[Parameter] = &[
     tuned("strength", "what occlusion is multiplied by", 1.0, [0.0, 10.0], Factors(0.3, 3.0)),
-    tuned("power", "exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.5, 6.0)),
+    tuned("power", "exponent of the visibility", 1.0, [0.1, 20.0], Factors(0.5, 12.0)),
     tuned(
         "bias",
         "how far before a point its occluder lies at least, radii",
@@ -99,14 +99,14 @@ const SSAO: &[Parameter] = &[
 
 const HBAO: &[Parameter] = &[
     tuned("strength", "what occlusion is multiplied by", 1.0, [0.0, 10.0], Factors(0.3, 3.0)),
-    tuned("power", "exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.5, 6.0)),
+    tuned("power", "exponent of the visibility", 1.0, [0.1, 20.0], Factors(0.5, 12.0)),
     tuned("bias", "what horizons rise over the tangent at least, sine", 0.1, [0.0, 1.0], Even(0.0, 0.5)),
     tuned("falloff", "exponent of the distance: 1 - r^falloff", 2.0, [0.1, 20.0], Factors(0.5, 16.0)),
 ];
 
 const ALCHEMY: &[Parameter] = &[
     tuned("sigma", "σ, strength, radii", 0.5, [0.0, 100.0], Factors(0.05, 5.0)),
-    tuned("k", "k, exponent of the visibility", 1.0, [0.1, 10.0], Factors(0.5, 6.0)),
+    tuned("k", "k, exponent of the visibility", 1.0, [0.1, 20.0], Factors(0.5, 12.0)),
     tuned("beta", "β, part of the view depth that w·n is over", 1e-4, [0.0, 1.0], Factors(1e-6, 1e-2)),
     tuned("epsilon", "ε, radii²", 1e-3, [1e-6, 10.0], Factors(1e-5, 1.0)),
 ];
@@ -121,7 +121,7 @@ const GTAO: &[Parameter] = &[
         Even(0.0, 2.0),
     ),
     tuned("distribution", "exponent of the taps' distances", 2.0, [0.2, 8.0], Even(1.0, 3.0)),
-    tuned("power", "exponent of the visibility", 2.2, [0.1, 10.0], Factors(0.5, 6.0)),
+    tuned("power", "exponent of the visibility", 2.2, [0.1, 20.0], Factors(0.5, 12.0)),
 ];
 
 const ISSAO: &[Parameter] = &[

@@ -4,7 +4,7 @@
 // over the s taps that are in the picture, on texels not yet taken, and within R; others are skipped. Readings 1 and 2 of φ: a factor
 // beside λ; an exponent, 1 / φ, of (1 - w·w) on each term. A term is a file of its own, of which the pass takes one.
 // Departure: what lies before the sphere of R hides what is in it. Such a tap counts from the sphere's surface, where its line of sight
-// enters, less by 1 / (w·w); without it the ground behind things is too light.
+// enters, less by 1 / |w|, as (5) falls off; without it the ground behind things is too light.
 // shape: 2 λ, ψ, z_cap, σ. shape_more: exponent of (1 - w·w); exponent of the visibility; 0; 1 with the departure.
 // A tap: C(e1, e2) of (1), in radii, by distance.
 
@@ -39,7 +39,7 @@ fn ambient_visibility(c: OcclusionCenter) -> f32 {
         let is_sky = z <= 0.0;
         let counts = is_sky || !outside || (hides && w.z < 0.0);
         w.z = select(w.z, -sqrt(max(1.0 - dot(w.xy, w.xy), 0.0)), outside);
-        let term = issao_term(dot(w, c.n), min(ww, 1.0), bias) / max(ww, 1.0);
+        let term = issao_term(dot(w, c.n), min(ww, 1.0), bias) * inverseSqrt(max(ww, 1.0));
         count += f32(counts);
         sum += select(0.0, term, counts && !is_sky);
     }

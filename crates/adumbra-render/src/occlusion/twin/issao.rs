@@ -31,7 +31,7 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center, term: Term) -> f32 {
             w[2] = -(1.0 - w[0] * w[0] - w[1] * w[1]).max(0.0).sqrt();
         }
         count += 1.0;
-        let (w_n, ww, over) = (dot(w, c.n), ww.min(1.0), ww.max(1.0));
+        let (w_n, ww, over) = (dot(w, c.n), ww.min(1.0), ww.max(1.0).sqrt());
         sum += match term {
             Term::Attenuated => (w_n - bias).max(0.0) / (ww + o.shape[3]),
             Term::Falloff => (w_n - bias).max(0.0) / (ww + o.shape[3]) * (1.0 - ww).powf(o.shape_more[0]),
