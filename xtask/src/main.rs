@@ -16,7 +16,7 @@ const USAGE: &str = "usage:
   cargo xtask vectors         write test_vectors/ again
   cargo xtask tune-ao [--scenes DIR] [--budget N] [--only NAME,...]
                               look for the estimators' parameters of ambient occlusion on the eight scenes;
-                              without options where the tests find them, 240 evaluations a run, every estimator";
+                              without options where the tests find them, 120 evaluations a run, every estimator";
 
 fn main() -> ExitCode {
     let args: Vec<String> = env::args().skip(1).collect();

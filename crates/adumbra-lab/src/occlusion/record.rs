@@ -167,7 +167,7 @@ impl Record {
             each estimator with its filter, judged by {} rays a \
             pixel of the same radius over the pixels where rays and G-buffer see the same surface. Every estimator \
             has the same search: {} evaluations a run, a third of \
-            them spread over all that its parameters may be, the rest in shrinking steps about the best. What is made \
+            them spread over all that its parameters may be, the rest a simplex from the best of them on. What is made \
             small is the mean over the \
             run's scenes of RMSE by the RMSE of open sky everywhere. Fold A: {}. Fold B: {}. *Elsewhere* is the same \
             mean over the \

@@ -23,8 +23,8 @@ use super::views::{Fold, SCENES};
 use crate::error::Result;
 use crate::truth::{Cache, TruthTracer, scene_key};
 
-/// Half-widths of the first and the last step, in sides of the box.
-const STEPS: [f64; 2] = [0.25, 0.01];
+/// Edge of the first simplex, in sides of the box.
+const FIRST_EDGE: f64 = 0.12;
 /// Digits that count of a parameter: what is recorded is what was tried.
 const DIGITS: i32 = 4;
 
@@ -41,7 +41,7 @@ pub struct TuneOptions {
 
 impl Default for TuneOptions {
     fn default() -> Self {
-        Self { budget: 240, size: [640, 360], rays: 256 }
+        Self { budget: 120, size: [640, 360], rays: 256 }
     }
 }
 
@@ -137,6 +137,68 @@ pub fn tune(
     Ok(record)
 }
 
+/// Nelder and Mead's method from a point with its value on, `budget` evaluations.
+fn simplex(
+    best: (f64, Vec<f64>),
+    budget: u32,
+    mut objective: impl FnMut(&[f64]) -> Result<f64>,
+) -> Result<(f64, Vec<f64>)> {
+    let mut left = budget;
+    let mut corners = vec![best];
+    for axis in 0..corners[0].1.len() {
+        if left == 0 {
+            break;
+        }
+        let mut point = corners[0].1.clone();
+        point[axis] += if point[axis] > 0.5 { -FIRST_EDGE } else { FIRST_EDGE };
+        left -= 1;
+        corners.push((objective(&point)?, point));
+    }
+    let order = |corners: &mut Vec<(f64, Vec<f64>)>| corners.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order(&mut corners);
+    while left > 0 && corners.len() > 1 {
+        let (others, worst) = corners.split_at(corners.len() - 1);
+        let (count, worst) = (others.len() as f64, worst[0].clone());
+        let middle: Vec<f64> =
+            (0..worst.1.len()).map(|a| others.iter().map(|c| c.1[a]).sum::<f64>() / count).collect();
+        // From the worst corner through the middle of the others.
+        let along = |t: f64| -> Vec<f64> {
+            middle.iter().zip(&worst.1).map(|(m, w)| (m + t * (m - w)).clamp(0.0, 1.0)).collect()
+        };
+        let (first, last) = (others[0].0, others[others.len() - 1].0);
+        let mut ask = |t: f64| -> Result<(f64, Vec<f64>)> {
+            left = left.saturating_sub(1);
+            let point = along(t);
+            Ok((objective(&point)?, point))
+        };
+        let reflected = ask(1.0)?;
+        let found = if reflected.0 < first {
+            let expanded = ask(2.0)?;
+            if expanded.0 < reflected.0 { expanded } else { reflected }
+        } else if reflected.0 < last {
+            reflected
+        } else {
+            let contracted = ask(if reflected.0 < worst.0 { 0.5 } else { -0.5 })?;
+            if contracted.0 < worst.0.min(reflected.0) { contracted } else { worst.clone() }
+        };
+        let stuck = found == worst;
+        if let Some(corner) = corners.last_mut() {
+            *corner = found;
+        }
+        if stuck {
+            // Towards the best.
+            let best = corners[0].1.clone();
+            for corner in corners.iter_mut().skip(1).take(left as usize) {
+                corner.1.iter_mut().zip(&best).for_each(|(c, b)| *c = 0.5 * (*c + b));
+                corner.0 = objective(&corner.1)?;
+            }
+            left = left.saturating_sub(best.len() as u32);
+        }
+        order(&mut corners);
+    }
+    Ok(corners.swap_remove(0))
+}
+
 /// One estimator's search.
 struct Tuner<'a> {
     scenes: &'a [TuneScene],
@@ -164,23 +226,17 @@ impl<'a> Tuner<'a> {
         // With nothing to vary one evaluation says it all.
         let budget = if self.varied.is_empty() { 1 } else { budget.max(1) };
         let wide = budget.div_ceil(3);
-        let mut best = next();
-        let mut least = self.objective(&best, &inside)?;
-        for k in 1..budget {
-            let random = next();
-            let point = if k < wide {
-                random
-            } else {
-                let t = f64::from(k - wide) / f64::from((budget - wide).max(2) - 1);
-                let half = STEPS[0] * libm::pow(STEPS[1] / STEPS[0], t);
-                let step = |(b, r): (&f64, &f64)| (b + half * (2.0 * r - 1.0)).clamp(0.0, 1.0);
-                best.iter().zip(&random).map(step).collect()
-            };
+        let mut tried = 0;
+        let mut best = (f64::INFINITY, Vec::new());
+        for _ in 0..wide {
+            let point = next();
             let objective = self.objective(&point, &inside)?;
-            if objective < least {
-                (best, least) = (point, objective);
+            tried += 1;
+            if objective < best.0 {
+                best = (objective, point);
             }
         }
+        let (least, best) = simplex(best, budget - tried, |point| self.objective(point, &inside))?;
         let shape = self.shape(&best);
         let rmse = self.rmse(&shape, &|_| true)?;
         let elsewhere = if on == TunedOn::All { None } else { self.mean(&rmse, &|s| !inside(s)) };

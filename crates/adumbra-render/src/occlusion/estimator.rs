@@ -80,7 +80,7 @@ const SSAO: &[Parameter] = &[
         "how far before a point its occluder lies at least, radii",
         0.05,
         [0.0, 1.0],
-        Factors(0.001, 0.3),
+        Factors(0.005, 0.3),
     ),
     tuned(
         "range",
@@ -107,8 +107,8 @@ const HBAO: &[Parameter] = &[
 const ALCHEMY: &[Parameter] = &[
     tuned("sigma", "σ, strength, radii", 0.5, [0.0, 100.0], Factors(0.05, 5.0)),
     tuned("k", "k, exponent of the visibility", 1.0, [0.1, 20.0], Factors(0.5, 12.0)),
-    tuned("beta", "β, part of the view depth that w·n is over", 1e-4, [0.0, 1.0], Factors(1e-6, 1e-2)),
-    tuned("epsilon", "ε, radii²", 1e-3, [1e-6, 10.0], Factors(1e-5, 1.0)),
+    tuned("beta", "β, part of the view depth that w·n is over", 1e-4, [0.0, 1.0], Factors(3e-4, 3e-2)),
+    tuned("epsilon", "ε, radii²", 1e-3, [1e-6, 10.0], Factors(1e-4, 1.0)),
 ];
 
 const GTAO: &[Parameter] = &[
@@ -125,11 +125,11 @@ const GTAO: &[Parameter] = &[
 ];
 
 const ISSAO: &[Parameter] = &[
-    tuned("lambda", "λ, strength", 0.43, [0.0, 100.0], Factors(0.05, 5.0)),
-    tuned("phi", "φ, the user's contrast, as reading= says", 0.3, [0.01, 10.0], Factors(0.1, 2.0)),
-    tuned("psi", "ψ, part of the view depth that w·n is over", 0.016, [0.0, 1.0], Factors(0.0005, 0.1)),
-    tuned("zcap", "most view depth in radii that ψ counts", 6.5, [0.0, 1000.0], Factors(0.1, 50.0)),
-    tuned("sigma", "σ, radii²", 0.0025, [0.0, 10.0], Factors(0.0001, 1.0)),
+    tuned("lambda", "λ, strength", 0.33, [0.0, 100.0], Factors(0.05, 2.0)),
+    tuned("phi", "φ, the user's contrast, as reading= says", 0.35, [0.01, 10.0], Factors(0.1, 1.0)),
+    tuned("psi", "ψ, part of the view depth that w·n is over", 0.007, [0.0, 1.0], Factors(0.001, 0.03)),
+    fixed("zcap", "most view depth in radii that ψ counts", 13.0, [0.0, 1000.0]),
+    tuned("sigma", "σ, radii²", 0.0009, [0.0, 10.0], Factors(0.0001, 1.0)),
     fixed("reading", "φ is 1: a factor; 2: what shapes the falloff; 3: contrast", 3.0, [1.0, 3.0]),
     word("attenuation", "off: v normalised, as before the paper (its Fig. 4)", &["off", "on"], 1),
     word("before", "what hides the region: nothing, or on its surface", &["nothing", "surface"], 1),
