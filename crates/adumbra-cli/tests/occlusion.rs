@@ -52,7 +52,7 @@ fn render_draws_the_layer_of_ambient_visibility_alone() {
         assert_eq!(code, 0, "{ao}: {error}");
         error
     };
-    for ao in ["hbao:radius=1.5", "truth:radius=1.5:rays=64"] {
+    for ao in ["hbao:radius=1.5:strength=1:power=1:bias=0.1:falloff=2", "truth:radius=1.5:rays=64"] {
         let said = draw(ao, "ao.exr", &[]);
         assert!(!said.contains("radius"), "{said}");
         let raw = visibility(&folder.path("ao.exr"));
@@ -108,7 +108,7 @@ fn frames_of_a_call_reuse_those_before() {
     let scene = folder.generate("primitives");
     let draw = |reuse: &str, shadows: &[&str]| {
         let output = folder.path(&format!("{reuse}.exr"));
-        let ao = format!("hbao:radius=1.5:filter=none:reuse={reuse}");
+        let ao = format!("hbao:radius=1.5:strength=1:filter=none:reuse={reuse}");
         let mut words = vec!["render", &scene, "--layer", "ao", "--ao", &ao, "-o", &output];
         shadows.iter().for_each(|s| words.extend(["--shadow", s]));
         words.extend(["--move", "sphere:from=-3,1,2:to=3,1,2:radius=0.5", "--frames", "3"]);

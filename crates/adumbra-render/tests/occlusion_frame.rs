@@ -7,7 +7,7 @@ use adumbra_render::{Answer, Baked, RenderError, Renderer, SceneOptions, Shot, S
 use kit::ambient::settings;
 
 const SIZE: [u32; 2] = [64, 48];
-const TEXT: &str = "hbao:reuse=on";
+const TEXT: &str = "hbao:strength=1:power=1:bias=0.1:falloff=2:reuse=on";
 
 fn city() -> Renderer {
     Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap()

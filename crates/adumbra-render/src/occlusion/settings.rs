@@ -30,7 +30,7 @@ pub enum Filter {
     /// Nothing.
     None,
     /// Two lines, one after the other, that see depth: near the square where surfaces are flat; over the generated city
-    /// within 0.01 of it, root mean square.
+    /// they differ from it by 0.15 of what it changes, root mean square.
     Bilateral,
     /// The square of equation 7.
     BilateralSquare,
