@@ -1,5 +1,5 @@
-//! Every technique's picture of a generated scene with a ball that moves, against the one kept in `golden/`: FLIP mean at most
-//! [`TOLERANCE`].
+//! Every technique's picture of a generated scene with a ball that moves, and every ambient occlusion's of the scene, against the one kept
+//! in `golden/`: FLIP mean at most [`TOLERANCE`].
 //!
 //! `ADUMBRA_BLESS=1` writes them again; look at them before they are committed. Adapters round differently, so pictures are compared
 //! as they are seen, not by bytes.
@@ -17,6 +17,8 @@ use adumbra::picture::Picture;
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::tree::{TreeOptions, bake_tree};
 use adumbra_lab::metrics::flip;
+use adumbra_lab::occlusion::grey_picture;
+use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TECHNIQUES, build};
 use image::{ExtendedColorType, ImageEncoder};
 
@@ -42,6 +44,19 @@ const DIFFERENT: &[[&str; 2]] = &[
     ["voxel+csm", "voxel"],
     ["hrsm:test=paper", "hrsm"],
 ];
+/// Ambient occlusion: each estimator, and what their names alone leave unseen.
+const OCCLUSIONS: &[&str] = &[
+    "ssao",
+    "hbao",
+    "alchemy",
+    "issao",
+    "gtao",
+    "issao:attenuation=off",
+    "issao:preset=fig4",
+    "gtao:half=on:normals=depth",
+];
+/// World units.
+const RADIUS_WORLD: f64 = 2.0;
 /// Linear.
 const BALL_COLOR: [f32; 4] = [0.80, 0.10, 0.06, 1.0];
 
@@ -67,6 +82,71 @@ fn write(path: &Path, picture: &Picture) {
         .write_image(&picture.rgb, picture.width, picture.height, ExtendedColorType::Rgb8)
         .unwrap();
     fs::write(path, bytes).unwrap();
+}
+
+/// Compares a picture with the one that is kept, or keeps it.
+fn compare(name: &str, picture: &Picture, wrong: &mut Vec<String>) {
+    let path = folder().join(format!("{}.png", name.replace([':', '='], "_")));
+    if std::env::var_os("ADUMBRA_BLESS").is_some() {
+        fs::create_dir_all(folder()).unwrap();
+        write(&path, picture);
+        return;
+    }
+    let error = flip(&read(&path), picture).unwrap();
+    if error > TOLERANCE {
+        wrong.push(format!("{name}: FLIP {error:.4}"));
+    }
+}
+
+/// Bytes that differ by more than a little.
+fn apart(a: &Picture, b: &Picture) -> usize {
+    a.rgb.iter().zip(&b.rgb).filter(|(x, y)| x.abs_diff(**y) > 16).count()
+}
+
+fn color(renderer: &Renderer) -> Picture {
+    let rgba = renderer.read_picture().unwrap();
+    let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+    Picture { width: SIZE[0], height: SIZE[1], rgb, difference_share: None }
+}
+
+#[test]
+fn every_occlusion_draws_its_golden_picture() {
+    let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let shot = Shot { camera: camera(), towards_sun: sun.towards(), number: 0 };
+    let pcf = build(renderer.gpu(), &"pcf".parse().unwrap(), Baked::default()).unwrap();
+    let mut pcf = renderer.prepare(pcf).unwrap();
+    let mut wrong = Vec::new();
+    let mut pictures: Vec<(&str, Picture)> = Vec::new();
+    for text in OCCLUSIONS {
+        let settings = OcclusionSettings::from_spec(&text.parse().unwrap(), RADIUS_WORLD).unwrap();
+        let passes = OcclusionPasses::new(renderer.gpu(), settings);
+        renderer.set_ambient(Some(passes.into()));
+        renderer.draw(&shot, &mut pcf, Answer::Visibility).unwrap();
+        // Its visibility alone; and once as it lies in the shadows.
+        let picture = grey_picture(SIZE, &renderer.read_ambient().unwrap()).unwrap();
+        compare(&format!("ao-{text}"), &picture, &mut wrong);
+        if *text == "issao" {
+            compare("pcf-ao-issao", &color(&renderer), &mut wrong);
+        }
+        let none = grey_picture(SIZE, &vec![1.0; (SIZE[0] * SIZE[1]) as usize]).unwrap();
+        let darkened = flip(&none, &picture).unwrap();
+        println!("{text}: FLIP {darkened:.4} from none");
+        if darkened < 2.0 * TOLERANCE {
+            wrong.push(format!("{text} is like none: FLIP {darkened:.4}"));
+        }
+        for (other, before) in &pictures {
+            let apart = apart(before, &picture);
+            println!("{text} and {other}: {apart} bytes differ");
+            if apart < 60 {
+                wrong.push(format!("{text} and {other}: {apart} bytes differ"));
+            }
+        }
+        pictures.push((text, picture));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
@@ -95,7 +175,6 @@ fn every_technique_draws_its_golden_picture() {
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();
     let shot = Shot { camera: camera(), towards_sun: sun.towards(), number: 0 };
-    let bless = std::env::var_os("ADUMBRA_BLESS").is_some();
     let mut wrong = Vec::new();
     let mut pictures = BTreeMap::new();
     for name in TECHNIQUES.iter().map(|(name, _)| *name).chain(VARIANTS.iter().copied()) {
@@ -105,24 +184,12 @@ fn every_technique_draws_its_golden_picture() {
         let technique = build(renderer.gpu(), &name.parse().unwrap(), baked).unwrap();
         let mut technique = renderer.prepare(technique).unwrap();
         renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
-        let rgba = renderer.read_picture().unwrap();
-        let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
-        let picture = Picture { width: SIZE[0], height: SIZE[1], rgb, difference_share: None };
-        let path = folder().join(format!("{}.png", name.replace([':', '='], "_")));
-        if bless {
-            fs::create_dir_all(folder()).unwrap();
-            write(&path, &picture);
-        } else {
-            let error = flip(&read(&path), &picture).unwrap();
-            if error > TOLERANCE {
-                wrong.push(format!("{name}: FLIP {error:.4}"));
-            }
-        }
+        let picture = color(&renderer);
+        compare(name, &picture, &mut wrong);
         pictures.insert(name, picture);
     }
     for [a, b] in DIFFERENT {
-        let (first, second) = (&pictures[a].rgb, &pictures[b].rgb);
-        let apart = first.iter().zip(second).filter(|(x, y)| x.abs_diff(**y) > 16).count();
+        let apart = apart(&pictures[a], &pictures[b]);
         println!("{a} and {b}: {apart} bytes differ");
         if apart < 60 {
             wrong.push(format!("{a} and {b}: {apart} bytes differ"));

@@ -86,6 +86,12 @@ pub enum RenderError {
         /// What is wrong, and what would do.
         reason: String,
     },
+    /// Ambient visibility that was made elsewhere and does not fit.
+    #[error("the ambient visibility given: {reason}")]
+    Ambient {
+        /// What is wrong.
+        reason: String,
+    },
     /// A camera from which nothing can be drawn.
     #[error("the camera: {reason}")]
     Camera {

@@ -8,7 +8,7 @@ use crate::composite::Composite;
 use crate::error::{RenderError, Result};
 use crate::frame::{GBuffer, Targets, check_camera, frame, visible_volume};
 use crate::gpu::Gpu;
-use crate::occlusion::{OcclusionInput, OcclusionPasses};
+use crate::occlusion::{AmbientSource, OcclusionInput, OcclusionPasses};
 use crate::readback::{read_floats, read_texture};
 use crate::scene::{InstanceList, SceneBuffers, SceneOptions};
 use crate::technique::{Answer, FrameInput, Lookup, Resolver, Technique};
@@ -24,7 +24,7 @@ pub struct Renderer {
     movers: Option<Part>,
     targets: Option<Targets>,
     frame: wgpu::Buffer,
-    ambient: Option<OcclusionPasses>,
+    ambient: Option<AmbientSource>,
     /// What the last frame was asked for.
     answered: Answer,
 }
@@ -129,17 +129,17 @@ impl Renderer {
     }
 
     /// Ambient occlusion for the frames to come; none for open sky everywhere.
-    pub fn set_ambient(&mut self, ambient: Option<OcclusionPasses>) {
+    pub fn set_ambient(&mut self, ambient: Option<AmbientSource>) {
         self.ambient = ambient;
     }
 
     /// The ambient occlusion of frames.
-    pub fn ambient(&self) -> Option<&OcclusionPasses> {
+    pub fn ambient(&self) -> Option<&AmbientSource> {
         self.ambient.as_ref()
     }
 
     /// The same, to have it forget the frames before.
-    pub fn ambient_mut(&mut self) -> Option<&mut OcclusionPasses> {
+    pub fn ambient_mut(&mut self) -> Option<&mut AmbientSource> {
         self.ambient.as_mut()
     }
 
@@ -186,11 +186,12 @@ impl Renderer {
         Ok(Prepared { technique, lookup })
     }
 
-    /// Draws a frame. Its layers stay readable until the next. Screen passes are for visibilities: cascades are left as they are.
+    /// Draws a frame. Its layers stay readable until the next. Screen passes and ambient occlusion are for visibilities: cascades are
+    /// left as they are, and the frames before stay what they were.
     ///
     /// # Errors
-    /// [`RenderError::Camera`]; [`RenderError::Technique`] for an answer that the technique does not have; what the technique or the
-    /// device reports.
+    /// [`RenderError::Camera`]; [`RenderError::Technique`] for an answer that the technique does not have; [`RenderError::Ambient`] for
+    /// ambient visibility given for another size; what the technique or the device reports.
     pub fn draw(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
         check_camera(&shot.camera)?;
         if !prepared.lookup.answers(answer) {
@@ -198,6 +199,9 @@ impl Renderer {
             return Err(RenderError::Technique { name: prepared.technique.name(), reason });
         }
         let size = [shot.camera.width, shot.camera.height];
+        if let Some(ambient) = &self.ambient {
+            ambient.check(size)?;
+        }
         let targets = match self.targets.take() {
             Some(targets) if targets.size == size => targets,
             _ => Targets::new(&self.gpu, size)?,
@@ -230,12 +234,14 @@ impl Renderer {
             }
         })?;
         let mut ambient = self.ambient.take();
-        if let Some(ambient) = &mut ambient {
-            self.encode_ambient(shot, &targets, ambient, &mut timer)?;
+        let open = ambient.as_mut().filter(|_| answer == Answer::Visibility);
+        if let Some(AmbientSource::Estimated(passes)) = open {
+            self.encode_ambient(shot, &targets, passes, &mut timer)?;
         }
         timer.stage(&self.gpu, Stage::Composite, |encoder| {
             let factor = if filtered { &targets.filtered } else { &targets.factor };
-            let open = ambient.as_ref().and_then(OcclusionPasses::result).map(|t| &t.view);
+            let open = ambient.as_ref().filter(|_| answer == Answer::Visibility);
+            let open = open.and_then(AmbientSource::target).map(|t| &t.view);
             self.composite.encode(&self.gpu, encoder, &self.frame, &targets, &factor.view, open);
         })?;
         self.ambient = ambient;
@@ -293,6 +299,19 @@ impl Renderer {
         let filtered = self.answered == Answer::Visibility && prepared.technique.has_screen_passes();
         let target = if filtered { &targets.filtered } else { &targets.factor };
         read_floats(&self.gpu, &target.texture, 0, 0)
+    }
+
+    /// Ambient visibility of the last frame that was asked for visibilities, 1 = unoccluded and where nothing is; everywhere where there is
+    /// no ambient occlusion. Row 0 at the top.
+    ///
+    /// # Errors
+    /// What the device reports.
+    pub fn read_ambient(&self) -> Result<Vec<f32>> {
+        let Some(targets) = &self.targets else { return Ok(Vec::new()) };
+        match &self.ambient {
+            Some(ambient) => ambient.read(&self.gpu),
+            None => Ok(vec![1.0; targets.size[0] as usize * targets.size[1] as usize]),
+        }
     }
 
     /// The picture of the last frame: RGBA, sRGB, row 0 at the top.

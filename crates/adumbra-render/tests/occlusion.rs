@@ -11,6 +11,20 @@ use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
 use kit::boxes::boxes;
 
+/// What estimators' names alone leave unseen.
+const VARIANTS: [&str; 10] = [
+    "ssao:tangent=0",
+    "issao:lambda=1:phi=0.5:levels=off",
+    "issao:lambda=1:phi=0.5:reading=1",
+    "issao:lambda=1:phi=0.5:reading=2",
+    "issao:lambda=1:phi=0.5:attenuation=off",
+    "issao:lambda=1:phi=0.5:before=nothing",
+    "issao:lambda=1:phi=0.5:relation=free",
+    "issao:preset=fig3",
+    "issao:preset=fig4:reading=2:levels=off",
+    "issao:preset=fig5:relation=free:before=surface",
+];
+
 /// A frame's G-buffer.
 struct View {
     renderer: Renderer,
@@ -72,7 +86,8 @@ fn occlusion_on_the_gpu_is_the_cpu_s() {
         let normal = renderer.read_surface(shot).unwrap().normal;
         let frame = frame(&shot.camera, &renderer.bounds(), shot.towards_sun, 0);
         let each = Estimator::ALL.iter().flat_map(|e| [e.to_string(), format!("{e}:filter=none")]);
-        for text in each.chain(["ssao:tangent=0".to_owned()]) {
+        let variants = VARIANTS.iter().map(|v| format!("{v}:filter=none"));
+        for text in each.chain(variants) {
             let found = view.occlude(&text, 8.0);
             let surfaces = Surfaces { frame, depth: &depth, normal: &normal };
             let expected = ambient(&settings(&text, 8.0), &surfaces);
@@ -80,7 +95,7 @@ fn occlusion_on_the_gpu_is_the_cpu_s() {
             let mean = mean(found.iter().copied());
             println!("{text}: {worst}, mean {mean}");
             assert!(worst < 2e-3, "{text}: {worst}");
-            assert!(mean < 0.98 && mean > 0.3, "{text}: {mean}");
+            assert!(mean < 0.995 && mean > 0.3, "{text}: {mean}");
         }
     }
 }

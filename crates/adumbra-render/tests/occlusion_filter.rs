@@ -74,12 +74,16 @@ fn every_option_on_random_depth_is_the_cpu_s() {
 fn lines_are_near_the_square() {
     let mut renderer = city();
     let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
-    for (depth, limit_rms, limit) in [("plane", 0.01, 0.25), ("plain", 0.02, 0.4)] {
-        let [square, lines] = ["square", "bilateral"]
+    // Measured: 0.153 and 0.252 of what the square changes.
+    for (depth, limit) in [("plane", 0.2), ("plain", 0.3)] {
+        let [none, square, lines] = ["none", "square", "bilateral"]
             .map(|f| seen.on_cpu(&settings(&format!("issao:filter={f}:depth={depth}"), RADIUS_WORLD)));
-        let (worst, mean) = (largest(&square, &lines), rms(&square, &lines));
-        println!("{depth}: lines from square: largest {worst:.4}, RMS {mean:.5}");
-        assert!(mean < limit_rms && worst < limit, "{depth}: {worst}, {mean}");
+        let (own, change) = (rms(&square, &lines), rms(&none, &square));
+        let worst = largest(&square, &lines);
+        println!(
+            "{depth}: RMS of lines from square {own:.4}, of square from nothing {change:.4}; largest {worst:.3}"
+        );
+        assert!(change > 0.02 && own < limit * change, "{depth}: {own}, {change}");
     }
 }
 
@@ -157,26 +161,38 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
 fn edge_test_leaves_out_what_it_may() {
     let mut renderer = city();
     let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
+    let raw = seen.on_cpu(&settings("issao:filter=none", RADIUS_WORLD));
+    let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
+    // Measured: 0.34 to 0.49 skipped; that moves the result by 0.13 to 0.15 of what the filter changes, and away from the
+    // estimator's mean by at most 0.016 of its distance.
     for filter in ["bilateral", "square", "bilateral:side=8", "square:side=8"] {
         let [without, with] =
             ["off", "on"].map(|e| settings(&format!("issao:filter={filter}:edges={e}"), RADIUS_WORLD));
         let share = skipped(&with, &seen.frame, &estimate(&with, &seen.surfaces()));
         let (a, b) = (seen.on_cpu(&without), seen.on_cpu(&with));
-        println!("{filter}: skipped {share:.3}, largest {:.4}, RMS {:.5}", largest(&a, &b), rms(&a, &b));
+        let (own, change) = (rms(&a, &b), rms(&raw, &a));
+        let [without, with] = [&a, &b].map(|v| rms(v, &smooth));
+        println!(
+            "{filter}: skipped {share:.3}; RMS {own:.4} of a change of {change:.4}; from the mean {without:.4}, {with:.4}"
+        );
         assert!(share > 0.1 && share < 1.0, "{filter}: {share}");
-        assert!(rms(&a, &b) < 0.01 && largest(&a, &b) < 0.25, "{filter}");
+        assert!(own < 0.2 * change && with < 1.03 * without, "{filter}: {own} {change} {without} {with}");
     }
 }
 
 #[test]
 fn half_size_is_near_the_whole() {
     let mut renderer = city();
+    // Measured: 1.32 and 1.33 times as far from the estimator's mean as at full size, with a quarter of its taps; open sky
+    // everywhere is 2.3 and 2.0 times as far.
     for camera in [kit::camera, orthographic] {
         let seen = Seen::drawn(&mut renderer, camera(SIZE[0], SIZE[1]), 0);
-        let [whole, half] =
-            ["off", "on"].map(|h| seen.on_cpu(&settings(&format!("issao:half={h}"), RADIUS_WORLD)));
-        println!("half: largest {:.4}, RMS {:.5}", largest(&whole, &half), rms(&whole, &half));
-        assert!(rms(&whole, &half) < 0.06);
+        let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
+        let [whole, half] = ["off", "on"]
+            .map(|h| rms(&smooth, &seen.on_cpu(&settings(&format!("issao:half={h}"), RADIUS_WORLD))));
+        let open = rms(&smooth, &vec![1.0; smooth.len()]);
+        println!("from the mean: whole {whole:.4}, half {half:.4}, open {open:.4}");
+        assert!(half < 1.5 * whole && half < 0.75 * open, "{whole} {half} {open}");
     }
 }
 

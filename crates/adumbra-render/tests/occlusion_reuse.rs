@@ -64,7 +64,7 @@ fn renderer_keeps_the_history_of_its_frames() {
     let settings = settings("issao:reuse=on", RADIUS_WORLD);
     let mut twin = Twin::new(settings);
     let passes = OcclusionPasses::new(renderer.gpu(), settings);
-    renderer.set_ambient(Some(passes));
+    renderer.set_ambient(Some(passes.into()));
     for number in 0..4 {
         let camera = on_the_way(kit::camera(64, 48), number);
         if number == 3 {

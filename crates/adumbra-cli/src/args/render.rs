@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::Bounds;
+use adumbra_render::occlusion::{OCCLUSIONS, occlusion_options, occlusion_parameters};
 use adumbra_render::{Features, GpuOptions, TECHNIQUES, parameters};
 use clap::ValueEnum;
 
 use super::{BiasArgs, SceneArgs, SunArgs, WeightsArg, WorkArgs, parse_size, parse_triple};
 use crate::exit::Failure;
 
-/// What `render` ends its help with: the techniques.
+/// What `render` ends its help with: the techniques, and the ways to ambient occlusion.
 pub(super) fn after_help() -> String {
     let width = TECHNIQUES.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let list: String = TECHNIQUES
@@ -21,9 +22,16 @@ pub(super) fn after_help() -> String {
             format!("  {name:width$}  {what}\n{told}")
         })
         .collect();
+    let lines = |lines: Vec<String>| -> String { lines.iter().map(|l| format!("{:13}{l}\n", "")).collect() };
+    let occlusions: String = OCCLUSIONS
+        .iter()
+        .map(|(name, what)| format!("  {name:9}{what}\n{}", lines(occlusion_parameters(name))))
+        .collect();
+    let options = lines(occlusion_options());
     format!(
-        "Techniques:\n{list}\nExample: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\nExample: \
-         adumbra render city.glb --shadow csm:cascades=4:filter=5 --layer shadow -o shadow.exr"
+        "Techniques:\n{list}\nAmbient occlusion:\n{occlusions}  each of them, but truth and none:\n{options}\nExample: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\nExample: \
+         adumbra render city.glb --shadow csm:cascades=4:filter=5 --layer shadow -o shadow.exr\nExample: \
+         adumbra render city.glb --shadow csm --ao issao:radius=4 -o city.png"
     )
 }
 
@@ -37,6 +45,9 @@ pub(crate) struct Render {
     /// The file whose shadows to draw
     #[arg(long, value_name = "FILE")]
     pub(crate) shadow_file: Option<PathBuf>,
+    /// Ambient occlusion, of the light of the sky alone: ssao, hbao, alchemy, issao, gtao, truth or none, see below
+    #[arg(long, value_name = "NAME[:KEY=VALUE...]", default_value = "none")]
+    pub(crate) ao: String,
     /// Trace the shadows, as --shadow truth
     #[arg(long, conflicts_with_all = ["diff", "shadow"])]
     pub(crate) truth: bool,
@@ -75,7 +86,7 @@ pub(crate) struct Render {
     pub(crate) load: SceneArgs,
     #[command(flatten)]
     pub(crate) bias: BiasArgs,
-    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibility, cascade or level
+    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibilities, cascade or level
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -92,6 +103,8 @@ pub(crate) enum LayerArg {
     Color,
     /// The shadow factor: white = lit
     Shadow,
+    /// Ambient visibility: white = unoccluded
+    Ao,
     /// Distance along the view
     Depth,
     /// World normals

@@ -12,15 +12,19 @@
 //! The frames before are known by the camera's way alone. What moves in the scene is met by what was seen in its plane, or
 //! begins anew; what it uncovers begins anew.
 
+mod ambient;
 mod estimator;
 mod history;
+mod parameters;
 mod passes;
 mod pictures;
 mod settings;
 mod taps;
 pub mod twin;
 
+pub use ambient::{AmbientSource, GivenAmbient};
 pub use estimator::{Estimator, MAX_PARAMETERS, Parameter, Search};
+pub use parameters::{OCCLUSIONS, occlusion_options, occlusion_parameters};
 pub use passes::{AMBIENT_FORMAT, OcclusionInput, OcclusionPasses};
 pub use settings::{DEFAULT_RADIUS_SHARE, Filter, Normals, OcclusionSettings};
 pub use taps::taps;

@@ -30,7 +30,7 @@ pub enum Filter {
     /// Nothing.
     None,
     /// Two lines, one after the other, that see depth: near the square where surfaces are flat; over the generated city
-    /// within 0.01 of it, root mean square.
+    /// they differ from it by 0.15 of what it changes, root mean square.
     Bilateral,
     /// The square of equation 7.
     BilateralSquare,
@@ -127,6 +127,7 @@ impl OcclusionSettings {
         s.radius_world = r.number("radius", s.radius_world, 0.0..=1e9)?;
         s.samples = r.count("samples", s.samples, 1..=OCCLUSION_MAX_TAPS)?;
         s.cap_texels = r.number("cap", s.cap_texels, 1.0..=4096.0)?;
+        s.levels = r.choice("levels", &["on", "off"])? == "on";
         s.normals = match r.choice("normals", &["gbuffer", "depth"])? {
             "gbuffer" => Normals::GBuffer,
             _ => Normals::Depth,

@@ -36,11 +36,15 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
         renderer.set_movers(&moving, options)?;
     }
     let baked = baked(job.file.as_ref());
+    let mut traced = None;
     for spec in &asked {
+        if let Some(ambient) = &job.ambient {
+            ambient.begin(&mut renderer)?;
+        }
         let output = output_of(&args.output, spec, asked.len() > 1);
         if spec.name() == "truth" {
             spec.reader().finish()?;
-            draw_truth(job, &mut renderer, &mut moving, &output)?;
+            draw_truth(job, &mut renderer, &mut moving, &output, &mut traced)?;
             continue;
         }
         let mut technique = renderer.prepare(build(renderer.gpu(), spec, baked)?)?;
@@ -54,9 +58,13 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
             moving.pose(seconds);
             renderer.move_movers(&moving);
             let output = numbered(&output, number);
+            let (shot, _) = shot(job, &output, frame);
+            if let Some(ambient) = &job.ambient {
+                ambient.trace(job, &mut renderer, &shot, seconds, &mut traced)?;
+            }
             let (layer, times) = draw_one(job, &mut renderer, &mut technique, &output, frame)?;
             layers::write(&output, &layer)?;
-            job.report(&output, layer.size, figures(&renderer, &technique, &times));
+            job.report(&output, layer.size, figures(job, &renderer, &technique, &times));
         }
     }
     Ok(())
@@ -68,23 +76,27 @@ fn draw_truth(
     renderer: &mut Renderer,
     moving: &mut Scene,
     output: &Path,
+    traced: &mut Option<u32>,
 ) -> Result<(), Failure> {
     for (frame, &(seconds, number)) in (0..).zip(&job.moments) {
         moving.pose(seconds);
         renderer.move_movers(moving);
         let output = numbered(output, number);
+        let (shot, _) = shot(job, &output, frame);
+        if let Some(ambient) = &job.ambient {
+            ambient.trace(job, renderer, &shot, seconds, traced)?;
+        }
         let scene = job.scene_at(seconds);
         let truth = TruthTracer::build(&scene, job.ignore_alpha);
         let held = scene.memory_bytes() + truth.tracer().memory_bytes();
         job.args.work.check_memory("the scene and its rays' trees", held)?;
-        let (shot, _) = shot(job, &output, frame);
         let factors = truth.factors(&truth.surfaces(&shot.camera), shot.towards_sun, SunShape::Hard);
         let size = [shot.camera.width, shot.camera.height];
         let given = Given::new(renderer.gpu(), "truth", size, &factors)?;
         let mut technique = renderer.prepare(Box::new(given))?;
         let (layer, times) = draw_one(job, renderer, &mut technique, &output, frame)?;
         layers::write(&output, &layer)?;
-        job.report(&output, layer.size, figures(renderer, &technique, &times));
+        job.report(&output, layer.size, figures(job, renderer, &technique, &times));
     }
     Ok(())
 }
@@ -145,7 +157,8 @@ fn draw_one(
     let times = renderer.draw(&shot, technique, Answer::Visibility)?;
     let layer = match layer {
         LayerArg::Color => layers::color(size, &renderer.read_picture()?),
-        LayerArg::Shadow => layers::shadow(size, renderer.read_factor(technique)?),
+        LayerArg::Shadow => layers::grey(size, renderer.read_factor(technique)?),
+        LayerArg::Ao => layers::grey(size, renderer.read_ambient()?),
         LayerArg::Depth => layers::depth(size, renderer.read_surface(&shot)?.view_depth),
         LayerArg::Normal => layers::normal(size, &renderer.read_surface(&shot)?),
         LayerArg::Cascades => {
@@ -158,7 +171,7 @@ fn draw_one(
     Ok((layer.smaller(samples), times))
 }
 
-fn figures(renderer: &Renderer, technique: &Prepared, times: &FrameTimes) -> Value {
+fn figures(job: &Job<'_>, renderer: &Renderer, technique: &Prepared, times: &FrameTimes) -> Value {
     json!({
         "device": renderer.gpu().name(),
         "technique": technique.technique().name(),
@@ -169,5 +182,6 @@ fn figures(renderer: &Renderer, technique: &Prepared, times: &FrameTimes) -> Val
         "build_ms": times.of(Stage::Build),
         "lookup_ms": times.of(Stage::Lookup),
         "screen_ms": times.of(Stage::Screen),
+        "ambient": job.ambient.as_ref().map(|a| a.figures(renderer, times)),
     })
 }

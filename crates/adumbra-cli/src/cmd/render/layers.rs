@@ -43,7 +43,8 @@ pub(super) fn color(size: [u32; 2], rgba: &[u8]) -> Layer {
     Layer { size, raw, shown, data: false }
 }
 
-pub(super) fn shadow(size: [u32; 2], factor: Vec<f32>) -> Layer {
+/// Visibilities: 1 is white.
+pub(super) fn grey(size: [u32; 2], factor: Vec<f32>) -> Layer {
     Layer { size, shown: factor.iter().map(|&f| [f; 3]).collect(), data: true, raw: vec![("Y", factor)] }
 }
 
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn smaller_layer_is_the_mean() {
-        let layer = shadow([4, 2], vec![0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0]).smaller(2);
+        let layer = grey([4, 2], vec![0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0]).smaller(2);
         assert_eq!((layer.size, layer.shown), ([2, 1], vec![[0.5; 3], [1.0; 3]]));
     }
 }

@@ -1,5 +1,6 @@
 //! `adumbra render`: pictures on the GPU with any technique, or on the CPU with a file's shadows or rays.
 
+mod ambient;
 mod cpu;
 mod gpu;
 pub(super) mod layers;
@@ -15,6 +16,7 @@ use adumbra::scene::{MoverPolicy, Scene};
 use adumbra_render::{Gpu, RenderError, TechniqueSpec};
 use serde_json::{Value, json};
 
+use self::ambient::Ambient;
 use super::lookup::{ignored_alpha, sun_of};
 use super::{load_scene, print_json, with_threads};
 use crate::args::{DeviceArg, LayerArg, Render};
@@ -29,12 +31,13 @@ struct Job<'a> {
     /// Seconds and number of each picture.
     moments: Vec<(f64, Option<u32>)>,
     file: Option<AnyFile>,
+    ambient: Option<Ambient>,
     sun: Sun,
     ignore_alpha: bool,
 }
 
 pub(crate) fn run(args: &Render) -> Outcome {
-    let specs: Vec<TechniqueSpec> = args.shadow.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
+    let mut specs: Vec<TechniqueSpec> = args.shadow.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
     if let Some((i, spec)) = specs.iter().enumerate().find(|(i, s)| specs[..*i].contains(s)) {
         return Err(Failure::Usage(format!("--shadow {spec}: it is asked for twice (number {})", i + 1)));
     }
@@ -43,14 +46,23 @@ pub(crate) fn run(args: &Render) -> Outcome {
         let output = args.output.display();
         return Err(Failure::Usage(format!("--output {output}: give a path that ends in .png or .exr")));
     }
+    let mut ambient = Ambient::read(&args.ao)?;
+    if args.layer == LayerArg::Ao && ambient.is_none() {
+        return Err(Failure::Usage("--layer ao: say how it is made: --ao NAME, see --help".to_owned()));
+    }
     let file = args.shadow_file.as_deref().map(AnyFile::read).transpose()?;
     if file.is_some() && args.sun.is_given() {
         return Err(Failure::Usage("--sun: the shadow file was baked for a sun of its own".to_owned()));
     }
     if specs.is_empty() && file.is_none() && !args.truth {
-        return Err(Failure::Usage(
-            "say how shadows are made: --shadow-file FILE, --shadow NAME, or --truth".to_owned(),
-        ));
+        if args.layer == LayerArg::Ao {
+            // No shadow is seen in it.
+            specs.push("none".parse()?);
+        } else {
+            return Err(Failure::Usage(
+                "say how shadows are made: --shadow-file FILE, --shadow NAME, or --truth".to_owned(),
+            ));
+        }
     }
     let mut load = args.load.load_options()?;
     load.color_textures = true;
@@ -68,7 +80,10 @@ pub(crate) fn run(args: &Render) -> Outcome {
         let view = movers::add(args, &mut scene, sun.towards(), ignore_alpha)?;
         let camera = args.camera.camera(&scene.bounds(), view)?;
         let moments = movers::moments(args, &scene)?;
-        let job = Job { args, scene, camera, moments, file, sun, ignore_alpha };
+        if let Some(ambient) = &mut ambient {
+            ambient.set_radius(&scene.bounds());
+        }
+        let job = Job { args, scene, camera, moments, file, ambient, sun, ignore_alpha };
         job.draw(&specs)
     })
 }
@@ -76,7 +91,8 @@ pub(crate) fn run(args: &Render) -> Outcome {
 impl Job<'_> {
     fn draw(&self, specs: &[TechniqueSpec]) -> Outcome {
         let traced_only = self.args.truth || !specs.is_empty() && specs.iter().all(|s| s.name() == "truth");
-        let plain = self.args.layer == LayerArg::Color && !layers::is_exr(&self.args.output);
+        let is_color = self.args.layer == LayerArg::Color;
+        let plain = is_color && !layers::is_exr(&self.args.output) && self.ambient.is_none();
         if self.args.diff || traced_only && plain || self.args.device.device == DeviceArg::Cpu {
             self.on_the_cpu(specs)?;
             return Ok(Code::Fine);
@@ -84,7 +100,9 @@ impl Job<'_> {
         match Gpu::request(&self.args.device.gpu_options()) {
             Ok(gpu) if self.args.truth => gpu::draw(self, gpu, &["truth".parse()?])?,
             Ok(gpu) => gpu::draw(self, gpu, specs)?,
-            Err(error @ RenderError::NoAdapter { .. }) if self.args.device.may_fall_back() => {
+            Err(error @ RenderError::NoAdapter { .. })
+                if self.args.device.may_fall_back() && self.ambient.is_none() =>
+            {
                 let whose = if self.file.is_some() { "the file's shadows" } else { "traced shadows" };
                 eprintln!("note: {error}; drawing on the CPU with {whose}");
                 self.on_the_cpu(&[])?;
@@ -98,6 +116,12 @@ impl Job<'_> {
         if let Some(other) = specs.iter().find(|s| s.name() != "truth") {
             return Err(Failure::Usage(format!(
                 "--shadow {other}: the CPU draws a file's shadows (--shadow-file alone) and truth"
+            )));
+        }
+        if let Some(ambient) = &self.ambient {
+            return Err(Failure::Usage(format!(
+                "--ao {}: the CPU draws open sky alone; ambient occlusion needs a GPU adapter, a software one will do",
+                ambient.name()
             )));
         }
         if self.args.layer != LayerArg::Color || layers::is_exr(&self.args.output) {
