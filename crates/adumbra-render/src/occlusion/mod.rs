@@ -10,7 +10,8 @@
 //! left of the noise is then less, the more so the sharper depth is judged.
 //!
 //! The frames before are known by the camera's way alone. What moves in the scene is met by what was seen in its plane, or
-//! begins anew; what it uncovers begins anew.
+//! begins anew; what it uncovers begins anew. But what it occluded was seen then as it is seen now: the occlusion that it
+//! leaves behind on surfaces that stand still fades over the frames that count.
 //!
 //! [`crate::Renderer`] runs the passes in its frames. An engine runs them in its own, on its own device, depth and normals:
 //!
