@@ -73,19 +73,19 @@ const fn word(
 }
 
 const SSAO: &[Parameter] = &[
-    tuned("strength", "what occlusion is multiplied by", 1.0, [0.0, 10.0], Factors(0.3, 3.0)),
-    tuned("power", "exponent of the visibility", 1.0, [0.1, 20.0], Factors(0.5, 12.0)),
+    tuned("strength", "what occlusion is multiplied by", 0.667, [0.0, 10.0], Factors(0.3, 3.0)),
+    tuned("power", "exponent of the visibility", 3.81, [0.1, 20.0], Factors(0.5, 12.0)),
     tuned(
         "bias",
         "how far before a point its occluder lies at least, radii",
-        0.05,
+        0.0388,
         [0.0, 1.0],
         Factors(0.005, 0.3),
     ),
     tuned(
         "range",
         "how far off in depth an occluder counts in full, radii",
-        1.0,
+        0.521,
         [0.01, 100.0],
         Factors(0.2, 5.0),
     ),
@@ -98,38 +98,38 @@ const SSAO: &[Parameter] = &[
 ];
 
 const HBAO: &[Parameter] = &[
-    tuned("strength", "what occlusion is multiplied by", 1.0, [0.0, 10.0], Factors(0.3, 3.0)),
-    tuned("power", "exponent of the visibility", 1.0, [0.1, 20.0], Factors(0.5, 12.0)),
-    tuned("bias", "what horizons rise over the tangent at least, sine", 0.1, [0.0, 1.0], Even(0.0, 0.5)),
-    tuned("falloff", "exponent of the distance: 1 - r^falloff", 2.0, [0.1, 20.0], Factors(0.5, 16.0)),
+    tuned("strength", "what occlusion is multiplied by", 0.302, [0.0, 10.0], Factors(0.3, 3.0)),
+    tuned("power", "exponent of the visibility", 6.41, [0.1, 20.0], Factors(0.5, 12.0)),
+    tuned("bias", "what horizons rise over the tangent at least, sine", 0.213, [0.0, 1.0], Even(0.0, 0.5)),
+    tuned("falloff", "exponent of the distance: 1 - r^falloff", 16.0, [0.1, 20.0], Factors(0.5, 16.0)),
 ];
 
 const ALCHEMY: &[Parameter] = &[
-    tuned("sigma", "σ, strength, radii", 0.5, [0.0, 100.0], Factors(0.05, 5.0)),
-    tuned("k", "k, exponent of the visibility", 1.0, [0.1, 20.0], Factors(0.5, 12.0)),
-    tuned("beta", "β, part of the view depth that w·n is over", 1e-4, [0.0, 1.0], Factors(3e-4, 3e-2)),
-    tuned("epsilon", "ε, radii²", 1e-3, [1e-6, 10.0], Factors(1e-4, 1.0)),
+    tuned("sigma", "σ, strength, radii", 0.074, [0.0, 100.0], Factors(0.05, 5.0)),
+    tuned("k", "k, exponent of the visibility", 11.9, [0.1, 20.0], Factors(0.5, 12.0)),
+    tuned("beta", "β, part of the view depth that w·n is over", 0.00478, [0.0, 1.0], Factors(3e-4, 3e-2)),
+    tuned("epsilon", "ε, radii²", 0.000313, [1e-6, 10.0], Factors(1e-4, 1.0)),
 ];
 
 const GTAO: &[Parameter] = &[
-    tuned("falloff", "part of the radius from which occluders fade", 0.385, [0.0, 0.99], Even(0.0, 0.99)),
+    tuned("falloff", "part of the radius from which occluders fade", 0.987, [0.0, 0.99], Even(0.0, 0.99)),
     tuned(
         "thin",
         "how much further along the view occluders count as, so that thin ones fade",
-        0.0,
+        0.00496,
         [0.0, 10.0],
         Even(0.0, 2.0),
     ),
-    tuned("distribution", "exponent of the taps' distances", 2.0, [0.2, 8.0], Even(1.0, 3.0)),
-    tuned("power", "exponent of the visibility", 2.2, [0.1, 20.0], Factors(0.5, 12.0)),
+    tuned("distribution", "exponent of the taps' distances", 1.485, [0.2, 8.0], Even(1.0, 3.0)),
+    tuned("power", "exponent of the visibility", 1.446, [0.1, 20.0], Factors(0.5, 12.0)),
 ];
 
 const ISSAO: &[Parameter] = &[
-    tuned("lambda", "λ, strength", 0.33, [0.0, 100.0], Factors(0.05, 2.0)),
-    tuned("phi", "φ, the user's contrast, as reading= says", 0.35, [0.01, 10.0], Factors(0.1, 1.0)),
+    tuned("lambda", "λ, strength", 0.3, [0.0, 100.0], Factors(0.05, 2.0)),
+    tuned("phi", "φ, the user's contrast, as reading= says", 0.301, [0.01, 10.0], Factors(0.1, 1.0)),
     tuned("psi", "ψ, part of the view depth that w·n is over", 0.007, [0.0, 1.0], Factors(0.001, 0.03)),
     fixed("zcap", "most view depth in radii that ψ counts", 13.0, [0.0, 1000.0]),
-    tuned("sigma", "σ, radii²", 0.0009, [0.0, 10.0], Factors(0.0001, 1.0)),
+    tuned("sigma", "σ, radii²", 0.00882, [0.0, 10.0], Factors(0.0001, 1.0)),
     fixed("reading", "φ is 1: a factor; 2: what shapes the falloff; 3: contrast", 3.0, [1.0, 3.0]),
     word("attenuation", "off: v normalised, as before the paper (its Fig. 4)", &["off", "on"], 1),
     word("before", "what hides the region: nothing, or on its surface", &["nothing", "surface"], 1),
