@@ -125,11 +125,11 @@ const GTAO: &[Parameter] = &[
 ];
 
 const ISSAO: &[Parameter] = &[
-    tuned("lambda", "λ, strength", 0.3, [0.0, 100.0], Factors(0.05, 2.0)),
-    tuned("phi", "φ, the user's contrast, as reading= says", 0.301, [0.01, 10.0], Factors(0.1, 1.0)),
-    tuned("psi", "ψ, part of the view depth that w·n is over", 0.007, [0.0, 1.0], Factors(0.001, 0.03)),
+    tuned("lambda", "λ, strength", 0.264, [0.0, 100.0], Factors(0.05, 2.0)),
+    tuned("phi", "φ, the user's contrast, as reading= says", 0.236, [0.01, 10.0], Factors(0.1, 1.0)),
+    tuned("psi", "ψ, part of the view depth that w·n is over", 0.00689, [0.0, 1.0], Factors(0.001, 0.03)),
     fixed("zcap", "most view depth in radii that ψ counts", 13.0, [0.0, 1000.0]),
-    tuned("sigma", "σ, radii²", 0.00882, [0.0, 10.0], Factors(0.0001, 1.0)),
+    tuned("sigma", "σ, radii²", 0.00489, [0.0, 10.0], Factors(0.0001, 1.0)),
     fixed("reading", "φ is 1: a factor; 2: what shapes the falloff; 3: contrast", 3.0, [1.0, 3.0]),
     word("attenuation", "off: v normalised, as before the paper (its Fig. 4)", &["off", "on"], 1),
     word("before", "what hides the region: nothing, or on its surface", &["nothing", "surface"], 1),

@@ -25,7 +25,11 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center, term: Term) -> f32 {
         let mut w = pass.reach(c, texel, z, inverse_radius);
         let ww = dot(w, w);
         if ww >= 1.0 {
-            if w[2] > 0.0 || o.shape_more[3] == 0.0 {
+            if w[2] > 0.0 {
+                count += 1.0;
+                continue;
+            }
+            if w[2] == 0.0 || o.shape_more[3] == 0.0 {
                 continue;
             }
             w[2] = -(1.0 - w[0] * w[0] - w[1] * w[1]).max(0.0).sqrt();
