@@ -99,7 +99,7 @@ impl TuneScene {
         RecordScene {
             name: self.name.clone(),
             fold: self.fold,
-            radius_world: self.radius_world,
+            radius_world: rounded(self.radius_world, DIGITS),
             none_rmse: rounded(self.none_rmse, DIGITS),
         }
     }
