@@ -15,8 +15,10 @@ const USAGE: &str = "usage:
   cargo xtask test --quick    the tests that need no real scenes, under two minutes
   cargo xtask vectors         write test_vectors/ again
   cargo xtask tune-ao [--scenes DIR] [--budget N] [--only NAME,...]
-                              look for the estimators' parameters of ambient occlusion on the eight scenes;
-                              without options where the tests find them, 120 evaluations a run, every estimator";
+                              look for the estimators' parameters of ambient occlusion on the eight scenes; DIR is where the tests
+                              find scenes, N 120, and NAME every estimator if not given
+  cargo xtask tune-ao --variant NAME:KEY=VALUE... [--variant ...]
+                              the same with parameters fixed that have words or no search; prints, records nothing";
 
 fn main() -> ExitCode {
     let args: Vec<String> = env::args().skip(1).collect();

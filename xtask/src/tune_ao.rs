@@ -9,8 +9,8 @@ use std::time::Instant;
 
 use adumbra_lab::occlusion::{Record, TuneOptions, TuneScene, tune};
 use adumbra_lab::truth::Cache;
-use adumbra_render::occlusion::Estimator;
-use adumbra_render::{Gpu, GpuOptions};
+use adumbra_render::occlusion::{Estimator, OcclusionSettings};
+use adumbra_render::{Gpu, GpuOptions, TechniqueSpec};
 
 const RECORD: &str = "crates/adumbra-lab/data/ao_tuning.json";
 const TABLE: &str = "docs/bench/ao-tuning.md";
@@ -19,6 +19,8 @@ const TABLE: &str = "docs/bench/ao-tuning.md";
 struct Asked {
     scenes: PathBuf,
     estimators: Vec<Estimator>,
+    /// To be told of, not to be recorded.
+    variants: Vec<TechniqueSpec>,
     options: TuneOptions,
 }
 
@@ -31,8 +33,12 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
     let begun = Instant::now();
     let scenes = TuneScene::all(&gpu, &asked.scenes, &asked.options, &cache)?;
     eprintln!("{} scenes ready after {:.0} s", scenes.len(), begun.elapsed().as_secs_f64());
+    if !asked.variants.is_empty() {
+        return variants(&scenes, &asked);
+    }
     let mut last = Instant::now();
-    let found = tune(&scenes, &asked.options, &asked.estimators, |entry| {
+    let estimators: Vec<_> = asked.estimators.iter().map(|e| OcclusionSettings::new(*e, 1.0)).collect();
+    let found = tune(&scenes, &asked.options, &estimators, |entry| {
         eprintln!(
             "{} on {}: {:.4}, elsewhere {:?}; {:.0} s",
             entry.estimator,
@@ -51,12 +57,30 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Tunes estimators with some of their parameters fixed, and says what they come to.
+fn variants(scenes: &[TuneScene], asked: &Asked) -> Result<(), Box<dyn Error>> {
+    for spec in &asked.variants {
+        let settings = OcclusionSettings::from_spec(spec, 1.0)?;
+        tune(scenes, &asked.options, &[settings], |entry| {
+            let elsewhere = entry.elsewhere.map_or_else(String::new, |e| format!(", elsewhere {e:.4}"));
+            println!(
+                "{spec} on {}: {:.4}{elsewhere}; {:?}",
+                entry.on.name(),
+                entry.objective,
+                entry.settings
+            );
+        })?;
+    }
+    Ok(())
+}
+
 impl Asked {
     fn read(root: &Path, words: &[&str]) -> Result<Self, String> {
         let shared = std::env::var_os("ADUMBRA_SHARED").map_or_else(|| root.join("../shared"), PathBuf::from);
         let mut asked = Self {
             scenes: shared.join("scenes"),
             estimators: Estimator::ALL.to_vec(),
+            variants: Vec::new(),
             options: TuneOptions::default(),
         };
         let mut words = words.iter();
@@ -65,6 +89,7 @@ impl Asked {
             match *word {
                 "--scenes" => asked.scenes = PathBuf::from(value),
                 "--budget" => asked.options.budget = number(value)?,
+                "--variant" => asked.variants.push(value.parse().map_err(|e| format!("{e}"))?),
                 "--only" => asked.estimators = estimators(value)?,
                 other => return Err(format!("tune-ao does not know {other}")),
             }

@@ -4,7 +4,7 @@ use adumbra::camera::Camera;
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra_lab::occlusion::{Fold, Record, RecordEntry, TuneOptions, TuneScene, TunedOn, scene_named, tune};
 use adumbra_lab::truth::Cache;
-use adumbra_render::occlusion::{Estimator, Search};
+use adumbra_render::occlusion::{Estimator, OcclusionSettings, Search};
 use adumbra_render::{Gpu, GpuOptions};
 
 const OPTIONS: TuneOptions = TuneOptions { budget: 18, size: [96, 54], rays: 16 };
@@ -26,7 +26,9 @@ fn scenes() -> Vec<TuneScene> {
 #[test]
 fn tuner_repeats_itself_and_finds_less_error_within_the_ranges() {
     let scenes = scenes();
-    let run = |options: &TuneOptions| tune(&scenes, options, &[Estimator::Issao], |_| ()).unwrap();
+    let run = |options: &TuneOptions| {
+        tune(&scenes, options, &[OcclusionSettings::new(Estimator::Issao, 1.0)], |_| ()).unwrap()
+    };
     let record = run(&OPTIONS);
     assert_eq!(record.json().unwrap(), run(&OPTIONS).json().unwrap());
     assert_eq!(record.entries.len(), 3);

@@ -105,8 +105,8 @@ impl TuneScene {
     }
 }
 
-/// Tunes each of `estimators` on fold A, fold B and all scenes; tells `done` of each run's entry. The scenes must be
-/// on one device.
+/// Tunes estimators on fold A, fold B and all scenes, each from `settings` that say what does not vary; tells `done` of
+/// each run's entry. The scenes must be on one device.
 ///
 /// # Errors
 /// What the device reports. Cost: at most 5 · budget · scenes / 3 pictures an estimator: what both folds try over the
@@ -114,7 +114,7 @@ impl TuneScene {
 pub fn tune(
     scenes: &[TuneScene],
     options: &TuneOptions,
-    estimators: &[Estimator],
+    settings: &[OcclusionSettings],
     mut done: impl FnMut(&RecordEntry),
 ) -> Result<Record> {
     let mut record = Record {
@@ -126,8 +126,8 @@ pub fn tune(
         scenes: scenes.iter().map(TuneScene::record).collect(),
         entries: Vec::new(),
     };
-    for &estimator in estimators {
-        let mut tuner = Tuner::new(scenes, estimator);
+    for &settings in settings {
+        let mut tuner = Tuner::new(scenes, settings);
         for on in TunedOn::ALL {
             let entry = tuner.run(on, options.budget)?;
             done(&entry);
@@ -211,9 +211,8 @@ struct Tuner<'a> {
 }
 
 impl<'a> Tuner<'a> {
-    fn new(scenes: &'a [TuneScene], estimator: Estimator) -> Self {
-        let settings = OcclusionSettings::new(estimator, 1.0);
-        let parameters = estimator.parameters().iter().enumerate();
+    fn new(scenes: &'a [TuneScene], settings: OcclusionSettings) -> Self {
+        let parameters = settings.estimator.parameters().iter().enumerate();
         let varied = parameters.filter_map(|(i, p)| p.search.map(|s| (i, s, p))).collect();
         let passes = scenes.first().map(|s| OcclusionPasses::new(s.stage.gpu(), settings));
         Self { scenes, settings, varied, passes, known: HashMap::new() }
