@@ -1,13 +1,14 @@
 //! What ambient occlusion reads, drawn or made up, and its answers on GPU and CPU.
 
 use adumbra::camera::Camera;
-use adumbra_render::frame::{DEPTH_FORMAT, frame};
+use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Ambient, Surfaces, Twin, estimate};
 use adumbra_render::occlusion::{OcclusionInput, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Gpu, Renderer, Shot, build};
 use adumbra_shaders::layout::Frame;
-use adumbra_shaders::{assemble, source};
+
+use super::buffers::Buffers;
 
 /// What a camera sees.
 pub(crate) struct Seen {
@@ -75,37 +76,8 @@ impl Seen {
                 n.map(|c| c / length)
             })
             .collect();
-        let four: Vec<u8> =
-            normal.iter().flat_map(|n| [n[0], n[1], n[2], 0.0]).flat_map(f32::to_le_bytes).collect();
-        let texture = |format, usage| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: None,
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        };
-        let normals = texture(wgpu::TextureFormat::Rgba32Float, wgpu::TextureUsages::COPY_DST);
-        let rows = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(16 * size[0]),
-            rows_per_image: None,
-        };
-        gpu.queue.write_texture(normals.as_image_copy(), &four, rows, normals.size());
-        let target =
-            texture(DEPTH_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT).create_view(&Default::default());
-        draw_depth(gpu, size, &depth, &target);
-        Self {
-            frame,
-            depth,
-            normal,
-            depth_view: target,
-            normal_view: normals.create_view(&Default::default()),
-        }
+        let Buffers { depth: drawn, normal: normals } = Buffers::new(gpu, size, &depth, &normal);
+        Self { frame, depth, normal, depth_view: drawn.view, normal_view: normals.view }
     }
 
     pub(crate) fn surfaces(&self) -> Surfaces<'_> {
@@ -177,58 +149,4 @@ pub(crate) fn rms(a: &[f32], b: &[f32]) -> f64 {
     assert_eq!(a.len(), b.len());
     let sum: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2)).sum();
     (sum / a.len() as f64).sqrt()
-}
-
-fn draw_depth(gpu: &Gpu, size: [u32; 2], depth: &[f32], target: &wgpu::TextureView) {
-    let image = gpu.float_texture("test", size, depth).create_view(&Default::default());
-    let layout = gpu.layout("test", wgpu::ShaderStages::FRAGMENT, &[adumbra_render::gpu::binding::LOADED]);
-    let module = gpu.shader("depth_image", assemble(&[source::DEPTH_IMAGE]));
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: None,
-        layout: Some(&gpu.pipeline_layout("test", &[Some(&layout)])),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("depth_image_vertex"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("depth_image_fragment"),
-            compilation_options: Default::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
-    let group = gpu.bind("test", &layout, vec![wgpu::BindingResource::TextureView(&image)]);
-    let mut encoder = gpu.encoder("test");
-    {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: None,
-            color_attachments: &[],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: target,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
-    }
-    gpu.finish(encoder.finish()).unwrap();
 }
