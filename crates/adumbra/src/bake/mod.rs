@@ -12,6 +12,7 @@ pub(crate) mod options;
 pub(crate) mod project;
 #[cfg(test)]
 mod reference;
+pub(crate) mod sink;
 mod tile;
 
 use std::sync::Mutex;

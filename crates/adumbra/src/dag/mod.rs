@@ -118,6 +118,25 @@ impl Dag {
     }
 }
 
+/// A structure that answers slabs of 8 × 8 × 1 voxels of a light-aligned grid.
+pub trait Slabs: Sync {
+    /// Voxels along x, y, z.
+    fn size(&self) -> [u32; 3];
+
+    /// The slab that holds voxel (i, j, k), which lies in the grid: bit y·8 + x, 1 = lit.
+    fn slab(&self, i: u32, j: u32, k: u32) -> u64;
+}
+
+impl Slabs for Dag {
+    fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
+        Dag::slab(self, i, j, k)
+    }
+}
+
 enum Found {
     Uniform(bool),
     Slab(u64),

@@ -20,7 +20,7 @@ pub use plan::PlanLevels;
 pub use tree::{KERNEL_SIDES, TreeQuery, Weights};
 pub use tree_receiver::{MAX_HEIGHT_CELLS, NORMAL_BITS, NORMAL_ONE, TreeReceiver};
 
-use crate::dag::Dag;
+use crate::dag::Slabs;
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
 use crate::settings::{Bias, MAX_SLOPE};
@@ -47,11 +47,11 @@ impl<T: Voxels + Sync> PointVisibility for TreeQuery<'_, T> {
 /// Filter widths in texels that a look-up may use.
 pub const FILTER_WIDTHS: [u32; 5] = [1, 3, 5, 9, 17];
 
-/// A look-up into a baked graph.
-#[derive(Clone, Copy, Debug)]
+/// A look-up into what a bake has left, whatever its layout.
+#[derive(Clone, Copy)]
 pub struct Query<'d> {
     grid: &'d LightGrid,
-    dag: &'d Dag,
+    slabs: &'d dyn Slabs,
     bias: Bias,
     filter: u32,
 }
@@ -70,7 +70,7 @@ impl<'d> Query<'d> {
     ///
     /// # Errors
     /// [`Error::OptionRange`] for a width that is not in [`FILTER_WIDTHS`].
-    pub fn new(grid: &'d LightGrid, dag: &'d Dag, bias: Bias, filter: u32) -> Result<Self> {
+    pub fn new(grid: &'d LightGrid, slabs: &'d dyn Slabs, bias: Bias, filter: u32) -> Result<Self> {
         if !FILTER_WIDTHS.contains(&filter) {
             return Err(Error::OptionRange {
                 option: "--filter",
@@ -78,7 +78,7 @@ impl<'d> Query<'d> {
                 range: "1, 3, 5, 9 or 17",
             });
         }
-        Ok(Self { grid, dag, bias, filter })
+        Ok(Self { grid, slabs, bias, filter })
     }
 
     /// The bias that points are moved by.
@@ -95,7 +95,7 @@ impl<'d> Query<'d> {
 
     /// Visibility of a point that is already biased.
     pub fn receiver_visibility(&self, r: &Receiver) -> f32 {
-        let lit = self.lit_taps(&FixedReceiver::new(r, self.dag.size));
+        let lit = self.lit_taps(&FixedReceiver::new(r, self.slabs.size()));
         lit as f32 / (self.filter * self.filter) as f32
     }
 
@@ -121,7 +121,7 @@ impl<'d> Query<'d> {
 
     /// Lit taps among texels x[0]..=x[1], y[0]..=y[1], all in one block.
     fn block(&self, r: &FixedReceiver, x: [i64; 2], y: [i64; 2]) -> u32 {
-        let [nx, ny, nz] = self.dag.size.map(i64::from);
+        let [nx, ny, nz] = self.slabs.size().map(i64::from);
         let mut mask = rectangle(x, y);
         let taps = mask.count_ones();
         // Texels beside the grid are lit.
@@ -137,7 +137,7 @@ impl<'d> Query<'d> {
         let k = layer.min(nz - 1) as u32;
         mask &= rectangle(inside_x, inside_y);
         let outside = taps - mask.count_ones();
-        let slab = self.dag.slab(inside_x[0] as u32, inside_y[0] as u32, k);
+        let slab = self.slabs.slab(inside_x[0] as u32, inside_y[0] as u32, k);
         outside + (slab & mask).count_ones()
     }
 }

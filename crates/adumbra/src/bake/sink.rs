@@ -1,0 +1,33 @@
+//! What a bake builds out of columns, block by block from the bottom: the seam between walking the scene and any structure
+//! that answers.
+//!
+//! A block is a square of 2^level × 2^level columns, level 3 at the smallest, aligned to its size. A column's `[e, x]` says
+//! that its switch from lit to shadowed may stand anywhere in it: voxel k must be lit where k < e, shadowed where k >= x.
+//! x = [`FREE_TO_END`](super::columns::FREE_TO_END): no voxel of the column must be shadowed.
+
+/// Columns of the smallest block along a side.
+pub(crate) const BLOCK_SIDE: usize = 8;
+
+/// `[e, x]` of an 8 × 8 block of columns, texel y·8 + x; columns beside the grid are free: `[0, FREE_TO_END]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct BlockColumns {
+    pub(crate) e: [u32; BLOCK_SIDE * BLOCK_SIDE],
+    pub(crate) x: [u32; BLOCK_SIDE * BLOCK_SIDE],
+}
+
+/// Something that grows from blocks. Calls come from many threads; equal calls must give blocks of equal meaning, whatever
+/// the order, for the finished bytes may not depend on it.
+pub(crate) trait BlockSink: Sync {
+    /// What stands for a finished block until its parent takes it.
+    type Block: Send;
+
+    /// A block of 2^level columns a side, all of which may switch anywhere in `[e, x]`, e <= x; [`FREE_TO_END`](super::columns::FREE_TO_END)
+    /// and e = the grid's depth included.
+    fn uniform(&self, level: u32, interval: [u32; 2]) -> Self::Block;
+
+    /// A block of level 3 from its columns.
+    fn leaf(&self, columns: &BlockColumns) -> Self::Block;
+
+    /// A block of `level` from its quarters of the level below; quarter `x_bit << 1 | y_bit`.
+    fn join(&self, level: u32, quarters: [Self::Block; 4]) -> Self::Block;
+}
