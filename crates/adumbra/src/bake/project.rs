@@ -45,8 +45,10 @@ impl Plane {
 pub(crate) struct Projected {
     /// Corners in grid units, sorted so that no result depends on the order in which the file lists them.
     pub(crate) corners: [[f64; 3]; 3],
-    /// Snapped corners, anticlockwise in the light's plane as (x, y) axes.
-    snapped: [[i64; 2]; 3],
+    /// Snapped corners, anticlockwise in the light's plane as (x, y) axes: in the order given, or with the last two swapped.
+    pub(crate) snapped: [[i64; 2]; 3],
+    /// The last two were swapped.
+    pub(crate) swapped: bool,
     /// Some product of snapped coordinates may leave 64 bits.
     wide: bool,
     /// The plane over (x, y); none where the triangle is edge-on to the light.
@@ -86,6 +88,7 @@ impl Projected {
         Self {
             corners,
             snapped,
+            swapped: area < 0,
             wide,
             plane,
             z_min: z[0].min(z[1]).min(z[2]),
@@ -93,6 +96,12 @@ impl Projected {
             slope,
             faces_sun,
         }
+    }
+
+    /// [`Self::faces_sun`] of a triangle that is drawn at all; none of one that is edge-on.
+    pub(crate) fn drawn_facing(corners_grid: [[f64; 3]; 3], flipped: bool) -> Option<bool> {
+        let shape = Self::new(corners_grid, flipped);
+        shape.plane.map(|_| shape.faces_sun)
     }
 
     /// Depth at a texel centre, clamped to the triangle's own range; only where [`Self::plane`] is some.
@@ -138,6 +147,22 @@ impl Projected {
             }
         }
         (first, last)
+    }
+
+    /// Whether the triangle covers the centre of texel (i, j): what [`Self::span`] says, without a division.
+    pub(crate) fn covers(&self, i: i64, j: i64) -> bool {
+        let (x, y) = (i * SUBTEXEL + SUBTEXEL / 2, j * SUBTEXEL + SUBTEXEL / 2);
+        (0..3).all(|e| {
+            let (a, b) = (self.snapped[e], self.snapped[(e + 1) % 3]);
+            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+            let side = if self.wide {
+                (i128::from(dx) * i128::from(y - a[1]) - i128::from(dy) * i128::from(x - a[0])).signum()
+                    as i64
+            } else {
+                dx * (y - a[1]) - dy * (x - a[0])
+            };
+            side > 0 || (side == 0 && (dy > 0 || (dy == 0 && dx > 0)))
+        })
     }
 
     /// A plane over (x, y) for an attribute given at the corners as the caller lists them.
