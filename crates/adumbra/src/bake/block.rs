@@ -67,22 +67,25 @@ impl SnappedRect {
             }
         }
         // Beside an edge: anticlockwise, so inside is where the side is positive; a line has both sides.
-        (0..3).all(|e| self.farthest_side(c[e], c[(e + 1) % 3]) >= 0)
+        (0..3).all(|e| self.reaches_left_of(c[e], c[(e + 1) % 3]))
     }
 
     /// Whether the edge from `a` to `b` comes into the rectangle.
     pub(crate) fn crossed_by(&self, a: [i64; 2], b: [i64; 2]) -> bool {
         (0..2).all(|k| a[k].max(b[k]) >= self.low[k] && a[k].min(b[k]) <= self.high[k])
-            && self.farthest_side(a, b) >= 0
-            && self.farthest_side(b, a) >= 0
+            && self.reaches_left_of(a, b)
+            && self.reaches_left_of(b, a)
     }
 
-    /// The largest value of `dx·(y - a.y) - dy·(x - a.x)` at a corner: negative where all of them lie to the right.
-    fn farthest_side(&self, a: [i64; 2], b: [i64; 2]) -> i128 {
+    /// Whether a corner lies on the line from `a` to `b` or to its left: `dx·(y - a.y) - dy·(x - a.x)` is not negative there.
+    fn reaches_left_of(&self, a: [i64; 2], b: [i64; 2]) -> bool {
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-        let y = if dx >= 0 { self.high[1] } else { self.low[1] };
-        let x = if dy >= 0 { self.low[0] } else { self.high[0] };
-        i128::from(dx) * i128::from(y - a[1]) - i128::from(dy) * i128::from(x - a[0])
+        let y = if dx >= 0 { self.high[1] } else { self.low[1] } - a[1];
+        let x = if dy >= 0 { self.low[0] } else { self.high[0] } - a[0];
+        match (dx.checked_mul(y), dy.checked_mul(x)) {
+            (Some(up), Some(right)) => up >= right,
+            _ => i128::from(dx) * i128::from(y) >= i128::from(dy) * i128::from(x),
+        }
     }
 }
 

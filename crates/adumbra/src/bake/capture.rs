@@ -292,16 +292,7 @@ fn find_next(
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         for i in first..=last {
             let texel = (start + i as isize) as usize;
-            let mut range = band.z;
-            let z_plane = triangle.plane.as_ref().map(|plane| {
-                let gradient_sum = plane.gradient[0].abs() + plane.gradient[1].abs();
-                (plane.at(i as f64 + 0.5, y), gradient_sum)
-            });
-            if let Some((z, gradient_sum)) = z_plane {
-                let reach = half * gradient_sum;
-                range[0] = range[0].max((z - reach).min(range[1]));
-                range[1] = range[1].min((z + reach).max(range[0]));
-            }
+            let (range, z_plane) = triangle.footprint_range(&band, i as f64 + 0.5, y, half);
             if let Some(asked) = rules.asked_depths(kind, triangle.slope, range, z_plane) {
                 let next = rules.receiver_behind(kind, b.base[texel], b.first[texel], asked);
                 b.next[texel] = b.next[texel].min(next);

@@ -12,6 +12,7 @@ use super::casters::Casters;
 use super::columns::{ColumnRules, Columns, FREE_TO_END};
 use super::gather::gather;
 use super::judge::{JudgeBuffers, Verdict, judge};
+use super::leaf::{LeafBuffers, leaf_columns};
 use super::plan::Plan;
 use super::project::SUBTEXEL;
 use super::sink::{BLOCK_SIDE, BlockColumns, BlockSink};
@@ -20,6 +21,7 @@ use crate::dag::SLAB_NODE_LEVEL;
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
 use crate::scene::Scene;
+use crate::settings::Receivers;
 
 /// What one thread reuses from block to block.
 #[derive(Default)]
@@ -27,8 +29,11 @@ pub(super) struct DescentBuffers {
     /// Lists of surfaces, those of a block behind those of its parent.
     lists: Vec<u32>,
     judge: JudgeBuffers,
+    leaf: LeafBuffers,
     capture: CaptureBuffers,
     columns: Columns,
+    /// Texels that were looked at one by one.
+    pub(super) drawn_texels: u64,
 }
 
 /// Bytes that a worker holds: the surfaces of the fullest root block, and their lists at every level.
@@ -133,13 +138,19 @@ impl<S: BlockSink> Descent<'_, S> {
 
     fn leaf(&self, block: Block, from: usize, buffers: &mut DescentBuffers) -> S::Block {
         let side = BLOCK_SIDE as u32;
-        let rect = TileRect {
-            x: block.x,
-            y: block.y,
-            width: side.min(self.grid.size[0] - block.x),
-            height: side.min(self.grid.size[1] - block.y),
-        };
-        let near = Near { descent: self, list: &buffers.lists[from..] };
+        let width = side.min(self.grid.size[0] - block.x);
+        let height = side.min(self.grid.size[1] - block.y);
+        buffers.drawn_texels += u64::from(width * height);
+        let list = &buffers.lists[from..];
+        if self.rules.receivers == Receivers::All {
+            let row = 0xff >> (side - width);
+            let inside = (0..height).fold(0_u64, |mask, y| mask | row << (8 * y));
+            let place = (self.scene, self.grid, self.rules);
+            let columns = leaf_columns(&block, inside, self.surfaces, list, place, &mut buffers.leaf);
+            return self.sink.leaf(&columns);
+        }
+        let rect = TileRect { x: block.x, y: block.y, width, height };
+        let near = Near { descent: self, list };
         capture(&near, self.rules, rect, &mut buffers.capture, &mut buffers.columns);
         self.sink.leaf(&BlockColumns::padded(&buffers.columns))
     }

@@ -13,8 +13,6 @@ use super::project::{FixedDepth, SUBTEXEL, fixed_depth};
 
 /// Slack of depths that are computed over a block and sampled at its texels, in 1/256 voxel.
 const DEPTH_SLACK: FixedDepth = 2;
-/// The same as a share of the plane's rise over the block.
-const RELATIVE_SLACK: f64 = 1e-9;
 /// Slack of a footprint's half side for the snapping of corners, texels.
 const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
 
@@ -222,19 +220,13 @@ impl Group {
 
     fn add(&mut self, surface: &BlockSurface, center: [f64; 2], reach: f64, rules: &ColumnRules) {
         let shape = &surface.surface.shape;
-        let (mut low, mut high) = (shape.z_min, shape.z_max);
+        let [low, high] = shape.range_near(center, reach);
         if let Some(plane) = &shape.plane {
-            let gradient_sum = plane.gradient[0].abs() + plane.gradient[1].abs();
-            let rise = gradient_sum * reach;
-            let z = plane.at(center[0], center[1]);
-            let slack = RELATIVE_SLACK * (rise + z.abs());
-            low = low.max((z - rise - slack).min(high));
-            high = high.min((z + rise + slack).max(low));
             for a in 0..2 {
                 self.gradient_low[a] = self.gradient_low[a].min(plane.gradient[a]);
                 self.gradient_high[a] = self.gradient_high[a].max(plane.gradient[a]);
             }
-            self.gradient_sum = self.gradient_sum.max(gradient_sum);
+            self.gradient_sum = self.gradient_sum.max(plane.gradient_sum());
         }
         self.bias = self.bias.min(rules.bias_fixed(shape.slope));
         self.z_low = self.z_low.min(fixed_depth(low) - DEPTH_SLACK);

@@ -13,6 +13,7 @@ mod estimate;
 mod gather;
 mod graph_sink;
 mod judge;
+mod leaf;
 mod masked;
 pub(crate) mod options;
 mod outline;
@@ -66,6 +67,8 @@ pub struct Report {
     pub tiles: usize,
     /// Threads that drew them.
     pub threads: usize,
+    /// Texels that were looked at one by one.
+    pub drawn_texels: u64,
     /// Largest sum of the bytes that the bake accounted for: scene, tiles, graph.
     pub accounted_bytes: u64,
 }
@@ -102,6 +105,7 @@ pub fn bake(
     let store = NodeStore::default();
     let accounted = AtomicU64::new(0);
     let done = AtomicUsize::new(0);
+    let drawn_texels = AtomicU64::new(0);
     let finished_tile = || -> Result<()> {
         if store.is_full() {
             let needed_bytes = 8 << 30;
@@ -127,11 +131,16 @@ pub fn bake(
         Builder::Fast => {
             let sink = GraphSink::new(&store, plan.grid.size[2]);
             let blocks = run.each_tile(|worker: &mut DescentBuffers, tile| {
-                descent::build_root(&plan, tile, &sink, worker, cancel)
+                worker.drawn_texels = 0;
+                let block = descent::build_root(&plan, tile, &sink, worker, cancel);
+                drawn_texels.fetch_add(worker.drawn_texels, Ordering::Relaxed);
+                block
             })?;
             blocks.into_iter().map(|block| sink.roots(block, plan.root_level, plan.top_dims[2])).collect()
         }
         Builder::Plain => run.each_tile(|worker: &mut PlainBuffers, tile| {
+            let rect = plan.tile_rect(tile);
+            drawn_texels.fetch_add(u64::from(rect.width) * u64::from(rect.height), Ordering::Relaxed);
             Ok(plain::build_root(&plan, tile, &store, worker))
         })?,
     };
@@ -148,6 +157,7 @@ pub fn bake(
             seconds: start.elapsed().as_secs_f64(),
             tiles: plan.tiles(),
             threads: plan.workers,
+            drawn_texels: drawn_texels.into_inner(),
             accounted_bytes: accounted.into_inner().max(held),
         },
     })

@@ -18,6 +18,11 @@ pub(crate) struct BlockColumns {
 }
 
 impl BlockColumns {
+    /// Columns that may be anything.
+    pub(crate) fn free() -> Self {
+        Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] }
+    }
+
     /// At most 8 × 8 columns, what is missing free.
     pub(crate) fn padded(columns: &Columns) -> Self {
         let mut block = Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] };

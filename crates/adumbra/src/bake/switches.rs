@@ -5,6 +5,7 @@
 //! hit every interval are those of the classic greedy choice: the smallest x left, and again.
 
 use super::columns::FREE_TO_END;
+use super::leaf::bits;
 use super::sink::BlockColumns;
 
 /// Depths beyond the last surface of a column whose end is free are rounded up to multiples of 2^this: the shadow still
@@ -47,16 +48,6 @@ pub(super) fn roundest(start: u32, end: u32) -> u32 {
     // Below the highest bit in which start - 1 and end differ, end has only zeros to offer.
     let differ = 31 - ((start - 1) ^ end).leading_zeros();
     end & !((1 << differ) - 1)
-}
-
-fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        (mask != 0).then(|| {
-            let bit = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            bit
-        })
-    })
 }
 
 #[cfg(test)]
