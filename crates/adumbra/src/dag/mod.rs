@@ -15,9 +15,12 @@
 //! header `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
 
 mod canonical;
+mod composition;
+pub mod packed;
 pub mod store;
 mod validate;
 
+pub use composition::Composition;
 pub use validate::{GraphError, GraphPlace, MAX_ROOT_LEVEL};
 
 /// Top-grid entry: the whole root cube is lit.
