@@ -62,6 +62,7 @@ mod validate;
 pub use encode::PackError;
 pub use validate::PackedError;
 
+use super::trail::{Descend, Step, Trail};
 use super::{MAX_ROOT_LEVEL, SLAB_NODE_LEVEL, Slabs};
 use node::{NO_FOLLOWER, bits_below, high_bits, plane_count, pointers_in};
 
@@ -101,23 +102,30 @@ impl PackedDag {
 
     /// The 8 × 8 × 1 slab that holds voxel (i, j, k): bit y·8 + x, 1 = lit.
     pub fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
-        let mut at = match self.root(i, j, k) {
-            Step::Uniform(lit) => return uniform(lit),
-            Step::Into(at) => at,
-        };
-        let mut level = self.root_level;
-        while level > SLAB_NODE_LEVEL {
-            match self.child(at, level, i, j, k) {
-                Step::Uniform(lit) => return uniform(lit),
-                Step::Into(next) => at = next,
-            }
-            level -= 1;
-        }
-        self.slab_of_cube(at, k & 7)
+        self.descend(i, j, k)
     }
 
-    /// The root cube that holds a voxel.
-    pub(super) fn root(&self, i: u32, j: u32, k: u32) -> Step {
+    fn four_units(&self, at: usize) -> u64 {
+        self.units[at..at + 4].iter().rev().fold(0, |mask, &unit| mask << 16 | u64::from(unit))
+    }
+
+    /// Unit where a level's pool begins; that of the level above is where it ends.
+    fn pool(&self, level: u32) -> u32 {
+        self.top[(level - SLAB_NODE_LEVEL) as usize]
+    }
+
+    /// Index in `top` of the first root.
+    fn roots_at(&self) -> usize {
+        POOL_WORDS + 2 * self.top_dims[0] as usize * self.top_dims[1] as usize + 1
+    }
+}
+
+impl Descend for PackedDag {
+    fn root_level(&self) -> u32 {
+        self.root_level
+    }
+
+    fn root(&self, i: u32, j: u32, k: u32) -> Step {
         let [gx, gy, gz] = [i, j, k].map(|c| c >> self.root_level);
         if gx >= self.top_dims[0] || gy >= self.top_dims[1] || gz >= self.top_dims[2] {
             return Step::Uniform(true);
@@ -134,8 +142,7 @@ impl PackedDag {
         Step::Into(self.pool(self.root_level) + self.top[self.roots_at() + root as usize])
     }
 
-    /// The child of a node above level 3 that holds a voxel.
-    pub(super) fn child(&self, at: u32, level: u32, i: u32, j: u32, k: u32) -> Step {
+    fn child(&self, at: u32, level: u32, i: u32, j: u32, k: u32) -> Step {
         let bit = level - 1;
         let quarter = (i >> bit & 1) << 1 | j >> bit & 1;
         let far_half = k >> bit & 1 == 1;
@@ -178,8 +185,7 @@ impl PackedDag {
         })
     }
 
-    /// The slab z = `k` of a node of level 3.
-    pub(super) fn slab_of_cube(&self, at: u32, k: u32) -> u64 {
+    fn slab_of_cube(&self, at: u32, k: u32) -> u64 {
         let unit = u32::from(self.units[at as usize]);
         let changes = (unit & 0xff).count_ones();
         let shadowed = unit >> 8 & 1;
@@ -207,20 +213,6 @@ impl PackedDag {
             self.slabs[usize::from(self.units[place])]
         }
     }
-
-    fn four_units(&self, at: usize) -> u64 {
-        self.units[at..at + 4].iter().rev().fold(0, |mask, &unit| mask << 16 | u64::from(unit))
-    }
-
-    /// Unit where a level's pool begins; that of the level above is where it ends.
-    fn pool(&self, level: u32) -> u32 {
-        self.top[(level - SLAB_NODE_LEVEL) as usize]
-    }
-
-    /// Index in `top` of the first root.
-    fn roots_at(&self) -> usize {
-        POOL_WORDS + 2 * self.top_dims[0] as usize * self.top_dims[1] as usize + 1
-    }
 }
 
 impl Slabs for PackedDag {
@@ -231,16 +223,8 @@ impl Slabs for PackedDag {
     fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
         Self::slab(self, i, j, k)
     }
-}
 
-/// What one step down a graph finds.
-pub(super) enum Step {
-    /// All lit or all shadowed.
-    Uniform(bool),
-    /// The unit of a node.
-    Into(u32),
-}
-
-fn uniform(lit: bool) -> u64 {
-    if lit { u64::MAX } else { 0 }
+    fn slab_along(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+        self.follow(trail, i, j, k)
+    }
 }

@@ -195,6 +195,29 @@ fn hills(seed: u64, roughness: u32, flat: u32) -> impl Fn(u32, u32) -> u32 {
     }
 }
 
+#[test]
+fn packed_trails_lead_where_ways_from_the_top_do() {
+    let dag = graph([70, 60, 66], 4, &hills(7, 12, 3));
+    let packed = PackedDag::of_dag(&dag).unwrap();
+    let mut trails = [Trail::new(); 2];
+    let mut state = 1;
+    let mut voxel = [0_u32; 3];
+    for step in 0..200_000_u64 {
+        state = mix(state ^ step);
+        let extent = [80, 64, 80];
+        let a = (state % 3) as usize;
+        voxel[a] = if state >> 8 & 31 == 0 {
+            (state >> 16) as u32 % extent[a]
+        } else {
+            (voxel[a] + (state >> 16) as u32 % 3 + extent[a] - 1) % extent[a]
+        };
+        let [i, j, k] = voxel;
+        let expected = dag.slab(i, j, k);
+        assert_eq!(dag.slab_along(&mut trails[0], i, j, k), expected, "{voxel:?}");
+        assert_eq!(packed.slab_along(&mut trails[1], i, j, k), expected, "{voxel:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
