@@ -5,7 +5,7 @@
 //! pieces of its quarters' runs.
 
 use super::sink::{BlockColumns, BlockSink};
-use super::switches::{for_each_switch, roundest};
+use super::switches::{for_each_cube, roundest};
 use crate::dag::SLAB_NODE_LEVEL;
 use crate::dag::store::{NodeState, NodeStore};
 
@@ -111,32 +111,10 @@ impl BlockSink for GraphSink<'_> {
 
     fn leaf(&self, columns: &BlockColumns) -> Runs {
         let mut runs = Runs(Vec::with_capacity(8));
-        let (mut mask, mut state) = (u64::MAX, NodeState::Lit);
-        // The first cube that no run covers yet, and the one in which the mask was last seen to change.
-        let mut next_cube = 0;
-        let mut changing: Option<(u32, [NodeState; 8])> = None;
-        for_each_switch(columns, |switch| {
-            if switch.depth >= self.depth {
-                return;
-            }
-            let cube = switch.depth >> SLAB_NODE_LEVEL;
-            if let Some((z, slabs)) = changing.take_if(|(z, _)| *z != cube) {
-                runs.push(z + 1, self.store.cube(&slabs));
-                next_cube = z + 1;
-            }
-            if cube > next_cube {
-                runs.push(cube, self.curtain(state));
-                next_cube = cube;
-            }
-            let (_, slabs) = changing.get_or_insert((cube, [state; 8]));
-            mask &= !switch.columns;
-            state = self.store.slab(mask);
-            slabs[(switch.depth & 7) as usize..].fill(state);
+        for_each_cube(columns, self.depth, |end, masks| {
+            let states = masks.map(|mask| self.store.slab(mask));
+            runs.push(end, self.store.cube(&states));
         });
-        if let Some((z, slabs)) = changing {
-            runs.push(z + 1, self.store.cube(&slabs));
-        }
-        runs.push(FOREVER, self.curtain(state));
         runs
     }
 
@@ -165,9 +143,4 @@ impl BlockSink for GraphSink<'_> {
     }
 }
 
-impl GraphSink<'_> {
-    /// A cube of eight equal slabs.
-    fn curtain(&self, slab: NodeState) -> NodeState {
-        self.store.cube(&[slab; 8])
-    }
-}
+impl GraphSink<'_> {}

@@ -10,6 +10,7 @@
 use super::block::{Block, BlockSurface, DEPTH_SLACK};
 use super::columns::{ColumnRules, FREE_TO_END, ReceiverKind};
 use super::project::{FixedDepth, SUBTEXEL};
+use crate::settings::MAX_SLOPE;
 
 /// Slack of a footprint's half side for the snapping of corners, texels.
 const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
@@ -19,8 +20,8 @@ const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
 pub(crate) enum Verdict {
     /// Every column may switch anywhere in `[e, x]`.
     Resolved([u32; 2]),
-    /// Look closer. No first surface lies deeper than `settled`, and no solid that is met first ends deeper: surfaces behind it
-    /// matter only in that they are there. [`FixedDepth::MAX`] where nothing is known.
+    /// Look closer. No first surface lies deeper than `settled`, no solid that is met first ends deeper, and every column has
+    /// something behind it: surfaces there matter no more. [`FixedDepth::MAX`] where nothing is known.
     Unresolved { settled: FixedDepth },
 }
 
@@ -118,12 +119,19 @@ pub(crate) fn judge(
     if x >= first_voxel {
         Verdict::Resolved([first_voxel, x])
     } else {
-        Verdict::Unresolved { settled: settled(groups, e, &mut buffers.solids) }
+        Verdict::Unresolved { settled: settled(groups, known_behind, e, rules, &mut buffers.solids) }
     }
 }
 
 /// The nearest depth, not before `e`, that no solid reaches across: there every solid that was entered has been left.
-fn settled(groups: &[Group], e: FixedDepth, solids: &mut Vec<[FixedDepth; 2]>) -> FixedDepth {
+/// [`FixedDepth::MAX`] where not every column is known to have a surface behind it.
+fn settled(
+    groups: &[Group],
+    known_behind: FixedDepth,
+    e: FixedDepth,
+    rules: &ColumnRules,
+    solids: &mut Vec<[FixedDepth; 2]>,
+) -> FixedDepth {
     solids.clear();
     let mut last = None;
     for g in groups.iter().filter(|g| matches!(g.kind, Kind::SolidFront | Kind::SolidBack)) {
@@ -134,7 +142,12 @@ fn settled(groups: &[Group], e: FixedDepth, solids: &mut Vec<[FixedDepth; 2]>) -
         last = Some(g.body);
     }
     solids.sort_unstable();
-    solids.iter().fold(e, |depth, &[low, high]| if low <= depth { depth.max(high) } else { depth })
+    let depth =
+        solids.iter().fold(e, |depth, &[low, high]| if low <= depth { depth.max(high) } else { depth });
+    // What has no contour here and is not left out covers every column.
+    let behind = depth.saturating_add(rules.bias_fixed(MAX_SLOPE));
+    let covered = groups.iter().any(|g| g.kind != Kind::Receiver && !g.contour && g.z_low > behind);
+    if covered || known_behind > behind && known_behind != FixedDepth::MAX { depth } else { FixedDepth::MAX }
 }
 
 /// A depth that no column's exit comes before, given that every first surface is at `e` or nearer; none where no voxel must

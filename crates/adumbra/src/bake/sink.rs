@@ -23,6 +23,16 @@ impl BlockColumns {
         Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] }
     }
 
+    /// Columns whose voxel k must be lit.
+    pub(crate) fn must_be_lit(&self, k: u32) -> u64 {
+        bits_where(|i| k < self.e[i])
+    }
+
+    /// Columns whose voxel k must be shadowed.
+    pub(crate) fn must_be_shadowed(&self, k: u32) -> u64 {
+        bits_where(|i| k >= self.x[i])
+    }
+
     /// At most 8 × 8 columns, what is missing free.
     pub(crate) fn padded(columns: &Columns) -> Self {
         let mut block = Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] };
@@ -34,6 +44,10 @@ impl BlockColumns {
         }
         block
     }
+}
+
+fn bits_where(test: impl Fn(usize) -> bool) -> u64 {
+    (0..BLOCK_SIDE * BLOCK_SIDE).fold(0, |mask, i| mask | u64::from(test(i)) << i)
 }
 
 /// Something that grows from blocks. Calls come from many threads; equal calls must give blocks of equal meaning, whatever

@@ -5,34 +5,107 @@
 //! hit every interval are those of the classic greedy choice: the smallest x left, and again.
 
 use super::columns::FREE_TO_END;
-use super::leaf::bits;
 use super::sink::BlockColumns;
 
 /// Depths beyond the last surface of a column whose end is free are rounded up to multiples of 2^this: the shadow still
 /// begins close behind the surface, for what moves there.
 pub(super) const FREE_ROUND_LEVEL: u32 = 6;
 
-/// A depth, and the columns that switch there: bit y·8 + x.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Switch {
-    pub(super) depth: u32,
-    pub(super) columns: u64,
-}
-
-/// Calls `visit` with the switches of a block, nearest first. Every column is in exactly one.
-pub(super) fn for_each_switch(columns: &BlockColumns, mut visit: impl FnMut(Switch)) {
-    let mut left = u64::MAX;
-    while left != 0 {
-        let end = bits(left).map(|i| columns.x[i]).min().unwrap_or(FREE_TO_END);
-        let (mut here, mut start) = (0, 0);
-        for i in bits(left) {
-            if columns.e[i] <= end {
-                here |= 1 << i;
-                start = start.max(columns.e[i]);
+/// The slabs of an 8 × 8 block, cube by cube of eight layers: `visit(end, masks)` for all cubes from where the last call
+/// ended up to `end`, which all have these eight slabs, bit y·8 + x, 1 = lit. The last call goes on for ever.
+pub(super) fn for_each_cube(columns: &BlockColumns, depth: u32, mut visit: impl FnMut(u32, [u64; 8])) {
+    let latest = columns.e.iter().fold(0, |m, &e| m.max(e));
+    let forced = columns.x.iter().fold(FREE_TO_END, |m, &x| m.min(x));
+    if latest <= forced {
+        // One switch serves all.
+        let switch = roundest(latest, forced).min(depth.next_multiple_of(8));
+        visit_switch(switch, depth, &mut visit);
+        return;
+    }
+    let mut events = Events::default();
+    for i in 0..columns.e.len() {
+        events.add(columns.e[i], forced);
+        events.add(columns.x[i], forced);
+    }
+    let first = forced >> 3;
+    if first > 0 {
+        visit(first, [u64::MAX; 8]);
+    }
+    let mut mask = u64::MAX;
+    let mut cube = first;
+    loop {
+        let z = cube << 3;
+        if z >= depth {
+            break;
+        }
+        let start = columns.must_be_lit(z);
+        if start == 0 {
+            mask = 0;
+            break;
+        }
+        let mut masks = [0; 8];
+        if start == columns.must_be_lit(z + 7) && mask != u64::MAX {
+            mask = start;
+            masks = [mask; 8];
+        } else {
+            for (k, slab) in (z..).zip(&mut masks) {
+                if mask & columns.must_be_shadowed(k) != 0 {
+                    mask = columns.must_be_lit(k);
+                }
+                *slab = mask;
             }
         }
-        visit(Switch { depth: roundest(start, end), columns: here });
-        left &= !here;
+        let next = events.after(cube);
+        if next == cube + 1 || masks != [mask; 8] {
+            visit(cube + 1, masks);
+            cube += 1;
+        } else {
+            visit(cube + 1, masks);
+            cube += 1;
+            let still = columns.must_be_lit(cube << 3);
+            if next > cube && next != u32::MAX {
+                mask = still;
+                visit(next, [still; 8]);
+                cube = next;
+            } else if next == u32::MAX {
+                mask = still;
+                break;
+            }
+        }
+    }
+    visit(FREE_TO_END, [mask; 8]);
+}
+
+fn visit_switch(switch: u32, depth: u32, visit: &mut impl FnMut(u32, [u64; 8])) {
+    if switch >= depth {
+        visit(FREE_TO_END, [u64::MAX; 8]);
+        return;
+    }
+    let cube = switch >> 3;
+    if cube > 0 {
+        visit(cube, [u64::MAX; 8]);
+    }
+    if switch & 7 != 0 {
+        visit(cube + 1, std::array::from_fn(|k| if (k as u32) < switch & 7 { u64::MAX } else { 0 }));
+    }
+    visit(FREE_TO_END, [0; 8]);
+}
+
+/// Cubes in which something may change.
+#[derive(Default)]
+struct Events {
+    cubes: Vec<u32>,
+}
+
+impl Events {
+    fn add(&mut self, depth: u32, forced: u32) {
+        if depth >= forced && depth != FREE_TO_END && !self.cubes.contains(&(depth >> 3)) {
+            self.cubes.push(depth >> 3);
+        }
+    }
+
+    fn after(&self, cube: u32) -> u32 {
+        self.cubes.iter().copied().filter(|&c| c > cube).min().unwrap_or(u32::MAX)
     }
 }
 
@@ -52,8 +125,6 @@ pub(super) fn roundest(start: u32, end: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
 
     #[test]
@@ -67,27 +138,5 @@ mod tests {
         }
         assert_eq!(roundest(65, FREE_TO_END), 128);
         assert_eq!(roundest(64, FREE_TO_END), 64);
-    }
-
-    proptest! {
-        #[test]
-        fn switches_hit_every_interval_in_order(starts in prop::collection::vec((0_u32..300, 0_u32..90), 64)) {
-            let mut columns = BlockColumns { e: [0; 64], x: [0; 64] };
-            for (i, (e, length)) in starts.into_iter().enumerate() {
-                columns.e[i] = e;
-                columns.x[i] = if length > 80 { FREE_TO_END } else { e + length };
-            }
-            let (mut seen, mut last) = (0_u64, None);
-            for_each_switch(&columns, |s| {
-                assert_eq!(seen & s.columns, 0);
-                seen |= s.columns;
-                assert!(last.is_none_or(|l| l < s.depth));
-                last = Some(s.depth);
-                for i in bits(s.columns) {
-                    assert!(columns.e[i] <= s.depth && s.depth <= columns.x[i]);
-                }
-            });
-            prop_assert_eq!(seen, u64::MAX);
-        }
     }
 }
