@@ -98,7 +98,7 @@ fn cursor_gives_the_queries_answers_in_any_order() {
             assert_eq!(lit, plain.lit_taps(&fixed), "{fixed:?} {width}");
             partly_lit += u32::from(lit > 0 && lit < width * width);
         }
-        assert!(width == 1 || partly_lit > 100, "{partly_lit}");
+        assert!(width == 1 || partly_lit > 10, "{partly_lit}");
     }
     // The same by world points, with and without normals, as a batch.
     let query = Query::new(&baked.grid, &packed, Bias::default(), 9).unwrap();

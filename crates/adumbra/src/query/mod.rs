@@ -172,7 +172,7 @@ fn rectangle(x: [i64; 2], y: [i64; 2]) -> u64 {
     let width = (x[1] - x[0] + 1) as u32;
     let row = ((1_u64 << width) - 1) << (x[0] & 7);
     let rows = u64::MAX >> (56 - 8 * (y[1] - y[0])) << ((y[0] & 7) * 8);
-    row * 0x0101_0101_0101_0101 & rows
+    (row * 0x0101_0101_0101_0101) & rows
 }
 
 /// Moves a world point by `bias` and gives it in grid space, with its plane's slope.
