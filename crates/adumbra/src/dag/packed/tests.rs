@@ -164,6 +164,10 @@ fn packed_pools_beyond_narrow_slots_answer_alike() {
     let dag = graph([2048, 2048, 8], 8, &height);
     let packed = PackedDag::of_dag(&dag).unwrap();
     assert!(packed.top[1] > 0x1_0000, "{}", packed.top[1]);
+    for threads in [1, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert!(pool.install(|| PackedDag::of_dag(&dag)).unwrap() == packed, "{threads} threads");
+    }
     assert_same(&dag, &packed);
     assert!(packed.to_dag().unwrap() == dag);
 }

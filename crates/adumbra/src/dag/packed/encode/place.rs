@@ -1,7 +1,7 @@
 //! Sizes and places of nodes, and writing them.
 //!
-//! A place is, with [`POOLED`], that of a node in its level's pool, once that is laid out; before, and for nodes that lie in
-//! their parent, it is the node's size with all that lies in it.
+//! A place is, with [`POOLED`], that of a node in its level's pool, once that is laid out; before, and for nodes that lie
+//! in their parent, it is the node's size with all that lies in it.
 
 use rayon::prelude::*;
 
