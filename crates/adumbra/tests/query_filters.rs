@@ -87,10 +87,11 @@ fn cursor_gives_the_queries_answers_in_any_order() {
         let mut partly_lit = 0;
         for step in 0..6000 {
             // Steps to neighbours, now and then a leap, also beyond the grid.
-            let reach = if step % 50 == 0 { 1.2 } else { 0.004 };
             for a in 0..3 {
-                let to = p_grid[a] + (random.unit() - 0.5) * reach * size[a];
-                p_grid[a] = to.clamp(-0.1 * size[a], 1.1 * size[a]);
+                p_grid[a] = match step % 20 {
+                    0 => (random.unit() * 1.2 - 0.1) * size[a],
+                    _ => p_grid[a] + random.unit() * 2.0 - 1.0,
+                };
             }
             let gradient = [random.unit() * 2.0 - 1.0, random.unit() * 2.0 - 1.0];
             let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, baked.dag.size);
@@ -98,7 +99,7 @@ fn cursor_gives_the_queries_answers_in_any_order() {
             assert_eq!(lit, plain.lit_taps(&fixed), "{fixed:?} {width}");
             partly_lit += u32::from(lit > 0 && lit < width * width);
         }
-        assert!(width == 1 || partly_lit > 100, "{partly_lit}");
+        assert!(width == 1 || partly_lit > 20, "{partly_lit} {width}");
     }
     // The same by world points, with and without normals, as a batch.
     let query = Query::new(&baked.grid, &packed, Bias::default(), 9).unwrap();

@@ -34,6 +34,7 @@ fn light(args: &Info, file: &ShadowFile) -> Outcome {
             "slabs": made_of.slabs,
             "times_smaller": times_smaller,
             "top_bytes": made_of.top_bytes,
+            "node_bytes": made_of.header_bytes + made_of.pointer_bytes,
             "header_bytes": made_of.header_bytes,
             "pointer_bytes": made_of.pointer_bytes,
             "slab_bytes": made_of.slab_bytes,

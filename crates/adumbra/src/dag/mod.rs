@@ -8,11 +8,11 @@
 //! | pointer | 32 bits | one a mixed child, in child order, right behind the header |
 //! | slab | 64 bits | visibility of 8 × 8 × 1 voxels, bit y·8 + x, 1 = lit |
 //!
-//! A node of level n spans 2^n voxels a side. Above level 3 a node's child is `(x_bit << 2) | (y_bit << 1) | z_bit` and its pointers
-//! index `nodes`; at level 3 child c is the slab at z = c and pointers index `slabs`. A header with no mixed child does
-//! not occur (its parent says lit or shadowed) unless its children differ: all-lit and all-shadowed nodes do not occur.
-//! Worked value: a level-3 node whose first two slabs are lit, third mixed, the rest shadowed has
-//! header `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
+//! A node of level n spans 2^n voxels a side. Above level 3 a node's child is `(x_bit << 2) | (y_bit << 1) | z_bit` and
+//! its pointers index `nodes`; at level 3 child c is the slab at z = c and pointers index `slabs`. A header with no mixed
+//! child does not occur (its parent says lit or shadowed) unless its children differ: all-lit and all-shadowed nodes do
+//! not occur. Worked value: a level-3 node whose first two slabs are lit, third mixed, the rest shadowed has header
+//! `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
 
 mod canonical;
 mod composition;
@@ -133,8 +133,8 @@ pub trait Slabs: Sync {
     /// The slab that holds voxel (i, j, k), which lies in the grid: bit y·8 + x, 1 = lit.
     fn slab(&self, i: u32, j: u32, k: u32) -> u64;
 
-    /// The same, from the last place on that has this `trail`: cheap where both have most of their way in common. A trail is for
-    /// look-ups in one structure only.
+    /// The same, from the last place on that has this `trail`: cheap where both have most of their way in common. A trail
+    /// is for look-ups in one structure only.
     fn slab_along(&self, _trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
         self.slab(i, j, k)
     }

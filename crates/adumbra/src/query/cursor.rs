@@ -1,8 +1,8 @@
 //! Look-ups one after the other, of points that are neighbours.
 //!
-//! A filter touches the same few blocks of texels again and again, often at the same depth: the last slab of each is kept, in four places by
-//! the parity of the block, as a filter of up to 9 texels touches two along each axis. What is not kept is looked up from the lowest node on that
-//! the last look-up's way has in common with it.
+//! A filter touches the same few blocks of texels again and again, often at the same depth: the last slab of each is
+//! kept, in four places by the parity of the block, as a filter of up to 9 texels touches two along each axis. What is
+//! not kept is looked up from the lowest node on that the last look-up's way has in common with it.
 
 use super::{FixedReceiver, Query, receiver};
 use crate::dag::Trail;

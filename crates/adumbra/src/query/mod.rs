@@ -1,8 +1,8 @@
 //! Point visibility: the CPU twin of the look-up shader.
 //!
-//! World point → bias → grid → K × K texels. All taps that fall in one 8 × 8 block share one receiver depth, that of
-//! the receiver's plane at the centre of those taps less half the slope times their extent; the block's slab at that
-//! depth is fetched once and its bits counted under a mask. Specification §6. Up to the bias it is `f64`; from there on whole
+//! World point → bias → grid → K × K texels. All taps that fall in one 8 × 8 block share one receiver depth, that of the
+//! receiver's plane at the centre of those taps less half the slope times their extent; the block's slab at that depth is
+//! fetched once and its bits counted under a mask. Specification §6. Up to the bias it is `f64`; from there on whole
 //! numbers, see [`FixedReceiver`].
 
 mod cursor;
@@ -33,8 +33,8 @@ pub trait PointVisibility: Sync {
     /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
     fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32;
 
-    /// Visibilities of points one after the other, with a normal each or none; the same answers, cheaper where neighbours follow
-    /// each other.
+    /// Visibilities of points one after the other, with a normal each or none; the same answers, cheaper where neighbours
+    /// follow each other.
     fn visibilities(&self, points_world: &[[f64; 3]], normals: Option<&[[f64; 3]]>) -> Vec<f32> {
         let points = points_world.iter().enumerate();
         points.map(|(i, &p)| self.visibility(p, normals.map(|n| n[i]))).collect()
@@ -172,7 +172,7 @@ fn rectangle(x: [i64; 2], y: [i64; 2]) -> u64 {
     let width = (x[1] - x[0] + 1) as u32;
     let row = ((1_u64 << width) - 1) << (x[0] & 7);
     let rows = u64::MAX >> (56 - 8 * (y[1] - y[0])) << ((y[0] & 7) * 8);
-    row * 0x0101_0101_0101_0101 & rows
+    (row * 0x0101_0101_0101_0101) & rows
 }
 
 /// Moves a world point by `bias` and gives it in grid space, with its plane's slope.

@@ -1,11 +1,12 @@
 //! The packed layout: the same graph as [`Dag`], in about a third of the bytes.
 //!
-//! It rests on columns being monotone along z: lit, then mixed, then shadowed. What one of two children or slabs along z says
-//! need not be said again, and half of the combinations never occur. Nodes are strings of 16-bit *units*; those with one
-//! parent lie inside it, the others in a *pool* of their level, the most referenced first, so that most pointers are short.
-//! Widths by frequency and nodes inside their parents are known from geometry (Jaspe Villanueva, Marton, Gobbetti, *SSVDAGs:
-//! Symmetry-aware Sparse Voxel DAGs*, 2016; Dado, Kol, Bauszat, Thiery, Eisemann, *Geometry and Attribute Compression for Voxel Scenes*,
-//! 2016); the pairs along z, the runs of slabs and their bit planes are for shadows. `docs/layouts.md` has what each is worth.
+//! It rests on columns being monotone along z: lit, then mixed, then shadowed. What one of two children or slabs along z
+//! says need not be said again, and half of the combinations never occur. Nodes are strings of 16-bit *units*; those with
+//! one parent lie inside it, the others in a *pool* of their level, the most referenced first, so that most pointers are
+//! short. Widths by frequency and nodes inside their parents are known from geometry (Jaspe Villanueva, Marton, Gobbetti,
+//! *SSVDAGs: Symmetry-aware Sparse Voxel DAGs*, 2016; Dado, Kol, Bauszat, Thiery, Eisemann, *Geometry and Attribute
+//! Compression for Voxel Scenes*, 2016); the pairs along z, the runs of slabs and their bit planes are for shadows.
+//! `docs/layouts.md` has what each is worth.
 //!
 //! **Top**, 32-bit words; c = gy · dims.x + gx, C = dims.x · dims.y:
 //!
@@ -28,15 +29,16 @@
 //! | 14 … 12 | f: the pointer, 0 to 6, whose child follows the slots and which has no slot; 7: there is none |
 //! | 15 | a string of high parts follows |
 //!
-//! Pointers are numbered through the quarters: one for 4, 5 and 6, two for 3. The high parts are bits from unit a + 1 on, the lowest first,
-//! up to a whole unit: at bit 0, eight bits that say which pointers are wide; from bit max(8, H) on, H bits each. H is 4, 8 or 16, as the pool of the
-//! level below has up to 2^20, up to 2^24, or more units. Then come the slots, one unit a pointer but f. A narrow slot below [`NEAR_UNITS`]
-//! leads that far behind the end of the slots, from there on it leads to that unit of the pool of the level below plus [`NEAR_UNITS`]; a wide one to
-//! that unit of the pool, its high part above.
-//! Behind the slots lie the children with no other parent, f first, the others by size.
+//! Pointers are numbered through the quarters: one for 4, 5 and 6, two for 3. The high parts are bits from unit a + 1 on,
+//! the lowest first, up to a whole unit: at bit 0, eight bits that say which pointers are wide; from bit max(8, H) on, H
+//! bits each. H is 4, 8 or 16, as the pool of the level below has up to 2^20, up to 2^24, or more units. Then come the
+//! slots, one unit a pointer but f. A narrow slot below [`NEAR_UNITS`] leads that far behind the end of the slots, from
+//! there on it leads to that unit of the pool of the level below plus [`NEAR_UNITS`]; a wide one to that unit of the
+//! pool, its high part above. Behind the slots lie the children with no other parent, f first, the others by size.
 //!
-//! Worked value: unit 0x08C4 = `0_000_100_011_000_100`, f = 0, quarter 0 lit then mixed, 1 shadowed, 2 two mixed, 3 lit then mixed: four pointers,
-//! three slots. Slots 0x0402, 0x0402, 0x0005: pointers 1 and 2 lead to unit 2 of the pool, 3 to five units behind the slots, and 0 right behind them.
+//! Worked value: unit 0x08C4 = `0_000_100_011_000_100`, f = 0, quarter 0 lit then mixed, 1 shadowed, 2 two mixed, 3 lit
+//! then mixed: four pointers, three slots. Slots 0x0402, 0x0402, 0x0005: pointers 1 and 2 lead to unit 2 of the pool, 3
+//! to five units behind the slots, and 0 right behind them.
 //!
 //! **Node of level 3**, at unit a:
 //!
@@ -47,8 +49,9 @@
 //! | 14 … 9 | bit 9 + i: mask i stands here; 0: one unit, its place among the shared slabs. Masks 5, 6, 7 have bit 14 |
 //! | 15 | planes stand here in place of masks |
 //!
-//! Masks of four units, the low first, or places of one unit, follow in the order of the slabs. As each loses voxels of the
-//! one before, d masks are 64 counts from 0 to d, how many of them have the voxel lit: bit planes of four units, the low bit's first.
+//! Masks of four units, the low first, or places of one unit, follow in the order of the slabs. As each loses voxels of
+//! the one before, d masks are 64 counts from 0 to d, how many of them have the voxel lit: bit planes of four units, the
+//! low bit's first.
 //!
 //! Worked value: unit 0x0324 = `0_000001_1_00100100`: slabs 0 and 1 lit, 2 to 4 mask 0, which stands here, 5 to 7 shadowed.
 

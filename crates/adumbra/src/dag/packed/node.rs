@@ -46,7 +46,7 @@ pub(super) fn plane_count(masks: u32) -> u32 {
 /// Bit i: mask i of a level-3 node stands in it.
 pub(super) fn masks_here(unit: u32) -> u32 {
     let flags = unit >> 9 & 0x3f;
-    flags | (flags & 0x20) * 6
+    flags | ((flags & 0x20) * 6)
 }
 
 /// Where a pointer leads.

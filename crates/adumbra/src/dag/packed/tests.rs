@@ -118,6 +118,26 @@ fn packed_worked_values() {
 }
 
 #[test]
+fn packed_wide_slots_reach_as_far_as_the_pool_asks() {
+    // Eight pointers, wide ones between others, in pools of up to 2^20, 2^24 and more units.
+    for (pool_units, last) in [(1 << 20, 0xf_fffe), (1 << 24, 0xff_fffe), (1 << 30, 0x3fff_fffe)] {
+        let targets: [u32; 8] = std::array::from_fn(|p| if p % 3 == 0 { p as u32 } else { last - p as u32 });
+        let inner = Inner { codes: 0x6db, targets: targets.map(Target::Pool) };
+        let high_bits = super::node::high_bits(pool_units);
+        let mut units = Vec::new();
+        inner.write(high_bits, &mut units);
+        assert_eq!(Inner::read(&units, high_bits), Ok(inner));
+        let mut top = vec![0; POOL_WORDS];
+        top[1] = pool_units;
+        let packed = PackedDag { top, units, ..PackedDag::default() };
+        for (c, &target) in (0_u32..).zip(&targets) {
+            let step = packed.child(0, 4, c >> 2 << 3, (c >> 1 & 1) << 3, (c & 1) << 3);
+            assert!(matches!(step, Step::Into(unit) if unit == target), "{pool_units} {c}");
+        }
+    }
+}
+
+#[test]
 fn packed_planes_hold_what_masks_do() {
     // Eight masks, each a column less lit than the one before, in four planes; two in two, shared in none.
     for count in 1..=8_u32 {
@@ -144,6 +164,10 @@ fn packed_pools_beyond_narrow_slots_answer_alike() {
     let dag = graph([2048, 2048, 8], 8, &height);
     let packed = PackedDag::of_dag(&dag).unwrap();
     assert!(packed.top[1] > 0x1_0000, "{}", packed.top[1]);
+    for threads in [1, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert!(pool.install(|| PackedDag::of_dag(&dag)).unwrap() == packed, "{threads} threads");
+    }
     assert_same(&dag, &packed);
     assert!(packed.to_dag().unwrap() == dag);
 }

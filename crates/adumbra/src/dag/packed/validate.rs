@@ -1,9 +1,10 @@
 //! Proves that a packed graph from anywhere can be walked: every pointer leads to a node of the level below, every unit
 //! belongs to one node, and everything is reached.
 //!
-//! Pools lie in order of their levels, from 3 up, and a node's pool pointers lead one level down: to what has been read already, so one pass
-//! from the first unit to the last proves everything. Nodes inside others must begin where the one before has ended. Whether equal nodes
-//! were merged, and pools sorted, is not checked: that decides the size, not the answers.
+//! Pools lie in order of their levels, from 3 up, and a node's pool pointers lead one level down: to what has been read
+//! already, so one pass from the first unit to the last proves everything. Nodes inside others must begin where the one
+//! before has ended. Whether equal nodes were merged, and pools sorted, is not checked: that decides the size, not the
+//! answers.
 
 use super::node::{Cube, Inner, Target, Unreadable, high_bits};
 use super::{MAX_SHARED_SLABS, MAX_UNITS, POOL_WORDS, PackedDag};
@@ -164,7 +165,8 @@ impl PackedError {
 }
 
 impl PackedDag {
-    /// Checks that every look-up ends at an answer, and that nothing is there that no look-up reaches; see the module's text.
+    /// Checks that every look-up ends at an answer, and that nothing is there that no look-up reaches; see the module's
+    /// text.
     ///
     /// Cost: one pass over all units, and two bits of memory a unit.
     ///

@@ -9,10 +9,7 @@ use crate::dag::Dag;
 /// A node's own number is its place among the headers. Those without slabs below may be used at several levels, and are
 /// numbered behind the others for all but the first.
 pub(super) struct Keys {
-    /// Bit w: a header stands at word w.
-    headers: Vec<u64>,
-    /// Headers before each 64 words.
-    ranks: Vec<u32>,
+    chunks: Vec<Chunk>,
     /// By a node's own number: the level that it was met at first; 0 before.
     levels: Vec<u8>,
     /// Words and levels of what is numbered behind.
@@ -20,28 +17,31 @@ pub(super) struct Keys {
     other_keys: HashMap<(u32, u32), usize>,
 }
 
+/// 64 words of a plain graph.
+#[derive(Clone, Copy, Default)]
+struct Chunk {
+    /// Bit w: a header stands at word w.
+    headers: u64,
+    /// Bit w: the node there is used at several levels.
+    several: u64,
+    /// Headers before them.
+    rank: u32,
+}
+
 impl Keys {
     pub(super) fn new(dag: &Dag) -> Self {
-        let mut headers = vec![0_u64; dag.nodes.len().div_ceil(64)];
+        let mut chunks = vec![Chunk::default(); dag.nodes.len().div_ceil(64)];
         let mut at = 0;
         while at < dag.nodes.len() {
-            headers[at / 64] |= 1 << (at % 64);
+            chunks[at / 64].headers |= 1 << (at % 64);
             at += 1 + (dag.nodes[at] & 0xaaaa).count_ones() as usize;
         }
         let mut count = 0;
-        let ranks = headers.iter().map(|&word| {
-            let before = count;
-            count += word.count_ones();
-            before
-        });
-        let ranks = ranks.collect();
-        Self {
-            headers,
-            ranks,
-            levels: vec![0; count as usize],
-            others: Vec::new(),
-            other_keys: HashMap::new(),
+        for chunk in &mut chunks {
+            chunk.rank = count;
+            count += chunk.headers.count_ones();
         }
+        Self { chunks, levels: vec![0; count as usize], others: Vec::new(), other_keys: HashMap::new() }
     }
 
     /// The level that the node was met at first.
@@ -52,7 +52,12 @@ impl Keys {
     /// The number of a node that has one.
     pub(super) fn key(&self, word: u32, level: u32) -> usize {
         let rank = self.rank(word);
-        if u32::from(self.levels[rank]) == level { rank } else { self.other_keys[&(word, level)] }
+        let one_level = self.chunks[word as usize / 64].several >> (word % 64) & 1 == 0;
+        if one_level || u32::from(self.levels[rank]) == level {
+            rank
+        } else {
+            self.other_keys[&(word, level)]
+        }
     }
 
     pub(super) fn key_or_new(&mut self, word: u32, level: u32) -> usize {
@@ -63,6 +68,7 @@ impl Keys {
         if u32::from(self.levels[rank]) == level {
             return rank;
         }
+        self.chunks[word as usize / 64].several |= 1 << (word % 64);
         let next = self.levels.len() + self.others.len();
         let key = *self.other_keys.entry((word, level)).or_insert(next);
         if key == next {
@@ -72,7 +78,7 @@ impl Keys {
     }
 
     fn rank(&self, word: u32) -> usize {
-        let (chunk, bit) = (word as usize / 64, word % 64);
-        (self.ranks[chunk] + (self.headers[chunk] & ((1 << bit) - 1)).count_ones()) as usize
+        let chunk = self.chunks[word as usize / 64];
+        (chunk.rank + (chunk.headers & ((1 << (word % 64)) - 1)).count_ones()) as usize
     }
 }

@@ -1,7 +1,9 @@
 //! Sizes and places of nodes, and writing them.
 //!
-//! A place is, with [`POOLED`], that of a node in its level's pool, once that is laid out; before, and for nodes that lie in
-//! their parent, it is the node's size with all that lies in it.
+//! A place is, with [`POOLED`], that of a node in its level's pool, once that is laid out; before, and for nodes that lie
+//! in their parent, it is the node's size with all that lies in it.
+
+use rayon::prelude::*;
 
 use super::{Encoder, PackError, pairs};
 use crate::dag::packed::node::{Inner, NO_FOLLOWER, Target, high_bits};
@@ -10,12 +12,17 @@ use crate::dag::{GraphPlace, LIT, SHADOWED, SLAB_NODE_LEVEL};
 
 const POOLED: u32 = 1 << 31;
 
+/// Nodes that a thread writes at a time.
+const BATCH: usize = 1 << 12;
+
 /// A node above level 3, ready to be written.
 struct Plan {
     node: Inner,
     /// Words of the children that lie in it, in order.
     inside: [u32; 8],
     inside_count: usize,
+    /// Units of those.
+    inside_units: u64,
 }
 
 impl Encoder<'_> {
@@ -23,18 +30,13 @@ impl Encoder<'_> {
     pub(super) fn size_level(&mut self, level: u32) -> Result<(), PackError> {
         let words = std::mem::take(&mut self.words[level as usize]);
         if level > SLAB_NODE_LEVEL {
-            words.iter().for_each(|&word| self.send_far_children_to_pool(word, level));
+            let far: Vec<usize> =
+                words.par_iter().flat_map_iter(|&word| self.far_children(word, level)).collect();
+            far.into_iter().for_each(|key| self.places[key] |= POOLED);
             self.lay_out_pool(level - 1)?;
         }
-        for &word in &words {
-            let units = if level == SLAB_NODE_LEVEL {
-                self.cube(word).map_or(0, |cube| u64::from(cube.units()))
-            } else {
-                let plan = self.plan(word, level);
-                let inside = plan.inside[..plan.inside_count].iter();
-                let inside: u64 = inside.map(|&child| u64::from(self.place(child, level - 1))).sum();
-                u64::from(plan.node.units(self.high_bits(level))) + inside
-            };
+        let sizes: Vec<u64> = words.par_iter().map(|&word| self.size(word, level)).collect();
+        for (&word, units) in words.iter().zip(sizes) {
             let size = check_units(units)?;
             let key = self.keys.key(word, level);
             let pooled = level == self.dag.root_level || self.references[key] > 1;
@@ -44,45 +46,42 @@ impl Encoder<'_> {
         if level == self.dag.root_level { self.lay_out_pool(level) } else { Ok(()) }
     }
 
-    /// Children that lie in a node must begin near it; the largest that do not go to the pool.
-    fn send_far_children_to_pool(&mut self, word: u32, level: u32) {
-        let Some(pairs) = pairs(self.dag, word) else { return };
-        let (order, count) = self.inside(pairs.children(), level);
-        let mut distance = 0;
-        for &pointer in &order[..count] {
-            let key = self.keys.key(pairs.list[pointer], level - 1);
-            let size = self.places[key];
-            if distance >= NEAR_UNITS {
-                self.places[key] |= POOLED;
-            } else {
-                distance = distance.saturating_add(size);
-            }
+    /// Units of a node with all that lies in it.
+    fn size(&self, word: u32, level: u32) -> u64 {
+        if level == SLAB_NODE_LEVEL {
+            return self.cube(word).map_or(0, |cube| u64::from(cube.units()));
         }
+        let plan = self.plan(word, level);
+        u64::from(plan.node.units(self.high_bits(level))) + plan.inside_units
     }
 
-    /// Pointers whose children lie in the node, in order: by size, but the first must be one that the header can name.
-    fn inside(&self, children: &[u32], level: u32) -> ([usize; 8], usize) {
-        let mut order = [0; 8];
-        let mut count = 0;
-        for (pointer, &child) in children.iter().enumerate() {
-            if self.place(child, level - 1) & POOLED == 0 {
-                order[count] = pointer;
-                count += 1;
+    /// Children that lie in a node must begin near it. Numbers of the largest, those that do not and go to the pool.
+    fn far_children(&self, word: u32, level: u32) -> impl Iterator<Item = usize> {
+        let mut far = [None; 8];
+        if let Some(pairs) = pairs(self.dag, word) {
+            let (mut keys, mut places) = ([0; 8], [0; 8]);
+            for (p, &child) in pairs.children().iter().enumerate() {
+                keys[p] = self.keys.key(child, level - 1);
+                places[p] = self.places[keys[p]];
+            }
+            let (order, count) = inside(&places[..pairs.count]);
+            let mut distance = 0_u32;
+            for &pointer in &order[..count] {
+                if distance >= NEAR_UNITS {
+                    far[pointer] = Some(keys[pointer]);
+                } else {
+                    distance = distance.saturating_add(places[pointer]);
+                }
             }
         }
-        let inside = &mut order[..count];
-        inside.sort_by_key(|&pointer| (self.place(children[pointer], level - 1), pointer));
-        if count > 1 && inside[0] == NO_FOLLOWER as usize {
-            inside.swap(0, 1);
-        }
-        (order, count)
+        far.into_iter().flatten()
     }
 
     /// Lays out a pool: the most referenced nodes first, those of equal references in order.
     fn lay_out_pool(&mut self, level: u32) -> Result<(), PackError> {
         let mut pool = std::mem::take(&mut self.words[level as usize]);
         pool.retain(|&word| self.place(word, level) & POOLED != 0);
-        pool.sort_by_key(|&word| u32::MAX - self.references[self.keys.key(word, level)]);
+        pool.sort_by_cached_key(|&word| u32::MAX - self.references[self.keys.key(word, level)]);
         let mut end = 0_u64;
         for &word in &pool {
             let key = self.keys.key(word, level);
@@ -96,20 +95,21 @@ impl Encoder<'_> {
     }
 
     fn plan(&self, word: u32, level: u32) -> Plan {
-        let mut plan = Plan { node: Inner::default(), inside: [0; 8], inside_count: 0 };
+        let mut plan = Plan { node: Inner::default(), inside: [0; 8], inside_count: 0, inside_units: 0 };
         let Some(pairs) = pairs(self.dag, word) else { return plan };
         plan.node.codes = pairs.codes;
-        for (target, &child) in plan.node.targets.iter_mut().zip(pairs.children()) {
-            *target = Target::Pool(self.place(child, level - 1) & !POOLED);
+        let mut places = [0; 8];
+        for ((place, target), &child) in places.iter_mut().zip(&mut plan.node.targets).zip(pairs.children()) {
+            *place = self.place(child, level - 1);
+            *target = Target::Pool(*place & !POOLED);
         }
-        let (order, count) = self.inside(pairs.children(), level);
-        let mut distance = 0;
+        let (order, count) = inside(&places[..pairs.count]);
         for (i, &pointer) in order[..count].iter().enumerate() {
-            let child = pairs.list[pointer];
             let follows = i == 0 && pointer < NO_FOLLOWER as usize;
-            plan.node.targets[pointer] = if follows { Target::Follows } else { Target::Near(distance) };
-            plan.inside[i] = child;
-            distance += self.place(child, level - 1);
+            let near = Target::Near(plan.inside_units as u32);
+            plan.node.targets[pointer] = if follows { Target::Follows } else { near };
+            plan.inside[i] = pairs.list[pointer];
+            plan.inside_units += u64::from(places[pointer]);
         }
         plan.inside_count = count;
         plan
@@ -144,7 +144,16 @@ impl Encoder<'_> {
     pub(super) fn write_nodes(&self, packed: &mut PackedDag) {
         packed.units.reserve_exact(packed.top[POOL_WORDS - 1] as usize + 1);
         for (level, pool) in (0..).zip(&self.words) {
-            pool.iter().for_each(|&word| self.write_node(word, level, &mut packed.units));
+            let batch = |words: &[u32]| {
+                let mut units = Vec::new();
+                words.iter().for_each(|&word| self.write_node(word, level, &mut units));
+                units
+            };
+            // Some batches at a time, so that little is held twice.
+            for part in pool.chunks(BATCH * 16) {
+                let batches: Vec<Vec<u16>> = part.par_chunks(BATCH).map(batch).collect();
+                batches.iter().for_each(|units| packed.units.extend_from_slice(units));
+            }
         }
         if packed.units.len() % 2 == 1 {
             packed.units.push(0);
@@ -170,6 +179,24 @@ impl Encoder<'_> {
     fn high_bits(&self, level: u32) -> u32 {
         high_bits(self.pool_units[level as usize - 1])
     }
+}
+
+/// Pointers whose children lie in the node, in order: by size, but the first must be one that the header can name.
+fn inside(places: &[u32]) -> ([usize; 8], usize) {
+    let mut order = [0; 8];
+    let mut count = 0;
+    for (pointer, place) in places.iter().enumerate() {
+        if place & POOLED == 0 {
+            order[count] = pointer;
+            count += 1;
+        }
+    }
+    let inside = &mut order[..count];
+    inside.sort_unstable_by_key(|&pointer| (places[pointer], pointer));
+    if count > 1 && inside[0] == NO_FOLLOWER as usize {
+        inside.swap(0, 1);
+    }
+    (order, count)
 }
 
 fn check_units(units: u64) -> Result<u32, PackError> {

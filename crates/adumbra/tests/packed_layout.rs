@@ -1,0 +1,70 @@
+//! Packed graphs of real bakes: always monotone, the same answers, the plain graph again, about a third of the bytes.
+
+mod shared_folder;
+
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::{Baked, Options, Size, bake};
+use adumbra::dag::packed::PackedDag;
+use adumbra::light::Sun;
+use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+use adumbra::settings::Receivers;
+use adumbra::verify::Random;
+
+fn baked(scene: &Scene, sun: [f64; 3], options: impl Fn(Options) -> Options) -> Baked {
+    let sun = Sun::from_direction(sun).unwrap();
+    let options = options(Options::new(sun, Size::Resolution(1024)));
+    bake(scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap()
+}
+
+/// Packs a graph, checks it, and returns its share of the plain bytes.
+fn share_of_packed(baked: &Baked) -> f64 {
+    let dag = &baked.dag;
+    let packed = PackedDag::of_dag(dag).unwrap();
+    packed.validate().unwrap();
+    assert!(packed.to_dag().unwrap() == *dag);
+    let mut random = Random::new(3, 0);
+    for _ in 0..200_000 {
+        let [i, j, k] = dag.size.map(|n| (random.unit() * f64::from(n)) as u32);
+        assert_eq!(packed.slab(i, j, k), dag.slab(i, j, k), "{i} {j} {k}");
+    }
+    let plain = dag.top.len() * 4 + dag.nodes.len() * 4 + dag.slabs.len() * 8;
+    (packed.top.len() * 4 + packed.units.len() * 2 + packed.slabs.len() * 8) as f64 / plain as f64
+}
+
+#[test]
+fn packed_bakes_answer_alike_whatever_the_options() {
+    for kind in [GeneratedKind::City, GeneratedKind::Primitives] {
+        let scene = generate(kind, 1);
+        for (sun, receivers, ground, closed) in [
+            ([0.5, 0.8, 0.35], Receivers::All, true, true),
+            ([0.0, 1.0, 0.0], Receivers::Static, true, true),
+            ([-0.9, 0.1, 0.2], Receivers::All, false, false),
+        ] {
+            let options = |o| Options { receivers, assume_ground: ground, closed_regions: closed, ..o };
+            let share = share_of_packed(&baked(&scene, sun, options));
+            assert!(share < 0.5, "{kind:?} {sun:?}: {share}");
+        }
+    }
+}
+
+#[test]
+fn shared_scenes_pack_to_two_fifths_and_answer_alike() {
+    let Some(scenes) = shared_folder::shared("scenes") else { return };
+    for name in [
+        "kaykit_city_21",
+        "alpine-2",
+        "street-1",
+        "zdm2",
+        "delft",
+        "bridge_garden",
+        "jacksboro",
+        "box-city-5k",
+    ] {
+        let scene = load(&shared_folder::scene_file(&scenes, name), &LoadOptions::default()).unwrap();
+        let share =
+            share_of_packed(&baked(&scene, [0.5, 0.8, 0.35], |o| Options { thickness_world: 0.1, ..o }));
+        eprintln!("{name}: {share:.3}");
+        assert!(share < 0.45, "{name}: {share}");
+    }
+}
