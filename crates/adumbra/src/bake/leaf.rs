@@ -56,6 +56,8 @@ struct Leaf<'b> {
     first: [FirstSurface; TEXELS],
     /// Place in the list of the surface that `first` is of.
     owner: [u32; TEXELS],
+    /// Solids entered so far, less those left.
+    entered: [i32; TEXELS],
     /// The deepest sample of a column.
     deepest: [FixedDepth; TEXELS],
     base: [FixedDepth; TEXELS],
@@ -84,6 +86,7 @@ pub(super) fn leaf_columns(
         inside,
         first: [FirstSurface::NONE; TEXELS],
         owner: [NOBODY; TEXELS],
+        entered: [0; TEXELS],
         deepest: [FixedDepth::MIN; TEXELS],
         base: [0; TEXELS],
         next: [FixedDepth::MAX; TEXELS],
@@ -114,8 +117,8 @@ impl LeafBuffers {
 }
 
 impl Leaf<'_> {
-    /// Samples from the light on, and stops asking columns that are settled: where no surface that has been met reaches past
-    /// the next one, whatever solid was entered has been left.
+    /// Samples from the light on, and stops asking columns that are settled: no surface that has been met reaches past the next
+    /// one, and every solid that was entered has been left.
     fn sample_all(&mut self, order: &[Near]) {
         let (mut reached, mut settled) = (FixedDepth::MIN, 0);
         for near in order {
@@ -125,7 +128,7 @@ impl Leaf<'_> {
             }
             if near.low > reached {
                 settled = bits(self.inside & !settled)
-                    .filter(|&texel| !self.first[texel].is_none())
+                    .filter(|&texel| !self.first[texel].is_none() && self.entered[texel] == 0)
                     .fold(settled, |mask, texel| mask | 1 << texel);
             }
             reached = reached.max(near.high);
@@ -171,6 +174,7 @@ impl Leaf<'_> {
             }
             self.deepest[texel] = self.deepest[texel].max(depth);
             if surface.solid {
+                self.entered[texel] += if shape.faces_sun { 1 } else { -1 };
                 self.buffers.crossings.push((texel as u8, columns::crossing_key(depth, exit_bit)));
             }
         }
