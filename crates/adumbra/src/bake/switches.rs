@@ -9,7 +9,7 @@ use super::sink::BlockColumns;
 
 /// Depths beyond the last surface of a column whose end is free are rounded up to multiples of 2^this: the shadow still
 /// begins close behind the surface, for what moves there.
-pub(super) const FREE_ROUND_LEVEL: u32 = 14;
+pub(super) const FREE_ROUND_LEVEL: u32 = 6;
 
 /// The slabs of an 8 × 8 block, cube by cube of eight layers: `visit(end, masks)` for all cubes from where the last call
 /// ended up to `end`, which all have these eight slabs, bit y·8 + x, 1 = lit. The last call goes on for ever.
@@ -44,9 +44,10 @@ pub(super) fn for_each_cube(columns: &BlockColumns, depth: u32, mut visit: impl 
             break;
         }
         let mut masks = [0; 8];
-        if false {
+        if start == columns.must_be_lit(z + 7) && mask != u64::MAX {
+            mask = start;
+            masks = [mask; 8];
         } else {
-            mask = u64::MAX;
             for (k, slab) in (z..).zip(&mut masks) {
                 if mask & columns.must_be_shadowed(k) != 0 {
                     mask = columns.must_be_lit(k);
