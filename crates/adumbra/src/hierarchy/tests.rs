@@ -1,0 +1,231 @@
+//! Hierarchies against what their columns allow.
+
+use proptest::prelude::*;
+
+use super::drive::{Drive, block_of};
+use super::sink::HierarchySink;
+use super::{Hierarchy, NEVER};
+use crate::bake::capture::CaptureBuffers;
+use crate::bake::columns::{Columns, FREE_TO_END};
+use crate::bake::{Options, Size};
+use crate::light::Sun;
+use crate::scene;
+
+#[path = "../../tests/shared_folder/mod.rs"]
+mod shared_folder;
+
+/// A thing over the ground: x, y, width, height, depth, thickness, slope, whether its columns end.
+type Part = (u32, u32, u32, u32, u32, u32, u32, bool);
+
+/// A few things over a tilted ground.
+#[derive(Debug)]
+struct World {
+    size: [u32; 2],
+    parts: Vec<Part>,
+    rough: bool,
+}
+
+fn any_world() -> impl Strategy<Value = World> {
+    let part =
+        (0_u32..80, 0_u32..80, 1_u32..60, 1_u32..60, 0_u32..300_000, 0_u32..300, 0_u32..4, any::<bool>());
+    let size = [1_u32..150, 1_u32..150];
+    let all = (size, prop::collection::vec(part, 0..12), any::<bool>());
+    all.prop_map(|(size, parts, rough)| World { size, parts, rough })
+}
+
+impl World {
+    fn columns(&self) -> Columns {
+        let [width, height] = self.size;
+        let mut columns = Columns::default();
+        columns.reset(width, height);
+        for i in 0..width * height {
+            columns.set(i as usize, [400_000 + i % width, FREE_TO_END]);
+        }
+        for &(x0, y0, w, h, depth, thick, slope, ends) in &self.parts {
+            for (y, x) in
+                (y0..(y0 + h).min(height)).flat_map(|y| (x0..(x0 + w).min(width)).map(move |x| (y, x)))
+            {
+                let rough = if self.rough { (x * 7919 + y * 104_729) % 97 } else { 0 };
+                let e = depth + slope * (x + 2 * y) + rough;
+                let end = if ends { e + thick } else { FREE_TO_END };
+                columns.set((y * width + x) as usize, [e, end]);
+            }
+        }
+        columns
+    }
+}
+
+fn build(columns: &Columns, level: u32, merged: bool) -> Hierarchy {
+    let sink = HierarchySink::new(level, merged);
+    let side = 1 << level;
+    let mut blocks = Vec::new();
+    for y in (0..columns.height).step_by(side) {
+        for x in (0..columns.width).step_by(side) {
+            blocks.push(block_of(&sink, columns, level, x, y));
+        }
+    }
+    sink.finish([columns.width, columns.height, 500_000], level, blocks)
+}
+
+/// Whether a column's answers are all that `[e, x]` asks for, and slabs and depths the same.
+fn check_column(found: &Hierarchy, i: u32, j: u32, [e, x]: [u32; 2]) {
+    let value = found.value(i, j);
+    assert!(e <= value && (value <= x || x == FREE_TO_END), "({i}, {j}): {value} is not in [{e}, {x}]");
+    let depths = [value.wrapping_sub(1), value, e.wrapping_sub(1), x, 0].into_iter();
+    for k in depths.filter(|&k| k < found.size[2]) {
+        let lit = found.slab(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
+        assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn hierarchy_answers_every_defined_voxel(world in any_world(), level in 5_u32..=10, merged in any::<bool>()) {
+        let columns = world.columns();
+        let found = build(&columns, level, merged);
+        prop_assert_eq!(found.validate(), Ok(()));
+        for j in 0..columns.height {
+            for i in 0..columns.width {
+                let at = (j * columns.width + i) as usize;
+                check_column(&found, i, j, [columns.e[at], columns.x[at]]);
+            }
+        }
+    }
+
+    #[test]
+    fn hierarchy_of_any_words_is_refused_or_answers(
+        world in any_world(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>(), 0_u32..3), 1..6),
+    ) {
+        let columns = world.columns();
+        let mut found = build(&columns, 7, true);
+        for (at, word, part) in changes {
+            let words = match part {
+                0 => found.wide.as_flattened_mut(),
+                1 => found.top.as_flattened_mut(),
+                _ => &mut found.code[..],
+            };
+            match words.len() {
+                0 => {}
+                count if part == 2 => words[at.index(count)] ^= 1 << (word & 31),
+                count => words[at.index(count)] = word % 9000,
+            }
+        }
+        if found.validate().is_ok() {
+            for j in 0..columns.height {
+                for i in 0..columns.width {
+                    let value = found.value(i, j);
+                    found.slab(i, j, value.wrapping_sub(1));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn hierarchy_of_one_row_is_the_worked_value() {
+    let mut columns = Columns::default();
+    columns.reset(32, 32);
+    (0..1024).for_each(|i| columns.set(i, if i < 8 { [7, 7] } else { [500, FREE_TO_END] }));
+    let found = build(&columns, 5, true);
+    assert_eq!(found.top, [[5, 7]]);
+    // The leaf, then the node: child 0 a shape at half-word 0, all others never.
+    assert_eq!(found.code, [0xff00_0041, 0xffff_ffff, 0x0001_ffff, 0xfffe_0000, 0x0000_0000]);
+    assert_eq!((found.value(7, 0), found.value(8, 0), found.value(0, 1)), (7, NEVER, NEVER));
+    assert_eq!((found.slab(3, 3, 6), found.slab(3, 3, 7)), (u64::MAX, !0xff));
+}
+
+#[test]
+fn hierarchy_keeps_equal_shapes_at_different_depths_once() {
+    let mut columns = Columns::default();
+    columns.reset(256, 32);
+    for i in 0..256 * 32 {
+        let (x, y) = (i % 256, i / 256);
+        let inside = (3..29).contains(&(x % 32)) && (5..21).contains(&y);
+        columns.set(
+            i,
+            if inside { [1000 * (x / 32) as u32, 1000 * (x / 32) as u32 + 3] } else { [20_000, FREE_TO_END] },
+        );
+    }
+    let [merged, plain] = [true, false].map(|merged| build(&columns, 5, merged));
+    assert!(merged.top.iter().all(|root| root[0] == merged.top[0][0]));
+    assert!(plain.code.len() >= 8 * merged.code.len());
+    assert_eq!((merged.value(40, 10), plain.value(240, 20)), (1000, 7000));
+}
+
+#[test]
+fn hierarchy_is_the_same_whatever_the_order_of_blocks() {
+    let scene = scene::generate(scene::GeneratedKind::Primitives, 1);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
+    let drive = Drive::new(&scene, &Options::new(sun, Size::Resolution(256)));
+    let of_threads = |threads, merged| {
+        let sink = HierarchySink::new(drive.root_level, merged);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
+        let blocks = pool.install(|| drive.blocks(&sink));
+        sink.finish(drive.grid.size, drive.root_level, blocks)
+    };
+    for merged in [true, false] {
+        let one = of_threads(1, merged);
+        assert_eq!(one, of_threads(4, merged));
+        assert_eq!(one.validate(), Ok(()));
+    }
+}
+
+/// A shared scene as the tables have it, by its name and the sun's direction.
+fn shared_options(name: &str, resolution: u64) -> Options {
+    let sun = if name == "jacksboro" { [-0.77, 0.105, -0.63] } else { [0.5, 0.8, 0.35] };
+    let sun = Sun::from_direction(sun).expect("above the horizon");
+    Options { thickness_world: 0.1, ..Options::new(sun, Size::Resolution(resolution)) }
+}
+
+fn shared_scene(name: &str) -> Option<scene::Scene> {
+    let path = shared_folder::scene_file(&shared_folder::shared("scenes")?, name);
+    Some(scene::load(&path, &scene::LoadOptions::default()).expect("a good scene"))
+}
+
+#[test]
+fn shared_hierarchy_answers_every_defined_voxel() {
+    for name in ["kaykit_city_21", "alpine-2"] {
+        let Some(scene) = shared_scene(name) else { return };
+        let drive = Drive::new(&scene, &shared_options(name, 1024));
+        let sink = HierarchySink::new(drive.root_level, true);
+        let blocks = drive.blocks(&sink);
+        let found = sink.finish(drive.grid.size, drive.root_level, blocks);
+        assert_eq!(found.validate(), Ok(()));
+        let side = 1 << drive.root_level;
+        let (mut buffers, mut columns) = (CaptureBuffers::default(), Columns::default());
+        let across = drive.grid.size[0].div_ceil(side);
+        for tile in 0..across * drive.grid.size[1].div_ceil(side) {
+            drive.columns(tile, &mut buffers, &mut columns);
+            for at in 0..columns.e.len() {
+                let i = tile % across * side + at as u32 % columns.width;
+                let j = tile / across * side + at as u32 / columns.width;
+                check_column(&found, i, j, [columns.e[at], columns.x[at]]);
+            }
+        }
+    }
+}
+
+/// The table of docs/layouts-hierarchy.md: `ADUMBRA_FULL=1 cargo test --release --workspace shared_hierarchy_bytes -- --nocapture`.
+#[test]
+fn shared_hierarchy_bytes() {
+    if !shared_folder::full() {
+        return;
+    }
+    let names = std::env::var("ADUMBRA_SCENES")
+        .unwrap_or_else(|_| "box-city-5k,kaykit_city_21,alpine-2,jacksboro,delft".to_owned());
+    for name in names.split(',') {
+        let Some(scene) = shared_scene(name) else { return };
+        let drive = Drive::new(&scene, &shared_options(name, 8192));
+        let sizes = [false, true].map(|merged| {
+            let sink = HierarchySink::new(drive.root_level, merged);
+            let blocks = drive.blocks(&sink);
+            let found = sink.finish(drive.grid.size, drive.root_level, blocks);
+            assert_eq!(found.validate(), Ok(()));
+            found.bytes()
+        });
+        eprintln!("{name}: plain {} merged {}", sizes[0], sizes[1]);
+    }
+}
