@@ -44,6 +44,7 @@
 //!
 //! Worked value: columns of row 0 that switch at 7, all others never: `0x0041`, `0xff00`, `0xffff`, `0xffff`, `0xffff`, with base 7.
 
+mod census;
 mod choose;
 mod code;
 #[cfg(test)]
@@ -56,6 +57,7 @@ mod store;
 mod tests;
 mod validate;
 
+pub use census::Census;
 pub use validate::HierarchyError;
 
 use crate::dag::Slabs;

@@ -224,6 +224,9 @@ fn shared_hierarchy_bytes() {
             let blocks = drive.blocks(&sink);
             let found = sink.finish(drive.grid.size, drive.root_level, blocks);
             assert_eq!(found.validate(), Ok(()));
+            if merged {
+                eprintln!("{:?}", found.census());
+            }
             found.bytes()
         });
         eprintln!("{name}: plain {} merged {}", sizes[0], sizes[1]);

@@ -1,0 +1,67 @@
+//! Where a hierarchy's bytes are.
+
+use std::collections::HashSet;
+
+use super::code::{Child, LeafHead};
+use super::{Hierarchy, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
+
+/// Bytes by kind, and how many shapes there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Census {
+    /// Nodes above the leaves.
+    pub nodes: u64,
+    /// Leaves.
+    pub leaves: u64,
+    /// Leaves by how many planes they have, from 1 on.
+    pub leaves_by_planes: [u64; 6],
+    /// Addresses and bases of roots.
+    pub top_bytes: u64,
+    /// What half-words cannot say.
+    pub wide_bytes: u64,
+    /// Heads of nodes.
+    pub head_bytes: u64,
+    /// Pointers and differences of nodes.
+    pub field_bytes: u64,
+    /// Heads and differences of leaves.
+    pub depth_bytes: u64,
+    /// Planes of leaves.
+    pub plane_bytes: u64,
+}
+
+impl Hierarchy {
+    /// Counts; the hierarchy must be valid. Cost: one pass, and a set of all addresses.
+    pub fn census(&self) -> Census {
+        let mut census = Census {
+            top_bytes: 8 * self.top.len() as u64,
+            wide_bytes: 8 * self.wide.len() as u64,
+            ..Census::default()
+        };
+        let code = self.shapes();
+        let mut seen = HashSet::new();
+        let mut open: Vec<_> =
+            self.top.iter().filter(|r| r[0] != UNIFORM).map(|r| (r[0], self.root_level)).collect();
+        while let Some((at, level)) = open.pop() {
+            if !seen.insert(at) {
+                continue;
+            }
+            if level == LEAF_LEVEL {
+                let head = LeafHead::new(code.half(at));
+                census.leaves += 1;
+                census.leaves_by_planes[head.planes() as usize - 1] += 1;
+                census.depth_bytes += 2 * u64::from(head.planes_at());
+                census.plane_bytes += 8 * u64::from(head.planes());
+                continue;
+            }
+            census.nodes += 1;
+            census.head_bytes += 6;
+            let [low, high] = [0, 1].map(|h| code.half(at + h).count_ones());
+            census.field_bytes += 2 * u64::from(low + 2 * high);
+            for c in 0..16 {
+                if let Child::Shape { at, .. } = code.child(at, c) {
+                    open.push((at, level - NODE_LEVELS));
+                }
+            }
+        }
+        census
+    }
+}
