@@ -23,26 +23,6 @@ pub(super) fn most_shared(intervals: &[[u32; 2]]) -> Option<[u32; 2]> {
     Some(intersection(shared(best).copied()))
 }
 
-/// Of the depths from `lo` to `hi` the one whose distance from `reference` ends in the most zero bits, the nearer to the reference of two:
-/// so that equal shapes whose depths may vary get equal distances.
-pub(super) fn simplest([lo, hi]: [u32; 2], reference: u32) -> u32 {
-    let [low, high] = [lo, hi].map(|d| i64::from(d) - i64::from(reference));
-    let simple = if low > 0 {
-        simplest_positive(low, high)
-    } else if high < 0 {
-        -simplest_positive(-high, -low)
-    } else {
-        0
-    };
-    (i64::from(reference) + simple) as u32
-}
-
-fn simplest_positive(low: i64, high: i64) -> i64 {
-    // The highest bit in which a number below the range differs from its end: there is one multiple of it in the range.
-    let bit = 63 - ((low - 1) ^ high).leading_zeros();
-    high >> bit << bit
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,20 +33,5 @@ mod tests {
         assert_eq!(most_shared(&[[20, 30], [5, 9]]), Some([5, 9]));
         assert_eq!(most_shared(&[[3, FREE_TO_END], [8, 8]]), Some([8, 8]));
         assert_eq!(most_shared(&[[3, FREE_TO_END]]), None);
-    }
-
-    #[test]
-    fn choose_takes_the_distance_with_most_zero_bits() {
-        assert_eq!(simplest([10, 10], 3), 10);
-        assert_eq!(simplest([103, 109], 100), 108);
-        assert_eq!(simplest([101, 140], 100), 132);
-        assert_eq!(simplest([60, 97], 100), 68);
-        assert_eq!(simplest([60, 140], 100), 100);
-        for low in 1..70 {
-            for high in low..70 {
-                let best = (low..=high).max_by_key(|d: &i64| d.trailing_zeros()).unwrap();
-                assert_eq!(simplest_positive(low, high), best, "{low} {high}");
-            }
-        }
     }
 }

@@ -147,10 +147,9 @@ impl Code<'_> {
         let planes = at + head.planes_at() + (column >> 4);
         let rank = (0..head.planes())
             .fold(0, |rank, p| rank | (self.half(planes + 4 * p) >> (column & 15) & 1) << p);
-        if head.never && rank >= head.last {
-            return NEVER;
+        if rank > head.differences() {
+            return if head.never { NEVER } else { base };
         }
-        let rank = rank.min(head.differences());
         (0..rank).fold(base, |value, d| value.wrapping_add(self.difference(at, head.width, d)))
     }
 
@@ -169,6 +168,9 @@ impl Code<'_> {
             }
             passed += 1;
         }
+        if passed > head.last {
+            return 0;
+        }
         // Ranks of at least `passed`, all 64 at once, highest bit first.
         let planes = at + head.planes_at();
         let (mut more, mut equal) = (0, u64::MAX);
@@ -181,6 +183,6 @@ impl Code<'_> {
                 equal &= plane;
             }
         }
-        if passed >> head.planes() != 0 { 0 } else { more | equal }
+        more | equal
     }
 }

@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::from_columns::block_of;
 use crate::bake::Options;
 use crate::bake::capture::{CaptureBuffers, TileRect, capture};
 use crate::bake::casters::{CasterOptions, Casters};
 use crate::bake::columns::{ColumnRules, Columns, FREE_TO_END};
-use crate::bake::sink::{BLOCK_SIDE, BlockColumns, BlockSink};
+use crate::bake::sink::BlockSink;
 use crate::light::{LightExtent, LightGrid};
 use crate::scene::Scene;
 
@@ -59,7 +60,7 @@ impl<'s> Drive<'s> {
                 || (CaptureBuffers::default(), Columns::default()),
                 |(buffers, columns), tile| {
                     self.columns(tile, buffers, columns);
-                    block_of(sink, columns, self.root_level, 0, 0)
+                    block_of(sink, &|i, j| of_tile(columns, i, j), self.root_level, [0; 2])
                 },
             )
             .collect()
@@ -75,31 +76,11 @@ impl<'s> Drive<'s> {
     }
 }
 
-/// A block of columns, and of the blocks in it, as a sink has them.
-pub(super) fn block_of<S: BlockSink>(sink: &S, columns: &Columns, level: u32, x: u32, y: u32) -> S::Block {
-    let side = 1 << level;
-    let mut all = [0, FREE_TO_END];
-    for j in y..(y + side).min(columns.height) {
-        for i in x..(x + side).min(columns.width) {
-            let at = (j * columns.width + i) as usize;
-            all = [all[0].max(columns.e[at]), all[1].min(columns.x[at])];
-        }
+/// `[e, x]` of a tile's column; free beside the tile.
+pub(super) fn of_tile(columns: &Columns, i: u32, j: u32) -> [u32; 2] {
+    if i >= columns.width || j >= columns.height {
+        return [0, FREE_TO_END];
     }
-    if all[0] <= all[1] {
-        return sink.uniform(level, all);
-    }
-    if side as usize > BLOCK_SIDE {
-        let half = side / 2;
-        let quarter = |q: u32| block_of(sink, columns, level - 1, x + (q >> 1) * half, y + (q & 1) * half);
-        return sink.join(level, [0, 1, 2, 3].map(quarter));
-    }
-    let mut block = BlockColumns { e: [0; 64], x: [FREE_TO_END; 64] };
-    for j in 0..8.min(columns.height.saturating_sub(y)) {
-        for i in 0..8.min(columns.width.saturating_sub(x)) {
-            let at = ((y + j) * columns.width + x + i) as usize;
-            block.e[(j * 8 + i) as usize] = columns.e[at];
-            block.x[(j * 8 + i) as usize] = columns.x[at];
-        }
-    }
-    sink.leaf(&block)
+    let at = (j * columns.width + i) as usize;
+    [columns.e[at], columns.x[at]]
 }

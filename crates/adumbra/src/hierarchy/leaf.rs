@@ -1,6 +1,6 @@
 //! 8 × 8 columns: their intervals sorted into as few depths as will do, then depths chosen and written as half-words.
 
-use super::choose::{FREE_TO_END, holds_any, intersection, simplest};
+use super::choose::{FREE_TO_END, holds_any, intersection};
 use super::code::{LEAF_NEVER, LEAF_WIDTH};
 use crate::bake::sink::BlockColumns;
 
@@ -64,19 +64,11 @@ pub(super) fn sort_columns(columns: &BlockColumns) -> ([u32; 2], Option<Leaf>) {
 }
 
 impl Leaf {
-    /// Its half-words for a base inside the first interval.
+    /// Its half-words for a base inside the first interval; the other depths are the nearest that may be.
     pub(super) fn encode(&self, base: u32, halves: &mut Vec<u16>) {
-        let mut value = base;
-        let differences: Vec<u32> = self
-            .later
-            .iter()
-            .map(|&interval| {
-                let next = simplest(interval, value);
-                let difference = next - value;
-                value = next;
-                difference
-            })
-            .collect();
+        let depths = std::iter::once(base).chain(self.later.iter().map(|interval| interval[0]));
+        let differences: Vec<u32> =
+            depths.zip(&self.later).map(|(before, interval)| interval[0] - before).collect();
         let width = match differences.iter().max() {
             None | Some(0..=0xff) => 0,
             Some(0x100..=0xffff) => 1,

@@ -4,7 +4,7 @@
 //! Multiresolution Hierarchies for Shadow Map Compression*, both 2016: values inside each column's interval, inherited from
 //! node to node; values relative to the parent's, so that equal shapes at different depths are one. Departures: a node has 4 × 4
 //! children, a leaf is 8 × 8 columns with an outline once and its depths apart, columns that are lit to their end say so and need no
-//! value, and equal shapes are found by hash after values were chosen so that they coincide.
+//! value, and equal shapes are found by hash, once depths were chosen, not by a search.
 //!
 //! # Words
 //! `code` is half-words of 16 bits, two a word, the lower first. A *shape* begins at a half-word, its address, and has no depth of its own:
@@ -50,6 +50,7 @@ mod code;
 #[cfg(test)]
 mod drive;
 mod encode;
+mod from_columns;
 mod leaf;
 pub(crate) mod sink;
 mod store;

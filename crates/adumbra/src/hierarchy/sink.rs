@@ -1,11 +1,13 @@
 //! From blocks of columns to a hierarchy, bottom up: intervals are intersected on the way up, and at a root depths are chosen top down.
 //!
+//! Where a depth is free it is the nearest: the first surface, which penumbrae want.
+//!
 //! A root's shapes depend on its columns alone, so neither threads nor their order matter. Held until a root is done: its own
 //! undecided blocks; after it: the shapes that no root before had.
 
 use std::sync::Mutex;
 
-use super::choose::{FREE_TO_END, holds_any, intersection, most_shared, simplest};
+use super::choose::{FREE_TO_END, holds_any, intersection, most_shared};
 use super::leaf::{Leaf, sort_columns};
 use super::store::{INHERITS, NEVER, OWN, SHARES, ShapeStore};
 use super::{Hierarchy, LEAF_LEVEL, NODE_LEVELS, UNIFORM, encode};
@@ -221,7 +223,7 @@ impl Deciding<'_> {
                     let state = if child.is_endless() {
                         NEVER
                     } else if !inherits {
-                        let own = simplest(child.base, base);
+                        let own = child.base[0];
                         push(own.wrapping_sub(base));
                         push(self.shape(child, own, level - NODE_LEVELS));
                         OWN

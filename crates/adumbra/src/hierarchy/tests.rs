@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::drive::{Drive, block_of};
+use super::drive::{Drive, of_tile};
 use super::sink::HierarchySink;
 use super::{Hierarchy, NEVER};
 use crate::bake::capture::CaptureBuffers;
@@ -56,15 +56,8 @@ impl World {
 }
 
 fn build(columns: &Columns, level: u32, merged: bool) -> Hierarchy {
-    let sink = HierarchySink::new(level, merged);
-    let side = 1 << level;
-    let mut blocks = Vec::new();
-    for y in (0..columns.height).step_by(side) {
-        for x in (0..columns.width).step_by(side) {
-            blocks.push(block_of(&sink, columns, level, x, y));
-        }
-    }
-    sink.finish([columns.width, columns.height, 500_000], level, blocks)
+    let size = [columns.width, columns.height, 500_000];
+    Hierarchy::from_columns(size, level, merged, |i, j| of_tile(columns, i, j))
 }
 
 /// Whether a column's answers are all that `[e, x]` asks for, and slabs and depths the same.
