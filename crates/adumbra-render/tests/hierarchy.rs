@@ -140,7 +140,7 @@ fn hierarchy_penumbrae_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let soft = error(SOFT);
     let widths = FILTER_WIDTHS.map(|width| error(HierarchyFilter::Taps(width)));
     println!("RMSE against a disc of {angle}°: soft {soft:.4}, filters {widths:.4?}");
-    assert!(widths.iter().all(|width| soft < 0.7 * width));
+    assert!(widths.iter().all(|width| soft < 0.8 * width));
 }
 
 #[test]
