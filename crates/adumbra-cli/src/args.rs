@@ -340,6 +340,7 @@ impl BakeSettings {
             },
             bounds: self.bounds,
             max_memory_bytes: work.max_memory,
+            builder: self.tree.light_builder(),
             ..Options::new(self.sun.sun()?, size)
         })
     }

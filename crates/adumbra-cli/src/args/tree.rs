@@ -1,5 +1,6 @@
 //! Options of world-aligned trees.
 
+use adumbra::bake;
 use adumbra::query::Weights;
 use adumbra::tree::{Builder, CaptureBias, Detail, Reduction, Region, TreeOptions};
 use clap::ValueEnum;
@@ -17,12 +18,22 @@ pub(crate) enum FrameArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum BuilderArg {
-    /// A function that calls itself
+    /// Light frame: only blocks that silhouettes cross are drawn
+    Fast,
+    /// Light frame: every texel is drawn
+    Plain,
+    /// World frame: a function that calls itself
     Recursive,
-    /// An explicit stack, one heap frame a push
+    /// World frame: an explicit stack, one heap frame a push
     Iterative,
-    /// An explicit stack of frames that are used again
+    /// World frame: an explicit stack of frames that are used again
     Pooled,
+}
+
+impl BuilderArg {
+    fn is_light(self) -> bool {
+        matches!(self, Self::Fast | Self::Plain)
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -91,7 +102,7 @@ pub(crate) struct TreeArgs {
     /// World frame: keep a byte for each voxel at a shadow border
     #[arg(long, value_enum, conflicts_with = "symmetry")]
     pub(crate) attribute: Option<AttributeArg>,
-    /// World frame: how the tree is built; the result is the same [default: pooled]
+    /// How the bake is made; every point that must be answered has the same answer [default: light: fast, world: pooled]
     #[arg(long, value_enum)]
     builder: Option<BuilderArg>,
     /// World frame: how equal subtrees are found; the result is the same [default: hash]
@@ -129,7 +140,7 @@ impl TreeArgs {
                     (self.lossy.is_some(), "--lossy"),
                     (self.attribute.is_some(), "--attribute"),
                     (self.exhaustive, "--exhaustive"),
-                    (self.builder.is_some(), "--builder"),
+                    (self.builder.is_some_and(|b| !b.is_light()), "this --builder"),
                     (self.reduction.is_some(), "--reduction"),
                     (self.capture_bias_constant.is_some(), "--capture-bias-constant"),
                     (self.capture_bias_slope.is_some(), "--capture-bias-slope"),
@@ -137,7 +148,22 @@ impl TreeArgs {
                 "light",
                 "world",
             ),
-            FrameArg::World => needless(&settings.light_only(), "world", "light"),
+            FrameArg::World => {
+                needless(
+                    &[(self.builder.is_some_and(BuilderArg::is_light), "this --builder")],
+                    "world",
+                    "light",
+                )?;
+                needless(&settings.light_only(), "world", "light")
+            }
+        }
+    }
+
+    /// How the columns of the light frame are found.
+    pub(crate) fn light_builder(&self) -> bake::Builder {
+        match self.builder {
+            Some(BuilderArg::Plain) => bake::Builder::Plain,
+            _ => bake::Builder::Fast,
         }
     }
 }
@@ -168,7 +194,7 @@ impl BakeSettings {
                 Some(BuilderArg::Recursive) => Builder::Recursive,
                 Some(BuilderArg::Iterative) => Builder::Iterative,
                 Some(BuilderArg::Pooled) => Builder::Pooled,
-                None => default.builder,
+                Some(BuilderArg::Fast | BuilderArg::Plain) | None => default.builder,
             },
             reduction: match tree.reduction {
                 Some(ReductionArg::Hash) => Reduction::Hash,

@@ -72,6 +72,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "slabs": figures.slabs,
                 "threads": report.threads,
                 "tiles": report.tiles,
+                "drawn_texels": report.drawn_texels,
                 "resolution": settings.resolution,
                 "size": file.dag.size,
                 "voxel_size": grid.voxel_size,

@@ -4,11 +4,10 @@
 //! comes near a texel's footprint, whether it is a receiver behind the column's caster. Only triangles of solids
 //! are kept as lists, to count their winding. Rules: specification §3, written out in `columns.rs`.
 
-use super::casters::Casters;
 use super::columns::{self, ColumnRules, Columns, FirstSurface, ReceiverKind};
 use super::masked::{self, MaskedHit, TriangleMask};
 use super::project::{FixedDepth, Projected};
-use crate::light::LightGrid;
+use super::surface::{Surface, Surfaces};
 use crate::settings::Receivers;
 
 /// Solid crossings, and masked hits, that a tile may hold at once; a tile with more is captured in bands of rows.
@@ -50,11 +49,9 @@ pub(crate) fn working_bytes(texels: u64) -> u64 {
     texels * (texel as u64 + 2 * 4) + crossings as u64
 }
 
-/// Captures the columns of `rect`, a tile of `casters` with index `tile`.
+/// Captures the columns of `rect` from the surfaces that come near it.
 pub(crate) fn capture(
-    casters: &Casters<'_>,
-    tile: usize,
-    grid: &LightGrid,
+    surfaces: &impl Surfaces,
     rules: &ColumnRules,
     rect: TileRect,
     buffers: &mut CaptureBuffers,
@@ -62,16 +59,16 @@ pub(crate) fn capture(
 ) {
     out.reset(rect.width, rect.height);
     for_each_band(rect, |band, start| {
-        if !capture_surfaces(casters, tile, grid, rules, band, buffers) {
+        if !capture_surfaces(surfaces, rules, band, buffers) {
             return false;
         }
-        find_receivers(casters, tile, grid, rules, &[ReceiverKind::Everywhere], band, buffers);
+        find_receivers(surfaces, rules, &[ReceiverKind::Everywhere], band, buffers);
         for i in 0..buffers.first.len() {
             out.set(start + i, rules.column(buffers.first[i], buffers.base[i], buffers.next[i]));
         }
         if rules.receivers == Receivers::Static {
             let kinds = [ReceiverKind::Itself, ReceiverKind::Filtered];
-            find_receivers(casters, tile, grid, rules, &kinds, band, buffers);
+            find_receivers(surfaces, rules, &kinds, band, buffers);
             for i in 0..buffers.first.len() {
                 out.extend(start + i, rules.static_end(buffers.first[i], buffers.next[i]));
             }
@@ -83,16 +80,14 @@ pub(crate) fn capture(
 /// The first surface of every texel of `rect`, and what solids cover of it: calls `visit(texel of the rect, surface,
 /// sorted crossings)` once a texel, in no order. [`FirstSurface::bias`] is `rules`' bias at its slope.
 pub(crate) fn capture_layers(
-    casters: &Casters<'_>,
-    tile: usize,
-    grid: &LightGrid,
+    surfaces: &impl Surfaces,
     rules: &ColumnRules,
     rect: TileRect,
     buffers: &mut CaptureBuffers,
     mut visit: impl FnMut(usize, FirstSurface, &[u32]),
 ) {
     for_each_band(rect, |band, offset| {
-        if !sample_band(casters, tile, grid, rules, band, buffers) {
+        if !sample_band(surfaces, rules, band, buffers) {
             return false;
         }
         let texels = buffers.first.len();
@@ -123,14 +118,12 @@ fn for_each_band(rect: TileRect, mut capture: impl FnMut(TileRect, usize) -> boo
 /// First pass: `first` and `base` of a band of rows; false where there are too many crossings to hold and more than one
 /// row to split.
 fn capture_surfaces(
-    casters: &Casters<'_>,
-    tile: usize,
-    grid: &LightGrid,
+    surfaces: &impl Surfaces,
     rules: &ColumnRules,
     rect: TileRect,
     b: &mut CaptureBuffers,
 ) -> bool {
-    let fits = sample_band(casters, tile, grid, rules, rect, b);
+    let fits = sample_band(surfaces, rules, rect, b);
     if fits {
         let texels = b.first.len();
         resolve_solids(b, texels);
@@ -140,9 +133,7 @@ fn capture_surfaces(
 
 /// `first` and `crossings` of a band of rows.
 fn sample_band(
-    casters: &Casters<'_>,
-    tile: usize,
-    grid: &LightGrid,
+    surfaces: &impl Surfaces,
     rules: &ColumnRules,
     rect: TileRect,
     b: &mut CaptureBuffers,
@@ -153,8 +144,8 @@ fn sample_band(
     b.crossings.clear();
     b.masked.clear();
     let mut fits = true;
-    for_each_triangle(casters, tile, grid, |triangle, source| {
-        fits = fits && (!source.casts || sample_centers(casters, triangle, source, rules, rect, b));
+    surfaces.for_each(|surface| {
+        fits = fits && (!surface.casts || sample_centers(surfaces, surface, rules, rect, b));
     });
     if fits {
         masked::add_first_surfaces(&mut b.masked, &mut b.first);
@@ -164,9 +155,7 @@ fn sample_band(
 
 /// Second pass: `next`, the nearest depth at which a receiver of any of `kinds` asks behind a column's base.
 fn find_receivers(
-    casters: &Casters<'_>,
-    tile: usize,
-    grid: &LightGrid,
+    surfaces: &impl Surfaces,
     rules: &ColumnRules,
     kinds: &[ReceiverKind],
     rect: TileRect,
@@ -174,61 +163,25 @@ fn find_receivers(
 ) {
     b.next.clear();
     b.next.resize(b.first.len(), FixedDepth::MAX);
-    for_each_triangle(casters, tile, grid, |triangle, _| {
+    surfaces.for_each(|surface| {
         for &kind in kinds {
-            find_next(triangle, rules, kind, rect, b);
+            find_next(&surface.shape, rules, kind, rect, b);
         }
     });
 }
 
-/// Where a triangle came from.
-pub(super) struct Source {
-    pub(super) instance: u32,
-    pub(super) triangle: u32,
-    pub(super) casts: bool,
-    pub(super) solid: bool,
-    pub(super) masked: bool,
-    pub(super) corners_grid: [[f64; 3]; 3],
-}
-
-fn for_each_triangle(
-    casters: &Casters<'_>,
-    tile: usize,
-    grid: &LightGrid,
-    mut visit: impl FnMut(&Projected, &Source),
-) {
-    for &placed in casters.in_tile(tile) {
-        let instance = &casters.scene.instances[placed.instance as usize];
-        let mesh = &casters.scene.meshes[instance.mesh as usize];
-        let flipped = instance.determinant() < 0.0;
-        for c in casters.triangles(placed) {
-            let corners = mesh.triangles[c.triangle as usize]
-                .map(|v| grid.to_grid(instance.to_world(mesh.positions[v as usize])));
-            let source = Source {
-                instance: placed.instance,
-                triangle: c.triangle,
-                casts: c.casts && instance.casts,
-                solid: c.solid,
-                masked: c.masked,
-                corners_grid: corners,
-            };
-            visit(&Projected::new(corners, flipped), &source);
-        }
-    }
-}
-
 /// First pass: the triangle at the texel centres that it covers.
 fn sample_centers(
-    casters: &Casters<'_>,
-    triangle: &Projected,
-    source: &Source,
+    surfaces: &impl Surfaces,
+    surface: &Surface,
     rules: &ColumnRules,
     rect: TileRect,
     b: &mut CaptureBuffers,
 ) -> bool {
+    let triangle = &surface.shape;
     let Some(plane) = triangle.plane else { return true };
-    let mask = if source.masked {
-        let Some(mask) = TriangleMask::new(casters.scene, source) else { return true };
+    let mask = if surface.masked {
+        let Some(mask) = TriangleMask::new(surfaces.scene(), surfaces.grid(), surface) else { return true };
         Some(mask)
     } else {
         None
@@ -236,7 +189,7 @@ fn sample_centers(
     let (first_row, last_row) = triangle.rows();
     let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
     let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
-    let info = rules.surface_info(triangle.slope, source.solid);
+    let info = rules.surface_info(triangle.slope, surface.solid);
     let exit_bit = u32::from(!triangle.faces_sun);
     for row in first_row.max(y0)..=last_row.min(y1) {
         let (first, last) = triangle.span(row);
@@ -247,17 +200,17 @@ fn sample_centers(
             let depth = triangle.depth_at(&plane, x, y);
             let texel = (start + i as isize) as usize;
             if let Some(mask) = &mask {
-                let covered = mask.coverage(casters.scene, x, y);
+                let covered = mask.coverage(surfaces.scene(), x, y);
                 if covered != 0 {
                     b.masked.push(MaskedHit::new(texel, depth, info, covered));
                 }
                 continue;
             }
-            let surface = FirstSurface::new(depth, info);
-            if surface < b.first[texel] {
-                b.first[texel] = surface;
+            let first = FirstSurface::new(depth, info);
+            if first < b.first[texel] {
+                b.first[texel] = first;
             }
-            if source.solid {
+            if surface.solid {
                 b.crossings
                     .push(Crossing { texel: texel as u32, key: columns::crossing_key(depth, exit_bit) });
             }
@@ -339,16 +292,7 @@ fn find_next(
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         for i in first..=last {
             let texel = (start + i as isize) as usize;
-            let mut range = band.z;
-            let z_plane = triangle.plane.as_ref().map(|plane| {
-                let gradient_sum = plane.gradient[0].abs() + plane.gradient[1].abs();
-                (plane.at(i as f64 + 0.5, y), gradient_sum)
-            });
-            if let Some((z, gradient_sum)) = z_plane {
-                let reach = half * gradient_sum;
-                range[0] = range[0].max((z - reach).min(range[1]));
-                range[1] = range[1].min((z + reach).max(range[0]));
-            }
+            let (range, z_plane) = triangle.footprint_range(&band, i as f64 + 0.5, y, half);
             if let Some(asked) = rules.asked_depths(kind, triangle.slope, range, z_plane) {
                 let next = rules.receiver_behind(kind, b.base[texel], b.first[texel], asked);
                 b.next[texel] = b.next[texel].min(next);

@@ -1,6 +1,7 @@
 //! The scene as the bake walks it: clusters of nearby triangles, and for every tile of the light's plane the
 //! clusters that may touch it.
 
+use super::outline::partners;
 use crate::light::LightGrid;
 use crate::scene::topology::{self, Topology};
 use crate::scene::{Mesh, Scene};
@@ -12,6 +13,8 @@ const CLUSTER_TRIANGLES: usize = 128;
 pub(crate) struct MeshClusters {
     /// Triangles, cluster by cluster.
     pub(crate) triangles: Vec<ClusterTriangle>,
+    /// [`partners`] of each, where asked for.
+    pub(crate) partners: Vec<[u32; 3]>,
     clusters: Vec<Cluster>,
 }
 
@@ -26,6 +29,8 @@ pub(crate) struct ClusterTriangle {
     pub(crate) solid: bool,
     /// Its material has holes.
     pub(crate) masked: bool,
+    /// Triangles of a mesh that hang together have the same.
+    pub(crate) component: u32,
 }
 
 struct Cluster {
@@ -54,6 +59,8 @@ pub(crate) struct Casters<'s> {
 pub(crate) struct CasterOptions {
     pub(crate) closed_regions: bool,
     pub(crate) ignore_alpha: bool,
+    /// Find out which triangles hang together and by which edges.
+    pub(crate) outlines: bool,
 }
 
 impl<'s> Casters<'s> {
@@ -121,10 +128,23 @@ impl<'s> Casters<'s> {
 
     /// Triangles of a placed cluster.
     pub(crate) fn triangles(&self, placed: Placed) -> &[ClusterTriangle] {
-        let mesh = &self.meshes[self.scene.instances[placed.instance as usize].mesh as usize];
+        &self.mesh_of(placed).triangles[self.places(placed)]
+    }
+
+    /// Partners of each triangle of a placed cluster; only where outlines were asked for.
+    pub(crate) fn partners(&self, placed: Placed) -> &[[u32; 3]] {
+        &self.mesh_of(placed).partners[self.places(placed)]
+    }
+
+    fn mesh_of(&self, placed: Placed) -> &MeshClusters {
+        &self.meshes[self.scene.instances[placed.instance as usize].mesh as usize]
+    }
+
+    fn places(&self, placed: Placed) -> std::ops::Range<usize> {
+        let clusters = &self.mesh_of(placed).clusters;
         let c = placed.cluster as usize;
-        let start = if c == 0 { 0 } else { mesh.clusters[c - 1].end };
-        &mesh.triangles[start as usize..mesh.clusters[c].end as usize]
+        let start = if c == 0 { 0 } else { clusters[c - 1].end };
+        start as usize..clusters[c].end as usize
     }
 
     /// Casting triangles, instances counted.
@@ -143,6 +163,7 @@ impl<'s> Casters<'s> {
             .map(|m| {
                 m.triangles.capacity() * size_of::<ClusterTriangle>()
                     + m.clusters.capacity() * size_of::<Cluster>()
+                    + m.partners.capacity() * size_of::<[u32; 3]>()
             })
             .sum();
         (meshes + self.placed.capacity() * size_of::<Placed>() + self.tile_start.capacity() * 4) as u64
@@ -151,7 +172,7 @@ impl<'s> Casters<'s> {
 
 fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClusters {
     let topology: Option<Topology> =
-        options.closed_regions.then(|| topology::analyse(mesh, &scene.materials));
+        (options.closed_regions || options.outlines).then(|| topology::analyse(mesh, &scene.materials));
     let mut order: Vec<(u64, u32)> = Vec::new();
     let (min, max) = bounds(mesh.positions.iter());
     let scale: [f32; 3] = std::array::from_fn(|a| 1023.0 / (max[a] - min[a]).max(f32::MIN_POSITIVE));
@@ -166,8 +187,9 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
         .map(|&(_, t)| {
             let material = &scene.materials[mesh.triangle_materials[t as usize] as usize];
             let masked = !options.ignore_alpha && material.alpha != crate::scene::AlphaMode::Opaque;
-            let solid = topology.as_ref().is_some_and(|s| s.is_solid(t as usize));
-            ClusterTriangle { triangle: t, casts: material.casts, solid, masked }
+            let solid = options.closed_regions && topology.as_ref().is_some_and(|s| s.is_solid(t as usize));
+            let component = topology.as_ref().map_or(0, |s| s.component_of_triangle[t as usize]);
+            ClusterTriangle { triangle: t, casts: material.casts, solid, masked, component }
         })
         .collect();
     let clusters = triangles
@@ -179,7 +201,8 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
             Cluster { end: (i * CLUSTER_TRIANGLES + chunk.len()) as u32, min, max }
         })
         .collect();
-    MeshClusters { triangles, clusters }
+    let partners = if options.outlines { partners(mesh, &triangles) } else { Vec::new() };
+    MeshClusters { triangles, partners, clusters }
 }
 
 fn bounds<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> ([f32; 3], [f32; 3]) {

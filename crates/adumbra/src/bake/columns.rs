@@ -156,8 +156,17 @@ impl ColumnRules {
 
     /// Low word of a [`FirstSurface`].
     pub(crate) fn surface_info(&self, slope: f64, solid: bool) -> u32 {
-        let bias = (self.bias.along_light(slope) * SUBTEXEL as f64).min(65_535.0) as u32;
-        bias | if solid { 0 } else { OPEN_BIT as u32 }
+        self.bias_fixed(slope) as u32 | if solid { 0 } else { OPEN_BIT as u32 }
+    }
+
+    /// Bias along the light at this slope, 1/256 voxel, at most 16 bits of it.
+    pub(crate) fn bias_fixed(&self, slope: f64) -> FixedDepth {
+        (self.bias.along_light(slope) * SUBTEXEL as f64).min(65_535.0) as FixedDepth
+    }
+
+    /// How far below an open surface a shadow may begin, 1/256 voxel.
+    pub(crate) fn thickness_fixed(&self) -> FixedDepth {
+        (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth
     }
 
     /// Depths, in voxels, at which a surface of this slope asks a column: from the nearest that any look-up uses to the
@@ -222,17 +231,21 @@ impl ColumnRules {
         } else if first.is_solid() {
             Some(base)
         } else {
-            let thickness = (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth;
-            let thickness = thickness.max(first.bias());
+            let thickness = self.thickness_fixed().max(first.bias());
             let half_gap = if nothing_behind { FixedDepth::MAX } else { (next - first.depth()) / 2 };
             Some(first.depth().saturating_add(thickness.min(half_gap)))
         };
-        let x = exit.map_or(FREE_TO_END, |exit| self.quantize(exit).max(e));
-        [e, if x < self.depth_voxels { x } else { FREE_TO_END }]
+        [e, exit.map_or(FREE_TO_END, |exit| self.latest_switch(exit).max(e))]
+    }
+
+    /// x for an exit: [`FREE_TO_END`] at or beyond the grid's end.
+    pub(crate) fn latest_switch(&self, exit: FixedDepth) -> u32 {
+        let x = self.quantize(exit);
+        if x < self.depth_voxels { x } else { FREE_TO_END }
     }
 
     /// `ceil(depth - 1/2)` in whole voxels, kept within the grid.
-    fn quantize(&self, depth: FixedDepth) -> u32 {
+    pub(crate) fn quantize(&self, depth: FixedDepth) -> u32 {
         let steps = i64::from(depth) - SUBTEXEL / 2;
         let voxel = -(-steps).div_euclid(SUBTEXEL);
         voxel.clamp(0, i64::from(self.depth_voxels)) as u32

@@ -1,8 +1,13 @@
 //! What a bake will cost, from a few of its tiles.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::{Options, Plan, Worker};
+use super::descent::{DescentBuffers, build_root};
+use super::graph_sink::GraphSink;
+use super::plain::{self, PlainBuffers};
+use super::plan::Plan;
+use super::{Builder, Options};
 use crate::dag::store::NodeStore;
 use crate::error::Result;
 use crate::scene::Scene;
@@ -31,10 +36,22 @@ const SAMPLES: usize = 48;
 /// As [`super::bake`], but the memory limit is reported in the forecast, not enforced on it.
 pub fn estimate(scene: &Scene, options: &Options) -> Result<Estimate> {
     let plan = Plan::new(scene, &Options { max_memory_bytes: None, ..options.clone() })?;
-    let tiles = (plan.top_dims[0] * plan.top_dims[1]) as usize;
+    let tiles = plan.tiles();
     let sampled = tiles.min(SAMPLES);
-    let mut worker = Worker::default();
-    let mut merged = NodeStore::default();
+    let (mut descent, mut plain) = (DescentBuffers::default(), PlainBuffers::default());
+    let mut build = |tile: usize, store: &NodeStore| -> Result<()> {
+        match options.builder {
+            Builder::Fast => {
+                let sink = GraphSink::new(store, plan.grid.size[2]);
+                build_root(&plan, tile, &sink, &mut descent, &AtomicBool::new(false))?;
+            }
+            Builder::Plain => {
+                plain::build_root(&plan, tile, store, &mut plain);
+            }
+        }
+        Ok(())
+    };
+    let merged = NodeStore::default();
     let mut separate_bytes = 0;
     let mut by_casters: Vec<usize> = (0..tiles).collect();
     by_casters.sort_by_key(|&tile| plan.casters.in_tile(tile).len());
@@ -42,11 +59,13 @@ pub fn estimate(scene: &Scene, options: &Options) -> Result<Estimate> {
     for s in 0..sampled {
         // The middle one of each of as many equal runs.
         let tile = by_casters[(2 * s + 1) * tiles / (2 * sampled)];
-        let mut roots = worker.bake_tile(&plan, tile);
-        separate_bytes += worker.store.graph_bytes();
-        merged.absorb(&worker.store, &mut roots);
+        let alone = NodeStore::default();
+        build(tile, &alone)?;
+        separate_bytes += alone.graph_bytes();
+        build(tile, &merged)?;
     }
-    let seconds = start.elapsed().as_secs_f64() * tiles as f64 / (sampled * plan.workers) as f64;
+    // Each was built twice.
+    let seconds = start.elapsed().as_secs_f64() / 2.0 * tiles as f64 / (sampled * plan.workers) as f64;
     let scale = tiles as f64 / sampled as f64;
     // All tiles alike in bytes is the most; the sharing seen among the few goes on among the many is the least.
     let most = merged.graph_bytes() as f64 * scale;

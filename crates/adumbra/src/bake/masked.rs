@@ -5,9 +5,10 @@
 //! taken together from the light on, and the column begins where half of the places are covered. A texture that is
 //! coarser than the texels is sampled once.
 
-use super::capture::Source;
 use super::columns::FirstSurface;
 use super::project::{FixedDepth, Plane, Projected};
+use super::surface::Surface;
+use crate::light::LightGrid;
 use crate::scene::Scene;
 
 /// Places of a texel along each axis.
@@ -62,13 +63,15 @@ pub(super) struct TriangleMask {
 
 impl TriangleMask {
     /// None for a triangle that is edge-on to the light.
-    pub(super) fn new(scene: &Scene, source: &Source) -> Option<Self> {
-        let mesh = &scene.meshes[scene.instances[source.instance as usize].mesh as usize];
-        let corners = mesh.triangles[source.triangle as usize];
+    pub(super) fn new(scene: &Scene, grid: &LightGrid, surface: &Surface) -> Option<Self> {
+        let instance = &scene.instances[surface.instance as usize];
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let corners = mesh.triangles[surface.triangle as usize];
+        let corners_grid = corners.map(|v| grid.to_grid(instance.to_world(mesh.positions[v as usize])));
         let uv = corners.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or_default());
-        let plane = |a: usize| Projected::attribute_plane(&source.corners_grid, uv.map(|c| f64::from(c[a])));
+        let plane = |a: usize| Projected::attribute_plane(&corners_grid, uv.map(|c| f64::from(c[a])));
         let (u, v) = (plane(0)?, plane(1)?);
-        let material = mesh.triangle_materials[source.triangle as usize];
+        let material = mesh.triangle_materials[surface.triangle as usize];
         let size = scene.materials[material as usize].texture.map_or([1, 1], |t| {
             let texture = &scene.textures[t as usize];
             [texture.width, texture.height]

@@ -19,6 +19,16 @@ pub enum Size {
     VoxelSize(f64),
 }
 
+/// How the columns are found. Both answer every point that must be answered alike; files differ in voxels that nobody sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Builder {
+    /// Block descent: cost follows the silhouettes.
+    #[default]
+    Fast,
+    /// Every texel is drawn: cost follows the area. The judge of the other.
+    Plain,
+}
+
 /// Options of [`super::bake`].
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -42,6 +52,8 @@ pub struct Options {
     pub bias: Bias,
     /// Bytes that the bake may hold; none = no limit.
     pub max_memory_bytes: Option<u64>,
+    /// How the columns are found.
+    pub builder: Builder,
 }
 
 impl Options {
@@ -58,6 +70,7 @@ impl Options {
             bounds: None,
             bias: Bias::default(),
             max_memory_bytes: None,
+            builder: Builder::Fast,
         }
     }
 

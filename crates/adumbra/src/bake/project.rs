@@ -15,6 +15,9 @@ pub(crate) const DEPTH_MAX_VOXELS: f64 = 2_097_152.0;
 /// Snapped coordinates are kept within this, far outside every grid.
 const COORDINATE_LIMIT: f64 = (1_i64 << 40) as f64;
 
+/// Slack of ranges over a square, as a share of the depths they are made of.
+const RELATIVE_SLACK: f64 = 1e-9;
+
 /// Depth in 1/256 voxels.
 pub(crate) type FixedDepth = i32;
 
@@ -34,6 +37,11 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
+    /// |dz/dx| + |dz/dy|.
+    pub(crate) fn gradient_sum(&self) -> f64 {
+        self.gradient[0].abs() + self.gradient[1].abs()
+    }
+
     /// Plane value (a depth, or any attribute that is linear over the triangle) at (x, y).
     pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
         self.origin[2] + self.gradient[1] * (y - self.origin[1]) + self.gradient[0] * (x - self.origin[0])
@@ -45,8 +53,10 @@ impl Plane {
 pub(crate) struct Projected {
     /// Corners in grid units, sorted so that no result depends on the order in which the file lists them.
     pub(crate) corners: [[f64; 3]; 3],
-    /// Snapped corners, anticlockwise in the light's plane as (x, y) axes.
-    snapped: [[i64; 2]; 3],
+    /// Snapped corners, anticlockwise in the light's plane as (x, y) axes: in the order given, or with the last two swapped.
+    pub(crate) snapped: [[i64; 2]; 3],
+    /// The last two were swapped.
+    pub(crate) swapped: bool,
     /// Some product of snapped coordinates may leave 64 bits.
     wide: bool,
     /// The plane over (x, y); none where the triangle is edge-on to the light.
@@ -64,7 +74,6 @@ pub(crate) struct Projected {
 impl Projected {
     /// Projects; `flipped` for instances of negative determinant, whose faces are listed the other way round.
     pub(crate) fn new(corners_grid: [[f64; 3]; 3], flipped: bool) -> Self {
-        let snap = |c: f64| ((c * SUBTEXEL as f64).clamp(-COORDINATE_LIMIT, COORDINATE_LIMIT)).round() as i64;
         let mut snapped = corners_grid.map(|c| [snap(c[0]), snap(c[1])]);
         let wide = snapped.iter().flatten().any(|c| c.abs() > 1 << 29);
         // A right-handed grid whose z runs away from the sun: a face towards the sun is clockwise in (x, y).
@@ -86,6 +95,7 @@ impl Projected {
         Self {
             corners,
             snapped,
+            swapped: area < 0,
             wide,
             plane,
             z_min: z[0].min(z[1]).min(z[2]),
@@ -93,6 +103,18 @@ impl Projected {
             slope,
             faces_sun,
         }
+    }
+
+    /// [`Self::faces_sun`] of a triangle that is drawn at all; none of one that is edge-on.
+    pub(crate) fn drawn_facing(corners_grid: [[f64; 3]; 3], flipped: bool) -> Option<bool> {
+        let [a, b, c] = corners_grid;
+        let area = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
+        if area.abs() < CLEAR_AREA {
+            let shape = Self::new(corners_grid, flipped);
+            return shape.plane.map(|_| shape.faces_sun);
+        }
+        let area = area_snapped(&corners_grid.map(|c| [snap(c[0]), snap(c[1])]));
+        (area != 0).then_some((area < 0) != flipped)
     }
 
     /// Depth at a texel centre, clamped to the triangle's own range; only where [`Self::plane`] is some.
@@ -140,6 +162,89 @@ impl Projected {
         (first, last)
     }
 
+    /// Whether the triangle covers the centre of texel (i, j): what [`Self::span`] says, without a division.
+    pub(crate) fn covers(&self, i: i64, j: i64) -> bool {
+        let (x, y) = (i * SUBTEXEL + SUBTEXEL / 2, j * SUBTEXEL + SUBTEXEL / 2);
+        (0..3).all(|e| {
+            let (a, b) = (self.snapped[e], self.snapped[(e + 1) % 3]);
+            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+            let side = if self.wide {
+                (i128::from(dx) * i128::from(y - a[1]) - i128::from(dy) * i128::from(x - a[0])).signum()
+                    as i64
+            } else {
+                dx * (y - a[1]) - dy * (x - a[0])
+            };
+            side > 0 || (side == 0 && (dy > 0 || (dy == 0 && dx > 0)))
+        })
+    }
+
+    /// The texels of the 8 × 8 from (x, y) whose centres the triangle covers, bit row · 8 + column: what [`Self::span`] says.
+    pub(crate) fn coverage(&self, x: u32, y: u32) -> u64 {
+        if self.wide {
+            let at = |bit: u32| self.covers(i64::from(x + bit % 8), i64::from(y + bit / 8));
+            return (0..64).fold(0, |mask, bit| mask | u64::from(at(bit)) << bit);
+        }
+        let p = [x, y].map(|c| i64::from(c) * SUBTEXEL + SUBTEXEL / 2);
+        let mut covered = u64::MAX;
+        for e in 0..3 {
+            let (a, b) = (self.snapped[e], self.snapped[(e + 1) % 3]);
+            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+            let on_edge_counts = dy > 0 || (dy == 0 && dx > 0);
+            // Inside where this is not negative.
+            let corner = dx * (p[1] - a[1]) - dy * (p[0] - a[0]) - i64::from(!on_edge_counts);
+            let (step_x, step_y) = (-dy * SUBTEXEL, dx * SUBTEXEL);
+            let (far_x, far_y) = (7 * step_x, 7 * step_y);
+            if corner + far_x.min(0) + far_y.min(0) >= 0 {
+                continue;
+            }
+            if corner + far_x.max(0) + far_y.max(0) < 0 {
+                return 0;
+            }
+            let mut inside = 0;
+            for row in 0..8 {
+                let mut side = corner + row * step_y;
+                for column in 0..8 {
+                    inside |= u64::from(side >= 0) << (row * 8 + column);
+                    side += step_x;
+                }
+            }
+            covered &= inside;
+        }
+        covered
+    }
+
+    /// Depth range of the part within the square of half side `reach` around `center`, or more.
+    pub(crate) fn range_near(&self, center: [f64; 2], reach: f64) -> [f64; 2] {
+        let (mut low, mut high) = (self.z_min, self.z_max);
+        if let Some(plane) = &self.plane {
+            let rise = plane.gradient_sum() * reach;
+            let z = plane.at(center[0], center[1]);
+            let slack = RELATIVE_SLACK * (rise + z.abs());
+            low = low.max((z - rise - slack).min(high));
+            high = high.min((z + rise + slack).max(low));
+        }
+        [low, high]
+    }
+
+    /// Depth range of the part in a `band` over the footprint around (x, y), or more; and the plane at its centre with the sum
+    /// of its gradient's magnitudes.
+    pub(crate) fn footprint_range(
+        &self,
+        band: &Band,
+        x: f64,
+        y: f64,
+        half: f64,
+    ) -> ([f64; 2], Option<(f64, f64)>) {
+        let mut range = band.z;
+        let z_plane = self.plane.as_ref().map(|plane| (plane.at(x, y), plane.gradient_sum()));
+        if let Some((z, gradient_sum)) = z_plane {
+            let reach = half * gradient_sum;
+            range[0] = range[0].max((z - reach).min(range[1]));
+            range[1] = range[1].min((z + reach).max(range[0]));
+        }
+        (range, z_plane)
+    }
+
     /// A plane over (x, y) for an attribute given at the corners as the caller lists them.
     pub(crate) fn attribute_plane(corners_grid: &[[f64; 3]; 3], values: [f64; 3]) -> Option<Plane> {
         plane_through(corners_grid, values)
@@ -176,6 +281,13 @@ impl Projected {
 pub(crate) struct Band {
     pub(crate) x: [f64; 2],
     pub(crate) z: [f64; 2],
+}
+
+/// Twice the area, in texels, above which a triangle's plane is finite whatever rounding does.
+const CLEAR_AREA: f64 = 1e-3;
+
+fn snap(c: f64) -> i64 {
+    (c * SUBTEXEL as f64).clamp(-COORDINATE_LIMIT, COORDINATE_LIMIT).round() as i64
 }
 
 fn area_snapped(c: &[[i64; 2]; 3]) -> i128 {

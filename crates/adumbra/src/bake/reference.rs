@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicBool;
 use proptest::prelude::*;
 
 use super::columns::{ColumnRules, FREE_TO_END};
+use super::plan::Plan;
 use super::project::{FixedDepth, Projected, SUBTEXEL};
-use super::{Baked, Options, Plan, Size, bake};
+use super::{Baked, Builder, Options, Size, bake};
 use crate::light::Sun;
 use crate::query::Query;
 use crate::scene::{Instance, Material, Mesh, Scene, topology};
@@ -189,12 +190,14 @@ prop_compose! {
         thickness_world in prop_oneof![Just(0.0), 0.0_f64..4.0],
         assume_ground in any::<bool>(),
         closed_regions in any::<bool>(),
+        fast in any::<bool>(),
     ) -> Options {
         let sun = Sun::from_direction([sun.0, sun.1, sun.2]).expect("a sun above the horizon");
         Options {
             thickness_world,
             assume_ground,
             closed_regions,
+            builder: if fast { Builder::Fast } else { Builder::Plain },
             ..Options::new(sun, Size::Resolution(1 << level))
         }
     }

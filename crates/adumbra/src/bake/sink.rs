@@ -3,7 +3,9 @@
 //!
 //! A block is a square of 2^level × 2^level columns, level 3 at the smallest, aligned to its size. A column's `[e, x]` says
 //! that its switch from lit to shadowed may stand anywhere in it: voxel k must be lit where k < e, shadowed where k >= x.
-//! x = [`FREE_TO_END`](super::columns::FREE_TO_END): no voxel of the column must be shadowed.
+//! x = [`FREE_TO_END`]: no voxel of the column must be shadowed.
+
+use super::columns::{Columns, FREE_TO_END};
 
 /// Columns of the smallest block along a side.
 pub(crate) const BLOCK_SIDE: usize = 8;
@@ -15,13 +17,32 @@ pub(crate) struct BlockColumns {
     pub(crate) x: [u32; BLOCK_SIDE * BLOCK_SIDE],
 }
 
+impl BlockColumns {
+    /// Columns that may be anything.
+    pub(crate) fn free() -> Self {
+        Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] }
+    }
+
+    /// At most 8 × 8 columns, what is missing free.
+    pub(crate) fn padded(columns: &Columns) -> Self {
+        let mut block = Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] };
+        let width = columns.width as usize;
+        for y in 0..columns.height as usize {
+            let (from, to) = (y * width, y * BLOCK_SIDE);
+            block.e[to..to + width].copy_from_slice(&columns.e[from..from + width]);
+            block.x[to..to + width].copy_from_slice(&columns.x[from..from + width]);
+        }
+        block
+    }
+}
+
 /// Something that grows from blocks. Calls come from many threads; equal calls must give blocks of equal meaning, whatever
 /// the order, for the finished bytes may not depend on it.
 pub(crate) trait BlockSink: Sync {
     /// What stands for a finished block until its parent takes it.
     type Block: Send;
 
-    /// A block of 2^level columns a side, all of which may switch anywhere in `[e, x]`, e <= x; [`FREE_TO_END`](super::columns::FREE_TO_END)
+    /// A block of 2^level columns a side, all of which may switch anywhere in `[e, x]`, e <= x; [`FREE_TO_END`]
     /// and e = the grid's depth included.
     fn uniform(&self, level: u32, interval: [u32; 2]) -> Self::Block;
 

@@ -21,10 +21,10 @@ pub(crate) fn build_roots(
     columns: &Columns,
     root_level: u32,
     root_count: u32,
-    store: &mut NodeStore,
+    store: &NodeStore,
 ) -> Vec<NodeState> {
     let pyramid = Pyramid::new(columns, root_level);
-    let mut builder = Builder { columns, pyramid: &pyramid, root_level, store };
+    let builder = Builder { columns, pyramid: &pyramid, root_level, store };
     (0..root_count).map(|k| builder.cube(root_level, 0, 0, k << root_level)).collect()
 }
 
@@ -69,12 +69,12 @@ struct Builder<'a> {
     columns: &'a Columns,
     pyramid: &'a Pyramid,
     root_level: u32,
-    store: &'a mut NodeStore,
+    store: &'a NodeStore,
 }
 
 impl Builder<'_> {
     /// The cube of 2^level voxels at block (bx, by) of its level, from depth z. As deep as the tree has levels.
-    fn cube(&mut self, level: u32, bx: u32, by: u32, z: u32) -> NodeState {
+    fn cube(&self, level: u32, bx: u32, by: u32, z: u32) -> NodeState {
         let across = 1 << (self.root_level - level);
         let [max_e, min_x] =
             self.pyramid.levels[(level - SLAB_NODE_LEVEL) as usize][(by * across + bx) as usize];
@@ -97,7 +97,7 @@ impl Builder<'_> {
 
     /// An 8 × 8 × 8 cube. Each slab is shadowed or lit where it may be, else keeps the slab before it where that is
     /// allowed, else has only those columns lit that must be.
-    fn slabs(&mut self, bx: u32, by: u32, z: u32) -> NodeState {
+    fn slabs(&self, bx: u32, by: u32, z: u32) -> NodeState {
         let block = Block::new(self.columns, bx, by);
         let mut states = [NodeState::Shadowed; 8];
         let mut mask = u64::MAX;

@@ -1,18 +1,29 @@
-//! Hash-consing: every slab and every node is stored once; equal contents get equal references.
+//! Hash-consing: every slab and every node is stored once; equal contents get equal references. Many threads may store at
+//! once.
 //!
-//! Contents are compared in full before two nodes are taken as one; the hash only finds the candidates.
+//! Contents are compared in full before two nodes are taken as one; the hash only finds the candidates. It also picks one
+//! of 64 shards, each behind a lock of its own. References depend on who came first; contents and their number do not.
 //!
 //! | reference | meaning |
 //! |---|---|
-//! | slab | index into `slabs` |
-//! | node, bit 31 = 1 | a level-3 node; bits 30..0 = offset of its header in `cubes` |
-//! | node, bit 31 = 0 | a node above level 3; bits 30..0 = offset of its header in `inner` |
+//! | slab | bits 5..0 = shard, bits 31..6 = index into its `slabs` |
+//! | node, bit 31 = 1 | a level-3 node; bits 5..0 = shard, bits 30..6 = offset of its header in `cubes` |
+//! | node, bit 31 = 0 | a node above level 3; bits 5..0 = shard, bits 30..6 = offset of its header in `inner` |
+//!
+//! Worked value: the level-3 node at word 5 of shard 3 is `0x8000_0143`.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard};
 
 use hashbrown::HashTable;
 
 use super::{STATE_LIT, STATE_MIXED, STATE_SHADOWED};
 
 const CUBE_BIT: u32 = 1 << 31;
+const SHARD_BITS: u32 = 6;
+const SHARDS: usize = 1 << SHARD_BITS;
+/// Words or slabs that a shard's references can tell apart.
+const SHARD_LIMIT: usize = 1 << (31 - SHARD_BITS);
 
 /// What a cube of voxels turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +39,21 @@ pub enum NodeState {
 /// Slabs and nodes without repetition.
 #[derive(Default)]
 pub struct NodeStore {
+    shards: Shards,
+    graph_bytes: AtomicU64,
+    full: AtomicBool,
+}
+
+struct Shards([Mutex<Shard>; SHARDS]);
+
+impl Default for Shards {
+    fn default() -> Self {
+        Self(std::array::from_fn(|_| Mutex::default()))
+    }
+}
+
+#[derive(Default)]
+pub(super) struct Shard {
     pub(super) slabs: Vec<u64>,
     pub(super) cubes: Vec<u32>,
     pub(super) inner: Vec<u32>,
@@ -38,149 +64,150 @@ pub struct NodeStore {
 
 impl NodeStore {
     /// The state of a slab with this mask, 1 = lit.
-    pub fn slab(&mut self, mask: u64) -> NodeState {
+    pub fn slab(&self, mask: u64) -> NodeState {
         match mask {
-            0 => NodeState::Shadowed,
-            u64::MAX => NodeState::Lit,
-            _ => {
-                let slabs = &self.slabs;
-                let hash = |i: &u32| mix(slabs[*i as usize]);
-                let entry = self.slab_table.entry(mix(mask), |i| slabs[*i as usize] == mask, hash);
-                let index = *entry.or_insert(slabs.len() as u32).get();
-                if index as usize == self.slabs.len() {
-                    self.slabs.push(mask);
-                }
-                NodeState::Mixed(index)
-            }
+            0 => return NodeState::Shadowed,
+            u64::MAX => return NodeState::Lit,
+            _ => {}
         }
+        let hash = mix(mask);
+        let (number, mut shard) = self.shard_of(hash);
+        let Shard { slabs, slab_table, .. } = &mut *shard;
+        let same = |i: &u32| slabs[*i as usize] == mask;
+        let entry = slab_table.entry(hash, same, |i| mix(slabs[*i as usize]));
+        let index = *entry.or_insert(slabs.len() as u32).get();
+        if index as usize == slabs.len() {
+            slabs.push(mask);
+            self.note(8, slabs.len());
+        }
+        NodeState::Mixed(index << SHARD_BITS | number)
     }
 
     /// The state of a level-3 node with these slabs, z = 0 first.
-    pub fn cube(&mut self, slabs: &[NodeState; 8]) -> NodeState {
-        match intern(&mut self.cubes, &mut self.cube_table, slabs) {
-            NodeState::Mixed(offset) => NodeState::Mixed(offset | CUBE_BIT),
+    pub fn cube(&self, slabs: &[NodeState; 8]) -> NodeState {
+        match self.intern(slabs, |s| (&mut s.cubes, &mut s.cube_table)) {
+            NodeState::Mixed(reference) => NodeState::Mixed(reference | CUBE_BIT),
             uniform => uniform,
         }
     }
 
     /// The state of a node above level 3 with these children, in child order.
-    pub fn inner(&mut self, children: &[NodeState; 8]) -> NodeState {
-        intern(&mut self.inner, &mut self.inner_table, children)
+    pub fn inner(&self, children: &[NodeState; 8]) -> NodeState {
+        self.intern(children, |s| (&mut s.inner, &mut s.inner_table))
     }
 
-    /// Whether references stay within 31 bits, and finished pointers below the top grid's marks, after
-    /// [`NodeStore::absorb`].
-    pub fn has_room_for(&self, other: &Self) -> bool {
-        let words = |f: fn(&Self) -> usize| f(self) + f(other);
-        let (cubes, inner) = (words(|s| s.cubes.len()), words(|s| s.inner.len()));
-        cubes.max(inner) < CUBE_BIT as usize && words(|s| s.slabs.len()) < u32::MAX as usize
-    }
-
-    /// Takes every node of `other` in and gives the new reference of each of `roots`.
-    pub fn absorb(&mut self, other: &Self, roots: &mut [NodeState]) {
-        let slab_map: Vec<u32> = other
-            .slabs
-            .iter()
-            .map(|&mask| match self.slab(mask) {
-                NodeState::Mixed(index) => index,
-                NodeState::Lit | NodeState::Shadowed => unreachable!("a stored slab is mixed"),
-            })
-            .collect();
-        let mut cube_map = vec![0; other.cubes.len()];
-        let mut inner_map = vec![0; other.inner.len()];
-        for_each_node(&other.cubes, |offset, children| {
-            let state = self.cube(&children.map(|c| map_state(c, |slab| slab_map[slab as usize])));
-            cube_map[offset as usize] = reference(state);
-        });
-        // Children are stored before their parents.
-        for_each_node(&other.inner, |offset, children| {
-            let moved = children.map(|c| map_state(c, |r| moved_node(&cube_map, &inner_map, r)));
-            inner_map[offset as usize] = reference(self.inner(&moved));
-        });
-        for root in roots {
-            *root = map_state(*root, |r| moved_node(&cube_map, &inner_map, r));
-        }
-    }
-
-    /// Empties the store and keeps its memory.
-    pub fn clear(&mut self) {
-        self.slabs.clear();
-        self.cubes.clear();
-        self.inner.clear();
-        self.slab_table.clear();
-        self.cube_table.clear();
-        self.inner_table.clear();
+    /// More was stored than references can tell apart; what is stored is of no use any more.
+    pub fn is_full(&self) -> bool {
+        self.full.load(Ordering::Relaxed)
     }
 
     /// Bytes of the graph itself, without tables.
     pub fn graph_bytes(&self) -> u64 {
-        (self.slabs.len() * 8 + (self.cubes.len() + self.inner.len()) * 4) as u64
+        self.graph_bytes.load(Ordering::Relaxed)
     }
 
     /// Bytes held, with spare room, and with the tables as large as they are while one of them grows.
     pub fn memory_bytes(&self) -> u64 {
-        let tables = [&self.slab_table, &self.cube_table, &self.inner_table];
-        let table_bytes: usize = tables.iter().map(|t| t.allocation_size()).sum();
-        let arenas = self.slabs.capacity() * 8 + (self.cubes.capacity() + self.inner.capacity()) * 4;
-        (arenas + table_bytes * 3 / 2) as u64
+        let bytes = |s: &Shard| {
+            let tables = [&s.slab_table, &s.cube_table, &s.inner_table];
+            let table_bytes: usize = tables.iter().map(|t| t.allocation_size()).sum();
+            s.slabs.capacity() * 8 + (s.cubes.capacity() + s.inner.capacity()) * 4 + table_bytes
+        };
+        self.shards.0.iter().map(|s| bytes(&lock(s)) as u64).sum()
     }
 
-    /// The node behind a reference: whether it is of level 3, and its children.
-    pub(super) fn children(&self, reference: u32) -> (bool, [NodeState; 8]) {
-        let is_cube = reference & CUBE_BIT != 0;
-        let words = if is_cube { &self.cubes } else { &self.inner };
-        (is_cube, children_at(words, (reference & !CUBE_BIT) as usize).0)
+    /// The shards themselves, their tables freed.
+    pub(super) fn into_shards(self) -> Vec<Shard> {
+        let shards = self.shards.0.into_iter();
+        shards
+            .map(|s| {
+                let shard = s.into_inner().unwrap_or_else(|e| e.into_inner());
+                Shard { slabs: shard.slabs, cubes: shard.cubes, inner: shard.inner, ..Shard::default() }
+            })
+            .collect()
     }
 
-    pub(super) fn word_offset(reference: u32) -> usize {
-        (reference & !CUBE_BIT) as usize
+    fn shard_of(&self, hash: u64) -> (u32, MutexGuard<'_, Shard>) {
+        // The tables use the lowest and the highest bits.
+        let number = (hash >> 40) as usize % SHARDS;
+        (number as u32, lock(&self.shards.0[number]))
+    }
+
+    fn note(&self, bytes: usize, length: usize) {
+        self.graph_bytes.fetch_add(bytes as u64, Ordering::Relaxed);
+        if length >= SHARD_LIMIT {
+            self.full.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn intern(
+        &self,
+        children: &[NodeState; 8],
+        pick: impl Fn(&mut Shard) -> (&mut Vec<u32>, &mut HashTable<u32>),
+    ) -> NodeState {
+        let mut buffer = [0; 9];
+        let length = encode(children, &mut buffer);
+        let words = &buffer[..length];
+        match words[0] {
+            0 => return NodeState::Shadowed,
+            ALL_LIT => return NodeState::Lit,
+            _ => {}
+        }
+        let hash = hash_words(words);
+        let (number, mut shard) = self.shard_of(hash);
+        let (arena, table) = pick(&mut shard);
+        let length_at = |offset: u32| 1 + (arena[offset as usize] & 0xaaaa).count_ones() as usize;
+        let node_at = |offset: u32| &arena[offset as usize..offset as usize + length_at(offset)];
+        let next = arena.len() as u32;
+        let entry = table.entry(hash, |o| node_at(*o) == words, |o| hash_words(node_at(*o)));
+        let offset = *entry.or_insert(next).get();
+        if offset == next {
+            arena.extend_from_slice(words);
+            self.note(4 * length, arena.len());
+        }
+        NodeState::Mixed((offset << SHARD_BITS | number) & !CUBE_BIT)
     }
 }
 
-fn moved_node(cube_map: &[u32], inner_map: &[u32], reference: u32) -> u32 {
-    if reference & CUBE_BIT != 0 {
-        cube_map[(reference & !CUBE_BIT) as usize]
-    } else {
-        inner_map[reference as usize]
+fn lock(shard: &Mutex<Shard>) -> MutexGuard<'_, Shard> {
+    shard.lock().unwrap_or_else(|e| e.into_inner())
+}
+
+/// A node's reference taken apart.
+pub(super) struct Place {
+    pub(super) is_cube: bool,
+    pub(super) shard: usize,
+    /// Offset of the header.
+    pub(super) offset: usize,
+}
+
+impl Place {
+    pub(super) fn of(reference: u32) -> Self {
+        Self {
+            is_cube: reference & CUBE_BIT != 0,
+            shard: reference as usize % SHARDS,
+            offset: ((reference & !CUBE_BIT) >> SHARD_BITS) as usize,
+        }
     }
 }
 
-fn reference(state: NodeState) -> u32 {
-    match state {
-        NodeState::Mixed(r) => r,
-        NodeState::Lit | NodeState::Shadowed => unreachable!("a stored node is mixed"),
-    }
+/// Shard and index of a slab.
+pub(super) fn slab_place(reference: u32) -> (usize, usize) {
+    (reference as usize % SHARDS, (reference >> SHARD_BITS) as usize)
 }
 
-fn map_state(state: NodeState, map: impl FnOnce(u32) -> u32) -> NodeState {
-    match state {
-        NodeState::Mixed(r) => NodeState::Mixed(map(r)),
-        uniform => uniform,
-    }
-}
-
-/// Children of the node at `offset`, and how many words it takes.
-fn children_at(words: &[u32], offset: usize) -> ([NodeState; 8], usize) {
+/// Children of the node at `offset`.
+pub(super) fn children_at(words: &[u32], offset: usize) -> [NodeState; 8] {
     let header = words[offset];
-    let mut length = 1;
-    let children = std::array::from_fn(|c| match header >> (2 * c) & 3 {
+    let mut next = offset;
+    std::array::from_fn(|c| match header >> (2 * c) & 3 {
         STATE_SHADOWED => NodeState::Shadowed,
         STATE_LIT => NodeState::Lit,
         _ => {
-            length += 1;
-            NodeState::Mixed(words[offset + length - 1])
+            next += 1;
+            NodeState::Mixed(words[next])
         }
-    });
-    (children, length)
-}
-
-fn for_each_node(words: &[u32], mut visit: impl FnMut(u32, [NodeState; 8])) {
-    let mut offset = 0;
-    while offset < words.len() {
-        let (children, length) = children_at(words, offset);
-        visit(offset as u32, children);
-        offset += length;
-    }
+    })
 }
 
 /// Header and pointers of a node.
@@ -204,26 +231,6 @@ pub(super) fn encode(children: &[NodeState; 8], words: &mut [u32; 9]) -> usize {
 
 /// Header of a node whose children are all lit.
 const ALL_LIT: u32 = 0x5555;
-
-fn intern(arena: &mut Vec<u32>, table: &mut HashTable<u32>, children: &[NodeState; 8]) -> NodeState {
-    let mut buffer = [0; 9];
-    let length = encode(children, &mut buffer);
-    let words = &buffer[..length];
-    match words[0] {
-        0 => return NodeState::Shadowed,
-        ALL_LIT => return NodeState::Lit,
-        _ => {}
-    }
-    let length_at = |offset: u32| 1 + (arena[offset as usize] & 0xaaaa).count_ones() as usize;
-    let node_at = |offset: u32| &arena[offset as usize..offset as usize + length_at(offset)];
-    let next = arena.len() as u32;
-    let entry = table.entry(hash_words(words), |o| node_at(*o) == words, |o| hash_words(node_at(*o)));
-    let offset = *entry.or_insert(next).get();
-    if offset == next {
-        arena.extend_from_slice(words);
-    }
-    NodeState::Mixed(offset)
-}
 
 fn hash_words(words: &[u32]) -> u64 {
     words.iter().fold(words.len() as u64, |h, w| mix(h ^ u64::from(*w)))

@@ -113,7 +113,7 @@ fn bounds_solid(mesh: &Mesh, materials: &[Material], triangle: u32) -> bool {
 }
 
 /// For each vertex the number of its position; equal positions have equal numbers.
-pub(super) fn weld(positions: &[[f32; 3]]) -> Vec<u32> {
+pub(crate) fn weld(positions: &[[f32; 3]]) -> Vec<u32> {
     let mut numbers = HashMap::with_capacity(positions.len() / 2);
     positions
         .iter()

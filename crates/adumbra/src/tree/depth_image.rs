@@ -13,6 +13,7 @@ use crate::bake::capture::{CaptureBuffers, TileRect, capture_layers, working_byt
 use crate::bake::casters::{CasterOptions, Casters};
 use crate::bake::columns::{ColumnRules, for_each_inside};
 use crate::bake::project::FixedDepth;
+use crate::bake::surface::TileSurfaces;
 use crate::light::LightGrid;
 use crate::scene::Scene;
 use crate::settings::{Bias, MAX_SLOPE, Receivers};
@@ -78,8 +79,11 @@ impl DepthImage {
         cancel: &AtomicBool,
     ) -> (Self, u64) {
         let tiles = tiles_of(grid);
-        let caster_options =
-            CasterOptions { closed_regions: options.closed_regions, ignore_alpha: options.ignore_alpha };
+        let caster_options = CasterOptions {
+            closed_regions: options.closed_regions,
+            ignore_alpha: options.ignore_alpha,
+            outlines: false,
+        };
         let casters = Casters::new(scene, caster_options, grid, TILE_SIDE, tiles, 1.0);
         let bias = options.capture_bias;
         let rules = ColumnRules {
@@ -109,7 +113,8 @@ impl DepthImage {
                     height: TILE_SIDE.min(grid.size[1] - corner[1]),
                 };
                 let mut found: Vec<(u32, [FixedDepth; 2])> = Vec::new();
-                capture_layers(&casters, tile, grid, &rules, rect, buffers, |texel, first, crossings| {
+                let surfaces = TileSurfaces { casters: &casters, tile, grid };
+                capture_layers(&surfaces, &rules, rect, buffers, |texel, first, crossings| {
                     let (row, column) = (texel as u32 / rect.width, texel as u32 % rect.width);
                     let texel = row << TILE_LOG2 | column;
                     if !first.is_none() {

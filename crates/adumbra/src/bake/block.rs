@@ -1,0 +1,98 @@
+//! Squares of columns, and the triangles near them: exact tests of what touches, crosses and covers.
+//!
+//! All in the snapped coordinates that decide which texel centres a triangle covers, so nothing here can disagree with the
+//! sampling: a test may err only towards "touches" and "crosses".
+
+use super::project::{Projected, SUBTEXEL};
+use super::surface::Surface;
+
+/// How far outside a block an edge still counts as crossing it, in 1/256 texel: centres lie half a texel inside, and
+/// footprints reach 1/256 over the border.
+const CROSSING_MARGIN: i64 = 4;
+
+/// A square of 2^level × 2^level texels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block {
+    pub(crate) level: u32,
+    /// First texel.
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+}
+
+/// A surface of a root block, with what is the same for all blocks below it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockSurface {
+    pub(crate) surface: Surface,
+    /// Which edges, in the order of [`Projected::snapped`], have no partner that is drawn on the same side: only there can the
+    /// number of layers change.
+    pub(crate) contour: [bool; 3],
+    /// Surfaces of equal group hang together and look the same way.
+    pub(crate) group: u32,
+}
+
+/// A rectangle in 1/256 texel, its ends included.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SnappedRect {
+    low: [i64; 2],
+    high: [i64; 2],
+}
+
+impl Block {
+    /// The quarter `x_bit << 1 | y_bit`.
+    pub(crate) fn quarter(&self, quarter: u32) -> Self {
+        let level = self.level - 1;
+        Self { level, x: self.x + ((quarter >> 1) << level), y: self.y + ((quarter & 1) << level) }
+    }
+
+    /// The block and all within `margin` (1/256 texel) of it.
+    pub(crate) fn snapped(&self, margin: i64) -> SnappedRect {
+        let low = [self.x, self.y].map(|c| i64::from(c) * SUBTEXEL - margin);
+        let side = (SUBTEXEL << self.level) + 2 * margin;
+        SnappedRect { low, high: low.map(|c| c + side) }
+    }
+
+    /// Where an edge counts as crossing.
+    pub(crate) fn crossing_rect(&self) -> SnappedRect {
+        self.snapped(CROSSING_MARGIN)
+    }
+}
+
+impl SnappedRect {
+    /// Whether the triangle comes into the rectangle; may say yes where it only comes near.
+    pub(crate) fn touches(&self, triangle: &Projected) -> bool {
+        let c = &triangle.snapped;
+        for a in 0..2 {
+            if c.iter().all(|p| p[a] < self.low[a]) || c.iter().all(|p| p[a] > self.high[a]) {
+                return false;
+            }
+        }
+        // Beside an edge: anticlockwise, so inside is where the side is positive; a line has both sides.
+        (0..3).all(|e| self.reaches_left_of(c[e], c[(e + 1) % 3]))
+    }
+
+    /// Whether the edge from `a` to `b` comes into the rectangle.
+    pub(crate) fn crossed_by(&self, a: [i64; 2], b: [i64; 2]) -> bool {
+        (0..2).all(|k| a[k].max(b[k]) >= self.low[k] && a[k].min(b[k]) <= self.high[k])
+            && self.reaches_left_of(a, b)
+            && self.reaches_left_of(b, a)
+    }
+
+    /// Whether a corner lies on the line from `a` to `b` or to its left: `dx·(y - a.y) - dy·(x - a.x)` is not negative there.
+    fn reaches_left_of(&self, a: [i64; 2], b: [i64; 2]) -> bool {
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let y = if dx >= 0 { self.high[1] } else { self.low[1] } - a[1];
+        let x = if dy >= 0 { self.low[0] } else { self.high[0] } - a[0];
+        match (dx.checked_mul(y), dy.checked_mul(x)) {
+            (Some(up), Some(right)) => up >= right,
+            _ => i128::from(dx) * i128::from(y) >= i128::from(dy) * i128::from(x),
+        }
+    }
+}
+
+impl BlockSurface {
+    /// Whether the number of layers may change within `rect` because of this surface.
+    pub(crate) fn contour_crosses(&self, rect: &SnappedRect) -> bool {
+        let c = &self.surface.shape.snapped;
+        (0..3).any(|e| self.contour[e] && rect.crossed_by(c[e], c[(e + 1) % 3]))
+    }
+}

@@ -1,0 +1,173 @@
+//! Blocks of columns to nodes, as runs along z: below a silhouette one slab repeats, so a curtain of any height costs a few
+//! operations.
+//!
+//! A block of level n is a list of runs of equal nodes of 2^n voxels a side, nearest first. A parent is made of the aligned
+//! pieces of its quarters' runs.
+
+use super::sink::{BlockColumns, BlockSink};
+use super::switches::{for_each_switch, roundest};
+use crate::dag::SLAB_NODE_LEVEL;
+use crate::dag::store::{NodeState, NodeStore};
+
+/// Builds a graph's nodes into a store.
+pub(super) struct GraphSink<'s> {
+    store: &'s NodeStore,
+    /// Voxels along the light; what lies behind is free.
+    depth: u32,
+}
+
+/// Nodes of one level over a block, nearest first; the last run goes on for ever.
+pub(super) struct Runs(Vec<Run>);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Run {
+    /// Where the next one begins, in nodes.
+    end: u32,
+    state: NodeState,
+}
+
+const FOREVER: u32 = u32::MAX;
+
+impl Runs {
+    fn push(&mut self, end: u32, state: NodeState) {
+        match self.0.last_mut() {
+            Some(last) if last.state == state => last.end = end,
+            _ => self.0.push(Run { end, state }),
+        }
+    }
+}
+
+/// Walks runs node by node.
+struct Cursor<'r> {
+    runs: &'r [Run],
+    at: usize,
+}
+
+impl Cursor<'_> {
+    /// The state at node `z`, which never goes back, and where it ends.
+    fn state(&mut self, z: u32) -> Run {
+        while self.runs[self.at].end <= z {
+            self.at += 1;
+        }
+        self.runs[self.at]
+    }
+}
+
+impl<'s> GraphSink<'s> {
+    pub(super) fn new(store: &'s NodeStore, depth: u32) -> Self {
+        Self { store, depth }
+    }
+
+    /// The first `count` nodes of a root block.
+    pub(super) fn roots(&self, runs: Runs, level: u32, count: u32) -> Vec<NodeState> {
+        debug_assert!(count.saturating_sub(1) << level < self.depth.max(1));
+        let mut cursor = Cursor { runs: &runs.0, at: 0 };
+        (0..count).map(|z| cursor.state(z).state).collect()
+    }
+
+    /// All lit up to `depth`, shadowed from there on.
+    fn switch_at(&self, level: u32, depth: u32) -> Runs {
+        let whole = depth >> level;
+        let mut runs = Runs(Vec::with_capacity(3));
+        if depth >= self.depth {
+            runs.push(FOREVER, NodeState::Lit);
+            return runs;
+        }
+        if whole > 0 {
+            runs.push(whole, NodeState::Lit);
+        }
+        let inside = depth & ((1 << level) - 1);
+        if inside > 0 {
+            runs.push(whole + 1, self.split_node(level, inside));
+        }
+        runs.push(FOREVER, NodeState::Shadowed);
+        runs
+    }
+
+    /// A node that is lit before layer `inside` of its own and shadowed from there on, all over.
+    fn split_node(&self, level: u32, inside: u32) -> NodeState {
+        let half = 1 << (level - 1);
+        if level == SLAB_NODE_LEVEL {
+            return self.store.cube(&std::array::from_fn(|k| {
+                if (k as u32) < inside { NodeState::Lit } else { NodeState::Shadowed }
+            }));
+        }
+        let below = |from: u32| match inside {
+            _ if inside <= from => NodeState::Shadowed,
+            _ if inside >= from + half => NodeState::Lit,
+            _ => self.split_node(level - 1, inside - from),
+        };
+        let [near, far] = [below(0), below(half)];
+        self.store.inner(&[near, far, near, far, near, far, near, far])
+    }
+}
+
+impl BlockSink for GraphSink<'_> {
+    type Block = Runs;
+
+    fn uniform(&self, level: u32, [e, x]: [u32; 2]) -> Runs {
+        self.switch_at(level, roundest(e, x))
+    }
+
+    fn leaf(&self, columns: &BlockColumns) -> Runs {
+        let mut runs = Runs(Vec::with_capacity(8));
+        let (mut mask, mut state) = (u64::MAX, NodeState::Lit);
+        // The first cube that no run covers yet, and the one in which the mask was last seen to change.
+        let mut next_cube = 0;
+        let mut changing: Option<(u32, [NodeState; 8])> = None;
+        for_each_switch(columns, |switch| {
+            if switch.depth >= self.depth {
+                return;
+            }
+            let cube = switch.depth >> SLAB_NODE_LEVEL;
+            if let Some((z, slabs)) = changing.take_if(|(z, _)| *z != cube) {
+                runs.push(z + 1, self.store.cube(&slabs));
+                next_cube = z + 1;
+            }
+            if cube > next_cube {
+                runs.push(cube, self.curtain(state));
+                next_cube = cube;
+            }
+            let (_, slabs) = changing.get_or_insert((cube, [state; 8]));
+            mask &= !switch.columns;
+            state = self.store.slab(mask);
+            slabs[(switch.depth & 7) as usize..].fill(state);
+        });
+        if let Some((z, slabs)) = changing {
+            runs.push(z + 1, self.store.cube(&slabs));
+        }
+        runs.push(FOREVER, self.curtain(state));
+        runs
+    }
+
+    fn join(&self, _level: u32, quarters: [Runs; 4]) -> Runs {
+        let mut runs = Runs(Vec::with_capacity(8));
+        let mut cursors = quarters.each_ref().map(|q| Cursor { runs: &q.0, at: 0 });
+        let mut z = 0;
+        loop {
+            let near = cursors.each_mut().map(|c| c.state(2 * z));
+            // Parents whose eight children all lie in the same four runs.
+            let together = near.iter().map(|r| r.end).min().unwrap_or(FOREVER);
+            let whole = if together == FOREVER { FOREVER } else { together / 2 };
+            let (end, far) = if whole > z {
+                (whole, near)
+            } else {
+                (z + 1, cursors.each_mut().map(|c| c.state(2 * z + 1)))
+            };
+            let [a, b, c, d] = near.map(|r| r.state);
+            let [e, f, g, h] = far.map(|r| r.state);
+            runs.push(end, self.store.inner(&[a, e, b, f, c, g, d, h]));
+            if end == FOREVER {
+                return runs;
+            }
+            z = end;
+        }
+    }
+}
+
+impl GraphSink<'_> {
+    /// A cube of eight equal slabs.
+    fn curtain(&self, slab: NodeState) -> NodeState {
+        self.store.cube(&[slab; 8])
+    }
+}

@@ -1,0 +1,235 @@
+//! What can be said of a whole block of columns from the triangles near it, without sampling one.
+//!
+//! The bounds are those of the block descent: E, at least the largest e of the block's columns, and X, at most their
+//! smallest x; the block is *resolved* where X >= E. They rest on one fact. Surfaces that hang together and look the same way
+//! cover every texel centre of a block equally often unless an edge at which the one side ends (a contour of a solid, the
+//! border of an open surface) comes into the block. So one sample tells whether such a group covers the block, and then its
+//! depth range there bounds the first surface. Everything else errs outwards: a bound that is too weak costs time, never an
+//! answer.
+
+use super::block::{Block, BlockSurface};
+use super::columns::{ColumnRules, FREE_TO_END, ReceiverKind};
+use super::project::{FixedDepth, SUBTEXEL, fixed_depth};
+
+/// Slack of depths that are computed over a block and sampled at its texels, in 1/256 voxel.
+const DEPTH_SLACK: FixedDepth = 2;
+/// Slack of a footprint's half side for the snapping of corners, texels.
+const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
+
+/// What is known of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Every column may switch anywhere in `[e, x]`.
+    Resolved([u32; 2]),
+    /// Look closer.
+    Unresolved,
+}
+
+/// Buffers that one worker reuses from block to block.
+#[derive(Default)]
+pub(crate) struct JudgeBuffers {
+    groups: Vec<Group>,
+}
+
+/// The surfaces of one group near a block.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    /// Places in the list.
+    from: u32,
+    to: u32,
+    kind: Kind,
+    /// Range of depth over the block and its footprints.
+    z_low: FixedDepth,
+    z_high: FixedDepth,
+    /// A contour of it comes into the block.
+    contour: bool,
+    /// Ranges of the planes' gradients, and the largest sum of a gradient's magnitudes.
+    gradient_low: [f64; 2],
+    gradient_high: [f64; 2],
+    gradient_sum: f64,
+    /// The smallest bias at a slope of the group.
+    bias: FixedDepth,
+}
+
+/// How the surfaces of a group are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Not sampled: edge-on, or it does not cast.
+    Receiver,
+    /// The side of a solid that the light enters.
+    SolidFront,
+    /// The side that it leaves.
+    SolidBack,
+    /// An open surface without holes.
+    Open,
+    /// A surface with holes.
+    Masked,
+}
+
+/// Judges `block` by the surfaces near it: `list` has the places in `surfaces`, ascending, of all that come within reach of
+/// its columns' footprints.
+pub(crate) fn judge(
+    block: &Block,
+    surfaces: &[BlockSurface],
+    list: &[u32],
+    rules: &ColumnRules,
+    buffers: &mut JudgeBuffers,
+) -> Verdict {
+    let groups = &mut buffers.groups;
+    gather_groups(block, surfaces, list, rules, groups);
+    let (i, j) = (i64::from(block.x), i64::from(block.y));
+    let layers = |g: &Group| {
+        list[g.from as usize..g.to as usize]
+            .iter()
+            .filter(|&&s| surfaces[s as usize].surface.shape.covers(i, j))
+            .count()
+    };
+    // What has no contour here covers all or nothing; what covers nothing is nobody's first surface.
+    let mut covering: Option<(FixedDepth, usize, usize)> = None;
+    for (n, g) in groups.iter_mut().enumerate() {
+        if g.contour || g.kind == Kind::Receiver || g.kind == Kind::Masked {
+            continue;
+        }
+        let count = layers(g);
+        if count == 0 {
+            g.kind = Kind::Receiver;
+        } else if covering.is_none_or(|(nearest, ..)| g.z_high < nearest) {
+            covering = Some((g.z_high, n, count));
+        }
+    }
+    let Some((e, cover, cover_layers)) = covering else {
+        let empty = groups.iter().all(|g| g.kind == Kind::Receiver);
+        return if empty {
+            Verdict::Resolved([rules.depth_voxels, FREE_TO_END])
+        } else {
+            Verdict::Unresolved
+        };
+    };
+    let x = earliest_exit(groups, e, cover, cover_layers, rules);
+    let e = rules.quantize(e);
+    let x = x.map_or(FREE_TO_END, |x| rules.latest_switch(x));
+    if x >= e { Verdict::Resolved([e, x]) } else { Verdict::Unresolved }
+}
+
+/// A depth that no column's exit comes before, given that every first surface is at `e` or nearer; none where no voxel must
+/// be shadowed.
+fn earliest_exit(
+    groups: &[Group],
+    e: FixedDepth,
+    cover: usize,
+    cover_layers: usize,
+    rules: &ColumnRules,
+) -> Option<FixedDepth> {
+    let could_be_first = |g: &&Group| g.kind != Kind::Receiver && g.z_low <= e;
+    let is_solid = |g: &&Group| matches!(g.kind, Kind::SolidFront | Kind::SolidBack);
+    let smallest = |values: &mut dyn Iterator<Item = FixedDepth>| values.min().unwrap_or(FixedDepth::MAX);
+
+    // A column whose first surface is a solid's leaves it at a back of some solid.
+    let solid_first = groups.iter().filter(could_be_first).any(|g| is_solid(&g));
+    let solid_exit = smallest(&mut groups.iter().filter(|g| g.kind == Kind::SolidBack).map(|g| g.z_low));
+    let open_first = || groups.iter().filter(could_be_first).filter(|g| !is_solid(g));
+    let open_low = smallest(&mut open_first().map(|g| g.z_low));
+    let bias = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.bias));
+
+    // A first surface that is one smooth layer over the whole block does not lie behind itself.
+    let first = &groups[cover];
+    let alone = first.kind == Kind::Open && cover_layers == 1 && open_first().count() == 1 && !solid_first;
+    let smooth = alone && first.rise_over_footprint() <= f64::from(first.bias - DEPTH_SLACK);
+    let base_low = if solid_first { solid_exit.min(open_low) } else { open_low };
+    let threshold = base_low.saturating_add(bias);
+    let others = || groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover)).map(|(_, g)| g);
+    let nothing_behind = others().all(|g| g.z_high <= threshold);
+    if nothing_behind && rules.assume_ground {
+        return None;
+    }
+    let mut exit = FixedDepth::MAX;
+    if solid_first {
+        exit = exit.min(solid_exit);
+    }
+    if open_low != FixedDepth::MAX {
+        // The next surface lies behind the first by its bias at least.
+        let half_gap = smallest(&mut others().filter(|g| g.z_high > threshold).map(|g| {
+            let gap = if g.z_low > e { g.z_low - e } else { 0 };
+            (gap / 2).max(bias / 2)
+        }));
+        let thickness = rules.thickness_fixed().max(bias);
+        exit = exit.min(open_low.saturating_add(thickness.min(half_gap)));
+    }
+    Some(exit)
+}
+
+impl Group {
+    /// How much farther than the surface at a texel's centre a point of the same smooth layer may seem to lie within the
+    /// texel's footprint, in 1/256 voxel.
+    fn rise_over_footprint(&self) -> f64 {
+        let bend: f64 = (0..2).map(|a| self.gradient_high[a] - self.gradient_low[a]).sum();
+        let half = ReceiverKind::Everywhere.footprint_half_texels() + FOOTPRINT_SLACK;
+        half * (bend + self.gradient_sum) * SUBTEXEL as f64
+    }
+}
+
+fn gather_groups(
+    block: &Block,
+    surfaces: &[BlockSurface],
+    list: &[u32],
+    rules: &ColumnRules,
+    groups: &mut Vec<Group>,
+) {
+    groups.clear();
+    let crossing = block.crossing_rect();
+    let side = f64::from(1_u32 << block.level);
+    let center = [f64::from(block.x) + side / 2.0, f64::from(block.y) + side / 2.0];
+    let reach = side / 2.0 + ReceiverKind::Everywhere.footprint_half_texels();
+    let mut last = None;
+    for (place, &s) in list.iter().enumerate() {
+        let surface = &surfaces[s as usize];
+        if last != Some(surface.group) {
+            last = Some(surface.group);
+            groups.push(Group::new(place as u32, surface));
+        }
+        let Some(group) = groups.last_mut() else { continue };
+        group.to = place as u32 + 1;
+        group.add(surface, center, reach, rules);
+        group.contour = group.contour || (group.kind != Kind::Receiver && surface.contour_crosses(&crossing));
+    }
+}
+
+impl Group {
+    fn new(from: u32, first: &BlockSurface) -> Self {
+        let s = &first.surface;
+        let kind = match (s.casts && s.shape.plane.is_some(), s.masked, s.solid) {
+            (false, ..) => Kind::Receiver,
+            (true, true, _) => Kind::Masked,
+            (true, false, true) if s.shape.faces_sun => Kind::SolidFront,
+            (true, false, true) => Kind::SolidBack,
+            (true, false, false) => Kind::Open,
+        };
+        Self {
+            from,
+            to: from,
+            kind,
+            z_low: FixedDepth::MAX,
+            z_high: FixedDepth::MIN,
+            contour: kind == Kind::Masked,
+            gradient_low: [f64::INFINITY; 2],
+            gradient_high: [f64::NEG_INFINITY; 2],
+            gradient_sum: 0.0,
+            bias: FixedDepth::MAX,
+        }
+    }
+
+    fn add(&mut self, surface: &BlockSurface, center: [f64; 2], reach: f64, rules: &ColumnRules) {
+        let shape = &surface.surface.shape;
+        let [low, high] = shape.range_near(center, reach);
+        if let Some(plane) = &shape.plane {
+            for a in 0..2 {
+                self.gradient_low[a] = self.gradient_low[a].min(plane.gradient[a]);
+                self.gradient_high[a] = self.gradient_high[a].max(plane.gradient[a]);
+            }
+            self.gradient_sum = self.gradient_sum.max(plane.gradient_sum());
+        }
+        self.bias = self.bias.min(rules.bias_fixed(shape.slope));
+        self.z_low = self.z_low.min(fixed_depth(low) - DEPTH_SLACK);
+        self.z_high = self.z_high.max(fixed_depth(high) + DEPTH_SLACK);
+    }
+}
