@@ -12,6 +12,8 @@ mod descent;
 mod estimate;
 mod gather;
 mod graph_sink;
+#[cfg(test)]
+pub(crate) mod into;
 mod judge;
 mod leaf;
 mod masked;

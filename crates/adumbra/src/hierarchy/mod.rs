@@ -47,8 +47,6 @@
 mod census;
 mod choose;
 mod code;
-#[cfg(test)]
-mod drive;
 mod encode;
 mod from_columns;
 mod leaf;

@@ -2,11 +2,10 @@
 
 use proptest::prelude::*;
 
-use super::drive::{Drive, of_tile};
 use super::sink::HierarchySink;
 use super::{Hierarchy, NEVER};
-use crate::bake::capture::CaptureBuffers;
 use crate::bake::columns::{Columns, FREE_TO_END};
+use crate::bake::into::Blocks;
 use crate::bake::{Options, Size};
 use crate::light::Sun;
 use crate::scene;
@@ -57,7 +56,10 @@ impl World {
 
 fn build(columns: &Columns, level: u32, merged: bool) -> Hierarchy {
     let size = [columns.width, columns.height, 500_000];
-    Hierarchy::from_columns(size, level, merged, |i, j| of_tile(columns, i, j))
+    Hierarchy::from_columns(size, level, merged, |i, j| {
+        let at = (j * columns.width + i) as usize;
+        [columns.e[at], columns.x[at]]
+    })
 }
 
 /// Whether a column's answers are all that `[e, x]` asks for, and slabs and depths the same.
@@ -148,16 +150,20 @@ fn hierarchy_keeps_equal_shapes_at_different_depths_once() {
     assert_eq!((merged.value(40, 10), plain.value(240, 20)), (1000, 7000));
 }
 
+fn bake(blocks: &Blocks<'_>, merged: bool) -> Hierarchy {
+    let sink = HierarchySink::new(blocks.root_level(), merged);
+    let roots = blocks.into_sink(&sink).expect("a small bake");
+    sink.finish(blocks.grid().size, blocks.root_level(), roots)
+}
+
 #[test]
 fn hierarchy_is_the_same_whatever_the_order_of_blocks() {
     let scene = scene::generate(scene::GeneratedKind::Primitives, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
-    let drive = Drive::new(&scene, &Options::new(sun, Size::Resolution(256)));
+    let options = Options::new(sun, Size::Resolution(256));
     let of_threads = |threads, merged| {
-        let sink = HierarchySink::new(drive.root_level, merged);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
-        let blocks = pool.install(|| drive.blocks(&sink));
-        sink.finish(drive.grid.size, drive.root_level, blocks)
+        pool.install(|| bake(&Blocks::new(&scene, &options).expect("a small plan"), merged))
     };
     for merged in [true, false] {
         let one = of_threads(1, merged);
@@ -182,46 +188,34 @@ fn shared_scene(name: &str) -> Option<scene::Scene> {
 fn shared_hierarchy_answers_every_defined_voxel() {
     for name in ["kaykit_city_21", "alpine-2"] {
         let Some(scene) = shared_scene(name) else { return };
-        let drive = Drive::new(&scene, &shared_options(name, 1024));
-        let sink = HierarchySink::new(drive.root_level, true);
-        let blocks = drive.blocks(&sink);
-        let found = sink.finish(drive.grid.size, drive.root_level, blocks);
+        let blocks = Blocks::new(&scene, &shared_options(name, 1024)).expect("a good plan");
+        let found = bake(&blocks, true);
         assert_eq!(found.validate(), Ok(()));
-        let side = 1 << drive.root_level;
-        let (mut buffers, mut columns) = (CaptureBuffers::default(), Columns::default());
-        let across = drive.grid.size[0].div_ceil(side);
-        for tile in 0..across * drive.grid.size[1].div_ceil(side) {
-            drive.columns(tile, &mut buffers, &mut columns);
-            for at in 0..columns.e.len() {
-                let i = tile % across * side + at as u32 % columns.width;
-                let j = tile / across * side + at as u32 / columns.width;
-                check_column(&found, i, j, [columns.e[at], columns.x[at]]);
-            }
-        }
+        blocks.for_each_column(|i, j, column| check_column(&found, i, j, column));
     }
 }
 
-/// The table of docs/layouts-hierarchy.md: `ADUMBRA_FULL=1 cargo test --release --workspace shared_hierarchy_bytes -- --nocapture`.
+/// Bytes as docs/layouts-hierarchy.md has them, with `ADUMBRA_FULL=1`; `ADUMBRA_SCENES` names the scenes, `ADUMBRA_RESOLUTION` how fine.
 #[test]
 fn shared_hierarchy_bytes() {
     if !shared_folder::full() {
         return;
     }
-    let names = std::env::var("ADUMBRA_SCENES")
-        .unwrap_or_else(|_| "box-city-5k,kaykit_city_21,alpine-2,jacksboro,delft".to_owned());
-    for name in names.split(',') {
+    let told = |name, default: &str| std::env::var(name).unwrap_or_else(|_| default.to_owned());
+    let resolution = told("ADUMBRA_RESOLUTION", "8192").parse().expect("a resolution");
+    for name in told("ADUMBRA_SCENES", "box-city-5k,kaykit_city_21,alpine-2,jacksboro,delft").split(',') {
         let Some(scene) = shared_scene(name) else { return };
-        let drive = Drive::new(&scene, &shared_options(name, 8192));
-        let sizes = [false, true].map(|merged| {
-            let sink = HierarchySink::new(drive.root_level, merged);
-            let blocks = drive.blocks(&sink);
-            let found = sink.finish(drive.grid.size, drive.root_level, blocks);
+        let blocks = Blocks::new(&scene, &shared_options(name, resolution)).expect("a good plan");
+        for merged in [false, true] {
+            let start = std::time::Instant::now();
+            let found = bake(&blocks, merged);
+            let seconds = start.elapsed().as_secs_f64();
             assert_eq!(found.validate(), Ok(()));
-            if merged {
-                eprintln!("{:?}", found.census());
-            }
-            found.bytes()
-        });
-        eprintln!("{name}: plain {} merged {}", sizes[0], sizes[1]);
+            eprintln!(
+                "{name} {resolution} merged={merged}: {} bytes in {seconds:.1} s, {:?}",
+                found.bytes(),
+                found.census()
+            );
+        }
     }
 }
