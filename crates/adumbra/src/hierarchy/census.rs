@@ -12,8 +12,12 @@ pub struct Census {
     pub nodes: u64,
     /// Leaves.
     pub leaves: u64,
-    /// Leaves by how many planes they have, from 1 on.
-    pub leaves_by_planes: [u64; 6],
+    /// Children of nodes by what stands for them: size · 2 + kind of the table in [`crate::hierarchy`].
+    pub children: [u64; 8],
+    /// Leaves by how many planes they have, from 0 on.
+    pub leaves_by_planes: [u64; 7],
+    /// Leaves with a gradient.
+    pub slanted_leaves: u64,
     /// Addresses and bases of roots.
     pub top_bytes: u64,
     /// What half-words cannot say.
@@ -47,16 +51,19 @@ impl Hierarchy {
             if level == LEAF_LEVEL {
                 let head = LeafHead::new(code.half(at));
                 census.leaves += 1;
-                census.leaves_by_planes[head.planes() as usize - 1] += 1;
+                census.leaves_by_planes[head.planes() as usize] += 1;
+                census.slanted_leaves += u64::from(head.slanted);
                 census.depth_bytes += 2 * u64::from(head.planes_at());
                 census.plane_bytes += 8 * u64::from(head.planes());
                 continue;
             }
             census.nodes += 1;
             census.head_bytes += 6;
-            let [low, high] = [0, 1].map(|h| code.half(at + h).count_ones());
-            census.field_bytes += 2 * u64::from(low + 2 * high);
+            let [low, high, kind] = [0, 1, 2].map(|h| code.half(at + h));
+            census.field_bytes += 2 * u64::from(low.count_ones() + 2 * high.count_ones());
             for c in 0..16 {
+                let [low, high, kind] = [low, high, kind].map(|half| half >> c & 1);
+                census.children[(4 * high + 2 * low + kind) as usize] += 1;
                 if let Child::Shape { at, .. } = code.child(at, c) {
                     open.push((at, level - NODE_LEVELS));
                 }

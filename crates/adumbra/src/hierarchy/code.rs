@@ -1,5 +1,6 @@
 //! Reading shapes from half-words. The words must have been validated.
 
+use super::slant::Slant;
 use super::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
 /// Addresses that a near pointer names outright are below this; it is its highest bit too.
@@ -9,6 +10,8 @@ pub(super) const NEAR: u32 = 1 << 15;
 pub(super) const LEAF_NEVER: u32 = 1 << 6;
 /// Where the width of its differences stands in it.
 pub(super) const LEAF_WIDTH: u32 = 7;
+/// Bit of it: a gradient follows.
+pub(super) const LEAF_SLANTED: u32 = 1 << 9;
 
 /// What holds a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,11 +43,17 @@ pub(super) struct LeafHead {
     pub(super) never: bool,
     /// Differences take 8 << width bits.
     pub(super) width: u32,
+    pub(super) slanted: bool,
 }
 
 impl LeafHead {
     pub(super) fn new(half: u32) -> Self {
-        Self { last: half & 63, never: half & LEAF_NEVER != 0, width: half >> LEAF_WIDTH & 3 }
+        Self {
+            last: half & 63,
+            never: half & LEAF_NEVER != 0,
+            width: half >> LEAF_WIDTH & 3,
+            slanted: half & LEAF_SLANTED != 0,
+        }
     }
 
     /// Depths that are differences: all but the base and [`NEVER`].
@@ -52,9 +61,14 @@ impl LeafHead {
         self.last - u32::from(self.never)
     }
 
+    /// Half-words before the differences.
+    pub(super) fn differences_at(self) -> u32 {
+        1 + u32::from(self.slanted)
+    }
+
     /// Half-words before the planes.
     pub(super) fn planes_at(self) -> u32 {
-        1 + ((self.differences() << self.width) + 1) / 2
+        self.differences_at() + ((self.differences() << self.width) + 1) / 2
     }
 
     pub(super) fn planes(self) -> u32 {
@@ -74,7 +88,7 @@ pub(super) struct Code<'c> {
     pub(super) wide: &'c [[u32; 2]],
 }
 
-impl Code<'_> {
+impl<'c> Code<'c> {
     pub(super) fn half(self, at: u32) -> u32 {
         self.words[(at >> 1) as usize] >> (16 * (at & 1)) & 0xffff
     }
@@ -132,51 +146,86 @@ impl Code<'_> {
         Place::Leaf { at, base }
     }
 
-    /// Difference `index` of the leaf at `at`.
-    fn difference(self, at: u32, width: u32, index: u32) -> u32 {
-        match width {
-            0 => self.half(at + 1 + index / 2) >> (8 * (index & 1)) & 0xff,
-            1 => self.half(at + 1 + index),
-            _ => self.two_halves(at + 1 + 2 * index),
+    /// A leaf, for its columns and slabs.
+    pub(super) fn leaf(self, at: u32, base: u32) -> LeafCode<'c> {
+        let head = LeafHead::new(self.half(at));
+        let slant = if head.slanted { Slant::from_half(self.half(at + 1)) } else { Slant::default() };
+        LeafCode { code: self, at, base, head, slant }
+    }
+}
+
+/// A leaf in the code.
+#[derive(Clone, Copy)]
+pub(super) struct LeafCode<'c> {
+    code: Code<'c>,
+    at: u32,
+    base: u32,
+    head: LeafHead,
+    slant: Slant,
+}
+
+impl LeafCode<'_> {
+    fn difference(self, index: u32) -> u32 {
+        let first = self.at + self.head.differences_at();
+        match self.head.width {
+            0 => self.code.half(first + index / 2) >> (8 * (index & 1)) & 0xff,
+            1 => self.code.half(first + index),
+            _ => self.code.two_halves(first + 2 * index),
         }
     }
 
-    /// Depth of a column of the leaf at `at`.
-    pub(super) fn leaf_value(self, at: u32, base: u32, column: u32) -> u32 {
-        let head = LeafHead::new(self.half(at));
-        let planes = at + head.planes_at() + (column >> 4);
-        let rank = (0..head.planes())
-            .fold(0, |rank, p| rank | (self.half(planes + 4 * p) >> (column & 15) & 1) << p);
-        if rank > head.differences() {
-            return if head.never { NEVER } else { base };
-        }
-        (0..rank).fold(base, |value, d| value.wrapping_add(self.difference(at, head.width, d)))
+    fn plane(self, p: u32) -> u64 {
+        self.code.four_halves(self.at + self.head.planes_at() + 4 * p)
     }
 
-    /// Columns of the leaf at `at` that are lit at depth k.
-    pub(super) fn leaf_slab(self, at: u32, base: u32, k: u32) -> u64 {
-        if k < base {
-            return u64::MAX;
+    /// Depth at which a column switches.
+    pub(super) fn value(self, column: u32) -> u32 {
+        let rank =
+            (0..self.head.planes()).fold(0, |rank, p| rank | (self.plane(p) >> column & 1) as u32 * (1 << p));
+        if rank > self.head.differences() {
+            return if self.head.never { NEVER } else { self.base };
         }
-        let head = LeafHead::new(self.half(at));
-        let mut value = base;
-        let mut passed = 1;
-        for d in 0..head.differences() {
-            value = value.wrapping_add(self.difference(at, head.width, d));
-            if k < value {
+        let depth = (0..rank).fold(self.base, |depth, d| depth.wrapping_add(self.difference(d)));
+        depth.wrapping_sub(self.slant.rise(column))
+    }
+
+    /// Columns that are lit at depth k.
+    pub(super) fn slab(self, k: u32) -> u64 {
+        let largest_rise = self.slant.largest_rise();
+        // Ranks that are dark all over, and the columns of others that are.
+        let (mut dark_ranks, mut dark) = (0, 0);
+        let mut depth = self.base;
+        for rank in 0..=self.head.differences() {
+            if rank > 0 {
+                depth = depth.wrapping_add(self.difference(rank - 1));
+            }
+            if k.wrapping_add(largest_rise) < depth {
                 break;
             }
-            passed += 1;
+            if depth <= k {
+                dark_ranks += 1;
+            } else {
+                dark |= self.of_rank(rank) & !self.slant.below(depth - k);
+            }
         }
-        if passed > head.last {
+        !dark & self.from_rank(dark_ranks)
+    }
+
+    /// Columns of one rank.
+    fn of_rank(self, rank: u32) -> u64 {
+        (0..self.head.planes())
+            .fold(u64::MAX, |mask, p| mask & if rank >> p & 1 == 1 { self.plane(p) } else { !self.plane(p) })
+    }
+
+    /// Columns of at least this rank: all 64 compared at once, the highest bit first.
+    fn from_rank(self, rank: u32) -> u64 {
+        if rank > self.head.last {
             return 0;
         }
-        // Ranks of at least `passed`, all 64 at once, highest bit first.
-        let planes = at + head.planes_at();
         let (mut more, mut equal) = (0, u64::MAX);
-        for p in (0..head.planes()).rev() {
-            let plane = self.four_halves(planes + 4 * p);
-            if passed >> p & 1 == 0 {
+        for p in (0..self.head.planes()).rev() {
+            let plane = self.plane(p);
+            if rank >> p & 1 == 0 {
                 more |= equal & plane;
                 equal &= !plane;
             } else {

@@ -34,11 +34,14 @@
 //! *near*: an address below 2^15, or bit 15 = 1 and bits 14..0 = half-words from the shape's address back to it. *far*: an address, lower half
 //! first. *delta*: two's complement.
 //!
-//! A leaf has n = 2 to 64 different depths v0 < v1 < … of which the last may be [`NEVER`]; v0 is the base.
+//! A leaf has n = 1 to 64 different depths v0 < v1 < … of which the last may be [`NEVER`]; v0 is the base. A *slanted* one has planes in their
+//! place: gx and gy eighths of a voxel a column, and the depths are those at the plane's deepest corner. Column (x, y) then switches nearer
+//! by `(|gx|·dx + |gy|·dy + 7) >> 3`, where dx = 7 − x for gx > 0, else x, and dy likewise.
 //!
 //! | half-words | meaning |
 //! |---|---|
-//! | 1 | bits 5..0: n − 1; bit 6: the last never switches; bits 8..7: w, its differences take 8 << w bits; the rest zero |
+//! | 1 | bits 5..0: n − 1; bit 6: the last never switches; bits 8..7: w, its differences take 8 << w bits; bit 9: slanted; the rest zero |
+//! | 1 if slanted | gx in bits 7..0, gy in bits 15..8, two's complement |
 //! | by w | v1 − v0, v2 − v1, … without that to a last one that never switches; padded with zeros |
 //! | 4 a plane | bit p of each column's rank among the depths, p from 0; column `y·8 + x` is that bit of the 64, lowest half-word first |
 //!
@@ -51,6 +54,7 @@ mod encode;
 mod from_columns;
 mod leaf;
 pub(crate) mod sink;
+mod slant;
 mod store;
 #[cfg(test)]
 mod tests;
@@ -95,7 +99,7 @@ impl Hierarchy {
     pub fn value(&self, i: u32, j: u32) -> u32 {
         match self.place(i, j) {
             Place::Uniform(value) => value,
-            Place::Leaf { at, base } => self.shapes().leaf_value(at, base, (j & 7) * 8 + (i & 7)),
+            Place::Leaf { at, base } => self.shapes().leaf(at, base).value((j & 7) * 8 + (i & 7)),
         }
     }
 
@@ -106,7 +110,7 @@ impl Hierarchy {
         match self.place(i, j) {
             Place::Uniform(value) if k < value => u64::MAX,
             Place::Uniform(_) => 0,
-            Place::Leaf { at, base } => self.shapes().leaf_slab(at, base, k),
+            Place::Leaf { at, base } => self.shapes().leaf(at, base).slab(k),
         }
     }
 

@@ -61,7 +61,7 @@ pub enum HierarchyError {
         /// How many there are.
         count: usize,
     },
-    /// Bits that have no meaning, or a leaf of one depth.
+    /// Bits that have no meaning, or a leaf of one depth that is not slanted.
     #[error("the shape of level {level} at half-word {at} has bits that mean nothing: {half:#06x}")]
     Bits {
         /// Its address.
@@ -146,7 +146,7 @@ impl Walk<'_> {
     fn leaf(&self, at: u32) -> Result<(), HierarchyError> {
         let half = self.code.half(at);
         let head = LeafHead::new(half);
-        if half >> 9 != 0 || head.width > 2 || head.last == 0 {
+        if half >> 10 != 0 || head.width > 2 || (head.last == 0 && (head.never || !head.slanted)) {
             return Err(HierarchyError::Bits { at, level: LEAF_LEVEL, half });
         }
         self.ends_within(at, head.length(), LEAF_LEVEL)

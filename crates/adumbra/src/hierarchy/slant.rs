@@ -1,0 +1,111 @@
+//! Leaves whose depths lie on parallel planes: the gradient that takes the fewest of them.
+
+use super::choose::FREE_TO_END;
+
+/// Bits behind the point of a gradient.
+pub(super) const SLANT_BITS: u32 = 3;
+
+/// How the depths of a leaf change: eighths of a voxel a column along x and along y.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Slant {
+    pub(super) x: i8,
+    pub(super) y: i8,
+}
+
+impl Slant {
+    pub(super) fn from_half(half: u32) -> Self {
+        Self { x: half as u8 as i8, y: (half >> 8) as u8 as i8 }
+    }
+
+    pub(super) fn to_half(self) -> u16 {
+        u16::from(self.x as u8) | u16::from(self.y as u8) << 8
+    }
+
+    /// How much nearer than the deepest corner of its plane a column switches, in voxels, rounded up.
+    pub(super) fn rise(self, column: u32) -> u32 {
+        let along = |g: i8, at: u32| -i32::from(g) * (at as i32 - if g > 0 { 7 } else { 0 });
+        let eighths = along(self.x, column & 7) + along(self.y, column >> 3);
+        (eighths as u32 + (1 << SLANT_BITS) - 1) >> SLANT_BITS
+    }
+
+    /// The largest of all rises.
+    pub(super) fn largest_rise(self) -> u32 {
+        let eighths = 7 * (u32::from(self.x.unsigned_abs()) + u32::from(self.y.unsigned_abs()));
+        (eighths + (1 << SLANT_BITS) - 1) >> SLANT_BITS
+    }
+
+    /// Columns that rise by less than this.
+    pub(super) fn below(self, rise: u32) -> u64 {
+        (0..64).fold(0, |mask, column| mask | u64::from(self.rise(column) < rise) << column)
+    }
+}
+
+/// Gradients that the columns `[e, x]` may have: planes by least squares through the intervals' middles, each counted alike, and the
+/// narrower the more; none where they are flat or too steep.
+pub(super) fn candidates(intervals: &[[u32; 2]; 64]) -> impl Iterator<Item = Slant> {
+    [fit(intervals, |_| 1.0), fit(intervals, |width| 1.0 / (1.0 + width * width))].into_iter().flatten()
+}
+
+/// Least squares with a weight for each interval's width. Sums are exact or in a fixed order, so the same everywhere.
+fn fit(intervals: &[[u32; 2]; 64], weight: impl Fn(f64) -> f64) -> Option<Slant> {
+    let ending = || {
+        intervals.iter().enumerate().filter(|(_, i)| i[1] != FREE_TO_END).map(|(at, &[e, x])| {
+            let middle = 0.5 * (f64::from(e) + f64::from(x));
+            (weight(f64::from(x) - f64::from(e)), (at & 7) as f64, (at >> 3) as f64, middle)
+        })
+    };
+    let (mut sum, mut mean) = (0.0, [0.0; 3]);
+    for (w, x, y, z) in ending() {
+        sum += w;
+        mean = [mean[0] + w * x, mean[1] + w * y, mean[2] + w * z];
+    }
+    let mean = mean.map(|m| m / sum);
+    let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (w, x, y, z) in ending() {
+        let [x, y, z] = [x - mean[0], y - mean[1], z - mean[2]];
+        (xx, xy, yy) = (xx + w * x * x, xy + w * x * y, yy + w * y * y);
+        (xz, yz) = (xz + w * x * z, yz + w * y * z);
+    }
+    // Along one line only the slope along it is known.
+    let determinant = xx * yy - xy * xy;
+    let gradient = if determinant > 1e-6 * (xx + yy) * (xx + yy) {
+        [(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant]
+    } else {
+        let along = xx + yy;
+        if along > 0.0 { [xz / along, yz / along] } else { return None }
+    };
+    let [x, y] = gradient.map(|g| (g * f64::from(1 << SLANT_BITS)).round());
+    let fits = |g: f64| g.abs() <= 127.0;
+    (fits(x) && fits(y) && (x != 0.0 || y != 0.0)).then_some(Slant { x: x as i8, y: y as i8 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slant_rises_from_the_deepest_corner() {
+        let slant = Slant { x: 8, y: -4 };
+        assert_eq!((slant.rise(7), slant.rise(0), slant.rise(63)), (0, 7, 4));
+        assert_eq!((slant.rise(56), slant.largest_rise()), (11, 11));
+        assert_eq!(Slant::from_half(slant.to_half().into()), slant);
+        assert_eq!(slant.below(12), u64::MAX);
+        assert_eq!(slant.below(1), 1 << 7);
+        for gradient in [[127, 127], [-128, -128], [3, 0], [0, -1]] {
+            let slant = Slant { x: gradient[0], y: gradient[1] };
+            let rises = (0..64).map(|c| slant.rise(c));
+            assert_eq!((rises.clone().min(), rises.max()), (Some(0), Some(slant.largest_rise())));
+        }
+    }
+
+    #[test]
+    fn slant_is_found_through_columns_that_end() {
+        let mut intervals = [[0, FREE_TO_END]; 64];
+        for (at, interval) in intervals.iter_mut().enumerate().filter(|(at, _)| at % 3 != 0) {
+            let e = 100 + 2 * (at as u32 & 7) + (at as u32 >> 3) / 2;
+            *interval = [e, e + 1];
+        }
+        let found: Vec<_> = candidates(&intervals).collect();
+        assert_eq!(found, [Slant { x: 16, y: 4 }; 2]);
+    }
+}
