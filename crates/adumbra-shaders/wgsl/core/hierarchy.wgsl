@@ -80,37 +80,71 @@ fn hierarchy_place(v: VoxelParams, column: vec2u) -> HierarchyPlace {
     return p;
 }
 
-// What stands before the columns of a leaf.
+// A leaf, read up to its planes.
 struct HierarchyLeaf {
+    base: u32,
     // The last rank, and how many depths are differences.
     last: u32,
     differences: u32,
-    // They take 8 << width bits.
+    // They take 8 << width bits from this half-word on.
     width: u32,
+    first: u32,
     // Half-word at which the planes begin, and how many there are.
     planes: u32,
     plane_count: u32,
+    // Eighths of a voxel a column.
+    slant: vec2i,
 }
 
-fn hierarchy_leaf(v: VoxelParams, at: u32) -> HierarchyLeaf {
-    let head = hierarchy_half(v, at);
+fn hierarchy_leaf(v: VoxelParams, p: HierarchyPlace) -> HierarchyLeaf {
+    let head = hierarchy_half(v, p.at);
     var leaf: HierarchyLeaf;
+    leaf.base = p.base;
     leaf.last = head & 63u;
     leaf.differences = leaf.last - extractBits(head, 6u, 1u);
     leaf.width = extractBits(head, 7u, 2u);
-    leaf.planes = at + 1u + (((leaf.differences << leaf.width) + 1u) >> 1u);
+    leaf.first = p.at + 1u;
+    if (extractBits(head, 9u, 1u) == 1u) {
+        let gradient = i32(hierarchy_half(v, p.at + 1u));
+        leaf.slant = vec2i(extractBits(gradient, 0u, 8u), extractBits(gradient, 8u, 8u));
+        leaf.first += 1u;
+    }
+    leaf.planes = leaf.first + (((leaf.differences << leaf.width) + 1u) >> 1u);
     leaf.plane_count = 32u - countLeadingZeros(leaf.last);
     return leaf;
 }
 
-fn hierarchy_difference(v: VoxelParams, at: u32, width: u32, index: u32) -> u32 {
-    if (width == 0u) {
-        return extractBits(hierarchy_half(v, at + 1u + (index >> 1u)), 8u * (index & 1u), 8u);
+fn hierarchy_difference(v: VoxelParams, leaf: HierarchyLeaf, index: u32) -> u32 {
+    if (leaf.width == 0u) {
+        return extractBits(hierarchy_half(v, leaf.first + (index >> 1u)), 8u * (index & 1u), 8u);
     }
-    if (width == 1u) {
-        return hierarchy_half(v, at + 1u + index);
+    if (leaf.width == 1u) {
+        return hierarchy_half(v, leaf.first + index);
     }
-    return hierarchy_two_halves(v, at + 1u + 2u * index);
+    return hierarchy_two_halves(v, leaf.first + 2u * index);
+}
+
+fn hierarchy_plane(v: VoxelParams, leaf: HierarchyLeaf, plane: u32) -> vec2u {
+    let at = leaf.planes + 4u * plane;
+    return vec2u(hierarchy_two_halves(v, at), hierarchy_two_halves(v, at + 2u));
+}
+
+// How much nearer than the deepest corner of its plane a column of a leaf switches.
+fn hierarchy_rise(slant: vec2i, column: vec2i) -> u32 {
+    let from_deepest = select(column, 7 - column, slant > vec2i(0));
+    let eighths = abs(slant) * from_deepest;
+    return u32(eighths.x + eighths.y + 7) >> 3u;
+}
+
+// Columns that rise by at least this.
+fn hierarchy_risen(slant: vec2i, rise: u32) -> vec2u {
+    var bits = vec2u(0u);
+    for (var i = 0u; i < 32u; i++) {
+        let column = vec2i(vec2u(i & 7u, i >> 3u));
+        bits.x |= select(0u, 1u, hierarchy_rise(slant, column) >= rise) << i;
+        bits.y |= select(0u, 1u, hierarchy_rise(slant, column + vec2i(0, 4)) >= rise) << i;
+    }
+    return bits;
 }
 
 // Depth at which a column of the grid switches; HIERARCHY_NEVER where all of it is lit.
@@ -119,53 +153,43 @@ fn hierarchy_value(v: VoxelParams, column: vec2u) -> u32 {
     if (p.at == HIERARCHY_UNIFORM) {
         return p.base;
     }
-    let leaf = hierarchy_leaf(v, p.at);
-    let bit = (column.y & 7u) << 3u | (column.x & 7u);
+    let leaf = hierarchy_leaf(v, p);
+    let within = column & vec2u(7u);
     var rank = 0u;
     for (var plane = 0u; plane < leaf.plane_count; plane++) {
-        let half = hierarchy_half(v, leaf.planes + 4u * plane + (bit >> 4u));
-        rank |= extractBits(half, bit & 15u, 1u) << plane;
+        let half = hierarchy_half(v, leaf.planes + 4u * plane + (within.y >> 1u));
+        rank |= extractBits(half, (within.y & 1u) << 3u | within.x, 1u) << plane;
     }
     if (rank > leaf.differences) {
         return select(p.base, HIERARCHY_NEVER, leaf.differences < leaf.last);
     }
-    var value = p.base;
+    var depth = p.base;
     for (var d = 0u; d < rank; d++) {
-        value += hierarchy_difference(v, p.at, leaf.width, d);
+        depth += hierarchy_difference(v, leaf, d);
     }
-    return value;
+    return depth - hierarchy_rise(leaf.slant, vec2i(within));
 }
 
-// The slab of 8 × 8 columns at depth k that holds this one: bit y·8 + x, rows 0 to 3 in x, 1 = lit.
-fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
-    let p = hierarchy_place(v, column);
-    if (k < p.base) {
-        return vec2u(0xffffffffu);
+// Columns of one rank.
+fn hierarchy_of_rank(v: VoxelParams, leaf: HierarchyLeaf, rank: u32) -> vec2u {
+    var bits = vec2u(0xffffffffu);
+    for (var p = 0u; p < leaf.plane_count; p++) {
+        let plane = hierarchy_plane(v, leaf, p);
+        bits &= select(~plane, plane, extractBits(rank, p, 1u) == 1u);
     }
-    if (p.at == HIERARCHY_UNIFORM) {
+    return bits;
+}
+
+// Columns of at least this rank: all compared at once, the highest bit first.
+fn hierarchy_from_rank(v: VoxelParams, leaf: HierarchyLeaf, rank: u32) -> vec2u {
+    if (rank > leaf.last) {
         return vec2u(0u);
     }
-    let leaf = hierarchy_leaf(v, p.at);
-    // Ranks whose columns are shadowed.
-    var passed = 1u;
-    var value = p.base;
-    for (var d = 0u; d < leaf.differences; d++) {
-        value += hierarchy_difference(v, p.at, leaf.width, d);
-        if (k < value) {
-            break;
-        }
-        passed++;
-    }
-    if (passed > leaf.last) {
-        return vec2u(0u);
-    }
-    // All ranks compared with it at once, the highest bit first.
     var more = vec2u(0u);
     var equal = vec2u(0xffffffffu);
     for (var i = leaf.plane_count; i > 0u; i--) {
-        let at = leaf.planes + 4u * (i - 1u);
-        let plane = vec2u(hierarchy_two_halves(v, at), hierarchy_two_halves(v, at + 2u));
-        if (extractBits(passed, i - 1u, 1u) == 0u) {
+        let plane = hierarchy_plane(v, leaf, i - 1u);
+        if (extractBits(rank, i - 1u, 1u) == 0u) {
             more |= equal & plane;
             equal &= ~plane;
         } else {
@@ -173,6 +197,35 @@ fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
         }
     }
     return more | equal;
+}
+
+// The slab of 8 × 8 columns at depth k that holds this one: bit y·8 + x, rows 0 to 3 in x, 1 = lit.
+fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
+    let p = hierarchy_place(v, column);
+    if (p.at == HIERARCHY_UNIFORM) {
+        return select(vec2u(0u), vec2u(0xffffffffu), k < p.base);
+    }
+    let leaf = hierarchy_leaf(v, p);
+    let steep = abs(leaf.slant);
+    let largest_rise = u32(7 * (steep.x + steep.y + 1)) >> 3u;
+    // Ranks that are dark all over, and the columns of others that are.
+    var dark_ranks = 0u;
+    var dark = vec2u(0u);
+    var depth = p.base;
+    for (var rank = 0u; rank <= leaf.differences; rank++) {
+        if (rank > 0u) {
+            depth += hierarchy_difference(v, leaf, rank - 1u);
+        }
+        if (k + largest_rise < depth) {
+            break;
+        }
+        if (depth <= k) {
+            dark_ranks++;
+        } else {
+            dark |= hierarchy_of_rank(v, leaf, rank) & hierarchy_risen(leaf.slant, depth - k);
+        }
+    }
+    return ~dark & hierarchy_from_rank(v, leaf, dark_ranks);
 }
 
 // Lit taps among the columns low…high, which lie in one block; as voxel_block.
