@@ -23,77 +23,142 @@ pub(super) struct Leaf {
 
 /// What became of a block of columns: an interval for its base, and the rest where one depth does not do.
 pub(super) fn sort_columns(columns: &BlockColumns) -> ([u32; 2], Option<Leaf>) {
-    let intervals: [[u32; 2]; COLUMNS] = std::array::from_fn(|i| [columns.e[i], columns.x[i]]);
-    let all = intersection(intervals);
+    let intervals = Intervals::new(columns);
+    let all = intersection((0..COLUMNS).map(|i| [columns.e[i], columns.x[i]]));
     if holds_any(all) {
         return (all, None);
     }
-    let mut best = sort_intervals(&intervals, Slant::default());
-    if best.1.is_outline() {
-        return (best.0, Some(best.1));
-    }
-    for slant in candidates(&intervals) {
-        let slanted = std::array::from_fn(|i| {
-            let rise = slant.rise(i as u32);
-            intervals[i].map(|depth| depth.saturating_add(rise))
-        });
-        let found = sort_intervals(&slanted, slant);
-        if found.1.length() < best.1.length() {
-            best = found;
-        }
-    }
-    (best.0, Some(best.1))
-}
-
-/// As few depths as stab all intervals, which have been moved by the slant's rise.
-fn sort_intervals(intervals: &[[u32; 2]; COLUMNS], slant: Slant) -> ([u32; 2], Leaf) {
-    let mut by_end: [u8; COLUMNS] = std::array::from_fn(|i| i as u8);
-    by_end.sort_unstable_by_key(|&i| (intervals[i as usize][1], i));
-    let mut ranks = [u8::MAX; COLUMNS];
-    let mut depths: Vec<[u32; 2]> = Vec::new();
-    // Each as late as the first interval left allows.
-    for &first in &by_end {
-        let point = intervals[first as usize][1];
-        if ranks[first as usize] != u8::MAX || point == FREE_TO_END {
-            continue;
-        }
-        let mut depth = [0, point];
-        for (interval, rank) in intervals.iter().zip(&mut ranks) {
-            if *rank == u8::MAX && interval[0] <= point && interval[1] != FREE_TO_END {
-                *rank = depths.len() as u8;
-                depth[0] = depth[0].max(interval[0]);
+    let mut best = Sorting::default();
+    best.sort(&intervals, usize::MAX);
+    // One depth and what never switches: no slant makes it shorter.
+    if best.count > 1 {
+        let mut found = Sorting::default();
+        for slant in candidates(&intervals) {
+            let slanted = intervals.risen(slant);
+            if found.sort(&slanted, best.length()) {
+                std::mem::swap(&mut best, &mut found);
             }
         }
-        depths.push(depth);
     }
-    let last = depths.len() - 1;
-    let endless = intervals.iter().zip(&ranks).filter(|(_, rank)| **rank == u8::MAX).map(|(i, _)| *i);
-    let with_endless = intersection(endless.chain([depths[last]]));
-    let never = !holds_any(with_endless);
-    if !never {
-        depths[last] = with_endless;
-    }
-    let last = last + usize::from(never);
-    ranks.iter_mut().filter(|r| **r == u8::MAX).for_each(|r| *r = last as u8);
-    let first = depths.remove(0);
-    let planes = (0..usize::BITS - last.leading_zeros())
-        .map(|p| (0..COLUMNS).fold(0, |plane, i| plane | u64::from(ranks[i] >> p & 1) << i))
-        .collect();
-    (first, Leaf { slant, later: depths, never, planes })
+    let (base, leaf) = best.leaf();
+    (base, Some(leaf))
 }
 
-impl Leaf {
-    /// Whether it is one depth and what never switches: no slant makes it shorter.
-    fn is_outline(&self) -> bool {
-        self.later.is_empty()
+/// Intervals of 64 columns, moved by a slant's rise.
+pub(super) struct Intervals {
+    pub(super) e: [i32; COLUMNS],
+    /// [`ENDLESS`] where there is no end.
+    pub(super) x: [i32; COLUMNS],
+    slant: Slant,
+}
+
+/// The x of a column that must not switch.
+pub(super) const ENDLESS: i32 = i32::MAX;
+
+impl Intervals {
+    /// Depths are below 2^30: see [`crate::bake`].
+    pub(super) fn new(columns: &BlockColumns) -> Self {
+        let x = columns.x.map(|x| if x == FREE_TO_END { ENDLESS } else { x as i32 });
+        Self { e: columns.e.map(|e| e as i32), x, slant: Slant::default() }
+    }
+
+    fn risen(&self, slant: Slant) -> Self {
+        let rises = slant.rises();
+        Self {
+            e: std::array::from_fn(|i| self.e[i] + rises[i]),
+            x: std::array::from_fn(|i| self.x[i].saturating_add(rises[i])),
+            slant,
+        }
+    }
+}
+
+/// Intervals sorted into as few depths as stab them all.
+struct Sorting {
+    slant: Slant,
+    /// The depths' own intervals, ascending and apart.
+    depths: [[i32; 2]; COLUMNS],
+    columns: [u64; COLUMNS],
+    count: usize,
+    /// Columns that never switch, or go with the last depth.
+    endless: u64,
+    never: bool,
+}
+
+impl Default for Sorting {
+    fn default() -> Self {
+        let slant = Slant::default();
+        Self { slant, depths: [[0; 2]; COLUMNS], columns: [0; COLUMNS], count: 0, endless: 0, never: false }
+    }
+}
+
+impl Sorting {
+    /// Whether the leaf is shorter than `limit`; what was held before is lost.
+    fn sort(&mut self, intervals: &Intervals, limit: usize) -> bool {
+        (self.slant, self.count, self.endless, self.never) = (intervals.slant, 0, 0, false);
+        // Ends of the columns that have no depth yet.
+        let mut ends = intervals.x;
+        loop {
+            // As late as the first interval left allows.
+            let point = ends.iter().fold(ENDLESS, |least, &x| least.min(x));
+            if point == ENDLESS {
+                break;
+            }
+            let (mut columns, mut nearest) = (0, 0);
+            for (i, (end, &e)) in ends.iter_mut().zip(&intervals.e).enumerate() {
+                let here = *end != ENDLESS && e <= point;
+                columns |= u64::from(here) << i;
+                nearest = if here { nearest.max(e) } else { nearest };
+                *end = if here { ENDLESS } else { *end };
+            }
+            self.depths[self.count] = [nearest, point];
+            self.columns[self.count] = columns;
+            self.count += 1;
+            if self.length() >= limit {
+                return false;
+            }
+        }
+        let mut nearest = 0;
+        for i in (0..COLUMNS).filter(|&i| intervals.x[i] == ENDLESS) {
+            self.endless |= 1 << i;
+            nearest = nearest.max(intervals.e[i]);
+        }
+        let last = &mut self.depths[self.count - 1];
+        self.never = nearest > last[1];
+        if !self.never {
+            last[0] = last[0].max(nearest);
+        }
+        self.length() < limit
+    }
+
+    /// The rank of the last.
+    fn last(&self) -> usize {
+        self.count - 1 + usize::from(self.never)
+    }
+
+    fn planes(&self) -> usize {
+        (usize::BITS - self.last().leading_zeros()) as usize
     }
 
     /// About how many half-words it takes.
     fn length(&self) -> usize {
         let slanted = usize::from(self.slant != Slant::default());
-        1 + slanted + self.later.len().div_ceil(2) + 4 * self.planes.len()
+        1 + slanted + self.count.div_ceil(2) + 4 * self.planes()
     }
 
+    fn leaf(&self) -> ([u32; 2], Leaf) {
+        let plane = |p: usize| {
+            let ranks = (0..self.count).filter(|r| r >> p & 1 == 1);
+            let depths = ranks.fold(0, |plane, r| plane | self.columns[r]);
+            depths | if self.last() >> p & 1 == 1 { self.endless } else { 0 }
+        };
+        let interval = |d: [i32; 2]| d.map(|depth| depth as u32);
+        let later = self.depths[1..self.count].iter().map(|&d| interval(d)).collect();
+        let planes = (0..self.planes()).map(plane).collect();
+        (interval(self.depths[0]), Leaf { slant: self.slant, later, never: self.never, planes })
+    }
+}
+
+impl Leaf {
     /// Its half-words for a base inside the first interval; the other depths are the nearest that may be.
     pub(super) fn encode(&self, base: u32, halves: &mut Vec<u16>) {
         let depths = std::iter::once(base).chain(self.later.iter().map(|interval| interval[0]));

@@ -1,6 +1,6 @@
 //! Leaves whose depths lie on parallel planes: the gradient that takes the fewest of them.
 
-use super::choose::FREE_TO_END;
+use super::leaf::{ENDLESS, Intervals};
 
 /// Bits behind the point of a gradient.
 pub(super) const SLANT_BITS: u32 = 3;
@@ -28,6 +28,11 @@ impl Slant {
         (eighths as u32 + (1 << SLANT_BITS) - 1) >> SLANT_BITS
     }
 
+    /// The rise of each column.
+    pub(super) fn rises(self) -> [i32; 64] {
+        std::array::from_fn(|column| self.rise(column as u32) as i32)
+    }
+
     /// The largest of all rises.
     pub(super) fn largest_rise(self) -> u32 {
         let eighths = 7 * (u32::from(self.x.unsigned_abs()) + u32::from(self.y.unsigned_abs()));
@@ -40,39 +45,38 @@ impl Slant {
     }
 }
 
-/// Gradients that the columns `[e, x]` may have: planes by least squares through the intervals' middles, each counted alike, and the
+/// Gradients that columns may have: planes by least squares through the middles of intervals that end, each counted alike, and the
 /// narrower the more; none where they are flat or too steep.
-pub(super) fn candidates(intervals: &[[u32; 2]; 64]) -> impl Iterator<Item = Slant> {
-    [fit(intervals, |_| 1.0), fit(intervals, |width| 1.0 / (1.0 + width * width))].into_iter().flatten()
+pub(super) fn candidates(intervals: &Intervals) -> impl Iterator<Item = Slant> {
+    let alike = fit(intervals, |_| 1.0);
+    let narrow = fit(intervals, |width| 1.0 / (1.0 + width * width)).filter(|narrow| Some(*narrow) != alike);
+    [alike, narrow].into_iter().flatten()
 }
 
-/// Least squares with a weight for each interval's width. Sums are exact or in a fixed order, so the same everywhere.
-fn fit(intervals: &[[u32; 2]; 64], weight: impl Fn(f64) -> f64) -> Option<Slant> {
-    let ending = || {
-        intervals.iter().enumerate().filter(|(_, i)| i[1] != FREE_TO_END).map(|(at, &[e, x])| {
-            let middle = 0.5 * (f64::from(e) + f64::from(x));
-            (weight(f64::from(x) - f64::from(e)), (at & 7) as f64, (at >> 3) as f64, middle)
-        })
-    };
-    let (mut sum, mut mean) = (0.0, [0.0; 3]);
-    for (w, x, y, z) in ending() {
-        sum += w;
-        mean = [mean[0] + w * x, mean[1] + w * y, mean[2] + w * z];
+/// Least squares with a weight for each interval's width. Sums are in a fixed order, so the same everywhere.
+fn fit(intervals: &Intervals, weight: impl Fn(f64) -> f64) -> Option<Slant> {
+    // Weight, x, y, x², xy, y², z, xz, yz: sums of products with the weight.
+    let mut sums = [0.0; 9];
+    let mut reference = None;
+    for (at, (&e, &x)) in
+        intervals.e.iter().zip(&intervals.x).enumerate().filter(|(_, (_, x))| **x != ENDLESS)
+    {
+        let z = f64::from(e + x - *reference.get_or_insert(e + x));
+        let (w, [i, j]) = (weight(f64::from(x - e)), [at & 7, at >> 3].map(|c| c as f64));
+        let terms = [1.0, i, j, i * i, i * j, j * j, z, i * z, j * z];
+        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += w * term);
     }
-    let mean = mean.map(|m| m / sum);
-    let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (w, x, y, z) in ending() {
-        let [x, y, z] = [x - mean[0], y - mean[1], z - mean[2]];
-        (xx, xy, yy) = (xx + w * x * x, xy + w * x * y, yy + w * y * y);
-        (xz, yz) = (xz + w * x * z, yz + w * y * z);
-    }
-    // Along one line only the slope along it is known.
+    let [w, i, j, ii, ij, jj, z, iz, jz] = sums;
+    // About the mean, times the weight's square.
+    let [xx, xy, yy] = [w * ii - i * i, w * ij - i * j, w * jj - j * j];
+    // z is twice the middle.
+    let [xz, yz] = [w * iz - i * z, w * jz - j * z].map(|sum| 0.5 * sum);
     let determinant = xx * yy - xy * xy;
     let gradient = if determinant > 1e-6 * (xx + yy) * (xx + yy) {
         [(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant]
     } else {
-        let along = xx + yy;
-        if along > 0.0 { [xz / along, yz / along] } else { return None }
+        // Along one line only the slope along it is known.
+        [xz / (xx + yy), yz / (xx + yy)]
     };
     let [x, y] = gradient.map(|g| (g * f64::from(1 << SLANT_BITS)).round());
     let fits = |g: f64| g.abs() <= 127.0;
@@ -82,6 +86,7 @@ fn fit(intervals: &[[u32; 2]; 64], weight: impl Fn(f64) -> f64) -> Option<Slant>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::sink::BlockColumns;
 
     #[test]
     fn slant_rises_from_the_deepest_corner() {
@@ -100,12 +105,12 @@ mod tests {
 
     #[test]
     fn slant_is_found_through_columns_that_end() {
-        let mut intervals = [[0, FREE_TO_END]; 64];
-        for (at, interval) in intervals.iter_mut().enumerate().filter(|(at, _)| at % 3 != 0) {
-            let e = 100 + 2 * (at as u32 & 7) + (at as u32 >> 3) / 2;
-            *interval = [e, e + 1];
+        let mut columns = BlockColumns::free();
+        for at in (0..64).filter(|at| at % 3 != 0) {
+            columns.e[at] = 100 + 2 * (at as u32 & 7) + (at as u32 >> 3) / 2;
+            columns.x[at] = columns.e[at] + 1;
         }
-        let found: Vec<_> = candidates(&intervals).collect();
-        assert_eq!(found, [Slant { x: 16, y: 4 }; 2]);
+        let found: Vec<_> = candidates(&Intervals::new(&columns)).collect();
+        assert_eq!(found, [Slant { x: 16, y: 4 }]);
     }
 }
