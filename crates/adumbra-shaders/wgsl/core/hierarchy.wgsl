@@ -92,7 +92,7 @@ struct HierarchyLeaf {
     // Half-word at which the planes begin, and how many there are.
     planes: u32,
     plane_count: u32,
-    // Eighths of a voxel a column.
+    // Quarters of a voxel a column.
     slant: vec2i,
 }
 
@@ -132,8 +132,8 @@ fn hierarchy_plane(v: VoxelParams, leaf: HierarchyLeaf, plane: u32) -> vec2u {
 // How much nearer than the deepest corner of its plane a column of a leaf switches.
 fn hierarchy_rise(slant: vec2i, column: vec2i) -> u32 {
     let from_deepest = select(column, 7 - column, slant > vec2i(0));
-    let eighths = abs(slant) * from_deepest;
-    return u32(eighths.x + eighths.y + 7) >> 3u;
+    let quarters = abs(slant) * from_deepest;
+    return u32(quarters.x + quarters.y + 3) >> 2u;
 }
 
 // Columns that rise by at least this.
@@ -207,7 +207,7 @@ fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
     }
     let leaf = hierarchy_leaf(v, p);
     let steep = abs(leaf.slant);
-    let largest_rise = u32(7 * (steep.x + steep.y + 1)) >> 3u;
+    let largest_rise = u32(7 * (steep.x + steep.y) + 3) >> 2u;
     // Ranks that are dark all over, and the columns of others that are.
     var dark_ranks = 0u;
     var dark = vec2u(0u);

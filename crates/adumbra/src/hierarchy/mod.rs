@@ -35,8 +35,8 @@
 //! first. *delta*: two's complement.
 //!
 //! A leaf has n = 1 to 64 different depths v0 < v1 < … of which the last may be [`NEVER`]; v0 is the base. A *slanted* one has planes in their
-//! place: gx and gy eighths of a voxel a column, and the depths are those at the plane's deepest corner. Column (x, y) then switches nearer
-//! by `(|gx|·dx + |gy|·dy + 7) >> 3`, where dx = 7 − x for gx > 0, else x, and dy likewise.
+//! place: gx and gy quarters of a voxel a column, and the depths are those at the plane's deepest corner. Column (x, y) then switches nearer
+//! by `(|gx|·dx + |gy|·dy + 3) >> 2`, where dx = 7 − x for gx > 0, else x, and dy likewise.
 //!
 //! | half-words | meaning |
 //! |---|---|
