@@ -1,15 +1,17 @@
 //! `cargo xtask vectors`: writes `test_vectors/` anew, the same bytes each time. Here those of the light-aligned file.
 //!
 //! Valid files are made from functions voxel -> lit, and their answers come from those functions, not from the graph;
-//! so a reader that agrees with them has decoded the graph rightly. Each broken file is a valid one with one fault.
+//! so a reader that agrees with them has decoded the graph rightly. Each is there in the plain layout and, if its columns are
+//! monotone, in the packed one. Each broken file is a valid one with one fault. `valid_v1` holds what version 1 wrote, and stays as it is.
 
 use std::collections::HashMap;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
+use std::rc::Rc;
 
 use adumbra::dag::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
-use adumbra::format::ShadowFile;
+use adumbra::format::{HEADER_BYTES, Layout, ShadowFile};
 use adumbra::light::{LightExtent, LightGrid, Sun};
 use adumbra::scene::Bounds;
 use adumbra::settings::{Bias, Receivers, Settings};
@@ -26,7 +28,7 @@ pub(crate) fn run(root: &Path) -> Result<(), Box<dyn Error>> {
     let folder = root.join("test_vectors");
     let valid = folder.join("valid");
     fs::create_dir_all(&valid)?;
-    for vector in valid_vectors()? {
+    for vector in all_valid_vectors()? {
         let mut bytes = Vec::new();
         vector.file.write_to(&mut bytes)?;
         fs::write(valid.join(format!("{}.adumbra", vector.name)), bytes)?;
@@ -37,10 +39,10 @@ pub(crate) fn run(root: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 struct Vector {
-    name: &'static str,
+    name: String,
     what: &'static str,
     file: ShadowFile,
-    lit: Box<Voxels>,
+    lit: Rc<Voxels>,
 }
 
 impl Vector {
@@ -82,6 +84,14 @@ impl Vector {
         add("far beyond the far end", [cx, cy, ez + 1000.5], last);
         format!("{{\n  \"what\": {},\n  \"points\": [\n{}\n  ]\n}}\n", json!(self.what), rows.join(",\n"))
     }
+}
+
+/// In either layout.
+fn all_valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
+    let mut all = valid_vectors()?;
+    let packed: Vec<Vector> = all.iter().filter_map(Vector::packed).collect();
+    all.extend(packed);
+    Ok(all)
 }
 
 fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
@@ -142,6 +152,20 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
             |x, y, z| if x < 32 { !(8..16).contains(&x) || y >= 16 || z >= 16 } else { x < 48 },
         ),
         Vector::new(
+            "terraces",
+            "steps of 8 and 16 voxels: a node without slabs at levels 4 and 5 whose columns are monotone",
+            slanted([64, 32, 64], 1.0)?,
+            5,
+            |x, _, z| z < if x < 32 { 16 * (x / 16) } else { 8 * (x / 8 % 2) },
+        ),
+        Vector::new(
+            "slopes",
+            "up to eight masks in a node of level 3: bit planes",
+            slanted([40, 40, 40], 1.0)?,
+            5,
+            |x, y, z| z < x / 3 + (y * y + x * 7) % 19,
+        ),
+        Vector::new(
             "noise",
             "nothing repeats: the graph at its largest",
             slanted([24, 24, 24], 2.0)?,
@@ -198,8 +222,15 @@ impl Vector {
             triangles: 12,
             instances: 1,
         };
-        let file = ShadowFile { grid, settings, dag: build(grid.size, root_level, &lit) };
-        Self { name, what, file, lit: Box::new(lit) }
+        let file = ShadowFile::plain(grid, settings, build(grid.size, root_level, &lit));
+        Self { name: name.to_owned(), what, file, lit: Rc::new(lit) }
+    }
+
+    /// The same in the packed layout, if it is monotone.
+    fn packed(&self) -> Option<Self> {
+        let dag = self.file.graph().ok()?.into_owned();
+        let file = ShadowFile::of_dag(self.file.grid, self.file.settings, dag, Layout::Packed).ok()?;
+        Some(Self { name: format!("{}_packed", self.name), file, lit: Rc::clone(&self.lit), ..*self })
     }
 }
 
@@ -214,7 +245,7 @@ enum Child {
 /// Merges equal nodes and slabs while it builds.
 struct Builder<'a> {
     lit: &'a Voxels,
-    /// Voxels outside are never looked up; they count as lit.
+    /// Voxels outside are never looked up; those beside count as lit, those behind the far end as shadowed.
     size: [u32; 3],
     nodes: Vec<[Child; 8]>,
     slabs: Vec<u64>,
@@ -250,8 +281,11 @@ fn build(size: [u32; 3], root_level: u32, lit: &Voxels) -> Dag {
 
 impl Builder<'_> {
     fn node(&mut self, at: [u32; 3], level: u32) -> Child {
-        if (0..3).any(|a| at[a] >= self.size[a]) {
+        if (0..2).any(|a| at[a] >= self.size[a]) {
             return Child::Lit;
+        }
+        if at[2] >= self.size[2] {
+            return Child::Shadowed;
         }
         let mut children = [Child::Lit; 8];
         for (c, child) in (0_u32..).zip(&mut children) {
@@ -277,8 +311,8 @@ impl Builder<'_> {
     fn slab(&mut self, at: [u32; 3]) -> Child {
         let mask = (0..64_u32).fold(0_u64, |mask, bit| {
             let v = [at[0] + bit % 8, at[1] + bit / 8, at[2]];
-            let inside = (0..3).all(|a| v[a] < self.size[a]);
-            mask | u64::from(!inside || (self.lit)(v[0], v[1], v[2])) << bit
+            let beside = (0..2).any(|a| v[a] >= self.size[a]);
+            mask | u64::from(beside || v[2] < self.size[2] && (self.lit)(v[0], v[1], v[2])) << bit
         });
         match mask {
             0 => Child::Shadowed,
@@ -353,7 +387,7 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
         vector.file.write_to(&mut bytes)?;
         Ok(broken::Bytes(bytes))
     };
-    let vectors = valid_vectors()?;
+    let vectors = all_valid_vectors()?;
     // One level-3 node (header and pointer) and one slab.
     let small = encode("example_8", &vectors)?;
     // Roots of level 4, several levels of nodes.
@@ -365,7 +399,7 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     add("empty", "Truncated", "header", Vec::new());
     add("magic", "Magic", "ADUMBRA", s().put(0, b"GIF89a\0\0").0);
     add("copied_as_text", "Magic", "ADUMBRA", s().put(7, b"\r").0);
-    add("future_version", "FutureVersion", "version 2", s().put_word(8, 2).sealed());
+    add("future_version", "FutureVersion", "version 3", s().put_word(8, 3).sealed());
     add("version_0", "HeaderField", "version", s().put_word(8, 0).sealed());
     add("header_length", "HeaderField", "header_bytes", s().put_word(12, 256).sealed());
     add("cut_in_header", "Truncated", "header", s().0[..200].to_vec());
@@ -383,7 +417,9 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     add("root_level_2", "HeaderField", "root_level", s().put_word(36, 2).sealed());
     add("root_level_21", "HeaderField", "root_level", s().put_word(36, 21).sealed());
     add("top_dims", "HeaderField", "top_dims", s().put_word(40, 2).sealed());
-    add("reserved_word", "HeaderField", "reserved", s().put_word(52, 1).sealed());
+    add("layout_unknown", "HeaderField", "layout", s().put_word(52, 7).sealed());
+    add("layout_of_another", "SectionBounds", "top", s().put_word(52, 1).sealed());
+    add("layout_in_version_1", "HeaderField", "reserved", s().put_word(8, 1).put_word(52, 1).sealed());
     add("reserved_tail", "HeaderField", "reserved", s().put_word(376, 1).sealed());
     add("voxel_size_0", "HeaderField", "voxel_size", s().put_f64(56, 0.0).sealed());
     add("voxel_size_infinite", "HeaderField", "voxel_size", s().put_f64(56, f64::INFINITY).sealed());
@@ -441,5 +477,30 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
         d().put_node(1, deep.word(deep.section(NODES) + 4) + 1).sealed(),
     );
     graph("node_past_all", "PointerRange", "node word 1", d().put_node(1, 0x7FFF_FFFF).sealed());
+    let packed = [encode("example_8_packed", &vectors)?, encode("sphere_packed", &vectors)?];
+    for (name, fault, names) in [
+        ("packed_top_length", "TopLength", "top of"),
+        ("packed_pools", "Pools", "pool begins"),
+        ("packed_filler", "Filler", "fills a word"),
+        ("packed_column", "Column", "column of"),
+        ("packed_node_bits", "NodeBits", "bits mean nothing"),
+        ("packed_node_end", "NodeEnd", "behind its pool"),
+        ("packed_slab_range", "SlabRange", "names slab"),
+        ("packed_slabs", "Slabs", "lose voxels"),
+        ("packed_pointer", "Pointer", "no node begins"),
+        ("packed_order", "Order", "behind its slots"),
+        ("packed_unreached", "Unreached", "not reached"),
+    ] {
+        let bytes = packed.iter().find_map(|valid| flipped(valid, fault));
+        let bytes = bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?;
+        all.push(Broken { name, error: "Packed", fault: Some(fault), names, bytes });
+    }
     Ok(all)
+}
+
+/// The file with the first bit of its sections flipped that is this fault.
+fn flipped(valid: &Bytes, fault: &str) -> Option<Vec<u8>> {
+    let bits = (HEADER_BYTES..valid.0.len()).flat_map(|at| (0..8).map(move |bit| (at, bit)));
+    bits.map(|(at, bit)| valid.clone().put(at, &[valid.0[at] ^ 1 << bit]).sealed())
+        .find(|bytes| ShadowFile::from_bytes(bytes).is_err_and(|e| e.fault() == Some(fault)))
 }

@@ -8,6 +8,7 @@ mod tree;
 use std::path::PathBuf;
 
 use adumbra::bake::{Options, Preset, Size};
+use adumbra::format::Layout;
 use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
 use adumbra::settings::{Bias, Receivers};
@@ -265,6 +266,14 @@ pub(crate) enum ReceiversArg {
     Static,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum LayoutArg {
+    /// About a third of the bytes
+    Packed,
+    /// Words of 32 bits
+    Plain,
+}
+
 /// What decides a bake's result.
 #[derive(clap::Args)]
 pub(crate) struct BakeSettings {
@@ -301,17 +310,29 @@ pub(crate) struct BakeSettings {
     /// Cover this box in place of the scene; casters outside it but sunward still cast into it
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     bounds: Option<Bounds>,
+    /// How the file holds the voxels [default: packed]
+    #[arg(long, value_enum)]
+    layout: Option<LayoutArg>,
     #[command(flatten)]
     pub(crate) tree: TreeArgs,
 }
 
 impl BakeSettings {
+    /// The layout of a light-aligned file.
+    pub(crate) fn layout(&self) -> Layout {
+        match self.layout {
+            None | Some(LayoutArg::Packed) => Layout::Packed,
+            Some(LayoutArg::Plain) => Layout::Plain,
+        }
+    }
+
     /// Options that only the light frame knows, and whether they were given.
-    fn light_only(&self) -> [(bool, &'static str); 3] {
+    fn light_only(&self) -> [(bool, &'static str); 4] {
         [
             (self.thickness != 0.0, "--thickness"),
             (self.no_assume_ground, "--no-assume-ground"),
             (matches!(self.receivers, ReceiversArg::Static), "--receivers static"),
+            (self.layout.is_some(), "--layout"),
         ]
     }
 

@@ -244,7 +244,7 @@ fn shared_voxels_are_wrong_at_fewer_pixels_than_cascades() {
         let (given, sun) = truth_camera(&truths.join(format!("{name}.npz"))).unwrap();
         let options = Options::new(sun, Size::Resolution(16384));
         let baked = bake(&scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
-        let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+        let file = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
         let options = StreetOptions { width, height, ..StreetOptions::default() };
         let street = street_camera(&truth, sun.towards(), &options).unwrap();
         for (from, camera) in [("truth camera", Camera { width, height, ..given }), ("street", street)] {

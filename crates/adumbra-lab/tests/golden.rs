@@ -159,7 +159,7 @@ fn every_technique_draws_its_golden_picture() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let never = AtomicBool::new(false);
     let light = bake(&scene, &Options::new(sun, Size::Resolution(1024)), &|_| {}, &never).unwrap();
-    let light = ShadowFile { grid: light.grid, settings: light.settings, dag: light.dag };
+    let light = ShadowFile::plain(light.grid, light.settings, light.dag);
     let tree = bake_tree(&scene, &TreeOptions::new(sun, Size::Resolution(512)), &|_| {}, &never).unwrap();
     let tree = TreeFile {
         space: tree.space,

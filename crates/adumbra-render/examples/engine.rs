@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let gpu = Gpu::sharing(&device, &queue);
 
     // Once: the file's words and their bind group.
-    let mut voxel = Voxel::new(&gpu, &file.grid, &file.dag, file.settings.bias, 9)?;
+    let mut voxel = Voxel::new(&gpu, &file.grid, &*file.graph()?, file.settings.bias, 9)?;
     // Each frame: the point that positions count from, usually the camera.
     let eye = [x, y + 1.7, z];
     voxel.set_anchor(&gpu, eye)?;

@@ -70,8 +70,8 @@ fn ball_goes_from_the_sun_into_the_shade_and_the_file_says_so() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = Options::new(sun, Size::Resolution(4096));
     let baked = bake(&still, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
-    let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
-    let query = Query::new(&file.grid, &file.dag, file.settings.bias, 5).unwrap();
+    let file = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
+    let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 5).unwrap();
     let end = scene.movers.end_seconds();
     let mut means = Vec::new();
     for i in 0..=8 {
@@ -171,7 +171,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = Options::new(sun, Size::Resolution(4096));
     let baked = bake(&still, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
-    let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+    let file = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
     let baked = Baked { light: Some(&file), ..Baked::default() };
     let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();

@@ -31,7 +31,8 @@ fn voxel_counts_the_taps_that_the_cpu_counts() {
 #[test]
 fn voxel_in_six_bindings_counts_the_same() {
     let baked = &generated()[0];
-    let words = baked.light.dag.top.len() + baked.light.dag.nodes.len() + 2 * baked.light.dag.slabs.len();
+    let dag = baked.light.graph().unwrap();
+    let words = dag.top.len() + dag.nodes.len() + 2 * dag.slabs.len();
     let limited = |bytes: u64| {
         Gpu::request(&GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() }).unwrap()
     };
@@ -46,9 +47,9 @@ fn voxel_in_six_bindings_counts_the_same() {
         (3, Weights::Mean),
         20_000,
     );
-    let (grid, dag) = (&baked.light.grid, &baked.light.dag);
+    let grid = &baked.light.grid;
     let small = limited(4 * words as u64 / 16);
-    let Err(error) = Voxel::new(&small, grid, dag, baked.light.settings.bias, 9) else { panic!("it fits") };
+    let Err(error) = Voxel::new(&small, grid, &dag, baked.light.settings.bias, 9) else { panic!("it fits") };
     assert!(matches!(error, RenderError::TooLarge { .. }), "{error}");
     assert_eq!(MAX_WORD_BINDINGS, 6);
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::dag::packed::PackError;
 use crate::format::{FormatError, WordsError};
 use crate::texture::TextureError;
 
@@ -19,6 +20,9 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A graph has no packed form.
+    #[error(transparent)]
+    Pack(#[from] PackError),
     /// The file's ending is none of the supported ones.
     #[error("{path:?}: unknown scene format; give a .glb, .gltf, .obj or .ply file", path = path.display())]
     UnknownSceneFormat {

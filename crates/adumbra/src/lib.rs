@@ -8,15 +8,16 @@
 //! ```no_run
 //! use std::path::Path;
 //! use std::sync::atomic::AtomicBool;
-//! use adumbra::{bake, format::ShadowFile, light::Sun, query::Query, scene};
+//! use adumbra::format::{Layout, ShadowFile};
+//! use adumbra::{bake, light::Sun, query::Query, scene};
 //!
 //! fn main() -> adumbra::Result<()> {
 //!     let scene = scene::load(Path::new("city.glb"), &scene::LoadOptions::default())?;
 //!     let options = bake::Options::new(Sun::from_direction([0.5, 0.8, 0.35])?, bake::Size::Resolution(8192));
 //!     let baked = bake::bake(&scene, &options, &|_| {}, &AtomicBool::new(false))?;
-//!     let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+//!     let file = ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::Packed)?;
 //!     file.write("city.adumbra")?;
-//!     let query = Query::new(&file.grid, &file.dag, file.settings.bias, 9)?;
+//!     let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 9)?;
 //!     println!("{}", query.visibility([10.0, 1.8, 4.0], Some([0.0, 1.0, 0.0])));
 //!     Ok(())
 //! }

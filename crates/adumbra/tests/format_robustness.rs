@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use adumbra::Error;
 use adumbra::dag::LIT;
-use adumbra::format::{FormatError, ShadowFile};
+use adumbra::format::{Layout, LightBody, ShadowFile, VERSION};
 use adumbra::scene::Bounds;
 use adumbra::settings::Receivers;
 use format_support::{Mutator, encode, exercise, interpret, is_lit, sweep};
@@ -24,8 +24,12 @@ fn vectors(folder: &str) -> PathBuf {
 
 /// Name and bytes of every valid vector, by name.
 fn valid() -> Vec<(String, Vec<u8>)> {
-    let mut all: Vec<_> = fs::read_dir(vectors("valid"))
-        .expect("test_vectors/valid")
+    valid_in("valid")
+}
+
+fn valid_in(folder: &str) -> Vec<(String, Vec<u8>)> {
+    let mut all: Vec<_> = fs::read_dir(vectors(folder))
+        .expect(folder)
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| path.extension().is_some_and(|e| e == "adumbra"))
         .map(|path| (path.file_stem().unwrap().to_string_lossy().into_owned(), fs::read(&path).unwrap()))
@@ -45,16 +49,30 @@ fn json(path: &Path) -> Value {
 
 #[test]
 fn valid_vectors_give_their_answers() {
-    for (name, bytes) in valid() {
+    give_their_answers("valid");
+}
+
+#[test]
+fn version_1_is_read_and_written_as_version_2() {
+    give_their_answers("valid_v1");
+    for (name, bytes) in valid_in("valid_v1") {
+        let file = ShadowFile::from_bytes(&bytes).unwrap();
+        assert_eq!((bytes[8], u32::from(encode(&file)[8])), (1, VERSION), "{name}");
+        assert_eq!(file.body.layout(), Layout::Plain);
+    }
+}
+
+fn give_their_answers(folder: &str) {
+    for (name, bytes) in valid_in(folder) {
         let file = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let answers = json(&vectors("valid").join(format!("{name}.json")));
+        let answers = json(&vectors(folder).join(format!("{name}.json")));
         for point in answers["points"].as_array().unwrap() {
             let world = [0, 1, 2].map(|i| point["world"][i].as_f64().unwrap());
             let expected = point["visibility"].as_u64().unwrap();
             assert_eq!(u64::from(reference::visibility(&bytes, world)), expected, "{name}: {point}");
             let at = file.grid.to_grid(world);
             if (0..3).all(|a| at[a] >= 0.0 && at[a] < f64::from(file.grid.size[a])) {
-                let lit = is_lit(&file.dag, at.map(|c| c.floor() as u32));
+                let lit = is_lit(&file, at.map(|c| c.floor() as u32));
                 assert_eq!(u64::from(lit), expected, "{name}: {point}");
             }
         }
@@ -64,18 +82,19 @@ fn valid_vectors_give_their_answers() {
 #[test]
 fn decoded_graph_agrees_with_the_reference_on_every_voxel() {
     for (name, bytes) in valid() {
-        let dag = ShadowFile::from_bytes(&bytes).unwrap().dag;
+        let file = ShadowFile::from_bytes(&bytes).unwrap();
+        let size = file.grid.size;
         let mut lit = 0;
-        for z in 0..dag.size[2] {
-            for y in 0..dag.size[1] {
-                for x in 0..dag.size[0] {
+        for z in 0..size[2] {
+            for y in 0..size[1] {
+                for x in 0..size[0] {
                     let expected = reference::voxel(&bytes, [x, y, z]) == 1;
-                    assert_eq!(is_lit(&dag, [x, y, z]), expected, "{name} ({x}, {y}, {z})");
+                    assert_eq!(is_lit(&file, [x, y, z]), expected, "{name} ({x}, {y}, {z})");
                     lit += u64::from(expected);
                 }
             }
         }
-        assert_eq!(sweep(&dag, u64::MAX), lit, "{name}");
+        assert_eq!(sweep(&file, u64::MAX), lit, "{name}");
     }
 }
 
@@ -89,7 +108,7 @@ fn invalid_vectors_give_their_errors() {
         let Err(Error::Format { source, .. }) = ShadowFile::read(&path) else {
             panic!("{}: no format error", folder.display());
         };
-        let fault = if let FormatError::Graph { fault } = &source { Some(fault.kind()) } else { None };
+        let fault = source.fault();
         let message = source.to_string();
         assert_eq!(
             (source.kind(), fault),
@@ -175,8 +194,7 @@ fn mutations_are_refused_or_answer_everywhere() {
         let (_, bytes) = &seeds[seed as usize % seeds.len()];
         match exercise(&Mutator::new(seed).mutate(bytes)) {
             Ok(_) => accepted += 1,
-            Err(FormatError::Graph { fault }) => *kinds.entry(fault.kind()).or_insert(0) += 1,
-            Err(error) => *kinds.entry(error.kind()).or_insert(0) += 1,
+            Err(error) => *kinds.entry(error.fault().unwrap_or(error.kind())).or_insert(0) += 1,
         }
     }
     // The mutations reach every check, and graphs that are still valid.
@@ -201,6 +219,15 @@ fn mutations_are_refused_or_answer_everywhere() {
         "NodeEnd",
         "Uniform",
         "Unreachable",
+        "TopLength",
+        "Pools",
+        "Filler",
+        "Column",
+        "NodeBits",
+        "SlabRange",
+        "Slabs",
+        "Pointer",
+        "Unreached",
     ] {
         assert!(kinds.contains(&kind), "no {kind} in {kinds:?}");
     }
@@ -262,7 +289,8 @@ fn refused_write_leaves_the_earlier_output() {
     let path = folder.path().join("a.adumbra");
     fs::write(&path, "earlier").unwrap();
     let mut file = ShadowFile::from_bytes(&example()).unwrap();
-    file.dag.nodes.push(LIT);
+    let LightBody::Plain(dag) = &mut file.body else { panic!("another layout") };
+    dag.nodes.push(LIT);
     assert!(matches!(file.write(&path), Err(Error::Format { .. })));
     assert_eq!(file.write_to(&mut Vec::new()).unwrap_err().kind(), ErrorKind::InvalidData);
     assert_eq!(fs::read(&path).unwrap(), b"earlier");

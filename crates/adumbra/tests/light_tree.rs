@@ -10,7 +10,7 @@ use std::time::Instant;
 use adumbra::bake::{Options, Size, bake};
 use adumbra::dag::Dag;
 use adumbra::dag::store::{NodeState, NodeStore};
-use adumbra::format::{FormatError, ShadowFile, WordsError};
+use adumbra::format::{FormatError, Layout, LightBody, ShadowFile, WordsError};
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra::tree::{LightTreeError, VoxelTree, Word, dag_of_tree, tree_depth};
@@ -145,7 +145,7 @@ fn light_tree_round_trip_of_the_test_vectors() {
         if path.extension().is_none_or(|e| e != "adumbra") {
             continue;
         }
-        let dag = ShadowFile::read(&path).unwrap().dag;
+        let dag = ShadowFile::read(&path).unwrap().graph().unwrap().into_owned();
         seen += 1;
         if dag.root_level > 15 {
             assert!(matches!(VoxelTree::of_dag(&dag), Err(LightTreeError::TooDeep { .. })), "{path:?}");
@@ -179,7 +179,7 @@ fn light_tree_refuses_what_it_has_no_room_for() {
 #[test]
 fn light_tree_words_and_header_make_the_same_file() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../test_vectors/valid");
-    for name in ["sphere", "odd_sizes", "low_sun_tall", "all_shadowed"] {
+    for name in ["sphere", "odd_sizes", "low_sun_tall", "all_shadowed", "sphere_packed", "odd_sizes_packed"] {
         let bytes = fs::read(folder.join(format!("{name}.adumbra"))).unwrap();
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         let (tree, rest) = file.without_words().unwrap();
@@ -215,10 +215,12 @@ fn light_tree_export_refuses_a_graph_that_was_not_merged() {
     dag.top[1] = node.len() as u32;
     dag.nodes.extend(&node);
     file.grid.size = dag.size;
-    file.dag = dag;
-    assert!(file.dag.validate().is_ok());
-    let error = file.without_words().unwrap_err();
-    assert!(matches!(error, WordsError::NotCanonical { .. }), "{error}");
+    assert!(dag.validate().is_ok());
+    for layout in [Layout::Plain, Layout::Packed] {
+        file.body = LightBody::of_dag(dag.clone(), layout).unwrap();
+        let error = file.without_words().unwrap_err();
+        assert!(matches!(error, WordsError::NotCanonical { .. }), "{error}");
+    }
 }
 
 fn bake_at(scene: &Scene, resolution: u64) -> Dag {

@@ -4,8 +4,10 @@ use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Baked, Options, Size, bake};
+use adumbra::dag::Slabs;
+use adumbra::dag::packed::PackedDag;
 use adumbra::light::Sun;
-use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query, Receiver, receiver};
+use adumbra::query::{Cursor, FILTER_WIDTHS, FixedReceiver, PointVisibility, Query, Receiver, receiver};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::verify::Random;
@@ -68,6 +70,45 @@ fn query_counts_the_taps_that_the_definition_names() {
         }
     }
     assert!(partly_lit > 500, "{partly_lit}");
+}
+
+#[test]
+fn cursor_gives_the_queries_answers_in_any_order() {
+    let baked = baked();
+    let packed = PackedDag::of_dag(&baked.dag).unwrap();
+    let size = baked.dag.size.map(f64::from);
+    let layouts: [&dyn Slabs; 2] = [&baked.dag, &packed];
+    for (slabs, width) in layouts.into_iter().flat_map(|s| FILTER_WIDTHS.map(|w| (s, w))) {
+        let query = Query::new(&baked.grid, slabs, Bias::default(), width).unwrap();
+        let plain = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
+        let mut cursor = Cursor::new(query);
+        let mut random = Random::new(12, u64::from(width));
+        let mut p_grid = size.map(|n| n / 2.0);
+        let mut partly_lit = 0;
+        for step in 0..6000 {
+            // Steps to neighbours, now and then a leap, also beyond the grid.
+            let reach = if step % 50 == 0 { 1.2 } else { 0.004 };
+            for a in 0..3 {
+                let to = p_grid[a] + (random.unit() - 0.5) * reach * size[a];
+                p_grid[a] = to.clamp(-0.1 * size[a], 1.1 * size[a]);
+            }
+            let gradient = [random.unit() * 2.0 - 1.0, random.unit() * 2.0 - 1.0];
+            let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, baked.dag.size);
+            let lit = cursor.lit_taps(&fixed);
+            assert_eq!(lit, plain.lit_taps(&fixed), "{fixed:?} {width}");
+            partly_lit += u32::from(lit > 0 && lit < width * width);
+        }
+        assert!(width == 1 || partly_lit > 100, "{partly_lit}");
+    }
+    // The same by world points, with and without normals, as a batch.
+    let query = Query::new(&baked.grid, &packed, Bias::default(), 9).unwrap();
+    let points: Vec<_> = (0..2000).map(|i| [f64::from(i) * 0.01 - 10.0, 0.0, f64::from(i % 7)]).collect();
+    let normals = vec![[0.0, 1.0, 0.0]; points.len()];
+    for normals in [None, Some(&normals[..])] {
+        let one_by_one: Vec<_> =
+            (0..2000).map(|i| query.visibility(points[i], normals.map(|n| n[i]))).collect();
+        assert_eq!(query.visibilities(&points, normals), one_by_one);
+    }
 }
 
 #[test]

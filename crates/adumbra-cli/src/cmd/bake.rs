@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use adumbra::Error;
 use adumbra::bake::{self, Baked, Options};
 use adumbra::files;
 use adumbra::format::ShadowFile;
@@ -54,9 +55,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let Baked { grid, settings, dag, report } =
             bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
-        let file = ShadowFile { grid, settings, dag };
-        file.write(&output)?;
-        let figures = GraphFigures::of(&file);
+        let file = ShadowFile::of_dag(grid, settings, dag, args.settings.layout()).map_err(Error::from)?;
+        let file_bytes = file.write(&output)?;
+        let figures = GraphFigures::of(&file, file_bytes)?;
         let seconds = start.elapsed().as_secs_f64();
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
         if args.json {
@@ -68,13 +69,14 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "accounted_bytes": report.accounted_bytes,
                 "file_bytes": figures.file_bytes,
                 "bits_per_texel": figures.bits_per_texel,
-                "nodes": figures.nodes,
-                "slabs": figures.slabs,
+                "layout": file.body.layout(),
+                "nodes": figures.composition.nodes,
+                "slabs": figures.composition.slabs,
                 "threads": report.threads,
                 "tiles": report.tiles,
                 "drawn_texels": report.drawn_texels,
                 "resolution": settings.resolution,
-                "size": file.dag.size,
+                "size": file.grid.size,
                 "voxel_size": grid.voxel_size,
                 "triangles": settings.triangles,
             }));

@@ -82,7 +82,7 @@ impl BakedFiles {
                 ..Options::new(how.sun, Size::Resolution(how.resolution))
             };
             let baked = bake(how.scene, &options, &|_| {}, &never)?;
-            self.light = Some(ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag });
+            self.light = Some(ShadowFile::plain(baked.grid, baked.settings, baked.dag));
         }
         if self.tree.is_none() && specs.iter().any(needs_tree) {
             let options = TreeOptions {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use adumbra::Error;
 use adumbra::bake::{self, Options, Size};
 use adumbra::camera::Camera;
-use adumbra::format::ShadowFile;
+use adumbra::format::{Layout, ShadowFile};
 use adumbra::light::Sun;
 use adumbra::picture::{self, Shadows};
 use adumbra::query::Query;
@@ -39,10 +39,11 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let options = Options::new(sun, Size::Resolution(args.resolution));
     let reporter = Reporter::new(Style::Auto, Units::TEXELS);
     let baked = bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
-    let file = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
-    file.write(&file_path)?;
+    let file =
+        ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::default()).map_err(Error::from)?;
+    let file_bytes = file.write(&file_path)?;
     let bake_seconds = start.elapsed().as_secs_f64();
-    let figures = GraphFigures::of(&file);
+    let figures = GraphFigures::of(&file, file_bytes)?;
     say!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), bytes_words(figures.file_bytes));
 
     let go_on = || if cancel.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
@@ -50,7 +51,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
-    let exact = Query::new(&file.grid, &file.dag, file.settings.bias, 1)?;
+    let exact = Query::new(&file.grid, file.slabs(), file.settings.bias, 1)?;
     let answers = LightAnswers::new(&file.grid, &file.settings, exact);
     let check = VerifyOptions { samples: SAMPLES, seed: 1 };
     let verification = Verifier::new(&answers, &tracer, &solids).run(&sampler, &check);
@@ -61,7 +62,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     for (name, camera) in [("city", whole), ("street", street)] {
         for suffix in ["", "-truth", "-difference"] {
             go_on()?;
-            let query = Query::new(&file.grid, &file.dag, file.settings.bias, 5)?;
+            let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 5)?;
             let shadows = match suffix {
                 "" => Shadows::File(&query),
                 "-truth" => Shadows::Truth,
@@ -89,10 +90,10 @@ fn write_report(
 ) -> Result<(), Failure> {
     let rows = [
         ("triangles", file.settings.triangles.to_string()),
-        ("grid", format!("{resolution}: {:?} voxels of {:.3} m", file.dag.size, file.grid.voxel_size)),
+        ("grid", format!("{resolution}: {:?} voxels of {:.3} m", file.grid.size, file.grid.voxel_size)),
         ("bake", format!("{bake_seconds:.1} s on {} threads", rayon::current_num_threads())),
         ("file", format!("{}, {:.3} bits a texel", bytes_words(figures.file_bytes), figures.bits_per_texel)),
-        ("nodes, slabs", format!("{}, {}", figures.nodes, figures.slabs)),
+        ("nodes, slabs", format!("{}, {}", figures.composition.nodes, figures.composition.slabs)),
         ("points compared with rays", v.samples.to_string()),
         ("interior agreement", format!("{:.4} %", 100.0 * v.interior_agreement)),
         ("agreement, edges too", format!("{:.3} %", 100.0 * v.agreement)),

@@ -1,6 +1,6 @@
 //! `adumbra info`: what a shadow file holds.
 
-use adumbra::format::{AnyFile, ShadowFile, TreeBody, TreeFile};
+use adumbra::format::{AnyFile, Layout, ShadowFile, TreeBody, TreeFile};
 use serde_json::json;
 
 use super::{GraphFigures, print_json};
@@ -11,31 +11,35 @@ use crate::output::bytes_words;
 pub(crate) fn run(args: &Info) -> Outcome {
     match AnyFile::read(&args.file)? {
         AnyFile::Light(file) => light(args, &file),
-        AnyFile::Tree(file) => tree(args, &file),
+        AnyFile::Tree(file) => {
+            tree(args, &file);
+            Ok(Code::Fine)
+        }
     }
-    Ok(Code::Fine)
 }
 
-fn light(args: &Info, file: &ShadowFile) {
-    let figures = GraphFigures::of(file);
+fn light(args: &Info, file: &ShadowFile) -> Outcome {
+    let figures = GraphFigures::of(file, file.encoded_len())?;
     let s = &file.settings;
-    let dag = &file.dag;
-    let raw = f64::from(dag.size[0]) * f64::from(dag.size[1]) * 4.0;
+    let (size, layout, made_of) = (file.grid.size, file.body.layout(), &figures.composition);
+    let raw = f64::from(size[0]) * f64::from(size[1]) * 4.0;
     let times_smaller = raw / figures.file_bytes as f64;
     if args.json {
         print_json(&json!({
             "file": args.file.display().to_string(),
             "file_bytes": figures.file_bytes,
             "bits_per_texel": figures.bits_per_texel,
-            "nodes": figures.nodes,
-            "slabs": figures.slabs,
+            "layout": layout,
+            "nodes": made_of.nodes,
+            "slabs": made_of.slabs,
             "times_smaller": times_smaller,
-            "top_bytes": dag.top.len() * 4,
-            "node_bytes": dag.nodes.len() * 4,
-            "slab_bytes": dag.slabs.len() * 8,
-            "size": dag.size,
-            "root_level": dag.root_level,
-            "top_dims": dag.top_dims,
+            "top_bytes": made_of.top_bytes,
+            "header_bytes": made_of.header_bytes,
+            "pointer_bytes": made_of.pointer_bytes,
+            "slab_bytes": made_of.slab_bytes,
+            "size": size,
+            "root_level": file.body.root_level(),
+            "top_dims": file.body.top_dims(),
             "voxel_size": file.grid.voxel_size,
             "sun": file.grid.sun.towards(),
             "settings": s,
@@ -44,17 +48,19 @@ fn light(args: &Info, file: &ShadowFile) {
         let sun = file.grid.sun.towards();
         say!("{}: {}", args.file.display(), bytes_words(figures.file_bytes));
         say!("  sun towards     {:.6}, {:.6}, {:.6}", sun[0], sun[1], sun[2]);
-        say!("  resolution      {}, {:?} voxels of {:.6}", s.resolution, dag.size, file.grid.voxel_size);
+        say!("  resolution      {}, {:?} voxels of {:.6}", s.resolution, size, file.grid.voxel_size);
         say!(
             "  bits per texel  {:.4} ({times_smaller:.0} times smaller than 32 bits)",
             figures.bits_per_texel
         );
-        say!("  nodes, slabs    {}, {}", figures.nodes, figures.slabs);
+        say!("  layout          {}", if layout == Layout::Plain { "plain" } else { "packed" });
+        say!("  nodes, slabs    {}, {}", made_of.nodes, made_of.slabs);
         say!(
-            "  bytes           top grid {}, nodes {}, slabs {}",
-            dag.top.len() * 4,
-            dag.nodes.len() * 4,
-            dag.slabs.len() * 8
+            "  bytes           top grid {}, headers {}, pointers {}, slabs {}",
+            made_of.top_bytes,
+            made_of.header_bytes,
+            made_of.pointer_bytes,
+            made_of.slab_bytes
         );
         say!("  baked from      {} triangles in {} instances", s.triangles, s.instances);
         say!(
@@ -72,6 +78,7 @@ fn light(args: &Info, file: &ShadowFile) {
             s.bias.normal_offset_texels
         );
     }
+    Ok(Code::Fine)
 }
 
 fn tree(args: &Info, file: &TreeFile) {

@@ -34,7 +34,7 @@ impl Asking<'_> {
                 "--weights is for world-aligned files; this one is light-aligned".to_owned(),
             ));
         }
-        Ok(Query::new(&file.grid, &file.dag, self.bias.over(file.settings.bias)?, self.filter)?)
+        Ok(Query::new(&file.grid, file.slabs(), self.bias.over(file.settings.bias)?, self.filter)?)
     }
 
     pub(super) fn tree<'f, T: Voxels>(

@@ -25,7 +25,8 @@ mod verify;
 
 use std::path::Path;
 
-use adumbra::format::ShadowFile;
+use adumbra::dag::Composition;
+use adumbra::format::{FormatError, ShadowFile};
 use adumbra::scene::{self, LoadOptions, Scene};
 
 use crate::args::{Args, Verb};
@@ -96,20 +97,19 @@ fn with_threads<T: Send>(
 struct GraphFigures {
     file_bytes: u64,
     bits_per_texel: f64,
-    nodes: u64,
-    slabs: u64,
+    composition: Composition,
 }
 
 impl GraphFigures {
-    fn of(file: &ShadowFile) -> Self {
-        let file_bytes = file.encoded_len();
-        let texels = f64::from(file.dag.size[0]) * f64::from(file.dag.size[1]);
-        Self {
+    /// `file_bytes` is its length, as it was read or written.
+    fn of(file: &ShadowFile, file_bytes: u64) -> Result<Self, Failure> {
+        let texels = f64::from(file.grid.size[0]) * f64::from(file.grid.size[1]);
+        let invalid = |e: FormatError| Failure::BadInput(e.to_string());
+        Ok(Self {
             file_bytes,
             bits_per_texel: file_bytes as f64 * 8.0 / texels,
-            nodes: file.dag.node_count(),
-            slabs: file.dag.slabs.len() as u64,
-        }
+            composition: file.body.composition().map_err(invalid)?,
+        })
     }
 }
 

@@ -14,6 +14,9 @@ use crate::args::Query;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{same_file, write_whole};
 
+/// Points that are answered one after the other: a look-up remembers where the last one was.
+const BATCH: usize = 1 << 14;
+
 pub(crate) fn run(args: &Query) -> Outcome {
     if let Some(widths) = &args.penumbra
         && (same_file(widths, &args.output) || absolute(widths) == absolute(&args.output))
@@ -37,14 +40,19 @@ pub(crate) fn run(args: &Query) -> Outcome {
             points.len()
         )));
     }
-    // A point, its normal, its answer and the answer's bytes.
-    args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4) + file.encoded_len())?;
+    // A point, its normal, its answer, in its batch and behind the others, and the answer's bytes.
+    args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4 + 4) + file.encoded_len())?;
     let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
     let lookup = asking.lookup(&file)?;
     let penumbrae = args.penumbra.as_ref().map(|_| penumbra_query(args, &asking, &file)).transpose()?;
     let normal = |i: usize| normals.as_ref().map(|n| n[i]);
     let visibilities: Vec<f32> = with_threads(args.work.threads, || {
-        Ok((0..points.len()).into_par_iter().map(|i| lookup.visibility(points[i], normal(i))).collect())
+        let batches = points.par_chunks(BATCH).enumerate();
+        let answers = batches.map(|(b, batch)| {
+            let normals = normals.as_ref().map(|n| &n[b * BATCH..][..batch.len()]);
+            lookup.visibilities(batch, normals)
+        });
+        Ok(answers.collect::<Vec<_>>().concat())
     })?;
     let floats = |values: &[f32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
     if let (Some(query), Some(path)) = (&penumbrae, &args.penumbra) {

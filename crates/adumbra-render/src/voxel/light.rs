@@ -53,7 +53,8 @@ impl Voxel {
         let filter = reader.integer("filter", 9, &FILTER_WIDTHS)?;
         let bias = read_bias(&mut reader, file.settings.bias)?;
         reader.finish()?;
-        Ok(Self { name: spec.to_string(), ..Self::new(gpu, &file.grid, &file.dag, bias, filter)? })
+        let graph = file.graph().map_err(|e| spec.wrong(e.to_string()))?;
+        Ok(Self { name: spec.to_string(), ..Self::new(gpu, &file.grid, &graph, bias, filter)? })
     }
 
     /// Group 1, for techniques that look up voxels beside other things.

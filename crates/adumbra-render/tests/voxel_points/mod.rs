@@ -39,7 +39,7 @@ impl BakedScene {
         let sun = Sun::from_direction(sun).unwrap();
         let never = AtomicBool::new(false);
         let baked = bake(&scene, &Options::new(sun, Size::Resolution(resolution)), &|_| {}, &never).unwrap();
-        let light = ShadowFile { grid: baked.grid, settings: baked.settings, dag: baked.dag };
+        let light = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
         let options = TreeOptions { detail, ..TreeOptions::new(sun, Size::Resolution(side)) };
         let baked = bake_tree(&scene, &options, &|_| {}, &never).unwrap();
         let tree = TreeFile {
@@ -66,7 +66,7 @@ impl BakedScene {
     }
 
     fn query(&self, filter: u32) -> Query<'_> {
-        Query::new(&self.light.grid, &self.light.dag, self.light.settings.bias, filter).unwrap()
+        Query::new(&self.light.grid, self.light.slabs(), self.light.settings.bias, filter).unwrap()
     }
 
     fn tree_query(&self, (side, weights): (u32, Weights)) -> TreeQuery<'_, VoxelTree> {
@@ -118,12 +118,12 @@ fn as_cpu(anchor: [f64; 3], q: &PointQuery) -> ([f64; 3], Option<[f64; 3]>) {
 
 pub(crate) fn exact_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
     let (grid, settings) = (&baked.light.grid, &baked.light.settings);
-    let voxel = Voxel::new(gpu, grid, &baked.light.dag, settings.bias, filter).unwrap();
+    let voxel = Voxel::new(gpu, grid, &baked.light.graph().unwrap(), settings.bias, filter).unwrap();
     let query = baked.query(filter);
     let receivers: Vec<FixedReceiver> = baked
         .points(count)
         .into_iter()
-        .map(|(p, n)| FixedReceiver::new(&receiver(grid, &settings.bias, p, n), baked.light.dag.size))
+        .map(|(p, n)| FixedReceiver::new(&receiver(grid, &settings.bias, p, n), baked.light.grid.size))
         .collect();
     let counts = voxel.lit_taps(gpu, &receivers).unwrap();
     let mut partly = 0;
@@ -206,7 +206,7 @@ fn compare(
 pub(crate) fn float_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
     let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
     let (anchor, points) = baked.float_points(count);
-    let mut voxel = Voxel::new(gpu, grid, &baked.light.dag, bias, filter).unwrap();
+    let mut voxel = Voxel::new(gpu, grid, &baked.light.graph().unwrap(), bias, filter).unwrap();
     voxel.set_anchor(gpu, anchor).unwrap();
     let found = answer(gpu, &voxel, &points);
     let query = baked.query(filter);

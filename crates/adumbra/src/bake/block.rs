@@ -3,12 +3,16 @@
 //! All in the snapped coordinates that decide which texel centres a triangle covers, so nothing here can disagree with the
 //! sampling: a test may err only towards "touches" and "crosses".
 
-use super::project::{Projected, SUBTEXEL};
+use super::columns::FOOTPRINT_HALF;
+use super::project::{FixedDepth, Projected, SUBTEXEL, fixed_depth};
 use super::surface::Surface;
 
 /// How far outside a block an edge still counts as crossing it, in 1/256 texel: centres lie half a texel inside, and
 /// footprints reach 1/256 over the border.
 const CROSSING_MARGIN: i64 = 4;
+
+/// Slack of depths that are computed over a block and sampled at its texels, in 1/256 voxel.
+pub(crate) const DEPTH_SLACK: FixedDepth = 2;
 
 /// A square of 2^level × 2^level texels.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +32,8 @@ pub(crate) struct BlockSurface {
     pub(crate) contour: [bool; 3],
     /// Surfaces of equal group hang together and look the same way.
     pub(crate) group: u32,
+    /// Surfaces of equal body hang together; the groups of a body have numbers in a row.
+    pub(crate) body: u32,
 }
 
 /// A rectangle in 1/256 texel, its ends included.
@@ -86,6 +92,16 @@ impl SnappedRect {
             (Some(up), Some(right)) => up >= right,
             _ => i128::from(dx) * i128::from(y) >= i128::from(dy) * i128::from(x),
         }
+    }
+}
+
+impl Projected {
+    /// Depth range over the block's texels and their footprints, or more: what is sampled there lies strictly within.
+    pub(crate) fn fixed_range_over(&self, block: &Block) -> [FixedDepth; 2] {
+        let half_side = f64::from(1_u32 << block.level) / 2.0;
+        let center = [block.x, block.y].map(|c| f64::from(c) + half_side);
+        let [low, high] = self.range_near(center, half_side + FOOTPRINT_HALF);
+        [fixed_depth(low) - DEPTH_SLACK, fixed_depth(high) + DEPTH_SLACK]
     }
 }
 

@@ -118,7 +118,7 @@ pub(crate) struct ColumnRules {
 pub(crate) const FREE_TO_END: u32 = u32::MAX;
 
 /// Half side of the footprint of a texel, with 1/256 for the snapping.
-const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
+pub(crate) const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
 /// Texels beside a static receiver that a filter may read: a 9 × 9 filter's reach.
 const STATIC_FILTER_REACH: f64 = 4.0;
 /// Distance between the outermost taps that share a depth: eight texels of one block.

@@ -12,9 +12,9 @@ use super::casters::Casters;
 use super::columns::{ColumnRules, Columns, FREE_TO_END};
 use super::gather::gather;
 use super::judge::{JudgeBuffers, Verdict, judge};
-use super::leaf::{LeafBuffers, leaf_columns};
+use super::leaf::{LeafBuffers, Setting, leaf_columns};
 use super::plan::Plan;
-use super::project::SUBTEXEL;
+use super::project::{FixedDepth, SUBTEXEL};
 use super::sink::{BLOCK_SIDE, BlockColumns, BlockSink};
 use super::surface::{Surface, Surfaces};
 use crate::dag::SLAB_NODE_LEVEL;
@@ -34,6 +34,24 @@ pub(super) struct DescentBuffers {
     columns: Columns,
     /// Texels that were looked at one by one.
     pub(super) drawn_texels: u64,
+}
+
+impl DescentBuffers {
+    /// Takes the surfaces that lie behind `settled` off the list just judged; gives the nearest depth of them.
+    fn forget_behind(&mut self, from: usize, settled: FixedDepth) -> FixedDepth {
+        let mut nearest = FixedDepth::MAX;
+        let mut kept = from;
+        for (i, &low) in self.judge.lows.iter().enumerate() {
+            if low > settled {
+                nearest = nearest.min(low);
+            } else {
+                self.lists[kept] = self.lists[from + i];
+                kept += 1;
+            }
+        }
+        self.lists.truncate(kept);
+        nearest
+    }
 }
 
 /// Bytes that a worker holds: the surfaces of the fullest root block, and their lists at every level.
@@ -60,10 +78,12 @@ pub(super) fn build_root<S: BlockSink>(
     let surfaces = gather(&plan.casters, tile, &plan.grid);
     let rect = plan.tile_rect(tile);
     let descent = Descent {
-        scene: plan.casters.scene,
-        grid: &plan.grid,
-        rules: &plan.rules,
-        surfaces: &surfaces,
+        setting: Setting {
+            scene: plan.casters.scene,
+            grid: &plan.grid,
+            rules: &plan.rules,
+            surfaces: &surfaces,
+        },
         reach: reach_outside(&plan.rules),
         sink,
         cancel,
@@ -71,7 +91,7 @@ pub(super) fn build_root<S: BlockSink>(
     buffers.lists.clear();
     buffers.lists.extend(0..surfaces.len() as u32);
     let block = Block { level: plan.root_level, x: rect.x, y: rect.y };
-    descent.build(block, 0, buffers)
+    descent.build(block, 0, FixedDepth::MAX, buffers)
 }
 
 /// How far outside a block a surface may matter to its columns, in 1/256 texel.
@@ -81,10 +101,7 @@ fn reach_outside(rules: &ColumnRules) -> i64 {
 }
 
 struct Descent<'a, S> {
-    scene: &'a Scene,
-    grid: &'a LightGrid,
-    rules: &'a ColumnRules,
-    surfaces: &'a [BlockSurface],
+    setting: Setting<'a>,
     reach: i64,
     sink: &'a S,
     cancel: &'a AtomicBool,
@@ -94,9 +111,17 @@ struct Descent<'a, S> {
 const CANCEL_LEVEL: u32 = 8;
 
 impl<S: BlockSink> Descent<'_, S> {
-    /// The block whose surfaces are `buffers.lists[from..]`. As deep as the tree has levels.
-    fn build(&self, block: Block, from: usize, buffers: &mut DescentBuffers) -> Result<S::Block> {
-        let [width, height, depth] = self.grid.size;
+    /// The block whose surfaces are `buffers.lists[from..]`, and something that lies behind all that is settled at
+    /// `known_behind`. As deep as the tree has levels.
+    fn build(
+        &self,
+        block: Block,
+        from: usize,
+        known_behind: FixedDepth,
+        buffers: &mut DescentBuffers,
+    ) -> Result<S::Block> {
+        let Setting { grid, rules, surfaces, .. } = self.setting;
+        let [width, height, depth] = grid.size;
         if block.x >= width || block.y >= height {
             return Ok(self.sink.uniform(block.level, [0, FREE_TO_END]));
         }
@@ -107,13 +132,15 @@ impl<S: BlockSink> Descent<'_, S> {
             return Err(Error::Interrupted);
         }
         let list = &buffers.lists[from..];
-        if let Verdict::Resolved(interval) =
-            judge(&block, self.surfaces, list, self.rules, &mut buffers.judge)
-        {
-            return Ok(self.sink.uniform(block.level, interval));
-        }
+        let settled = match judge(&block, surfaces, list, known_behind, rules, &mut buffers.judge) {
+            Verdict::Resolved(interval) => return Ok(self.sink.uniform(block.level, interval)),
+            // What static receivers ask for depends on all of them.
+            Verdict::Unresolved { .. } if rules.receivers == Receivers::Static => FixedDepth::MAX,
+            Verdict::Unresolved { settled } => settled,
+        };
+        let known_behind = buffers.forget_behind(from, settled).min(known_behind);
         if block.level == SLAB_NODE_LEVEL {
-            return Ok(self.leaf(block, from, buffers));
+            return Ok(self.leaf(block, from, known_behind, buffers));
         }
         let to = buffers.lists.len();
         let mut quarters = Vec::with_capacity(4);
@@ -122,11 +149,11 @@ impl<S: BlockSink> Descent<'_, S> {
             let rect = quarter.snapped(self.reach);
             for place in from..to {
                 let s = buffers.lists[place];
-                if rect.touches(&self.surfaces[s as usize].surface.shape) {
+                if rect.touches(&surfaces[s as usize].surface.shape) {
                     buffers.lists.push(s);
                 }
             }
-            let built = self.build(quarter, to, buffers);
+            let built = self.build(quarter, to, known_behind, buffers);
             buffers.lists.truncate(to);
             quarters.push(built?);
         }
@@ -136,22 +163,27 @@ impl<S: BlockSink> Descent<'_, S> {
         }
     }
 
-    fn leaf(&self, block: Block, from: usize, buffers: &mut DescentBuffers) -> S::Block {
+    fn leaf(
+        &self,
+        block: Block,
+        from: usize,
+        known_behind: FixedDepth,
+        buffers: &mut DescentBuffers,
+    ) -> S::Block {
         let side = BLOCK_SIDE as u32;
-        let width = side.min(self.grid.size[0] - block.x);
-        let height = side.min(self.grid.size[1] - block.y);
+        let width = side.min(self.setting.grid.size[0] - block.x);
+        let height = side.min(self.setting.grid.size[1] - block.y);
         buffers.drawn_texels += u64::from(width * height);
         let list = &buffers.lists[from..];
-        if self.rules.receivers == Receivers::All {
+        if self.setting.rules.receivers == Receivers::All {
             let row = 0xff >> (side - width);
             let inside = (0..height).fold(0_u64, |mask, y| mask | row << (8 * y));
-            let place = (self.scene, self.grid, self.rules);
-            let columns = leaf_columns(&block, inside, self.surfaces, list, place, &mut buffers.leaf);
+            let columns = leaf_columns(&block, inside, list, known_behind, self.setting, &mut buffers.leaf);
             return self.sink.leaf(&columns);
         }
         let rect = TileRect { x: block.x, y: block.y, width, height };
         let near = Near { descent: self, list };
-        capture(&near, self.rules, rect, &mut buffers.capture, &mut buffers.columns);
+        capture(&near, self.setting.rules, rect, &mut buffers.capture, &mut buffers.columns);
         self.sink.leaf(&BlockColumns::padded(&buffers.columns))
     }
 }
@@ -164,16 +196,16 @@ struct Near<'a, S> {
 
 impl<S> Surfaces for Near<'_, S> {
     fn scene(&self) -> &Scene {
-        self.descent.scene
+        self.descent.setting.scene
     }
 
     fn grid(&self) -> &LightGrid {
-        self.descent.grid
+        self.descent.setting.grid
     }
 
     fn for_each(&self, mut visit: impl FnMut(&Surface)) {
         for &s in self.list {
-            visit(&self.descent.surfaces[s as usize].surface);
+            visit(&self.descent.setting.surfaces[s as usize].surface);
         }
     }
 }

@@ -27,22 +27,24 @@ pub(crate) fn gather(casters: &Casters<'_>, tile: usize, grid: &LightGrid) -> Ve
             };
             let given = [outline(0), outline(1), outline(2)];
             let contour = if surface.shape.swapped { [given[2], given[1], given[0]] } else { given };
-            found.push((group_key(&surface, c.component), BlockSurface { surface, contour, group: 0 }));
+            found.push((
+                group_key(&surface, c.component),
+                BlockSurface { surface, contour, group: 0, body: 0 },
+            ));
         }
     }
     found.sort_unstable_by_key(|(key, s)| (*key, s.surface.triangle));
-    let mut group = 0;
-    let mut last = None;
-    found
-        .into_iter()
-        .map(|(key, surface)| {
-            if last.is_some_and(|l| l != key) {
-                group += 1;
-            }
-            last = Some(key);
-            BlockSurface { group, ..surface }
-        })
-        .collect()
+    let (mut group, mut body) = (0, 0);
+    let mut last: Option<[u32; 3]> = None;
+    let numbered = found.into_iter().map(|(key, surface)| {
+        if let Some(last) = last {
+            group += u32::from(last != key);
+            body += u32::from(last[..2] != key[..2]);
+        }
+        last = Some(key);
+        BlockSurface { group, body, ..surface }
+    });
+    numbered.collect()
 }
 
 /// What the surfaces of a group have in common: instance, component, and how they are drawn.

@@ -7,12 +7,10 @@
 //! depth range there bounds the first surface. Everything else errs outwards: a bound that is too weak costs time, never an
 //! answer.
 
-use super::block::{Block, BlockSurface};
+use super::block::{Block, BlockSurface, DEPTH_SLACK};
 use super::columns::{ColumnRules, FREE_TO_END, ReceiverKind};
-use super::project::{FixedDepth, SUBTEXEL, fixed_depth};
+use super::project::{FixedDepth, SUBTEXEL};
 
-/// Slack of depths that are computed over a block and sampled at its texels, in 1/256 voxel.
-const DEPTH_SLACK: FixedDepth = 2;
 /// Slack of a footprint's half side for the snapping of corners, texels.
 const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
 
@@ -21,14 +19,19 @@ const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
 pub(crate) enum Verdict {
     /// Every column may switch anywhere in `[e, x]`.
     Resolved([u32; 2]),
-    /// Look closer.
-    Unresolved,
+    /// Look closer. No first surface lies deeper than `settled`, and no solid that is met first ends deeper: surfaces behind it
+    /// matter only in that they are there. [`FixedDepth::MAX`] where nothing is known.
+    Unresolved { settled: FixedDepth },
 }
 
 /// Buffers that one worker reuses from block to block.
 #[derive(Default)]
 pub(crate) struct JudgeBuffers {
     groups: Vec<Group>,
+    /// Depth ranges of solids.
+    solids: Vec<[FixedDepth; 2]>,
+    /// The nearest depth of each surface of the list over the block.
+    pub(crate) lows: Vec<FixedDepth>,
 }
 
 /// The surfaces of one group near a block.
@@ -37,6 +40,8 @@ struct Group {
     /// Places in the list.
     from: u32,
     to: u32,
+    /// Groups of the same component of the same instance have the same.
+    body: u32,
     kind: Kind,
     /// Range of depth over the block and its footprints.
     z_low: FixedDepth,
@@ -67,16 +72,18 @@ enum Kind {
 }
 
 /// Judges `block` by the surfaces near it: `list` has the places in `surfaces`, ascending, of all that come within reach of
-/// its columns' footprints.
+/// its columns' footprints and lie no deeper than what is known to be settled; `known_behind` is the nearest depth of those
+/// that do, [`FixedDepth::MAX`] where there are none.
 pub(crate) fn judge(
     block: &Block,
     surfaces: &[BlockSurface],
     list: &[u32],
+    known_behind: FixedDepth,
     rules: &ColumnRules,
     buffers: &mut JudgeBuffers,
 ) -> Verdict {
+    gather_groups(block, surfaces, list, rules, buffers);
     let groups = &mut buffers.groups;
-    gather_groups(block, surfaces, list, rules, groups);
     let (i, j) = (i64::from(block.x), i64::from(block.y));
     let layers = |g: &Group| {
         list[g.from as usize..g.to as usize]
@@ -102,22 +109,41 @@ pub(crate) fn judge(
         return if empty {
             Verdict::Resolved([rules.depth_voxels, FREE_TO_END])
         } else {
-            Verdict::Unresolved
+            Verdict::Unresolved { settled: FixedDepth::MAX }
         };
     };
-    let x = earliest_exit(groups, e, cover, cover_layers, rules);
-    let e = rules.quantize(e);
-    let x = x.map_or(FREE_TO_END, |x| rules.latest_switch(x));
-    if x >= e { Verdict::Resolved([e, x]) } else { Verdict::Unresolved }
+    let exit = earliest_exit(groups, known_behind, e, (cover, cover_layers), rules);
+    let first_voxel = rules.quantize(e);
+    let x = exit.map_or(FREE_TO_END, |exit| rules.latest_switch(exit));
+    if x >= first_voxel {
+        Verdict::Resolved([first_voxel, x])
+    } else {
+        Verdict::Unresolved { settled: settled(groups, e, &mut buffers.solids) }
+    }
+}
+
+/// The nearest depth, not before `e`, that no solid reaches across: there every solid that was entered has been left.
+fn settled(groups: &[Group], e: FixedDepth, solids: &mut Vec<[FixedDepth; 2]>) -> FixedDepth {
+    solids.clear();
+    let mut last = None;
+    for g in groups.iter().filter(|g| matches!(g.kind, Kind::SolidFront | Kind::SolidBack)) {
+        match solids.last_mut() {
+            Some(range) if last == Some(g.body) => *range = [range[0].min(g.z_low), range[1].max(g.z_high)],
+            _ => solids.push([g.z_low, g.z_high]),
+        }
+        last = Some(g.body);
+    }
+    solids.sort_unstable();
+    solids.iter().fold(e, |depth, &[low, high]| if low <= depth { depth.max(high) } else { depth })
 }
 
 /// A depth that no column's exit comes before, given that every first surface is at `e` or nearer; none where no voxel must
 /// be shadowed.
 fn earliest_exit(
     groups: &[Group],
+    known_behind: FixedDepth,
     e: FixedDepth,
-    cover: usize,
-    cover_layers: usize,
+    (cover, cover_layers): (usize, usize),
     rules: &ColumnRules,
 ) -> Option<FixedDepth> {
     let could_be_first = |g: &&Group| g.kind != Kind::Receiver && g.z_low <= e;
@@ -138,7 +164,7 @@ fn earliest_exit(
     let base_low = if solid_first { solid_exit.min(open_low) } else { open_low };
     let threshold = base_low.saturating_add(bias);
     let others = || groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover)).map(|(_, g)| g);
-    let nothing_behind = others().all(|g| g.z_high <= threshold);
+    let nothing_behind = known_behind == FixedDepth::MAX && others().all(|g| g.z_high <= threshold);
     if nothing_behind && rules.assume_ground {
         return None;
     }
@@ -148,8 +174,9 @@ fn earliest_exit(
     }
     if open_low != FixedDepth::MAX {
         // The next surface lies behind the first by its bias at least.
-        let half_gap = smallest(&mut others().filter(|g| g.z_high > threshold).map(|g| {
-            let gap = if g.z_low > e { g.z_low - e } else { 0 };
+        let lows = others().filter(|g| g.z_high > threshold).map(|g| g.z_low);
+        let half_gap = smallest(&mut lows.chain([known_behind]).map(|low| {
+            let gap = if low > e { low.saturating_sub(e) } else { 0 };
             (gap / 2).max(bias / 2)
         }));
         let thickness = rules.thickness_fixed().max(bias);
@@ -173,13 +200,11 @@ fn gather_groups(
     surfaces: &[BlockSurface],
     list: &[u32],
     rules: &ColumnRules,
-    groups: &mut Vec<Group>,
+    JudgeBuffers { groups, lows, .. }: &mut JudgeBuffers,
 ) {
     groups.clear();
+    lows.clear();
     let crossing = block.crossing_rect();
-    let side = f64::from(1_u32 << block.level);
-    let center = [f64::from(block.x) + side / 2.0, f64::from(block.y) + side / 2.0];
-    let reach = side / 2.0 + ReceiverKind::Everywhere.footprint_half_texels();
     let mut last = None;
     for (place, &s) in list.iter().enumerate() {
         let surface = &surfaces[s as usize];
@@ -189,7 +214,7 @@ fn gather_groups(
         }
         let Some(group) = groups.last_mut() else { continue };
         group.to = place as u32 + 1;
-        group.add(surface, center, reach, rules);
+        lows.push(group.add(surface, block, rules));
         group.contour = group.contour || (group.kind != Kind::Receiver && surface.contour_crosses(&crossing));
     }
 }
@@ -207,6 +232,7 @@ impl Group {
         Self {
             from,
             to: from,
+            body: first.body,
             kind,
             z_low: FixedDepth::MAX,
             z_high: FixedDepth::MIN,
@@ -218,9 +244,9 @@ impl Group {
         }
     }
 
-    fn add(&mut self, surface: &BlockSurface, center: [f64; 2], reach: f64, rules: &ColumnRules) {
+    /// Takes a surface in; gives its nearest depth over the block.
+    fn add(&mut self, surface: &BlockSurface, block: &Block, rules: &ColumnRules) -> FixedDepth {
         let shape = &surface.surface.shape;
-        let [low, high] = shape.range_near(center, reach);
         if let Some(plane) = &shape.plane {
             for a in 0..2 {
                 self.gradient_low[a] = self.gradient_low[a].min(plane.gradient[a]);
@@ -228,8 +254,10 @@ impl Group {
             }
             self.gradient_sum = self.gradient_sum.max(plane.gradient_sum());
         }
+        let [low, high] = shape.fixed_range_over(block);
         self.bias = self.bias.min(rules.bias_fixed(shape.slope));
-        self.z_low = self.z_low.min(fixed_depth(low) - DEPTH_SLACK);
-        self.z_high = self.z_high.max(fixed_depth(high) + DEPTH_SLACK);
+        self.z_low = self.z_low.min(low);
+        self.z_high = self.z_high.max(high);
+        low
     }
 }

@@ -5,30 +5,57 @@
 //! sampled there says so at once. What is left to ask is about open first surfaces.
 
 use super::block::{Block, BlockSurface};
-use super::columns::{self, ColumnRules, FirstSurface, ReceiverKind};
+use super::columns::{self, ColumnRules, FOOTPRINT_HALF, FirstSurface, ReceiverKind};
 use super::masked::{self, MaskedHit, TriangleMask};
-use super::project::{FixedDepth, Projected, fixed_depth};
+use super::project::{FixedDepth, Projected};
 use super::sink::{BLOCK_SIDE, BlockColumns};
 use super::surface::Surface;
 use crate::light::LightGrid;
 use crate::scene::Scene;
 
 const TEXELS: usize = BLOCK_SIDE * BLOCK_SIDE;
+/// The place of no surface.
+const NOBODY: u32 = u32::MAX;
 /// A sampled depth that is behind a threshold by more than this is behind it however it is computed, 1/256 voxel.
 const CERTAINLY_BEHIND: FixedDepth = 2;
+
+/// A surface near the block, by its depth range there.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Near {
+    low: FixedDepth,
+    high: FixedDepth,
+    surface: u32,
+}
 
 /// Buffers that one worker reuses from block to block.
 #[derive(Default)]
 pub(super) struct LeafBuffers {
+    /// Nearest first.
+    order: Vec<Near>,
     /// Texel, and key of a solid's crossing.
     crossings: Vec<(u8, u32)>,
     sorted: Vec<u32>,
     masked: Vec<MaskedHit>,
 }
 
+/// Where leaves lie, and what decides them.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) grid: &'a LightGrid,
+    pub(super) rules: &'a ColumnRules,
+    pub(super) surfaces: &'a [BlockSurface],
+}
+
 /// The columns while they are found.
 struct Leaf<'b> {
+    setting: Setting<'b>,
+    block: &'b Block,
+    /// Texels of the grid.
+    inside: u64,
     first: [FirstSurface; TEXELS],
+    /// Place in the list of the surface that `first` is of.
+    owner: [u32; TEXELS],
     /// The deepest sample of a column.
     deepest: [FixedDepth; TEXELS],
     base: [FixedDepth; TEXELS],
@@ -37,58 +64,86 @@ struct Leaf<'b> {
 }
 
 /// Columns of `block`, which has level 3, as [`super::columns::ColumnRules::column`] of what lies over them; `inside` are the
-/// texels of the grid. For [`Receivers::All`](crate::settings::Receivers::All).
+/// texels of the grid. Something at `known_behind` or deeper lies behind every first surface and every solid that is met
+/// first; [`FixedDepth::MAX`] where nothing is known. For [`Receivers::All`](crate::settings::Receivers::All).
 pub(super) fn leaf_columns(
     block: &Block,
     inside: u64,
-    surfaces: &[BlockSurface],
     list: &[u32],
-    place: (&Scene, &LightGrid, &ColumnRules),
+    known_behind: FixedDepth,
+    setting: Setting<'_>,
     buffers: &mut LeafBuffers,
 ) -> BlockColumns {
-    let (scene, grid, rules) = place;
     buffers.crossings.clear();
     buffers.masked.clear();
+    buffers.order(block, list, setting.surfaces);
+    let order = std::mem::take(&mut buffers.order);
     let mut leaf = Leaf {
+        setting,
+        block,
+        inside,
         first: [FirstSurface::NONE; TEXELS],
+        owner: [NOBODY; TEXELS],
         deepest: [FixedDepth::MIN; TEXELS],
         base: [0; TEXELS],
         next: [FixedDepth::MAX; TEXELS],
         buffers,
     };
-    let near = || list.iter().map(|&s| &surfaces[s as usize].surface);
-    for surface in near().filter(|s| s.casts) {
-        leaf.sample(block, inside, surface, scene, grid, rules);
-    }
-    masked::add_first_surfaces(&mut leaf.buffers.masked, &mut leaf.first);
+    leaf.sample_all(&order);
+    leaf.add_masked();
     leaf.resolve_solids();
-    let (asking, threshold) = leaf.asking(inside);
-    if asking != 0 {
-        for surface in near() {
-            leaf.ask(block, asking, threshold, &surface.shape, rules);
-        }
-    }
+    leaf.ask_all(&order, known_behind);
     let mut columns = BlockColumns::free();
     for texel in bits(inside) {
         [columns.e[texel], columns.x[texel]] =
-            rules.column(leaf.first[texel], leaf.base[texel], leaf.next[texel]);
+            setting.rules.column(leaf.first[texel], leaf.base[texel], leaf.next[texel]);
     }
+    buffers.order = order;
     columns
 }
 
+impl LeafBuffers {
+    fn order(&mut self, block: &Block, list: &[u32], surfaces: &[BlockSurface]) {
+        self.order.clear();
+        self.order.extend(list.iter().map(|&surface| {
+            let [low, high] = surfaces[surface as usize].surface.shape.fixed_range_over(block);
+            Near { low, high, surface }
+        }));
+        self.order.sort_unstable();
+    }
+}
+
 impl Leaf<'_> {
-    fn sample(
-        &mut self,
-        block: &Block,
-        inside: u64,
-        surface: &Surface,
-        scene: &Scene,
-        grid: &LightGrid,
-        rules: &ColumnRules,
-    ) {
+    /// Samples from the light on, and stops asking columns that are settled: where no surface that has been met reaches past
+    /// the next one, whatever solid was entered has been left.
+    fn sample_all(&mut self, order: &[Near]) {
+        let (mut reached, mut settled) = (FixedDepth::MIN, 0);
+        for near in order {
+            let surface = &self.setting.surfaces[near.surface as usize].surface;
+            if !surface.casts {
+                continue;
+            }
+            if near.low > reached {
+                settled = bits(self.inside & !settled)
+                    .filter(|&texel| !self.first[texel].is_none())
+                    .fold(settled, |mask, texel| mask | 1 << texel);
+            }
+            reached = reached.max(near.high);
+            self.sample(near, surface, settled);
+        }
+    }
+
+    fn sample(&mut self, near: &Near, surface: &Surface, settled: u64) {
+        let (block, Setting { scene, grid, rules, .. }) = (self.block, self.setting);
         let shape = &surface.shape;
         let Some(plane) = shape.plane else { return };
-        let covered = shape.coverage(block.x, block.y) & inside;
+        let covered = shape.coverage(block.x, block.y) & self.inside;
+        if !surface.masked {
+            for texel in bits(covered & settled) {
+                self.deepest[texel] = self.deepest[texel].max(near.low);
+            }
+        }
+        let covered = covered & !settled;
         if covered == 0 {
             return;
         }
@@ -109,10 +164,28 @@ impl Leaf<'_> {
         for texel in bits(covered) {
             let [x, y] = center(block, texel);
             let depth = shape.depth_at(&plane, x, y);
-            self.first[texel] = self.first[texel].min(FirstSurface::new(depth, info));
+            let first = FirstSurface::new(depth, info);
+            if first < self.first[texel] {
+                self.first[texel] = first;
+                self.owner[texel] = near.surface;
+            }
             self.deepest[texel] = self.deepest[texel].max(depth);
             if surface.solid {
                 self.buffers.crossings.push((texel as u8, columns::crossing_key(depth, exit_bit)));
+            }
+        }
+    }
+
+    /// Surfaces with holes, where they cover enough before anything else does.
+    fn add_masked(&mut self) {
+        if self.buffers.masked.is_empty() {
+            return;
+        }
+        let before = self.first;
+        masked::add_first_surfaces(&mut self.buffers.masked, &mut self.first);
+        for (texel, owner) in self.owner.iter_mut().enumerate() {
+            if self.first[texel] != before[texel] {
+                *owner = NOBODY;
             }
         }
     }
@@ -151,45 +224,54 @@ impl Leaf<'_> {
         }
     }
 
-    /// The texels that must know what lies behind their base, and the smallest depth that counts as behind one of them. Where
-    /// a solid is known to have something behind it, `next` says so.
-    fn asking(&mut self, inside: u64) -> (u64, FixedDepth) {
-        let (mut asking, mut smallest) = (0, FixedDepth::MAX);
-        for texel in bits(inside) {
+    /// Finds what lies behind the bases of all columns that must know. Something at `known_behind` or deeper lies behind them
+    /// all.
+    fn ask_all(&mut self, order: &[Near], known_behind: FixedDepth) {
+        let rules = self.setting.rules;
+        let (mut asking, mut threshold) = (0, FixedDepth::MAX);
+        for texel in bits(self.inside) {
             let first = self.first[texel];
             if first.is_none() {
                 continue;
             }
-            let threshold = self.base[texel].saturating_add(first.bias());
-            if first.is_solid() && self.deepest[texel] > threshold.saturating_add(CERTAINLY_BEHIND) {
-                self.next[texel] = self.deepest[texel];
-            } else {
+            let behind = self.base[texel].saturating_add(first.bias());
+            self.next[texel] = known_behind;
+            if first.is_solid() && self.deepest[texel] > behind.saturating_add(CERTAINLY_BEHIND) {
+                self.next[texel] = known_behind.min(self.deepest[texel]);
+            }
+            if !first.is_solid() || self.next[texel] == FixedDepth::MAX {
                 asking |= 1 << texel;
-                smallest = smallest.min(threshold);
+                threshold = threshold.min(behind);
             }
         }
-        (asking, smallest)
-    }
-
-    /// `shape` as a receiver, for the texels of `asking`; nothing at or nearer than `threshold` is behind any of them.
-    fn ask(
-        &mut self,
-        block: &Block,
-        asking: u64,
-        threshold: FixedDepth,
-        shape: &Projected,
-        rules: &ColumnRules,
-    ) {
-        let kind = ReceiverKind::Everywhere;
-        let half = kind.footprint_half_texels();
-        let side = BLOCK_SIDE as f64 / 2.0;
-        let middle = [f64::from(block.x) + side, f64::from(block.y) + side];
-        let [_, high] = shape.range_near(middle, side + half);
-        if fixed_depth(high) + CERTAINLY_BEHIND <= threshold {
+        if asking == 0 {
             return;
         }
+        for near in order.iter().filter(|near| near.high > threshold) {
+            let shape = &self.setting.surfaces[near.surface as usize].surface.shape;
+            let mut wanted = asking;
+            if shape.rise(FOOTPRINT_HALF) + f64::from(CERTAINLY_BEHIND)
+                <= f64::from(rules.bias_fixed(shape.slope))
+            {
+                // Within a footprint it does not lie behind itself.
+                let own = |&texel: &usize| self.owner[texel] == near.surface && !self.is_behind_solid(texel);
+                wanted = bits(asking).filter(|t| !own(t)).fold(0, |mask, texel| mask | 1 << texel);
+            }
+            self.ask(wanted, shape);
+        }
+    }
+
+    /// The base lies behind the first surface.
+    fn is_behind_solid(&self, texel: usize) -> bool {
+        self.base[texel] > self.first[texel].depth()
+    }
+
+    /// `shape` as a receiver, for the texels of `wanted`.
+    fn ask(&mut self, wanted: u64, shape: &Projected) {
+        let (block, rules) = (self.block, self.setting.rules);
+        let half = FOOTPRINT_HALF;
         for row in 0..BLOCK_SIDE {
-            let wanted = asking >> (row * BLOCK_SIDE) & 0xff;
+            let wanted = wanted >> (row * BLOCK_SIDE) & 0xff;
             if wanted == 0 {
                 continue;
             }
@@ -201,6 +283,7 @@ impl Leaf<'_> {
                     continue;
                 }
                 let texel = row * BLOCK_SIDE + column;
+                let kind = ReceiverKind::Everywhere;
                 let (range, z_plane) = shape.footprint_range(&band, x, y, half);
                 if let Some(asked) = rules.asked_depths(kind, shape.slope, range, z_plane) {
                     let next = rules.receiver_behind(kind, self.base[texel], self.first[texel], asked);

@@ -226,6 +226,11 @@ impl Projected {
         [low, high]
     }
 
+    /// How much its plane rises over `reach` texels along both axes, 1/256 voxel; without end where it is edge-on.
+    pub(crate) fn rise(&self, reach: f64) -> f64 {
+        self.plane.as_ref().map_or(f64::INFINITY, |plane| plane.gradient_sum() * reach * SUBTEXEL as f64)
+    }
+
     /// Depth range of the part in a `band` over the footprint around (x, y), or more; and the plane at its centre with the sum
     /// of its gradient's magnitudes.
     pub(crate) fn footprint_range(

@@ -15,9 +15,15 @@
 //! header `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
 
 mod canonical;
+mod composition;
+pub mod packed;
 pub mod store;
+mod trail;
 mod validate;
 
+pub use composition::Composition;
+pub use trail::Trail;
+use trail::{Descend, Step};
 pub use validate::{GraphError, GraphPlace, MAX_ROOT_LEVEL};
 
 /// Top-grid entry: the whole root cube is lit.
@@ -55,55 +61,24 @@ impl Dag {
     ///
     /// Cost: one step a level above 3, then two. The caller says what lies beside the grid: see [`crate::query`].
     pub fn voxel(&self, i: u32, j: u32, k: u32) -> bool {
-        match self.find(i, j, k) {
-            Found::Uniform(lit) => lit,
-            Found::Slab(mask) => mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1,
-        }
+        self.slab(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1
     }
 
     /// The 8 × 8 × 1 slab that holds voxel (i, j, k): bit y·8 + x, 1 = lit.
     pub fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
-        match self.find(i, j, k) {
-            Found::Uniform(true) => u64::MAX,
-            Found::Uniform(false) => 0,
-            Found::Slab(mask) => mask,
-        }
+        self.descend(i, j, k)
     }
 
-    fn find(&self, i: u32, j: u32, k: u32) -> Found {
-        let root = [i, j, k].map(|c| c >> self.root_level);
-        if (0..3).any(|a| root[a] >= self.top_dims[a]) {
-            return Found::Uniform(true);
+    /// What child `child` of the node at this word is: a word, at level 3 a slab.
+    fn step(&self, word: u32, child: u32) -> Step {
+        let header = self.nodes[word as usize];
+        match header >> (2 * child) & 3 {
+            STATE_SHADOWED => return Step::Uniform(false),
+            STATE_LIT => return Step::Uniform(true),
+            _ => {}
         }
-        let [tx, ty, tz] = root.map(|c| c as usize);
-        let [nx, ny] = [self.top_dims[0] as usize, self.top_dims[1] as usize];
-        let mut pointer = match self.top[(tz * ny + ty) * nx + tx] {
-            LIT => return Found::Uniform(true),
-            SHADOWED => return Found::Uniform(false),
-            index => index as usize,
-        };
-        let mut level = self.root_level;
-        loop {
-            let child = if level > SLAB_NODE_LEVEL {
-                let bit = level - 1;
-                (i >> bit & 1) << 2 | (j >> bit & 1) << 1 | k >> bit & 1
-            } else {
-                k & 7
-            };
-            let header = self.nodes[pointer];
-            match header >> (2 * child) & 3 {
-                STATE_SHADOWED => return Found::Uniform(false),
-                STATE_LIT => return Found::Uniform(true),
-                _ => {}
-            }
-            let mixed_before = (header & 0xaaaa & ((1 << (2 * child)) - 1)).count_ones();
-            let next = self.nodes[pointer + 1 + mixed_before as usize] as usize;
-            if level == SLAB_NODE_LEVEL {
-                return Found::Slab(self.slabs[next]);
-            }
-            pointer = next;
-            level -= 1;
-        }
+        let mixed_before = (header & 0xaaaa & ((1 << (2 * child)) - 1)).count_ones();
+        Step::Into(self.nodes[(word + 1 + mixed_before) as usize])
     }
 
     /// Headers among [`Dag::nodes`].
@@ -118,6 +93,38 @@ impl Dag {
     }
 }
 
+impl Descend for Dag {
+    fn root_level(&self) -> u32 {
+        self.root_level
+    }
+
+    fn root(&self, i: u32, j: u32, k: u32) -> Step {
+        let root = [i, j, k].map(|c| c >> self.root_level);
+        if (0..3).any(|a| root[a] >= self.top_dims[a]) {
+            return Step::Uniform(true);
+        }
+        let [tx, ty, tz] = root.map(|c| c as usize);
+        let [nx, ny] = [self.top_dims[0] as usize, self.top_dims[1] as usize];
+        match self.top[(tz * ny + ty) * nx + tx] {
+            LIT => Step::Uniform(true),
+            SHADOWED => Step::Uniform(false),
+            word => Step::Into(word),
+        }
+    }
+
+    fn child(&self, word: u32, level: u32, i: u32, j: u32, k: u32) -> Step {
+        let bit = level - 1;
+        self.step(word, (i >> bit & 1) << 2 | (j >> bit & 1) << 1 | k >> bit & 1)
+    }
+
+    fn slab_of_cube(&self, word: u32, k: u32) -> u64 {
+        match self.step(word, k) {
+            Step::Uniform(lit) => trail::uniform(lit),
+            Step::Into(slab) => self.slabs[slab as usize],
+        }
+    }
+}
+
 /// A structure that answers slabs of 8 × 8 × 1 voxels of a light-aligned grid.
 pub trait Slabs: Sync {
     /// Voxels along x, y, z.
@@ -125,6 +132,12 @@ pub trait Slabs: Sync {
 
     /// The slab that holds voxel (i, j, k), which lies in the grid: bit y·8 + x, 1 = lit.
     fn slab(&self, i: u32, j: u32, k: u32) -> u64;
+
+    /// The same, from the last place on that has this `trail`: cheap where both have most of their way in common. A trail is for
+    /// look-ups in one structure only.
+    fn slab_along(&self, _trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+        self.slab(i, j, k)
+    }
 }
 
 impl Slabs for Dag {
@@ -133,11 +146,10 @@ impl Slabs for Dag {
     }
 
     fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
-        Dag::slab(self, i, j, k)
+        Self::slab(self, i, j, k)
     }
-}
 
-enum Found {
-    Uniform(bool),
-    Slab(u64),
+    fn slab_along(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+        self.follow(trail, i, j, k)
+    }
 }

@@ -1,6 +1,7 @@
 //! What can be wrong with a file, light-aligned or tree, with the values that are.
 
 use crate::dag::GraphError;
+use crate::dag::packed::PackedError;
 use crate::tree::TreeError;
 use crate::tree::symmetric::SymmetricError;
 
@@ -116,6 +117,13 @@ pub enum FormatError {
         #[from]
         fault: GraphError,
     },
+    /// The packed graph cannot be walked.
+    #[error("the packed graph is not valid: {fault}; bake it again")]
+    Packed {
+        /// What is wrong with it.
+        #[from]
+        fault: PackedError,
+    },
     /// A region of a tree means nothing.
     #[error("region {index} has {value}, but must have {expected}; bake it again")]
     Region {
@@ -157,6 +165,7 @@ impl FormatError {
             Self::SectionBounds { .. } => "SectionBounds",
             Self::Padding { .. } => "Padding",
             Self::Graph { .. } => "Graph",
+            Self::Packed { .. } => "Packed",
             Self::Region { .. } => "Region",
             Self::Tree { .. } => "Tree",
             Self::Symmetric { .. } => "Symmetric",
@@ -167,6 +176,7 @@ impl FormatError {
     pub fn fault(&self) -> Option<&'static str> {
         match self {
             Self::Graph { fault } => Some(fault.kind()),
+            Self::Packed { fault } => Some(fault.kind()),
             Self::Tree { fault } => Some(match fault {
                 TreeError::Depth { .. } => "Depth",
                 TreeError::Length { .. } => "Length",

@@ -22,18 +22,28 @@ pub(super) struct Kind {
     pub(super) name: &'static str,
     /// The version that is written, and the latest that is read.
     pub(super) version: u32,
+    /// The earliest that is read.
+    pub(super) oldest: u32,
 }
 
 /// The light-aligned graph.
-pub(super) const LIGHT: Kind =
-    Kind { magic: *b"ADUMBRA\n", shown: "\"ADUMBRA\\n\"", name: "light-aligned shadow file", version: 1 };
+pub(super) const LIGHT: Kind = Kind {
+    magic: *b"ADUMBRA\n",
+    shown: "\"ADUMBRA\\n\"",
+    name: "light-aligned shadow file",
+    version: 2,
+    oldest: 1,
+};
 /// The world-aligned tree.
 pub(super) const TREE: Kind =
-    Kind { magic: *b"ADUMTREE", shown: "\"ADUMTREE\"", name: "tree file", version: 1 };
+    Kind { magic: *b"ADUMTREE", shown: "\"ADUMTREE\"", name: "tree file", version: 1, oldest: 1 };
 
 /// Checks what makes the bytes a header of this kind: magic, version, length, checksum in the last word. Gives the
-/// fields between.
-pub(super) fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<Decoder<'a>, FormatError> {
+/// version and the fields between.
+pub(super) fn identify<'a, const N: usize>(
+    bytes: &'a [u8],
+    kind: &Kind,
+) -> Result<(u32, Decoder<'a>), FormatError> {
     let start = &bytes[..bytes.len().min(kind.magic.len())];
     if !kind.magic.starts_with(start) {
         return Err(match [LIGHT, TREE].iter().find(|other| other.magic == start) {
@@ -47,8 +57,10 @@ pub(super) fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Resu
         if version > kind.version {
             return Err(FormatError::FutureVersion { version, supported: kind.version });
         }
-        if version != kind.version {
-            return Err(field("version", version.to_string(), kind.version.to_string()));
+        if version < kind.oldest {
+            let range = format!("{} to {}", kind.oldest, kind.version);
+            let expected = if kind.oldest == kind.version { kind.version.to_string() } else { range };
+            return Err(field("version", version.to_string(), expected));
         }
         if length != N as u32 {
             return Err(field("header_bytes", length.to_string(), N.to_string()));
@@ -62,7 +74,8 @@ pub(super) fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Resu
     let computed = crc32fast::hash(covered);
     let stored = Decoder { bytes: last }.u32()?;
     if stored == computed {
-        Ok(Decoder { bytes: &covered[FRONT_BYTES..] })
+        let version = Decoder { bytes: &covered[kind.magic.len()..] }.u32()?;
+        Ok((version, Decoder { bytes: &covered[FRONT_BYTES..] }))
     } else {
         Err(FormatError::HeaderChecksum { stored, computed })
     }

@@ -1,12 +1,14 @@
 //! The 384 bytes in front of the sections. Offsets are in `spec/adumbra-file.md`; the fields stand here in file order.
 
 use super::FormatError;
+use super::body::Layout;
 use super::fields::{
     Encoder, LIGHT, UNIT_TOLERANCE, bounds, check_bounds, check_finite, check_voxel_size, field, identify,
     reserved, sun,
 };
 use super::sections::{Section, check_sections};
-use crate::dag::{Dag, MAX_ROOT_LEVEL, SHADOWED, SLAB_NODE_LEVEL};
+use crate::dag::packed::POOL_WORDS;
+use crate::dag::{Dag, MAX_ROOT_LEVEL, SLAB_NODE_LEVEL};
 use crate::light::{LightGrid, cross, dot};
 use crate::scene::Bounds;
 use crate::settings::{Bias, Receivers, Settings};
@@ -27,8 +29,6 @@ const ALL_FLAGS: u32 = (1 << 5) - 1;
 
 /// Section names, in file order.
 pub(super) const SECTIONS: [&str; 3] = ["top", "nodes", "slabs"];
-/// Bytes of one element of each section.
-const ELEMENT_BYTES: [u64; 3] = [4, 4, 8];
 
 /// A header whose every field has been checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +37,7 @@ pub(super) struct Header {
     pub(super) settings: Settings,
     pub(super) root_level: u32,
     pub(super) top_dims: [u32; 3],
+    pub(super) layout: Layout,
     pub(super) sections: [Section; 3],
 }
 
@@ -53,7 +54,7 @@ impl Header {
         out.u32s(&grid.size);
         out.u32s(&[self.root_level]);
         out.u32s(&self.top_dims);
-        out.u32s(&[0]);
+        out.u32s(&[self.layout.number()]);
         out.f64s(&[grid.voxel_size]);
         out.f64s(&grid.sun.towards());
         out.f64s(&grid.origin);
@@ -69,13 +70,13 @@ impl Header {
 
     /// Reads and checks the header at the front of `bytes`.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let mut fields = identify::<HEADER_BYTES>(bytes, &LIGHT)?;
+        let (version, mut fields) = identify::<HEADER_BYTES>(bytes, &LIGHT)?;
         let flags = fields.u32()?;
         let resolution = fields.u32()?;
         let size = fields.u32s()?;
         let root_level = fields.u32()?;
         let top_dims = fields.u32s()?;
-        reserved("reserved word 13", fields.u32()?)?;
+        let layout = fields.u32()?;
         let voxel_size = fields.f64()?;
         let towards = fields.f64s()?;
         let origin = fields.f64s()?;
@@ -87,6 +88,12 @@ impl Header {
         let sections = fields.sections()?;
         fields.end("reserved words 88 to 94")?;
 
+        if version == 1 {
+            reserved("reserved word 13", layout)?;
+        }
+        let Some(layout) = Layout::of_number(layout) else {
+            return Err(field("layout", layout.to_string(), "0, plain, or 1, packed"));
+        };
         if flags & !ALL_FLAGS != 0 {
             return Err(field("flags", format!("{flags:#x}"), "made of bits 0 to 4 only"));
         }
@@ -104,7 +111,7 @@ impl Header {
             triangles,
             instances,
         };
-        let header = Self { grid, settings, root_level, top_dims, sections };
+        let header = Self { grid, settings, root_level, top_dims, layout, sections };
         header.check()?;
         Ok(header)
     }
@@ -126,15 +133,27 @@ impl Header {
     }
 
     fn check_sections(&self) -> Result<(), FormatError> {
-        let roots = self.top_dims.iter().try_fold(4_u64, |n, &d| n.checked_mul(u64::from(d)));
+        let product = |dims: &[u32]| dims.iter().try_fold(4_u64, |n, &d| n.checked_mul(u64::from(d)));
+        let too_much = || "more than a file can hold".to_owned();
         check_sections(HEADER_BYTES, &SECTIONS, &self.sections, |i, length| {
-            if i == 0 {
-                let all = || roots.map_or("more than a file can hold".to_owned(), |r| r.to_string());
-                return (Some(length) != roots).then(all);
+            let (element, limit) = self.layout.elements()[i];
+            match (i, self.layout) {
+                (0, Layout::Plain) => {
+                    let roots = product(&self.top_dims);
+                    return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
+                }
+                (0, Layout::Packed) => {
+                    // Pools and columns; how many roots there are, stands in it.
+                    let columns = product(&self.top_dims[..2]).and_then(|c| c.checked_mul(2));
+                    let least = columns.and_then(|c| c.checked_add(4 * (POOL_WORDS as u64 + 1)));
+                    let good = length % 4 == 0 && least.is_some_and(|least| length >= least);
+                    let at_least = |l| format!("a multiple of 4, at least {l}");
+                    return (!good).then(|| least.map_or_else(too_much, at_least));
+                }
+                _ => {}
             }
-            let limit = if i == 1 { 4 * u64::from(SHADOWED) } else { 8 << 32 };
-            let fits = length % ELEMENT_BYTES[i] == 0 && length <= limit;
-            (!fits).then(|| format!("a multiple of {} up to {limit}", ELEMENT_BYTES[i]))
+            let fits = length % element == 0 && length <= limit;
+            (!fits).then(|| format!("a multiple of {element} up to {limit}"))
         })
     }
 }

@@ -1,11 +1,11 @@
-//! The `.adumbra` file, version 1: bytes <-> grid, settings and graph. `spec/adumbra-file.md` describes it for readers
+//! The `.adumbra` file, version 2, and version 1 for reading: bytes <-> grid, settings and graph. `spec/adumbra-file.md` describes it for readers
 //! in other languages.
 //!
 //! | part | bytes | meaning |
 //! |---|---|---|
 //! | header | 384 | magic, version, grid, settings, section table, checksum (`header.rs`) |
-//! | top | 4 a root | the top grid |
-//! | nodes | 4 a word | headers and pointers |
+//! | top | 4 a word | the top grid |
+//! | nodes | 4 a word | headers and pointers; packed, two units a word |
 //! | slabs | 8 a slab | 8 × 8 × 1 visibility masks |
 //!
 //! Little-endian throughout. Sections begin at multiples of 16, with zeros in the gaps; each has a CRC-32. There is
@@ -14,6 +14,7 @@
 //! [`mod@tree`] is the other kind of file, of the world-aligned tree; [`AnyFile`] is either.
 
 mod any;
+mod body;
 mod error;
 mod fields;
 mod header;
@@ -24,12 +25,16 @@ mod words;
 mod write;
 
 pub use any::AnyFile;
+pub use body::{Layout, LightBody};
 pub use error::FormatError;
 pub use header::{HEADER_BYTES, MAGIC, VERSION};
 pub use tree::{AttributeKind, TreeBody, TreeFile};
 pub use words::WordsError;
 
-use crate::dag::Dag;
+use std::borrow::Cow;
+
+use crate::dag::packed::PackError;
+use crate::dag::{Dag, Slabs};
 use crate::light::LightGrid;
 use crate::settings::Settings;
 
@@ -41,5 +46,42 @@ pub struct ShadowFile {
     /// What the bake was asked for.
     pub settings: Settings,
     /// The voxels.
-    pub dag: Dag,
+    pub body: LightBody,
+}
+
+impl ShadowFile {
+    /// A file of the plain layout.
+    pub fn plain(grid: LightGrid, settings: Settings, dag: Dag) -> Self {
+        Self { grid, settings, body: LightBody::Plain(dag) }
+    }
+
+    /// A file of any layout.
+    ///
+    /// # Errors
+    /// [`PackError`] where the graph has no packed form.
+    pub fn of_dag(
+        grid: LightGrid,
+        settings: Settings,
+        dag: Dag,
+        layout: Layout,
+    ) -> std::result::Result<Self, PackError> {
+        Ok(Self { grid, settings, body: LightBody::of_dag(dag, layout)? })
+    }
+
+    /// The graph in the plain layout, for what reads only that. Cost: none where it is, else that of
+    /// [`to_dag`](crate::dag::packed::PackedDag::to_dag).
+    ///
+    /// # Errors
+    /// [`FormatError::Packed`] where a packed graph is not valid.
+    pub fn graph(&self) -> std::result::Result<Cow<'_, Dag>, FormatError> {
+        Ok(match &self.body {
+            LightBody::Plain(dag) => Cow::Borrowed(dag),
+            LightBody::Packed(packed) => Cow::Owned(packed.to_dag()?),
+        })
+    }
+
+    /// What look-ups read, whatever the layout.
+    pub fn slabs(&self) -> &dyn Slabs {
+        self.body.slabs()
+    }
 }

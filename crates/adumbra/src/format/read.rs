@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use super::header::{Header, SECTIONS};
-use super::sections::{read_file, split, u32_words};
-use super::{FormatError, HEADER_BYTES, ShadowFile};
-use crate::dag::Dag;
+use super::sections::{read_file, split};
+use super::{FormatError, HEADER_BYTES, LightBody, ShadowFile};
 use crate::error::{Error, Result};
 
 impl ShadowFile {
@@ -23,22 +22,15 @@ impl ShadowFile {
 
     /// Decodes and checks a whole file.
     ///
-    /// Cost: time linear in `bytes`; memory for the decoded words and a byte a node word.
+    /// Cost: time linear in `bytes`; memory for the decoded words and at most a byte a node word.
     ///
     /// # Errors
     /// What is wrong, with the values; any bytes that are not exactly one valid file are refused.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let header = Header::parse(bytes)?;
-        let [top, nodes, slabs] = split(bytes, HEADER_BYTES, &SECTIONS, &header.sections)?;
-        let dag = Dag {
-            size: header.grid.size,
-            root_level: header.root_level,
-            top_dims: header.top_dims,
-            top: u32_words(top),
-            nodes: u32_words(nodes),
-            slabs: slabs.as_chunks().0.iter().map(|&b| u64::from_le_bytes(b)).collect(),
-        };
-        dag.validate()?;
-        Ok(Self { grid: header.grid, settings: header.settings, dag })
+        let sections = split(bytes, HEADER_BYTES, &SECTIONS, &header.sections)?;
+        let body = LightBody::parse(&header, sections);
+        body.validate()?;
+        Ok(Self { grid: header.grid, settings: header.settings, body })
     }
 }

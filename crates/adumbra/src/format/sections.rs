@@ -132,6 +132,10 @@ pub(super) fn u32_chunks(words: &[u32]) -> impl Iterator<Item = Vec<u8>> {
     words.chunks(CHUNK_BYTES / 4).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
 }
 
+pub(super) fn u16_chunks(units: &[u16]) -> impl Iterator<Item = Vec<u8>> {
+    units.chunks(CHUNK_BYTES / 2).map(|c| c.iter().flat_map(|u| u.to_le_bytes()).collect())
+}
+
 pub(super) fn u64_chunks(words: &[u64]) -> impl Iterator<Item = Vec<u8>> {
     words.chunks(CHUNK_BYTES / 8).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
 }

@@ -2,7 +2,8 @@
 //! so a file that is made again from words is known to be the same one.
 
 use super::header::Header;
-use super::{FormatError, HEADER_BYTES, ShadowFile};
+use super::{FormatError, HEADER_BYTES, LightBody, ShadowFile};
+use crate::dag::packed::PackError;
 use crate::tree::{LightTreeError, TreeError, VoxelTree, dag_of_tree, tree_depth};
 
 /// Why a file has no form as words, or words and header are no file.
@@ -18,6 +19,9 @@ pub enum WordsError {
     /// Graph and tree cannot be made from each other.
     #[error(transparent)]
     Light(#[from] LightTreeError),
+    /// The graph has no packed form.
+    #[error(transparent)]
+    Pack(#[from] PackError),
     /// The graph holds equal nodes apart, which a tree's words cannot say.
     #[error(
         "its graph of {found} words and slabs has another canonical form, of {canonical}; only files that `bake` has written can be exported"
@@ -45,10 +49,12 @@ impl ShadowFile {
     /// [`WordsError`] where the file is not valid, the tree would be too deep, or the way back would give other bytes.
     pub fn without_words(&self) -> Result<(VoxelTree, Vec<u8>), WordsError> {
         let header = self.header()?.encode();
-        let tree = VoxelTree::of_dag(&self.dag)?;
-        let dag = dag_of_tree(&tree, self.dag.size, self.dag.root_level)?;
-        if dag != self.dag {
-            let [found, canonical] = [&self.dag, &dag].map(|d| d.nodes.len() + d.slabs.len());
+        let tree = VoxelTree::of_dag(&*self.graph()?)?;
+        let (size, root_level, _) = self.body.space();
+        let again = LightBody::of_dag(dag_of_tree(&tree, size, root_level)?, self.body.layout())?;
+        if again != self.body {
+            let [found, canonical] = [&self.body, &again]
+                .map(|b| b.section_lengths()[1] as usize / 4 + b.section_lengths()[2] as usize / 8);
             return Err(WordsError::NotCanonical { found, canonical });
         }
         Ok((tree, header.to_vec()))
@@ -67,9 +73,10 @@ impl ShadowFile {
         let tree = VoxelTree::from_words(tree_depth(size, root_level)?, words)?;
         let dag = dag_of_tree(&tree, size, root_level)?;
         drop(tree);
-        let file = Self { grid: header.grid, settings: header.settings, dag };
-        let found = file.header()?.encode();
-        match (0..HEADER_BYTES).find(|&byte| found[byte] != rest[byte]) {
+        let file = Self::of_dag(header.grid, header.settings, dag, header.layout)?;
+        // Both as this version writes them: an earlier one may have written the header.
+        let (found, expected) = (file.header()?.encode(), header.encode());
+        match (0..HEADER_BYTES).find(|&byte| found[byte] != expected[byte]) {
             Some(byte) => Err(WordsError::Differs { byte }),
             None => Ok(file),
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::fields::field;
 use super::header::Header;
-use super::sections::{checksum, gap, lay_out, put, u32_chunks, u64_chunks};
+use super::sections::{checksum, gap, lay_out, put};
 use super::{FormatError, HEADER_BYTES, ShadowFile};
 use crate::error::{Error, Result};
 use crate::files::replace_file;
@@ -36,36 +36,27 @@ impl ShadowFile {
 
     /// Bytes of the file.
     pub fn encoded_len(&self) -> u64 {
-        lay_out(HEADER_BYTES, self.section_lengths())[2].end()
-    }
-
-    fn section_lengths(&self) -> [u64; 3] {
-        let dag = &self.dag;
-        [dag.top.len() as u64 * 4, dag.nodes.len() as u64 * 4, dag.slabs.len() as u64 * 8]
+        lay_out(HEADER_BYTES, self.body.section_lengths())[2].end()
     }
 
     /// The header of a valid file.
     pub(super) fn header(&self) -> Result<Header, FormatError> {
-        let dag = &self.dag;
-        if dag.size != self.grid.size {
-            return Err(field("size", format!("{:?}", dag.size), format!("the grid's {:?}", self.grid.size)));
+        let (size, root_level, top_dims) = self.body.space();
+        if size != self.grid.size {
+            return Err(field("size", format!("{size:?}"), format!("the grid's {:?}", self.grid.size)));
         }
-        dag.validate()?;
+        self.body.validate()?;
         let mut header = Header {
             grid: self.grid,
             settings: self.settings,
-            root_level: dag.root_level,
-            top_dims: dag.top_dims,
-            sections: lay_out(HEADER_BYTES, self.section_lengths()),
+            root_level,
+            top_dims,
+            layout: self.body.layout(),
+            sections: lay_out(HEADER_BYTES, self.body.section_lengths()),
         };
         header.check()?;
-        let checksums = [
-            checksum(u32_chunks(&dag.top)),
-            checksum(u32_chunks(&dag.nodes)),
-            checksum(u64_chunks(&dag.slabs)),
-        ];
-        for (section, checksum) in header.sections.iter_mut().zip(checksums) {
-            section.checksum = checksum;
+        for (i, section) in header.sections.iter_mut().enumerate() {
+            section.checksum = checksum(self.body.chunks(i));
         }
         Ok(header)
     }
@@ -73,14 +64,10 @@ impl ShadowFile {
     fn encode(&self, header: &Header, out: &mut impl Write) -> io::Result<u64> {
         out.write_all(&header.encode())?;
         let mut at = HEADER_BYTES as u64;
-        let dag = &self.dag;
-        let [top, nodes, slabs] = &header.sections;
-        out.write_all(gap(at, top.offset))?;
-        at = put(out, top.offset, u32_chunks(&dag.top))?;
-        out.write_all(gap(at, nodes.offset))?;
-        at = put(out, nodes.offset, u32_chunks(&dag.nodes))?;
-        out.write_all(gap(at, slabs.offset))?;
-        at = put(out, slabs.offset, u64_chunks(&dag.slabs))?;
+        for (i, section) in header.sections.iter().enumerate() {
+            out.write_all(gap(at, section.offset))?;
+            at = put(out, section.offset, self.body.chunks(i))?;
+        }
         out.flush()?;
         Ok(at)
     }

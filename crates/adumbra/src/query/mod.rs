@@ -5,12 +5,14 @@
 //! depth is fetched once and its bits counted under a mask. Specification §6. Up to the bias it is `f64`; from there on whole
 //! numbers, see [`FixedReceiver`].
 
+mod cursor;
 mod fixed;
 mod penumbra;
 mod plan;
 mod tree;
 mod tree_receiver;
 
+pub use cursor::Cursor;
 pub use fixed::{
     FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, GRADIENT_ONE, MARGIN_VOXELS, MAX_FIXED_SIDE,
     MAX_GRADIENT,
@@ -30,11 +32,24 @@ use crate::tree::Voxels;
 pub trait PointVisibility: Sync {
     /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
     fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32;
+
+    /// Visibilities of points one after the other, with a normal each or none; the same answers, cheaper where neighbours follow
+    /// each other.
+    fn visibilities(&self, points_world: &[[f64; 3]], normals: Option<&[[f64; 3]]>) -> Vec<f32> {
+        let points = points_world.iter().enumerate();
+        points.map(|(i, &p)| self.visibility(p, normals.map(|n| n[i]))).collect()
+    }
 }
 
 impl PointVisibility for Query<'_> {
     fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
         Query::visibility(self, p_world, normal)
+    }
+
+    fn visibilities(&self, points_world: &[[f64; 3]], normals: Option<&[[f64; 3]]>) -> Vec<f32> {
+        let mut cursor = Cursor::new(*self);
+        let points = points_world.iter().enumerate();
+        points.map(|(i, &p)| cursor.visibility(p, normals.map(|n| n[i]))).collect()
     }
 }
 
@@ -101,6 +116,12 @@ impl<'d> Query<'d> {
 
     /// Taps of filter² that are lit, for a point in fixed point: what a shader answers too.
     pub fn lit_taps(&self, r: &FixedReceiver) -> u32 {
+        self.lit_taps_of(r, |i, j, k| self.slabs.slab(i, j, k))
+    }
+
+    /// The same, with slabs from `slab`.
+    fn lit_taps_of(&self, r: &FixedReceiver, mut slab: impl FnMut(u32, u32, u32) -> u64) -> u32 {
+        let size = self.slabs.size().map(i64::from);
         let reach = i64::from(self.filter / 2);
         let texel = r.texel();
         let (low, high) = (texel.map(|t| t - reach), texel.map(|t| t + reach));
@@ -111,42 +132,47 @@ impl<'d> Query<'d> {
             let mut x = low[0];
             while x <= high[0] {
                 let x_last = (x | 7).min(high[0]);
-                lit += self.block(r, [x, x_last], [y, y_last]);
+                lit += block(size, r, [x, x_last], [y, y_last], &mut slab);
                 x = x_last + 1;
             }
             y = y_last + 1;
         }
         lit
     }
+}
 
-    /// Lit taps among texels x[0]..=x[1], y[0]..=y[1], all in one block.
-    fn block(&self, r: &FixedReceiver, x: [i64; 2], y: [i64; 2]) -> u32 {
-        let [nx, ny, nz] = self.slabs.size().map(i64::from);
-        let mut mask = rectangle(x, y);
-        let taps = mask.count_ones();
-        // Texels beside the grid are lit.
-        let inside_x = [x[0].max(0), x[1].min(nx - 1)];
-        let inside_y = [y[0].max(0), y[1].min(ny - 1)];
-        if inside_x[0] > inside_x[1] || inside_y[0] > inside_y[1] {
-            return taps;
-        }
-        let layer = r.shared_layer(x, y);
-        if layer < 0 {
-            return taps;
-        }
-        let k = layer.min(nz - 1) as u32;
-        mask &= rectangle(inside_x, inside_y);
-        let outside = taps - mask.count_ones();
-        let slab = self.slabs.slab(inside_x[0] as u32, inside_y[0] as u32, k);
-        outside + (slab & mask).count_ones()
+/// Lit taps among texels x[0]..=x[1], y[0]..=y[1], all in one block.
+fn block(
+    [nx, ny, nz]: [i64; 3],
+    r: &FixedReceiver,
+    x: [i64; 2],
+    y: [i64; 2],
+    slab: &mut impl FnMut(u32, u32, u32) -> u64,
+) -> u32 {
+    let mut mask = rectangle(x, y);
+    let taps = mask.count_ones();
+    // Texels beside the grid are lit.
+    let inside_x = [x[0].max(0), x[1].min(nx - 1)];
+    let inside_y = [y[0].max(0), y[1].min(ny - 1)];
+    if inside_x[0] > inside_x[1] || inside_y[0] > inside_y[1] {
+        return taps;
     }
+    let layer = r.shared_layer(x, y);
+    if layer < 0 {
+        return taps;
+    }
+    let k = layer.min(nz - 1) as u32;
+    mask &= rectangle(inside_x, inside_y);
+    let outside = taps - mask.count_ones();
+    outside + (slab(inside_x[0] as u32, inside_y[0] as u32, k) & mask).count_ones()
 }
 
 /// Bits y·8 + x of a rectangle within one block.
 fn rectangle(x: [i64; 2], y: [i64; 2]) -> u64 {
     let width = (x[1] - x[0] + 1) as u32;
     let row = ((1_u64 << width) - 1) << (x[0] & 7);
-    (y[0]..=y[1]).fold(0, |mask, y| mask | row << ((y & 7) * 8))
+    let rows = u64::MAX >> (56 - 8 * (y[1] - y[0])) << ((y[0] & 7) * 8);
+    row * 0x0101_0101_0101_0101 & rows
 }
 
 /// Moves a world point by `bias` and gives it in grid space, with its plane's slope.

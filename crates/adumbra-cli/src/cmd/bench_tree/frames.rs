@@ -86,8 +86,8 @@ fn compare(
         light = bake::bake(&scene.scene, &options, &|_| {}, &AtomicBool::new(false))?;
         seconds.push(light.report.seconds);
     }
-    let file = ShadowFile { grid: light.grid, settings: light.settings, dag: light.dag };
-    let query = Query::new(&file.grid, &file.dag, file.settings.bias, 1)?;
+    let file = ShadowFile::plain(light.grid, light.settings, light.dag);
+    let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 1)?;
     let v = check.run(&LightAnswers::new(&file.grid, &file.settings, query));
     Ok([world, row("light", seconds, file.encoded_len(), &v)])
 }

@@ -1,0 +1,264 @@
+//! [`Dag`] → [`PackedDag`]: levels from the bottom up, so that a node's size is known before its parents'.
+//!
+//! The bytes follow from the graph alone: nodes are taken in the order of its words, pools are sorted by references and,
+//! where those are equal, by that order. Memory: the packed graph, and 14 bytes a node.
+
+mod keys;
+mod place;
+
+use super::node::{Cube, LL, LM, LS, M2, MM, MS, SS};
+use super::{MAX_SHARED_SLABS, MAX_UNITS, PackedDag};
+use crate::dag::{Dag, GraphError, GraphPlace, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_SHADOWED};
+use keys::Keys;
+
+/// Why a graph has no packed form.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PackError {
+    /// The graph itself is not valid.
+    #[error("the graph is not valid: {0}")]
+    Graph(#[from] GraphError),
+    /// Behind something shadowed lies something lit.
+    #[error(
+        "{place}, of level {level}, has a column that is shadowed before it is lit: only the plain layout holds that; \
+         write it with --layout plain"
+    )]
+    NotMonotone {
+        /// The node, or the root cube.
+        place: GraphPlace,
+        /// Its level.
+        level: u32,
+    },
+    /// More units than pointers can tell apart.
+    #[error(
+        "{units} units of nodes, but the packed layout holds at most {MAX_UNITS}; write it with --layout plain"
+    )]
+    TooLarge {
+        /// At least so many.
+        units: u64,
+    },
+}
+
+impl PackedDag {
+    /// The packed form of a graph.
+    ///
+    /// Equal graphs have equal packed forms. Cost: two visits a node, and sorting those that have several parents.
+    ///
+    /// # Errors
+    /// [`PackError`] where the graph is not valid, not monotone along z, or too large.
+    pub fn of_dag(dag: &Dag) -> Result<Self, PackError> {
+        dag.validate()?;
+        let mut packed =
+            Self { size: dag.size, root_level: dag.root_level, top_dims: dag.top_dims, ..Self::default() };
+        let mut encoder = Encoder::new(dag)?;
+        encoder.share_slabs();
+        packed.slabs = encoder.shared.iter().map(|&slab| dag.slabs[slab as usize]).collect();
+        for level in SLAB_NODE_LEVEL..=dag.root_level {
+            encoder.size_level(level)?;
+        }
+        encoder.write_columns(&mut packed)?;
+        encoder.write_nodes(&mut packed);
+        Ok(packed)
+    }
+}
+
+const NOT_SHARED: u32 = u32::MAX;
+
+struct Encoder<'d> {
+    dag: &'d Dag,
+    keys: Keys,
+    /// By key: pointers to the node.
+    references: Vec<u32>,
+    /// By key: see `place.rs`.
+    places: Vec<u32>,
+    /// By level: words of the nodes that are used at it, in order; once its pool is laid out, of those in it.
+    words: Vec<Vec<u32>>,
+    /// By slab: its place among the shared ones.
+    slab_places: Vec<u32>,
+    shared: Vec<u32>,
+    /// By level: units of its pool.
+    pool_units: Vec<u32>,
+}
+
+impl<'d> Encoder<'d> {
+    fn new(dag: &'d Dag) -> Result<Self, PackError> {
+        let nodes = dag.node_count() as usize;
+        let levels = dag.root_level as usize + 1;
+        let mut encoder = Self {
+            dag,
+            keys: Keys::new(dag),
+            references: vec![0; nodes],
+            places: Vec::new(),
+            words: vec![Vec::new(); levels],
+            slab_places: Vec::new(),
+            shared: Vec::new(),
+            pool_units: vec![0; levels],
+        };
+        for &root in dag.top.iter().filter(|&&root| root < SHADOWED) {
+            encoder.refer(root, dag.root_level);
+        }
+        // A node's words lie before those of its children, so whatever refers to it at its own level has been met.
+        let mut at = 0;
+        while at < dag.nodes.len() {
+            let level = encoder.keys.level(at as u32);
+            encoder.visit(at as u32, level)?;
+            at += 1 + (dag.nodes[at] & 0xaaaa).count_ones() as usize;
+        }
+        // Nodes without slabs that are used at further levels; the list grows while it is read.
+        let mut next = 0;
+        while let Some(&(word, level)) = encoder.keys.others.get(next) {
+            encoder.visit(word, level)?;
+            next += 1;
+        }
+        encoder.places = vec![0; encoder.references.len()];
+        Ok(encoder)
+    }
+
+    fn refer(&mut self, word: u32, level: u32) {
+        let key = self.keys.key_or_new(word, level);
+        if key == self.references.len() {
+            self.references.push(0);
+        }
+        self.references[key] += 1;
+    }
+
+    /// Counts what a node refers to.
+    fn visit(&mut self, word: u32, level: u32) -> Result<(), PackError> {
+        self.words[level as usize].push(word);
+        if level > SLAB_NODE_LEVEL {
+            let pairs = pairs(self.dag, word).ok_or_else(|| not_monotone(word, level))?;
+            for &child in pairs.children() {
+                self.refer(child, level - 1);
+            }
+        } else if self.cube(word).is_none() {
+            return Err(not_monotone(word, level));
+        }
+        Ok(())
+    }
+
+    /// A node of level 3, if it is monotone.
+    fn cube(&self, word: u32) -> Option<Cube> {
+        let children = children(self.dag, word);
+        let slabs = children.map(|child| match child {
+            Child::Lit => u64::MAX,
+            Child::Shadowed => 0,
+            Child::Mixed(slab) => self.dag.slabs[slab as usize],
+        });
+        let mut cube = Cube::of_slabs(&slabs)?;
+        let mut i = 0;
+        for (k, child) in children.iter().enumerate() {
+            if let Child::Mixed(slab) = *child
+                && cube.changes >> k & 1 == 1
+            {
+                let place = self.slab_places.get(slab as usize).copied().unwrap_or(NOT_SHARED);
+                cube.shared[i] = u16::try_from(place).ok();
+                i += 1;
+            }
+        }
+        Some(cube)
+    }
+
+    /// Chooses the slabs that are stored once, and drops those that in the end nothing needs.
+    fn share_slabs(&mut self) {
+        let dag = self.dag;
+        let mut references = vec![0_u32; dag.slabs.len()];
+        for &word in &self.words[SLAB_NODE_LEVEL as usize] {
+            let mut last = u64::MAX;
+            for child in children(dag, word) {
+                let mask = match child {
+                    Child::Mixed(slab) => {
+                        let mask = dag.slabs[slab as usize];
+                        references[slab as usize] += u32::from(mask != last);
+                        mask
+                    }
+                    Child::Lit => u64::MAX,
+                    Child::Shadowed => 0,
+                };
+                last = mask;
+            }
+        }
+        let mut chosen: Vec<u32> =
+            (0..dag.slabs.len() as u32).filter(|&slab| references[slab as usize] > 1).collect();
+        chosen.sort_by_key(|&slab| (u32::MAX - references[slab as usize], slab));
+        chosen.truncate(MAX_SHARED_SLABS);
+        self.place_slabs(chosen);
+        let mut needed = vec![false; self.shared.len()];
+        for &word in &self.words[SLAB_NODE_LEVEL as usize] {
+            for place in self.cube(word).iter().flat_map(Cube::shared_used) {
+                needed[usize::from(place)] = true;
+            }
+        }
+        let kept = self.shared.iter().zip(&needed).filter(|(_, needed)| **needed).map(|(slab, _)| *slab);
+        self.place_slabs(kept.collect());
+    }
+
+    fn place_slabs(&mut self, shared: Vec<u32>) {
+        self.slab_places.clear();
+        self.slab_places.resize(self.dag.slabs.len(), NOT_SHARED);
+        for (place, &slab) in shared.iter().enumerate() {
+            self.slab_places[slab as usize] = place as u32;
+        }
+        self.shared = shared;
+    }
+}
+
+fn not_monotone(word: u32, level: u32) -> PackError {
+    PackError::NotMonotone { place: GraphPlace::Node { word: word as usize }, level }
+}
+
+/// A child of a plain node.
+#[derive(Clone, Copy)]
+enum Child {
+    Shadowed,
+    Lit,
+    /// Word or slab.
+    Mixed(u32),
+}
+
+fn children(dag: &Dag, word: u32) -> [Child; 8] {
+    let header = dag.nodes[word as usize];
+    let mut pointers = dag.nodes[word as usize + 1..].iter();
+    std::array::from_fn(|c| match header >> (2 * c) & 3 {
+        STATE_SHADOWED => Child::Shadowed,
+        STATE_LIT => Child::Lit,
+        _ => pointers.next().map_or(Child::Lit, |&p| Child::Mixed(p)),
+    })
+}
+
+/// The quarters of a plain node above level 3: what they are, and their mixed children, those that are the same once.
+#[derive(Default)]
+struct Pairs {
+    codes: u32,
+    list: [u32; 8],
+    count: usize,
+}
+
+impl Pairs {
+    fn children(&self) -> &[u32] {
+        &self.list[..self.count]
+    }
+}
+
+/// None where a quarter is shadowed before it is lit.
+fn pairs(dag: &Dag, word: u32) -> Option<Pairs> {
+    let children = children(dag, word);
+    let mut pairs = Pairs::default();
+    for q in 0..4 {
+        let (code, near, far) = match (children[2 * q], children[2 * q + 1]) {
+            (Child::Shadowed, Child::Shadowed) => (SS, None, None),
+            (Child::Lit, Child::Lit) => (LL, None, None),
+            (Child::Lit, Child::Shadowed) => (LS, None, None),
+            (Child::Lit, Child::Mixed(far)) => (LM, None, Some(far)),
+            (Child::Mixed(near), Child::Shadowed) => (MS, Some(near), None),
+            (Child::Mixed(near), Child::Mixed(far)) if near == far => (MM, Some(near), None),
+            (Child::Mixed(near), Child::Mixed(far)) => (M2, Some(near), Some(far)),
+            (Child::Shadowed, _) | (Child::Mixed(_), Child::Lit) => return None,
+        };
+        pairs.codes |= code << (3 * q);
+        for child in near.into_iter().chain(far) {
+            pairs.list[pairs.count] = child;
+            pairs.count += 1;
+        }
+    }
+    Some(pairs)
+}

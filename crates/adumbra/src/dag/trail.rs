@@ -1,0 +1,111 @@
+//! Ways down a graph, one after the other: what two neighbours have in common is walked once.
+
+use super::{MAX_ROOT_LEVEL, SLAB_NODE_LEVEL};
+
+/// The way to the place that was looked up last.
+#[derive(Clone, Copy, Debug)]
+pub struct Trail {
+    voxel: [u32; 3],
+    /// By level: the node that was met, where the way has led so far down.
+    nodes: [u32; MAX_ROOT_LEVEL as usize + 1],
+    /// Level of the lowest node that was met; [`NOWHERE`] for none.
+    lowest: u32,
+    /// What the cube of level `lowest - 1` at its end is, if it is all lit or all shadowed.
+    end: Option<bool>,
+}
+
+const NOWHERE: u32 = u32::MAX;
+
+impl Trail {
+    /// A trail that leads nowhere yet.
+    pub fn new() -> Self {
+        Self { voxel: [0; 3], nodes: [0; MAX_ROOT_LEVEL as usize + 1], lowest: NOWHERE, end: None }
+    }
+}
+
+impl Default for Trail {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// What one step down a graph finds.
+#[derive(Clone, Copy)]
+pub(super) enum Step {
+    /// All lit or all shadowed.
+    Uniform(bool),
+    /// A node, at level 3 of the plain layout a slab.
+    Into(u32),
+}
+
+/// A graph of cubes with slabs at its bottom, in either layout.
+pub(super) trait Descend {
+    fn root_level(&self) -> u32;
+
+    /// The root cube that holds a voxel.
+    fn root(&self, i: u32, j: u32, k: u32) -> Step;
+
+    /// The child of a node above level 3 that holds a voxel.
+    fn child(&self, node: u32, level: u32, i: u32, j: u32, k: u32) -> Step;
+
+    /// The slab z = `k` of a node of level 3.
+    fn slab_of_cube(&self, node: u32, k: u32) -> u64;
+
+    /// The slab that holds a voxel.
+    fn descend(&self, i: u32, j: u32, k: u32) -> u64 {
+        let mut node = match self.root(i, j, k) {
+            Step::Uniform(lit) => return uniform(lit),
+            Step::Into(node) => node,
+        };
+        for level in (SLAB_NODE_LEVEL + 1..=self.root_level()).rev() {
+            match self.child(node, level, i, j, k) {
+                Step::Uniform(lit) => return uniform(lit),
+                Step::Into(next) => node = next,
+            }
+        }
+        self.slab_of_cube(node, k & 7)
+    }
+
+    /// The same, from the lowest node on that the trail has in common with the voxel.
+    fn follow(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+        let apart = (i ^ trail.voxel[0]) | (j ^ trail.voxel[1]) | (k ^ trail.voxel[2]);
+        // The lowest level of which one cube holds both.
+        let common = u32::BITS - apart.leading_zeros();
+        let mut level = common.max(trail.lowest).max(SLAB_NODE_LEVEL);
+        if trail.lowest == NOWHERE || common > self.root_level() {
+            trail.lowest = NOWHERE;
+            trail.end = None;
+            match self.root(i, j, k) {
+                Step::Uniform(lit) => return uniform(lit),
+                Step::Into(node) => {
+                    level = self.root_level();
+                    trail.nodes[level as usize] = node;
+                }
+            }
+        } else if let Some(lit) = trail.end
+            && common < trail.lowest
+        {
+            return uniform(lit);
+        }
+        trail.voxel = [i, j, k];
+        trail.end = None;
+        let mut node = trail.nodes[level as usize];
+        while level > SLAB_NODE_LEVEL {
+            match self.child(node, level, i, j, k) {
+                Step::Uniform(lit) => {
+                    (trail.lowest, trail.end) = (level, Some(lit));
+                    return uniform(lit);
+                }
+                Step::Into(next) => node = next,
+            }
+            level -= 1;
+            trail.nodes[level as usize] = node;
+        }
+        trail.lowest = level;
+        self.slab_of_cube(node, k & 7)
+    }
+}
+
+pub(super) fn uniform(lit: bool) -> u64 {
+    if lit { u64::MAX } else { 0 }
+}
