@@ -7,8 +7,11 @@ use super::{Hierarchy, NEVER};
 use crate::bake::columns::{Columns, FREE_TO_END};
 use crate::bake::into::Blocks;
 use crate::bake::{Options, Size};
-use crate::light::Sun;
+use crate::dag::Slabs;
+use crate::light::{LightGrid, Sun};
+use crate::query::{FixedReceiver, Query, Receiver};
 use crate::scene;
+use crate::settings::Bias;
 
 #[path = "../../tests/shared_folder/mod.rs"]
 mod shared_folder;
@@ -195,9 +198,9 @@ fn shared_hierarchy_answers_every_defined_voxel() {
     }
 }
 
-/// Bytes as docs/layouts-hierarchy.md has them, with `ADUMBRA_FULL=1`; `ADUMBRA_SCENES` names the scenes, `ADUMBRA_RESOLUTION` how fine.
+/// Figures of docs/layouts-hierarchy.md, with `ADUMBRA_FULL=1`; `ADUMBRA_SCENES` names the scenes, `ADUMBRA_RESOLUTION` how fine.
 #[test]
-fn shared_hierarchy_bytes() {
+fn shared_hierarchy_figures() {
     if !shared_folder::full() {
         return;
     }
@@ -205,17 +208,47 @@ fn shared_hierarchy_bytes() {
     let resolution = told("ADUMBRA_RESOLUTION", "8192").parse().expect("a resolution");
     for name in told("ADUMBRA_SCENES", "box-city-5k,kaykit_city_21,alpine-2,jacksboro,delft").split(',') {
         let Some(scene) = shared_scene(name) else { return };
-        let blocks = Blocks::new(&scene, &shared_options(name, resolution)).expect("a good plan");
-        for merged in [false, true] {
-            let start = std::time::Instant::now();
+        let options = shared_options(name, resolution);
+        let cancel = std::sync::atomic::AtomicBool::new(false);
+        let graph = crate::bake::bake(&scene, &options, &|_| {}, &cancel).expect("a good bake");
+        let dag = &graph.dag;
+        let graph_bytes = 4 * (dag.top.len() + dag.nodes.len()) + 8 * dag.slabs.len();
+        let blocks = Blocks::new(&scene, &options).expect("a good plan");
+        let [plain, merged] = [false, true].map(|merged| {
             let found = bake(&blocks, merged);
-            let seconds = start.elapsed().as_secs_f64();
             assert_eq!(found.validate(), Ok(()));
-            eprintln!(
-                "{name} {resolution} merged={merged}: {} bytes in {seconds:.1} s, {:?}",
-                found.bytes(),
-                found.census()
-            );
+            found
+        });
+        let speed = |slabs: &dyn Slabs| millions_a_second(&graph.grid, slabs, &merged);
+        println!(
+            "{name} {resolution}: graph {graph_bytes} bytes, {:.2} M points/s; plain {} bytes; merged {} bytes, {:.2} M points/s; {:?}",
+            speed(dag),
+            plain.bytes(),
+            merged.bytes(),
+            speed(&merged),
+            merged.census(),
+        );
+    }
+}
+
+/// Look-ups of 9 × 9 texels on one thread, points in scan order on the first surfaces.
+fn millions_a_second(grid: &LightGrid, slabs: &dyn Slabs, depths: &Hierarchy) -> f64 {
+    let query = Query::new(grid, slabs, Bias::default(), 9).expect("a good width");
+    let size = slabs.size();
+    let (mut lit, mut points) = (0_u64, 0_u32);
+    let mut receivers = Vec::new();
+    for j in (0..size[1]).step_by(4) {
+        for i in (0..size[0]).step_by(4) {
+            let z = depths.value(i, j).min(size[2]);
+            let p_grid = [f64::from(i) + 0.5, f64::from(j) + 0.5, f64::from(z) + f64::from((i ^ j) & 63)];
+            receivers.push(FixedReceiver::new(&Receiver { p_grid, gradient: [0.3, -0.2] }, size));
         }
     }
+    let start = std::time::Instant::now();
+    for r in &receivers {
+        lit += u64::from(query.lit_taps(r));
+        points += 1;
+    }
+    assert!(lit > 0);
+    f64::from(points) / 1e6 / start.elapsed().as_secs_f64()
 }
