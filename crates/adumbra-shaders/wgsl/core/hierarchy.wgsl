@@ -136,13 +136,19 @@ fn hierarchy_rise(slant: vec2i, column: vec2i) -> u32 {
     return u32(quarters.x + quarters.y + 3) >> 2u;
 }
 
-// Columns that rise by at least this.
-fn hierarchy_risen(slant: vec2i, rise: u32) -> vec2u {
+// Columns that rise by less than this, which is at least 1 and at most the largest rise: in every row those from the deepest on.
+fn hierarchy_below(slant: vec2i, rise: u32) -> vec2u {
+    let steep = abs(slant);
+    let most = i32(4u * rise - 4u);
+    // Quotients of numbers up to 7 · steep.x without a division each.
+    let inverse = select(0, 65536 / steep.x + 1, steep.x > 0);
     var bits = vec2u(0u);
-    for (var i = 0u; i < 32u; i++) {
-        let column = vec2i(vec2u(i & 7u, i >> 3u));
-        bits.x |= select(0u, 1u, hierarchy_rise(slant, column) >= rise) << i;
-        bits.y |= select(0u, 1u, hierarchy_rise(slant, column + vec2i(0, 4)) >= rise) << i;
+    for (var row = 0; row < 8; row++) {
+        let left = most - steep.y * select(row, 7 - row, slant.y > 0);
+        var columns = u32(((min(left, 7 * steep.x) * inverse) >> 16u) + 1);
+        columns = select(select(columns, 8u, steep.x == 0), 0u, left < 0);
+        let place = 8u * (u32(row) & 3u) + select(0u, 8u - columns, slant.x > 0);
+        bits[row >> 2u] |= insertBits(0u, 0xffu, place, columns);
     }
     return bits;
 }
@@ -222,7 +228,7 @@ fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
         if (depth <= k) {
             dark_ranks++;
         } else {
-            dark |= hierarchy_of_rank(v, leaf, rank) & hierarchy_risen(leaf.slant, depth - k);
+            dark |= hierarchy_of_rank(v, leaf, rank) & ~hierarchy_below(leaf.slant, depth - k);
         }
     }
     return ~dark & hierarchy_from_rank(v, leaf, dark_ranks);

@@ -12,8 +12,7 @@ mod descent;
 mod estimate;
 mod gather;
 mod graph_sink;
-#[cfg(test)]
-pub(crate) mod into;
+pub(crate) mod hierarchy;
 mod judge;
 mod leaf;
 mod masked;
@@ -36,6 +35,7 @@ use std::time::Instant;
 use descent::DescentBuffers;
 pub use estimate::{Estimate, estimate};
 use graph_sink::GraphSink;
+pub use hierarchy::{BakedHierarchy, bake_hierarchy};
 pub use options::{Builder, MAX_RESOLUTION, MIN_RESOLUTION, Options, Preset, Size};
 use plain::PlainBuffers;
 use plan::Plan;

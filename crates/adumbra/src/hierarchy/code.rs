@@ -199,7 +199,7 @@ impl LeafCode<'_> {
             if rank > 0 {
                 depth = depth.wrapping_add(self.difference(rank - 1));
             }
-            if k.wrapping_add(largest_rise) < depth {
+            if k.saturating_add(largest_rise) < depth {
                 break;
             }
             if depth <= k {

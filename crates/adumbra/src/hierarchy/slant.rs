@@ -39,11 +39,28 @@ impl Slant {
         (quarters + (1 << SLANT_BITS) - 1) >> SLANT_BITS
     }
 
-    /// Columns that rise by less than this.
+    /// Columns that rise by less than this, which is at least 1: in every row those from the deepest on.
     pub(super) fn below(self, rise: u32) -> u64 {
-        (0..64).fold(0, |mask, column| mask | u64::from(self.rise(column) < rise) << column)
+        let [x, y] = [self.x, self.y].map(|g| i32::from(g.unsigned_abs()));
+        // The most quarters that are below.
+        let most = ((rise << SLANT_BITS) - (1 << SLANT_BITS)).min(QUARTERS_END) as i32;
+        // Quotients of numbers up to 7x without a division each.
+        let inverse = if x == 0 { 0 } else { (1 << 16) / x + 1 };
+        (0..8).fold(0, |mask, row| {
+            let left = most - y * if self.y > 0 { 7 - row } else { row };
+            let columns = match left {
+                ..0 => 0,
+                _ if x == 0 => 8,
+                _ => ((left.min(7 * x) * inverse) >> 16) + 1,
+            };
+            let bits = if self.x > 0 { 0xff << (8 - columns) & 0xff } else { (1 << columns) - 1 };
+            mask | u64::from(bits as u8) << (8 * row)
+        })
     }
 }
+
+/// More quarters than any column rises by.
+const QUARTERS_END: u32 = 2 * 7 * 128;
 
 /// Gradients that columns may have: planes by least squares through the middles of intervals that end, each counted alike, and the
 /// narrower the more; none where they are flat or too steep.
@@ -101,10 +118,14 @@ mod tests {
         assert_eq!(Slant::from_half(slant.to_half().into()), slant);
         assert_eq!(slant.below(22), u64::MAX);
         assert_eq!(slant.below(1), 1 << 7);
-        for gradient in [[127, 127], [-128, -128], [3, 0], [0, -1]] {
+        for gradient in [[127, 127], [-128, -128], [3, 0], [0, -1], [0, 0], [-5, 17], [11, -2], [100, 1]] {
             let slant = Slant { x: gradient[0], y: gradient[1] };
             let rises = (0..64).map(|c| slant.rise(c));
-            assert_eq!((rises.clone().min(), rises.max()), (Some(0), Some(slant.largest_rise())));
+            assert_eq!((rises.clone().min(), rises.clone().max()), (Some(0), Some(slant.largest_rise())));
+            for rise in (1..60).chain([400, 449, 500, u32::MAX >> SLANT_BITS]) {
+                let below = rises.clone().enumerate().map(|(c, r)| u64::from(r < rise) << c);
+                assert_eq!(slant.below(rise), below.fold(0, |mask, bit| mask | bit), "{slant:?} {rise}");
+            }
         }
     }
 

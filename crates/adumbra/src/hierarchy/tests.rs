@@ -2,10 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::sink::HierarchySink;
 use super::{Hierarchy, NEVER};
 use crate::bake::columns::{Columns, FREE_TO_END};
-use crate::bake::into::Blocks;
+use crate::bake::hierarchy::{bake_hierarchy, for_each_column};
 use crate::bake::{Options, Size};
 use crate::dag::Slabs;
 use crate::light::{LightGrid, Sun};
@@ -153,10 +152,9 @@ fn hierarchy_keeps_equal_shapes_at_different_depths_once() {
     assert_eq!((merged.value(40, 10), plain.value(240, 20)), (1000, 7000));
 }
 
-fn bake(blocks: &Blocks<'_>, merged: bool) -> Hierarchy {
-    let sink = HierarchySink::new(blocks.root_level(), merged);
-    let roots = blocks.into_sink(&sink).expect("a small bake");
-    sink.finish(blocks.grid().size, blocks.root_level(), roots)
+fn bake(scene: &scene::Scene, options: &Options, merged: bool) -> Hierarchy {
+    let cancel = std::sync::atomic::AtomicBool::new(false);
+    bake_hierarchy(scene, options, merged, &|_| {}, &cancel).expect("a good bake").hierarchy
 }
 
 #[test]
@@ -166,7 +164,7 @@ fn hierarchy_is_the_same_whatever_the_order_of_blocks() {
     let options = Options::new(sun, Size::Resolution(256));
     let of_threads = |threads, merged| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
-        pool.install(|| bake(&Blocks::new(&scene, &options).expect("a small plan"), merged))
+        pool.install(|| bake(&scene, &options, merged))
     };
     for merged in [true, false] {
         let one = of_threads(1, merged);
@@ -191,10 +189,11 @@ fn shared_scene(name: &str) -> Option<scene::Scene> {
 fn shared_hierarchy_answers_every_defined_voxel() {
     for name in ["kaykit_city_21", "alpine-2"] {
         let Some(scene) = shared_scene(name) else { return };
-        let blocks = Blocks::new(&scene, &shared_options(name, 1024)).expect("a good plan");
-        let found = bake(&blocks, true);
+        let options = shared_options(name, 1024);
+        let found = bake(&scene, &options, true);
         assert_eq!(found.validate(), Ok(()));
-        blocks.for_each_column(|i, j, column| check_column(&found, i, j, column));
+        for_each_column(&scene, &options, |i, j, column| check_column(&found, i, j, column))
+            .expect("a good plan");
     }
 }
 
@@ -213,9 +212,8 @@ fn shared_hierarchy_figures() {
         let graph = crate::bake::bake(&scene, &options, &|_| {}, &cancel).expect("a good bake");
         let dag = &graph.dag;
         let graph_bytes = 4 * (dag.top.len() + dag.nodes.len()) + 8 * dag.slabs.len();
-        let blocks = Blocks::new(&scene, &options).expect("a good plan");
         let [plain, merged] = [false, true].map(|merged| {
-            let found = bake(&blocks, merged);
+            let found = bake(&scene, &options, merged);
             assert_eq!(found.validate(), Ok(()));
             found
         });
