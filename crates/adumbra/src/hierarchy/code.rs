@@ -68,7 +68,7 @@ impl LeafHead {
 
     /// Half-words before the planes.
     pub(super) fn planes_at(self) -> u32 {
-        self.differences_at() + ((self.differences() << self.width) + 1) / 2
+        self.differences_at() + (self.differences() << self.width).div_ceil(2)
     }
 
     pub(super) fn planes(self) -> u32 {
@@ -180,8 +180,8 @@ impl LeafCode<'_> {
 
     /// Depth at which a column switches.
     pub(super) fn value(self, column: u32) -> u32 {
-        let rank =
-            (0..self.head.planes()).fold(0, |rank, p| rank | (self.plane(p) >> column & 1) as u32 * (1 << p));
+        let bit = |p| u32::from(self.plane(p) >> column & 1 == 1);
+        let rank = (0..self.head.planes()).fold(0, |rank, p| rank | bit(p) << p);
         if rank > self.head.differences() {
             return if self.head.never { NEVER } else { self.base };
         }
@@ -208,7 +208,7 @@ impl LeafCode<'_> {
                 dark |= self.of_rank(rank) & !self.slant.below(depth - k);
             }
         }
-        !dark & self.from_rank(dark_ranks)
+        !dark & self.at_least(dark_ranks)
     }
 
     /// Columns of one rank.
@@ -218,7 +218,7 @@ impl LeafCode<'_> {
     }
 
     /// Columns of at least this rank: all 64 compared at once, the highest bit first.
-    fn from_rank(self, rank: u32) -> u64 {
+    fn at_least(self, rank: u32) -> u64 {
         if rank > self.head.last {
             return 0;
         }

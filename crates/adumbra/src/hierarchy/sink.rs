@@ -48,7 +48,33 @@ enum Shape {
     Node(Box<[Undecided; 16]>),
 }
 
+impl HierarchyBlock {
+    /// A block below the roots, at a level that nodes have.
+    fn whole(self) -> Undecided {
+        match self.0 {
+            Parts::One(block) => block,
+            Parts::Four(_) | Parts::Roots(_) => {
+                unreachable!("only levels between nodes' are held in quarters")
+            }
+        }
+    }
+
+    /// The quarters of a block below the roots, at a level between those of nodes.
+    fn quarters(self) -> [Undecided; 4] {
+        match self.0 {
+            Parts::Four(quarters) => *quarters,
+            Parts::One(all) => [all.base; 4].map(Undecided::uniform),
+            Parts::Roots(_) => unreachable!("roots are not quarters of nodes"),
+        }
+    }
+}
+
 impl Undecided {
+    /// Columns that may be anything.
+    fn free() -> Self {
+        Self::uniform([0, FREE_TO_END])
+    }
+
     fn uniform(base: [u32; 2]) -> Self {
         Self { base, shape: Shape::Uniform }
     }
@@ -170,24 +196,13 @@ impl BlockSink for HierarchySink {
             return HierarchyBlock(Parts::Roots(roots));
         }
         if !Self::is_node_level(level) {
-            return HierarchyBlock(Parts::Four(Box::new(quarters.map(|q| match q.0 {
-                Parts::One(block) => block,
-                // Quarters at a level that nodes have, below the roots.
-                Parts::Four(_) | Parts::Roots(_) => Undecided::uniform([0, FREE_TO_END]),
-            }))));
+            return HierarchyBlock(Parts::Four(Box::new(quarters.map(HierarchyBlock::whole))));
         }
-        let mut children: [Undecided; 16] = std::array::from_fn(|_| Undecided::uniform([0, FREE_TO_END]));
+        let mut children: [Undecided; 16] = std::array::from_fn(|_| Undecided::free());
         for (quarter, block) in quarters.into_iter().enumerate() {
-            let mut place = |part: usize, block| {
+            for (part, block) in block.quarters().into_iter().enumerate() {
                 let (x, y) = ((quarter >> 1) * 2 + (part >> 1), (quarter & 1) * 2 + (part & 1));
                 children[y * 4 + x] = block;
-            };
-            match block.0 {
-                Parts::One(all) => (0..4).for_each(|part| place(part, Undecided::uniform(all.base))),
-                Parts::Four(four) => {
-                    four.into_iter().enumerate().for_each(|(part, block)| place(part, block))
-                }
-                Parts::Roots(_) => {}
             }
         }
         self.settle(level, Undecided::over(children))
