@@ -11,7 +11,7 @@ pub(crate) mod columns;
 mod descent;
 mod estimate;
 mod gather;
-mod graph_sink;
+pub(crate) mod graph_sink;
 pub(crate) mod hierarchy;
 mod judge;
 mod leaf;

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::code::{Child, LeafHead};
 use super::{Hierarchy, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
+use crate::dag::Composition;
 
 /// Bytes by kind, and how many shapes there are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +34,20 @@ pub struct Census {
 }
 
 impl Hierarchy {
+    /// What its bytes are spent on, in the terms of a graph: wide entries with the top grid, outlines and depths of leaves as slabs; the
+    /// hierarchy must be valid.
+    pub fn composition(&self) -> Composition {
+        let census = self.census();
+        Composition {
+            nodes: census.nodes,
+            slabs: census.plane_bytes / 8,
+            top_bytes: census.top_bytes + census.wide_bytes,
+            header_bytes: census.head_bytes,
+            pointer_bytes: census.field_bytes,
+            slab_bytes: census.depth_bytes + census.plane_bytes,
+        }
+    }
+
     /// Counts; the hierarchy must be valid. Cost: one pass, and a set of all addresses.
     pub fn census(&self) -> Census {
         let mut census = Census {

@@ -50,6 +50,7 @@
 mod census;
 mod choose;
 mod code;
+mod convert;
 mod encode;
 mod from_columns;
 mod leaf;

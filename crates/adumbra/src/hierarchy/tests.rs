@@ -92,6 +92,25 @@ proptest! {
     }
 
     #[test]
+    fn hierarchy_becomes_a_graph_and_back(world in any_world()) {
+        let columns = world.columns();
+        let mut found = build(&columns, 5, true);
+        // Columns beside the grid may be anything; depths beyond its end are one.
+        found.size[2] = 300_000;
+        let dag = found.to_dag();
+        prop_assert_eq!(dag.validate(), Ok(()));
+        let again = Hierarchy::of_slabs(&dag, 5);
+        for j in 0..columns.height {
+            for i in 0..columns.width {
+                let [value, back] = [&found, &again].map(|h| h.value(i, j).min(300_000));
+                prop_assert_eq!(value, back);
+                prop_assert!(value == 0 || dag.voxel(i, j, value - 1));
+                prop_assert!(value == 300_000 || !dag.voxel(i, j, value));
+            }
+        }
+    }
+
+    #[test]
     fn hierarchy_of_any_words_is_refused_or_answers(
         world in any_world(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>(), 0_u32..3), 1..6),
