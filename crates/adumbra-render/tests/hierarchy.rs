@@ -7,13 +7,13 @@ use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Options, Size, bake_hierarchy};
 use adumbra::camera::{Camera, Projection};
+use adumbra::format::ShadowFile;
 use adumbra::hierarchy::Hierarchy;
 use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query, receiver};
 use adumbra::scene::{GeneratedKind, generate};
-use adumbra::settings::Bias;
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::voxel::{HierarchyFilter, SoftTwin, VoxelHierarchy};
-use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions, Shot, SurfacePoint, TechniqueSpec};
+use adumbra_render::{Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, SurfacePoint, build};
 use kit::boxes::boxes;
 use voxel_points::BakedScene;
 
@@ -142,17 +142,19 @@ fn hierarchy_techniques_are_told_by_name() {
     let gpu = kit::gpu();
     let baked = BakedScene::new(generate(GeneratedKind::Primitives, 3), [0.5, 0.8, 0.35], 64, 32);
     let hierarchy = hierarchy_of(&baked);
-    let make = |name: &str| {
-        let spec: TechniqueSpec = name.parse().unwrap();
-        VoxelHierarchy::from_spec(&gpu, &spec, &baked.light.grid, &hierarchy, Bias::default())
-            .map(|t| adumbra_render::technique::Technique::name(&t))
+    let file = ShadowFile::hierarchy(baked.light.grid, baked.light.settings, hierarchy);
+    let make = |name: &str, file| {
+        let files = Baked { light: Some(file), tree: None };
+        build(&gpu, &name.parse().unwrap(), files).map(|technique| technique.name())
     };
     for name in ["voxel", "voxel:filter=3", "voxel:soft", "voxel:soft:angle=1.5:radius=8:bias=2"] {
-        assert_eq!(make(name).unwrap(), name);
+        assert_eq!(make(name, &file).unwrap(), name);
     }
     for (name, says) in
         [("voxel:angle=1", "angle"), ("voxel:soft:radius=65", "64"), ("voxel:soft:filter=3", "filter")]
     {
-        assert!(make(name).unwrap_err().to_string().contains(says), "{name}");
+        assert!(make(name, &file).unwrap_err().to_string().contains(says), "{name}");
     }
+    let refused = make("voxel:soft", &baked.light).unwrap_err().to_string();
+    assert!(refused.contains("--layout hierarchy"), "{refused}");
 }
