@@ -10,7 +10,7 @@ use super::store::{Entry, INHERITS, NEVER, OWN, ShapeStore, entries};
 use super::{LEAF_LEVEL, NODE_LEVELS, UNIFORM};
 
 /// A shape: its level's place among those that shapes have, 0 = leaves, and its index.
-type Shape = (usize, u32);
+type Shape = (u8, u32);
 
 /// Not met yet.
 const NONE: u32 = u32::MAX;
@@ -21,7 +21,7 @@ pub(super) fn encode(
     root_level: u32,
     mut top: Vec<[u32; 2]>,
 ) -> (Vec<[u32; 2]>, Vec<[u32; 2]>, Vec<u32>) {
-    let root = ((root_level - LEAF_LEVEL) / NODE_LEVELS) as usize;
+    let root = ((root_level - LEAF_LEVEL) / NODE_LEVELS) as u8;
     let frequent = frequent_shapes(store, root, &top);
     let mut encoder = Encoder {
         store,
@@ -53,35 +53,36 @@ fn counts(store: &ShapeStore, value: u32) -> [Vec<u32>; 4] {
 }
 
 /// Shapes that are pointed to twice or more, those first that save most for their length, then by first visit.
-fn frequent_shapes(store: &ShapeStore, root: usize, top: &[[u32; 2]]) -> Vec<Shape> {
+fn frequent_shapes(store: &ShapeStore, root: u8, top: &[[u32; 2]]) -> Vec<Shape> {
     let mut pointers = counts(store, 0);
     let mut visited: Vec<Shape> = Vec::new();
     let mut open: Vec<Shape> = Vec::new();
     for &[index, _] in top.iter().filter(|entry| entry[0] != UNIFORM) {
         open.push((root, index));
         while let Some((kind, index)) = open.pop() {
-            let count = &mut pointers[kind][index as usize];
+            let count = &mut pointers[kind as usize][index as usize];
             *count += 1;
             if *count > 1 {
                 continue;
             }
             visited.push((kind, index));
             if kind > 0 {
-                let children = entries(store.nodes[kind - 1].get(index)).filter(|e| e.index != UNIFORM);
+                let children =
+                    entries(store.nodes[kind as usize - 1].get(index)).filter(|e| e.index != UNIFORM);
                 let first = open.len();
                 open.extend(children.map(|e| (kind - 1, e.index)));
                 open[first..].reverse();
             }
         }
     }
-    visited.retain(|&(kind, index)| pointers[kind][index as usize] > 1);
+    visited.retain(|&(kind, index)| pointers[kind as usize][index as usize] > 1);
     visited.sort_by_cached_key(|&(kind, index)| {
         let length = if kind == 0 {
             store.leaves.get(index).len()
         } else {
-            2 * store.nodes[kind - 1].get(index).len()
+            2 * store.nodes[kind as usize - 1].get(index).len()
         };
-        let saved = u64::from(pointers[kind][index as usize]) << 16;
+        let saved = u64::from(pointers[kind as usize][index as usize]) << 16;
         std::cmp::Reverse(saved / length as u64)
     });
     visited
@@ -98,7 +99,7 @@ struct Encoder<'s> {
 impl Encoder<'_> {
     /// The shape's address; it and what it points to are written where they are not yet.
     fn emit(&mut self, (kind, index): Shape) -> u32 {
-        let known = self.places[kind][index as usize];
+        let known = self.places[kind as usize][index as usize];
         if known != NONE {
             return known;
         }
@@ -108,13 +109,15 @@ impl Encoder<'_> {
             at
         } else {
             let mut children = [(Entry { state: INHERITS, delta: 0, index: UNIFORM }, UNIFORM); 16];
-            for (child, entry) in children.iter_mut().zip(entries(self.store.nodes[kind - 1].get(index))) {
+            for (child, entry) in
+                children.iter_mut().zip(entries(self.store.nodes[kind as usize - 1].get(index)))
+            {
                 let at = if entry.index == UNIFORM { UNIFORM } else { self.emit((kind - 1, entry.index)) };
                 *child = (entry, at);
             }
             self.node(&children)
         };
-        self.places[kind][index as usize] = at;
+        self.places[kind as usize][index as usize] = at;
         at
     }
 

@@ -130,7 +130,8 @@ impl HierarchySink {
                 }
             }
         }
-        let store = self.store.into_inner().unwrap_or_else(|e| e.into_inner());
+        let mut store = self.store.into_inner().unwrap_or_else(|e| e.into_inner());
+        store.seal();
         let (top, wide, code) = encode::encode(&store, self.root_level, top);
         Hierarchy { size, root_level: self.root_level, top_dims, top, wide, code }
     }

@@ -81,6 +81,12 @@ impl<T: Unit> Arena<T> {
         index
     }
 
+    /// Nothing more will be taken in.
+    fn seal(&mut self) {
+        self.table = HashTable::new();
+        self.units.shrink_to_fit();
+    }
+
     fn memory_bytes(&self) -> u64 {
         let units = self.units.capacity() * size_of::<T>();
         (units + 4 * self.offsets.capacity() + 5 * self.table.capacity()) as u64
@@ -100,6 +106,12 @@ pub(super) struct ShapeStore {
 }
 
 impl ShapeStore {
+    /// Nothing more will be taken in: what that needs is freed.
+    pub(super) fn seal(&mut self) {
+        self.leaves.seal();
+        self.nodes.iter_mut().for_each(Arena::seal);
+    }
+
     pub(super) fn memory_bytes(&self) -> u64 {
         self.leaves.memory_bytes() + self.nodes.iter().map(Arena::memory_bytes).sum::<u64>()
     }
