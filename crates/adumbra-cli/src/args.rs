@@ -272,6 +272,8 @@ pub(crate) enum LayoutArg {
     Packed,
     /// Words of 32 bits
     Plain,
+    /// An image of depths: about a quarter of the bytes, and penumbrae (voxel:soft)
+    Hierarchy,
 }
 
 /// What decides a bake's result.
@@ -323,6 +325,7 @@ impl BakeSettings {
         match self.layout {
             None | Some(LayoutArg::Packed) => Layout::Packed,
             Some(LayoutArg::Plain) => Layout::Plain,
+            Some(LayoutArg::Hierarchy) => Layout::Hierarchy,
         }
     }
 

@@ -150,6 +150,10 @@ fn constants_of_shaders_are_those_of_the_library() {
         (query::NORMAL_ONE, query::MAX_HEIGHT_CELLS)
     );
     assert_eq!((shaders::TOP_LIT, shaders::TOP_SHADOWED), (dag::LIT, dag::SHADOWED));
+    assert_eq!(
+        (shaders::HIERARCHY_UNIFORM, shaders::HIERARCHY_NEVER),
+        (adumbra::hierarchy::UNIFORM, adumbra::hierarchy::NEVER)
+    );
 }
 
 #[test]

@@ -52,6 +52,12 @@ shared! {
     TOP_LIT: u32 = u32::MAX;
     /// Top-grid entry: the whole root cube is shadowed (`adumbra::dag::SHADOWED`).
     TOP_SHADOWED: u32 = u32::MAX - 1;
+    /// In place of a shape's address: all of it switches at the base (`adumbra::hierarchy::UNIFORM`).
+    HIERARCHY_UNIFORM: u32 = u32::MAX;
+    /// Depth of a column that is lit to its end (`adumbra::hierarchy::NEVER`).
+    HIERARCHY_NEVER: u32 = u32::MAX;
+    /// Most texels of a penumbra's radius in a hierarchy: with more, depths of the receiver's plane would not fit 32 bits.
+    HIERARCHY_MAX_RADIUS: f32 = 64.0;
     /// How far from the receiver, in texels, the sampler's own 2 × 2 comparison takes the receiver's plane.
     HARDWARE_REACH: f32 = 0.75;
     /// Blocks of a row whose ranks are counted together when a hybrid map is built.

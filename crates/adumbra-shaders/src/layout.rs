@@ -173,6 +173,16 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// A baked light-aligned hierarchy.
+    pub struct HierarchyParams {
+        /// Where it lies: `top_dims` as for a graph, but z = 1; first word of wide entries and of code in `places`.
+        pub voxel: VoxelParams,
+        /// Texels that the sun's cone widens by a voxel of depth; most texels of a penumbra's radius; 0; 0.
+        pub sun: [f32; 4],
+    }
+}
+
+gpu_struct! {
     /// A baked world-aligned tree.
     pub struct CubesParams {
         /// Where its cube lies; the axes are the world's.
@@ -387,6 +397,7 @@ pub const STRUCTS: &[StructInfo] = &[
     MomentBlurParams::INFO,
     GridTransform::INFO,
     VoxelParams::INFO,
+    HierarchyParams::INFO,
     CubesParams::INFO,
     CubesPlan::INFO,
     CubesUniform::INFO,

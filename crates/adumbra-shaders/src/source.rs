@@ -31,6 +31,10 @@ sources! {
     GRID = "core/grid.wgsl";
     /// Look-up in a light-aligned graph.
     VOXEL = "core/voxel.wgsl";
+    /// Look-up in a hierarchy.
+    HIERARCHY = "core/hierarchy.wgsl";
+    /// Penumbrae from a hierarchy's depths.
+    HIERARCHY_SOFT = "core/hierarchy_soft.wgsl";
     /// Look-up in a tree.
     VOXEL_CUBES = "core/voxel_cubes.wgsl";
     /// Surface to receiver, for a tree.
@@ -155,6 +159,12 @@ sources! {
     VOXEL_PASS = "passes/voxel.wgsl";
     /// The technique `voxel+csm`.
     VOXEL_CSM = "passes/voxel_csm.wgsl";
+    /// The technique `voxel` on a hierarchy.
+    HIERARCHY_PASS = "passes/hierarchy.wgsl";
+    /// The technique `voxel:soft`.
+    HIERARCHY_SOFT_PASS = "passes/hierarchy_soft.wgsl";
+    /// Its counts, depths and penumbrae for receivers in fixed point.
+    HIERARCHY_FIXED = "passes/hierarchy_fixed.wgsl";
     /// Counts of `voxel` for receivers in fixed point.
     VOXEL_FIXED = "passes/voxel_fixed.wgsl";
     /// The techniques `voxel-cubes` and `voxel-texture`.

@@ -93,6 +93,22 @@ const LOOK_UPS: &[(&str, &[Source])] = &[
     ("none", &[source::NONE]),
     ("voxel", &[source::GRID, source::VOXEL, source::WORDS_1, source::VOXEL_PASS]),
     (
+        "voxel, hierarchy",
+        &[source::GRID, source::VOXEL, source::HIERARCHY, source::WORDS_1, source::HIERARCHY_PASS],
+    ),
+    (
+        "voxel:soft",
+        &[
+            source::GRID,
+            source::VOXEL,
+            source::HIERARCHY,
+            source::DISC,
+            source::HIERARCHY_SOFT,
+            source::WORDS_6,
+            source::HIERARCHY_SOFT_PASS,
+        ],
+    ),
+    (
         "voxel-cubes",
         &[
             source::GRID,
@@ -274,6 +290,20 @@ const MODULES: &[(&str, &[Source])] = &[
             source::WORDS_6,
             source::VOXEL_PASS,
             source::VOXEL_FIXED,
+        ],
+    ),
+    (
+        "hierarchy, fixed point",
+        &[
+            source::SURFACE,
+            source::GRID,
+            source::VOXEL,
+            source::HIERARCHY,
+            source::DISC,
+            source::HIERARCHY_SOFT,
+            source::WORDS_1,
+            source::HIERARCHY_SOFT_PASS,
+            source::HIERARCHY_FIXED,
         ],
     ),
     (

@@ -29,6 +29,7 @@ pub mod dag;
 pub mod error;
 pub mod files;
 pub mod format;
+pub mod hierarchy;
 pub mod light;
 pub mod picture;
 pub mod query;

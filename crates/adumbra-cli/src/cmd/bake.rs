@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::Error;
-use adumbra::bake::{self, Baked, Options};
+use adumbra::bake::{self, Baked, BakedHierarchy, Options};
 use adumbra::files;
 use adumbra::format::{Layout, ShadowFile};
 use serde_json::json;
@@ -53,9 +53,19 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             return bake_tree::run(args, &scene, tree_options, &output, start, &cancel);
         }
         let reporter = Reporter::new(args.progress, Units::TEXELS);
-        let Baked { grid, settings, dag, report } =
-            bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
-        let file = ShadowFile::of_dag(grid, settings, dag, args.settings.layout()).map_err(Error::from)?;
+        let progress = |p| reporter.update(p);
+        let (file, report) = match args.settings.layout() {
+            Layout::Hierarchy => {
+                let BakedHierarchy { grid, settings, hierarchy, report } =
+                    bake::bake_hierarchy(&scene, &options, true, &progress, &cancel)?;
+                (ShadowFile::hierarchy(grid, settings, hierarchy), report)
+            }
+            layout => {
+                let Baked { grid, settings, dag, report } = bake::bake(&scene, &options, &progress, &cancel)?;
+                (ShadowFile::of_dag(grid, settings, dag, layout).map_err(Error::from)?, report)
+            }
+        };
+        let (grid, settings) = (file.grid, file.settings);
         let file_bytes = file.write(&output)?;
         let figures = GraphFigures::of(&file, file_bytes)?;
         let seconds = start.elapsed().as_secs_f64();

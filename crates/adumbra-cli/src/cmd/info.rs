@@ -54,7 +54,7 @@ fn light(args: &Info, file: &ShadowFile) -> Outcome {
             "  bits per texel  {:.4} ({times_smaller:.0} times smaller than 32 bits)",
             figures.bits_per_texel
         );
-        say!("  layout          {}", if layout == Layout::Plain { "plain" } else { "packed" });
+        say!("  layout          {}", layout_name(layout));
         say!("  nodes, slabs    {}, {}", made_of.nodes, made_of.slabs);
         say!(
             "  bytes           top grid {}, headers {}, pointers {}, slabs {}",
@@ -148,4 +148,12 @@ fn tree(args: &Info, file: &TreeFile) {
         settings.bias.slope_texels,
         settings.bias.normal_offset_texels
     );
+}
+
+fn layout_name(layout: Layout) -> &'static str {
+    match layout {
+        Layout::Plain => "plain",
+        Layout::Packed => "packed",
+        Layout::Hierarchy => "hierarchy",
+    }
 }

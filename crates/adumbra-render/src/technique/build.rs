@@ -1,6 +1,6 @@
 //! From a technique's name to the technique.
 
-use adumbra::format::{ShadowFile, TreeFile};
+use adumbra::format::{LightBody, ShadowFile, TreeFile};
 
 use super::spec::TechniqueSpec;
 use super::{NoShadows, Technique};
@@ -9,7 +9,7 @@ use crate::gpu::Gpu;
 use crate::hybrid::{HybridMap, HybridSettings};
 use crate::maps::{MapSettings, ShadowMap};
 use crate::screen_blur::{BlurSettings, ScreenBlur};
-use crate::voxel::{Cubes, Voxel};
+use crate::voxel::{Cubes, Voxel, VoxelHierarchy};
 use crate::voxel_csm::VoxelCsm;
 
 /// Baked files that techniques may look up in.
@@ -40,7 +40,10 @@ pub const TECHNIQUES: &[(&str, &str)] = &[
     ("blur", "another technique's factor, blurred on the screen"),
     ("blur-dilate", "the same, with the shade dilated first"),
     ("blur-bilateral", "the same, within surfaces"),
-    ("voxel", "a light-aligned file, filtered over texels"),
+    (
+        "voxel",
+        "a light-aligned file, filtered over texels; voxel:soft, penumbrae of a sun of angle= degrees (layout hierarchy)",
+    ),
     ("voxel+csm", "the same for what stands still, cascades for movers (csm=cascades=2/filter=3)"),
     ("voxel-cubes", "a world-aligned file, filtered over voxels"),
     ("voxel-texture", "the same, read from an RGBA8 texture"),
@@ -68,7 +71,12 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             let settings = HybridSettings::from_spec(spec)?;
             Ok(Box::new(HybridMap::new(gpu, &spec.to_string(), settings)?))
         }
-        "voxel" => Ok(Box::new(Voxel::from_spec(gpu, spec, baked.light)?)),
+        "voxel" => Ok(match baked.light {
+            Some(ShadowFile { grid, settings, body: LightBody::Hierarchy(hierarchy) }) => {
+                Box::new(VoxelHierarchy::from_spec(gpu, spec, grid, hierarchy, settings.bias)?)
+            }
+            file => Box::new(Voxel::from_spec(gpu, spec, file)?),
+        }),
         "voxel+csm" => Ok(Box::new(VoxelCsm::from_spec(gpu, spec, baked.light)?)),
         "voxel-cubes" | "voxel-texture" => Ok(Box::new(Cubes::from_spec(gpu, spec, baked.tree)?)),
         _ => {

@@ -37,7 +37,11 @@ pub fn parameters(name: &str) -> String {
         "blur-bilateral" => {
             vec!["tolerance=1.5 (pixels off the surface's plane)".to_owned(), BLUR.to_owned()]
         }
-        "voxel" => vec!["filter=9, 1, 3, 5 or 17".to_owned(), VOXEL_BIAS.to_owned()],
+        "voxel" => vec![
+            "filter=9, 1, 3, 5 or 17".to_owned(),
+            "soft with angle=0.53 (degrees, 0.01 to 20), radius=32 (texels at most, 1 to 64)".to_owned(),
+            VOXEL_BIAS.to_owned(),
+        ],
         "voxel+csm" => vec!["filter=9, 1, 3, 5 or 17, csm=PARAMETERS (of csm, / for :)".to_owned()],
         "voxel-cubes" => vec![cubes(), VOXEL_BIAS.to_owned()],
         "voxel-texture" => vec![cubes(), "read=texels or buffer".to_owned(), VOXEL_BIAS.to_owned()],

@@ -1,5 +1,5 @@
 //! Techniques by name: `NAME[:key=value…]`, such as `csm:cascades=4:size=2048:filter=5`. Two sizes alone, such as the `4096-1024` of
-//! `hrsm:4096-1024`, are short for `sizes=4096-1024`.
+//! `hrsm:4096-1024`, are short for `sizes=4096-1024`; the `soft` of `voxel:soft` is short for `shade=soft`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -27,7 +27,11 @@ impl FromStr for TechniqueSpec {
         }
         let mut values = BTreeMap::new();
         for part in parts {
-            let pair = part.split_once('=').or_else(|| is_sizes(part).then_some(("sizes", part)));
+            let short = || match part.trim() {
+                "soft" => Some(("shade", part)),
+                _ => is_sizes(part).then_some(("sizes", part)),
+            };
+            let pair = part.split_once('=').or_else(short);
             let Some((key, value)) = pair else {
                 return Err(wrong(format!("{part:?} is not key=value, nor two sizes such as 4096-1024")));
             };

@@ -50,6 +50,9 @@ impl Voxel {
         let file =
             file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
         let mut reader = spec.reader();
+        if reader.text("shade").is_some_and(|shade| shade != "hard") {
+            return Err(spec.wrong("penumbrae need a file that was baked with --layout hierarchy".to_owned()));
+        }
         let filter = reader.integer("filter", 9, &FILTER_WIDTHS)?;
         let bias = read_bias(&mut reader, file.settings.bias)?;
         reader.finish()?;

@@ -1,6 +1,6 @@
 //! Baked voxels on the GPU: the techniques `voxel`, `voxel-cubes` and `voxel-texture`.
 //!
-//! A file's words → [`WordBuffers`] or [`PageTexture`] → [`VoxelBindings`] (group 1) → [`Voxel`] or [`Cubes`]. What an engine binds:
+//! A file's words → [`WordBuffers`] or [`PageTexture`] → [`VoxelBindings`] (group 1) → [`Voxel`], [`VoxelHierarchy`] or [`Cubes`]. What an engine binds:
 //! binding 0 a uniform, then either one storage buffer, or six for what is larger than one may be, or one texture. The CPU twins are
 //! `adumbra::query::Query` and `TreeQuery`; receivers in fixed point get the very same counts from both.
 
@@ -8,14 +8,18 @@ mod bindings;
 mod cubes;
 mod fixed;
 mod grid;
+mod hierarchy;
 mod light;
+mod soft;
 mod texture;
 mod words;
 
 pub use bindings::VoxelBindings;
 pub use cubes::{Cubes, CubesOptions, CubesStore};
 pub use grid::grid_transform;
+pub use hierarchy::{HierarchyAnswer, HierarchyFilter, VoxelHierarchy};
 pub use light::Voxel;
+pub use soft::SoftTwin;
 pub use texture::PageTexture;
 pub use words::{MAX_WORD_BINDINGS, WordBuffers};
 

@@ -75,7 +75,7 @@ impl BakedScene {
     }
 
     /// Half on surfaces, a quarter in the scene's box, a quarter beside, above and below it; a third of the latter two with a normal.
-    fn points(&self, count: usize) -> Vec<([f64; 3], Option<[f64; 3]>)> {
+    pub(crate) fn points(&self, count: usize) -> Vec<([f64; 3], Option<[f64; 3]>)> {
         let solids = Solids::of(&self.scene);
         let sampler = SurfaceSampler::new(&self.scene, &solids, self.light.grid.sun.towards(), false);
         let bounds = self.scene.bounds();

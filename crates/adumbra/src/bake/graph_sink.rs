@@ -10,14 +10,14 @@ use crate::dag::SLAB_NODE_LEVEL;
 use crate::dag::store::{NodeState, NodeStore};
 
 /// Builds a graph's nodes into a store.
-pub(super) struct GraphSink<'s> {
+pub(crate) struct GraphSink<'s> {
     store: &'s NodeStore,
     /// Voxels along the light; what lies behind is free.
     depth: u32,
 }
 
 /// Nodes of one level over a block, nearest first; the last run goes on for ever.
-pub(super) struct Runs(Vec<Run>);
+pub(crate) struct Runs(Vec<Run>);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Run {
@@ -54,12 +54,12 @@ impl Cursor<'_> {
 }
 
 impl<'s> GraphSink<'s> {
-    pub(super) fn new(store: &'s NodeStore, depth: u32) -> Self {
+    pub(crate) fn new(store: &'s NodeStore, depth: u32) -> Self {
         Self { store, depth }
     }
 
     /// The first `count` nodes of a root block.
-    pub(super) fn roots(&self, runs: Runs, level: u32, count: u32) -> Vec<NodeState> {
+    pub(crate) fn roots(&self, runs: Runs, level: u32, count: u32) -> Vec<NodeState> {
         debug_assert!(count.saturating_sub(1) << level < self.depth.max(1));
         let mut cursor = Cursor { runs: &runs.0, at: 0 };
         (0..count).map(|z| cursor.state(z).state).collect()

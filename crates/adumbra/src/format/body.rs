@@ -8,6 +8,7 @@ use super::header::Header;
 use super::sections::{u16_chunks, u32_chunks, u32_words, u64_chunks};
 use crate::dag::packed::{MAX_SHARED_SLABS, MAX_UNITS, PackError, PackedDag};
 use crate::dag::{Composition, Dag, SHADOWED, Slabs};
+use crate::hierarchy::Hierarchy;
 
 /// How a file holds its graph.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,6 +19,8 @@ pub enum Layout {
     /// [`PackedDag`]: units of 16 bits, about a third of the bytes.
     #[default]
     Packed,
+    /// [`Hierarchy`]: an image of depths, the smallest.
+    Hierarchy,
 }
 
 impl Layout {
@@ -26,11 +29,12 @@ impl Layout {
         match self {
             Self::Plain => 0,
             Self::Packed => 1,
+            Self::Hierarchy => 2,
         }
     }
 
     pub(super) fn of_number(number: u32) -> Option<Self> {
-        [Self::Plain, Self::Packed].into_iter().find(|layout| layout.number() == number)
+        [Self::Plain, Self::Packed, Self::Hierarchy].into_iter().find(|layout| layout.number() == number)
     }
 
     /// Bytes of an element of each section, and the most that a section may have; the top's length is another check's.
@@ -39,6 +43,7 @@ impl Layout {
         match self {
             Self::Plain => [top, (4, 4 * SHADOWED as u64), (8, 8 << 32)],
             Self::Packed => [top, (4, 2 * MAX_UNITS as u64), (8, 8 * MAX_SHARED_SLABS as u64)],
+            Self::Hierarchy => [top, (4, 2 * u64::from(u32::MAX)), (8, 8 << 32)],
         }
     }
 }
@@ -50,6 +55,8 @@ pub enum LightBody {
     Plain(Dag),
     /// Packed.
     Packed(PackedDag),
+    /// Depths.
+    Hierarchy(Hierarchy),
 }
 
 impl LightBody {
@@ -61,6 +68,7 @@ impl LightBody {
         Ok(match layout {
             Layout::Plain => Self::Plain(dag),
             Layout::Packed => Self::Packed(PackedDag::of_dag(&dag)?),
+            Layout::Hierarchy => Self::Hierarchy(Hierarchy::of_slabs(&dag, dag.root_level)),
         })
     }
 
@@ -69,6 +77,7 @@ impl LightBody {
         match self {
             Self::Plain(_) => Layout::Plain,
             Self::Packed(_) => Layout::Packed,
+            Self::Hierarchy(_) => Layout::Hierarchy,
         }
     }
 
@@ -77,6 +86,7 @@ impl LightBody {
         match self {
             Self::Plain(dag) => dag,
             Self::Packed(packed) => packed,
+            Self::Hierarchy(hierarchy) => hierarchy,
         }
     }
 
@@ -88,6 +98,7 @@ impl LightBody {
         Ok(match self {
             Self::Plain(dag) => dag.composition(),
             Self::Packed(packed) => packed.composition()?,
+            Self::Hierarchy(hierarchy) => hierarchy.composition(),
         })
     }
 
@@ -95,6 +106,7 @@ impl LightBody {
         match self {
             Self::Plain(dag) => dag.validate()?,
             Self::Packed(packed) => packed.validate()?,
+            Self::Hierarchy(hierarchy) => hierarchy.validate()?,
         }
         Ok(())
     }
@@ -114,6 +126,9 @@ impl LightBody {
         match self {
             Self::Plain(dag) => (dag.size, dag.root_level, dag.top_dims),
             Self::Packed(packed) => (packed.size, packed.root_level, packed.top_dims),
+            Self::Hierarchy(Hierarchy { size, root_level, .. }) => {
+                (*size, *root_level, Dag::top_dims_covering(*size, *root_level))
+            }
         }
     }
 
@@ -122,6 +137,7 @@ impl LightBody {
         let [top, nodes, slabs] = match self {
             Self::Plain(dag) => [dag.top.len() * 4, dag.nodes.len() * 4, dag.slabs.len() * 8],
             Self::Packed(packed) => [packed.top.len() * 4, packed.units.len() * 2, packed.slabs.len() * 8],
+            Self::Hierarchy(h) => [h.top.len() * 8, h.code.len() * 4, h.wide.len() * 8],
         };
         [top as u64, nodes as u64, slabs as u64]
     }
@@ -135,6 +151,9 @@ impl LightBody {
             (Self::Packed(packed), 0) => Box::new(u32_chunks(&packed.top)),
             (Self::Packed(packed), 1) => Box::new(u16_chunks(&packed.units)),
             (Self::Packed(packed), _) => Box::new(u64_chunks(&packed.slabs)),
+            (Self::Hierarchy(h), 0) => Box::new(u32_chunks(h.top.as_flattened())),
+            (Self::Hierarchy(h), 1) => Box::new(u32_chunks(&h.code)),
+            (Self::Hierarchy(h), _) => Box::new(u32_chunks(h.wide.as_flattened())),
         }
     }
 
@@ -142,14 +161,21 @@ impl LightBody {
     pub(super) fn parse(header: &Header, [top, nodes, slabs]: [&[u8]; 3]) -> Self {
         let (size, root_level, top_dims) = (header.grid.size, header.root_level, header.top_dims);
         let top = u32_words(top);
-        let slabs = slabs.as_chunks().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
+        let wide = slabs;
+        let slabs = || slabs.as_chunks().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
         match header.layout {
             Layout::Plain => {
-                Self::Plain(Dag { size, root_level, top_dims, top, nodes: u32_words(nodes), slabs })
+                Self::Plain(Dag { size, root_level, top_dims, top, nodes: u32_words(nodes), slabs: slabs() })
             }
             Layout::Packed => {
                 let units = nodes.as_chunks().0.iter().map(|&b| u16::from_le_bytes(b)).collect();
-                Self::Packed(PackedDag { size, root_level, top_dims, top, units, slabs })
+                Self::Packed(PackedDag { size, root_level, top_dims, top, units, slabs: slabs() })
+            }
+            Layout::Hierarchy => {
+                let top = top.as_chunks().0.to_vec();
+                let wide = u32_words(wide).as_chunks().0.to_vec();
+                let top_dims = [top_dims[0], top_dims[1]];
+                Self::Hierarchy(Hierarchy { size, root_level, top_dims, top, wide, code: u32_words(nodes) })
             }
         }
     }

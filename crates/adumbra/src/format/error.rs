@@ -2,6 +2,7 @@
 
 use crate::dag::GraphError;
 use crate::dag::packed::PackedError;
+use crate::hierarchy::HierarchyError;
 use crate::tree::TreeError;
 use crate::tree::symmetric::SymmetricError;
 
@@ -124,6 +125,13 @@ pub enum FormatError {
         #[from]
         fault: PackedError,
     },
+    /// The hierarchy cannot be looked up in.
+    #[error("the hierarchy is not valid: {fault}; bake it again")]
+    Hierarchy {
+        /// What is wrong with it.
+        #[from]
+        fault: HierarchyError,
+    },
     /// A region of a tree means nothing.
     #[error("region {index} has {value}, but must have {expected}; bake it again")]
     Region {
@@ -166,6 +174,7 @@ impl FormatError {
             Self::Padding { .. } => "Padding",
             Self::Graph { .. } => "Graph",
             Self::Packed { .. } => "Packed",
+            Self::Hierarchy { .. } => "Hierarchy",
             Self::Region { .. } => "Region",
             Self::Tree { .. } => "Tree",
             Self::Symmetric { .. } => "Symmetric",
@@ -177,6 +186,7 @@ impl FormatError {
         match self {
             Self::Graph { fault } => Some(fault.kind()),
             Self::Packed { fault } => Some(fault.kind()),
+            Self::Hierarchy { fault } => Some(fault.kind()),
             Self::Tree { fault } => Some(match fault {
                 TreeError::Depth { .. } => "Depth",
                 TreeError::Length { .. } => "Length",

@@ -92,7 +92,7 @@ impl Header {
             reserved("reserved word 13", layout)?;
         }
         let Some(layout) = Layout::of_number(layout) else {
-            return Err(field("layout", layout.to_string(), "0, plain, or 1, packed"));
+            return Err(field("layout", layout.to_string(), "0, plain, 1, packed, or 2, hierarchy"));
         };
         if flags & !ALL_FLAGS != 0 {
             return Err(field("flags", format!("{flags:#x}"), "made of bits 0 to 4 only"));
@@ -140,6 +140,10 @@ impl Header {
             match (i, self.layout) {
                 (0, Layout::Plain) => {
                     let roots = product(&self.top_dims);
+                    return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
+                }
+                (0, Layout::Hierarchy) => {
+                    let roots = product(&self.top_dims[..2]).and_then(|bytes| bytes.checked_mul(2));
                     return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
                 }
                 (0, Layout::Packed) => {

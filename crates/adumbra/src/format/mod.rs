@@ -35,6 +35,7 @@ use std::borrow::Cow;
 
 use crate::dag::packed::PackError;
 use crate::dag::{Dag, Slabs};
+use crate::hierarchy::Hierarchy;
 use crate::light::LightGrid;
 use crate::settings::Settings;
 
@@ -53,6 +54,11 @@ impl ShadowFile {
     /// A file of the plain layout.
     pub fn plain(grid: LightGrid, settings: Settings, dag: Dag) -> Self {
         Self { grid, settings, body: LightBody::Plain(dag) }
+    }
+
+    /// A file of the layout that is a hierarchy.
+    pub fn hierarchy(grid: LightGrid, settings: Settings, hierarchy: Hierarchy) -> Self {
+        Self { grid, settings, body: LightBody::Hierarchy(hierarchy) }
     }
 
     /// A file of any layout.
@@ -77,6 +83,10 @@ impl ShadowFile {
         Ok(match &self.body {
             LightBody::Plain(dag) => Cow::Borrowed(dag),
             LightBody::Packed(packed) => Cow::Owned(packed.to_dag()?),
+            LightBody::Hierarchy(hierarchy) => {
+                hierarchy.validate()?;
+                Cow::Owned(hierarchy.to_dag())
+            }
         })
     }
 

@@ -86,6 +86,7 @@ pub(crate) fn is_lit(file: &ShadowFile, v: [u32; 3]) -> bool {
     match &file.body {
         LightBody::Plain(dag) => is_lit_in(dag, v),
         LightBody::Packed(packed) => packed.voxel(v[0], v[1], v[2]),
+        LightBody::Hierarchy(hierarchy) => v[2] < hierarchy.value(v[0], v[1]),
     }
 }
 

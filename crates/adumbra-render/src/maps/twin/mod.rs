@@ -14,6 +14,7 @@ use crate::gpu::Gpu;
 use crate::readback::read_depth;
 pub(crate) use maps::Receiver;
 use moments::MomentImage;
+pub(crate) use pcf::{turn, turned};
 
 /// A visible point, as the shaders' `Surface`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -63,12 +63,12 @@ impl DepthImage<'_> {
 }
 
 /// `disc_tap`.
-pub(super) fn turned(tap: [f32; 2], turn: [f32; 2]) -> [f32; 2] {
+pub(crate) fn turned(tap: [f32; 2], turn: [f32; 2]) -> [f32; 2] {
     [turn[0] * tap[0] - turn[1] * tap[1], turn[1] * tap[0] + turn[0] * tap[1]]
 }
 
 /// `disc_turn`.
-pub(super) fn turn(pixel: [u32; 2]) -> [f32; 2] {
+pub(crate) fn turn(pixel: [u32; 2]) -> [f32; 2] {
     let angle = std::f32::consts::TAU * noise(pixel);
     [angle.cos(), angle.sin()]
 }

@@ -1,0 +1,114 @@
+//! Between the hierarchy and anything that answers slabs.
+
+use super::choose::FREE_TO_END;
+use super::code::Child;
+use super::sink::HierarchySink;
+use super::{Hierarchy, LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
+use crate::bake::graph_sink::GraphSink;
+use crate::bake::sink::{BlockColumns, BlockSink};
+use crate::dag::store::NodeStore;
+use crate::dag::{Dag, Slabs};
+
+impl Hierarchy {
+    /// A hierarchy of the same defined voxels as `slabs`, which may say anything where a column is free: each column gets one depth at which it
+    /// switches there. `root_level` is the bake's.
+    ///
+    /// Cost: some ten look-ups a block of 8 × 8 columns, more where silhouettes pass; on one thread.
+    pub fn of_slabs(slabs: &dyn Slabs, root_level: u32) -> Self {
+        let level = root_level.max(LEAF_LEVEL + NODE_LEVELS);
+        let sink = HierarchySink::new(level, true);
+        let size = slabs.size();
+        let corners = |n: u32| (0..n).step_by(1 << level);
+        let block = |(y, x)| block_of(slabs, &sink, level, [x, y]);
+        let blocks =
+            corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| (y, x))).map(block).collect();
+        sink.finish(size, level, blocks)
+    }
+
+    /// The graph of the same voxels. Cost: that of all shapes as if none were shared.
+    pub fn to_dag(&self) -> Dag {
+        let store = NodeStore::default();
+        let sink = GraphSink::new(&store, self.size[2]);
+        let dims = Dag::top_dims_covering(self.size, self.root_level);
+        let roots = self.top.iter().map(|&[at, base]| {
+            sink.roots(self.blocks(&sink, at, base, self.root_level), self.root_level, dims[2])
+        });
+        let roots: Vec<_> = roots.collect();
+        let top: Vec<_> =
+            (0..dims[2] as usize).flat_map(|z| roots.iter().map(move |column| column[z])).collect();
+        store.finish(self.size, self.root_level, dims, &top)
+    }
+
+    /// A shape as a block of any sink's.
+    fn blocks<S: BlockSink>(&self, sink: &S, at: u32, base: u32, level: u32) -> S::Block {
+        if at == UNIFORM {
+            return sink.uniform(level, self.interval(base));
+        }
+        let shapes = self.shapes();
+        if level == LEAF_LEVEL {
+            let mut columns = BlockColumns::free();
+            let leaf = shapes.leaf(at, base);
+            for column in 0..64 {
+                [columns.e[column], columns.x[column]] = self.interval(leaf.value(column as u32));
+            }
+            return sink.leaf(&columns);
+        }
+        let below = level - NODE_LEVELS;
+        let child = |c: u32| match shapes.child(at, c) {
+            Child::Never => sink.uniform(below, self.interval(NEVER)),
+            Child::Uniform(delta) => sink.uniform(below, self.interval(base.wrapping_add(delta))),
+            Child::Shape { at, delta } => self.blocks(sink, at, base.wrapping_add(delta), below),
+        };
+        let place =
+            |quarter: u32, part: u32| ((quarter & 1) * 2 + (part & 1)) * 4 + (quarter >> 1) * 2 + (part >> 1);
+        let quarter = |q: u32| sink.join(level - 1, [0, 1, 2, 3].map(|part| child(place(q, part))));
+        sink.join(level, [0, 1, 2, 3].map(quarter))
+    }
+
+    /// What a column that switches at `value` allows: that alone.
+    fn interval(&self, value: u32) -> [u32; 2] {
+        if value >= self.size[2] { [self.size[2], FREE_TO_END] } else { [value; 2] }
+    }
+}
+
+/// The block from a corner on.
+fn block_of(
+    slabs: &dyn Slabs,
+    sink: &HierarchySink,
+    level: u32,
+    [x, y]: [u32; 2],
+) -> <HierarchySink as BlockSink>::Block {
+    let [nx, ny, nz] = slabs.size();
+    if x >= nx || y >= ny {
+        return sink.uniform(level, [0, FREE_TO_END]);
+    }
+    if level > LEAF_LEVEL {
+        let half = 1 << (level - 1);
+        let corner = |q: u32| [x + (q >> 1) * half, y + (q & 1) * half];
+        return sink.join(level, [0, 1, 2, 3].map(|q| block_of(slabs, sink, level - 1, corner(q))));
+    }
+    let mut columns = BlockColumns::free();
+    let inside =
+        (0..64).filter(|i| x + (i & 7) < nx && y + (i >> 3) < ny).fold(0_u64, |mask, i| mask | 1 << i);
+    let ends_lit = slabs.slab(x, y, nz - 1) & inside;
+    // Columns, a depth before which they are lit, and one at which they are shadowed: between them each switches.
+    let mut open = vec![(inside & !ends_lit, 0, nz - 1)];
+    while let Some((mask, low, high)) = open.pop() {
+        if mask == 0 {
+            continue;
+        }
+        if low < high {
+            let middle = low + (high - low) / 2;
+            let lit = slabs.slab(x, y, middle) & mask;
+            open.extend([(lit, middle + 1, high), (mask & !lit, low, middle)]);
+            continue;
+        }
+        for i in (0..64).filter(|i| mask >> i & 1 == 1) {
+            (columns.e[i], columns.x[i]) = (low, low);
+        }
+    }
+    for i in (0..64).filter(|i| ends_lit >> i & 1 == 1) {
+        columns.e[i] = nz;
+    }
+    sink.leaf(&columns)
+}
