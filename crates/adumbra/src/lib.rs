@@ -35,6 +35,9 @@ pub mod picture;
 pub mod query;
 pub mod scene;
 pub mod settings;
+#[cfg(test)]
+#[path = "../tests/shared_folder/mod.rs"]
+pub(crate) mod shared_folder;
 pub mod texture;
 pub mod trace;
 pub mod tree;

@@ -124,7 +124,7 @@ pub(crate) fn judge(
 }
 
 /// The nearest depth, not before `e`, that no solid reaches across: there every solid that was entered has been left.
-/// [`FixedDepth::MAX`] where not every column is known to have a surface behind it.
+/// [`FixedDepth::MAX`] where not every column is known to have a surface behind it, or a first surface may be open.
 fn settled(
     groups: &[Group],
     known_behind: FixedDepth,
@@ -144,6 +144,11 @@ fn settled(
     solids.sort_unstable();
     let depth =
         solids.iter().fold(e, |depth, &[low, high]| if low <= depth { depth.max(high) } else { depth });
+    // How far behind an open surface the next one lies decides its thickness, column by column.
+    let open_first = |g: &Group| matches!(g.kind, Kind::Open | Kind::Masked) && g.z_low <= e;
+    if groups.iter().any(open_first) {
+        return FixedDepth::MAX;
+    }
     // What has no contour here and is not left out covers every column.
     let behind = depth.saturating_add(rules.bias_fixed(MAX_SLOPE));
     let covered = groups.iter().any(|g| g.kind != Kind::Receiver && !g.contour && g.z_low > behind);

@@ -4,6 +4,8 @@
 //! Source: Sintorn et al. 2014 for the light-aligned voxel DAG; the specification's §3 for what a column allows. The
 //! result does not depend on the number of threads, the order of blocks or of triangles, or the memory limit.
 
+#[cfg(test)]
+mod agreement;
 mod block;
 pub(crate) mod capture;
 pub(crate) mod casters;

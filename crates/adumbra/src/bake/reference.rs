@@ -162,10 +162,23 @@ prop_compose! {
     fn any_scene()(
         boxes in prop::collection::vec(any_box(), 0..5),
         loose in prop::collection::vec(prop::array::uniform3(prop::array::uniform3(-9.0_f32..9.0)), 1..6),
+        woven in prop::collection::vec(prop::array::uniform3((0..4_u8, 0..4_u8, 0..4_u8)), 0..24),
+        needles in prop::collection::vec((prop::array::uniform3(-9.0_f32..9.0), prop::array::uniform3(-9.0_f32..9.0)), 0..4),
         ground in any::<bool>(),
         mirrored in any::<bool>(),
     ) -> Scene {
         let mut mesh = Mesh::default();
+        // Triangles of few vertices share edges in every way: open, closed, folded, more than two at an edge.
+        for corners in woven.iter().filter(|c| c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners.map(|(x, y, z)| [x, y, z].map(|c| f32::from(c) * 3.0 - 4.5)));
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        for (from, to) in needles {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend([from, to, to.map(|c| c + 1e-3)]);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
         for (low, high) in boxes {
             add_box(&mut mesh, low, high);
         }

@@ -4,20 +4,17 @@ use super::store::{NodeState, NodeStore, Place, Shard, children_at, encode, slab
 use super::{Dag, LIT, SHADOWED};
 
 const UNVISITED: u32 = u32::MAX;
+/// Of a header in the store: the node has been copied, and the other bits are its number. Headers use 16 bits, numbers 31.
+const COPIED: u32 = 1 << 31;
 
 impl NodeStore {
     /// The finished graph under `top`, one root a cube of 2^`root_level` voxels, x fastest, then y, then z.
     ///
-    /// Nodes that no root reaches are left behind. Cost: one visit a node; memory: a word a word.
+    /// Nodes that no root reaches are left behind. Cost: one visit a node; memory: the graph twice, without tables.
     pub fn finish(self, size: [u32; 3], root_level: u32, top_dims: [u32; 3], top: &[NodeState]) -> Dag {
         let shards = self.into_shards();
-        let unvisited = |length: fn(&Shard) -> usize| -> Vec<Vec<u32>> {
-            shards.iter().map(|s| vec![UNVISITED; length(s)]).collect()
-        };
         let mut numbering = Numbering {
-            slab_numbers: unvisited(|s| s.slabs.len()),
-            cube_numbers: unvisited(|s| s.cubes.len()),
-            inner_numbers: unvisited(|s| s.inner.len()),
+            slab_numbers: shards.iter().map(|s| vec![UNVISITED; s.slabs.len()]).collect(),
             nodes: Vec::with_capacity(shards.iter().map(|s| s.cubes.len() + s.inner.len()).sum()),
             slabs: Vec::with_capacity(shards.iter().map(|s| s.slabs.len()).sum()),
             shards,
@@ -37,8 +34,6 @@ impl NodeStore {
 struct Numbering {
     shards: Vec<Shard>,
     slab_numbers: Vec<Vec<u32>>,
-    cube_numbers: Vec<Vec<u32>>,
-    inner_numbers: Vec<Vec<u32>>,
     nodes: Vec<u32>,
     slabs: Vec<u64>,
 }
@@ -47,14 +42,14 @@ impl Numbering {
     /// The number of a node, numbering it and all below it at the first visit. As deep as the tree has levels.
     fn node(&mut self, reference: u32) -> u32 {
         let Place { is_cube, shard, offset } = Place::of(reference);
-        let numbers = if is_cube { &mut self.cube_numbers[shard] } else { &mut self.inner_numbers[shard] };
-        if numbers[offset] != UNVISITED {
-            return numbers[offset];
+        let from = &mut self.shards[shard];
+        let stored = if is_cube { &mut from.cubes } else { &mut from.inner };
+        if stored[offset] & COPIED != 0 {
+            return stored[offset] & !COPIED;
         }
         let number = self.nodes.len() as u32;
-        numbers[offset] = number;
-        let words = if is_cube { &self.shards[shard].cubes } else { &self.shards[shard].inner };
-        let mut children = children_at(words, offset);
+        let mut children = children_at(stored, offset);
+        stored[offset] = COPIED | number;
         let mut words = [0; 9];
         let length = encode(&children, &mut words);
         self.nodes.extend_from_slice(&words[..length]);

@@ -1,5 +1,6 @@
 //! Hierarchies against what their columns allow.
 
+use crate::shared_folder;
 use proptest::prelude::*;
 
 use super::{Hierarchy, NEVER};
@@ -11,9 +12,6 @@ use crate::light::{LightGrid, Sun};
 use crate::query::{FixedReceiver, Query, Receiver};
 use crate::scene;
 use crate::settings::Bias;
-
-#[path = "../../tests/shared_folder/mod.rs"]
-mod shared_folder;
 
 /// A thing over the ground: x, y, width, height, depth, thickness, slope, whether its columns end.
 type Part = (u32, u32, u32, u32, u32, u32, u32, bool);
