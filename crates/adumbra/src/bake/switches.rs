@@ -1,112 +1,86 @@
-//! Where the columns of a small block switch from lit to shadowed: as few depths as their intervals allow, each on as round
-//! a number as it may.
-//!
-//! Few depths make long curtains of one mask; round depths let neighbours, and levels above, agree. The fewest points that
-//! hit every interval are those of the classic greedy choice: the smallest x left, and again.
+//! Where columns switch from lit to shadowed within what they may: so that one mask stays long and depths are round, for then
+//! curtains are long and neighbours, and levels above, agree.
 
 use super::columns::FREE_TO_END;
 use super::sink::BlockColumns;
+use crate::dag::SLAB_NODE_LEVEL;
 
 /// Depths beyond the last surface of a column whose end is free are rounded up to multiples of 2^this: the shadow still
 /// begins close behind the surface, for what moves there.
 pub(super) const FREE_ROUND_LEVEL: u32 = 6;
 
-/// The slabs of an 8 × 8 block, cube by cube of eight layers: `visit(end, masks)` for all cubes from where the last call
-/// ended up to `end`, which all have these eight slabs, bit y·8 + x, 1 = lit. The last call goes on for ever.
+/// The slabs of an 8 × 8 block in a grid `depth` voxels deep, cube by cube of eight layers: `visit(end, masks)` for all cubes
+/// from where the last call ended up to `end`, which all have these eight slabs, bit y·8 + x, 1 = lit. The last call's end is
+/// [`FREE_TO_END`].
+///
+/// Everything is lit until a column must be shadowed. From there on a mask is kept while first surfaces are crossed, as long
+/// as it may be; where none is crossed it is what must be lit, the outline of what is still to come.
 pub(super) fn for_each_cube(columns: &BlockColumns, depth: u32, mut visit: impl FnMut(u32, [u64; 8])) {
     let latest = columns.e.iter().fold(0, |m, &e| m.max(e));
     let forced = columns.x.iter().fold(FREE_TO_END, |m, &x| m.min(x));
     if latest <= forced {
-        // One switch serves all.
-        let switch = roundest(latest, forced).min(depth.next_multiple_of(8));
-        visit_switch(switch, depth, &mut visit);
-        return;
+        return switch_all(roundest(latest, forced), depth, visit);
     }
-    let mut events = Events::default();
-    for i in 0..columns.e.len() {
-        events.add(columns.e[i], forced);
-        events.add(columns.x[i], forced);
-    }
-    let first = forced >> 3;
-    if first > 0 {
-        visit(first, [u64::MAX; 8]);
+    let mut next_cube = forced >> SLAB_NODE_LEVEL;
+    if next_cube > 0 {
+        visit(next_cube, [u64::MAX; 8]);
     }
     let mut mask = u64::MAX;
-    let mut cube = first;
-    loop {
-        let z = cube << 3;
-        if z >= depth {
+    for cube in cubes_of_ends(columns, forced) {
+        if cube > next_cube {
+            mask = columns.must_be_lit(next_cube << SLAB_NODE_LEVEL);
+            visit(cube, [mask; 8]);
+            next_cube = cube;
+        }
+        let z = cube << SLAB_NODE_LEVEL;
+        let must_be_lit = columns.must_be_lit(z);
+        if must_be_lit == 0 || z >= depth {
             break;
         }
-        let start = columns.must_be_lit(z);
-        if start == 0 {
-            mask = 0;
-            break;
+        if mask != u64::MAX && must_be_lit == columns.must_be_lit(z + 7) {
+            mask = must_be_lit;
         }
-        let mut masks = [0; 8];
-        if start == columns.must_be_lit(z + 7) && mask != u64::MAX {
-            mask = start;
-            masks = [mask; 8];
-        } else {
-            for (k, slab) in (z..).zip(&mut masks) {
-                if mask & columns.must_be_shadowed(k) != 0 {
-                    mask = columns.must_be_lit(k);
-                }
-                *slab = mask;
+        let slabs = std::array::from_fn(|layer| {
+            let k = z + layer as u32;
+            if mask & columns.must_be_shadowed(k) != 0 {
+                mask = columns.must_be_lit(k);
             }
-        }
-        let next = events.after(cube);
-        if next == cube + 1 || masks != [mask; 8] {
-            visit(cube + 1, masks);
-            cube += 1;
-        } else {
-            visit(cube + 1, masks);
-            cube += 1;
-            let still = columns.must_be_lit(cube << 3);
-            if next > cube && next != u32::MAX {
-                mask = still;
-                visit(next, [still; 8]);
-                cube = next;
-            } else if next == u32::MAX {
-                mask = still;
-                break;
-            }
-        }
+            mask
+        });
+        next_cube = cube + 1;
+        visit(next_cube, slabs);
     }
-    visit(FREE_TO_END, [mask; 8]);
+    // Behind the grid's end nobody asks, so what is lit there stays so.
+    let last = (next_cube << SLAB_NODE_LEVEL).min(depth - 1);
+    visit(FREE_TO_END, [columns.must_be_lit(last); 8]);
 }
 
-fn visit_switch(switch: u32, depth: u32, visit: &mut impl FnMut(u32, [u64; 8])) {
+/// All columns switch at `switch`.
+fn switch_all(switch: u32, depth: u32, mut visit: impl FnMut(u32, [u64; 8])) {
     if switch >= depth {
-        visit(FREE_TO_END, [u64::MAX; 8]);
-        return;
+        return visit(FREE_TO_END, [u64::MAX; 8]);
     }
-    let cube = switch >> 3;
+    let (cube, layer) = (switch >> SLAB_NODE_LEVEL, switch & 7);
     if cube > 0 {
         visit(cube, [u64::MAX; 8]);
     }
-    if switch & 7 != 0 {
-        visit(cube + 1, std::array::from_fn(|k| if (k as u32) < switch & 7 { u64::MAX } else { 0 }));
+    if layer > 0 {
+        visit(cube + 1, std::array::from_fn(|k| if (k as u32) < layer { u64::MAX } else { 0 }));
     }
     visit(FREE_TO_END, [0; 8]);
 }
 
-/// Cubes in which something may change.
-#[derive(Default)]
-struct Events {
-    cubes: Vec<u32>,
-}
-
-impl Events {
-    fn add(&mut self, depth: u32, forced: u32) {
-        if depth >= forced && depth != FREE_TO_END && !self.cubes.contains(&(depth >> 3)) {
-            self.cubes.push(depth >> 3);
+/// The cubes in which a column's e or x lies, `forced` or deeper, nearest first.
+fn cubes_of_ends(columns: &BlockColumns, forced: u32) -> Vec<u32> {
+    let mut cubes: Vec<u32> = Vec::with_capacity(16);
+    for &end in columns.e.iter().chain(&columns.x) {
+        let cube = end >> SLAB_NODE_LEVEL;
+        if end >= forced && end != FREE_TO_END && !cubes.contains(&cube) {
+            cubes.push(cube);
         }
     }
-
-    fn after(&self, cube: u32) -> u32 {
-        self.cubes.iter().copied().filter(|&c| c > cube).min().unwrap_or(u32::MAX)
-    }
+    cubes.sort_unstable();
+    cubes
 }
 
 /// The number of `[start, end]` that is a multiple of the highest power of two; where the end is free, a multiple of
@@ -125,6 +99,8 @@ pub(super) fn roundest(start: u32, end: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -138,5 +114,31 @@ mod tests {
         }
         assert_eq!(roundest(65, FREE_TO_END), 128);
         assert_eq!(roundest(64, FREE_TO_END), 64);
+    }
+
+    proptest! {
+        #[test]
+        fn cubes_hold_to_every_column(ends in prop::collection::vec((0_u32..300, 0_u32..90), 64), depth in 1_u32..320) {
+            let mut columns = BlockColumns::free();
+            for (i, (e, length)) in ends.into_iter().enumerate() {
+                columns.e[i] = e.min(depth);
+                columns.x[i] = if length > 80 { FREE_TO_END } else { columns.e[i] + length };
+            }
+            let (mut from, mut before) = (0, u64::MAX);
+            for_each_cube(&columns, depth, |end, slabs| {
+                assert!(end > from);
+                // Long runs repeat, so two cubes of each tell.
+                for cube in from..end.min(from + 2).max(end.min(40)) {
+                    for (k, mask) in (cube * 8..).zip(slabs).filter(|(k, _)| *k < depth) {
+                        assert_eq!(columns.must_be_lit(k) & !mask, 0, "layer {k}");
+                        assert_eq!(columns.must_be_shadowed(k) & mask, 0, "layer {k}");
+                        assert_eq!(mask & !before, 0, "layer {k} is lit behind shadow");
+                        before = mask;
+                    }
+                }
+                from = end;
+            });
+            prop_assert_eq!(from, FREE_TO_END);
+        }
     }
 }
