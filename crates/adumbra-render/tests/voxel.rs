@@ -4,11 +4,18 @@
 mod kit;
 mod voxel_points;
 
-use adumbra::query::{FILTER_WIDTHS, KERNEL_SIDES, Weights};
+use std::collections::HashSet;
+
+use adumbra::dag::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
+use adumbra::format::{Layout, LightBody};
+use adumbra::light::{LightGrid, Sun};
+use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, KERNEL_SIDES, Query, Weights};
 use adumbra::scene::{GeneratedKind, generate};
+use adumbra::settings::Bias;
 use adumbra::tree::Detail;
 use adumbra_render::voxel::{CubesStore, MAX_WORD_BINDINGS, PageTexture, Voxel};
 use adumbra_render::{Baked, Gpu, GpuOptions, RenderError, build};
+use adumbra_shaders::source;
 use voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 
 fn generated() -> Vec<BakedScene> {
@@ -52,6 +59,118 @@ fn voxel_in_six_bindings_counts_the_same() {
     let Err(error) = Voxel::new(&small, grid, &dag, baked.light.settings.bias, 9) else { panic!("it fits") };
     assert!(matches!(error, RenderError::TooLarge { .. }), "{error}");
     assert_eq!(MAX_WORD_BINDINGS, 6);
+}
+
+/// Pools with units that narrow slots do not reach.
+fn wide_pools(packed: &PackedDag) -> usize {
+    packed.top[..POOL_WORDS].windows(2).filter(|pool| pool[1] - pool[0] > (1 << 16) - NEAR_UNITS).count()
+}
+
+#[test]
+fn packed_voxel_counts_the_taps_that_the_cpu_counts() {
+    let gpu = kit::gpu();
+    for baked in generated() {
+        let packed = baked.in_layout(Layout::Packed);
+        for filter in FILTER_WIDTHS {
+            exact_light(&gpu, &packed, filter, COUNT);
+        }
+        float_light(&gpu, &packed, 9, COUNT);
+    }
+    let scene = generate(GeneratedKind::Landscape, 3);
+    let large = BakedScene::new(scene, [0.5, 0.8, 0.35], 4096, 32).in_layout(Layout::Packed);
+    let LightBody::Packed(packed) = &large.light.body else { panic!("not packed") };
+    eprintln!("{:?}", packed.top[..POOL_WORDS].windows(2).map(|p| p[1] - p[0]).collect::<Vec<_>>());
+    assert!(wide_pools(packed) > 0);
+    for filter in FILTER_WIDTHS {
+        exact_light(&gpu, &large, filter, COUNT);
+    }
+}
+
+#[test]
+fn packed_voxel_in_six_bindings_counts_the_same() {
+    let packed = generated()[1].in_layout(Layout::Packed);
+    let LightBody::Packed(graph) = &packed.light.body else { panic!("not packed") };
+    let words = graph.top.len() + graph.units.len() / 2 + 2 * graph.slabs.len();
+    let bytes = 4 * (words as u64 / 4).next_power_of_two();
+    let options = GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() };
+    let gpu = Gpu::request(&options).unwrap();
+    let voxel = Voxel::packed(&gpu, &packed.light.grid, graph, packed.light.settings.bias, 9).unwrap();
+    assert_eq!(
+        (voxel.bindings().bytes(), voxel.bindings().access().name),
+        (4 * words as u64, source::WORDS_6.name)
+    );
+    exact_light(&gpu, &packed, 9, 20_000);
+}
+
+/// Sixteen voxels a side, one mask a cube of eight: a pool so large, with pointers of every kind into and beside it.
+fn eight_cubes(pool_units: u32, high_bits: u32) -> PackedDag {
+    let mut units = vec![0; pool_units as usize];
+    let cube = |units: &mut [u16], p: u32| {
+        units[0] = 0x0201;
+        units[1..5].fill((0x9e37_79b9_u32.wrapping_mul(p + 1) >> 11) as u16);
+    };
+    // Pointer 1 follows the slots, 3 is near; four are wide, the other two narrow.
+    let wide = [0, 2, 5, 7];
+    let mut string = vec![0_u16; (high_bits.max(8) + 4 * high_bits).div_ceil(16) as usize];
+    let mut place = high_bits.max(8);
+    let mut slots = Vec::new();
+    let mut inside = [0; 10];
+    for p in 0..8 {
+        match p {
+            1 => cube(&mut inside, p),
+            3 => {
+                cube(&mut inside[5..], p);
+                slots.push(5);
+            }
+            _ => {
+                let is_wide = wide.contains(&p);
+                let target = if is_wide { pool_units - 5 * (p + 1) } else { 7 * p };
+                cube(&mut units[target as usize..], p);
+                if is_wide {
+                    string[0] |= 1 << p;
+                    string[(place >> 4) as usize] |= (target >> 16 << (place & 15)) as u16;
+                    place += high_bits;
+                }
+                slots.push(if is_wide { target } else { target + NEAR_UNITS } as u16);
+            }
+        }
+    }
+    units.push(0x96db);
+    units.extend(string.into_iter().chain(slots).chain(inside));
+    units.resize(units.len().next_multiple_of(2), 0);
+    let mut top = vec![units.len() as u32; POOL_WORDS];
+    top[..2].copy_from_slice(&[0, pool_units]);
+    top.extend([0, 0, 1, 0]);
+    PackedDag { size: [16; 3], root_level: 4, top_dims: [1; 3], top, units, slabs: Vec::new() }
+}
+
+#[test]
+fn packed_voxel_follows_wide_slots_of_every_width() {
+    let gpu = kit::gpu();
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let grid = LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size: [16; 3] };
+    let centre = |c: i64| c * i64::from(FIXED_ONE) + i64::from(FIXED_ONE / 2);
+    let gradients = [[0, 0], [256, -100]];
+    let receivers: Vec<_> = (0..4096)
+        .flat_map(|i| {
+            let p_fixed = [i & 15, i >> 4 & 15, i >> 8].map(centre);
+            gradients.map(|gradient| FixedReceiver { p_fixed, gradient })
+        })
+        .collect();
+    for (pool_units, high_bits) in [(1 << 20, 4), ((1 << 20) + 2, 8), (1 << 24, 8), ((1 << 24) + 2, 16)] {
+        let packed = eight_cubes(pool_units, high_bits);
+        for filter in [1, 9] {
+            let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap();
+            let expected: Vec<_> = receivers.iter().map(|r| query.lit_taps(r)).collect();
+            let voxel = Voxel::packed(&gpu, &grid, &packed, Bias::default(), filter).unwrap();
+            assert!(voxel.lit_taps(&gpu, &receivers).unwrap() == expected, "{pool_units} {filter}");
+            assert!(expected.contains(&0) || filter > 1);
+        }
+        let masks: HashSet<u64> =
+            (0..8).map(|c| packed.slab(c >> 2 << 3, c >> 1 << 3 & 8, c << 3 & 8)).collect();
+        assert_eq!(masks.len(), 8, "{pool_units}");
+    }
 }
 
 #[test]
@@ -149,6 +268,7 @@ fn constants_of_shaders_are_those_of_the_library() {
         (shaders::NORMAL_ONE, shaders::MAX_HEIGHT_CELLS),
         (query::NORMAL_ONE, query::MAX_HEIGHT_CELLS)
     );
+    assert_eq!((shaders::PACKED_POOL_WORDS as usize, shaders::PACKED_NEAR_UNITS), (POOL_WORDS, NEAR_UNITS));
     assert_eq!((shaders::TOP_LIT, shaders::TOP_SHADOWED), (dag::LIT, dag::SHADOWED));
     assert_eq!(
         (shaders::HIERARCHY_UNIFORM, shaders::HIERARCHY_NEVER),
