@@ -6,13 +6,16 @@ mod voxel_points;
 
 use std::collections::HashSet;
 
+use adumbra::dag::Dag;
 use adumbra::dag::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
+use adumbra::dag::store::{NodeState, NodeStore};
 use adumbra::format::{Layout, LightBody};
 use adumbra::light::{LightGrid, Sun};
 use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, KERNEL_SIDES, Query, Weights};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::tree::Detail;
+use adumbra::verify::Random;
 use adumbra_render::voxel::{CubesStore, MAX_WORD_BINDINGS, PageTexture, Voxel};
 use adumbra_render::{Baked, Gpu, GpuOptions, RenderError, build};
 use adumbra_shaders::source;
@@ -61,11 +64,6 @@ fn voxel_in_six_bindings_counts_the_same() {
     assert_eq!(MAX_WORD_BINDINGS, 6);
 }
 
-/// Pools with units that narrow slots do not reach.
-fn wide_pools(packed: &PackedDag) -> usize {
-    packed.top[..POOL_WORDS].windows(2).filter(|pool| pool[1] - pool[0] > (1 << 16) - NEAR_UNITS).count()
-}
-
 #[test]
 fn packed_voxel_counts_the_taps_that_the_cpu_counts() {
     let gpu = kit::gpu();
@@ -76,14 +74,69 @@ fn packed_voxel_counts_the_taps_that_the_cpu_counts() {
         }
         float_light(&gpu, &packed, 9, COUNT);
     }
-    let scene = generate(GeneratedKind::Landscape, 3);
-    let large = BakedScene::new(scene, [0.5, 0.8, 0.35], 4096, 32).in_layout(Layout::Packed);
-    let LightBody::Packed(packed) = &large.light.body else { panic!("not packed") };
-    eprintln!("{:?}", packed.top[..POOL_WORDS].windows(2).map(|p| p[1] - p[0]).collect::<Vec<_>>());
-    assert!(wide_pools(packed) > 0);
-    for filter in FILTER_WIDTHS {
-        exact_light(&gpu, &large, filter, COUNT);
+}
+
+/// Cubes of eight voxels, 20,000 different ones about three times each, so that their pool has wide slots.
+fn many_cubes() -> Dag {
+    let store = NodeStore::default();
+    let hash =
+        |v: u64| v.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mut nodes: Vec<NodeState> = (0..1_u64 << 16)
+        .map(|place| {
+            let cube = hash(place + 1) % 20_000;
+            let (once, twice) = (hash(cube ^ 1 << 40), hash(cube ^ 1 << 50));
+            let slabs = [u64::MAX, once | twice, once, once & twice, 0, 0, 0, 0];
+            store.cube(&slabs.map(|mask| store.slab(mask)))
+        })
+        .collect();
+    // Four beside each other a node; all beyond them is shadowed.
+    for _ in 4..=8 {
+        let row = nodes.len().isqrt();
+        nodes = (0..nodes.len() / 4)
+            .map(|i| {
+                let (x, y) = (2 * (i % (row / 2)), 2 * (i / (row / 2)));
+                store.inner(&std::array::from_fn(|c| match c & 1 {
+                    0 => nodes[(y + (c >> 1 & 1)) * row + x + (c >> 2)],
+                    _ => NodeState::Shadowed,
+                }))
+            })
+            .collect();
     }
+    store.finish([2048, 2048, 8], 8, [8, 8, 1], &nodes)
+}
+
+#[test]
+fn packed_voxel_with_wide_slots_counts_the_taps_that_the_cpu_counts() {
+    let dag = many_cubes();
+    let packed = PackedDag::of_dag(&dag).unwrap();
+    assert!(packed.top[1] > (1 << 16) - NEAR_UNITS, "{}", packed.top[1]);
+    let gpu = kit::gpu();
+    let grid = LightGrid { size: dag.size, ..unit_grid() };
+    let mut random = Random::new(5, 0);
+    let receivers: Vec<_> = (0..COUNT)
+        .map(|_| FixedReceiver {
+            p_fixed: dag.size.map(|n| (random.unit() * f64::from(n) * f64::from(FIXED_ONE)) as i64),
+            gradient: [0; 2].map(|_| (random.unit() * 600.0) as i32 - 300),
+        })
+        .collect();
+    for filter in FILTER_WIDTHS {
+        let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap();
+        let plain = Query::new(&grid, &dag, Bias::default(), filter).unwrap();
+        let voxel = Voxel::packed(&gpu, &grid, &packed, Bias::default(), filter).unwrap();
+        let mut partly = 0;
+        for (r, found) in receivers.iter().zip(voxel.lit_taps(&gpu, &receivers).unwrap()) {
+            assert_eq!([found, found], [query.lit_taps(r), plain.lit_taps(r)], "filter {filter}: {r:?}");
+            partly += usize::from(found > 0 && found < filter * filter);
+        }
+        assert!(filter == 1 || partly * 4 > COUNT, "{partly} partly lit");
+    }
+}
+
+/// Voxels of one unit under a grid's own axes; sixteen a side.
+fn unit_grid() -> LightGrid {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size: [16; 3] }
 }
 
 #[test]
@@ -147,9 +200,7 @@ fn eight_cubes(pool_units: u32, high_bits: u32) -> PackedDag {
 #[test]
 fn packed_voxel_follows_wide_slots_of_every_width() {
     let gpu = kit::gpu();
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let grid = LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size: [16; 3] };
+    let grid = unit_grid();
     let centre = |c: i64| c * i64::from(FIXED_ONE) + i64::from(FIXED_ONE / 2);
     let gradients = [[0, 0], [256, -100]];
     let receivers: Vec<_> = (0..4096)
@@ -282,6 +333,7 @@ fn voxel_techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
     let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![8.0, 20.0] };
     let scene = generate(GeneratedKind::Landscape, 3);
     let baked = BakedScene::with_detail(scene, [0.5, 0.8, 0.35], 64, 128, rings);
+    let packed = baked.in_layout(Layout::Packed);
     let files = Baked { light: Some(&baked.light), tree: Some(&baked.tree) };
     let levels = baked.tree.space.depth - baked.tree.regions.base_depth;
     assert_eq!(levels, 2);
@@ -297,6 +349,9 @@ fn voxel_techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
     ] {
         let technique = build(&gpu, &name.parse().unwrap(), files).unwrap();
         assert_eq!((technique.name().as_str(), technique.texel_world(10.0)), (name, Some(edge)));
+        let from_packed = build(&gpu, &name.parse().unwrap(), Baked { light: Some(&packed.light), ..files });
+        let less = technique.bytes() - from_packed.unwrap().bytes();
+        assert_eq!(less > 0, !name.starts_with("voxel-"), "{name}");
     }
     let refused = build(&gpu, &"voxel+csm:csm=static=cached".parse().unwrap(), files).err().unwrap();
     assert!(refused.to_string().contains("static=cached"), "{refused}");
