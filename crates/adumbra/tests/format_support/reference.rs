@@ -229,7 +229,7 @@ fn hierarchy_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
         for (gradient, c) in [(byte(2 * next), x % 8), (byte(2 * next + 1), y % 8)] {
             rise += if gradient < 128 { gradient * (7 - c) } else { (256 - gradient) * c };
         }
-        rise = (rise + 3) / 4;
+        rise = rise.div_ceil(4);
         next += 1;
     }
     let mut depths = vec![base];
