@@ -3,7 +3,8 @@
 // goes before it. The layout is that of core/voxel_plain.wgsl or core/voxel_packed.wgsl, which define
 //   fn voxel_root(v: VoxelParams, voxel: vec3u) -> VoxelNode: the root over a voxel;
 //   fn voxel_descend(v: VoxelParams, node: VoxelNode, voxel: vec3u) -> VoxelNode: from a mixed node above level 3 to its child;
-//   fn voxel_slab_bits(v: VoxelParams, node: VoxelNode, z: u32, mask: vec2u) -> vec2u: a mask's lit bits in slab z of a mixed node of level 3.
+//   fn voxel_slab_bits(v: VoxelParams, node: VoxelNode, z: u32, mask: vec2u) -> vec2u: a mask's lit bits in slab z of a mixed node of
+//   level 3.
 
 const VOXEL_MIXED: u32 = 2u;
 const VOXEL_UNKNOWN: u32 = 3u;
