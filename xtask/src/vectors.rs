@@ -2,7 +2,7 @@
 //!
 //! Valid files are made from functions voxel -> lit, and their answers come from those functions, not from the graph;
 //! so a reader that agrees with them has decoded the graph rightly. Each is there in the plain layout and, if its columns are
-//! monotone, in the packed one. Each broken file is a valid one with one fault. `valid_v1` holds what version 1 wrote, and stays as it is.
+//! monotone, in the packed one and as a hierarchy. Each broken file is a valid one with one fault. `valid_v1` holds what version 1 wrote, and stays as it is.
 
 use std::collections::HashMap;
 use std::error::Error;
@@ -86,11 +86,12 @@ impl Vector {
     }
 }
 
-/// In either layout.
+/// In every layout.
 fn all_valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
     let mut all = valid_vectors()?;
-    let packed: Vec<Vector> = all.iter().filter_map(Vector::packed).collect();
-    all.extend(packed);
+    let monotone = |v: &Vector| Some([v.packed()?, v.in_layout("hierarchy", Layout::Hierarchy)?]);
+    let others: Vec<Vector> = all.iter().filter_map(monotone).flatten().collect();
+    all.extend(others);
     Ok(all)
 }
 
@@ -166,6 +167,13 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
             |x, y, z| z < x / 3 + (y * y + x * 7) % 19,
         ),
         Vector::new(
+            "cliff",
+            "depths that differ by more than 16 bits hold",
+            slanted([16, 1, 66_000], 1.0)?,
+            5,
+            |x, _, z| z < if x < 8 { 5 + 65_900 * (x / 4) } else { 34_000 + 300 * (x % 3) },
+        ),
+        Vector::new(
             "noise",
             "nothing repeats: the graph at its largest",
             slanted([24, 24, 24], 2.0)?,
@@ -228,9 +236,13 @@ impl Vector {
 
     /// The same in the packed layout, if it is monotone.
     fn packed(&self) -> Option<Self> {
+        self.in_layout("packed", Layout::Packed)
+    }
+
+    fn in_layout(&self, suffix: &str, layout: Layout) -> Option<Self> {
         let dag = self.file.graph().ok()?.into_owned();
-        let file = ShadowFile::of_dag(self.file.grid, self.file.settings, dag, Layout::Packed).ok()?;
-        Some(Self { name: format!("{}_packed", self.name), file, lit: Rc::clone(&self.lit), ..*self })
+        let file = ShadowFile::of_dag(self.file.grid, self.file.settings, dag, layout).ok()?;
+        Some(Self { name: format!("{}_{suffix}", self.name), file, lit: Rc::clone(&self.lit), ..*self })
     }
 }
 
@@ -494,6 +506,21 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
         let bytes = packed.iter().find_map(|valid| flipped(valid, fault));
         let bytes = bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?;
         all.push(Broken { name, error: "Packed", fault: Some(fault), names, bytes });
+    }
+    let hierarchies = [encode("sphere_hierarchy", &vectors)?, encode("cliff_hierarchy", &vectors)?];
+    let other_level = encode("example_8_hierarchy", &vectors)?.put_word(36, 6).sealed();
+    let mut hierarchy = |name, fault, names, bytes| {
+        all.push(Broken { name, error: "Hierarchy", fault: Some(fault), names, bytes });
+    };
+    hierarchy("hierarchy_root_level", "RootLevel", "root level 6", other_level);
+    for (name, fault, names) in [
+        ("hierarchy_order", "Order", "which is not before it"),
+        ("hierarchy_end", "End", "behind the code"),
+        ("hierarchy_wide", "Wide", "names wide entry"),
+        ("hierarchy_bits", "Bits", "bits that mean nothing"),
+    ] {
+        let bytes = hierarchies.iter().find_map(|valid| flipped(valid, fault));
+        hierarchy(name, fault, names, bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?);
     }
     Ok(all)
 }

@@ -47,19 +47,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let gpu = Gpu::sharing(&device, &queue);
 
     // Once: the file's words and their bind group.
-    let mut voxel = Voxel::new(&gpu, &file.grid, &*file.graph()?, file.settings.bias, 9)?;
+    let mut voxel = Voxel::of_file(&gpu, &file, file.settings.bias, 9)?;
     // Each frame: the point that positions count from, usually the camera.
     let eye = [x, y + 1.7, z];
     voxel.set_anchor(&gpu, eye)?;
 
     // Once: the pipeline.
-    let mut text = assemble(&[
-        source::SURFACE,
-        source::GRID,
-        source::VOXEL,
-        voxel.bindings().access(),
-        source::VOXEL_PASS,
-    ]);
+    let mut files = vec![source::SURFACE];
+    files.extend(voxel.look_up());
+    files.push(source::VOXEL_PASS);
+    let mut text = assemble(&files);
     text += ENGINE_WGSL;
     let own = gpu.layout("engine", ShaderStages::COMPUTE, &[binding::STORAGE, binding::STORAGE_OUT]);
     let pipeline = gpu.compute("engine", text, "main", &[Some(&own), Some(voxel.bindings().layout())]);

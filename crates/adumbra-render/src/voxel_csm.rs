@@ -63,8 +63,7 @@ impl Technique for VoxelCsm {
         if answer != Answer::Visibility {
             return self.map.sources(answer);
         }
-        let voxel = [source::GRID, source::VOXEL, self.voxel.bindings().access()];
-        let both = voxel.into_iter().chain(self.map.visibility_sources());
+        let both = self.voxel.look_up().into_iter().chain(self.map.visibility_sources());
         Some(both.chain([source::VOXEL_CSM]).collect())
     }
 

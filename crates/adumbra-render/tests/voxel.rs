@@ -4,6 +4,8 @@
 mod kit;
 mod voxel_points;
 
+use adumbra::dag::packed::{NEAR_UNITS, POOL_WORDS};
+use adumbra::format::Layout;
 use adumbra::query::{FILTER_WIDTHS, KERNEL_SIDES, Weights};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::tree::Detail;
@@ -149,6 +151,7 @@ fn constants_of_shaders_are_those_of_the_library() {
         (shaders::NORMAL_ONE, shaders::MAX_HEIGHT_CELLS),
         (query::NORMAL_ONE, query::MAX_HEIGHT_CELLS)
     );
+    assert_eq!((shaders::PACKED_POOL_WORDS as usize, shaders::PACKED_NEAR_UNITS), (POOL_WORDS, NEAR_UNITS));
     assert_eq!((shaders::TOP_LIT, shaders::TOP_SHADOWED), (dag::LIT, dag::SHADOWED));
     assert_eq!(
         (shaders::HIERARCHY_UNIFORM, shaders::HIERARCHY_NEVER),
@@ -162,6 +165,7 @@ fn voxel_techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
     let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![8.0, 20.0] };
     let scene = generate(GeneratedKind::Landscape, 3);
     let baked = BakedScene::with_detail(scene, [0.5, 0.8, 0.35], 64, 128, rings);
+    let packed = baked.in_layout(Layout::Packed);
     let files = Baked { light: Some(&baked.light), tree: Some(&baked.tree) };
     let levels = baked.tree.space.depth - baked.tree.regions.base_depth;
     assert_eq!(levels, 2);
@@ -177,6 +181,9 @@ fn voxel_techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
     ] {
         let technique = build(&gpu, &name.parse().unwrap(), files).unwrap();
         assert_eq!((technique.name().as_str(), technique.texel_world(10.0)), (name, Some(edge)));
+        let from_packed = build(&gpu, &name.parse().unwrap(), Baked { light: Some(&packed.light), ..files });
+        let less = technique.bytes() - from_packed.unwrap().bytes();
+        assert_eq!(less > 0, !name.starts_with("voxel-"), "{name}");
     }
     let refused = build(&gpu, &"voxel+csm:csm=static=cached".parse().unwrap(), files).err().unwrap();
     assert!(refused.to_string().contains("static=cached"), "{refused}");

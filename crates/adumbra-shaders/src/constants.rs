@@ -52,6 +52,10 @@ shared! {
     TOP_LIT: u32 = u32::MAX;
     /// Top-grid entry: the whole root cube is shadowed (`adumbra::dag::SHADOWED`).
     TOP_SHADOWED: u32 = u32::MAX - 1;
+    /// Words before the columns in a packed graph's top (`adumbra::dag::packed::POOL_WORDS`).
+    PACKED_POOL_WORDS: u32 = 19;
+    /// Slots of a packed graph below this count from the end of their node's slots (`adumbra::dag::packed::NEAR_UNITS`).
+    PACKED_NEAR_UNITS: u32 = 1024;
     /// In place of a shape's address: all of it switches at the base (`adumbra::hierarchy::UNIFORM`).
     HIERARCHY_UNIFORM: u32 = u32::MAX;
     /// Depth of a column that is lit to its end (`adumbra::hierarchy::NEVER`).

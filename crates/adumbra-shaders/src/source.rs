@@ -29,8 +29,14 @@ sources! {
     INSTANCE = "core/instance.wgsl";
     /// From relative positions to a grid of voxels.
     GRID = "core/grid.wgsl";
-    /// Look-up in a light-aligned graph.
+    /// What look-ups in light-aligned files share.
     VOXEL = "core/voxel.wgsl";
+    /// Look-up in a light-aligned graph.
+    VOXEL_GRAPH = "core/voxel_graph.wgsl";
+    /// Its nodes in the plain layout.
+    VOXEL_PLAIN = "core/voxel_plain.wgsl";
+    /// Its nodes in the packed layout.
+    VOXEL_PACKED = "core/voxel_packed.wgsl";
     /// Look-up in a hierarchy.
     HIERARCHY = "core/hierarchy.wgsl";
     /// Penumbrae from a hierarchy's depths.

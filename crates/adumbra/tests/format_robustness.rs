@@ -228,6 +228,8 @@ fn mutations_are_refused_or_answer_everywhere() {
         "Slabs",
         "Pointer",
         "Unreached",
+        "Bits",
+        "End",
     ] {
         assert!(kinds.contains(&kind), "no {kind} in {kinds:?}");
     }

@@ -1,7 +1,8 @@
 //! The technique `voxel`: a light-aligned file, filtered over K × K texels.
 
 use adumbra::dag::Dag;
-use adumbra::format::ShadowFile;
+use adumbra::dag::packed::PackedDag;
+use adumbra::format::{LightBody, ShadowFile};
 use adumbra::light::LightGrid;
 use adumbra::query::{FILTER_WIDTHS, FixedReceiver};
 use adumbra::settings::Bias;
@@ -18,34 +19,93 @@ pub struct Voxel {
     grid: LightGrid,
     params: VoxelParams,
     bindings: VoxelBindings,
+    /// core/voxel_plain.wgsl or core/voxel_packed.wgsl.
+    nodes: Source,
     name: String,
 }
 
+/// What a layout has in its words.
+struct GraphWords<'d> {
+    /// Top, nodes or units, slabs.
+    parts: [&'d [u32]; 3],
+    size: [u32; 3],
+    top_dims: [u32; 3],
+    root_level: u32,
+    nodes: Source,
+}
+
 impl Voxel {
-    /// Uploads a graph. `filter` is one of [`FILTER_WIDTHS`]. Cost: the bytes of top, nodes and slabs.
+    /// Uploads a valid file's graph as it is, plain or packed; of a hierarchy its graph, made first. `filter` is one of [`FILTER_WIDTHS`].
+    ///
+    /// # Errors
+    /// As [`Voxel::new`].
+    pub fn of_file(gpu: &Gpu, file: &ShadowFile, bias: Bias, filter: u32) -> Result<Self> {
+        match &file.body {
+            LightBody::Plain(dag) => Self::new(gpu, &file.grid, dag, bias, filter),
+            LightBody::Packed(packed) => Self::packed(gpu, &file.grid, packed, bias, filter),
+            LightBody::Hierarchy(hierarchy) => Self::new(gpu, &file.grid, &hierarchy.to_dag(), bias, filter),
+        }
+    }
+
+    /// Uploads a valid graph in the plain layout. `filter` is one of [`FILTER_WIDTHS`]. Cost: the bytes of top, nodes and slabs.
     ///
     /// # Errors
     /// [`crate::RenderError::TooLarge`], [`crate::RenderError::VoxelLimit`]; [`crate::RenderError::Library`] for another width.
     pub fn new(gpu: &Gpu, grid: &LightGrid, dag: &Dag, bias: Bias, filter: u32) -> Result<Self> {
         adumbra::query::Query::new(grid, dag, bias, filter)?;
-        let nodes = dag.top.len() as u32;
+        // A slab is its low word, then its high word.
+        let words = GraphWords {
+            parts: [&dag.top, &dag.nodes, bytemuck::cast_slice(&dag.slabs)],
+            size: dag.size,
+            top_dims: dag.top_dims,
+            root_level: dag.root_level,
+            nodes: source::VOXEL_PLAIN,
+        };
+        Self::of_words(gpu, grid, &words, bias, filter)
+    }
+
+    /// Uploads a valid graph in the packed layout, as it is. Cost: the bytes of top, units and slabs.
+    ///
+    /// # Errors
+    /// As [`Voxel::new`].
+    pub fn packed(gpu: &Gpu, grid: &LightGrid, packed: &PackedDag, bias: Bias, filter: u32) -> Result<Self> {
+        adumbra::query::Query::new(grid, packed, bias, filter)?;
+        let two = |[low, high]: &[u16; 2]| u32::from(*low) | u32::from(*high) << 16;
+        let units: Vec<u32> = packed.units.as_chunks().0.iter().map(two).collect();
+        let words = GraphWords {
+            parts: [&packed.top, &units, bytemuck::cast_slice(&packed.slabs)],
+            size: packed.size,
+            top_dims: packed.top_dims,
+            root_level: packed.root_level,
+            nodes: source::VOXEL_PACKED,
+        };
+        Self::of_words(gpu, grid, &words, bias, filter)
+    }
+
+    fn of_words(
+        gpu: &Gpu,
+        grid: &LightGrid,
+        graph: &GraphWords<'_>,
+        bias: Bias,
+        filter: u32,
+    ) -> Result<Self> {
+        let nodes = graph.parts[0].len() as u32;
+        let [nx, ny, nz] = graph.top_dims;
         let params = VoxelParams {
-            grid: grid_transform(grid.origin, grid.axes, grid.voxel_size, dag.size, grid.origin)?,
-            top_dims: [dag.top_dims[0], dag.top_dims[1], dag.top_dims[2], dag.root_level],
-            places: [nodes, nodes + dag.nodes.len() as u32, filter, 0],
+            grid: grid_transform(grid.origin, grid.axes, grid.voxel_size, graph.size, grid.origin)?,
+            top_dims: [nx, ny, nz, graph.root_level],
+            places: [nodes, nodes + graph.parts[1].len() as u32, filter, 0],
             bias: bias_uniform(bias),
         };
-        // A slab is its low word, then its high word.
-        let slabs: &[u32] = bytemuck::cast_slice(&dag.slabs);
-        let words = WordBuffers::new(gpu, "voxel::words", &[&dag.top, &dag.nodes, slabs])?;
+        let words = WordBuffers::new(gpu, "voxel::words", &graph.parts)?;
         let bindings = VoxelBindings::of_words(gpu, "voxel", &params.bytes(), &words);
-        Ok(Self { grid: *grid, params, bindings, name: format!("voxel:filter={filter}") })
+        Ok(Self { grid: *grid, params, bindings, nodes: graph.nodes, name: format!("voxel:filter={filter}") })
     }
 
     /// The technique `voxel[:filter=K][:bias=…][:slope=…][:normal=…]`; K = 9 and the file's bias by default.
     ///
     /// # Errors
-    /// As [`Voxel::new`]; [`crate::RenderError::Technique`] for other parameters.
+    /// As [`Voxel::of_file`]; [`crate::RenderError::Technique`] for other parameters.
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
         let file =
             file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
@@ -56,13 +116,17 @@ impl Voxel {
         let filter = reader.integer("filter", 9, &FILTER_WIDTHS)?;
         let bias = read_bias(&mut reader, file.settings.bias)?;
         reader.finish()?;
-        let graph = file.graph().map_err(|e| spec.wrong(e.to_string()))?;
-        Ok(Self { name: spec.to_string(), ..Self::new(gpu, &file.grid, &graph, bias, filter)? })
+        Ok(Self { name: spec.to_string(), ..Self::of_file(gpu, file, bias, filter)? })
     }
 
     /// Group 1, for techniques that look up voxels beside other things.
     pub fn bindings(&self) -> &VoxelBindings {
         &self.bindings
+    }
+
+    /// The WGSL files that define `voxel_factor`, for this layout and these bindings; core/surface.wgsl goes before them.
+    pub fn look_up(&self) -> [Source; 5] {
+        [source::GRID, source::VOXEL, source::VOXEL_GRAPH, self.nodes, self.bindings.access()]
     }
 
     /// Writes the uniform for positions relative to `anchor_world`.
@@ -90,14 +154,9 @@ impl Voxel {
                 VoxelQuery { p_fixed: [x, y, z, 0], gradient: [r.gradient[0], r.gradient[1], 0, 0] }
             })
             .collect();
-        let files = [
-            source::SURFACE,
-            source::GRID,
-            source::VOXEL,
-            self.bindings.access(),
-            source::VOXEL_PASS,
-            source::VOXEL_FIXED,
-        ];
+        let mut files = vec![source::SURFACE];
+        files.extend(self.look_up());
+        files.extend([source::VOXEL_PASS, source::VOXEL_FIXED]);
         let answers = fixed::answer::<_, 4>(gpu, &self.bindings, &files, &queries)?;
         Ok(answers.into_iter().map(u32::from_le_bytes).collect())
     }
@@ -113,8 +172,8 @@ impl Technique for Voxel {
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        let files = [source::GRID, source::VOXEL, self.bindings.access(), source::VOXEL_PASS];
-        (answer == Answer::Visibility).then(|| files.to_vec())
+        let files = self.look_up().into_iter().chain([source::VOXEL_PASS]);
+        (answer == Answer::Visibility).then(|| files.collect())
     }
 
     fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {

@@ -1,6 +1,7 @@
 //! Baked voxels on the GPU: the techniques `voxel`, `voxel-cubes` and `voxel-texture`.
 //!
-//! A file's words → [`WordBuffers`] or [`PageTexture`] → [`VoxelBindings`] (group 1) → [`Voxel`], [`VoxelHierarchy`] or [`Cubes`]. What an engine binds:
+//! A file's words → [`WordBuffers`] or [`PageTexture`] → [`VoxelBindings`] (group 1) → [`Voxel`], [`VoxelHierarchy`] or [`Cubes`]. The words of a
+//! light-aligned file are its sections as they are, plain, packed or hierarchy, and its layout says which core/ file reads them. What an engine binds:
 //! binding 0 a uniform, then either one storage buffer, or six for what is larger than one may be, or one texture. The CPU twins are
 //! `adumbra::query::Query` and `TreeQuery`; receivers in fixed point get the very same counts from both.
 

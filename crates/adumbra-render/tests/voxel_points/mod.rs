@@ -5,7 +5,7 @@
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Options, Size, bake};
-use adumbra::format::{ShadowFile, TreeBody, TreeFile};
+use adumbra::format::{Layout, ShadowFile, TreeBody, TreeFile};
 use adumbra::light::Sun;
 use adumbra::query::{FixedReceiver, Query, Receiver, TreeQuery, Weights, receiver};
 use adumbra::scene::Scene;
@@ -52,6 +52,14 @@ impl BakedScene {
             attribute_kind: None,
         };
         Self { scene, light, tree }
+    }
+
+    /// The same with its light-aligned file in another layout.
+    pub(crate) fn in_layout(&self, layout: Layout) -> Self {
+        let light = &self.light;
+        let graph = light.graph().unwrap().into_owned();
+        let light = ShadowFile::of_dag(light.grid, light.settings, graph, layout).unwrap();
+        Self { scene: self.scene.clone(), light, tree: self.tree.clone() }
     }
 
     fn voxels(&self) -> &VoxelTree {
@@ -118,7 +126,7 @@ fn as_cpu(anchor: [f64; 3], q: &PointQuery) -> ([f64; 3], Option<[f64; 3]>) {
 
 pub(crate) fn exact_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
     let (grid, settings) = (&baked.light.grid, &baked.light.settings);
-    let voxel = Voxel::new(gpu, grid, &baked.light.graph().unwrap(), settings.bias, filter).unwrap();
+    let voxel = Voxel::of_file(gpu, &baked.light, settings.bias, filter).unwrap();
     let query = baked.query(filter);
     let receivers: Vec<FixedReceiver> = baked
         .points(count)
@@ -206,7 +214,7 @@ fn compare(
 pub(crate) fn float_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
     let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
     let (anchor, points) = baked.float_points(count);
-    let mut voxel = Voxel::new(gpu, grid, &baked.light.graph().unwrap(), bias, filter).unwrap();
+    let mut voxel = Voxel::of_file(gpu, &baked.light, bias, filter).unwrap();
     voxel.set_anchor(gpu, anchor).unwrap();
     let found = answer(gpu, &voxel, &points);
     let query = baked.query(filter);

@@ -140,7 +140,7 @@ pub fn bake(
                 drawn_texels.fetch_add(worker.drawn_texels, Ordering::Relaxed);
                 block
             })?;
-            blocks.into_iter().map(|block| sink.roots(block, plan.root_level, plan.top_dims[2])).collect()
+            blocks.into_iter().map(|block| sink.roots(&block, plan.root_level, plan.top_dims[2])).collect()
         }
         Builder::Plain => run.each_tile(|worker: &mut PlainBuffers, tile| {
             let rect = plan.tile_rect(tile);

@@ -38,7 +38,11 @@ pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
 /// Visibility of a voxel of the grid.
 pub(crate) fn voxel(file: &[u8], v: [u32; 3]) -> u8 {
     // Version 1 has no other.
-    if u32_at(file, 52) == 1 { packed_voxel(file, v) } else { plain_voxel(file, v) }
+    match u32_at(file, 52) {
+        0 => plain_voxel(file, v),
+        1 => packed_voxel(file, v),
+        _ => hierarchy_voxel(file, v),
+    }
 }
 
 fn plain_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
@@ -180,4 +184,65 @@ fn packed_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
         from += if here { 4 } else { 1 };
     }
     unreachable!("the masks have an end")
+}
+
+fn hierarchy_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
+    const NONE: u32 = 0xFFFF_FFFF;
+    let (top, code, entries) = (u64_at(file, 280), u64_at(file, 304), u64_at(file, 328));
+    let byte = |b: u32| u32::from(file[code as usize + b as usize]);
+    let half = |h: u32| byte(2 * h) + 256 * byte(2 * h + 1);
+    let two = |h: u32| half(h) + 65536 * half(h + 1);
+    let mut level = u32_at(file, 36);
+    let root = u64::from(y >> level) * u64::from(u32_at(file, 40)) + u64::from(x >> level);
+    let (mut at, mut base) = (u32_at(file, top + 8 * root), u32_at(file, top + 8 * root + 4));
+    while at != NONE && level > 3 {
+        let digit = |c: u32| c >> (level - 2) & 3;
+        let child = 4 * digit(y) + digit(x);
+        let size = |c: u32| (half(at) >> c & 1) + 2 * (half(at + 1) >> c & 1);
+        let field = at + 3 + (0..child).map(size).sum::<u32>();
+        let near = |h: u32| if half(h) < 32768 { half(h) } else { at - (half(h) - 32768) };
+        // A half-word of 32768 and more stands for itself less 65536.
+        let moved = |h: u32| base.wrapping_add(half(h)).wrapping_sub(if half(h) < 32768 { 0 } else { 65536 });
+        (at, base) = match (size(child), half(at + 2) >> child & 1) {
+            (0, 0) => (NONE, base),
+            (0, _) => (NONE, NONE),
+            (1, 0) => (near(field), base),
+            (1, _) => (NONE, moved(field)),
+            (2, 0) => (two(field), base),
+            (2, _) => (near(field + 1), moved(field)),
+            (_, 0) => (two(field + 1), moved(field)),
+            _ => {
+                let entry = entries + 8 * u64::from(two(field));
+                (u32_at(file, entry + 4), base.wrapping_add(u32_at(file, entry)))
+            }
+        };
+        level -= 2;
+    }
+    if at == NONE {
+        return u8::from(z < base);
+    }
+    let head = half(at);
+    let (last, never, bytes) = (head & 63, head >> 6 & 1, 1 << (head >> 7 & 3));
+    let mut next = at + 1;
+    let mut rise = 0;
+    if head >> 9 & 1 == 1 {
+        for (gradient, c) in [(byte(2 * next), x % 8), (byte(2 * next + 1), y % 8)] {
+            rise += if gradient < 128 { gradient * (7 - c) } else { (256 - gradient) * c };
+        }
+        rise = rise.div_ceil(4);
+        next += 1;
+    }
+    let mut depths = vec![base];
+    for d in 0..last - never {
+        let difference = (0..bytes).map(|b| byte(2 * next + d * bytes + b) << (8 * b)).sum::<u32>();
+        depths.push(depths[d as usize].wrapping_add(difference));
+    }
+    next += ((last - never) * bytes).div_ceil(2);
+    let column = y % 8 * 8 + x % 8;
+    let planes = (0..).find(|&n| last < 1 << n).expect("a number of planes");
+    let rank: u32 = (0..planes).map(|p| (half(next + 4 * p + column / 16) >> (column % 16) & 1) << p).sum();
+    match depths.get(rank as usize) {
+        Some(depth) => u8::from(z < depth - rise),
+        None => 1,
+    }
 }
