@@ -15,6 +15,7 @@ use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
 pub(crate) use bench::{
     Bench, BenchAo, BenchBake, BenchBlur, BenchHrsm, BenchShadows, BenchTree, BenchVerb, BenchVerify,
+    SuiteArg,
 };
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use compare::{BenchPeers, Compare, JudgeArg};
