@@ -57,7 +57,7 @@ pub(super) fn all(document: &Document) -> Vec<Check> {
     let sum = sizes.map(|s| s.iter().sum());
     checks.push(Check::new(format!("the eight scenes at {EIGHT_RESOLUTION}"), SUM, sum));
     let slowest = document.query.iter().map(|l| l.points_per_second).reduce(f64::min);
-    checks.push(Check::new("look-ups of one core, the slowest level".to_owned(), QUERY, slowest));
+    checks.push(Check::new("look-ups of one core, the slowest rows".to_owned(), QUERY, slowest));
     checks
 }
 

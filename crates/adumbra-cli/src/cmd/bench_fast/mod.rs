@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use self::checks::Check;
 use self::rows::{QUERY_OF, Row, rows};
-use self::speed::Level;
+use self::speed::Scan;
 use super::child;
 use crate::args::BenchBake;
 use crate::exit::{Code, Failure, Outcome};
@@ -33,7 +33,7 @@ struct Document {
     checks: Vec<Check>,
     rows: Vec<Figures>,
     /// Look-ups of [`QUERY_OF`], of one core.
-    query: Vec<Level>,
+    query: Vec<Scan>,
 }
 
 /// One bake's figures.

@@ -40,19 +40,19 @@ pub(super) fn markdown(document: &Document) -> String {
     }
     if !document.query.is_empty() {
         text.push_str(
-            "\n## Look-ups\n\nbox-city-51k at 65,536, 9 × 9 texels, `query::Cursor` on one core: 2,000,000 points on a level round the middle of \
-            the scene, row after row, normals up; the median of three runs.\n\n\
-            | metres above the ground | texels from point to point | million points a second | mean visibility |\n|---|---|---|---|\n",
+            "\n## Look-ups\n\nbox-city-51k at 65,536, 9 × 9 texels, `query::Cursor` on one core: what is seen from straight above round the middle \
+            of the scene, row after row of 2000 points, with normals; the median of three runs.\n\n\
+            | texels from point to point | points | million points a second | mean visibility |\n|---|---|---|---|\n",
         );
     }
-    for l in &document.query {
+    for scan in &document.query {
         let _ = writeln!(
             text,
             "| {} | {} | {:.2} | {:.3} |",
-            l.height_world,
-            l.step_texels,
-            l.points_per_second / 1e6,
-            l.mean_visibility
+            scan.step_texels,
+            scan.points,
+            scan.points_per_second / 1e6,
+            scan.mean_visibility
         );
     }
     text
