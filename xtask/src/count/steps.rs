@@ -122,6 +122,7 @@ fn cursor_rows(grid: &LightGrid, slabs: &dyn Slabs) -> Result<f64, Error> {
 /// Voxels here and there.
 fn voxels(size: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
     const ODD: [u32; 3] = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
-    let place = move |n: u32, a: usize| (u64::from(n.wrapping_mul(ODD[a])) * u64::from(size[a]) >> 32) as u32;
+    let place =
+        move |n: u32, a: usize| ((u64::from(n.wrapping_mul(ODD[a])) * u64::from(size[a])) >> 32) as u32;
     (0..LOOK_UPS).map(move |n| std::array::from_fn(|a| place(n, a)))
 }

@@ -58,7 +58,7 @@ pub fn bake_both(
     tally.check_end("numbering the graph and the hierarchy", 2 * held_bytes() + 2 * store.graph_bytes())?;
     let Pair(graph_sink, hierarchy_sink) = sink;
     let roots = |runs| graph_sink.roots(runs, plan.root_level, plan.top_dims[2]);
-    let columns: Vec<_> = runs.into_iter().map(roots).collect();
+    let columns: Vec<_> = runs.iter().map(roots).collect();
     let hierarchy = hierarchy_sink.finish(plan.grid.size, plan.root_level, blocks);
     let dag = finish_graph(store, &plan, &columns);
     Ok(BakedBoth { grid: plan.grid, settings: plan.settings, dag, hierarchy, report: tally.report() })

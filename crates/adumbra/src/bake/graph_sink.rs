@@ -59,7 +59,7 @@ impl<'s> GraphSink<'s> {
     }
 
     /// The first `count` nodes of a root block.
-    pub(crate) fn roots(&self, runs: Runs, level: u32, count: u32) -> Vec<NodeState> {
+    pub(crate) fn roots(&self, runs: &Runs, level: u32, count: u32) -> Vec<NodeState> {
         debug_assert!(count.saturating_sub(1) << level < self.depth.max(1));
         let mut cursor = Cursor { runs: &runs.0, at: 0 };
         (0..count).map(|z| cursor.state(z).state).collect()
@@ -144,5 +144,3 @@ impl BlockSink for GraphSink<'_> {
         }
     }
 }
-
-impl GraphSink<'_> {}

@@ -120,7 +120,7 @@ pub fn bake(
         Builder::Fast => {
             let sink = GraphSink::new(&store, plan.grid.size[2]);
             let blocks = run.each_block(&sink, &tally)?;
-            blocks.into_iter().map(|block| sink.roots(block, plan.root_level, plan.top_dims[2])).collect()
+            blocks.iter().map(|block| sink.roots(block, plan.root_level, plan.top_dims[2])).collect()
         }
         Builder::Plain => run.each_tile(|worker: &mut PlainBuffers, tile| {
             let rect = plan.tile_rect(tile);

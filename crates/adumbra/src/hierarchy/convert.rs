@@ -31,7 +31,7 @@ impl Hierarchy {
         let sink = GraphSink::new(&store, self.size[2]);
         let dims = Dag::top_dims_covering(self.size, self.root_level);
         let roots = self.top.iter().map(|&[at, base]| {
-            sink.roots(self.blocks(&sink, at, base, self.root_level), self.root_level, dims[2])
+            sink.roots(&self.blocks(&sink, at, base, self.root_level), self.root_level, dims[2])
         });
         let roots: Vec<_> = roots.collect();
         let top: Vec<_> =
