@@ -1,7 +1,9 @@
-//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`, `cargo xtask tune-ao`.
+//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`, `cargo xtask count [--bless]`,
+//! `cargo xtask tune-ao`.
 
 mod adapter;
 mod broken;
+mod count;
 mod tree_vectors;
 mod tune_ao;
 mod vectors;
@@ -14,6 +16,7 @@ const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test
   cargo xtask test --quick    the tests that need no real scenes, under two minutes
   cargo xtask vectors         write test_vectors/ again
+  cargo xtask count           instructions of the hot steps beside docs/counts.json; --bless writes it
   cargo xtask tune-ao [--scenes DIR] [--budget N] [--only NAME,...]
                               look for the estimators' parameters of ambient occlusion on the eight scenes; DIR is where the tests
                               find scenes, N 120, and NAME every estimator if not given
@@ -28,6 +31,7 @@ fn main() -> ExitCode {
         ["test"] => test(root),
         ["test", "--quick"] => quick_test(root),
         ["vectors"] => vectors::run(root).map_err(|e| e.to_string()),
+        ["count", options @ ..] => count::run(root, options).map_err(|e| e.to_string()),
         ["tune-ao", options @ ..] => {
             adapter::ensure().and_then(|()| tune_ao::run(root, options).map_err(|e| e.to_string()))
         }

@@ -15,6 +15,7 @@ use adumbra::settings::{Bias, Receivers};
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
 pub(crate) use bench::{
     Bench, BenchAo, BenchBake, BenchBlur, BenchHrsm, BenchShadows, BenchTree, BenchVerb, BenchVerify,
+    SuiteArg,
 };
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use compare::{BenchPeers, Compare, JudgeArg};
@@ -274,6 +275,8 @@ pub(crate) enum LayoutArg {
     Plain,
     /// An image of depths: about a quarter of the bytes, and penumbrae (voxel:soft)
     Hierarchy,
+    /// Packed or hierarchy, whichever is smaller; the bake builds both
+    Auto,
 }
 
 /// What decides a bake's result.
@@ -320,12 +323,13 @@ pub(crate) struct BakeSettings {
 }
 
 impl BakeSettings {
-    /// The layout of a light-aligned file.
-    pub(crate) fn layout(&self) -> Layout {
+    /// The layout of a light-aligned file; none: the smaller.
+    pub(crate) fn layout(&self) -> Option<Layout> {
         match self.layout {
-            None | Some(LayoutArg::Packed) => Layout::Packed,
-            Some(LayoutArg::Plain) => Layout::Plain,
-            Some(LayoutArg::Hierarchy) => Layout::Hierarchy,
+            None | Some(LayoutArg::Packed) => Some(Layout::Packed),
+            Some(LayoutArg::Plain) => Some(Layout::Plain),
+            Some(LayoutArg::Hierarchy) => Some(Layout::Hierarchy),
+            Some(LayoutArg::Auto) => None,
         }
     }
 

@@ -417,3 +417,34 @@ fn bench_writes_tables() {
     assert_eq!(code, 0, "{error}");
     assert!(fs::read_to_string(folder.path("bench/verify.md")).unwrap().contains("elevation 3°"));
 }
+
+#[test]
+fn bake_layout_auto_keeps_the_smaller_file() {
+    let folder = Folder::new();
+    let scene = folder.generate("city");
+    let file = |name: &str| folder.path(&format!("{name}.adumbra"));
+    let bake = |layout: &str| {
+        let output = file(layout);
+        json(&[
+            "bake",
+            &scene,
+            "--resolution",
+            "512",
+            "--layout",
+            layout,
+            "-o",
+            &output,
+            "--json",
+            "--progress",
+            "none",
+        ])
+    };
+    let [packed, hierarchy, auto] = ["packed", "hierarchy", "auto"].map(bake);
+    let bytes = |said: &Value| said["file_bytes"].as_u64().unwrap();
+    assert!(packed["candidate_bytes"].is_null());
+    assert_eq!(auto["candidate_bytes"]["packed"], packed["file_bytes"]);
+    assert_eq!(auto["candidate_bytes"]["hierarchy"], hierarchy["file_bytes"]);
+    assert_eq!(bytes(&auto), bytes(&packed).min(bytes(&hierarchy)));
+    let kept = auto["layout"].as_str().unwrap();
+    assert!(fs::read(file("auto")).unwrap() == fs::read(file(kept)).unwrap(), "{kept}");
+}

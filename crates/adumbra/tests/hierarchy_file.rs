@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use adumbra::bake::{Options, Size, bake, bake_hierarchy};
+use adumbra::bake::{Options, Size, bake, bake_both, bake_hierarchy};
 use adumbra::format::{Layout, LightBody, ShadowFile};
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, Scene, generate};
@@ -39,6 +39,26 @@ fn hierarchy_file_is_read_as_it_was_written_and_is_smaller() {
         let [x, y, z] =
             [0, 1, 2].map(|a| at.wrapping_mul([2_654_435_761, 40_503, 2_246_822_519][a]) % file.grid.size[a]);
         assert_eq!(dag.voxel(x, y, z), z < hierarchy.value(x, y), "{x} {y} {z}");
+    }
+}
+
+#[test]
+fn baking_both_gives_what_baking_each_gives() {
+    let sun = Sun::from_direction([-0.3, 0.6, 0.7]).unwrap();
+    let never = AtomicBool::new(false);
+    for kind in [GeneratedKind::City, GeneratedKind::Landscape] {
+        let scene = generate(kind, 2);
+        let options = Options { thickness_world: 0.1, ..Options::new(sun, Size::Resolution(512)) };
+        let both = bake_both(&scene, &options, &|_| {}, &never).unwrap();
+        let graph = bake(&scene, &options, &|_| {}, &never).unwrap();
+        let hierarchy = bake_hierarchy(&scene, &options, true, &|_| {}, &never).unwrap();
+        assert!(both.dag == graph.dag && both.hierarchy == hierarchy.hierarchy, "{kind:?}");
+        assert_eq!((both.grid, both.settings), (graph.grid, graph.settings));
+        assert_eq!(both.report.drawn_texels, graph.report.drawn_texels);
+        assert!(both.report.accounted_bytes >= graph.report.accounted_bytes);
+        let options = Options { max_memory_bytes: Some(graph.report.accounted_bytes / 2), ..options };
+        let refused = bake_both(&scene, &options, &|_| {}, &never);
+        assert!(matches!(refused, Err(adumbra::Error::MemoryLimit { .. })), "{kind:?}");
     }
 }
 

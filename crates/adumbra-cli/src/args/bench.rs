@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::Subcommand;
+use clap::{Subcommand, ValueEnum};
 
 use super::render::DeviceArgs;
-use super::{BenchPeers, parse_size};
+use super::{BenchPeers, LayoutArg, parse_size};
 
 #[derive(clap::Args)]
 pub(crate) struct Bench {
@@ -15,9 +15,11 @@ pub(crate) struct Bench {
 
 #[derive(Subcommand)]
 pub(crate) enum BenchVerb {
-    /// Seconds, memory and bytes by scene, resolution and option; writes bake.md and bake.json
+    /// Seconds, memory and bytes by scene, resolution and option; writes bake.md and bake.json. Or, with --suite fast, what the
+    /// fast bake is held to; writes fast.md and fast.json; exit code 1 where it does not hold
     #[command(
-        after_help = "Example: adumbra bench bake --scenes scenes --resolutions 1024,4096 -o docs/bench"
+        after_help = "Example: adumbra bench bake --scenes scenes --resolutions 1024,4096 -o docs/bench\n\n\
+        Example: adumbra bench bake --suite fast --only 8192,query --scenes scenes -o docs/bench"
     )]
     Bake(BenchBake),
     /// Interior agreement of every scene under four suns; writes verify.md and verify.json
@@ -43,8 +45,19 @@ pub(crate) enum BenchVerb {
     Ao(BenchAo),
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SuiteArg {
+    /// By scene, resolution and option
+    Tables,
+    /// What the fast bake is held to
+    Fast,
+}
+
 #[derive(clap::Args)]
 pub(crate) struct BenchBake {
+    /// Which tables
+    #[arg(long, value_enum, default_value = "tables")]
+    pub(crate) suite: SuiteArg,
     /// Folder of scenes
     #[arg(long, value_name = "DIR")]
     pub(crate) scenes: PathBuf,
@@ -61,6 +74,18 @@ pub(crate) struct BenchBake {
     /// Resolution of the table that varies the options
     #[arg(long, default_value_t = 8192)]
     pub(crate) variant_resolution: u64,
+    /// --suite fast: rows whose name, such as box-city-51k-65536 or query, holds one of these
+    #[arg(long, value_name = "TEXT", value_delimiter = ',', num_args = 1..)]
+    pub(crate) only: Vec<String>,
+    /// --suite fast: leave out rows of a higher resolution
+    #[arg(long, value_name = "N")]
+    pub(crate) max_n: Option<u64>,
+    /// --suite fast: how the files hold the voxels [default: that of bake]
+    #[arg(long, value_enum)]
+    pub(crate) layout: Option<LayoutArg>,
+    /// --suite fast: points of each row compared with rays
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    pub(crate) samples: u64,
     /// Where the tables go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,

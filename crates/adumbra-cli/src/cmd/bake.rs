@@ -1,13 +1,15 @@
 //! `adumbra bake`: scene in, shadow file out.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::Error;
-use adumbra::bake::{self, Baked, BakedHierarchy, Options};
+use adumbra::bake::{self, Baked, BakedBoth, BakedHierarchy, Options, Progress, Report};
 use adumbra::files;
 use adumbra::format::{Layout, ShadowFile};
-use serde_json::json;
+use adumbra::scene::Scene;
+use serde_json::{Value, json};
 
 use super::{GraphFigures, bake_tree, load_scene, print_json, with_threads};
 use crate::args::Bake;
@@ -54,17 +56,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         }
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| reporter.update(p);
-        let (file, report) = match args.settings.layout() {
-            Layout::Hierarchy => {
-                let BakedHierarchy { grid, settings, hierarchy, report } =
-                    bake::bake_hierarchy(&scene, &options, true, &progress, &cancel)?;
-                (ShadowFile::hierarchy(grid, settings, hierarchy), report)
-            }
-            layout => {
-                let Baked { grid, settings, dag, report } = bake::bake(&scene, &options, &progress, &cancel)?;
-                (ShadowFile::of_dag(grid, settings, dag, layout).map_err(Error::from)?, report)
-            }
-        };
+        let layout = args.settings.layout();
+        let Built { file, report, candidate_bytes } = build(&scene, &options, layout, &progress, &cancel)?;
         let (grid, settings) = (file.grid, file.settings);
         let file_bytes = file.write(&output)?;
         let figures = GraphFigures::of(&file, file_bytes)?;
@@ -80,6 +73,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "file_bytes": figures.file_bytes,
                 "bits_per_texel": figures.bits_per_texel,
                 "layout": file.body.layout(),
+                "candidate_bytes": candidate_bytes,
                 "nodes": figures.composition.nodes,
                 "slabs": figures.composition.slabs,
                 "threads": report.threads,
@@ -92,9 +86,10 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             }));
         } else {
             say!(
-                "{} -> {} ({}, {:.4} bits a texel) in {seconds:.1} s, peak memory {}",
+                "{} -> {} ({}, {}, {:.4} bits a texel) in {seconds:.1} s, peak memory {}",
                 args.scene.display(),
                 output.display(),
+                name_of(file.body.layout()),
                 bytes_words(figures.file_bytes),
                 figures.bits_per_texel,
                 bytes_words(peak)
@@ -104,12 +99,70 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     })
 }
 
-/// Bytes of the packed layout, of one in the plain layout that is being forecast: from 0.3 to 0.46 on the scenes of `docs/layouts.md`.
-const PACKED_SHARE: [f64; 2] = [0.25, 0.5];
+/// A file that is ready to be written.
+struct Built {
+    file: ShadowFile,
+    report: Report,
+    /// Bytes by layout where the smaller was asked for; a layout that cannot hold the voxels has none.
+    candidate_bytes: Option<Value>,
+}
 
-fn dry_run(args: &Bake, scene: &adumbra::scene::Scene, options: &Options) -> Outcome {
+/// Bakes in the layout, or in the smaller one if none is given.
+fn build(
+    scene: &Scene,
+    options: &Options,
+    layout: Option<Layout>,
+    progress: &(dyn Fn(Progress) + Sync),
+    cancel: &AtomicBool,
+) -> Result<Built, Failure> {
+    let (file, report, candidate_bytes) = match layout {
+        Some(Layout::Hierarchy) => {
+            let BakedHierarchy { grid, settings, hierarchy, report } =
+                bake::bake_hierarchy(scene, options, true, progress, cancel)?;
+            (ShadowFile::hierarchy(grid, settings, hierarchy), report, None)
+        }
+        Some(layout) => {
+            let Baked { grid, settings, dag, report } = bake::bake(scene, options, progress, cancel)?;
+            (ShadowFile::of_dag(grid, settings, dag, layout).map_err(Error::from)?, report, None)
+        }
+        None => {
+            let BakedBoth { grid, settings, dag, hierarchy, report } =
+                bake::bake_both(scene, options, progress, cancel)?;
+            let hierarchy = ShadowFile::hierarchy(grid, settings, hierarchy);
+            // A graph that has no packed form leaves the other.
+            let packed = ShadowFile::of_dag(grid, settings, dag, Layout::Packed).ok();
+            let bytes = json!({
+                "packed": packed.as_ref().map(ShadowFile::encoded_len),
+                "hierarchy": hierarchy.encoded_len(),
+            });
+            let smaller = packed.filter(|packed| packed.encoded_len() < hierarchy.encoded_len());
+            (smaller.unwrap_or(hierarchy), report, Some(bytes))
+        }
+    };
+    Ok(Built { file, report, candidate_bytes })
+}
+
+fn name_of(layout: Layout) -> &'static str {
+    match layout {
+        Layout::Plain => "plain",
+        Layout::Packed => "packed",
+        Layout::Hierarchy => "hierarchy",
+    }
+}
+
+/// Bytes of a layout, of those of the plain one, which is forecast: 0.3 to 0.46 on the scenes of `docs/layouts.md`, 0.14 to
+/// 0.36 on those of `docs/layouts-hierarchy.md`.
+fn share_of_plain(layout: Option<Layout>) -> [f64; 2] {
+    match layout {
+        Some(Layout::Plain) => [1.0; 2],
+        Some(Layout::Packed) => [0.25, 0.5],
+        Some(Layout::Hierarchy) | None => [0.1, 0.4],
+    }
+}
+
+fn dry_run(args: &Bake, scene: &Scene, options: &Options) -> Outcome {
     let e = bake::estimate(scene, options)?;
-    let share = if args.settings.layout() == Layout::Packed { PACKED_SHARE } else { [1.0; 2] };
+    let share = share_of_plain(args.settings.layout());
     let file_bytes: [u64; 2] = std::array::from_fn(|i| (e.file_bytes[i] as f64 * share[i]) as u64);
     if args.json {
         print_json(&json!({

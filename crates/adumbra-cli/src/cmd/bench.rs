@@ -15,7 +15,7 @@ use adumbra::verify::{
 use serde_json::{Value, json};
 
 use super::{child, load_scene};
-use crate::args::{Bench, BenchBake, BenchVerb, BenchVerify};
+use crate::args::{Bench, BenchBake, BenchVerb, BenchVerify, SuiteArg};
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{make_folder, write_whole};
 
@@ -23,6 +23,7 @@ const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
 pub(crate) fn run(args: &Bench) -> Outcome {
     match &args.what {
+        BenchVerb::Bake(a) if a.suite == SuiteArg::Fast => super::bench_fast::run(a),
         BenchVerb::Bake(a) => bake_tables(a),
         BenchVerb::Verify(a) => verify_table(a),
         BenchVerb::Tree(a) => super::bench_tree::run(a),
@@ -46,6 +47,9 @@ const VARIANTS: [(&str, &[&str]); 7] = [
 ];
 
 fn bake_tables(args: &BenchBake) -> Outcome {
+    if !args.only.is_empty() || args.max_n.is_some() || args.layout.is_some() {
+        return Err(Failure::Usage("--only, --max-n and --layout are for --suite fast".to_owned()));
+    }
     make_folder(&args.output)?;
     let mut sizes = Vec::new();
     let mut variants = Vec::new();

@@ -6,6 +6,7 @@ mod baked;
 mod bench;
 mod bench_ao;
 mod bench_blur;
+mod bench_fast;
 mod bench_hrsm;
 mod bench_peers;
 mod bench_shadows;

@@ -68,6 +68,7 @@ pub(super) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
 ///
 /// # Errors
 /// [`Error::Interrupted`] soon after `cancel` is set.
+#[inline(never)] // Counted by `cargo xtask count`.
 pub(super) fn build_root<S: BlockSink>(
     plan: &Plan<'_>,
     tile: usize,

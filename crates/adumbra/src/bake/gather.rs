@@ -8,6 +8,7 @@ use super::surface::{Surface, surface_of};
 use crate::light::LightGrid;
 
 /// The surfaces that may touch root block `tile`, sorted by group. Their order decides nothing.
+#[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn gather(casters: &Casters<'_>, tile: usize, grid: &LightGrid) -> Vec<BlockSurface> {
     let mut found: Vec<([u32; 3], BlockSurface)> = Vec::new();
     for &placed in casters.in_tile(tile) {

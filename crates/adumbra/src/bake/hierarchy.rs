@@ -1,10 +1,10 @@
 //! The fast bake into the hierarchy, in place of the graph.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::descent::{self, DescentBuffers};
 use super::plan::Plan;
+use super::tally::Tally;
 use super::{Options, Progress, Report, Run};
 use crate::error::Result;
 use crate::hierarchy::Hierarchy;
@@ -39,44 +39,18 @@ pub fn bake_hierarchy(
 ) -> Result<BakedHierarchy> {
     let start = Instant::now();
     let plan = Plan::new(scene, &Options { builder: super::Builder::Fast, ..options.clone() })?;
+    let tally = Tally::new(&plan, start, progress);
     let sink = HierarchySink::new(plan.root_level, merged);
-    let (accounted, drawn_texels, done) = (AtomicU64::new(0), AtomicU64::new(0), AtomicUsize::new(0));
-    let finished_tile = || -> Result<()> {
-        let store_bytes = sink.memory_bytes();
-        let held = plan.scene_bytes + plan.workers as u64 * plan.worker_bytes + store_bytes;
-        accounted.fetch_max(held, Ordering::Relaxed);
-        plan.check_memory("the hierarchy so far", held)?;
-        progress(Progress {
-            done_tiles: done.fetch_add(1, Ordering::Relaxed) + 1,
-            total_tiles: plan.tiles(),
-            texels_per_tile: 1 << (2 * plan.root_level),
-            graph_bytes: store_bytes,
-        });
-        Ok(())
+    let finished_tile = || {
+        let held_bytes = sink.memory_bytes();
+        tally.finished_tile("the hierarchy so far", held_bytes, held_bytes)
     };
     let run = Run { plan: &plan, cancel, finished_tile: &finished_tile };
-    let blocks = run.each_tile(|worker: &mut DescentBuffers, tile| {
-        worker.drawn_texels = 0;
-        let block = descent::build_root(&plan, tile, &sink, worker, cancel);
-        drawn_texels.fetch_add(worker.drawn_texels, Ordering::Relaxed);
-        block
-    })?;
+    let blocks = run.each_block(&sink, &tally)?;
     // Two numbers a shape, and the words.
-    let held = plan.scene_bytes + 2 * sink.memory_bytes();
-    plan.check_memory("numbering the hierarchy", held)?;
+    tally.check_end("numbering the hierarchy", 2 * sink.memory_bytes())?;
     let hierarchy = sink.finish(plan.grid.size, plan.root_level, blocks);
-    Ok(BakedHierarchy {
-        grid: plan.grid,
-        settings: plan.settings,
-        hierarchy,
-        report: Report {
-            seconds: start.elapsed().as_secs_f64(),
-            tiles: plan.tiles(),
-            threads: plan.workers,
-            drawn_texels: drawn_texels.into_inner(),
-            accounted_bytes: accounted.into_inner().max(held),
-        },
-    })
+    Ok(BakedHierarchy { grid: plan.grid, settings: plan.settings, hierarchy, report: tally.report() })
 }
 
 /// Calls `visit(i, j, [e, x])` with every column that a bake must answer for, every texel drawn.

@@ -75,6 +75,7 @@ enum Kind {
 /// Judges `block` by the surfaces near it: `list` has the places in `surfaces`, ascending, of all that come within reach of
 /// its columns' footprints and lie no deeper than what is known to be settled; `known_behind` is the nearest depth of those
 /// that do, [`FixedDepth::MAX`] where there are none.
+#[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn judge(
     block: &Block,
     surfaces: &[BlockSurface],

@@ -68,6 +68,7 @@ struct Leaf<'b> {
 /// Columns of `block`, which has level 3, as [`super::columns::ColumnRules::column`] of what lies over them; `inside` are the
 /// texels of the grid. Something at `known_behind` or deeper lies behind every first surface and every solid that is met
 /// first; [`FixedDepth::MAX`] where nothing is known. For [`Receivers::All`](crate::settings::Receivers::All).
+#[inline(never)] // Counted by `cargo xtask count`.
 pub(super) fn leaf_columns(
     block: &Block,
     inside: u64,

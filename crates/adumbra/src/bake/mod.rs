@@ -7,6 +7,7 @@
 #[cfg(test)]
 mod agreement;
 mod block;
+mod both;
 pub(crate) mod capture;
 pub(crate) mod casters;
 pub(crate) mod columns;
@@ -28,12 +29,14 @@ mod reference;
 pub(crate) mod sink;
 pub(crate) mod surface;
 mod switches;
+mod tally;
 mod tile;
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
+pub use both::{BakedBoth, bake_both};
 use descent::DescentBuffers;
 pub use estimate::{Estimate, estimate};
 use graph_sink::GraphSink;
@@ -41,6 +44,8 @@ pub use hierarchy::{BakedHierarchy, bake_hierarchy};
 pub use options::{Builder, MAX_RESOLUTION, MIN_RESOLUTION, Options, Preset, Size};
 use plain::PlainBuffers;
 use plan::Plan;
+use sink::BlockSink;
+use tally::Tally;
 
 use crate::dag::Dag;
 use crate::dag::store::{NodeState, NodeStore};
@@ -106,65 +111,47 @@ pub fn bake(
 ) -> Result<Baked> {
     let start = Instant::now();
     let plan = Plan::new(scene, options)?;
+    let tally = Tally::new(&plan, start, progress);
     let store = NodeStore::default();
-    let accounted = AtomicU64::new(0);
-    let done = AtomicUsize::new(0);
-    let drawn_texels = AtomicU64::new(0);
     let finished_tile = || -> Result<()> {
-        if store.is_full() {
-            let needed_bytes = 8 << 30;
-            return Err(Error::MemoryLimit {
-                what: "a graph of more than 2^31 words",
-                needed_bytes,
-                limit_bytes: needed_bytes,
-            });
-        }
-        let held = plan.scene_bytes + plan.workers as u64 * plan.worker_bytes + store.memory_bytes();
-        accounted.fetch_max(held, Ordering::Relaxed);
-        plan.check_memory("the graph so far", held)?;
-        progress(Progress {
-            done_tiles: done.fetch_add(1, Ordering::Relaxed) + 1,
-            total_tiles: plan.tiles(),
-            texels_per_tile: 1 << (2 * plan.root_level),
-            graph_bytes: store.graph_bytes(),
-        });
-        Ok(())
+        check_room(&store)?;
+        tally.finished_tile("the graph so far", store.memory_bytes(), store.graph_bytes())
     };
     let run = Run { plan: &plan, cancel, finished_tile: &finished_tile };
     let columns = match options.builder {
         Builder::Fast => {
             let sink = GraphSink::new(&store, plan.grid.size[2]);
-            let blocks = run.each_tile(|worker: &mut DescentBuffers, tile| {
-                worker.drawn_texels = 0;
-                let block = descent::build_root(&plan, tile, &sink, worker, cancel);
-                drawn_texels.fetch_add(worker.drawn_texels, Ordering::Relaxed);
-                block
-            })?;
-            blocks.into_iter().map(|block| sink.roots(&block, plan.root_level, plan.top_dims[2])).collect()
+            let blocks = run.each_block(&sink, &tally)?;
+            blocks.iter().map(|block| sink.roots(block, plan.root_level, plan.top_dims[2])).collect()
         }
         Builder::Plain => run.each_tile(|worker: &mut PlainBuffers, tile| {
             let rect = plan.tile_rect(tile);
-            drawn_texels.fetch_add(u64::from(rect.width) * u64::from(rect.height), Ordering::Relaxed);
+            tally.drew(u64::from(rect.width) * u64::from(rect.height));
             Ok(plain::build_root(&plan, tile, &store, worker))
         })?,
     };
-    let top = top_grid(&columns, plan.top_dims[2]);
-    let numbering_bytes = 2 * store.graph_bytes();
-    let held = plan.scene_bytes + store.memory_bytes() + numbering_bytes;
-    plan.check_memory("numbering the graph", held)?;
-    let dag = store.finish(plan.grid.size, plan.root_level, plan.top_dims, &top);
-    Ok(Baked {
-        grid: plan.grid,
-        settings: plan.settings,
-        dag,
-        report: Report {
-            seconds: start.elapsed().as_secs_f64(),
-            tiles: plan.tiles(),
-            threads: plan.workers,
-            drawn_texels: drawn_texels.into_inner(),
-            accounted_bytes: accounted.into_inner().max(held),
-        },
-    })
+    tally.check_end("numbering the graph", store.memory_bytes() + 2 * store.graph_bytes())?;
+    let dag = finish_graph(store, &plan, &columns);
+    Ok(Baked { grid: plan.grid, settings: plan.settings, dag, report: tally.report() })
+}
+
+/// An error where the graph has more words than can be numbered.
+fn check_room(store: &NodeStore) -> Result<()> {
+    if store.is_full() {
+        let needed_bytes = 8 << 30;
+        return Err(Error::MemoryLimit {
+            what: "a graph of more than 2^31 words",
+            needed_bytes,
+            limit_bytes: needed_bytes,
+        });
+    }
+    Ok(())
+}
+
+/// The graph whose roots these are, each tile's nearest first.
+fn finish_graph(store: NodeStore, plan: &Plan<'_>, columns: &[Vec<NodeState>]) -> Dag {
+    let top = top_grid(columns, plan.top_dims[2]);
+    store.finish(plan.grid.size, plan.root_level, plan.top_dims, &top)
 }
 
 /// Roots of each tile, nearest first, as one grid: x fastest, then y, then z.
@@ -180,6 +167,16 @@ struct Run<'a, 's> {
 }
 
 impl Run<'_, '_> {
+    /// Each root block by descent into `sink`, in order.
+    fn each_block<S: BlockSink>(&self, sink: &S, tally: &Tally<'_, '_>) -> Result<Vec<S::Block>> {
+        self.each_tile(|worker: &mut DescentBuffers, tile| {
+            worker.drawn_texels = 0;
+            let block = descent::build_root(self.plan, tile, sink, worker, self.cancel);
+            tally.drew(worker.drawn_texels);
+            block
+        })
+    }
+
     /// The result of each tile, in order; every worker has a `W` of its own.
     fn each_tile<W: Default, T: Send>(
         &self,

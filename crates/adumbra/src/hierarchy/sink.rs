@@ -185,6 +185,7 @@ impl BlockSink for HierarchySink {
         self.settle(level, block)
     }
 
+    #[inline(never)] // Counted by `cargo xtask count`.
     fn leaf(&self, columns: &BlockColumns) -> HierarchyBlock {
         let (base, leaf) = sort_columns(columns);
         let shape = leaf.map_or(Shape::Uniform, |leaf| Shape::Leaf(Box::new(leaf)));

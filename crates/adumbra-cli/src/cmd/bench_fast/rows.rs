@@ -1,0 +1,188 @@
+//! What the suite bakes, and what is demanded of each figure.
+
+use serde::Serialize;
+
+/// A bake of the suite.
+pub(super) struct Row {
+    /// File without its ending.
+    pub(super) scene: &'static str,
+    pub(super) resolution: u64,
+    /// Metres.
+    pub(super) thickness: f64,
+    pub(super) sun: [f64; 3],
+    pub(super) limits: &'static [Limit],
+}
+
+impl Row {
+    /// What `--only` looks into.
+    pub(super) fn name(&self) -> String {
+        format!("{}-{}", self.scene, self.resolution)
+    }
+}
+
+/// A figure that is bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Figure {
+    Seconds,
+    PeakBytes,
+    FileBytes,
+    ShadowedShare,
+    InteriorAgreement,
+    /// Of a row's time over another's.
+    TimeRatio,
+    /// Of several files.
+    SumBytes,
+    PointsPerSecond,
+}
+
+/// What must hold of a figure, and what is hoped for.
+#[derive(Clone, Copy)]
+pub(super) struct Limit {
+    pub(super) figure: Figure,
+    pub(super) limit: f64,
+    pub(super) aim: Option<f64>,
+}
+
+impl Limit {
+    const fn new(figure: Figure, limit: f64, aim: Option<f64>) -> Self {
+        Self { figure, limit, aim }
+    }
+
+    const fn seconds(limit: f64, aim: Option<f64>) -> Self {
+        Self::new(Figure::Seconds, limit, aim)
+    }
+
+    const fn peak(limit: f64, aim: Option<f64>) -> Self {
+        Self::new(Figure::PeakBytes, limit, aim)
+    }
+
+    const fn file(limit: f64, aim: f64) -> Self {
+        Self::new(Figure::FileBytes, limit, Some(aim))
+    }
+}
+
+/// Demanded of every row.
+pub(super) const INTERIOR: Limit = Limit::new(Figure::InteriorAgreement, 0.999, None);
+/// Files of the [`EIGHT`].
+pub(super) const SUM: Limit = Limit::new(Figure::SumBytes, 36e6, Some(18e6));
+/// Time of the finest box city over that of the coarsest.
+pub(super) const RATIO: Limit = Limit::new(Figure::TimeRatio, 12.0, Some(8.0));
+/// The two that [`RATIO`] divides.
+pub(super) const RATIO_OF: [u64; 2] = [262_144, 16_384];
+/// Look-ups of one core.
+pub(super) const QUERY: Limit = Limit::new(Figure::PointsPerSecond, 5e6, None);
+/// What the look-ups are made in.
+pub(super) const QUERY_OF: (&str, u64) = (BOX_CITY, 65_536);
+
+pub(super) const BOX_CITY: &str = "box-city-51k";
+/// Scenes whose files are summed, at [`EIGHT_RESOLUTION`].
+pub(super) const EIGHT: [&str; 8] =
+    ["kaykit_city_21", "alpine-2", "street-1", "zdm2", "delft", "bridge_garden", "box-city-5k", JACKSBORO];
+pub(super) const EIGHT_RESOLUTION: u64 = 8192;
+const JACKSBORO: &str = "jacksboro";
+
+const SUN: [f64; 3] = [-0.45, 0.75, -0.35];
+/// Of the eight, as the sketch that they are held against was measured.
+const EIGHT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
+/// Over terrain, which a high sun shadows nowhere.
+const LOW_SUN: [f64; 3] = [-0.77, 0.105, -0.63];
+
+const GIB: f64 = 1_073_741_824.0;
+
+/// Every bake, cheap ones of a group first.
+pub(super) fn rows() -> Vec<Row> {
+    let row = |scene, resolution, thickness, sun, limits| Row { scene, resolution, thickness, sun, limits };
+    let mut rows = vec![
+        row(BOX_CITY, 16_384, 0.0, SUN, &[]),
+        row(
+            BOX_CITY,
+            65_536,
+            0.0,
+            SUN,
+            const { &[Limit::seconds(30.0, Some(12.0)), Limit::file(80e6, 25e6)] },
+        ),
+        row(
+            BOX_CITY,
+            262_144,
+            0.0,
+            SUN,
+            const {
+                &[
+                    Limit::seconds(120.0, Some(45.0)),
+                    Limit::peak(800e6, Some(400e6)),
+                    Limit::file(240e6, 70e6),
+                ]
+            },
+        ),
+    ];
+    rows.extend(EIGHT.iter().map(|&scene| {
+        let sun = if scene == JACKSBORO { LOW_SUN } else { EIGHT_SUN };
+        row(scene, EIGHT_RESOLUTION, 0.1, sun, &[])
+    }));
+    rows.extend([
+        row(
+            "kaykit_city_121",
+            131_072,
+            0.1,
+            SUN,
+            const { &[Limit::seconds(300.0, Some(60.0)), Limit::peak(2.0 * GIB, None)] },
+        ),
+        row(
+            JACKSBORO,
+            65_536,
+            0.0,
+            LOW_SUN,
+            const {
+                &[
+                    Limit::seconds(60.0, Some(20.0)),
+                    Limit::peak(GIB, None),
+                    Limit::new(Figure::ShadowedShare, 0.1, None),
+                ]
+            },
+        ),
+    ]);
+    rows.extend(["alpine-2", "street-1"].map(|scene| {
+        let limits = const { &[Limit::seconds(90.0, Some(30.0)), Limit::peak(2.0 * GIB, None)] };
+        row(scene, 65_536, 0.0, SUN, limits)
+    }));
+    rows
+}
+
+impl Figure {
+    /// Whether `measured` is within `bound`; a NaN is not.
+    pub(super) fn within(self, measured: f64, bound: f64) -> bool {
+        if self.is_floor() { measured >= bound } else { measured <= bound }
+    }
+
+    /// Whether the bound is the least that is allowed.
+    pub(super) fn is_floor(self) -> bool {
+        matches!(self, Self::ShadowedShare | Self::InteriorAgreement | Self::PointsPerSecond)
+    }
+
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Seconds => "seconds",
+            Self::PeakBytes => "peak memory",
+            Self::FileBytes => "file",
+            Self::ShadowedShare => "shadowed share",
+            Self::InteriorAgreement => "interior agreement",
+            Self::TimeRatio => "times as long",
+            Self::SumBytes => "files, sum",
+            Self::PointsPerSecond => "points a second",
+        }
+    }
+
+    /// A value of it for people.
+    pub(super) fn show(self, value: f64) -> String {
+        match self {
+            Self::Seconds => format!("{value:.1} s"),
+            Self::PeakBytes => format!("{:.0} MB", value / 1e6),
+            Self::FileBytes | Self::SumBytes => format!("{:.2} MB", value / 1e6),
+            Self::ShadowedShare => format!("{:.1} %", 100.0 * value),
+            Self::InteriorAgreement => format!("{:.3} %", 100.0 * value),
+            Self::TimeRatio => format!("{value:.1} ×"),
+            Self::PointsPerSecond => format!("{:.1} million", value / 1e6),
+        }
+    }
+}
