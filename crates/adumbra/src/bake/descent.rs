@@ -60,7 +60,7 @@ pub(super) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
         .map(|tile| casters.in_tile(tile).iter().map(|&p| casters.triangles(p).len() as u64).sum::<u64>())
         .max()
         .unwrap_or_default();
-    // Gathering holds them twice; a list is at most as long as its parent's, and most are far shorter.
+    // Gathering holds them twice at most; a list is at most as long as its parent's, and most are far shorter.
     fullest * (2 * size_of::<BlockSurface>() as u64 + 32)
 }
 
@@ -76,8 +76,10 @@ pub(super) fn build_root<S: BlockSink>(
     buffers: &mut DescentBuffers,
     cancel: &AtomicBool,
 ) -> Result<S::Block> {
-    let surfaces = gather(&plan.casters, tile, &plan.grid);
     let rect = plan.tile_rect(tile);
+    let block = Block { level: plan.root_level, x: rect.x, y: rect.y };
+    let reach = reach_outside(&plan.rules);
+    let surfaces = gather(&plan.casters, tile, &block.snapped(reach), &plan.grid);
     let descent = Descent {
         setting: Setting {
             scene: plan.casters.scene,
@@ -85,13 +87,12 @@ pub(super) fn build_root<S: BlockSink>(
             rules: &plan.rules,
             surfaces: &surfaces,
         },
-        reach: reach_outside(&plan.rules),
+        reach,
         sink,
         cancel,
     };
     buffers.lists.clear();
     buffers.lists.extend(0..surfaces.len() as u32);
-    let block = Block { level: plan.root_level, x: rect.x, y: rect.y };
     descent.build(block, 0, FixedDepth::MAX, buffers)
 }
 

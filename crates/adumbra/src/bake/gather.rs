@@ -1,55 +1,88 @@
 //! The surfaces of a root block, projected once, grouped by what hangs together and looks the same way, with their contours.
 
-use super::block::BlockSurface;
+use super::block::{BlockSurface, SnappedRect};
 use super::casters::Casters;
 use super::outline::NO_PARTNER;
 use super::project::Projected;
 use super::surface::{Surface, surface_of};
 use crate::light::LightGrid;
 
-/// The surfaces that may touch root block `tile`, sorted by group. Their order decides nothing.
+/// The surfaces of root block `tile` that come into `near`, sorted by group. Their order decides nothing.
 #[inline(never)] // Counted by `cargo xtask count`.
-pub(crate) fn gather(casters: &Casters<'_>, tile: usize, grid: &LightGrid) -> Vec<BlockSurface> {
-    let mut found: Vec<([u32; 3], BlockSurface)> = Vec::new();
+pub(crate) fn gather(
+    casters: &Casters<'_>,
+    tile: usize,
+    near: &SnappedRect,
+    grid: &LightGrid,
+) -> Vec<BlockSurface> {
+    let mut found = Vec::new();
+    let mut order: Vec<(GroupKey, u32)> = Vec::new();
+    let mut corners_grid = VertexCache::default();
     for &placed in casters.in_tile(tile) {
         let instance = &casters.scene.instances[placed.instance as usize];
         let mesh = &casters.scene.meshes[instance.mesh as usize];
         let flipped = instance.determinant() < 0.0;
-        let corner = |v: u32| grid.to_grid(instance.to_world(mesh.positions[v as usize]));
+        let mut corner = |v: u32| {
+            corners_grid
+                .get(placed.instance, v, || grid.to_grid(instance.to_world(mesh.positions[v as usize])))
+        };
         for (c, partners) in casters.triangles(placed).iter().zip(casters.partners(placed)) {
-            let vertices = mesh.triangles[c.triangle as usize];
-            let corners = vertices.map(corner);
-            let surface = surface_of(c, placed.instance, instance, Projected::new(corners, flipped));
-            let outline = |e: usize| {
+            let corners = mesh.triangles[c.triangle as usize].map(&mut corner);
+            let shape = Projected::new(corners, flipped);
+            if !near.touches(&shape) {
+                continue;
+            }
+            let surface = surface_of(c, placed.instance, instance, shape);
+            let given = [0, 1, 2].map(|e| {
                 partners[e] == NO_PARTNER || {
                     let partner = [corners[(e + 1) % 3], corners[e], corner(partners[e])];
                     Projected::drawn_facing(partner, flipped) != Some(surface.shape.faces_sun)
                 }
-            };
-            let given = [outline(0), outline(1), outline(2)];
+            });
             let contour = if surface.shape.swapped { [given[2], given[1], given[0]] } else { given };
-            found.push((
-                group_key(&surface, c.component),
-                BlockSurface { surface, contour, group: 0, body: 0 },
-            ));
+            order.push((group_key(&surface, c.component), found.len() as u32));
+            found.push(BlockSurface { surface, contour, group: 0, body: 0 });
         }
     }
-    found.sort_unstable_by_key(|(key, s)| (*key, s.surface.triangle));
+    order.sort_unstable();
     let (mut group, mut body) = (0, 0);
-    let mut last: Option<[u32; 3]> = None;
-    let numbered = found.into_iter().map(|(key, surface)| {
+    let mut last: Option<GroupKey> = None;
+    let sorted = order.into_iter().map(|(key, place)| {
         if let Some(last) = last {
             group += u32::from(last != key);
             body += u32::from(last[..2] != key[..2]);
         }
         last = Some(key);
-        BlockSurface { group, body, ..surface }
+        BlockSurface { group, body, ..found[place as usize] }
     });
-    numbered.collect()
+    sorted.collect()
+}
+
+/// Instance, component, and how the surface is drawn.
+type GroupKey = [u32; 3];
+
+/// The vertices met last in grid space: a mesh's triangles share most of them.
+struct VertexCache(Vec<([u32; 2], [f64; 3])>);
+
+impl Default for VertexCache {
+    fn default() -> Self {
+        Self(vec![([u32::MAX; 2], [0.0; 3]); 1 << 10])
+    }
+}
+
+impl VertexCache {
+    fn get(&mut self, instance: u32, vertex: u32, project: impl FnOnce() -> [f64; 3]) -> [f64; 3] {
+        let slot = vertex as usize % self.0.len();
+        let slot = &mut self.0[slot];
+        if slot.0 != [instance, vertex] {
+            *slot = ([instance, vertex], project());
+        }
+        slot.1
+    }
 }
 
 /// What the surfaces of a group have in common: instance, component, and how they are drawn.
-fn group_key(s: &Surface, component: u32) -> [u32; 3] {
+fn group_key(s: &Surface, component: u32) -> GroupKey {
     let bits = [s.shape.plane.is_some(), s.shape.faces_sun, s.casts, s.solid, s.masked];
     let drawn = bits.iter().fold(0, |word, &bit| word << 1 | u32::from(bit));
     [s.instance, component, drawn]
