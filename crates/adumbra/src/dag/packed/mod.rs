@@ -1,4 +1,4 @@
-//! The packed layout: the same graph as [`Dag`], in about a third of the bytes.
+//! The packed layout: the same graph as [`Dag`](super::Dag), in about a third of the bytes.
 //!
 //! It rests on columns being monotone along z: lit, then mixed, then shadowed. What one of two children or slabs along z
 //! says need not be said again, and half of the combinations never occur. Nodes are strings of 16-bit *units*; those with
