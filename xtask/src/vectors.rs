@@ -225,6 +225,7 @@ impl Vector {
             closed_regions: true,
             ignore_alpha: false,
             receivers: Receivers::All,
+            switch_within_voxels: 0,
             bounds: None,
             bias: Bias::default(),
             triangles: 12,

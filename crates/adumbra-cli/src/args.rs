@@ -7,7 +7,7 @@ mod tree;
 
 use std::path::PathBuf;
 
-use adumbra::bake::{Options, Preset, Size};
+use adumbra::bake::{DEFAULT_SWITCH_WITHIN, Options, Preset, Size};
 use adumbra::format::Layout;
 use adumbra::light::Sun;
 use adumbra::scene::{Bounds, GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
@@ -303,6 +303,10 @@ pub(crate) struct BakeSettings {
         allow_hyphen_values = true
     )]
     thickness: f64,
+    /// How far behind its first surface a column's shadow may begin, voxels. 0: anywhere inside the solid, for smaller files
+    /// and paler contact shadows under filters
+    #[arg(long, value_name = "VOXELS", default_value_t = DEFAULT_SWITCH_WITHIN)]
+    switch_within: u32,
     /// Shadows are needed below the last surface of a column too (movers under bridges with nothing below)
     #[arg(long)]
     no_assume_ground: bool,
@@ -334,11 +338,12 @@ impl BakeSettings {
     }
 
     /// Options that only the light frame knows, and whether they were given.
-    fn light_only(&self) -> [(bool, &'static str); 4] {
+    fn light_only(&self) -> [(bool, &'static str); 5] {
         [
             (self.thickness != 0.0, "--thickness"),
             (self.no_assume_ground, "--no-assume-ground"),
             (matches!(self.receivers, ReceiversArg::Static), "--receivers static"),
+            (self.switch_within != DEFAULT_SWITCH_WITHIN, "--switch-within"),
             (self.layout.is_some(), "--layout"),
         ]
     }
@@ -359,6 +364,7 @@ impl BakeSettings {
         };
         Ok(Options {
             thickness_world: self.thickness,
+            switch_within_voxels: self.switch_within,
             assume_ground: !self.no_assume_ground,
             closed_regions: !self.no_closed_regions,
             ignore_alpha,

@@ -60,7 +60,7 @@ fn hierarchy_counts_the_taps_and_knows_the_depths_that_the_cpu_does() {
         assert_eq!(hierarchy.validate(), Ok(()));
         let census = hierarchy.census();
         assert!(
-            census.slanted_leaves > 10 && census.leaves_by_planes[1..4].iter().all(|n| *n > 2),
+            census.slanted_leaves > 10 && census.leaves_by_planes[1..4].iter().all(|n| *n > 10),
             "{census:?}"
         );
         for filter in FILTER_WIDTHS {
@@ -134,7 +134,7 @@ fn hierarchy_penumbrae_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let soft = error(SOFT);
     let widths = FILTER_WIDTHS.map(|width| error(HierarchyFilter::Taps(width)));
     println!("RMSE against a disc of {angle}°: soft {soft:.4}, filters {widths:.4?}");
-    assert!(widths.iter().all(|width| soft < 0.9 * width));
+    assert!(widths.iter().all(|width| soft < 0.7 * width));
 }
 
 #[test]

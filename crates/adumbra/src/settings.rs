@@ -72,6 +72,8 @@ pub struct Settings {
     pub ignore_alpha: bool,
     /// Which points are answered.
     pub receivers: Receivers,
+    /// How far behind its first surface a column may switch, voxels; 0 = anywhere inside the solid.
+    pub switch_within_voxels: u32,
     /// The box that fixed the space, if one was given.
     pub bounds: Option<Bounds>,
     /// The look-up bias that the bake was made for.

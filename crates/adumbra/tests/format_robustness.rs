@@ -156,6 +156,7 @@ fn settings_and_grid_come_back_bit_for_bit() {
         s.receivers = if bits & 8 != 0 { Receivers::Static } else { Receivers::All };
         s.bounds = (bits % 3 == 0).then_some(Bounds { min: [-1.5, -0.0, 1e-300], max: [0.1, 2.5, 1e300] });
         (s.resolution, s.triangles, s.instances) = (1 << bits, u64::MAX - u64::from(bits), 3 << 40);
+        s.switch_within_voxels = bits;
         s.thickness_world = 0.1 * f64::from(bits);
         s.bias.slope_texels = 1.0 / 3.0;
         s.bias.normal_offset_texels = 0.7;

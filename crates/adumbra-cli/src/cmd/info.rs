@@ -65,11 +65,12 @@ fn light(args: &Info, file: &ShadowFile) -> Outcome {
         );
         say!("  baked from      {} triangles in {} instances", s.triangles, s.instances);
         say!(
-            "  ground assumed {}, closed regions {}, receivers {:?}, thickness {} m, alpha ignored {}",
+            "  ground assumed {}, closed regions {}, receivers {:?}, thickness {} m, switch within {} voxels, alpha ignored {}",
             s.assume_ground,
             s.closed_regions,
             s.receivers,
             s.thickness_world,
+            s.switch_within_voxels,
             s.ignore_alpha
         );
         say!(

@@ -12,6 +12,7 @@ pub(crate) mod capture;
 pub(crate) mod casters;
 pub(crate) mod columns;
 mod descent;
+mod early;
 mod estimate;
 mod gather;
 pub(crate) mod graph_sink;
@@ -38,10 +39,13 @@ use std::time::Instant;
 
 pub use both::{BakedBoth, bake_both};
 use descent::DescentBuffers;
+use early::EarlySink;
 pub use estimate::{Estimate, estimate};
 use graph_sink::GraphSink;
 pub use hierarchy::{BakedHierarchy, bake_hierarchy};
-pub use options::{Builder, MAX_RESOLUTION, MIN_RESOLUTION, Options, Preset, Size};
+pub use options::{
+    Builder, DEFAULT_SWITCH_WITHIN, MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Options, Preset, Size,
+};
 use plain::PlainBuffers;
 use plan::Plan;
 use sink::BlockSink;
@@ -169,9 +173,10 @@ struct Run<'a, 's> {
 impl Run<'_, '_> {
     /// Each root block by descent into `sink`, in order.
     fn each_block<S: BlockSink>(&self, sink: &S, tally: &Tally<'_, '_>) -> Result<Vec<S::Block>> {
+        let sink = EarlySink { early: self.plan.early(), sink };
         self.each_tile(|worker: &mut DescentBuffers, tile| {
             worker.drawn_texels = 0;
-            let block = descent::build_root(self.plan, tile, sink, worker, self.cancel);
+            let block = descent::build_root(self.plan, tile, &sink, worker, self.cancel);
             tally.drew(worker.drawn_texels);
             block
         })

@@ -9,6 +9,11 @@ use crate::settings::{Bias, Receivers};
 pub const MIN_RESOLUTION: u32 = 8;
 /// Largest resolution.
 pub const MAX_RESOLUTION: u32 = 1 << 18;
+/// Voxels behind its first surface within which a column switches, where nothing is asked for: a 9 × 9 filter's reach
+/// and the steepest of the usual slopes.
+pub const DEFAULT_SWITCH_WITHIN: u32 = 8;
+/// Most voxels that [`Options::switch_within_voxels`] may be.
+pub const MAX_SWITCH_WITHIN: u32 = 65_535;
 
 /// How fine the grid is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +57,10 @@ pub struct Options {
     pub bias: Bias,
     /// Bytes that the bake may hold; none = no limit.
     pub max_memory_bytes: Option<u64>,
+    /// How far behind its first surface a column may switch to shadow, voxels, at most [`MAX_SWITCH_WITHIN`]; 0: anywhere
+    /// inside the solid. Less: bigger files, and filters that find shadow close to a wall's foot. Not with
+    /// [`Receivers::Static`], whose freedom counts filters in.
+    pub switch_within_voxels: u32,
     /// How the columns are found.
     pub builder: Builder,
 }
@@ -70,6 +79,7 @@ impl Options {
             bounds: None,
             bias: Bias::default(),
             max_memory_bytes: None,
+            switch_within_voxels: DEFAULT_SWITCH_WITHIN,
             builder: Builder::Fast,
         }
     }
@@ -78,6 +88,10 @@ impl Options {
         if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
             let (value, range) = (self.thickness_world.to_string(), "a finite number of metres, 0 or more");
             return Err(Error::OptionRange { option: "--thickness", value, range });
+        }
+        if self.switch_within_voxels > MAX_SWITCH_WITHIN {
+            let (value, range) = (self.switch_within_voxels.to_string(), "a number of voxels up to 65535");
+            return Err(Error::OptionRange { option: "--switch-within", value, range });
         }
         self.bias.check()?;
         self.bounds.as_ref().map_or(Ok(()), check_bounds)

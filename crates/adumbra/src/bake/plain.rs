@@ -24,5 +24,6 @@ pub(super) fn build_root(
 ) -> Vec<NodeState> {
     let surfaces = TileSurfaces { casters: &plan.casters, tile, grid: &plan.grid };
     capture(&surfaces, &plan.rules, plan.tile_rect(tile), &mut worker.buffers, &mut worker.columns);
+    plan.early().cut(&mut worker.columns);
     tile::build_roots(&worker.columns, plan.root_level, plan.top_dims[2], store)
 }

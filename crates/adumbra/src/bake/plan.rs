@@ -3,13 +3,14 @@
 use super::capture::TileRect;
 use super::casters::{CasterOptions, Casters};
 use super::columns::ColumnRules;
+use super::early::Early;
 use super::options::{Builder, Options};
 use super::{capture, project};
 use crate::dag::store::NodeState;
 use crate::error::{Error, Result};
 use crate::light::{LightExtent, LightGrid};
 use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::settings::{Receivers, Settings};
 
 pub(super) struct Plan<'s> {
     pub(super) grid: LightGrid,
@@ -80,6 +81,7 @@ impl<'s> Plan<'s> {
             closed_regions: options.closed_regions,
             ignore_alpha: options.ignore_alpha,
             receivers: options.receivers,
+            switch_within_voxels: options.switch_within_voxels,
             bounds: options.bounds,
             bias: options.bias,
             triangles: casters.instanced_triangles(),
@@ -112,6 +114,15 @@ impl<'s> Plan<'s> {
         }
         plan.check_memory("the scene and one block", scene_bytes + worker_bytes)?;
         Ok(plan)
+    }
+
+    /// What is left of the columns' freedom.
+    pub(super) fn early(&self) -> Early {
+        let within_voxels = match self.rules.receivers {
+            Receivers::All => self.settings.switch_within_voxels,
+            Receivers::Static => 0,
+        };
+        Early { within_voxels, depth_voxels: self.grid.size[2] }
     }
 
     pub(super) fn check_memory(&self, what: &'static str, needed_bytes: u64) -> Result<()> {

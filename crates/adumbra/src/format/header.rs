@@ -65,6 +65,7 @@ impl Header {
         out.bounds(settings.bounds);
         out.u64s(&[settings.triangles, settings.instances]);
         out.sections(&self.sections);
+        out.u32s(&[settings.switch_within_voxels]);
         out.sealed()
     }
 
@@ -86,10 +87,12 @@ impl Header {
         let box_given = Bounds { min: fields.f64s()?, max: fields.f64s()? };
         let (triangles, instances) = (fields.u64()?, fields.u64()?);
         let sections = fields.sections()?;
-        fields.end("reserved words 88 to 94")?;
+        let switch_within_voxels = fields.u32()?;
+        fields.end("reserved words 89 to 94")?;
 
         if version == 1 {
             reserved("reserved word 13", layout)?;
+            reserved("reserved word 88", switch_within_voxels)?;
         }
         let Some(layout) = Layout::of_number(layout) else {
             return Err(field("layout", layout.to_string(), "0, plain, 1, packed, or 2, hierarchy"));
@@ -106,6 +109,7 @@ impl Header {
             closed_regions: flags & CLOSED_REGIONS != 0,
             ignore_alpha: flags & IGNORE_ALPHA != 0,
             receivers: if flags & STATIC_RECEIVERS != 0 { Receivers::Static } else { Receivers::All },
+            switch_within_voxels,
             bounds,
             bias: Bias { constant_texels, slope_texels, normal_offset_texels },
             triangles,
