@@ -55,7 +55,7 @@ fn exact(gpu: &Gpu, baked: &BakedScene, hierarchy: &Hierarchy, filter: u32, coun
 fn hierarchy_counts_the_taps_and_knows_the_depths_that_the_cpu_does() {
     let gpu = kit::gpu();
     for kind in [GeneratedKind::Primitives, GeneratedKind::City] {
-        let baked = BakedScene::new(generate(kind, 3), [0.5, 0.8, 0.35], 512, 32);
+        let baked = BakedScene::new(generate(kind, 3), [0.5, 0.8, 0.35], 1024, 32);
         let hierarchy = hierarchy_of(&baked);
         assert_eq!(hierarchy.validate(), Ok(()));
         let census = hierarchy.census();

@@ -58,8 +58,7 @@ pub struct Options {
     /// Bytes that the bake may hold; none = no limit.
     pub max_memory_bytes: Option<u64>,
     /// How far behind its first surface a column may switch to shadow, voxels, at most [`MAX_SWITCH_WITHIN`]; 0: anywhere
-    /// inside the solid. Less: bigger files, and filters that find shadow close to a wall's foot. Not with
-    /// [`Receivers::Static`], whose freedom counts filters in.
+    /// inside the solid. Less: bigger files, and filters that find shadow close to a wall's foot.
     pub switch_within_voxels: u32,
     /// How the columns are found.
     pub builder: Builder,

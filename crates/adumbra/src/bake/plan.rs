@@ -10,7 +10,7 @@ use crate::dag::store::NodeState;
 use crate::error::{Error, Result};
 use crate::light::{LightExtent, LightGrid};
 use crate::scene::Scene;
-use crate::settings::{Receivers, Settings};
+use crate::settings::Settings;
 
 pub(super) struct Plan<'s> {
     pub(super) grid: LightGrid,
@@ -118,11 +118,7 @@ impl<'s> Plan<'s> {
 
     /// What is left of the columns' freedom.
     pub(super) fn early(&self) -> Early {
-        let within_voxels = match self.rules.receivers {
-            Receivers::All => self.settings.switch_within_voxels,
-            Receivers::Static => 0,
-        };
-        Early { within_voxels, depth_voxels: self.grid.size[2] }
+        Early { within_voxels: self.settings.switch_within_voxels, depth_voxels: self.grid.size[2] }
     }
 
     pub(super) fn check_memory(&self, what: &'static str, needed_bytes: u64) -> Result<()> {
