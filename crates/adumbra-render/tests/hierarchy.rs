@@ -6,15 +6,13 @@ mod voxel_points;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Options, Size, bake_hierarchy};
-use adumbra::camera::{Camera, Projection};
 use adumbra::format::ShadowFile;
 use adumbra::hierarchy::Hierarchy;
 use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query, receiver};
 use adumbra::scene::{GeneratedKind, generate};
-use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::voxel::{HierarchyFilter, SoftTwin, VoxelHierarchy};
-use adumbra_render::{Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, SurfacePoint, build};
-use kit::boxes::boxes;
+use adumbra_render::{Baked, Gpu, GpuOptions, build};
+use kit::penumbra::Penumbra;
 use voxel_points::BakedScene;
 
 const SOFT: HierarchyFilter = HierarchyFilter::Soft { angle_degrees: 2.0, max_radius_texels: 32.0 };
@@ -101,35 +99,14 @@ fn hierarchy_penumbrae_are_those_of_the_cpu() {
 #[test]
 fn hierarchy_penumbrae_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let angle: f64 = 2.0;
-    let scene = boxes(&[
-        ([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]),
-        ([-4.0, 4.0, -4.0], [4.0, 4.2, 4.0]),
-        ([6.0, 0.0, -3.0], [7.0, 6.0, -2.0]),
-    ]);
-    let towards_sun = kit::sun();
-    let baked = BakedScene::new(scene, towards_sun, 1024, 32);
+    let mut penumbra = Penumbra::new(angle);
+    let baked = BakedScene::new(penumbra.scene.clone(), kit::sun(), 1024, 32);
     let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
     let hierarchy = hierarchy_of(&baked);
-    let tracer = Tracer::build(&baked.scene, TraceOptions::default());
-    let mut renderer = Renderer::new(kit::gpu(), &baked.scene, SceneOptions::default()).unwrap();
-    let projection = Projection::Perspective { fov_degrees: 60.0 };
-    let camera = Camera { eye: [0.0, 30.0, 30.0], target: [0.0; 3], projection, width: 1280, height: 720 };
-    let shot = Shot { camera, towards_sun, number: 0 };
-    let at = |i: u32| -10.0 + 0.11 * f64::from(i);
-    let points: Vec<_> = (0..150_u32)
-        .flat_map(|z| (0..150_u32).map(move |x| [at(x), 0.0, at(z)]))
-        .map(|p_world| SurfacePoint { p_world, normal: [0.0, 1.0, 0.0] })
-        .collect();
-    let disc: Vec<f32> = points
-        .iter()
-        .map(|p| tracer.sun_disc_visibility([p.p_world[0], 1e-4, p.p_world[2]], towards_sun, angle, 64, 1))
-        .collect();
     let mut error = |filter| {
-        let technique = VoxelHierarchy::new(renderer.gpu(), grid, &hierarchy, bias, filter).unwrap();
-        let mut technique = renderer.prepare(Box::new(technique)).unwrap();
-        let factors = renderer.answer(&shot, &mut technique, &points).unwrap();
-        let squares: f64 = factors.iter().zip(&disc).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-        (squares / disc.len() as f64).sqrt()
+        let technique = VoxelHierarchy::new(penumbra.renderer.gpu(), grid, &hierarchy, bias, filter).unwrap();
+        let technique = penumbra.renderer.prepare(Box::new(technique)).unwrap();
+        penumbra.error(technique)
     };
     let soft = error(SOFT);
     let widths = FILTER_WIDTHS.map(|width| error(HierarchyFilter::Taps(width)));

@@ -3,11 +3,11 @@
 mod kit;
 
 use adumbra::camera::{Camera, Projection};
-use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::maps::gaussian;
 use adumbra_render::maps::twin::MapTwin;
 use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
 use kit::boxes::boxes;
+use kit::penumbra::Penumbra;
 
 fn prepare(renderer: &Renderer, name: &str) -> Prepared {
     let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
@@ -101,31 +101,10 @@ fn light_bleeds_through_overlapping_casters_until_the_tail_is_cut() {
 #[test]
 fn filters_are_nearer_to_a_sun_disc_than_one_comparison() {
     let angle: f64 = 2.0;
-    let scene = boxes(&[
-        ([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]),
-        ([-4.0, 4.0, -4.0], [4.0, 4.2, 4.0]),
-        ([6.0, 0.0, -3.0], [7.0, 6.0, -2.0]),
-    ]);
-    let tracer = Tracer::build(&scene, TraceOptions::default());
-    let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
-    let towards_sun = kit::sun();
-    let projection = Projection::Perspective { fov_degrees: 60.0 };
-    let camera = Camera { eye: [0.0, 30.0, 30.0], target: [0.0; 3], projection, width: 1280, height: 720 };
-    let shot = Shot { camera, towards_sun, number: 0 };
-    let at = |i: u32| -10.0 + 0.11 * f64::from(i);
-    let points: Vec<_> = (0..150_u32)
-        .flat_map(|z| (0..150_u32).map(move |x| [at(x), 0.0, at(z)]))
-        .map(|p_world| SurfacePoint { p_world, normal: [0.0, 1.0, 0.0] })
-        .collect();
-    let disc: Vec<f32> = points
-        .iter()
-        .map(|p| tracer.sun_disc_visibility([p.p_world[0], 1e-4, p.p_world[2]], towards_sun, angle, 64, 1))
-        .collect();
+    let mut penumbra = Penumbra::new(angle);
     let mut error = |name: &str| {
-        let mut technique = prepare(&renderer, name);
-        let factors = renderer.answer(&shot, &mut technique, &points).unwrap();
-        let squares: f64 = factors.iter().zip(&disc).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-        (squares / disc.len() as f64).sqrt()
+        let technique = prepare(&penumbra.renderer, name);
+        penumbra.error(technique)
     };
     let names = ["sm", "pcf:filter=3", "pcf", "pcf:filter=poisson", "vsm", "pcss:angle=2"];
     let [one, three, five, poisson, variance, soft] = names.map(|name| error(&format!("{name}:size=1024")));

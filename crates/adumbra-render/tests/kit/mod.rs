@@ -6,6 +6,7 @@ pub(crate) mod ambient;
 pub(crate) mod boxes;
 pub(crate) mod buffers;
 pub(crate) mod hybrid;
+pub(crate) mod penumbra;
 pub(crate) mod surfaces;
 
 use adumbra::camera::{Camera, Projection};

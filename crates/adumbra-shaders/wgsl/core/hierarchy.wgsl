@@ -234,20 +234,14 @@ fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
     return ~dark & hierarchy_from_rank(v, leaf, dark_ranks);
 }
 
-// Lit taps among the columns low…high, which lie in one block; as voxel_block.
+// Lit taps among the columns low…high, which lie in one block.
 fn hierarchy_block(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> u32 {
-    let size = high - low + 1;
-    let count = u32(size.x * size.y);
-    let inside_low = max(low, vec2i(0));
-    let inside_high = min(high, v.grid.size.xy - 1);
-    let layer = voxel_layer(r, select(high, low, r.gradient >= vec2i(0)));
-    if (any(inside_low > inside_high) || layer < 0) {
-        return count;
+    let taps = voxel_taps(v, r, low, high);
+    if (taps.layer < 0) {
+        return taps.beside;
     }
-    let inside = inside_high - inside_low + 1;
-    let k = u32(min(layer, v.grid.size.z - 1));
-    let lit = hierarchy_slab(v, vec2u(inside_low), k) & voxel_rectangle(inside_low, inside_high);
-    return count - u32(inside.x * inside.y) + countOneBits(lit.x) + countOneBits(lit.y);
+    let lit = hierarchy_slab(v, vec2u(taps.low), u32(taps.layer)) & voxel_rectangle(taps.low, taps.high);
+    return taps.beside + countOneBits(lit.x) + countOneBits(lit.y);
 }
 
 // Lit taps of K².

@@ -41,8 +41,32 @@ fn voxel_rectangle(low: vec2i, high: vec2i) -> vec2u {
     );
 }
 
+// Taps of one block as far as they lie over the grid, and how many lie beside it, where all is lit.
+struct VoxelTaps {
+    low: vec2i,
+    high: vec2i,
+    // The one that they share; below 0 all are lit and counted as beside.
+    layer: i32,
+    beside: u32,
+}
+
 // The layer of the receiver's plane at the centre of a tap.
 fn voxel_layer(r: VoxelReceiver, tap: vec2i) -> i32 {
     let along = r.gradient * (tap * FIXED_ONE + FIXED_ONE / 2 - r.p_fixed.xy);
     return (r.p_fixed.z + ((along.x + along.y) >> GRADIENT_BITS)) >> FIXED_BITS;
+}
+
+// Taps low…high, which lie in one block. Their layer is that of the plane at their centre less half its slope times their extent, which is
+// that at the tap where the plane is nearest to the sun.
+fn voxel_taps(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> VoxelTaps {
+    let size = high - low + 1;
+    let count = u32(size.x * size.y);
+    let inside_low = max(low, vec2i(0));
+    let inside_high = min(high, v.grid.size.xy - 1);
+    let layer = voxel_layer(r, select(high, low, r.gradient >= vec2i(0)));
+    if (any(inside_low > inside_high) || layer < 0) {
+        return VoxelTaps(inside_low, inside_high, -1, count);
+    }
+    let inside = inside_high - inside_low + 1;
+    return VoxelTaps(inside_low, inside_high, min(layer, v.grid.size.z - 1), count - u32(inside.x * inside.y));
 }

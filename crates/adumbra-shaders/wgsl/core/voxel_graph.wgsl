@@ -47,22 +47,14 @@ fn voxel_lit_bits(v: VoxelParams, over: VoxelNode, voxel: vec3u, mask: vec2u) ->
     return countOneBits(lit.x) + countOneBits(lit.y);
 }
 
-// Lit taps among the texels low…high, which lie in one block. Their layer is that of the plane at their centre less half its slope times
-// their extent, which is that at the tap where the plane is nearest to the sun.
+// Lit taps among the texels low…high, which lie in one block.
 fn voxel_block(v: VoxelParams, r: VoxelReceiver, over: VoxelNode, low: vec2i, high: vec2i) -> u32 {
-    let size = high - low + 1;
-    let count = u32(size.x * size.y);
-    // Texels beside the grid are lit.
-    let inside_low = max(low, vec2i(0));
-    let inside_high = min(high, v.grid.size.xy - 1);
-    let layer = voxel_layer(r, select(high, low, r.gradient >= vec2i(0)));
-    if (any(inside_low > inside_high) || layer < 0) {
-        return count;
+    let taps = voxel_taps(v, r, low, high);
+    if (taps.layer < 0) {
+        return taps.beside;
     }
-    let inside = inside_high - inside_low + 1;
-    let mask = voxel_rectangle(inside_low, inside_high);
-    let voxel = vec3u(vec3i(inside_low, min(layer, v.grid.size.z - 1)));
-    return count - u32(inside.x * inside.y) + voxel_lit_bits(v, over, voxel, mask);
+    let mask = voxel_rectangle(taps.low, taps.high);
+    return taps.beside + voxel_lit_bits(v, over, vec3u(vec3i(taps.low, taps.layer)), mask);
 }
 
 // Lit taps of K².

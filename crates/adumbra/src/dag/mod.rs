@@ -18,10 +18,12 @@ mod canonical;
 mod composition;
 pub mod packed;
 pub mod store;
+mod top_error;
 mod trail;
 mod validate;
 
 pub use composition::Composition;
+pub use top_error::TopError;
 pub use trail::Trail;
 use trail::{Descend, Step};
 pub use validate::{GraphError, GraphPlace, MAX_ROOT_LEVEL};

@@ -7,6 +7,7 @@
 //! the level falls by one a step; so the walk takes time linear in the words and its depth is at most
 //! `root_level - 2`. Whether equal nodes were merged is not checked: that decides the size, not the answers.
 
+use super::top_error::{TopError, check_count, check_dims};
 use super::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL};
 
 /// Largest root level: a root cube of 2^20 voxels a side.
@@ -46,38 +47,9 @@ impl std::fmt::Display for GraphPlace {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GraphError {
-    /// The root level is out of range.
-    #[error("root level {root_level} is not from {SLAB_NODE_LEVEL} to {MAX_ROOT_LEVEL}")]
-    RootLevel {
-        /// The level given.
-        root_level: u32,
-    },
-    /// The top grid's dimensions do not follow from the size and the root level.
-    #[error("top grid of {found:?} roots, but the size and the root level ask for {expected:?}")]
-    TopDims {
-        /// What it says.
-        found: [u32; 3],
-        /// What follows from the size.
-        expected: [u32; 3],
-    },
-    /// The top grid has not as many entries as its dimensions say.
-    #[error("top grid of {found} entries, but its dimensions ask for {expected}")]
-    TopLength {
-        /// Entries there are.
-        found: u64,
-        /// Entries there should be.
-        expected: u128,
-    },
-    /// More nodes or slabs than a 32-bit pointer can tell apart.
-    #[error("{count} {what}, but a pointer can name at most {limit}")]
-    TooMany {
-        /// "node words" or "slabs".
-        what: &'static str,
-        /// How many there are.
-        count: u64,
-        /// The most there may be.
-        limit: u64,
-    },
+    /// Of the top grid, or of a size.
+    #[error(transparent)]
+    Top(#[from] TopError),
     /// A pointer leads behind the end of the nodes or slabs.
     #[error("{place} points to {target} {pointer}, but there are only {count}")]
     PointerRange {
@@ -174,10 +146,7 @@ impl GraphError {
     /// The variant's name, stable across versions; test vectors use it.
     pub fn kind(&self) -> &'static str {
         match self {
-            Self::RootLevel { .. } => "RootLevel",
-            Self::TopDims { .. } => "TopDims",
-            Self::TopLength { .. } => "TopLength",
-            Self::TooMany { .. } => "TooMany",
+            Self::Top(error) => error.kind(),
             Self::PointerRange { .. } => "PointerRange",
             Self::Order { .. } => "Order",
             Self::NotAHeader { .. } => "NotAHeader",
@@ -204,19 +173,14 @@ impl Dag {
     /// # Errors
     /// The first fault in pre-order.
     pub fn validate(&self) -> Result<(), GraphError> {
-        if !(SLAB_NODE_LEVEL..=MAX_ROOT_LEVEL).contains(&self.root_level) {
-            return Err(GraphError::RootLevel { root_level: self.root_level });
+        check_dims(self.size, self.root_level, self.top_dims)?;
+        let (found, expected) =
+            (self.top.len() as u64, self.top_dims.iter().map(|&n| u128::from(n)).product());
+        if u128::from(found) != expected {
+            return Err(TopError::TopLength { found, expected }.into());
         }
-        let expected = Self::top_dims_covering(self.size, self.root_level);
-        if self.top_dims != expected {
-            return Err(GraphError::TopDims { found: self.top_dims, expected });
-        }
-        let roots = expected.iter().map(|&n| u128::from(n)).product();
-        if self.top.len() as u128 != roots {
-            return Err(GraphError::TopLength { found: self.top.len() as u64, expected: roots });
-        }
-        within("node words", self.nodes.len(), u64::from(SHADOWED))?;
-        within("slabs", self.slabs.len(), 1 << 32)?;
+        check_count("node words", self.nodes.len() as u64, SHADOWED.into())?;
+        check_count("slabs", self.slabs.len() as u64, 1 << 32)?;
 
         let mut walk = Walk { dag: self, level_of: vec![0; self.nodes.len()], nodes_seen: 0, slabs_seen: 0 };
         for (index, &entry) in self.top.iter().enumerate() {
@@ -226,11 +190,6 @@ impl Dag {
         }
         walk.finish()
     }
-}
-
-fn within(what: &'static str, count: usize, limit: u64) -> Result<(), GraphError> {
-    let count = count as u64;
-    if count > limit { Err(GraphError::TooMany { what, count, limit }) } else { Ok(()) }
 }
 
 /// A node with no slab below it means the same at every level that its height fits; its byte is this plus the height.

@@ -8,44 +8,16 @@
 
 use super::node::{Cube, Inner, Target, Unreadable, high_bits};
 use super::{MAX_SHARED_SLABS, MAX_UNITS, POOL_WORDS, PackedDag};
-use crate::dag::{Composition, Dag, MAX_ROOT_LEVEL, SLAB_NODE_LEVEL};
+use crate::dag::top_error::{TopError, check_count, check_dims};
+use crate::dag::{Composition, SLAB_NODE_LEVEL};
 
 /// A structural fault of a packed graph.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PackedError {
-    /// The root level is out of range.
-    #[error("root level {root_level} is not from {SLAB_NODE_LEVEL} to {MAX_ROOT_LEVEL}")]
-    RootLevel {
-        /// The level given.
-        root_level: u32,
-    },
-    /// The top grid's dimensions do not follow from the size and the root level.
-    #[error("top grid of {found:?} roots, but the size and the root level ask for {expected:?}")]
-    TopDims {
-        /// What it says.
-        found: [u32; 3],
-        /// What follows from the size.
-        expected: [u32; 3],
-    },
-    /// The top has not as many words as its columns and roots need.
-    #[error("top of {found} words, but its columns and roots ask for {expected}")]
-    TopLength {
-        /// Words there are.
-        found: u64,
-        /// Words there should be.
-        expected: u128,
-    },
-    /// More units or shared slabs than pointers can tell apart.
-    #[error("{count} {what}, but a pointer can name at most {limit}")]
-    TooMany {
-        /// "units" or "slabs".
-        what: &'static str,
-        /// How many there are.
-        count: u64,
-        /// The most there may be.
-        limit: u64,
-    },
+    /// Of the top, or of a size.
+    #[error(transparent)]
+    Top(#[from] TopError),
     /// Pools do not lie one behind the other from the first unit to the last.
     #[error(
         "top word {word} says that a pool begins at unit {unit}, which cannot be: {units} units in order"
@@ -146,10 +118,7 @@ impl PackedError {
     /// The variant's name, stable across versions; test vectors use it.
     pub fn kind(&self) -> &'static str {
         match self {
-            Self::RootLevel { .. } => "RootLevel",
-            Self::TopDims { .. } => "TopDims",
-            Self::TopLength { .. } => "TopLength",
-            Self::TooMany { .. } => "TooMany",
+            Self::Top(error) => error.kind(),
             Self::Pools { .. } => "Pools",
             Self::Filler { .. } => "Filler",
             Self::Column { .. } => "Column",
@@ -201,26 +170,19 @@ impl PackedDag {
     }
 
     fn check_top(&self) -> Result<(), PackedError> {
-        let root_level = self.root_level;
-        if !(SLAB_NODE_LEVEL..=MAX_ROOT_LEVEL).contains(&root_level) {
-            return Err(PackedError::RootLevel { root_level });
-        }
-        let expected = Dag::top_dims_covering(self.size, root_level);
-        if self.top_dims != expected {
-            return Err(PackedError::TopDims { found: self.top_dims, expected });
-        }
-        let columns = u128::from(expected[0]) * u128::from(expected[1]);
+        check_dims(self.size, self.root_level, self.top_dims)?;
+        let columns = u128::from(self.top_dims[0]) * u128::from(self.top_dims[1]);
         let fixed = POOL_WORDS as u128 + 2 * columns + 1;
         let found = self.top.len() as u64;
         if u128::from(found) < fixed {
-            return Err(PackedError::TopLength { found, expected: fixed });
+            return Err(TopError::TopLength { found, expected: fixed }.into());
         }
         let roots = self.top[self.roots_at() - 1];
         if u128::from(found) != fixed + u128::from(roots) {
-            return Err(PackedError::TopLength { found, expected: fixed + u128::from(roots) });
+            return Err(TopError::TopLength { found, expected: fixed + u128::from(roots) }.into());
         }
-        within("units", self.units.len(), MAX_UNITS)?;
-        within("slabs", self.slabs.len(), MAX_SHARED_SLABS)?;
+        check_count("units", self.units.len() as u64, MAX_UNITS as u64)?;
+        check_count("slabs", self.slabs.len() as u64, MAX_SHARED_SLABS as u64)?;
         self.check_pools()?;
         self.check_columns()
     }
@@ -266,11 +228,6 @@ impl PackedDag {
         }
         Ok(())
     }
-}
-
-fn within(what: &'static str, count: usize, limit: usize) -> Result<(), PackedError> {
-    let (count, limit) = (count as u64, limit as u64);
-    if count > limit { Err(PackedError::TooMany { what, count, limit }) } else { Ok(()) }
 }
 
 struct Walk<'a> {
