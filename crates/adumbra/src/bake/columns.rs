@@ -231,11 +231,21 @@ impl ColumnRules {
         } else if first.is_solid() {
             Some(base)
         } else {
-            let thickness = self.thickness_fixed().max(first.bias());
+            let thickness = self.open_thickness(first);
             let half_gap = if nothing_behind { FixedDepth::MAX } else { (next - first.depth()) / 2 };
             Some(first.depth().saturating_add(thickness.min(half_gap)))
         };
         [e, exit.map_or(FREE_TO_END, |exit| self.latest_switch(exit).max(e))]
+    }
+
+    /// How far below an open first surface its shadow may begin, were nothing behind it, 1/256 voxel.
+    fn open_thickness(&self, first: FirstSurface) -> FixedDepth {
+        self.thickness_fixed().max(first.bias())
+    }
+
+    /// A receiver at this depth behind an open first surface, or behind it, leaves it all its thickness.
+    pub(crate) fn full_thickness_from(&self, first: FirstSurface) -> FixedDepth {
+        first.depth().saturating_add(self.open_thickness(first).saturating_mul(2)).saturating_add(1)
     }
 
     /// x for an exit: [`FREE_TO_END`] at or beyond the grid's end.

@@ -253,6 +253,13 @@ impl Leaf<'_> {
             return;
         }
         for near in order.iter().filter(|near| near.high > threshold) {
+            // Nearest first: what no longer matters to a column will not matter again.
+            asking = bits(asking)
+                .filter(|&texel| near.low < self.matters_before(texel))
+                .fold(0, |mask, texel| mask | 1 << texel);
+            if asking == 0 {
+                return;
+            }
             let shape = &self.setting.surfaces[near.surface as usize].surface.shape;
             let mut wanted = asking;
             if shape.rise(FOOTPRINT_HALF) + f64::from(CERTAINLY_BEHIND)
@@ -263,6 +270,19 @@ impl Leaf<'_> {
                 wanted = bits(asking).filter(|t| !own(t)).fold(0, |mask, texel| mask | 1 << texel);
             }
             self.ask(wanted, shape);
+        }
+    }
+
+    /// Receivers at this depth or behind it change nothing about a column: a nearer one is known, or one that leaves an open surface
+    /// all its thickness, or any behind a solid.
+    fn matters_before(&self, texel: usize) -> FixedDepth {
+        let (first, next) = (self.first[texel], self.next[texel]);
+        if next == FixedDepth::MAX {
+            next
+        } else if first.is_solid() {
+            FixedDepth::MIN
+        } else {
+            next.min(self.setting.rules.full_thickness_from(first))
         }
     }
 
