@@ -72,7 +72,8 @@ pub struct Settings {
     pub ignore_alpha: bool,
     /// Which points are answered.
     pub receivers: Receivers,
-    /// How far behind its first surface a column may switch, voxels; 0 = anywhere inside the solid.
+    /// How far behind its first surface, or the deepest of a block that no contour crosses, a column may switch, voxels; 0 = anywhere inside
+    /// the solid.
     pub switch_within_voxels: u32,
     /// The box that fixed the space, if one was given.
     pub bounds: Option<Bounds>,

@@ -114,8 +114,10 @@ pub(crate) struct ColumnRules {
     pub(crate) depth_voxels: u32,
 }
 
-/// The x of a column in which no voxel of the grid must be shadowed.
-pub(crate) const FREE_TO_END: u32 = u32::MAX;
+/// The x of a column in which no voxel of the grid must be shadowed; so does [`BESIDE_GRID`].
+pub(crate) const FREE_TO_END: u32 = u32::MAX - 1;
+/// The x of what is no column of the grid, e = 0: nobody asks it.
+pub(crate) const BESIDE_GRID: u32 = u32::MAX;
 
 /// Half side of the footprint of a texel, with 1/256 for the snapping.
 pub(crate) const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;

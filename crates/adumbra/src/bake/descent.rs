@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::block::{Block, BlockSurface};
 use super::capture::{CaptureBuffers, TileRect, capture};
 use super::casters::Casters;
-use super::columns::{ColumnRules, Columns, FREE_TO_END};
+use super::columns::{BESIDE_GRID, ColumnRules, Columns, FREE_TO_END};
 use super::gather::gather;
 use super::judge::{JudgeBuffers, Verdict, judge};
 use super::leaf::{LeafBuffers, Setting, leaf_columns};
@@ -125,7 +125,7 @@ impl<S: BlockSink> Descent<'_, S> {
         let Setting { grid, rules, surfaces, .. } = self.setting;
         let [width, height, depth] = grid.size;
         if block.x >= width || block.y >= height {
-            return Ok(self.sink.uniform(block.level, [0, FREE_TO_END]));
+            return Ok(self.sink.uniform(block.level, [0, BESIDE_GRID]));
         }
         if buffers.lists.len() == from {
             return Ok(self.sink.uniform(block.level, [depth, FREE_TO_END]));
@@ -145,8 +145,7 @@ impl<S: BlockSink> Descent<'_, S> {
             return Ok(self.leaf(block, from, known_behind, buffers));
         }
         let to = buffers.lists.len();
-        let mut quarters = Vec::with_capacity(4);
-        for q in 0..4 {
+        let mut build = |q| {
             let quarter = block.quarter(q);
             let rect = quarter.snapped(self.reach);
             for place in from..to {
@@ -157,12 +156,10 @@ impl<S: BlockSink> Descent<'_, S> {
             }
             let built = self.build(quarter, to, known_behind, buffers);
             buffers.lists.truncate(to);
-            quarters.push(built?);
-        }
-        match <[S::Block; 4]>::try_from(quarters) {
-            Ok(quarters) => Ok(self.sink.join(block.level, quarters)),
-            Err(_) => unreachable!("four quarters were built"),
-        }
+            built
+        };
+        let quarters = [build(0)?, build(1)?, build(2)?, build(3)?];
+        Ok(self.sink.join(block.level, quarters))
     }
 
     fn leaf(

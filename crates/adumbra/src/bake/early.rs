@@ -1,10 +1,11 @@
-//! How far behind its first surface a column may switch. The columns' own rules ask only what a receiver finds in its own
+//! How far behind its first surface a column may switch; in a block that is resolved undrawn, how far behind the deepest first surface of
+//! the block. The columns' own rules ask only what a receiver finds in its own
 //! column; a filter reads the columns beside it too, and in those of a wall, at the depth of the wall's foot, finds a voxel
 //! inside the wall. Where that is free and lit, the contact shadow pales within the filter's reach. So the freedom is cut.
 //!
 //! `docs/layouts.md` has what it costs and what it mends.
 
-use super::columns::{Columns, FREE_TO_END};
+use super::columns::{BESIDE_GRID, Columns};
 use super::sink::{BlockColumns, BlockSink};
 
 /// The freedom that is left of an interval.
@@ -19,8 +20,7 @@ pub(super) struct Early {
 impl Early {
     /// What is left of `[e, x]`; columns without a surface, and those beside the grid, stay as they are.
     fn interval(self, [e, x]: [u32; 2]) -> [u32; 2] {
-        let beside_the_grid = e == 0 && x == FREE_TO_END;
-        if self.within_voxels == 0 || beside_the_grid || e >= self.depth_voxels {
+        if self.within_voxels == 0 || x == BESIDE_GRID || e >= self.depth_voxels {
             return [e, x];
         }
         [e, x.min(e.saturating_add(self.within_voxels)).min(self.depth_voxels - 1)]
@@ -48,6 +48,9 @@ impl<S: BlockSink> BlockSink for EarlySink<'_, S> {
     }
 
     fn leaf(&self, columns: &BlockColumns) -> S::Block {
+        if self.early.within_voxels == 0 {
+            return self.sink.leaf(columns);
+        }
         let mut cut = columns.clone();
         for (e, x) in columns.e.iter().zip(&mut cut.x) {
             [_, *x] = self.early.interval([*e, *x]);
@@ -62,6 +65,7 @@ impl<S: BlockSink> BlockSink for EarlySink<'_, S> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::columns::FREE_TO_END;
     use super::*;
 
     #[test]
@@ -73,7 +77,9 @@ mod tests {
         // A surface near the grid's end still casts; one at its end, or none, does not.
         assert_eq!(cut(8, [97, FREE_TO_END]), [97, 99]);
         assert_eq!(cut(8, [100, FREE_TO_END]), [100, FREE_TO_END]);
-        assert_eq!(cut(8, [0, FREE_TO_END]), [0, FREE_TO_END]);
+        assert_eq!(cut(8, [0, BESIDE_GRID]), [0, BESIDE_GRID]);
+        // What lies sunward of a box that was asked for.
+        assert_eq!(cut(8, [0, FREE_TO_END]), [0, 8]);
         assert_eq!(cut(0, [10, FREE_TO_END]), [10, FREE_TO_END]);
     }
 }

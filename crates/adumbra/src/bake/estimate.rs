@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use super::descent::{DescentBuffers, build_root};
+use super::early::EarlySink;
 use super::graph_sink::GraphSink;
 use super::plain::{self, PlainBuffers};
 use super::plan::Plan;
@@ -42,7 +43,7 @@ pub fn estimate(scene: &Scene, options: &Options) -> Result<Estimate> {
     let mut build = |tile: usize, store: &NodeStore| -> Result<()> {
         match options.builder {
             Builder::Fast => {
-                let sink = GraphSink::new(store, plan.grid.size[2]);
+                let sink = EarlySink { early: plan.early(), sink: &GraphSink::new(store, plan.grid.size[2]) };
                 build_root(&plan, tile, &sink, &mut descent, &AtomicBool::new(false))?;
             }
             Builder::Plain => {

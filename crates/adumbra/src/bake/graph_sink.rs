@@ -5,7 +5,7 @@
 //! pieces of its quarters' runs.
 
 use super::sink::{BlockColumns, BlockSink};
-use super::switches::{for_each_cube, roundest};
+use super::switches::{FOREVER, for_each_cube, roundest};
 use crate::dag::SLAB_NODE_LEVEL;
 use crate::dag::store::{NodeState, NodeStore};
 
@@ -25,8 +25,6 @@ struct Run {
     end: u32,
     state: NodeState,
 }
-
-const FOREVER: u32 = u32::MAX;
 
 impl Runs {
     fn push(&mut self, end: u32, state: NodeState) {

@@ -58,7 +58,7 @@ pub struct Options {
     /// Bytes that the bake may hold; none = no limit.
     pub max_memory_bytes: Option<u64>,
     /// How far behind its first surface a column may switch to shadow, voxels, at most [`MAX_SWITCH_WITHIN`]; 0: anywhere
-    /// inside the solid. Less: bigger files, and filters that find shadow close to a wall's foot.
+    /// inside the solid. In a block that no contour crosses the deepest first surface counts for all its columns. Less: bigger files, and filters that find shadow close to a wall's foot.
     pub switch_within_voxels: u32,
     /// How the columns are found.
     pub builder: Builder,

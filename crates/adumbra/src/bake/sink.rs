@@ -3,14 +3,14 @@
 //!
 //! A block is a square of 2^level × 2^level columns, level 3 at the smallest, aligned to its size. A column's `[e, x]` says
 //! that its switch from lit to shadowed may stand anywhere in it: voxel k must be lit where k < e, shadowed where k >= x.
-//! x = [`FREE_TO_END`]: no voxel of the column must be shadowed.
+//! x = [`FREE_TO_END`](super::columns::FREE_TO_END) or more: no voxel of the column must be shadowed.
 
-use super::columns::{Columns, FREE_TO_END};
+use super::columns::{BESIDE_GRID, Columns};
 
 /// Columns of the smallest block along a side.
 pub(crate) const BLOCK_SIDE: usize = 8;
 
-/// `[e, x]` of an 8 × 8 block of columns, texel y·8 + x; columns beside the grid are free: `[0, FREE_TO_END]`.
+/// `[e, x]` of an 8 × 8 block of columns, texel y·8 + x; columns beside the grid are `[0, BESIDE_GRID]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BlockColumns {
     pub(crate) e: [u32; BLOCK_SIDE * BLOCK_SIDE],
@@ -20,7 +20,7 @@ pub(crate) struct BlockColumns {
 impl BlockColumns {
     /// Columns that may be anything.
     pub(crate) fn free() -> Self {
-        Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] }
+        Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [BESIDE_GRID; BLOCK_SIDE * BLOCK_SIDE] }
     }
 
     /// Columns whose voxel k must be lit.
@@ -35,7 +35,7 @@ impl BlockColumns {
 
     /// At most 8 × 8 columns, what is missing free.
     pub(crate) fn padded(columns: &Columns) -> Self {
-        let mut block = Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [FREE_TO_END; BLOCK_SIDE * BLOCK_SIDE] };
+        let mut block = Self::free();
         let width = columns.width as usize;
         for y in 0..columns.height as usize {
             let (from, to) = (y * width, y * BLOCK_SIDE);
@@ -56,8 +56,8 @@ pub(crate) trait BlockSink: Sync {
     /// What stands for a finished block until its parent takes it.
     type Block: Send;
 
-    /// A block of 2^level columns a side, all of which may switch anywhere in `[e, x]`, e <= x; [`FREE_TO_END`]
-    /// and e = the grid's depth included.
+    /// A block of 2^level columns a side, all of which may switch anywhere in `[e, x]`, e <= x; an x
+    /// of [`FREE_TO_END`](super::columns::FREE_TO_END) or more and e = the grid's depth included.
     fn uniform(&self, level: u32, interval: [u32; 2]) -> Self::Block;
 
     /// A block of level 3 from its columns.

@@ -9,15 +9,18 @@ use crate::dag::SLAB_NODE_LEVEL;
 /// begins close behind the surface, for what moves there.
 pub(super) const FREE_ROUND_LEVEL: u32 = 6;
 
+/// Behind every layer of a grid.
+pub(super) const FOREVER: u32 = u32::MAX;
+
 /// The slabs of an 8 × 8 block in a grid `depth` voxels deep, cube by cube of eight layers: `visit(end, masks)` for all cubes
 /// from where the last call ended up to `end`, which all have these eight slabs, bit y·8 + x, 1 = lit. The last call's end is
-/// [`FREE_TO_END`].
+/// [`FOREVER`].
 ///
 /// Everything is lit until a column must be shadowed. From there on a mask is kept while first surfaces are crossed, as long
 /// as it may be; where none is crossed it is what must be lit, the outline of what is still to come.
 pub(super) fn for_each_cube(columns: &BlockColumns, depth: u32, mut visit: impl FnMut(u32, [u64; 8])) {
     let latest = columns.e.iter().fold(0, |m, &e| m.max(e));
-    let forced = columns.x.iter().fold(FREE_TO_END, |m, &x| m.min(x));
+    let forced = columns.x.iter().fold(FOREVER, |m, &x| m.min(x));
     if latest <= forced {
         return switch_all(roundest(latest, forced), depth, visit);
     }
@@ -52,13 +55,13 @@ pub(super) fn for_each_cube(columns: &BlockColumns, depth: u32, mut visit: impl 
     }
     // Behind the grid's end nobody asks, so what is lit there stays so.
     let last = (next_cube << SLAB_NODE_LEVEL).min(depth - 1);
-    visit(FREE_TO_END, [columns.must_be_lit(last); 8]);
+    visit(FOREVER, [columns.must_be_lit(last); 8]);
 }
 
 /// All columns switch at `switch`.
 fn switch_all(switch: u32, depth: u32, mut visit: impl FnMut(u32, [u64; 8])) {
     if switch >= depth {
-        return visit(FREE_TO_END, [u64::MAX; 8]);
+        return visit(FOREVER, [u64::MAX; 8]);
     }
     let (cube, layer) = (switch >> SLAB_NODE_LEVEL, switch & 7);
     if cube > 0 {
@@ -67,7 +70,7 @@ fn switch_all(switch: u32, depth: u32, mut visit: impl FnMut(u32, [u64; 8])) {
     if layer > 0 {
         visit(cube + 1, std::array::from_fn(|k| if (k as u32) < layer { u64::MAX } else { 0 }));
     }
-    visit(FREE_TO_END, [0; 8]);
+    visit(FOREVER, [0; 8]);
 }
 
 /// The cubes in which a column's e or x lies, `forced` or deeper, nearest first.
@@ -75,7 +78,7 @@ fn cubes_of_ends(columns: &BlockColumns, forced: u32) -> Vec<u32> {
     let mut cubes: Vec<u32> = Vec::with_capacity(16);
     for &end in columns.e.iter().chain(&columns.x) {
         let cube = end >> SLAB_NODE_LEVEL;
-        if end >= forced && end != FREE_TO_END && !cubes.contains(&cube) {
+        if end >= forced && end < FREE_TO_END && !cubes.contains(&cube) {
             cubes.push(cube);
         }
     }
@@ -86,7 +89,7 @@ fn cubes_of_ends(columns: &BlockColumns, forced: u32) -> Vec<u32> {
 /// The number of `[start, end]` that is a multiple of the highest power of two; where the end is free, a multiple of
 /// 2^[`FREE_ROUND_LEVEL`].
 pub(super) fn roundest(start: u32, end: u32) -> u32 {
-    if end == FREE_TO_END {
+    if end >= FREE_TO_END {
         return start.checked_next_multiple_of(1 << FREE_ROUND_LEVEL).unwrap_or(start);
     }
     if start == 0 || start == end {
@@ -138,7 +141,7 @@ mod tests {
                 }
                 from = end;
             });
-            prop_assert_eq!(from, FREE_TO_END);
+            prop_assert_eq!(from, FOREVER);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Between the hierarchy and anything that answers slabs.
 
-use super::choose::FREE_TO_END;
+use super::choose::{BESIDE_GRID, FREE_TO_END};
 use super::code::Child;
 use super::sink::HierarchySink;
 use super::{Hierarchy, LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
@@ -80,7 +80,7 @@ fn block_of(
 ) -> <HierarchySink as BlockSink>::Block {
     let [nx, ny, nz] = slabs.size();
     if x >= nx || y >= ny {
-        return sink.uniform(level, [0, FREE_TO_END]);
+        return sink.uniform(level, [0, BESIDE_GRID]);
     }
     if level > LEAF_LEVEL {
         let half = 1 << (level - 1);

@@ -1,7 +1,7 @@
 //! A hierarchy from columns that are at hand, whoever made them.
 
 use super::Hierarchy;
-use super::choose::{FREE_TO_END, holds_any, intersection};
+use super::choose::{BESIDE_GRID, holds_any, intersection};
 use super::sink::HierarchySink;
 use crate::bake::sink::{BLOCK_SIDE, BlockColumns, BlockSink};
 
@@ -18,7 +18,7 @@ impl Hierarchy {
     ) -> Self {
         let level = root_level.max(5);
         let sink = HierarchySink::new(level, merged);
-        let inside = |i, j| if i < size[0] && j < size[1] { column(i, j) } else { [0, FREE_TO_END] };
+        let inside = |i, j| if i < size[0] && j < size[1] { column(i, j) } else { [0, BESIDE_GRID] };
         let corners = |n: u32| (0..n).step_by(1 << level);
         let block = |(y, x)| block_of(&sink, &inside, level, [x, y]);
         let blocks =

@@ -58,7 +58,7 @@ pub(super) const ENDLESS: i32 = i32::MAX;
 impl Intervals {
     /// Depths are below 2^30: see [`crate::bake`].
     pub(super) fn new(columns: &BlockColumns) -> Self {
-        let x = columns.x.map(|x| if x == FREE_TO_END { ENDLESS } else { x as i32 });
+        let x = columns.x.map(|x| if x >= FREE_TO_END { ENDLESS } else { x as i32 });
         Self { e: columns.e.map(|e| e as i32), x, slant: Slant::default() }
     }
 

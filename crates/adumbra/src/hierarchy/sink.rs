@@ -7,7 +7,7 @@
 
 use std::sync::Mutex;
 
-use super::choose::{FREE_TO_END, holds_any, intersection, most_shared};
+use super::choose::{BESIDE_GRID, FREE_TO_END, holds_any, intersection, most_shared};
 use super::leaf::{Leaf, sort_columns};
 use super::store::{INHERITS, NEVER, OWN, SHARES, ShapeStore};
 use super::{Hierarchy, LEAF_LEVEL, NODE_LEVELS, UNIFORM, encode};
@@ -72,7 +72,7 @@ impl HierarchyBlock {
 impl Undecided {
     /// Columns that may be anything.
     fn free() -> Self {
-        Self::uniform([0, FREE_TO_END])
+        Self::uniform([0, BESIDE_GRID])
     }
 
     fn uniform(base: [u32; 2]) -> Self {
@@ -81,7 +81,7 @@ impl Undecided {
 
     /// Nothing in it must ever switch.
     fn is_endless(&self) -> bool {
-        self.base[1] == FREE_TO_END && matches!(self.shape, Shape::Uniform)
+        self.base[1] >= FREE_TO_END && matches!(self.shape, Shape::Uniform)
     }
 
     /// A node over sixteen blocks, `y·4 + x`.

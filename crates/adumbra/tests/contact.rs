@@ -1,0 +1,83 @@
+//! Where shadow must be although no receiver of the same column asks: beside a wall's foot under a filter, and below what lies sunward
+//! of the bounds.
+
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::{BakedBoth, Options, Size, bake_both};
+use adumbra::dag::Slabs;
+use adumbra::light::Sun;
+use adumbra::query::Query;
+use adumbra::scene::{Bounds, Instance, Material, Mesh, Scene};
+
+const UP: [f64; 3] = [0.0, 1.0, 0.0];
+
+/// Closed boxes from corner to corner.
+fn boxes(corners: &[([f32; 3], [f32; 3])]) -> Scene {
+    let mut mesh = Mesh { name: "boxes".to_owned(), ..Default::default() };
+    for (min, max) in corners {
+        let first = mesh.positions.len() as u32;
+        let corner = |c: usize| [0, 1, 2].map(|a| if c >> a & 1 == 0 { min[a] } else { max[a] });
+        mesh.positions.extend((0..8).map(corner));
+        // Anticlockwise from outside; bit 0 of a corner is x, bit 1 y, bit 2 z.
+        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6_u32]];
+        for [a, b, c, d] in faces.map(|face| face.map(|corner| first + corner)) {
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh.triangle_materials = vec![0; mesh.triangles.len()];
+    let world_from_mesh = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    Scene {
+        meshes: vec![mesh],
+        instances: vec![Instance { name: "boxes".to_owned(), mesh: 0, world_from_mesh, casts: true }],
+        materials: vec![Material::opaque("white", [1.0; 4])],
+        ..Default::default()
+    }
+}
+
+/// Both structures, from one walk.
+fn bake(scene: &Scene, sun: [f64; 3], change: impl Fn(Options) -> Options) -> BakedBoth {
+    let options = change(Options::new(Sun::from_direction(sun).unwrap(), Size::Resolution(512)));
+    bake_both(scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap()
+}
+
+/// Mean visibility of points with this normal under a 9 × 9 filter, in the graph and in the hierarchy.
+fn means(baked: &BakedBoth, points: &[[f64; 3]], normal: Option<[f64; 3]>) -> [f64; 2] {
+    let structures: [&dyn Slabs; 2] = [&baked.dag, &baked.hierarchy];
+    structures.map(|slabs| {
+        let query = Query::new(&baked.grid, slabs, baked.settings.bias, 9).unwrap();
+        let sum: f64 = points.iter().map(|&p| f64::from(query.visibility(p, normal))).sum();
+        sum / points.len() as f64
+    })
+}
+
+/// A wall on flat ground: along its foot, on the side away from the sun, every tap of the filter finds wall or shadow.
+#[test]
+fn contact_shadows_reach_a_walls_foot_under_a_filter() {
+    let scene = boxes(&[([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]), ([-0.5, 0.0, -8.0], [0.5, 6.0, 8.0])]);
+    let sun = [0.6, 0.7, 0.2];
+    let of = |switch_within_voxels| {
+        let baked = bake(&scene, sun, |o| Options { switch_within_voxels, ..o });
+        let along = |i: u32| -5.0 + 0.1 * f64::from(i);
+        let from_foot = |d: u32| -0.5 - baked.grid.voxel_size * (0.25 + 0.5 * f64::from(d));
+        let points: Vec<_> = (0..100)
+            .flat_map(|i| (0..5).map(move |d| (i, d)))
+            .map(|(i, d)| [from_foot(d), 0.0, along(i)])
+            .collect();
+        means(&baked, &points, Some(UP))
+    };
+    let (near, anywhere) = (of(8), of(0));
+    println!("visibility along the foot: graph and hierarchy {near:.4?}, switching anywhere {anywhere:.4?}");
+    assert!(near.iter().all(|v| *v < 0.02), "{near:?}");
+    assert!(near.iter().zip(anywhere).all(|(near, anywhere)| near + 0.05 < anywhere), "{anywhere:?}");
+}
+
+/// The box holds nothing but air below a roof, so nothing lies behind its columns' first surfaces.
+#[test]
+fn bounds_below_a_roof_are_dark_in_both_structures() {
+    let scene = boxes(&[([-20.0, 10.0, -20.0], [20.0, 10.5, 20.0])]);
+    let bounds = Bounds { min: [-5.0, 0.0, -5.0], max: [5.0, 4.0, 5.0] };
+    let baked = bake(&scene, [0.1, 1.0, 0.05], |o| Options { bounds: Some(bounds), ..o });
+    let at = |i: u32| -4.0 + f64::from(i);
+    let points: Vec<_> = (0..9).flat_map(|x| (0..9).map(move |z| [at(x), 1.0, at(z)])).collect();
+    assert_eq!(means(&baked, &points, None), [0.0; 2]);
+}
