@@ -119,7 +119,7 @@ fn hierarchy_techniques_are_told_by_name() {
     let gpu = kit::gpu();
     let baked = BakedScene::new(generate(GeneratedKind::Primitives, 3), [0.5, 0.8, 0.35], 64, 32);
     let hierarchy = hierarchy_of(&baked);
-    let file = ShadowFile::hierarchy(baked.light.grid, baked.light.settings, hierarchy);
+    let file = ShadowFile::hierarchy(baked.light.grid, baked.light.settings, hierarchy.clone());
     let make = |name: &str, file| {
         let files = Baked { light: Some(file), tree: None };
         build(&gpu, &name.parse().unwrap(), files).map(|technique| technique.name())
@@ -131,6 +131,15 @@ fn hierarchy_techniques_are_told_by_name() {
         [("voxel:angle=1", "angle"), ("voxel:soft:radius=65", "64"), ("voxel:soft:filter=3", "filter")]
     {
         assert!(make(name, &file).unwrap_err().to_string().contains(says), "{name}");
+    }
+    for filter in [
+        HierarchyFilter::Soft { angle_degrees: 2.0, max_radius_texels: 65.0 },
+        HierarchyFilter::Soft { angle_degrees: f64::NAN, max_radius_texels: 32.0 },
+        HierarchyFilter::Taps(4),
+    ] {
+        let made =
+            VoxelHierarchy::new(&gpu, &baked.light.grid, &hierarchy, baked.light.settings.bias, filter);
+        assert!(made.is_err(), "{filter:?}");
     }
     let refused = make("voxel:soft", &baked.light).unwrap_err().to_string();
     assert!(refused.contains("--layout hierarchy"), "{refused}");

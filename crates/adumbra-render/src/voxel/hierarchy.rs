@@ -1,6 +1,8 @@
 //! The technique `voxel` on a file whose layout is the hierarchy: filtered over K × K texels, or, `voxel:soft`, with the penumbrae of a
 //! sun of a given size.
 
+use std::ops::RangeInclusive;
+
 use adumbra::hierarchy::Hierarchy;
 use adumbra::light::LightGrid;
 use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query};
@@ -29,6 +31,25 @@ pub enum HierarchyFilter {
     },
 }
 
+const ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
+const RADII_TEXELS: RangeInclusive<f64> = 1.0..=HIERARCHY_MAX_RADIUS as f64;
+
+impl HierarchyFilter {
+    /// That a sun and its reach are what the shader can count; widths are the look-up's to check.
+    fn check(self) -> adumbra::error::Result<()> {
+        let Self::Soft { angle_degrees, max_radius_texels } = self else { return Ok(()) };
+        for (option, value, range, words) in [
+            ("angle", angle_degrees, ANGLES_DEGREES, "from 0.01 to 20 degrees"),
+            ("radius", max_radius_texels, RADII_TEXELS, "from 1 to 64 texels"),
+        ] {
+            if !range.contains(&value) {
+                return Err(adumbra::Error::OptionRange { option, value: value.to_string(), range: words });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Answers for a receiver in fixed point, of every look-up that there is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HierarchyAnswer {
@@ -53,7 +74,7 @@ impl VoxelHierarchy {
     /// Uploads a hierarchy that is valid. Cost: the bytes of its words.
     ///
     /// # Errors
-    /// [`crate::RenderError::TooLarge`], [`crate::RenderError::VoxelLimit`]; [`crate::RenderError::Library`] for another width.
+    /// [`crate::RenderError::TooLarge`], [`crate::RenderError::VoxelLimit`]; [`crate::RenderError::Library`] for another width, angle or radius.
     pub fn new(
         gpu: &Gpu,
         grid: &LightGrid,
@@ -61,6 +82,7 @@ impl VoxelHierarchy {
         bias: Bias,
         filter: HierarchyFilter,
     ) -> Result<Self> {
+        filter.check()?;
         let (width, sun, name) = match filter {
             HierarchyFilter::Taps(width) => (width, [0.0; 4], format!("voxel:filter={width}")),
             HierarchyFilter::Soft { angle_degrees: angle, max_radius_texels: radius } => (
@@ -100,8 +122,8 @@ impl VoxelHierarchy {
         let mut reader = spec.reader();
         let filter = if reader.choice("shade", &["hard", "soft"])? == "soft" {
             HierarchyFilter::Soft {
-                angle_degrees: reader.number("angle", 0.53, 0.01..=20.0)?,
-                max_radius_texels: reader.number("radius", 32.0, 1.0..=f64::from(HIERARCHY_MAX_RADIUS))?,
+                angle_degrees: reader.number("angle", 0.53, ANGLES_DEGREES)?,
+                max_radius_texels: reader.number("radius", 32.0, RADII_TEXELS)?,
             }
         } else {
             HierarchyFilter::Taps(reader.integer("filter", 9, &FILTER_WIDTHS)?)

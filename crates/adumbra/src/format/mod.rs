@@ -5,8 +5,8 @@
 //! |---|---|---|
 //! | header | 384 | magic, version, grid, settings, section table, checksum (`header.rs`) |
 //! | top | 4 a word | the top grid |
-//! | nodes | 4 a word | headers and pointers; packed, two units a word |
-//! | slabs | 8 a slab | 8 × 8 × 1 visibility masks |
+//! | nodes | 4 a word | headers and pointers; packed, two units a word; of a hierarchy, two half-words of its code |
+//! | slabs | 8 a slab | 8 × 8 × 1 visibility masks; of a hierarchy, wide entries |
 //!
 //! Little-endian throughout. Sections begin at multiples of 16, with zeros in the gaps; each has a CRC-32. There is
 //! exactly one file for a given grid, settings and graph, and it holds nothing that varies between runs.
@@ -78,7 +78,7 @@ impl ShadowFile {
     /// [`to_dag`](crate::dag::packed::PackedDag::to_dag).
     ///
     /// # Errors
-    /// [`FormatError::Packed`] where a packed graph is not valid.
+    /// [`FormatError::Packed`] or [`FormatError::Hierarchy`] where the words are not valid.
     pub fn graph(&self) -> std::result::Result<Cow<'_, Dag>, FormatError> {
         Ok(match &self.body {
             LightBody::Plain(dag) => Cow::Borrowed(dag),

@@ -10,7 +10,7 @@ impl Hierarchy {
     /// from e to x; x = `u32::MAX`: or never. `root_level` is the bake's, 5 or more. `merged`: equal shapes are kept once.
     ///
     /// Cost: each column is asked once a level, on one thread.
-    pub fn from_columns(
+    pub(super) fn from_columns(
         size: [u32; 3],
         root_level: u32,
         merged: bool,
@@ -28,7 +28,7 @@ impl Hierarchy {
 }
 
 /// The block of columns from this corner on, and of the blocks in it, as a sink has them.
-pub(super) fn block_of<S: BlockSink>(
+fn block_of<S: BlockSink>(
     sink: &S,
     column: &impl Fn(u32, u32) -> [u32; 2],
     level: u32,

@@ -52,6 +52,7 @@ mod choose;
 mod code;
 mod convert;
 mod encode;
+#[cfg(test)]
 mod from_columns;
 mod leaf;
 pub(crate) mod sink;
