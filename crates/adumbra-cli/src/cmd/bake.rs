@@ -5,9 +5,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::Error;
-use adumbra::bake::{self, Baked, BakedBoth, BakedHierarchy, Options, Progress, Report};
+use adumbra::bake::{self, Baked, BakedBoth, BakedHierarchy, BakedPacked, Options, Progress, Report};
 use adumbra::files;
-use adumbra::format::{Layout, ShadowFile};
+use adumbra::format::{Layout, LightBody, ShadowFile};
 use adumbra::scene::Scene;
 use serde_json::{Value, json};
 
@@ -27,7 +27,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     };
     let start = Instant::now();
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
-    let options = args.settings.options(args.load.ignore_alpha, &args.work)?;
+    let mut options = args.settings.options(args.load.ignore_alpha, &args.work)?;
+    // The system's folder may be memory; where the file goes there is a disk.
+    options.spill_folder = Some(files::folder_of(&output));
     let tree_options = match args.settings.is_tree()? {
         true if args.dry_run => {
             return Err(Failure::Usage(
@@ -70,6 +72,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "bake_seconds": report.seconds,
                 "peak_bytes": peak,
                 "accounted_bytes": report.accounted_bytes,
+                "spilled_bytes": report.spilled_bytes,
                 "file_bytes": figures.file_bytes,
                 "bits_per_texel": figures.bits_per_texel,
                 "layout": file.body.layout(),
@@ -120,6 +123,11 @@ fn build(
             let BakedHierarchy { grid, settings, hierarchy, report } =
                 bake::bake_hierarchy(scene, options, true, progress, cancel)?;
             (ShadowFile::hierarchy(grid, settings, hierarchy), report, None)
+        }
+        Some(Layout::Packed) => {
+            let BakedPacked { grid, settings, packed, report } =
+                bake::bake_packed(scene, options, progress, cancel)?;
+            (ShadowFile { grid, settings, body: LightBody::Packed(packed) }, report, None)
         }
         Some(layout) => {
             let Baked { grid, settings, dag, report } = bake::bake(scene, options, progress, cancel)?;

@@ -21,6 +21,7 @@ pub mod store;
 mod trail;
 mod validate;
 
+pub(crate) use canonical::PagedDag;
 pub use composition::Composition;
 pub use trail::Trail;
 use trail::{Descend, Step};
