@@ -44,8 +44,7 @@ fn squeeze<T: Send + PartialEq>(
             Err(error) => panic!("{error}"),
         }
     }
-    println!("{enough} of {}, {most_spilled} spilled", free.accounted_bytes);
-    assert!(too_little > 0 && enough < free.accounted_bytes);
+    assert!(too_little > 0, "nothing is too little");
     most_spilled
 }
 
@@ -82,7 +81,7 @@ fn limited_bake_gives_the_hierarchy_of_a_free_one() {
         });
         assert!(spilled > 0, "{merged}");
     }
-    let spilled = squeeze(&options(1024), |o| {
+    let spilled = squeeze(&options(2048), |o| {
         bake_both(&scene, o, &|_| {}, &NEVER).map(|b| ((b.dag, b.hierarchy), b.report))
     });
     assert!(spilled > 0);

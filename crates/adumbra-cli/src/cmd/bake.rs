@@ -189,7 +189,9 @@ fn dry_run(args: &Bake, scene: &Scene, options: &Options) -> Outcome {
         say!("  a lower --resolution, --thickness or --receivers static make the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {
-        eprintln!("warning: this will not fit --max-memory; lower --resolution or --threads");
+        eprintln!(
+            "warning: --max-memory is less: the bake will be slower, and keep the rest in temporary files"
+        );
     }
     Ok(Code::Fine)
 }

@@ -58,14 +58,13 @@ pub fn bake_both(
     };
     let run = Run { plan: &plan, cancel, finished_tile: &finished_tile };
     let (runs, blocks): (Vec<_>, Vec<_>) = run.each_block(&sink, &tally)?.into_iter().unzip();
-    let finish_bytes = sink.1.finish_bytes();
-    tally.check_end("numbering the hierarchy", held_bytes() + finish_bytes)?;
+    let kept_bytes = sink.1.memory_bytes();
+    tally.check_end("numbering the hierarchy", held_bytes() + sink.1.finish_bytes())?;
     let Pair(graph_sink, hierarchy_sink) = sink;
     let roots = |runs| graph_sink.roots(runs, plan.root_level, plan.top_dims[2]);
     let columns: Vec<_> = runs.iter().map(roots).collect();
     let hierarchy = hierarchy_sink.finish(plan.grid.size, plan.root_level, blocks);
-    let hierarchy_bytes = hierarchy.bytes();
-    let dag = finish_graph(store, &plan, &tally, &columns, hierarchy_bytes)?;
+    let dag = finish_graph(store, &plan, &tally, &columns, kept_bytes + hierarchy.bytes())?;
     Ok(BakedBoth { grid: plan.grid, settings: plan.settings, dag, hierarchy, report: tally.report() })
 }
 

@@ -175,32 +175,30 @@ fn finish_graph(
     columns: &[Vec<NodeState>],
     beside_bytes: u64,
 ) -> Result<Dag> {
-    let numbered = number_graph(store, plan, tally, columns, beside_bytes)?;
+    let (numbered, kept_bytes) = number_graph(store, plan, tally, columns, beside_bytes)?;
     if plan.spill.is_some() {
-        tally.check_end("the finished graph", beside_bytes + numbered.graph_bytes())?;
+        tally.check_end("the finished graph", beside_bytes + kept_bytes + numbered.graph_bytes())?;
     }
     let dag = numbered.into_dag();
     plan.paged_bytes()?;
     Ok(dag)
 }
 
-/// The same, still in pages where there is a limit.
+/// The same, still in pages where there is a limit; and the bytes of what is freed by then, which allocators rarely give back.
 fn number_graph(
     store: NodeStore,
     plan: &Plan<'_>,
     tally: &Tally<'_, '_>,
     columns: &[Vec<NodeState>],
     beside_bytes: u64,
-) -> Result<PagedDag> {
-    let numbers_bytes = match plan.spill {
-        Some(_) => store.numbers_bytes(),
-        None => store.memory_bytes() + store.numbers_bytes() + store.graph_bytes(),
-    };
-    tally.check_end("numbering the graph", beside_bytes + numbers_bytes)?;
+) -> Result<(PagedDag, u64)> {
+    let kept_bytes = store.memory_bytes();
+    let copy_bytes = if plan.spill.is_some() { 0 } else { store.graph_bytes() };
+    tally.check_end("numbering the graph", beside_bytes + kept_bytes + store.numbers_bytes() + copy_bytes)?;
     let top = top_grid(columns, plan.top_dims[2]);
     let numbered = store.number(plan.grid.size, plan.root_level, plan.top_dims, &top);
     plan.paged_bytes()?;
-    Ok(numbered)
+    Ok((numbered, kept_bytes))
 }
 
 /// Roots of each tile, nearest first, as one grid: x fastest, then y, then z.

@@ -39,10 +39,12 @@ pub fn bake_packed(
     let plan = Plan::new(scene, options)?;
     let tally = Tally::new(&plan, start, progress);
     let (store, columns) = build_graph(&plan, &tally, options.builder, cancel)?;
-    let numbered = number_graph(store, &plan, &tally, &columns, 0)?;
-    let graph_bytes = if plan.spill.is_some() { 0 } else { numbered.graph_bytes() };
-    let packed =
-        PackedDag::of_paged(&numbered, |bytes| tally.check_end("packing the graph", graph_bytes + bytes))?;
+    let (numbered, mut held_bytes) = number_graph(store, &plan, &tally, &columns, 0)?;
+    if plan.spill.is_none() {
+        held_bytes += numbered.graph_bytes();
+    }
+    let make_room = |bytes| tally.check_end("packing the graph", held_bytes + bytes);
+    let packed = PackedDag::of_paged(&numbered, make_room)?;
     plan.paged_bytes()?;
     Ok(BakedPacked { grid: plan.grid, settings: plan.settings, packed, report: tally.report() })
 }

@@ -116,10 +116,10 @@ impl HierarchySink {
         2 * self.lock().halves() as u64
     }
 
-    /// Bytes that [`HierarchySink::finish`] needs beside the shapes: three numbers for each, and the result twice.
+    /// Bytes that [`HierarchySink::finish`] needs beside the shapes: five numbers for each, and the result twice.
     pub(crate) fn finish_bytes(&self) -> u64 {
         let store = self.lock();
-        12 * store.shapes() as u64 + 4 * store.halves() as u64
+        20 * store.shapes() as u64 + 4 * store.halves() as u64
     }
 
     /// The hierarchy of a grid of `size` voxels from blocks of `level`, the bake's root level; x fastest.
