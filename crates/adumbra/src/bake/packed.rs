@@ -44,7 +44,7 @@ pub fn bake_packed(
         held_bytes += numbered.graph_bytes();
     }
     let make_room = |bytes| tally.check_end("packing the graph", held_bytes + bytes);
-    let packed = PackedDag::of_paged(&numbered, make_room)?;
+    let packed = PackedDag::of_paged(numbered, make_room)?;
     plan.paged_bytes()?;
     Ok(BakedPacked { grid: plan.grid, settings: plan.settings, packed, report: tally.report() })
 }

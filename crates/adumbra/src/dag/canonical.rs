@@ -1,12 +1,10 @@
 //! One numbering for one graph: pre-order of first visit over the top grid, whatever order the nodes were made in.
 
-use std::sync::Arc;
-
 use super::store::{
     MOST_WORDS, NodeState, NodeStore, Place, Shard, children_of, encode, node_length, slab_place,
 };
 use super::{Dag, LIT, SHADOWED};
-use crate::paged::{PagedVec, Spill};
+use crate::paged::PagedVec;
 
 const UNVISITED: u32 = u32::MAX;
 /// Of a header in the store: the node has been copied, and the other bits are its number. Headers use 16 bits, numbers 31.
@@ -43,7 +41,6 @@ impl NodeStore {
             slab_numbers: shards.iter().map(|s| vec![UNVISITED; s.slabs.len()]).collect(),
             nodes: PagedVec::new(spill.as_ref()),
             slabs: PagedVec::new(spill.as_ref()),
-            spill,
             shards,
         };
         numbering.nodes.reserve_exact(numbering.shards.iter().map(|s| s.cubes.len() + s.inner.len()).sum());
@@ -79,7 +76,6 @@ struct Numbering {
     slab_numbers: Vec<Vec<u32>>,
     nodes: PagedVec<u32>,
     slabs: PagedVec<u64>,
-    spill: Option<Arc<Spill>>,
 }
 
 impl Numbering {
@@ -98,7 +94,7 @@ impl Numbering {
             return words[0] & !COPIED;
         }
         // What a failing disk has lost reads as zeros: nodes would not be known again.
-        if self.spill.as_ref().is_some_and(|spill| spill.has_failed()) {
+        if self.nodes.has_failed() {
             return 0;
         }
         let number = self.nodes.len() as u32;

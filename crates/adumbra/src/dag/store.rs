@@ -199,7 +199,7 @@ impl NodeStore {
         if table.len() == table.capacity() {
             self.grow(table, |table| {
                 let mut at = 0;
-                while at < arena.len() {
+                while at < arena.len() && !arena.has_failed() {
                     let (hash, length) = node_at(arena, at, |words| (hash_words(words), words.len()));
                     table.insert_unique(hash, at as u32, |o| node_at(arena, *o as usize, hash_words));
                     at += length;

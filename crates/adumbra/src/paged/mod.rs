@@ -61,6 +61,16 @@ impl<T: Word> PagedVec<T> {
         Self { whole: Vec::new(), paged }
     }
 
+    /// Whether some may lie on disk.
+    pub(crate) fn is_paged(&self) -> bool {
+        self.paged.is_some()
+    }
+
+    /// Words may have been lost, and read as zeros; see [`Spill::check`].
+    pub(crate) fn has_failed(&self) -> bool {
+        self.paged.as_ref().is_some_and(|paged| paged.spill.has_failed())
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.paged.as_ref().map_or(self.whole.len(), |paged| paged.length)
     }
@@ -124,14 +134,14 @@ impl<T: Word> PagedVec<T> {
         }
         let mut buffer = [T::default(); MOST];
         // As many as may be wanted and one page has.
-        let mut known = MOST.min(Self::PAGE - at % Self::PAGE).min(self.len() - at);
+        let known = MOST.min(Self::PAGE - at % Self::PAGE).min(self.len() - at);
         self.read(at, &mut buffer[..known]);
-        let length = length(buffer[0]);
+        // What was lost may say anything.
+        let length = length(buffer[0]).min(MOST).min(self.len() - at);
         if length > known {
             self.read(at + known, &mut buffer[known..length]);
-            known = length;
         }
-        f(&buffer[..length.min(known)])
+        f(&buffer[..length])
     }
 
     /// Overwrites words from `at` on.

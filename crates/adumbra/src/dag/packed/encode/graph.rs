@@ -60,6 +60,7 @@ impl Graph for Dag {
     }
 }
 
+/// Once its disk fails it ends, and its nodes have no children: nothing leads astray until the failure is asked for.
 impl Graph for PagedDag {
     fn root_level(&self) -> u32 {
         self.root_level
@@ -82,11 +83,13 @@ impl Graph for PagedDag {
     }
 
     fn length(&self, word: u32) -> usize {
-        node_length(self.nodes.get(word as usize))
+        let header = self.nodes.get(word as usize);
+        if self.nodes.has_failed() { self.nodes.len() } else { node_length(header) }
     }
 
     fn children(&self, word: u32) -> [Child; 8] {
-        self.nodes.with::<MOST_WORDS, _>(word as usize, node_length, children_of)
+        let children = self.nodes.with::<MOST_WORDS, _>(word as usize, node_length, children_of);
+        if self.nodes.has_failed() { [Child::Lit; 8] } else { children }
     }
 
     fn slab(&self, slab: u32) -> u64 {

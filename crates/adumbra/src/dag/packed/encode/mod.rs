@@ -53,13 +53,18 @@ impl PackedDag {
         Self::encode(dag, dag.size, |_| Ok(()))
     }
 
-    /// The packed form of a graph that is valid and has so many nodes. `make_room` is told, before it is taken, how many bytes will be held
+    /// The packed form of a graph that is valid. `make_room` is told, before it is taken, how many bytes will be held
     /// beside the graph.
     pub(crate) fn of_paged<E: From<PackError>>(
-        dag: &PagedDag,
+        dag: PagedDag,
         make_room: impl FnMut(u64) -> Result<(), E>,
     ) -> Result<Self, E> {
-        Self::encode(dag, dag.size, make_room)
+        let size = dag.size;
+        if dag.nodes.is_paged() {
+            Self::encode(&dag, size, make_room)
+        } else {
+            Self::encode(&dag.into_dag(), size, make_room)
+        }
     }
 
     fn encode<E: From<PackError>>(
