@@ -110,8 +110,8 @@ pub struct Progress {
 /// texels; of [`Builder::Plain`]: time grows with texels times layers.
 ///
 /// # Errors
-/// An option out of range, a scene, tables or a result that does not fit `max_memory_bytes`, [`Error::Io`] where what has no room cannot
-/// be written to disk, or [`Error::Interrupted`].
+/// An option out of range, a scene, tables or a result that does not fit `max_memory_bytes`, [`Error::Io`] where what has
+/// no room cannot be written to disk, or [`Error::Interrupted`].
 pub fn bake(
     scene: &Scene,
     options: &Options,

@@ -3,7 +3,8 @@
 //!
 //! Contents are compared in full before two nodes are taken as one; the hash only finds the candidates. It also picks one
 //! of 64 shards, each behind a lock of its own. References depend on who came first; contents and their number do not.
-//! Contents may be paged out, tables may not: a full table is dropped and made anew, twice as large, by one walk along the contents.
+//! Contents may be paged out, tables may not: a full table is dropped and made anew, twice as large, by one walk along
+//! the contents.
 //!
 //! | reference | meaning |
 //! |---|---|
@@ -161,7 +162,8 @@ impl NodeStore {
         (number as u32, lock(&self.shards.0[number]))
     }
 
-    /// Replaces a full table by one twice as large, which `fill` fills. The old one is gone before, so that the two are never held together.
+    /// Replaces a full table by one twice as large, which `fill` fills. The old one is gone before, so that the two are
+    /// never held together.
     fn grow(&self, table: &mut HashTable<u32>, fill: impl FnOnce(&mut HashTable<u32>)) {
         let (capacity, before) = (table.capacity(), table.allocation_size());
         *table = HashTable::new();

@@ -99,7 +99,8 @@ impl Undecided {
 }
 
 impl HierarchySink {
-    /// For a bake whose own roots have `root_level`, at least 5. `merged`: equal shapes are kept once. Shapes go to `spill`, if there is one.
+    /// For a bake whose own roots have `root_level`, at least 5. `merged`: equal shapes are kept once. Shapes
+    /// go to `spill`, if there is one.
     pub(crate) fn new(root_level: u32, merged: bool, spill: Option<&Arc<Spill>>) -> Self {
         let level = root_level.min(MAX_ROOT_LEVEL);
         let root_level = level - (level - LEAF_LEVEL) % NODE_LEVELS;

@@ -1,8 +1,8 @@
 //! Pages of vectors that may outgrow memory: the most recently used stay, the others lie in temporary files.
 //!
-//! Pages are dealt to eight banks in turn, each behind a lock and with a file of its own, which has no name and goes away with it. A
-//! bank's resident pages stand in one allocation, so that what it gives up goes back to the system. Which page leaves is chosen by second
-//! chance (Corbató, *A Paging Experiment with the Multics System*, 1968).
+//! Pages are dealt to eight banks in turn, each behind a lock and with a file of its own, which has no name and goes away
+//! with it. A bank's resident pages stand in one allocation, so that what it gives up goes back to the system. Which page
+//! leaves is chosen by second chance (Corbató, *A Paging Experiment with the Multics System*, 1968).
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -59,7 +59,8 @@ impl Spill {
     /// The least that pages take in memory.
     pub(crate) const LEAST_BYTES: u64 = (BANKS * PAGE_BYTES) as u64;
 
-    /// Room for `room_bytes` in memory, [`Spill::LEAST_BYTES`] at least, and for the rest in files in `folder`, made when they are needed.
+    /// Room for `room_bytes` in memory, [`Spill::LEAST_BYTES`] at least, and for the rest in files in `folder`, made when
+    /// they are needed.
     pub(crate) fn new(room_bytes: u64, folder: PathBuf) -> Self {
         let room_bytes = room_bytes.max(Self::LEAST_BYTES);
         let bank = || {
