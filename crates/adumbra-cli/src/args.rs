@@ -249,7 +249,8 @@ pub(crate) struct WorkArgs {
     /// Threads; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
-    /// Memory that may be held, such as 800MiB or 2GiB [default: no limit]
+    /// Memory that may be held, such as 800MiB or 2GiB; a light-aligned bake goes on with temporary files beside the output [default: no
+    /// limit]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     pub(crate) max_memory: Option<u64>,
 }

@@ -137,6 +137,14 @@ pub enum Error {
         /// What is allowed.
         range: &'static str,
     },
+    /// What is built has more words than its pointers can tell apart.
+    #[error(
+        "{what} has more words than its pointers can tell apart; lower --resolution, or bake parts with --bounds"
+    )]
+    TooManyWords {
+        /// What is built.
+        what: &'static str,
+    },
     /// The work does not fit the memory allowed.
     #[error("{what} needs about {} MiB, but {} MiB are allowed; raise --max-memory, lower --resolution or use fewer --threads", needed_bytes >> 20, limit_bytes >> 20)]
     MemoryLimit {

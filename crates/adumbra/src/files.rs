@@ -30,12 +30,17 @@ pub fn check_output(path: &Path) -> Result<()> {
     temporary_beside(path).map(|_| ())
 }
 
-/// An empty temporary file in the folder of `path`; it goes away with the value.
-fn temporary_beside(path: &Path) -> Result<NamedTempFile> {
-    let folder = match path.parent() {
+/// The folder that a file at `path` lies in.
+pub fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
         _ => PathBuf::from("."),
-    };
+    }
+}
+
+/// An empty temporary file in the folder of `path`; it goes away with the value.
+fn temporary_beside(path: &Path) -> Result<NamedTempFile> {
+    let folder = folder_of(path);
     check_target(path, &folder).map_err(Error::io("create", path))?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".adumbra-").suffix(".tmp");

@@ -31,6 +31,7 @@ pub mod files;
 pub mod format;
 pub mod hierarchy;
 pub mod light;
+mod paged;
 pub mod picture;
 pub mod query;
 pub mod scene;

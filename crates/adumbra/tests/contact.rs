@@ -81,3 +81,13 @@ fn bounds_below_a_roof_are_dark_in_both_structures() {
     let points: Vec<_> = (0..9).flat_map(|x| (0..9).map(move |z| [at(x), 1.0, at(z)])).collect();
     assert_eq!(means(&baked, &points, None), [0.0; 2]);
 }
+
+/// No caster, and so no surface of any block, is within the bounds; a limit still divides the room among workers.
+#[test]
+fn bounds_beside_the_scene_bake_within_a_limit() {
+    let scene = boxes(&[([-1.0, 0.0, -1.0], [1.0, 1.0, 1.0])]);
+    let bounds = Bounds { min: [100.0, 0.0, 100.0], max: [110.0, 10.0, 110.0] };
+    let max_memory_bytes = Some(64 << 20);
+    let baked = bake(&scene, [0.1, 1.0, 0.05], |o| Options { bounds: Some(bounds), max_memory_bytes, ..o });
+    assert_eq!(means(&baked, &[[105.0, 1.0, 105.0]], None), [1.0; 2]);
+}

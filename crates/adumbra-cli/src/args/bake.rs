@@ -106,6 +106,15 @@ impl BakeSettings {
     }
 
     /// Options that only the light frame knows, and whether they were given.
+    /// The layouts that the plain builder does not make; their option's value, if it was given.
+    pub(super) fn fast_only_layout(&self) -> Option<&'static str> {
+        match self.layout {
+            Some(LayoutArg::Hierarchy) => Some("hierarchy"),
+            Some(LayoutArg::Auto) => Some("auto"),
+            _ => None,
+        }
+    }
+
     pub(super) fn light_only(&self) -> [(bool, &'static str); 5] {
         [
             (self.thickness != 0.0, "--thickness"),

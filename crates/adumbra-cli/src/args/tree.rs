@@ -172,6 +172,11 @@ impl BakeSettings {
     /// Whether the bake is a world-aligned tree; an error where options of both frames are mixed.
     pub(crate) fn is_tree(&self) -> Result<bool, Failure> {
         self.tree.check(self)?;
+        if let (bake::Builder::Plain, Some(layout)) = (self.tree.light_builder(), self.fast_only_layout()) {
+            return Err(Failure::Usage(format!(
+                "--builder plain makes no --layout {layout}; leave one of them out"
+            )));
+        }
         Ok(self.tree.frame == FrameArg::World)
     }
 

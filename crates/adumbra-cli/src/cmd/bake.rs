@@ -5,9 +5,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::Error;
-use adumbra::bake::{self, Baked, BakedBoth, BakedHierarchy, Options, Progress, Report};
+use adumbra::bake::{self, Baked, BakedBoth, BakedHierarchy, BakedPacked, Options, Progress, Report};
+use adumbra::dag::packed::PackError;
 use adumbra::files;
-use adumbra::format::{Layout, ShadowFile};
+use adumbra::format::{Layout, LightBody, ShadowFile};
 use adumbra::scene::Scene;
 use serde_json::{Value, json};
 
@@ -27,7 +28,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     };
     let start = Instant::now();
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
-    let options = args.settings.options(args.load.ignore_alpha, &args.work)?;
+    let mut options = args.settings.options(args.load.ignore_alpha, &args.work)?;
+    // The system's folder may be memory; where the file goes there is a disk.
+    options.spill_folder = Some(files::folder_of(&output));
     let tree_options = match args.settings.is_tree()? {
         true if args.dry_run => {
             return Err(Failure::Usage(
@@ -70,6 +73,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "bake_seconds": report.seconds,
                 "peak_bytes": peak,
                 "accounted_bytes": report.accounted_bytes,
+                "spilled_bytes": report.spilled_bytes,
                 "file_bytes": figures.file_bytes,
                 "bits_per_texel": figures.bits_per_texel,
                 "layout": file.body.layout(),
@@ -89,7 +93,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "{} -> {} ({}, {}, {:.4} bits a texel) in {seconds:.1} s, peak memory {}",
                 args.scene.display(),
                 output.display(),
-                name_of(file.body.layout()),
+                file.body.layout().name(),
                 bytes_words(figures.file_bytes),
                 figures.bits_per_texel,
                 bytes_words(peak)
@@ -121,6 +125,11 @@ fn build(
                 bake::bake_hierarchy(scene, options, true, progress, cancel)?;
             (ShadowFile::hierarchy(grid, settings, hierarchy), report, None)
         }
+        Some(Layout::Packed) => {
+            let BakedPacked { grid, settings, packed, report } =
+                bake::bake_packed(scene, options, progress, cancel)?;
+            (ShadowFile { grid, settings, body: LightBody::Packed(packed) }, report, None)
+        }
         Some(layout) => {
             let Baked { grid, settings, dag, report } = bake::bake(scene, options, progress, cancel)?;
             (ShadowFile::of_dag(grid, settings, dag, layout).map_err(Error::from)?, report, None)
@@ -130,7 +139,11 @@ fn build(
                 bake::bake_both(scene, options, progress, cancel)?;
             let hierarchy = ShadowFile::hierarchy(grid, settings, hierarchy);
             // A graph that has no packed form leaves the other.
-            let packed = ShadowFile::of_dag(grid, settings, dag, Layout::Packed).ok();
+            let packed = match ShadowFile::of_dag(grid, settings, dag, Layout::Packed) {
+                Ok(file) => Some(file),
+                Err(PackError::TooLarge { .. } | PackError::NotMonotone { .. }) => None,
+                Err(fault) => return Err(Error::from(fault).into()),
+            };
             let bytes = json!({
                 "packed": packed.as_ref().map(ShadowFile::encoded_len),
                 "hierarchy": hierarchy.encoded_len(),
@@ -140,14 +153,6 @@ fn build(
         }
     };
     Ok(Built { file, report, candidate_bytes })
-}
-
-fn name_of(layout: Layout) -> &'static str {
-    match layout {
-        Layout::Plain => "plain",
-        Layout::Packed => "packed",
-        Layout::Hierarchy => "hierarchy",
-    }
 }
 
 /// Bytes of a layout, of those of the plain one, which is forecast: 0.3 to 0.46 on the scenes of `docs/layouts.md`, 0.14 to
@@ -181,7 +186,9 @@ fn dry_run(args: &Bake, scene: &Scene, options: &Options) -> Outcome {
         say!("  a lower --resolution, --thickness or --receivers static make the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {
-        eprintln!("warning: this will not fit --max-memory; lower --resolution or --threads");
+        eprintln!(
+            "warning: --max-memory is less: the bake will be slower, and keep the rest in temporary files"
+        );
     }
     Ok(Code::Fine)
 }

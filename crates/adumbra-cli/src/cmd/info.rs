@@ -1,6 +1,6 @@
 //! `adumbra info`: what a shadow file holds.
 
-use adumbra::format::{AnyFile, Layout, ShadowFile, TreeBody, TreeFile};
+use adumbra::format::{AnyFile, ShadowFile, TreeBody, TreeFile};
 use serde_json::json;
 
 use super::{GraphFigures, print_json};
@@ -54,7 +54,7 @@ fn light(args: &Info, file: &ShadowFile) -> Outcome {
             "  bits per texel  {:.4} ({times_smaller:.0} times smaller than 32 bits)",
             figures.bits_per_texel
         );
-        say!("  layout          {}", layout_name(layout));
+        say!("  layout          {}", layout.name());
         say!("  nodes, slabs    {}, {}", made_of.nodes, made_of.slabs);
         say!(
             "  bytes           top grid {}, headers {}, pointers {}, slabs {}",
@@ -149,12 +149,4 @@ fn tree(args: &Info, file: &TreeFile) {
         settings.bias.slope_texels,
         settings.bias.normal_offset_texels
     );
-}
-
-fn layout_name(layout: Layout) -> &'static str {
-    match layout {
-        Layout::Plain => "plain",
-        Layout::Packed => "packed",
-        Layout::Hierarchy => "hierarchy",
-    }
 }

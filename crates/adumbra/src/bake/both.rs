@@ -46,21 +46,26 @@ pub fn bake_both(
     let start = Instant::now();
     let plan = Plan::new(scene, &Options { builder: super::Builder::Fast, ..options.clone() })?;
     let tally = Tally::new(&plan, start, progress);
-    let store = NodeStore::default();
-    let sink = Pair(GraphSink::new(&store, plan.grid.size[2]), HierarchySink::new(plan.root_level, true));
+    let store = NodeStore::new(plan.spill.as_ref());
+    let sink = Pair(
+        GraphSink::new(&store, plan.grid.size[2]),
+        HierarchySink::new(plan.root_level, true, plan.spill.as_ref()),
+    );
     let held_bytes = || store.memory_bytes() + sink.1.memory_bytes();
     let finished_tile = || {
         check_room(&store)?;
+        sink.1.check_room()?;
         tally.finished_tile("the graph and the hierarchy so far", held_bytes(), store.graph_bytes())
     };
     let run = Run { plan: &plan, cancel, finished_tile: &finished_tile };
     let (runs, blocks): (Vec<_>, Vec<_>) = run.each_block(&sink, &tally)?.into_iter().unzip();
-    tally.check_end("numbering the graph and the hierarchy", 2 * held_bytes() + 2 * store.graph_bytes())?;
+    let kept_bytes = sink.1.memory_bytes();
+    tally.check_end("numbering the hierarchy", held_bytes() + sink.1.finish_bytes())?;
     let Pair(graph_sink, hierarchy_sink) = sink;
     let roots = |runs| graph_sink.roots(runs, plan.root_level, plan.top_dims[2]);
     let columns: Vec<_> = runs.iter().map(roots).collect();
     let hierarchy = hierarchy_sink.finish(plan.grid.size, plan.root_level, blocks);
-    let dag = finish_graph(store, &plan, &columns);
+    let dag = finish_graph(store, &plan, &tally, &columns, kept_bytes + hierarchy.bytes())?;
     Ok(BakedBoth { grid: plan.grid, settings: plan.settings, dag, hierarchy, report: tally.report() })
 }
 

@@ -40,16 +40,16 @@ pub fn bake_hierarchy(
     let start = Instant::now();
     let plan = Plan::new(scene, &Options { builder: super::Builder::Fast, ..options.clone() })?;
     let tally = Tally::new(&plan, start, progress);
-    let sink = HierarchySink::new(plan.root_level, merged);
+    let sink = HierarchySink::new(plan.root_level, merged, plan.spill.as_ref());
     let finished_tile = || {
-        let held_bytes = sink.memory_bytes();
-        tally.finished_tile("the hierarchy so far", held_bytes, held_bytes)
+        sink.check_room()?;
+        tally.finished_tile("the hierarchy so far", sink.memory_bytes(), sink.shape_bytes())
     };
     let run = Run { plan: &plan, cancel, finished_tile: &finished_tile };
     let blocks = run.each_block(&sink, &tally)?;
-    // Two numbers a shape, and the words.
-    tally.check_end("numbering the hierarchy", 2 * sink.memory_bytes())?;
+    tally.check_end("numbering the hierarchy", sink.memory_bytes() + sink.finish_bytes())?;
     let hierarchy = sink.finish(plan.grid.size, plan.root_level, blocks);
+    plan.paged_bytes()?;
     Ok(BakedHierarchy { grid: plan.grid, settings: plan.settings, hierarchy, report: tally.report() })
 }
 

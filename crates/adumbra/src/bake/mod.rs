@@ -22,6 +22,7 @@ mod leaf;
 mod masked;
 pub(crate) mod options;
 mod outline;
+mod packed;
 mod plain;
 mod plan;
 pub(crate) mod project;
@@ -46,13 +47,14 @@ pub use hierarchy::{BakedHierarchy, bake_hierarchy};
 pub use options::{
     Builder, DEFAULT_SWITCH_WITHIN, MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Options, Preset, Size,
 };
+pub use packed::{BakedPacked, bake_packed};
 use plain::PlainBuffers;
 use plan::Plan;
 use sink::BlockSink;
 use tally::Tally;
 
-use crate::dag::Dag;
 use crate::dag::store::{NodeState, NodeStore};
+use crate::dag::{Dag, PagedDag};
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
 use crate::scene::Scene;
@@ -84,6 +86,8 @@ pub struct Report {
     pub drawn_texels: u64,
     /// Largest sum of the bytes that the bake accounted for: scene, tiles, graph.
     pub accounted_bytes: u64,
+    /// Bytes that a memory limit sent to disk, as often as they were written.
+    pub spilled_bytes: u64,
 }
 
 /// Where a bake stands.
@@ -106,7 +110,8 @@ pub struct Progress {
 /// texels; of [`Builder::Plain`]: time grows with texels times layers.
 ///
 /// # Errors
-/// An option out of range, a grid or graph that does not fit `max_memory_bytes`, or [`Error::Interrupted`].
+/// An option out of range, a scene, tables or a result that does not fit `max_memory_bytes`, [`Error::Io`] where what has
+/// no room cannot be written to disk, or [`Error::Interrupted`].
 pub fn bake(
     scene: &Scene,
     options: &Options,
@@ -116,46 +121,76 @@ pub fn bake(
     let start = Instant::now();
     let plan = Plan::new(scene, options)?;
     let tally = Tally::new(&plan, start, progress);
-    let store = NodeStore::default();
+    let (store, columns) = build_graph(&plan, &tally, options.builder, cancel)?;
+    let dag = finish_graph(store, &plan, &tally, &columns, 0)?;
+    Ok(Baked { grid: plan.grid, settings: plan.settings, dag, report: tally.report() })
+}
+
+/// The nodes of all root blocks, and the roots of each, nearest first.
+fn build_graph(
+    plan: &Plan<'_>,
+    tally: &Tally<'_, '_>,
+    builder: Builder,
+    cancel: &AtomicBool,
+) -> Result<(NodeStore, Vec<Vec<NodeState>>)> {
+    let store = NodeStore::new(plan.spill.as_ref());
     let finished_tile = || -> Result<()> {
         check_room(&store)?;
         tally.finished_tile("the graph so far", store.memory_bytes(), store.graph_bytes())
     };
-    let run = Run { plan: &plan, cancel, finished_tile: &finished_tile };
-    let columns = match options.builder {
+    let run = Run { plan, cancel, finished_tile: &finished_tile };
+    let columns = match builder {
         Builder::Fast => {
             let sink = GraphSink::new(&store, plan.grid.size[2]);
-            let blocks = run.each_block(&sink, &tally)?;
+            let blocks = run.each_block(&sink, tally)?;
             blocks.iter().map(|block| sink.roots(block, plan.root_level, plan.top_dims[2])).collect()
         }
         Builder::Plain => run.each_tile(|worker: &mut PlainBuffers, tile| {
             let rect = plan.tile_rect(tile);
             tally.drew(u64::from(rect.width) * u64::from(rect.height));
-            Ok(plain::build_root(&plan, tile, &store, worker))
+            Ok(plain::build_root(plan, tile, &store, worker))
         })?,
     };
-    tally.check_end("numbering the graph", store.memory_bytes() + 2 * store.graph_bytes())?;
-    let dag = finish_graph(store, &plan, &columns);
-    Ok(Baked { grid: plan.grid, settings: plan.settings, dag, report: tally.report() })
+    Ok((store, columns))
 }
 
-/// An error where the graph has more words than can be numbered.
+/// That the graph has no more words than can be numbered.
 fn check_room(store: &NodeStore) -> Result<()> {
-    if store.is_full() {
-        let needed_bytes = 8 << 30;
-        return Err(Error::MemoryLimit {
-            what: "a graph of more than 2^31 words",
-            needed_bytes,
-            limit_bytes: needed_bytes,
-        });
-    }
-    Ok(())
+    if store.is_full() { Err(Error::TooManyWords { what: "the graph" }) } else { Ok(()) }
 }
 
-/// The graph whose roots these are, each tile's nearest first.
-fn finish_graph(store: NodeStore, plan: &Plan<'_>, columns: &[Vec<NodeState>]) -> Dag {
+/// The graph whose roots these are, each tile's nearest first; `beside_bytes` are held beside it.
+fn finish_graph(
+    store: NodeStore,
+    plan: &Plan<'_>,
+    tally: &Tally<'_, '_>,
+    columns: &[Vec<NodeState>],
+    beside_bytes: u64,
+) -> Result<Dag> {
+    let (numbered, kept_bytes) = number_graph(store, plan, tally, columns, beside_bytes)?;
+    if plan.spill.is_some() {
+        tally.check_end("the finished graph", beside_bytes + kept_bytes + numbered.graph_bytes())?;
+    }
+    let dag = numbered.into_dag();
+    plan.paged_bytes()?;
+    Ok(dag)
+}
+
+/// The same, still in pages where there is a limit; and the bytes of what is freed by then, which allocators rarely give back.
+fn number_graph(
+    store: NodeStore,
+    plan: &Plan<'_>,
+    tally: &Tally<'_, '_>,
+    columns: &[Vec<NodeState>],
+    beside_bytes: u64,
+) -> Result<(PagedDag, u64)> {
+    let kept_bytes = store.memory_bytes();
+    let copy_bytes = if plan.spill.is_some() { 0 } else { store.graph_bytes() };
+    tally.check_end("numbering the graph", beside_bytes + kept_bytes + store.numbers_bytes() + copy_bytes)?;
     let top = top_grid(columns, plan.top_dims[2]);
-    store.finish(plan.grid.size, plan.root_level, plan.top_dims, &top)
+    let numbered = store.number(plan.grid.size, plan.root_level, plan.top_dims, &top);
+    plan.paged_bytes()?;
+    Ok((numbered, kept_bytes))
 }
 
 /// Roots of each tile, nearest first, as one grid: x fastest, then y, then z.

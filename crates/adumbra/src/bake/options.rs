@@ -1,5 +1,7 @@
 //! What a bake can be asked for, with defaults, ranges and presets.
 
+use std::path::PathBuf;
+
 use crate::error::{Error, Result};
 use crate::light::Sun;
 use crate::scene::Bounds;
@@ -55,8 +57,10 @@ pub struct Options {
     pub bounds: Option<Bounds>,
     /// The look-up bias that the bake makes room for.
     pub bias: Bias,
-    /// Bytes that the bake may hold; none = no limit.
+    /// Bytes that the bake may hold; none = no limit. What is built and has no room is kept in temporary files.
     pub max_memory_bytes: Option<u64>,
+    /// Folder of those files, which have no names; none = the system's.
+    pub spill_folder: Option<PathBuf>,
     /// How far behind its first surface a column may switch to shadow, voxels, at most [`MAX_SWITCH_WITHIN`]; 0: anywhere
     /// inside the solid. In a block that no contour crosses the deepest first surface counts for all its columns. Less: bigger files, and filters that find shadow close to a wall's foot.
     pub switch_within_voxels: u32,
@@ -78,6 +82,7 @@ impl Options {
             bounds: None,
             bias: Bias::default(),
             max_memory_bytes: None,
+            spill_folder: None,
             switch_within_voxels: DEFAULT_SWITCH_WITHIN,
             builder: Builder::Fast,
         }

@@ -1,5 +1,7 @@
 //! What is settled before the first block: grid, rules, casters, and the root blocks of the light's plane.
 
+use std::sync::Arc;
+
 use super::capture::TileRect;
 use super::casters::{CasterOptions, Casters};
 use super::columns::ColumnRules;
@@ -9,6 +11,7 @@ use super::{capture, project};
 use crate::dag::store::NodeState;
 use crate::error::{Error, Result};
 use crate::light::{LightExtent, LightGrid};
+use crate::paged::Spill;
 use crate::scene::Scene;
 use crate::settings::Settings;
 
@@ -27,6 +30,8 @@ pub(super) struct Plan<'s> {
     /// Bytes that each worker holds.
     pub(super) worker_bytes: u64,
     limit_bytes: Option<u64>,
+    /// Where what is built goes, if there is a limit.
+    pub(super) spill: Option<Arc<Spill>>,
 }
 
 /// Smallest level of the root cubes.
@@ -106,19 +111,47 @@ impl<'s> Plan<'s> {
             scene_bytes,
             worker_bytes,
             limit_bytes: options.max_memory_bytes,
+            spill: None,
         };
         if let Some(limit) = plan.limit_bytes {
-            // Fewer workers rather than none; half of what is left is for the graph.
+            // Fewer workers rather than none; half of what is left is for what is built.
             let room = limit.saturating_sub(scene_bytes) / 2;
-            plan.workers = plan.workers.min((room / worker_bytes) as usize).max(1);
+            plan.workers = plan.workers.min((room / worker_bytes.max(1)) as usize).max(1);
         }
         plan.check_memory("the scene and one block", scene_bytes + worker_bytes)?;
+        if let Some(limit) = plan.limit_bytes {
+            let room = limit.saturating_sub(plan.baking_bytes());
+            let folder = options.spill_folder.clone().unwrap_or_else(std::env::temp_dir);
+            plan.spill = Some(Arc::new(Spill::new(room, folder)));
+        }
         Ok(plan)
     }
 
     /// What is left of the columns' freedom.
     pub(super) fn early(&self) -> Early {
         Early { within_voxels: self.settings.switch_within_voxels, depth_voxels: self.grid.size[2] }
+    }
+
+    /// Bytes of all but what is built.
+    pub(super) fn baking_bytes(&self) -> u64 {
+        self.scene_bytes + self.workers as u64 * self.worker_bytes
+    }
+
+    /// Bytes of pages in memory.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the disk failed.
+    pub(super) fn paged_bytes(&self) -> Result<u64> {
+        let Some(spill) = &self.spill else { return Ok(0) };
+        spill.check()?;
+        Ok(spill.resident_bytes())
+    }
+
+    /// Pages make room for `held_bytes` beside the scene.
+    pub(super) fn make_room(&self, held_bytes: u64) {
+        if let (Some(spill), Some(limit)) = (&self.spill, self.limit_bytes) {
+            spill.shrink_to(limit.saturating_sub(self.scene_bytes + held_bytes));
+        }
     }
 
     pub(super) fn check_memory(&self, what: &'static str, needed_bytes: u64) -> Result<()> {

@@ -27,13 +27,13 @@ impl<'a, 's> Tally<'a, 's> {
         self.drawn_texels.fetch_add(texels, Ordering::Relaxed);
     }
 
-    /// A tile is done; what has been built takes `held_bytes`, of which `result_bytes` are the result so far.
+    /// A tile is done; what has been built takes `held_bytes` beside its pages, and `result_bytes` are the result so far.
     ///
     /// # Errors
-    /// [`Error::MemoryLimit`](crate::Error::MemoryLimit).
+    /// [`Error::MemoryLimit`](crate::Error::MemoryLimit); [`Error::Io`](crate::Error::Io) where pages could not be written or read.
     pub(super) fn finished_tile(&self, what: &'static str, held_bytes: u64, result_bytes: u64) -> Result<()> {
         let plan = self.plan;
-        let held = plan.scene_bytes + plan.workers as u64 * plan.worker_bytes + held_bytes;
+        let held = plan.baking_bytes() + held_bytes + plan.paged_bytes()?;
         self.accounted_bytes.fetch_max(held, Ordering::Relaxed);
         plan.check_memory(what, held)?;
         (self.progress)(Progress {
@@ -45,12 +45,13 @@ impl<'a, 's> Tally<'a, 's> {
         Ok(())
     }
 
-    /// After the last tile `held_bytes` are needed beside the scene.
+    /// After the last tile `held_bytes` are needed beside the scene and pages, which make room for them.
     ///
     /// # Errors
-    /// [`Error::MemoryLimit`](crate::Error::MemoryLimit).
+    /// As [`Tally::finished_tile`].
     pub(super) fn check_end(&self, what: &'static str, held_bytes: u64) -> Result<()> {
-        let held = self.plan.scene_bytes + held_bytes;
+        self.plan.make_room(held_bytes);
+        let held = self.plan.scene_bytes + held_bytes + self.plan.paged_bytes()?;
         self.accounted_bytes.fetch_max(held, Ordering::Relaxed);
         self.plan.check_memory(what, held)
     }
@@ -63,6 +64,7 @@ impl<'a, 's> Tally<'a, 's> {
             threads: self.plan.workers,
             drawn_texels: self.drawn_texels.load(Ordering::Relaxed),
             accounted_bytes: self.accounted_bytes.load(Ordering::Relaxed),
+            spilled_bytes: self.plan.spill.as_ref().map_or(0, |spill| spill.spilled_bytes()),
         }
     }
 }

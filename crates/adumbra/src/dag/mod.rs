@@ -22,6 +22,7 @@ mod top_error;
 mod trail;
 mod validate;
 
+pub(crate) use canonical::PagedDag;
 pub use composition::Composition;
 pub use top_error::TopError;
 pub use trail::Trail;

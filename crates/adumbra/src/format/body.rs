@@ -24,6 +24,15 @@ pub enum Layout {
 }
 
 impl Layout {
+    /// `plain`, `packed` or `hierarchy`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Packed => "packed",
+            Self::Hierarchy => "hierarchy",
+        }
+    }
+
     /// Its number in the header.
     pub(super) fn number(self) -> u32 {
         match self {

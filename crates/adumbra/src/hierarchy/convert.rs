@@ -16,7 +16,7 @@ impl Hierarchy {
     /// Cost: some ten look-ups a block of 8 × 8 columns, more where silhouettes pass; on one thread.
     pub fn of_slabs(slabs: &dyn Slabs, root_level: u32) -> Self {
         let level = root_level.max(LEAF_LEVEL + NODE_LEVELS);
-        let sink = HierarchySink::new(level, true);
+        let sink = HierarchySink::new(level, true, None);
         let size = slabs.size();
         let corners = |n: u32| (0..n).step_by(1 << level);
         let block = |(y, x)| block_of(slabs, &sink, level, [x, y]);

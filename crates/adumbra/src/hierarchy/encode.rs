@@ -67,10 +67,11 @@ fn frequent_shapes(store: &ShapeStore, root: u8, top: &[[u32; 2]]) -> Vec<Shape>
             }
             visited.push((kind, index));
             if kind > 0 {
-                let children =
-                    entries(store.nodes[kind as usize - 1].get(index)).filter(|e| e.index != UNIFORM);
                 let first = open.len();
-                open.extend(children.map(|e| (kind - 1, e.index)));
+                store.nodes[kind as usize - 1].with(index, |words| {
+                    let children = entries(words).filter(|e| e.index != UNIFORM);
+                    open.extend(children.map(|e| (kind - 1, e.index)));
+                });
                 open[first..].reverse();
             }
         }
@@ -78,9 +79,9 @@ fn frequent_shapes(store: &ShapeStore, root: u8, top: &[[u32; 2]]) -> Vec<Shape>
     visited.retain(|&(kind, index)| pointers[kind as usize][index as usize] > 1);
     visited.sort_by_cached_key(|&(kind, index)| {
         let length = if kind == 0 {
-            store.leaves.get(index).len()
+            store.leaves.with(index, <[u16]>::len)
         } else {
-            2 * store.nodes[kind as usize - 1].get(index).len()
+            2 * store.nodes[kind as usize - 1].with(index, <[u32]>::len)
         };
         let saved = u64::from(pointers[kind as usize][index as usize]) << 16;
         std::cmp::Reverse(saved / length as u64)
@@ -105,15 +106,15 @@ impl Encoder<'_> {
         }
         let at = if kind == 0 {
             let at = self.halves.len() as u32;
-            self.halves.extend_from_slice(self.store.leaves.get(index));
+            self.store.leaves.with(index, |leaf| self.halves.extend_from_slice(leaf));
             at
         } else {
             let mut children = [(Entry { state: INHERITS, delta: 0, index: UNIFORM }, UNIFORM); 16];
-            for (child, entry) in
-                children.iter_mut().zip(entries(self.store.nodes[kind as usize - 1].get(index)))
-            {
-                let at = if entry.index == UNIFORM { UNIFORM } else { self.emit((kind - 1, entry.index)) };
-                *child = (entry, at);
+            self.store.nodes[kind as usize - 1].with(index, |words| {
+                children.iter_mut().zip(entries(words)).for_each(|(child, entry)| child.0 = entry);
+            });
+            for (entry, at) in children.iter_mut().filter(|(entry, _)| entry.index != UNIFORM) {
+                *at = self.emit((kind - 1, entry.index));
             }
             self.node(&children)
         };

@@ -17,7 +17,7 @@ impl Hierarchy {
         column: impl Fn(u32, u32) -> [u32; 2],
     ) -> Self {
         let level = root_level.max(5);
-        let sink = HierarchySink::new(level, merged);
+        let sink = HierarchySink::new(level, merged, None);
         let inside = |i, j| if i < size[0] && j < size[1] { column(i, j) } else { [0, BESIDE_GRID] };
         let corners = |n: u32| (0..n).step_by(1 << level);
         let block = |(y, x)| block_of(&sink, &inside, level, [x, y]);

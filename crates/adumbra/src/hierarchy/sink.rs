@@ -5,14 +5,17 @@
 //! A root's shapes depend on its columns alone, so neither threads nor their order matter. Held until a root is done: its own
 //! undecided blocks; after it: the shapes that no root before had.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use super::choose::{BESIDE_GRID, FREE_TO_END, holds_any, intersection, most_shared};
 use super::leaf::{Leaf, sort_columns};
 use super::store::{INHERITS, NEVER, OWN, SHARES, ShapeStore};
 use super::{Hierarchy, LEAF_LEVEL, NODE_LEVELS, UNIFORM, encode};
 use crate::bake::sink::{BlockColumns, BlockSink};
+use crate::paged::Spill;
 
+/// Half-words above which no more roots are taken.
+const MOST_HALVES: u64 = (1 << 32) - (1 << 28);
 /// Largest level of a hierarchy's roots.
 const MAX_ROOT_LEVEL: u32 = 9;
 
@@ -98,16 +101,39 @@ impl Undecided {
 }
 
 impl HierarchySink {
-    /// For a bake whose own roots have `root_level`, at least 5. `merged`: equal shapes are kept once.
-    pub(crate) fn new(root_level: u32, merged: bool) -> Self {
+    /// For a bake whose own roots have `root_level`, at least 5. `merged`: equal shapes are kept once. Shapes
+    /// go to `spill`, if there is one.
+    pub(crate) fn new(root_level: u32, merged: bool, spill: Option<&Arc<Spill>>) -> Self {
         let level = root_level.min(MAX_ROOT_LEVEL);
         let root_level = level - (level - LEAF_LEVEL) % NODE_LEVELS;
-        Self { root_level, merged, store: Mutex::default() }
+        Self { root_level, merged, store: Mutex::new(ShapeStore::new(spill)) }
     }
 
-    /// Bytes held of roots that are done.
+    /// Bytes held of roots that are done, beside what is paged.
     pub(crate) fn memory_bytes(&self) -> u64 {
         self.lock().memory_bytes()
+    }
+
+    /// Bytes of the shapes, wherever they are.
+    pub(crate) fn shape_bytes(&self) -> u64 {
+        2 * self.lock().halves() as u64
+    }
+
+    /// That addresses can tell all half-words apart, with room for what the roots at work add.
+    ///
+    /// # Errors
+    /// [`Error::TooManyWords`](crate::Error::TooManyWords).
+    pub(crate) fn check_room(&self) -> crate::Result<()> {
+        if self.lock().halves() as u64 > MOST_HALVES {
+            return Err(crate::Error::TooManyWords { what: "the hierarchy" });
+        }
+        Ok(())
+    }
+
+    /// Bytes that [`HierarchySink::finish`] needs beside the shapes: five numbers for each, and the result twice.
+    pub(crate) fn finish_bytes(&self) -> u64 {
+        let store = self.lock();
+        20 * store.shapes() as u64 + 4 * store.halves() as u64
     }
 
     /// The hierarchy of a grid of `size` voxels from blocks of `level`, the bake's root level; x fastest.

@@ -1,10 +1,13 @@
-//! Shapes while a hierarchy grows: each kept once, or, for the plain form, each kept by itself.
+//! Shapes while a hierarchy grows: each kept once, or, for the plain form, each kept by itself. Their units may be paged out.
+
+use std::sync::Arc;
 
 use hashbrown::HashTable;
 
 use super::UNIFORM;
 use super::code::LeafHead;
 use crate::dag::store::mix;
+use crate::paged::{PagedVec, Spill, Word};
 
 /// State of a node's child, two bits in its first word: switches at the base, never, a shape with the same base, one with its own.
 pub(super) const INHERITS: u32 = 0;
@@ -12,8 +15,11 @@ pub(super) const NEVER: u32 = 1;
 pub(super) const SHARES: u32 = 2;
 pub(super) const OWN: u32 = 3;
 
+/// Units that no shape has more of, whatever its first says.
+const MOST_UNITS: usize = 288;
+
 /// Something that shapes are lists of.
-pub(super) trait Unit: Copy + Eq {
+pub(super) trait Unit: Word {
     /// Units of the shape that begins with this one.
     fn length(self) -> usize;
     fn bits(self) -> u64;
@@ -44,18 +50,27 @@ impl Unit for u32 {
 }
 
 /// Shapes of one level.
-#[derive(Default)]
 pub(super) struct Arena<T> {
-    units: Vec<T>,
+    units: PagedVec<T>,
     /// Where each shape begins.
     offsets: Vec<u32>,
     table: HashTable<u32>,
+    spill: Option<Arc<Spill>>,
 }
 
 impl<T: Unit> Arena<T> {
-    /// A shape's units.
-    pub(super) fn get(&self, index: u32) -> &[T] {
-        shape(&self.units, self.offsets[index as usize])
+    fn new(spill: Option<&Arc<Spill>>) -> Self {
+        Self {
+            units: PagedVec::new(spill),
+            offsets: Vec::new(),
+            table: HashTable::new(),
+            spill: spill.cloned(),
+        }
+    }
+
+    /// Has `f` look at a shape's units.
+    pub(super) fn with<R>(&self, index: u32, f: impl FnOnce(&[T]) -> R) -> R {
+        shape(&self.units, &self.offsets, index, f)
     }
 
     /// How many shapes there are.
@@ -68,17 +83,33 @@ impl<T: Unit> Arena<T> {
         let next = self.offsets.len() as u32;
         let mut index = next;
         if merged {
-            let (units, offsets) = (&self.units, &self.offsets);
-            let get = |i: &u32| shape(units, offsets[*i as usize]);
-            let hash = |content: &[T]| content.iter().fold(content.len() as u64, |h, u| mix(h ^ u.bits()));
-            let found = self.table.entry(hash(content), |i| get(i) == content, |i| hash(get(i)));
-            index = *found.or_insert(next).get();
+            if self.table.len() == self.table.capacity() {
+                self.grow();
+            }
+            let Self { units, offsets, table, .. } = self;
+            let same = |i: &u32| shape(units, offsets, *i, |found| found == content);
+            let entry = table.entry(hash(content), same, |i| shape(units, offsets, *i, hash));
+            index = *entry.or_insert(next).get();
         }
         if index == next {
             self.offsets.push(self.units.len() as u32);
             self.units.extend_from_slice(content);
         }
         index
+    }
+
+    /// A table twice as large, made anew by one walk along the shapes; the full one is gone before.
+    fn grow(&mut self) {
+        let (capacity, before) = (self.table.capacity(), self.table.allocation_size());
+        self.table = HashTable::new();
+        let mut table = HashTable::with_capacity((2 * capacity).max(LEAST_CAPACITY));
+        if let Some(spill) = &self.spill {
+            spill.give_up(table.allocation_size().saturating_sub(before) as u64);
+        }
+        for i in 0..self.len() as u32 {
+            table.insert_unique(self.with(i, hash), i, |i| self.with(*i, hash));
+        }
+        self.table = table;
     }
 
     /// Nothing more will be taken in.
@@ -88,30 +119,49 @@ impl<T: Unit> Arena<T> {
     }
 
     fn memory_bytes(&self) -> u64 {
-        let units = self.units.capacity() * size_of::<T>();
-        (units + 4 * self.offsets.capacity() + 5 * self.table.capacity()) as u64
+        (self.units.memory_bytes() + 4 * self.offsets.capacity() + self.table.allocation_size()) as u64
     }
 }
 
-fn shape<T: Unit>(units: &[T], offset: u32) -> &[T] {
-    let from = offset as usize;
-    &units[from..from + units[from].length()]
+fn shape<T: Unit, R>(units: &PagedVec<T>, offsets: &[u32], index: u32, f: impl FnOnce(&[T]) -> R) -> R {
+    units.with::<MOST_UNITS, R>(offsets[index as usize] as usize, T::length, f)
+}
+
+/// Entries that the smallest table has room for.
+const LEAST_CAPACITY: usize = 14;
+
+fn hash<T: Unit>(content: &[T]) -> u64 {
+    content.iter().fold(content.len() as u64, |h, u| mix(h ^ u.bits()))
 }
 
 /// Leaves, and nodes of levels 5, 7 and 9. Indices of a node's children are those of the level two below.
-#[derive(Default)]
 pub(super) struct ShapeStore {
     pub(super) leaves: Arena<u16>,
     pub(super) nodes: [Arena<u32>; 3],
 }
 
 impl ShapeStore {
+    pub(super) fn new(spill: Option<&Arc<Spill>>) -> Self {
+        Self { leaves: Arena::new(spill), nodes: std::array::from_fn(|_| Arena::new(spill)) }
+    }
+
+    /// How many shapes there are.
+    pub(super) fn shapes(&self) -> usize {
+        self.leaves.len() + self.nodes.iter().map(Arena::len).sum::<usize>()
+    }
+
+    /// Units of all shapes, in half-words.
+    pub(super) fn halves(&self) -> usize {
+        self.leaves.units.len() + 2 * self.nodes.iter().map(|arena| arena.units.len()).sum::<usize>()
+    }
+
     /// Nothing more will be taken in: what that needs is freed.
     pub(super) fn seal(&mut self) {
         self.leaves.seal();
         self.nodes.iter_mut().for_each(Arena::seal);
     }
 
+    /// Bytes held beside what is paged.
     pub(super) fn memory_bytes(&self) -> u64 {
         self.leaves.memory_bytes() + self.nodes.iter().map(Arena::memory_bytes).sum::<u64>()
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::dag::Dag;
+use super::graph::Graph;
 
 /// Numbers of the nodes of a plain graph, by the word of the header and the level.
 ///
@@ -29,12 +29,12 @@ struct Chunk {
 }
 
 impl Keys {
-    pub(super) fn new(dag: &Dag) -> Self {
-        let mut chunks = vec![Chunk::default(); dag.nodes.len().div_ceil(64)];
+    pub(super) fn new(graph: &impl Graph) -> Self {
+        let mut chunks = vec![Chunk::default(); graph.node_words().div_ceil(64)];
         let mut at = 0;
-        while at < dag.nodes.len() {
+        while at < graph.node_words() {
             chunks[at / 64].headers |= 1 << (at % 64);
-            at += 1 + (dag.nodes[at] & 0xaaaa).count_ones() as usize;
+            at += graph.length(at as u32);
         }
         let mut count = 0;
         for chunk in &mut chunks {
@@ -42,6 +42,16 @@ impl Keys {
             count += chunk.headers.count_ones();
         }
         Self { chunks, levels: vec![0; count as usize], others: Vec::new(), other_keys: HashMap::new() }
+    }
+
+    /// Nodes that have a number of their own.
+    pub(super) fn nodes(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Bytes of what there is for a graph of so many words and nodes.
+    pub(super) fn bytes(node_words: usize, nodes: usize) -> u64 {
+        (node_words.div_ceil(64) * size_of::<Chunk>() + nodes) as u64
     }
 
     /// The level that the node was met at first.

@@ -1,14 +1,16 @@
 //! [`Dag`] → [`PackedDag`]: levels from the bottom up, so that a node's size is known before its parents'.
 //!
 //! The bytes follow from the graph alone: nodes are taken in the order of its words, pools are sorted by references and,
-//! where those are equal, by that order. Memory: the packed graph, and 14 bytes a node.
+//! where those are equal, by that order. Memory: the packed graph, and 14 bytes a node; the plain one may be paged.
 
+mod graph;
 mod keys;
 mod place;
 
 use super::node::{Cube, LL, LM, LS, M2, MM, MS, SS};
 use super::{MAX_SHARED_SLABS, MAX_UNITS, PackedDag};
-use crate::dag::{Dag, GraphError, GraphPlace, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_SHADOWED};
+use crate::dag::{Dag, GraphError, GraphPlace, PagedDag, SHADOWED, SLAB_NODE_LEVEL};
+use graph::{Child, Graph};
 use keys::Keys;
 
 /// Why a graph has no packed form.
@@ -48,15 +50,44 @@ impl PackedDag {
     /// [`PackError`] where the graph is not valid, not monotone along z, or too large.
     pub fn of_dag(dag: &Dag) -> Result<Self, PackError> {
         dag.validate()?;
-        let mut packed =
-            Self { size: dag.size, root_level: dag.root_level, top_dims: dag.top_dims, ..Self::default() };
-        let mut encoder = Encoder::new(dag)?;
+        Self::encode(dag, dag.size, |_| Ok(()))
+    }
+
+    /// The packed form of a graph that is valid. `make_room` is told, before it is taken, how many bytes will be held
+    /// beside the graph.
+    pub(crate) fn of_paged<E: From<PackError>>(
+        dag: PagedDag,
+        make_room: impl FnMut(u64) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let size = dag.size;
+        if dag.nodes.is_paged() {
+            Self::encode(&dag, size, make_room)
+        } else {
+            Self::encode(&dag.into_dag(), size, make_room)
+        }
+    }
+
+    fn encode<E: From<PackError>>(
+        graph: &impl Graph,
+        size: [u32; 3],
+        mut make_room: impl FnMut(u64) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let (root_level, top_dims) = (graph.root_level(), graph.top_dims());
+        let mut packed = Self { size, root_level, top_dims, ..Self::default() };
+        let keys = Keys::new(graph);
+        // References, places and words, and the pool that is sorted, eight bytes a node again.
+        let nodes = keys.nodes();
+        let held_bytes =
+            Keys::bytes(graph.node_words(), nodes) + 20 * nodes as u64 + 8 * graph.slab_count() as u64;
+        make_room(held_bytes)?;
+        let mut encoder = Encoder::new(graph, keys)?;
         encoder.share_slabs();
-        packed.slabs = encoder.shared.iter().map(|&slab| dag.slabs[slab as usize]).collect();
-        for level in SLAB_NODE_LEVEL..=dag.root_level {
+        packed.slabs = encoder.shared.iter().map(|&slab| graph.slab(slab)).collect();
+        for level in SLAB_NODE_LEVEL..=root_level {
             encoder.size_level(level)?;
         }
         encoder.write_columns(&mut packed)?;
+        make_room(held_bytes + encoder.packed_bytes())?;
         encoder.write_nodes(&mut packed);
         Ok(packed)
     }
@@ -64,8 +95,8 @@ impl PackedDag {
 
 const NOT_SHARED: u32 = u32::MAX;
 
-struct Encoder<'d> {
-    dag: &'d Dag,
+struct Encoder<'d, G> {
+    graph: &'d G,
     keys: Keys,
     /// By key: pointers to the node.
     references: Vec<u32>,
@@ -80,29 +111,29 @@ struct Encoder<'d> {
     pool_units: Vec<u32>,
 }
 
-impl<'d> Encoder<'d> {
-    fn new(dag: &'d Dag) -> Result<Self, PackError> {
-        let nodes = dag.node_count() as usize;
-        let levels = dag.root_level as usize + 1;
+impl<'d, G: Graph> Encoder<'d, G> {
+    fn new(graph: &'d G, keys: Keys) -> Result<Self, PackError> {
+        let root_level = graph.root_level();
+        let levels = root_level as usize + 1;
         let mut encoder = Self {
-            dag,
-            keys: Keys::new(dag),
-            references: vec![0; nodes],
+            graph,
+            references: vec![0; keys.nodes()],
+            keys,
             places: Vec::new(),
             words: vec![Vec::new(); levels],
             slab_places: Vec::new(),
             shared: Vec::new(),
             pool_units: vec![0; levels],
         };
-        for &root in dag.top.iter().filter(|&&root| root < SHADOWED) {
-            encoder.refer(root, dag.root_level);
+        for &root in graph.top().iter().filter(|&&root| root < SHADOWED) {
+            encoder.refer(root, root_level);
         }
         // A node's words lie before those of its children, so whatever refers to it at its own level has been met.
         let mut at = 0;
-        while at < dag.nodes.len() {
+        while at < graph.node_words() {
             let level = encoder.keys.level(at as u32);
             encoder.visit(at as u32, level)?;
-            at += 1 + (dag.nodes[at] & 0xaaaa).count_ones() as usize;
+            at += graph.length(at as u32);
         }
         // Nodes without slabs that are used at further levels; the list grows while it is read.
         let mut next = 0;
@@ -126,7 +157,7 @@ impl<'d> Encoder<'d> {
     fn visit(&mut self, word: u32, level: u32) -> Result<(), PackError> {
         self.words[level as usize].push(word);
         if level > SLAB_NODE_LEVEL {
-            let pairs = pairs(self.dag, word).ok_or_else(|| not_monotone(word, level))?;
+            let pairs = pairs(self.graph, word).ok_or_else(|| not_monotone(word, level))?;
             for &child in pairs.children() {
                 self.refer(child, level - 1);
             }
@@ -138,11 +169,11 @@ impl<'d> Encoder<'d> {
 
     /// A node of level 3, if it is monotone.
     fn cube(&self, word: u32) -> Option<Cube> {
-        let children = children(self.dag, word);
+        let children = self.graph.children(word);
         let slabs = children.map(|child| match child {
             Child::Lit => u64::MAX,
             Child::Shadowed => 0,
-            Child::Mixed(slab) => self.dag.slabs[slab as usize],
+            Child::Mixed(slab) => self.graph.slab(slab),
         });
         let mut cube = Cube::of_slabs(&slabs)?;
         let mut i = 0;
@@ -160,14 +191,14 @@ impl<'d> Encoder<'d> {
 
     /// Chooses the slabs that are stored once, and drops those that in the end nothing needs.
     fn share_slabs(&mut self) {
-        let dag = self.dag;
-        let mut references = vec![0_u32; dag.slabs.len()];
+        let graph = self.graph;
+        let mut references = vec![0_u32; graph.slab_count()];
         for &word in &self.words[SLAB_NODE_LEVEL as usize] {
             let mut last = u64::MAX;
-            for child in children(dag, word) {
+            for child in graph.children(word) {
                 let mask = match child {
                     Child::Mixed(slab) => {
-                        let mask = dag.slabs[slab as usize];
+                        let mask = graph.slab(slab);
                         references[slab as usize] += u32::from(mask != last);
                         mask
                     }
@@ -178,7 +209,7 @@ impl<'d> Encoder<'d> {
             }
         }
         let mut chosen: Vec<u32> =
-            (0..dag.slabs.len() as u32).filter(|&slab| references[slab as usize] > 1).collect();
+            (0..graph.slab_count() as u32).filter(|&slab| references[slab as usize] > 1).collect();
         chosen.sort_by_key(|&slab| (u32::MAX - references[slab as usize], slab));
         chosen.truncate(MAX_SHARED_SLABS);
         self.place_slabs(chosen);
@@ -194,7 +225,7 @@ impl<'d> Encoder<'d> {
 
     fn place_slabs(&mut self, shared: Vec<u32>) {
         self.slab_places.clear();
-        self.slab_places.resize(self.dag.slabs.len(), NOT_SHARED);
+        self.slab_places.resize(self.graph.slab_count(), NOT_SHARED);
         for (place, &slab) in shared.iter().enumerate() {
             self.slab_places[slab as usize] = place as u32;
         }
@@ -204,25 +235,6 @@ impl<'d> Encoder<'d> {
 
 fn not_monotone(word: u32, level: u32) -> PackError {
     PackError::NotMonotone { place: GraphPlace::Node { word: word as usize }, level }
-}
-
-/// A child of a plain node.
-#[derive(Clone, Copy)]
-enum Child {
-    Shadowed,
-    Lit,
-    /// Word or slab.
-    Mixed(u32),
-}
-
-fn children(dag: &Dag, word: u32) -> [Child; 8] {
-    let header = dag.nodes[word as usize];
-    let mut pointers = dag.nodes[word as usize + 1..].iter();
-    std::array::from_fn(|c| match header >> (2 * c) & 3 {
-        STATE_SHADOWED => Child::Shadowed,
-        STATE_LIT => Child::Lit,
-        _ => pointers.next().map_or(Child::Lit, |&p| Child::Mixed(p)),
-    })
 }
 
 /// The quarters of a plain node above level 3: what they are, and their mixed children, those that are the same once.
@@ -240,8 +252,8 @@ impl Pairs {
 }
 
 /// None where a quarter is shadowed before it is lit.
-fn pairs(dag: &Dag, word: u32) -> Option<Pairs> {
-    let children = children(dag, word);
+fn pairs(graph: &impl Graph, word: u32) -> Option<Pairs> {
+    let children = graph.children(word);
     let mut pairs = Pairs::default();
     for q in 0..4 {
         let (code, near, far) = match (children[2 * q], children[2 * q + 1]) {

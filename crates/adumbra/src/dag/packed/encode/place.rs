@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+use super::graph::Graph;
 use super::{Encoder, PackError, pairs};
 use crate::dag::packed::node::{Inner, NO_FOLLOWER, Target, high_bits};
 use crate::dag::packed::{MAX_UNITS, NEAR_UNITS, POOL_WORDS, PackedDag};
@@ -12,7 +13,7 @@ use crate::dag::{GraphPlace, LIT, SHADOWED, SLAB_NODE_LEVEL};
 
 const POOLED: u32 = 1 << 31;
 
-/// Nodes that a thread writes at a time.
+/// Nodes that a thread takes at a time; the results of sixteen times as many are held.
 const BATCH: usize = 1 << 12;
 
 /// A node above level 3, ready to be written.
@@ -25,25 +26,30 @@ struct Plan {
     inside_units: u64,
 }
 
-impl Encoder<'_> {
+impl<G: Graph> Encoder<'_, G> {
     /// Gives each node of a level its size, and each of the level below its place. Levels come in order, from 3 up.
     pub(super) fn size_level(&mut self, level: u32) -> Result<(), PackError> {
         let words = std::mem::take(&mut self.words[level as usize]);
         if level > SLAB_NODE_LEVEL {
-            let far: Vec<usize> =
-                words.par_iter().flat_map_iter(|&word| self.far_children(word, level)).collect();
-            far.into_iter().for_each(|key| self.places[key] |= POOLED);
+            for part in words.chunks(BATCH * 16) {
+                let far: Vec<usize> =
+                    part.par_iter().flat_map_iter(|&word| self.far_children(word, level)).collect();
+                // Each has one parent, so that no other part asks.
+                far.into_iter().for_each(|key| self.places[key] |= POOLED);
+            }
             self.lay_out_pool(level - 1)?;
         }
-        let sizes: Vec<u64> = words.par_iter().map(|&word| self.size(word, level)).collect();
-        for (&word, units) in words.iter().zip(sizes) {
-            let size = check_units(units)?;
-            let key = self.keys.key(word, level);
-            let pooled = level == self.dag.root_level || self.references[key] > 1;
-            self.places[key] = if pooled { size | POOLED } else { size };
+        for part in words.chunks(BATCH * 16) {
+            let sizes: Vec<u64> = part.par_iter().map(|&word| self.size(word, level)).collect();
+            for (&word, units) in part.iter().zip(sizes) {
+                let size = check_units(units)?;
+                let key = self.keys.key(word, level);
+                let pooled = level == self.graph.root_level() || self.references[key] > 1;
+                self.places[key] = if pooled { size | POOLED } else { size };
+            }
         }
         self.words[level as usize] = words;
-        if level == self.dag.root_level { self.lay_out_pool(level) } else { Ok(()) }
+        if level == self.graph.root_level() { self.lay_out_pool(level) } else { Ok(()) }
     }
 
     /// Units of a node with all that lies in it.
@@ -58,7 +64,7 @@ impl Encoder<'_> {
     /// Children that lie in a node must begin near it. Numbers of the largest, those that do not and go to the pool.
     fn far_children(&self, word: u32, level: u32) -> impl Iterator<Item = usize> {
         let mut far = [None; 8];
-        if let Some(pairs) = pairs(self.dag, word) {
+        if let Some(pairs) = pairs(self.graph, word) {
             let (mut keys, mut places) = ([0; 8], [0; 8]);
             for (p, &child) in pairs.children().iter().enumerate() {
                 keys[p] = self.keys.key(child, level - 1);
@@ -96,7 +102,7 @@ impl Encoder<'_> {
 
     fn plan(&self, word: u32, level: u32) -> Plan {
         let mut plan = Plan { node: Inner::default(), inside: [0; 8], inside_count: 0, inside_units: 0 };
-        let Some(pairs) = pairs(self.dag, word) else { return plan };
+        let Some(pairs) = pairs(self.graph, word) else { return plan };
         plan.node.codes = pairs.codes;
         let mut places = [0; 8];
         for ((place, target), &child) in places.iter_mut().zip(&mut plan.node.targets).zip(pairs.children()) {
@@ -122,22 +128,28 @@ impl Encoder<'_> {
             packed.top.push(check_units(end)?);
             end += u64::from(self.pool_units.get(i + SLAB_NODE_LEVEL as usize).copied().unwrap_or(0));
         }
-        let [nx, ny, nz] = self.dag.top_dims.map(|n| n as usize);
+        let [nx, ny, nz] = self.graph.top_dims().map(|n| n as usize);
         let mut roots = Vec::new();
         for column in 0..nx * ny {
-            let entry = |gz: usize| self.dag.top[gz * nx * ny + column];
+            let entry = |gz: usize| self.graph.top()[gz * nx * ny + column];
             let z0 = (0..nz).take_while(|&gz| entry(gz) == LIT).count();
             let mixed = (z0..nz).take_while(|&gz| entry(gz) < SHADOWED).count();
             if let Some(gz) = (z0 + mixed..nz).find(|&gz| entry(gz) != SHADOWED) {
                 let place = GraphPlace::Top { index: gz * nx * ny + column };
-                return Err(PackError::NotMonotone { place, level: self.dag.root_level });
+                return Err(PackError::NotMonotone { place, level: self.graph.root_level() });
             }
             packed.top.extend([roots.len() as u32, z0 as u32]);
-            roots.extend((z0..z0 + mixed).map(|gz| self.place(entry(gz), self.dag.root_level) & !POOLED));
+            roots.extend((z0..z0 + mixed).map(|gz| self.place(entry(gz), self.graph.root_level()) & !POOLED));
         }
         packed.top.push(roots.len() as u32);
         packed.top.append(&mut roots);
         Ok(())
+    }
+
+    /// Bytes of the packed graph, once its columns are written.
+    pub(super) fn packed_bytes(&self) -> u64 {
+        let units: u64 = self.pool_units.iter().map(|&units| u64::from(units)).sum();
+        2 * units + 8 * self.shared.len() as u64
     }
 
     /// All nodes, pool by pool.
