@@ -141,7 +141,8 @@ fn bake(args: &BenchBake, row: &Row, file: &Path, document: &mut Document) -> Re
     let sun = row.sun.map(|c| c.to_string()).join(",");
     let (resolution, thickness) = (row.resolution.to_string(), row.thickness.to_string());
     let mut options = vec!["--sun", &sun, "--resolution", &resolution, "--thickness", &thickness];
-    let layout = layout(args);
+    let (layout, memory) = (layout(args), row.max_memory_bytes().map(|bytes| bytes.to_string()));
+    options.extend(memory.iter().flat_map(|bytes| ["--max-memory", bytes.as_str()]));
     options.extend(layout.iter().flat_map(|l| ["--layout", l.as_str()]));
     let said = child::bake_into(file, &scene, &options)?;
     let number = |key: &str| said[key].as_f64().unwrap_or(f64::NAN);

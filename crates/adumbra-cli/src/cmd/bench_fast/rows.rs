@@ -18,6 +18,12 @@ impl Row {
     pub(super) fn name(&self) -> String {
         format!("{}-{}", self.scene, self.resolution)
     }
+
+    /// What is demanded of the peak is what the bake may hold.
+    pub(super) fn max_memory_bytes(&self) -> Option<u64> {
+        let peak = self.limits.iter().find(|l| l.figure == Figure::PeakBytes);
+        peak.map(|peak| peak.limit as u64)
+    }
 }
 
 /// A figure that is bounded.
