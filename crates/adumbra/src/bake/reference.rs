@@ -10,7 +10,7 @@ use super::project::{FixedDepth, Projected, SUBTEXEL};
 use super::{Baked, Builder, Options, Size, bake};
 use crate::light::Sun;
 use crate::query::Query;
-use crate::scene::{Instance, Material, Mesh, Scene, topology};
+use crate::scene::{Bounds, Instance, Material, Mesh, Scene, topology};
 use crate::settings::Receivers;
 
 /// What a dense grid knows of one column, straight from §3's text.
@@ -203,6 +203,8 @@ prop_compose! {
         thickness_world in prop_oneof![Just(0.0), 0.0_f64..4.0],
         assume_ground in any::<bool>(),
         closed_regions in any::<bool>(),
+        switch_within_voxels in prop_oneof![Just(0), 0_u32..12],
+        bounds in prop::option::of(any_box()),
         fast in any::<bool>(),
     ) -> Options {
         let sun = Sun::from_direction([sun.0, sun.1, sun.2]).expect("a sun above the horizon");
@@ -210,6 +212,8 @@ prop_compose! {
             thickness_world,
             assume_ground,
             closed_regions,
+            switch_within_voxels,
+            bounds: bounds.map(|(min, max)| Bounds { min: min.map(f64::from), max: max.map(f64::from) }),
             builder: if fast { Builder::Fast } else { Builder::Plain },
             ..Options::new(sun, Size::Resolution(1 << level))
         }
