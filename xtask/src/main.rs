@@ -14,7 +14,7 @@ use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test
-  cargo xtask test --quick    the tests that need no real scenes, under two minutes
+  cargo xtask test --quick    without real scenes and what bakes over and over, under two minutes
   cargo xtask vectors         write test_vectors/ again
   cargo xtask count           instructions of the hot steps beside docs/counts.json; --bless writes it
   cargo xtask tune-ao [--scenes DIR] [--budget N] [--only NAME,...]
@@ -60,10 +60,14 @@ fn test(root: &Path) -> Result<(), String> {
     cargo(root, &["test", "--release", "--workspace"], &[])
 }
 
+/// How tests are named that a quick run leaves out: those of real scenes, and those that bake or bench the same over and over.
+const NOT_QUICK: [&str; 3] = ["shared_", "bench_hrsm_", "limited_bake_"];
+
 fn quick_test(root: &Path) -> Result<(), String> {
     adapter::ensure()?;
-    // Tests of real scenes begin with `shared_`.
-    cargo(root, &["test", "--release", "--workspace", "--", "--skip", "shared_"], &[])
+    let mut args = vec!["test", "--release", "--workspace", "--"];
+    args.extend(NOT_QUICK.iter().flat_map(|name| ["--skip", name]));
+    cargo(root, &args, &[])
 }
 
 fn component_verb(component: &str) -> &str {
