@@ -31,6 +31,19 @@ fn voxel_over(v: VoxelParams, low: vec3u, high: vec3u) -> VoxelNode {
     return node;
 }
 
+// Lit bits of a mask in a slab of the file; half a slab that the mask lacks is not read.
+fn voxel_slab_words(v: VoxelParams, index: u32, mask: vec2u) -> vec2u {
+    let slab = v.places.y + 2u * index;
+    var lit = vec2u(0u);
+    if (mask.x != 0u) {
+        lit.x = voxel_word(slab) & mask.x;
+    }
+    if (mask.y != 0u) {
+        lit.y = voxel_word(slab + 1u) & mask.y;
+    }
+    return lit;
+}
+
 // Lit bits of a mask in the slab of 8 × 8 voxels that holds this one, below a node that does: bit y·8 + x, rows 0 to 3 in x.
 fn voxel_lit_bits(v: VoxelParams, over: VoxelNode, voxel: vec3u, mask: vec2u) -> u32 {
     var node = over;

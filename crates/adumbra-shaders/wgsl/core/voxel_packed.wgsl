@@ -144,13 +144,5 @@ fn voxel_slab_bits(v: VoxelParams, node: VoxelNode, z: u32, mask: vec2u) -> vec2
     if (extractBits(here, index, 1u) == 1u) {
         return packed_mask_bits(v, at, mask);
     }
-    let slab = v.places.y + 2u * packed_unit(v, at);
-    var lit = vec2u(0u);
-    if (mask.x != 0u) {
-        lit.x = voxel_word(slab) & mask.x;
-    }
-    if (mask.y != 0u) {
-        lit.y = voxel_word(slab + 1u) & mask.y;
-    }
-    return lit;
+    return voxel_slab_words(v, packed_unit(v, at), mask);
 }

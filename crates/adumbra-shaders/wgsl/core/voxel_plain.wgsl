@@ -34,20 +34,12 @@ fn voxel_descend(v: VoxelParams, node: VoxelNode, voxel: vec3u) -> VoxelNode {
     return VoxelNode(VOXEL_MIXED, level, v.places.x + voxel_pointer(node, header, child));
 }
 
-// Lit bits of a mask in a slab of a mixed node of level 3; half a slab that the mask lacks is not read.
+// Lit bits of a mask in a slab of a mixed node of level 3.
 fn voxel_slab_bits(v: VoxelParams, node: VoxelNode, z: u32, mask: vec2u) -> vec2u {
     let header = voxel_word(node.at);
     let state = voxel_child(header, z);
     if (state < VOXEL_MIXED) {
         return state * mask;
     }
-    let slab = v.places.y + 2u * voxel_pointer(node, header, z);
-    var lit = vec2u(0u);
-    if (mask.x != 0u) {
-        lit.x = voxel_word(slab) & mask.x;
-    }
-    if (mask.y != 0u) {
-        lit.y = voxel_word(slab + 1u) & mask.y;
-    }
-    return lit;
+    return voxel_slab_words(v, voxel_pointer(node, header, z), mask);
 }

@@ -12,11 +12,17 @@ pub(super) enum Child {
     Mixed(u32),
 }
 
+/// What is in memory in any case.
+#[derive(Clone, Copy)]
+pub(super) struct Head<'g> {
+    pub(super) root_level: u32,
+    pub(super) top_dims: [u32; 3],
+    pub(super) top: &'g [u32],
+}
+
 /// A valid plain graph.
 pub(super) trait Graph: Sync {
-    fn root_level(&self) -> u32;
-    fn top_dims(&self) -> [u32; 3];
-    fn top(&self) -> &[u32];
+    fn head(&self) -> Head<'_>;
     fn node_words(&self) -> usize;
     fn slab_count(&self) -> usize;
     /// Words of the node at this word.
@@ -27,16 +33,8 @@ pub(super) trait Graph: Sync {
 }
 
 impl Graph for Dag {
-    fn root_level(&self) -> u32 {
-        self.root_level
-    }
-
-    fn top_dims(&self) -> [u32; 3] {
-        self.top_dims
-    }
-
-    fn top(&self) -> &[u32] {
-        &self.top
+    fn head(&self) -> Head<'_> {
+        Head { root_level: self.root_level, top_dims: self.top_dims, top: &self.top }
     }
 
     fn node_words(&self) -> usize {
@@ -62,16 +60,8 @@ impl Graph for Dag {
 
 /// Once its disk fails it ends, and its nodes have no children: nothing leads astray until the failure is asked for.
 impl Graph for PagedDag {
-    fn root_level(&self) -> u32 {
-        self.root_level
-    }
-
-    fn top_dims(&self) -> [u32; 3] {
-        self.top_dims
-    }
-
-    fn top(&self) -> &[u32] {
-        &self.top
+    fn head(&self) -> Head<'_> {
+        Head { root_level: self.root_level, top_dims: self.top_dims, top: &self.top }
     }
 
     fn node_words(&self) -> usize {

@@ -72,7 +72,7 @@ impl PackedDag {
         size: [u32; 3],
         mut make_room: impl FnMut(u64) -> Result<(), E>,
     ) -> Result<Self, E> {
-        let (root_level, top_dims) = (graph.root_level(), graph.top_dims());
+        let (root_level, top_dims) = (graph.head().root_level, graph.head().top_dims);
         let mut packed = Self { size, root_level, top_dims, ..Self::default() };
         let keys = Keys::new(graph);
         // References, places and words, and the pool that is sorted, eight bytes a node again.
@@ -113,7 +113,7 @@ struct Encoder<'d, G> {
 
 impl<'d, G: Graph> Encoder<'d, G> {
     fn new(graph: &'d G, keys: Keys) -> Result<Self, PackError> {
-        let root_level = graph.root_level();
+        let root_level = graph.head().root_level;
         let levels = root_level as usize + 1;
         let mut encoder = Self {
             graph,
@@ -125,7 +125,7 @@ impl<'d, G: Graph> Encoder<'d, G> {
             shared: Vec::new(),
             pool_units: vec![0; levels],
         };
-        for &root in graph.top().iter().filter(|&&root| root < SHADOWED) {
+        for &root in graph.head().top.iter().filter(|&&root| root < SHADOWED) {
             encoder.refer(root, root_level);
         }
         // A node's words lie before those of its children, so whatever refers to it at its own level has been met.

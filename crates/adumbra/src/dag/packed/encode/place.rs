@@ -44,12 +44,12 @@ impl<G: Graph> Encoder<'_, G> {
             for (&word, units) in part.iter().zip(sizes) {
                 let size = check_units(units)?;
                 let key = self.keys.key(word, level);
-                let pooled = level == self.graph.root_level() || self.references[key] > 1;
+                let pooled = level == self.graph.head().root_level || self.references[key] > 1;
                 self.places[key] = if pooled { size | POOLED } else { size };
             }
         }
         self.words[level as usize] = words;
-        if level == self.graph.root_level() { self.lay_out_pool(level) } else { Ok(()) }
+        if level == self.graph.head().root_level { self.lay_out_pool(level) } else { Ok(()) }
     }
 
     /// Units of a node with all that lies in it.
@@ -128,18 +128,20 @@ impl<G: Graph> Encoder<'_, G> {
             packed.top.push(check_units(end)?);
             end += u64::from(self.pool_units.get(i + SLAB_NODE_LEVEL as usize).copied().unwrap_or(0));
         }
-        let [nx, ny, nz] = self.graph.top_dims().map(|n| n as usize);
+        let [nx, ny, nz] = self.graph.head().top_dims.map(|n| n as usize);
         let mut roots = Vec::new();
         for column in 0..nx * ny {
-            let entry = |gz: usize| self.graph.top()[gz * nx * ny + column];
+            let entry = |gz: usize| self.graph.head().top[gz * nx * ny + column];
             let z0 = (0..nz).take_while(|&gz| entry(gz) == LIT).count();
             let mixed = (z0..nz).take_while(|&gz| entry(gz) < SHADOWED).count();
             if let Some(gz) = (z0 + mixed..nz).find(|&gz| entry(gz) != SHADOWED) {
                 let place = GraphPlace::Top { index: gz * nx * ny + column };
-                return Err(PackError::NotMonotone { place, level: self.graph.root_level() });
+                return Err(PackError::NotMonotone { place, level: self.graph.head().root_level });
             }
             packed.top.extend([roots.len() as u32, z0 as u32]);
-            roots.extend((z0..z0 + mixed).map(|gz| self.place(entry(gz), self.graph.root_level()) & !POOLED));
+            roots.extend(
+                (z0..z0 + mixed).map(|gz| self.place(entry(gz), self.graph.head().root_level) & !POOLED),
+            );
         }
         packed.top.push(roots.len() as u32);
         packed.top.append(&mut roots);
