@@ -1,9 +1,10 @@
-//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask vectors`, `cargo xtask count [--bless]`,
-//! `cargo xtask tune-ao`.
+//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask docs [--quick]`, `cargo xtask vectors`,
+//! `cargo xtask count [--bless]`, `cargo xtask tune-ao`.
 
-mod adapter;
 mod broken;
 mod count;
+mod docs;
+mod tools;
 mod tree_vectors;
 mod tune_ao;
 mod vectors;
@@ -13,8 +14,10 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage:
-  cargo xtask test            formatting, lints, documentation, every test
+  cargo xtask test            formatting, lints, documentation, every test, the documents' commands
   cargo xtask test --quick    without real scenes and what bakes over and over, under two minutes
+  cargo xtask docs            every command of README and docs/ in a copy of the repository, its output checked; links
+  cargo xtask docs --quick    with what is built, smaller numbers, and only the arguments of what takes long; FILE... reads these alone
   cargo xtask vectors         write test_vectors/ again
   cargo xtask count           instructions of the hot steps beside docs/counts.json; --bless writes it
   cargo xtask tune-ao [--scenes DIR] [--budget N] [--only NAME,...]
@@ -30,10 +33,13 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["test"] => test(root),
         ["test", "--quick"] => quick_test(root),
+        ["docs", options @ ..] => {
+            tools::ensure_driver().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
+        }
         ["vectors"] => vectors::run(root).map_err(|e| e.to_string()),
         ["count", options @ ..] => count::run(root, options).map_err(|e| e.to_string()),
         ["tune-ao", options @ ..] => {
-            adapter::ensure().and_then(|()| tune_ao::run(root, options).map_err(|e| e.to_string()))
+            tools::ensure_driver().and_then(|()| tune_ao::run(root, options).map_err(|e| e.to_string()))
         }
         _ => Err(USAGE.to_owned()),
     };
@@ -56,15 +62,16 @@ fn test(root: &Path) -> Result<(), String> {
     cargo(root, &["fmt", "--all", "--check"], &[])?;
     cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
     cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
-    adapter::ensure()?;
-    cargo(root, &["test", "--release", "--workspace"], &[])
+    tools::ensure_all()?;
+    cargo(root, &["test", "--release", "--workspace"], &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
+    docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }
 
 /// How tests are named that a quick run leaves out: those of real scenes, and those that bake or bench the same over and over.
-const NOT_QUICK: [&str; 3] = ["shared_", "bench_hrsm_", "limited_bake_"];
+const NOT_QUICK: [&str; 4] = ["shared_", "bench_hrsm_", "limited_bake_", "report_browser_"];
 
 fn quick_test(root: &Path) -> Result<(), String> {
-    adapter::ensure()?;
+    tools::ensure_driver()?;
     let mut args = vec!["test", "--release", "--workspace", "--"];
     args.extend(NOT_QUICK.iter().flat_map(|name| ["--skip", name]));
     cargo(root, &args, &[])

@@ -4,7 +4,9 @@ mod bake;
 mod bench;
 mod compare;
 mod render;
+mod report;
 mod tree;
+mod view;
 
 use std::path::PathBuf;
 
@@ -19,8 +21,10 @@ pub(crate) use bench::{
 };
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use compare::{BenchPeers, Compare, JudgeArg};
-pub(crate) use render::{DeviceArg, DeviceArgs, LayerArg, Render, looking_at};
+pub(crate) use render::{DeviceArg, DeviceArgs, LayerArg, Render};
+pub(crate) use report::{Report, SECTIONS};
 pub(crate) use tree::WeightsArg;
+pub(crate) use view::View;
 
 use crate::exit::Failure;
 
@@ -37,6 +41,9 @@ use crate::exit::Failure;
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) verb: Verb,
+    /// End once the arguments are parsed: how documents are checked whose commands take hours
+    #[arg(long, global = true, hide = true)]
+    pub(crate) check_arguments: bool,
 }
 
 #[derive(Subcommand)]
@@ -80,6 +87,9 @@ pub(crate) enum Verb {
     /// Draw a scene with a file's shadows, with a real-time technique, with rays, or where file and rays differ
     #[command(after_help = render::after_help())]
     Render(Render),
+    /// Open a window on a scene: every technique, side by side, while shadows are baked behind it; ? shows the keys
+    #[command(after_help = view::AFTER_HELP)]
+    View(View),
     /// Hold techniques beside ray-traced truth: milliseconds, bytes and errors as tables, and pictures
     #[command(
         after_help = "Writes report.md, report.json, sheet.png, and a picture and a difference picture a technique (red = lit called shadowed, \
@@ -90,6 +100,13 @@ pub(crate) enum Verb {
     /// Measure: bakes, trees, shadows beside the truth, as tables
     #[command(after_help = "Example: adumbra bench bake --scenes scenes -o docs/bench")]
     Bench(Bench),
+    /// Measure what every paper measured, and write one page that shows its figures beside ours; exit code 1 where a section failed
+    #[command(
+        after_help = "Writes report.html, which needs no other file and no network, and report.json. What is measured stays in the folder, whatever \
+        happens to the rest.\n\n\
+        Example: adumbra report -o report\n\nExample: adumbra report --full --scenes scenes --truth truth -o report"
+    )]
+    Report(Report),
     /// The main job from end to end on a generated scene; leaves the file, pictures and a report
     #[command(after_help = "Example: adumbra demo --out demo")]
     Demo(Demo),
@@ -143,6 +160,17 @@ pub(crate) struct SceneArgs {
 }
 
 impl SceneArgs {
+    /// What was given, as words of a command.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let named = |name: &str, list: &[String]| -> Vec<String> {
+            list.iter().map(|glob| format!("{name} '{}'", glob.replace('\'', "'\\''"))).collect()
+        };
+        let mut words = [named("--only", &self.only), named("--exclude", &self.exclude)].concat();
+        let switches = [(self.ignore_alpha, "--ignore-alpha"), (self.include_animated, "--include-animated")];
+        words.extend(switches.iter().filter(|(on, _)| *on).map(|(_, name)| (*name).to_owned()));
+        words
+    }
+
     pub(crate) fn load_options(&self) -> Result<LoadOptions, Failure> {
         Ok(LoadOptions {
             filter: NameFilter::new(&self.only, &self.exclude)?,

@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use adumbra_render::RenderError;
+use adumbra_view::ViewError;
 
 /// What the program tells its caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +52,17 @@ impl From<adumbra_lab::Error> for Failure {
         match error {
             adumbra_lab::Error::Library(error) => Self::Library(error),
             adumbra_lab::Error::Render(error) => error.into(),
+            other => Self::BadInput(other.to_string()),
+        }
+    }
+}
+
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        match error {
+            ViewError::Library(error) => Self::Library(error),
+            ViewError::Render(error) => error.into(),
+            ViewError::Options { what } => Self::Usage(what),
             other => Self::BadInput(other.to_string()),
         }
     }

@@ -32,6 +32,9 @@ fn main() -> ExitCode {
             return code.into();
         }
     };
+    if args.check_arguments {
+        return exit::Code::Fine.into();
+    }
     match cmd::run(args) {
         Ok(code) => code.into(),
         Err(error) => {

@@ -86,7 +86,12 @@ fn y_range(panel: &Panel) -> Range<f64> {
     let high = values().fold(f64::MIN_POSITIVE, f64::max);
     if panel.logarithmic {
         let low = values().filter(|y| *y > 0.0).fold(high, f64::min);
-        low / 1.5..high * 1.8
+        // Room for the legend.
+        let room = (high / low).powf(0.5);
+        match panel.legend {
+            Legend::UpperRight => low / 1.5..high * room.max(1.8),
+            Legend::LowerLeft => low / room.max(1.5)..high * 1.8,
+        }
     } else {
         // Room for the legend.
         let room = if matches!(panel.along, Along::Names(_)) { 1.5 } else { 1.3 };

@@ -374,7 +374,9 @@ fn demo_leaves_the_file_pictures_and_a_report() {
         assert!(folder.exists(&format!("demo/{name}")), "{name}");
     }
     let report = fs::read_to_string(folder.path("demo/report.html")).unwrap();
-    assert!(report.contains("interior agreement") && report.contains("street-difference.png"));
+    assert!(report.contains("interior agreement"));
+    assert_eq!(report.matches("<figure class=\"pair\"").count(), 2);
+    assert_eq!(report.matches("src=\"data:image/").count(), 6, "pictures stand in the page");
 }
 
 #[test]

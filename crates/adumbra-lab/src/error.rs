@@ -50,11 +50,25 @@ pub enum Error {
         /// What is wrong.
         what: String,
     },
+    /// A camera file does not hold what it must.
+    #[error("{path:?}: not a camera: {what}", path = path.display())]
+    CameraFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
     /// No place on the ground suits a street-level camera.
     #[error(
         "no street-level camera was found: no place on the ground has open sky above and a view; give --eye and --target"
     )]
     NoStreet,
+    /// Bytes are not a picture.
+    #[error("not a picture: {what}")]
+    Picture {
+        /// What the decoder said.
+        what: String,
+    },
     /// A picture cannot be encoded.
     #[error("cannot encode a picture of {width} x {height} pixels: {what}")]
     Encode {

@@ -126,13 +126,13 @@ pub struct TechniqueRow {
     pub bytes: u64,
     /// What judged it.
     pub truth: TruthKind,
-    /// Of the shadow factor.
+    /// Root mean square error of the shadow factor, 0 to 1.
     pub rmse: f64,
-    /// Mean size of the shadow factor's difference.
+    /// Mean size of the shadow factor's difference, 0 to 1.
     pub mean_difference: f64,
-    /// Structural similarity of the composited picture.
+    /// Structural similarity of the composited picture; 1 is the same.
     pub ssim: f64,
-    /// Mean FLIP of the composited picture.
+    /// Mean FLIP of the composited picture, 0 to 1; 0 is the same.
     pub flip: f64,
     /// Share of compared pixels that are shadowed and called lit.
     pub wrong_lit: f64,
@@ -387,4 +387,29 @@ fn triple(v: [f64; 3]) -> String {
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// A number with its thousands apart: 2400000 as 2,400,000.
+pub fn grouped(whole: u64) -> String {
+    let digits = whole.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_stand_apart() {
+        for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (15_058_044, "15,058,044")] {
+            assert_eq!(grouped(number), text);
+        }
+    }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
-/// A smaller change is not seen.
+/// A smaller change of a factor is not seen.
 pub const CHANGE: f32 = 0.05;
 
 /// Changes over a path.
@@ -18,7 +18,7 @@ pub struct Shimmer {
     pub edge_points: u64,
     /// Share of them that changed.
     pub edge_share: f64,
-    /// Mean change of their factors.
+    /// Mean change of their factors, 0 to 1.
     pub edge_mean: f64,
     /// Points in all.
     pub points: u64,

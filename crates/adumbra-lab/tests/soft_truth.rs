@@ -9,7 +9,7 @@ use adumbra::bake::{Options, Size, bake_hierarchy};
 use adumbra::camera::Camera;
 use adumbra::scene::{LoadOptions, load};
 use adumbra_lab::truth::{StreetOptions, SunShape, TruthTracer, street_camera, truth_camera};
-use adumbra_render::voxel::VoxelHierarchy;
+use adumbra_render::voxel::{VoxelHierarchy, VoxelSettings};
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build};
 use shared_folder::{scene_file, shared};
 
@@ -38,9 +38,16 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
         let mut error = |name: &str| {
             let spec: TechniqueSpec = name.parse().unwrap();
             let technique = if spec.name() == "voxel" {
-                let bias = baked.settings.bias;
-                let found =
-                    VoxelHierarchy::from_spec(renderer.gpu(), &spec, &baked.grid, &baked.hierarchy, bias);
+                let settings = VoxelSettings::from_spec(&spec, None).unwrap();
+                let settings = VoxelSettings { bias: baked.settings.bias, ..settings };
+                let (grid, hierarchy) = (&baked.grid, &baked.hierarchy);
+                let found = VoxelHierarchy::from_settings(
+                    renderer.gpu(),
+                    spec.to_string(),
+                    grid,
+                    hierarchy,
+                    settings,
+                );
                 Box::new(found.unwrap())
             } else {
                 build(renderer.gpu(), &spec, Baked::default()).unwrap()

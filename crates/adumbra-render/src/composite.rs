@@ -33,7 +33,7 @@ impl Composite {
             binding::LOADED,
         ];
         let layout = gpu.layout("composite", ShaderStages::COMPUTE, &bindings);
-        let text = assemble(&[source::SURFACE, source::FRAME, source::COMPOSITE]);
+        let text = assemble(&[source::SURFACE, source::FRAME, source::SRGB, source::COMPOSITE]);
         let pipeline = gpu.compute("composite", text, "composite", &[Some(&layout)]);
         let wide = |c: [f64; 3]| [c[0] as f32, c[1] as f32, c[2] as f32, 0.0];
         let params = CompositeParams {

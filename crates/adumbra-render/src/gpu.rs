@@ -32,7 +32,8 @@ pub struct GpuOptions {
     pub max_binding_bytes: Option<u64>,
 }
 
-/// A device with its queue.
+/// A device with its queue; a clone is the same device.
+#[derive(Clone)]
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
@@ -51,7 +52,20 @@ impl Gpu {
     /// # Errors
     /// [`RenderError::NoAdapter`], [`RenderError::NoDevice`].
     pub fn request(options: &GpuOptions) -> Result<Self> {
-        pollster::block_on(Self::request_async(options))
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        pollster::block_on(Self::request_async(&instance, None, options)).map(|(gpu, _)| gpu)
+    }
+
+    /// As [`Gpu::request`], of the adapters that can show pictures on `surface`, with the adapter.
+    ///
+    /// # Errors
+    /// As [`Gpu::request`].
+    pub fn request_for(
+        instance: &wgpu::Instance,
+        surface: &wgpu::Surface<'_>,
+        options: &GpuOptions,
+    ) -> Result<(Self, wgpu::Adapter)> {
+        pollster::block_on(Self::request_async(instance, Some(surface), options))
     }
 
     /// An engine's own device and queue. What the device reports stays the engine's to hear: [`Gpu::check`] knows nothing of it.
@@ -66,14 +80,18 @@ impl Gpu {
         }
     }
 
-    async fn request_async(options: &GpuOptions) -> Result<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    async fn request_async(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+        options: &GpuOptions,
+    ) -> Result<(Self, wgpu::Adapter)> {
         let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
         let found: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
         if let Some(part) = &options.adapter {
             let part = part.to_lowercase();
             adapters.retain(|a| a.get_info().name.to_lowercase().contains(&part));
         }
+        adapters.retain(|a| surface.is_none_or(|s| a.is_surface_supported(s)));
         adapters.sort_by_key(|a| match a.get_info().device_type {
             wgpu::DeviceType::DiscreteGpu => 0,
             wgpu::DeviceType::IntegratedGpu => 1,
@@ -114,7 +132,7 @@ impl Gpu {
         }));
         let most = device.limits().max_storage_buffer_binding_size;
         let max_binding_bytes = options.max_binding_bytes.map_or(most, |b| b.min(most));
-        Ok(Self { device, queue, max_binding_bytes, features, info, trouble })
+        Ok((Self { device, queue, max_binding_bytes, features, info, trouble }, adapter))
     }
 
     /// The adapter's name and driver, as figures are labelled with them.

@@ -24,6 +24,7 @@ mod error;
 pub mod frame;
 pub mod gpu;
 pub mod hybrid;
+pub mod layers;
 pub mod maps;
 pub mod movers;
 pub mod occlusion;

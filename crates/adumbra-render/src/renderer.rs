@@ -6,7 +6,7 @@ use adumbra_shaders::layout::PointQuery;
 
 use crate::composite::Composite;
 use crate::error::{RenderError, Result};
-use crate::frame::{GBuffer, Targets, check_camera, frame, visible_volume};
+use crate::frame::{GBuffer, Target, Targets, check_camera, frame, visible_volume};
 use crate::gpu::Gpu;
 use crate::occlusion::{AmbientSource, OcclusionInput, OcclusionPasses};
 use crate::readback::{read_floats, read_texture};
@@ -119,6 +119,11 @@ impl Renderer {
         let seen = InstanceList::new(&self.gpu, "movers::seen", &buffers);
         self.movers = Some(Part { buffers, seen });
         Ok(())
+    }
+
+    /// Takes away what moves.
+    pub fn remove_movers(&mut self) {
+        self.movers = None;
     }
 
     /// Places the movers anew; `movers` is the scene given to [`Renderer::set_movers`] with other transforms.
@@ -296,9 +301,7 @@ impl Renderer {
     /// What the device reports.
     pub fn read_factor(&self, prepared: &Prepared) -> Result<Vec<f32>> {
         let Some(targets) = &self.targets else { return Ok(Vec::new()) };
-        let filtered = self.answered == Answer::Visibility && prepared.technique.has_screen_passes();
-        let target = if filtered { &targets.filtered } else { &targets.factor };
-        read_floats(&self.gpu, &target.texture, 0, 0)
+        read_floats(&self.gpu, &self.factor_of(prepared, targets).texture, 0, 0)
     }
 
     /// Ambient visibility of the last frame that was asked for visibilities, 1 = unoccluded and where nothing is; everywhere where there is
@@ -346,6 +349,22 @@ impl Renderer {
     /// The last frame's targets, for tests that hold a pass against its twin.
     pub fn targets(&self) -> Option<&Targets> {
         self.targets.as_ref()
+    }
+
+    /// The uniform of the frame drawn last.
+    pub(crate) fn frame_buffer(&self) -> &wgpu::Buffer {
+        &self.frame
+    }
+
+    /// Where the factors of the frame drawn last are.
+    pub(crate) fn factor_of<'t>(&self, prepared: &Prepared, targets: &'t Targets) -> &'t Target {
+        let filtered = self.answered == Answer::Visibility && prepared.technique.has_screen_passes();
+        if filtered { &targets.filtered } else { &targets.factor }
+    }
+
+    /// Ambient visibility of the frame drawn last, where there is ambient occlusion.
+    pub(crate) fn ambient_view(&self) -> Option<&wgpu::TextureView> {
+        self.ambient.as_ref().and_then(AmbientSource::target).map(|t| &t.view)
     }
 
     /// Box of everything, movers included.

@@ -9,8 +9,8 @@ use adumbra_shaders::{Source, source};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapCasters, MapSettings, ShadowMap};
-use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
-use crate::voxel::Voxel;
+use crate::technique::{Answer, FrameInput, SpecReader, Technique, TechniqueSpec};
+use crate::voxel::{Voxel, read_width};
 
 /// A baked file and a map of movers.
 pub struct VoxelCsm {
@@ -19,28 +19,54 @@ pub struct VoxelCsm {
     map: ShadowMap,
 }
 
-impl VoxelCsm {
+/// Its two halves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoxelCsmSettings {
+    /// Width of the file's filter, texels.
+    pub filter: u32,
+    /// The cascades, of movers alone.
+    pub map: MapSettings,
+}
+
+impl VoxelCsmSettings {
     /// `voxel+csm[:filter=K][:csm=PARAMETERS]`: the width of the file's filter, and parameters of `csm` with `/` between them, such as
     /// `csm=cascades=2/filter=3`.
     ///
     /// # Errors
-    /// As [`Voxel::from_spec`] and [`ShadowMap::new`]; [`crate::RenderError::Technique`] for `static=cached` too, of which cascades
-    /// without static casters have nothing.
-    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
+    /// [`crate::RenderError::Technique`] for other parameters, and for `static=cached`, of which cascades without static casters have
+    /// nothing.
+    pub fn from_spec(spec: &TechniqueSpec) -> Result<Self> {
         let mut reader = spec.reader();
-        let filter = reader.text("filter").map_or_else(String::new, |f| format!(":filter={f}"));
-        let map = reader.text("csm").map_or_else(String::new, |p| format!(":{}", p.replace('/', ":")));
+        let settings = Self::from_reader(&mut reader)?;
         reader.finish()?;
-        let voxel = Voxel::from_spec(gpu, &format!("voxel{filter}").parse()?, file)?;
-        let map: TechniqueSpec = format!("csm{map}").parse()?;
-        let settings = MapSettings::from_spec(&map)?.ok_or_else(|| spec.wrong("csm is no map".to_owned()))?;
-        if settings.cache_static {
+        Ok(settings)
+    }
+
+    pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
+        let spec = reader.spec();
+        let filter = read_width(reader)?;
+        let map = reader.technique("csm", "the cascades for what moves", Some("csm"), "")?;
+        let map = MapSettings::from_spec(&map)?.ok_or_else(|| spec.wrong("csm is no map".to_owned()))?;
+        if map.cache_static {
             return Err(
                 spec.wrong("csm=static=cached: nothing that stands still is in the cascades".to_owned())
             );
         }
-        let settings = MapSettings { casters: MapCasters::Movers, ..settings };
-        let map = ShadowMap::new(gpu, map.name(), settings)?;
+        Ok(Self { filter, map: MapSettings { casters: MapCasters::Movers, ..map } })
+    }
+}
+
+impl VoxelCsm {
+    /// The technique `voxel+csm`, as [`VoxelCsmSettings::from_spec`] reads it.
+    ///
+    /// # Errors
+    /// As [`Voxel::of_file`] and [`ShadowMap::new`]; [`crate::RenderError::Technique`] for other parameters, or no file.
+    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
+        let settings = VoxelCsmSettings::from_spec(spec)?;
+        let file =
+            file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
+        let voxel = Voxel::of_file(gpu, file, file.settings.bias, settings.filter)?;
+        let map = ShadowMap::new(gpu, "csm", settings.map)?;
         Ok(Self { name: spec.to_string(), voxel, map })
     }
 }
@@ -60,11 +86,14 @@ impl Technique for VoxelCsm {
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        if answer != Answer::Visibility {
-            return self.map.sources(answer);
+        match answer {
+            Answer::Visibility => {
+                let both = self.voxel.look_up().into_iter().chain(self.map.visibility_sources());
+                Some(both.chain([source::VOXEL_CSM]).collect())
+            }
+            Answer::Voxel => self.voxel.sources(answer),
+            Answer::Cascade | Answer::Level => self.map.sources(answer),
         }
-        let both = self.voxel.look_up().into_iter().chain(self.map.visibility_sources());
-        Some(both.chain([source::VOXEL_CSM]).collect())
     }
 
     fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
@@ -85,6 +114,10 @@ impl Technique for VoxelCsm {
 
     fn texel_world(&self, view_depth: f32) -> Option<f64> {
         self.voxel.texel_world(view_depth)
+    }
+
+    fn voxel_world(&self) -> Option<f64> {
+        self.voxel.voxel_world()
     }
 
     fn notes(&self) -> Vec<String> {

@@ -10,6 +10,7 @@ use adumbra::format::ShadowFile;
 use adumbra::hierarchy::Hierarchy;
 use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query, receiver};
 use adumbra::scene::{GeneratedKind, generate};
+use adumbra_render::technique::{ParameterKind, describe};
 use adumbra_render::voxel::{HierarchyFilter, SoftTwin, VoxelHierarchy};
 use adumbra_render::{Baked, Gpu, GpuOptions, build};
 use kit::penumbra::Penumbra;
@@ -143,4 +144,14 @@ fn hierarchy_techniques_are_told_by_name() {
     }
     let refused = make("voxel:soft", &baked.light).unwrap_err().to_string();
     assert!(refused.contains("--layout hierarchy"), "{refused}");
+    // What sliders show is the file's own: its bias, and penumbrae where it has them.
+    let mut other = file;
+    other.settings.bias.slope_texels = 0.75;
+    for (file, shades) in [(&other, 2), (&baked.light, 1)] {
+        let told = describe(&"voxel".parse().unwrap(), Baked { light: Some(file), tree: None }).unwrap();
+        let parameter = |key: &str| told.iter().find(|p| p.key == key).unwrap();
+        assert_eq!(parameter("slope").default, file.settings.bias.slope_texels.to_string());
+        let ParameterKind::Word { choices } = &parameter("shade").kind else { panic!("{told:?}") };
+        assert_eq!(choices.len(), shades);
+    }
 }

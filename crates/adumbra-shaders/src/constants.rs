@@ -20,6 +20,24 @@ shared! {
     PIXEL_GROUP: u32 = 8;
     /// Threads of a workgroup over a list.
     LIST_GROUP: u32 = 64;
+    /// `LayerParams::shape.w`: the picture.
+    LAYER_COLOR: u32 = 0;
+    /// One value a pixel, as grey.
+    LAYER_VALUE: u32 = 1;
+    /// Distance along the view.
+    LAYER_DEPTH: u32 = 2;
+    /// World normals.
+    LAYER_NORMAL: u32 = 3;
+    /// The picture, in the colours of a value a pixel.
+    LAYER_TINT: u32 = 4;
+    /// Most colours of a tint; the length of `LayerParams::palette`.
+    MAX_TINTS: u32 = 16;
+    /// `PresentParams::shape.x`: the first picture.
+    PRESENT_FIRST: u32 = 0;
+    /// Two pictures beside a divider.
+    PRESENT_SPLIT: u32 = 1;
+    /// Where the second differs from the first.
+    PRESENT_DIFFERENCE: u32 = 2;
     /// Most layers of a shadow map.
     MAX_LAYERS: u32 = 8;
     /// Most neighbours on either side of a screen-space blur; one less than the length of `BlurParams::taps`.

@@ -351,19 +351,43 @@ gpu_struct! {
 gpu_struct! {
     /// What the composite makes of the G-buffer and the shadow factor. Colours are linear.
     pub struct CompositeParams {
-        /// Sunlight.
+        /// Sunlight, linear red, green and blue.
         pub sun_color: [f32; 4],
-        /// Light from above; also the sky behind the scene.
+        /// Light from above, linear; also the sky behind the scene.
         pub sky_color: [f32; 4],
-        /// Light from below.
+        /// Light from below, linear.
         pub ground_color: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// What of a frame is shown.
+    pub struct LayerParams {
+        /// Width and height shown, pixels of the frame a pixel shown along a side, and which layer (`LAYER_...`).
+        pub shape: [u32; 4],
+        /// Colours of the palette that count; 0; 0; 0.
+        pub counts: [u32; 4],
+        /// Linear colours of what a tint stands for, by number.
+        pub palette: Array<[f32; 4], 16>,
+    }
+}
+
+gpu_struct! {
+    /// One or two pictures on a window.
+    pub struct PresentParams {
+        /// How (`PRESENT_...`), the divider's column, 1 where the window encodes what it is given, 0.
+        pub shape: [u32; 4],
+        /// Colour where the second is darker; w: how much a difference in brightness counts.
+        pub too_dark: [f32; 4],
+        /// Colour where the second is brighter; w = 0.
+        pub too_bright: [f32; 4],
     }
 }
 
 gpu_struct! {
     /// What a triangle is made of.
     pub struct MaterialParams {
-        /// Linear colour and alpha factor.
+        /// Linear colour and alpha factor, 0 to 1.
         pub base_color: [f32; 4],
         /// Alpha at or above x is opaque; y = 1 where the texture is sampled nearest; 0; 0.
         pub alpha: [f32; 4],
@@ -410,5 +434,7 @@ pub const STRUCTS: &[StructInfo] = &[
     OcclusionFilterParams::INFO,
     OcclusionHistoryParams::INFO,
     CompositeParams::INFO,
+    LayerParams::INFO,
+    PresentParams::INFO,
     MaterialParams::INFO,
 ];

@@ -25,6 +25,8 @@ sources! {
     SURFACE = "core/surface.wgsl";
     /// From a pixel and its depth to the point behind it.
     FRAME = "core/frame.wgsl";
+    /// sRGB's curve.
+    SRGB = "core/srgb.wgsl";
     /// From a mesh to the world.
     INSTANCE = "core/instance.wgsl";
     /// From relative positions to a grid of voxels.
@@ -41,6 +43,12 @@ sources! {
     HIERARCHY = "core/hierarchy.wgsl";
     /// Penumbrae from a hierarchy's depths.
     HIERARCHY_SOFT = "core/hierarchy_soft.wgsl";
+    /// The level at which a look-up in a light-aligned graph ends.
+    VOXEL_LEVEL = "core/voxel_level.wgsl";
+    /// The level at which a look-up in a hierarchy ends.
+    HIERARCHY_LEVEL = "core/hierarchy_level.wgsl";
+    /// The level at which a look-up in a tree ends.
+    VOXEL_CUBES_LEVEL = "core/voxel_cubes_level.wgsl";
     /// Look-up in a tree.
     VOXEL_CUBES = "core/voxel_cubes.wgsl";
     /// Surface to receiver, for a tree.
@@ -173,6 +181,14 @@ sources! {
     HIERARCHY_FIXED = "passes/hierarchy_fixed.wgsl";
     /// Counts of `voxel` for receivers in fixed point.
     VOXEL_FIXED = "passes/voxel_fixed.wgsl";
+    /// `voxel`, the level at which its look-up ends.
+    VOXEL_LEVEL_PASS = "passes/voxel_level.wgsl";
+    /// The same on a hierarchy.
+    HIERARCHY_LEVEL_PASS = "passes/hierarchy_level.wgsl";
+    /// The same of a tree.
+    VOXEL_CUBES_LEVEL_PASS = "passes/voxel_cubes_level.wgsl";
+    /// A tree's uniform and regions.
+    VOXEL_CUBES_MAP = "passes/voxel_cubes_map.wgsl";
     /// The techniques `voxel-cubes` and `voxel-texture`.
     VOXEL_CUBES_PASS = "passes/voxel_cubes.wgsl";
     /// Their counts for receivers in fixed point.
@@ -215,6 +231,12 @@ sources! {
     OCCLUSION_UP = "passes/occlusion_up.wgsl";
     /// Sun, sky, shadow factor and ambient visibility on the G-buffer.
     COMPOSITE = "passes/composite.wgsl";
+    /// A layer of a frame, as it is shown.
+    LAYER = "passes/layer.wgsl";
+    /// One or two pictures onto a window.
+    PRESENT = "passes/present.wgsl";
+    /// Lines over a picture.
+    LINES = "passes/lines.wgsl";
 }
 
 /// One module: every shared structure and constant, then `files` in this order.

@@ -55,6 +55,53 @@ const LOOK_UPS: &[(&str, &[Source])] = &[
         ],
     ),
     (
+        "voxel levels",
+        &[
+            source::GRID,
+            source::VOXEL,
+            source::VOXEL_GRAPH,
+            source::VOXEL_PLAIN,
+            source::WORDS_1,
+            source::VOXEL_LEVEL,
+            source::VOXEL_LEVEL_PASS,
+        ],
+    ),
+    (
+        "voxel levels, packed",
+        &[
+            source::GRID,
+            source::VOXEL,
+            source::VOXEL_GRAPH,
+            source::VOXEL_PACKED,
+            source::WORDS_6,
+            source::VOXEL_LEVEL,
+            source::VOXEL_LEVEL_PASS,
+        ],
+    ),
+    (
+        "hierarchy levels",
+        &[
+            source::GRID,
+            source::VOXEL,
+            source::HIERARCHY,
+            source::WORDS_1,
+            source::HIERARCHY_LEVEL,
+            source::HIERARCHY_LEVEL_PASS,
+        ],
+    ),
+    (
+        "cubes levels",
+        &[
+            source::GRID,
+            source::VOXEL_CUBES,
+            source::VOXEL_CUBES_RECEIVER,
+            source::WORDS_TEXTURE,
+            source::VOXEL_CUBES_MAP,
+            source::VOXEL_CUBES_LEVEL,
+            source::VOXEL_CUBES_LEVEL_PASS,
+        ],
+    ),
+    (
         "hybrid levels",
         &[source::MAPS, source::HYBRID_PLANE, source::HYBRID_COMPACT, source::HYBRID, source::HYBRID_LEVELS],
     ),
@@ -136,6 +183,7 @@ const LOOK_UPS: &[(&str, &[Source])] = &[
             source::VOXEL_CUBES,
             source::VOXEL_CUBES_RECEIVER,
             source::WORDS_1,
+            source::VOXEL_CUBES_MAP,
             source::VOXEL_CUBES_PASS,
         ],
     ),
@@ -352,6 +400,7 @@ const MODULES: &[(&str, &[Source])] = &[
             source::VOXEL_CUBES,
             source::VOXEL_CUBES_RECEIVER,
             source::WORDS_TEXTURE,
+            source::VOXEL_CUBES_MAP,
             source::VOXEL_CUBES_PASS,
             source::VOXEL_CUBES_FIXED,
         ],
@@ -400,7 +449,10 @@ const MODULES: &[(&str, &[Source])] = &[
     ("occlusion, history", &[source::OCCLUSION, source::OCCLUSION_HISTORY]),
     ("occlusion, filter", &[source::OCCLUSION_PLANE, source::OCCLUSION_FILTER]),
     ("occlusion, up", &[source::OCCLUSION_PLANE, source::OCCLUSION_UP]),
-    ("composite", &[source::SURFACE, source::FRAME, source::COMPOSITE]),
+    ("composite", &[source::SURFACE, source::FRAME, source::SRGB, source::COMPOSITE]),
+    ("layer", &[source::SURFACE, source::FRAME, source::SRGB, source::LAYER]),
+    ("present", &[source::SRGB, source::PRESENT]),
+    ("lines", &[source::LINES]),
 ];
 
 /// All of them by name.

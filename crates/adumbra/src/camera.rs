@@ -3,6 +3,7 @@
 //! Pixel (0, 0) is at the top left, its centre at (0.5, 0.5). Right-handed: x to the right, y up, the view along forward.
 
 use crate::light::{cross, dot, normalize};
+use crate::scene::Bounds;
 
 /// How points are projected.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +38,7 @@ pub struct Camera {
 /// A camera's axes and extent, ready for rays.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// The camera's eye.
+    /// The camera's eye, world units.
     pub eye: [f64; 3],
     /// Unit vector into the picture.
     pub forward: [f64; 3],
@@ -53,6 +54,27 @@ pub struct View {
 }
 
 impl Camera {
+    /// A camera of 1280 × 720 pixels that sees a whole box from above at an angle, beside the usual sun: shadows fall across the view.
+    pub fn overview(bounds: &Bounds, fov_degrees: f64) -> Self {
+        let mut center: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
+        let extent: [f64; 3] = std::array::from_fn(|a| bounds.max[a] - bounds.min[a]);
+        if extent[1] < extent[0].max(extent[2]) {
+            // A ground with a few tall things.
+            center[1] = 0.8 * bounds.min[1] + 0.2 * bounds.max[1];
+        }
+        let distance = 0.5 * bounds.diagonal() / (fov_degrees.to_radians() * 0.5).tan() * 0.7;
+        // From the south-west.
+        let direction = [-0.6, 0.5, 0.62];
+        let eye = std::array::from_fn(|a| center[a] + direction[a] * distance);
+        Self {
+            eye,
+            target: center,
+            projection: Projection::Perspective { fov_degrees },
+            width: 1280,
+            height: 720,
+        }
+    }
+
     /// Axes and extent. Looking straight up or down, the picture's top is towards -Z.
     pub fn view(&self) -> View {
         let forward = normalize(std::array::from_fn(|a| self.target[a] - self.eye[a]));

@@ -45,3 +45,8 @@ pub mod tree;
 pub mod verify;
 
 pub use error::{Error, Result};
+
+/// Compiles what the guide shows.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guides/use-the-file-in-my-engine.md")]
+struct Guide;

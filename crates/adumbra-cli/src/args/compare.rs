@@ -15,8 +15,8 @@ pub(crate) struct Compare {
     /// A technique, as for render; repeated
     #[arg(long, value_name = "NAME[:KEY=VALUE...]", required = true)]
     pub(crate) shadow: Vec<String>,
-    /// `overview`, `street` (eye above the ground, chosen by rays), or a truth file (.npz) with a camera and a sun [default:
-    /// --eye and --target, or overview]
+    /// `overview`, `street` (eye above the ground, chosen by rays), a camera (.json) that the viewer saved, or a truth file (.npz)
+    /// with a camera and a sun [default: --eye and --target, or overview]
     #[arg(long, value_name = "CAMERA", conflicts_with_all = ["eye", "target", "ortho"])]
     pub(crate) camera: Option<String>,
     #[command(flatten)]

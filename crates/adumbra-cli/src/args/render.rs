@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use adumbra::camera::{Camera, Projection};
 use adumbra::scene::Bounds;
 use adumbra_render::occlusion::{OCCLUSIONS, occlusion_options, occlusion_parameters};
+use adumbra_render::technique::parameter_texts;
 use adumbra_render::{Features, GpuOptions, TECHNIQUES, parameters};
 use clap::ValueEnum;
 
@@ -28,8 +29,9 @@ pub(super) fn after_help() -> String {
         .map(|(name, what)| format!("  {name:9}{what}\n{}", lines(occlusion_parameters(name))))
         .collect();
     let options = lines(occlusion_options());
+    let texts: String = parameter_texts().iter().map(|t| format!("  {t}\n")).collect();
     format!(
-        "Techniques:\n{list}\nAmbient occlusion:\n{occlusions}  each of them, but truth and none:\n{options}\nExample: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\nExample: \
+        "Techniques:\n{list}\nTheir parameters:\n{texts}\nAmbient occlusion:\n{occlusions}  each of them, but truth and none:\n{options}\nExample: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\nExample: \
          adumbra render city.glb --shadow csm:cascades=4:filter=5 --layer shadow -o shadow.exr\nExample: \
          adumbra render city.glb --shadow csm --ao issao:radius=4 -o city.png"
     )
@@ -86,7 +88,7 @@ pub(crate) struct Render {
     pub(crate) load: SceneArgs,
     #[command(flatten)]
     pub(crate) bias: BiasArgs,
-    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibilities, cascade or level
+    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibilities, cascade or level (of voxels log2 of their edge)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -113,6 +115,9 @@ pub(crate) enum LayerArg {
     Cascades,
     /// The picture, coloured by the level of a hybrid map that answers: red the finest, then orange, green, blue
     HrsmLevels,
+    /// The picture, coloured by the size of the block of a baked file that answers: purple a single voxel, then blue, green,
+    /// yellow and orange; a legend gives metres
+    VoxelSize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -155,6 +160,13 @@ impl DeviceArgs {
         self.device == DeviceArg::Auto && self.adapter.is_none()
     }
 
+    /// Which adapter was asked for, and what it is to do without, as words of a command.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let adapter = self.adapter.iter().map(|name| format!("--adapter '{}'", name.replace('\'', "'\\''")));
+        let without = self.without.iter().filter_map(ValueEnum::to_possible_value);
+        adapter.chain(without.map(|v| format!("--without {}", v.get_name()))).collect()
+    }
+
     pub(crate) fn gpu_options(&self) -> GpuOptions {
         let without = self.without.iter().map(|w| match w {
             WithoutArg::Timestamps => Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS,
@@ -190,21 +202,26 @@ pub(crate) struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// The camera on a scene within `bounds`; `view` is where it stands and looks where the user does not say, if not so as to see
-    /// the whole scene.
-    pub(crate) fn camera(&self, bounds: &Bounds, view: Option<[[f64; 3]; 2]>) -> Result<Camera, Failure> {
+    /// How points are projected.
+    pub(crate) fn projection(&self) -> Result<Projection, Failure> {
         if !(self.fov > 0.0 && self.fov < 180.0) {
             return Err(Failure::Usage(format!("--fov {}: give degrees between 0 and 180", self.fov)));
         }
-        let projection = match self.ortho {
+        Ok(match self.ortho {
             Some(height) if !(height > 0.0 && height.is_finite()) => {
                 return Err(Failure::Usage(format!("--ortho {height}: give a height above 0")));
             }
             Some(height_world) => Projection::Orthographic { height_world },
             None => Projection::Perspective { fov_degrees: self.fov },
-        };
+        })
+    }
+
+    /// The camera on a scene within `bounds`; `view` is where it stands and looks where the user does not say, if not so as to see
+    /// the whole scene.
+    pub(crate) fn camera(&self, bounds: &Bounds, view: Option<[[f64; 3]; 2]>) -> Result<Camera, Failure> {
+        let projection = self.projection()?;
         let [width, height] = self.size;
-        let whole = looking_at(bounds, self.fov);
+        let whole = Camera::overview(bounds, self.fov);
         let [eye, target] = view.unwrap_or([whole.eye, whole.target]);
         let (eye, target) = (self.eye.unwrap_or(eye), self.target.unwrap_or(target));
         if eye == target || !eye.iter().chain(&target).all(|c| c.is_finite()) {
@@ -214,20 +231,4 @@ impl CameraArgs {
         }
         Ok(Camera { eye, target, projection, width, height })
     }
-}
-
-/// A camera that sees a whole box from above at an angle.
-pub(crate) fn looking_at(bounds: &Bounds, fov_degrees: f64) -> Camera {
-    let mut center: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
-    let extent: [f64; 3] = std::array::from_fn(|a| bounds.max[a] - bounds.min[a]);
-    if extent[1] < extent[0].max(extent[2]) {
-        // A ground with a few tall things.
-        center[1] = 0.8 * bounds.min[1] + 0.2 * bounds.max[1];
-    }
-    let distance = 0.5 * bounds.diagonal() / (fov_degrees.to_radians() * 0.5).tan() * 0.7;
-    // From the south-west, beside the default sun: shadows fall across the view.
-    let direction = [-0.6, 0.5, 0.62];
-    let eye = std::array::from_fn(|a| center[a] + direction[a] * distance);
-    let projection = Projection::Perspective { fov_degrees };
-    Camera { eye, target: center, projection, width: 1280, height: 720 }
 }

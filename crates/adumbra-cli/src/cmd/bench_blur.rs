@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use adumbra::camera::Camera;
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra_render::frame::frame;
@@ -11,7 +12,7 @@ use adumbra_render::{Answer, Baked, Gpu, Renderer, SceneOptions, Shot, Stage, bu
 use serde_json::{Value, json};
 
 use super::print_json;
-use crate::args::{BenchBlur, looking_at};
+use crate::args::BenchBlur;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{make_folder, write_whole};
 use crate::plot::{Along, Legend, Panel, Series, write_svg};
@@ -55,7 +56,7 @@ pub(super) fn run(args: &BenchBlur) -> Outcome {
     let scene = generate(GeneratedKind::Primitives, SCENE_SEED);
     let towards_sun = Sun::from_direction([0.5, 0.8, 0.35])?.towards();
     let [width, height] = args.size;
-    let camera = adumbra::camera::Camera { width, height, ..looking_at(&scene.bounds(), 45.0) };
+    let camera = Camera { width, height, ..Camera::overview(&scene.bounds(), 45.0) };
     let renderer = Renderer::new(gpu, &scene, SceneOptions::default())?;
     let mut bench = Bench { args, renderer, shot: Shot { camera, towards_sun, number: 0 } };
     let (two, wall_time) = bench.costs(&TWO_PASSES)?;

@@ -15,7 +15,7 @@ use super::baked::{BakeOnTheWay, BakedFiles};
 use super::bench_peers::scene_file;
 use super::compare::{contenders, parse};
 use super::load_scene;
-use crate::args::{BenchShadows, JudgeArg, looking_at};
+use crate::args::{BenchShadows, JudgeArg};
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{make_folder, write_whole};
 
@@ -82,7 +82,7 @@ fn cost(args: &BenchShadows) -> Result<Vec<Report>, Failure> {
     let scene = load(args, &args.cost_scene)?;
     let truth = TruthTracer::build(&scene, false);
     let [width, height] = args.size;
-    let overview = Camera { width, height, ..looking_at(&scene.bounds(), 45.0) };
+    let overview = Camera { width, height, ..Camera::overview(&scene.bounds(), 45.0) };
     let options = StreetOptions { eye_height_world: EYE_HEIGHT, fov_degrees: 60.0, width, height };
     let street = street_camera(&truth, sun.towards(), &options)?;
     let mut stage = Stage::new(args, &args.cost_scene, &scene, &truth, sun, &specs)?;

@@ -14,9 +14,10 @@ use adumbra::query::Query;
 use adumbra::scene::{GeneratedKind, LoadOptions, generate, write_glb};
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
+use adumbra_lab::page::{Body, Embedded, Encoding, Page, Pair, Table};
 
 use super::{GraphFigures, load_scene};
-use crate::args::{Demo, looking_at};
+use crate::args::Demo;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{bytes_words, make_folder, write_png, write_whole};
 use crate::progress::{Reporter, Style, Units};
@@ -24,6 +25,8 @@ use crate::signals;
 
 const SEED: u64 = 1;
 const SAMPLES: u64 = 200_000;
+/// Of the page's pictures, pixels.
+const WIDEST: u32 = 1280;
 
 pub(crate) fn run(args: &Demo) -> Outcome {
     let cancel = signals::install();
@@ -57,7 +60,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let verification = Verifier::new(&answers, &tracer, &solids).run(&sampler, &check);
     say!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
 
-    let whole = looking_at(&scene.bounds(), 40.0);
+    let whole = Camera::overview(&scene.bounds(), 40.0);
     let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
     for (name, camera) in [("city", whole), ("street", street)] {
         for suffix in ["", "-truth", "-difference"] {
@@ -99,27 +102,27 @@ fn write_report(
         ("agreement, edges too", format!("{:.3} %", 100.0 * v.agreement)),
         ("acne, leak", format!("{:.3} %, {:.3} %", 100.0 * v.acne, 100.0 * v.leak)),
     ];
-    let rows: String =
-        rows.iter().map(|(k, value)| format!("<tr><th>{k}</th><td>{value}</td></tr>\n")).collect();
-    let figure = |name: &str, caption: &str| {
-        format!(
-            "<figure><img src=\"{name}.png\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
-        )
-    };
-    let figures: String = [
-        figure("street", "Shadows from the file, 5 × 5 texels"),
-        figure("street-truth", "Traced"),
-        figure("street-difference", "Where one texel of the file differs from rays: red lit called shadowed, blue shadowed called lit"),
-        figure("city", "Shadows from the file, 5 × 5 texels"),
-        figure("city-truth", "Traced"),
-        figure("city-difference", "Where one texel of the file differs from rays"),
-    ]
-    .concat();
-    let page = format!(
-        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n\
-        <title>adumbra demo</title>\n<style>body{{font:16px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem}}\
-        img{{max-width:100%}}figure{{margin:1.5rem 0}}th{{text-align:left;padding-right:2rem}}</style>\n\
-        <h1>A generated city, its shadows in one file</h1>\n<table>\n{rows}</table>\n{figures}</html>\n"
-    );
-    write_whole(path, page.as_bytes())
+    let mut table = Table::new("", &["", ""]);
+    for (name, value) in rows {
+        table.row([name.to_owned(), value]);
+    }
+    let mut opening = Body::default();
+    opening.table(&table);
+    for (name, what) in [("street", "A street of the city"), ("city", "The whole city")] {
+        let picture = |suffix: &str| -> Result<Embedded, Failure> {
+            let path = path.with_file_name(format!("{name}{suffix}.png"));
+            let bytes = std::fs::read(&path).map_err(Error::io("read", &path))?;
+            Ok(Embedded::of_png(&bytes, None, WIDEST, Encoding::Lossless)?)
+        };
+        let (file, truth, difference) = (picture("")?, picture("-truth")?, picture("-difference")?);
+        let names = ("the file, 5 × 5 texels", "rays");
+        opening.pair(&Pair { left: (&file, names.0), right: (&truth, names.1), caption: what });
+        let caption = format!(
+            "{what}: where one texel of the file differs from rays; red: lit called shadowed, blue: shadowed called lit"
+        );
+        opening.picture(&difference, &caption, &caption);
+    }
+    let title = "A generated city, its shadows in one file".to_owned();
+    let page = Page { description: title.clone(), title, opening, sections: Vec::new() };
+    write_whole(path, page.html().as_bytes())
 }

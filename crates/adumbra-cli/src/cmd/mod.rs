@@ -22,7 +22,9 @@ mod inspect;
 mod lookup;
 mod query;
 mod render;
+mod report;
 mod verify;
+mod view;
 
 use std::path::Path;
 
@@ -35,7 +37,7 @@ use crate::exit::{Failure, Outcome};
 use crate::signals;
 
 pub(crate) fn run(args: Args) -> Outcome {
-    if !matches!(args.verb, Verb::Bake(_) | Verb::Demo(_)) {
+    if !matches!(args.verb, Verb::Bake(_) | Verb::Demo(_) | Verb::Report(_)) {
         signals::end_when_interrupted();
     }
     match args.verb {
@@ -48,9 +50,11 @@ pub(crate) fn run(args: Args) -> Outcome {
         Verb::Export(a) => export::run(&a),
         Verb::Import(a) => import::run(&a),
         Verb::Render(a) => render::run(&a),
+        Verb::View(a) => view::run(&a),
         Verb::Compare(a) => compare::run(&a),
         Verb::Bench(a) => bench::run(&a),
         Verb::Demo(a) => demo::run(&a),
+        Verb::Report(a) => report::run(&a),
     }
 }
 

@@ -19,13 +19,13 @@ use crate::error::{Error, Result};
 pub struct FactorErrors {
     /// Pixels compared.
     pub pixels: u64,
-    /// Root of the mean squared difference.
+    /// Root of the mean squared difference, 0 to 1.
     pub rmse: f64,
-    /// Mean of the difference's size.
+    /// Mean of the difference's size, 0 to 1.
     pub mean_difference: f64,
-    /// Shadowed in truth, called lit: light leaks.
+    /// Share that is shadowed in truth and called lit, 0 to 1: light leaks.
     pub wrong_lit: f64,
-    /// Lit in truth, called shadowed: acne.
+    /// Share that is lit in truth and called shadowed, 0 to 1: acne.
     pub wrong_shadowed: f64,
 }
 

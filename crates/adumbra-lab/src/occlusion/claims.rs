@@ -34,9 +34,9 @@ pub struct Claims {
     pub detail_variance: Option<f64>,
     /// Mean occlusion, 1 - visibility, where truth is open.
     pub self_occlusion: Option<f64>,
-    /// RMSE on edges.
+    /// RMSE on edges, 0 to 1.
     pub edge_rmse: Option<f64>,
-    /// Root mean square of the high pass where truth is flat and no edge is near.
+    /// Root mean square of the high pass where truth is flat and no edge is near, in visibility.
     pub noise: Option<f64>,
 }
 

@@ -10,11 +10,11 @@ use crate::error::{Error, Result};
 pub struct OcclusionErrors {
     /// Pixels compared.
     pub pixels: u64,
-    /// Root of the mean squared difference.
+    /// Root of the mean squared difference, 0 to 1.
     pub rmse: f64,
-    /// Mean of estimate minus truth: above 0 is too light.
+    /// Mean of estimate minus truth, -1 to 1: above 0 is too light.
     pub mean_signed: f64,
-    /// Mean of the difference's size.
+    /// Mean of the difference's size, 0 to 1.
     pub mean_absolute: f64,
 }
 

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::vector::dot;
 
-/// A smaller change is not seen.
+/// A smaller change of visibility is not seen.
 pub const CHANGE: f64 = 0.05;
 /// How far a surface's view depth may be from what is expected, as a share of it.
 const DEPTH_SHARE: f64 = 0.005;

@@ -1,6 +1,6 @@
 //! Looks for the parameters of every estimator of ambient occlusion in the same way: what `cargo xtask tune-ao` runs.
 //!
-//! An estimator may vary what its own list of parameters says ([`adumbra_render::occlusion::Parameter::search`]);
+//! An estimator may vary what its own list of parameters says ([`adumbra_render::occlusion::ShapeParameter::search`]);
 //! radius, samples, noise and filter are the same for all. What is made small is the mean over scenes of RMSE after
 //! the filter by that of open sky everywhere. A run is a fixed number of evaluations: a third of them over the whole
 //! box of parameters, along a sequence that fills it evenly (M. Roberts, *The Unreasonable Effectiveness of
@@ -13,7 +13,7 @@ use std::path::Path;
 use adumbra::camera::Camera;
 use adumbra::scene::Scene;
 use adumbra_render::occlusion::{
-    Estimator, MAX_PARAMETERS, OcclusionPasses, OcclusionSettings, Parameter, Search,
+    Estimator, MAX_PARAMETERS, OcclusionPasses, OcclusionSettings, Search, ShapeParameter,
 };
 use adumbra_render::{Gpu, SceneOptions};
 
@@ -204,7 +204,7 @@ struct Tuner<'a> {
     scenes: &'a [TuneScene],
     settings: OcclusionSettings,
     /// Where the shape holds what varies, and its parameter.
-    varied: Vec<(usize, Search, &'static Parameter)>,
+    varied: Vec<(usize, Search, &'static ShapeParameter)>,
     passes: Option<OcclusionPasses>,
     /// RMSE by scene of every shape that was tried.
     known: HashMap<[u64; MAX_PARAMETERS], Vec<Option<f64>>>,

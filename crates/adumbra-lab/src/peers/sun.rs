@@ -22,7 +22,7 @@ const MIN_N_DOT_L: f32 = 0.1;
 pub struct PeerFigures {
     /// Share of pixels on the wrong side of 1/2.
     pub wrong_percent: f64,
-    /// Mean |shadow factor - truth|.
+    /// Mean |shadow factor - truth|, 0 to 100.
     pub mean_percent: f64,
 }
 

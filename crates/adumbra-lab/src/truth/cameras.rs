@@ -4,12 +4,12 @@
 
 use std::path::Path;
 
-use adumbra::camera::{Camera, Projection};
+use adumbra::camera::Camera;
 use adumbra::light::Sun;
 use npyz::npz::NpzArchive;
 use npyz::{Deserialize as NpyDeserialize, NpyFile};
-use serde::Deserialize;
 
+use crate::camera_file::{CameraFile, CameraText};
 use crate::error::{Error, Result};
 
 /// One view, one value a pixel, row 0 at the top.
@@ -21,11 +21,11 @@ pub struct TruthView {
     pub sun: Sun,
     /// World position of the first surface.
     pub position: Vec<[f32; 3]>,
-    /// Its geometric normal, turned to the viewer.
+    /// Its unit geometric normal in the world, turned to the viewer.
     pub normal: Vec<[f32; 3]>,
-    /// Cosine between normal and sun.
+    /// Cosine between normal and sun, -1 to 1.
     pub n_dot_l: Vec<f32>,
-    /// 1 where the sun's middle is seen.
+    /// Visibility of the sun's middle: 1 where it is seen, else 0.
     pub visibility: Vec<f32>,
     /// Ambient visibility: cosine-weighted, within [`Self::ambient_radius_world`]; 1 = open.
     pub ambient: Vec<f32>,
@@ -35,37 +35,25 @@ pub struct TruthView {
     pub valid: Vec<bool>,
 }
 
-#[derive(Deserialize)]
-struct CameraText {
-    eye: [f64; 3],
-    target: [f64; 3],
-    fov_y: f64,
-    size: [u32; 2],
-    sun: [f64; 3],
-    ao_radius: Option<f64>,
-}
-
 /// Camera and sun of a truth file, without its arrays.
 ///
 /// # Errors
-/// [`Error::TruthFile`] where the file is absent or holds no camera; [`Error::Library`] for a sun below the horizon.
+/// [`Error::TruthFile`] where the file is absent or holds no camera with a sun above the horizon.
 pub fn truth_camera(path: &Path) -> Result<(Camera, Sun)> {
     let text = camera_text(path)?;
-    Ok((text.camera(), Sun::from_direction(text.sun)?))
+    camera_and_sun(path, &text)
+}
+
+fn camera_and_sun(path: &Path, text: &CameraText) -> Result<(Camera, Sun)> {
+    let CameraFile { camera, sun } =
+        text.file().map_err(|what| refuse(path, format!("its camera is not readable: {what}")))?;
+    Ok((camera, sun.ok_or_else(|| refuse(path, "its camera has no sun".to_owned()))?))
 }
 
 fn camera_text(path: &Path) -> Result<CameraText> {
     let text: Vec<String> = array(path, "camera")?;
     let text = text.first().map_or("", |t| t.trim_end_matches('\0'));
     serde_json::from_str(text).map_err(|e| refuse(path, format!("its camera is not readable: {e}")))
-}
-
-impl CameraText {
-    fn camera(&self) -> Camera {
-        let projection = Projection::Perspective { fov_degrees: self.fov_y };
-        let [width, height] = self.size;
-        Camera { eye: self.eye, target: self.target, projection, width, height }
-    }
 }
 
 impl TruthView {
@@ -75,7 +63,7 @@ impl TruthView {
     /// As [`truth_camera`]; [`Error::TruthFile`] for arrays that are absent, of another type, or not the camera's size, and for no `ao_radius`.
     pub fn read(path: &Path) -> Result<Self> {
         let text = camera_text(path)?;
-        let (camera, sun) = (text.camera(), Sun::from_direction(text.sun)?);
+        let (camera, sun) = camera_and_sun(path, &text)?;
         let no_radius = || refuse(path, "its camera has no ao_radius".to_owned());
         let pixels = camera.width as usize * camera.height as usize;
         let of_size = |name: &str, length: usize, wanted: usize| {

@@ -4,11 +4,34 @@ use adumbra_shaders::constants::{HYBRID_LAST_SLOPE, HYBRID_ONE, HYBRID_SLOPE_BIT
 use adumbra_shaders::{Source, source};
 
 use crate::error::{RenderError, Result};
-use crate::maps::{DepthPrecision, MapBias, MapFilter};
-use crate::technique::TechniqueSpec;
+use crate::maps::{DepthPrecision, MapBias, MapFilter, cache_static};
+use crate::technique::{SpecReader, TechniqueSpec};
 
 /// Finest resolutions, texels a side.
 const STARTS: [u32; 6] = [256, 512, 1024, 2048, 4096, 8192];
+/// Of each its half, quarter and eighth.
+const SIZES: [&str; 18] = [
+    "256-128",
+    "256-64",
+    "256-32",
+    "512-256",
+    "512-128",
+    "512-64",
+    "1024-512",
+    "1024-256",
+    "1024-128",
+    "2048-1024",
+    "2048-512",
+    "2048-256",
+    "4096-2048",
+    "4096-1024",
+    "4096-512",
+    "8192-4096",
+    "8192-2048",
+    "8192-1024",
+];
+/// 4096-1024.
+const DEFAULT_SIZES: usize = 13;
 /// The paper advises against finer levels below this.
 const ADVISED_START: u32 = 1024;
 /// How far a merged plane may lie behind its texels unless told otherwise, texels.
@@ -84,45 +107,51 @@ impl HybridSettings {
     /// [`crate::RenderError::Technique`] for a value out of range, or an unknown key.
     pub fn from_spec(spec: &TechniqueSpec) -> Result<Self> {
         let mut reader = spec.reader();
-        let sizes = reader.text("sizes").unwrap_or("4096-1024");
-        let wrong = || {
-            spec.wrong(format!(
-                "{sizes}: give START-TARGET, START one of {STARTS:?} and TARGET its half, quarter or eighth, such as 4096-1024"
-            ))
-        };
-        let (start, target) = sizes.split_once('-').ok_or_else(wrong)?;
-        let size = |text: &str| text.parse::<u32>().map_err(|_| wrong());
-        let (start, target) = (size(start)?, size(target)?);
-        if !STARTS.contains(&start) || ![start / 2, start / 4, start / 8].contains(&target) {
-            return Err(wrong());
-        }
-        let width = reader.integer("filter", 5, &[1, 3, 5, 7])?;
+        let settings = Self::from_reader(&mut reader)?;
+        reader.finish()?;
+        Ok(settings)
+    }
+
+    pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
+        let sizes = "START-TARGET: finest and coarsest texels a side; TARGET is a half, quarter or eighth";
+        let place = reader.place("sizes", sizes, DEFAULT_SIZES, &SIZES)?;
+        let start = STARTS[place / 3];
+        let what = "finest texels a side that are compared";
+        let width = reader.integer("filter", what, 5, &[1, 3, 5, 7])?;
         let filter = if width == 1 { MapFilter::Nearest } else { MapFilter::Pcf { width } };
-        let test = match reader.choice("test", &["plane", "paper"])? {
+        let test = "what merges: texels on a plane, or by the paper's equation 1";
+        let tolerance = "of test=plane: how far a texel may lie behind the plane, texels";
+        let test = match reader.choice("test", test, &["plane", "paper"])? {
             "paper" => MergeTest::Paper,
             _ => MergeTest::Plane {
-                tolerance_texels: reader.number("tolerance", TOLERANCE_TEXELS, 0.0..=64.0)?,
+                tolerance_texels: reader.number("tolerance", tolerance, TOLERANCE_TEXELS, 0.0..=64.0)?,
             },
         };
-        let settings = Self {
+        Ok(Self {
             start,
-            target,
+            target: start >> (place % 3 + 1),
             test,
-            depth: DepthPrecision::from_reader(&mut reader)?,
-            layout: match reader.choice("layout", &["compact", "paper"])? {
+            depth: DepthPrecision::from_reader(reader)?,
+            layout: match reader.choice(
+                "layout",
+                "texels of 32 bits, or the paper's of 128",
+                &["compact", "paper"],
+            )? {
                 "paper" => HybridLayout::Paper,
                 _ => HybridLayout::Compact,
             },
-            build: match reader.choice("build", &["blocks", "sweep"])? {
+            build: match reader.choice(
+                "build",
+                "a thread a block, or a strip of them",
+                &["blocks", "sweep"],
+            )? {
                 "sweep" => BuildKind::Sweep,
                 _ => BuildKind::Blocks,
             },
             filter,
-            bias: MapBias::from_reader(&mut reader, &filter)?,
-            cache_static: reader.choice("static", &["redrawn", "cached"])? == "cached",
-        };
-        reader.finish()?;
-        Ok(settings)
+            bias: MapBias::from_reader(reader, &filter)?,
+            cache_static: cache_static(reader)?,
+        })
     }
 
     /// Whether a map can be built of these settings.
@@ -219,6 +248,15 @@ mod tests {
         assert_eq!((s.start, s.target, s.width()), (4096, 1024, 5));
         assert_eq!((s.test, s.layout), (MergeTest::Plane { tolerance_texels: 0.5 }, HybridLayout::Compact));
         assert_eq!(settings("hrsm:layout=paper").unwrap().layout, HybridLayout::Paper);
+    }
+
+    #[test]
+    fn spec_reads_every_pair_of_sizes() {
+        for sizes in SIZES {
+            let s = settings(&format!("hrsm:{sizes}")).unwrap();
+            assert_eq!(format!("{}-{}", s.start, s.target), sizes);
+            s.check().unwrap();
+        }
     }
 
     #[test]

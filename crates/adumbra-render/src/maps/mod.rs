@@ -12,6 +12,7 @@ mod params;
 mod shadow_map;
 mod spec;
 pub(crate) mod textures;
+pub(crate) mod told;
 pub mod twin;
 
 pub use moments_pass::gaussian;
@@ -21,3 +22,4 @@ pub use params::{
 };
 pub use shadow_map::ShadowMap;
 pub(crate) use shadow_map::scene_fit;
+pub(crate) use spec::cache_static;

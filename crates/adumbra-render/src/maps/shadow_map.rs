@@ -180,7 +180,7 @@ impl Technique for ShadowMap {
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         Some(match answer {
             Answer::Cascade => vec![source::MAP_CASCADE],
-            Answer::Level => return None,
+            Answer::Level | Answer::Voxel => return None,
             Answer::Visibility => self.visibility_sources().into_iter().chain([source::MAP_ONLY]).collect(),
         })
     }

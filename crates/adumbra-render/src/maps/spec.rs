@@ -4,9 +4,9 @@ use super::params::{
     CascadeSettings, DepthPrecision, MapBias, MapCasters, MapFilter, MapFit, MapSettings, MomentKind,
     MomentSettings, Split,
 };
+use super::told;
 use crate::error::Result;
-use crate::technique::TechniqueSpec;
-use crate::technique::spec::SpecReader;
+use crate::technique::{SpecReader, TechniqueSpec};
 
 const SIZES: &[u32] = &[128, 256, 512, 1024, 2048, 4096, 8192, 16384];
 
@@ -17,39 +17,51 @@ impl MapSettings {
     /// [`crate::RenderError::Technique`] for a value out of range, or an unknown key.
     pub fn from_spec(spec: &TechniqueSpec) -> Result<Option<Self>> {
         let mut reader = spec.reader();
-        let name = spec.name();
-        let fit =
-            if name.starts_with("csm") { MapFit::Cascades(cascades(&mut reader)?) } else { MapFit::Scene };
-        let filter = match name {
-            "sm" => MapFilter::Nearest,
-            "pcf" => comparisons(&mut reader, &["5", "2", "3", "7", "poisson"])?,
-            "csm" => comparisons(&mut reader, &["5", "1", "2", "3", "7", "poisson"])?,
-            "pcss" => MapFilter::Pcss {
-                angle_degrees: reader.number("angle", 0.53, 0.01..=20.0)?,
-                max_radius: reader.number("radius", 32.0, 1.0..=256.0)?,
-            },
-            "vsm" | "csm-vsm" => moments(&mut reader, MomentKind::Variance)?,
-            "evsm" | "csm-evsm" => moments(&mut reader, MomentKind::ExponentialVariance)?,
-            "msm" => moments(&mut reader, MomentKind::FourMoments)?,
-            _ => return Ok(None),
-        };
-        let settings = Self {
-            size: reader.integer("size", 2048, SIZES)?,
-            depth: DepthPrecision::from_reader(&mut reader)?,
-            fit,
-            filter,
-            bias: MapBias::from_reader(&mut reader, &filter)?,
-            cache_static: reader.choice("static", &["redrawn", "cached"])? == "cached",
-            casters: MapCasters::All,
-        };
+        let Some(settings) = Self::from_reader(&mut reader)? else { return Ok(None) };
         reader.finish()?;
         Ok(Some(settings))
     }
+
+    pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Option<Self>> {
+        let name = reader.spec().name();
+        let fit = match name {
+            "csm" | "csm-vsm" | "csm-evsm" => MapFit::Cascades(cascades(reader)?),
+            _ => MapFit::Scene,
+        };
+        let filter = match name {
+            "sm" => MapFilter::Nearest,
+            "pcf" => comparisons(reader, &["5", "2", "3", "7", "poisson"])?,
+            "csm" => comparisons(reader, &["5", "1", "2", "3", "7", "poisson"])?,
+            "pcss" => MapFilter::Pcss {
+                angle_degrees: reader.number("angle", told::SUN_ANGLE, 0.53, 0.01..=20.0)?,
+                max_radius: reader.number("radius", told::PENUMBRA_RADIUS, 32.0, 1.0..=256.0)?,
+            },
+            "vsm" | "csm-vsm" => moments(reader, MomentKind::Variance)?,
+            "evsm" | "csm-evsm" => moments(reader, MomentKind::ExponentialVariance)?,
+            "msm" => moments(reader, MomentKind::FourMoments)?,
+            _ => return Ok(None),
+        };
+        Ok(Some(Self {
+            size: reader.integer("size", "of a layer, texels a side", 2048, SIZES)?,
+            depth: DepthPrecision::from_reader(reader)?,
+            fit,
+            filter,
+            bias: MapBias::from_reader(reader, &filter)?,
+            cache_static: cache_static(reader)?,
+            casters: MapCasters::All,
+        }))
+    }
+}
+
+/// `static`, which hybrid maps have too.
+pub(crate) fn cache_static(reader: &mut SpecReader<'_>) -> Result<bool> {
+    let what = "static casters: drawn anew in every frame, or kept until light or layer move";
+    Ok(reader.choice("static", what, &["redrawn", "cached"])? == "cached")
 }
 
 impl DepthPrecision {
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
-        Ok(match reader.choice("depth", &["32", "16"])? {
+        Ok(match reader.choice("depth", "bits of a depth", &["32", "16"])? {
             "16" => Self::Bits16,
             _ => Self::Bits32,
         })
@@ -61,9 +73,14 @@ impl MapBias {
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>, filter: &MapFilter) -> Result<Self> {
         let usual = Self::of(filter);
         Ok(Self {
-            constant_texels: reader.number("bias", usual.constant_texels, 0.0..=16.0)?,
-            slope_texels: reader.number("slope", usual.slope_texels, 0.0..=16.0)?,
-            normal_offset_texels: reader.number("normal", usual.normal_offset_texels, 0.0..=16.0)?,
+            constant_texels: reader.number("bias", told::BIAS, usual.constant_texels, 0.0..=16.0)?,
+            slope_texels: reader.number("slope", told::SLOPE, usual.slope_texels, 0.0..=16.0)?,
+            normal_offset_texels: reader.number(
+                "normal",
+                told::NORMAL,
+                usual.normal_offset_texels,
+                0.0..=16.0,
+            )?,
             ..usual
         })
     }
@@ -71,27 +88,34 @@ impl MapBias {
 
 fn cascades(reader: &mut SpecReader<'_>) -> Result<CascadeSettings> {
     let usual = CascadeSettings::default();
-    let split = reader.choice("split", &["practical", "uniform", "log"])?;
-    let lambda = reader.number("lambda", 0.5, 0.0..=1.0)?;
-    let far = reader.number("far", 0.0, 1e-3..=1e12)?;
+    let lambda = "of split=practical: its share of the logarithmic one";
+    let far = "view depth where shadows end, world units; without it the scene's diagonal, or further where that reaches nothing";
     Ok(CascadeSettings {
-        cascades: reader.count("cascades", usual.cascades, 1..=8)?,
-        split: match split {
+        cascades: reader.count("cascades", "layers", usual.cascades, 1..=8)?,
+        split: match reader.choice("split", "of the view's depth", &["practical", "uniform", "log"])? {
             "uniform" => Split::Uniform,
             "log" => Split::Logarithmic,
-            _ => Split::Practical { lambda },
+            _ => Split::Practical { lambda: reader.number("lambda", lambda, 0.5, 0.0..=1.0)? },
         },
-        far_world: (far > 0.0).then_some(far),
-        blend: reader.number("blend", usual.blend, 0.0..=0.5)?,
+        far_world: reader.optional_number("far", far, 1e-3..=1e12)?,
+        blend: reader.number(
+            "blend",
+            "share of a slice that blends into the next",
+            usual.blend,
+            0.0..=0.5,
+        )?,
     })
 }
 
 fn comparisons(reader: &mut SpecReader<'_>, choices: &[&'static str]) -> Result<MapFilter> {
-    let filter = reader.choice("filter", choices)?;
+    let filter =
+        reader.choice("filter", "texels a side that are compared; poisson: 16 of a disc", choices)?;
     Ok(match filter.parse() {
         Ok(1) => MapFilter::Nearest,
         Ok(width) => MapFilter::Pcf { width },
-        Err(_) => MapFilter::Poisson { radius: reader.number("radius", 2.0, 0.5..=32.0)? },
+        Err(_) => {
+            MapFilter::Poisson { radius: reader.number("radius", "of the disc, texels", 2.0, 0.5..=32.0)? }
+        }
     })
 }
 
@@ -99,14 +123,24 @@ fn moments(reader: &mut SpecReader<'_>, kind: MomentKind) -> Result<MapFilter> {
     let usual = MomentSettings::new(kind);
     let odd: Vec<u32> = (0..16).map(|i| 2 * i + 1).collect();
     let exponents = if kind == MomentKind::ExponentialVariance {
-        [reader.number("positive", 40.0, 1.0..=42.0)?, reader.number("negative", 5.0, 1.0..=42.0)?]
+        [
+            reader.number("positive", "exponent of the warp of depth", 40.0, 1.0..=42.0)?,
+            reader.number("negative", "exponent of the warp of depth turned round", 5.0, 1.0..=42.0)?,
+        ]
     } else {
         usual.exponents
     };
+    let bleed = "share of the tail that counts as shadow: less light bleeds through, edges are harder";
+    let deviation = "least standard deviation of depth, texels";
     Ok(MapFilter::Moments(MomentSettings {
-        blur: reader.integer("blur", usual.blur, &odd)?,
-        bleed: reader.number("bleed", usual.bleed, 0.0..=0.9)?,
-        least_deviation_texels: reader.number("deviation", usual.least_deviation_texels, 0.0..=16.0)?,
+        blur: reader.integer("blur", "width of the Gaussian over depth, texels, odd", usual.blur, &odd)?,
+        bleed: reader.number("bleed", bleed, usual.bleed, 0.0..=0.9)?,
+        least_deviation_texels: reader.number(
+            "deviation",
+            deviation,
+            usual.least_deviation_texels,
+            0.0..=16.0,
+        )?,
         exponents,
         ..usual
     }))

@@ -19,7 +19,7 @@ pub enum Estimator {
 
 /// A number that shapes an estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
+pub struct ShapeParameter {
     /// As it is called for.
     pub name: &'static str,
     /// What it is, with its unit.
@@ -54,12 +54,12 @@ const fn tuned(
     default: f64,
     range: [f64; 2],
     search: Search,
-) -> Parameter {
-    Parameter { name, what, default, range, search: Some(search), words: &[] }
+) -> ShapeParameter {
+    ShapeParameter { name, what, default, range, search: Some(search), words: &[] }
 }
 
-const fn fixed(name: &'static str, what: &'static str, default: f64, range: [f64; 2]) -> Parameter {
-    Parameter { name, what, default, range, search: None, words: &[] }
+const fn fixed(name: &'static str, what: &'static str, default: f64, range: [f64; 2]) -> ShapeParameter {
+    ShapeParameter { name, what, default, range, search: None, words: &[] }
 }
 
 const fn word(
@@ -67,12 +67,12 @@ const fn word(
     what: &'static str,
     words: &'static [&'static str],
     default: u8,
-) -> Parameter {
+) -> ShapeParameter {
     let range = [0.0, words.len() as f64 - 1.0];
-    Parameter { name, what, default: default as f64, range, search: None, words }
+    ShapeParameter { name, what, default: default as f64, range, search: None, words }
 }
 
-const SSAO: &[Parameter] = &[
+const SSAO: &[ShapeParameter] = &[
     tuned("strength", "what occlusion is multiplied by", 0.667, [0.0, 10.0], Factors(0.3, 3.0)),
     tuned("power", "exponent of the visibility", 3.81, [0.1, 20.0], Factors(0.5, 12.0)),
     tuned(
@@ -97,21 +97,21 @@ const SSAO: &[Parameter] = &[
     ),
 ];
 
-const HBAO: &[Parameter] = &[
+const HBAO: &[ShapeParameter] = &[
     tuned("strength", "what occlusion is multiplied by", 0.302, [0.0, 10.0], Factors(0.3, 3.0)),
     tuned("power", "exponent of the visibility", 6.41, [0.1, 20.0], Factors(0.5, 12.0)),
     tuned("bias", "what horizons rise over the tangent at least, sine", 0.213, [0.0, 1.0], Even(0.0, 0.5)),
     tuned("falloff", "exponent of the distance: 1 - r^falloff", 16.0, [0.1, 20.0], Factors(0.5, 16.0)),
 ];
 
-const ALCHEMY: &[Parameter] = &[
+const ALCHEMY: &[ShapeParameter] = &[
     tuned("sigma", "σ, strength, radii", 0.074, [0.0, 100.0], Factors(0.05, 5.0)),
     tuned("k", "k, exponent of the visibility", 11.9, [0.1, 20.0], Factors(0.5, 12.0)),
     tuned("beta", "β, part of the view depth that w·n is over", 0.00478, [0.0, 1.0], Factors(3e-4, 3e-2)),
     tuned("epsilon", "ε, radii²", 0.000313, [1e-6, 10.0], Factors(1e-4, 1.0)),
 ];
 
-const GTAO: &[Parameter] = &[
+const GTAO: &[ShapeParameter] = &[
     tuned("falloff", "part of the radius from which occluders fade", 0.987, [0.0, 0.99], Even(0.0, 0.99)),
     tuned(
         "thin",
@@ -124,7 +124,7 @@ const GTAO: &[Parameter] = &[
     tuned("power", "exponent of the visibility", 1.446, [0.1, 20.0], Factors(0.5, 12.0)),
 ];
 
-const ISSAO: &[Parameter] = &[
+const ISSAO: &[ShapeParameter] = &[
     tuned("lambda", "λ, strength", 0.264, [0.0, 100.0], Factors(0.05, 2.0)),
     tuned("phi", "φ, the user's contrast, as reading= says", 0.236, [0.01, 10.0], Factors(0.1, 1.0)),
     tuned("psi", "ψ, part of the view depth that w·n is over", 0.00689, [0.0, 1.0], Factors(0.001, 0.03)),
@@ -152,7 +152,7 @@ impl Estimator {
     }
 
     /// What it can be told, in the order of [`super::OcclusionSettings::shape`].
-    pub fn parameters(self) -> &'static [Parameter] {
+    pub fn parameters(self) -> &'static [ShapeParameter] {
         match self {
             Self::Ssao => SSAO,
             Self::Hbao => HBAO,

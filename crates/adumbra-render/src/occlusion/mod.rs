@@ -57,12 +57,14 @@ mod parameters;
 mod passes;
 mod pictures;
 mod settings;
+mod spec;
 mod taps;
 pub mod twin;
 
 pub use ambient::{AmbientSource, GivenAmbient};
-pub use estimator::{Estimator, MAX_PARAMETERS, Parameter, Search};
+pub use estimator::{Estimator, MAX_PARAMETERS, Search, ShapeParameter};
 pub use parameters::{OCCLUSIONS, occlusion_options, occlusion_parameters};
 pub use passes::{AMBIENT_FORMAT, OcclusionInput, OcclusionPasses};
 pub use settings::{DEFAULT_RADIUS_SHARE, Filter, Normals, OcclusionSettings};
+pub use spec::{TracedSettings, change, describe};
 pub use taps::taps;

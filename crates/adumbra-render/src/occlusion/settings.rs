@@ -1,12 +1,8 @@
 //! What ambient occlusion is asked for.
 
-use adumbra_shaders::constants::{OCCLUSION_MAX_SIDE, OCCLUSION_MAX_TAPS};
 use adumbra_shaders::layout::{Frame, OcclusionFilterParams, OcclusionParams};
 
-use super::estimator::{Estimator, MAX_PARAMETERS, Parameter};
-use crate::error::Result;
-use crate::technique::TechniqueSpec;
-use crate::technique::spec::SpecReader;
+use super::estimator::{Estimator, MAX_PARAMETERS, ShapeParameter};
 
 /// Radius where none is given, as a share of the scene's diagonal.
 pub const DEFAULT_RADIUS_SHARE: f64 = 0.02;
@@ -112,52 +108,9 @@ impl OcclusionSettings {
         }
     }
 
-    /// Reads `NAME[:key=value…]`; `default_radius_world` where it has no `radius`.
-    ///
-    /// # Errors
-    /// [`crate::RenderError::Technique`] for a name or values that do not exist.
-    pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
-        let Some(estimator) = Estimator::ALL.into_iter().find(|e| e.name() == spec.name()) else {
-            let names: Vec<&str> = Estimator::ALL.iter().map(|e| e.name()).collect();
-            let names = names.join(", ");
-            return Err(spec.wrong(format!("there is no such occlusion; there are: {names}, truth, none")));
-        };
-        let mut s = Self::new(estimator, default_radius_world);
-        let mut r = spec.reader();
-        s.radius_world = r.number("radius", s.radius_world, 0.0..=1e9)?;
-        s.samples = r.count("samples", s.samples, 1..=OCCLUSION_MAX_TAPS)?;
-        s.cap_texels = r.number("cap", s.cap_texels, 1.0..=4096.0)?;
-        s.levels = r.choice("levels", &["on", "off"])? == "on";
-        s.normals = match r.choice("normals", &["gbuffer", "depth"])? {
-            "gbuffer" => Normals::GBuffer,
-            _ => Normals::Depth,
-        };
-        s.filter = match r.choice("filter", &["bilateral", "square", "gauss", "none"])? {
-            "bilateral" => Filter::Bilateral,
-            "square" => Filter::BilateralSquare,
-            "gauss" => Filter::Gauss,
-            _ => Filter::None,
-        };
-        s.filter_side = r.count("side", s.filter_side, 1..=OCCLUSION_MAX_SIDE)?;
-        s.sigma_texels = r.number("blur", s.sigma_texels, 0.1..=16.0)?;
-        s.sigma_depth = r.number("sharpness", s.sigma_depth, 1e-4..=100.0)?;
-        s.planes = r.choice("depth", &["plane", "plain"])? == "plane";
-        s.edge_test = r.choice("edges", &["off", "on"])? == "on";
-        s.half = r.choice("half", &["off", "on"])? == "on";
-        s.reuse = r.choice("reuse", &["off", "on"])? == "on";
-        s.frames = r.count("frames", s.frames, 1..=64)?;
-        let preset = if estimator == Estimator::Issao { preset(&mut r)? } else { &[] };
-        for (value, p) in s.shape.iter_mut().zip(estimator.parameters()) {
-            let default = preset.iter().find(|(name, _)| *name == p.name).map_or(p.default, |(_, v)| *v);
-            *value = r.number_or_word(p.name, default, p.range[0]..=p.range[1], p.words)?;
-        }
-        r.finish()?;
-        Ok(s)
-    }
-
     /// A parameter's value by its name; 0 for one that the estimator does not have.
     pub fn parameter(&self, name: &str) -> f64 {
-        let named = |p: &Parameter| p.name == name;
+        let named = |p: &ShapeParameter| p.name == name;
         self.estimator.parameters().iter().position(named).map_or(0.0, |i| self.shape[i])
     }
 
@@ -284,27 +237,6 @@ impl OcclusionSettings {
             near: [(0.5 / (self.sigma_texels * self.sigma_texels)) as f32, 0.0, 0.0, 0.0],
         }
     }
-}
-
-/// The paper's published settings for its figures 3, 4 and 5 as numbers in radii: with v = R w its equation has λ / R, σ / R², and φ and ψ as
-/// they are. R itself stays the radius asked for: it is in units of scenes that were not published.
-fn preset(r: &mut SpecReader<'_>) -> Result<&'static [(&'static str, f64)]> {
-    Ok(match r.choice("preset", &["none", "fig3", "fig4", "fig5"])? {
-        "fig3" => &const { published(1.75, 0.40, 0.022, 1.06, 0.000_16) },
-        "fig4" => &const { published(1.05, 0.43, 0.014, 1.00, 0.000_19) },
-        "fig5" => &const { published(2.20, 0.55, 0.018, 1.00, 0.000_15) },
-        _ => &[],
-    })
-}
-
-const fn published(radius: f64, phi: f64, psi: f64, lambda: f64, sigma: f64) -> [(&'static str, f64); 5] {
-    [
-        ("lambda", lambda / radius),
-        ("phi", phi),
-        ("psi", psi),
-        ("sigma", sigma / (radius * radius)),
-        ("reading", 1.0),
-    ]
 }
 
 /// Directions of a march of `samples` taps, and steps along each. Directions are an even number, so that two make a slice, except for

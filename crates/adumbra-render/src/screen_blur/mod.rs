@@ -94,6 +94,10 @@ impl Technique for ScreenBlur {
         self.base.texel_world(view_depth)
     }
 
+    fn voxel_world(&self) -> Option<f64> {
+        self.base.voxel_world()
+    }
+
     fn bytes(&self) -> u64 {
         self.base.bytes() + self.passes.bytes()
     }

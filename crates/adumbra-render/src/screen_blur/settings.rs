@@ -4,7 +4,7 @@ use adumbra_shaders::constants::MAX_BLUR_SIDE;
 use adumbra_shaders::layout::{Array, BlurParams};
 
 use crate::error::Result;
-use crate::technique::TechniqueSpec;
+use crate::technique::{SpecReader, TechniqueSpec};
 
 /// What the blur sees beside the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,40 +108,46 @@ impl BlurSettings {
     /// # Errors
     /// [`crate::RenderError::Technique`] for values that do not exist or do not go together.
     pub fn read(spec: &TechniqueSpec) -> Result<(Self, TechniqueSpec)> {
-        let mut r = spec.reader();
-        let kind = match spec.name() {
-            "blur-dilate" => BlurKind::Dilated { radius: r.count("radius", 2, 1..=16)? },
-            "blur-bilateral" => {
-                BlurKind::WithinSurfaces { tolerance_pixels: r.number("tolerance", 1.5, 0.1..=100.0)? }
-            }
+        let mut reader = spec.reader();
+        let read = Self::from_reader(&mut reader)?;
+        reader.finish()?;
+        Ok(read)
+    }
+
+    pub(crate) fn from_reader(r: &mut SpecReader<'_>) -> Result<(Self, TechniqueSpec)> {
+        let name = r.spec().name();
+        let base = r.technique("base", "whose factor is blurred", None, "pcf/filter=2")?;
+        if base.name().starts_with("blur") {
+            return Err(r.spec().wrong("base: a blur over a blur".to_owned()));
+        }
+        let dilation = "of the dilation, pixels";
+        let tolerance = "how far off a pixel's plane its surface may lie, widths of a pixel there";
+        let kind = match name {
+            "blur-dilate" => BlurKind::Dilated { radius: r.count("radius", dilation, 2, 1..=16)? },
+            "blur-bilateral" => BlurKind::WithinSurfaces {
+                tolerance_pixels: r.number("tolerance", tolerance, 1.5, 0.1..=100.0)?,
+            },
             _ => BlurKind::Plain,
         };
-        let samples = r.count("samples", 16, 8..=2 * MAX_BLUR_SIDE)?;
-        let sigma_pixels = r.number("sigma", f64::from(samples) / 4.0, 0.1..=64.0)?;
-        let within = matches!(kind, BlurKind::WithinSurfaces { .. });
-        let settings = Self {
-            kind,
-            samples: samples.next_multiple_of(2),
-            sigma_pixels,
-            separable: r.choice("passes", &["2", "1"])? == "2",
-            weights: match r.choice("weights", &["table", "shader"])? {
-                "table" => BlurWeights::Table,
-                _ => BlurWeights::Shader,
-            },
-            pairs: r.choice("pairs", &["off", "on"])? == "on",
-            half: r.choice("half", &["off", "on"])? == "on",
-        };
-        let base = r.text("base").unwrap_or("pcf/filter=2").replace('/', ":");
-        r.finish()?;
-        if settings.pairs && (!settings.separable || settings.weights == BlurWeights::Shader || within) {
-            return Err(spec.wrong(
-                "pairs=on goes with passes=2 and weights=table, and not with blur-bilateral".to_owned(),
-            ));
+        let samples = r.count("samples", "neighbours along a line, made even", 16, 8..=2 * MAX_BLUR_SIDE)?;
+        let sigma = "standard deviation, pixels; a quarter of samples by default";
+        let sigma_pixels = r.number("sigma", sigma, f64::from(samples) / 4.0, 0.1..=64.0)?;
+        let separable = r.choice("passes", "two lines, or one square", &["2", "1"])? == "2";
+        let mut weights = BlurWeights::Table;
+        let mut pairs = false;
+        // What sees surfaces weighs every texel by itself.
+        if !matches!(kind, BlurKind::WithinSurfaces { .. }) {
+            let what = "where they are computed: once, or for every texel";
+            if r.choice("weights", what, &["table", "shader"])? == "shader" {
+                weights = BlurWeights::Shader;
+            } else if separable {
+                let what = "of passes=2, weights=table: two neighbours a sample, by linear filtering";
+                pairs = r.choice("pairs", what, &["off", "on"])? == "on";
+            }
         }
-        if within && settings.weights == BlurWeights::Shader {
-            return Err(spec.wrong("blur-bilateral takes weights=table only".to_owned()));
-        }
-        Ok((settings, base.parse()?))
+        let half = r.choice("half", "blurred at half the width and height", &["off", "on"])? == "on";
+        let samples = samples.next_multiple_of(2);
+        Ok((Self { kind, samples, sigma_pixels, separable, weights, pairs, half }, base))
     }
 
     /// The passes, in order.

@@ -2,6 +2,7 @@
 
 use adumbra::format::{LightBody, ShadowFile, TreeFile};
 
+use super::describe::unknown;
 use super::spec::TechniqueSpec;
 use super::{NoShadows, Technique};
 use crate::error::Result;
@@ -9,7 +10,7 @@ use crate::gpu::Gpu;
 use crate::hybrid::{HybridMap, HybridSettings};
 use crate::maps::{MapSettings, ShadowMap};
 use crate::screen_blur::{BlurSettings, ScreenBlur};
-use crate::voxel::{Cubes, Voxel, VoxelHierarchy};
+use crate::voxel::{Cubes, Voxel, VoxelHierarchy, VoxelSettings};
 use crate::voxel_csm::VoxelCsm;
 
 /// Baked files that techniques may look up in.
@@ -25,26 +26,20 @@ pub struct Baked<'a> {
 pub const TECHNIQUES: &[(&str, &str)] = &[
     ("none", "no shadows"),
     ("sm", "shadow map, nearest texel"),
-    ("pcf", "shadow map, comparisons over filter=2 (the sampler's own), 3, 5, 7 or poisson"),
-    ("pcss", "shadow map, penumbrae of a sun of angle= degrees"),
-    ("vsm", "variance shadow map, blur= texels, light bleeding cut at bleed="),
+    ("pcf", "shadow map, comparisons of several texels; filter=2 is the sampler's own"),
+    ("pcss", "shadow map, penumbrae of a sun"),
+    ("vsm", "variance shadow map"),
     ("evsm", "exponential variance shadow map"),
     ("msm", "moment shadow map"),
-    (
-        "csm",
-        "cascades=1 to 8, split=practical, uniform or log, filter=1, 2, 3, 5, 7 or poisson, static=cached",
-    ),
+    ("csm", "cascades of shadow maps along the view"),
     ("csm-vsm", "cascades of variance shadow maps"),
     ("csm-evsm", "cascades of exponential variance shadow maps"),
-    ("hrsm", "hybrid-resolution shadow map, START-TARGET texels a side (4096-1024), test=plane or paper"),
+    ("hrsm", "hybrid-resolution shadow map: hrsm:START-TARGET texels a side"),
     ("blur", "another technique's factor, blurred on the screen"),
     ("blur-dilate", "the same, with the shade dilated first"),
     ("blur-bilateral", "the same, within surfaces"),
-    (
-        "voxel",
-        "a light-aligned file, filtered over texels; voxel:soft, penumbrae of a sun of angle= degrees (layout hierarchy)",
-    ),
-    ("voxel+csm", "the same for what stands still, cascades for movers (csm=cascades=2/filter=3)"),
+    ("voxel", "a light-aligned file, filtered over texels; voxel:soft, penumbrae (layout hierarchy)"),
+    ("voxel+csm", "the same for what stands still, cascades for movers: csm=cascades=2/filter=3"),
     ("voxel-cubes", "a world-aligned file, filtered over voxels"),
     ("voxel-texture", "the same, read from an RGBA8 texture"),
 ];
@@ -61,9 +56,6 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
         }
         "blur" | "blur-dilate" | "blur-bilateral" => {
             let (settings, base) = BlurSettings::read(spec)?;
-            if base.name().starts_with("blur") {
-                return Err(spec.wrong("base: a blur over a blur".to_owned()));
-            }
             let base = build(gpu, &base, baked)?;
             Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), base, settings)))
         }
@@ -72,8 +64,9 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             Ok(Box::new(HybridMap::new(gpu, &spec.to_string(), settings)?))
         }
         "voxel" => Ok(match baked.light {
-            Some(ShadowFile { grid, settings, body: LightBody::Hierarchy(hierarchy) }) => {
-                Box::new(VoxelHierarchy::from_spec(gpu, spec, grid, hierarchy, settings.bias)?)
+            Some(file @ ShadowFile { grid, body: LightBody::Hierarchy(hierarchy), .. }) => {
+                let settings = VoxelSettings::from_spec(spec, Some(file))?;
+                Box::new(VoxelHierarchy::from_settings(gpu, spec.to_string(), grid, hierarchy, settings)?)
             }
             file => Box::new(Voxel::from_spec(gpu, spec, file)?),
         }),
@@ -83,8 +76,7 @@ pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dy
             if let Some(settings) = MapSettings::from_spec(spec)? {
                 return Ok(Box::new(ShadowMap::new(gpu, &spec.to_string(), settings)?));
             }
-            let names: Vec<&str> = TECHNIQUES.iter().map(|(name, _)| *name).collect();
-            Err(spec.wrong(format!("there is no such technique; there are: {}", names.join(", "))))
+            Err(unknown(spec))
         }
     }
 }

@@ -1,14 +1,21 @@
 //! What every shadow technique is: buffers of its own, passes before the look-up, the look-up, and passes on the screen after it.
 
 mod build;
+mod describe;
 mod given;
+pub(crate) mod parameter;
 mod parameters;
+mod reader;
 mod resolve;
 pub mod spec;
 
 pub use build::{Baked, TECHNIQUES, build};
+pub(crate) use describe::changed;
+pub use describe::{change, describe};
 pub use given::Given;
-pub use parameters::parameters;
+pub use parameter::{Parameter, ParameterKind};
+pub use parameters::{parameter_texts, parameters};
+pub use reader::SpecReader;
 pub use resolve::{Lookup, Resolver};
 pub use spec::TechniqueSpec;
 
@@ -55,6 +62,9 @@ pub enum Answer {
     Cascade,
     /// The level that a look-up in a hybrid map ends at, 0 the finest; -1 beside the map, and where nothing is.
     Level,
+    /// Log2 of the edge, in voxels ([`Technique::voxel_world`]), of the block or cube of a baked file in which the look-up of the unfiltered
+    /// point ends, which is all lit or all shadowed: 0 = a single voxel or column, up to the root; -1 beside the file, and where nothing is.
+    Voxel,
 }
 
 /// A shadow technique on one device.
@@ -130,6 +140,12 @@ pub trait Technique {
     /// Edge of what it compares with, a texel or a voxel, at a view depth, world units; as of the frame prepared last. None where it
     /// compares with nothing.
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        None
+    }
+
+    /// Edge of the finest voxels of its baked file, world units: a block of level n ([`Answer::Voxel`]) spans 2^n of them a side. None
+    /// where it has no file.
+    fn voxel_world(&self) -> Option<f64> {
         None
     }
 

@@ -1,98 +1,92 @@
-//! What techniques can be told, as help shows it; a test holds it against what they ask for.
+//! What techniques can be told, as help shows it: written from what reading asks for.
 
-/// Of every shadow map.
-const MAP: &str = "size=2048 (256 to 16384), depth=32 or 16 (bits), bias=, slope=, normal= (texels, 0 to 16), static=redrawn or cached";
-/// Of hybrid maps.
-const HYBRID: &str = "START-TARGET or sizes=4096-1024 (START 256 to 8192, TARGET its half, quarter or eighth), test=plane or paper, \
-    tolerance=0.5 (of test=plane, texels, 0 to 64), depth=32 or 16 (bits), layout=compact or paper, \
-    build=blocks or sweep, filter=5, 1, 3 or 7, bias=, slope=, normal= (finest texels, 0 to 16), static=redrawn or cached";
-/// Of cascades.
-const CASCADES: &str = "cascades=4 (1 to 8), split=practical, uniform or log, lambda=0.5 (0 to 1), far=METRES, blend=0.1 (0 to 0.5)";
-/// Of filters over comparisons.
-const COMPARISONS: &str = "2, 3, 7 or poisson, radius=2 (of poisson, texels)";
-/// Of variance.
-const MOMENTS: &str =
-    "blur=3 (texels, odd, 1 to 31), bleed= (share of the tail cut off, 0 to 0.9), deviation= (least, texels)";
-const EXPONENTS: &str = "positive=40, negative=5 (1 to 42)";
-const BLUR: &str = "base=pcf/filter=2 (a technique, / for :), samples=16 (8 to 64), sigma=PIXELS, passes=2 or 1, weights=table or shader, pairs=off or on, \
-    half=off or on";
-const VOXEL_BIAS: &str = "bias=, slope=, normal= (texels, 0 to 16; the file's)";
+use std::collections::BTreeMap;
 
-/// The parameters of a technique, the default first; empty where it has none, or there is no such technique.
+use super::{Baked, Parameter, ParameterKind, TECHNIQUES, TechniqueSpec, describe};
+
+/// The parameters of a technique as help shows them: `key=default` and what else each may be, first those that always apply, then those that go
+/// with a word of another. Empty where it has none, or there is no such technique.
 pub fn parameters(name: &str) -> String {
-    let parts: Vec<String> = match name {
-        "sm" => vec![MAP.to_owned()],
-        "pcf" => vec![format!("filter=5, {COMPARISONS}"), MAP.to_owned()],
-        "pcss" => {
-            vec!["angle=0.53 (degrees, 0.01 to 20), radius=32 (texels at most)".to_owned(), MAP.to_owned()]
-        }
-        "vsm" | "msm" => vec![MOMENTS.to_owned(), MAP.to_owned()],
-        "evsm" => vec![EXPONENTS.to_owned(), MOMENTS.to_owned(), MAP.to_owned()],
-        "csm" => vec![CASCADES.to_owned(), format!("filter=5, 1, {COMPARISONS}"), MAP.to_owned()],
-        "csm-vsm" => vec![CASCADES.to_owned(), MOMENTS.to_owned(), MAP.to_owned()],
-        "csm-evsm" => vec![CASCADES.to_owned(), EXPONENTS.to_owned(), MOMENTS.to_owned(), MAP.to_owned()],
-        "hrsm" => vec![HYBRID.to_owned()],
-        "blur" => vec![BLUR.to_owned()],
-        "blur-dilate" => vec!["radius=2 (of the dilation, 1 to 16 pixels)".to_owned(), BLUR.to_owned()],
-        "blur-bilateral" => {
-            vec!["tolerance=1.5 (pixels off the surface's plane)".to_owned(), BLUR.to_owned()]
-        }
-        "voxel" => vec![
-            "filter=9, 1, 3, 5 or 17".to_owned(),
-            "soft with angle=0.53 (degrees, 0.01 to 20), radius=32 (texels at most, 1 to 64)".to_owned(),
-            VOXEL_BIAS.to_owned(),
-        ],
-        "voxel+csm" => vec!["filter=9, 1, 3, 5 or 17, csm=PARAMETERS (of csm, / for :)".to_owned()],
-        "voxel-cubes" => vec![cubes(), VOXEL_BIAS.to_owned()],
-        "voxel-texture" => vec![cubes(), "read=texels or buffer".to_owned(), VOXEL_BIAS.to_owned()],
-        _ => Vec::new(),
+    let told = |(p, goes_with): &(Parameter, Option<String>)| match goes_with {
+        None => p.help(),
+        Some(word) => format!("{} with {word}", p.help()),
     };
-    parts.join("; ")
+    all(name).iter().map(told).collect::<Vec<_>>().join("; ")
 }
 
-fn cubes() -> String {
-    "filter=3, 1 or 5, weights=mean or poisson, taps=front or all".to_owned()
+/// What each parameter of the techniques is, one an entry, `key: what it is`, by key; a key that is another thing elsewhere has several.
+pub fn parameter_texts() -> Vec<String> {
+    let mut texts: BTreeMap<&str, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
+    for (name, _) in TECHNIQUES {
+        for (p, _) in all(name) {
+            texts.entry(p.key).or_default().entry(p.what).or_default().push(name);
+        }
+    }
+    let of_key = |(key, whats): (&&str, &BTreeMap<&str, Vec<&str>>)| -> Vec<String> {
+        let users =
+            |users: &[&str]| if whats.len() > 1 { format!(" ({})", users.join(", ")) } else { String::new() };
+        whats.iter().map(|(what, names)| format!("{key}: {what}{}", users(names))).collect()
+    };
+    texts.iter().flat_map(of_key).collect()
+}
+
+/// A technique's parameters, with what those go with that do not always apply.
+fn all(name: &str) -> Vec<(Parameter, Option<String>)> {
+    let Ok(plain) = name.parse::<TechniqueSpec>() else { return Vec::new() };
+    let described = |spec| describe(&spec, Baked::default()).unwrap_or_default();
+    let mut found: Vec<(Parameter, Option<String>)> =
+        described(plain.clone()).into_iter().map(|p| (p, None)).collect();
+    for i in 0..found.len() {
+        let ParameterKind::Word { choices } = found[i].0.kind.clone() else { continue };
+        let key = found[i].0.key;
+        let words: Vec<Vec<Parameter>> =
+            choices.iter().map(|c| described(plain.with(key, Some(c)))).collect();
+        for (word, with_word) in choices.iter().zip(&words) {
+            for p in with_word.iter().filter(|p| words.iter().any(|w| w.iter().all(|q| q.key != p.key))) {
+                let told = Some(format!("{key}={word}"));
+                match found.iter_mut().find(|(q, _)| q.key == p.key) {
+                    Some((_, goes_with)) if goes_with.is_none() => *goes_with = told,
+                    Some(_) => {}
+                    None => found.push((p.clone(), told)),
+                }
+            }
+        }
+    }
+    // What always applies first.
+    found.sort_by_key(|(_, goes_with)| goes_with.is_some());
+    found
 }
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
-
     use super::*;
-    use crate::hybrid::HybridSettings;
-    use crate::maps::MapSettings;
-    use crate::screen_blur::BlurSettings;
-    use crate::technique::{TECHNIQUES, TechniqueSpec};
-
-    /// The keys that a technique asks for, from what it says of one that it does not know.
-    fn asked(name: &str) -> BTreeSet<String> {
-        let spec: TechniqueSpec = format!("{name}:zzz=1").parse().unwrap();
-        let error = match name {
-            "hrsm" => HybridSettings::from_spec(&spec).unwrap_err(),
-            _ if name.starts_with("blur") => BlurSettings::read(&spec).unwrap_err(),
-            _ => MapSettings::from_spec(&spec).unwrap_err(),
-        };
-        let text = error.to_string();
-        let (_, keys) = text.split_once("it has: ").unwrap_or_else(|| panic!("{text}"));
-        keys.split(", ").map(str::to_owned).collect()
-    }
 
     #[test]
     fn help_names_the_parameters_that_techniques_ask_for() {
-        for (name, _) in
-            TECHNIQUES.iter().filter(|(n, _)| !n.starts_with("voxel") && !matches!(*n, "none" | "truth"))
-        {
+        for (name, _) in TECHNIQUES {
             let help = parameters(name);
-            let mut named: BTreeSet<String> = help
-                .split([' ', ';', ','])
-                .filter_map(|word| word.split_once('=').map(|(key, _)| key.to_owned()))
-                .filter(|key| !key.contains('/'))
-                .collect();
-            if !help.contains("radius=") || matches!(*name, "pcf" | "csm") {
-                // Asked for by poisson alone.
-                named.remove("radius");
+            let spec: TechniqueSpec = name.parse().unwrap();
+            for p in describe(&spec, Baked::default()).unwrap() {
+                assert!(help.split("; ").any(|h| h.starts_with(&p.help())), "{name}: {}: {help}", p.key);
+                let text = format!("{}: {}", p.key, p.what);
+                assert!(parameter_texts().iter().any(|t| t.starts_with(&text)), "{name}: {text}");
             }
-            assert_eq!(named, asked(name), "{name}: {help}");
         }
+        assert!(parameters("none").is_empty() && parameters("unknown").is_empty());
+    }
+
+    #[test]
+    fn help_says_what_goes_with_what() {
+        let told = |name: &str, part: &str| assert!(parameters(name).contains(part), "{}", parameters(name));
+        told("csm", "cascades=4 (1 to 8); ");
+        told("csm", "; radius=2 (0.5 to 32) with filter=poisson");
+        told("csm", "; lambda=0.5 (0 to 1) with split=practical");
+        told("voxel", "; angle=0.53 (0.01 to 20) with shade=soft");
+        told("voxel", "; filter=9, 1, 3, 5 or 17 with shade=hard");
+        told("hrsm", "tolerance=0.5 (0 to 64) with test=plane");
+        told("hrsm", "sizes=4096-1024 (one of 256-128, 256-64 .. 8192-1024)");
+        told("blur", "base=pcf/filter=2 (a technique, / for :)");
+        told("voxel+csm", "csm= (parameters of csm, / for :)");
+        told("sm", "size=2048 (one of 128, 256 .. 16384)");
     }
 }

@@ -22,6 +22,7 @@ pub struct Lookup {
     pixels: Option<wgpu::ComputePipeline>,
     cascades: Option<wgpu::ComputePipeline>,
     levels: Option<wgpu::ComputePipeline>,
+    voxels: Option<wgpu::ComputePipeline>,
     points: Option<wgpu::ComputePipeline>,
 }
 
@@ -31,6 +32,7 @@ impl Lookup {
             Answer::Visibility => self.pixels.as_ref(),
             Answer::Cascade => self.cascades.as_ref(),
             Answer::Level => self.levels.as_ref(),
+            Answer::Voxel => self.voxels.as_ref(),
         }
     }
 
@@ -65,6 +67,7 @@ impl Resolver {
             pixels: pipeline(&self.pixels, Answer::Visibility, source::RESOLVE, "resolve"),
             cascades: pipeline(&self.pixels, Answer::Cascade, source::RESOLVE, "resolve_all"),
             levels: pipeline(&self.pixels, Answer::Level, source::RESOLVE, "resolve_all"),
+            voxels: pipeline(&self.pixels, Answer::Voxel, source::RESOLVE, "resolve_all"),
             points: pipeline(&self.points, Answer::Visibility, source::POINTS, "answer_points"),
         }
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
+use super::SpecReader;
 use crate::error::{RenderError, Result};
 
 /// A technique's name and what was said of its parameters.
@@ -60,9 +61,38 @@ impl TechniqueSpec {
         &self.name
     }
 
+    /// What was said of a parameter.
+    pub fn value(&self, key: &str) -> Option<&str> {
+        self.values.get(key).map(String::as_str)
+    }
+
+    /// What was said, by key.
+    pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
+        self.values.keys().map(String::as_str)
+    }
+
+    /// The same with another value of a parameter, or with nothing said of it; its text is written anew, parameters by their names. Whether
+    /// there is such a parameter or value is not asked: see [`super::change`].
+    pub fn with(&self, key: &str, value: Option<&str>) -> Self {
+        let mut values = self.values.clone();
+        let key = key.trim().to_lowercase();
+        match value {
+            // Within a value `/` stands for `:`.
+            Some(value) => values.insert(key, value.trim().to_lowercase().replace(':', "/")),
+            None => values.remove(&key),
+        };
+        let pair = |(key, value): (&String, &String)| match key.as_str() {
+            "sizes" if is_sizes(value) => format!(":{value}"),
+            "shade" if value == "soft" => ":soft".to_owned(),
+            _ => format!(":{key}={value}"),
+        };
+        let text = self.name.clone() + &values.iter().map(pair).collect::<String>();
+        Self { name: self.name.clone(), values, text }
+    }
+
     /// Reads the parameters, one after the other.
     pub fn reader(&self) -> SpecReader<'_> {
-        SpecReader { spec: self, asked: Vec::new() }
+        SpecReader::new(self)
     }
 
     /// An error about this technique.
@@ -71,137 +101,45 @@ impl TechniqueSpec {
     }
 }
 
-/// Reads parameters and remembers which were asked for.
-pub struct SpecReader<'s> {
-    spec: &'s TechniqueSpec,
-    asked: Vec<&'static str>,
-}
-
-impl<'s> SpecReader<'s> {
-    /// A word among `choices`; the first is the default.
-    ///
-    /// # Errors
-    /// [`RenderError::Technique`] for any other.
-    pub fn choice(&mut self, key: &'static str, choices: &[&'static str]) -> Result<&'static str> {
-        let Some(value) = self.text(key) else { return Ok(choices.first().copied().unwrap_or_default()) };
-        let found = choices.iter().copied().find(|c| *c == value);
-        found.ok_or_else(|| self.spec.wrong(format!("{key}={value}: give {}", choices.join(", "))))
-    }
-
-    /// A number within `range`.
-    ///
-    /// # Errors
-    /// [`RenderError::Technique`] for one outside, or no number.
-    pub fn number(
-        &mut self,
-        key: &'static str,
-        default: f64,
-        range: std::ops::RangeInclusive<f64>,
-    ) -> Result<f64> {
-        let Some(value) = self.text(key) else { return Ok(default) };
-        let wrong = || {
-            let (from, to) = (range.start(), range.end());
-            self.spec.wrong(format!("{key}={value}: give a number from {from} to {to}"))
-        };
-        value.parse().ok().filter(|n| range.contains(n)).ok_or_else(wrong)
-    }
-
-    /// One of `words`, as its place among them; a number within `range` where there are none.
-    ///
-    /// # Errors
-    /// [`RenderError::Technique`] for any other.
-    pub fn number_or_word(
-        &mut self,
-        key: &'static str,
-        default: f64,
-        range: std::ops::RangeInclusive<f64>,
-        words: &[&'static str],
-    ) -> Result<f64> {
-        if words.is_empty() {
-            return self.number(key, default, range);
-        }
-        let Some(value) = self.text(key) else { return Ok(default) };
-        let place = words.iter().position(|w| *w == value);
-        let wrong = || self.spec.wrong(format!("{key}={value}: give {}", words.join(", ")));
-        place.map(|p| p as f64).ok_or_else(wrong)
-    }
-
-    /// A whole number among `choices`.
-    ///
-    /// # Errors
-    /// [`RenderError::Technique`] for any other.
-    pub fn integer(&mut self, key: &'static str, default: u32, choices: &[u32]) -> Result<u32> {
-        let Some(value) = self.text(key) else { return Ok(default) };
-        let wrong = || self.spec.wrong(format!("{key}={value}: give one of {choices:?}"));
-        value.parse().ok().filter(|n| choices.contains(n)).ok_or_else(wrong)
-    }
-
-    /// A whole number within `range`.
-    ///
-    /// # Errors
-    /// [`RenderError::Technique`] for one outside, or no number.
-    pub fn count(
-        &mut self,
-        key: &'static str,
-        default: u32,
-        range: std::ops::RangeInclusive<u32>,
-    ) -> Result<u32> {
-        let Some(value) = self.text(key) else { return Ok(default) };
-        let wrong = || {
-            let (from, to) = (range.start(), range.end());
-            self.spec.wrong(format!("{key}={value}: give a whole number from {from} to {to}"))
-        };
-        value.parse().ok().filter(|n| range.contains(n)).ok_or_else(wrong)
-    }
-
-    /// The text given for a key.
-    pub fn text(&mut self, key: &'static str) -> Option<&'s str> {
-        self.asked.push(key);
-        self.spec.values.get(key).map(String::as_str)
-    }
-
-    /// Whether every parameter given was asked for.
-    ///
-    /// # Errors
-    /// [`RenderError::Technique`] with the first that was not, and those that are.
-    pub fn finish(self) -> Result<()> {
-        let Some(unknown) = self.spec.values.keys().find(|k| !self.asked.contains(&k.as_str())) else {
-            return Ok(());
-        };
-        let known = if self.asked.is_empty() { "none".to_owned() } else { self.asked.join(", ") };
-        Err(self.spec.wrong(format!("it has no parameter {unknown:?}; it has: {known}")))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn spec_reads_what_is_there_and_defaults_for_the_rest() {
-        let spec: TechniqueSpec = "CSM:cascades=3:split=Uniform:lambda=0.25".parse().unwrap();
-        assert_eq!(spec.name(), "csm");
-        let mut reader = spec.reader();
-        assert_eq!(reader.count("cascades", 4, 1..=8).unwrap(), 3);
-        assert_eq!(reader.integer("size", 2048, &[1024, 2048]).unwrap(), 2048);
-        assert_eq!(reader.choice("split", &["practical", "uniform"]).unwrap(), "uniform");
-        assert_eq!(reader.number("lambda", 0.5, 0.0..=1.0).unwrap(), 0.25);
-        reader.finish().unwrap();
-    }
-
-    #[test]
-    fn spec_names_what_is_wrong_and_what_would_do() {
+    fn spec_names_what_is_wrong() {
         let wrong = |text: &str| text.parse::<TechniqueSpec>().unwrap_err().to_string();
         assert!(wrong("pcf:5").contains("not key=value"));
         assert!(wrong("pcf:a=1:a=2").contains("twice"));
         assert!(wrong("hrsm:4096-1024:sizes=2048-1024").contains("twice"));
         assert!(wrong("hrsm:4096-").contains("not key=value"));
         assert!(wrong("").contains("no name"));
-        let spec: TechniqueSpec = "pcf:filter=4:taps=3".parse().unwrap();
-        let mut reader = spec.reader();
-        let error = reader.integer("filter", 5, &[2, 3, 5, 7]).unwrap_err().to_string();
-        assert!(error.contains("[2, 3, 5, 7]"), "{error}");
-        let error = reader.finish().unwrap_err().to_string();
-        assert!(error.contains("taps") && error.contains("filter"), "{error}");
+    }
+
+    #[test]
+    fn spec_with_another_value_is_the_spec_of_its_text() {
+        let spec: TechniqueSpec = "CSM: size = 1024:split=Uniform".parse().unwrap();
+        for (key, value, text) in [
+            ("filter", Some("Poisson"), "csm:filter=poisson:size=1024:split=uniform"),
+            ("size", Some("512"), "csm:size=512:split=uniform"),
+            ("size", None, "csm:split=uniform"),
+            ("Split", None, "csm:size=1024"),
+            ("absent", None, "csm:size=1024:split=uniform"),
+            ("base", Some("csm:filter=3"), "csm:base=csm/filter=3:size=1024:split=uniform"),
+        ] {
+            let changed = spec.with(key, value);
+            assert_eq!(changed.to_string(), text);
+            assert_eq!(text.parse::<TechniqueSpec>().unwrap(), changed);
+        }
+        for (text, key, value, expected) in [
+            ("hrsm", "sizes", Some("2048-512"), "hrsm:2048-512"),
+            ("hrsm:2048-512:filter=3", "filter", None, "hrsm:2048-512"),
+            ("voxel", "shade", Some("soft"), "voxel:soft"),
+            ("voxel:soft", "angle", Some("2"), "voxel:angle=2:soft"),
+            ("voxel:soft", "shade", None, "voxel"),
+        ] {
+            let changed = text.parse::<TechniqueSpec>().unwrap().with(key, value);
+            assert_eq!(changed.to_string(), expected);
+            assert_eq!(expected.parse::<TechniqueSpec>().unwrap(), changed);
+        }
     }
 }

@@ -1,14 +1,14 @@
 //! The techniques `voxel-cubes` and `voxel-texture`: a world-aligned tree, filtered over 1, 3³ or 5³ cells.
 
 use adumbra::format::{TreeBody, TreeFile};
-use adumbra::query::{KERNEL_SIDES, PlanLevels, TreeQuery, TreeReceiver, Weights};
+use adumbra::query::{PlanLevels, TreeQuery, TreeReceiver, Weights};
 use adumbra::settings::Bias;
 use adumbra::tree::{TreeSpace, VoxelTree};
 use adumbra_shaders::constants::MAX_PLAN_REGIONS;
 use adumbra_shaders::layout::{Array, CubesParams, CubesPlan, CubesQuery, CubesUniform};
 use adumbra_shaders::{Source, source};
 
-use super::{PageTexture, VoxelBindings, WordBuffers, bias_uniform, fixed, grid_transform, read_bias};
+use super::{PageTexture, VoxelBindings, WordBuffers, bias_uniform, fixed, grid_transform};
 use crate::error::{RenderError, Result};
 use crate::gpu::Gpu;
 use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
@@ -29,7 +29,7 @@ pub enum CubesStore {
 pub struct CubesOptions {
     /// In cells.
     pub bias: Bias,
-    /// One of [`KERNEL_SIDES`].
+    /// One of [`adumbra::query::KERNEL_SIDES`].
     pub filter: u32,
     /// Of the taps.
     pub weights: Weights,
@@ -118,31 +118,14 @@ impl Cubes {
         Ok(Self { space: file.space, uniform, bindings, name: options.name(), cell_world })
     }
 
-    /// The technique `voxel-cubes[:filter=1|3|5][:weights=mean|poisson][:taps=front|all][:bias=…][:slope=…][:normal=…]`, or `voxel-texture`,
-    /// which also takes `read=texels|buffer`. By default 3³, mean, and the file's bias.
+    /// The technique `voxel-cubes` or `voxel-texture`, as [`CubesOptions::from_spec`] reads it.
     ///
     /// # Errors
     /// As [`Cubes::new`]; [`RenderError::Technique`] for other parameters.
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&TreeFile>) -> Result<Self> {
         let file =
             file.ok_or_else(|| spec.wrong("it needs a world-aligned shadow file: --shadow-file".to_owned()))?;
-        let mut reader = spec.reader();
-        let filter = reader.integer("filter", 3, &KERNEL_SIDES)?;
-        let weights = match reader.choice("weights", &["mean", "poisson"])? {
-            "poisson" => Weights::Poisson,
-            _ => Weights::Mean,
-        };
-        let all_taps = reader.choice("taps", &["front", "all"])? == "all";
-        let bias = read_bias(&mut reader, file.settings.bias)?;
-        let store = if spec.name() == "voxel-cubes" {
-            CubesStore::Words
-        } else if reader.choice("read", &["texels", "buffer"])? == "buffer" {
-            CubesStore::Decoded
-        } else {
-            CubesStore::Texels
-        };
-        reader.finish()?;
-        let options = CubesOptions { bias, filter, weights, all_taps, store };
+        let options = CubesOptions::from_spec(spec, Some(file))?;
         Ok(Self { name: spec.to_string(), ..Self::new(gpu, file, options)? })
     }
 
@@ -175,8 +158,8 @@ impl Cubes {
             })
             .collect();
         let mut files = vec![source::SURFACE];
-        files.extend(self.files());
-        files.push(source::VOXEL_CUBES_FIXED);
+        files.extend(self.look_up());
+        files.extend([source::VOXEL_CUBES_PASS, source::VOXEL_CUBES_FIXED]);
         let answers = fixed::answer::<_, 8>(gpu, &self.bindings, &files, &queries)?;
         Ok(answers
             .into_iter()
@@ -184,13 +167,13 @@ impl Cubes {
             .collect())
     }
 
-    fn files(&self) -> [Source; 5] {
+    fn look_up(&self) -> [Source; 5] {
         [
             source::GRID,
             source::VOXEL_CUBES,
             source::VOXEL_CUBES_RECEIVER,
             self.bindings.access(),
-            source::VOXEL_CUBES_PASS,
+            source::VOXEL_CUBES_MAP,
         ]
     }
 }
@@ -237,7 +220,12 @@ impl Technique for Cubes {
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        (answer == Answer::Visibility).then(|| self.files().to_vec())
+        let pass = match answer {
+            Answer::Visibility => &[source::VOXEL_CUBES_PASS][..],
+            Answer::Voxel => &[source::VOXEL_CUBES_LEVEL, source::VOXEL_CUBES_LEVEL_PASS],
+            Answer::Cascade | Answer::Level => return None,
+        };
+        Some([&self.look_up()[..], pass].concat())
     }
 
     fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
@@ -250,6 +238,10 @@ impl Technique for Cubes {
 
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
         Some(self.cell_world)
+    }
+
+    fn voxel_world(&self) -> Option<f64> {
+        Some(self.space.voxel_size)
     }
 
     fn bytes(&self) -> u64 {

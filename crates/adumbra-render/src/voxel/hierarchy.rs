@@ -5,22 +5,22 @@ use std::ops::RangeInclusive;
 
 use adumbra::hierarchy::Hierarchy;
 use adumbra::light::LightGrid;
-use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query};
+use adumbra::query::{FixedReceiver, Query};
 use adumbra::settings::Bias;
 use adumbra_shaders::constants::HIERARCHY_MAX_RADIUS;
 use adumbra_shaders::layout::{HierarchyParams, VoxelParams, VoxelQuery};
 use adumbra_shaders::{Source, source};
 
 use super::soft::cone;
-use super::{VoxelBindings, WordBuffers, bias_uniform, fixed, grid_transform, read_bias};
+use super::{VoxelBindings, VoxelSettings, WordBuffers, bias_uniform, fixed, grid_transform};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
+use crate::technique::{Answer, FrameInput, Technique};
 
 /// How a hierarchy is looked up in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HierarchyFilter {
-    /// The mean over K × K texels, K of [`FILTER_WIDTHS`].
+    /// The mean over K × K texels, K of [`adumbra::query::FILTER_WIDTHS`].
     Taps(u32),
     /// Penumbrae of a sun.
     Soft {
@@ -31,8 +31,8 @@ pub enum HierarchyFilter {
     },
 }
 
-const ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
-const RADII_TEXELS: RangeInclusive<f64> = 1.0..=HIERARCHY_MAX_RADIUS as f64;
+pub(super) const ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
+pub(super) const RADII_TEXELS: RangeInclusive<f64> = 1.0..=HIERARCHY_MAX_RADIUS as f64;
 
 impl HierarchyFilter {
     /// That a sun and its reach are what the shader can count; widths are the look-up's to check.
@@ -107,30 +107,18 @@ impl VoxelHierarchy {
         Ok(Self { grid: *grid, params, bindings, filter, name })
     }
 
-    /// The technique `voxel[:filter=K]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with `[:bias=…][:slope=…][:normal=…]`; K = 9, a
-    /// sun of 0.53°, 32 texels and the file's bias by default.
+    /// [`VoxelHierarchy::new`] with settings, under the name that it was called for by.
     ///
     /// # Errors
-    /// As [`VoxelHierarchy::new`]; [`crate::RenderError::Technique`] for other parameters.
-    pub fn from_spec(
+    /// As [`VoxelHierarchy::new`].
+    pub fn from_settings(
         gpu: &Gpu,
-        spec: &TechniqueSpec,
+        name: String,
         grid: &LightGrid,
         hierarchy: &Hierarchy,
-        file_bias: Bias,
+        VoxelSettings { filter, bias }: VoxelSettings,
     ) -> Result<Self> {
-        let mut reader = spec.reader();
-        let filter = if reader.choice("shade", &["hard", "soft"])? == "soft" {
-            HierarchyFilter::Soft {
-                angle_degrees: reader.number("angle", 0.53, ANGLES_DEGREES)?,
-                max_radius_texels: reader.number("radius", 32.0, RADII_TEXELS)?,
-            }
-        } else {
-            HierarchyFilter::Taps(reader.integer("filter", 9, &FILTER_WIDTHS)?)
-        };
-        let bias = read_bias(&mut reader, file_bias)?;
-        reader.finish()?;
-        Ok(Self { name: spec.to_string(), ..Self::new(gpu, grid, hierarchy, bias, filter)? })
+        Ok(Self { name, ..Self::new(gpu, grid, hierarchy, bias, filter)? })
     }
 
     /// Writes the uniform for positions relative to `anchor_world`.
@@ -191,14 +179,17 @@ impl Technique for VoxelHierarchy {
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        let files = match self.filter {
-            HierarchyFilter::Taps(_) => {
-                let access = self.bindings.access();
-                vec![source::GRID, source::VOXEL, source::HIERARCHY, access, source::HIERARCHY_PASS]
+        let look_up = [source::GRID, source::VOXEL, source::HIERARCHY, self.bindings.access()];
+        match (answer, self.filter) {
+            (Answer::Visibility, HierarchyFilter::Taps(_)) => {
+                Some([&look_up[..], &[source::HIERARCHY_PASS]].concat())
             }
-            HierarchyFilter::Soft { .. } => self.soft_sources().to_vec(),
-        };
-        (answer == Answer::Visibility).then_some(files)
+            (Answer::Visibility, HierarchyFilter::Soft { .. }) => Some(self.soft_sources().to_vec()),
+            (Answer::Voxel, _) => {
+                Some([&look_up[..], &[source::HIERARCHY_LEVEL, source::HIERARCHY_LEVEL_PASS]].concat())
+            }
+            (Answer::Cascade | Answer::Level, _) => None,
+        }
     }
 
     fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
@@ -210,6 +201,10 @@ impl Technique for VoxelHierarchy {
     }
 
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        Some(self.grid.voxel_size)
+    }
+
+    fn voxel_world(&self) -> Option<f64> {
         Some(self.grid.voxel_size)
     }
 

@@ -4,12 +4,14 @@ use adumbra::dag::Dag;
 use adumbra::dag::packed::PackedDag;
 use adumbra::format::{LightBody, ShadowFile};
 use adumbra::light::LightGrid;
-use adumbra::query::{FILTER_WIDTHS, FixedReceiver};
+use adumbra::query::FixedReceiver;
 use adumbra::settings::Bias;
 use adumbra_shaders::layout::{VoxelParams, VoxelQuery};
 use adumbra_shaders::{Source, source};
 
-use super::{VoxelBindings, WordBuffers, bias_uniform, fixed, grid_transform, read_bias};
+use super::{
+    HierarchyFilter, VoxelBindings, VoxelSettings, WordBuffers, bias_uniform, fixed, grid_transform,
+};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
@@ -35,7 +37,8 @@ struct GraphWords<'d> {
 }
 
 impl Voxel {
-    /// Uploads a valid file's graph as it is, plain or packed; of a hierarchy its graph, made first. `filter` is one of [`FILTER_WIDTHS`].
+    /// Uploads a valid file's graph as it is, plain or packed; of a hierarchy its graph, made first. `filter` is one of
+    /// [`adumbra::query::FILTER_WIDTHS`].
     ///
     /// # Errors
     /// As [`Voxel::new`].
@@ -47,7 +50,7 @@ impl Voxel {
         }
     }
 
-    /// Uploads a valid graph in the plain layout. `filter` is one of [`FILTER_WIDTHS`]. Cost: the bytes of top, nodes and slabs.
+    /// Uploads a valid graph in the plain layout. `filter` is one of [`adumbra::query::FILTER_WIDTHS`]. Cost: the bytes of top, nodes and slabs.
     ///
     /// # Errors
     /// [`crate::RenderError::TooLarge`], [`crate::RenderError::VoxelLimit`]; [`crate::RenderError::Library`] for another width.
@@ -102,20 +105,18 @@ impl Voxel {
         Ok(Self { grid: *grid, params, bindings, nodes: graph.nodes, name: format!("voxel:filter={filter}") })
     }
 
-    /// The technique `voxel[:filter=K][:bias=…][:slope=…][:normal=…]`; K = 9 and the file's bias by default.
+    /// The technique `voxel`, as [`VoxelSettings::from_spec`] reads it, but without penumbrae.
     ///
     /// # Errors
     /// As [`Voxel::of_file`]; [`crate::RenderError::Technique`] for other parameters.
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
         let file =
             file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
-        let mut reader = spec.reader();
-        if reader.text("shade").is_some_and(|shade| shade != "hard") {
-            return Err(spec.wrong("penumbrae need a file that was baked with --layout hierarchy".to_owned()));
-        }
-        let filter = reader.integer("filter", 9, &FILTER_WIDTHS)?;
-        let bias = read_bias(&mut reader, file.settings.bias)?;
-        reader.finish()?;
+        let VoxelSettings { filter: HierarchyFilter::Taps(filter), bias } =
+            VoxelSettings::from_spec(spec, Some(file))?
+        else {
+            return Err(spec.wrong("penumbrae need the hierarchy itself, not its graph".to_owned()));
+        };
         Ok(Self { name: spec.to_string(), ..Self::of_file(gpu, file, bias, filter)? })
     }
 
@@ -172,8 +173,12 @@ impl Technique for Voxel {
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        let files = self.look_up().into_iter().chain([source::VOXEL_PASS]);
-        (answer == Answer::Visibility).then(|| files.collect())
+        let pass = match answer {
+            Answer::Visibility => &[source::VOXEL_PASS][..],
+            Answer::Voxel => &[source::VOXEL_LEVEL, source::VOXEL_LEVEL_PASS],
+            Answer::Cascade | Answer::Level => return None,
+        };
+        Some([&self.look_up()[..], pass].concat())
     }
 
     fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
@@ -185,6 +190,10 @@ impl Technique for Voxel {
     }
 
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        Some(self.grid.voxel_size)
+    }
+
+    fn voxel_world(&self) -> Option<f64> {
         Some(self.grid.voxel_size)
     }
 

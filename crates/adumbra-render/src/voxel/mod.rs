@@ -11,6 +11,8 @@ mod fixed;
 mod grid;
 mod hierarchy;
 mod light;
+mod palette;
+mod settings;
 mod soft;
 mod texture;
 mod words;
@@ -20,23 +22,14 @@ pub use cubes::{Cubes, CubesOptions, CubesStore};
 pub use grid::grid_transform;
 pub use hierarchy::{HierarchyAnswer, HierarchyFilter, VoxelHierarchy};
 pub use light::Voxel;
+pub use palette::{VOXEL_LEVEL_COLORS, voxel_level_color};
+pub use settings::VoxelSettings;
+pub(crate) use settings::read_width;
 pub use soft::SoftTwin;
 pub use texture::PageTexture;
 pub use words::{MAX_WORD_BINDINGS, WordBuffers};
 
 use adumbra::settings::Bias;
-
-use crate::error::Result;
-use crate::technique::spec::SpecReader;
-
-/// The file's bias, or what was asked for: `bias`, `slope` and `normal` in texels.
-fn read_bias(reader: &mut SpecReader<'_>, file: Bias) -> Result<Bias> {
-    Ok(Bias {
-        constant_texels: reader.number("bias", file.constant_texels, 0.0..=16.0)?,
-        slope_texels: reader.number("slope", file.slope_texels, 0.0..=16.0)?,
-        normal_offset_texels: reader.number("normal", file.normal_offset_texels, 0.0..=16.0)?,
-    })
-}
 
 fn bias_uniform(bias: Bias) -> [f32; 4] {
     [bias.constant_texels as f32, bias.slope_texels as f32, bias.normal_offset_texels as f32, 0.0]

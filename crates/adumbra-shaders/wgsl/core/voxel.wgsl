@@ -56,6 +56,16 @@ fn voxel_layer(r: VoxelReceiver, tap: vec2i) -> i32 {
     return (r.p_fixed.z + ((along.x + along.y) >> GRADIENT_BITS)) >> FIXED_BITS;
 }
 
+// The voxel that answers a receiver unfiltered; z below 0 beside the grid and before it, where nothing is looked up.
+fn voxel_of(v: VoxelParams, r: VoxelReceiver) -> vec3i {
+    let texel = r.p_fixed.xy >> vec2u(FIXED_BITS);
+    let layer = voxel_layer(r, texel);
+    if (any(texel < vec2i(0)) || any(texel >= v.grid.size.xy) || layer < 0) {
+        return vec3i(texel, -1);
+    }
+    return vec3i(texel, min(layer, v.grid.size.z - 1));
+}
+
 // Taps low…high, which lie in one block. Their layer is that of the plane at their centre less half its slope times their extent, which is
 // that at the tap where the plane is nearest to the sun.
 fn voxel_taps(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> VoxelTaps {

@@ -16,11 +16,6 @@ fn tone(c: vec3f) -> vec3f {
     return c * (1.0 + c / 4.0) / (1.0 + c);
 }
 
-fn srgb(linear: vec3f) -> vec3f {
-    let c = clamp(linear, vec3f(0.0), vec3f(1.0));
-    return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
-}
-
 @compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
 fn composite(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy;
@@ -41,5 +36,5 @@ fn composite(@builtin(global_invocation_id) id: vec3u) {
         let open = textureLoad(ambient_visibilities, min(pixel, textureDimensions(ambient_visibilities) - 1u), 0).x;
         color = textureLoad(gbuffer_color, pixel, 0).rgb * (ambient * open + sun);
     }
-    textureStore(color_out, pixel, vec4f(srgb(tone(color)), 1.0));
+    textureStore(color_out, pixel, vec4f(srgb_encoded(tone(color)), 1.0));
 }

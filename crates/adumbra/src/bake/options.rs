@@ -7,9 +7,9 @@ use crate::light::Sun;
 use crate::scene::Bounds;
 use crate::settings::{Bias, Receivers};
 
-/// Smallest resolution.
+/// Smallest resolution, texels on the longest side of the light's plane.
 pub const MIN_RESOLUTION: u32 = 8;
-/// Largest resolution.
+/// Largest resolution, likewise.
 pub const MAX_RESOLUTION: u32 = 1 << 18;
 /// Voxels behind its first surface within which a column switches, where nothing is asked for: a 9 × 9 filter's reach
 /// and the steepest of the usual slopes.

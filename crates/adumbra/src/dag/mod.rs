@@ -136,7 +136,11 @@ pub trait Slabs: Sync {
     /// The slab that holds voxel (i, j, k), which lies in the grid: bit y·8 + x, 1 = lit.
     fn slab(&self, i: u32, j: u32, k: u32) -> u64;
 
-    /// The same, from the last place on that has this `trail`: cheap where both have most of their way in common. A trail
+    /// Level of the block in which a look-up of voxel (i, j, k), which lies in the grid, ends: it is all lit or all shadowed and spans
+    /// 2^level voxels a side, at level 3 also a slab of 8 × 8 × 1; 0 = a single voxel, or a single column.
+    fn end_level(&self, i: u32, j: u32, k: u32) -> u32;
+
+    /// The slab that holds a voxel, from the last place on that has this `trail`: cheap where both have most of their way in common. A trail
     /// is for look-ups in one structure only.
     fn slab_along(&self, _trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
         self.slab(i, j, k)
@@ -154,5 +158,9 @@ impl Slabs for Dag {
 
     fn slab_along(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
         self.follow(trail, i, j, k)
+    }
+
+    fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {
+        Descend::end_level(self, i, j, k)
     }
 }

@@ -104,6 +104,19 @@ pub(super) trait Descend {
         trail.lowest = level;
         self.slab_of_cube(node, k & 7)
     }
+
+    /// Level of the block that answers a voxel: a uniform cube's, 3 for a uniform slab, 0 for a slab that is not.
+    fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {
+        let Step::Into(mut node) = self.root(i, j, k) else { return self.root_level() };
+        for level in (SLAB_NODE_LEVEL + 1..=self.root_level()).rev() {
+            match self.child(node, level, i, j, k) {
+                Step::Uniform(_) => return level - 1,
+                Step::Into(next) => node = next,
+            }
+        }
+        let is_uniform = matches!(self.slab_of_cube(node, k & 7), 0 | u64::MAX);
+        if is_uniform { SLAB_NODE_LEVEL } else { 0 }
+    }
 }
 
 pub(super) fn uniform(lit: bool) -> u64 {

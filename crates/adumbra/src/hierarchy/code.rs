@@ -127,23 +127,29 @@ impl<'c> Code<'c> {
         if half & NEAR == 0 { half } else { from.wrapping_sub(half & (NEAR - 1)) }
     }
 
-    /// From a root of `level` to what holds the column.
-    pub(super) fn descend(self, mut at: u32, mut base: u32, mut level: u32, [i, j]: [u32; 2]) -> Place {
+    /// From a root of `level` to what holds the column, and its level.
+    pub(super) fn descend(
+        self,
+        mut at: u32,
+        mut base: u32,
+        mut level: u32,
+        [i, j]: [u32; 2],
+    ) -> (Place, u32) {
         if at == UNIFORM {
-            return Place::Uniform(base);
+            return (Place::Uniform(base), level);
         }
         while level > LEAF_LEVEL {
             level -= NODE_LEVELS;
             match self.child(at, (j >> level & 3) << 2 | i >> level & 3) {
-                Child::Never => return Place::Uniform(NEVER),
-                Child::Uniform(delta) => return Place::Uniform(base.wrapping_add(delta)),
+                Child::Never => return (Place::Uniform(NEVER), level),
+                Child::Uniform(delta) => return (Place::Uniform(base.wrapping_add(delta)), level),
                 Child::Shape { at: next, delta } => {
                     at = next;
                     base = base.wrapping_add(delta);
                 }
             }
         }
-        Place::Leaf { at, base }
+        (Place::Leaf { at, base }, level)
     }
 
     /// A leaf, for its columns and slabs.

@@ -99,7 +99,7 @@ impl Hierarchy {
     ///
     /// Cost: one step each two levels above 3, then a leaf.
     pub fn value(&self, i: u32, j: u32) -> u32 {
-        match self.place(i, j) {
+        match self.place(i, j).0 {
             Place::Uniform(value) => value,
             Place::Leaf { at, base } => self.shapes().leaf(at, base).value((j & 7) * 8 + (i & 7)),
         }
@@ -109,7 +109,7 @@ impl Hierarchy {
     ///
     /// Cost: as [`Hierarchy::value`], and a step for each depth of the leaf.
     pub fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
-        match self.place(i, j) {
+        match self.place(i, j).0 {
             Place::Uniform(value) if k < value => u64::MAX,
             Place::Uniform(_) => 0,
             Place::Leaf { at, base } => self.shapes().leaf(at, base).slab(k),
@@ -125,10 +125,11 @@ impl Hierarchy {
         Code { words: &self.code, wide: &self.wide }
     }
 
-    fn place(&self, i: u32, j: u32) -> Place {
+    /// What holds a column, and its level.
+    fn place(&self, i: u32, j: u32) -> (Place, u32) {
         let [x, y] = [i, j].map(|c| c >> self.root_level);
         if x >= self.top_dims[0] || y >= self.top_dims[1] {
-            return Place::Uniform(NEVER);
+            return (Place::Uniform(NEVER), self.root_level);
         }
         let [at, base] = self.top[(y * self.top_dims[0] + x) as usize];
         self.shapes().descend(at, base, self.root_level, [i, j])
@@ -142,5 +143,12 @@ impl Slabs for Hierarchy {
 
     fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
         Hierarchy::slab(self, i, j, k)
+    }
+
+    fn end_level(&self, i: u32, j: u32, _k: u32) -> u32 {
+        match self.place(i, j) {
+            (Place::Uniform(_), level) => level,
+            (Place::Leaf { .. }, _) => 0,
+        }
     }
 }

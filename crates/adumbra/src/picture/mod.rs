@@ -35,11 +35,11 @@ pub struct Picture {
     pub difference_share: Option<f64>,
 }
 
-/// Linear colour of sunlight.
+/// Linear red, green and blue of sunlight, at n·l = 1.
 pub const SUN_COLOR: [f64; 3] = [1.55, 1.45, 1.28];
-/// Linear colour of the light from above, and of the sky.
+/// Linear red, green and blue of the light from above, and of the sky.
 pub const SKY_COLOR: [f64; 3] = [0.36, 0.45, 0.60];
-/// Linear colour of the light from below.
+/// Linear red, green and blue of the light from below.
 pub const GROUND_COLOR: [f64; 3] = [0.20, 0.18, 0.16];
 /// What faces away from the sun, in a picture of differences.
 const UNLIT_GREY: f64 = 0.08;

@@ -74,9 +74,9 @@ pub struct Query<'d> {
 /// A point of the grid with the slope of its surface there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receiver {
-    /// Grid coordinates after the bias.
+    /// Grid coordinates after the bias, voxels.
     pub p_grid: [f64; 3],
-    /// Slope of the receiver's plane: dz/dx and dz/dy, zero where no normal is known.
+    /// Slope of the receiver's plane: dz/dx and dz/dy, voxels along the light a texel; zero where no normal is known.
     pub gradient: [f64; 2],
 }
 
@@ -119,7 +119,17 @@ impl<'d> Query<'d> {
         self.lit_taps_of(r, |i, j, k| self.slabs.slab(i, j, k))
     }
 
-    /// The same, with slabs from `slab`.
+    /// Level of the block in which the look-up of the filter's middle ends, as [`Slabs::end_level`]; none beside the grid and before it,
+    /// where nothing is looked up. What a shader answers too.
+    pub fn end_level(&self, r: &FixedReceiver) -> Option<u32> {
+        let [nx, ny, nz] = self.slabs.size().map(i64::from);
+        let [x, y] = r.texel();
+        let layer = r.shared_layer([x, x], [y, y]);
+        let is_inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
+        is_inside.then(|| self.slabs.end_level(x as u32, y as u32, layer.min(nz - 1) as u32))
+    }
+
+    /// [`Query::lit_taps`] with slabs from `slab`.
     fn lit_taps_of(&self, r: &FixedReceiver, mut slab: impl FnMut(u32, u32, u32) -> u64) -> u32 {
         let size = self.slabs.size().map(i64::from);
         let reach = i64::from(self.filter / 2);

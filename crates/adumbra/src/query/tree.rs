@@ -135,6 +135,11 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         [lit, weights]
     }
 
+    /// Level of the cube in which the look-up of the kernel's middle ends: it spans 2^level voxels a side; what a shader answers too.
+    pub fn end_level(&self, r: &TreeReceiver) -> u32 {
+        self.tree.find(self.voxel_of(r.cell(), r.level)).1
+    }
+
     /// The voxel in the middle of what answers this point; none where the point is lit because its sun ray misses the
     /// cube, or is not finite.
     pub fn voxel_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<[u32; 3]> {

@@ -50,7 +50,7 @@ pub struct Scene {
 pub struct Mesh {
     /// The mesh's name, or an invented one.
     pub name: String,
-    /// Vertex positions, all finite.
+    /// Vertex positions in the mesh's own space, all finite.
     pub positions: Vec<[f32; 3]>,
     /// Texture coordinates used by the material's base-colour texture, already transformed (KHR_texture_transform);
     /// empty, or one a vertex.
@@ -91,7 +91,7 @@ pub enum AlphaMode {
 pub struct Material {
     /// The material's name.
     pub name: String,
-    /// Linear base colour factor and alpha factor.
+    /// Linear base colour factor and alpha factor, 0 to 1.
     pub base_color: [f32; 4],
     /// Base-colour texture (alpha in its fourth channel), an index into [`Scene::textures`].
     pub texture: Option<u32>,
@@ -138,21 +138,21 @@ pub struct LoadOptions {
 /// Axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Bounds {
-    /// Smallest corner.
+    /// Smallest corner, world units.
     pub min: [f64; 3],
-    /// Largest corner.
+    /// Largest corner, world units.
     pub max: [f64; 3],
 }
 
 impl Bounds {
-    /// Length of the diagonal.
+    /// Length of the diagonal, world units.
     pub fn diagonal(&self) -> f64 {
         (0..3).map(|a| (self.max[a] - self.min[a]).powi(2)).sum::<f64>().sqrt()
     }
 }
 
 impl Material {
-    /// An opaque material of one colour.
+    /// An opaque material of one linear colour, 0 to 1.
     pub fn opaque(name: &str, base_color: [f32; 4]) -> Self {
         Self {
             name: name.to_owned(),

@@ -23,7 +23,7 @@ pub use layout::Layout;
 use join::Joiner;
 use signature::Signature;
 
-/// Least value of the largest side.
+/// Least value of the largest side, pixels.
 pub const MIN_SIDE: u32 = 64;
 /// Most pixels a side: what every GPU of today takes.
 pub const MAX_SIDE: u32 = 8192;

@@ -41,17 +41,22 @@ pub use word::{Node, Word};
 /// What answers voxels of a cube.
 pub trait Voxels {
     /// Visibility of voxel (x, y, z), each below the cube's side.
-    fn voxel(&self, xyz: [u32; 3]) -> bool;
+    fn voxel(&self, xyz: [u32; 3]) -> bool {
+        self.find(xyz).0
+    }
+
+    /// The same, and the level of the cube that says so: it spans 2^level voxels a side.
+    fn find(&self, xyz: [u32; 3]) -> (bool, u32);
 }
 
 impl Voxels for VoxelTree {
-    fn voxel(&self, xyz: [u32; 3]) -> bool {
-        Self::voxel(self, xyz)
+    fn find(&self, xyz: [u32; 3]) -> (bool, u32) {
+        Self::find(self, xyz)
     }
 }
 
 impl Voxels for symmetric::SymmetricTree {
-    fn voxel(&self, xyz: [u32; 3]) -> bool {
-        Self::voxel(self, xyz)
+    fn find(&self, xyz: [u32; 3]) -> (bool, u32) {
+        Self::find(self, xyz)
     }
 }

@@ -178,3 +178,20 @@ pub(super) fn variants(document: &Document) -> String {
     }
     text + "\n"
 }
+
+#[cfg(test)]
+mod tests {
+    use super::PAPER_TIMES;
+
+    #[test]
+    fn claims_paper_times_are_those_of_the_papers_data() {
+        let data: serde_json::Value =
+            serde_json::from_str(include_str!("../../../../../data/papers.json")).unwrap();
+        let papers = data["papers"].as_array().unwrap();
+        let rows = &papers.iter().find(|p| p["key"] == "ao-2014").unwrap()["tables"][0]["rows"];
+        for (column, (estimator, times)) in (1..).zip(PAPER_TIMES) {
+            let printed = [&rows[0][column], &rows[1][column]];
+            assert!(*printed[0] == times[0] && *printed[1] == times[1], "{estimator}: {printed:?}");
+        }
+    }
+}

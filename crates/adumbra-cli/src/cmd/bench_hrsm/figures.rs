@@ -5,6 +5,7 @@ use adumbra::picture::Picture;
 use adumbra_lab::compare::Judge;
 use adumbra_lab::pictures::{Cell, picture_of_rgba, sheet};
 use adumbra_lab::truth::SunShape;
+use adumbra_render::layers::LEVEL_COLORS;
 use adumbra_render::{Answer, Baked, Given, Prepared, Renderer, Shot, build};
 
 use super::measure::{hybrid, plain};
@@ -14,7 +15,7 @@ use crate::exit::Failure;
 
 /// Pixels of a picture of a sheet.
 const SIZE: [u32; 2] = [640, 480];
-/// [`layers::LEVEL_COLORS`] in words.
+/// [`LEVEL_COLORS`] in words.
 const LEVEL_WORDS: &str = "finest level red, then orange, green, blue";
 
 /// A caption and a sheet.
@@ -139,7 +140,7 @@ impl Stage<'_, '_, '_> {
         if let Show::Levels(_) = show {
             self.renderer.draw(&shot, &mut prepared, Answer::Level)?;
             let levels = self.renderer.read_factor(&prepared)?;
-            return Ok(layers::tinted(size, &rgba, levels, &layers::LEVEL_COLORS).picture());
+            return Ok(layers::tinted(size, &rgba, levels, &LEVEL_COLORS).picture());
         }
         Ok(picture_of_rgba(size, &rgba))
     }

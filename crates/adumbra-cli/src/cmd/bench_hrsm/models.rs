@@ -214,6 +214,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn models_paper_times_are_those_of_the_papers_data() {
+        let data: serde_json::Value =
+            serde_json::from_str(include_str!("../../../../../data/papers.json")).unwrap();
+        let papers = data["papers"].as_array().unwrap();
+        let hybrid = papers.iter().find(|p| p["key"] == "hybrid-2016").unwrap();
+        let rows = |table: usize| hybrid["tables"][table]["rows"].as_array().unwrap();
+        for row in rows(1) {
+            let model = MODELS.iter().find(|m| row[0] == m.title).unwrap();
+            for start in 0..2 {
+                let times = model.paper[start].unwrap();
+                assert!(row[3 + start] == times[0] && row[5 + start] == times[1], "{row}");
+            }
+        }
+        for (row, times) in rows(0).iter().zip(MODELS[0].paper) {
+            let times = times.unwrap();
+            assert!(row[1] == times[0] && row[2] == times[1], "{row}");
+        }
+    }
+
+    #[test]
     fn whole_fills_the_picture_with_model_and_shadow() {
         let standing = MODELS[3].stand(Path::new("")).unwrap();
         assert_eq!(standing.triangles, 12_000);

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use adumbra::bake::Size;
+use adumbra::camera::Camera;
 use adumbra::light::{LightGrid, Sun};
 use adumbra::picture::{self, Picture, Shadows};
 use adumbra::query::{PointVisibility, TreeQuery, Weights};
@@ -13,7 +14,6 @@ use serde_json::{Value, json};
 
 use super::{BenchScene, Check, SUN, bake_quietly, number, rows_of, text_of, tree_options};
 use crate::args::BenchTree;
-use crate::args::looking_at;
 use crate::exit::Failure;
 use crate::output::write_png;
 
@@ -148,7 +148,7 @@ fn sheet(
     sun: Sun,
     name: &str,
 ) -> Result<(), Failure> {
-    let mut camera = looking_at(&scene.scene.bounds(), 40.0);
+    let mut camera = Camera::overview(&scene.scene.bounds(), 40.0);
     [camera.width, camera.height] = CELL;
     // Nearer than the whole scene, so that voxels show.
     camera.eye = std::array::from_fn(|a| camera.target[a] + 0.45 * (camera.eye[a] - camera.target[a]));

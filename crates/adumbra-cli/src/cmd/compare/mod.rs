@@ -2,11 +2,12 @@
 
 mod output;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use adumbra::camera::Camera;
 use adumbra::light::Sun;
 use adumbra::trace::Ray;
+use adumbra_lab::camera_file::CameraFile;
 use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
 use adumbra_lab::paths::CameraPath;
 use adumbra_lab::report::{Report, TruthKind};
@@ -47,7 +48,7 @@ pub(super) fn parse(names: &[String]) -> Result<Vec<TechniqueSpec>, Failure> {
 
 /// `pcss` shows the sun that it is judged by, unless it was told otherwise.
 fn with_sun_angle(specs: Vec<TechniqueSpec>, angle_degrees: f64) -> Result<Vec<TechniqueSpec>, Failure> {
-    let told = |spec: &TechniqueSpec| spec.name() != "pcss" || spec.reader().text("angle").is_some();
+    let told = |spec: &TechniqueSpec| spec.name() != "pcss" || spec.value("angle").is_some();
     let sees = |spec: TechniqueSpec| {
         if told(&spec) { Ok(spec) } else { Ok(format!("{spec}:angle={angle_degrees}").parse()?) }
     };
@@ -65,14 +66,13 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
     if files.sun().is_some() && args.sun.is_given() {
         return Err(Failure::Usage("--sun: the shadow file was baked for a sun of its own".to_owned()));
     }
-    let truth_file = args.camera.as_deref().filter(|c| c.ends_with(".npz")).map(PathBuf::from);
-    let from_file = truth_file.as_deref().map(truth_camera).transpose()?;
-    let sun = match (files.sun(), from_file) {
+    let from_file = args.camera.as_deref().map(camera_file).transpose()?.flatten();
+    let sun = match (files.sun(), from_file.and_then(|f| f.sun)) {
         (Some(sun), _) => sun,
-        (None, Some((_, sun))) if !args.sun.is_given() => sun,
+        (None, Some(sun)) if !args.sun.is_given() => sun,
         _ => args.sun.sun()?,
     };
-    let (name, camera) = camera_of(args, &truth, sun, from_file.map(|(camera, _)| camera))?;
+    let (name, camera) = camera_of(args, &truth, sun, from_file.map(|f| f.camera))?;
     let gpu = Gpu::request(&args.device.gpu_options())?;
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions { ignore_alpha: load.ignore_alpha })?;
     files.complete(
@@ -145,6 +145,19 @@ fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Outcome {
     Ok(Code::Fine)
 }
 
+/// The camera of a file; none where the name is not a file's.
+fn camera_file(name: &str) -> Result<Option<CameraFile>, Failure> {
+    let path = Path::new(name);
+    Ok(match path.extension().and_then(|e| e.to_str()) {
+        Some("json") => Some(CameraFile::read(path)?),
+        Some("npz") => {
+            let (camera, sun) = truth_camera(path)?;
+            Some(CameraFile { camera, sun: Some(sun) })
+        }
+        _ => None,
+    })
+}
+
 /// The camera, and what it is called.
 fn camera_of(
     args: &Compare,
@@ -167,7 +180,7 @@ fn camera_of(
         }
         Some("overview") => Ok(("overview".to_owned(), plain)),
         Some(other) => Err(Failure::Usage(format!(
-            "--camera {other}: give street, overview, or a truth file whose name ends in .npz"
+            "--camera {other}: give street, overview, a camera (.json) that the viewer saved, or a truth file (.npz)"
         ))),
         None if args.view.eye.is_none() && args.view.target.is_none() => Ok(("overview".to_owned(), plain)),
         None => Ok(("given".to_owned(), plain)),

@@ -3,16 +3,13 @@
 use adumbra::scene::Bounds;
 use adumbra_lab::truth::TruthTracer;
 use adumbra_render::occlusion::{
-    AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings,
+    AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings, TracedSettings,
 };
 use adumbra_render::{FrameTimes, RenderError, Renderer, Shot, Stage, TechniqueSpec};
 use serde_json::{Value, json};
 
 use super::Job;
 use crate::exit::Failure;
-
-/// Most rays a pixel.
-const MAX_RAYS: u32 = 65_536;
 
 /// Ambient occlusion as it was asked for.
 pub(super) struct Ambient {
@@ -23,7 +20,7 @@ pub(super) struct Ambient {
 
 enum Kind {
     Estimated(OcclusionSettings),
-    Traced { radius_world: f64, rays: u32 },
+    Traced(TracedSettings),
 }
 
 impl Ambient {
@@ -31,21 +28,15 @@ impl Ambient {
     pub(super) fn read(text: &str) -> Result<Option<Self>, Failure> {
         let read = || -> Result<Option<Self>, RenderError> {
             let spec: TechniqueSpec = text.parse()?;
-            let mut r = spec.reader();
             let kind = match spec.name() {
                 "none" => {
-                    r.finish()?;
+                    spec.reader().finish()?;
                     return Ok(None);
                 }
-                "truth" => {
-                    let radius_world = r.number("radius", 0.0, 0.0..=1e9)?;
-                    let rays = r.count("rays", 256, 1..=MAX_RAYS)?;
-                    r.finish()?;
-                    Kind::Traced { radius_world, rays }
-                }
+                "truth" => Kind::Traced(TracedSettings::from_spec(&spec, 0.0)?),
                 _ => Kind::Estimated(OcclusionSettings::from_spec(&spec, 0.0)?),
             };
-            Ok(Some(Self { has_radius: spec.reader().text("radius").is_some(), spec, kind }))
+            Ok(Some(Self { has_radius: spec.value("radius").is_some(), spec, kind }))
         };
         read().map_err(|error| match error {
             RenderError::Technique { name, reason } => Failure::Usage(format!("--ao {name}: {reason}")),
@@ -72,7 +63,7 @@ impl Ambient {
         );
         match &mut self.kind {
             Kind::Estimated(settings) => settings.radius_world = radius,
-            Kind::Traced { radius_world, .. } => *radius_world = radius,
+            Kind::Traced(settings) => settings.radius_world = radius,
         }
     }
 
@@ -94,7 +85,7 @@ impl Ambient {
         seconds: f64,
         held: &mut Option<u32>,
     ) -> Result<(), Failure> {
-        let Kind::Traced { radius_world, rays } = self.kind else { return Ok(()) };
+        let Kind::Traced(TracedSettings { radius_world, rays }) = self.kind else { return Ok(()) };
         if *held == Some(shot.number) {
             return Ok(());
         }
@@ -113,7 +104,7 @@ impl Ambient {
     pub(super) fn figures(&self, renderer: &Renderer, times: &FrameTimes) -> Value {
         let (radius_world, is_timed) = match self.kind {
             Kind::Estimated(settings) => (settings.radius_world, true),
-            Kind::Traced { radius_world, .. } => (radius_world, false),
+            Kind::Traced(settings) => (settings.radius_world, false),
         };
         let ms = |stage| is_timed.then(|| times.of(stage));
         json!({
@@ -146,7 +137,7 @@ mod tests {
             ambient.set_radius(&Bounds { min: [0.0; 3], max: [3.0, 4.0, 12.0] });
             match ambient.kind {
                 Kind::Estimated(settings) => settings.radius_world,
-                Kind::Traced { radius_world, .. } => radius_world,
+                Kind::Traced(settings) => settings.radius_world,
             }
         };
         for name in ["issao", "hbao", "truth"] {

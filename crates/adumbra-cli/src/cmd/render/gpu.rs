@@ -6,6 +6,8 @@ use std::path::Path;
 use adumbra::format::AnyFile;
 use adumbra::scene::Scene;
 use adumbra_lab::truth::{SunShape, TruthTracer};
+use adumbra_render::layers::{CASCADE_COLORS, LEVEL_COLORS};
+use adumbra_render::voxel::VOXEL_LEVEL_COLORS;
 use adumbra_render::{
     Answer, Baked, FrameTimes, Given, Gpu, Prepared, RenderError, Renderer, SceneOptions, Shot, Stage,
     TechniqueSpec, build,
@@ -13,6 +15,7 @@ use adumbra_render::{
 use serde_json::{Value, json};
 
 use super::layers::{self, Layer};
+use super::legend::Legend;
 use super::movers::numbered;
 use super::{Job, output_of};
 use crate::args::LayerArg;
@@ -62,9 +65,8 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
             if let Some(ambient) = &job.ambient {
                 ambient.trace(job, &mut renderer, &shot, seconds, &mut traced)?;
             }
-            let (layer, times) = draw_one(job, &mut renderer, &mut technique, &output, frame)?;
-            layers::write(&output, &layer)?;
-            job.report(&output, layer.size, figures(job, &renderer, &technique, &times));
+            let drawn = draw_one(job, &mut renderer, &mut technique, &output, frame)?;
+            drawn.write(job, &renderer, &technique, &output)?;
         }
     }
     Ok(())
@@ -94,9 +96,8 @@ fn draw_truth(
         let size = [shot.camera.width, shot.camera.height];
         let given = Given::new(renderer.gpu(), "truth", size, &factors)?;
         let mut technique = renderer.prepare(Box::new(given))?;
-        let (layer, times) = draw_one(job, renderer, &mut technique, &output, frame)?;
-        layers::write(&output, &layer)?;
-        job.report(&output, layer.size, figures(job, renderer, &technique, &times));
+        let drawn = draw_one(job, renderer, &mut technique, &output, frame)?;
+        drawn.write(job, renderer, &technique, &output)?;
     }
     Ok(())
 }
@@ -136,13 +137,14 @@ fn draw_one(
     technique: &mut Prepared,
     output: &Path,
     number: u32,
-) -> Result<(Layer, FrameTimes), Failure> {
+) -> Result<Drawn, Failure> {
     let (shot, samples) = shot(job, output, number);
     let size = [shot.camera.width, shot.camera.height];
     let layer = job.args.layer;
     let asked = match layer {
         LayerArg::Cascades => Some((Answer::Cascade, "cascades", "no cascades")),
         LayerArg::HrsmLevels => Some((Answer::Level, "hrsm-levels", "no levels; hrsm has them")),
+        LayerArg::VoxelSize => Some((Answer::Voxel, "voxel-size", "no voxels; baked files have them")),
         _ => None,
     };
     let mut indices = Vec::new();
@@ -155,20 +157,47 @@ fn draw_one(
         indices = renderer.read_factor(technique)?;
     }
     let times = renderer.draw(&shot, technique, Answer::Visibility)?;
+    let voxel_world = technique.technique().voxel_world().filter(|_| layer == LayerArg::VoxelSize);
+    let legend = voxel_world.map(|voxel_world| Legend::new(&indices, voxel_world));
     let layer = match layer {
         LayerArg::Color => layers::color(size, &renderer.read_picture()?),
         LayerArg::Shadow => layers::grey(size, renderer.read_factor(technique)?),
         LayerArg::Ao => layers::grey(size, renderer.read_ambient()?),
         LayerArg::Depth => layers::depth(size, renderer.read_surface(&shot)?.view_depth),
         LayerArg::Normal => layers::normal(size, &renderer.read_surface(&shot)?),
-        LayerArg::Cascades => {
-            layers::tinted(size, &renderer.read_picture()?, indices, &layers::CASCADE_COLORS)
-        }
-        LayerArg::HrsmLevels => {
-            layers::tinted(size, &renderer.read_picture()?, indices, &layers::LEVEL_COLORS)
-        }
+        LayerArg::Cascades => layers::tinted(size, &renderer.read_picture()?, indices, &CASCADE_COLORS),
+        LayerArg::HrsmLevels => layers::tinted(size, &renderer.read_picture()?, indices, &LEVEL_COLORS),
+        LayerArg::VoxelSize => layers::tinted(size, &renderer.read_picture()?, indices, &VOXEL_LEVEL_COLORS),
     };
-    Ok((layer.smaller(samples), times))
+    Ok(Drawn { layer: layer.smaller(samples), times, legend })
+}
+
+/// A picture, and what is said of it.
+struct Drawn {
+    layer: Layer,
+    times: FrameTimes,
+    legend: Option<Legend>,
+}
+
+impl Drawn {
+    fn write(
+        &self,
+        job: &Job<'_>,
+        renderer: &Renderer,
+        technique: &Prepared,
+        output: &Path,
+    ) -> Result<(), Failure> {
+        layers::write(output, &self.layer)?;
+        let mut more = figures(job, renderer, technique, &self.times);
+        if let Some(legend) = &self.legend {
+            more["voxel_levels"] = legend.json();
+        }
+        job.report(output, self.layer.size, more);
+        if let Some(legend) = self.legend.as_ref().filter(|_| !job.args.json) {
+            legend.print();
+        }
+        Ok(())
+    }
 }
 
 fn figures(job: &Job<'_>, renderer: &Renderer, technique: &Prepared, times: &FrameTimes) -> Value {

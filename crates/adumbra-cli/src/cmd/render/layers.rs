@@ -8,22 +8,6 @@ use adumbra_render::SurfaceImage;
 use crate::exit::Failure;
 use crate::output::{write_exr, write_png};
 
-/// Colours of cascades, near to far.
-pub(super) const CASCADE_COLORS: [[f32; 3]; 8] = [
-    [0.90, 0.25, 0.20],
-    [0.95, 0.65, 0.15],
-    [0.40, 0.75, 0.20],
-    [0.15, 0.65, 0.65],
-    [0.20, 0.40, 0.90],
-    [0.55, 0.30, 0.80],
-    [0.85, 0.35, 0.65],
-    [0.60, 0.60, 0.60],
-];
-
-/// Colours of a hybrid map's levels, fine to coarse.
-pub(in crate::cmd) const LEVEL_COLORS: [[f32; 3]; 4] =
-    [[0.90, 0.22, 0.18], [0.95, 0.65, 0.15], [0.40, 0.75, 0.20], [0.20, 0.40, 0.90]];
-
 /// A layer, row 0 at the top.
 pub(in crate::cmd) struct Layer {
     pub(super) size: [u32; 2],

@@ -4,6 +4,7 @@ mod ambient;
 mod cpu;
 mod gpu;
 pub(super) mod layers;
+mod legend;
 mod movers;
 
 use std::borrow::Cow;

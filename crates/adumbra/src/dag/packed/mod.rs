@@ -230,4 +230,8 @@ impl Slabs for PackedDag {
     fn slab_along(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
         self.follow(trail, i, j, k)
     }
+
+    fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {
+        Descend::end_level(self, i, j, k)
+    }
 }

@@ -1,0 +1,114 @@
+//! What a report was made on.
+
+use std::fs;
+use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use adumbra_render::{Gpu, GpuOptions};
+use serde::{Deserialize, Serialize};
+
+/// The machine, its adapter and the program. What the system does not tell is empty.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Machine {
+    /// UTC.
+    pub(super) date: String,
+    pub(super) adumbra: String,
+    /// Of the sources that the program was built from, where they are still there and git knows.
+    pub(super) revision: String,
+    pub(super) cpu: String,
+    pub(super) cores: usize,
+    pub(super) memory_bytes: u64,
+    pub(super) system: String,
+    /// Name and driver.
+    pub(super) adapter: String,
+    /// The adapter is a program.
+    pub(super) software: bool,
+    /// What the adapter lacks, and what that costs.
+    pub(super) left_out: Vec<String>,
+}
+
+impl Machine {
+    pub(super) fn here() -> Self {
+        let gpu = Gpu::request(&GpuOptions::default());
+        let (adapter, software, left_out) = match &gpu {
+            Ok(gpu) => (gpu.name(), gpu.is_software(), gpu.left_out()),
+            Err(e) => (format!("none: {e}"), false, Vec::new()),
+        };
+        Self {
+            date: today(),
+            adumbra: env!("CARGO_PKG_VERSION").to_owned(),
+            revision: revision(),
+            cpu: line_of("/proc/cpuinfo", "model name").unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
+            cores: std::thread::available_parallelism().map_or(0, usize::from),
+            memory_bytes: memory_bytes(),
+            system: system(),
+            adapter,
+            software,
+            left_out: left_out.into_iter().map(str::to_owned).collect(),
+        }
+    }
+}
+
+/// Where the program was built.
+const SOURCES: &str = env!("CARGO_MANIFEST_DIR");
+
+/// What follows `key` and its separator in a file of lines.
+fn line_of(path: &str, key: &str) -> Option<String> {
+    let text = fs::read_to_string(path).ok()?;
+    let line = text.lines().find(|l| l.starts_with(key))?;
+    let value = line[key.len()..].trim_start().trim_start_matches([':', '=']).trim();
+    Some(value.trim_matches('"').to_owned())
+}
+
+fn memory_bytes() -> u64 {
+    let kib = line_of("/proc/meminfo", "MemTotal").and_then(|l| l.split(' ').next()?.parse::<u64>().ok());
+    kib.map_or(0, |kib| kib * 1024)
+}
+
+fn system() -> String {
+    let name = line_of("/etc/os-release", "PRETTY_NAME").unwrap_or_else(|| std::env::consts::OS.to_owned());
+    match fs::read_to_string("/proc/sys/kernel/osrelease") {
+        Ok(kernel) => format!("{name}, kernel {}", kernel.trim()),
+        Err(_) => name,
+    }
+}
+
+fn revision() -> String {
+    let git = Command::new("git").args(["-C", SOURCES, "describe", "--always", "--dirty"]).output();
+    let said =
+        git.ok().filter(|o| o.status.success()).map(|o| String::from_utf8_lossy(&o.stdout).into_owned());
+    said.unwrap_or_default().trim().to_owned()
+}
+
+/// Today as 2026-01-31 in UTC, by Hinnant's *chrono-compatible low-level date algorithms* (2013).
+fn today() -> String {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    date((seconds / 86_400) as i64)
+}
+
+/// `days` since 1970-01-01.
+fn date(days: i64) -> String {
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let day_of_era = shifted.rem_euclid(146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted_month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
+    let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn date_knows_leap_days() {
+        assert_eq!(date(0), "1970-01-01");
+        assert_eq!(date(11_016), "2000-02-29");
+        assert_eq!(date(20_454), "2026-01-01");
+        assert_eq!(date(20_453), "2025-12-31");
+    }
+}

@@ -1,0 +1,200 @@
+//! Which commands a report runs, section by section.
+
+use super::step::Step;
+use crate::args::Report;
+
+/// What is measured where no folder of scenes is given.
+const MADE: &str = "city,primitives,landscape";
+/// What a quick run takes from a folder of scenes, if it is there.
+const WANTED: [&str; 2] = ["kaykit_city_21", "zdm2"];
+/// The report's own folder of scenes, and the user's.
+const OWN: &str = "scenes";
+pub(super) const SCENES: &str = "$SCENES";
+pub(super) const TRUTH: &str = "$TRUTH";
+
+/// Commands of a section; none where what it needs was not given, and why.
+pub(super) fn steps(section: &str, args: &Report) -> Result<Vec<Step>, &'static str> {
+    match section {
+        "peers" if args.truth.is_none() => Err("it needs --scenes and --truth"),
+        "fast" if !args.full => Err("it belongs to --full"),
+        _ if args.full => Ok(full(section)),
+        _ => Ok(quick(section, args)),
+    }
+}
+
+/// Every benchmark at its defaults.
+fn full(section: &str) -> Vec<Step> {
+    let bench =
+        |words: &str| Step::new(section, &format!("bench {words} --scenes {SCENES} -o data/{section}"));
+    match section {
+        "bake" | "tree" | "hrsm" => vec![bench(section)],
+        "verify" => vec![bench("verify"), bench("verify --volume --samples 300000")],
+        "blur" => vec![Step::new(section, &format!("bench blur -o data/{section}"))],
+        "shadows" => {
+            let mut steps = vec![bench(&format!("shadows --truth {TRUTH}"))];
+            steps.extend(beside_truth("1280x720", 9));
+            steps
+        }
+        "ao" => {
+            let mut steps = vec![bench(&format!("ao --truth {TRUTH}"))];
+            steps.extend(occlusion_pictures("1280x720"));
+            steps
+        }
+        "peers" => vec![bench(&format!("peers --truth {TRUTH}"))],
+        _ => vec![bench("bake --suite fast")],
+    }
+}
+
+/// The same at sizes that two cores measure in minutes, of scenes that are made where no folder of them is given.
+fn quick(section: &str, args: &Report) -> Vec<Step> {
+    let [width, height] = args.size;
+    let size = format!("{width}x{height}");
+    let found = |name: &&str| args.scenes.as_ref().is_some_and(|s| s.join(format!("{name}.glb")).exists());
+    let real: Vec<&str> = WANTED.into_iter().filter(|name| found(name)).collect();
+    let (folder, names) = if real.is_empty() {
+        (OWN, MADE.split(',').map(|n| format!("{n}.glb")).collect::<Vec<_>>().join(","))
+    } else {
+        (SCENES, real.iter().map(|n| format!("{n}.glb")).collect::<Vec<_>>().join(","))
+    };
+    let given = args.scenes.as_ref().map_or(OWN, |_| SCENES);
+    let one = |words: String| Step::new(section, &format!("{words} -o data/{section}"));
+    let has = |file: &str| args.scenes.as_ref().is_some_and(|s| s.join(file).exists());
+    match section {
+        "bake" => vec![one(format!(
+            "bench bake --scenes {folder} --names {names} --resolutions 1024,2048,4096 --variant-resolution 4096"
+        ))],
+        "verify" => vec![one(format!(
+            "bench verify --scenes {folder} --names {names} --resolution 4096 --samples 100000"
+        ))],
+        "tree" => [
+            ("builders", "builders --depths 8,9 --runs 3"),
+            ("reductions", "reductions --depths 7,8,9,10 --runs 3"),
+            ("others", "frames,options,filters --runs 1"),
+        ]
+        .map(|(name, only)| {
+            let scenes = "--names primitives,landscape --samples 20000";
+            Step::new(name, &format!("bench tree --scenes {OWN} {scenes} --only {only} -o data/tree"))
+        })
+        .into(),
+        "hrsm" => {
+            // The Dragon has 2.4 million triangles: one START of it is what there is time for.
+            let (models, starts) = if has("dragon_202k.ply") {
+                ("dragon,spheres", "1024")
+            } else {
+                ("ball,spheres", "1024,2048")
+            };
+            let mut steps = vec![one(format!(
+                "bench hrsm --scenes {given} --only {models},wires --starts {starts} --frames 2 --size {size}"
+            ))];
+            steps.extend(hybrid_pictures(&size));
+            steps
+        }
+        "blur" => {
+            vec![one(format!("bench blur --samples 8,16,32,64 --runs 3 --size {}x{}", width / 2, height / 2))]
+        }
+        "shadows" => beside_truth(&size, 3),
+        "ao" => {
+            let scene = if has("dragon_202k.ply") { "dragon" } else { "cornell" };
+            let truth = if args.truth.is_some() { format!(" --truth {TRUTH}") } else { String::new() };
+            let mut steps = vec![one(format!(
+                "bench ao --scenes {given} --only {scene}{truth} --frames 3 --rays 64 --size {size}"
+            ))];
+            steps.extend(occlusion_pictures(&size));
+            steps
+        }
+        _ => vec![one(format!(
+            "bench peers --scenes {SCENES} --truth {TRUTH} --resolution 8192 --cube-resolution 1024"
+        ))],
+    }
+}
+
+/// Scenes that are made for pictures and for whoever has no folder of them.
+pub(super) fn made_scenes() -> Vec<Step> {
+    ["city", "primitives", "landscape", "cornell"]
+        .map(|kind| Step::new("scene", &format!("generate {kind} -o {OWN}/{kind}.glb")))
+        .into()
+}
+
+/// Techniques on scenes that are made: from the street, from afar, along a path, and a ball that moves.
+fn beside_truth(size: &str, frames: u32) -> Vec<Step> {
+    let compare = |name: &str, scene: &str, rest: &str| {
+        let words = format!(
+            "compare {OWN}/{scene}.glb {rest} --frames {frames} --size {size} -o data/shadows/{name}"
+        );
+        Step::new(name, &words)
+    };
+    let shadow = |names: &[&str]| names.iter().map(|n| format!(" --shadow {n}")).collect::<String>();
+    let street = [
+        "voxel:filter=5",
+        "sm",
+        "pcf",
+        "csm:filter=5",
+        "pcss",
+        "vsm",
+        "csm-vsm",
+        "blur",
+        "blur-dilate",
+        "blur-bilateral",
+    ];
+    let far = ["csm:filter=1", "csm-vsm", "csm-evsm", "voxel:filter=5"];
+    let path = ["voxel-cubes:filter=3", "voxel-cubes:filter=5", "csm"];
+    vec![
+        compare("street", "city", &format!("--camera street --resolution 8192{}", shadow(&street))),
+        compare("far", "city", &format!("--camera overview --resolution 8192{}", shadow(&far))),
+        compare(
+            "path",
+            "landscape",
+            &format!("--path fly --path-frames 12 --cube-resolution 1024{}", shadow(&path)),
+        ),
+        Step::new(
+            "ball",
+            &format!("bake {OWN}/city.glb --resolution 8192 --progress none -o data/shadows/city.adumbra"),
+        ),
+        Step::new(
+            "ball",
+            &format!(
+                "render {OWN}/city.glb --shadow-file data/shadows/city.adumbra --move sphere --frames 4 --antialias 1 \
+                 --size {size} -o data/shadows/ball.png"
+            ),
+        ),
+    ]
+}
+
+/// The paper's pairs of resolutions: a ring over a floor, from near its shadow.
+fn hybrid_pictures(size: &str) -> Vec<Step> {
+    let names = [
+        "sm:size=512",
+        "sm:size=1024",
+        "sm:size=2048",
+        "hrsm:1024-512",
+        "hrsm:2048-1024",
+        "hrsm:4096-2048",
+        "hrsm:2048-512",
+        "hrsm:4096-512",
+        "hrsm:2048-1024:test=paper",
+    ];
+    let shadows: String = names
+        .iter()
+        .map(|n| format!(" --shadow {n}{}", if n.starts_with("hrsm") { ":filter=1" } else { "" }))
+        .collect();
+    let words = format!(
+        "compare {OWN}/primitives.glb --eye=-12.5,3.6,-4.2 --target=-8.4,0.6,0 --fov 40 --frames 1 --size {size}{shadows} \
+         -o data/hrsm/pictures"
+    );
+    vec![Step::new("pictures", &words)]
+}
+
+/// Every estimator in the room with two blocks.
+fn occlusion_pictures(size: &str) -> Vec<Step> {
+    ["truth", "ssao", "hbao", "alchemy", "issao", "issao:attenuation=off", "issao:filter=none", "gtao"]
+        .map(|ao| {
+            let file = ao.replace([':', '='], "-");
+            let rays = if ao == "truth" { ":rays=64" } else { "" };
+            let words = format!(
+                "render {OWN}/cornell.glb --ao {ao}:radius=1{rays} --layer ao --eye -0.6,3.4,6 --target -0.2,1.9,0 --fov 50 \
+                 --antialias 1 --size {size} -o data/ao/{file}.png"
+            );
+            Step::new(ao, &words)
+        })
+        .into()
+}

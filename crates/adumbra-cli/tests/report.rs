@@ -1,0 +1,189 @@
+//! `report`: the page that it writes, as a browser sees it; what it keeps and says when something fails.
+
+mod browser;
+mod kit;
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use browser::Browser;
+use kit::{Folder, adumbra, program};
+use serde_json::{Value, json};
+
+/// Largest page, bytes.
+const MOST_BYTES: u64 = 25_000_000;
+
+fn record(folder: &Folder) -> Value {
+    serde_json::from_slice(&fs::read(folder.path("r/report.json")).unwrap()).unwrap()
+}
+
+fn page(folder: &Folder) -> String {
+    fs::read_to_string(folder.path("r/report.html")).unwrap()
+}
+
+#[test]
+fn report_refuses_what_it_cannot_measure() {
+    let folder = Folder::new();
+    let out = folder.path("r");
+    for (options, word) in [
+        (vec!["--full"], "--scenes"),
+        (vec!["--only", "peers"], "--truth"),
+        (vec!["--only", "fast"], "--full"),
+        (vec!["--scenes", "/nowhere"], "no such folder"),
+        (vec!["--size", "8x8"], "--size"),
+        (vec!["--quick", "--full"], "--full"),
+    ] {
+        let (code, error) = adumbra(&[&["report", "-o", &out][..], &options].concat());
+        assert_eq!(code, 2, "{options:?}: {error}");
+        assert!(error.contains(word), "{options:?}: {error}");
+    }
+    assert!(!folder.exists("r"));
+    folder.write("report.json", b"[1, 2]");
+    let (code, error) = adumbra(&["report", "-o", &folder.path(""), "--only", "verify"]);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("not what an earlier report wrote") && !folder.exists("data"), "{error}");
+}
+
+#[test]
+fn report_keeps_what_was_measured_and_says_what_failed() {
+    let folder = Folder::new();
+    let out = folder.path("r");
+    let (code, error) = adumbra(&["report", "-o", &out, "--only", "verify"]);
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(record(&folder)["sections"][0]["outcome"], "measured");
+
+    // No Vulkan driver: the blur has nothing to draw on.
+    let run = Command::new(program())
+        .args(["report", "-o", &out, "--only", "blur", "--json"])
+        .env("VK_DRIVER_FILES", "/nowhere.json")
+        .env("VK_ICD_FILENAMES", "/nowhere.json")
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1), "{}", kit::stderr(&run));
+    let said: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(said, record(&folder), "--json prints what is written");
+    let sections = said["sections"].as_array().unwrap();
+    let outcomes: Vec<[&str; 2]> =
+        sections.iter().map(|s| ["section", "outcome"].map(|key| s[key].as_str().unwrap())).collect();
+    assert_eq!(outcomes, [["verify", "measured"], ["blur", "failed"]]);
+    let cause = sections[1]["steps"][0]["error"].as_str().unwrap();
+    assert!(cause.contains("adapter"), "{cause}");
+    let figures = &sections[0]["figures"]["data/verify/verify.json"];
+    assert_eq!(figures["rows"].as_array().unwrap().len(), 12, "three scenes, four suns");
+    let page = page(&folder);
+    assert!(page.contains("Agreement with rays") && page.contains("adumbra bench verify"));
+    assert!(page.contains("Not all went well: blur (failed)") && page.contains("adumbra bench blur"));
+}
+
+#[cfg(unix)]
+#[test]
+fn report_leaves_what_there_is_when_interrupted() {
+    let folder = Folder::new();
+    let out = folder.path("r");
+    let mut command = Command::new(program());
+    command.args(["report", "-o", &out, "--only", "verify,tree"]).stderr(Stdio::null()).stdout(Stdio::null());
+    let mut child = command.spawn().unwrap();
+    let start = Instant::now();
+    while !folder.exists("r/report.html") {
+        assert!(start.elapsed() < Duration::from_secs(120), "the first section's page");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    // To this process alone: its command must end with it.
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let record = record(&folder);
+    assert_eq!(record["sections"][0]["section"], "verify");
+    assert_eq!(record["sections"][0]["outcome"], "measured");
+    assert_eq!(record["sections"][1]["outcome"], "interrupted");
+    assert!(page(&folder).contains("Agreement with rays"));
+}
+
+#[test]
+fn report_browser_sees_a_page_that_stands_alone() {
+    let Some(mut browser) = Browser::start() else { return };
+    let folder = Folder::new();
+    let out = folder.path("r");
+    let (code, error) = adumbra(&["report", "-o", &out, "--only", "blur,shadows", "--size", "96x64"]);
+    assert_eq!(code, 0, "{error}");
+    let path = folder.path("r/report.html");
+    assert!(fs::metadata(&path).unwrap().len() <= MOST_BYTES);
+
+    browser.resize(1280, 900, false);
+    browser.open(&path);
+    let loaded = browser.eval("[...document.images].map(i => i.complete && i.naturalWidth > 0)");
+    let loaded = loaded.as_array().unwrap();
+    assert!(loaded.len() >= 18 && loaded.iter().all(|l| *l == true), "{loaded:?}");
+    assert_eq!(browser.requests(), [format!("file://{path}")], "nothing but the page is asked for");
+    assert!(browser.eval("[...document.images].every(i => i.alt.length > 5)") == true);
+
+    sliders_move(&mut browser);
+    links_lead_somewhere(&mut browser);
+
+    browser.resize(390, 844, true);
+    let [scrolled, shown] = ["scrollWidth", "clientWidth"]
+        .map(|w| browser.eval(&format!("document.documentElement.{w}")).as_f64().unwrap());
+    assert!(scrolled <= shown && shown <= 390.0, "{scrolled} in {shown}");
+    let tables = browser.eval("[...document.querySelectorAll('table')].every(t => t.closest('.scroll'))");
+    assert_eq!(tables, true, "tables scroll in boxes of their own");
+
+    prints(&mut browser);
+    assert_eq!(browser.complaints(), Vec::<String>::new());
+}
+
+/// By the range as a keyboard moves it, and by the pointer.
+fn sliders_move(browser: &mut Browser) {
+    let pairs = browser.eval("document.querySelectorAll('figure.pair').length").as_u64().unwrap();
+    assert!(pairs >= 9, "{pairs} pairs");
+    let clip = "getComputedStyle(document.querySelector('figure.pair .right')).clipPath";
+    let middle = browser.eval(clip);
+    browser.eval("document.querySelector('figure.pair').scrollIntoView({block: 'center'})");
+    browser.eval("document.querySelector('figure.pair input').focus()");
+    for kind in ["keyDown", "keyUp"] {
+        let key = json!({"type": kind, "key": "ArrowLeft", "code": "ArrowLeft", "windowsVirtualKeyCode": 37});
+        browser.call("Input.dispatchKeyEvent", &key);
+    }
+    assert_eq!(browser.eval("document.querySelector('figure.pair input').value"), "49");
+    let stepped = browser.eval(clip);
+    assert_ne!(middle, stepped);
+    let corner = "(b => [b.left + b.width / 4, b.top + b.height / 2])(document.querySelector('figure.pair .frame').getBoundingClientRect())";
+    let [x, y] = [0, 1].map(|i| browser.eval(corner)[i].as_f64().unwrap());
+    for kind in ["mousePressed", "mouseReleased"] {
+        let event = json!({"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1});
+        browser.call("Input.dispatchMouseEvent", &event);
+    }
+    assert_eq!(browser.eval("document.querySelector('figure.pair input').value"), "25");
+    assert_ne!(browser.eval(clip), stepped);
+    // Every one of them, by its value.
+    let all = browser.eval(
+        "[...document.querySelectorAll('figure.pair')].every(p => { const i = p.querySelector('input'); i.value = 10; \
+         i.dispatchEvent(new Event('input')); return getComputedStyle(p.querySelector('.right')).clipPath.includes('10%'); })",
+    );
+    assert_eq!(all, true);
+}
+
+fn links_lead_somewhere(browser: &mut Browser) {
+    let broken = browser.eval(
+        "[...document.querySelectorAll('a[href^=\"#\"]')].map(a => a.getAttribute('href')).filter(h => !document.querySelector(h))",
+    );
+    assert_eq!(broken, json!([]));
+    let twice = browser.eval(
+        "(ids => ids.filter((id, i) => ids.indexOf(id) !== i))([...document.querySelectorAll('[id]')].map(e => e.id))",
+    );
+    assert_eq!(twice, json!([]), "an id stands once");
+}
+
+/// As a PDF; both pictures of a pair beside each other, what is folded opened.
+fn prints(browser: &mut Browser) {
+    browser.call("Emulation.setEmulatedMedia", &json!({"media": "print"}));
+    let beside = browser.eval(
+        "[...document.querySelectorAll('figure.pair')].every(p => { const [a, b] = ['.left', '.right'].map(s => \
+         p.querySelector(s).getBoundingClientRect()); return b.left >= a.right && b.width > 0 && \
+         getComputedStyle(p.querySelector('.right')).clipPath === 'none'; })",
+    );
+    assert_eq!(beside, true);
+    browser.call("Emulation.setEmulatedMedia", &json!({"media": ""}));
+    let pdf = browser.call("Page.printToPDF", &json!({"printBackground": true}));
+    let pdf = pdf["data"].as_str().unwrap();
+    assert!(pdf.starts_with("JVBERi") && pdf.len() > 100_000, "{} characters of PDF", pdf.len());
+}

@@ -1,0 +1,392 @@
+//! The window, under a virtual display: its keys, its pictures beside `render`'s, and what it does with a broken file.
+//!
+//! Xvfb and xdotool are needed. Without them the tests say so and pass, except where `ADUMBRA_REQUIRE_TOOLS` is set, as `cargo xtask test`
+//! sets it.
+
+mod kit;
+
+use std::io::Read;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use adumbra::picture::Picture;
+use adumbra_lab::metrics::flip;
+use serde_json::{Value, json};
+
+use kit::{Folder, adumbra, program};
+
+/// Longest that a view may take.
+const PATIENCE: Duration = Duration::from_secs(240);
+/// Largest mean difference between the view's and `render`'s pictures.
+const MOST_FLIP: f64 = 0.02;
+
+/// A virtual display, gone with this.
+struct Display {
+    server: Child,
+    name: String,
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// A view, gone with this.
+struct View(Child);
+
+impl Drop for View {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn has(tool: &str, argument: &str) -> bool {
+    Command::new(tool).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+}
+
+/// Starts a display; none where there is nothing to start, which is said.
+fn display() -> Option<Display> {
+    if !has("Xvfb", "-help") || !has("xdotool", "version") {
+        assert!(
+            std::env::var_os("ADUMBRA_REQUIRE_TOOLS").is_none(),
+            "Xvfb and xdotool are needed (Debian, Ubuntu: apt-get install xvfb xdotool)"
+        );
+        eprintln!("SKIPPED: the window is not tested: Xvfb or xdotool is missing");
+        return None;
+    }
+    let mut server = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut number = String::new();
+    let mut out = server.stdout.take().unwrap();
+    let mut byte = [0];
+    while out.read(&mut byte).unwrap() == 1 && byte[0] != b'\n' {
+        number.push(byte[0].into());
+    }
+    assert!(!number.is_empty(), "Xvfb did not start");
+    Some(Display { server, name: format!(":{number}") })
+}
+
+impl Display {
+    /// A view that begins, without anything of another display around it.
+    fn begin(&self, arguments: &[&str]) -> View {
+        let view = Command::new(program())
+            .arg("view")
+            .args(arguments)
+            .env("DISPLAY", &self.name)
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET")
+            .stderr(Stdio::piped())
+            .spawn();
+        View(view.unwrap())
+    }
+
+    /// A view that plays a script to its end: exit code and what it said.
+    fn play(&self, folder: &Folder, arguments: &[&str], steps: &Value) -> (i32, String) {
+        let script = folder.write("script.json", steps.to_string().as_bytes());
+        finish(self.begin(&[arguments, &["--script", &script]].concat()))
+    }
+
+    fn xdotool(&self, arguments: &[&str]) -> String {
+        let output = Command::new("xdotool").args(arguments).env("DISPLAY", &self.name).output().unwrap();
+        String::from_utf8_lossy(&output.stdout).trim().to_owned()
+    }
+
+    /// Presses a key in the window that has the focus.
+    fn press(&self, key: &str) {
+        self.xdotool(&["key", key]);
+    }
+
+    /// The view's window, once it is there, with the focus.
+    fn window(&self) -> String {
+        let start = Instant::now();
+        while start.elapsed() < PATIENCE {
+            let found = self.xdotool(&["search", "--name", "^adumbra: "]);
+            if let Some(id) = found.lines().next() {
+                self.xdotool(&["windowfocus", "--sync", id]);
+                return id.to_owned();
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        panic!("no window was opened");
+    }
+}
+
+/// Exit code and stderr of a view that ends by itself.
+fn finish(mut view: View) -> (i32, String) {
+    let mut said = String::new();
+    let mut stderr = view.0.stderr.take().unwrap();
+    let reader = std::thread::spawn(move || {
+        let _ = stderr.read_to_string(&mut said);
+        said
+    });
+    let start = Instant::now();
+    loop {
+        if let Some(status) = view.0.try_wait().unwrap() {
+            return (status.code().unwrap_or(-1), reader.join().unwrap());
+        }
+        if start.elapsed() > PATIENCE {
+            drop(view);
+            panic!("the view did not end: {}", reader.join().unwrap());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn picture(path: &str) -> Picture {
+    let image = image::open(path).unwrap_or_else(|e| panic!("{path}: {e}")).into_rgb8();
+    let (width, height) = image.dimensions();
+    Picture { width, height, rgb: image.into_raw(), difference_share: None }
+}
+
+/// Mean difference of two pictures, and the share of their bytes that are more than two steps apart.
+fn apart(a: &str, b: &str) -> (f64, f64) {
+    let (a, b) = (picture(a), picture(b));
+    let off = a.rgb.iter().zip(&b.rgb).filter(|(x, y)| x.abs_diff(**y) > 2).count();
+    (flip(&a, &b).unwrap(), off as f64 / a.rgb.len() as f64)
+}
+
+const CAMERA: [&str; 6] = ["--eye", "9,6,12", "--target", "0,1,0", "--size", "480x300"];
+
+#[test]
+fn view_shows_what_render_draws() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let file = folder.path("primitives.adumbra");
+    let (code, error) = adumbra(&["bake", &scene, "--resolution", "2048", "-o", &file]);
+    assert_eq!(code, 0, "{error}");
+    // A layer, and the technique and the ambient occlusion that it is of.
+    let views = [
+        ("color", "voxel:filter=9", "none"),
+        ("color", "voxel:filter=9", "issao:radius=1"),
+        ("shadow", "csm", "none"),
+        ("ao", "none", "gtao:radius=1"),
+        ("normal", "none", "none"),
+        ("depth", "none", "none"),
+        ("cascades", "csm:cascades=3", "none"),
+        ("hrsm-levels", "hrsm:1024-256", "none"),
+        ("voxel-size", "voxel", "none"),
+        ("shadow", "truth", "none"),
+    ];
+    let shot = |i: usize| folder.path(&format!("view-{i}.png"));
+    let mut steps = vec![json!({"wait": "loaded"})];
+    for (i, (layer, technique, ao)) in views.iter().enumerate() {
+        steps.extend([
+            json!({"shadow": {"side": "first", "technique": technique}}),
+            json!({"ao": ao}),
+            json!({"layer": layer}),
+            json!({"wait": {"frames": 1}}),
+            json!({"wait": "traced"}),
+            json!({"screenshot": shot(i)}),
+        ]);
+    }
+    // Four samples a pixel, as render has it by default.
+    steps.extend([
+        json!({"shadow": {"side": "first", "technique": "voxel:filter=9"}}),
+        json!({"layer": "color"}),
+        json!({"antialias": 2}),
+        json!({"screenshot": shot(views.len())}),
+        json!("quit"),
+    ]);
+    let arguments = [&[scene.as_str(), "--shadow-file", &file][..], &CAMERA].concat();
+    let (code, said) = display.play(&folder, &arguments, &Value::Array(steps));
+    assert_eq!(code, 0, "{said}");
+    let more = ("color", "voxel:filter=9", "none");
+    for (i, (layer, technique, ao)) in views.iter().chain([&more]).enumerate() {
+        let drawn = folder.path("render.png");
+        let samples = if i == views.len() { "2" } else { "1" };
+        let rest = ["--layer", layer, "--ao", ao, "--antialias", samples, "-o", &drawn];
+        let head = ["render", &scene, "--shadow-file", &file, "--shadow", technique];
+        let (code, error) = adumbra(&[&head[..], &CAMERA, &rest].concat());
+        assert_eq!(code, 0, "{error}");
+        let (flip, off) = apart(&shot(i), &drawn);
+        assert!(flip <= MOST_FLIP && off <= 0.002, "{layer} of {technique}, {ao}: FLIP {flip}, {off} off");
+    }
+}
+
+#[test]
+fn view_takes_keys_sizes_and_broken_files_and_closes() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let broken = folder.write("broken.glb", b"glTF, but not really");
+    let torn = folder.write("torn.adumbra", b"ADUMBRA\nand nothing more");
+    let [first, second, third, camera] =
+        ["one.png", "two.png", "three.png", "camera.json"].map(|name| folder.path(name));
+    let steps = json!([
+        {"wait": "loaded"},
+        {"wait": "baked"},
+        {"screenshot": first},
+        // Here the keyboard and the mouse come in.
+        {"wait": {"size": [640, 400]}},
+        {"wait": {"frames": 1}},
+        {"screenshot": second},
+        {"drop": broken},
+        {"wait": {"message": "broken.glb"}},
+        {"drop": torn},
+        {"wait": {"message": "torn.adumbra"}},
+        {"save_camera": camera},
+        {"resize": [400, 300]},
+        {"wait": {"size": [400, 300]}},
+        {"screenshot": third},
+    ]);
+    let script = folder.write("script.json", steps.to_string().as_bytes());
+    let arguments = [&[scene.as_str(), "--resolution", "1024"][..], &CAMERA, &["--script", &script]].concat();
+    let mut view = display.begin(&arguments);
+    let window = display.window();
+    let mut wait_for = |path: &str| {
+        let start = Instant::now();
+        while !std::path::Path::new(path).exists() {
+            assert!(start.elapsed() < PATIENCE, "{path} was not written");
+            assert!(view.0.try_wait().unwrap().is_none(), "the view ended before {path} was written");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    };
+    wait_for(&first);
+    // The next technique is voxel+csm, the next layer what is shadowed.
+    display.press("t");
+    display.press("l");
+    display.xdotool(&["windowsize", "--sync", &window, "640", "400"]);
+    wait_for(&second);
+    wait_for(&third);
+    display.press("ctrl+q");
+    let (code, said) = finish(view);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("broken.glb") && said.contains("torn.adumbra"), "{said}");
+    let sizes = [&first, &second, &third].map(|p| (picture(p).width, picture(p).height));
+    assert_eq!(sizes, [(480, 300), (640, 400), (400, 300)]);
+    // What was baked behind the window is what bake makes.
+    let (file, drawn) = (folder.path("primitives.adumbra"), folder.path("render.png"));
+    let (code, error) = adumbra(&["bake", &scene, "--resolution", "1024", "-o", &file]);
+    assert_eq!(code, 0, "{error}");
+    let from = [&["render", &scene, "--shadow-file", &file, "--antialias", "1"][..], &CAMERA[..4]].concat();
+    let to = ["--shadow", "voxel+csm", "--layer", "shadow", "--size", "640x400", "-o", &drawn];
+    let (code, error) = adumbra(&[&from[..], &to].concat());
+    assert_eq!(code, 0, "{error}");
+    let (flip, off) = apart(&second, &drawn);
+    assert!(flip <= MOST_FLIP && off <= 0.002, "FLIP {flip}, {off} off");
+    let saved: Value = serde_json::from_slice(&std::fs::read(&camera).unwrap()).unwrap();
+    assert_eq!((&saved["eye"], &saved["size"]), (&json!([9.0, 6.0, 12.0]), &json!([640, 400])));
+    let compared = folder.path("compared");
+    let (code, error) = adumbra(&[
+        "compare", &scene, "--camera", &camera, "--shadow", "sm", "--size", "64x40", "-o", &compared,
+    ]);
+    assert_eq!(code, 0, "{error}");
+}
+
+#[test]
+fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let [before, after, split, kept, difference, ball, window] =
+        ["a", "b", "c", "d", "e", "f", "g"].map(|name| folder.path(&format!("{name}.png")));
+    let steps = json!([
+        {"wait": "ball"},
+        {"ball": false},
+        {"layer": "shadow"},
+        {"wait": "baked"},
+        {"screenshot": before},
+        {"sun": {"azimuth": 250.0, "elevation": 30.0}},
+        {"wait": "baked"},
+        {"screenshot": after},
+        {"shadow": {"side": "second", "technique": "truth"}},
+        {"split": 0.5},
+        {"wait": "traced"},
+        {"screenshot": split},
+        // A finer bake, stopped on its way: what landed stays.
+        "single",
+        {"bake": 131072},
+        {"wait": {"frames": 1}},
+        "cancel_bake",
+        {"wait": "baked"},
+        {"screenshot": kept},
+        {"difference": 4.0},
+        {"screenshot": difference},
+        "single",
+        {"ball": true},
+        {"wait": "ball"},
+        {"time": 2.0},
+        {"layer": "color"},
+        {"shadow": {"side": "first", "technique": "voxel+csm"}},
+        {"box": true},
+        {"screenshot": ball},
+        {"window_shot": window},
+        "quit",
+    ]);
+    let way = "sphere:from=3,1,6:to=-3,1,6:radius=1";
+    let arguments = [&[scene.as_str(), "--resolution", "1024", "--move", way][..], &CAMERA].concat();
+    let (code, said) = display.play(&folder, &arguments, &steps);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("the bake is stopped; what landed stays"), "{said}");
+    let (flip, _) = apart(&before, &after);
+    assert!(flip > 0.02, "the shadows followed the sun: {flip}");
+    let (flip, _) = apart(&kept, &after);
+    assert!(flip < 0.02, "what landed stayed: {flip}");
+    let colored =
+        |p: &str| picture(p).rgb.as_chunks::<3>().0.iter().filter(|c| c[0].abs_diff(c[2]) > 60).count();
+    assert!(colored(&difference) > 20 && colored(&kept) == 0, "the file differs from rays along edges");
+    let (bare, panel) = (picture(&ball), picture(&window));
+    assert_eq!((bare.width, bare.height), (panel.width, panel.height));
+    let covered = bare.rgb.iter().zip(&panel.rgb).filter(|(a, b)| a.abs_diff(**b) > 30).count();
+    assert!(covered > bare.rgb.len() / 20, "the panel is in the window's picture: {covered}");
+    // Left of the divider the file, right of it rays: what the file says right of it is what rays say.
+    let (after, split) = (picture(&after), picture(&split));
+    let half = |p: &Picture, right: bool| -> Vec<u8> {
+        let row = p.width as usize * 3;
+        let part = if right { row / 2 + 3..row } else { 0..row / 2 - 3 };
+        p.rgb.chunks(row).flat_map(|r| r[part.clone()].to_vec()).collect()
+    };
+    assert_eq!(half(&after, false), half(&split, false));
+    let (file, rays) = (half(&after, true), half(&split, true));
+    let wrong = file.iter().zip(&rays).filter(|(a, b)| a.abs_diff(**b) > 127).count();
+    assert!(file != rays && wrong * 50 < rays.len(), "{wrong} of {}", rays.len());
+    let red = picture(&ball).rgb.as_chunks::<3>().0.iter().filter(|c| c[0] > 2 * c[1].max(40)).count();
+    assert!(red > 100, "the ball is seen: {red} pixels of it");
+}
+
+#[test]
+fn view_tells_a_fault_of_its_script_before_a_window_opens() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let script = folder.write("script.json", br#"["quit", {"lair": "shadow"}]"#);
+    let (code, said) = adumbra(&["view", &scene, "--script", &script]);
+    assert_eq!(code, 3, "{said}");
+    assert!(said.contains("step 2") && said.contains("lair"), "{said}");
+    for wrong in [
+        ["--split", "2"],
+        ["--shadow", "smm"],
+        ["--shadow", "voxel:filtr=9"],
+        ["--layer", "lair"],
+        ["--ao", "lair"],
+        ["--resolution", "1000"],
+    ] {
+        let (code, said) = adumbra(&[&["view", scene.as_str()][..], &wrong].concat());
+        assert_eq!(code, 2, "{wrong:?}: {said}");
+    }
+}
+
+#[test]
+fn view_without_a_display_says_what_is_missing() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let output = Command::new(program())
+        .args(["view", &scene])
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .output()
+        .unwrap();
+    let said = kit::stderr(&output);
+    if cfg!(target_os = "linux") {
+        assert_eq!(output.status.code(), Some(3), "{said}");
+        assert!(said.contains("display") && said.contains("Xvfb"), "{said}");
+    }
+}

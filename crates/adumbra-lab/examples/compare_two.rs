@@ -1,0 +1,80 @@
+//! Two techniques beside rays, with the library: the same camera, the same pixels, a row each.
+//!
+//! `cargo run --release -p adumbra-lab --example compare_two` bakes the generated city and prints the table of `voxel:filter=5` and
+//! `csm:filter=5`; `-- sm msm` compares others (`adumbra render --help` lists them). Fails where one is wrong at over 10 % of the pixels. Needs
+//! a Vulkan, Metal or DirectX 12 adapter; a software one will do.
+
+use std::error::Error;
+use std::sync::atomic::AtomicBool;
+
+use adumbra::bake::{self, Size};
+use adumbra::camera::{Camera, Projection};
+use adumbra::format::{Layout, ShadowFile};
+use adumbra::light::Sun;
+use adumbra::scene::{GeneratedKind, generate};
+use adumbra_lab::compare::{Contender, Judge, compare, truth_for};
+use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
+use adumbra_render::{Baked, Gpu, GpuOptions, Renderer, SceneOptions, TechniqueSpec, build};
+
+/// What is compared where nothing else is asked for.
+const DEFAULTS: [&str; 2] = ["voxel:filter=5", "csm:filter=5"];
+/// A technique that is wrong at more of the compared pixels is not set up right.
+const MOST_WRONG: f64 = 0.1;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut names: Vec<String> = std::env::args().skip(1).collect();
+    if names.is_empty() {
+        names = DEFAULTS.map(str::to_owned).into();
+    }
+    let scene = generate(GeneratedKind::City, 1);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
+    let options = bake::Options::new(sun, Size::Resolution(8192));
+    let baked = bake::bake(&scene, &options, &|_| {}, &AtomicBool::new(false))?;
+    let file = ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::Packed)?;
+
+    let gpu = Gpu::request(&GpuOptions::default())?;
+    let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default())?;
+    println!("drawn by {}", renderer.gpu().name());
+    let mut contenders = Vec::new();
+    for name in &names {
+        let spec: TechniqueSpec = name.parse()?;
+        let technique = build(renderer.gpu(), &spec, Baked { light: Some(&file), tree: None })?;
+        let prepared = Some(renderer.prepare(technique)?);
+        contenders.push(Contender { prepared, truth: truth_for(&spec), spec });
+    }
+
+    // The judge: rays at the camera's own pixels. A disc of 0.53° with 64 rays judges what shows penumbrae.
+    let truth = TruthTracer::build(&scene, false);
+    let (cache, key) = (Cache::none(), scene_key(&scene, false));
+    let judge =
+        Judge { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc: (0.53, 64) };
+    let camera = Camera {
+        eye: [-150.0, 38.0, 175.0],
+        target: [-75.0, 4.0, 75.0],
+        projection: Projection::Perspective { fov_degrees: 50.0 },
+        width: 480,
+        height: 270,
+    };
+    let comparison = compare(&mut renderer, &judge, &camera, &mut contenders, 3)?;
+
+    println!("{} pixels compared", comparison.pixels.compared);
+    println!(
+        "{:20} {:>9} {:>9} {:>8} {:>12} {:>17}",
+        "technique", "ms", "MB", "RMSE", "wrong lit %", "wrong shadowed %"
+    );
+    for row in comparison.compared.iter().map(|c| &c.row) {
+        println!(
+            "{:20} {:9.2} {:9.2} {:8.4} {:12.3} {:17.3}",
+            row.name,
+            row.gpu_ms.unwrap_or(f64::NAN),
+            row.bytes as f64 / 1e6,
+            row.rmse,
+            100.0 * row.wrong_lit,
+            100.0 * row.wrong_shadowed
+        );
+        if row.wrong_lit + row.wrong_shadowed > MOST_WRONG {
+            return Err(format!("{} is wrong at over 10 % of the pixels", row.name).into());
+        }
+    }
+    Ok(())
+}

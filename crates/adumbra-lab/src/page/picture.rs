@@ -1,0 +1,118 @@
+//! Pictures as they stand in a page.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::codecs::webp::WebPEncoder;
+use image::imageops;
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
+
+use crate::error::{Error, Result};
+
+/// How a picture's bytes are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Every pixel as it is: WebP or PNG, whichever is smaller.
+    Lossless,
+    /// JPEG of this quality, 1 to 100.
+    Lossy(u8),
+}
+
+/// A picture's bytes, ready for a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Embedded {
+    /// `data:image/...;base64,...`
+    pub uri: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+impl Embedded {
+    /// A PNG's bytes, or its `part` `[x, y, width, height]` in pixels as far as it goes; made smaller where it is wider than `widest`.
+    ///
+    /// # Errors
+    /// [`Error::Picture`] where the bytes are no picture. Cost: tens of milliseconds a megapixel.
+    pub fn of_png(bytes: &[u8], part: Option<[u32; 4]>, widest: u32, encoding: Encoding) -> Result<Self> {
+        let image = image::load_from_memory(bytes).map_err(|e| Error::Picture { what: e.to_string() })?;
+        let mut image = image.into_rgb8();
+        if let Some([x, y, width, height]) = part {
+            image = imageops::crop_imm(&image, x, y, width, height).to_image();
+        }
+        if image.width() > widest {
+            let height = (f64::from(image.height()) * f64::from(widest) / f64::from(image.width())).round();
+            image = imageops::resize(&image, widest, (height as u32).max(1), imageops::FilterType::Triangle);
+        }
+        let (kind, bytes) = encode(&image, encoding).map_err(|e| Error::Encode {
+            width: image.width(),
+            height: image.height(),
+            what: e.to_string(),
+        })?;
+        Ok(Self {
+            uri: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)),
+            width: image.width(),
+            height: image.height(),
+        })
+    }
+}
+
+fn encode(image: &RgbImage, encoding: Encoding) -> image::ImageResult<(&'static str, Vec<u8>)> {
+    let (width, height) = image.dimensions();
+    if let Encoding::Lossy(quality) = encoding {
+        let mut jpeg = Vec::new();
+        JpegEncoder::new_with_quality(&mut jpeg, quality).write_image(
+            image,
+            width,
+            height,
+            ExtendedColorType::Rgb8,
+        )?;
+        return Ok(("jpeg", jpeg));
+    }
+    let mut png = Vec::new();
+    PngEncoder::new_with_quality(&mut png, CompressionType::Default, FilterType::Adaptive).write_image(
+        image,
+        width,
+        height,
+        ExtendedColorType::Rgb8,
+    )?;
+    let mut webp = Vec::new();
+    WebPEncoder::new_lossless(&mut webp).write_image(image, width, height, ExtendedColorType::Rgb8)?;
+    Ok(if webp.len() < png.len() { ("webp", webp) } else { ("png", png) })
+}
+
+#[cfg(test)]
+mod tests {
+    use adumbra::picture::Picture;
+
+    use super::*;
+    use crate::pictures::png;
+
+    fn gradient() -> Vec<u8> {
+        let rgb = (0..100 * 50_u32).flat_map(|i| [(i % 100) as u8, (i / 100) as u8, 7]).collect();
+        png(&Picture { width: 100, height: 50, rgb, difference_share: None }).unwrap()
+    }
+
+    #[test]
+    fn embedded_picture_is_lossless_or_small() {
+        let whole = Embedded::of_png(&gradient(), None, 100, Encoding::Lossless).unwrap();
+        assert_eq!((whole.width, whole.height), (100, 50));
+        let bytes = STANDARD.decode(whole.uri.split_once(',').unwrap().1).unwrap();
+        let again = image::load_from_memory(&bytes).unwrap().into_rgb8();
+        assert_eq!(again.get_pixel(99, 49).0, [99, 49, 7]);
+        let small = Embedded::of_png(&gradient(), None, 40, Encoding::Lossy(80)).unwrap();
+        assert_eq!((small.width, small.height), (40, 20));
+        assert!(small.uri.starts_with("data:image/jpeg;base64,"));
+        let part = Embedded::of_png(&gradient(), Some([90, 10, 30, 20]), 100, Encoding::Lossless).unwrap();
+        assert_eq!((part.width, part.height), (10, 20));
+    }
+
+    #[test]
+    fn embedded_picture_refuses_what_is_none() {
+        assert!(matches!(
+            Embedded::of_png(b"not a png", None, 9, Encoding::Lossless),
+            Err(Error::Picture { .. })
+        ));
+    }
+}

@@ -1,0 +1,182 @@
+//! What other threads tell the view: scenes, files, levels of bakes, rays, the ball's way.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::format::AnyFile;
+use adumbra_render::movers::BallPath;
+
+use super::{App, BallState};
+use crate::boxes;
+use crate::error::{Result, ViewError};
+use crate::loading::LoadedScene;
+use crate::news::News;
+use crate::shadows::{ignored_alpha, sun_of};
+use crate::stage::{Stage, is_fatal};
+
+impl App {
+    /// Takes what another thread tells.
+    ///
+    /// # Errors
+    /// Where the view cannot go on: its first scene cannot be loaded, or the device is gone.
+    pub(crate) fn receive(&mut self, news: News) -> Result<()> {
+        // Progress is drawn by the panel alone.
+        self.dirty |= !matches!(news, News::Baking { .. });
+        match news {
+            News::Scene { load, loaded: Ok(scene) } => {
+                if load == self.load {
+                    self.enter(&scene)?;
+                }
+            }
+            News::Scene { load, loaded: Err(what) } => {
+                if load == self.load {
+                    self.loading = None;
+                }
+                if load == 1 && self.stage.is_none() && self.loading.is_none() {
+                    return Err(ViewError::Scene { what });
+                }
+                self.messages.error(what);
+            }
+            News::File { path, read } => {
+                self.reading -= 1;
+                match read {
+                    Ok(file) if self.loading.is_some() => self.held = Some((file, path)),
+                    Ok(file) => self.enter_file(file, path)?,
+                    Err(what) => self.messages.error(what),
+                }
+            }
+            News::Baking { bake, resolution, share } => self.shadows.progress(bake, resolution, share),
+            News::Baked { bake, file, last } => {
+                if self.shadows.landed(bake, file, last, &self.settings) {
+                    self.forget_files();
+                }
+            }
+            News::BakeEnded { bake, error } => {
+                self.shadows.ended(bake, error.is_some());
+                if let Some(error) = error {
+                    self.messages.error(format!("the bake failed: {error}"));
+                }
+            }
+            News::Traced(traced) => {
+                if let Some(stage) = &mut self.stage {
+                    stage.set_traced(traced);
+                }
+            }
+            News::NotTraced { error, .. } => self.messages.error(format!("rays: {error}")),
+            News::Ball { scene, found, .. } => self.enter_ball(scene, found)?,
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, scene: &Arc<LoadedScene>) -> Result<()> {
+        self.loading = None;
+        let first = self.stage.is_none();
+        let stage = match Stage::new(&self.gpu, scene.clone()) {
+            Ok(stage) => stage,
+            Err(error) if first || is_fatal(&error) => return Err(error.into()),
+            Err(error) => {
+                self.messages.error(error.to_string());
+                return Ok(());
+            }
+        };
+        for note in &scene.notes {
+            self.messages.note(format!("{}: {note}", scene.path.display()));
+        }
+        let bounds = stage.bounds();
+        self.stage = Some(stage);
+        let fov = match self.options.projection {
+            Projection::Perspective { fov_degrees } => fov_degrees,
+            Projection::Orthographic { .. } => 45.0,
+        };
+        let whole = Camera::overview(&bounds, fov);
+        let Camera { width, height, .. } = self.settings.camera;
+        let given = |place: Option<[f64; 3]>| place.filter(|_| first);
+        self.begin.camera = Camera {
+            eye: given(self.options.eye).unwrap_or(whole.eye),
+            target: given(self.options.target).unwrap_or(whole.target),
+            projection: self.options.projection,
+            width,
+            height,
+        };
+        self.reset_camera();
+        if !first {
+            self.shadows.clear();
+            self.settings.ball = false;
+        }
+        (self.ball, self.viewpoint) = (BallState::None, None);
+        self.times.clear();
+        if let Err(what) = self.seek_ball() {
+            self.messages.error(what);
+        }
+        match self.held.take() {
+            Some((file, path)) => self.enter_file(file, path),
+            None => Ok(()),
+        }
+    }
+
+    fn enter_file(&mut self, file: AnyFile, path: PathBuf) -> Result<()> {
+        self.settings.sun = sun_of(&file);
+        if let Some(stage) = &self.stage {
+            let b = stage.bounds();
+            let middle = std::array::from_fn(|a| 0.5 * (b.min[a] + b.max[a]));
+            if !boxes::holds(&file, middle) {
+                let path = path.display();
+                self.messages.note(format!(
+                    "{path}: it does not hold this scene's middle; was it baked from another?"
+                ));
+            }
+            if ignored_alpha(&file) != stage.scene().ignore_alpha {
+                let path = path.display();
+                self.messages
+                    .note(format!("{path}: it takes masks otherwise than this view; see --ignore-alpha"));
+            }
+        }
+        let (used, name) = match &file {
+            AnyFile::Light(_) => (self.settings.uses("voxel") || self.settings.uses("voxel+csm"), "voxel"),
+            AnyFile::Tree(_) => (self.settings.uses("voxel-*"), "voxel-cubes"),
+        };
+        if !used {
+            self.settings.shadows[0] = name.parse()?;
+        }
+        self.shadows.give(file, Some(path));
+        self.forget_files();
+        Ok(())
+    }
+
+    fn forget_files(&mut self) {
+        if let Some(stage) = &mut self.stage {
+            stage.forget_files();
+        }
+    }
+
+    fn enter_ball(&mut self, scene: u64, found: Result<(BallPath, [[f64; 3]; 2]), String>) -> Result<()> {
+        let Some(stage) = self.stage.as_mut().filter(|s| s.scene().number == scene) else { return Ok(()) };
+        if self.ball != BallState::Sought {
+            return Ok(());
+        }
+        self.ball = BallState::Known;
+        match found {
+            Ok((path, viewpoint)) => {
+                stage.set_ball(Some(path))?;
+                let Camera { width, height, .. } = self.begin.camera;
+                let untouched = Camera { width, height, ..self.settings.camera } == self.begin.camera;
+                if self.viewpoint.is_none() && self.options.ball.is_some() && untouched {
+                    // As render does: the camera looks at the ball where nobody says otherwise.
+                    let [eye, target] = viewpoint;
+                    let camera = &mut self.begin.camera;
+                    camera.eye = self.options.eye.unwrap_or(eye);
+                    camera.target = self.options.target.unwrap_or(target);
+                    self.reset_camera();
+                }
+                self.viewpoint = Some(viewpoint);
+            }
+            Err(what) => {
+                self.settings.ball = false;
+                self.ball = BallState::None;
+                self.messages.error(what);
+            }
+        }
+        Ok(())
+    }
+}

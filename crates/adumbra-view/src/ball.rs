@@ -1,0 +1,25 @@
+//! The ball's way, looked for on another thread: a hundred thousand rays.
+
+use std::sync::Arc;
+use std::thread;
+
+use adumbra::trace::{TraceOptions, Tracer};
+use adumbra_render::movers::MoveSpec;
+
+use crate::loading::LoadedScene;
+use crate::news::{News, Teller, background_pool};
+
+/// Looks for a way among what stands still.
+pub(crate) fn find(scene: Arc<LoadedScene>, spec: MoveSpec, sun: [f64; 3], teller: Teller) {
+    thread::spawn(move || {
+        let find = || {
+            let options = TraceOptions { ignore_alpha: scene.ignore_alpha };
+            let tracer = Tracer::build(&scene.still, options);
+            let path = spec.path(&tracer, sun).map_err(|e| e.to_string())?;
+            let viewpoint = path.viewpoint(&tracer, sun);
+            Ok((path, viewpoint))
+        };
+        let found = background_pool().and_then(|pool| pool.install(find));
+        teller.tell(News::Ball { scene: scene.number, found });
+    });
+}

@@ -1,0 +1,106 @@
+//! Scenes and shadow files, read on another thread.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+
+use adumbra::format::AnyFile;
+use adumbra::scene::{self, LoadOptions, Scene};
+
+use crate::news::{News, Teller};
+
+/// A scene, apart from what moves.
+pub(crate) struct LoadedScene {
+    pub(crate) path: PathBuf,
+    /// Differs from scene to scene.
+    pub(crate) number: u64,
+    /// Everything, for rays.
+    pub(crate) whole: Arc<Scene>,
+    /// What stands still.
+    pub(crate) still: Arc<Scene>,
+    /// What moves.
+    pub(crate) moving: Scene,
+    /// Take masked materials as opaque.
+    pub(crate) ignore_alpha: bool,
+    /// What the loader noticed.
+    pub(crate) notes: Vec<String>,
+}
+
+/// What a path may be dropped as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DropKind {
+    Scene,
+    ShadowFile,
+    Camera,
+}
+
+/// What a file is, by its ending.
+pub(crate) fn drop_kind(path: &Path) -> Result<DropKind, String> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    Ok(match ending.as_str() {
+        "glb" | "gltf" | "obj" | "ply" => DropKind::Scene,
+        "adumbra" => DropKind::ShadowFile,
+        "json" => DropKind::Camera,
+        _ => {
+            return Err(format!(
+                "{}: drop a scene (.glb, .gltf, .obj, .ply), a shadow file (.adumbra) or a camera (.json)",
+                path.display()
+            ));
+        }
+    })
+}
+
+impl LoadedScene {
+    /// Takes a scene that was loaded with its movers kept.
+    pub(crate) fn new(path: PathBuf, whole: Scene, ignore_alpha: bool) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        let mut notes: Vec<String> = whole.notes.warnings.iter().map(ToString::to_string).collect();
+        if whole.notes.degenerate_triangles > 0 {
+            notes.push(format!("{} degenerate triangles skipped", whole.notes.degenerate_triangles));
+        }
+        let whole = Arc::new(whole);
+        let (still, moving) = if whole.movers.is_empty() {
+            (whole.clone(), Scene::default())
+        } else {
+            let mut still = (*whole).clone();
+            let moving = still.take_movers();
+            (Arc::new(still), moving)
+        };
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        Self { path, number, whole, still, moving, ignore_alpha, notes }
+    }
+}
+
+/// Loads a scene; the number comes back with it.
+pub(crate) fn load_scene(load: u64, path: PathBuf, options: LoadOptions, teller: Teller) {
+    thread::spawn(move || {
+        let ignore_alpha = options.ignore_alpha;
+        let loaded = scene::load(&path, &options).map_err(|e| e.to_string());
+        let loaded = loaded.map(|scene| Arc::new(LoadedScene::new(path, scene, ignore_alpha)));
+        teller.tell(News::Scene { load, loaded });
+    });
+}
+
+/// Reads a shadow file.
+pub(crate) fn read_file(path: PathBuf, teller: Teller) {
+    thread::spawn(move || {
+        let read = AnyFile::read(&path).map_err(|e| e.to_string());
+        teller.tell(News::File { path, read });
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drop_is_told_by_its_ending() {
+        let kind = |name: &str| drop_kind(Path::new(name));
+        assert_eq!(kind("a/City.GLB"), Ok(DropKind::Scene));
+        assert_eq!(kind("city.adumbra"), Ok(DropKind::ShadowFile));
+        assert_eq!(kind("view.json"), Ok(DropKind::Camera));
+        assert!(kind("notes.txt").unwrap_err().contains("notes.txt"));
+        assert!(kind("noending").is_err());
+    }
+}

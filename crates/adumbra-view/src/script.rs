@@ -1,0 +1,151 @@
+//! Scripts: commands from a file, played one after the other as if a user had given them.
+//!
+//! A script is a JSON array of steps. A step is a [`Command`], or a wait:
+//!
+//! ```json
+//! [{"wait": "baked"}, {"layer": "shadow"}, {"key": "t"}, {"wait": {"frames": 2}}, {"screenshot": "shadow.png"}, "quit"]
+//! ```
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::command::Command;
+use crate::error::{Result, ViewError};
+
+/// Longest that a step may be waited for.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(600);
+
+/// What a script waits for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Until {
+    /// The scene is there.
+    Loaded,
+    /// No bake runs, and what is seen of shadow files is of this sun.
+    Baked,
+    /// Something of the bake has landed.
+    Landed,
+    /// Rays that were asked for have come.
+    Traced,
+    /// The ball has its way.
+    Ball,
+    /// So many frames were drawn since the step before.
+    Frames(u32),
+    /// What is shown is so many pixels: width and height.
+    Size([u32; 2]),
+    /// A message that holds this text was shown.
+    Message(String),
+    /// So many seconds passed.
+    Seconds(f64),
+}
+
+/// A step of a script.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Step {
+    /// Waits.
+    Wait {
+        /// For what.
+        wait: Until,
+    },
+    /// Does something.
+    Do(Command),
+}
+
+/// Steps that are left to do.
+#[derive(Clone, Debug)]
+pub struct Script {
+    path: PathBuf,
+    steps: VecDeque<Step>,
+    done: usize,
+}
+
+impl Script {
+    /// Reads a script.
+    ///
+    /// # Errors
+    /// [`ViewError::Library`] where the file cannot be read, [`ViewError::Script`] where it is not a script, with the number of the step.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(adumbra::Error::io("read", path))?;
+        Self::parse(path, &text)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self> {
+        let wrong = |what: String| ViewError::Script { path: path.to_owned(), what };
+        let values: Vec<serde_json::Value> =
+            serde_json::from_str(text).map_err(|e| wrong(format!("not an array of steps: {e}")))?;
+        let step = |(number, value): (usize, serde_json::Value)| {
+            // By its key, so that the fault that is told is the step's own.
+            let read = match value.get("wait") {
+                Some(until) => serde_json::from_value(until.clone()).map(|wait| Step::Wait { wait }),
+                None => serde_json::from_value(value.clone()).map(Step::Do),
+            };
+            read.map_err(|e| wrong(format!("step {}, {value}: {e}", number + 1)))
+        };
+        let steps = values.into_iter().enumerate().map(step).collect::<Result<_>>()?;
+        Ok(Self { path: path.to_owned(), steps, done: 0 })
+    }
+
+    /// The step to do next.
+    pub(crate) fn next(&self) -> Option<&Step> {
+        self.steps.front()
+    }
+
+    /// Goes on behind it.
+    pub(crate) fn advance(&mut self) {
+        self.steps.pop_front();
+        self.done += 1;
+    }
+
+    /// An error of the step that is next.
+    pub(crate) fn fault(&self, what: String) -> ViewError {
+        let text = self.next().and_then(|s| serde_json::to_string(s).ok()).unwrap_or_default();
+        ViewError::Step { path: self.path.clone(), step: self.done + 1, text, what }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::Side;
+
+    fn parse(text: &str) -> Result<Script> {
+        Script::parse(Path::new("s.json"), text)
+    }
+
+    #[test]
+    fn script_is_read_and_written() {
+        let text = r#"[{"wait":"baked"},{"wait":{"frames":2}},{"wait":{"message":"no"}},{"layer":"shadow"},
+            {"shadow":{"side":"second","technique":"csm"}},{"split":0.25},{"resize":[640,480]},"quit"]"#;
+        let script = parse(text).unwrap();
+        let commands: Vec<&Step> = script.steps.iter().collect();
+        assert_eq!(commands.len(), 8);
+        assert_eq!(*commands[1], Step::Wait { wait: Until::Frames(2) });
+        let csm = Command::Shadow { side: Side::Second, technique: "csm".to_owned() };
+        assert_eq!(*commands[4], Step::Do(csm));
+        assert_eq!(*commands[7], Step::Do(Command::Quit));
+        let again = serde_json::to_string(&script.steps).unwrap();
+        assert_eq!(parse(&again).unwrap().steps, script.steps);
+    }
+
+    #[test]
+    fn script_s_fault_names_its_step() {
+        for (text, fault) in [
+            ("{}", "not an array"),
+            (r#"["quit", {"lair": "shadow"}]"#, "step 2"),
+            (r#"[{"wait": "forever"}]"#, "step 1"),
+            (r#"[{"wait": "forever"}]"#, "forever"),
+            (r#"[{"split": "half"}]"#, "half"),
+        ] {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.contains(fault), "{error}");
+        }
+        let mut script = parse(r#"["quit", {"layer": "ao"}]"#).unwrap();
+        script.advance();
+        let error = script.fault("too slow".to_owned()).to_string();
+        assert!(error.contains("step 2") && error.contains("ao") && error.contains("too slow"), "{error}");
+    }
+}

@@ -1,0 +1,344 @@
+//! Keeps the shadow files that are seen in step with the sun: given ones as long as it stands where they say, baked ones otherwise.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use adumbra::format::AnyFile;
+use adumbra::light::Sun;
+
+use crate::baking::{BakeKey, FileKind, RunningBake};
+use crate::loading::LoadedScene;
+use crate::news::Teller;
+use crate::settings::Settings;
+use crate::stage::Files;
+
+/// Files and bakes of both kinds.
+pub(crate) struct Shadows {
+    pub(crate) files: Files,
+    kinds: [Kind; 2],
+    max_memory_bytes: Option<u64>,
+    teller: Teller,
+}
+
+#[derive(Default)]
+struct Kind {
+    running: Option<RunningBake>,
+    origin: Origin,
+    /// What was cancelled, or failed: not begun again.
+    stopped: Option<BakeKey>,
+}
+
+/// Where a file comes from.
+#[derive(Default)]
+enum Origin {
+    /// There is none, or what there is is to be baked anew.
+    #[default]
+    None,
+    /// It was given.
+    Given(Option<PathBuf>),
+    /// A level of a bake, the last one or an earlier.
+    Baked { key: BakeKey, is_last: bool },
+}
+
+const KINDS: [FileKind; 2] = [FileKind::Light, FileKind::Tree];
+
+/// Whether a technique that is seen looks up in such a file.
+fn is_used(kind: FileKind, settings: &Settings) -> bool {
+    match kind {
+        FileKind::Light => settings.uses("voxel") || settings.uses("voxel+csm"),
+        FileKind::Tree => settings.uses("voxel-*"),
+    }
+}
+
+/// The sun that a file was baked for.
+pub(crate) fn sun_of(file: &AnyFile) -> Sun {
+    match file {
+        AnyFile::Light(file) => file.grid.sun,
+        AnyFile::Tree(file) => file.sun,
+    }
+}
+
+/// Whether a bake took masked materials as opaque.
+pub(crate) fn ignored_alpha(file: &AnyFile) -> bool {
+    match file {
+        AnyFile::Light(file) => file.settings.ignore_alpha,
+        AnyFile::Tree(file) => file.settings.ignore_alpha,
+    }
+}
+
+/// Whether two suns are one, but for the rounding of their ways through files and angles.
+pub(crate) fn is_same_sun(a: &Sun, b: &Sun) -> bool {
+    (0..3).all(|i| (a.towards()[i] - b.towards()[i]).abs() < 1e-9)
+}
+
+impl Shadows {
+    pub(crate) fn new(max_memory_bytes: Option<u64>, teller: Teller) -> Self {
+        Self { files: Files::default(), kinds: Default::default(), max_memory_bytes, teller }
+    }
+
+    /// Another scene: nothing of this one is right any more.
+    pub(crate) fn clear(&mut self) {
+        self.files = Files::default();
+        self.kinds = Default::default();
+    }
+
+    /// Takes a file that was given.
+    pub(crate) fn give(&mut self, file: AnyFile, path: Option<PathBuf>) {
+        let kind = match file {
+            AnyFile::Light(_) => FileKind::Light,
+            AnyFile::Tree(_) => FileKind::Tree,
+        };
+        self.kinds[kind as usize] = Kind { origin: Origin::Given(path), ..Kind::default() };
+        *self.file_mut(kind) = Some(Arc::new(file));
+    }
+
+    /// Has everything baked anew, given files and what was stopped too; what there is stays until then.
+    pub(crate) fn rebake(&mut self) {
+        for state in &mut self.kinds {
+            (state.origin, state.stopped) = (Origin::None, None);
+        }
+    }
+
+    fn file_mut(&mut self, kind: FileKind) -> &mut Option<Arc<AnyFile>> {
+        match kind {
+            FileKind::Light => &mut self.files.light,
+            FileKind::Tree => &mut self.files.tree,
+        }
+    }
+
+    pub(crate) fn file(&self, kind: FileKind) -> Option<&Arc<AnyFile>> {
+        match kind {
+            FileKind::Light => self.files.light.as_ref(),
+            FileKind::Tree => self.files.tree.as_ref(),
+        }
+    }
+
+    /// Where the file lies that is shown, if it was given.
+    pub(crate) fn given_path(&self, settings: &Settings) -> Option<&Path> {
+        KINDS.iter().filter(|kind| is_used(**kind, settings)).find_map(|&kind| {
+            let file = self.file(kind)?;
+            match &self.kinds[kind as usize].origin {
+                Origin::Given(path) if is_same_sun(&sun_of(file), &settings.sun) => path.as_deref(),
+                _ => None,
+            }
+        })
+    }
+
+    /// The bakes that run.
+    pub(crate) fn running(&self) -> impl Iterator<Item = &RunningBake> {
+        self.kinds.iter().filter_map(|k| k.running.as_ref())
+    }
+
+    /// Whether everything that is seen is as it will be.
+    pub(crate) fn is_settled(&self, settings: &Settings, scene: &LoadedScene) -> bool {
+        KINDS.iter().all(|&kind| !is_used(kind, settings) || self.is_done(kind, settings, scene))
+            && self.running().next().is_none()
+    }
+
+    /// Whether there is something of this sun of everything that is seen.
+    pub(crate) fn has_landed(&self, settings: &Settings) -> bool {
+        let of_this_sun = |kind| self.file(kind).is_some_and(|f| is_same_sun(&sun_of(f), &settings.sun));
+        KINDS.iter().all(|&kind| !is_used(kind, settings) || of_this_sun(kind))
+    }
+
+    fn is_done(&self, kind: FileKind, settings: &Settings, scene: &LoadedScene) -> bool {
+        let wanted = BakeKey::new(kind, scene.number, settings.sun, settings.resolution);
+        let Kind { origin, stopped, .. } = &self.kinds[kind as usize];
+        let is_there = match origin {
+            Origin::None => false,
+            Origin::Given(_) => self.file(kind).is_some_and(|f| is_same_sun(&sun_of(f), &settings.sun)),
+            Origin::Baked { key, is_last } => *is_last && *key == wanted,
+        };
+        is_there || *stopped == Some(wanted)
+    }
+
+    /// Begins and ends bakes, so that what is seen comes to be right. One bake of a kind runs at a time.
+    pub(crate) fn reconcile(&mut self, settings: &Settings, scene: &Arc<LoadedScene>) {
+        for kind in KINDS {
+            let key = BakeKey::new(kind, scene.number, settings.sun, settings.resolution);
+            let wanted = is_used(kind, settings) && !self.is_done(kind, settings, scene);
+            let state = &mut self.kinds[kind as usize];
+            match &state.running {
+                Some(running) if !wanted || running.key != key => running.cancel(),
+                None if wanted => {
+                    let teller = self.teller.clone();
+                    state.running =
+                        Some(RunningBake::start(key, scene.clone(), self.max_memory_bytes, teller));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn running_mut(&mut self, bake: u64) -> Option<&mut Kind> {
+        self.kinds.iter_mut().find(|k| k.running.as_ref().is_some_and(|r| r.number == bake))
+    }
+
+    /// Where a bake stands.
+    pub(crate) fn progress(&mut self, bake: u64, resolution: u64, share: f32) {
+        if let Some(running) = self.running_mut(bake).and_then(|k| k.running.as_mut()) {
+            (running.resolution, running.share) = (resolution, share);
+        }
+    }
+
+    /// Takes a level of a bake. False where it is not what is wanted any more.
+    pub(crate) fn landed(&mut self, bake: u64, file: AnyFile, is_last: bool, settings: &Settings) -> bool {
+        let Some(state) = self.running_mut(bake) else { return false };
+        let Some(key) = state.running.as_ref().map(|r| r.key) else { return false };
+        if is_last {
+            state.running = None;
+        }
+        if key.sun != settings.sun {
+            return false;
+        }
+        let side = |file: &AnyFile| match file {
+            AnyFile::Light(file) => file.settings.resolution,
+            AnyFile::Tree(file) => file.space.side_voxels(),
+        };
+        let is_finer = |old: &Arc<AnyFile>| is_same_sun(&sun_of(old), &key.sun) && side(old) > side(&file);
+        if !is_last && self.file(key.kind).is_some_and(is_finer) {
+            // A finer bake begins with what is coarser than the one before it.
+            return false;
+        }
+        self.kinds[key.kind as usize].origin = Origin::Baked { key, is_last };
+        *self.file_mut(key.kind) = Some(Arc::new(file));
+        true
+    }
+
+    /// A bake ended without its last level; one that failed is not begun again.
+    pub(crate) fn ended(&mut self, bake: u64, has_failed: bool) {
+        let Some(state) = self.running_mut(bake) else { return };
+        let ended = state.running.take().map(|r| r.key);
+        if has_failed {
+            state.stopped = ended;
+        }
+    }
+
+    /// Stops for good what these settings would have baked; what landed stays. False where there is nothing to stop.
+    pub(crate) fn cancel(&mut self, settings: &Settings, scene: &LoadedScene) -> bool {
+        let mut stopped = false;
+        for kind in KINDS {
+            let wanted = is_used(kind, settings) && !self.is_done(kind, settings, scene);
+            let state = &mut self.kinds[kind as usize];
+            if let Some(running) = &state.running {
+                running.cancel();
+            }
+            if wanted {
+                stopped = true;
+                state.stopped = Some(BakeKey::new(kind, scene.number, settings.sun, settings.resolution));
+            }
+        }
+        stopped
+    }
+}
+
+/// What a file holds, in a line.
+pub(crate) fn words(file: &AnyFile) -> String {
+    let (voxels, voxel_size) = match file {
+        AnyFile::Light(file) => (file.settings.resolution, file.grid.voxel_size),
+        AnyFile::Tree(file) => (file.space.side_voxels(), file.space.voxel_size),
+    };
+    format!("{voxels} voxels of {voxel_size:.3} m, {:.2} MB", file.encoded_len() as f64 * 1e-6)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{self, Receiver};
+
+    use adumbra::scene::{GeneratedKind, generate};
+
+    use super::*;
+    use crate::news::News;
+    use crate::settings::tests::settings;
+
+    struct Bench {
+        shadows: Shadows,
+        scene: Arc<LoadedScene>,
+        settings: Settings,
+        told: Receiver<News>,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            let (tell, told) = mpsc::channel();
+            // The thread of a bake that was dropped tells nobody.
+            let teller = Teller::new(move |news| drop(tell.send(news)));
+            let scene = generate(GeneratedKind::Primitives, 1);
+            let scene = Arc::new(LoadedScene::new("primitives".into(), scene, false));
+            let settings = Settings { resolution: 2048, ..settings() };
+            Self { shadows: Shadows::new(None, teller), scene, settings, told }
+        }
+
+        /// Takes news until nothing runs and nothing is to be begun.
+        fn settle(&mut self) {
+            self.shadows.reconcile(&self.settings, &self.scene);
+            while !self.shadows.is_settled(&self.settings, &self.scene) {
+                match self.told.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
+                    News::Baked { bake, file, last } => {
+                        self.shadows.landed(bake, file, last, &self.settings);
+                    }
+                    News::BakeEnded { bake, error } => self.shadows.ended(bake, error.is_some()),
+                    _ => {}
+                }
+                self.shadows.reconcile(&self.settings, &self.scene);
+            }
+        }
+
+        fn resolution(&self) -> u32 {
+            match self.shadows.file(FileKind::Light).map(|f| &**f) {
+                Some(AnyFile::Light(file)) => file.settings.resolution,
+                _ => 0,
+            }
+        }
+    }
+
+    #[test]
+    fn shadows_follow_the_sun_and_come_back() {
+        let mut bench = Bench::new();
+        let first = bench.settings.sun;
+        bench.settle();
+        assert_eq!(bench.resolution(), 2048);
+        let second = Sun::from_angles(200.0, 20.0).unwrap();
+        for sun in [second, first, second, first] {
+            // Begun and not waited for: what lands later is of another sun.
+            bench.settings.sun = sun;
+            bench.shadows.reconcile(&bench.settings, &bench.scene);
+        }
+        bench.settings.sun = second;
+        bench.settle();
+        assert!(bench.shadows.has_landed(&bench.settings));
+        let file = bench.shadows.file(FileKind::Light).unwrap();
+        assert!(is_same_sun(&sun_of(file), &second) && bench.resolution() == 2048);
+    }
+
+    #[test]
+    fn shadows_that_are_given_stay_until_a_bake_is_asked_for() {
+        let mut bench = Bench::new();
+        bench.settings.resolution = 512;
+        bench.settle();
+        let file = (**bench.shadows.file(FileKind::Light).unwrap()).clone();
+        bench.settings.resolution = 2048;
+        bench.shadows.give(file, Some("given.adumbra".into()));
+        bench.settle();
+        assert_eq!(bench.resolution(), 512);
+        assert_eq!(bench.shadows.given_path(&bench.settings), Some(Path::new("given.adumbra")));
+        bench.shadows.rebake();
+        bench.settle();
+        assert_eq!((bench.resolution(), bench.shadows.given_path(&bench.settings)), (2048, None));
+    }
+
+    #[test]
+    fn shadows_keep_what_landed_when_a_bake_is_cancelled() {
+        let mut bench = Bench::new();
+        bench.settle();
+        bench.settings.resolution = 1 << 17;
+        bench.shadows.reconcile(&bench.settings, &bench.scene);
+        assert!(
+            bench.shadows.running().count() == 1 && !bench.shadows.is_settled(&bench.settings, &bench.scene)
+        );
+        assert!(bench.shadows.cancel(&bench.settings, &bench.scene));
+        bench.settle();
+        assert!((512..1 << 17).contains(&bench.resolution()));
+        assert!(!bench.shadows.cancel(&bench.settings, &bench.scene));
+    }
+}

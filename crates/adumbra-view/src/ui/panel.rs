@@ -1,0 +1,236 @@
+//! The panel: what is shown, and how.
+
+use adumbra_lab::report::grouped;
+use adumbra_render::layers::Layer;
+use adumbra_render::occlusion::{self, OCCLUSIONS};
+
+use super::parameters::{self, Changed};
+use super::{legend, side, times};
+use crate::app::App;
+use crate::baking::FileKind;
+use crate::command::{Command, Side};
+use crate::navigation;
+use crate::settings::Shown;
+
+const WIDTH: f32 = 310.0;
+
+pub(super) fn show(ctx: &egui::Context, app: &App, commands: &mut Vec<Command>) {
+    let height = ctx.content_rect().height();
+    egui::Window::new("adumbra")
+        .default_pos([8.0, 8.0])
+        .default_width(WIDTH)
+        .default_height(height - 60.0)
+        .max_height(height - 60.0)
+        .resizable([false, true])
+        .vscroll(true)
+        .show(ctx, |ui| {
+            scene(ui, app);
+            section(ui, "Shown", true, |ui| shown(ui, app, commands));
+            section(ui, "First side", true, |ui| side::show(ui, app, Side::First, commands));
+            section(ui, "Second side", app.settings.shows_both(), |ui| {
+                side::show(ui, app, Side::Second, commands);
+            });
+            section(ui, "Ambient occlusion", true, |ui| ambient(ui, app, commands));
+            section(ui, "Sun", true, |ui| sun(ui, app, commands));
+            section(ui, "Shadow file", true, |ui| file(ui, app, commands));
+            section(ui, "Open", false, |ui| open(ui, commands));
+            section(ui, "Camera, time", false, |ui| camera(ui, app, commands));
+            section(ui, "Milliseconds", true, |ui| times::show(ui, app));
+        });
+}
+
+fn section(ui: &mut egui::Ui, title: &str, open: bool, add: impl FnOnce(&mut egui::Ui)) {
+    egui::CollapsingHeader::new(title).default_open(open).show(ui, add);
+}
+
+/// A path to open: not every desktop drops files on windows.
+fn open(ui: &mut egui::Ui, commands: &mut Vec<Command>) {
+    let id = ui.scope_id().with("open");
+    let mut path: String = ui.data(|d| d.get_temp(id)).unwrap_or_default();
+    let hint = "scene, shadow file or camera";
+    let edited = ui.add(egui::TextEdit::singleline(&mut path).hint_text(hint).desired_width(f32::INFINITY));
+    let done = edited.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter)) && !path.is_empty();
+    if done {
+        commands.push(Command::Drop(std::mem::take(&mut path).into()));
+    }
+    ui.data_mut(|d| d.insert_temp(id, path));
+}
+
+fn scene(ui: &mut egui::Ui, app: &App) {
+    let Some(stage) = &app.stage else { return };
+    let scene = stage.scene();
+    let name = scene.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(name);
+        ui.label(format!("{} triangles", grouped(scene.whole.instanced_triangles())));
+    });
+    ui.small(format!("{}; ? for keys", app.adapter()));
+}
+
+fn shown(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
+    let s = &app.settings;
+    let mut layer = s.layer;
+    egui::ComboBox::from_id_salt("layer").selected_text(layer.name()).show_ui(ui, |ui| {
+        for each in Layer::ALL {
+            ui.selectable_value(&mut layer, each, each.name());
+        }
+    });
+    if layer != s.layer {
+        commands.push(Command::Layer(layer.name().to_owned()));
+    }
+    legend::show(ui, app);
+    ui.horizontal(|ui| {
+        let mut choose = |ui: &mut egui::Ui, text: &str, on: bool, command: Command| {
+            if ui.selectable_label(on, text).clicked() && !on {
+                commands.push(command);
+            }
+        };
+        choose(ui, "first alone", s.shown == Shown::Single, Command::Single);
+        choose(ui, "split", matches!(s.shown, Shown::Split(_)), Command::Split(0.5));
+        choose(ui, "difference", matches!(s.shown, Shown::Difference(_)), Command::Difference(2.0));
+    });
+    match s.shown {
+        Shown::Single => {}
+        Shown::Split(at) => {
+            let mut moved = at;
+            if slid(ui, egui::Slider::new(&mut moved, 0.0..=1.0).text("divider")) {
+                commands.push(Command::Split(moved));
+            }
+        }
+        Shown::Difference(gain) => {
+            let mut moved = gain;
+            if slid(ui, egui::Slider::new(&mut moved, 1.0..=20.0).logarithmic(true).text("times")) {
+                commands.push(Command::Difference(moved));
+            }
+        }
+    }
+    ui.horizontal(|ui| {
+        switch(ui, "file's space", s.show_box, commands, Command::Box);
+        switch(ui, "4 samples", s.antialias > 1, commands, |on| Command::Antialias(if on { 2 } else { 1 }));
+        switch(ui, "draw on", s.continuous, commands, Command::Continuous);
+    });
+}
+
+fn switch(
+    ui: &mut egui::Ui,
+    text: &str,
+    on: bool,
+    commands: &mut Vec<Command>,
+    command: impl FnOnce(bool) -> Command,
+) {
+    let mut now = on;
+    ui.checkbox(&mut now, text);
+    if now != on {
+        commands.push(command(now));
+    }
+}
+
+fn ambient(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
+    let spec = &app.settings.ambient;
+    let mut chosen = spec.name().to_owned();
+    egui::ComboBox::from_id_salt("ambient").selected_text(&chosen).width(160.0).show_ui(ui, |ui| {
+        for (name, what) in OCCLUSIONS {
+            ui.selectable_value(&mut chosen, name.to_owned(), name).on_hover_text(what);
+        }
+    });
+    if chosen != spec.name() {
+        commands.push(Command::Ao(chosen));
+        return;
+    }
+    let Some(stage) = &app.stage else { return };
+    let radius = stage.default_radius();
+    let parameters = occlusion::describe(spec, radius).unwrap_or_default();
+    if let Some(Changed { key, value }) = parameters::show(ui, "ambient", &parameters)
+        && let Ok(next) = occlusion::change(spec, radius, key, &value)
+    {
+        commands.push(Command::Ao(next.to_string()));
+    }
+}
+
+fn sun(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
+    let [mut azimuth, mut elevation] = navigation::angles(app.settings.sun.towards());
+    let turned = slid(ui, angle(&mut azimuth, 0.0..=360.0, "azimuth"));
+    let raised = slid(ui, angle(&mut elevation, 1.0..=89.5, "elevation"));
+    if turned || raised {
+        commands.push(Command::Sun { azimuth, elevation });
+    }
+    if ui.button("as at the beginning").clicked() {
+        commands.push(Command::ResetSun);
+    }
+}
+
+fn angle<'v>(degrees: &'v mut f64, range: std::ops::RangeInclusive<f64>, text: &str) -> egui::Slider<'v> {
+    egui::Slider::new(degrees, range).suffix("°").text(text.to_owned()).max_decimals(1)
+}
+
+/// Adds a slider; whether the user moved it. What lies beyond its ends stays as it is until then.
+fn slid(ui: &mut egui::Ui, slider: egui::Slider<'_>) -> bool {
+    ui.add(slider.clamping(egui::SliderClamping::Edits)).changed()
+}
+
+fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
+    let s = &app.settings;
+    let mut resolution = s.resolution;
+    ui.horizontal(|ui| {
+        egui::ComboBox::from_id_salt("resolution").selected_text(resolution.to_string()).show_ui(ui, |ui| {
+            for each in [1024, 2048, 4096, 8192, 16_384, 32_768, 65_536] {
+                ui.selectable_value(&mut resolution, each, each.to_string());
+            }
+        });
+        ui.label("texels, where it is baked");
+    });
+    if resolution != s.resolution {
+        commands.push(Command::Bake(resolution));
+    }
+    for bake in app.shadows.running() {
+        ui.horizontal(|ui| {
+            let text = format!("baking {}", bake.resolution);
+            ui.add(egui::ProgressBar::new(bake.share).desired_width(190.0).text(text));
+            if ui.button("cancel").clicked() {
+                commands.push(Command::CancelBake);
+            }
+        });
+    }
+    for (kind, name) in [(FileKind::Light, "light-aligned"), (FileKind::Tree, "world-aligned")] {
+        if let Some(file) = app.shadows.file(kind) {
+            ui.small(format!("{name}: {}", crate::shadows::words(file)));
+        }
+    }
+}
+
+fn camera(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
+    let c = &app.settings.camera;
+    let place = |p: [f64; 3]| format!("{:.2}, {:.2}, {:.2}", p[0], p[1], p[2]);
+    ui.monospace(format!("eye    {}", place(c.eye)));
+    ui.monospace(format!("target {}", place(c.target)));
+    ui.horizontal(|ui| {
+        if ui.button("reset").clicked() {
+            commands.push(Command::ResetCamera);
+        }
+        if ui.button("save").on_hover_text("JSON that compare --camera takes").clicked() {
+            commands.push(Command::SaveCamera(crate::keys::CAMERA.into()));
+        }
+        if ui.button("screenshot").clicked() {
+            commands.push(Command::Screenshot(crate::keys::SCREENSHOT.into()));
+        }
+        if ui.button("command").on_hover_text("says the command that shows this view again").clicked() {
+            commands.push(Command::SayLine);
+        }
+    });
+    ui.horizontal(|ui| {
+        switch(ui, "ball", app.settings.ball, commands, Command::Ball);
+        if ui.button("watch it").clicked() {
+            commands.push(Command::WatchBall);
+        }
+        switch(ui, "time goes on", app.settings.playing, commands, Command::Play);
+    });
+    if let Some(end) = app.stage.as_ref().and_then(crate::stage::Stage::end_seconds) {
+        let mut seconds = app.settings.seconds;
+        if slid(ui, egui::Slider::new(&mut seconds, 0.0..=end.max(0.1)).text("s")) {
+            commands.push(Command::Time(seconds));
+        }
+    }
+    if ui.button("everything as at the beginning").clicked() {
+        commands.push(Command::ResetAll);
+    }
+}

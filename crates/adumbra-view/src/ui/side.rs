@@ -1,0 +1,49 @@
+//! A technique of one side: its name, its parameters, what it says.
+
+use adumbra_render::{TECHNIQUES, technique};
+
+use super::parameters::{self, Changed};
+use crate::app::App;
+use crate::command::{Command, Side};
+use crate::settings::shadow_names;
+use crate::shadows::{is_same_sun, sun_of};
+
+const WARNING: egui::Color32 = egui::Color32::from_rgb(255, 190, 110);
+
+pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<Command>) {
+    let spec = app.settings.shadow(side);
+    let mut chosen = spec.name().to_owned();
+    egui::ComboBox::from_id_salt(("technique", side as u8)).selected_text(&chosen).width(160.0).show_ui(
+        ui,
+        |ui| {
+            for name in shadow_names() {
+                let what =
+                    TECHNIQUES.iter().find(|(n, _)| *n == name).map_or("rays, on the CPU", |(_, what)| *what);
+                ui.selectable_value(&mut chosen, name.to_owned(), name).on_hover_text(what);
+            }
+        },
+    );
+    if chosen != spec.name() {
+        commands.push(Command::Shadow { side, technique: chosen });
+    }
+    let baked = app.shadows.files.baked();
+    let parameters = technique::describe(spec, baked).unwrap_or_default();
+    if let Some(Changed { key, value }) = parameters::show(ui, &format!("{side:?}"), &parameters)
+        && let Ok(next) = technique::change(spec, baked, key, &value)
+    {
+        commands.push(Command::Shadow { side, technique: next.to_string() });
+    }
+    if let Some(stage) = &app.stage {
+        let view = stage.side(side);
+        if view.bytes() > 0 {
+            ui.small(format!("{:.1} MB on the device", view.bytes() as f64 * 1e-6));
+        }
+        if app.shadows.files.of(spec).is_some_and(|f| !is_same_sun(&sun_of(f), &app.settings.sun)) {
+            ui.small(egui::RichText::new("its shadows are of another sun").color(WARNING));
+        }
+        let missing = stage.missing(side, app.settings.layer);
+        for note in view.note().map(str::to_owned).into_iter().chain(missing) {
+            ui.small(egui::RichText::new(note).color(WARNING));
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! What a comment behind a block asks of its commands.
+//!
+//! `<!-- check: CLAUSE; CLAUSE; … -->`, the clauses being
+//!
+//! | clause | asks |
+//! |---|---|
+//! | `exit N` | that the last command ends with this code; 0 without it. The others end with 0 |
+//! | `exists PATH [MIN..[MAX]]` | a file of so many bytes |
+//! | `picture PATH [WxH]` | a picture of this size and of more than one colour |
+//! | `equal PATH PATH` | the same bytes |
+//! | `alike PATH PATH` | pictures of one size, [`ALIKE`] apart in the mean |
+//! | `stdout "TEXT"`, `stderr "TEXT"` | that the block's commands print this |
+//! | `quick "A" => "B"` | nothing: a quick run puts B in place of A |
+//! | `long` | nothing: a quick run only has the commands' arguments parsed |
+//! | `parse` | nothing: any run does, for what opens a window and waits |
+
+use std::fs;
+use std::path::Path;
+
+use image::RgbImage;
+
+/// Mean difference of two pictures that are alike, of 255: another adapter, or another number of milliseconds on a sheet.
+const ALIKE: f64 = 3.0;
+
+/// What a block is checked for.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Check {
+    pub(crate) exit: i32,
+    pub(crate) long: bool,
+    pub(crate) parse: bool,
+    /// Of a quick run: what is put in place of what.
+    pub(crate) quick: Vec<(String, String)>,
+    expected: Vec<Expected>,
+}
+
+#[derive(Debug, PartialEq)]
+enum Expected {
+    Exists { path: String, least: u64, most: u64 },
+    Picture { path: String, size: Option<[u32; 2]> },
+    Equal { paths: [String; 2] },
+    Alike { paths: [String; 2] },
+    Stdout(String),
+    Stderr(String),
+}
+
+/// What a block's commands printed.
+#[derive(Debug, Default)]
+pub(crate) struct Printed {
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Check {
+    /// Reads the comment's text.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let mut check = Self::default();
+        for clause in clauses(text)? {
+            let words: Vec<&str> = clause.iter().map(String::as_str).collect();
+            match words.as_slice() {
+                ["long"] => check.long = true,
+                ["parse"] => check.parse = true,
+                ["exit", code] => check.exit = code.parse().map_err(|_| format!("exit {code}: no code"))?,
+                ["quick", from, "=>", to] => check.quick.push(((*from).to_owned(), (*to).to_owned())),
+                _ => check.expected.push(Expected::parse(&words)?),
+            }
+        }
+        Ok(check)
+    }
+
+    /// Everything that does not hold in `folder` after the commands.
+    pub(crate) fn faults(&self, folder: &Path, printed: &Printed) -> Vec<String> {
+        self.expected.iter().filter_map(|e| e.hold(folder, printed).err()).collect()
+    }
+}
+
+impl Expected {
+    fn parse(words: &[&str]) -> Result<Self, String> {
+        let of = |path: &str| path.to_owned();
+        Ok(match words {
+            ["exists", path] => Self::Exists { path: of(path), least: 1, most: u64::MAX },
+            ["exists", path, range] => {
+                let wrong = || format!("exists {path} {range}: give MIN..MAX or MIN..");
+                let (least, most) = range.split_once("..").ok_or_else(wrong)?;
+                let most = if most.is_empty() { u64::MAX } else { most.parse().map_err(|_| wrong())? };
+                Self::Exists { path: of(path), least: least.parse().map_err(|_| wrong())?, most }
+            }
+            ["picture", path] => Self::Picture { path: of(path), size: None },
+            ["picture", path, size] => {
+                let wrong = || format!("picture {path} {size}: give WIDTHxHEIGHT");
+                let (width, height) = size.split_once('x').ok_or_else(wrong)?;
+                let side = |s: &str| s.parse::<u32>().map_err(|_| wrong());
+                Self::Picture { path: of(path), size: Some([side(width)?, side(height)?]) }
+            }
+            ["equal", a, b] => Self::Equal { paths: [of(a), of(b)] },
+            ["alike", a, b] => Self::Alike { paths: [of(a), of(b)] },
+            ["stdout", text] => Self::Stdout(of(text)),
+            ["stderr", text] => Self::Stderr(of(text)),
+            _ => return Err(format!("{:?} is no clause of a check", words.join(" "))),
+        })
+    }
+
+    fn hold(&self, folder: &Path, printed: &Printed) -> Result<(), String> {
+        match self {
+            Self::Exists { path, least, most } => {
+                let bytes = fs::metadata(folder.join(path)).map_err(|e| format!("{path}: {e}"))?.len();
+                let fits = (*least..=*most).contains(&bytes);
+                fits.then_some(()).ok_or_else(|| format!("{path}: {bytes} bytes, not {least} to {most}"))
+            }
+            Self::Picture { path, size } => {
+                let picture = picture(&folder.join(path))?;
+                let found: [u32; 2] = picture.dimensions().into();
+                match size {
+                    Some(size) if *size != found => Err(format!("{path}: {found:?} pixels, not {size:?}")),
+                    _ if is_one_colour(&picture) => Err(format!("{path}: one colour")),
+                    _ => Ok(()),
+                }
+            }
+            Self::Equal { paths: [a, b] } => {
+                let bytes = |path: &str| fs::read(folder.join(path)).map_err(|e| format!("{path}: {e}"));
+                if bytes(a)? == bytes(b)? { Ok(()) } else { Err(format!("{a} and {b} differ")) }
+            }
+            Self::Alike { paths: [a, b] } => {
+                let (left, right) = (picture(&folder.join(a))?, picture(&folder.join(b))?);
+                if left.dimensions() != right.dimensions() {
+                    return Err(format!("{a} and {b}: {:?} and {:?}", left.dimensions(), right.dimensions()));
+                }
+                let sum: u64 = left.iter().zip(right.iter()).map(|(l, r)| u64::from(l.abs_diff(*r))).sum();
+                let mean = sum as f64 / left.len() as f64;
+                if mean <= ALIKE { Ok(()) } else { Err(format!("{a} and {b} are {mean:.1} of 255 apart")) }
+            }
+            Self::Stdout(text) => contains("stdout", &printed.stdout, text),
+            Self::Stderr(text) => contains("stderr", &printed.stderr, text),
+        }
+    }
+}
+
+fn contains(what: &str, all: &str, text: &str) -> Result<(), String> {
+    if all.contains(text) { Ok(()) } else { Err(format!("{text:?} is not on {what}:\n{all}")) }
+}
+
+pub(crate) fn picture(path: &Path) -> Result<RgbImage, String> {
+    Ok(image::open(path).map_err(|e| format!("{}: {e}", path.display()))?.into_rgb8())
+}
+
+pub(crate) fn is_one_colour(picture: &RgbImage) -> bool {
+    let first = picture.pixels().next();
+    picture.pixels().all(|p| Some(p) == first)
+}
+
+/// Lines of a `text` block that the commands did not print; every run of digits, points and spaces stands for any other, for times
+/// and sizes differ.
+pub(crate) fn not_printed(shown: &[String], stdout: &str) -> Vec<String> {
+    let printed: Vec<String> = stdout.lines().map(without_numbers).collect();
+    let missing = |line: &&String| !line.trim().is_empty() && !printed.contains(&without_numbers(line));
+    shown.iter().filter(missing).map(|line| format!("{line:?} is shown and not printed:\n{stdout}")).collect()
+}
+
+fn without_numbers(line: &str) -> String {
+    let (mut text, mut blank) = (String::new(), false);
+    for c in line.trim().chars() {
+        let any = c.is_ascii_digit() || matches!(c, '.' | ' ' | '-');
+        if !any {
+            text.push(c);
+        } else if !blank {
+            text.push(' ');
+        }
+        blank = any;
+    }
+    text.trim().to_owned()
+}
+
+/// Clauses as words; quotes hold a word together, with \" and \\ inside.
+fn clauses(text: &str) -> Result<Vec<Vec<String>>, String> {
+    let (mut all, mut words, mut word) = (Vec::new(), Vec::new(), None::<String>);
+    let mut characters = text.chars();
+    while let Some(c) = characters.next() {
+        match c {
+            '"' => {
+                let open = word.get_or_insert_default();
+                loop {
+                    match characters.next() {
+                        Some('"') => break,
+                        Some('\\') => open.extend(characters.next()),
+                        Some(other) => open.push(other),
+                        None => return Err(format!("a quote does not end: {text}")),
+                    }
+                }
+            }
+            ';' | ' ' => {
+                words.extend(word.take());
+                if c == ';' {
+                    all.push(std::mem::take(&mut words));
+                }
+            }
+            other => word.get_or_insert_default().push(other),
+        }
+    }
+    words.extend(word);
+    all.push(words);
+    all.retain(|clause| !clause.is_empty());
+    if all.is_empty() { Err("a check of nothing: say at least `exit 0`".to_owned()) } else { Ok(all) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn check_reads_every_clause() {
+        let text = r#"exit 3; long; parse; exists a b; quick "x; y" => "z \"q\""; stdout "so; so""#;
+        assert_eq!(Check::parse(text).unwrap_err(), "exists a b: give MIN..MAX or MIN..");
+        let check = Check::parse(&text.replace("a b", "a 2..30")).unwrap();
+        assert_eq!((check.exit, check.long, check.parse), (3, true, true));
+        assert_eq!(check.quick, [("x; y".to_owned(), "z \"q\"".to_owned())]);
+        assert_eq!(
+            check.expected,
+            [
+                Expected::Exists { path: "a".to_owned(), least: 2, most: 30 },
+                Expected::Stdout("so; so".to_owned())
+            ]
+        );
+        for wrong in ["", " ; ", "exits 3", "exit x", "picture a 3", "stdout \"open"] {
+            assert!(Check::parse(wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn check_finds_what_does_not_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("five"), "five!").unwrap();
+        RgbImage::from_pixel(2, 3, image::Rgb([7; 3])).save(at("flat.png")).unwrap();
+        let two = RgbImage::from_fn(2, 3, |x, _| image::Rgb([x as u8 * 200; 3]));
+        two.save(at("two.png")).unwrap();
+        let printed = Printed { stdout: "all is well".to_owned(), stderr: String::new() };
+        let faults = |text: &str| Check::parse(text).unwrap().faults(folder.path(), &printed).len();
+        assert_eq!(faults("exists five 5..5; picture two.png 2x3; alike two.png two.png; stdout well"), 0);
+        assert_eq!(faults("equal five five; exists five; picture two.png"), 0);
+        for wrong in [
+            "exists five 6..",
+            "exists six",
+            "picture flat.png",
+            "picture two.png 3x2",
+            "picture five",
+            "alike flat.png two.png",
+            "equal five two.png",
+            "stderr well",
+            "stdout bad",
+        ] {
+            assert_eq!(faults(wrong), 1, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn check_of_what_is_shown_lets_numbers_differ() {
+        let shown = ["a   12.5 s of 3".to_owned(), String::new(), "b ok".to_owned()];
+        assert!(not_printed(&shown, "x\na 1 s of 44\nb ok\n").is_empty());
+        assert_eq!(not_printed(&shown, "a 1 ms of 44\nb ok\n").len(), 1);
+    }
+}

@@ -1,0 +1,236 @@
+//! `cargo xtask docs`: what the documents tell a reader to do, done, and what they say of it, checked.
+//!
+//! Each `sh` block of the README, of `docs/` and of `docs/guides/` is run in order in a copy of the repository, a copy a document, and checked by the
+//! comment behind it ([`check`]); a block without one is an error. A quick run takes what is built already, puts smaller numbers where
+//! a check gives some, and of blocks that are marked `long` only has the arguments parsed. Then every verb and option that the text names is looked for
+//! in the program's help, every link followed, and the examples run.
+
+mod check;
+mod display;
+mod links;
+mod markdown;
+mod shell;
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use check::{Check, Printed};
+use markdown::{Block, Document};
+use shell::Clone;
+
+/// Folders whose documents are read.
+const FOLDERS: [&str; 6] = ["", "docs", "docs/guides", "docs/bench", "spec", "fuzz"];
+/// Those whose commands are run: a fuzzer's need another compiler.
+const RUN: [&str; 3] = ["", "docs", "docs/guides"];
+/// Run where the documents do not run them.
+const EXAMPLES: [&str; 3] = ["bake_and_query", "engine", "compare_two"];
+/// The option of the program that ends it once its arguments are parsed.
+const PARSE_ONLY: &str = "--check-arguments";
+
+pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
+    let quick = words.first() == Some(&"--quick");
+    let named = &words[usize::from(quick)..];
+    let documents = read(root, named)?;
+    let mut faults = links::faults(root, &documents);
+    build(root)?;
+    let mut order: Vec<&PathBuf> = documents.keys().collect();
+    order.sort();
+    for path in order {
+        if path.parent().is_some_and(|folder| RUN.iter().any(|run| Path::new(run) == folder)) {
+            faults.extend(run_document(root, path, &documents[path], quick)?);
+        }
+    }
+    let program = Program { path: root.join("target/release/adumbra"), help: BTreeMap::new() };
+    faults.extend(program.faults(&documents, named.is_empty()));
+    if named.is_empty() {
+        faults.extend(run_examples(root)?);
+    }
+    if faults.is_empty() {
+        return Ok(());
+    }
+    Err(format!("{}\n{} faults in the documents", faults.join("\n"), faults.len()).into())
+}
+
+/// The documents that are named, or all, by their paths below the root.
+fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<dyn Error>> {
+    let mut paths: Vec<PathBuf> = named.iter().map(PathBuf::from).collect();
+    if named.is_empty() {
+        for folder in FOLDERS {
+            for entry in fs::read_dir(root.join(folder))? {
+                let name = PathBuf::from(entry?.file_name());
+                if name.extension().is_some_and(|e| e == "md") {
+                    paths.push(Path::new(folder).join(name));
+                }
+            }
+        }
+    }
+    let document = |path: PathBuf| match fs::read_to_string(root.join(&path)) {
+        Ok(text) => Ok((path, Document::read(&text))),
+        Err(e) => Err(format!("{}: {e}", path.display()).into()),
+    };
+    paths.into_iter().map(document).collect()
+}
+
+/// The program and the examples, as the tests build them.
+fn build(root: &Path) -> Result<(), Box<dyn Error>> {
+    let arguments = ["build", "--release", "--workspace", "--bins", "--examples"];
+    let status = Command::new("cargo").args(arguments).current_dir(root).status()?;
+    if status.success() { Ok(()) } else { Err("the program does not build".into()) }
+}
+
+/// Runs a document's blocks; gives what does not hold.
+fn run_document(root: &Path, path: &Path, document: &Document, quick: bool) -> std::io::Result<Vec<String>> {
+    let mut faults = Vec::new();
+    if document.blocks.is_empty() {
+        return Ok(faults);
+    }
+    let mut clone = Clone::of(root, quick)?;
+    if document.blocks.iter().flat_map(|b| &b.commands).any(|c| c.starts_with("adumbra view ")) {
+        clone.open_display()?;
+    }
+    for block in &document.blocks {
+        let start = Instant::now();
+        let found = run_block(&clone, block, quick);
+        let (place, seconds) = (format!("{}:{}", path.display(), block.line), start.elapsed().as_secs_f64());
+        eprintln!("{place}: {} ({seconds:.1} s)", if found.is_empty() { "ok" } else { "wrong" });
+        faults.extend(found.into_iter().map(|fault| format!("{place}: {fault}")));
+    }
+    Ok(faults)
+}
+
+fn run_block(clone: &Clone, block: &Block, quick: bool) -> Vec<String> {
+    let check =
+        match block.check.as_deref().ok_or("no check stands behind it".to_owned()).and_then(Check::parse) {
+            Ok(check) => check,
+            Err(fault) => return vec![fault],
+        };
+    let parse_only = check.parse || quick && check.long;
+    let mut commands = block.commands.clone();
+    if quick {
+        for (from, to) in &check.quick {
+            if !commands.iter().any(|c| c.contains(from.as_str())) {
+                return vec![format!("quick: {from:?} is in no command")];
+            }
+            commands.iter_mut().for_each(|c| *c = c.replace(from.as_str(), to));
+        }
+    }
+    let mut printed = Printed::default();
+    for (i, command) in commands.iter().enumerate() {
+        let line = match command.strip_prefix("adumbra ") {
+            _ if !parse_only => command.clone(),
+            Some(rest) => format!("adumbra {PARSE_ONLY} {rest}"),
+            None => continue,
+        };
+        let output = match clone.run(&line) {
+            Ok(output) => output,
+            Err(fault) => return vec![fault],
+        };
+        printed.stdout.push_str(&String::from_utf8_lossy(&output.stdout));
+        printed.stderr.push_str(&String::from_utf8_lossy(&output.stderr));
+        let wanted = if i + 1 == commands.len() && !parse_only { check.exit } else { 0 };
+        if output.status.code() != Some(wanted) {
+            return vec![format!("{line}: {}, not {wanted}\n{}", output.status, printed.stderr)];
+        }
+    }
+    if parse_only {
+        return Vec::new();
+    }
+    let mut faults = check.faults(clone.folder(), &printed);
+    faults.extend(check::not_printed(block.shown.as_deref().unwrap_or_default(), &printed.stdout));
+    faults
+}
+
+fn run_examples(root: &Path) -> std::io::Result<Vec<String>> {
+    let clone = Clone::of(root, true)?;
+    let mut faults = Vec::new();
+    for name in EXAMPLES {
+        let start = Instant::now();
+        let output = clone.run(&format!("target/release/examples/{name}"));
+        let fault = match output {
+            Ok(output) if output.status.success() => None,
+            Ok(output) => Some(format!("{}\n{}", output.status, String::from_utf8_lossy(&output.stderr))),
+            Err(fault) => Some(fault),
+        };
+        let word = if fault.is_none() { "ok" } else { "wrong" };
+        eprintln!("example {name}: {word} ({:.1} s)", start.elapsed().as_secs_f64());
+        faults.extend(fault.map(|f| format!("example {name}: {f}")));
+    }
+    Ok(faults)
+}
+
+/// What the program's help says, by verb.
+struct Program {
+    path: PathBuf,
+    help: BTreeMap<Vec<String>, Option<String>>,
+}
+
+impl Program {
+    /// Verbs and options that the documents name and the program does not know; of all documents also verbs that the README does not list.
+    fn faults(mut self, documents: &HashMap<PathBuf, Document>, all: bool) -> Vec<String> {
+        let mut faults = BTreeSet::new();
+        for (path, document) in documents {
+            for (line, span) in &document.spans {
+                if let Err(fault) = self.knows(span) {
+                    faults.insert(format!("{}:{line}: {fault}", path.display()));
+                }
+            }
+        }
+        if all {
+            let readme = documents.get(Path::new("README.md"));
+            let listed: Vec<&str> =
+                readme.map_or_else(Vec::new, |d| d.spans.iter().map(|s| s.1.as_str()).collect());
+            for verb in self.verbs() {
+                if !listed.iter().any(|span| span.split_whitespace().next() == Some(verb.as_str())) {
+                    faults.insert(format!("README.md: does not list `{verb}`"));
+                }
+            }
+        }
+        faults.into_iter().collect()
+    }
+
+    /// Whether a span that begins with the program's name has a verb and options that exist.
+    fn knows(&mut self, span: &str) -> Result<(), String> {
+        let mut words = span.split_whitespace();
+        if words.next() != Some("adumbra") {
+            return Ok(());
+        }
+        let mut verb: Vec<String> = Vec::new();
+        for word in words {
+            let is_verb = !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c == '-');
+            let most = if verb.first().is_some_and(|v| v == "bench") { 2 } else { 1 };
+            if verb.len() < most && is_verb && !word.starts_with('-') {
+                verb.push(word.to_owned());
+            } else if let Some(option) = word.strip_prefix("--") {
+                let name: String =
+                    option.chars().take_while(|c| c.is_ascii_lowercase() || *c == '-').collect();
+                let help = self.help(&verb)?;
+                if !help.contains(&format!("--{name}")) {
+                    return Err(format!("`{span}`: no option --{name}"));
+                }
+            }
+        }
+        if verb.is_empty() { Ok(()) } else { self.help(&verb).map(|_| ()) }
+    }
+
+    fn help(&mut self, verb: &[String]) -> Result<String, String> {
+        let path = &self.path;
+        let help = self.help.entry(verb.to_vec()).or_insert_with(|| {
+            let output = Command::new(path).args(verb).arg("--help").output().ok()?;
+            output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+        });
+        help.clone().ok_or_else(|| format!("adumbra {} --help fails", verb.join(" ")))
+    }
+
+    fn verbs(&mut self) -> Vec<String> {
+        let help = self.help(&[]).unwrap_or_default();
+        let commands = help.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+        // What a verb does goes on in the lines below it, further in.
+        let verbs = commands.filter_map(|l| l.strip_prefix("  ").filter(|l| !l.starts_with(' ')));
+        let first = verbs.filter_map(|l| l.split_whitespace().next());
+        first.filter(|verb| *verb != "help").map(str::to_owned).collect()
+    }
+}

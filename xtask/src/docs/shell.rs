@@ -1,0 +1,135 @@
+//! The documents' commands, run as a newcomer's in a copy of the repository.
+
+use std::env;
+use std::ffi::OsString;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+use super::display::Display;
+
+/// A copy of what git would clone, with `target` of the checkout it is made from.
+pub(crate) struct Clone {
+    folder: TempDir,
+    path: OsString,
+    /// Whether what is built already stands for building it.
+    quick: bool,
+    /// For documents that open windows.
+    display: Option<Display>,
+}
+
+/// How a command is run.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Run {
+    /// As it stands.
+    Shell(String),
+    /// Nothing to run: the file that it makes, or names, is there already.
+    Built(String),
+    /// The tests, of which this is one.
+    Task,
+}
+
+impl Clone {
+    pub(crate) fn of(root: &Path, quick: bool) -> io::Result<Self> {
+        let folder = tempfile::Builder::new().prefix("adumbra-docs-").tempdir()?;
+        let files = Command::new("git")
+            .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
+            .current_dir(root)
+            .output()?;
+        let names = String::from_utf8_lossy(&files.stdout);
+        // A file that is deleted and not yet committed is listed too.
+        for name in names.split('\0').filter(|n| !n.is_empty() && root.join(n).is_file()) {
+            let to = folder.path().join(name);
+            fs::create_dir_all(to.parent().unwrap_or(folder.path()))?;
+            fs::copy(root.join(name), to)?;
+        }
+        link(&root.join("target"), &folder.path().join("target"))?;
+        let programs = folder.path().join("target/release");
+        let before = env::var_os("PATH").unwrap_or_default();
+        let path = env::join_paths([programs].into_iter().chain(env::split_paths(&before)));
+        Ok(Self { path: path.map_err(io::Error::other)?, folder, quick, display: None })
+    }
+
+    /// From here on windows open where nobody sees them.
+    pub(crate) fn open_display(&mut self) -> io::Result<()> {
+        self.display = Display::start()?;
+        Ok(())
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Runs a command; a file that should have been built and is not is an error.
+    pub(crate) fn run(&self, command: &str) -> Result<Output, String> {
+        let done = Output { status: Default::default(), stdout: Vec::new(), stderr: Vec::new() };
+        match Run::of(command, self.quick) {
+            Run::Task => Ok(done),
+            Run::Built(file) if self.folder().join(&file).is_file() => Ok(done),
+            Run::Built(file) => Err(format!("{file} is not built")),
+            Run::Shell(line) => self.shell(&line).map_err(|e| format!("sh: {e}")),
+        }
+    }
+
+    fn shell(&self, line: &str) -> io::Result<Output> {
+        let mut command = Command::new("sh");
+        command.args(["-c", line]).current_dir(self.folder()).env("PATH", &self.path).stdin(Stdio::null());
+        if let Some(display) = &self.display {
+            command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        }
+        // Not the documents' matter: Mesa says on stderr that this is missing.
+        if env::var_os("XDG_RUNTIME_DIR").is_none() {
+            command.env("XDG_RUNTIME_DIR", env::temp_dir());
+        }
+        command.output()
+    }
+}
+
+impl Run {
+    pub(crate) fn of(command: &str, quick: bool) -> Self {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        match words.as_slice() {
+            ["cargo", "xtask", ..] => Self::Task,
+            ["alias", name] => Self::Built(name.split_once('=').map_or(*name, |(_, file)| file).to_owned()),
+            ["cargo", "build", "--release"] if quick => Self::Built("target/release/adumbra".to_owned()),
+            ["cargo", "run", "--release", "-p", _, "--example", name, rest @ ..] if quick => {
+                let arguments = rest.strip_prefix(&["--"]).unwrap_or(rest).join(" ");
+                Self::Shell(format!("target/release/examples/{name} {arguments}").trim().to_owned())
+            }
+            _ => Self::Shell(command.to_owned()),
+        }
+    }
+}
+
+#[cfg(unix)]
+fn link(from: &Path, to: &PathBuf) -> io::Result<()> {
+    std::os::unix::fs::symlink(from, to)
+}
+
+#[cfg(not(unix))]
+fn link(from: &Path, to: &PathBuf) -> io::Result<()> {
+    std::os::windows::fs::symlink_dir(from, to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shell_runs_what_is_built_where_it_is_quick() {
+        let quick = |command: &str| Run::of(command, true);
+        assert_eq!(quick("cargo xtask test"), Run::Task);
+        assert_eq!(
+            quick("alias adumbra=target/release/adumbra"),
+            Run::Built("target/release/adumbra".to_owned())
+        );
+        assert_eq!(quick("cargo build --release"), Run::Built("target/release/adumbra".to_owned()));
+        let example = "cargo run --release -p adumbra --example bake_and_query -- a b";
+        assert_eq!(quick(example), Run::Shell("target/release/examples/bake_and_query a b".to_owned()));
+        assert_eq!(Run::of(example, false), Run::Shell(example.to_owned()));
+        assert_eq!(quick("adumbra demo # why"), Run::Shell("adumbra demo # why".to_owned()));
+    }
+}

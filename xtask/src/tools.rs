@@ -1,0 +1,176 @@
+//! What the tests need beside Rust: a Vulkan driver; for the window an X server without a screen, the libraries that
+//! winit opens at run time, and `xdotool`; for the report's page a browser without a window.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What a test needs, found in one way, with its packages' names.
+struct Tool {
+    what: &'static str,
+    found: Found,
+    debian: &'static str,
+    fedora: &'static str,
+}
+
+/// How to tell that a tool is there.
+enum Found {
+    VulkanDriver,
+    /// One of these commands is in the PATH.
+    Command(&'static [&'static str]),
+    /// A file of this name lies where the loader looks.
+    Library(&'static str),
+}
+
+const DRIVER: Tool = Tool {
+    what: "a Vulkan driver",
+    found: Found::VulkanDriver,
+    debian: "mesa-vulkan-drivers",
+    fedora: "mesa-vulkan-drivers",
+};
+
+const ALL: [Tool; 11] = [
+    DRIVER,
+    command("Xvfb", &["Xvfb"], "xvfb", "xorg-x11-server-Xvfb"),
+    command("xdotool", &["xdotool"], "xdotool", "xdotool"),
+    command(
+        "Chromium",
+        &["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"],
+        "chromium",
+        "chromium",
+    ),
+    library("libX11.so.6", "libx11-6", "libX11"),
+    library("libX11-xcb.so.1", "libx11-xcb1", "libX11-xcb"),
+    library("libXcursor.so.1", "libxcursor1", "libXcursor"),
+    library("libXi.so.6", "libxi6", "libXi"),
+    library("libXrandr.so.2", "libxrandr2", "libXrandr"),
+    library("libxkbcommon.so.0", "libxkbcommon0", "libxkbcommon"),
+    library("libxkbcommon-x11.so.0", "libxkbcommon-x11-0", "libxkbcommon-x11"),
+];
+
+const fn command(
+    what: &'static str,
+    names: &'static [&'static str],
+    debian: &'static str,
+    fedora: &'static str,
+) -> Tool {
+    Tool { what, found: Found::Command(names), debian, fedora }
+}
+
+const fn library(name: &'static str, debian: &'static str, fedora: &'static str) -> Tool {
+    Tool { what: name, found: Found::Library(name), debian, fedora }
+}
+
+/// Makes sure that a machine with Linux has a Vulkan driver: installs Mesa's where that is one command, or names it. Other
+/// systems bring an adapter of their own.
+pub(crate) fn ensure_driver() -> Result<(), String> {
+    ensure(&[DRIVER])
+}
+
+/// The same for all that the full tests need: the driver, the window's tools, the browser.
+pub(crate) fn ensure_all() -> Result<(), String> {
+    ensure(&ALL)
+}
+
+fn ensure(tools: &[Tool]) -> Result<(), String> {
+    if !cfg!(target_os = "linux") {
+        return Ok(());
+    }
+    let missing: Vec<&Tool> = tools.iter().filter(|t| !t.found.holds()).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let packages: Vec<&str> = missing.iter().map(|t| t.debian).collect();
+    eprintln!("missing: {}; trying: apt-get install {}", names(&missing), packages.join(" "));
+    // An old list of packages may still do.
+    let _ = apt(&["update"]);
+    apt(&[&["install", "--yes", "--no-install-recommends"], packages.as_slice()].concat());
+    let missing: Vec<&Tool> = missing.into_iter().filter(|t| !t.found.holds()).collect();
+    if missing.is_empty() { Ok(()) } else { Err(how_to_install(&missing)) }
+}
+
+fn how_to_install(missing: &[&Tool]) -> String {
+    let list =
+        |name: fn(&Tool) -> &'static str| missing.iter().map(|t| name(t)).collect::<Vec<_>>().join(" ");
+    let software = if missing.iter().any(|t| matches!(t.found, Found::VulkanDriver)) {
+        " (a software driver is enough)"
+    } else {
+        ""
+    };
+    format!(
+        "the tests need {}{software}; Debian, Ubuntu: apt-get install {}; Fedora: dnf install {}",
+        names(missing),
+        list(|t| t.debian),
+        list(|t| t.fedora)
+    )
+}
+
+fn names(tools: &[&Tool]) -> String {
+    tools.iter().map(|t| t.what).collect::<Vec<_>>().join(", ")
+}
+
+impl Found {
+    fn holds(&self) -> bool {
+        match self {
+            Self::VulkanDriver => has_driver(),
+            Self::Command(names) => {
+                let path = env::var_os("PATH").unwrap_or_default();
+                env::split_paths(&path).any(|folder| names.iter().any(|name| folder.join(name).is_file()))
+            }
+            Self::Library(name) => library_folders().iter().any(|folder| folder.join(name).exists()),
+        }
+    }
+}
+
+fn has_driver() -> bool {
+    let named = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].iter().any(|v| env::var_os(v).is_some());
+    let folders = ["/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
+    let holds_a_driver = |folder: &&str| {
+        let files = Path::new(folder).read_dir().into_iter().flatten().flatten();
+        files.into_iter().any(|f| f.path().extension().is_some_and(|e| e == "json"))
+    };
+    named || folders.iter().any(holds_a_driver)
+}
+
+/// Where the loader looks: what the user names, the usual folders, and Debian's one a machine below them.
+fn library_folders() -> Vec<PathBuf> {
+    let mut folders: Vec<PathBuf> =
+        env::split_paths(&env::var_os("LD_LIBRARY_PATH").unwrap_or_default()).collect();
+    for base in ["/usr/lib64", "/lib64", "/usr/local/lib", "/usr/lib", "/lib"] {
+        folders.push(base.into());
+        let below = Path::new(base).read_dir().into_iter().flatten().flatten().map(|f| f.path());
+        folders.extend(below.filter(|f| f.to_string_lossy().contains("-linux-")));
+    }
+    folders
+}
+
+fn apt(arguments: &[&str]) -> bool {
+    let status = Command::new("apt-get").args(arguments).env("DEBIAN_FRONTEND", "noninteractive").status();
+    status.is_ok_and(|s| s.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tools_missing_are_named_for_both_families() {
+        let absent = [command("a thing", &["no-such-thing"], "deb-thing", "fed-thing"), DRIVER];
+        assert!(!absent[0].found.holds());
+        let message = how_to_install(&absent.iter().collect::<Vec<_>>());
+        for part in [
+            "a thing, a Vulkan driver (a software driver",
+            "apt-get install deb-thing mesa",
+            "dnf install fed-thing mesa",
+        ] {
+            assert!(message.contains(part), "{part:?} is not in {message}");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn tools_commands_are_found_in_the_path() {
+        assert!(Found::Command(&["no-such-thing", "sh"]).holds());
+        assert!(!Found::Library("libno-such-thing.so.1").holds());
+    }
+}
