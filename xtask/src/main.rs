@@ -63,7 +63,7 @@ fn test(root: &Path) -> Result<(), String> {
     cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
     cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     tools::ensure_all()?;
-    cargo(root, &["test", "--release", "--workspace"], &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
+    cargo(root, &["test", "--release", "--workspace", "--no-fail-fast"], &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }
 

@@ -57,8 +57,10 @@ fn display() -> Option<Display> {
         eprintln!("SKIPPED: the window is not tested: Xvfb or xdotool is missing");
         return None;
     }
+    // Without -noreset the server begins anew whenever its last client has gone, and drops those that come just then:
+    // a search for the window, again and again, would cost the view its connection.
     let mut server = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
+        .args(["-displayfd", "1", "-noreset", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -104,9 +106,10 @@ impl Display {
     }
 
     /// The view's window, once it is there, with the focus.
-    fn window(&self) -> String {
+    fn window(&self, view: &mut View) -> String {
         let start = Instant::now();
         while start.elapsed() < PATIENCE {
+            view.must_run("its window was there");
             let found = self.xdotool(&["search", "--name", "^adumbra: "]);
             if let Some(id) = found.lines().next() {
                 self.xdotool(&["windowfocus", "--sync", id]);
@@ -115,6 +118,17 @@ impl Display {
             std::thread::sleep(Duration::from_millis(50));
         }
         panic!("no window was opened");
+    }
+}
+
+impl View {
+    /// Fails, with what the view said, where it has ended.
+    fn must_run(&mut self, until: &str) {
+        if let Some(status) = self.0.try_wait().unwrap() {
+            let mut said = String::new();
+            let _ = self.0.stderr.take().unwrap().read_to_string(&mut said);
+            panic!("the view ended before {until}: {status}: {said}");
+        }
     }
 }
 
@@ -240,12 +254,12 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
     let script = folder.write("script.json", steps.to_string().as_bytes());
     let arguments = [&[scene.as_str(), "--resolution", "1024"][..], &CAMERA, &["--script", &script]].concat();
     let mut view = display.begin(&arguments);
-    let window = display.window();
+    let window = display.window(&mut view);
     let mut wait_for = |path: &str| {
         let start = Instant::now();
         while !std::path::Path::new(path).exists() {
             assert!(start.elapsed() < PATIENCE, "{path} was not written");
-            assert!(view.0.try_wait().unwrap().is_none(), "the view ended before {path} was written");
+            view.must_run(&format!("{path} was written"));
             std::thread::sleep(Duration::from_millis(50));
         }
     };
@@ -388,5 +402,6 @@ fn view_without_a_display_says_what_is_missing() {
     if cfg!(target_os = "linux") {
         assert_eq!(output.status.code(), Some(3), "{said}");
         assert!(said.contains("display") && said.contains("Xvfb"), "{said}");
+        assert!(!said.contains("os error at"), "{said}");
     }
 }

@@ -37,12 +37,19 @@ const PULSE: Duration = Duration::from_millis(8);
 /// [`ViewError::Window`] without a display; what the options, the first scene, the script or the device are wrong about.
 pub fn run(options: ViewOptions, say: Say) -> Result<()> {
     let beginning = Beginning::new(options)?;
-    let no_window = |e: winit::error::EventLoopError| ViewError::Window { reason: e.to_string() };
+    let no_window = |e: winit::error::EventLoopError| ViewError::Window { reason: system_says(&e) };
     let events = EventLoop::<News>::with_user_event().build().map_err(no_window)?;
     let proxy = events.create_proxy();
     let mut handler = Handler { begin: Some((beginning, say)), proxy, open: None, ended: None };
     events.run_app(&mut handler).map_err(no_window)?;
     handler.ended.unwrap_or(Ok(()))
+}
+
+/// What winit says, without the place in winit's own source that it puts before it.
+fn system_says(error: &dyn std::error::Error) -> String {
+    let said = error.to_string();
+    let what = said.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    what.map_or(said.as_str(), |(_, what)| what).trim_end_matches('.').to_owned()
 }
 
 struct Handler {
@@ -90,7 +97,7 @@ impl Open {
         let attributes = Window::default_attributes()
             .with_title(format!("adumbra: {}", options.scene.display()))
             .with_inner_size(PhysicalSize::new(width, height));
-        let window = Arc::new(events.create_window(attributes).map_err(|e| no_window(e.to_string()))?);
+        let window = Arc::new(events.create_window(attributes).map_err(|e| no_window(system_says(&e)))?);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let surface = instance.create_surface(window.clone()).map_err(|e| no_window(e.to_string()))?;
         let (gpu, adapter) = Gpu::request_for(&instance, &surface, &options.gpu)?;

@@ -15,8 +15,9 @@ impl Display {
         if !cfg!(target_os = "linux") {
             return Ok(None);
         }
+        // -noreset: else the server begins anew after each window's end, and drops the next that comes just then.
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-noreset", "-screen", "0", "1920x1200x24", "-nolisten", "tcp"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
