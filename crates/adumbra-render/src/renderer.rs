@@ -27,6 +27,17 @@ pub struct Renderer {
     ambient: Option<AmbientSource>,
     /// What the last frame was asked for.
     answered: Answer,
+    /// What of the last frame still holds.
+    drawn: Option<Drawn>,
+}
+
+/// A frame whose G-buffer is of the scene as it is.
+struct Drawn {
+    shot: Shot,
+    /// Its ambient occlusion is there too.
+    ambient: bool,
+    /// Of these two.
+    times: FrameTimes,
 }
 
 struct Part {
@@ -48,7 +59,7 @@ impl Prepared {
 }
 
 /// Where a frame is seen from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     /// The camera.
     pub camera: Camera,
@@ -92,6 +103,7 @@ impl Renderer {
             movers: None,
             targets: None,
             answered: Answer::Visibility,
+            drawn: None,
             ambient: None,
             frame: gpu.uniform("frame", &empty.bytes()),
             gpu,
@@ -118,24 +130,28 @@ impl Renderer {
         let buffers = SceneBuffers::new(&self.gpu, movers, options)?;
         let seen = InstanceList::new(&self.gpu, "movers::seen", &buffers);
         self.movers = Some(Part { buffers, seen });
+        self.drawn = None;
         Ok(())
     }
 
     /// Takes away what moves.
     pub fn remove_movers(&mut self) {
         self.movers = None;
+        self.drawn = None;
     }
 
     /// Places the movers anew; `movers` is the scene given to [`Renderer::set_movers`] with other transforms.
     pub fn move_movers(&mut self, movers: &Scene) {
         if let Some(part) = &mut self.movers {
             part.buffers.move_instances(movers);
+            self.drawn = None;
         }
     }
 
     /// Ambient occlusion for the frames to come; none for open sky everywhere.
     pub fn set_ambient(&mut self, ambient: Option<AmbientSource>) {
         self.ambient = ambient;
+        self.drawn = None;
     }
 
     /// The ambient occlusion of frames.
@@ -145,6 +161,7 @@ impl Renderer {
 
     /// The same, to have it forget the frames before.
     pub fn ambient_mut(&mut self) -> Option<&mut AmbientSource> {
+        self.drawn = None;
         self.ambient.as_mut()
     }
 
@@ -198,6 +215,16 @@ impl Renderer {
     /// [`RenderError::Camera`]; [`RenderError::Technique`] for an answer that the technique does not have; [`RenderError::Ambient`] for
     /// ambient visibility given for another size; what the technique or the device reports.
     pub fn draw(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
+        self.drawn = None;
+        self.draw_again(shot, prepared, answer)
+    }
+
+    /// The same, but where `shot` is the frame drawn last, with its number, and nothing moved since: then its G-buffer stands, and its
+    /// ambient occlusion, once reckoned, for another technique or another answer. The times are what these took then.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_again(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
         check_camera(&shot.camera)?;
         if !prepared.lookup.answers(answer) {
             let reason = format!("it has no answer of the kind {answer:?}");
@@ -207,25 +234,31 @@ impl Renderer {
         if let Some(ambient) = &self.ambient {
             ambient.check(size)?;
         }
+        // Not there while it is drawn on: what fails leaves nothing that seems to hold.
+        let drawn = self.drawn.take().filter(|drawn| drawn.shot == *shot);
         let targets = match self.targets.take() {
             Some(targets) if targets.size == size => targets,
             _ => Targets::new(&self.gpu, size)?,
         };
         self.write_frame(shot);
         let view = shot.camera.view();
-        let volume = visible_volume(&view);
-        for part in std::iter::once(&mut self.scene).chain(&mut self.movers) {
-            part.seen.update(&self.gpu, &part.buffers, &volume, false);
+        if drawn.is_none() {
+            let volume = visible_volume(&view);
+            for part in std::iter::once(&mut self.scene).chain(&mut self.movers) {
+                part.seen.update(&self.gpu, &part.buffers, &volume, false);
+            }
         }
         let input = self.input(shot, &view);
         let Prepared { technique, lookup } = prepared;
         technique.prepare(&input)?;
         let mut timer = StageTimer::new(&self.gpu);
-        timer.stage(&self.gpu, Stage::GBuffer, |encoder| {
-            let parts = std::iter::once(&self.scene).chain(&self.movers);
-            let parts = parts.map(|p| (&p.buffers, &p.seen));
-            self.gbuffer.encode(&self.gpu, encoder, &self.frame, &targets, parts);
-        })?;
+        if drawn.is_none() {
+            timer.stage(&self.gpu, Stage::GBuffer, |encoder| {
+                let parts = std::iter::once(&self.scene).chain(&self.movers);
+                let parts = parts.map(|p| (&p.buffers, &p.seen));
+                self.gbuffer.encode(&self.gpu, encoder, &self.frame, &targets, parts);
+            })?;
+        }
         timer.stage(&self.gpu, Stage::Depth, |encoder| technique.encode_depth(&input, encoder))?;
         timer.stage(&self.gpu, Stage::Build, |encoder| technique.encode_build(&input, encoder))?;
         timer.stage(&self.gpu, Stage::Lookup, |encoder| {
@@ -239,7 +272,8 @@ impl Renderer {
             }
         })?;
         let mut ambient = self.ambient.take();
-        let open = ambient.as_mut().filter(|_| answer == Answer::Visibility);
+        let has_ambient = drawn.as_ref().is_some_and(|drawn| drawn.ambient);
+        let open = ambient.as_mut().filter(|_| answer == Answer::Visibility && !has_ambient);
         if let Some(AmbientSource::Estimated(passes)) = open {
             self.encode_ambient(shot, &targets, passes, &mut timer)?;
         }
@@ -250,8 +284,16 @@ impl Renderer {
             self.composite.encode(&self.gpu, encoder, &self.frame, &targets, &factor.view, open);
         })?;
         self.ambient = ambient;
-        let times = timer.finish(&self.gpu)?;
+        let mut times = timer.finish(&self.gpu)?;
         technique.check(&self.gpu)?;
+        if let Some(drawn) = &drawn {
+            times.add(&drawn.times);
+        }
+        self.drawn = Some(Drawn {
+            shot: *shot,
+            ambient: has_ambient || answer == Answer::Visibility,
+            times: times.without_shadows(),
+        });
         self.targets = Some(targets);
         self.answered = answer;
         Ok(times)

@@ -68,6 +68,18 @@ impl FrameTimes {
             .iter()
             .sum()
     }
+
+    /// What does not depend on the technique: G-buffer and ambient occlusion.
+    pub(crate) fn without_shadows(mut self) -> Self {
+        for stage in [Stage::Depth, Stage::Build, Stage::Lookup, Stage::Screen, Stage::Composite] {
+            self.milliseconds[stage as usize] = 0.0;
+        }
+        self
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.milliseconds.iter_mut().zip(other.milliseconds).for_each(|(sum, more)| *sum += more);
+    }
 }
 
 /// Measures the stages of a frame.

@@ -97,7 +97,8 @@ impl LayerPass {
 
 impl Renderer {
     /// Draws a frame and a layer of it into `picture`, each of whose pixels is the mean of `samples` × `samples`; `shot`'s camera has
-    /// the picture's size. Cost: a frame of all samples, and a second one where the layer is a tint.
+    /// the picture's size. Cost: a frame of all samples, a tint's look-up besides; G-buffer and ambient occlusion once for all layers and
+    /// techniques of one `shot`, as [`Renderer::draw_again`] has it.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -113,10 +114,10 @@ impl Renderer {
         fine.camera.width = picture.size[0] * samples;
         fine.camera.height = picture.size[1] * samples;
         if let Some((answer, _)) = layer.tint() {
-            self.draw(&fine, prepared, answer)?;
+            self.draw_again(&fine, prepared, answer)?;
             self.keep_tint(picture)?;
         }
-        let times = self.draw(&fine, prepared, Answer::Visibility)?;
+        let times = self.draw_again(&fine, prepared, Answer::Visibility)?;
         let Some(targets) = self.targets() else { return Ok(times) };
         let gpu = self.gpu();
         gpu.queue.write_buffer(&picture.params, 0, &params(picture.size, samples, layer).bytes());
