@@ -105,14 +105,13 @@ impl Display {
         self.xdotool(&["key", key]);
     }
 
-    /// The view's window, once it is there, with the focus.
+    /// The view's window, once it is seen.
     fn window(&self, view: &mut View) -> String {
         let start = Instant::now();
         while start.elapsed() < PATIENCE {
             view.must_run("its window was there");
-            let found = self.xdotool(&["search", "--name", "^adumbra: "]);
+            let found = self.xdotool(&["search", "--onlyvisible", "--name", "^adumbra: "]);
             if let Some(id) = found.lines().next() {
-                self.xdotool(&["windowfocus", "--sync", id]);
                 return id.to_owned();
             }
             std::thread::sleep(Duration::from_millis(50));
@@ -264,6 +263,7 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
         }
     };
     wait_for(&first);
+    display.xdotool(&["windowfocus", "--sync", &window]);
     // The next technique is voxel+csm, the next layer what is shadowed.
     display.press("t");
     display.press("l");
@@ -300,8 +300,8 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
     let scene = folder.generate("primitives");
-    let [before, after, split, kept, difference, ball, window] =
-        ["a", "b", "c", "d", "e", "f", "g"].map(|name| folder.path(&format!("{name}.png")));
+    let [before, after, split, kept, difference, soft, ball, window] =
+        ["a", "b", "c", "d", "e", "f", "g", "h"].map(|name| folder.path(&format!("{name}.png")));
     let steps = json!([
         {"wait": "ball"},
         {"ball": false},
@@ -325,6 +325,11 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
         {"difference": 4.0},
         {"screenshot": difference},
         "single",
+        {"bake": 1024},
+        // The file that is there has no penumbrae: another is baked.
+        {"shadow": {"side": "first", "technique": "voxel:soft:angle=4"}},
+        {"wait": "baked"},
+        {"screenshot": soft},
         {"ball": true},
         {"wait": "ball"},
         {"time": 2.0},
@@ -347,6 +352,17 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     let colored =
         |p: &str| picture(p).rgb.as_chunks::<3>().0.iter().filter(|c| c[0].abs_diff(c[2]) > 60).count();
     assert!(colored(&difference) > 20 && colored(&kept) == 0, "the file differs from rays along edges");
+    let (file, drawn) = (folder.path("soft.adumbra"), folder.path("render.png"));
+    let sun = ["--azimuth", "250", "--elevation", "30"];
+    let baked = ["bake", &scene, "--resolution", "1024", "--layout", "hierarchy", "-o", &file];
+    let (code, error) = adumbra(&[&baked[..], &sun].concat());
+    assert_eq!(code, 0, "{error}");
+    let rendered = ["render", &scene, "--shadow-file", &file, "--shadow", "voxel:soft:angle=4"];
+    let rest = ["--layer", "shadow", "--antialias", "1", "-o", &drawn];
+    let (code, error) = adumbra(&[&rendered[..], &CAMERA, &rest].concat());
+    assert_eq!(code, 0, "{error}");
+    let (flip, off) = apart(&soft, &drawn);
+    assert!(flip <= MOST_FLIP && off <= 0.002, "penumbrae: FLIP {flip}, {off} off");
     let (bare, panel) = (picture(&ball), picture(&window));
     assert_eq!((bare.width, bare.height), (panel.width, panel.height));
     let covered = bare.rgb.iter().zip(&panel.rgb).filter(|(a, b)| a.abs_diff(**b) > 30).count();
@@ -364,6 +380,75 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     assert!(file != rays && wrong * 50 < rays.len(), "{wrong} of {}", rays.len());
     let red = picture(&ball).rgb.as_chunks::<3>().0.iter().filter(|c| c[0] > 2 * c[1].max(40)).count();
     assert!(red > 100, "the ball is seen: {red} pixels of it");
+}
+
+#[test]
+fn view_s_script_ends_where_a_step_cannot_be_done() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let nowhere = folder.path("nowhere/window.png");
+    let shot = folder.path("shot.png");
+    let cases: [(&[&str], Value, &str); 4] = [
+        (&[], json!([{"wait": "loaded"}, {"window_shot": nowhere}, "quit"]), "step 2"),
+        (&["--max-memory", "1"], json!([{"wait": "baked"}, {"screenshot": shot}, "quit"]), "the bake failed"),
+        (&[], json!([{"orbit": [5, 0]}, "quit"]), "no scene yet"),
+        (&[], json!([{"wait": "loaded"}, {"key": "F5"}, "quit"]), "F5 does nothing"),
+    ];
+    for (arguments, steps, fault) in cases {
+        let arguments = [&[scene.as_str()], arguments].concat();
+        let (code, said) = display.play(&folder, &arguments, &steps);
+        assert!(code == 3 && said.contains(fault), "{steps}: {code}: {said}");
+    }
+}
+
+#[test]
+fn view_keeps_what_comes_before_its_scene() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let (scene, other) = (folder.generate("primitives"), folder.generate("spheres"));
+    let broken = folder.write("broken.glb", b"glTF, but not really");
+    let file = folder.path("primitives.adumbra");
+    let (code, error) = adumbra(&["bake", &scene, "--resolution", "512", "-o", &file]);
+    assert_eq!(code, 0, "{error}");
+    let saved = folder.path("camera.json");
+    let steps = json!([
+        {"camera": {"eye": [1.0, 2.0, 3.0], "target": [0.0, 0.5, 0.0]}},
+        // A scene that cannot be loaded takes nothing away.
+        {"drop": broken},
+        {"drop": file},
+        {"wait": "loaded"},
+        {"wait": {"message": "broken.glb"}},
+        {"save_camera": saved},
+        "say_line",
+        {"sun": {"azimuth": 10.0, "elevation": 50.0}},
+        "say_line",
+        // As the view began with it: the file was not there then, but it is for that sun.
+        "reset_sun",
+        {"wait": "baked"},
+        "say_line",
+        {"key": "w"},
+        {"drop": other},
+        {"wait": "loaded"},
+        "say_line",
+        "quit",
+    ]);
+    let begin = [scene.as_str(), "--resolution", "512", "--max-memory", "1GiB", "--time=-2"];
+    let (code, said) = display.play(&folder, &begin, &steps);
+    assert_eq!(code, 0, "{said}");
+    let saved: Value = serde_json::from_slice(&std::fs::read(&saved).unwrap()).unwrap();
+    assert_eq!(saved["eye"], json!([1.0, 2.0, 3.0]));
+    let lines: Vec<&str> = said.lines().filter_map(|line| line.split("adumbra view ").nth(1)).collect();
+    let has_file = lines.iter().map(|line| line.contains(&file)).collect::<Vec<_>>();
+    assert_eq!(has_file, [true, false, true, false], "{said}");
+    assert!(
+        lines.iter().all(|line| line.contains("--max-memory 1073741824 ") || line.ends_with("1073741824"))
+    );
+    assert!(lines[3].starts_with(&other), "{said}");
+    // What it says is taken.
+    let again: Vec<&str> = lines[2].split(' ').collect();
+    let (code, said) = display.play(&folder, &again, &json!([{"wait": "loaded"}, "quit"]));
+    assert_eq!(code, 0, "{said}");
 }
 
 #[test]

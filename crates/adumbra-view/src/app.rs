@@ -17,9 +17,9 @@ use adumbra_render::{FrameTimes, Gpu, RenderError};
 use crate::beginning::Beginning;
 use crate::boxes;
 use crate::command::{Command, Side};
-use crate::error::Result;
+use crate::error::{Result, ViewError};
 use crate::keys;
-use crate::loading::{self, DropKind};
+use crate::loading::{self, DropKind, Loads};
 use crate::messages::{Messages, Say};
 use crate::news::Teller;
 use crate::options::ViewOptions;
@@ -34,6 +34,15 @@ use crate::{ball, command_line};
 const HISTORY: usize = 240;
 /// Distances from eye to target that a second of flying is worth.
 const FLIGHT_PER_SECOND: f64 = 0.8;
+
+/// Of them a key that a script presses, or that is pressed for a moment, is worth.
+const KEY_FLIGHT: f64 = 0.04;
+
+/// Whether a command moves a camera from where it stands, for which a scene must be there.
+fn is_relative(command: &Command) -> bool {
+    use Command::{Fly, Look, Orbit, Pan, Zoom};
+    matches!(command, Orbit(_) | Look(_) | Pan(_) | Fly(_) | Zoom(_))
+}
 
 /// Where the ball stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,9 +62,11 @@ pub(crate) struct App {
     /// As the view began.
     pub(crate) begin: Settings,
     pub(crate) stage: Option<Stage>,
-    pub(crate) loading: Option<PathBuf>,
+    pub(crate) loads: Loads,
     pub(crate) shadows: Shadows,
     tracing: TraceThread,
+    /// Why the rays that were asked for last do not come.
+    trace_fault: Option<String>,
     ball: BallState,
     /// Eye and target that see the ball's way.
     viewpoint: Option<[[f64; 3]; 2]>,
@@ -67,24 +78,26 @@ pub(crate) struct App {
     dirty: bool,
     /// A scene or a file is read, after which the script goes on.
     reading: u32,
-    /// Number of the scene that is loaded last: earlier ones that come later are dropped.
-    load: u64,
-    /// A file that was read while a scene is loaded: it is the scene's.
-    held: Option<(AnyFile, PathBuf)>,
+    /// Files that were read while a scene is loaded: they are the scene's.
+    held_files: Vec<(AnyFile, PathBuf)>,
+    /// The same of a camera.
+    held_camera: Option<Camera>,
     pub(crate) resize: Option<[u32; 2]>,
     /// Where the whole window is to be written when it is drawn next.
     pub(crate) window_shot: Option<PathBuf>,
+    /// How that went.
+    pub(crate) window_shot_done: Option<Result<(), String>>,
     pub(crate) quit: bool,
 }
 
 impl App {
     /// Begins to load.
     pub(crate) fn new(beginning: Beginning, gpu: Gpu, teller: Teller, say: Say) -> Self {
-        let Beginning { mut options, settings, file } = beginning;
+        let Beginning { mut options, settings, files } = beginning;
         let player = options.script.take().map(Player::new);
         let mut shadows = Shadows::new(options.max_memory_bytes, teller.clone());
-        if let Some(file) = file {
-            shadows.give(file, options.shadow_file.clone());
+        for (file, path) in files.into_iter().zip(&options.shadow_files) {
+            shadows.give(file, Some(path.clone()));
         }
         let mut app = Self {
             gpu,
@@ -93,8 +106,9 @@ impl App {
             begin: settings.clone(),
             settings,
             stage: None,
-            loading: None,
+            loads: Loads::default(),
             shadows,
+            trace_fault: None,
             ball: BallState::None,
             viewpoint: None,
             messages: Messages::new(say),
@@ -102,10 +116,11 @@ impl App {
             times: VecDeque::new(),
             dirty: true,
             reading: 0,
-            load: 0,
-            held: None,
+            held_files: Vec::new(),
+            held_camera: None,
             resize: None,
             window_shot: None,
+            window_shot_done: None,
             quit: false,
             options,
         };
@@ -118,13 +133,16 @@ impl App {
     }
 
     fn load(&mut self, path: PathBuf) {
-        self.loading = Some(path.clone());
-        self.load += 1;
-        loading::load_scene(self.load, path, self.options.load.clone(), self.teller.clone());
+        let load = self.loads.begin(path.clone());
+        loading::load_scene(load, path, self.options.load.clone(), self.teller.clone());
     }
 
     /// Does what a user asks; what goes wrong is shown.
     pub(crate) fn command(&mut self, command: &Command) {
+        if self.stage.is_none() && is_relative(command) {
+            // Whoever turns what is not there yet sees that it is loaded.
+            return;
+        }
         if let Err(what) = self.try_command(command) {
             self.messages.error(what);
         }
@@ -132,8 +150,14 @@ impl App {
 
     fn try_command(&mut self, command: &Command) -> Result<(), String> {
         self.dirty = true;
+        let needs_scene =
+            is_relative(command) || matches!(command, Command::SaveCamera(_) | Command::SayLine);
+        if needs_scene && self.stage.is_none() {
+            return Err("there is no scene yet".to_owned());
+        }
         if self.settings.apply(command)? {
             match command {
+                Command::Camera { .. } => self.hold_camera(),
                 Command::Ball(_) => self.seek_ball()?,
                 Command::Bake(_) => self.shadows.rebake(),
                 _ => {}
@@ -142,8 +166,9 @@ impl App {
         }
         match command {
             Command::Key(key) => {
-                let command = keys::command(key, &self.settings)
-                    .ok_or_else(|| format!("{key} does nothing; press ?"))?;
+                let flight = || keys::flight(key).map(|way| Command::Fly(way.map(|w| KEY_FLIGHT * w)));
+                let command = keys::command(key, &self.settings).or_else(flight);
+                let command = command.ok_or_else(|| format!("{key} does nothing; press ?"))?;
                 return self.try_command(&command);
             }
             Command::LoadCamera(path) => {
@@ -153,6 +178,7 @@ impl App {
                 if let Some(sun) = file.sun.filter(|sun| !is_same_sun(sun, &self.settings.sun)) {
                     self.settings.sun = sun;
                 }
+                self.hold_camera();
             }
             Command::ResetSun => self.settings.sun = self.begin.sun,
             Command::ResetCamera => self.reset_camera(),
@@ -160,6 +186,8 @@ impl App {
                 let Camera { width, height, .. } = self.settings.camera;
                 self.settings = self.begin.clone();
                 (self.settings.camera.width, self.settings.camera.height) = (width, height);
+                self.held_camera = None;
+                self.shadows.return_to_given();
                 self.seek_ball()?;
             }
             Command::WatchBall => {
@@ -211,7 +239,15 @@ impl App {
         Ok(())
     }
 
+    /// Keeps a camera that was asked for while a scene is loaded: it is the scene's.
+    fn hold_camera(&mut self) {
+        if !self.loads.are_done() {
+            self.held_camera = Some(self.settings.camera);
+        }
+    }
+
     fn reset_camera(&mut self) {
+        self.held_camera = None;
         let Camera { width, height, .. } = self.settings.camera;
         self.settings.camera = Camera { width, height, ..self.begin.camera };
     }
@@ -262,11 +298,12 @@ impl App {
         self.gpu.name()
     }
 
-    /// The command that shows this view again. A shadow file that was dropped is not in it: its sun is.
+    /// The command that shows this view again: with shadow files that were given or dropped, as long as the sun stands where they say.
     pub(crate) fn command_line(&self) -> String {
         let scene = self.stage.as_ref().map_or(&self.options.scene, |s| &s.scene().path);
         let ball = self.options.ball_text.as_deref();
-        let words = command_line::of(scene, self.shadows.given_path(&self.settings), ball, &self.settings);
+        let files = self.shadows.given_paths(&self.settings);
+        let words = command_line::of(scene, &files, ball, &self.settings);
         [&[words], &self.options.repeated[..]].concat().join(" ")
     }
 
@@ -288,19 +325,23 @@ impl App {
             let step = FLIGHT_PER_SECOND * seconds.min(0.25);
             self.command(&Command::Fly(flight.map(|f| f * step)));
         }
-        let Some(stage) = &self.stage else { return self.play() };
+        let Some(stage) = &mut self.stage else { return self.play() };
         if self.settings.playing
             && let Some(end) = stage.end_seconds()
         {
             self.settings.seconds = (self.settings.seconds + seconds) % end.max(1e-3);
             self.dirty = true;
         }
-        self.shadows.reconcile(&self.settings, stage.scene());
+        if self.shadows.reconcile(&self.settings, stage.scene()) {
+            stage.forget_files();
+            self.dirty = true;
+        }
         if let Some(key) = stage.trace_key(&self.settings)
             && !self.settings.playing
             && !stage.has_traced(&key)
+            && self.tracing.ask(key, stage.scene(), stage.ball())
         {
-            self.tracing.ask(key, stage.scene(), stage.ball());
+            self.trace_fault = None;
         }
         self.play()
     }
@@ -308,7 +349,17 @@ impl App {
     /// Plays the script as far as it goes now.
     fn play(&mut self) -> Result<()> {
         let Some(mut player) = self.player.take() else { return Ok(()) };
-        while self.window_shot.is_none() {
+        loop {
+            if self.window_shot.is_some() {
+                // It is drawn next.
+                player.check_patience()?;
+                break;
+            }
+            if let Some(done) = self.window_shot_done.take() {
+                done.map_err(|what| player.fault(what))?;
+                player.did();
+                continue;
+            }
             match player.next(&self.progress())? {
                 None => break,
                 Some(command) => {
@@ -317,6 +368,11 @@ impl App {
                         Err(what) if matches!(command, Command::Drop(_)) => self.messages.error(what),
                         Err(what) => return Err(player.fault(what)),
                         Ok(()) => {}
+                    }
+                    match command {
+                        Command::WindowShot(_) => continue,
+                        Command::Screenshot(_) => self.check_shot(&player)?,
+                        _ => {}
                     }
                     player.did();
                     if self.quit {
@@ -331,11 +387,22 @@ impl App {
         Ok(())
     }
 
+    /// A picture of a technique that cannot be drawn is none of it.
+    fn check_shot(&self, player: &Player) -> Result<()> {
+        let failure = self.stage.as_ref().and_then(|stage| stage.failure(&self.settings));
+        failure.map_or(Ok(()), |what| Err(player.fault(what.to_owned())))
+    }
+
+    /// What is wrong with ending now: a script that is not done.
+    pub(crate) fn unfinished(&self) -> Option<ViewError> {
+        self.player.as_ref().map(|player| player.fault("the window was closed".to_owned()))
+    }
+
     fn progress(&self) -> Progress<'_> {
         let stage = self.stage.as_ref();
         let key = stage.and_then(|s| s.trace_key(&self.settings));
         Progress {
-            is_loaded: stage.is_some() && self.loading.is_none() && self.reading == 0,
+            is_loaded: stage.is_some() && self.loads.are_done() && self.reading == 0,
             is_baked: stage.is_some_and(|s| self.shadows.is_settled(&self.settings, s.scene())),
             has_landed: stage.is_some() && self.shadows.has_landed(&self.settings),
             is_playing: self.settings.playing,
@@ -343,6 +410,8 @@ impl App {
             is_traced: stage.is_some_and(|s| key.as_ref().is_none_or(|k| s.has_traced(k))),
             has_ball: stage.is_some_and(|s| s.ball().is_some()),
             size: [self.settings.camera.width, self.settings.camera.height],
+            bake_fault: stage.and_then(|s| self.shadows.fault(&self.settings, s.scene())),
+            trace_fault: self.trace_fault.as_deref(),
             messages: self.messages.said(),
         }
     }

@@ -8,10 +8,12 @@ use adumbra::Error;
 use adumbra::bake::{self, Options, Size};
 use adumbra::format::{AnyFile, Layout, ShadowFile, TreeBody, TreeFile};
 use adumbra::light::Sun;
+use adumbra::scene::Scene;
 use adumbra::tree::{TreeOptions, bake_tree};
 
 use crate::loading::LoadedScene;
 use crate::news::{News, Teller, background_pool};
+use crate::settings::Settings;
 
 /// The coarsest level, texels on the longest side.
 const COARSEST: u64 = 512;
@@ -38,6 +40,8 @@ pub(crate) struct BakeKey {
     pub(crate) sun: Sun,
     /// Texels or voxels of the finest level.
     pub(crate) resolution: u64,
+    /// Of light-aligned files.
+    pub(crate) layout: Layout,
 }
 
 /// A bake that runs.
@@ -52,13 +56,20 @@ pub(crate) struct RunningBake {
 }
 
 impl BakeKey {
-    /// What is baked for this many texels on the longest side.
-    pub(crate) fn new(kind: FileKind, scene: u64, sun: Sun, resolution: u64) -> Self {
-        let resolution = match kind {
-            FileKind::Light => resolution,
-            FileKind::Tree => resolution.min(FINEST_TREE),
+    /// What these settings ask for.
+    pub(crate) fn new(kind: FileKind, scene: u64, settings: &Settings) -> Self {
+        let (resolution, layout) = match kind {
+            FileKind::Light if settings.uses_penumbrae() => (settings.resolution, Layout::Hierarchy),
+            FileKind::Light => (settings.resolution, Layout::default()),
+            FileKind::Tree => (settings.resolution.min(FINEST_TREE), Layout::default()),
         };
-        Self { kind, scene, sun, resolution }
+        Self { kind, scene, sun: settings.sun, resolution, layout }
+    }
+
+    /// Whether what this key bakes does where `wanted` is asked for.
+    pub(crate) fn serves(&self, wanted: &Self) -> bool {
+        let as_wanted = Self { layout: wanted.layout, ..*self };
+        as_wanted == *wanted && (self.layout == wanted.layout || self.layout == Layout::Hierarchy)
     }
 }
 
@@ -135,13 +146,12 @@ fn bake_levels(
                     ..Options::new(key.sun, Size::Resolution(resolution))
                 };
                 let done = |p: bake::Progress| tell(p.done_tiles as f64 / p.total_tiles.max(1) as f64);
-                let baked = bake::bake(&scene.still, &options, &done, cancel)?;
-                let file = ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::default());
-                AnyFile::Light(file.map_err(Error::from)?)
+                AnyFile::Light(bake_light(&scene.still, &options, key.layout, &done, cancel)?)
             }
             FileKind::Tree => {
                 let options = TreeOptions {
                     ignore_alpha: scene.ignore_alpha,
+                    max_memory_bytes: max_memory,
                     ..TreeOptions::new(key.sun, Size::Resolution(resolution))
                 };
                 let baked = bake_tree(&scene.still, &options, &|p| tell(p.done_share), cancel)?;
@@ -161,6 +171,21 @@ fn bake_levels(
     Ok(())
 }
 
+fn bake_light(
+    scene: &Scene,
+    options: &Options,
+    layout: Layout,
+    progress: &(dyn Fn(bake::Progress) + Sync),
+    cancel: &AtomicBool,
+) -> adumbra::Result<ShadowFile> {
+    if layout == Layout::Hierarchy {
+        let baked = bake::bake_hierarchy(scene, options, true, progress, cancel)?;
+        return Ok(ShadowFile::hierarchy(baked.grid, baked.settings, baked.hierarchy));
+    }
+    let baked = bake::bake(scene, options, progress, cancel)?;
+    ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, layout).map_err(Error::from)
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::PathBuf;
@@ -169,6 +194,7 @@ mod tests {
     use adumbra::scene::{GeneratedKind, generate};
 
     use super::*;
+    use crate::settings::tests::settings;
 
     fn scene() -> Arc<LoadedScene> {
         let scene = generate(GeneratedKind::Primitives, 1);
@@ -183,12 +209,23 @@ mod tests {
     }
 
     #[test]
+    fn hierarchy_serves_all_and_packed_no_penumbrae() {
+        let hard = BakeKey::new(FileKind::Light, 1, &settings());
+        let mut soft = settings();
+        soft.shadows[0] = "voxel:soft".parse().unwrap();
+        let soft = BakeKey::new(FileKind::Light, 1, &soft);
+        assert_eq!((hard.layout, soft.layout), (Layout::Packed, Layout::Hierarchy));
+        assert!(hard.serves(&hard) && soft.serves(&hard) && soft.serves(&soft) && !hard.serves(&soft));
+        assert!(!soft.serves(&BakeKey { resolution: 512, ..hard }));
+    }
+
+    #[test]
     fn bake_tells_every_level_of_either_kind() {
         let sun = Sun::from_angles(40.0, 50.0).unwrap();
         for (kind, finest) in [(FileKind::Light, 2048), (FileKind::Tree, 512)] {
             let (tell, told) = mpsc::channel();
             let teller = Teller::new(move |news| tell.send(news).unwrap());
-            let key = BakeKey::new(kind, 1, sun, finest);
+            let key = BakeKey::new(kind, 1, &Settings { sun, resolution: finest, ..settings() });
             let running = RunningBake::start(key, scene(), None, teller);
             let mut landed = Vec::new();
             for news in told {
@@ -216,7 +253,7 @@ mod tests {
         let sun = Sun::from_angles(40.0, 50.0).unwrap();
         let (tell, told) = mpsc::channel();
         let teller = Teller::new(move |news| tell.send(news).unwrap());
-        let key = BakeKey::new(FileKind::Light, 1, sun, 32_768);
+        let key = BakeKey::new(FileKind::Light, 1, &Settings { sun, resolution: 32_768, ..settings() });
         let running = RunningBake::start(key, scene(), None, teller);
         running.cancel();
         let ended: Vec<_> =

@@ -8,7 +8,7 @@ use adumbra::scene::MoverPolicy;
 use crate::command::{Command, Side};
 use crate::error::{Result, ViewError};
 use crate::options::ViewOptions;
-use crate::settings::Settings;
+use crate::settings::{Settings, Shown};
 use crate::shadows::{ignored_alpha, is_same_sun, sun_of};
 
 /// The sun where nobody says: as `adumbra bake` has it.
@@ -18,11 +18,12 @@ const USUAL_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 pub(crate) struct Beginning {
     pub(crate) options: ViewOptions,
     pub(crate) settings: Settings,
-    pub(crate) file: Option<AnyFile>,
+    /// In the order of the options' paths.
+    pub(crate) files: Vec<AnyFile>,
 }
 
 impl Beginning {
-    /// Reads the shadow file.
+    /// Reads the shadow files.
     ///
     /// # Errors
     /// Options that do not fit, or a file that cannot be read.
@@ -32,16 +33,27 @@ impl Beginning {
         if options.load.movers == MoverPolicy::LeaveOut {
             options.load.movers = MoverPolicy::Keep;
         }
-        let file = options.shadow_file.as_deref().map(AnyFile::read).transpose()?;
-        if let Some(file) = &file {
-            let asked = options.sun.filter(|sun| !is_same_sun(sun, &sun_of(file)));
-            settings.sun = asked.unwrap_or_else(|| sun_of(file));
-            options.load.ignore_alpha |= ignored_alpha(file);
-            if options.shadows[0].is_none() && matches!(file, AnyFile::Tree(_)) {
+        let files = options.shadow_files.iter().map(AnyFile::read).collect::<Result<Vec<_>, _>>()?;
+        if let [first, rest @ ..] = &files[..] {
+            if rest.iter().any(|file| std::mem::discriminant(file) == std::mem::discriminant(first))
+                || rest.len() > 1
+            {
+                let what =
+                    "--shadow-file: give at most one file of each kind, light-aligned and world-aligned";
+                return Err(ViewError::Options { what: what.to_owned() });
+            }
+            let asked = options.sun.filter(|sun| !is_same_sun(sun, &sun_of(first)));
+            settings.sun = asked.unwrap_or_else(|| sun_of(first));
+            if files.iter().any(ignored_alpha) && !options.load.ignore_alpha {
+                options.load.ignore_alpha = true;
+                // The files say so now; a bake in their place is to do the same.
+                options.repeated.push("--ignore-alpha".to_owned());
+            }
+            if options.shadows[0].is_none() && files.iter().all(|file| matches!(file, AnyFile::Tree(_))) {
                 settings.shadows[0] = "voxel-cubes".parse()?;
             }
         }
-        Ok(Self { options, settings, file })
+        Ok(Self { options, settings, files })
     }
 }
 
@@ -81,6 +93,11 @@ fn settings_of(options: &ViewOptions) -> Result<Settings> {
         Command::Ao(options.ambient.to_string()),
         Command::Bake(options.resolution),
         Command::Antialias(options.antialias),
+        match options.shown {
+            Shown::Single => Command::Single,
+            Shown::Split(at) => Command::Split(at),
+            Shown::Difference(gain) => Command::Difference(gain),
+        },
     ] {
         settings.apply(&command).map_err(wrong)?;
     }

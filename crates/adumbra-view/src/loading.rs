@@ -1,5 +1,6 @@
 //! Scenes and shadow files, read on another thread.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -72,6 +73,48 @@ impl LoadedScene {
     }
 }
 
+/// Scenes that are under way, by number. What was asked for later is shown, as long as it comes at all: one that fails takes nothing away.
+#[derive(Default)]
+pub(crate) struct Loads {
+    under_way: BTreeMap<u64, PathBuf>,
+    begun: u64,
+    shown: u64,
+}
+
+impl Loads {
+    /// The number of the scene that a view begins with.
+    pub(crate) const FIRST: u64 = 1;
+
+    /// Another one is under way; gives its number.
+    pub(crate) fn begin(&mut self, path: PathBuf) -> u64 {
+        self.begun += 1;
+        self.under_way.insert(self.begun, path);
+        self.begun
+    }
+
+    /// The one asked for last.
+    pub(crate) fn newest(&self) -> Option<&Path> {
+        self.under_way.values().next_back().map(PathBuf::as_path)
+    }
+
+    pub(crate) fn are_done(&self) -> bool {
+        self.under_way.is_empty()
+    }
+
+    /// One has come; whether it is to be shown.
+    pub(crate) fn came(&mut self, load: u64) -> bool {
+        self.under_way.retain(|other, _| *other > load);
+        let is_newer = load > self.shown;
+        self.shown = self.shown.max(load);
+        is_newer
+    }
+
+    /// One will not come.
+    pub(crate) fn failed(&mut self, load: u64) {
+        self.under_way.remove(&load);
+    }
+}
+
 /// Loads a scene; the number comes back with it.
 pub(crate) fn load_scene(load: u64, path: PathBuf, options: LoadOptions, teller: Teller) {
     thread::spawn(move || {
@@ -93,6 +136,19 @@ pub(crate) fn read_file(path: PathBuf, teller: Teller) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn newest_scene_that_comes_is_shown() {
+        let mut loads = Loads::default();
+        let [a, b, c] = ["a", "b", "c"].map(|path| loads.begin(path.into()));
+        assert_eq!((a, loads.newest()), (Loads::FIRST, Some(Path::new("c"))));
+        loads.failed(c);
+        assert_eq!(loads.newest(), Some(Path::new("b")));
+        assert!(loads.came(b) && loads.are_done());
+        assert!(!loads.came(a), "b was asked for later");
+        let d = loads.begin("d".into());
+        assert!(loads.came(d) && loads.are_done());
+    }
 
     #[test]
     fn drop_is_told_by_its_ending() {

@@ -1,5 +1,6 @@
 //! What the view says to its user: in the window for a while, and wherever the program says things.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 /// What gets a line of what the view says.
@@ -8,6 +9,8 @@ pub type Say = Box<dyn Fn(&str)>;
 /// How long a message stays.
 const NOTE_STAYS: Duration = Duration::from_secs(5);
 const ERROR_STAYS: Duration = Duration::from_secs(15);
+/// As many are kept for scripts that wait for one.
+const MOST_SAID: usize = 1000;
 
 pub(crate) struct Message {
     pub(crate) text: String,
@@ -17,13 +20,13 @@ pub(crate) struct Message {
 
 pub(crate) struct Messages {
     shown: Vec<Message>,
-    said: Vec<String>,
+    said: VecDeque<String>,
     say: Say,
 }
 
 impl Messages {
     pub(crate) fn new(say: Say) -> Self {
-        Self { shown: Vec::new(), said: Vec::new(), say }
+        Self { shown: Vec::new(), said: VecDeque::new(), say }
     }
 
     pub(crate) fn note(&mut self, text: String) {
@@ -34,11 +37,19 @@ impl Messages {
         self.add(text, true);
     }
 
+    /// What goes wrong again and again, such as with every frame, is said once as long as it is shown.
     fn add(&mut self, text: String, is_error: bool) {
+        let until = Instant::now() + if is_error { ERROR_STAYS } else { NOTE_STAYS };
+        if is_error && let Some(same) = self.shown.iter_mut().find(|m| m.is_error && m.text == text) {
+            same.until = until;
+            return;
+        }
         (self.say)(&format!("{}: {text}", if is_error { "error" } else { "note" }));
         self.shown.retain(|m| m.text != text);
-        let until = Instant::now() + if is_error { ERROR_STAYS } else { NOTE_STAYS };
-        self.said.push(text.clone());
+        if self.said.len() == MOST_SAID {
+            self.said.pop_front();
+        }
+        self.said.push_back(text.clone());
         self.shown.push(Message { text, is_error, until });
     }
 
@@ -60,8 +71,38 @@ impl Messages {
         self.shown().map(|m| m.until).min()
     }
 
-    /// Everything that was said.
-    pub(crate) fn said(&self) -> &[String] {
+    /// What was said, the latest last.
+    pub(crate) fn said(&self) -> &VecDeque<String> {
         &self.said
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    use super::*;
+
+    #[test]
+    fn an_error_that_comes_with_every_frame_is_said_once() {
+        let lines = Rc::new(RefCell::new(Vec::new()));
+        let seen = lines.clone();
+        let mut messages = Messages::new(Box::new(move |line| seen.borrow_mut().push(line.to_owned())));
+        for _ in 0..3 {
+            messages.error("too large".to_owned());
+            messages.note("saved".to_owned());
+        }
+        assert_eq!(*lines.borrow(), ["error: too large", "note: saved", "note: saved", "note: saved"]);
+        assert_eq!(messages.said().len(), 4);
+        assert_eq!(messages.shown().count(), 2);
+    }
+
+    #[test]
+    fn what_was_said_does_not_grow_for_ever() {
+        let mut messages = Messages::new(Box::new(|_| {}));
+        (0..2 * MOST_SAID).for_each(|i| messages.note(i.to_string()));
+        assert_eq!(messages.said().len(), MOST_SAID);
+        assert_eq!(messages.said().back().unwrap(), &(2 * MOST_SAID - 1).to_string());
     }
 }

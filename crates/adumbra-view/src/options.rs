@@ -17,8 +17,9 @@ pub struct ViewOptions {
     pub scene: PathBuf,
     /// How scenes are loaded, those that are dropped too.
     pub load: LoadOptions,
-    /// A shadow file, in place of a bake; a bake begins where the sun moves.
-    pub shadow_file: Option<PathBuf>,
+    /// Shadow files, in place of bakes, one of each kind at most; a bake begins where the sun moves, and they are taken again where it
+    /// comes back.
+    pub shadow_files: Vec<PathBuf>,
     /// Shadow techniques of both sides; the file's, and cascades, where they are not given.
     pub shadows: [Option<TechniqueSpec>; 2],
     /// Ambient occlusion.

@@ -1,5 +1,6 @@
 //! Plays a script: gives its commands when what comes before them is done.
 
+use std::collections::VecDeque;
 use std::time::Instant;
 
 use crate::command::Command;
@@ -16,8 +17,12 @@ pub(crate) struct Progress<'a> {
     pub(crate) has_ball: bool,
     pub(crate) seeks_ball: bool,
     pub(crate) size: [u32; 2],
-    /// Everything that was said.
-    pub(crate) messages: &'a [String],
+    /// Why a bake failed that is waited for.
+    pub(crate) bake_fault: Option<&'a str>,
+    /// Why rays failed that are waited for.
+    pub(crate) trace_fault: Option<&'a str>,
+    /// What was said.
+    pub(crate) messages: &'a VecDeque<String>,
 }
 
 pub(crate) struct Player {
@@ -43,7 +48,20 @@ impl Player {
                 Step::Do(command) => return Ok(Some(command.clone())),
                 Step::Wait { wait } => wait,
             };
+            if *until == Until::Baked
+                && let Some(fault) = progress.bake_fault
+            {
+                // It is settled that there will be none.
+                return Err(self.fault(format!("the bake failed: {fault}")));
+            }
             if !self.is_over(until, progress) {
+                match (until, progress.bake_fault, progress.trace_fault) {
+                    (Until::Landed, Some(fault), _) => {
+                        return Err(self.fault(format!("the bake failed: {fault}")));
+                    }
+                    (Until::Traced, _, Some(fault)) => return Err(self.fault(format!("rays: {fault}"))),
+                    _ => {}
+                }
                 match until {
                     Until::Ball if !progress.seeks_ball => {
                         return Err(self.fault("there is no ball, and none is looked for".to_owned()));
@@ -53,9 +71,7 @@ impl Player {
                     }
                     _ => {}
                 }
-                if self.since.elapsed() > PATIENCE {
-                    return Err(self.fault(format!("waited for {} s", PATIENCE.as_secs())));
-                }
+                self.check_patience()?;
                 return Ok(None);
             }
             self.did();
@@ -75,6 +91,17 @@ impl Player {
             Until::Message(text) => progress.messages.iter().any(|m| m.contains(text)),
             Until::Seconds(seconds) => self.since.elapsed().as_secs_f64() >= *seconds,
         }
+    }
+
+    /// Whether the step that is next has been waited for too long.
+    ///
+    /// # Errors
+    /// [`ViewError::Step`] where it has.
+    pub(crate) fn check_patience(&self) -> Result<()> {
+        if self.since.elapsed() > PATIENCE {
+            return Err(self.fault(format!("waited for {} s", PATIENCE.as_secs())));
+        }
+        Ok(())
     }
 
     /// The step is done.

@@ -85,7 +85,15 @@ impl Script {
             };
             read.map_err(|e| wrong(format!("step {}, {value}: {e}", number + 1)))
         };
-        let steps = values.into_iter().enumerate().map(step).collect::<Result<_>>()?;
+        let steps: VecDeque<Step> = values.into_iter().enumerate().map(step).collect::<Result<_>>()?;
+        let most = PATIENCE.as_secs();
+        let is_too_long = |step: &Step| match step {
+            Step::Wait { wait: Until::Seconds(seconds) } => !(0.0..=PATIENCE.as_secs_f64()).contains(seconds),
+            _ => false,
+        };
+        if let Some(at) = steps.iter().position(is_too_long) {
+            return Err(wrong(format!("step {}: give 0 to {most} seconds", at + 1)));
+        }
         Ok(Self { path: path.to_owned(), steps, done: 0 })
     }
 
@@ -139,6 +147,7 @@ mod tests {
             (r#"[{"wait": "forever"}]"#, "step 1"),
             (r#"[{"wait": "forever"}]"#, "forever"),
             (r#"[{"split": "half"}]"#, "half"),
+            (r#"["quit", {"wait": {"seconds": 700}}]"#, "step 2: give 0 to 600"),
         ] {
             let error = parse(text).unwrap_err().to_string();
             assert!(error.contains(fault), "{error}");

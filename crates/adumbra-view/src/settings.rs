@@ -77,6 +77,11 @@ impl Settings {
         })
     }
 
+    /// Whether a technique that is seen asks for penumbrae, which a file in the hierarchy's layout has.
+    pub fn uses_penumbrae(&self) -> bool {
+        self.seen().iter().any(has_penumbrae)
+    }
+
     /// The techniques that are seen.
     pub(crate) fn seen(&self) -> &[TechniqueSpec] {
         if self.shows_both() { &self.shadows } else { &self.shadows[..1] }
@@ -110,7 +115,7 @@ impl Settings {
             Command::Single => self.shown = Shown::Single,
             Command::Split(at) => self.shown = Shown::Split(within("split", *at, 0.0, 1.0)?),
             Command::Difference(gain) => {
-                self.shown = Shown::Difference(within("difference", f64::from(*gain), 0.0, 1000.0)? as f32);
+                self.shown = Shown::Difference(within("difference", f64::from(*gain), 1e-3, 1e3)? as f32);
             }
             Command::Sun { azimuth, elevation } => {
                 self.sun = Sun::from_angles(*azimuth, *elevation).map_err(|e| e.to_string())?;
@@ -206,6 +211,12 @@ fn further<'n>(names: &[&'n str], name: &str, by: i32) -> &'n str {
 pub(crate) fn innermost(spec: &TechniqueSpec) -> TechniqueSpec {
     let base = spec.value("base").filter(|_| spec.name().starts_with("blur"));
     base.and_then(|base| base.replace('/', ":").parse().ok()).unwrap_or_else(|| spec.clone())
+}
+
+/// Whether a technique asks a file for penumbrae.
+pub(crate) fn has_penumbrae(spec: &TechniqueSpec) -> bool {
+    let spec = innermost(spec);
+    spec.name() == "voxel" && spec.value("shade") == Some("soft")
 }
 
 fn shadow(text: &str) -> Result<TechniqueSpec, String> {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use adumbra::format::AnyFile;
+use adumbra::format::{AnyFile, LightBody};
 use adumbra::light::Sun;
 
 use crate::baking::{BakeKey, FileKind, RunningBake};
@@ -24,8 +24,23 @@ pub(crate) struct Shadows {
 struct Kind {
     running: Option<RunningBake>,
     origin: Origin,
-    /// What was cancelled, or failed: not begun again.
-    stopped: Option<BakeKey>,
+    given: Option<Given>,
+    stopped: Option<Stopped>,
+}
+
+/// A file that was given, kept for when the sun comes back to where it says.
+struct Given {
+    file: Arc<AnyFile>,
+    path: Option<PathBuf>,
+    /// A bake was asked for in its place.
+    is_set_aside: bool,
+}
+
+/// A bake that is not begun again.
+struct Stopped {
+    key: BakeKey,
+    /// Why it failed; none where it was cancelled.
+    fault: Option<String>,
 }
 
 /// Where a file comes from.
@@ -35,7 +50,7 @@ enum Origin {
     #[default]
     None,
     /// It was given.
-    Given(Option<PathBuf>),
+    Given,
     /// A level of a bake, the last one or an earlier.
     Baked { key: BakeKey, is_last: bool },
 }
@@ -48,6 +63,22 @@ fn is_used(kind: FileKind, settings: &Settings) -> bool {
         FileKind::Light => settings.uses("voxel") || settings.uses("voxel+csm"),
         FileKind::Tree => settings.uses("voxel-*"),
     }
+}
+
+fn set_aside(state: &mut Kind, is_set_aside: bool) {
+    if let Some(given) = &mut state.given {
+        given.is_set_aside = is_set_aside;
+    }
+}
+
+/// Whether a file has what is asked for: this sun, and penumbrae where they are to be seen.
+fn serves(file: &AnyFile, settings: &Settings) -> bool {
+    is_same_sun(&sun_of(file), &settings.sun) && (!settings.uses_penumbrae() || !lacks_penumbrae(file))
+}
+
+/// Whether a file is light-aligned and has no penumbrae.
+pub(crate) fn lacks_penumbrae(file: &AnyFile) -> bool {
+    matches!(file, AnyFile::Light(file) if !matches!(file.body, LightBody::Hierarchy(_)))
 }
 
 /// The sun that a file was baked for.
@@ -88,15 +119,37 @@ impl Shadows {
             AnyFile::Light(_) => FileKind::Light,
             AnyFile::Tree(_) => FileKind::Tree,
         };
-        self.kinds[kind as usize] = Kind { origin: Origin::Given(path), ..Kind::default() };
-        *self.file_mut(kind) = Some(Arc::new(file));
+        let file = Arc::new(file);
+        let given = Given { file: file.clone(), path, is_set_aside: false };
+        self.kinds[kind as usize] = Kind { origin: Origin::Given, given: Some(given), ..Kind::default() };
+        *self.file_mut(kind) = Some(file);
     }
 
     /// Has everything baked anew, given files and what was stopped too; what there is stays until then.
     pub(crate) fn rebake(&mut self) {
         for state in &mut self.kinds {
             (state.origin, state.stopped) = (Origin::None, None);
+            set_aside(state, true);
         }
+    }
+
+    /// Has given files taken again wherever the sun stands where they say.
+    pub(crate) fn return_to_given(&mut self) {
+        self.kinds.iter_mut().for_each(|state| set_aside(state, false));
+    }
+
+    /// Takes a given file again where the sun has come back to it.
+    fn take_back(&mut self, kind: FileKind, settings: &Settings) -> bool {
+        let state = &mut self.kinds[kind as usize];
+        let fits = |g: &&Given| !g.is_set_aside && serves(&g.file, settings);
+        let Some(given) = state.given.as_ref().filter(fits) else { return false };
+        if matches!(state.origin, Origin::Given) {
+            return false;
+        }
+        let file = given.file.clone();
+        state.origin = Origin::Given;
+        *self.file_mut(kind) = Some(file);
+        true
     }
 
     fn file_mut(&mut self, kind: FileKind) -> &mut Option<Arc<AnyFile>> {
@@ -113,14 +166,23 @@ impl Shadows {
         }
     }
 
-    /// Where the file lies that is shown, if it was given.
-    pub(crate) fn given_path(&self, settings: &Settings) -> Option<&Path> {
+    /// Where the files lie that are shown, as far as they were given.
+    pub(crate) fn given_paths(&self, settings: &Settings) -> Vec<&Path> {
+        let shown = |kind: &FileKind| {
+            let Kind { origin, given, .. } = &self.kinds[*kind as usize];
+            let is_right = self.file(*kind).is_some_and(|f| serves(f, settings));
+            let given = given.as_ref().filter(|_| matches!(origin, Origin::Given) && is_right)?;
+            given.path.as_deref()
+        };
+        KINDS.iter().filter(|kind| is_used(**kind, settings)).filter_map(shown).collect()
+    }
+
+    /// Why what is seen of bakes failed, where it did.
+    pub(crate) fn fault(&self, settings: &Settings, scene: &LoadedScene) -> Option<&str> {
         KINDS.iter().filter(|kind| is_used(**kind, settings)).find_map(|&kind| {
-            let file = self.file(kind)?;
-            match &self.kinds[kind as usize].origin {
-                Origin::Given(path) if is_same_sun(&sun_of(file), &settings.sun) => path.as_deref(),
-                _ => None,
-            }
+            let wanted = BakeKey::new(kind, scene.number, settings);
+            let stopped = self.kinds[kind as usize].stopped.as_ref().filter(|s| s.key == wanted)?;
+            stopped.fault.as_deref()
         })
     }
 
@@ -135,31 +197,33 @@ impl Shadows {
             && self.running().next().is_none()
     }
 
-    /// Whether there is something of this sun of everything that is seen.
+    /// Whether there is something right of everything that is seen.
     pub(crate) fn has_landed(&self, settings: &Settings) -> bool {
-        let of_this_sun = |kind| self.file(kind).is_some_and(|f| is_same_sun(&sun_of(f), &settings.sun));
-        KINDS.iter().all(|&kind| !is_used(kind, settings) || of_this_sun(kind))
+        let is_right = |kind| self.file(kind).is_some_and(|f| serves(f, settings));
+        KINDS.iter().all(|&kind| !is_used(kind, settings) || is_right(kind))
     }
 
     fn is_done(&self, kind: FileKind, settings: &Settings, scene: &LoadedScene) -> bool {
-        let wanted = BakeKey::new(kind, scene.number, settings.sun, settings.resolution);
+        let wanted = BakeKey::new(kind, scene.number, settings);
         let Kind { origin, stopped, .. } = &self.kinds[kind as usize];
         let is_there = match origin {
             Origin::None => false,
-            Origin::Given(_) => self.file(kind).is_some_and(|f| is_same_sun(&sun_of(f), &settings.sun)),
-            Origin::Baked { key, is_last } => *is_last && *key == wanted,
+            Origin::Given => self.file(kind).is_some_and(|f| serves(f, settings)),
+            Origin::Baked { key, is_last } => *is_last && key.serves(&wanted),
         };
-        is_there || *stopped == Some(wanted)
+        is_there || stopped.as_ref().is_some_and(|s| s.key == wanted)
     }
 
-    /// Begins and ends bakes, so that what is seen comes to be right. One bake of a kind runs at a time.
-    pub(crate) fn reconcile(&mut self, settings: &Settings, scene: &Arc<LoadedScene>) {
+    /// Begins and ends bakes, so that what is seen comes to be right. One bake of a kind runs at a time. True where files changed.
+    pub(crate) fn reconcile(&mut self, settings: &Settings, scene: &Arc<LoadedScene>) -> bool {
+        let mut has_changed = false;
         for kind in KINDS {
-            let key = BakeKey::new(kind, scene.number, settings.sun, settings.resolution);
+            has_changed |= self.take_back(kind, settings);
+            let key = BakeKey::new(kind, scene.number, settings);
             let wanted = is_used(kind, settings) && !self.is_done(kind, settings, scene);
             let state = &mut self.kinds[kind as usize];
             match &state.running {
-                Some(running) if !wanted || running.key != key => running.cancel(),
+                Some(running) if !wanted || !running.key.serves(&key) => running.cancel(),
                 None if wanted => {
                     let teller = self.teller.clone();
                     state.running =
@@ -168,6 +232,7 @@ impl Shadows {
                 _ => {}
             }
         }
+        has_changed
     }
 
     fn running_mut(&mut self, bake: u64) -> Option<&mut Kind> {
@@ -195,7 +260,7 @@ impl Shadows {
             AnyFile::Light(file) => file.settings.resolution,
             AnyFile::Tree(file) => file.space.side_voxels(),
         };
-        let is_finer = |old: &Arc<AnyFile>| is_same_sun(&sun_of(old), &key.sun) && side(old) > side(&file);
+        let is_finer = |old: &Arc<AnyFile>| serves(old, settings) && side(old) > side(&file);
         if !is_last && self.file(key.kind).is_some_and(is_finer) {
             // A finer bake begins with what is coarser than the one before it.
             return false;
@@ -206,11 +271,11 @@ impl Shadows {
     }
 
     /// A bake ended without its last level; one that failed is not begun again.
-    pub(crate) fn ended(&mut self, bake: u64, has_failed: bool) {
+    pub(crate) fn ended(&mut self, bake: u64, fault: Option<String>) {
         let Some(state) = self.running_mut(bake) else { return };
-        let ended = state.running.take().map(|r| r.key);
-        if has_failed {
-            state.stopped = ended;
+        let ended = state.running.take();
+        if let (Some(RunningBake { key, .. }), Some(_)) = (&ended, &fault) {
+            state.stopped = Some(Stopped { key: *key, fault });
         }
     }
 
@@ -225,7 +290,8 @@ impl Shadows {
             }
             if wanted {
                 stopped = true;
-                state.stopped = Some(BakeKey::new(kind, scene.number, settings.sun, settings.resolution));
+                let key = BakeKey::new(kind, scene.number, settings);
+                state.stopped = Some(Stopped { key, fault: None });
             }
         }
         stopped
@@ -277,7 +343,7 @@ mod tests {
                     News::Baked { bake, file, last } => {
                         self.shadows.landed(bake, file, last, &self.settings);
                     }
-                    News::BakeEnded { bake, error } => self.shadows.ended(bake, error.is_some()),
+                    News::BakeEnded { bake, error } => self.shadows.ended(bake, error),
                     _ => {}
                 }
                 self.shadows.reconcile(&self.settings, &self.scene);
@@ -321,10 +387,37 @@ mod tests {
         bench.shadows.give(file, Some("given.adumbra".into()));
         bench.settle();
         assert_eq!(bench.resolution(), 512);
-        assert_eq!(bench.shadows.given_path(&bench.settings), Some(Path::new("given.adumbra")));
+        assert_eq!(bench.shadows.given_paths(&bench.settings), [Path::new("given.adumbra")]);
+        // The sun goes away and comes back.
+        let first = std::mem::replace(&mut bench.settings.sun, Sun::from_angles(10.0, 60.0).unwrap());
+        bench.settle();
+        assert_eq!(bench.resolution(), 2048);
+        assert!(bench.shadows.given_paths(&bench.settings).is_empty());
+        bench.settings.sun = first;
+        assert!(bench.shadows.reconcile(&bench.settings, &bench.scene), "the file is another");
+        assert_eq!(bench.resolution(), 512);
+        assert_eq!(bench.shadows.given_paths(&bench.settings), [Path::new("given.adumbra")]);
+        assert!(!bench.shadows.reconcile(&bench.settings, &bench.scene));
         bench.shadows.rebake();
         bench.settle();
-        assert_eq!((bench.resolution(), bench.shadows.given_path(&bench.settings)), (2048, None));
+        assert!(bench.resolution() == 2048 && bench.shadows.given_paths(&bench.settings).is_empty());
+        bench.shadows.return_to_given();
+        bench.settle();
+        assert_eq!(bench.resolution(), 512);
+    }
+
+    #[test]
+    fn a_bake_that_fails_is_told_and_not_begun_again() {
+        let mut bench = Bench::new();
+        // Less than any bake holds.
+        bench.shadows.max_memory_bytes = Some(1);
+        bench.settings.resolution = 1 << 17;
+        bench.settle();
+        assert!(bench.shadows.fault(&bench.settings, &bench.scene).is_some());
+        bench.shadows.max_memory_bytes = None;
+        bench.settings.resolution = 512;
+        bench.settle();
+        assert_eq!(bench.shadows.fault(&bench.settings, &bench.scene), None);
     }
 
     #[test]

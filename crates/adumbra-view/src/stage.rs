@@ -251,6 +251,12 @@ impl Stage {
         Ok(picture_of_rgba(size, &rgba))
     }
 
+    /// Why a technique that is seen cannot be drawn, where one cannot.
+    pub(crate) fn failure(&self, settings: &Settings) -> Option<&str> {
+        let seen = if settings.shows_both() { 2 } else { 1 };
+        self.sides[..seen].iter().find_map(SideView::failure)
+    }
+
     /// Why a layer is not there on a side, where it is not.
     pub(crate) fn missing(&self, side: Side, layer: Layer) -> Option<String> {
         self.side(side).missing(layer)

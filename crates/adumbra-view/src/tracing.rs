@@ -83,13 +83,15 @@ impl TraceThread {
         Self { jobs, asked: None }
     }
 
-    /// Asks for a picture, unless it is the one asked for last. The key's time places what moves, and the ball.
-    pub(crate) fn ask(&mut self, key: TraceKey, scene: &Arc<LoadedScene>, ball: Option<&BallPath>) {
-        if self.asked != Some(key) {
-            self.asked = Some(key);
-            // The thread lives as long as this.
-            let _ = self.jobs.send(Job { key, scene: scene.clone(), ball: ball.cloned() });
+    /// Asks for a picture, unless it is the one asked for last: then false. The key's time places what moves, and the ball.
+    pub(crate) fn ask(&mut self, key: TraceKey, scene: &Arc<LoadedScene>, ball: Option<&BallPath>) -> bool {
+        if self.asked == Some(key) {
+            return false;
         }
+        self.asked = Some(key);
+        // The thread lives as long as this.
+        let _ = self.jobs.send(Job { key, scene: scene.clone(), ball: ball.cloned() });
+        true
     }
 }
 
@@ -98,7 +100,11 @@ fn trace_all(jobs: &Receiver<Job>, teller: &Teller) {
     while let Some(mut job) = next.take() {
         let pool = match background_pool() {
             Ok(pool) => pool,
-            Err(error) => return teller.tell(News::NotTraced { error }),
+            Err(error) => {
+                teller.tell(News::NotTraced { error });
+                next = jobs.recv().ok();
+                continue;
+            }
         };
         let placed = job.place();
         let truth = pool.install(|| TruthTracer::build(&placed.whole, placed.ignore_alpha));

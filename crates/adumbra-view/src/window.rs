@@ -74,6 +74,8 @@ struct Open {
     held: BTreeSet<String>,
     modifiers: ModifiersState,
     last: Instant,
+    /// Something went on by itself until now: time that passed before does not count.
+    was_active: bool,
     /// When egui wants to be drawn again.
     repaint_at: Option<Instant>,
 }
@@ -146,6 +148,7 @@ impl Open {
             held: BTreeSet::new(),
             modifiers: ModifiersState::empty(),
             last: Instant::now(),
+            was_active: false,
             repaint_at: None,
         })
     }
@@ -252,9 +255,10 @@ impl Open {
                 }
                 self.app.write_picture(path, &picture_of_rgba([width, height], &bytes))
             });
-        if let Err(what) = written {
-            self.app.messages.error(what);
+        if let Err(what) = &written {
+            self.app.messages.error(what.clone());
         }
+        self.app.window_shot_done = Some(written);
     }
 
     /// The picture, and the panel over it.
@@ -289,7 +293,7 @@ impl Open {
     /// Goes on by the time since the last call.
     fn tick(&mut self) -> Result<()> {
         let now = Instant::now();
-        let seconds = (now - self.last).as_secs_f64();
+        let seconds = if self.was_active { (now - self.last).as_secs_f64() } else { 0.0 };
         self.last = now;
         let flight = self.flight();
         self.app.tick(seconds, flight)?;
@@ -316,8 +320,11 @@ impl Handler {
     fn check(&mut self, events: &ActiveEventLoop, outcome: Result<()>) {
         match outcome {
             Err(error) => self.end(events, Err(error)),
-            Ok(()) if self.open.as_ref().is_some_and(|o| o.app.quit) => self.end(events, Ok(())),
-            Ok(()) => {}
+            Ok(()) => {
+                if let Some(app) = self.open.as_ref().map(|o| &o.app).filter(|app| app.quit) {
+                    self.end(events, app.unfinished().map_or(Ok(()), Err));
+                }
+            }
         }
     }
 }
@@ -376,7 +383,8 @@ impl ApplicationHandler<News> for Handler {
         }
         let pulse = Instant::now() + PULSE;
         let calm = open.repaint_at.into_iter().chain(open.app.messages.until()).min();
-        let next = if open.app.is_busy() || open.is_flying() { Some(pulse) } else { calm };
+        open.was_active = open.app.is_busy() || open.is_flying();
+        let next = if open.was_active { Some(pulse) } else { calm };
         events.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
         self.check(events, outcome);
     }

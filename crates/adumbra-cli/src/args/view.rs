@@ -16,9 +16,10 @@ pub(super) const AFTER_HELP: &str = "Drop a scene, a shadow file or a camera on 
 pub(crate) struct View {
     /// Scene: .glb, .gltf, .obj or .ply
     pub(crate) scene: PathBuf,
-    /// The file whose shadows to show; a bake begins where the sun moves [default: baked behind the window, coarse to fine]
+    /// The file whose shadows to show, or given twice one of each kind; a bake begins where the sun moves [default: baked behind the window,
+    /// coarse to fine]
     #[arg(long, value_name = "FILE")]
-    pub(crate) shadow_file: Option<PathBuf>,
+    pub(crate) shadow_file: Vec<PathBuf>,
     /// A technique, as for render; given twice, the second is the other side's [default: the file's, and csm]
     #[arg(long, value_name = "NAME[:KEY=VALUE...]")]
     pub(crate) shadow: Vec<String>,
@@ -48,7 +49,7 @@ pub(crate) struct View {
     #[arg(long = "move", value_name = "MOVER", allow_hyphen_values = true)]
     pub(crate) mover: Option<String>,
     /// Seconds since the ball and the scene's animations began
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(crate) time: f64,
     /// Let time go on
     #[arg(long)]

@@ -25,12 +25,8 @@ fn options(args: &View) -> Result<ViewOptions, Failure> {
     }
     let shadow = |side: usize| args.shadow.get(side).map(|s| s.parse()).transpose();
     let shown = match (args.split, args.difference) {
-        (Some(at), _) if (0.0..=1.0).contains(&at) => Shown::Split(at),
-        (Some(at), _) => return Err(Failure::Usage(format!("--split {at}: give a share from 0 to 1"))),
-        (None, Some(gain)) if gain > 0.0 && gain.is_finite() => Shown::Difference(gain),
-        (None, Some(gain)) => {
-            return Err(Failure::Usage(format!("--difference {gain}: give a number above 0")));
-        }
+        (Some(at), _) => Shown::Split(at),
+        (None, Some(gain)) => Shown::Difference(gain),
         (None, None) => Shown::Single,
     };
     let camera = args.camera.as_deref().map(CameraFile::read).transpose()?;
@@ -45,11 +41,12 @@ fn options(args: &View) -> Result<ViewOptions, Failure> {
         return Err(Failure::Usage("--ortho: give --eye and --target too".to_owned()));
     }
     let given = args.sun.is_given().then(|| args.sun.sun()).transpose()?;
+    let memory = args.max_memory.map_or_else(Vec::new, |b| vec!["--max-memory".to_owned(), b.to_string()]);
     let layer = args.layer.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
     Ok(ViewOptions {
         scene: args.scene.clone(),
         load: args.load.load_options()?,
-        shadow_file: args.shadow_file.clone(),
+        shadow_files: args.shadow_file.clone(),
         shadows: [shadow(0)?, shadow(1)?],
         ambient: args.ao.parse()?,
         layer,
@@ -62,7 +59,7 @@ fn options(args: &View) -> Result<ViewOptions, Failure> {
         antialias: args.antialias,
         ball: args.mover.as_deref().map(str::parse).transpose()?,
         ball_text: args.mover.clone(),
-        repeated: [args.load.words(), args.device.words()].concat(),
+        repeated: [args.load.words(), args.device.words(), memory].concat(),
         seconds: args.time,
         playing: args.play,
         show_box: args.show_box,

@@ -10,7 +10,7 @@ use adumbra_render::movers::BallPath;
 use super::{App, BallState};
 use crate::boxes;
 use crate::error::{Result, ViewError};
-use crate::loading::LoadedScene;
+use crate::loading::{LoadedScene, Loads};
 use crate::news::News;
 use crate::shadows::{ignored_alpha, sun_of};
 use crate::stage::{Stage, is_fatal};
@@ -25,23 +25,22 @@ impl App {
         self.dirty |= !matches!(news, News::Baking { .. });
         match news {
             News::Scene { load, loaded: Ok(scene) } => {
-                if load == self.load {
-                    self.enter(&scene)?;
+                if self.loads.came(load) {
+                    self.enter(load, &scene)?;
                 }
             }
             News::Scene { load, loaded: Err(what) } => {
-                if load == self.load {
-                    self.loading = None;
-                }
-                if load == 1 && self.stage.is_none() && self.loading.is_none() {
+                self.loads.failed(load);
+                if self.stage.is_none() && self.loads.are_done() {
                     return Err(ViewError::Scene { what });
                 }
                 self.messages.error(what);
+                self.enter_held()?;
             }
             News::File { path, read } => {
                 self.reading -= 1;
                 match read {
-                    Ok(file) if self.loading.is_some() => self.held = Some((file, path)),
+                    Ok(file) if !self.loads.are_done() => self.held_files.push((file, path)),
                     Ok(file) => self.enter_file(file, path)?,
                     Err(what) => self.messages.error(what),
                 }
@@ -53,31 +52,33 @@ impl App {
                 }
             }
             News::BakeEnded { bake, error } => {
-                self.shadows.ended(bake, error.is_some());
-                if let Some(error) = error {
+                if let Some(error) = &error {
                     self.messages.error(format!("the bake failed: {error}"));
                 }
+                self.shadows.ended(bake, error);
             }
             News::Traced(traced) => {
                 if let Some(stage) = &mut self.stage {
                     stage.set_traced(traced);
                 }
             }
-            News::NotTraced { error, .. } => self.messages.error(format!("rays: {error}")),
+            News::NotTraced { error } => {
+                self.messages.error(format!("rays: {error}"));
+                self.trace_fault = Some(error);
+            }
             News::Ball { scene, found, .. } => self.enter_ball(scene, found)?,
         }
         Ok(())
     }
 
-    fn enter(&mut self, scene: &Arc<LoadedScene>) -> Result<()> {
-        self.loading = None;
-        let first = self.stage.is_none();
+    fn enter(&mut self, load: u64, scene: &Arc<LoadedScene>) -> Result<()> {
+        let is_only = self.stage.is_none() && self.loads.are_done();
         let stage = match Stage::new(&self.gpu, scene.clone()) {
             Ok(stage) => stage,
-            Err(error) if first || is_fatal(&error) => return Err(error.into()),
+            Err(error) if is_only || is_fatal(&error) => return Err(error.into()),
             Err(error) => {
                 self.messages.error(error.to_string());
-                return Ok(());
+                return self.enter_held();
             }
         };
         for note in &scene.notes {
@@ -91,7 +92,8 @@ impl App {
         };
         let whole = Camera::overview(&bounds, fov);
         let Camera { width, height, .. } = self.settings.camera;
-        let given = |place: Option<[f64; 3]>| place.filter(|_| first);
+        let is_first = load == Loads::FIRST;
+        let given = |place: Option<[f64; 3]>| place.filter(|_| is_first);
         self.begin.camera = Camera {
             eye: given(self.options.eye).unwrap_or(whole.eye),
             target: given(self.options.target).unwrap_or(whole.target),
@@ -99,8 +101,14 @@ impl App {
             width,
             height,
         };
+        if self.begin.camera.eye == self.begin.camera.target {
+            let what = "--eye and the scene's middle are one point: give --target too".to_owned();
+            return Err(ViewError::Options { what });
+        }
+        let held = self.held_camera.take();
         self.reset_camera();
-        if !first {
+        self.held_camera = held;
+        if !is_first {
             self.shadows.clear();
             self.settings.ball = false;
         }
@@ -109,10 +117,21 @@ impl App {
         if let Err(what) = self.seek_ball() {
             self.messages.error(what);
         }
-        match self.held.take() {
-            Some((file, path)) => self.enter_file(file, path),
-            None => Ok(()),
+        self.enter_held()
+    }
+
+    /// Takes what came while scenes were loaded, when none is any more.
+    fn enter_held(&mut self) -> Result<()> {
+        if !self.loads.are_done() {
+            return Ok(());
         }
+        if let Some(camera) = self.held_camera.take() {
+            let Camera { width, height, .. } = self.settings.camera;
+            self.settings.camera = Camera { width, height, ..camera };
+        }
+        std::mem::take(&mut self.held_files)
+            .into_iter()
+            .try_for_each(|(file, path)| self.enter_file(file, path))
     }
 
     fn enter_file(&mut self, file: AnyFile, path: PathBuf) -> Result<()> {

@@ -8,7 +8,8 @@ use adumbra_render::{
     Baked, FrameTimes, Given, Gpu, Prepared, RenderError, Renderer, Result, Shot, TechniqueSpec, build,
 };
 
-use crate::settings::innermost;
+use crate::settings::{has_penumbrae, innermost};
+use crate::shadows::lacks_penumbrae;
 use crate::tracing::{TraceKey, Traced};
 
 /// At most one shadow file of each kind.
@@ -38,10 +39,12 @@ impl Files {
         }
     }
 
-    /// The file that a technique looks up in.
+    /// The file that a technique looks up in; none that lacks what it asks for.
     pub(crate) fn of(&self, spec: &TechniqueSpec) -> Option<&AnyFile> {
         match innermost(spec).name() {
-            "voxel" | "voxel+csm" => self.light.as_deref(),
+            "voxel" | "voxel+csm" => {
+                self.light.as_deref().filter(|file| !has_penumbrae(spec) || !lacks_penumbrae(file))
+            }
             "voxel-cubes" | "voxel-texture" => self.tree.as_deref(),
             _ => None,
         }
@@ -109,6 +112,11 @@ impl SideView {
 
     pub(crate) fn note(&self) -> Option<&str> {
         self.note.as_deref()
+    }
+
+    /// Why it cannot be drawn, where it cannot.
+    pub(super) fn failure(&self) -> Option<&str> {
+        self.failed_at.and(self.note.as_deref())
     }
 
     pub(super) fn forget_file(&mut self) {

@@ -26,7 +26,7 @@ pub(crate) fn show(ui: &mut egui::Ui, app: &App) -> Vec<Command> {
     if app.settings.show_help {
         help::show(&ctx, &mut commands);
     }
-    if let Some(path) = &app.loading {
+    if let Some(path) = app.loads.newest() {
         let text = format!("loading {} …", path.display());
         label(&ctx, "loading", Align2::CENTER_CENTER, &[(text, Color32::WHITE)]);
     }

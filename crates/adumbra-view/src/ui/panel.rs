@@ -1,11 +1,11 @@
 //! The panel: what is shown, and how.
 
 use adumbra_lab::report::grouped;
+use adumbra_render::TechniqueSpec;
 use adumbra_render::layers::Layer;
 use adumbra_render::occlusion::{self, OCCLUSIONS};
 
-use super::parameters::{self, Changed};
-use super::{legend, side, times};
+use super::{legend, parameters, side, times};
 use crate::app::App;
 use crate::baking::FileKind;
 use crate::command::{Command, Side};
@@ -139,10 +139,9 @@ fn ambient(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
     }
     let Some(stage) = &app.stage else { return };
     let radius = stage.default_radius();
-    let parameters = occlusion::describe(spec, radius).unwrap_or_default();
-    if let Some(Changed { key, value }) = parameters::show(ui, "ambient", &parameters)
-        && let Ok(next) = occlusion::change(spec, radius, key, &value)
-    {
+    let describe = |spec: &TechniqueSpec| occlusion::describe(spec, radius).unwrap_or_default();
+    if let Some(changed) = parameters::show(ui, "ambient", &describe(spec), &describe) {
+        let next = changed.of(spec, |key, value| occlusion::change(spec, radius, key, value));
         commands.push(Command::Ao(next.to_string()));
     }
 }
@@ -173,15 +172,16 @@ fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
     let mut resolution = s.resolution;
     ui.horizontal(|ui| {
         egui::ComboBox::from_id_salt("resolution").selected_text(resolution.to_string()).show_ui(ui, |ui| {
-            for each in [1024, 2048, 4096, 8192, 16_384, 32_768, 65_536] {
+            for each in (9..=18).map(|log| 1 << log) {
                 ui.selectable_value(&mut resolution, each, each.to_string());
             }
         });
-        ui.label("texels, where it is baked");
+        ui.label("texels");
+        let bake = ui.button("bake").on_hover_text("anew, to as many texels on the longest side");
+        if bake.clicked() || resolution != s.resolution {
+            commands.push(Command::Bake(resolution));
+        }
     });
-    if resolution != s.resolution {
-        commands.push(Command::Bake(resolution));
-    }
     for bake in app.shadows.running() {
         ui.horizontal(|ui| {
             let text = format!("baking {}", bake.resolution);

@@ -1,27 +1,50 @@
 //! Parameters of a technique as sliders and lists: what applies, with its default, and back to it.
 
 use adumbra_render::technique::{Parameter, ParameterKind};
+use adumbra_render::{RenderError, TECHNIQUES, TechniqueSpec};
 use egui::{ComboBox, Slider, SliderClamping, Ui};
 
-/// What the user made of a technique's parameters.
+/// What the user made of one of a technique's parameters: a value, or none for what it is by default.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Changed {
     pub(super) key: &'static str,
-    pub(super) value: String,
+    pub(super) value: Option<String>,
 }
 
-/// Shows them; gives the one that was changed.
-pub(super) fn show(ui: &mut Ui, salt: &str, parameters: &[Parameter]) -> Option<Changed> {
+impl Changed {
+    /// What a technique becomes by it; `change` says no more of it than it must. What cannot be is said in full, and refused where it is
+    /// taken.
+    pub(super) fn of(
+        &self,
+        spec: &TechniqueSpec,
+        change: impl FnOnce(&str, &str) -> Result<TechniqueSpec, RenderError>,
+    ) -> TechniqueSpec {
+        let plain = spec.with(self.key, self.value.as_deref());
+        self.value.as_deref().and_then(|value| change(self.key, value).ok()).unwrap_or(plain)
+    }
+}
+
+/// Where a slider begins that has no value by default.
+const USUAL: f64 = 100.0;
+
+/// Shows them; gives the one that was changed. `describe` tells the parameters of a technique within one.
+pub(super) fn show(
+    ui: &mut Ui,
+    salt: &str,
+    parameters: &[Parameter],
+    describe: &dyn Fn(&TechniqueSpec) -> Vec<Parameter>,
+) -> Option<Changed> {
     let mut changed = None;
     egui::Grid::new(("parameters", salt)).num_columns(3).spacing([6.0, 3.0]).show(ui, |ui| {
         for p in parameters {
             ui.label(p.key).on_hover_text(p.what);
-            let value = edit(ui, salt, p);
-            let reset = !p.is_default()
-                && ui.small_button("⟲").on_hover_text(format!("back to {}", p.default)).clicked();
+            let value = edit(ui, salt, p, describe);
+            let default = if p.default.is_empty() { "what it is by itself" } else { &p.default };
+            let reset =
+                !p.is_default() && ui.small_button("⟲").on_hover_text(format!("back to {default}")).clicked();
             if reset {
-                changed = Some(Changed { key: p.key, value: p.default.clone() });
-            } else if let Some(value) = value {
+                changed = Some(Changed { key: p.key, value: None });
+            } else if value.is_some() {
                 changed = Some(Changed { key: p.key, value });
             }
             ui.end_row();
@@ -31,8 +54,17 @@ pub(super) fn show(ui: &mut Ui, salt: &str, parameters: &[Parameter]) -> Option<
 }
 
 /// One of them; gives its new value where it has one.
-fn edit(ui: &mut Ui, salt: &str, p: &Parameter) -> Option<String> {
+fn edit(
+    ui: &mut Ui,
+    salt: &str,
+    p: &Parameter,
+    describe: &dyn Fn(&TechniqueSpec) -> Vec<Parameter>,
+) -> Option<String> {
     match &p.kind {
+        ParameterKind::Number { range } if p.value.is_empty() => {
+            let usual = USUAL.clamp(*range.start(), *range.end());
+            ui.small_button("by itself").on_hover_text(p.what).clicked().then(|| rounded(usual))
+        }
         ParameterKind::Number { .. } => {
             let (range, by_factors) = p.slider()?;
             let mut value: f64 = p.value.parse().unwrap_or(*range.start());
@@ -48,39 +80,59 @@ fn edit(ui: &mut Ui, salt: &str, p: &Parameter) -> Option<String> {
         }
         ParameterKind::Integer { choices } => {
             let words: Vec<String> = choices.iter().map(u32::to_string).collect();
-            chosen(ui, salt, p, words.iter().map(String::as_str))
+            chosen(ui, (salt, p.key), &p.value, words.iter().map(String::as_str))
         }
-        ParameterKind::Word { choices } => chosen(ui, salt, p, choices.iter().copied()),
-        ParameterKind::Technique { .. } => {
-            let id = ui.scope_id().with((salt, p.key));
-            let mut text = ui.data(|d| d.get_temp(id)).unwrap_or_else(|| p.value.clone());
-            let response = ui.text_edit_singleline(&mut text).on_hover_text(p.what);
-            // Asked before the data is locked: both are behind one lock.
-            let (done, has_focus) = (response.lost_focus() && text != p.value, response.has_focus());
-            ui.data_mut(|d| {
-                d.remove::<String>(id);
-                if has_focus {
-                    d.insert_temp(id, text.clone());
-                }
-            });
-            done.then_some(text)
+        ParameterKind::Word { choices } => chosen(ui, (salt, p.key), &p.value, choices.iter().copied()),
+        ParameterKind::Technique { of } => {
+            let spec = p.nested().ok().flatten()?;
+            let inner =
+                ui.vertical(|ui| nested(ui, &format!("{salt}/{}", p.key), &spec, of.is_none(), describe));
+            inner.inner.map(|spec| p.nest(&spec))
         }
+    }
+}
+
+/// A technique within another: its name, where it may have another, and its parameters.
+fn nested(
+    ui: &mut Ui,
+    salt: &str,
+    spec: &TechniqueSpec,
+    has_name: bool,
+    describe: &dyn Fn(&TechniqueSpec) -> Vec<Parameter>,
+) -> Option<TechniqueSpec> {
+    let other = if has_name {
+        let names = TECHNIQUES.iter().map(|(name, _)| *name).filter(|name| !name.starts_with("blur"));
+        chosen(ui, (salt, "name"), spec.name(), names)
+    } else {
+        None
+    };
+    let parameters = describe(spec);
+    let title = format!("{} of {}", parameters.len(), spec.name());
+    let changed = egui::CollapsingHeader::new(title)
+        .id_salt((salt, "parameters"))
+        .show(ui, |ui| show(ui, salt, &parameters, describe))
+        .body_returned
+        .flatten();
+    match (other, changed) {
+        (Some(name), _) => name.parse().ok(),
+        (None, Some(Changed { key, value })) => Some(spec.with(key, value.as_deref())),
+        (None, None) => None,
     }
 }
 
 fn chosen<'c>(
     ui: &mut Ui,
-    salt: &str,
-    p: &Parameter,
+    salt: impl std::hash::Hash + std::fmt::Debug,
+    now: &str,
     choices: impl Iterator<Item = &'c str>,
 ) -> Option<String> {
-    let mut value = p.value.clone();
-    ComboBox::from_id_salt((salt, p.key)).selected_text(&value).show_ui(ui, |ui| {
+    let mut value = now.to_owned();
+    ComboBox::from_id_salt(salt).selected_text(&value).show_ui(ui, |ui| {
         for choice in choices {
             ui.selectable_value(&mut value, choice.to_owned(), choice);
         }
     });
-    (value != p.value).then_some(value)
+    (value != now).then_some(value)
 }
 
 /// Three digits that count are what a slider is worth.

@@ -1,12 +1,26 @@
 //! A technique of one side: its name, its parameters, what it says.
 
-use adumbra_render::{TECHNIQUES, technique};
+use adumbra_render::technique::{self, Parameter, ParameterKind};
+use adumbra_render::{Baked, TECHNIQUES, TechniqueSpec};
 
-use super::parameters::{self, Changed};
+use super::parameters;
 use crate::app::App;
 use crate::command::{Command, Side};
 use crate::settings::shadow_names;
 use crate::shadows::{is_same_sun, sun_of};
+
+/// Its parameters: of a file that has no penumbrae too, for another is baked where they are asked for.
+fn describe(spec: &TechniqueSpec, baked: Baked<'_>) -> Vec<Parameter> {
+    let of_any = technique::describe(spec, Baked::default()).unwrap_or_default();
+    let Ok(mut of_file) = technique::describe(spec, baked) else { return of_any };
+    for p in &mut of_file {
+        if let (ParameterKind::Word { .. }, Some(any)) = (&p.kind, of_any.iter().find(|any| any.key == p.key))
+        {
+            p.kind = any.kind.clone();
+        }
+    }
+    of_file
+}
 
 const WARNING: egui::Color32 = egui::Color32::from_rgb(255, 190, 110);
 
@@ -27,10 +41,12 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
         commands.push(Command::Shadow { side, technique: chosen });
     }
     let baked = app.shadows.files.baked();
-    let parameters = technique::describe(spec, baked).unwrap_or_default();
-    if let Some(Changed { key, value }) = parameters::show(ui, &format!("{side:?}"), &parameters)
-        && let Ok(next) = technique::change(spec, baked, key, &value)
-    {
+    let describe = |spec: &TechniqueSpec| describe(spec, baked);
+    if let Some(changed) = parameters::show(ui, &format!("{side:?}"), &describe(spec), &describe) {
+        let next = changed.of(spec, |key, value| {
+            technique::change(spec, baked, key, value)
+                .or_else(|_| technique::change(spec, Baked::default(), key, value))
+        });
         commands.push(Command::Shadow { side, technique: next.to_string() });
     }
     if let Some(stage) = &app.stage {

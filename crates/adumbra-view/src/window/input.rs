@@ -43,7 +43,10 @@ impl Open {
         let has_control = self.modifiers.control_key() && !self.modifiers.alt_key();
         let name = if has_control { format!("Ctrl+{}", name.to_lowercase()) } else { name };
         if keys::flight(&name.to_lowercase()).is_some() {
-            self.held.insert(name.to_lowercase());
+            // Once at least, however soon it is let go.
+            if self.held.insert(name.to_lowercase()) {
+                self.app.command(&Command::Key(name.to_lowercase()));
+            }
             return;
         }
         let Some(command) = keys::command(&name, &self.app.settings) else { return };
