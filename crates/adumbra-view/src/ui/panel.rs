@@ -40,7 +40,8 @@ pub(super) fn show(ctx: &egui::Context, app: &App, commands: &mut Vec<Command>) 
 }
 
 fn section(ui: &mut egui::Ui, title: &str, open: bool, add: impl FnOnce(&mut egui::Ui)) {
-    egui::CollapsingHeader::new(title).default_open(open).show(ui, add);
+    // What begins to be seen opens, and is as it was left from then on.
+    egui::CollapsingHeader::new(title).id_salt((title, open)).default_open(open).show(ui, add);
 }
 
 /// A path to open: not every desktop drops files on windows.

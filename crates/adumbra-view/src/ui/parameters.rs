@@ -41,7 +41,7 @@ pub(super) fn show(
             let value = edit(ui, salt, p, describe);
             let default = if p.default.is_empty() { "what it is by itself" } else { &p.default };
             let reset =
-                !p.is_default() && ui.small_button("⟲").on_hover_text(format!("back to {default}")).clicked();
+                !p.is_default() && ui.small_button("reset").on_hover_text(format!("back to {default}")).clicked();
             if reset {
                 changed = Some(Changed { key: p.key, value: None });
             } else if value.is_some() {
@@ -107,7 +107,7 @@ fn nested(
         None
     };
     let parameters = describe(spec);
-    let title = format!("{} of {}", parameters.len(), spec.name());
+    let title = format!("{} parameters of {}", parameters.len(), spec.name());
     let changed = egui::CollapsingHeader::new(title)
         .id_salt((salt, "parameters"))
         .show(ui, |ui| show(ui, salt, &parameters, describe))
