@@ -3,154 +3,21 @@
 //! Xvfb and xdotool are needed. Without them the tests say so and pass, except where `ADUMBRA_REQUIRE_TOOLS` is set, as `cargo xtask test`
 //! sets it.
 
+mod display;
 mod kit;
 
-use std::io::Read;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use adumbra::picture::Picture;
 use adumbra_lab::metrics::flip;
 use serde_json::{Value, json};
 
+use display::{PATIENCE, display, finish};
 use kit::{Folder, adumbra, program};
 
-/// Longest that a view may take.
-const PATIENCE: Duration = Duration::from_secs(240);
 /// Largest mean difference between the view's and `render`'s pictures.
 const MOST_FLIP: f64 = 0.02;
-
-/// A virtual display, gone with this.
-struct Display {
-    server: Child,
-    name: String,
-}
-
-impl Drop for Display {
-    fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
-    }
-}
-
-/// A view, gone with this.
-struct View(Child);
-
-impl Drop for View {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-fn has(tool: &str, argument: &str) -> bool {
-    Command::new(tool).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
-}
-
-/// Starts a display; none where there is nothing to start, which is said.
-fn display() -> Option<Display> {
-    if !has("Xvfb", "-help") || !has("xdotool", "version") {
-        assert!(
-            std::env::var_os("ADUMBRA_REQUIRE_TOOLS").is_none(),
-            "Xvfb and xdotool are needed (Debian, Ubuntu: apt-get install xvfb xdotool)"
-        );
-        eprintln!("SKIPPED: the window is not tested: Xvfb or xdotool is missing");
-        return None;
-    }
-    // Without -noreset the server begins anew whenever its last client has gone, and drops those that come just then:
-    // a search for the window, again and again, would cost the view its connection.
-    let mut server = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-noreset", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut number = String::new();
-    let mut out = server.stdout.take().unwrap();
-    let mut byte = [0];
-    while out.read(&mut byte).unwrap() == 1 && byte[0] != b'\n' {
-        number.push(byte[0].into());
-    }
-    assert!(!number.is_empty(), "Xvfb did not start");
-    Some(Display { server, name: format!(":{number}") })
-}
-
-impl Display {
-    /// A view that begins, without anything of another display around it.
-    fn begin(&self, arguments: &[&str]) -> View {
-        let view = Command::new(program())
-            .arg("view")
-            .args(arguments)
-            .env("DISPLAY", &self.name)
-            .env_remove("WAYLAND_DISPLAY")
-            .env_remove("WAYLAND_SOCKET")
-            .stderr(Stdio::piped())
-            .spawn();
-        View(view.unwrap())
-    }
-
-    /// A view that plays a script to its end: exit code and what it said.
-    fn play(&self, folder: &Folder, arguments: &[&str], steps: &Value) -> (i32, String) {
-        let script = folder.write("script.json", steps.to_string().as_bytes());
-        finish(self.begin(&[arguments, &["--script", &script]].concat()))
-    }
-
-    fn xdotool(&self, arguments: &[&str]) -> String {
-        let output = Command::new("xdotool").args(arguments).env("DISPLAY", &self.name).output().unwrap();
-        String::from_utf8_lossy(&output.stdout).trim().to_owned()
-    }
-
-    /// Presses a key in the window that has the focus.
-    fn press(&self, key: &str) {
-        self.xdotool(&["key", key]);
-    }
-
-    /// The view's window, once it is seen.
-    fn window(&self, view: &mut View) -> String {
-        let start = Instant::now();
-        while start.elapsed() < PATIENCE {
-            view.must_run("its window was there");
-            let found = self.xdotool(&["search", "--onlyvisible", "--name", "^adumbra: "]);
-            if let Some(id) = found.lines().next() {
-                return id.to_owned();
-            }
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        panic!("no window was opened");
-    }
-}
-
-impl View {
-    /// Fails, with what the view said, where it has ended.
-    fn must_run(&mut self, until: &str) {
-        if let Some(status) = self.0.try_wait().unwrap() {
-            let mut said = String::new();
-            let _ = self.0.stderr.take().unwrap().read_to_string(&mut said);
-            panic!("the view ended before {until}: {status}: {said}");
-        }
-    }
-}
-
-/// Exit code and stderr of a view that ends by itself.
-fn finish(mut view: View) -> (i32, String) {
-    let mut said = String::new();
-    let mut stderr = view.0.stderr.take().unwrap();
-    let reader = std::thread::spawn(move || {
-        let _ = stderr.read_to_string(&mut said);
-        said
-    });
-    let start = Instant::now();
-    loop {
-        if let Some(status) = view.0.try_wait().unwrap() {
-            return (status.code().unwrap_or(-1), reader.join().unwrap());
-        }
-        if start.elapsed() > PATIENCE {
-            drop(view);
-            panic!("the view did not end: {}", reader.join().unwrap());
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
 
 fn picture(path: &str) -> Picture {
     let image = image::open(path).unwrap_or_else(|e| panic!("{path}: {e}")).into_rgb8();

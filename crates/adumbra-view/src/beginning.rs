@@ -9,7 +9,7 @@ use crate::command::{Command, Side};
 use crate::error::{Result, ViewError};
 use crate::options::ViewOptions;
 use crate::settings::{Settings, Shown};
-use crate::shadows::{ignored_alpha, is_same_sun, sun_of};
+use crate::shadow_file::{ignored_alpha, is_same_sun, sun_of};
 
 /// The sun where nobody says: as `adumbra bake` has it.
 const USUAL_SUN: [f64; 3] = [0.5, 0.8, 0.35];

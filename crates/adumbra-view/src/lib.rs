@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `settings`, `command`, `keys`, `navigation` | what is shown, what changes it, without a window or a device |
 //! | `script`, `player` | commands from a file, one after the other |
-//! | `loading`, `baking`, `tracing`, `ball` | work on other threads; `shadows` begins and ends bakes |
+//! | `loading`, `baking`, `tracing`, `ball` | work on other threads; `shadows` begins and ends bakes, `shadow_file` reads what files say |
 //! | `stage` | draws what the settings say |
 //! | `ui/` | the panel, the plot of times, the help |
 //! | `beginning`, `app`, `window` | the loop of events that ties them together |
@@ -31,6 +31,7 @@ mod options;
 mod player;
 mod script;
 mod settings;
+mod shadow_file;
 mod shadows;
 mod stage;
 mod tracing;

@@ -12,7 +12,7 @@ use crate::boxes;
 use crate::error::{Result, ViewError};
 use crate::loading::{LoadedScene, Loads};
 use crate::news::News;
-use crate::shadows::{ignored_alpha, sun_of};
+use crate::shadow_file::{ignored_alpha, sun_of};
 use crate::stage::{Stage, is_fatal};
 
 impl App {

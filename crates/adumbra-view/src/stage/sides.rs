@@ -9,7 +9,7 @@ use adumbra_render::{
 };
 
 use crate::settings::{has_penumbrae, innermost};
-use crate::shadows::lacks_penumbrae;
+use crate::shadow_file::lacks_penumbrae;
 use crate::tracing::{TraceKey, Traced};
 
 /// At most one shadow file of each kind.

@@ -194,7 +194,7 @@ fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
     }
     for (kind, name) in [(FileKind::Light, "light-aligned"), (FileKind::Tree, "world-aligned")] {
         if let Some(file) = app.shadows.file(kind) {
-            ui.small(format!("{name}: {}", crate::shadows::words(file)));
+            ui.small(format!("{name}: {}", crate::shadow_file::words(file)));
         }
     }
 }

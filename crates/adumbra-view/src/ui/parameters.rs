@@ -40,8 +40,8 @@ pub(super) fn show(
             ui.label(p.key).on_hover_text(p.what);
             let value = edit(ui, salt, p, describe);
             let default = if p.default.is_empty() { "what it is by itself" } else { &p.default };
-            let reset =
-                !p.is_default() && ui.small_button("reset").on_hover_text(format!("back to {default}")).clicked();
+            let reset = !p.is_default()
+                && ui.small_button("reset").on_hover_text(format!("back to {default}")).clicked();
             if reset {
                 changed = Some(Changed { key: p.key, value: None });
             } else if value.is_some() {

@@ -7,7 +7,7 @@ use super::parameters;
 use crate::app::App;
 use crate::command::{Command, Side};
 use crate::settings::shadow_names;
-use crate::shadows::{is_same_sun, sun_of};
+use crate::shadow_file::{is_same_sun, sun_of};
 
 /// Its parameters: of a file that has no penumbrae too, for another is baked where they are asked for.
 fn describe(spec: &TechniqueSpec, baked: Baked<'_>) -> Vec<Parameter> {
