@@ -4,7 +4,7 @@ mod browser;
 mod kit;
 
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use browser::Browser;
@@ -76,27 +76,91 @@ fn report_keeps_what_was_measured_and_says_what_failed() {
     assert!(page.contains("Not all went well: blur (failed)") && page.contains("adumbra bench blur"));
 }
 
+/// A signal to one process.
+#[cfg(unix)]
+fn signal(name: &str, process: u32) {
+    // Where it has ended already there is nothing to signal.
+    let _ = Command::new("kill").args([&format!("-{name}"), &process.to_string()]).status().unwrap();
+}
+
+/// A report of these sections in a folder `r`, that says nothing.
+#[cfg(unix)]
+fn start_report(out: &str, sections: &str) -> Child {
+    let mut command = Command::new(program());
+    command.args(["report", "-o", out, "--only", sections]).stderr(Stdio::null()).stdout(Stdio::null());
+    command.spawn().unwrap()
+}
+
 #[cfg(unix)]
 #[test]
 fn report_leaves_what_there_is_when_interrupted() {
     let folder = Folder::new();
-    let out = folder.path("r");
-    let mut command = Command::new(program());
-    command.args(["report", "-o", &out, "--only", "verify,tree"]).stderr(Stdio::null()).stdout(Stdio::null());
-    let mut child = command.spawn().unwrap();
+    let mut child = start_report(&folder.path("r"), "verify,tree");
     let start = Instant::now();
-    while !folder.exists("r/report.html") {
-        assert!(start.elapsed() < Duration::from_secs(120), "the first section's page");
+    while !folder.exists("r/data/tree") {
+        assert!(start.elapsed() < Duration::from_secs(120), "the second section begins");
         std::thread::sleep(Duration::from_millis(20));
     }
     // To this process alone: its command must end with it.
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    signal("INT", child.id());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     let record = record(&folder);
     assert_eq!(record["sections"][0]["section"], "verify");
     assert_eq!(record["sections"][0]["outcome"], "measured");
     assert_eq!(record["sections"][1]["outcome"], "interrupted");
     assert!(page(&folder).contains("Agreement with rays"));
+}
+
+/// Processes that run in `folder`, by their first argument.
+#[cfg(target_os = "linux")]
+fn running(folder: &str) -> Vec<(u32, String)> {
+    let folder = fs::canonicalize(folder).unwrap();
+    let processes = fs::read_dir("/proc").unwrap().flatten().filter_map(|entry| {
+        let process = entry.file_name().to_str()?.parse().ok()?;
+        let here = fs::read_link(entry.path().join("cwd")).ok()? == folder;
+        let words = fs::read_to_string(entry.path().join("cmdline")).ok()?;
+        here.then(|| (process, words.split('\0').nth(1).unwrap_or_default().to_owned()))
+    });
+    processes.collect()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn report_interrupted_ends_what_its_command_started() {
+    let folder = Folder::new();
+    let out = folder.path("r");
+    let mut child = start_report(&out, "bake");
+    let limit = Duration::from_secs(120);
+    let start = Instant::now();
+    // A bake that was stopped does not end when it is asked to.
+    loop {
+        assert!(start.elapsed() < limit, "a bake begins");
+        std::thread::sleep(Duration::from_millis(5));
+        let processes = if folder.exists("r") { running(&out) } else { Vec::new() };
+        let Some((bake, _)) = processes.into_iter().find(|(_, verb)| verb == "bake") else { continue };
+        signal("STOP", bake);
+        let state = fs::read_to_string(format!("/proc/{bake}/stat")).unwrap_or_default();
+        if state.contains(") T ") {
+            break;
+        }
+    }
+    let start = Instant::now();
+    signal("TERM", child.id());
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break Some(status);
+        }
+        if start.elapsed() > Duration::from_secs(30) {
+            break None;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let left = running(&out);
+    // Before anything is asserted: else they stay behind.
+    left.iter().map(|(process, _)| *process).for_each(|process| signal("KILL", process));
+    assert_eq!(status.and_then(|s| s.code()), Some(130), "after {:.1} s", start.elapsed().as_secs_f64());
+    assert_eq!(left, []);
+    assert_eq!(record(&folder)["sections"][0]["outcome"], "interrupted");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! made of. After each section page and record are written again, so whatever happens to the next one, nothing is lost.
 
 mod data;
+mod group;
 mod machine;
 mod page;
 mod papers;
