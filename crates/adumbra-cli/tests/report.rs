@@ -4,7 +4,7 @@ mod browser;
 mod kit;
 
 use std::fs;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use browser::Browser;
@@ -20,6 +20,29 @@ fn record(folder: &Folder) -> Value {
 
 fn page(folder: &Folder) -> String {
     fs::read_to_string(folder.path("r/report.html")).unwrap()
+}
+
+/// A run without a Vulkan driver: the blur has nothing to draw on.
+fn without_driver(arguments: &[&str]) -> Output {
+    let mut command = Command::new(program());
+    command.args(arguments);
+    command.env("VK_DRIVER_FILES", "/nowhere.json").env("VK_ICD_FILENAMES", "/nowhere.json");
+    command.output().unwrap()
+}
+
+/// A report of another machine, with these sections and outcomes.
+fn earlier(folder: &Folder, sections: &[(&str, &str)]) {
+    let machine = json!({
+        "date": "2020-02-20", "adumbra": "0.0.1", "revision": "abcdef", "cpu": "a processor", "cores": 3, "memory_bytes": 0,
+        "system": "a system", "adapter": "an adapter", "software": false, "left_out": [],
+    });
+    let section = |(name, outcome): &(&str, &str)| {
+        fs::create_dir_all(folder.path(&format!("r/data/{name}"))).unwrap();
+        json!({"section": name, "full": true, "machine": machine, "outcome": outcome, "steps": [], "figures": {}})
+    };
+    let sections: Vec<Value> = sections.iter().map(section).collect();
+    let record = json!({"machine": machine, "sections": sections});
+    folder.write("r/report.json", record.to_string().as_bytes());
 }
 
 #[test]
@@ -53,13 +76,7 @@ fn report_keeps_what_was_measured_and_says_what_failed() {
     assert_eq!(code, 0, "{error}");
     assert_eq!(record(&folder)["sections"][0]["outcome"], "measured");
 
-    // No Vulkan driver: the blur has nothing to draw on.
-    let run = Command::new(program())
-        .args(["report", "-o", &out, "--only", "blur", "--json"])
-        .env("VK_DRIVER_FILES", "/nowhere.json")
-        .env("VK_ICD_FILENAMES", "/nowhere.json")
-        .output()
-        .unwrap();
+    let run = without_driver(&["report", "-o", &out, "--only", "blur", "--json"]);
     assert_eq!(run.status.code(), Some(1), "{}", kit::stderr(&run));
     let said: Value = serde_json::from_slice(&run.stdout).unwrap();
     assert_eq!(said, record(&folder), "--json prints what is written");
@@ -76,6 +93,66 @@ fn report_keeps_what_was_measured_and_says_what_failed() {
     assert!(page.contains("Not all went well: blur (failed)") && page.contains("adumbra bench blur"));
 }
 
+#[test]
+fn report_says_which_figures_are_of_another_run_and_shows_none_without_a_record() {
+    let folder = Folder::new();
+    let out = folder.path("r");
+    earlier(&folder, &[("verify", "measured"), ("blur", "interrupted")]);
+    let kept = record(&folder)["sections"][0].clone();
+    folder.write("r/data/verify/verify.md", b"# Kept\n\nkept words\n");
+    folder.write("r/data/blur/blur.md", b"# Cut off\n\nwords of a run cut off\n");
+    fs::create_dir_all(folder.path("r/data/bake")).unwrap();
+    folder.write("r/data/bake/bake.md", b"# Unknown\n\nwords without a record\n");
+
+    let run = without_driver(&["report", "-o", &out, "--only", "blur"]);
+    assert_eq!(run.status.code(), Some(1), "{}", kit::stderr(&run));
+    let record = record(&folder);
+    assert_eq!(record["sections"][0], kept);
+    assert_eq!(record["sections"][1]["outcome"], "failed");
+    assert_eq!(record["sections"][1]["machine"], record["machine"]);
+    assert_ne!(record["machine"]["adapter"], "an adapter");
+    let page = page(&folder);
+    assert!(page.contains("kept words") && page.contains("2020-02-20"));
+    assert!(
+        page.contains("<code>verify</code> was measured elsewhere") && page.contains("adapter an adapter")
+    );
+    assert!(page.contains("revision abcdef"));
+    assert!(!page.contains("words without a record"));
+    assert!(!page.contains("words of a run cut off") && !folder.exists("r/data/blur/blur.md"));
+}
+
+#[test]
+fn report_says_that_its_page_is_too_large() {
+    let folder = Folder::new();
+    earlier(&folder, &[("bake", "measured")]);
+    let text = format!("# Bakes\n\n{}\n", "many words ".repeat(2_500_000));
+    folder.write("r/data/bake/bake.md", text.as_bytes());
+    let (code, error) = adumbra(&["report", "-o", &folder.path("r"), "--only", "verify"]);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("check failed: ") && error.contains("report.html is larger than"), "{error}");
+    assert!(page(&folder).contains("Agreement with rays"));
+}
+
+#[test]
+fn report_names_the_revision_of_its_sources() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(["-C", root]).args(arguments).output();
+        let output = output.ok().filter(|o| o.status.success());
+        output.map_or_else(String::new, |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
+    };
+    // Sources without a repository, or inside another one, have none.
+    let own = !git(&["ls-files", "crates/adumbra-cli/build.rs"]).is_empty()
+        && git(&["rev-parse", "--show-prefix"]).is_empty();
+    let head = if own { git(&["rev-parse", "--short=12", "HEAD"]) } else { String::new() };
+    let folder = Folder::new();
+    let run = without_driver(&["report", "-o", &folder.path("r"), "--only", "blur"]);
+    assert_eq!(run.status.code(), Some(1), "{}", kit::stderr(&run));
+    let record = record(&folder);
+    let revision = record["machine"]["revision"].as_str().unwrap();
+    assert_eq!(revision.trim_end_matches("-dirty"), head);
+}
+
 /// A signal to one process.
 #[cfg(unix)]
 fn signal(name: &str, process: u32) {
@@ -83,11 +160,11 @@ fn signal(name: &str, process: u32) {
     let _ = Command::new("kill").args([&format!("-{name}"), &process.to_string()]).status().unwrap();
 }
 
-/// A report of these sections in a folder `r`, that says nothing.
+/// A report that says nothing.
 #[cfg(unix)]
-fn start_report(out: &str, sections: &str) -> Child {
+fn start_report(out: &str, options: &[&str]) -> Child {
     let mut command = Command::new(program());
-    command.args(["report", "-o", out, "--only", sections]).stderr(Stdio::null()).stdout(Stdio::null());
+    command.args(["report", "-o", out]).args(options).stderr(Stdio::null()).stdout(Stdio::null());
     command.spawn().unwrap()
 }
 
@@ -95,7 +172,7 @@ fn start_report(out: &str, sections: &str) -> Child {
 #[test]
 fn report_leaves_what_there_is_when_interrupted() {
     let folder = Folder::new();
-    let mut child = start_report(&folder.path("r"), "verify,tree");
+    let mut child = start_report(&folder.path("r"), &["--only", "verify,tree"]);
     let start = Instant::now();
     while !folder.exists("r/data/tree") {
         assert!(start.elapsed() < Duration::from_secs(120), "the second section begins");
@@ -109,6 +186,31 @@ fn report_leaves_what_there_is_when_interrupted() {
     assert_eq!(record["sections"][0]["outcome"], "measured");
     assert_eq!(record["sections"][1]["outcome"], "interrupted");
     assert!(page(&folder).contains("Agreement with rays"));
+}
+
+#[cfg(unix)]
+#[test]
+fn report_keeps_earlier_records_until_they_are_replaced() {
+    let folder = Folder::new();
+    earlier(&folder, &[("bake", "measured"), ("hrsm", "measured")]);
+    folder.write("r/data/bake/bake.md", b"# Old\n");
+    folder.write("r/data/hrsm/hrsm.md", b"# Kept\n\nkept words\n");
+    let kept = record(&folder)["sections"][1].clone();
+    // All sections; the first clears what is old.
+    let mut child = start_report(&folder.path("r"), &[]);
+    let start = Instant::now();
+    while folder.exists("r/data/bake/bake.md") {
+        assert!(start.elapsed() < Duration::from_secs(120), "the first section begins");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    signal("INT", child.id());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let record = record(&folder);
+    assert_eq!(record["sections"].as_array().unwrap().len(), 2);
+    assert_eq!(record["sections"][0]["outcome"], "interrupted");
+    assert_eq!(record["sections"][0]["machine"], record["machine"]);
+    assert_eq!(record["sections"][1], kept);
+    assert!(page(&folder).contains("kept words"));
 }
 
 /// Processes that run in `folder`, by their first argument.
@@ -129,7 +231,7 @@ fn running(folder: &str) -> Vec<(u32, String)> {
 fn report_interrupted_ends_what_its_command_started() {
     let folder = Folder::new();
     let out = folder.path("r");
-    let mut child = start_report(&out, "bake");
+    let mut child = start_report(&out, &["--only", "bake"]);
     let limit = Duration::from_secs(120);
     let start = Instant::now();
     // A bake that was stopped does not end when it is asked to.
