@@ -34,7 +34,7 @@ fn main() -> ExitCode {
         ["test"] => test(root),
         ["test", "--quick"] => quick_test(root),
         ["docs", options @ ..] => {
-            tools::ensure_driver().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
+            tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
         ["vectors"] => vectors::run(root).map_err(|e| e.to_string()),
         ["count", options @ ..] => count::run(root, options).map_err(|e| e.to_string()),

@@ -29,16 +29,19 @@ const DRIVER: Tool = Tool {
     fedora: "mesa-vulkan-drivers",
 };
 
-const ALL: [Tool; 11] = [
-    DRIVER,
+/// Of the tests that press keys in a window.
+const KEYS: Tool = command("xdotool", &["xdotool"], "xdotool", "xdotool");
+
+const BROWSER: Tool = command(
+    "Chromium",
+    &["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"],
+    "chromium",
+    "chromium",
+);
+
+/// To open a window where nobody sees it.
+const WINDOW: [Tool; 8] = [
     command("Xvfb", &["Xvfb"], "xvfb", "xorg-x11-server-Xvfb"),
-    command("xdotool", &["xdotool"], "xdotool", "xdotool"),
-    command(
-        "Chromium",
-        &["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"],
-        "chromium",
-        "chromium",
-    ),
     library("libX11.so.6", "libx11-6", "libX11"),
     library("libX11-xcb.so.1", "libx11-xcb1", "libX11-xcb"),
     library("libXcursor.so.1", "libxcursor1", "libXcursor"),
@@ -67,9 +70,22 @@ pub(crate) fn ensure_driver() -> Result<(), String> {
     ensure(&[DRIVER])
 }
 
+/// The same for what the documents' commands need: the driver, and what opens a window.
+pub(crate) fn ensure_documents() -> Result<(), String> {
+    ensure(&documents())
+}
+
 /// The same for all that the full tests need: the driver, the window's tools, the browser.
 pub(crate) fn ensure_all() -> Result<(), String> {
-    ensure(&ALL)
+    ensure(&all())
+}
+
+fn documents() -> Vec<Tool> {
+    [DRIVER].into_iter().chain(WINDOW).collect()
+}
+
+fn all() -> Vec<Tool> {
+    documents().into_iter().chain([KEYS, BROWSER]).collect()
 }
 
 fn ensure(tools: &[Tool]) -> Result<(), String> {
@@ -165,6 +181,13 @@ mod tests {
         ] {
             assert!(message.contains(part), "{part:?} is not in {message}");
         }
+    }
+
+    #[test]
+    fn tools_of_the_documents_open_windows_and_press_no_keys() {
+        let [documents, all] = [documents(), all()].map(|t| names(&t.iter().collect::<Vec<_>>()));
+        assert!(documents.starts_with("a Vulkan driver, Xvfb, libX11.so.6"), "{documents}");
+        assert_eq!(all, format!("{documents}, xdotool, Chromium"));
     }
 
     #[cfg(target_os = "linux")]

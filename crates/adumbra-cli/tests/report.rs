@@ -4,7 +4,7 @@ mod browser;
 mod kit;
 
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use browser::Browser;
@@ -20,6 +20,29 @@ fn record(folder: &Folder) -> Value {
 
 fn page(folder: &Folder) -> String {
     fs::read_to_string(folder.path("r/report.html")).unwrap()
+}
+
+/// A run without a Vulkan driver: the blur has nothing to draw on.
+fn without_driver(arguments: &[&str]) -> Output {
+    let mut command = Command::new(program());
+    command.args(arguments);
+    command.env("VK_DRIVER_FILES", "/nowhere.json").env("VK_ICD_FILENAMES", "/nowhere.json");
+    command.output().unwrap()
+}
+
+/// A report of another machine, with these sections and outcomes.
+fn earlier(folder: &Folder, sections: &[(&str, &str)]) {
+    let machine = json!({
+        "date": "2020-02-20", "adumbra": "0.0.1", "revision": "abcdef", "cpu": "a processor", "cores": 3, "memory_bytes": 0,
+        "system": "a system", "adapter": "an adapter", "software": false, "left_out": [],
+    });
+    let section = |(name, outcome): &(&str, &str)| {
+        fs::create_dir_all(folder.path(&format!("r/data/{name}"))).unwrap();
+        json!({"section": name, "full": true, "machine": machine, "outcome": outcome, "steps": [], "figures": {}})
+    };
+    let sections: Vec<Value> = sections.iter().map(section).collect();
+    let record = json!({"machine": machine, "sections": sections});
+    folder.write("r/report.json", record.to_string().as_bytes());
 }
 
 #[test]
@@ -53,13 +76,7 @@ fn report_keeps_what_was_measured_and_says_what_failed() {
     assert_eq!(code, 0, "{error}");
     assert_eq!(record(&folder)["sections"][0]["outcome"], "measured");
 
-    // No Vulkan driver: the blur has nothing to draw on.
-    let run = Command::new(program())
-        .args(["report", "-o", &out, "--only", "blur", "--json"])
-        .env("VK_DRIVER_FILES", "/nowhere.json")
-        .env("VK_ICD_FILENAMES", "/nowhere.json")
-        .output()
-        .unwrap();
+    let run = without_driver(&["report", "-o", &out, "--only", "blur", "--json"]);
     assert_eq!(run.status.code(), Some(1), "{}", kit::stderr(&run));
     let said: Value = serde_json::from_slice(&run.stdout).unwrap();
     assert_eq!(said, record(&folder), "--json prints what is written");
@@ -76,27 +93,176 @@ fn report_keeps_what_was_measured_and_says_what_failed() {
     assert!(page.contains("Not all went well: blur (failed)") && page.contains("adumbra bench blur"));
 }
 
+#[test]
+fn report_says_which_figures_are_of_another_run_and_shows_none_without_a_record() {
+    let folder = Folder::new();
+    let out = folder.path("r");
+    earlier(&folder, &[("verify", "measured"), ("blur", "interrupted")]);
+    let kept = record(&folder)["sections"][0].clone();
+    folder.write("r/data/verify/verify.md", b"# Kept\n\nkept words\n");
+    folder.write("r/data/blur/blur.md", b"# Cut off\n\nwords of a run cut off\n");
+    fs::create_dir_all(folder.path("r/data/bake")).unwrap();
+    folder.write("r/data/bake/bake.md", b"# Unknown\n\nwords without a record\n");
+
+    let run = without_driver(&["report", "-o", &out, "--only", "blur"]);
+    assert_eq!(run.status.code(), Some(1), "{}", kit::stderr(&run));
+    let record = record(&folder);
+    assert_eq!(record["sections"][0], kept);
+    assert_eq!(record["sections"][1]["outcome"], "failed");
+    assert_eq!(record["sections"][1]["machine"], record["machine"]);
+    assert_ne!(record["machine"]["adapter"], "an adapter");
+    let page = page(&folder);
+    assert!(page.contains("kept words") && page.contains("2020-02-20"));
+    assert!(
+        page.contains("<code>verify</code> was measured elsewhere") && page.contains("adapter an adapter")
+    );
+    assert!(page.contains("revision abcdef"));
+    assert!(!page.contains("words without a record"));
+    assert!(!page.contains("words of a run cut off") && !folder.exists("r/data/blur/blur.md"));
+}
+
+#[test]
+fn report_says_that_its_page_is_too_large() {
+    let folder = Folder::new();
+    earlier(&folder, &[("bake", "measured")]);
+    let text = format!("# Bakes\n\n{}\n", "many words ".repeat(2_500_000));
+    folder.write("r/data/bake/bake.md", text.as_bytes());
+    let (code, error) = adumbra(&["report", "-o", &folder.path("r"), "--only", "verify"]);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("check failed: ") && error.contains("report.html is larger than"), "{error}");
+    assert!(page(&folder).contains("Agreement with rays"));
+}
+
+#[test]
+fn report_names_the_revision_of_its_sources() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(["-C", root]).args(arguments).output();
+        let output = output.ok().filter(|o| o.status.success());
+        output.map_or_else(String::new, |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
+    };
+    // Sources without a repository, or inside another one, have none.
+    let own = !git(&["ls-files", "crates/adumbra-cli/build.rs"]).is_empty()
+        && git(&["rev-parse", "--show-prefix"]).is_empty();
+    let head = if own { git(&["rev-parse", "--short=12", "HEAD"]) } else { String::new() };
+    let folder = Folder::new();
+    let run = without_driver(&["report", "-o", &folder.path("r"), "--only", "blur"]);
+    assert_eq!(run.status.code(), Some(1), "{}", kit::stderr(&run));
+    let record = record(&folder);
+    let revision = record["machine"]["revision"].as_str().unwrap();
+    assert_eq!(revision.trim_end_matches("-dirty"), head);
+}
+
+/// A signal to one process.
+#[cfg(unix)]
+fn signal(name: &str, process: u32) {
+    // Where it has ended already there is nothing to signal.
+    let _ = Command::new("kill").args([&format!("-{name}"), &process.to_string()]).status().unwrap();
+}
+
+/// A report that says nothing.
+#[cfg(unix)]
+fn start_report(out: &str, options: &[&str]) -> Child {
+    let mut command = Command::new(program());
+    command.args(["report", "-o", out]).args(options).stderr(Stdio::null()).stdout(Stdio::null());
+    command.spawn().unwrap()
+}
+
 #[cfg(unix)]
 #[test]
 fn report_leaves_what_there_is_when_interrupted() {
     let folder = Folder::new();
-    let out = folder.path("r");
-    let mut command = Command::new(program());
-    command.args(["report", "-o", &out, "--only", "verify,tree"]).stderr(Stdio::null()).stdout(Stdio::null());
-    let mut child = command.spawn().unwrap();
+    let mut child = start_report(&folder.path("r"), &["--only", "verify,tree"]);
     let start = Instant::now();
-    while !folder.exists("r/report.html") {
-        assert!(start.elapsed() < Duration::from_secs(120), "the first section's page");
+    while !folder.exists("r/data/tree") {
+        assert!(start.elapsed() < Duration::from_secs(120), "the second section begins");
         std::thread::sleep(Duration::from_millis(20));
     }
     // To this process alone: its command must end with it.
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    signal("INT", child.id());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     let record = record(&folder);
     assert_eq!(record["sections"][0]["section"], "verify");
     assert_eq!(record["sections"][0]["outcome"], "measured");
     assert_eq!(record["sections"][1]["outcome"], "interrupted");
     assert!(page(&folder).contains("Agreement with rays"));
+}
+
+#[cfg(unix)]
+#[test]
+fn report_keeps_earlier_records_until_they_are_replaced() {
+    let folder = Folder::new();
+    earlier(&folder, &[("bake", "measured"), ("hrsm", "measured")]);
+    folder.write("r/data/bake/bake.md", b"# Old\n");
+    folder.write("r/data/hrsm/hrsm.md", b"# Kept\n\nkept words\n");
+    let kept = record(&folder)["sections"][1].clone();
+    // All sections; the first clears what is old.
+    let mut child = start_report(&folder.path("r"), &[]);
+    let start = Instant::now();
+    while folder.exists("r/data/bake/bake.md") {
+        assert!(start.elapsed() < Duration::from_secs(120), "the first section begins");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    signal("INT", child.id());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let record = record(&folder);
+    assert_eq!(record["sections"].as_array().unwrap().len(), 2);
+    assert_eq!(record["sections"][0]["outcome"], "interrupted");
+    assert_eq!(record["sections"][0]["machine"], record["machine"]);
+    assert_eq!(record["sections"][1], kept);
+    assert!(page(&folder).contains("kept words"));
+}
+
+/// Processes that run in `folder`, by their first argument.
+#[cfg(target_os = "linux")]
+fn running(folder: &str) -> Vec<(u32, String)> {
+    let folder = fs::canonicalize(folder).unwrap();
+    let processes = fs::read_dir("/proc").unwrap().flatten().filter_map(|entry| {
+        let process = entry.file_name().to_str()?.parse().ok()?;
+        let here = fs::read_link(entry.path().join("cwd")).ok()? == folder;
+        let words = fs::read_to_string(entry.path().join("cmdline")).ok()?;
+        here.then(|| (process, words.split('\0').nth(1).unwrap_or_default().to_owned()))
+    });
+    processes.collect()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn report_interrupted_ends_what_its_command_started() {
+    let folder = Folder::new();
+    let out = folder.path("r");
+    let mut child = start_report(&out, &["--only", "bake"]);
+    let limit = Duration::from_secs(120);
+    let start = Instant::now();
+    // A bake that was stopped does not end when it is asked to.
+    loop {
+        assert!(start.elapsed() < limit, "a bake begins");
+        std::thread::sleep(Duration::from_millis(5));
+        let processes = if folder.exists("r") { running(&out) } else { Vec::new() };
+        let Some((bake, _)) = processes.into_iter().find(|(_, verb)| verb == "bake") else { continue };
+        signal("STOP", bake);
+        let state = fs::read_to_string(format!("/proc/{bake}/stat")).unwrap_or_default();
+        if state.contains(") T ") {
+            break;
+        }
+    }
+    let start = Instant::now();
+    signal("TERM", child.id());
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break Some(status);
+        }
+        if start.elapsed() > Duration::from_secs(30) {
+            break None;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let left = running(&out);
+    // Before anything is asserted: else they stay behind.
+    left.iter().map(|(process, _)| *process).for_each(|process| signal("KILL", process));
+    assert_eq!(status.and_then(|s| s.code()), Some(130), "after {:.1} s", start.elapsed().as_secs_f64());
+    assert_eq!(left, []);
+    assert_eq!(record(&folder)["sections"][0]["outcome"], "interrupted");
 }
 
 #[test]

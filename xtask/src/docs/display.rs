@@ -26,7 +26,11 @@ impl Display {
         if let Some(out) = server.stdout.take() {
             BufReader::new(out).read_line(&mut number)?;
         }
-        Ok(Some(Self { server, name: format!(":{}", number.trim()) }))
+        let mut display = Self { server, name: String::new() };
+        display.name = name(&number).ok_or_else(|| {
+            io::Error::other("Xvfb ended before it had a display, or could not open one; try it by hand: Xvfb -displayfd 1")
+        })?;
+        Ok(Some(display))
     }
 
     /// As `DISPLAY` has it.
@@ -35,10 +39,26 @@ impl Display {
     }
 }
 
+/// As `DISPLAY` has the number that the server prints; none where it prints none.
+fn name(number: &str) -> Option<String> {
+    number.trim().parse::<u32>().ok().map(|number| format!(":{number}"))
+}
+
 impl Drop for Display {
     fn drop(&mut self) {
         // Where it is gone already there is nothing to end.
         let _ = self.server.kill();
         let _ = self.server.wait();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn display_has_a_number() {
+        assert_eq!(name("99\n"), Some(":99".to_owned()));
+        assert_eq!([name(""), name("\n"), name(":1")], [None, None, None]);
     }
 }

@@ -1,12 +1,14 @@
 //! `cargo xtask docs`: what the documents tell a reader to do, done, and what they say of it, checked.
 //!
 //! Each `sh` block of the README, of `docs/` and of `docs/guides/` is run in order in a copy of the repository, a copy a document, and checked by the
-//! comment behind it ([`check`]); a block without one is an error. A quick run takes what is built already, puts smaller numbers where
+//! comment behind it ([`check`]); a block without one is an error, and so is one that takes
+//! longer than [`MINUTES`]. A quick run takes what is built already, puts smaller numbers where
 //! a check gives some, and of blocks that are marked `long` only has the arguments parsed. Then every verb and option that the text names is looked for
 //! in the program's help, every link followed, and the examples run.
 
 mod check;
 mod display;
+mod limit;
 mod links;
 mod markdown;
 mod shell;
@@ -16,9 +18,10 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use check::{Check, Printed};
+use limit::{Interrupt, Limit};
 use markdown::{Block, Document};
 use shell::Clone;
 
@@ -31,7 +34,11 @@ const EXAMPLES: [&str; 3] = ["bake_and_query", "engine", "compare_two"];
 /// The option of the program that ends it once its arguments are parsed.
 const PARSE_ONLY: &str = "--check-arguments";
 
+/// Minutes that a block may take, and of a quick run.
+const MINUTES: [u64; 2] = [20, 5];
+
 pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
+    let interrupt = Interrupt::install()?;
     let quick = words.first() == Some(&"--quick");
     let named = &words[usize::from(quick)..];
     let documents = read(root, named)?;
@@ -41,13 +48,13 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
     order.sort();
     for path in order {
         if path.parent().is_some_and(|folder| RUN.iter().any(|run| Path::new(run) == folder)) {
-            faults.extend(run_document(root, path, &documents[path], quick)?);
+            faults.extend(run_document(root, path, &documents[path], quick, &interrupt)?);
         }
     }
     let program = Program { path: root.join("target/release/adumbra"), help: BTreeMap::new() };
     faults.extend(program.faults(&documents, named.is_empty()));
     if named.is_empty() {
-        faults.extend(run_examples(root)?);
+        faults.extend(run_examples(root, &interrupt)?);
     }
     if faults.is_empty() {
         return Ok(());
@@ -83,7 +90,13 @@ fn build(root: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Runs a document's blocks; gives what does not hold.
-fn run_document(root: &Path, path: &Path, document: &Document, quick: bool) -> std::io::Result<Vec<String>> {
+fn run_document(
+    root: &Path,
+    path: &Path,
+    document: &Document,
+    quick: bool,
+    interrupt: &Interrupt,
+) -> std::io::Result<Vec<String>> {
     let mut faults = Vec::new();
     if document.blocks.is_empty() {
         return Ok(faults);
@@ -94,7 +107,8 @@ fn run_document(root: &Path, path: &Path, document: &Document, quick: bool) -> s
     }
     for block in &document.blocks {
         let start = Instant::now();
-        let found = run_block(&clone, block, quick);
+        let found = run_block(&clone, block, quick, &interrupt.after(minutes(quick)));
+        interrupt.check()?;
         let (place, seconds) = (format!("{}:{}", path.display(), block.line), start.elapsed().as_secs_f64());
         eprintln!("{place}: {} ({seconds:.1} s)", if found.is_empty() { "ok" } else { "wrong" });
         faults.extend(found.into_iter().map(|fault| format!("{place}: {fault}")));
@@ -102,7 +116,11 @@ fn run_document(root: &Path, path: &Path, document: &Document, quick: bool) -> s
     Ok(faults)
 }
 
-fn run_block(clone: &Clone, block: &Block, quick: bool) -> Vec<String> {
+fn minutes(quick: bool) -> Duration {
+    Duration::from_secs(60 * MINUTES[usize::from(quick)])
+}
+
+fn run_block(clone: &Clone, block: &Block, quick: bool, limit: &Limit) -> Vec<String> {
     let check =
         match block.check.as_deref().ok_or("no check stands behind it".to_owned()).and_then(Check::parse) {
             Ok(check) => check,
@@ -125,7 +143,7 @@ fn run_block(clone: &Clone, block: &Block, quick: bool) -> Vec<String> {
             Some(rest) => format!("adumbra {PARSE_ONLY} {rest}"),
             None => continue,
         };
-        let output = match clone.run(&line) {
+        let output = match clone.run(&line, limit) {
             Ok(output) => output,
             Err(fault) => return vec![fault],
         };
@@ -144,12 +162,13 @@ fn run_block(clone: &Clone, block: &Block, quick: bool) -> Vec<String> {
     faults
 }
 
-fn run_examples(root: &Path) -> std::io::Result<Vec<String>> {
+fn run_examples(root: &Path, interrupt: &Interrupt) -> std::io::Result<Vec<String>> {
     let clone = Clone::of(root, true)?;
     let mut faults = Vec::new();
     for name in EXAMPLES {
         let start = Instant::now();
-        let output = clone.run(&format!("target/release/examples/{name}"));
+        let output = clone.run(&format!("target/release/examples/{name}"), &interrupt.after(minutes(true)));
+        interrupt.check()?;
         let fault = match output {
             Ok(output) if output.status.success() => None,
             Ok(output) => Some(format!("{}\n{}", output.status, String::from_utf8_lossy(&output.stderr))),

@@ -5,14 +5,17 @@ use std::ffi::OsString;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
 use super::display::Display;
+use super::limit::Limit;
 
 /// A copy of what git would clone, with `target` of the checkout it is made from.
 pub(crate) struct Clone {
+    /// The checkout.
+    root: PathBuf,
     folder: TempDir,
     path: OsString,
     /// Whether what is built already stands for building it.
@@ -50,7 +53,8 @@ impl Clone {
         let programs = folder.path().join("target/release");
         let before = env::var_os("PATH").unwrap_or_default();
         let path = env::join_paths([programs].into_iter().chain(env::split_paths(&before)));
-        Ok(Self { path: path.map_err(io::Error::other)?, folder, quick, display: None })
+        let path = path.map_err(io::Error::other)?;
+        Ok(Self { root: root.to_owned(), path, folder, quick, display: None })
     }
 
     /// From here on windows open where nobody sees them.
@@ -63,20 +67,20 @@ impl Clone {
         self.folder.path()
     }
 
-    /// Runs a command; a file that should have been built and is not is an error.
-    pub(crate) fn run(&self, command: &str) -> Result<Output, String> {
+    /// Runs a command; a file that should have been built and is not, and what is not done in time, is an error.
+    pub(crate) fn run(&self, command: &str, limit: &Limit) -> Result<Output, String> {
         let done = Output { status: Default::default(), stdout: Vec::new(), stderr: Vec::new() };
-        match Run::of(command, self.quick) {
+        match Run::of(command, &self.root, self.quick) {
             Run::Task => Ok(done),
             Run::Built(file) if self.folder().join(&file).is_file() => Ok(done),
             Run::Built(file) => Err(format!("{file} is not built")),
-            Run::Shell(line) => self.shell(&line).map_err(|e| format!("sh: {e}")),
+            Run::Shell(line) => self.shell(&line, limit).map_err(|e| format!("{line}: {e}")),
         }
     }
 
-    fn shell(&self, line: &str) -> io::Result<Output> {
+    fn shell(&self, line: &str, limit: &Limit) -> io::Result<Output> {
         let mut command = Command::new("sh");
-        command.args(["-c", line]).current_dir(self.folder()).env("PATH", &self.path).stdin(Stdio::null());
+        command.args(["-c", line]).current_dir(self.folder()).env("PATH", &self.path);
         if let Some(display) = &self.display {
             command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
         }
@@ -84,12 +88,12 @@ impl Clone {
         if env::var_os("XDG_RUNTIME_DIR").is_none() {
             command.env("XDG_RUNTIME_DIR", env::temp_dir());
         }
-        command.output()
+        limit.output(&mut command)
     }
 }
 
 impl Run {
-    pub(crate) fn of(command: &str, quick: bool) -> Self {
+    pub(crate) fn of(command: &str, root: &Path, quick: bool) -> Self {
         let words: Vec<&str> = command.split_whitespace().collect();
         match words.as_slice() {
             ["cargo", "xtask", ..] => Self::Task,
@@ -98,6 +102,15 @@ impl Run {
             ["cargo", "run", "--release", "-p", _, "--example", name, rest @ ..] if quick => {
                 let arguments = rest.strip_prefix(&["--"]).unwrap_or(rest).join(" ");
                 Self::Shell(format!("target/release/examples/{name} {arguments}").trim().to_owned())
+            }
+            // Of the checkout, whose `target` this is: what is built of the copy would be built anew, and be left behind there.
+            ["cargo", verb @ ("build" | "run"), rest @ ..] => {
+                let manifest = root.join("Cargo.toml");
+                Self::Shell(format!(
+                    "cargo {verb} --manifest-path '{}' {}",
+                    manifest.display(),
+                    rest.join(" ")
+                ))
             }
             _ => Self::Shell(command.to_owned()),
         }
@@ -120,7 +133,8 @@ mod tests {
 
     #[test]
     fn shell_runs_what_is_built_where_it_is_quick() {
-        let quick = |command: &str| Run::of(command, true);
+        let root = Path::new("/a checkout");
+        let quick = |command: &str| Run::of(command, root, true);
         assert_eq!(quick("cargo xtask test"), Run::Task);
         assert_eq!(
             quick("alias adumbra=target/release/adumbra"),
@@ -129,7 +143,8 @@ mod tests {
         assert_eq!(quick("cargo build --release"), Run::Built("target/release/adumbra".to_owned()));
         let example = "cargo run --release -p adumbra --example bake_and_query -- a b";
         assert_eq!(quick(example), Run::Shell("target/release/examples/bake_and_query a b".to_owned()));
-        assert_eq!(Run::of(example, false), Run::Shell(example.to_owned()));
+        let of_checkout = "cargo run --manifest-path '/a checkout/Cargo.toml' --release -p adumbra --example bake_and_query -- a b";
+        assert_eq!(Run::of(example, root, false), Run::Shell(of_checkout.to_owned()));
         assert_eq!(quick("adumbra demo # why"), Run::Shell("adumbra demo # why".to_owned()));
     }
 }

@@ -140,8 +140,8 @@ impl Body {
         let _ = writeln!(
             self.html,
             "<figure class=\"plot\">\n{}<div role=\"img\" aria-label=\"{}\">{svg}</div>\n</div>\n<figcaption>{}</figcaption>\n</figure>",
-            scroll_box(alt),
-            escape(alt),
+            scroll_box(&alt.replace('`', "")),
+            plain(alt),
             words(caption)
         );
     }
@@ -156,17 +156,16 @@ impl Body {
         let _ =
             writeln!(self.html, "<details>\n<summary>{}</summary>\n{}</details>", words(title), inside.html);
     }
-
-    /// All of another body.
-    pub fn append(&mut self, other: Self) {
-        self.html.push_str(&other.html);
-        self.parts.extend(other.parts);
-    }
 }
 
 fn image(picture: &Embedded, alt: &str) -> String {
     let Embedded { uri, width, height } = picture;
-    format!("<img src=\"{uri}\" width=\"{width}\" height=\"{height}\" alt=\"{}\">", escape(alt))
+    format!("<img src=\"{uri}\" width=\"{width}\" height=\"{height}\" alt=\"{}\">", plain(alt))
+}
+
+/// A text that only readers of the screen get: as an attribute, without backquotes.
+fn plain(text: &str) -> String {
+    escape(&text.replace('`', ""))
 }
 
 #[cfg(test)]
@@ -181,9 +180,14 @@ mod tests {
     fn body_pair_has_both_pictures_and_a_range() {
         let mut body = Body::default();
         let picture = embedded();
-        body.pair(&Pair { left: (&picture, "rays"), right: (&picture, "`csm`"), caption: "A street" });
+        body.pair(&Pair { left: (&picture, "rays"), right: (&picture, "`csm`"), caption: "A `city` street" });
         assert_eq!(body.html().matches("<img ").count(), 2);
-        assert!(body.html().contains("type=\"range\"") && body.html().contains("alt=\"rays: A street\""));
+        assert!(
+            body.html().contains("type=\"range\"") && body.html().contains("alt=\"rays: A city street\"")
+        );
+        assert!(
+            body.html().contains("alt=\"csm: A city street\"") && body.html().contains("<code>csm</code>")
+        );
         assert!(body.html().contains("--ratio:4/2"));
     }
 

@@ -1,6 +1,6 @@
 //! What the commands left in the report's folder, as the page takes it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use adumbra_lab::page::{Embedded, Encoding};
@@ -13,16 +13,17 @@ const WAYS: [(Encoding, u32); 3] =
 /// A file below `data`, and the part of it at `[x, y, width, height]` pixels.
 type Part = (String, Option<[u32; 4]>);
 
-/// The folder, and the pictures that were made ready for the page.
+/// The folder, and the pictures that were made ready for the page. Files of a section without a record are none: nobody knows what made them.
 pub(super) struct Data {
     folder: PathBuf,
+    recorded: HashSet<String>,
     pictures: HashMap<Part, Embedded>,
     way: usize,
 }
 
 impl Data {
     pub(super) fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), pictures: HashMap::new(), way: 0 }
+        Self { folder: folder.to_owned(), recorded: HashSet::new(), pictures: HashMap::new(), way: 0 }
     }
 
     /// Makes smaller pictures from now on; false where there is no smaller way.
@@ -35,24 +36,27 @@ impl Data {
         more
     }
 
-    /// Drops what is known of a section that was measured again.
-    pub(super) fn forget(&mut self, section: &str) {
+    /// A section has a record from now on, or a new one: its files are read, and its pictures again.
+    pub(super) fn recorded(&mut self, section: &str) {
+        self.recorded.insert(section.to_owned());
         let below = format!("{section}/");
         self.pictures.retain(|(path, _), _| !path.starts_with(&below));
     }
 
-    fn path(&self, path: &str) -> PathBuf {
-        self.folder.join("data").join(path)
+    fn read(&self, path: &str) -> Option<Vec<u8>> {
+        let section = path.split('/').next()?;
+        let file = self.folder.join("data").join(path);
+        self.recorded.contains(section).then(|| std::fs::read(file).ok())?
     }
 
     /// A JSON file below `data`; none where there is none.
     pub(super) fn json(&self, path: &str) -> Option<Value> {
-        serde_json::from_slice(&std::fs::read(self.path(path)).ok()?).ok()
+        serde_json::from_slice(&self.read(path)?).ok()
     }
 
     /// A text below `data`.
     pub(super) fn text(&self, path: &str) -> Option<String> {
-        std::fs::read_to_string(self.path(path)).ok()
+        String::from_utf8(self.read(path)?).ok()
     }
 
     /// A picture below `data`, or a part of it.
@@ -62,7 +66,7 @@ impl Data {
             return Some(known.clone());
         }
         let (encoding, widest) = WAYS.get(self.way).copied()?;
-        let bytes = std::fs::read(self.path(path)).ok()?;
+        let bytes = self.read(path)?;
         let embedded = Embedded::of_png(&bytes, part, widest, encoding).ok()?;
         self.pictures.insert(key, embedded.clone());
         Some(embedded)
@@ -87,10 +91,12 @@ mod tests {
         };
         draw(900);
         let mut data = Data::new(folder.path());
+        assert!(data.picture("ao/a.png", None).is_none(), "nothing is recorded");
+        data.recorded("ao");
         assert_eq!(data.picture("ao/a.png", None).unwrap().width, 900);
         draw(1000);
         assert_eq!(data.picture("ao/a.png", None).unwrap().width, 900);
-        data.forget("ao");
+        data.recorded("ao");
         assert_eq!(data.picture("ao/a.png", None).unwrap().width, 1000);
         assert!(data.save_bytes() && data.save_bytes() && !data.save_bytes());
         let small = data.picture("ao/a.png", None).unwrap();

@@ -1,11 +1,12 @@
 //! What a report was made on.
 
 use std::fs;
-use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use adumbra_render::{Gpu, GpuOptions};
 use serde::{Deserialize, Serialize};
+
+use crate::output::bytes_words;
 
 /// The machine, its adapter and the program. What the system does not tell is empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -13,7 +14,7 @@ pub(super) struct Machine {
     /// UTC.
     pub(super) date: String,
     pub(super) adumbra: String,
-    /// Of the sources that the program was built from, where they are still there and git knows.
+    /// Of the sources that the program was built from, `-dirty` where they were changed; empty where git did not know.
     pub(super) revision: String,
     pub(super) cpu: String,
     pub(super) cores: usize,
@@ -37,7 +38,7 @@ impl Machine {
         Self {
             date: today(),
             adumbra: env!("CARGO_PKG_VERSION").to_owned(),
-            revision: revision(),
+            revision: env!("ADUMBRA_REVISION").to_owned(),
             cpu: line_of("/proc/cpuinfo", "model name").unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
             cores: std::thread::available_parallelism().map_or(0, usize::from),
             memory_bytes: memory_bytes(),
@@ -47,10 +48,41 @@ impl Machine {
             left_out: left_out.into_iter().map(str::to_owned).collect(),
         }
     }
-}
 
-/// Where the program was built.
-const SOURCES: &str = env!("CARGO_MANIFEST_DIR");
+    /// What a table says of it, but for the date.
+    pub(super) fn rows(&self) -> Vec<[String; 2]> {
+        let memory = if self.memory_bytes == 0 { String::new() } else { bytes_words(self.memory_bytes) };
+        let kind = if self.software { ", a program and not a GPU" } else { "" };
+        let mut rows = vec![
+            ["adumbra", &self.version()],
+            ["processor", &format!("{}, {} threads", self.cpu, self.cores)],
+            ["memory", &memory],
+            ["system", &self.system],
+            ["adapter", &format!("{}{kind}", self.adapter)],
+        ]
+        .into_iter()
+        .map(|row| row.map(str::to_owned))
+        .collect::<Vec<_>>();
+        rows.extend(self.left_out.iter().map(|lacks| ["the adapter lacks".to_owned(), lacks.clone()]));
+        rows
+    }
+
+    /// The program's version, and its revision where that is known.
+    pub(super) fn version(&self) -> String {
+        match self.revision.as_str() {
+            "" => self.adumbra.clone(),
+            revision => format!("{}, revision {revision}", self.adumbra),
+        }
+    }
+
+    /// The rows that `other` has not, as words; none where it is the same machine and program.
+    pub(super) fn unlike(&self, other: &Self) -> Option<String> {
+        let theirs = other.rows();
+        let own: Vec<String> =
+            self.rows().into_iter().filter(|row| !theirs.contains(row)).map(|row| row.join(" ")).collect();
+        (!own.is_empty()).then(|| own.join("; "))
+    }
+}
 
 /// What follows `key` and its separator in a file of lines.
 fn line_of(path: &str, key: &str) -> Option<String> {
@@ -71,13 +103,6 @@ fn system() -> String {
         Ok(kernel) => format!("{name}, kernel {}", kernel.trim()),
         Err(_) => name,
     }
-}
-
-fn revision() -> String {
-    let git = Command::new("git").args(["-C", SOURCES, "describe", "--always", "--dirty"]).output();
-    let said =
-        git.ok().filter(|o| o.status.success()).map(|o| String::from_utf8_lossy(&o.stdout).into_owned());
-    said.unwrap_or_default().trim().to_owned()
 }
 
 /// Today as 2026-01-31 in UTC, by Hinnant's *chrono-compatible low-level date algorithms* (2013).
@@ -103,6 +128,16 @@ fn date(days: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn machine_unlike_names_what_differs() {
+        let here = Machine { adumbra: "1.0".to_owned(), adapter: "one".to_owned(), ..Machine::default() };
+        let later = Machine { date: "2026-02-01".to_owned(), ..here.clone() };
+        assert_eq!(later.unlike(&here), None);
+        let there = Machine { revision: "abc".to_owned(), adapter: "two".to_owned(), ..here.clone() };
+        assert_eq!(there.unlike(&here).unwrap(), "adumbra 1.0, revision abc; adapter two");
+        assert_eq!(here.unlike(&there).unwrap(), "adumbra 1.0; adapter one");
+    }
 
     #[test]
     fn date_knows_leap_days() {

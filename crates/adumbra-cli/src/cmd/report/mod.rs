@@ -4,6 +4,7 @@
 //! made of. After each section page and record are written again, so whatever happens to the next one, nothing is lost.
 
 mod data;
+mod group;
 mod machine;
 mod page;
 mod papers;
@@ -31,7 +32,7 @@ use crate::signals;
 /// Where benchmarks keep traced pictures.
 const CACHE: &str = "truth-cache";
 /// Of the page.
-const MOST_BYTES: usize = 25_000_000;
+const MOST_BYTES: u64 = 25_000_000;
 
 pub(crate) fn run(args: &Report) -> Outcome {
     args.check()?;
@@ -43,9 +44,10 @@ pub(crate) fn run(args: &Report) -> Outcome {
     let places = places(args)?;
     let start = Instant::now();
     let machine = Machine::here();
-    let was_measured: Vec<String> = earlier.iter().map(|s| s.section.clone()).collect();
-    let mut record = Record { machine, sections: if args.only.is_empty() { Vec::new() } else { earlier } };
+    // What an earlier run measured stays until it is measured again.
+    let mut record = Record { machine, sections: earlier };
     let mut data = Data::new(&places.folder);
+    record.sections.iter().for_each(|s| data.recorded(&s.section));
     for step in plan::made_scenes() {
         let (made, found) = step.run(&places, &cancel)?;
         if found != Found::Measured {
@@ -64,14 +66,19 @@ pub(crate) fn run(args: &Report) -> Outcome {
                 continue;
             }
         };
-        if was_measured.iter().any(|s| s == name) {
+        let was_measured = record.section(name).is_some();
+        let begun = SectionRecord::begun(name, args.full, &record.machine);
+        // First: no record may stand beside files that are not its own, whatever happens from here on.
+        record.put(begun.clone(), &names);
+        record.write(&args.output)?;
+        if was_measured {
             clear(&args.output.join("data").join(name))?;
         }
-        let section = measure(args, name, &steps, &places, &record.machine.date, &cancel)?;
+        let section = measure(begun, &steps, &places, &cancel)?;
         eprintln!("{name}: {}, {:.0} s", section.outcome.words(), section.seconds());
         record.put(section, &names);
         record.write(&args.output)?;
-        data.forget(name);
+        data.recorded(name);
         write_page(args, &record, &mut data)?;
         if cancel.load(Ordering::Relaxed) {
             break;
@@ -85,7 +92,14 @@ pub(crate) fn run(args: &Report) -> Outcome {
     } else {
         say!("{}", path.display());
     }
-    Ok(code(&record, &cancel))
+    if bytes > MOST_BYTES {
+        eprintln!(
+            "check failed: {} is larger than {}, with its pictures as small as they get",
+            path.display(),
+            bytes_words(MOST_BYTES)
+        );
+    }
+    Ok(code(&record, bytes, &cancel))
 }
 
 /// Where commands run, and what their folders are called.
@@ -117,22 +131,14 @@ fn clear(folder: &Path) -> Result<(), Failure> {
 
 /// Runs a section's commands, all of them, whatever becomes of one.
 fn measure(
-    args: &Report,
-    name: &str,
+    mut section: SectionRecord,
     steps: &[Step],
     places: &Places,
-    date: &str,
     cancel: &AtomicBool,
 ) -> Result<SectionRecord, Failure> {
-    make_folder(&args.output.join("data").join(name))?;
-    let mut section = SectionRecord {
-        section: name.to_owned(),
-        full: args.full,
-        date: date.to_owned(),
-        outcome: Found::Measured,
-        steps: Vec::new(),
-        figures: Map::new(),
-    };
+    let folder = format!("data/{}", section.section);
+    make_folder(&places.folder.join(&folder))?;
+    section.outcome = Found::Measured;
     for step in steps {
         eprintln!("{}", step.command());
         let (record, found) = step.run(places, cancel)?;
@@ -142,7 +148,7 @@ fn measure(
             break;
         }
     }
-    collect(&places.folder, &format!("data/{name}"), &mut section.figures)?;
+    collect(&places.folder, &folder, &mut section.figures)?;
     Ok(section)
 }
 
@@ -183,7 +189,7 @@ fn collect(root: &Path, folder: &str, figures: &mut Map<String, Value>) -> Resul
 /// Writes the page, its pictures with less bytes where it would be larger than [`MOST_BYTES`].
 fn write_page(args: &Report, record: &Record, data: &mut Data) -> Result<(), Failure> {
     let mut html = page::page(record, data);
-    while html.len() > MOST_BYTES && data.save_bytes() {
+    while html.len() as u64 > MOST_BYTES && data.save_bytes() {
         html = page::page(record, data);
     }
     write_whole(&args.output.join("report.html"), html.as_bytes())
@@ -196,11 +202,11 @@ fn stopped(cancel: &AtomicBool, error: Option<String>) -> Outcome {
     Err(Failure::BadInput(error.unwrap_or_default()))
 }
 
-/// What the caller is told: of the sections measured now and before.
-fn code(record: &Record, cancel: &AtomicBool) -> Code {
+/// What the caller is told: of the sections measured now and before, and of the page's size.
+fn code(record: &Record, bytes: u64, cancel: &AtomicBool) -> Code {
     if cancel.load(Ordering::Relaxed) {
         return Code::Interrupted;
     }
-    let fine = record.sections.iter().all(|s| s.outcome == Found::Measured);
+    let fine = bytes <= MOST_BYTES && record.sections.iter().all(|s| s.outcome == Found::Measured);
     if fine { Code::Fine } else { Code::CheckFailed }
 }

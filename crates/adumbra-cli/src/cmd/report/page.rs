@@ -7,7 +7,6 @@ use super::data::Data;
 use super::papers;
 use super::record::{Outcome, Record};
 use crate::args::SECTIONS;
-use crate::output::bytes_words;
 
 /// What all benchmarks write as Markdown, by section.
 const TABLES: [(&str, &[&str]); 9] = [
@@ -47,6 +46,9 @@ impl Seen<'_> {
         let commands = Some(named(step)).filter(|c| !c.is_empty()).unwrap_or_else(|| named(section));
         if !commands.is_empty() {
             body.code("Command", &commands.join("\n"));
+        }
+        if let Some(machine) = self.record.elsewhere(section) {
+            body.aside(&elsewhere(section, &machine));
         }
     }
 
@@ -123,6 +125,10 @@ impl Seen<'_> {
     }
 }
 
+fn elsewhere(section: &str, machine: &str) -> String {
+    format!("`{section}` was measured elsewhere or by another build than this page's last run: {machine}.")
+}
+
 /// Where a table or figure stands in its paper.
 pub(super) fn pages(page: Option<u32>, note: Option<&str>) -> String {
     let page = page.map_or_else(|| "Without a page number".to_owned(), |p| format!("Page {p}"));
@@ -197,17 +203,9 @@ fn run(record: &Record) -> Section {
     let m = &record.machine;
     let mut body = Body::default();
     let mut table = Table::new("The machine", &["", ""]);
-    let revision = if m.revision.is_empty() { String::new() } else { format!(", revision {}", m.revision) };
-    let memory = if m.memory_bytes == 0 { String::new() } else { bytes_words(m.memory_bytes) };
     table.row(["date", m.date.as_str()]);
-    table.row(["adumbra", &format!("{}{revision}", m.adumbra)]);
-    table.row(["processor", &format!("{}, {} threads", m.cpu, m.cores)]);
-    table.row(["memory", &memory]);
-    table.row(["system", &m.system]);
-    let kind = if m.software { ", a program and not a GPU" } else { "" };
-    table.row(["adapter", &format!("{}{kind}", m.adapter)]);
-    for lacks in &m.left_out {
-        table.row(["the adapter lacks", lacks]);
+    for row in m.rows() {
+        table.row(row);
     }
     body.table(&table);
     body.part("sections", "What was run");
@@ -218,13 +216,16 @@ fn run(record: &Record) -> Section {
             section.section.clone(),
             what.to_owned(),
             if section.full { "full" } else { "quick" }.to_owned(),
-            section.date.clone(),
+            section.machine.date.clone(),
             format!("{:.0}", section.seconds()),
             section.outcome.words().to_owned(),
         ]);
     }
     body.table(&table);
     for section in &record.sections {
+        if let Some(machine) = record.elsewhere(&section.section) {
+            body.note(&elsewhere(&section.section, &machine));
+        }
         for step in &section.steps {
             if let Some(error) = &step.error {
                 body.note(&format!("{}: {error}", section.section));
@@ -252,6 +253,9 @@ fn tables(seen: &Seen<'_>) -> Section {
         let mut commands: Vec<&str> = measured.steps.iter().map(|s| s.command.as_str()).collect();
         commands.dedup();
         body.code("Commands", &commands.join("\n"));
+        if let Some(machine) = seen.record.elsewhere(section) {
+            body.aside(&elsewhere(section, &machine));
+        }
         for file in files {
             let Some(text) = seen.data.text(file) else { continue };
             let title = text.lines().next().unwrap_or(file).trim_start_matches('#').trim().to_owned();
@@ -285,10 +289,9 @@ fn cite(record: &Record) -> Section {
         );
     }
     let m = &record.machine;
-    let revision = if m.revision.is_empty() { String::new() } else { format!(", revision {}", m.revision) };
     text += &format!(
-        "@software{{adumbra,\n  author = {{{{The adumbra authors}}}},\n  title = {{adumbra: a sun's shadows in a small file}},\n  version = {{{}{revision}}},\n  year = {{{}}}\n}}\n",
-        m.adumbra,
+        "@software{{adumbra,\n  author = {{{{The adumbra authors}}}},\n  title = {{adumbra: a sun's shadows in a small file}},\n  version = {{{}}},\n  year = {{{}}}\n}}\n",
+        m.version(),
         m.date.get(..4).unwrap_or_default()
     );
     body.code("BibTeX", &text);

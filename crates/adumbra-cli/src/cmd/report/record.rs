@@ -17,6 +17,7 @@ const NAME: &str = "report.json";
 /// The whole file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Record {
+    /// Of the last run. What it did not measure keeps its own.
     pub(super) machine: Machine,
     pub(super) sections: Vec<SectionRecord>,
 }
@@ -28,8 +29,8 @@ pub(super) struct SectionRecord {
     pub(super) section: String,
     /// Full sizes, or the quick run's.
     pub(super) full: bool,
-    /// When it was measured, UTC.
-    pub(super) date: String,
+    /// What it was measured on, and when.
+    pub(super) machine: Machine,
     pub(super) outcome: Outcome,
     pub(super) steps: Vec<StepRecord>,
     /// What its commands wrote as JSON, by path.
@@ -70,6 +71,18 @@ impl Outcome {
 }
 
 impl SectionRecord {
+    /// One of which nothing is measured yet: as it stands where the run is cut off.
+    pub(super) fn begun(section: &str, full: bool, machine: &Machine) -> Self {
+        Self {
+            section: section.to_owned(),
+            full,
+            machine: machine.clone(),
+            outcome: Outcome::Interrupted,
+            steps: Vec::new(),
+            figures: Map::new(),
+        }
+    }
+
     pub(super) fn seconds(&self) -> f64 {
         self.steps.iter().map(|s| s.seconds).sum()
     }
@@ -102,6 +115,11 @@ impl Record {
 
     pub(super) fn section(&self, name: &str) -> Option<&SectionRecord> {
         self.sections.iter().find(|s| s.section == name)
+    }
+
+    /// What a section was measured on where that is not what the header names.
+    pub(super) fn elsewhere(&self, name: &str) -> Option<String> {
+        self.section(name).and_then(|s| s.machine.unlike(&self.machine))
     }
 
     /// Puts a section in place of an earlier one of its name, or behind all, in the order of `names`.

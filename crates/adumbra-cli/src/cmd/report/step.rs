@@ -3,12 +3,14 @@
 use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use adumbra::Error;
 
+use super::group::Group;
 use super::record::{Outcome, StepRecord};
 use crate::exit::{Code, Failure};
 
@@ -29,11 +31,14 @@ pub(super) struct Step {
     pub(super) words: Vec<String>,
 }
 
-/// How long an interrupted command may take to end by itself.
+/// How long an interrupted command may take to end by itself, and what a command started may outlive it.
 const GRACE: Duration = Duration::from_secs(2);
 const POLL: Duration = Duration::from_millis(20);
 /// Lines of what a command said that are kept.
 const KEPT_LINES: usize = 8;
+
+/// Reads what a command says; gives the last lines.
+type Said = JoinHandle<VecDeque<String>>;
 
 impl Step {
     /// A step from words with blanks between.
@@ -53,10 +58,11 @@ impl Step {
         let mut command = Command::new(&program);
         command.args(self.words.iter().map(|w| places.expand(w))).current_dir(&places.folder);
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut child = command.spawn().map_err(Error::io("run", &program))?;
-        let said = child.stderr.take().map(|stderr| std::thread::spawn(move || pass_on(stderr)));
-        let status = wait(&mut child, cancel).map_err(Error::io("wait for", &program))?;
-        let said = said.and_then(|s| s.join().ok()).unwrap_or_default();
+        let mut group = Group::spawn(&mut command).map_err(Error::io("run", &program))?;
+        let said = group.stderr().map(|stderr| std::thread::spawn(move || pass_on(stderr)));
+        let status = wait(&mut group, said.as_ref(), cancel).map_err(Error::io("wait for", &program))?;
+        // What still holds the pipe is out of reach; it may talk on, and nobody waits for it.
+        let said = said.filter(JoinHandle::is_finished).and_then(|s| s.join().ok()).unwrap_or_default();
         let outcome = if cancel.load(Ordering::Relaxed) {
             Outcome::Interrupted
         } else if status.success() {
@@ -101,16 +107,34 @@ fn pass_on(stderr: impl Read) -> VecDeque<String> {
     kept
 }
 
-fn wait(child: &mut Child, cancel: &AtomicBool) -> std::io::Result<ExitStatus> {
-    let mut interrupted: Option<Instant> = None;
+/// Waits until the command has ended and all that it started has closed the pipe. Interrupted it is asked to end; what is left of it
+/// [`GRACE`] later, or so long after the command itself, is killed.
+fn wait(group: &mut Group, said: Option<&Said>, cancel: &AtomicBool) -> std::io::Result<ExitStatus> {
+    let mut asked = false;
+    let mut status = None;
+    let mut ending: Option<Instant> = None;
     loop {
-        if let Some(status) = child.try_wait()? {
+        if status.is_none() {
+            status = group.status()?;
+        }
+        if let Some(status) = status
+            && said.is_none_or(JoinHandle::is_finished)
+        {
             return Ok(status);
         }
-        if cancel.load(Ordering::Relaxed) {
-            // A terminal's interrupt reached it too; one sent to this process alone did not.
-            if interrupted.get_or_insert_with(Instant::now).elapsed() > GRACE {
-                child.kill()?;
+        if !asked && cancel.load(Ordering::Relaxed) {
+            asked = true;
+            group.ask();
+        }
+        if asked || status.is_some() {
+            let since = ending.get_or_insert_with(Instant::now).elapsed();
+            if since > GRACE {
+                group.kill();
+            }
+            if let Some(status) = status
+                && since > 2 * GRACE
+            {
+                return Ok(status);
             }
         }
         std::thread::sleep(POLL);

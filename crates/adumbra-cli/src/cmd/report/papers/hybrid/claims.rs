@@ -9,8 +9,9 @@ use super::{FILE, frames, row};
 
 /// Least and most as words.
 fn range(values: &[f64], show: impl Fn(f64) -> String) -> String {
-    let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max]
-        .map(|f| values.iter().copied().reduce(f).unwrap_or(f64::NAN));
+    let ends = [f64::min as fn(f64, f64) -> f64, f64::max]
+        .map(|f| values.iter().copied().filter(|v| v.is_finite()).reduce(f));
+    let [Some(least), Some(most)] = ends else { return "not measured".to_owned() };
     let [a, b] = [least, most].map(show);
     if a == b { a } else { format!("{a} to {b}") }
 }
@@ -59,19 +60,46 @@ pub(super) fn less_time(data: &Data, title: Option<&str>, percent: f64) -> Verdi
 }
 
 pub(super) fn foliage(data: &Data) -> Verdict {
-    let document = data.json(FILE).unwrap_or_default();
-    let Some(oak) = rows(&document, "/models").iter().find(|m| m["foliage"] == true) else {
-        return Verdict::Unmeasured;
+    foliage_of(&data.json(FILE).unwrap_or_default())
+}
+
+/// It is an exception where it gains less time than every other model of the same START.
+fn foliage_of(document: &Value) -> Verdict {
+    let (leaves, others): (Vec<&Value>, Vec<&Value>) =
+        rows(document, "/models").iter().partition(|m| m["foliage"] == true);
+    let starts = [1024, 2048, 4096];
+    let mut holds = Vec::new();
+    let mut taken = [Vec::new(), Vec::new()];
+    for start in starts {
+        // The light moves, or stands still.
+        for (light, taken) in [2, 3].into_iter().zip(&mut taken) {
+            let ratios = |models: &[&Value]| -> Vec<f64> {
+                models
+                    .iter()
+                    .filter_map(|m| Some(frames(m, start)?[light]))
+                    .filter(|r| r.is_finite())
+                    .collect()
+            };
+            let (leaves, others) = (ratios(&leaves), ratios(&others));
+            if let Some(worst) = others.into_iter().reduce(f64::max) {
+                holds.extend(leaves.iter().map(|leaf| *leaf > worst));
+            }
+            taken.extend(leaves.iter().map(|leaf| 100.0 * (leaf - 1.0)));
+        }
+    }
+    let finest = |m: &Value, start: u64| {
+        row(m, start, &format!("hrsm:{start}-{}:filter=1", start / 4))?.pointer("/levels/0")?.as_f64()
     };
-    let finest = |start: u64| {
-        let row = row(oak, start, &format!("hrsm:{start}-{}:filter=1", start / 4))?;
-        row.pointer("/levels/0").and_then(Value::as_f64)
-    };
-    let shares: Vec<f64> = [1024, 2048, 4096].into_iter().filter_map(finest).map(|s| 100.0 * s).collect();
-    Verdict::Holds(format!(
-        "an oak keeps {} of the map's area at its finest texels",
+    let kept = leaves.iter().flat_map(|m| starts.into_iter().filter_map(move |s| finest(m, s)));
+    let shares: Vec<f64> = kept.map(|share| 100.0 * share).collect();
+    let time = |v: &[f64]| range(v, |p| format!("{p:+.0} %"));
+    let found = format!(
+        "frames of an oak: {} while the light moves, {} while it stands still; of the map's area at its finest texels: {}",
+        time(&taken[0]),
+        time(&taken[1]),
         range(&shares, |s| format!("{s:.0} %"))
-    ))
+    );
+    Verdict::counted(&holds, found).because("Held to be an exception where every other model gains more")
 }
 
 pub(super) fn acne(data: &Data) -> Verdict {
@@ -114,4 +142,47 @@ pub(super) fn finer_is_better(data: &Data) -> Verdict {
         &steps,
         format!("wrong pixels of SM 512 and of starts 1024, 2048, 4096: {} %", words.join(", ")),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn model(foliage: bool, moving: Option<f64>, still: Option<f64>) -> Value {
+        let rows = json!([
+            {"name": "sm:size=1024", "frame_ms": 2.0},
+            {"name": "hrsm:1024-512:filter=1", "frame_ms": 2.0, "frame_ratio": moving, "still_frame_ratio": still},
+        ]);
+        json!({"foliage": foliage, "groups": [{"start": 1024, "filter": 1, "rows": rows}]})
+    }
+
+    #[test]
+    fn foliage_is_held_to_gain_less_than_other_models() {
+        let of = |models: &[Value]| foliage_of(&json!({ "models": models }));
+        let others = [model(false, Some(1.1), Some(0.8)), model(false, Some(1.3), Some(0.9))];
+        let with = |oak: Value| of(&[others.as_slice(), &[oak]].concat());
+        let found = match with(model(true, Some(1.5), Some(1.0))) {
+            Verdict::Holds(found) => found,
+            other => panic!("{other:?}"),
+        };
+        assert!(found.contains("+50 % while the light moves") && found.ends_with("not measured"), "{found}");
+        assert!(matches!(with(model(true, Some(1.2), Some(1.0))), Verdict::Partly(_)));
+        assert!(matches!(with(model(true, Some(1.2), Some(0.7))), Verdict::HoldsNot(_)));
+        assert_eq!(with(model(true, None, None)), Verdict::Unmeasured);
+        assert_eq!(of(&others), Verdict::Unmeasured);
+        assert_eq!(
+            of(&[model(true, Some(1.2), Some(1.0))]),
+            Verdict::Unmeasured,
+            "nothing to be an exception of"
+        );
+    }
+
+    #[test]
+    fn range_of_nothing_is_no_number() {
+        let of = |values: &[f64]| range(values, |v| format!("{v:.0} %"));
+        assert_eq!([of(&[]), of(&[f64::NAN])], ["not measured", "not measured"]);
+        assert_eq!([of(&[1.0, f64::NAN, 3.0]), of(&[2.0])], ["1 % to 3 %", "2 %"]);
+    }
 }
