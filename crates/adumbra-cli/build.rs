@@ -23,7 +23,6 @@ fn revision(folder: &Path) -> Option<String> {
     if git(folder, &["rev-parse", "--show-prefix"])? != PLACE {
         return None;
     }
-    git(folder, &["ls-files", "--error-unmatch", "build.rs"])?;
     let root = folder.ancestors().nth(2)?;
     let sources = sources(root);
     sources.iter().for_each(|path| watch(&root.join(path)));
@@ -32,6 +31,8 @@ fn revision(folder: &Path) -> Option<String> {
     for name in [Some("HEAD"), Some("logs/HEAD"), branch.as_deref()].into_iter().flatten() {
         watch(&root.join(git(root, &["rev-parse", "--git-path", name])?));
     }
+    // Sources that are laid into another repository and not committed there are not its own.
+    git(folder, &["ls-files", "--error-unmatch", "build.rs"])?;
     let head = git(root, &["rev-parse", "--short=12", "HEAD"])?;
     let mut changed = vec!["status", "--porcelain", "--untracked-files=no", "--"];
     changed.extend(sources.iter().map(String::as_str));
