@@ -45,8 +45,9 @@ fn voxel_rectangle(low: vec2i, high: vec2i) -> vec2u {
 struct VoxelTaps {
     low: vec2i,
     high: vec2i,
-    // The one that they share; below 0 all are lit and counted as beside.
-    layer: i32,
+    // The layers that answer them; -1 for all before the grid.
+    nearest: i32,
+    farthest: i32,
     beside: u32,
 }
 
@@ -66,17 +67,55 @@ fn voxel_of(v: VoxelParams, r: VoxelReceiver) -> vec3i {
     return vec3i(texel, min(layer, v.grid.size.z - 1));
 }
 
-// Taps low…high, which lie in one block. Their layer is that of the plane at their centre less half its slope times their extent, which is
-// that at the tap where the plane is nearest to the sun.
+// Taps low…high, which lie in one block.
 fn voxel_taps(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> VoxelTaps {
     let size = high - low + 1;
     let count = u32(size.x * size.y);
-    let inside_low = max(low, vec2i(0));
-    let inside_high = min(high, v.grid.size.xy - 1);
-    let layer = voxel_layer(r, select(high, low, r.gradient >= vec2i(0)));
-    if (any(inside_low > inside_high) || layer < 0) {
-        return VoxelTaps(inside_low, inside_high, -1, count);
+    var taps: VoxelTaps;
+    taps.low = max(low, vec2i(0));
+    taps.high = min(high, v.grid.size.xy - 1);
+    if (any(taps.low > taps.high)) {
+        return VoxelTaps(taps.low, taps.high, -1, -1, count);
     }
-    let inside = inside_high - inside_low + 1;
-    return VoxelTaps(inside_low, inside_high, min(layer, v.grid.size.z - 1), count - u32(inside.x * inside.y));
+    let rises = r.gradient >= vec2i(0);
+    let last = v.grid.size.z - 1;
+    taps.nearest = clamp(voxel_layer(r, select(taps.high, taps.low, rises)), -1, last);
+    taps.farthest = clamp(voxel_layer(r, select(taps.low, taps.high, rises)), -1, last);
+    if (taps.farthest < 0) {
+        taps.beside = count;
+        return taps;
+    }
+    let inside = taps.high - taps.low + 1;
+    taps.beside = count - u32(inside.x * inside.y);
+    return taps;
+}
+
+// Those of a block's taps that a layer or one before it answers, bit y·8 + x, rows 0 to 3 in x. The layer is one of theirs, or -1.
+fn voxel_taps_to(r: VoxelReceiver, taps: VoxelTaps, layer: i32) -> vec2u {
+    if (layer >= taps.farthest) {
+        return voxel_rectangle(taps.low, taps.high);
+    }
+    let columns = taps.high.x - taps.low.x + 1;
+    let rises = r.gradient.x >= 0;
+    let steep = abs(r.gradient.x);
+    // Quotients of numbers up to 7 · steep without a division each.
+    let inverse = select(0u, (1u << 26u) / u32(max(steep, 1)) + 1u, steep > 0);
+    // How far the plane may rise from the point on, and by how much it has risen at the nearest tap of a row.
+    let most = ((((layer + 1) << FIXED_BITS) - r.p_fixed.z) << GRADIENT_BITS) - 1;
+    let nearest = vec2i(select(taps.high.x, taps.low.x, rises), taps.low.y);
+    let along = r.gradient * (nearest * FIXED_ONE + FIXED_ONE / 2 - r.p_fixed.xy);
+    var risen = along.x + along.y;
+    var bits = vec2u(0u);
+    for (var y = taps.low.y; y <= taps.high.y; y++) {
+        let left = (most - risen) >> FIXED_BITS;
+        if (left >= 0) {
+            let quotient = i32((u32(min(left, 7 * steep)) * inverse) >> 26u);
+            let count = select(min(quotient + 1, columns), columns, steep == 0);
+            let from_x = select(taps.high.x + 1 - count, taps.low.x, rises) & 7;
+            let row = ((1u << u32(count)) - 1u) << u32(8 * (y & 3) + from_x);
+            bits[u32(y & 7) >> 2u] |= row;
+        }
+        risen += r.gradient.y << FIXED_BITS;
+    }
+    return bits;
 }
