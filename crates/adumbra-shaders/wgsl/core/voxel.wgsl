@@ -90,32 +90,43 @@ fn voxel_taps(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> Voxe
     return taps;
 }
 
+// How many of up to eight steps, each rising by `steep`, begin at a rise of at most `left`. No quotient of such numbers lies so near to a
+// whole one that the half and a division's error would matter.
+fn voxel_steps(left: i32, steep: i32) -> i32 {
+    let quotient = i32((f32(clamp(left, 0, 7 * steep)) + 0.5) / f32(max(steep, 1)));
+    return select(select(quotient + 1, 8, steep == 0), 0, left < 0);
+}
+
 // Those of a block's taps that a layer or one before it answers, bit y·8 + x, rows 0 to 3 in x. The layer is one of theirs, or -1.
 fn voxel_taps_to(r: VoxelReceiver, taps: VoxelTaps, layer: i32) -> vec2u {
     if (layer >= taps.farthest) {
         return voxel_rectangle(taps.low, taps.high);
     }
-    let columns = taps.high.x - taps.low.x + 1;
-    let rises = r.gradient.x >= 0;
-    let steep = abs(r.gradient.x);
-    // Quotients of numbers up to 7 · steep without a division each.
-    let inverse = select(0u, (1u << 26u) / u32(max(steep, 1)) + 1u, steep > 0);
-    // How far the plane may rise from the point on, and by how much it has risen at the nearest tap of a row.
+    let rises = r.gradient >= vec2i(0);
+    let steep = abs(r.gradient);
+    // How far the plane may rise from the point on, and by how much it has risen at the nearest tap.
     let most = ((((layer + 1) << FIXED_BITS) - r.p_fixed.z) << GRADIENT_BITS) - 1;
-    let nearest = vec2i(select(taps.high.x, taps.low.x, rises), taps.low.y);
+    let nearest = select(taps.high, taps.low, rises);
     let along = r.gradient * (nearest * FIXED_ONE + FIXED_ONE / 2 - r.p_fixed.xy);
-    var risen = along.x + along.y;
-    var bits = vec2u(0u);
-    for (var y = taps.low.y; y <= taps.high.y; y++) {
-        let left = (most - risen) >> FIXED_BITS;
-        if (left >= 0) {
-            let quotient = i32((u32(min(left, 7 * steep)) * inverse) >> 26u);
-            let count = select(min(quotient + 1, columns), columns, steep == 0);
-            let from_x = select(taps.high.x + 1 - count, taps.low.x, rises) & 7;
-            let row = ((1u << u32(count)) - 1u) << u32(8 * (y & 3) + from_x);
-            bits[u32(y & 7) >> 2u] |= row;
+    var left = (most - along.x - along.y) >> FIXED_BITS;
+    let size = taps.high - taps.low + 1;
+    if (steep.x == 0) {
+        // Rows are level.
+        let rows = min(voxel_steps(left, steep.y), size.y);
+        if (rows == 0) {
+            return vec2u(0u);
         }
-        risen += r.gradient.y << FIXED_BITS;
+        let low_y = select(taps.high.y + 1 - rows, taps.low.y, rises.y);
+        return voxel_rectangle(vec2i(taps.low.x, low_y), vec2i(taps.high.x, low_y + rows - 1));
+    }
+    var bits = vec2u(0u);
+    // From the nearest row on, while any tap is left.
+    for (var row = 0; row < size.y && left >= 0; row++) {
+        let y = select(taps.high.y - row, taps.low.y + row, rises.y) & 7;
+        let columns = min(voxel_steps(left, steep.x), size.x);
+        let from_x = select(taps.high.x + 1 - columns, taps.low.x, rises.x) & 7;
+        bits[u32(y) >> 2u] |= ((1u << u32(columns)) - 1u) << u32(8 * (y & 3) + from_x);
+        left -= steep.y;
     }
     return bits;
 }
