@@ -125,7 +125,8 @@ fn voxel_taps_to(r: VoxelReceiver, taps: VoxelTaps, layer: i32) -> vec2u {
         let y = select(taps.high.y - row, taps.low.y + row, rises.y) & 7;
         let columns = min(voxel_steps(left, steep.x), size.x);
         let from_x = select(taps.high.x + 1 - columns, taps.low.x, rises.x) & 7;
-        bits[u32(y) >> 2u] |= ((1u << u32(columns)) - 1u) << u32(8 * (y & 3) + from_x);
+        let few = ((1u << u32(columns)) - 1u) << u32(8 * (y & 3) + from_x);
+        bits |= select(vec2u(0u, few), vec2u(few, 0u), y < 4);
         left -= steep.y;
     }
     return bits;
