@@ -10,7 +10,7 @@ use adumbra::dag::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
 use adumbra::dag::store::{NodeState, NodeStore};
 use adumbra::format::{Layout, LightBody};
 use adumbra::light::{LightGrid, Sun};
-use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, Query};
+use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, Query, TapLayers};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::verify::Random;
@@ -86,13 +86,16 @@ fn packed_voxel_with_wide_slots_counts_the_taps_that_the_cpu_counts() {
             },
         })
         .collect();
-    for filter in FILTER_WIDTHS {
-        let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap();
-        let plain = Query::new(&grid, &dag, Bias::default(), filter).unwrap();
+    for (filter, layers) in
+        FILTER_WIDTHS.into_iter().flat_map(|f| [(f, TapLayers::Tap), (f, TapLayers::Block)])
+    {
+        let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap().with_layers(layers);
+        let plain = Query::new(&grid, &dag, Bias::default(), filter).unwrap().with_layers(layers);
         let voxel = Voxel::packed(&gpu, &grid, &packed, Bias::default(), filter).unwrap();
+        let voxel = voxel.with_layers(&gpu, layers);
         let mut partly = 0;
         for (r, found) in receivers.iter().zip(voxel.lit_taps(&gpu, &receivers).unwrap()) {
-            assert_eq!([found, found], [query.lit_taps(r), plain.lit_taps(r)], "filter {filter}: {r:?}");
+            assert_eq!([found, found], [query.lit_taps(r), plain.lit_taps(r)], "{filter} {layers:?}: {r:?}");
             partly += usize::from(found > 0 && found < filter * filter);
         }
         assert!(filter == 1 || partly * 4 > COUNT, "{partly} partly lit");

@@ -6,7 +6,9 @@ use adumbra::bake::{Baked, Options, Size, bake};
 use adumbra::dag::Slabs;
 use adumbra::dag::packed::PackedDag;
 use adumbra::light::Sun;
-use adumbra::query::{Cursor, FILTER_WIDTHS, FixedReceiver, PointVisibility, Query, Receiver, receiver};
+use adumbra::query::{
+    Cursor, FILTER_WIDTHS, FixedReceiver, PointVisibility, Query, Receiver, TapLayers, receiver,
+};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::verify::Random;
@@ -17,16 +19,25 @@ fn baked() -> Baked {
     bake(&generate(GeneratedKind::Primitives, 1), &options, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-/// The definition: each tap asks the voxel in its texel that the receiver's plane passes there.
-fn by_definition(baked: &Baked, r: &FixedReceiver, width: i64) -> u32 {
+/// The definition: each tap asks the voxel in its texel that the receiver's plane passes there, or, by block, the layer in which it passes the
+/// tap of the block and the grid that is nearest to the sun.
+fn by_definition(baked: &Baked, r: &FixedReceiver, width: i64, layers: TapLayers) -> u32 {
     let texel = [0, 1].map(|a| r.p_fixed[a].div_euclid(4096));
     let reach = width / 2;
     let [nx, ny, nz] = baked.dag.size.map(i64::from);
     let mut lit = 0;
     for y in texel[1] - reach..=texel[1] + reach {
         for x in texel[0] - reach..=texel[0] + reach {
-            let along = |a: usize, t: i64| i64::from(r.gradient[a]) * (4096 * t + 2048 - r.p_fixed[a]);
-            let layer = (r.p_fixed[2] + (along(0, x) + along(1, y)).div_euclid(256)).div_euclid(4096);
+            let asked = [0, 1].map(|a| match layers {
+                TapLayers::Tap => [x, y][a],
+                TapLayers::Block => {
+                    let first = (texel[a] - reach).max([x, y][a] & !7).max(0);
+                    let last = (texel[a] + reach).min([x, y][a] | 7).min([nx, ny][a] - 1);
+                    if r.gradient[a] >= 0 { first } else { last }
+                }
+            });
+            let along = |a: usize| i64::from(r.gradient[a]) * (4096 * asked[a] + 2048 - r.p_fixed[a]);
+            let layer = (r.p_fixed[2] + (along(0) + along(1)).div_euclid(256)).div_euclid(4096);
             let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
             let k = layer.min(nz - 1);
             lit += u32::from(!inside || baked.dag.voxel(x as u32, y as u32, k as u32));
@@ -51,7 +62,11 @@ fn query_counts_the_taps_that_the_definition_names() {
         for width in FILTER_WIDTHS {
             let query = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
             let lit = query.lit_taps(&fixed);
-            assert_eq!(lit, by_definition(&baked, &fixed, width.into()), "{fixed:?} {width}");
+            assert_eq!(lit, by_definition(&baked, &fixed, width.into(), TapLayers::Tap), "{fixed:?} {width}");
+            let by_block = query.with_layers(TapLayers::Block);
+            let expected = by_definition(&baked, &fixed, width.into(), TapLayers::Block);
+            assert_eq!(by_block.lit_taps(&fixed), expected, "{fixed:?} {width}");
+            assert_eq!(Cursor::new(by_block).lit_taps(&fixed), expected);
             let answer = query.receiver_visibility(&Receiver { p_grid, gradient });
             assert_eq!(answer, lit as f32 / (width * width) as f32);
             partly_lit += usize::from(answer > 0.0 && answer < 1.0);

@@ -81,6 +81,9 @@ fn voxel_taps(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> Voxe
     let last = v.grid.size.z - 1;
     taps.nearest = clamp(voxel_layer(r, select(taps.high, taps.low, rises)), -1, last);
     taps.farthest = clamp(voxel_layer(r, select(taps.low, taps.high, rises)), -1, last);
+    if (v.places.w == 1u) {
+        taps.farthest = taps.nearest;
+    }
     if (taps.farthest < 0) {
         taps.beside = count;
         return taps;

@@ -126,6 +126,7 @@ impl Hierarchy {
     }
 
     /// What holds a column, and its level.
+    #[inline]
     fn place(&self, i: u32, j: u32) -> (Place, u32) {
         let [x, y] = [i, j].map(|c| c >> self.root_level);
         if x >= self.top_dims[0] || y >= self.top_dims[1] {

@@ -21,7 +21,7 @@ impl<'d> Cursor<'d> {
 
     /// As [`Query::visibility`].
     pub fn visibility(&mut self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        let Query { grid, slabs, bias, filter } = self.query;
+        let Query { grid, slabs, bias, filter, .. } = self.query;
         let r = receiver(grid, &bias, p_world, normal);
         let lit = self.lit_taps(&FixedReceiver::new(&r, slabs.size()));
         lit as f32 / (filter * filter) as f32
@@ -29,6 +29,6 @@ impl<'d> Cursor<'d> {
 
     /// As [`Query::lit_taps`].
     pub fn lit_taps(&mut self, r: &FixedReceiver) -> u32 {
-        self.cubes.lit_taps(self.query.filter, r)
+        self.cubes.lit_taps(self.query.filter, self.query.layers, r)
     }
 }

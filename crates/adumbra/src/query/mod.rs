@@ -3,9 +3,8 @@
 //! World point → bias → grid → K × K texels, each answered by the voxel that the receiver's plane passes there. Up to the bias it is `f64`;
 //! from there on whole numbers, see [`FixedReceiver`].
 //!
-//! Departure from specification §6, where all taps in a block of 8 × 8 texels share the layer of the one that is nearest to the sun: on a
-//! slope that loses every blocker within the plane's rise over the block, and light leaks in teeth below ledges and at the feet of walls.
-//! `docs/layouts.md` has what either gets wrong.
+//! Departure from specification §6, where all taps in a block of 8 × 8 texels share a layer: on a slope light then leaks in teeth below ledges
+//! and at the feet of walls. That is [`TapLayers::Block`]; `docs/layouts.md` has what either gets wrong and costs.
 
 mod cursor;
 mod fixed;
@@ -66,6 +65,17 @@ impl<T: Voxels + Sync> PointVisibility for TreeQuery<'_, T> {
 /// Filter widths in texels that a look-up may use.
 pub const FILTER_WIDTHS: [u32; 5] = [1, 3, 5, 9, 17];
 
+/// Which layer of voxels answers a filter's taps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TapLayers {
+    /// Each tap's own: that which the receiver's plane passes there.
+    #[default]
+    Tap,
+    /// One for all taps in a block of 8 × 8 texels, that of the tap at which the plane is nearest to the sun. A slab a block and no more, so
+    /// cheaper; on a slope it loses every blocker within the plane's rise over the block.
+    Block,
+}
+
 /// A look-up into what a bake has left, whatever its layout.
 #[derive(Clone, Copy)]
 pub struct Query<'d> {
@@ -73,6 +83,7 @@ pub struct Query<'d> {
     slabs: &'d dyn Slabs,
     bias: Bias,
     filter: u32,
+    layers: TapLayers,
 }
 
 /// A point of the grid with the slope of its surface there.
@@ -97,7 +108,13 @@ impl<'d> Query<'d> {
                 range: "1, 3, 5, 9 or 17",
             });
         }
-        Ok(Self { grid, slabs, bias, filter })
+        Ok(Self { grid, slabs, bias, filter, layers: TapLayers::default() })
+    }
+
+    /// The same with other layers for its taps.
+    #[must_use]
+    pub fn with_layers(self, layers: TapLayers) -> Self {
+        Self { layers, ..self }
     }
 
     /// The bias that points are moved by.
@@ -127,7 +144,7 @@ impl<'d> Query<'d> {
                 .is_none_or(|[i, j, k]| self.slabs.slab(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1);
             return u32::from(lit);
         }
-        Cubes::<4>::new(self.slabs).lit_taps(self.filter, r)
+        Cubes::<4>::new(self.slabs).lit_taps(self.filter, self.layers, r)
     }
 
     /// Level of the block in which the look-up of the filter's middle ends, as [`Slabs::end_level`]; none beside the grid and before it,

@@ -3,9 +3,31 @@
 //! A tap is answered by the voxel in its texel that the receiver's plane passes there. The grid's x is level, so on level ground a row of taps
 //! lies in one layer and is counted at once.
 
-use super::FixedReceiver;
 use super::fixed::{FIXED_BITS, GRADIENT_BITS};
+use super::{FixedReceiver, TapLayers};
 use crate::dag::{Slabs, Trail};
+
+/// Depths that the taps of a block ask, in 2^-20 voxels.
+struct Plane {
+    /// At the first tap.
+    depth: i64,
+    /// From tap to tap along x and y.
+    steps: [i64; 2],
+}
+
+impl Plane {
+    fn over(r: &FixedReceiver, layers: TapLayers, x: [i64; 2], y: [i64; 2]) -> Self {
+        let steps = r.gradient.map(|g| i64::from(g) << FIXED_BITS);
+        let depth = r.depth([x[0], y[0]]);
+        match layers {
+            TapLayers::Tap => Self { depth, steps },
+            TapLayers::Block => {
+                let nearer = |a: usize, [first, last]: [i64; 2]| (steps[a] * (last - first)).min(0);
+                Self { depth: depth + nearer(0, x) + nearer(1, y), steps: [0; 2] }
+            }
+        }
+    }
+}
 
 /// Cubes of 8 × 8 × 8 voxels that were looked up last: `PLACES` of them, by place along z, and for 16 by the parity of the block too.
 pub(super) struct Cubes<'d, const PLACES: usize> {
@@ -32,7 +54,7 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
     }
 
     /// Lit taps of `filter` × `filter` texels round a receiver. Beside the grid and before it all is lit; behind its last layer that one answers.
-    pub(super) fn lit_taps(&mut self, filter: u32, r: &FixedReceiver) -> u32 {
+    pub(super) fn lit_taps(&mut self, filter: u32, layers: TapLayers, r: &FixedReceiver) -> u32 {
         let [nx, ny, nz] = self.slabs.size().map(i64::from);
         let reach = i64::from(filter / 2);
         let texel = r.texel();
@@ -49,7 +71,8 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
             let mut x = low[0];
             while x <= high[0] {
                 let x_last = (x | 7).min(high[0]);
-                lit += self.block(r, [x, x_last], [y, y_last], nz - 1);
+                let plane = Plane::over(r, layers, [x, x_last], [y, y_last]);
+                lit += self.block(&plane, [x, x_last], [y, y_last], nz - 1);
                 x = x_last + 1;
             }
             y = y_last + 1;
@@ -58,13 +81,13 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
     }
 
     /// Lit taps among texels that lie in one block and in the grid, ends counted in.
-    fn block(&mut self, r: &FixedReceiver, x: [i64; 2], y: [i64; 2], last_layer: i64) -> u32 {
-        let [step_x, step_y] = r.gradient.map(|g| i64::from(g) << FIXED_BITS);
+    fn block(&mut self, plane: &Plane, x: [i64; 2], y: [i64; 2], last_layer: i64) -> u32 {
+        let [step_x, step_y] = plane.steps;
         let span = step_x * (x[1] - x[0]);
         // -1 for all layers before the grid.
         let layer_of = |depth: i64| (depth >> (FIXED_BITS + GRADIENT_BITS)).clamp(-1, last_layer);
         let mut bits_of = self.layers([x[0], y[0]]);
-        let mut depth = r.depth([x[0], y[0]]);
+        let mut depth = plane.depth;
         let mut row = (2 << (x[1] - x[0])) - 1 << (8 * (y[0] & 7) + (x[0] & 7));
         let mut lit: u64 = 0;
         for _ in y[0]..=y[1] {
