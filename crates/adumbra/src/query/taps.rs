@@ -88,7 +88,7 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
         let layer_of = |depth: i64| (depth >> (FIXED_BITS + GRADIENT_BITS)).clamp(-1, last_layer);
         let mut bits_of = self.layers([x[0], y[0]]);
         let mut depth = plane.depth;
-        let mut row = (2 << (x[1] - x[0])) - 1 << (8 * (y[0] & 7) + (x[0] & 7));
+        let mut row = ((2 << (x[1] - x[0])) - 1) << (8 * (y[0] & 7) + (x[0] & 7));
         let mut lit: u64 = 0;
         for _ in y[0]..=y[1] {
             let [first, last] = [depth, depth + span].map(layer_of);
