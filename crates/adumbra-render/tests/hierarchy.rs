@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use adumbra::bake::{Options, Size, bake_hierarchy};
 use adumbra::format::ShadowFile;
 use adumbra::hierarchy::Hierarchy;
-use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query, receiver};
+use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Query, TapLayers, receiver};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra_render::technique::{ParameterKind, describe};
 use adumbra_render::voxel::{HierarchyFilter, SoftTwin, VoxelHierarchy};
@@ -34,9 +34,22 @@ fn receivers(baked: &BakedScene, count: usize) -> Vec<FixedReceiver> {
 }
 
 fn exact(gpu: &Gpu, baked: &BakedScene, hierarchy: &Hierarchy, filter: u32, count: usize) {
+    for layers in [TapLayers::Tap, TapLayers::Block] {
+        exact_of(gpu, baked, hierarchy, (filter, layers), count);
+    }
+}
+
+fn exact_of(
+    gpu: &Gpu,
+    baked: &BakedScene,
+    hierarchy: &Hierarchy,
+    (filter, layers): (u32, TapLayers),
+    count: usize,
+) {
     let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
-    let query = Query::new(grid, hierarchy, bias, filter).unwrap();
+    let query = Query::new(grid, hierarchy, bias, filter).unwrap().with_layers(layers);
     let found = VoxelHierarchy::new(gpu, grid, hierarchy, bias, HierarchyFilter::Taps(filter)).unwrap();
+    let found = found.with_layers(gpu, layers);
     let receivers = receivers(baked, count);
     let size = hierarchy.size.map(i64::from);
     let mut partly = 0;

@@ -10,7 +10,7 @@ use adumbra::dag::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
 use adumbra::dag::store::{NodeState, NodeStore};
 use adumbra::format::{Layout, LightBody};
 use adumbra::light::{LightGrid, Sun};
-use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, Query};
+use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, Query, TapLayers};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::verify::Random;
@@ -75,18 +75,27 @@ fn packed_voxel_with_wide_slots_counts_the_taps_that_the_cpu_counts() {
     let grid = LightGrid { size: dag.size, ..unit_grid() };
     let mut random = Random::new(5, 0);
     let receivers: Vec<_> = (0..COUNT)
-        .map(|_| FixedReceiver {
+        .map(|at| FixedReceiver {
             p_fixed: dag.size.map(|n| (random.unit() * f64::from(n) * f64::from(FIXED_ONE)) as i64),
-            gradient: [0; 2].map(|_| (random.unit() * 600.0) as i32 - 300),
+            gradient: match at % 8 {
+                // As steep as a plane may be; rows level; whole steps.
+                0 => [0; 2].map(|_| (random.unit() * f64::from(2 * MAX_GRADIENT + 1)) as i32 - MAX_GRADIENT),
+                1 => [0, (random.unit() * 600.0) as i32 - 300],
+                2 => [0; 2].map(|_| 256 * ((random.unit() * 5.0) as i32 - 2)),
+                _ => [0; 2].map(|_| (random.unit() * 600.0) as i32 - 300),
+            },
         })
         .collect();
-    for filter in FILTER_WIDTHS {
-        let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap();
-        let plain = Query::new(&grid, &dag, Bias::default(), filter).unwrap();
+    for (filter, layers) in
+        FILTER_WIDTHS.into_iter().flat_map(|f| [(f, TapLayers::Tap), (f, TapLayers::Block)])
+    {
+        let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap().with_layers(layers);
+        let plain = Query::new(&grid, &dag, Bias::default(), filter).unwrap().with_layers(layers);
         let voxel = Voxel::packed(&gpu, &grid, &packed, Bias::default(), filter).unwrap();
+        let voxel = voxel.with_layers(&gpu, layers);
         let mut partly = 0;
         for (r, found) in receivers.iter().zip(voxel.lit_taps(&gpu, &receivers).unwrap()) {
-            assert_eq!([found, found], [query.lit_taps(r), plain.lit_taps(r)], "filter {filter}: {r:?}");
+            assert_eq!([found, found], [query.lit_taps(r), plain.lit_taps(r)], "{filter} {layers:?}: {r:?}");
             partly += usize::from(found > 0 && found < filter * filter);
         }
         assert!(filter == 1 || partly * 4 > COUNT, "{partly} partly lit");

@@ -165,7 +165,8 @@ gpu_struct! {
         pub grid: GridTransform,
         /// Root cubes along x, y, z; level of the roots.
         pub top_dims: [u32; 4],
-        /// Index of the first word of nodes (of units, where they are packed) and of slabs, width of the filter in texels, 0.
+        /// Index of the first word of nodes (of units, where they are packed) and of slabs, width of the filter in texels, 1 where
+        /// a block's taps share a layer.
         pub places: [u32; 4],
         /// Constant, slope and normal offset in texels; 0.
         pub bias: [f32; 4],

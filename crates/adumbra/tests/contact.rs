@@ -71,6 +71,24 @@ fn contact_shadows_reach_a_walls_foot_under_a_filter() {
     assert!(near.iter().zip(anywhere).all(|(near, anywhere)| near + 0.05 < anywhere), "{anywhere:?}");
 }
 
+/// A ledge on a wall that the sun grazes: below it nearly every tap of the filter finds ledge or shadow, though the wall's plane rises by many
+/// voxels over a block of texels.
+#[test]
+fn contact_shadows_begin_at_a_ledge_under_a_filter() {
+    let scene = boxes(&[
+        ([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]),
+        ([-0.5, 0.0, -8.0], [0.5, 14.0, 8.0]),
+        ([0.4, 9.0, -8.0], [3.5, 10.9, 8.0]),
+    ]);
+    let baked = bake(&scene, [0.3, 0.9, 0.2], |o| o);
+    let points: Vec<_> = (0..120)
+        .flat_map(|i| (0..10).map(move |d| [0.5, 8.95 - 0.1 * f64::from(d), -6.0 + 0.1 * f64::from(i)]))
+        .collect();
+    let below = means(&baked, &points, Some([1.0, 0.0, 0.0]));
+    println!("visibility below the ledge: graph and hierarchy {below:.4?}");
+    assert!(below.iter().all(|v| *v < 0.05), "{below:?}");
+}
+
 /// The box holds nothing but air below a roof, so nothing lies behind its columns' first surfaces.
 #[test]
 fn bounds_below_a_roof_are_dark_in_both_structures() {

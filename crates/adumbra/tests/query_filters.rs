@@ -1,13 +1,14 @@
 //! Look-ups tap by tap: what the filter's definition says, counted one voxel at a time.
 
-use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Baked, Options, Size, bake};
 use adumbra::dag::Slabs;
 use adumbra::dag::packed::PackedDag;
 use adumbra::light::Sun;
-use adumbra::query::{Cursor, FILTER_WIDTHS, FixedReceiver, PointVisibility, Query, Receiver, receiver};
+use adumbra::query::{
+    Cursor, FILTER_WIDTHS, FixedReceiver, PointVisibility, Query, Receiver, TapLayers, receiver,
+};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::verify::Random;
@@ -18,29 +19,25 @@ fn baked() -> Baked {
     bake(&generate(GeneratedKind::Primitives, 1), &options, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-/// The definition: taps gathered by block, one layer a block, every voxel asked by itself.
-fn by_definition(baked: &Baked, r: &FixedReceiver, width: i64) -> u32 {
+/// The definition: each tap asks the voxel in its texel that the receiver's plane passes there, or, by block, the layer in which it passes the
+/// tap of the block and the grid that is nearest to the sun.
+fn by_definition(baked: &Baked, r: &FixedReceiver, width: i64, layers: TapLayers) -> u32 {
     let texel = [0, 1].map(|a| r.p_fixed[a].div_euclid(4096));
     let reach = width / 2;
-    let mut blocks: HashMap<[i64; 2], Vec<[i64; 2]>> = HashMap::new();
-    for y in texel[1] - reach..=texel[1] + reach {
-        for x in texel[0] - reach..=texel[0] + reach {
-            blocks.entry([x.div_euclid(8), y.div_euclid(8)]).or_default().push([x, y]);
-        }
-    }
     let [nx, ny, nz] = baked.dag.size.map(i64::from);
     let mut lit = 0;
-    for taps in blocks.values() {
-        let mut sum = 0;
-        for a in 0..2 {
-            let g = i64::from(r.gradient[a]);
-            let low = taps.iter().map(|t| t[a]).min().unwrap();
-            let high = taps.iter().map(|t| t[a]).max().unwrap();
-            let center = 2048 * (low + high + 1);
-            sum += g * (center - r.p_fixed[a]) - g.abs() * (high - low) * 2048;
-        }
-        let layer = (r.p_fixed[2] + sum.div_euclid(256)).div_euclid(4096);
-        for &[x, y] in taps {
+    for y in texel[1] - reach..=texel[1] + reach {
+        for x in texel[0] - reach..=texel[0] + reach {
+            let asked = [0, 1].map(|a| match layers {
+                TapLayers::Tap => [x, y][a],
+                TapLayers::Block => {
+                    let first = (texel[a] - reach).max([x, y][a] & !7).max(0);
+                    let last = (texel[a] + reach).min([x, y][a] | 7).min([nx, ny][a] - 1);
+                    if r.gradient[a] >= 0 { first } else { last }
+                }
+            });
+            let along = |a: usize| i64::from(r.gradient[a]) * (4096 * asked[a] + 2048 - r.p_fixed[a]);
+            let layer = (r.p_fixed[2] + (along(0) + along(1)).div_euclid(256)).div_euclid(4096);
             let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
             let k = layer.min(nz - 1);
             lit += u32::from(!inside || baked.dag.voxel(x as u32, y as u32, k as u32));
@@ -58,12 +55,18 @@ fn query_counts_the_taps_that_the_definition_names() {
     for _ in 0..4000 {
         // A little beyond the grid on every side.
         let p_grid: [f64; 3] = std::array::from_fn(|a| (random.unit() * 1.2 - 0.1) * size[a]);
-        let gradient = [random.unit() * 6.0 - 3.0, random.unit() * 6.0 - 3.0];
+        // As steep as a gradient may be, one along an axis and flat ones among them.
+        let steep = [0.0, 0.5, 6.0, 20.0][(random.unit() * 4.0) as usize];
+        let gradient = [0, 1].map(|_| steep * (random.unit() - 0.5));
         let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, baked.dag.size);
         for width in FILTER_WIDTHS {
             let query = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
             let lit = query.lit_taps(&fixed);
-            assert_eq!(lit, by_definition(&baked, &fixed, width.into()), "{fixed:?} {width}");
+            assert_eq!(lit, by_definition(&baked, &fixed, width.into(), TapLayers::Tap), "{fixed:?} {width}");
+            let by_block = query.with_layers(TapLayers::Block);
+            let expected = by_definition(&baked, &fixed, width.into(), TapLayers::Block);
+            assert_eq!(by_block.lit_taps(&fixed), expected, "{fixed:?} {width}");
+            assert_eq!(Cursor::new(by_block).lit_taps(&fixed), expected);
             let answer = query.receiver_visibility(&Receiver { p_grid, gradient });
             assert_eq!(answer, lit as f32 / (width * width) as f32);
             partly_lit += usize::from(answer > 0.0 && answer < 1.0);

@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn describe_gives_what_applies() {
         assert!(keys("none").is_empty() && keys("truth").is_empty());
-        assert_eq!(keys("voxel"), ["shade", "filter", "bias", "slope", "normal"]);
+        assert_eq!(keys("voxel"), ["shade", "filter", "layers", "bias", "slope", "normal"]);
         assert_eq!(keys("voxel:soft"), ["shade", "angle", "radius", "bias", "slope", "normal"]);
         assert_eq!(keys("voxel+csm"), ["filter", "csm"]);
         assert!(keys("csm:filter=poisson").contains(&"radius") && !keys("csm").contains(&"radius"));

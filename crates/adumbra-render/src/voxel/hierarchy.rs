@@ -5,14 +5,14 @@ use std::ops::RangeInclusive;
 
 use adumbra::hierarchy::Hierarchy;
 use adumbra::light::LightGrid;
-use adumbra::query::{FixedReceiver, Query};
+use adumbra::query::{FixedReceiver, Query, TapLayers};
 use adumbra::settings::Bias;
 use adumbra_shaders::constants::HIERARCHY_MAX_RADIUS;
 use adumbra_shaders::layout::{HierarchyParams, VoxelParams, VoxelQuery};
 use adumbra_shaders::{Source, source};
 
 use super::soft::cone;
-use super::{VoxelBindings, VoxelSettings, WordBuffers, bias_uniform, fixed, grid_transform};
+use super::{VoxelBindings, VoxelSettings, WordBuffers, bias_uniform, fixed, grid_transform, layers_word};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::technique::{Answer, FrameInput, Technique};
@@ -107,6 +107,14 @@ impl VoxelHierarchy {
         Ok(Self { grid: *grid, params, bindings, filter, name })
     }
 
+    /// The same with other layers for its filter's taps.
+    #[must_use]
+    pub fn with_layers(mut self, gpu: &Gpu, layers: TapLayers) -> Self {
+        self.params.voxel.places[3] = layers_word(layers);
+        self.bindings.write(gpu, &self.params.bytes());
+        self
+    }
+
     /// [`VoxelHierarchy::new`] with settings, under the name that it was called for by.
     ///
     /// # Errors
@@ -116,9 +124,9 @@ impl VoxelHierarchy {
         name: String,
         grid: &LightGrid,
         hierarchy: &Hierarchy,
-        VoxelSettings { filter, bias }: VoxelSettings,
+        VoxelSettings { filter, layers, bias }: VoxelSettings,
     ) -> Result<Self> {
-        Ok(Self { name, ..Self::new(gpu, grid, hierarchy, bias, filter)? })
+        Ok(Self { name, ..Self::new(gpu, grid, hierarchy, bias, filter)?.with_layers(gpu, layers) })
     }
 
     /// Writes the uniform for positions relative to `anchor_world`.

@@ -4,13 +4,14 @@ use adumbra::dag::Dag;
 use adumbra::dag::packed::PackedDag;
 use adumbra::format::{LightBody, ShadowFile};
 use adumbra::light::LightGrid;
-use adumbra::query::FixedReceiver;
+use adumbra::query::{FixedReceiver, TapLayers};
 use adumbra::settings::Bias;
 use adumbra_shaders::layout::{VoxelParams, VoxelQuery};
 use adumbra_shaders::{Source, source};
 
 use super::{
     HierarchyFilter, VoxelBindings, VoxelSettings, WordBuffers, bias_uniform, fixed, grid_transform,
+    layers_word,
 };
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -105,6 +106,14 @@ impl Voxel {
         Ok(Self { grid: *grid, params, bindings, nodes: graph.nodes, name: format!("voxel:filter={filter}") })
     }
 
+    /// The same with other layers for its filter's taps.
+    #[must_use]
+    pub fn with_layers(mut self, gpu: &Gpu, layers: TapLayers) -> Self {
+        self.params.places[3] = layers_word(layers);
+        self.bindings.write(gpu, &self.params.bytes());
+        self
+    }
+
     /// The technique `voxel`, as [`VoxelSettings::from_spec`] reads it, but without penumbrae.
     ///
     /// # Errors
@@ -112,12 +121,15 @@ impl Voxel {
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
         let file =
             file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
-        let VoxelSettings { filter: HierarchyFilter::Taps(filter), bias } =
+        let VoxelSettings { filter: HierarchyFilter::Taps(filter), layers, bias } =
             VoxelSettings::from_spec(spec, Some(file))?
         else {
             return Err(spec.wrong("penumbrae need the hierarchy itself, not its graph".to_owned()));
         };
-        Ok(Self { name: spec.to_string(), ..Self::of_file(gpu, file, bias, filter)? })
+        Ok(Self {
+            name: spec.to_string(),
+            ..Self::of_file(gpu, file, bias, filter)?.with_layers(gpu, layers)
+        })
     }
 
     /// Group 1, for techniques that look up voxels beside other things.

@@ -29,7 +29,13 @@ pub use soft::SoftTwin;
 pub use texture::PageTexture;
 pub use words::{MAX_WORD_BINDINGS, WordBuffers};
 
+use adumbra::query::TapLayers;
 use adumbra::settings::Bias;
+
+/// As `places` has it.
+fn layers_word(layers: TapLayers) -> u32 {
+    u32::from(layers == TapLayers::Block)
+}
 
 fn bias_uniform(bias: Bias) -> [f32; 4] {
     [bias.constant_texels as f32, bias.slope_texels as f32, bias.normal_offset_texels as f32, 0.0]

@@ -205,19 +205,14 @@ fn hierarchy_from_rank(v: VoxelParams, leaf: HierarchyLeaf, rank: u32) -> vec2u 
     return more | equal;
 }
 
-// The slab of 8 × 8 columns at depth k that holds this one: bit y·8 + x, rows 0 to 3 in x, 1 = lit.
-fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
-    let p = hierarchy_place(v, column);
-    if (p.at == HIERARCHY_UNIFORM) {
-        return select(vec2u(0u), vec2u(0xffffffffu), k < p.base);
-    }
-    let leaf = hierarchy_leaf(v, p);
+// The slab of 8 × 8 columns of a leaf at depth k: bit y·8 + x, rows 0 to 3 in x, 1 = lit.
+fn hierarchy_slab(v: VoxelParams, leaf: HierarchyLeaf, k: u32) -> vec2u {
     let steep = abs(leaf.slant);
     let largest_rise = u32(7 * (steep.x + steep.y) + 3) >> 2u;
     // Ranks that are dark all over, and the columns of others that are.
     var dark_ranks = 0u;
     var dark = vec2u(0u);
-    var depth = p.base;
+    var depth = leaf.base;
     for (var rank = 0u; rank <= leaf.differences; rank++) {
         if (rank > 0u) {
             depth += hierarchy_difference(v, leaf, rank - 1u);
@@ -234,14 +229,41 @@ fn hierarchy_slab(v: VoxelParams, column: vec2u, k: u32) -> vec2u {
     return ~dark & hierarchy_from_rank(v, leaf, dark_ranks);
 }
 
+fn hierarchy_count(bits: vec2u) -> u32 {
+    return countOneBits(bits.x) + countOneBits(bits.y);
+}
+
 // Lit taps among the columns low…high, which lie in one block.
 fn hierarchy_block(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> u32 {
     let taps = voxel_taps(v, r, low, high);
-    if (taps.layer < 0) {
+    if (taps.farthest < 0) {
         return taps.beside;
     }
-    let lit = hierarchy_slab(v, vec2u(taps.low), u32(taps.layer)) & voxel_rectangle(taps.low, taps.high);
-    return taps.beside + countOneBits(lit.x) + countOneBits(lit.y);
+    let place = hierarchy_place(v, vec2u(taps.low));
+    if (place.at == HIERARCHY_UNIFORM) {
+        // A base behind the grid is never met.
+        let last_lit = min(place.base, u32(v.grid.size.z)) - 1u;
+        if (i32(last_lit) < taps.nearest) {
+            return taps.beside;
+        }
+        return taps.beside + hierarchy_count(voxel_taps_to(r, taps, i32(last_lit)));
+    }
+    let leaf = hierarchy_leaf(v, place);
+    // What was counted: all before the grid is lit.
+    var counted = vec2u(0u);
+    if (taps.nearest < 0) {
+        counted = voxel_taps_to(r, taps, -1);
+    }
+    var lit = taps.beside + hierarchy_count(counted);
+    for (var layer = max(taps.nearest, 0); layer <= taps.farthest; layer++) {
+        let up_to = voxel_taps_to(r, taps, layer);
+        let mask = up_to & ~counted;
+        if (any(mask != vec2u(0u))) {
+            lit += hierarchy_count(hierarchy_slab(v, leaf, u32(layer)) & mask);
+        }
+        counted = up_to;
+    }
+    return lit;
 }
 
 // Lit taps of K².

@@ -45,8 +45,9 @@ fn voxel_rectangle(low: vec2i, high: vec2i) -> vec2u {
 struct VoxelTaps {
     low: vec2i,
     high: vec2i,
-    // The one that they share; below 0 all are lit and counted as beside.
-    layer: i32,
+    // The layers that answer them; -1 for all before the grid.
+    nearest: i32,
+    farthest: i32,
     beside: u32,
 }
 
@@ -66,17 +67,70 @@ fn voxel_of(v: VoxelParams, r: VoxelReceiver) -> vec3i {
     return vec3i(texel, min(layer, v.grid.size.z - 1));
 }
 
-// Taps low…high, which lie in one block. Their layer is that of the plane at their centre less half its slope times their extent, which is
-// that at the tap where the plane is nearest to the sun.
+// Taps low…high, which lie in one block.
 fn voxel_taps(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> VoxelTaps {
     let size = high - low + 1;
     let count = u32(size.x * size.y);
-    let inside_low = max(low, vec2i(0));
-    let inside_high = min(high, v.grid.size.xy - 1);
-    let layer = voxel_layer(r, select(high, low, r.gradient >= vec2i(0)));
-    if (any(inside_low > inside_high) || layer < 0) {
-        return VoxelTaps(inside_low, inside_high, -1, count);
+    var taps: VoxelTaps;
+    taps.low = max(low, vec2i(0));
+    taps.high = min(high, v.grid.size.xy - 1);
+    if (any(taps.low > taps.high)) {
+        return VoxelTaps(taps.low, taps.high, -1, -1, count);
     }
-    let inside = inside_high - inside_low + 1;
-    return VoxelTaps(inside_low, inside_high, min(layer, v.grid.size.z - 1), count - u32(inside.x * inside.y));
+    let rises = r.gradient >= vec2i(0);
+    let last = v.grid.size.z - 1;
+    taps.nearest = clamp(voxel_layer(r, select(taps.high, taps.low, rises)), -1, last);
+    taps.farthest = clamp(voxel_layer(r, select(taps.low, taps.high, rises)), -1, last);
+    if (v.places.w == 1u) {
+        taps.farthest = taps.nearest;
+    }
+    if (taps.farthest < 0) {
+        taps.beside = count;
+        return taps;
+    }
+    let inside = taps.high - taps.low + 1;
+    taps.beside = count - u32(inside.x * inside.y);
+    return taps;
+}
+
+// How many of up to eight steps, each rising by `steep`, begin at a rise of at most `left`. No quotient of such numbers lies so near to a
+// whole one that the half and a division's error would matter.
+fn voxel_steps(left: i32, steep: i32) -> i32 {
+    let quotient = i32((f32(clamp(left, 0, 7 * steep)) + 0.5) / f32(max(steep, 1)));
+    return select(select(quotient + 1, 8, steep == 0), 0, left < 0);
+}
+
+// Those of a block's taps that a layer or one before it answers, bit y·8 + x, rows 0 to 3 in x. The layer is one of theirs, or -1.
+fn voxel_taps_to(r: VoxelReceiver, taps: VoxelTaps, layer: i32) -> vec2u {
+    if (layer >= taps.farthest) {
+        return voxel_rectangle(taps.low, taps.high);
+    }
+    let rises = r.gradient >= vec2i(0);
+    let steep = abs(r.gradient);
+    // How far the plane may rise from the point on, and by how much it has risen at the nearest tap.
+    let most = ((((layer + 1) << FIXED_BITS) - r.p_fixed.z) << GRADIENT_BITS) - 1;
+    let nearest = select(taps.high, taps.low, rises);
+    let along = r.gradient * (nearest * FIXED_ONE + FIXED_ONE / 2 - r.p_fixed.xy);
+    var left = (most - along.x - along.y) >> FIXED_BITS;
+    let size = taps.high - taps.low + 1;
+    if (steep.x == 0) {
+        // Rows are level.
+        let rows = min(voxel_steps(left, steep.y), size.y);
+        if (rows == 0) {
+            return vec2u(0u);
+        }
+        let low_y = select(taps.high.y + 1 - rows, taps.low.y, rises.y);
+        return voxel_rectangle(vec2i(taps.low.x, low_y), vec2i(taps.high.x, low_y + rows - 1));
+    }
+    var bits = vec2u(0u);
+    // From the nearest row on, while any tap is left.
+    for (var row = 0; row < size.y && left >= 0; row++) {
+        let y = select(taps.high.y - row, taps.low.y + row, rises.y) & 7;
+        let columns = min(voxel_steps(left, steep.x), size.x);
+        let from_x = select(taps.high.x + 1 - columns, taps.low.x, rises.x) & 7;
+        let few = ((1u << u32(columns)) - 1u) << u32(8 * (y & 3) + from_x);
+        bits |= select(vec2u(0u, few), vec2u(few, 0u), y < 4);
+        left -= steep.y;
+    }
+    return bits;
 }

@@ -1,6 +1,6 @@
-// Look-up in a light-aligned graph with K × K texels; the twin of adumbra::query, and the same to the last tap. All taps in one block
-// of 8 × 8 texels share one layer of voxels, so K = 3 to 9 reads at most 4 slabs, K = 17 at most 9. Source: as core/voxel.wgsl, which
-// goes before it. The layout is that of core/voxel_plain.wgsl or core/voxel_packed.wgsl, which define
+// Look-up in a light-aligned graph with K × K texels; the twin of adumbra::query, and the same to the last tap. Taps are gathered by block
+// of 8 × 8 texels, at most 4 for K = 3 to 9 and 9 for K = 17: a way down for each eight layers that a block's taps lie in, a slab for each
+// layer. Source: as core/voxel.wgsl, which goes before it. The layout is that of core/voxel_plain.wgsl or core/voxel_packed.wgsl, which define
 //   fn voxel_root(v: VoxelParams, voxel: vec3u) -> VoxelNode: the root over a voxel;
 //   fn voxel_descend(v: VoxelParams, node: VoxelNode, voxel: vec3u) -> VoxelNode: from a mixed node above level 3 to its child;
 //   fn voxel_slab_bits(v: VoxelParams, node: VoxelNode, z: u32, mask: vec2u) -> vec2u: a mask's lit bits in slab z of a mixed node of
@@ -44,8 +44,8 @@ fn voxel_slab_words(v: VoxelParams, index: u32, mask: vec2u) -> vec2u {
     return lit;
 }
 
-// Lit bits of a mask in the slab of 8 × 8 voxels that holds this one, below a node that does: bit y·8 + x, rows 0 to 3 in x.
-fn voxel_lit_bits(v: VoxelParams, over: VoxelNode, voxel: vec3u, mask: vec2u) -> u32 {
+// The node of level 3 that holds a voxel, below a node that does, or what holds it and is all alike.
+fn voxel_cube(v: VoxelParams, over: VoxelNode, voxel: vec3u) -> VoxelNode {
     var node = over;
     if (node.state == VOXEL_UNKNOWN) {
         node = voxel_root(v, voxel);
@@ -53,21 +53,44 @@ fn voxel_lit_bits(v: VoxelParams, over: VoxelNode, voxel: vec3u, mask: vec2u) ->
     while (node.state == VOXEL_MIXED && node.level > 3u) {
         node = voxel_descend(v, node, voxel);
     }
-    var lit = select(vec2u(0u), mask, node.state == 1u);
-    if (node.state == VOXEL_MIXED) {
-        lit = voxel_slab_bits(v, node, voxel.z & 7u, mask);
-    }
-    return countOneBits(lit.x) + countOneBits(lit.y);
+    return node;
+}
+
+fn voxel_count(bits: vec2u) -> u32 {
+    return countOneBits(bits.x) + countOneBits(bits.y);
 }
 
 // Lit taps among the texels low…high, which lie in one block.
 fn voxel_block(v: VoxelParams, r: VoxelReceiver, over: VoxelNode, low: vec2i, high: vec2i) -> u32 {
     let taps = voxel_taps(v, r, low, high);
-    if (taps.layer < 0) {
+    if (taps.farthest < 0) {
         return taps.beside;
     }
-    let mask = voxel_rectangle(taps.low, taps.high);
-    return taps.beside + voxel_lit_bits(v, over, vec3u(vec3i(taps.low, taps.layer)), mask);
+    // What was counted: all before the grid is lit.
+    var counted = vec2u(0u);
+    if (taps.nearest < 0) {
+        counted = voxel_taps_to(r, taps, -1);
+    }
+    var lit = taps.beside + voxel_count(counted);
+    var layer = max(taps.nearest, 0);
+    while (layer <= taps.farthest) {
+        let cube = voxel_cube(v, over, vec3u(vec3i(taps.low, layer)));
+        let is_mixed = cube.state == VOXEL_MIXED;
+        // A cube that is all alike answers all its layers at once.
+        let last = min(layer | 7, taps.farthest);
+        for (var to = select(last, layer, is_mixed); to <= last; to++) {
+            let up_to = voxel_taps_to(r, taps, to);
+            let mask = up_to & ~counted;
+            if (is_mixed) {
+                lit += voxel_count(voxel_slab_bits(v, cube, u32(to) & 7u, mask));
+            } else {
+                lit += select(0u, voxel_count(mask), cube.state == 1u);
+            }
+            counted = up_to;
+        }
+        layer = last + 1;
+    }
+    return lit;
 }
 
 // Lit taps of K².
@@ -76,19 +99,19 @@ fn voxel_lit_taps(v: VoxelParams, r: VoxelReceiver) -> u32 {
     let texel = r.p_fixed.xy >> vec2u(FIXED_BITS);
     let low = texel - reach;
     let high = texel + reach;
-    // The box of all voxels that are read: the first and the last block have the outermost layers.
+    // The box of all voxels that are read.
     let rises = r.gradient >= vec2i(0);
-    let first_layer = voxel_layer(r, select(high, low, rises));
-    let last_layer = voxel_layer(r, select(min(low | vec2i(7), high), max(high & vec2i(-8), low), rises));
+    let nearest = voxel_layer(r, select(high, low, rises));
+    let farthest = voxel_layer(r, select(low, high, rises));
     let last = v.grid.size.xyz - 1;
-    let box_low = clamp(vec3i(low, first_layer), vec3i(0), last);
-    let box_high = clamp(vec3i(high, last_layer), vec3i(0), last);
+    let box_low = clamp(vec3i(low, nearest), vec3i(0), last);
+    let box_high = clamp(vec3i(high, farthest), vec3i(0), last);
     let over = voxel_over(v, vec3u(box_low), vec3u(box_high));
     // What lies beside the grid or before it is lit too.
     if (over.state == 1u) {
         return v.places.z * v.places.z;
     }
-    if (over.state == 0u && first_layer >= 0 && all(low >= vec2i(0)) && all(high <= last.xy)) {
+    if (over.state == 0u && nearest >= 0 && all(low >= vec2i(0)) && all(high <= last.xy)) {
         return 0u;
     }
     var lit = 0u;

@@ -145,6 +145,13 @@ pub trait Slabs: Sync {
     fn slab_along(&self, _trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
         self.slab(i, j, k)
     }
+
+    /// Writes [`Slabs::slab_along`] into its place among the eight slabs of a cube of 8 × 8 × 8 voxels, the nearest first, and with it those
+    /// that are known at no further cost; which those are, as bits.
+    fn fill_along(&self, trail: &mut Trail, [i, j, k]: [u32; 3], slabs: &mut [u64; 8]) -> u8 {
+        slabs[(k & 7) as usize] = self.slab_along(trail, i, j, k);
+        1 << (k & 7)
+    }
 }
 
 impl Slabs for Dag {
@@ -157,7 +164,11 @@ impl Slabs for Dag {
     }
 
     fn slab_along(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
-        self.follow(trail, i, j, k)
+        self.slab_on(trail, i, j, k)
+    }
+
+    fn fill_along(&self, trail: &mut Trail, voxel: [u32; 3], slabs: &mut [u64; 8]) -> u8 {
+        self.fill_on(trail, voxel, slabs)
     }
 
     fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {

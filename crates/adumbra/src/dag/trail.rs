@@ -66,8 +66,15 @@ pub(super) trait Descend {
         self.slab_of_cube(node, k & 7)
     }
 
-    /// The same, from the lowest node on that the trail has in common with the voxel.
-    fn follow(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+    /// Writes slab z = `k` of a node of level 3, and those that are known with it; which those are, as bits.
+    fn fill_of_cube(&self, node: u32, k: u32, slabs: &mut [u64; 8]) -> u8 {
+        slabs[k as usize] = self.slab_of_cube(node, k);
+        1 << k
+    }
+
+    /// The node of level 3 that holds a voxel, or the larger cube that is all lit or all shadowed; from the lowest node on that the
+    /// trail has in common with the voxel.
+    fn follow(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> Step {
         let apart = (i ^ trail.voxel[0]) | (j ^ trail.voxel[1]) | (k ^ trail.voxel[2]);
         // The lowest level of which one cube holds both.
         let common = u32::BITS - apart.leading_zeros();
@@ -76,7 +83,7 @@ pub(super) trait Descend {
             trail.lowest = NOWHERE;
             trail.end = None;
             match self.root(i, j, k) {
-                Step::Uniform(lit) => return uniform(lit),
+                Step::Uniform(lit) => return Step::Uniform(lit),
                 Step::Into(node) => {
                     level = self.root_level();
                     trail.nodes[level as usize] = node;
@@ -85,7 +92,7 @@ pub(super) trait Descend {
         } else if let Some(lit) = trail.end
             && common < trail.lowest
         {
-            return uniform(lit);
+            return Step::Uniform(lit);
         }
         trail.voxel = [i, j, k];
         trail.end = None;
@@ -94,7 +101,7 @@ pub(super) trait Descend {
             match self.child(node, level, i, j, k) {
                 Step::Uniform(lit) => {
                     (trail.lowest, trail.end) = (level, Some(lit));
-                    return uniform(lit);
+                    return Step::Uniform(lit);
                 }
                 Step::Into(next) => node = next,
             }
@@ -102,7 +109,26 @@ pub(super) trait Descend {
             trail.nodes[level as usize] = node;
         }
         trail.lowest = level;
-        self.slab_of_cube(node, k & 7)
+        Step::Into(node)
+    }
+
+    /// [`Descend::descend`] along a trail.
+    fn slab_on(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+        match self.follow(trail, i, j, k) {
+            Step::Uniform(lit) => uniform(lit),
+            Step::Into(node) => self.slab_of_cube(node, k & 7),
+        }
+    }
+
+    /// [`super::Slabs::fill_along`].
+    fn fill_on(&self, trail: &mut Trail, [i, j, k]: [u32; 3], slabs: &mut [u64; 8]) -> u8 {
+        match self.follow(trail, i, j, k) {
+            Step::Uniform(lit) => {
+                *slabs = [uniform(lit); 8];
+                u8::MAX
+            }
+            Step::Into(node) => self.fill_of_cube(node, k & 7, slabs),
+        }
     }
 
     /// Level of the block that answers a voxel: a uniform cube's, 3 for a uniform slab, 0 for a slab that is not.

@@ -217,6 +217,31 @@ impl LeafCode<'_> {
         !dark & self.at_least(dark_ranks)
     }
 
+    /// [`LeafCode::slab`] of eight depths from `first` on.
+    pub(super) fn cube(self, first: u32) -> [u64; 8] {
+        let largest_rise = self.slant.largest_rise();
+        let mut lit = [0; 8];
+        let mut depth = self.base;
+        for rank in 0..=self.head.differences() {
+            if rank > 0 {
+                depth = depth.wrapping_add(self.difference(rank - 1));
+            }
+            if first.saturating_add(7 + largest_rise) < depth {
+                let columns = self.at_least(rank);
+                return lit.map(|slab| slab | columns);
+            }
+            if depth > first {
+                let columns = self.of_rank(rank);
+                for (slab, k) in lit.iter_mut().zip(first..depth.min(first.saturating_add(8))) {
+                    let rise = depth - k;
+                    *slab |= if rise > largest_rise { columns } else { columns & self.slant.below(rise) };
+                }
+            }
+        }
+        let never = self.at_least(self.head.differences() + 1);
+        lit.map(|slab| slab | never)
+    }
+
     /// Columns of one rank.
     fn of_rank(self, rank: u32) -> u64 {
         (0..self.head.planes())

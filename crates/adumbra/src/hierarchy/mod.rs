@@ -65,7 +65,7 @@ mod validate;
 pub use census::Census;
 pub use validate::HierarchyError;
 
-use crate::dag::Slabs;
+use crate::dag::{Slabs, Trail};
 use code::{Code, Place};
 
 /// Depth of a column that never switches: lit to its end.
@@ -126,6 +126,7 @@ impl Hierarchy {
     }
 
     /// What holds a column, and its level.
+    #[inline]
     fn place(&self, i: u32, j: u32) -> (Place, u32) {
         let [x, y] = [i, j].map(|c| c >> self.root_level);
         if x >= self.top_dims[0] || y >= self.top_dims[1] {
@@ -143,6 +144,17 @@ impl Slabs for Hierarchy {
 
     fn slab(&self, i: u32, j: u32, k: u32) -> u64 {
         Hierarchy::slab(self, i, j, k)
+    }
+
+    fn fill_along(&self, _trail: &mut Trail, [i, j, k]: [u32; 3], slabs: &mut [u64; 8]) -> u8 {
+        let first = k & !7;
+        *slabs = match self.place(i, j).0 {
+            Place::Uniform(value) => {
+                std::array::from_fn(|z| if first + (z as u32) < value { u64::MAX } else { 0 })
+            }
+            Place::Leaf { at, base } => self.shapes().leaf(at, base).cube(first),
+        };
+        u8::MAX
     }
 
     fn end_level(&self, i: u32, j: u32, _k: u32) -> u32 {

@@ -44,13 +44,17 @@ impl Slant {
         let [x, y] = [self.x, self.y].map(|g| i32::from(g.unsigned_abs()));
         // The most quarters that are below.
         let most = ((rise << SLANT_BITS) - (1 << SLANT_BITS)).min(QUARTERS_END) as i32;
+        if x == 0 {
+            // Whole rows, as over level ground.
+            let rows = if y == 0 { 8 } else { (most / y + 1).min(8) };
+            return if self.y > 0 { u64::MAX << (64 - 8 * rows) } else { u64::MAX >> (64 - 8 * rows) };
+        }
         // Quotients of numbers up to 7x without a division each.
-        let inverse = if x == 0 { 0 } else { (1 << 16) / x + 1 };
+        let inverse = (1 << 16) / x + 1;
         (0..8).fold(0, |mask, row| {
             let left = most - y * if self.y > 0 { 7 - row } else { row };
             let columns = match left {
                 ..0 => 0,
-                _ if x == 0 => 8,
                 _ => ((left.min(7 * x) * inverse) >> 16) + 1,
             };
             let bits = if self.x > 0 { 0xff << (8 - columns) & 0xff } else { (1 << columns) - 1 };

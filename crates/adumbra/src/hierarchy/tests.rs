@@ -7,7 +7,7 @@ use super::{Hierarchy, NEVER};
 use crate::bake::columns::{Columns, FREE_TO_END};
 use crate::bake::hierarchy::{bake_hierarchy, for_each_column};
 use crate::bake::{Options, Size};
-use crate::dag::Slabs;
+use crate::dag::{Slabs, Trail};
 use crate::light::{LightGrid, Sun};
 use crate::query::{FixedReceiver, Query, Receiver};
 use crate::scene;
@@ -70,6 +70,10 @@ fn check_column(found: &Hierarchy, i: u32, j: u32, [e, x]: [u32; 2]) {
     for k in depths.filter(|&k| k < found.size[2]) {
         let lit = found.slab(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
         assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");
+        let expected: [u64; 8] = std::array::from_fn(|z| found.slab(i, j, k & !7 | z as u32));
+        let mut slabs = [0; 8];
+        assert_eq!(found.fill_along(&mut Trail::new(), [i, j, k], &mut slabs), u8::MAX);
+        assert_eq!(slabs, expected, "({i}, {j}, {k})");
     }
 }
 
@@ -132,6 +136,7 @@ proptest! {
                 for i in 0..columns.width {
                     let value = found.value(i, j);
                     found.slab(i, j, value.wrapping_sub(1));
+                    found.fill_along(&mut Trail::new(), [i, j, value.min(found.size[2] - 1)], &mut [0; 8]);
                 }
             }
         }

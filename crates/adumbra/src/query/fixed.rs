@@ -5,14 +5,13 @@
 //! |---|---|---|---|
 //! | grid position p | 12 | −1024 voxels | side + 1024 voxels: below 2^31 where a side has at most [`MAX_FIXED_SIDE`] voxels |
 //! | gradient g | 8 | −2547 | 2547 (9.949) |
-//! | centre of taps − p | 12 | −8.5 voxels | 8.5 voxels: ±34,816 |
+//! | centre of a tap − p | 12 | −8.5 voxels | 8.5 voxels: ±34,816 |
 //! | g · (centre − p), one axis | 20 | −88,676,352 | 88,676,352 |
-//! | \|g\| · (taps − 1) · 2048, one axis | 20 | 0 | 36,513,792 |
-//! | sum s of both axes, both terms | 20 | −250,380,288 | 177,352,704: within 2^28 |
-//! | s >> 8, what the plane adds | 12 | −239 voxels | 170 voxels: less than the margin |
+//! | sum s of both axes | 20 | −177,352,704 | 177,352,704: within 2^28 |
+//! | s >> 8, what the plane adds | 12 | −170 voxels | 170 voxels: less than the margin |
 //!
-//! Worked value: g = (128, 0) is a slope of 1/2, p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). Taps x 6…7, y 3…5 have their
-//! centre at (28672, 18432): s = 128 · (−2048) − 128 · 1 · 2048 = −524,288; depth = 82944 − 2048 = 80896 = 19.75, layer 19.
+//! Worked value: g = (128, 0) is a slope of 1/2, p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). The tap x = 6 has its centre at
+//! 26624: s = 128 · (−4096) = −524,288; depth = 82944 − 2048 = 80896 = 19.75, layer 19.
 
 use super::Receiver;
 use crate::settings::MAX_SLOPE;
@@ -66,20 +65,14 @@ impl FixedReceiver {
         [0, 1].map(|a| self.p_fixed[a] >> FIXED_BITS)
     }
 
-    /// The layer that the taps x[0]..=x[1] × y[0]..=y[1] share: that of the receiver's plane at their centre, less half its
-    /// slope times their extent, so never behind the plane at any of them.
-    pub(super) fn shared_layer(&self, x: [i64; 2], y: [i64; 2]) -> i64 {
+    /// Depth of the receiver's plane at the centre of a texel, in 2^-20 voxels: its layer's number stands above [`FIXED_BITS`] +
+    /// [`GRADIENT_BITS`], and is below 0 before the grid.
+    pub(super) fn depth(&self, [x, y]: [i64; 2]) -> i64 {
         let half = i64::from(FIXED_ONE / 2);
-        let sum: i64 = [x, y]
-            .into_iter()
-            .enumerate()
-            .map(|(a, taps)| {
-                let g = i64::from(self.gradient[a]);
-                let center = (taps[0] + taps[1] + 1) * half;
-                g * (center - self.p_fixed[a]) - g.abs() * (taps[1] - taps[0]) * half
-            })
-            .sum();
-        (self.p_fixed[2] + (sum >> GRADIENT_BITS)) >> FIXED_BITS
+        let along = |a: usize, texel: i64| {
+            i64::from(self.gradient[a]) * ((texel << FIXED_BITS) + half - self.p_fixed[a])
+        };
+        (self.p_fixed[2] << GRADIENT_BITS) + along(0, x) + along(1, y)
     }
 }
 
@@ -93,8 +86,7 @@ mod tests {
         let fixed = FixedReceiver::new(&r, [64; 3]);
         assert_eq!(fixed, FixedReceiver { p_fixed: [30720, 18432, 82944], gradient: [128, 0] });
         assert_eq!(fixed.texel(), [7, 4]);
-        assert_eq!(fixed.shared_layer([6, 7], [3, 5]), 19);
-        assert_eq!(fixed.shared_layer([8, 8], [3, 5]), 20);
+        assert_eq!([6, 7, 8].map(|x| fixed.depth([x, 3]) >> 20), [19, 20, 20]);
     }
 
     #[test]
@@ -112,25 +104,15 @@ mod tests {
 
     #[test]
     fn fixed_depths_never_leave_the_documented_range() {
-        // The farthest that taps of a 17 × 17 filter lie: a lone column or row at either end.
-        let (mut low, mut high) = (0_i64, 0_i64);
-        for g in [-MAX_GRADIENT, MAX_GRADIENT] {
-            for fraction in [0, i64::from(FIXED_ONE) - 1] {
-                for first in 0..8_i64 {
-                    for taps in
-                        [[first - 8, 7], [first, first + 8], [first - 8, first - 8], [first + 8, first + 8]]
-                    {
-                        let taps = [taps[0], taps[1].min(taps[0] | 7)];
-                        let center = (taps[0] + taps[1] + 1) * 2048;
-                        let p = first * 4096 + fraction;
-                        let plane = i64::from(g) * (center - p);
-                        let term = plane - i64::from(g.abs()) * (taps[1] - taps[0]) * 2048;
-                        (low, high) = (low.min(2 * term), high.max(2 * term));
-                    }
-                }
-            }
-        }
-        assert!(low >= -250_380_288 && high <= 177_352_704, "{low} {high}");
-        assert!(low >> 8 > i64::from(-MARGIN_VOXELS) << 12);
+        // The farthest that taps of a 17 × 17 filter lie, along both axes.
+        let sums = [-MAX_GRADIENT, MAX_GRADIENT].into_iter().flat_map(|g| {
+            [-8_i64, 8].into_iter().flat_map(move |tap| {
+                [0, i64::from(FIXED_ONE) - 1]
+                    .map(|fraction| 2 * i64::from(g) * (tap * 4096 + 2048 - fraction))
+            })
+        });
+        let farthest = sums.map(i64::abs).max();
+        assert_eq!(farthest, Some(177_352_704));
+        assert!(177_352_704 >> 8 < i64::from(MARGIN_VOXELS) << 12);
     }
 }

@@ -1,14 +1,16 @@
 //! Point visibility: the CPU twin of the look-up shader.
 //!
-//! World point → bias → grid → K × K texels. All taps that fall in one 8 × 8 block share one receiver depth, that of the
-//! receiver's plane at the centre of those taps less half the slope times their extent; the block's slab at that depth is
-//! fetched once and its bits counted under a mask. Specification §6. Up to the bias it is `f64`; from there on whole
-//! numbers, see [`FixedReceiver`].
+//! World point → bias → grid → K × K texels, each answered by the voxel that the receiver's plane passes there. Up to the bias it is `f64`;
+//! from there on whole numbers, see [`FixedReceiver`].
+//!
+//! Departure from specification §6, where all taps in a block of 8 × 8 texels share a layer: on a slope light then leaks in teeth below ledges
+//! and at the feet of walls. That is [`TapLayers::Block`]; `docs/layouts.md` has what either gets wrong and costs.
 
 mod cursor;
 mod fixed;
 mod penumbra;
 mod plan;
+mod taps;
 mod tree;
 mod tree_receiver;
 
@@ -27,6 +29,7 @@ use crate::error::{Error, Result};
 use crate::light::LightGrid;
 use crate::settings::{Bias, MAX_SLOPE};
 use crate::tree::Voxels;
+use taps::Cubes;
 
 /// Anything that answers points.
 pub trait PointVisibility: Sync {
@@ -62,6 +65,17 @@ impl<T: Voxels + Sync> PointVisibility for TreeQuery<'_, T> {
 /// Filter widths in texels that a look-up may use.
 pub const FILTER_WIDTHS: [u32; 5] = [1, 3, 5, 9, 17];
 
+/// Which layer of voxels answers a filter's taps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TapLayers {
+    /// Each tap's own: that which the receiver's plane passes there.
+    #[default]
+    Tap,
+    /// One for all taps in a block of 8 × 8 texels, that of the tap at which the plane is nearest to the sun. A slab a block and no more, so
+    /// cheaper; on a slope it loses every blocker within the plane's rise over the block.
+    Block,
+}
+
 /// A look-up into what a bake has left, whatever its layout.
 #[derive(Clone, Copy)]
 pub struct Query<'d> {
@@ -69,6 +83,7 @@ pub struct Query<'d> {
     slabs: &'d dyn Slabs,
     bias: Bias,
     filter: u32,
+    layers: TapLayers,
 }
 
 /// A point of the grid with the slope of its surface there.
@@ -93,7 +108,13 @@ impl<'d> Query<'d> {
                 range: "1, 3, 5, 9 or 17",
             });
         }
-        Ok(Self { grid, slabs, bias, filter })
+        Ok(Self { grid, slabs, bias, filter, layers: TapLayers::default() })
+    }
+
+    /// The same with other layers for its taps.
+    #[must_use]
+    pub fn with_layers(self, layers: TapLayers) -> Self {
+        Self { layers, ..self }
     }
 
     /// The bias that points are moved by.
@@ -103,7 +124,8 @@ impl<'d> Query<'d> {
 
     /// Visibility of a world point, 1 = lit; `normal` is the surface's unit normal there, if it lies on one.
     ///
-    /// A point that is not finite is lit. Cost: one path of the graph a block of 8 × 8 texels, at most 1, 4, 4, 4, 9.
+    /// A point that is not finite is lit. Cost: one path of the graph a block of 8 × 8 texels, at most 1, 4, 4, 4, 9, and a step for each
+    /// further eight layers that the taps of a block lie in.
     pub fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
         self.receiver_visibility(&receiver(self.grid, &self.bias, p_world, normal))
     }
@@ -116,73 +138,29 @@ impl<'d> Query<'d> {
 
     /// Taps of filter² that are lit, for a point in fixed point: what a shader answers too.
     pub fn lit_taps(&self, r: &FixedReceiver) -> u32 {
-        self.lit_taps_of(r, |i, j, k| self.slabs.slab(i, j, k))
+        if self.filter == 1 {
+            let lit = self
+                .voxel(r)
+                .is_none_or(|[i, j, k]| self.slabs.slab(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1);
+            return u32::from(lit);
+        }
+        Cubes::<4>::new(self.slabs).lit_taps(self.filter, self.layers, r)
     }
 
     /// Level of the block in which the look-up of the filter's middle ends, as [`Slabs::end_level`]; none beside the grid and before it,
     /// where nothing is looked up. What a shader answers too.
     pub fn end_level(&self, r: &FixedReceiver) -> Option<u32> {
+        self.voxel(r).map(|[i, j, k]| self.slabs.end_level(i, j, k))
+    }
+
+    /// The voxel that answers a receiver unfiltered; none beside the grid and before it.
+    fn voxel(&self, r: &FixedReceiver) -> Option<[u32; 3]> {
         let [nx, ny, nz] = self.slabs.size().map(i64::from);
         let [x, y] = r.texel();
-        let layer = r.shared_layer([x, x], [y, y]);
+        let layer = r.depth([x, y]) >> (FIXED_BITS + GRADIENT_BITS);
         let is_inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
-        is_inside.then(|| self.slabs.end_level(x as u32, y as u32, layer.min(nz - 1) as u32))
+        is_inside.then(|| [x as u32, y as u32, layer.min(nz - 1) as u32])
     }
-
-    /// [`Query::lit_taps`] with slabs from `slab`.
-    fn lit_taps_of(&self, r: &FixedReceiver, mut slab: impl FnMut(u32, u32, u32) -> u64) -> u32 {
-        let size = self.slabs.size().map(i64::from);
-        let reach = i64::from(self.filter / 2);
-        let texel = r.texel();
-        let (low, high) = (texel.map(|t| t - reach), texel.map(|t| t + reach));
-        let mut lit = 0;
-        let mut y = low[1];
-        while y <= high[1] {
-            let y_last = (y | 7).min(high[1]);
-            let mut x = low[0];
-            while x <= high[0] {
-                let x_last = (x | 7).min(high[0]);
-                lit += block(size, r, [x, x_last], [y, y_last], &mut slab);
-                x = x_last + 1;
-            }
-            y = y_last + 1;
-        }
-        lit
-    }
-}
-
-/// Lit taps among texels x[0]..=x[1], y[0]..=y[1], all in one block.
-fn block(
-    [nx, ny, nz]: [i64; 3],
-    r: &FixedReceiver,
-    x: [i64; 2],
-    y: [i64; 2],
-    slab: &mut impl FnMut(u32, u32, u32) -> u64,
-) -> u32 {
-    let mut mask = rectangle(x, y);
-    let taps = mask.count_ones();
-    // Texels beside the grid are lit.
-    let inside_x = [x[0].max(0), x[1].min(nx - 1)];
-    let inside_y = [y[0].max(0), y[1].min(ny - 1)];
-    if inside_x[0] > inside_x[1] || inside_y[0] > inside_y[1] {
-        return taps;
-    }
-    let layer = r.shared_layer(x, y);
-    if layer < 0 {
-        return taps;
-    }
-    let k = layer.min(nz - 1) as u32;
-    mask &= rectangle(inside_x, inside_y);
-    let outside = taps - mask.count_ones();
-    outside + (slab(inside_x[0] as u32, inside_y[0] as u32, k) & mask).count_ones()
-}
-
-/// Bits y·8 + x of a rectangle within one block.
-fn rectangle(x: [i64; 2], y: [i64; 2]) -> u64 {
-    let width = (x[1] - x[0] + 1) as u32;
-    let row = ((1_u64 << width) - 1) << (x[0] & 7);
-    let rows = u64::MAX >> (56 - 8 * (y[1] - y[0])) << ((y[0] & 7) * 8);
-    (row * 0x0101_0101_0101_0101) & rows
 }
 
 /// Moves a world point by `bias` and gives it in grid space, with its plane's slope.

@@ -216,6 +216,16 @@ impl Descend for PackedDag {
             self.slabs[usize::from(self.units[place])]
         }
     }
+
+    fn fill_of_cube(&self, at: u32, k: u32, slabs: &mut [u64; 8]) -> u8 {
+        let changes = u32::from(self.units[at as usize]) & 0xff;
+        let slab = self.slab_of_cube(at, k);
+        // As it are all back to the change before it and on to the next one.
+        let from = (changes & bits_below(k + 1)).checked_ilog2().unwrap_or(0);
+        let to = (changes >> k >> 1 | 1 << (7 - k)).trailing_zeros() + k + 1;
+        slabs[from as usize..to as usize].fill(slab);
+        (bits_below(to) & !bits_below(from)) as u8
+    }
 }
 
 impl Slabs for PackedDag {
@@ -228,7 +238,11 @@ impl Slabs for PackedDag {
     }
 
     fn slab_along(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
-        self.follow(trail, i, j, k)
+        self.slab_on(trail, i, j, k)
+    }
+
+    fn fill_along(&self, trail: &mut Trail, voxel: [u32; 3], slabs: &mut [u64; 8]) -> u8 {
+        self.fill_on(trail, voxel, slabs)
     }
 
     fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {

@@ -239,6 +239,14 @@ fn packed_trails_lead_where_ways_from_the_top_do() {
         let expected = dag.slab(i, j, k);
         assert_eq!(dag.slab_along(&mut trails[0], i, j, k), expected, "{voxel:?}");
         assert_eq!(packed.slab_along(&mut trails[1], i, j, k), expected, "{voxel:?}");
+        for (layout, trail) in [&dag as &dyn Slabs, &packed].into_iter().zip(&mut trails) {
+            let mut slabs = [0; 8];
+            let known = layout.fill_along(trail, voxel, &mut slabs);
+            assert!(known >> (k & 7) & 1 == 1);
+            for z in (0..8).filter(|z| known >> z & 1 == 1) {
+                assert_eq!(slabs[z as usize], dag.slab(i, j, k & !7 | z), "{voxel:?} {known:b} {z}");
+            }
+        }
     }
 }
 

@@ -1,0 +1,130 @@
+//! The taps of a filter, block by block of 8 × 8 texels, whose slabs are fetched cube by cube of eight layers.
+//!
+//! A tap is answered by the voxel in its texel that the receiver's plane passes there. The grid's x is level, so on level ground a row of taps
+//! lies in one layer and is counted at once.
+
+use super::fixed::{FIXED_BITS, GRADIENT_BITS};
+use super::{FixedReceiver, TapLayers};
+use crate::dag::{Slabs, Trail};
+
+/// Depths that the taps of a block ask, in 2^-20 voxels.
+struct Plane {
+    /// At the first tap.
+    depth: i64,
+    /// From tap to tap along x and y.
+    steps: [i64; 2],
+}
+
+impl Plane {
+    fn over(r: &FixedReceiver, layers: TapLayers, x: [i64; 2], y: [i64; 2]) -> Self {
+        let steps = r.gradient.map(|g| i64::from(g) << FIXED_BITS);
+        let depth = r.depth([x[0], y[0]]);
+        match layers {
+            TapLayers::Tap => Self { depth, steps },
+            TapLayers::Block => {
+                let nearer = |a: usize, [first, last]: [i64; 2]| (steps[a] * (last - first)).min(0);
+                Self { depth: depth + nearer(0, x) + nearer(1, y), steps: [0; 2] }
+            }
+        }
+    }
+}
+
+/// Cubes of 8 × 8 × 8 voxels that were looked up last: `PLACES` of them, by place along z, and for 16 by the parity of the block too.
+pub(super) struct Cubes<'d, const PLACES: usize> {
+    slabs: &'d dyn Slabs,
+    trail: Trail,
+    kept: [Cube; PLACES],
+}
+
+/// What is known of a cube.
+#[derive(Clone, Copy)]
+struct Cube {
+    /// In cubes.
+    place: [u32; 3],
+    /// The nearest first: bit y·8 + x, 1 = lit.
+    slabs: [u64; 8],
+    /// Bit z: that slab is known.
+    known: u8,
+}
+
+impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
+    pub(super) fn new(slabs: &'d dyn Slabs) -> Self {
+        let nowhere = Cube { place: [u32::MAX; 3], slabs: [0; 8], known: 0 };
+        Self { slabs, trail: Trail::new(), kept: [nowhere; PLACES] }
+    }
+
+    /// Lit taps of `filter` × `filter` texels round a receiver. Beside the grid and before it all is lit; behind its last layer that one answers.
+    pub(super) fn lit_taps(&mut self, filter: u32, layers: TapLayers, r: &FixedReceiver) -> u32 {
+        let [nx, ny, nz] = self.slabs.size().map(i64::from);
+        let reach = i64::from(filter / 2);
+        let texel = r.texel();
+        let low = texel.map(|t| (t - reach).max(0));
+        let high = [(texel[0] + reach).min(nx - 1), (texel[1] + reach).min(ny - 1)];
+        if low[0] > high[0] || low[1] > high[1] {
+            return filter * filter;
+        }
+        let inside = (high[0] - low[0] + 1) * (high[1] - low[1] + 1);
+        let mut lit = filter * filter - inside as u32;
+        let mut y = low[1];
+        while y <= high[1] {
+            let y_last = (y | 7).min(high[1]);
+            let mut x = low[0];
+            while x <= high[0] {
+                let x_last = (x | 7).min(high[0]);
+                let plane = Plane::over(r, layers, [x, x_last], [y, y_last]);
+                lit += self.block(&plane, [x, x_last], [y, y_last], nz - 1);
+                x = x_last + 1;
+            }
+            y = y_last + 1;
+        }
+        lit
+    }
+
+    /// Lit taps among texels that lie in one block and in the grid, ends counted in.
+    fn block(&mut self, plane: &Plane, x: [i64; 2], y: [i64; 2], last_layer: i64) -> u32 {
+        let [step_x, step_y] = plane.steps;
+        let span = step_x * (x[1] - x[0]);
+        // -1 for all layers before the grid.
+        let layer_of = |depth: i64| (depth >> (FIXED_BITS + GRADIENT_BITS)).clamp(-1, last_layer);
+        let mut bits_of = self.layers([x[0], y[0]]);
+        let mut depth = plane.depth;
+        let mut row = ((2 << (x[1] - x[0])) - 1) << (8 * (y[0] & 7) + (x[0] & 7));
+        let mut lit: u64 = 0;
+        for _ in y[0]..=y[1] {
+            let [first, last] = [depth, depth + span].map(layer_of);
+            if first == last {
+                lit |= row & bits_of(first);
+            } else {
+                let (mut tap, mut at) = (row & row.wrapping_neg(), depth);
+                for _ in x[0]..=x[1] {
+                    lit |= tap & bits_of(layer_of(at));
+                    (tap, at) = (tap << 1, at + step_x);
+                }
+            }
+            (row, depth) = (row << 8, depth + step_y);
+        }
+        lit.count_ones()
+    }
+
+    /// Slabs of a block by their layer, all lit before the grid.
+    fn layers(&mut self, [x, y]: [i64; 2]) -> impl FnMut(i64) -> u64 {
+        let block = [x, y].map(|c| (c >> 3) as u32);
+        move |layer| {
+            if layer < 0 {
+                return u64::MAX;
+            }
+            let place = [block[0], block[1], (layer >> 3) as u32];
+            let slot = (place[2] & 3 | (place[0] & 1) << 2 | (place[1] & 1) << 3) as usize % PLACES;
+            let cube = &mut self.kept[slot];
+            if cube.place != place {
+                (cube.place, cube.known) = (place, 0);
+            }
+            let z = (layer & 7) as usize;
+            if cube.known >> z & 1 == 0 {
+                let voxel = [place[0] << 3, place[1] << 3, layer as u32];
+                cube.known |= self.slabs.fill_along(&mut self.trail, voxel, &mut cube.slabs);
+            }
+            cube.slabs[z]
+        }
+    }
+}
