@@ -33,6 +33,7 @@ const VARIANTS: &[&str] = &[
     "pcf:filter=poisson",
     "pcf:filter=2",
     "voxel:filter=17",
+    "voxel:layers=block",
     "voxel-cubes:filter=5:weights=poisson",
     "hrsm:test=paper",
 ];

@@ -4,13 +4,14 @@
 //! cascades hold movers alone, so their depth passes cost what moves.
 
 use adumbra::format::ShadowFile;
+use adumbra::query::TapLayers;
 use adumbra_shaders::{Source, source};
 
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapCasters, MapSettings, ShadowMap};
 use crate::technique::{Answer, FrameInput, SpecReader, Technique, TechniqueSpec};
-use crate::voxel::{Voxel, read_width};
+use crate::voxel::{Voxel, read_layers, read_width};
 
 /// A baked file and a map of movers.
 pub struct VoxelCsm {
@@ -24,12 +25,14 @@ pub struct VoxelCsm {
 pub struct VoxelCsmSettings {
     /// Width of the file's filter, texels.
     pub filter: u32,
+    /// Of that filter's taps.
+    pub layers: TapLayers,
     /// The cascades, of movers alone.
     pub map: MapSettings,
 }
 
 impl VoxelCsmSettings {
-    /// `voxel+csm[:filter=K][:csm=PARAMETERS]`: the width of the file's filter, and parameters of `csm` with `/` between them, such as
+    /// `voxel+csm[:filter=K][:layers=tap|block][:csm=PARAMETERS]`: the file's filter, and parameters of `csm` with `/` between them, such as
     /// `csm=cascades=2/filter=3`.
     ///
     /// # Errors
@@ -45,6 +48,7 @@ impl VoxelCsmSettings {
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
         let spec = reader.spec();
         let filter = read_width(reader)?;
+        let layers = read_layers(reader)?;
         let map = reader.technique("csm", "the cascades for what moves", Some("csm"), "")?;
         let map = MapSettings::from_spec(&map)?.ok_or_else(|| spec.wrong("csm is no map".to_owned()))?;
         if map.cache_static {
@@ -52,7 +56,7 @@ impl VoxelCsmSettings {
                 spec.wrong("csm=static=cached: nothing that stands still is in the cascades".to_owned())
             );
         }
-        Ok(Self { filter, map: MapSettings { casters: MapCasters::Movers, ..map } })
+        Ok(Self { filter, layers, map: MapSettings { casters: MapCasters::Movers, ..map } })
     }
 }
 
@@ -65,7 +69,8 @@ impl VoxelCsm {
         let settings = VoxelCsmSettings::from_spec(spec)?;
         let file =
             file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
-        let voxel = Voxel::of_file(gpu, file, file.settings.bias, settings.filter)?;
+        let voxel =
+            Voxel::of_file(gpu, file, file.settings.bias, settings.filter)?.with_layers(gpu, settings.layers);
         let map = ShadowMap::new(gpu, "csm", settings.map)?;
         Ok(Self { name: spec.to_string(), voxel, map })
     }

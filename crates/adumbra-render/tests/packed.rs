@@ -10,7 +10,7 @@ use adumbra::dag::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
 use adumbra::dag::store::{NodeState, NodeStore};
 use adumbra::format::{Layout, LightBody};
 use adumbra::light::{LightGrid, Sun};
-use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, Query, TapLayers};
+use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, Query, TapLayers, receiver};
 use adumbra::scene::{GeneratedKind, generate};
 use adumbra::settings::Bias;
 use adumbra::verify::Random;
@@ -100,6 +100,27 @@ fn packed_voxel_with_wide_slots_counts_the_taps_that_the_cpu_counts() {
         }
         assert!(filter == 1 || partly * 4 > COUNT, "{partly} partly lit");
     }
+}
+
+#[test]
+fn voxel_layers_are_told_by_name() {
+    let gpu = kit::gpu();
+    let baked = BakedScene::new(generate(GeneratedKind::City, 3), [0.5, 0.8, 0.35], 1024, 32);
+    let baked = baked.in_layout(Layout::Packed);
+    let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
+    let fixed = |(p, n)| FixedReceiver::new(&receiver(grid, &bias, p, n), grid.size);
+    let receivers: Vec<_> = baked.points(COUNT).into_iter().map(fixed).collect();
+    let query = Query::new(grid, baked.light.slabs(), bias, 9).unwrap();
+    let lit = [("tap", TapLayers::Tap), ("block", TapLayers::Block)].map(|(name, layers)| {
+        let spec = format!("voxel:layers={name}").parse().unwrap();
+        let voxel = Voxel::from_spec(&gpu, &spec, Some(&baked.light)).unwrap();
+        let lit = voxel.lit_taps(&gpu, &receivers).unwrap();
+        let twin: Vec<_> = receivers.iter().map(|r| query.with_layers(layers).lit_taps(r)).collect();
+        assert!(lit == twin, "{name}");
+        lit
+    });
+    let apart = lit[0].iter().zip(&lit[1]).filter(|(tap, block)| tap != block).count();
+    assert!(apart * 50 > COUNT, "{apart} differ");
 }
 
 /// Voxels of one unit under a grid's own axes; sixteen a side.

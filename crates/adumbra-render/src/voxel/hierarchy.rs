@@ -111,6 +111,9 @@ impl VoxelHierarchy {
     #[must_use]
     pub fn with_layers(mut self, gpu: &Gpu, layers: TapLayers) -> Self {
         self.params.voxel.places[3] = layers_word(layers);
+        if layers == TapLayers::Block {
+            self.name.push_str(":layers=block");
+        }
         self.bindings.write(gpu, &self.params.bytes());
         self
     }

@@ -110,6 +110,9 @@ impl Voxel {
     #[must_use]
     pub fn with_layers(mut self, gpu: &Gpu, layers: TapLayers) -> Self {
         self.params.places[3] = layers_word(layers);
+        if layers == TapLayers::Block {
+            self.name.push_str(":layers=block");
+        }
         self.bindings.write(gpu, &self.params.bytes());
         self
     }

@@ -24,7 +24,7 @@ pub use hierarchy::{HierarchyAnswer, HierarchyFilter, VoxelHierarchy};
 pub use light::Voxel;
 pub use palette::{VOXEL_LEVEL_COLORS, voxel_level_color};
 pub use settings::VoxelSettings;
-pub(crate) use settings::read_width;
+pub(crate) use settings::{read_layers, read_width};
 pub use soft::SoftTwin;
 pub use texture::PageTexture;
 pub use words::{MAX_WORD_BINDINGS, WordBuffers};

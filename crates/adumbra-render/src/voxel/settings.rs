@@ -50,9 +50,7 @@ impl VoxelSettings {
             }
         } else {
             let width = read_width(reader)?;
-            if reader.choice("layers", TAP_LAYERS, &["tap", "block"])? == "block" {
-                layers = TapLayers::Block;
-            }
+            layers = read_layers(reader)?;
             HierarchyFilter::Taps(width)
         };
         let bias = file.map_or_else(Bias::default, |f| f.settings.bias);
@@ -60,12 +58,16 @@ impl VoxelSettings {
     }
 }
 
-const TAP_LAYERS: &str =
-    "of voxels: a tap's own; block: one for 8 × 8 texels, cheaper, light leaks on slopes";
-
 /// `filter` of a light-aligned file.
 pub(crate) fn read_width(reader: &mut SpecReader<'_>) -> Result<u32> {
     reader.integer("filter", "texels a side", 9, &FILTER_WIDTHS)
+}
+
+/// `layers` of a light-aligned file.
+pub(crate) fn read_layers(reader: &mut SpecReader<'_>) -> Result<TapLayers> {
+    let what = "of voxels: a tap's own; block: one for 8 × 8 texels, cheaper, light leaks on slopes";
+    let is_block = reader.choice("layers", what, &["tap", "block"])? == "block";
+    Ok(if is_block { TapLayers::Block } else { TapLayers::Tap })
 }
 
 impl CubesOptions {

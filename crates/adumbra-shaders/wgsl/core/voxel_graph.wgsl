@@ -81,7 +81,7 @@ fn voxel_block(v: VoxelParams, r: VoxelReceiver, over: VoxelNode, low: vec2i, hi
         for (var to = select(last, layer, is_mixed); to <= last; to++) {
             let up_to = voxel_taps_to(r, taps, to);
             let mask = up_to & ~counted;
-            if (is_mixed) {
+            if (is_mixed && any(mask != vec2u(0u))) {
                 lit += voxel_count(voxel_slab_bits(v, cube, u32(to) & 7u, mask));
             } else {
                 lit += select(0u, voxel_count(mask), cube.state == 1u);
@@ -102,8 +102,13 @@ fn voxel_lit_taps(v: VoxelParams, r: VoxelReceiver) -> u32 {
     // The box of all voxels that are read.
     let rises = r.gradient >= vec2i(0);
     let nearest = voxel_layer(r, select(high, low, rises));
-    let farthest = voxel_layer(r, select(low, high, rises));
     let last = v.grid.size.xyz - 1;
+    var farthest_tap = select(low, high, rises);
+    if (v.places.w == 1u) {
+        // The nearest of the last block.
+        farthest_tap = select(min(min(low | vec2i(7), high), last.xy), max(high & vec2i(-8), low), rises);
+    }
+    let farthest = voxel_layer(r, farthest_tap);
     let box_low = clamp(vec3i(low, nearest), vec3i(0), last);
     let box_high = clamp(vec3i(high, farthest), vec3i(0), last);
     let over = voxel_over(v, vec3u(box_low), vec3u(box_high));

@@ -1,8 +1,8 @@
 //! Look-ups one after the other, of points that are neighbours.
 //!
 //! A filter touches the same few blocks of texels again and again, often at the same depth: the last cubes of each are
-//! kept, in sixteen places by the parity of the block, as a filter of up to 9 texels touches two along each axis, and by the cube's place
-//! along the light. What is not kept is looked up from the lowest node on that the last look-up's way has in common with it.
+//! kept, by the parity of the block, as a filter of up to 9 texels touches two along each axis, and by the cube's place along the
+//! light. What is not kept is looked up from the lowest node on that the last look-up's way has in common with it.
 
 use super::taps::Cubes;
 use super::{FixedReceiver, Query, receiver};
@@ -10,7 +10,7 @@ use super::{FixedReceiver, Query, receiver};
 /// A [`Query`] that remembers where it has been. Its answers are the query's, to the bit.
 pub struct Cursor<'d> {
     query: Query<'d>,
-    cubes: Cubes<'d, 16>,
+    cubes: Cubes<'d, 32>,
 }
 
 impl<'d> Cursor<'d> {

@@ -3,8 +3,8 @@
 //! World point → bias → grid → K × K texels, each answered by the voxel that the receiver's plane passes there. Up to the bias it is `f64`;
 //! from there on whole numbers, see [`FixedReceiver`].
 //!
-//! Departure from specification §6, where all taps in a block of 8 × 8 texels share a layer: on a slope light then leaks in teeth below ledges
-//! and at the feet of walls. That is [`TapLayers::Block`]; `docs/layouts.md` has what either gets wrong and costs.
+//! `spec/adumbra-file.md`, "Look-up bias and filters", has the rules. Where all taps in a block of 8 × 8 texels share a layer, [`TapLayers::Block`],
+//! light leaks on slopes, in teeth below ledges and at the feet of walls; `docs/layouts.md` has what either gets wrong and costs.
 
 mod cursor;
 mod fixed;
@@ -144,7 +144,7 @@ impl<'d> Query<'d> {
                 .is_none_or(|[i, j, k]| self.slabs.slab(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1);
             return u32::from(lit);
         }
-        Cubes::<4>::new(self.slabs).lit_taps(self.filter, self.layers, r)
+        Cubes::<8>::new(self.slabs).lit_taps(self.filter, self.layers, r)
     }
 
     /// Level of the block in which the look-up of the filter's middle ends, as [`Slabs::end_level`]; none beside the grid and before it,

@@ -29,7 +29,8 @@ impl Plane {
     }
 }
 
-/// Cubes of 8 × 8 × 8 voxels that were looked up last: `PLACES` of them, by place along z, and for 16 by the parity of the block too.
+/// Cubes of 8 × 8 × 8 voxels that were looked up last: eight by their place along z, and where there are 32 `PLACES` by the parity of the
+/// block too.
 pub(super) struct Cubes<'d, const PLACES: usize> {
     slabs: &'d dyn Slabs,
     trail: Trail,
@@ -114,7 +115,7 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
                 return u64::MAX;
             }
             let place = [block[0], block[1], (layer >> 3) as u32];
-            let slot = (place[2] & 3 | (place[0] & 1) << 2 | (place[1] & 1) << 3) as usize % PLACES;
+            let slot = (place[2] & 7 | (place[0] & 1) << 3 | (place[1] & 1) << 4) as usize % PLACES;
             let cube = &mut self.kept[slot];
             if cube.place != place {
                 (cube.place, cube.known) = (place, 0);
