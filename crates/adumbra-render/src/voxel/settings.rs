@@ -22,8 +22,8 @@ pub struct VoxelSettings {
 }
 
 impl VoxelSettings {
-    /// `voxel[:filter=K][:layers=tap|block]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with `[:bias=…][:slope=…][:normal=…]`; K = 9, a sun of 0.53°,
-    /// 32 texels and the file's bias by default.
+    /// `voxel[:filter=K][:layers=tap|block]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with `[:bias=…][:slope=…][:normal=…]`;
+    /// K = 9, a tap's own layer, a sun of 0.53°, 32 texels and the file's bias by default.
     ///
     /// # Errors
     /// [`crate::RenderError::Technique`] for other parameters, and for penumbrae of a file that is no hierarchy.

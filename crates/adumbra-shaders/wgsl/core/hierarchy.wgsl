@@ -229,10 +229,6 @@ fn hierarchy_slab(v: VoxelParams, leaf: HierarchyLeaf, k: u32) -> vec2u {
     return ~dark & hierarchy_from_rank(v, leaf, dark_ranks);
 }
 
-fn hierarchy_count(bits: vec2u) -> u32 {
-    return countOneBits(bits.x) + countOneBits(bits.y);
-}
-
 // Lit taps among the columns low…high, which lie in one block.
 fn hierarchy_block(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) -> u32 {
     let taps = voxel_taps(v, r, low, high);
@@ -246,7 +242,7 @@ fn hierarchy_block(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) ->
         if (i32(last_lit) < taps.nearest) {
             return taps.beside;
         }
-        return taps.beside + hierarchy_count(voxel_taps_to(r, taps, i32(last_lit)));
+        return taps.beside + voxel_count(voxel_taps_to(r, taps, i32(last_lit)));
     }
     let leaf = hierarchy_leaf(v, place);
     // What was counted: all before the grid is lit.
@@ -254,12 +250,12 @@ fn hierarchy_block(v: VoxelParams, r: VoxelReceiver, low: vec2i, high: vec2i) ->
     if (taps.nearest < 0) {
         counted = voxel_taps_to(r, taps, -1);
     }
-    var lit = taps.beside + hierarchy_count(counted);
+    var lit = taps.beside + voxel_count(counted);
     for (var layer = max(taps.nearest, 0); layer <= taps.farthest; layer++) {
         let up_to = voxel_taps_to(r, taps, layer);
         let mask = up_to & ~counted;
         if (any(mask != vec2u(0u))) {
-            lit += hierarchy_count(hierarchy_slab(v, leaf, u32(layer)) & mask);
+            lit += voxel_count(hierarchy_slab(v, leaf, u32(layer)) & mask);
         }
         counted = up_to;
     }

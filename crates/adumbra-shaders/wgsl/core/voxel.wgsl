@@ -41,6 +41,10 @@ fn voxel_rectangle(low: vec2i, high: vec2i) -> vec2u {
     );
 }
 
+fn voxel_count(bits: vec2u) -> u32 {
+    return countOneBits(bits.x) + countOneBits(bits.y);
+}
+
 // Taps of one block as far as they lie over the grid, and how many lie beside it, where all is lit.
 struct VoxelTaps {
     low: vec2i,

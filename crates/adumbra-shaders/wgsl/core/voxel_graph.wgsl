@@ -56,10 +56,6 @@ fn voxel_cube(v: VoxelParams, over: VoxelNode, voxel: vec3u) -> VoxelNode {
     return node;
 }
 
-fn voxel_count(bits: vec2u) -> u32 {
-    return countOneBits(bits.x) + countOneBits(bits.y);
-}
-
 // Lit taps among the texels low…high, which lie in one block.
 fn voxel_block(v: VoxelParams, r: VoxelReceiver, over: VoxelNode, low: vec2i, high: vec2i) -> u32 {
     let taps = voxel_taps(v, r, low, high);

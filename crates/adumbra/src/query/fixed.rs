@@ -105,14 +105,18 @@ mod tests {
     #[test]
     fn fixed_depths_never_leave_the_documented_range() {
         // The farthest that taps of a 17 × 17 filter lie, along both axes.
-        let sums = [-MAX_GRADIENT, MAX_GRADIENT].into_iter().flat_map(|g| {
-            [-8_i64, 8].into_iter().flat_map(move |tap| {
-                [0, i64::from(FIXED_ONE) - 1]
-                    .map(|fraction| 2 * i64::from(g) * (tap * 4096 + 2048 - fraction))
+        let depths = [-MAX_GRADIENT, MAX_GRADIENT].into_iter().flat_map(|g| {
+            [-8, 8].into_iter().flat_map(move |tap| {
+                [0, i64::from(FIXED_ONE) - 1].map(|fraction| {
+                    let r = FixedReceiver { p_fixed: [fraction, fraction, 0], gradient: [g, g] };
+                    r.depth([tap, tap])
+                })
             })
         });
-        let farthest = sums.map(i64::abs).max();
+        let farthest = depths.map(i64::abs).max();
         assert_eq!(farthest, Some(177_352_704));
-        assert!(177_352_704 >> 8 < i64::from(MARGIN_VOXELS) << 12);
+        assert!(
+            farthest.is_some_and(|depth| depth >> GRADIENT_BITS < i64::from(MARGIN_VOXELS) << FIXED_BITS)
+        );
     }
 }
