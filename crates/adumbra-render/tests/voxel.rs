@@ -144,6 +144,7 @@ fn constants_of_shaders_are_those_of_the_library() {
     use adumbra::{dag, query, settings};
     use adumbra_shaders::constants as shaders;
     assert_eq!(shaders::MAX_SLOPE, settings::MAX_SLOPE as f32);
+    assert_eq!(shaders::MAX_PLANE_SLOPE, settings::MAX_PLANE_SLOPE as f32);
     assert_eq!((shaders::FIXED_ONE, shaders::FIXED_BITS), (query::FIXED_ONE, query::FIXED_BITS));
     assert_eq!((shaders::GRADIENT_ONE, shaders::GRADIENT_BITS), (query::GRADIENT_ONE, query::GRADIENT_BITS));
     assert_eq!((shaders::MAX_GRADIENT, shaders::MARGIN_VOXELS), (query::MAX_GRADIENT, query::MARGIN_VOXELS));

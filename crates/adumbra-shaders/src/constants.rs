@@ -46,8 +46,10 @@ shared! {
     OCCLUSION_MAX_TAPS: u32 = 64;
     /// Most neighbours on either side of the filter of ambient occlusion.
     OCCLUSION_MAX_SIDE: u32 = 16;
-    /// Slopes above this count as this (`adumbra::settings::MAX_SLOPE`).
+    /// A bias counts steeper slopes as this one (`adumbra::settings::MAX_SLOPE`).
     MAX_SLOPE: f32 = 9.95;
+    /// Steepest plane that a look-up of baked voxels follows (`adumbra::settings::MAX_PLANE_SLOPE`).
+    MAX_PLANE_SLOPE: f32 = 120.0;
     /// A voxel in the fixed-point numbers of grid positions.
     FIXED_ONE: i32 = 4096;
     /// Bits behind the point of a grid position.
@@ -56,10 +58,10 @@ shared! {
     GRADIENT_ONE: i32 = 256;
     /// Bits behind the point of a gradient.
     GRADIENT_BITS: u32 = 8;
-    /// Largest number of a receiver's gradient (`MAX_SLOPE` in them).
-    MAX_GRADIENT: i32 = 2547;
+    /// Largest number of a receiver's gradient (`MAX_PLANE_SLOPE` in them).
+    MAX_GRADIENT: i32 = 30720;
     /// Voxels beyond a grid that positions are clamped to.
-    MARGIN_VOXELS: i32 = 1024;
+    MARGIN_VOXELS: i32 = 4096;
     /// 1 in the fixed-point numbers of a tree receiver's normal and height.
     NORMAL_ONE: i32 = 1024;
     /// Heights over a receiver's plane are clamped to this many cells.

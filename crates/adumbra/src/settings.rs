@@ -16,8 +16,12 @@ pub struct Bias {
     pub normal_offset_texels: f64,
 }
 
-/// Slopes above this count as this: n·l = 0.1.
+/// The bias counts steeper slopes as this one: n·l = 0.1.
 pub const MAX_SLOPE: f64 = 9.95;
+
+/// Steepest plane of a receiver that look-ups follow from texel to texel: level ground under a sun 0.5° high. Steeper surfaces
+/// are taken to rise by this much. It keeps all of a look-up within 32 bits, see [`crate::query::FixedReceiver`].
+pub const MAX_PLANE_SLOPE: f64 = 120.0;
 
 impl Default for Bias {
     fn default() -> Self {

@@ -11,12 +11,12 @@ struct VoxelReceiver {
 fn voxel_receiver(v: VoxelParams, s: Surface) -> VoxelReceiver {
     let n = grid_direction(v.grid, s.normal);
     let tangent = length(n.xy);
-    // n·l is -n.z: the grid's z runs away from the sun.
-    let n_dot_l = max(-n.z, tangent / MAX_SLOPE);
+    // |n·l| is |n.z|: the grid's z runs away from the sun.
+    let n_dot_l = max(abs(n.z), tangent / MAX_PLANE_SLOPE);
     var gradient = vec2f(0.0);
     var slope = 0.0;
     if (n_dot_l > 0.0) {
-        gradient = n.xy / n_dot_l;
+        gradient = n.xy / select(n_dot_l, -n_dot_l, n.z > 0.0);
         slope = min(tangent / n_dot_l, MAX_SLOPE);
     }
     let lift = n * v.bias.z - vec3f(0.0, 0.0, bias_along_light(v.bias, slope));

@@ -3,7 +3,7 @@
 //! All in the snapped coordinates that decide which texel centres a triangle covers, so nothing here can disagree with the
 //! sampling: a test may err only towards "touches" and "crosses".
 
-use super::columns::FOOTPRINT_HALF;
+use super::columns::{ColumnRules, FOOTPRINT_HALF, ReceiverKind, rounding_voxels};
 use super::project::{FixedDepth, Projected, SUBTEXEL, fixed_depth};
 use super::surface::Surface;
 
@@ -105,7 +105,48 @@ impl Projected {
     }
 }
 
+/// Where look-ups from a surface sample the columns of a block, bounds in 1/256 voxel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampledRange {
+    /// No plane of it lies deeper at a texel's centre.
+    pub(crate) plane_high: FixedDepth,
+    /// No look-up samples nearer.
+    pub(crate) lifted_low: FixedDepth,
+    /// None samples deeper.
+    pub(crate) lifted_high: FixedDepth,
+}
+
+impl SampledRange {
+    /// Bounds of both.
+    pub(crate) fn joined(self, other: Self) -> Self {
+        Self {
+            plane_high: self.plane_high.max(other.plane_high),
+            lifted_low: self.lifted_low.min(other.lifted_low),
+            lifted_high: self.lifted_high.max(other.lifted_high),
+        }
+    }
+}
+
 impl BlockSurface {
+    /// Where look-ups from it sample the block's columns; none where it receives no light.
+    pub(crate) fn sampled_over(&self, block: &Block, rules: &ColumnRules) -> Option<SampledRange> {
+        let plane = ColumnRules::receiver_plane(&self.surface)?;
+        let footprint = rules.footprint_half_texels(ReceiverKind::Footprint);
+        let half_side = f64::from(1_u32 << block.level) / 2.0;
+        let center = [block.x, block.y].map(|c| f64::from(c) + half_side);
+        let [low, high] = self.surface.shape.range_near(center, half_side + footprint);
+        // Its points are at most that far from the centres where its plane is asked.
+        let rise = footprint * plane.gradient_sum();
+        let lift = rules.lift_voxels(plane.slope());
+        let to_fixed = |z: f64| fixed_depth(z + rise) + DEPTH_SLACK;
+        let rounding = rounding_voxels(&plane);
+        Some(SampledRange {
+            plane_high: to_fixed(high),
+            lifted_low: fixed_depth(low - rise - lift - rounding) - DEPTH_SLACK,
+            lifted_high: to_fixed(high - lift),
+        })
+    }
+
     /// Whether the number of layers may change within `rect` because of this surface.
     pub(crate) fn contour_crosses(&self, rect: &SnappedRect) -> bool {
         let c = &self.surface.shape.snapped;

@@ -4,9 +4,9 @@
 //! comes near a texel's footprint, whether it is a receiver behind the column's caster. Only triangles of solids
 //! are kept as lists, to count their winding. Rules: specification §3, written out in `columns.rs`.
 
-use super::columns::{self, ColumnRules, Columns, FirstSurface, ReceiverKind};
+use super::columns::{self, ColumnRules, Columns, FirstSurface, ReceiverKind, SeamHit};
 use super::masked::{self, MaskedHit, TriangleMask};
-use super::project::{FixedDepth, Projected};
+use super::project::{FixedDepth, SEAM_MARGIN};
 use super::surface::{Surface, Surfaces};
 use crate::settings::Receivers;
 
@@ -32,6 +32,7 @@ pub(crate) struct CaptureBuffers {
     list_ends: Vec<u32>,
     sorted: Vec<u32>,
     masked: Vec<MaskedHit>,
+    seams: Vec<SeamHit>,
 }
 
 /// A solid's surface at a texel centre: texel, then depth, then entry before exit.
@@ -62,12 +63,12 @@ pub(crate) fn capture(
         if !capture_surfaces(surfaces, rules, band, buffers) {
             return false;
         }
-        find_receivers(surfaces, rules, &[ReceiverKind::Everywhere], band, buffers);
+        find_receivers(surfaces, rules, &[ReceiverKind::Footprint], band, buffers);
         for i in 0..buffers.first.len() {
             out.set(start + i, rules.column(buffers.first[i], buffers.base[i], buffers.next[i]));
         }
         if rules.receivers == Receivers::Static {
-            let kinds = [ReceiverKind::Itself, ReceiverKind::Filtered];
+            let kinds = [ReceiverKind::Footprint, ReceiverKind::Filtered];
             find_receivers(surfaces, rules, &kinds, band, buffers);
             for i in 0..buffers.first.len() {
                 out.extend(start + i, rules.static_end(buffers.first[i], buffers.next[i]));
@@ -143,17 +144,20 @@ fn sample_band(
     b.first.resize(texels, FirstSurface::NONE);
     b.crossings.clear();
     b.masked.clear();
+    b.seams.clear();
     let mut fits = true;
     surfaces.for_each(|surface| {
         fits = fits && (!surface.casts || sample_centers(surfaces, surface, rules, rect, b));
     });
     if fits {
-        masked::add_first_surfaces(&mut b.masked, &mut b.first);
+        let CaptureBuffers { seams, masked, first, .. } = b;
+        columns::close_seams(seams, |texel, surface| first[texel] = first[texel].min(surface));
+        masked::add_first_surfaces(masked, first);
     }
     fits
 }
 
-/// Second pass: `next`, the nearest depth at which a receiver of any of `kinds` asks behind a column's base.
+/// Second pass: `next`, the nearest depth at which a receiver of any of `kinds` needs a column's shadow.
 fn find_receivers(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
@@ -165,7 +169,7 @@ fn find_receivers(
     b.next.resize(b.first.len(), FixedDepth::MAX);
     surfaces.for_each(|surface| {
         for &kind in kinds {
-            find_next(&surface.shape, rules, kind, rect, b);
+            find_next(surface, rules, kind, rect, b);
         }
     });
 }
@@ -186,13 +190,15 @@ fn sample_centers(
     } else {
         None
     };
-    let (first_row, last_row) = triangle.rows();
+    let margin = if surface.solid && !triangle.faces_sun { 0 } else { SEAM_MARGIN };
+    let (first_row, last_row) = triangle.rows(margin);
     let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
     let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
     let info = rules.surface_info(triangle.slope, surface.solid);
     let exit_bit = u32::from(!triangle.faces_sun);
     for row in first_row.max(y0)..=last_row.min(y1) {
-        let (first, last) = triangle.span(row);
+        let (first, last) = triangle.span(row, margin);
+        let exact = if surface.solid && margin > 0 { triangle.span(row, 0) } else { (first, last) };
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         let y = row as f64 + 0.5;
         for i in first.max(x0)..=last.min(x1) {
@@ -204,6 +210,10 @@ fn sample_centers(
                 if covered != 0 {
                     b.masked.push(MaskedHit::new(texel, depth, info, covered));
                 }
+                continue;
+            }
+            if i < exact.0 || i > exact.1 {
+                b.seams.push(SeamHit::new(texel, depth, info, surface));
                 continue;
             }
             let first = FirstSurface::new(depth, info);
@@ -268,15 +278,17 @@ fn sort_crossings(b: &mut CaptureBuffers, texels: usize, wanted: impl Fn(FirstSu
     }
 }
 
-/// The triangle as a receiver of one kind near the texels of a band of rows.
+/// The surface as a receiver of one kind near the texels of a band of rows.
 fn find_next(
-    triangle: &Projected,
+    surface: &Surface,
     rules: &ColumnRules,
     kind: ReceiverKind,
     rect: TileRect,
     b: &mut CaptureBuffers,
 ) {
-    let half = kind.footprint_half_texels();
+    let Some(plane) = ColumnRules::receiver_plane(surface) else { return };
+    let triangle = &surface.shape;
+    let half = rules.footprint_half_texels(kind);
     let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
     let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
     let y = triangle.corners.map(|c| c[1]);
@@ -286,17 +298,15 @@ fn find_next(
     let last_row = ((high + half - 0.5).floor() as i64).min(y1);
     for row in first_row..=last_row {
         let y = row as f64 + 0.5;
-        let Some(band) = triangle.band(y, half) else { continue };
-        let first = ((band.x[0] - half - 0.5).ceil() as i64).max(x0);
-        let last = ((band.x[1] + half - 0.5).floor() as i64).min(x1);
+        let Some([low, high]) = triangle.x_range_in_band(y, half) else { continue };
+        let first = ((low - half - 0.5).ceil() as i64).max(x0);
+        let last = ((high + half - 0.5).floor() as i64).min(x1);
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         for i in first..=last {
             let texel = (start + i as isize) as usize;
-            let (range, z_plane) = triangle.footprint_range(&band, i as f64 + 0.5, y, half);
-            if let Some(asked) = rules.asked_depths(kind, triangle.slope, range, z_plane) {
-                let next = rules.receiver_behind(kind, b.base[texel], b.first[texel], asked);
-                b.next[texel] = b.next[texel].min(next);
-            }
+            let sampled = rules.sampled(kind, &plane, i as f64 + 0.5, y);
+            let next = rules.receiver_behind(b.base[texel], b.first[texel], sampled);
+            b.next[texel] = b.next[texel].min(next);
         }
     }
 }

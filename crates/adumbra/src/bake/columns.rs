@@ -5,8 +5,9 @@
 //! `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column with no surface has e = the grid's length; an x
 //! at or beyond the grid's end is [`FREE_TO_END`].
 
-use super::project::{FixedDepth, SUBTEXEL};
-use crate::settings::{Bias, MAX_SLOPE, Receivers};
+use super::project::{FixedDepth, Plane, SUBTEXEL, fixed_depth, floor_fixed_depth};
+use super::surface::Surface;
+use crate::settings::{Bias, MAX_PLANE_SLOPE, Receivers};
 
 /// Depth steps added before a depth becomes an unsigned key.
 const KEY_OFFSET: i64 = 1 << 28;
@@ -53,6 +54,35 @@ impl FirstSurface {
     /// Bias at the surface's slope, 1/256 voxel.
     pub(crate) fn bias(self) -> FixedDepth {
         (self.0 & 0xffff) as FixedDepth
+    }
+}
+
+/// A solid's side towards the sun that covers a texel's centre only where it is grown by the width of a seam.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct SeamHit {
+    texel: u32,
+    first: FirstSurface,
+    /// Instance and component.
+    body: [u32; 2],
+}
+
+impl SeamHit {
+    pub(crate) fn new(texel: usize, depth: FixedDepth, info: u32, surface: &Surface) -> Self {
+        let first = FirstSurface::new(depth, info | OPEN_BIT as u32);
+        Self { texel: texel as u32, first, body: [surface.instance, surface.component] }
+    }
+}
+
+/// Closes the seams between solids that touch: a centre that lies within the seam's width of two of them is covered from where both
+/// are. Nothing is known there of the inside, so what covers it is open. Calls `close(texel, surface)`, once a texel at most.
+///
+/// Rays see no gap there, but corners that lay on a neighbour's edge have left it when they were snapped.
+pub(crate) fn close_seams(hits: &mut [SeamHit], mut close: impl FnMut(usize, FirstSurface)) {
+    hits.sort_unstable();
+    for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
+        if let Some(second) = texel.iter().find(|hit| hit.body != texel[0].body) {
+            close(second.texel as usize, second.first);
+        }
     }
 }
 
@@ -126,34 +156,47 @@ const STATIC_FILTER_REACH: f64 = 4.0;
 /// Distance between the outermost taps that share a depth: eight texels of one block.
 const STATIC_FILTER_TAPS_REACH: f64 = 7.0;
 
-/// What makes a surface near a column a receiver that the column must answer.
+/// What makes a surface near a column a receiver whose look-ups sample the column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReceiverKind {
-    /// It lies in the texel's footprint; everything behind it matters too.
-    Everywhere,
-    /// It lies in the texel's footprint; only itself matters, lifted by its bias.
-    Itself,
-    /// A filter around it reads the column, at the depth of its plane there.
+    /// Its own points lie in the texel's footprint.
+    Footprint,
+    /// A filter around its points reads the texel, at the depth of its plane there.
     Filtered,
 }
 
-impl ReceiverKind {
-    /// Half the side of the square around a texel's centre in which a surface counts.
-    pub(crate) fn footprint_half_texels(self) -> f64 {
-        match self {
-            Self::Everywhere | Self::Itself => FOOTPRINT_HALF,
-            Self::Filtered => FOOTPRINT_HALF + STATIC_FILTER_REACH,
-        }
-    }
+/// Where look-ups from one surface sample one column, 1/256 voxel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sampled {
+    /// The surface's plane at the texel's centre.
+    pub(crate) plane: FixedDepth,
+    /// The nearest depth that its look-ups sample: the plane, lifted by the surface's own bias.
+    pub(crate) lifted: FixedDepth,
+}
+
+/// How far fixed point may move the depth at which a look-up samples a column, voxels: the gradient's rounding over half a texel,
+/// and the position's, times the gradient.
+pub(crate) fn rounding_voxels(plane: &Plane) -> f64 {
+    1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0
 }
 
 impl ColumnRules {
+    /// Half the side of the square around a texel's centre from which surfaces of this kind sample the texel.
+    pub(crate) fn footprint_half_texels(&self, kind: ReceiverKind) -> f64 {
+        // An offset along the normal moves the point across the light as well.
+        let half = FOOTPRINT_HALF + self.bias.normal_offset_texels;
+        match kind {
+            ReceiverKind::Footprint => half,
+            ReceiverKind::Filtered => half + STATIC_FILTER_REACH,
+        }
+    }
+
     /// How far outside its outline a triangle may matter to a column.
     pub(crate) fn reach_texels(&self) -> f64 {
-        match self.receivers {
-            Receivers::All => ReceiverKind::Everywhere.footprint_half_texels(),
-            Receivers::Static => ReceiverKind::Filtered.footprint_half_texels(),
-        }
+        self.footprint_half_texels(match self.receivers {
+            Receivers::All => ReceiverKind::Footprint,
+            Receivers::Static => ReceiverKind::Filtered,
+        })
     }
 
     /// Low word of a [`FirstSurface`].
@@ -171,45 +214,51 @@ impl ColumnRules {
         (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth
     }
 
-    /// Depths, in voxels, at which a surface of this slope asks a column: from the nearest that any look-up uses to the
-    /// farthest that must not be taken for the column's own surface. `z` is its range over the texel's footprint,
-    /// `z_plane` its plane at the texel's centre with the sum of its gradient's magnitudes. None where it does not ask.
-    pub(crate) fn asked_depths(
-        &self,
-        kind: ReceiverKind,
-        slope: f64,
-        z: [f64; 2],
-        z_plane: Option<(f64, f64)>,
-    ) -> Option<[f64; 2]> {
-        match kind {
-            ReceiverKind::Everywhere => Some(z),
-            ReceiverKind::Itself => Some([z[0] - self.bias.along_light(slope), z[1]]),
-            ReceiverKind::Filtered => {
-                let (z_plane, gradient_sum) = z_plane.filter(|_| slope < MAX_SLOPE)?;
-                let nearest = self.bias.along_light(slope) + STATIC_FILTER_TAPS_REACH * gradient_sum;
-                Some([z_plane - nearest, z_plane - STATIC_FILTER_REACH * gradient_sum])
-            }
-        }
+    /// How far before a surface of this slope its look-ups sample, voxels.
+    pub(crate) fn lift_voxels(&self, slope: f64) -> f64 {
+        let normal_offset = self.bias.normal_offset_texels;
+        let along_normal =
+            if normal_offset == 0.0 { 0.0 } else { normal_offset * (1.0 + slope * slope).sqrt() };
+        self.bias.along_light(slope) + along_normal
     }
 
-    /// The depth before which a column's shadow must have begun for a receiver that asks at `asked` voxels, or
-    /// [`FixedDepth::MAX`] where no part of it lies behind the base by more than the bias at the first surface's slope.
+    /// The plane on which look-ups from a surface sample columns. None where it receives no sunlight, being the far side of a
+    /// solid, or where it is steeper than look-ups follow.
+    pub(crate) fn receiver_plane(surface: &Surface) -> Option<Plane> {
+        if surface.casts && surface.solid && !surface.shape.faces_sun {
+            return None;
+        }
+        surface.shape.true_plane().filter(|plane| plane.slope() <= MAX_PLANE_SLOPE)
+    }
+
+    /// Where look-ups from the surface with this `plane` sample the column whose centre is (x, y).
+    pub(crate) fn sampled(&self, kind: ReceiverKind, plane: &Plane, x: f64, y: f64) -> Sampled {
+        let z = plane.at(x, y);
+        let before = match kind {
+            ReceiverKind::Footprint => 0.0,
+            ReceiverKind::Filtered => STATIC_FILTER_TAPS_REACH * plane.gradient_sum(),
+        };
+        let lifted = z - self.lift_voxels(plane.slope()) - before - rounding_voxels(plane);
+        Sampled { plane: fixed_depth(z), lifted: floor_fixed_depth(lifted) }
+    }
+
+    /// The depth before which a column's shadow must have begun for a receiver that samples it at `sampled`, or
+    /// [`FixedDepth::MAX`] where it asks for none.
+    ///
+    /// A look-up from a receiver asks whether anything lies before its lifted point. So the column must be shadowed at that
+    /// point where the point lies behind the column's first surface. It asks for nothing where the receiver's plane lies
+    /// before the base: it then is the first surface or runs through the solid that begins there. It asks for nothing either where
+    /// the first surface lies between the plane and its lifted point: what is nearer than its bias, no receiver can see.
     pub(crate) fn receiver_behind(
         &self,
-        kind: ReceiverKind,
         base: FixedDepth,
         first: FirstSurface,
-        asked: [f64; 2],
+        sampled: Sampled,
     ) -> FixedDepth {
-        if first.is_none() {
+        if first.is_none() || sampled.plane <= base || sampled.lifted <= first.depth() {
             return FixedDepth::MAX;
         }
-        let threshold = base + first.bias();
-        if asked[1] * SUBTEXEL as f64 <= f64::from(threshold) {
-            return FixedDepth::MAX;
-        }
-        let low = (asked[0] * SUBTEXEL as f64).floor().max(-1e9) as FixedDepth;
-        low.max(if kind == ReceiverKind::Everywhere { threshold } else { base })
+        sampled.lifted
     }
 
     /// The latest x where only static receivers are answered, from the nearest depth at which one asks.
@@ -217,37 +266,53 @@ impl ColumnRules {
         if first.is_none() || next == FixedDepth::MAX {
             return FREE_TO_END;
         }
-        let x = self.quantize(next).max(self.quantize(first.depth()));
-        if x < self.depth_voxels { x } else { FREE_TO_END }
+        self.sampled_voxel(next)
+    }
+
+    /// The voxel that answers a look-up at this depth; behind the grid it is the last.
+    pub(crate) fn sampled_voxel(&self, depth: FixedDepth) -> u32 {
+        let voxel = i64::from(depth).div_euclid(SUBTEXEL);
+        voxel.clamp(0, i64::from(self.depth_voxels) - 1) as u32
     }
 
     /// The column's `[e, x]`: voxel k is defined lit where k < e and defined shadowed where k >= x.
+    ///
+    /// Points in space, whose look-ups know no slope, get the switch nearest to the first surface, and no later than its exit.
+    /// A receiver behind, at whose lifted point `next` shadow must have begun, has the last word: e makes room for it, but no
+    /// further than what lies before the first surface needs, whose look-ups sample at least the constant bias before it.
     pub(crate) fn column(&self, first: FirstSurface, base: FixedDepth, next: FixedDepth) -> [u32; 2] {
         if first.is_none() {
             return [self.depth_voxels, FREE_TO_END];
         }
         let e = self.quantize(first.depth());
         let nothing_behind = next == FixedDepth::MAX;
-        let exit = if nothing_behind && self.assume_ground {
-            None
-        } else if first.is_solid() {
-            Some(base)
+        let x = if nothing_behind && self.assume_ground {
+            FREE_TO_END
         } else {
-            let thickness = self.open_thickness(first);
-            let half_gap = if nothing_behind { FixedDepth::MAX } else { (next - first.depth()) / 2 };
-            Some(first.depth().saturating_add(thickness.min(half_gap)))
+            self.latest_switch(self.exit(first, base)).max(e)
         };
-        [e, exit.map_or(FREE_TO_END, |exit| self.latest_switch(exit).max(e))]
+        if nothing_behind {
+            return [e, x];
+        }
+        let needed = self.sampled_voxel(next).max(self.least_switch(first));
+        [e.min(needed), x.min(needed)]
     }
 
-    /// How far below an open first surface its shadow may begin, were nothing behind it, 1/256 voxel.
+    /// Where the shadow must have begun for points in space: at the solid's end, or an open surface's thickness below it.
+    pub(crate) fn exit(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
+        if first.is_solid() { base } else { first.depth().saturating_add(self.open_thickness(first)) }
+    }
+
+    /// How far below an open first surface its shadow may begin, 1/256 voxel.
     fn open_thickness(&self, first: FirstSurface) -> FixedDepth {
         self.thickness_fixed().max(first.bias())
     }
 
-    /// A receiver at this depth behind an open first surface, or behind it, leaves it all its thickness.
-    pub(crate) fn full_thickness_from(&self, first: FirstSurface) -> FixedDepth {
-        first.depth().saturating_add(self.open_thickness(first).saturating_mul(2)).saturating_add(1)
+    /// The first voxel that no look-up from the first surface, or from what lies before it, samples.
+    fn least_switch(&self, first: FirstSurface) -> u32 {
+        let lift = ((self.bias.constant_texels + self.bias.normal_offset_texels) * SUBTEXEL as f64) as i64;
+        let voxel = (i64::from(first.depth()) - lift).div_euclid(SUBTEXEL) + 1;
+        voxel.clamp(0, i64::from(self.depth_voxels)) as u32
     }
 
     /// x for an exit: [`FREE_TO_END`] at or beyond the grid's end.

@@ -37,13 +37,13 @@ pub(super) struct DescentBuffers {
 }
 
 impl DescentBuffers {
-    /// Takes the surfaces that lie behind `settled` off the list just judged; gives the nearest depth of them.
+    /// Takes the surfaces that lie behind `settled` off the list just judged; gives the nearest depth that look-ups from them sample.
     fn forget_behind(&mut self, from: usize, settled: FixedDepth) -> FixedDepth {
         let mut nearest = FixedDepth::MAX;
         let mut kept = from;
-        for (i, &low) in self.judge.lows.iter().enumerate() {
-            if low > settled {
-                nearest = nearest.min(low);
+        for (i, depth) in self.judge.nearest.iter().enumerate() {
+            if depth.is_behind(settled) {
+                nearest = nearest.min(depth.lifted());
             } else {
                 self.lists[kept] = self.lists[from + i];
                 kept += 1;

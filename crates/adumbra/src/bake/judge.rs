@@ -7,10 +7,9 @@
 //! depth range there bounds the first surface. Everything else errs outwards: a bound that is too weak costs time, never an
 //! answer.
 
-use super::block::{Block, BlockSurface, DEPTH_SLACK};
-use super::columns::{ColumnRules, FREE_TO_END, ReceiverKind};
+use super::block::{Block, BlockSurface, DEPTH_SLACK, SampledRange};
+use super::columns::{ColumnRules, FOOTPRINT_HALF, FREE_TO_END};
 use super::project::{FixedDepth, SUBTEXEL};
-use crate::settings::MAX_SLOPE;
 
 /// Slack of a footprint's half side for the snapping of corners, texels.
 const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
@@ -21,7 +20,7 @@ pub(crate) enum Verdict {
     /// Every column may switch anywhere in `[e, x]`.
     Resolved([u32; 2]),
     /// Look closer. No first surface lies deeper than `settled`, no solid that is met first ends deeper, and every column has
-    /// something behind it: surfaces there matter no more. [`FixedDepth::MAX`] where nothing is known.
+    /// a receiver behind it: surfaces there matter no more. [`FixedDepth::MAX`] where nothing is known.
     Unresolved { settled: FixedDepth },
 }
 
@@ -31,8 +30,33 @@ pub(crate) struct JudgeBuffers {
     groups: Vec<Group>,
     /// Depth ranges of solids.
     solids: Vec<[FixedDepth; 2]>,
-    /// The nearest depth of each surface of the list over the block.
-    pub(crate) lows: Vec<FixedDepth>,
+    /// The nearest depth that each surface of the list has over the block, or that look-ups from it sample there.
+    pub(crate) nearest: Vec<NearestDepth>,
+}
+
+/// How near a surface comes to the light over a block, 1/256 voxel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearestDepth {
+    surface: FixedDepth,
+    /// What look-ups from it sample; none where it receives no light.
+    lifted: Option<FixedDepth>,
+}
+
+impl NearestDepth {
+    /// Whether it lies so far behind a settled depth that neither what it covers nor what it receives decides a column.
+    pub(crate) fn is_behind(self, settled: FixedDepth) -> bool {
+        self.surface > settled && self.lifted.is_none_or(|lifted| is_sampled_behind(lifted, settled))
+    }
+
+    /// The nearest depth that look-ups from it sample; [`FixedDepth::MAX`] where it receives no light.
+    pub(crate) fn lifted(self) -> FixedDepth {
+        self.lifted.unwrap_or(FixedDepth::MAX)
+    }
+}
+
+/// Whether look-ups that sample at `lifted` or deeper find the shadow of every column that ends at `settled` or before.
+fn is_sampled_behind(lifted: FixedDepth, settled: FixedDepth) -> bool {
+    lifted > settled.saturating_add(SUBTEXEL as FixedDepth)
 }
 
 /// The surfaces of one group near a block.
@@ -49,12 +73,13 @@ struct Group {
     z_high: FixedDepth,
     /// A contour of it comes into the block.
     contour: bool,
-    /// Ranges of the planes' gradients, and the largest sum of a gradient's magnitudes.
+    /// Ranges of the planes' gradients.
     gradient_low: [f64; 2],
     gradient_high: [f64; 2],
-    gradient_sum: f64,
     /// The smallest bias at a slope of the group.
     bias: FixedDepth,
+    /// Bounds of where look-ups from it sample the block's columns, if any do.
+    sampled: Option<SampledRange>,
 }
 
 /// How the surfaces of a group are drawn.
@@ -114,13 +139,12 @@ pub(crate) fn judge(
             Verdict::Unresolved { settled: FixedDepth::MAX }
         };
     };
-    let exit = earliest_exit(groups, known_behind, e, (cover, cover_layers), rules);
     let first_voxel = rules.quantize(e);
-    let x = exit.map_or(FREE_TO_END, |exit| rules.latest_switch(exit));
+    let x = earliest_end(groups, known_behind, e, (cover, cover_layers), rules);
     if x >= first_voxel {
         Verdict::Resolved([first_voxel, x])
     } else {
-        Verdict::Unresolved { settled: settled(groups, known_behind, e, rules, &mut buffers.solids) }
+        Verdict::Unresolved { settled: settled(groups, known_behind, e, &mut buffers.solids) }
     }
 }
 
@@ -130,7 +154,6 @@ fn settled(
     groups: &[Group],
     known_behind: FixedDepth,
     e: FixedDepth,
-    rules: &ColumnRules,
     solids: &mut Vec<[FixedDepth; 2]>,
 ) -> FixedDepth {
     solids.clear();
@@ -151,20 +174,21 @@ fn settled(
         return FixedDepth::MAX;
     }
     // What has no contour here and is not left out covers every column.
-    let behind = depth.saturating_add(rules.bias_fixed(MAX_SLOPE));
-    let covered = groups.iter().any(|g| g.kind != Kind::Receiver && !g.contour && g.z_low > behind);
-    if covered || known_behind > behind && known_behind != FixedDepth::MAX { depth } else { FixedDepth::MAX }
+    let is_behind = |s: &SampledRange| is_sampled_behind(s.lifted_low, depth);
+    let covers = |g: &Group| g.kind != Kind::Receiver && !g.contour;
+    let covered = groups.iter().any(|g| covers(g) && g.sampled.as_ref().is_some_and(is_behind));
+    let known = known_behind != FixedDepth::MAX && is_sampled_behind(known_behind, depth);
+    if covered || known { depth } else { FixedDepth::MAX }
 }
 
-/// A depth that no column's exit comes before, given that every first surface is at `e` or nearer; none where no voxel must
-/// be shadowed.
-fn earliest_exit(
+/// A voxel that no column's x comes before, given that every first surface is at `e` or nearer.
+fn earliest_end(
     groups: &[Group],
     known_behind: FixedDepth,
     e: FixedDepth,
     (cover, cover_layers): (usize, usize),
     rules: &ColumnRules,
-) -> Option<FixedDepth> {
+) -> u32 {
     let could_be_first = |g: &&Group| g.kind != Kind::Receiver && g.z_low <= e;
     let is_solid = |g: &&Group| matches!(g.kind, Kind::SolidFront | Kind::SolidBack);
     let smallest = |values: &mut dyn Iterator<Item = FixedDepth>| values.min().unwrap_or(FixedDepth::MAX);
@@ -172,45 +196,53 @@ fn earliest_exit(
     // A column whose first surface is a solid's leaves it at a back of some solid.
     let solid_first = groups.iter().filter(could_be_first).any(|g| is_solid(&g));
     let solid_exit = smallest(&mut groups.iter().filter(|g| g.kind == Kind::SolidBack).map(|g| g.z_low));
-    let open_first = || groups.iter().filter(could_be_first).filter(|g| !is_solid(g));
-    let open_low = smallest(&mut open_first().map(|g| g.z_low));
+    // Where two solids touch, the seam between them is open.
+    let seams = seams_may_be_closed(groups.iter().filter(could_be_first).filter(is_solid));
+    let open_low = smallest(
+        &mut groups.iter().filter(could_be_first).filter(|g| seams || !is_solid(g)).map(|g| g.z_low),
+    );
     let bias = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.bias));
-
-    // A first surface that is one smooth layer over the whole block does not lie behind itself.
-    let first = &groups[cover];
-    let alone = first.kind == Kind::Open && cover_layers == 1 && open_first().count() == 1 && !solid_first;
-    let smooth = alone && first.rise_over_footprint() <= f64::from(first.bias - DEPTH_SLACK);
-    let base_low = if solid_first { solid_exit.min(open_low) } else { open_low };
-    let threshold = base_low.saturating_add(bias);
-    let others = || groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover)).map(|(_, g)| g);
-    let nothing_behind = known_behind == FixedDepth::MAX && others().all(|g| g.z_high <= threshold);
-    if nothing_behind && rules.assume_ground {
-        return None;
-    }
     let mut exit = FixedDepth::MAX;
     if solid_first {
         exit = exit.min(solid_exit);
     }
     if open_low != FixedDepth::MAX {
-        // The next surface lies behind the first by its bias at least.
-        let lows = others().filter(|g| g.z_high > threshold).map(|g| g.z_low);
-        let half_gap = smallest(&mut lows.chain([known_behind]).map(|low| {
-            let gap = if low > e { low.saturating_sub(e) } else { 0 };
-            (gap / 2).max(bias / 2)
-        }));
-        let thickness = rules.thickness_fixed().max(bias);
-        exit = exit.min(open_low.saturating_add(thickness.min(half_gap)));
+        exit = exit.min(open_low.saturating_add(rules.thickness_fixed().max(bias)));
     }
-    Some(exit)
+
+    // A first surface that is one smooth layer over the whole block does not lie behind itself.
+    let first = &groups[cover];
+    let alone = cover_layers == 1 && groups.iter().filter(could_be_first).count() == 1;
+    let smooth = alone && first.rise_of_neighbours() <= f64::from(first.bias - DEPTH_SLACK);
+    let base_low = if solid_first { solid_exit.min(open_low) } else { open_low };
+    let first_low = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.z_low));
+    let mut end = FREE_TO_END;
+    for (_, g) in groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover)) {
+        let Some(sampled) = g.sampled else { continue };
+        if sampled.plane_high > base_low && sampled.lifted_high > first_low {
+            end = end.min(rules.sampled_voxel(sampled.lifted_low.max(first_low)));
+        }
+    }
+    if known_behind != FixedDepth::MAX {
+        end = end.min(rules.sampled_voxel(known_behind));
+    }
+    if end == FREE_TO_END && rules.assume_ground { end } else { end.min(rules.latest_switch(exit)) }
+}
+
+/// Whether outlines of two solids come into the block, so that [`super::columns::close_seams`] may find both at one texel.
+fn seams_may_be_closed<'a>(solids: impl Iterator<Item = &'a Group>) -> bool {
+    let mut bodies = solids.filter(|g| g.contour && g.kind == Kind::SolidFront).map(|g| g.body);
+    let one = bodies.next();
+    bodies.any(|body| Some(body) != one)
 }
 
 impl Group {
-    /// How much farther than the surface at a texel's centre a point of the same smooth layer may seem to lie within the
-    /// texel's footprint, in 1/256 voxel.
-    fn rise_over_footprint(&self) -> f64 {
+    /// How much farther than the surface at a texel's centre the plane of a neighbour in the same smooth layer may lie there, in 1/256
+    /// voxel.
+    fn rise_of_neighbours(&self) -> f64 {
         let bend: f64 = (0..2).map(|a| self.gradient_high[a] - self.gradient_low[a]).sum();
-        let half = ReceiverKind::Everywhere.footprint_half_texels() + FOOTPRINT_SLACK;
-        half * (bend + self.gradient_sum) * SUBTEXEL as f64
+        let half = FOOTPRINT_HALF + FOOTPRINT_SLACK;
+        half * bend * SUBTEXEL as f64
     }
 }
 
@@ -219,10 +251,10 @@ fn gather_groups(
     surfaces: &[BlockSurface],
     list: &[u32],
     rules: &ColumnRules,
-    JudgeBuffers { groups, lows, .. }: &mut JudgeBuffers,
+    JudgeBuffers { groups, nearest, .. }: &mut JudgeBuffers,
 ) {
     groups.clear();
-    lows.clear();
+    nearest.clear();
     let crossing = block.crossing_rect();
     let mut last = None;
     for (place, &s) in list.iter().enumerate() {
@@ -233,7 +265,7 @@ fn gather_groups(
         }
         let Some(group) = groups.last_mut() else { continue };
         group.to = place as u32 + 1;
-        lows.push(group.add(surface, block, rules));
+        nearest.push(group.add(surface, block, rules));
         group.contour = group.contour || (group.kind != Kind::Receiver && surface.contour_crosses(&crossing));
     }
 }
@@ -258,25 +290,28 @@ impl Group {
             contour: kind == Kind::Masked,
             gradient_low: [f64::INFINITY; 2],
             gradient_high: [f64::NEG_INFINITY; 2],
-            gradient_sum: 0.0,
             bias: FixedDepth::MAX,
+            sampled: None,
         }
     }
 
-    /// Takes a surface in; gives its nearest depth over the block.
-    fn add(&mut self, surface: &BlockSurface, block: &Block, rules: &ColumnRules) -> FixedDepth {
+    /// Takes a surface in; gives its nearest depths over the block.
+    fn add(&mut self, surface: &BlockSurface, block: &Block, rules: &ColumnRules) -> NearestDepth {
         let shape = &surface.surface.shape;
         if let Some(plane) = &shape.plane {
             for a in 0..2 {
                 self.gradient_low[a] = self.gradient_low[a].min(plane.gradient[a]);
                 self.gradient_high[a] = self.gradient_high[a].max(plane.gradient[a]);
             }
-            self.gradient_sum = self.gradient_sum.max(plane.gradient_sum());
         }
         let [low, high] = shape.fixed_range_over(block);
         self.bias = self.bias.min(rules.bias_fixed(shape.slope));
         self.z_low = self.z_low.min(low);
         self.z_high = self.z_high.max(high);
-        low
+        let sampled = surface.sampled_over(block, rules);
+        if let Some(new) = sampled {
+            self.sampled = Some(self.sampled.map_or(new, |s| s.joined(new)));
+        }
+        NearestDepth { surface: low, lifted: sampled.map(|s| s.lifted_low) }
     }
 }

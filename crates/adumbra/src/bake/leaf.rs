@@ -1,13 +1,13 @@
 //! The columns of one 8 × 8 block, from the surfaces near it: what `capture.rs` finds for a tile, but a block at a time, in bit
 //! masks, and asking for receivers only where an answer depends on them.
 //!
-//! A column whose first surface bounds a solid needs to know whether anything lies behind the solid, not where; a surface
-//! sampled there says so at once. What is left to ask is about open first surfaces.
+//! A column needs to know whether a receiver lies behind its base, and where one samples it nearer than its exit. A surface sampled
+//! far behind a solid says so at once; what is left to ask is about open first surfaces and about thin gaps.
 
 use super::block::{Block, BlockSurface};
-use super::columns::{self, ColumnRules, FOOTPRINT_HALF, FirstSurface, ReceiverKind};
+use super::columns::{self, ColumnRules, FREE_TO_END, FirstSurface, ReceiverKind, SeamHit};
 use super::masked::{self, MaskedHit, TriangleMask};
-use super::project::{FixedDepth, Projected};
+use super::project::{FixedDepth, SUBTEXEL};
 use super::sink::{BLOCK_SIDE, BlockColumns};
 use super::surface::Surface;
 use crate::light::LightGrid;
@@ -16,8 +16,8 @@ use crate::scene::Scene;
 const TEXELS: usize = BLOCK_SIDE * BLOCK_SIDE;
 /// The place of no surface.
 const NOBODY: u32 = u32::MAX;
-/// A sampled depth that is behind a threshold by more than this is behind it however it is computed, 1/256 voxel.
-const CERTAINLY_BEHIND: FixedDepth = 2;
+/// A receiver that samples a column this far behind its exit, or farther, changes nothing about it: rounding of the exit, 1/256 voxel.
+const BEHIND_EXIT: FixedDepth = SUBTEXEL as FixedDepth / 2 + 1;
 
 /// A surface near the block, by its depth range there.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,6 +36,7 @@ pub(super) struct LeafBuffers {
     crossings: Vec<(u8, u32)>,
     sorted: Vec<u32>,
     masked: Vec<MaskedHit>,
+    seams: Vec<SeamHit>,
 }
 
 /// Where leaves lie, and what decides them.
@@ -58,7 +59,7 @@ struct Leaf<'b> {
     owner: [u32; TEXELS],
     /// Solids entered so far, less those left.
     entered: [i32; TEXELS],
-    /// The deepest sample of a column.
+    /// The deepest that a look-up from a sampled surface samples a column.
     deepest: [FixedDepth; TEXELS],
     base: [FixedDepth; TEXELS],
     next: [FixedDepth; TEXELS],
@@ -79,6 +80,7 @@ pub(super) fn leaf_columns(
 ) -> BlockColumns {
     buffers.crossings.clear();
     buffers.masked.clear();
+    buffers.seams.clear();
     buffers.order(block, list, setting.surfaces);
     let order = std::mem::take(&mut buffers.order);
     let mut leaf = Leaf {
@@ -94,6 +96,7 @@ pub(super) fn leaf_columns(
         buffers,
     };
     leaf.sample_all(&order);
+    leaf.add_seams();
     leaf.add_masked();
     leaf.resolve_solids();
     leaf.ask_all(&order, known_behind);
@@ -141,14 +144,20 @@ impl Leaf<'_> {
         let (block, Setting { scene, grid, rules, .. }) = (self.block, self.setting);
         let shape = &surface.shape;
         let Some(plane) = shape.plane else { return };
-        let covered = shape.coverage(block.x, block.y) & self.inside;
-        if !surface.masked {
-            for texel in bits(covered & settled) {
-                self.deepest[texel] = self.deepest[texel].max(near.low);
+        let coverage = shape.coverage(block.x, block.y);
+        let wanted = self.inside & !settled;
+        let covered = if surface.solid { coverage.exact } else { coverage.grown } & wanted;
+        let seam =
+            if surface.solid && shape.faces_sun { coverage.grown & !coverage.exact & wanted } else { 0 };
+        if !surface.masked
+            && coverage.exact & self.inside != 0
+            && let Some(range) = self.setting.surfaces[near.surface as usize].sampled_over(block, rules)
+        {
+            for texel in bits(coverage.exact & self.inside) {
+                self.deepest[texel] = self.deepest[texel].max(range.lifted_low);
             }
         }
-        let covered = covered & !settled;
-        if covered == 0 {
+        if covered | seam == 0 {
             return;
         }
         let info = rules.surface_info(shape.slope, surface.solid);
@@ -164,6 +173,11 @@ impl Leaf<'_> {
             }
             return;
         }
+        for texel in bits(seam) {
+            let [x, y] = center(block, texel);
+            let depth = shape.depth_at(&plane, x, y);
+            self.buffers.seams.push(SeamHit::new(texel, depth, info, surface));
+        }
         let exit_bit = u32::from(!shape.faces_sun);
         for texel in bits(covered) {
             let [x, y] = center(block, texel);
@@ -173,12 +187,20 @@ impl Leaf<'_> {
                 self.first[texel] = first;
                 self.owner[texel] = near.surface;
             }
-            self.deepest[texel] = self.deepest[texel].max(depth);
             if surface.solid {
                 self.entered[texel] += if shape.faces_sun { 1 } else { -1 };
                 self.buffers.crossings.push((texel as u8, columns::crossing_key(depth, exit_bit)));
             }
         }
+    }
+
+    fn add_seams(&mut self) {
+        let Self { first, owner, buffers, .. } = self;
+        columns::close_seams(&mut buffers.seams, |texel, surface| {
+            if surface < first[texel] {
+                (first[texel], owner[texel]) = (surface, NOBODY);
+            }
+        });
     }
 
     /// Surfaces with holes, where they cover enough before anything else does.
@@ -232,88 +254,79 @@ impl Leaf<'_> {
     /// Finds what lies behind the bases of all columns that must know. Something at `known_behind` or deeper lies behind them
     /// all.
     fn ask_all(&mut self, order: &[Near], known_behind: FixedDepth) {
-        let rules = self.setting.rules;
-        let (mut asking, mut threshold) = (0, FixedDepth::MAX);
-        for texel in bits(self.inside) {
-            let first = self.first[texel];
-            if first.is_none() {
-                continue;
-            }
-            let behind = self.base[texel].saturating_add(first.bias());
+        let (mut asking, mut base_low, mut first_low) = (0, FixedDepth::MAX, FixedDepth::MAX);
+        for texel in bits(self.inside & self.has_first()) {
+            let (first, base) = (self.first[texel], self.base[texel]);
             self.next[texel] = known_behind;
-            if first.is_solid() && self.deepest[texel] > behind.saturating_add(CERTAINLY_BEHIND) {
+            let farthest = self.exits_before(texel).max(base.saturating_add(SUBTEXEL as FixedDepth));
+            if self.deepest[texel] > farthest {
                 self.next[texel] = known_behind.min(self.deepest[texel]);
             }
-            if !first.is_solid() || self.next[texel] == FixedDepth::MAX {
-                asking |= 1 << texel;
-                threshold = threshold.min(behind);
+            asking |= 1 << texel;
+            base_low = base_low.min(base);
+            first_low = first_low.min(first.depth());
+        }
+        for near in order {
+            let surface = &self.setting.surfaces[near.surface as usize];
+            let Some(range) = surface.sampled_over(self.block, self.setting.rules) else { continue };
+            if range.plane_high <= base_low || range.lifted_high <= first_low {
+                continue;
             }
-        }
-        if asking == 0 {
-            return;
-        }
-        for near in order.iter().filter(|near| near.high > threshold) {
-            // Nearest first: what no longer matters to a column will not matter again.
-            asking = bits(asking)
-                .filter(|&texel| near.low < self.matters_before(texel))
+            // The first surface does not lie behind itself.
+            let wanted = bits(asking)
+                .filter(|&t| self.owner[t] != near.surface && range.lifted_low < self.matters_before(t))
                 .fold(0, |mask, texel| mask | 1 << texel);
-            if asking == 0 {
-                return;
+            if wanted != 0 {
+                self.ask(wanted, &surface.surface);
             }
-            let shape = &self.setting.surfaces[near.surface as usize].surface.shape;
-            let mut wanted = asking;
-            if shape.rise(FOOTPRINT_HALF) + f64::from(CERTAINLY_BEHIND)
-                <= f64::from(rules.bias_fixed(shape.slope))
-            {
-                // Within a footprint it does not lie behind itself.
-                let own = |&texel: &usize| self.owner[texel] == near.surface && !self.is_behind_solid(texel);
-                wanted = bits(asking).filter(|t| !own(t)).fold(0, |mask, texel| mask | 1 << texel);
-            }
-            self.ask(wanted, shape);
         }
     }
 
-    /// Receivers at this depth or behind it change nothing about a column: a nearer one is known, or one that leaves an open surface
-    /// all its thickness, or any behind a solid.
+    /// Texels that anything covers.
+    fn has_first(&self) -> u64 {
+        (0..TEXELS).fold(0, |mask, texel| mask | u64::from(!self.first[texel].is_none()) << texel)
+    }
+
+    /// Receivers that sample a column at this depth or behind it change nothing about it: a nearer one is known, or one behind the
+    /// exit, and that there is one at all.
     fn matters_before(&self, texel: usize) -> FixedDepth {
-        let (first, next) = (self.first[texel], self.next[texel]);
-        if next == FixedDepth::MAX {
-            next
-        } else if first.is_solid() {
-            FixedDepth::MIN
+        let next = self.next[texel];
+        let any_counts = next == FixedDepth::MAX && self.setting.rules.assume_ground;
+        if any_counts { next } else { next.min(self.exits_before(texel)) }
+    }
+
+    /// A depth from which on shadow is found whatever lies behind the column; [`FixedDepth::MAX`] where the grid ends before its exit.
+    fn exits_before(&self, texel: usize) -> FixedDepth {
+        let rules = self.setting.rules;
+        let exit = rules.exit(self.first[texel], self.base[texel]);
+        if rules.latest_switch(exit) == FREE_TO_END {
+            FixedDepth::MAX
         } else {
-            next.min(self.setting.rules.full_thickness_from(first))
+            exit.saturating_add(BEHIND_EXIT)
         }
     }
 
-    /// The base lies behind the first surface.
-    fn is_behind_solid(&self, texel: usize) -> bool {
-        self.base[texel] > self.first[texel].depth()
-    }
-
-    /// `shape` as a receiver, for the texels of `wanted`.
-    fn ask(&mut self, wanted: u64, shape: &Projected) {
+    /// `surface` as a receiver, for the texels of `wanted`.
+    fn ask(&mut self, wanted: u64, surface: &Surface) {
         let (block, rules) = (self.block, self.setting.rules);
-        let half = FOOTPRINT_HALF;
+        let Some(plane) = ColumnRules::receiver_plane(surface) else { return };
+        let half = rules.footprint_half_texels(ReceiverKind::Footprint);
         for row in 0..BLOCK_SIDE {
             let wanted = wanted >> (row * BLOCK_SIDE) & 0xff;
             if wanted == 0 {
                 continue;
             }
             let y = f64::from(block.y) + row as f64 + 0.5;
-            let Some(band) = shape.band(y, half) else { continue };
+            let Some([low, high]) = surface.shape.x_range_in_band(y, half) else { continue };
             for column in bits(wanted) {
                 let x = f64::from(block.x) + column as f64 + 0.5;
-                if x < band.x[0] - half || x > band.x[1] + half {
+                if x < low - half || x > high + half {
                     continue;
                 }
                 let texel = row * BLOCK_SIDE + column;
-                let kind = ReceiverKind::Everywhere;
-                let (range, z_plane) = shape.footprint_range(&band, x, y, half);
-                if let Some(asked) = rules.asked_depths(kind, shape.slope, range, z_plane) {
-                    let next = rules.receiver_behind(kind, self.base[texel], self.first[texel], asked);
-                    self.next[texel] = self.next[texel].min(next);
-                }
+                let sampled = rules.sampled(ReceiverKind::Footprint, &plane, x, y);
+                let next = rules.receiver_behind(self.base[texel], self.first[texel], sampled);
+                self.next[texel] = self.next[texel].min(next);
             }
         }
     }

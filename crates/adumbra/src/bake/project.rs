@@ -29,6 +29,11 @@ pub(crate) fn fixed_depth(z: f64) -> FixedDepth {
         - (-DEPTH_MIN_VOXELS as i32) * SUBTEXEL as i32
 }
 
+/// The largest number of 1/256 voxels that is not deeper.
+pub(crate) fn floor_fixed_depth(z: f64) -> FixedDepth {
+    fixed_depth(z - 0.5 / SUBTEXEL as f64)
+}
+
 /// A triangle's supporting plane: z = z0 + gx (x - x0) + gy (y - y0), in grid units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
@@ -37,15 +42,51 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
+    /// In place of the plane of a triangle that is edge-on: its nearest depth where it faces the sun, else its deepest.
+    fn level([x, y, _]: [f64; 3], faces_sun: bool, z: [f64; 3]) -> Self {
+        let nearest = z[0].min(z[1]).min(z[2]);
+        let deepest = z[0].max(z[1]).max(z[2]);
+        Self { origin: [x, y, if faces_sun { nearest } else { deepest }], gradient: [0.0; 2] }
+    }
+
     /// |dz/dx| + |dz/dy|.
     pub(crate) fn gradient_sum(&self) -> f64 {
         self.gradient[0].abs() + self.gradient[1].abs()
+    }
+
+    /// Tangent of the angle between its normal and the light.
+    pub(crate) fn slope(&self) -> f64 {
+        let [gx, gy] = self.gradient;
+        (gx * gx + gy * gy).sqrt()
     }
 
     /// Plane value (a depth, or any attribute that is linear over the triangle) at (x, y).
     pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
         self.origin[2] + self.gradient[1] * (y - self.origin[1]) + self.gradient[0] * (x - self.origin[0])
     }
+}
+
+/// How far snapping may part what touched: a corner and an edge that it lay on move by half a step each, along both axes.
+pub(crate) const SEAM_MARGIN: i64 = 1;
+
+/// Texels of an 8 × 8 block whose centres a triangle covers, bit row · 8 + column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Coverage {
+    /// Each centre between triangles that share an edge belongs to one of them.
+    pub(crate) exact: u64,
+    /// The triangle grown by [`SEAM_MARGIN`]: leaves no gap where a corner met another triangle's edge.
+    pub(crate) grown: u64,
+}
+
+/// The least value of an edge's function inside, of an edge from the origin to (dx, dy).
+fn needed_side(dx: i64, dy: i64, margin: i64) -> i64 {
+    let on_edge_counts = dy > 0 || (dy == 0 && dx > 0);
+    if margin > 0 { -margin * (dx.abs() + dy.abs()) } else { i64::from(!on_edge_counts) }
+}
+
+/// The texels whose centres lie from `low` to `high`, 1/256 texel.
+fn centers_within(low: i64, high: i64) -> (i64, i64) {
+    ((low + SUBTEXEL / 2 - 1).div_euclid(SUBTEXEL), (high - SUBTEXEL / 2).div_euclid(SUBTEXEL))
 }
 
 /// A triangle in grid space.
@@ -86,12 +127,11 @@ impl Projected {
         corners.sort_unstable_by(|a, b| {
             a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
         });
-        let plane = if area == 0 { None } else { plane_through(&corners, corners.map(|c| c[2])) };
-        let slope = plane.map_or(MAX_SLOPE, |p| {
-            let [gx, gy] = p.gradient;
-            (gx * gx + gy * gy).sqrt().min(MAX_SLOPE)
-        });
         let z = corners.map(|c| c[2]);
+        // What snapping gave an area has to be crossed, or a solid would be left that was never entered.
+        let plane =
+            (area != 0).then(|| plane_through(&corners, z).unwrap_or(Plane::level(corners[0], faces_sun, z)));
+        let slope = plane.map_or(MAX_SLOPE, |p| p.slope().min(MAX_SLOPE));
         Self {
             corners,
             snapped,
@@ -105,14 +145,13 @@ impl Projected {
         }
     }
 
+    /// The plane through the corners, also of a triangle too thin to be drawn; none where it is edge-on.
+    pub(crate) fn true_plane(&self) -> Option<Plane> {
+        plane_through(&self.corners, self.corners.map(|c| c[2]))
+    }
+
     /// [`Self::faces_sun`] of a triangle that is drawn at all; none of one that is edge-on.
     pub(crate) fn drawn_facing(corners_grid: [[f64; 3]; 3], flipped: bool) -> Option<bool> {
-        let [a, b, c] = corners_grid;
-        let area = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
-        if area.abs() < CLEAR_AREA {
-            let shape = Self::new(corners_grid, flipped);
-            return shape.plane.map(|_| shape.faces_sun);
-        }
         let area = area_snapped(&corners_grid.map(|c| [snap(c[0]), snap(c[1])]));
         (area != 0).then_some((area < 0) != flipped)
     }
@@ -122,26 +161,28 @@ impl Projected {
         fixed_depth(plane.at(x, y).max(self.z_min).min(self.z_max))
     }
 
-    /// Rows `[first, last]` whose centre lines the snapped triangle may cross.
-    pub(crate) fn rows(&self) -> (i64, i64) {
-        let y = self.snapped.map(|c| c[1]);
-        let low = y[0].min(y[1]).min(y[2]);
-        let high = y[0].max(y[1]).max(y[2]);
-        ((low + SUBTEXEL / 2 - 1).div_euclid(SUBTEXEL), (high - SUBTEXEL / 2).div_euclid(SUBTEXEL))
+    /// Rows `[first, last]` whose centre lines the snapped triangle, grown by `margin` (1/256 texel), may cross.
+    pub(crate) fn rows(&self, margin: i64) -> (i64, i64) {
+        let [low, high] = self.snapped_range(1);
+        centers_within(low - margin, high + margin)
     }
 
     /// Texels `[first, last]` of `row` whose centres the triangle covers; empty where first > last.
     ///
-    /// A centre exactly on an edge belongs to the triangle on one fixed side of that edge, by the edge's direction.
-    pub(crate) fn span(&self, row: i64) -> (i64, i64) {
+    /// A centre exactly on an edge belongs to the triangle on one fixed side of that edge, by the edge's direction. With a
+    /// `margin` in 1/256 texel the triangle is grown by as much along both axes, edges included.
+    pub(crate) fn span(&self, row: i64, margin: i64) -> (i64, i64) {
         let y = row * SUBTEXEL + SUBTEXEL / 2;
         let (mut first, mut last) = (i64::MIN, i64::MAX);
+        if margin > 0 {
+            let [low, high] = self.snapped_range(0);
+            (first, last) = centers_within(low - margin, high + margin);
+        }
         for e in 0..3 {
             let (a, b) = (self.snapped[e], self.snapped[(e + 1) % 3]);
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let on_edge_counts = dy > 0 || (dy == 0 && dx > 0);
             // Inside where dx·(y - a.y) - dy·(x - a.x) >= needed, x = 256 i + 128.
-            let needed = i64::from(!on_edge_counts);
+            let needed = needed_side(dx, dy, margin);
             let bound = if self.wide {
                 let r = i128::from(dx) * i128::from(y - a[1])
                     + i128::from(dy) * i128::from(a[0] - SUBTEXEL / 2)
@@ -164,53 +205,89 @@ impl Projected {
 
     /// Whether the triangle covers the centre of texel (i, j): what [`Self::span`] says, without a division.
     pub(crate) fn covers(&self, i: i64, j: i64) -> bool {
-        let (x, y) = (i * SUBTEXEL + SUBTEXEL / 2, j * SUBTEXEL + SUBTEXEL / 2);
+        self.covers_grown(i, j, 0)
+    }
+
+    fn covers_grown(&self, i: i64, j: i64, margin: i64) -> bool {
+        let p = [i, j].map(|c| c * SUBTEXEL + SUBTEXEL / 2);
+        let beside = |axis: usize| {
+            let [low, high] = self.snapped_range(axis);
+            p[axis] < low - margin || p[axis] > high + margin
+        };
+        if margin > 0 && (beside(0) || beside(1)) {
+            return false;
+        }
         (0..3).all(|e| {
             let (a, b) = (self.snapped[e], self.snapped[(e + 1) % 3]);
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let side = if self.wide {
-                (i128::from(dx) * i128::from(y - a[1]) - i128::from(dy) * i128::from(x - a[0])).signum()
-                    as i64
+            let needed = needed_side(dx, dy, margin);
+            if self.wide {
+                let side =
+                    i128::from(dx) * i128::from(p[1] - a[1]) - i128::from(dy) * i128::from(p[0] - a[0]);
+                side >= i128::from(needed)
             } else {
-                dx * (y - a[1]) - dy * (x - a[0])
-            };
-            side > 0 || (side == 0 && (dy > 0 || (dy == 0 && dx > 0)))
+                dx * (p[1] - a[1]) - dy * (p[0] - a[0]) >= needed
+            }
         })
     }
 
-    /// The texels of the 8 × 8 from (x, y) whose centres the triangle covers, bit row · 8 + column: what [`Self::span`] says.
-    pub(crate) fn coverage(&self, x: u32, y: u32) -> u64 {
+    /// The texels of the 8 × 8 from (x, y) whose centres the triangle covers, bit row · 8 + column: what [`Self::span`] says, and
+    /// that of the triangle grown by [`SEAM_MARGIN`].
+    pub(crate) fn coverage(&self, x: u32, y: u32) -> Coverage {
         if self.wide {
-            let at = |bit: u32| self.covers(i64::from(x + bit % 8), i64::from(y + bit / 8));
-            return (0..64).fold(0, |mask, bit| mask | u64::from(at(bit)) << bit);
+            let mask = |margin: i64| {
+                let covers =
+                    |bit: u32| self.covers_grown(i64::from(x + bit % 8), i64::from(y + bit / 8), margin);
+                (0..64).fold(0, |mask, bit| mask | u64::from(covers(bit)) << bit)
+            };
+            return Coverage { exact: mask(0), grown: mask(SEAM_MARGIN) };
         }
         let p = [x, y].map(|c| i64::from(c) * SUBTEXEL + SUBTEXEL / 2);
-        let mut covered = u64::MAX;
+        let mut covered = Coverage { exact: u64::MAX, grown: u64::MAX };
         for e in 0..3 {
             let (a, b) = (self.snapped[e], self.snapped[(e + 1) % 3]);
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let on_edge_counts = dy > 0 || (dy == 0 && dx > 0);
-            // Inside where this is not negative.
-            let corner = dx * (p[1] - a[1]) - dy * (p[0] - a[0]) - i64::from(!on_edge_counts);
+            let side = dx * (p[1] - a[1]) - dy * (p[0] - a[0]);
+            // Inside where these are not negative.
+            let exact = side - needed_side(dx, dy, 0);
+            let grown = side - needed_side(dx, dy, SEAM_MARGIN);
             let (step_x, step_y) = (-dy * SUBTEXEL, dx * SUBTEXEL);
             let (far_x, far_y) = (7 * step_x, 7 * step_y);
-            if corner + far_x.min(0) + far_y.min(0) >= 0 {
+            if exact + far_x.min(0) + far_y.min(0) >= 0 {
                 continue;
             }
-            if corner + far_x.max(0) + far_y.max(0) < 0 {
-                return 0;
+            if grown + far_x.max(0) + far_y.max(0) < 0 {
+                return Coverage { exact: 0, grown: 0 };
             }
-            let mut inside = 0;
+            let mut inside = Coverage { exact: 0, grown: 0 };
             for row in 0..8 {
-                let mut side = corner + row * step_y;
+                let mut rise = row * step_y;
                 for column in 0..8 {
-                    inside |= u64::from(side >= 0) << (row * 8 + column);
-                    side += step_x;
+                    inside.exact |= u64::from(exact + rise >= 0) << (row * 8 + column);
+                    inside.grown |= u64::from(grown + rise >= 0) << (row * 8 + column);
+                    rise += step_x;
                 }
             }
-            covered &= inside;
+            covered.exact &= inside.exact;
+            covered.grown &= inside.grown;
+        }
+        if covered.grown != covered.exact {
+            // At a sharp corner the grown edges meet far outside.
+            let near = |axis: usize, bit: u32| {
+                let [low, high] = self.snapped_range(axis);
+                (low - SEAM_MARGIN..=high + SEAM_MARGIN).contains(&(p[axis] + i64::from(bit) * SUBTEXEL))
+            };
+            let columns = (0..8).fold(0_u64, |mask, bit| mask | u64::from(near(0, bit)) << bit);
+            let rows = (0..8).fold(0_u64, |mask, bit| mask | u64::from(near(1, bit)) << (8 * bit));
+            covered.grown &= columns * rows;
         }
         covered
+    }
+
+    /// Range of the snapped corners along an axis.
+    fn snapped_range(&self, axis: usize) -> [i64; 2] {
+        let [a, b, c] = self.snapped.map(|corner| corner[axis]);
+        [a.min(b).min(c), a.max(b).max(c)]
     }
 
     /// Depth range of the part within the square of half side `reach` around `center`, or more.
@@ -226,70 +303,30 @@ impl Projected {
         [low, high]
     }
 
-    /// How much its plane rises over `reach` texels along both axes, 1/256 voxel; without end where it is edge-on.
-    pub(crate) fn rise(&self, reach: f64) -> f64 {
-        self.plane.as_ref().map_or(f64::INFINITY, |plane| plane.gradient_sum() * reach * SUBTEXEL as f64)
-    }
-
-    /// Depth range of the part in a `band` over the footprint around (x, y), or more; and the plane at its centre with the sum
-    /// of its gradient's magnitudes.
-    pub(crate) fn footprint_range(
-        &self,
-        band: &Band,
-        x: f64,
-        y: f64,
-        half: f64,
-    ) -> ([f64; 2], Option<(f64, f64)>) {
-        let mut range = band.z;
-        let z_plane = self.plane.as_ref().map(|plane| (plane.at(x, y), plane.gradient_sum()));
-        if let Some((z, gradient_sum)) = z_plane {
-            let reach = half * gradient_sum;
-            range[0] = range[0].max((z - reach).min(range[1]));
-            range[1] = range[1].min((z + reach).max(range[0]));
-        }
-        (range, z_plane)
-    }
-
     /// A plane over (x, y) for an attribute given at the corners as the caller lists them.
     pub(crate) fn attribute_plane(corners_grid: &[[f64; 3]; 3], values: [f64; 3]) -> Option<Plane> {
         plane_through(corners_grid, values)
     }
 
-    /// Calls `visit(x_first, x_last, z_low, z_high)` for the part of the triangle in the band
-    /// `[y_center - half, y_center + half]`, with x and z ranges of that part; nothing where it misses the band.
-    pub(crate) fn band(&self, y_center: f64, half: f64) -> Option<Band> {
+    /// Range of x, in texels, of the part of the triangle in the band of rows from `y_center - half` to `y_center + half`; none
+    /// where it misses the band.
+    pub(crate) fn x_range_in_band(&self, y_center: f64, half: f64) -> Option<[f64; 2]> {
         let (low, high) = (y_center - half, y_center + half);
-        let mut band = Band { x: [f64::INFINITY, f64::NEG_INFINITY], z: [f64::INFINITY, f64::NEG_INFINITY] };
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         for e in 0..3 {
             let (a, b) = (self.corners[e], self.corners[(e + 1) % 3]);
             let (a, b) = if a[1] <= b[1] { (a, b) } else { (b, a) };
             if b[1] < low || a[1] > high {
                 continue;
             }
-            let at = |y: f64| {
-                let t = (y - a[1]) / (b[1] - a[1]);
-                [a[0] + t * (b[0] - a[0]), a[2] + t * (b[2] - a[2])]
-            };
-            let start = if a[1] < low { at(low) } else { [a[0], a[2]] };
-            let end = if b[1] > high { at(high) } else { [b[0], b[2]] };
-            for p in [start, end] {
-                band.x = [band.x[0].min(p[0]), band.x[1].max(p[0])];
-                band.z = [band.z[0].min(p[1]), band.z[1].max(p[1])];
-            }
+            let x_at = |y: f64| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+            let start = if a[1] < low { x_at(low) } else { a[0] };
+            let end = if b[1] > high { x_at(high) } else { b[0] };
+            range = [range[0].min(start).min(end), range[1].max(start).max(end)];
         }
-        (band.x[0] <= band.x[1]).then_some(band)
+        (range[0] <= range[1]).then_some(range)
     }
 }
-
-/// Ranges of the part of a triangle in a band of rows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Band {
-    pub(crate) x: [f64; 2],
-    pub(crate) z: [f64; 2],
-}
-
-/// Twice the area, in texels, above which a triangle's plane is finite whatever rounding does.
-const CLEAR_AREA: f64 = 1e-3;
 
 fn snap(c: f64) -> i64 {
     (c * SUBTEXEL as f64).clamp(-COORDINATE_LIMIT, COORDINATE_LIMIT).round() as i64

@@ -6,12 +6,12 @@ use proptest::prelude::*;
 
 use super::columns::{ColumnRules, FREE_TO_END};
 use super::plan::Plan;
-use super::project::{FixedDepth, Projected, SUBTEXEL};
+use super::project::{FixedDepth, Projected, SEAM_MARGIN, SUBTEXEL, fixed_depth, floor_fixed_depth};
 use super::{Baked, Builder, Options, Size, bake};
 use crate::light::Sun;
 use crate::query::Query;
 use crate::scene::{Bounds, Instance, Material, Mesh, Scene, topology};
-use crate::settings::Receivers;
+use crate::settings::{MAX_PLANE_SLOPE, Receivers};
 
 /// What a dense grid knows of one column, straight from §3's text.
 struct DenseColumn {
@@ -22,6 +22,7 @@ struct DenseColumn {
 struct GridTriangle {
     projected: Projected,
     solid: bool,
+    component: u32,
 }
 
 fn grid_triangles(scene: &Scene, plan: &Plan<'_>, closed_regions: bool) -> Vec<GridTriangle> {
@@ -32,7 +33,11 @@ fn grid_triangles(scene: &Scene, plan: &Plan<'_>, closed_regions: bool) -> Vec<G
         for (t, corners) in mesh.triangles.iter().enumerate() {
             let corners = corners.map(|v| plan.grid.to_grid(instance.to_world(mesh.positions[v as usize])));
             let projected = Projected::new(corners, instance.determinant() < 0.0);
-            all.push(GridTriangle { projected, solid: closed_regions && shape.is_solid(t) });
+            all.push(GridTriangle {
+                projected,
+                solid: closed_regions && shape.is_solid(t),
+                component: shape.component_of_triangle[t],
+            });
         }
     }
     all
@@ -42,25 +47,36 @@ fn grid_triangles(scene: &Scene, plan: &Plan<'_>, closed_regions: bool) -> Vec<G
 fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64) -> DenseColumn {
     let n = rules.depth_voxels;
     let (x, y) = (i as f64 + 0.5, j as f64 + 0.5);
+    // Open surfaces are grown by the width of a seam; a solid's side towards the sun, where another solid's meets it.
     let mut hits: Vec<(FixedDepth, bool, &GridTriangle)> = Vec::new();
+    let mut seams: Vec<(FixedDepth, FixedDepth, u32)> = Vec::new();
     for t in triangles {
         let Some(plane) = t.projected.plane else { continue };
-        let (first, last) = t.projected.span(j);
-        if (first..=last).contains(&i) {
-            hits.push((t.projected.depth_at(&plane, x, y), !t.projected.faces_sun, t));
+        let covers = |margin: i64| {
+            let (first, last) = t.projected.span(j, margin);
+            let (top, bottom) = t.projected.rows(margin);
+            (first..=last).contains(&i) && (top..=bottom).contains(&j)
+        };
+        let depth = t.projected.depth_at(&plane, x, y);
+        if covers(if t.solid { 0 } else { SEAM_MARGIN }) {
+            hits.push((depth, !t.projected.faces_sun, t));
+        } else if t.projected.faces_sun && covers(SEAM_MARGIN) {
+            seams.push((depth, rules.bias_fixed(t.projected.slope), t.component));
         }
     }
-    let Some(entry) = hits.iter().map(|h| h.0).min() else {
+    seams.sort_unstable();
+    let seam = seams.iter().find(|s| s.2 != seams[0].2).copied();
+    let sampled = hits.iter().map(|h| h.0).min();
+    let Some(entry) = [sampled, seam.map(|s| s.0)].into_iter().flatten().min() else {
         return DenseColumn { e: n, x: FREE_TO_END };
     };
-    let bias_of = |slope: f64| (rules.bias.along_light(slope) * SUBTEXEL as f64) as FixedDepth;
     let at_entry = || hits.iter().filter(|h| h.0 == entry);
     let solid_first = at_entry().any(|h| h.2.solid);
-    let bias = at_entry()
+    let biases = at_entry()
         .filter(|h| h.2.solid == solid_first)
-        .map(|h| bias_of(h.2.projected.slope))
-        .min()
-        .unwrap_or_default();
+        .map(|h| rules.bias_fixed(h.2.projected.slope))
+        .chain(seam.filter(|s| s.0 == entry && !solid_first).map(|s| s.1));
+    let bias = biases.min().unwrap_or_default();
     // Signed winding, entries before exits at equal depth.
     let mut crossings: Vec<_> = hits.iter().filter(|h| h.2.solid).map(|h| (h.0, h.1)).collect();
     crossings.sort_unstable();
@@ -75,15 +91,18 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     }
     let solid_end = if solid_first { end } else { None };
     let base = solid_end.unwrap_or(entry);
-    // The nearest receiver in the footprint behind the base.
+    // The nearest lifted point, behind the first surface, of a receiver in the footprint whose plane lies behind the base.
     let mut next: Option<FixedDepth> = None;
-    for t in triangles {
-        let Some([low, high]) = footprint_range(&t.projected, FOOTPRINT_HALF, x, y) else {
+    for t in triangles.iter().filter(|t| !t.solid || t.projected.faces_sun) {
+        let Some(plane) = t.projected.true_plane().filter(|p| p.slope() <= MAX_PLANE_SLOPE) else { continue };
+        if !is_near(&t.projected, FOOTPRINT_HALF, x, y) {
             continue;
-        };
-        if high * SUBTEXEL as f64 > f64::from(base + bias) {
-            let receiver = ((low * SUBTEXEL as f64).floor() as FixedDepth).max(base + bias);
-            next = Some(next.map_or(receiver, |n| n.min(receiver)));
+        }
+        let z = plane.at(x, y);
+        let rounding = 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0;
+        let lifted = floor_fixed_depth(z - rules.bias.along_light(plane.slope()) - rounding);
+        if fixed_depth(z) > base && lifted > entry {
+            next = Some(next.map_or(lifted, |n| n.min(lifted)));
         }
     }
     let voxel = |depth: FixedDepth| {
@@ -93,34 +112,25 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     let exit = match (solid_end, next) {
         (_, None) if rules.assume_ground => None,
         (Some(end), _) => Some(end),
-        (None, next) => {
-            let thickness = ((rules.thickness_voxels * SUBTEXEL as f64) as FixedDepth).max(bias);
-            let half_gap = next.map_or(FixedDepth::MAX, |n| (n - entry) / 2);
-            Some(entry + thickness.min(half_gap))
-        }
+        (None, _) => Some(entry + ((rules.thickness_voxels * SUBTEXEL as f64) as FixedDepth).max(bias)),
     };
     let e = voxel(entry);
     let x = exit.map_or(FREE_TO_END, |exit| voxel(exit).max(e));
-    DenseColumn { e, x: if x >= n { FREE_TO_END } else { x } }
+    let x = if x >= n { FREE_TO_END } else { x };
+    let Some(next) = next else { return DenseColumn { e, x } };
+    let asked = (next.div_euclid(SUBTEXEL as FixedDepth).max(0) as u32).min(n - 1);
+    // What lies before the first surface, or is it, samples at least the constant bias before it.
+    let before = f64::from(entry) / SUBTEXEL as f64 - rules.bias.constant_texels;
+    let asked = asked.max((before.floor() + 1.0).clamp(0.0, f64::from(n)) as u32);
+    DenseColumn { e: e.min(asked), x: x.min(asked) }
 }
 
 /// Half a texel, and the snapping's 1/256.
 const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / 256.0;
 
-/// Depth range of the part of a triangle over a texel's footprint, or more; none where it does not come near.
-fn footprint_range(t: &Projected, half: f64, x: f64, y: f64) -> Option<[f64; 2]> {
-    let band = t.band(y, half)?;
-    if band.x[0] > x + half || band.x[1] < x - half {
-        return None;
-    }
-    let [mut low, mut high] = band.z;
-    if let Some(plane) = &t.plane {
-        let reach = half * (plane.gradient[0].abs() + plane.gradient[1].abs());
-        let z = plane.at(x, y);
-        low = low.max((z - reach).min(high));
-        high = high.min((z + reach).max(low));
-    }
-    Some([low, high])
+/// Whether a triangle comes into a texel's footprint.
+fn is_near(t: &Projected, half: f64, x: f64, y: f64) -> bool {
+    t.x_range_in_band(y, half).is_some_and(|[low, high]| low <= x + half && high >= x - half)
 }
 
 fn add_box(mesh: &mut Mesh, low: [f32; 3], high: [f32; 3]) {

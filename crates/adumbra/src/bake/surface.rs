@@ -12,6 +12,8 @@ pub(crate) struct Surface {
     pub(crate) instance: u32,
     /// Index into the mesh's triangles.
     pub(crate) triangle: u32,
+    /// The connected component of the mesh that it belongs to.
+    pub(crate) component: u32,
     /// It casts; what does not cast still receives.
     pub(crate) casts: bool,
     /// It bounds a solid.
@@ -72,6 +74,7 @@ pub(crate) fn surface_of(
         shape,
         instance: instance_number,
         triangle: c.triangle,
+        component: c.component,
         casts: c.casts && instance.casts,
         solid: c.solid,
         masked: c.masked,

@@ -3,18 +3,18 @@
 //!
 //! | number | bits behind the point | from | to |
 //! |---|---|---|---|
-//! | grid position p | 12 | −1024 voxels | side + 1024 voxels: below 2^31 where a side has at most [`MAX_FIXED_SIDE`] voxels |
-//! | gradient g | 8 | −2547 | 2547 (9.949) |
+//! | grid position p | 12 | −4096 voxels | side + 4096 voxels: below 2^31 where a side has at most [`MAX_FIXED_SIDE`] voxels |
+//! | gradient g | 8 | −30,720 | 30,720 (120) |
 //! | centre of a tap − p | 12 | −8.5 voxels | 8.5 voxels: ±34,816 |
-//! | g · (centre − p), one axis | 20 | −88,676,352 | 88,676,352 |
-//! | sum s of both axes | 20 | −177,352,704 | 177,352,704: within 2^28 |
-//! | s >> 8, what the plane adds | 12 | −170 voxels | 170 voxels: less than the margin |
+//! | g · (centre − p), one axis | 20 | −1,069,547,520 | 1,069,547,520 |
+//! | sum s of both axes | 20 | −2,139,095,040 | 2,139,095,040: within 2^31 |
+//! | s >> 8, what the plane adds | 12 | −2040 voxels | 2040 voxels: less than half the margin |
 //!
 //! Worked value: g = (128, 0) is a slope of 1/2, p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). The tap x = 6 has its centre at
 //! 26624: s = 128 · (−4096) = −524,288; depth = 82944 − 2048 = 80896 = 19.75, layer 19.
 
 use super::Receiver;
-use crate::settings::MAX_SLOPE;
+use crate::settings::MAX_PLANE_SLOPE;
 
 /// Bits behind the point of a grid position.
 pub const FIXED_BITS: u32 = 12;
@@ -25,12 +25,12 @@ pub const GRADIENT_BITS: u32 = 8;
 /// Slope 1 in gradients.
 pub const GRADIENT_ONE: i32 = 1 << GRADIENT_BITS;
 /// Voxels beyond the grid that positions are clamped to: every tap there is outside, however steep the plane.
-pub const MARGIN_VOXELS: i32 = 1024;
+pub const MARGIN_VOXELS: i32 = 4096;
 /// Most voxels along a side of a grid whose positions, and the depths made of them, fit 32 bits.
-pub const MAX_FIXED_SIDE: u32 = (1 << 19) - (1 << 12);
+pub const MAX_FIXED_SIDE: u32 = (1 << 19) - (1 << 13);
 
 /// Largest number of a gradient.
-pub const MAX_GRADIENT: i32 = (MAX_SLOPE * GRADIENT_ONE as f64) as i32;
+pub const MAX_GRADIENT: i32 = (MAX_PLANE_SLOPE * GRADIENT_ONE as f64) as i32;
 
 /// A [`Receiver`] in fixed point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,12 +94,12 @@ mod tests {
         let fixed =
             |p_grid, gradient| FixedReceiver::new(&Receiver { p_grid, gradient }, [8, 16, MAX_FIXED_SIDE]);
         assert_eq!(fixed([-0.000_01, 2.999_999, 0.5], [0.0; 2]).p_fixed, [-1, 12287, 2048]);
-        assert_eq!(fixed([0.0; 3], [9.96, -20.0]).gradient, [2547, -2547]);
+        assert_eq!(fixed([0.0; 3], [121.0, -200.0]).gradient, [30720, -30720]);
         assert_eq!(fixed([0.0; 3], [0.003, f64::NAN]).gradient, [1, 0]);
         let far = fixed([1e30, -1e30, 1e30], [0.0; 2]).p_fixed;
-        assert_eq!(far, [1032 << 12, -1024 << 12, (i64::from(MAX_FIXED_SIDE) + 1024) << 12]);
-        assert!(far[2] + (170 << 12) <= i64::from(i32::MAX));
-        assert_eq!(fixed([1.0, f64::INFINITY, 1.0], [0.0; 2]).p_fixed, [-1024 << 12; 3]);
+        assert_eq!(far, [4104 << 12, -4096 << 12, (i64::from(MAX_FIXED_SIDE) + 4096) << 12]);
+        assert!(far[2] + (2040 << 12) <= i64::from(i32::MAX));
+        assert_eq!(fixed([1.0, f64::INFINITY, 1.0], [0.0; 2]).p_fixed, [-4096 << 12; 3]);
     }
 
     #[test]
@@ -114,9 +114,9 @@ mod tests {
             })
         });
         let farthest = depths.map(i64::abs).max();
-        assert_eq!(farthest, Some(177_352_704));
+        assert_eq!(farthest, Some(2_139_095_040));
         assert!(
-            farthest.is_some_and(|depth| depth >> GRADIENT_BITS < i64::from(MARGIN_VOXELS) << FIXED_BITS)
+            farthest.is_some_and(|depth| depth >> GRADIENT_BITS < i64::from(MARGIN_VOXELS / 2) << FIXED_BITS)
         );
     }
 }

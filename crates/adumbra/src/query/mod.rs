@@ -27,7 +27,7 @@ pub use tree_receiver::{MAX_HEIGHT_CELLS, NORMAL_BITS, NORMAL_ONE, TreeReceiver}
 use crate::dag::Slabs;
 use crate::error::{Error, Result};
 use crate::light::LightGrid;
-use crate::settings::{Bias, MAX_SLOPE};
+use crate::settings::{Bias, MAX_PLANE_SLOPE};
 use crate::tree::Voxels;
 use taps::Cubes;
 
@@ -165,8 +165,8 @@ impl<'d> Query<'d> {
 
 /// Moves a world point by `bias` and gives it in grid space, with its plane's slope.
 ///
-/// The constant and the slope term move it along the light, so it stays on its own sun ray; the slope counts at most
-/// [`MAX_SLOPE`], also for faces turned away.
+/// The constant and the slope term move it along the light, so it stays on its own sun ray. The bias counts a slope of at most
+/// [`MAX_SLOPE`](crate::settings::MAX_SLOPE); the plane is the surface's own, whichever side it turns to the sun, up to [`MAX_PLANE_SLOPE`].
 pub fn receiver(grid: &LightGrid, bias: &Bias, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Receiver {
     let mut p_grid = grid.to_grid(p_world);
     let mut gradient = [0.0; 2];
@@ -174,10 +174,11 @@ pub fn receiver(grid: &LightGrid, bias: &Bias, p_world: [f64; 3], normal: Option
     if let Some(normal) = normal {
         let n = grid.direction_to_grid(normal);
         let tangent = (n[0] * n[0] + n[1] * n[1]).sqrt();
-        // n·l is -n.z: the grid's z runs away from the sun.
-        let n_dot_l = (-n[2]).max(tangent / MAX_SLOPE);
+        // |n·l| is |n.z|: the grid's z runs away from the sun.
+        let n_dot_l = n[2].abs().max(tangent / MAX_PLANE_SLOPE);
         if n_dot_l > 0.0 && n_dot_l.is_finite() {
-            gradient = [n[0] / n_dot_l, n[1] / n_dot_l];
+            let towards_sun = if n[2] > 0.0 { -n_dot_l } else { n_dot_l };
+            gradient = [n[0] / towards_sun, n[1] / towards_sun];
             slope = tangent / n_dot_l;
         }
         for a in 0..3 {
