@@ -108,8 +108,8 @@ impl Projected {
 /// Where look-ups from a surface sample the columns of a block, bounds in 1/256 voxel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampledRange {
-    /// No plane of it lies deeper at a texel's centre.
-    pub(crate) plane_high: FixedDepth,
+    /// No part of it lies deeper.
+    pub(crate) deepest: FixedDepth,
     /// No look-up samples nearer.
     pub(crate) lifted_low: FixedDepth,
     /// None samples deeper.
@@ -120,7 +120,7 @@ impl SampledRange {
     /// Bounds of both.
     pub(crate) fn joined(self, other: Self) -> Self {
         Self {
-            plane_high: self.plane_high.max(other.plane_high),
+            deepest: self.deepest.max(other.deepest),
             lifted_low: self.lifted_low.min(other.lifted_low),
             lifted_high: self.lifted_high.max(other.lifted_high),
         }
@@ -138,12 +138,11 @@ impl BlockSurface {
         // Its points are at most that far from the centres where its plane is asked.
         let rise = footprint * plane.gradient_sum();
         let lift = rules.lift_voxels(plane.slope());
-        let to_fixed = |z: f64| fixed_depth(z + rise) + DEPTH_SLACK;
         let rounding = rounding_voxels(&plane);
         Some(SampledRange {
-            plane_high: to_fixed(high),
+            deepest: fixed_depth(high) + DEPTH_SLACK,
             lifted_low: fixed_depth(low - rise - lift - rounding) - DEPTH_SLACK,
-            lifted_high: to_fixed(high - lift),
+            lifted_high: fixed_depth(high + rise - lift) + DEPTH_SLACK,
         })
     }
 

@@ -304,8 +304,7 @@ fn find_next(
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         for i in first..=last {
             let texel = (start + i as isize) as usize;
-            let sampled = rules.sampled(kind, &plane, i as f64 + 0.5, y);
-            let next = rules.receiver_behind(b.base[texel], b.first[texel], sampled);
+            let next = rules.triangle_behind(kind, (triangle, &plane), [i, row], b.base[texel], b.first[texel]);
             b.next[texel] = b.next[texel].min(next);
         }
     }

@@ -5,7 +5,7 @@
 //! `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column with no surface has e = the grid's length; an x
 //! at or beyond the grid's end is [`FREE_TO_END`].
 
-use super::project::{FixedDepth, Plane, SUBTEXEL, fixed_depth, floor_fixed_depth};
+use super::project::{FixedDepth, Plane, Projected, SUBTEXEL, fixed_depth, floor_fixed_depth};
 use super::surface::Surface;
 use crate::settings::{Bias, MAX_PLANE_SLOPE, Receivers};
 
@@ -243,22 +243,44 @@ impl ColumnRules {
     }
 
     /// The depth before which a column's shadow must have begun for a receiver that samples it at `sampled`, or
-    /// [`FixedDepth::MAX`] where it asks for none.
+    /// [`FixedDepth::MAX`] where it asks for none. `deepest_part` is asked only where `covers_center` is not.
     ///
     /// A look-up from a receiver asks whether anything lies before its lifted point. So the column must be shadowed at that
     /// point where the point lies behind the column's first surface. It asks for nothing where the receiver's plane lies
     /// before the base: it then is the first surface or runs through the solid that begins there. It asks for nothing either where
     /// the first surface lies between the plane and its lifted point: what is nearer than its bias, no receiver can see.
+    ///
+    /// A receiver that misses the texel's centre is sampled at where its plane runs on to. It counts only where its own
+    /// part in the footprint, at most `deepest_part` deep, lies behind the base too; or a wall's foot would ask for shadow under
+    /// the ground that it stands on. An open surface's own neighbours may sink by its bias within a footprint.
     pub(crate) fn receiver_behind(
         &self,
         base: FixedDepth,
         first: FirstSurface,
         sampled: Sampled,
+        covers_center: impl FnOnce() -> bool,
+        deepest_part: impl FnOnce() -> FixedDepth,
     ) -> FixedDepth {
         if first.is_none() || sampled.plane <= base || sampled.lifted <= first.depth() {
             return FixedDepth::MAX;
         }
-        sampled.lifted
+        let sinks = if first.is_solid() { 0 } else { first.bias() };
+        if covers_center() || deepest_part() > base.saturating_add(sinks) { sampled.lifted } else { FixedDepth::MAX }
+    }
+
+    /// [`Self::receiver_behind`] for the triangle with this `plane` at texel (i, j), whose footprint it comes into.
+    pub(crate) fn triangle_behind(
+        &self,
+        kind: ReceiverKind,
+        (triangle, plane): (&Projected, &Plane),
+        [i, j]: [i64; 2],
+        base: FixedDepth,
+        first: FirstSurface,
+    ) -> FixedDepth {
+        let center = [i, j].map(|c| c as f64 + 0.5);
+        let sampled = self.sampled(kind, plane, center[0], center[1]);
+        let deepest = || fixed_depth(triangle.deepest_within(plane, center, self.footprint_half_texels(kind)));
+        self.receiver_behind(base, first, sampled, || triangle.covers(i, j), deepest)
     }
 
     /// The latest x where only static receivers are answered, from the nearest depth at which one asks.

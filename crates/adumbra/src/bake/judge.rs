@@ -219,7 +219,7 @@ fn earliest_end(
     let mut end = FREE_TO_END;
     for (_, g) in groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover)) {
         let Some(sampled) = g.sampled else { continue };
-        if sampled.plane_high > base_low && sampled.lifted_high > first_low {
+        if sampled.deepest > base_low && sampled.lifted_high > first_low {
             end = end.min(rules.sampled_voxel(sampled.lifted_low.max(first_low)));
         }
     }

@@ -269,7 +269,7 @@ impl Leaf<'_> {
         for near in order {
             let surface = &self.setting.surfaces[near.surface as usize];
             let Some(range) = surface.sampled_over(self.block, self.setting.rules) else { continue };
-            if range.plane_high <= base_low || range.lifted_high <= first_low {
+            if range.deepest <= base_low || range.lifted_high <= first_low {
                 continue;
             }
             // The first surface does not lie behind itself.
@@ -324,8 +324,10 @@ impl Leaf<'_> {
                     continue;
                 }
                 let texel = row * BLOCK_SIDE + column;
-                let sampled = rules.sampled(ReceiverKind::Footprint, &plane, x, y);
-                let next = rules.receiver_behind(self.base[texel], self.first[texel], sampled);
+                let at = [block.x + column as u32, block.y + row as u32].map(i64::from);
+                let (base, first) = (self.base[texel], self.first[texel]);
+                let triangle = (&surface.shape, &plane);
+                let next = rules.triangle_behind(ReceiverKind::Footprint, triangle, at, base, first);
                 self.next[texel] = self.next[texel].min(next);
             }
         }

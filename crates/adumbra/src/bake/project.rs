@@ -308,6 +308,29 @@ impl Projected {
         plane_through(corners_grid, values)
     }
 
+    /// The deepest point, in voxels, of the part within the square of half side `half` around `center`, on its `plane`; without
+    /// end before everything where there is no such part.
+    pub(crate) fn deepest_within(&self, plane: &Plane, center: [f64; 2], half: f64) -> f64 {
+        let mut polygon: Vec<[f64; 2]> = self.corners.iter().map(|c| [c[0], c[1]]).collect();
+        for (axis, side) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
+            let inside = |p: &[f64; 2]| half - side * (p[axis] - center[axis]);
+            let mut clipped = Vec::with_capacity(polygon.len() + 1);
+            for (n, p) in polygon.iter().enumerate() {
+                let q = &polygon[(n + 1) % polygon.len()];
+                let (at_p, at_q) = (inside(p), inside(q));
+                if at_p >= 0.0 {
+                    clipped.push(*p);
+                }
+                if (at_p < 0.0) != (at_q < 0.0) {
+                    let t = at_p / (at_p - at_q);
+                    clipped.push([0, 1].map(|a| p[a] + t * (q[a] - p[a])));
+                }
+            }
+            polygon = clipped;
+        }
+        polygon.iter().map(|p| plane.at(p[0], p[1])).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// Range of x, in texels, of the part of the triangle in the band of rows from `y_center - half` to `y_center + half`; none
     /// where it misses the band.
     pub(crate) fn x_range_in_band(&self, y_center: f64, half: f64) -> Option<[f64; 2]> {

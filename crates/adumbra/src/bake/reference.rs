@@ -101,7 +101,13 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
         let z = plane.at(x, y);
         let rounding = 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0;
         let lifted = floor_fixed_depth(z - rules.bias.along_light(plane.slope()) - rounding);
-        if fixed_depth(z) > base && lifted > entry {
+        // Not the foot of a wall that stands on the first surface: some of it lies behind, at the centre or beside it.
+        let sinks = if solid_end.is_some() { 0 } else { bias };
+        let (first, last) = t.projected.span(j, 0);
+        let (top, bottom) = t.projected.rows(0);
+        let covers = (first..=last).contains(&i) && (top..=bottom).contains(&j);
+        let part = fixed_depth(t.projected.deepest_within(&plane, [x, y], FOOTPRINT_HALF));
+        if fixed_depth(z) > base && lifted > entry && (covers || part > base + sinks) {
             next = Some(next.map_or(lifted, |n| n.min(lifted)));
         }
     }
