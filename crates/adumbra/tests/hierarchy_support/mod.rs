@@ -1,5 +1,7 @@
 //! Hierarchies put together half-word by half-word, and what the specification says of their leaves.
 
+#![allow(dead_code, reason = "each test program uses a part")]
+
 use adumbra::hierarchy::Hierarchy;
 
 /// Leaves of a root of level 5 along a side.
