@@ -8,7 +8,7 @@ mod report;
 mod tree;
 mod view;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
@@ -70,7 +70,8 @@ pub(crate) enum Verb {
     Verify(Verify),
     /// Answer points from a shadow file
     #[command(
-        after_help = "Points and normals are little-endian float32 triples, the answers one float32 each: 1 lit, 0 shadowed.\n\n\
+        after_help = "Points and normals are little-endian float32 triples (points also float64, with --points-f64), the answers one \
+        float32 each: 1 lit, 0 shadowed.\n\n\
         Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
     )]
     Query(Query),
@@ -345,8 +346,11 @@ pub(crate) struct Query {
     /// Shadow file
     pub(crate) file: PathBuf,
     /// World points: little-endian float32 triples
+    #[arg(long, value_name = "FILE", required_unless_present = "points_f64", conflicts_with = "points_f64")]
+    points: Option<PathBuf>,
+    /// World points as little-endian float64 triples: far from the origin float32 rounds them to whole voxels
     #[arg(long, value_name = "FILE")]
-    pub(crate) points: PathBuf,
+    pub(crate) points_f64: Option<PathBuf>,
     /// Unit normals, one a point: the slope's bias and the filter's plane need them
     #[arg(long, value_name = "FILE")]
     pub(crate) normals: Option<PathBuf>,
@@ -370,6 +374,13 @@ pub(crate) struct Query {
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+impl Query {
+    /// The file of points, whichever kind was given.
+    pub(crate) fn points_path(&self) -> &Path {
+        self.points_f64.as_deref().or(self.points.as_deref()).unwrap_or(Path::new(""))
+    }
 }
 
 #[derive(clap::Args)]

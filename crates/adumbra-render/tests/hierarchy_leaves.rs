@@ -1,8 +1,8 @@
 //! Slanted leaves of a hierarchy on the GPU against the specification, for every gradient that a file can store.
 
-mod kit;
 #[path = "../../adumbra/tests/hierarchy_support/mod.rs"]
 mod hierarchy_support;
+mod kit;
 
 use adumbra::light::{LightGrid, Sun};
 use adumbra::query::{FixedReceiver, Query};
@@ -103,7 +103,8 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
     for filter in [1, 9] {
         let query = Query::new(&grid, &hierarchy, Bias::default(), filter).unwrap();
         let found =
-            VoxelHierarchy::new(&gpu, &grid, &hierarchy, Bias::default(), HierarchyFilter::Taps(filter)).unwrap();
+            VoxelHierarchy::new(&gpu, &grid, &hierarchy, Bias::default(), HierarchyFilter::Taps(filter))
+                .unwrap();
         for (at, (r, found)) in receivers.iter().zip(found.answers(&gpu, &receivers).unwrap()).enumerate() {
             assert_eq!(found.lit_taps, query.lit_taps(r), "filter {filter} {:?}: {r:?}", leaves[at].slant);
             if filter == 1 {

@@ -191,7 +191,8 @@ fn every_flipped_bit_is_an_error() {
 fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
     let size = file.grid.size;
     for at in 0..24 {
-        let spread = |a: u64| (seed.wrapping_add(at * 7 + a).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32;
+        let spread =
+            |a: u64| (seed.wrapping_add(at * 7 + a).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32;
         let [i, j, mut k] = [0, 1, 2].map(|a| spread(a as u64) % size[a]);
         if let LightBody::Hierarchy(hierarchy) = &file.body {
             k = hierarchy.value(i, j).wrapping_sub(at as u32 & 1).min(size[2] - 1);

@@ -9,8 +9,7 @@ use hierarchy_support::{Leaf, every_gradient, of_leaves};
 
 /// Asks for every column of a leaf at the layers `from..to`, in each way.
 fn check_leaf(found: &Hierarchy, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layers: std::ops::Range<u32>) {
-    let depths: [u32; 64] =
-        std::array::from_fn(|column| leaf.depth(base, column).unwrap_or(u32::MAX));
+    let depths: [u32; 64] = std::array::from_fn(|column| leaf.depth(base, column).unwrap_or(u32::MAX));
     for (column, &depth) in depths.iter().enumerate() {
         let column = column as u32;
         assert_eq!(found.value(i + column % 8, j + column / 8), depth, "{leaf:?} of {base}: {column}");
@@ -18,7 +17,8 @@ fn check_leaf(found: &Hierarchy, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layer
     let mut cube = [0; 8];
     let mut cube_at = None;
     for k in layers {
-        let expected = depths.iter().enumerate().fold(0, |mask, (at, &depth)| mask | u64::from(k < depth) << at);
+        let expected =
+            depths.iter().enumerate().fold(0, |mask, (at, &depth)| mask | u64::from(k < depth) << at);
         assert_eq!(found.slab(i, j, k), expected, "{leaf:?} of {base} at {k}");
         if cube_at != Some(k / 8) {
             assert_eq!(found.fill_along(&mut Trail::new(), [i, j, k], &mut cube), u8::MAX);
@@ -60,7 +60,9 @@ fn any_ranks_and_bases_give_one_answer_in_every_way() {
                 Leaf {
                     slant: (below(3) > 0).then(|| [below(256) as u8 as i8, below(256) as u8 as i8]),
                     width,
-                    differences: (0..count).map(|_| below(if case % 3 == 0 { 40 } else { largest })).collect(),
+                    differences: (0..count)
+                        .map(|_| below(if case % 3 == 0 { 40 } else { largest }))
+                        .collect(),
                     never,
                     ranks: (0..64).map(|_| below(count + 1 + u32::from(never))).collect(),
                 }

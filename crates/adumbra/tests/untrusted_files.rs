@@ -77,7 +77,10 @@ fn small_files_of_tall_grids_are_looked_up_in_but_not_converted() {
         };
         assert_eq!((limit.count, limit.what), (u32::MAX.into(), "voxels along the light"));
         let message = limit.to_string();
-        assert!(message.contains("look up in the file as it is") && message.contains("4294967295"), "{message}");
+        assert!(
+            message.contains("look up in the file as it is") && message.contains("4294967295"),
+            "{message}"
+        );
         let error = soon(|| file.without_words()).unwrap_err();
         assert!(matches!(error, WordsError::Light(LightTreeError::TooDeep { .. })), "{name:?}: {error}");
     }
@@ -103,8 +106,7 @@ fn top_grid_of_too_many_root_cubes_is_refused() {
 
 /// Roots that are one shape of 16 leaves, each with many depths.
 fn one_shape(roots: u32, base: impl Fn(u32) -> u32) -> Hierarchy {
-    let leaf =
-        Leaf { width: 1, differences: vec![3; 63], ranks: (0..64).collect(), ..Leaf::default() };
+    let leaf = Leaf { width: 1, differences: vec![3; 63], ranks: (0..64).collect(), ..Leaf::default() };
     let mut found = of_leaves(&vec![leaf; 16], 4, 0, 1 << 20);
     let shape = found.top[0][0];
     found.top = (0..roots).map(|i| [shape, base(i)]).collect();

@@ -82,7 +82,8 @@ impl Hierarchy {
     fn check_shapes(&self) -> Result<(), TooLarge> {
         let mut known = HashMap::new();
         let roots: HashSet<[u32; 2]> = self.top.iter().filter(|root| root[0] != UNIFORM).copied().collect();
-        let visits = roots.iter().map(|&[at, _]| u128::from(self.visits(&mut known, at, self.root_level))).sum();
+        let visits =
+            roots.iter().map(|&[at, _]| u128::from(self.visits(&mut known, at, self.root_level))).sum();
         TooLarge::check("shapes", visits, MIN_SHAPES_LIMIT.max(MAX_GROWTH * known.len() as u64))
     }
 

@@ -167,9 +167,7 @@ impl Walk<'_> {
         }
         match leaf.without_depth() {
             0 => Ok(()),
-            columns => {
-                Err(HierarchyError::Ranks { at, column: columns.trailing_zeros(), last: head.last })
-            }
+            columns => Err(HierarchyError::Ranks { at, column: columns.trailing_zeros(), last: head.last }),
         }
     }
 

@@ -46,7 +46,8 @@ impl Leaf {
         let mut halves =
             vec![last | u16::from(self.never) << 6 | (self.width.ilog2() as u16) << 7 | slanted << 9];
         halves.extend(self.slant.map(|[x, y]| u16::from(x as u8) | u16::from(y as u8) << 8));
-        let bytes = self.differences.iter().flat_map(|d| d.to_le_bytes().into_iter().take(self.width as usize));
+        let bytes =
+            self.differences.iter().flat_map(|d| d.to_le_bytes().into_iter().take(self.width as usize));
         let bytes: Vec<u8> = bytes.collect();
         halves.extend(bytes.chunks(2).map(|b| u16::from(b[0]) | u16::from(*b.get(1).unwrap_or(&0)) << 8));
         for plane in 0..16 - last.leading_zeros() {
