@@ -141,6 +141,19 @@ fn export_import_and_render_keep_what_they_read() {
     }
 }
 
+#[test]
+fn compare_keeps_what_lies_in_its_folder() {
+    let Baked { folder, scene, file } = baked();
+    let out = folder.path("out");
+    fs::create_dir(&out).unwrap();
+    fs::hard_link(&file, folder.path("out/report.md")).unwrap();
+    let compare =
+        ["compare", &scene, "--shadow-file", &file, "--shadow", "voxel", "--size", "32x32", "-o", &out];
+    is_kept(&file, 2, &[compare.to_vec()]);
+    let (code, error) = adumbra(&[&compare[..9], &[&folder.path("new")]].concat());
+    assert_eq!(code, 0, "{error}");
+}
+
 #[cfg(unix)]
 #[test]
 fn output_that_is_a_symbolic_link_is_followed() {

@@ -4,13 +4,15 @@
 mod hierarchy_support;
 mod kit;
 
+use adumbra::format::ShadowFile;
 use adumbra::light::{LightGrid, Sun};
 use adumbra::query::{FixedReceiver, Query};
-use adumbra::settings::Bias;
+use adumbra::settings::{Bias, Receivers, Settings};
 use adumbra::verify::Random;
+use adumbra_render::RenderError;
 use adumbra_render::gpu::binding;
 use adumbra_render::readback::read_buffer;
-use adumbra_render::voxel::{HierarchyFilter, VoxelHierarchy};
+use adumbra_render::voxel::{HierarchyFilter, Voxel, VoxelHierarchy};
 use adumbra_shaders::{assemble, source};
 use hierarchy_support::{every_gradient, of_leaves};
 use wgpu::{BufferUsages, ShaderStages};
@@ -86,9 +88,7 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
     let gpu = kit::gpu();
     let leaves = every_gradient();
     let hierarchy = of_leaves(&leaves, 256, BASE, 512);
-    let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
-    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
-    let grid = LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size: hierarchy.size };
+    let grid = unit_grid(hierarchy.size);
     let mut random = Random::new(3, 0);
     let receivers: Vec<FixedReceiver> = (0..leaves.len())
         .map(|at| {
@@ -112,4 +112,35 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
             }
         }
     }
+}
+
+/// A file of few bytes may declare any length along the light; its graph could be of any size.
+#[test]
+fn hierarchy_of_a_grid_that_no_shader_takes_becomes_no_graph() {
+    let gpu = kit::gpu();
+    let hierarchy = of_leaves(&vec![every_gradient()[5].clone(); 16], 4, BASE, u32::MAX);
+    let grid = unit_grid(hierarchy.size);
+    let settings = Settings {
+        resolution: 32,
+        thickness_world: 0.0,
+        assume_ground: true,
+        closed_regions: true,
+        ignore_alpha: false,
+        receivers: Receivers::All,
+        switch_within_voxels: 0,
+        bounds: None,
+        bias: Bias::default(),
+        triangles: 1,
+        instances: 1,
+    };
+    let file = ShadowFile::hierarchy(grid, settings, hierarchy);
+    let refused = Voxel::of_file(&gpu, &file, Bias::default(), 1).map(|_| ());
+    assert!(matches!(refused, Err(RenderError::VoxelLimit { value: 4_294_967_295, .. })), "{refused:?}");
+}
+
+/// Voxels of one unit under a sun overhead.
+fn unit_grid(size: [u32; 3]) -> LightGrid {
+    let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
+    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
+    LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size }
 }

@@ -49,10 +49,10 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let scene = load_scene(&args.scene, &args.load.load_options()?)?;
         let empty_bounds = options.bounds.is_some_and(|bounds| !holds_geometry(&scene, &bounds));
         if empty_bounds {
+            let Bounds { min, max } = scene.bounds();
             eprintln!(
-                "warning: --bounds hold no part of {}: whatever is asked there is in the open; give a box within {:?}",
-                args.scene.display(),
-                scene.bounds()
+                "warning: --bounds hold no part of {}, which reaches from {min:?} to {max:?}; check the box's place and unit",
+                args.scene.display()
             );
         }
         if args.dry_run {
