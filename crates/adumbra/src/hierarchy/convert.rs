@@ -27,7 +27,7 @@ impl Hierarchy {
     /// Cost: some ten look-ups a block of 8 × 8 columns, more where silhouettes pass; on one thread.
     ///
     /// # Errors
-    /// [`TooLarge`] for more than 2^26 blocks of 8 × 8 columns.
+    /// [`TooLarge`] for more than 2^26 blocks of 8 × 8 columns, or 2^31 voxels along the light.
     pub fn of_slabs(slabs: &dyn Slabs, root_level: u32) -> Result<Self, TooLarge> {
         let [nx, ny, nz] = slabs.size();
         TooLarge::check("voxels along the light", nz.into(), MAX_CONVERTED_DEPTH)?;
@@ -46,7 +46,7 @@ impl Hierarchy {
     /// The graph of the same voxels; the hierarchy must be valid. Cost: that of all shapes of different roots as if none were shared.
     ///
     /// # Errors
-    /// [`TooLarge`] where few bytes stand for far more: for more than 2^24 root cubes, more than 2^24 shapes and 64 times as many as the
+    /// [`TooLarge`] where few bytes stand for far more: for more than 2^24 root cubes, 2^31 voxels along the light, more than 2^24 shapes and 64 times as many as the
     /// hierarchy has, or more bytes than 2^30 and 64 times its own.
     pub fn to_dag(&self) -> Result<Dag, TooLarge> {
         TooLarge::check_roots(self.size, self.root_level)?;
