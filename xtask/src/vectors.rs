@@ -519,6 +519,7 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
         ("hierarchy_end", "End", "behind the code"),
         ("hierarchy_wide", "Wide", "names wide entry"),
         ("hierarchy_bits", "Bits", "bits that mean nothing"),
+        ("hierarchy_ranks", "Ranks", "above its last"),
     ] {
         let bytes = hierarchies.iter().find_map(|valid| flipped(valid, fault));
         hierarchy(name, fault, names, bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?);

@@ -3,6 +3,7 @@
 mod bake;
 mod bench;
 mod compare;
+mod query;
 mod render;
 mod report;
 mod tree;
@@ -21,6 +22,7 @@ pub(crate) use bench::{
 };
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use compare::{BenchPeers, Compare, JudgeArg};
+pub(crate) use query::Query;
 pub(crate) use render::{DeviceArg, DeviceArgs, LayerArg, Render};
 pub(crate) use report::{Report, SECTIONS};
 pub(crate) use tree::WeightsArg;
@@ -70,7 +72,8 @@ pub(crate) enum Verb {
     Verify(Verify),
     /// Answer points from a shadow file
     #[command(
-        after_help = "Points and normals are little-endian float32 triples, the answers one float32 each: 1 lit, 0 shadowed.\n\n\
+        after_help = "Points and normals are little-endian float32 triples (points also float64, with --points-f64), the answers one \
+        float32 each: 1 lit, 0 shadowed.\n\n\
         Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
     )]
     Query(Query),
@@ -333,38 +336,6 @@ pub(crate) struct Verify {
     pub(crate) load: SceneArgs,
     #[command(flatten)]
     pub(crate) bias: BiasArgs,
-    #[command(flatten)]
-    pub(crate) work: WorkArgs,
-    /// Print one JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-#[derive(clap::Args)]
-pub(crate) struct Query {
-    /// Shadow file
-    pub(crate) file: PathBuf,
-    /// World points: little-endian float32 triples
-    #[arg(long, value_name = "FILE")]
-    pub(crate) points: PathBuf,
-    /// Unit normals, one a point: the slope's bias and the filter's plane need them
-    #[arg(long, value_name = "FILE")]
-    pub(crate) normals: Option<PathBuf>,
-    /// Filter width in texels: 1, 3, 5, 9 or 17; of a world-aligned file K × K × K voxels: 1, 3 or 5
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    pub(crate) filter: u32,
-    /// How a world-aligned file's taps are weighted
-    #[arg(long, value_enum, default_value = "mean")]
-    pub(crate) weights: WeightsArg,
-    #[command(flatten)]
-    pub(crate) bias: BiasArgs,
-    /// Also write the width of the sun's penumbra, metres: one little-endian float32 a point, NaN away from shadow borders;
-    /// for files baked with --attribute penumbra
-    #[arg(long, value_name = "FILE")]
-    pub(crate) penumbra: Option<PathBuf>,
-    /// Where the visibilities go: one little-endian float32 a point
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) work: WorkArgs,
     /// Print one JSON object

@@ -15,6 +15,7 @@ mod memory;
 mod output;
 mod plot;
 mod progress;
+mod scene_files;
 mod signals;
 
 use std::process::ExitCode;

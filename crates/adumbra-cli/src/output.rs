@@ -1,17 +1,20 @@
 //! Files the program writes beside the shadow file: whole or not at all.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use adumbra::Error;
-use adumbra::files::replace_file;
+use adumbra::files::{replace_file, same_file};
 use adumbra::picture::Picture;
 use image::ImageEncoder;
 
 use crate::exit::Failure;
+use crate::scene_files::named_by;
 
-/// Writes `bytes` at `path`.
+/// Writes `bytes` at `path`, unless a scene or a shadow file that this run has read lies there.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    refuse_noted(path)?;
     replace_file(path, |file| file.write_all(bytes).map(|()| bytes.len() as u64))?;
     Ok(())
 }
@@ -46,9 +49,59 @@ pub(crate) fn write_exr(path: &Path, size: [u32; 2], channels: &[(&str, Vec<f32>
     write_whole(path, bytes.get_ref())
 }
 
-/// Whether two paths lead to one file that exists.
-pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+/// Refuses an output that a verb also reads, under whatever spelling and through whichever links. `option` is where its path was given;
+/// each input has a name.
+pub(crate) fn refuse_inputs<'p>(
+    option: &str,
+    output: &Path,
+    inputs: impl IntoIterator<Item = (&'static str, &'p Path)>,
+) -> Result<(), Failure> {
+    match inputs.into_iter().find(|(_, input)| same_file(output, input)) {
+        Some((what, input)) => Err(is_input(option, output, what, input)),
+        None => Ok(()),
+    }
+}
+
+/// [`refuse_inputs`] for a scene, and for the files that it names: buffers, images, material libraries.
+pub(crate) fn refuse_scene(option: &str, output: &Path, scene: &Path) -> Result<(), Failure> {
+    refuse_inputs(option, output, [("the scene itself", scene)])?;
+    refuse_named(option, output, scene)
+}
+
+fn refuse_named(option: &str, output: &Path, scene: &Path) -> Result<(), Failure> {
+    // A file that is not there yet is none that the scene names.
+    let named = if output.exists() { named_by(scene) } else { Vec::new() };
+    refuse_inputs(option, output, named.iter().map(|path| ("a file that the scene names", &**path)))
+}
+
+fn is_input(option: &str, output: &Path, what: &str, input: &Path) -> Failure {
+    let output = output.display().to_string();
+    let input = input.display().to_string();
+    let place = if input == output { String::new() } else { format!(", {input}") };
+    Failure::Usage(format!("{option} {output}: it is {what}{place}; give another path"))
+}
+
+/// Scenes and shadow files that this run has read.
+static READ: Mutex<Vec<(&'static str, PathBuf)>> = Mutex::new(Vec::new());
+
+/// Remembers a scene or a shadow file that this run reads, so that nothing that it writes later replaces it.
+pub(crate) fn note_input(what: &'static str, path: &Path) {
+    let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    if !read.iter().any(|(_, known)| known == path) {
+        read.push((what, path.to_owned()));
+    }
+}
+
+/// Refuses what [`note_input`] has noted.
+fn refuse_noted(output: &Path) -> Result<(), Failure> {
+    if !output.exists() {
+        return Ok(());
+    }
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    read.iter().try_for_each(|(what, path)| {
+        refuse_inputs("output", output, [(*what, &**path)])?;
+        refuse_named("output", output, path)
+    })
 }
 
 /// Makes a folder and its parents.

@@ -106,6 +106,9 @@ pub enum RenderError {
         /// What is wrong, and what would do.
         reason: String,
     },
+    /// A file of another layout has no graph that could be drawn with.
+    #[error("the shadow file's graph cannot be made: {0}")]
+    Conversion(#[from] adumbra::dag::TooLarge),
     /// The library's own.
     #[error(transparent)]
     Library(#[from] adumbra::Error),

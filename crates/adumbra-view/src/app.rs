@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use adumbra::camera::Camera;
-use adumbra::files::replace_file;
+use adumbra::files::{replace_file, same_file};
 use adumbra::format::AnyFile;
 use adumbra::picture::Picture;
 use adumbra_lab::camera_file::CameraFile;
@@ -220,6 +220,7 @@ impl App {
             Command::WindowShot(path) => self.window_shot = Some(path.clone()),
             Command::SaveCamera(path) => {
                 let file = CameraFile { camera: self.settings.camera, sun: Some(self.settings.sun) };
+                self.refuse_inputs(path)?;
                 file.write(path).map_err(|e| e.to_string())?;
                 self.messages.note(format!("camera saved: {}", path.display()));
             }
@@ -279,8 +280,24 @@ impl App {
         self.write_picture(path, &picture)
     }
 
+    /// That a path is not the scene's or a shadow file's, which would be lost.
+    fn refuse_inputs(&self, output: &Path) -> Result<(), String> {
+        let scene = self.stage.as_ref().map_or(&self.options.scene, |stage| &stage.scene().path);
+        let given = [scene, &self.options.scene].into_iter().chain(&self.options.shadow_files);
+        let mut inputs = given.map(|path| &**path).chain(self.shadows.given_paths(&self.settings));
+        match inputs.find(|input| same_file(output, input)) {
+            Some(input) => Err(format!(
+                "{}: it is {} itself, which is shown; give another path",
+                output.display(),
+                input.display()
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// Writes a picture of what is seen, and says so.
     pub(crate) fn write_picture(&mut self, path: &Path, picture: &Picture) -> Result<(), String> {
+        self.refuse_inputs(path)?;
         let bytes = png(picture).map_err(|e| e.to_string())?;
         replace_file(path, |file| {
             use std::io::Write as _;

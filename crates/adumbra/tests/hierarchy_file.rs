@@ -3,9 +3,11 @@
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Options, Size, bake, bake_both, bake_hierarchy};
+use adumbra::dag::{Slabs, Trail};
 use adumbra::format::{Layout, LightBody, ShadowFile};
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, Scene, generate};
+use adumbra::verify::Random;
 
 fn baked(scene: &Scene, resolution: u64) -> (ShadowFile, ShadowFile) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
@@ -81,4 +83,44 @@ fn hierarchy_file_that_is_cut_or_changed_is_refused() {
         changed[at] ^= 1 << (at & 7);
         assert!(refused(&changed), "{at}");
     }
+}
+
+#[test]
+fn damaged_shapes_of_a_bake_are_refused_or_give_one_answer_in_every_way() {
+    let (_, file) = baked(&generate(GeneratedKind::City, 3), 256);
+    let LightBody::Hierarchy(good) = &file.body else { panic!("another layout") };
+    let mut random = Random::new(1, 0);
+    let mut below = |n: usize| (random.unit() * n as f64) as usize;
+    let (mut accepted, mut ranks) = (0, 0);
+    for _ in 0..4000 {
+        let mut damaged = good.clone();
+        for _ in 0..1 + below(4) {
+            let (at, shift) = (below(damaged.code.len()), 16 * below(2));
+            let half = match below(4) {
+                0 => below(1 << 16) as u32,
+                1 => 0xffff,
+                2 => damaged.code[below(good.code.len())] & 0xffff,
+                _ => damaged.code[at] >> shift & 0xffff ^ 1 << below(16),
+            };
+            damaged.code[at] = damaged.code[at] & !(0xffff << shift) | half << shift;
+        }
+        if let Err(fault) = damaged.validate() {
+            ranks += usize::from(fault.kind() == "Ranks");
+            continue;
+        }
+        accepted += 1;
+        for _ in 0..100 {
+            let [i, j] = [0, 1].map(|a| below(damaged.size[a] as usize) as u32);
+            let value = damaged.value(i, j);
+            for k in [value.wrapping_sub(1), value, below(damaged.size[2] as usize) as u32] {
+                let k = k.min(damaged.size[2] - 1);
+                let lit = damaged.slab(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
+                assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");
+                let mut slabs = [0; 8];
+                damaged.fill_along(&mut Trail::new(), [i, j, k], &mut slabs);
+                assert_eq!(slabs[k as usize & 7], damaged.slab(i, j, k), "({i}, {j}, {k})");
+            }
+        }
+    }
+    assert!(accepted > 300 && ranks > 10, "{accepted} accepted, {ranks} with ranks");
 }

@@ -148,3 +148,26 @@ fn bias_moves_a_point_along_its_own_sun_ray() {
         plain[2] + lifted.gradient[0] * (beside[0] - plain[0]) + lifted.gradient[1] * (beside[1] - plain[1]);
     assert!((beside[2] - expected).abs() < 1e-9);
 }
+
+#[test]
+fn normal_that_is_not_finite_is_no_normal() {
+    let baked = baked();
+    let mut random = Random::new(5, 0);
+    let bias = Bias { normal_offset_texels: 0.5, ..Bias::default() };
+    let size = baked.grid.size.map(f64::from);
+    let mut shadowed = 0;
+    for _ in 0..2000 {
+        let p = baked.grid.to_world(std::array::from_fn(|a| random.unit() * size[a]));
+        for filter in [1, 9] {
+            let query = Query::new(&baked.grid, &baked.dag, bias, filter).unwrap();
+            let without = query.visibility(p, None);
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                for normal in [[bad; 3], [bad, 1.0, 0.0], [0.0, 0.8, bad]] {
+                    assert_eq!(query.visibility(p, Some(normal)), without, "{normal:?} at {p:?}");
+                }
+            }
+            shadowed += usize::from(without < 0.5);
+        }
+    }
+    assert!(shadowed > 400, "{shadowed}");
+}

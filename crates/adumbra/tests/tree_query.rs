@@ -102,6 +102,22 @@ fn tree_query_outside_the_cube() {
 }
 
 #[test]
+fn tree_query_takes_a_normal_that_is_not_finite_as_none() {
+    let tree = tree(|[_, y, _]| y >= 8);
+    let bias = Bias { normal_offset_texels: 0.5, ..Bias::default() };
+    let query = query(&tree, UP, bias, 3, Weights::Mean);
+    for y in [3.0, 6.6, 7.5, 9.0] {
+        let p_world = space().to_world([6.3, y, 9.1]);
+        for bad in [f64::NAN, f64::INFINITY] {
+            for normal in [[bad; 3], [0.0, 1.0, bad]] {
+                assert_eq!(query.visibility(p_world, Some(normal)), query.visibility(p_world, None), "{y}");
+                assert_eq!(query.voxel_size_at(p_world, Some(normal)), 0.5);
+            }
+        }
+    }
+}
+
+#[test]
 fn tree_query_counts_every_tap_of_its_definition() {
     // A pattern without symmetry.
     let lit = |[x, y, z]: [u32; 3]| (x * 7 + y * y * 3 + z * 5 + x * z) % 11 < 6;

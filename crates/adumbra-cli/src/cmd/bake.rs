@@ -9,13 +9,13 @@ use adumbra::bake::{self, Baked, BakedBoth, BakedHierarchy, BakedPacked, Options
 use adumbra::dag::packed::PackError;
 use adumbra::files;
 use adumbra::format::{Layout, LightBody, ShadowFile};
-use adumbra::scene::Scene;
+use adumbra::scene::{Bounds, Scene};
 use serde_json::{Value, json};
 
 use super::{GraphFigures, bake_tree, load_scene, print_json, with_threads};
 use crate::args::Bake;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::bytes_words;
+use crate::output::{bytes_words, refuse_scene};
 use crate::progress::{Reporter, Units};
 use crate::{memory, signals};
 
@@ -30,7 +30,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let mut options = args.settings.options(args.load.ignore_alpha, &args.work)?;
     // The system's folder may be memory; where the file goes there is a disk.
-    options.spill_folder = Some(files::folder_of(&output));
+    options.spill_folder =
+        Some(files::folder_of(&files::target_of(&output).unwrap_or_else(|_| output.clone())));
     let tree_options = match args.settings.is_tree()? {
         true if args.dry_run => {
             return Err(Failure::Usage(
@@ -41,21 +42,24 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         false => None,
     };
     if !args.dry_run {
-        if output == args.scene {
-            return Err(Failure::BadInput(format!(
-                "{}: is the scene itself; name another file with -o",
-                output.display()
-            )));
-        }
+        refuse_scene("--output", &output, &args.scene).map_err(|e| Failure::BadInput(e.to_string()))?;
         files::check_output(&output)?;
     }
     with_threads(args.work.threads, || {
         let scene = load_scene(&args.scene, &args.load.load_options()?)?;
+        let empty_bounds = options.bounds.is_some_and(|bounds| !holds_geometry(&scene, &bounds));
+        if empty_bounds {
+            let Bounds { min, max } = scene.bounds();
+            eprintln!(
+                "warning: --bounds hold no part of {}, which reaches from {min:?} to {max:?}; check the box's place and unit",
+                args.scene.display()
+            );
+        }
         if args.dry_run {
             return dry_run(args, &scene, &options);
         }
         if let Some(tree_options) = &tree_options {
-            return bake_tree::run(args, &scene, tree_options, &output, start, &cancel);
+            return bake_tree::run(args, &scene, tree_options, empty_bounds, (&output, start), &cancel);
         }
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| reporter.update(p);
@@ -87,6 +91,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 "size": file.grid.size,
                 "voxel_size": grid.voxel_size,
                 "triangles": settings.triangles,
+                "empty_bounds": empty_bounds,
             }));
         } else {
             say!(
@@ -100,6 +105,23 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             );
         }
         Ok(Code::Fine)
+    })
+}
+
+/// Whether the box around any triangle, a caster's or a receiver's, meets these bounds.
+fn holds_geometry(scene: &Scene, bounds: &Bounds) -> bool {
+    scene.instances.iter().any(|instance| {
+        let Some(mesh) = scene.meshes.get(instance.mesh as usize) else { return false };
+        let world = |corner: u32| instance.to_world(mesh.positions[corner as usize]);
+        mesh.triangles.iter().any(|triangle| {
+            let corners = triangle.map(world);
+            (0..3).all(|axis| {
+                let along = corners.map(|corner| corner[axis]);
+                let low = along.into_iter().fold(f64::INFINITY, f64::min);
+                let high = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
+                low <= bounds.max[axis] && high >= bounds.min[axis]
+            })
+        })
     })
 }
 

@@ -28,13 +28,13 @@ struct Extras {
     sentences: Vec<String>,
 }
 
-/// `start` is when the program began to load the scene.
+/// Bakes to a path. `start` is when the program began to load the scene.
 pub(super) fn run(
     args: &Bake,
     scene: &Scene,
     options: &TreeOptions,
-    output: &Path,
-    start: Instant,
+    empty_bounds: bool,
+    (output, start): (&Path, Instant),
     cancel: &AtomicBool,
 ) -> Outcome {
     let prepared = PreparedTree::new(scene, options, cancel)?;
@@ -62,6 +62,7 @@ pub(super) fn run(
             "pruned": options.prune,
             "report": report,
             "triangles": file.settings.triangles,
+            "empty_bounds": empty_bounds,
         });
         for (key, value) in extras.figures {
             object[key] = value;

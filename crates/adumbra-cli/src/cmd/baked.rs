@@ -13,6 +13,7 @@ use adumbra_render::{Baked, TechniqueSpec};
 
 use super::lookup::sun_of;
 use crate::exit::Failure;
+use crate::output::note_input;
 
 /// At most one file of each kind.
 #[derive(Default)]
@@ -37,6 +38,7 @@ impl BakedFiles {
         let mut files = Self::default();
         let mut sun = None;
         for path in paths {
+            note_input("the shadow file itself", path);
             let file = AnyFile::read(path)?;
             let other = sun.replace(sun_of(&file));
             if other.is_some_and(|other| Some(other) != sun) {

@@ -3,21 +3,23 @@
 use std::path::Path;
 
 use adumbra::format::{AnyFile, TreeBody};
+use adumbra::texture::Layout;
 use adumbra::{Error, texture};
 use serde_json::json;
 
 use super::print_json;
 use crate::args::Export;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, same_file};
+use crate::output::{bytes_words, refuse_inputs};
 
 pub(crate) fn run(args: &Export) -> Outcome {
-    if same_file(&args.file, &args.texture) {
-        let what = "--texture is the shadow file itself; give the name of a PNG to write";
-        return Err(Failure::Usage(what.to_owned()));
-    }
+    let refuse = |path: &Path| refuse_inputs("--texture", path, [("the shadow file itself", &*args.file)]);
+    refuse(&args.texture)?;
     let parts = Parts::of(&args.file)?;
     let words = parts.words.len();
+    let layout = Layout::new(words, parts.rest.len(), args.max_side)
+        .map_err(|source| Error::WordTexture { path: args.texture.clone(), source })?;
+    (1..layout.pages).try_for_each(|page| refuse(&texture::page_path(&args.texture, page)))?;
     let written = texture::write(&args.texture, &parts.words, &parts.rest, args.max_side)?;
     let layout = written.layout;
     if args.json {

@@ -8,13 +8,13 @@ use serde_json::json;
 use super::print_json;
 use crate::args::Import;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, same_file};
+use crate::output::{bytes_words, refuse_inputs};
 
 pub(crate) fn run(args: &Import) -> Outcome {
     let path = &args.texture;
-    if same_file(path, &args.output) {
-        let what = "--output is the picture itself; give the name of a shadow file to write";
-        return Err(Failure::Usage(what.to_owned()));
+    let pages = (0..).map(|page| texture::page_path(path, page)).take_while(|page| page.exists());
+    for page in pages {
+        refuse_inputs("--output", &args.output, [("the picture itself", &*page)])?;
     }
     let (words, rest) = texture::read(path)?;
     let count = words.len();

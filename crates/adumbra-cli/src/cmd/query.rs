@@ -1,8 +1,9 @@
 //! `adumbra query`: points in, visibilities out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use adumbra::Error;
+use adumbra::files::same_file;
 use adumbra::format::{AnyFile, AttributeKind, TreeBody};
 use adumbra::query::PenumbraQuery;
 use rayon::prelude::*;
@@ -12,14 +13,21 @@ use super::lookup::Asking;
 use super::{print_json, with_threads};
 use crate::args::Query;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{same_file, write_whole};
+use crate::output::{refuse_inputs, write_whole};
 
 /// Points that are answered one after the other: a look-up remembers where the last one was.
 const BATCH: usize = 1 << 14;
 
 pub(crate) fn run(args: &Query) -> Outcome {
+    let points_path = args.points_path();
+    for (option, output) in [("--output", Some(&args.output)), ("--penumbra", args.penumbra.as_ref())] {
+        let Some(output) = output else { continue };
+        let inputs = [("the shadow file itself", Some(&*args.file)), ("the points", Some(points_path))];
+        let inputs = inputs.into_iter().chain([("the normals", args.normals.as_deref())]);
+        refuse_inputs(option, output, inputs.filter_map(|(what, path)| Some((what, path?))))?;
+    }
     if let Some(widths) = &args.penumbra
-        && (same_file(widths, &args.output) || absolute(widths) == absolute(&args.output))
+        && same_file(widths, &args.output)
     {
         return Err(Failure::Usage(format!(
             "--penumbra and --output are the same file {}; give one of them another path",
@@ -27,8 +35,11 @@ pub(crate) fn run(args: &Query) -> Outcome {
         )));
     }
     let file = AnyFile::read(&args.file)?;
-    let points = read_triples(&args.points)?;
-    let normals = args.normals.as_deref().map(read_triples).transpose()?;
+    let points = match &args.points_f64 {
+        Some(path) => read_f64_triples(path)?,
+        None => read_f32_triples(points_path)?,
+    };
+    let normals = args.normals.as_deref().map(read_f32_triples).transpose()?;
     if let Some(n) = &normals
         && n.len() != points.len()
     {
@@ -36,10 +47,11 @@ pub(crate) fn run(args: &Query) -> Outcome {
             "{} holds {} normals, but {} holds {} points; give one a point",
             args.normals.as_deref().unwrap_or(Path::new("")).display(),
             n.len(),
-            args.points.display(),
+            points_path.display(),
             points.len()
         )));
     }
+    let not_finite = NotFinite::of(&points, normals.as_deref());
     // A point, its normal, its answer, in its batch and behind the others, and the answer's bytes.
     args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4 + 4) + file.encoded_len())?;
     let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
@@ -63,10 +75,15 @@ pub(crate) fn run(args: &Query) -> Outcome {
     }
     write_whole(&args.output, &floats(&visibilities))?;
     let mean = visibilities.iter().map(|v| f64::from(*v)).sum::<f64>() / visibilities.len().max(1) as f64;
+    not_finite.say(points.len());
     if args.json {
-        print_json(
-            &json!({"points": points.len(), "mean_visibility": mean, "output": args.output.display().to_string()}),
-        );
+        print_json(&json!({
+            "points": points.len(),
+            "points_not_finite": not_finite.points,
+            "normals_not_finite": not_finite.normals,
+            "mean_visibility": mean,
+            "output": args.output.display().to_string(),
+        }));
     } else {
         say!("{}: {} points, mean visibility {mean:.4}", args.output.display(), points.len());
     }
@@ -90,25 +107,52 @@ fn penumbra_query<'f>(
     )))
 }
 
-/// A path from the root, for files that need not exist.
-fn absolute(path: &Path) -> Option<PathBuf> {
-    std::path::absolute(path).ok()
+/// How many points and normals have a component that is infinite or not a number.
+struct NotFinite {
+    points: usize,
+    normals: usize,
 }
 
-fn read_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {
+impl NotFinite {
+    fn of(points: &[[f64; 3]], normals: Option<&[[f64; 3]]>) -> Self {
+        let count = |all: &[[f64; 3]]| all.iter().filter(|p| !p.iter().all(|c| c.is_finite())).count();
+        Self { points: count(points), normals: normals.map_or(0, count) }
+    }
+
+    /// One line on stderr, where there are any.
+    fn say(&self, of: usize) {
+        let Self { points, normals } = *self;
+        let lit = format!("{points} of {of} points are not finite and called lit");
+        let plain =
+            format!("{normals} of {of} normals are not finite, and their points answered as without one");
+        match (points, normals) {
+            (0, 0) => {}
+            (_, 0) => eprintln!("warning: {lit}"),
+            (0, _) => eprintln!("warning: {plain}"),
+            _ => eprintln!("warning: {lit}; {plain}"),
+        }
+    }
+}
+
+fn read_f32_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {
+    let triples = read_triples::<4>(path, "float32")?;
+    Ok(triples.into_iter().map(|t| t.map(|b| f64::from(f32::from_le_bytes(b)))).collect())
+}
+
+fn read_f64_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {
+    Ok(read_triples::<8>(path, "float64")?.into_iter().map(|t| t.map(f64::from_le_bytes)).collect())
+}
+
+/// Triples of numbers that take `BYTES` bytes each.
+fn read_triples<const BYTES: usize>(path: &Path, kind: &str) -> Result<Vec<[[u8; BYTES]; 3]>, Failure> {
     let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
-    if bytes.len() % 12 != 0 {
+    if bytes.len() % (3 * BYTES) != 0 {
         return Err(Failure::BadInput(format!(
-            "{}: {} bytes are not whole float32 triples of 12 bytes; write x, y, z as little-endian float32",
+            "{}: {} bytes are not whole {kind} triples of {} bytes; write x, y, z as little-endian {kind}",
             path.display(),
-            bytes.len()
+            bytes.len(),
+            3 * BYTES
         )));
     }
-    let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    Ok(bytes
-        .as_chunks::<12>()
-        .0
-        .iter()
-        .map(|t| [number(&t[..4]), number(&t[4..8]), number(&t[8..])])
-        .collect())
+    Ok(bytes.as_chunks::<BYTES>().0.as_chunks::<3>().0.to_vec())
 }

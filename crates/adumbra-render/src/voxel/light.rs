@@ -47,7 +47,12 @@ impl Voxel {
         match &file.body {
             LightBody::Plain(dag) => Self::new(gpu, &file.grid, dag, bias, filter),
             LightBody::Packed(packed) => Self::packed(gpu, &file.grid, packed, bias, filter),
-            LightBody::Hierarchy(hierarchy) => Self::new(gpu, &file.grid, &hierarchy.to_dag(), bias, filter),
+            LightBody::Hierarchy(hierarchy) => {
+                let grid = &file.grid;
+                // Before a graph is made of it, which for a grid that no shader takes could be of any size.
+                grid_transform(grid.origin, grid.axes, grid.voxel_size, hierarchy.size, grid.origin)?;
+                Self::new(gpu, grid, &hierarchy.to_dag()?, bias, filter)
+            }
         }
     }
 

@@ -124,6 +124,11 @@ fn hierarchy_difference(v: VoxelParams, leaf: HierarchyLeaf, index: u32) -> u32 
     return hierarchy_two_halves(v, leaf.first + 2u * index);
 }
 
+// A sum of depths, which ends at HIERARCHY_NEVER.
+fn hierarchy_deeper(depth: u32, difference: u32) -> u32 {
+    return depth + min(difference, ~depth);
+}
+
 fn hierarchy_plane(v: VoxelParams, leaf: HierarchyLeaf, plane: u32) -> vec2u {
     let at = leaf.planes + 4u * plane;
     return vec2u(hierarchy_two_halves(v, at), hierarchy_two_halves(v, at + 2u));
@@ -140,12 +145,14 @@ fn hierarchy_rise(slant: vec2i, column: vec2i) -> u32 {
 fn hierarchy_below(slant: vec2i, rise: u32) -> vec2u {
     let steep = abs(slant);
     let most = i32(4u * rise - 4u);
-    // Quotients of numbers up to 7 · steep.x without a division each.
-    let inverse = select(0, 65536 / steep.x + 1, steep.x > 0);
+    // Quotients of numbers up to 7 · steep.x by one reciprocal, exact: 2^20 / steep.x is at least 1 / 128 from the nearest whole number where it is
+    // none itself, and farther than a division of floats errs. Where it is a whole number, it or the next one results. Both give the right
+    // floors, as adumbra::hierarchy proves for the next one.
+    let inverse = i32(1048576.0 / f32(max(steep.x, 1))) + 1;
     var bits = vec2u(0u);
     for (var row = 0; row < 8; row++) {
         let left = most - steep.y * select(row, 7 - row, slant.y > 0);
-        var columns = u32(((min(left, 7 * steep.x) * inverse) >> 16u) + 1);
+        var columns = u32(((min(left, 7 * steep.x) * inverse) >> 20u) + 1);
         columns = select(select(columns, 8u, steep.x == 0), 0u, left < 0);
         let place = 8u * (u32(row) & 3u) + select(0u, 8u - columns, slant.x > 0);
         bits[row >> 2u] |= insertBits(0u, 0xffu, place, columns);
@@ -167,13 +174,13 @@ fn hierarchy_value(v: VoxelParams, column: vec2u) -> u32 {
         rank |= extractBits(half, (within.y & 1u) << 3u | within.x, 1u) << plane;
     }
     if (rank > leaf.differences) {
-        return select(p.base, HIERARCHY_NEVER, leaf.differences < leaf.last);
+        return HIERARCHY_NEVER;
     }
     var depth = p.base;
     for (var d = 0u; d < rank; d++) {
-        depth += hierarchy_difference(v, leaf, d);
+        depth = hierarchy_deeper(depth, hierarchy_difference(v, leaf, d));
     }
-    return depth - hierarchy_rise(leaf.slant, vec2i(within));
+    return depth - min(hierarchy_rise(leaf.slant, vec2i(within)), depth);
 }
 
 // Columns of one rank.
@@ -215,7 +222,7 @@ fn hierarchy_slab(v: VoxelParams, leaf: HierarchyLeaf, k: u32) -> vec2u {
     var depth = leaf.base;
     for (var rank = 0u; rank <= leaf.differences; rank++) {
         if (rank > 0u) {
-            depth += hierarchy_difference(v, leaf, rank - 1u);
+            depth = hierarchy_deeper(depth, hierarchy_difference(v, leaf, rank - 1u));
         }
         if (k + largest_rise < depth) {
             break;

@@ -304,7 +304,8 @@ fn find_next(
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         for i in first..=last {
             let texel = (start + i as isize) as usize;
-            let next = rules.triangle_behind(kind, (triangle, &plane), [i, row], b.base[texel], b.first[texel]);
+            let next =
+                rules.triangle_behind(kind, (triangle, &plane), [i, row], b.base[texel], b.first[texel]);
             b.next[texel] = b.next[texel].min(next);
         }
     }

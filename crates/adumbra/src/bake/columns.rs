@@ -265,7 +265,11 @@ impl ColumnRules {
             return FixedDepth::MAX;
         }
         let sinks = if first.is_solid() { 0 } else { first.bias() };
-        if covers_center() || deepest_part() > base.saturating_add(sinks) { sampled.lifted } else { FixedDepth::MAX }
+        if covers_center() || deepest_part() > base.saturating_add(sinks) {
+            sampled.lifted
+        } else {
+            FixedDepth::MAX
+        }
     }
 
     /// [`Self::receiver_behind`] for the triangle with this `plane` at texel (i, j), whose footprint it comes into.
@@ -279,7 +283,8 @@ impl ColumnRules {
     ) -> FixedDepth {
         let center = [i, j].map(|c| c as f64 + 0.5);
         let sampled = self.sampled(kind, plane, center[0], center[1]);
-        let deepest = || fixed_depth(triangle.deepest_within(plane, center, self.footprint_half_texels(kind)));
+        let deepest =
+            || fixed_depth(triangle.deepest_within(plane, center, self.footprint_half_texels(kind)));
         self.receiver_behind(base, first, sampled, || triangle.covers(i, j), deepest)
     }
 

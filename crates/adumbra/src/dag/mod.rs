@@ -18,12 +18,15 @@ mod canonical;
 mod composition;
 pub mod packed;
 pub mod store;
+mod too_large;
 mod top_error;
 mod trail;
 mod validate;
 
 pub(crate) use canonical::PagedDag;
 pub use composition::Composition;
+pub(crate) use too_large::MAX_CONVERTED_DEPTH;
+pub use too_large::{MAX_CONVERTED_ROOTS, TooLarge};
 pub use top_error::TopError;
 pub use trail::Trail;
 use trail::{Descend, Step};

@@ -72,12 +72,12 @@ impl LightBody {
     /// The graph in this layout.
     ///
     /// # Errors
-    /// [`PackError`] where it has no packed form.
+    /// [`PackError`] where it has no packed form, or too many columns for a hierarchy.
     pub fn of_dag(dag: Dag, layout: Layout) -> Result<Self, PackError> {
         Ok(match layout {
             Layout::Plain => Self::Plain(dag),
             Layout::Packed => Self::Packed(PackedDag::of_dag(&dag)?),
-            Layout::Hierarchy => Self::Hierarchy(Hierarchy::of_slabs(&dag, dag.root_level)),
+            Layout::Hierarchy => Self::Hierarchy(Hierarchy::of_slabs(&dag, dag.root_level)?),
         })
     }
 

@@ -1,7 +1,7 @@
 //! What can be wrong with a file, light-aligned or tree, with the values that are.
 
-use crate::dag::GraphError;
 use crate::dag::packed::PackedError;
+use crate::dag::{GraphError, TooLarge};
 use crate::hierarchy::HierarchyError;
 use crate::tree::TreeError;
 use crate::tree::symmetric::SymmetricError;
@@ -132,6 +132,9 @@ pub enum FormatError {
         #[from]
         fault: HierarchyError,
     },
+    /// The file is valid, but is not converted to another layout.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// A region of a tree means nothing.
     #[error("region {index} has {value}, but must have {expected}; bake it again")]
     Region {
@@ -175,6 +178,7 @@ impl FormatError {
             Self::Graph { .. } => "Graph",
             Self::Packed { .. } => "Packed",
             Self::Hierarchy { .. } => "Hierarchy",
+            Self::TooLarge(_) => "TooLarge",
             Self::Region { .. } => "Region",
             Self::Tree { .. } => "Tree",
             Self::Symmetric { .. } => "Symmetric",

@@ -33,7 +33,7 @@ pub use words::WordsError;
 
 use std::borrow::Cow;
 
-use crate::dag::packed::PackError;
+use crate::dag::packed::{PackError, PackedError};
 use crate::dag::{Dag, Slabs};
 use crate::hierarchy::Hierarchy;
 use crate::light::LightGrid;
@@ -78,14 +78,18 @@ impl ShadowFile {
     /// [`to_dag`](crate::dag::packed::PackedDag::to_dag).
     ///
     /// # Errors
-    /// [`FormatError::Packed`] or [`FormatError::Hierarchy`] where the words are not valid.
+    /// [`FormatError::Packed`] or [`FormatError::Hierarchy`] where the words are not valid, [`FormatError::TooLarge`] where the graph could
+    /// be too large: few bytes of either layout can stand for any number of root cubes.
     pub fn graph(&self) -> std::result::Result<Cow<'_, Dag>, FormatError> {
         Ok(match &self.body {
             LightBody::Plain(dag) => Cow::Borrowed(dag),
-            LightBody::Packed(packed) => Cow::Owned(packed.to_dag()?),
+            LightBody::Packed(packed) => match packed.to_dag() {
+                Err(PackedError::TooLarge(limit)) => return Err(limit.into()),
+                found => Cow::Owned(found?),
+            },
             LightBody::Hierarchy(hierarchy) => {
                 hierarchy.validate()?;
-                Cow::Owned(hierarchy.to_dag())
+                Cow::Owned(hierarchy.to_dag()?)
             }
         })
     }

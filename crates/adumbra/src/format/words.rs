@@ -49,8 +49,10 @@ impl ShadowFile {
     /// [`WordsError`] where the file is not valid, the tree would be too deep, or the way back would give other bytes.
     pub fn without_words(&self) -> Result<(VoxelTree, Vec<u8>), WordsError> {
         let header = self.header()?.encode();
-        let tree = VoxelTree::of_dag(&*self.graph()?)?;
+        // Before the graph is made: of another layout it may be any number of times as large as the file.
         let (size, root_level, _) = self.body.space();
+        tree_depth(size, root_level)?;
+        let tree = VoxelTree::of_dag(&*self.graph()?)?;
         let again = LightBody::of_dag(dag_of_tree(&tree, size, root_level)?, self.body.layout())?;
         if again != self.body {
             let [found, canonical] = [&self.body, &again]

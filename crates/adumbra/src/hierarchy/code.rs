@@ -184,15 +184,21 @@ impl LeafCode<'_> {
         self.code.four_halves(self.at + self.head.planes_at() + 4 * p)
     }
 
-    /// Depth at which a column switches.
+    /// Half-word that the differences do not fill; none where they do.
+    pub(super) fn padding(self) -> Option<u32> {
+        let padded = self.head.width == 0 && self.head.differences() & 1 == 1;
+        padded.then(|| self.code.half(self.at + self.head.planes_at() - 1))
+    }
+
+    /// Depth at which a column switches. Depths end at 0 and at [`NEVER`].
     pub(super) fn value(self, column: u32) -> u32 {
         let bit = |p| u32::from(self.plane(p) >> column & 1 == 1);
         let rank = (0..self.head.planes()).fold(0, |rank, p| rank | bit(p) << p);
         if rank > self.head.differences() {
-            return if self.head.never { NEVER } else { self.base };
+            return NEVER;
         }
-        let depth = (0..rank).fold(self.base, |depth, d| depth.wrapping_add(self.difference(d)));
-        depth.wrapping_sub(self.slant.rise(column))
+        let depth = (0..rank).fold(self.base, |depth, d| depth.saturating_add(self.difference(d)));
+        depth.saturating_sub(self.slant.rise(column))
     }
 
     /// Columns that are lit at depth k.
@@ -203,7 +209,7 @@ impl LeafCode<'_> {
         let mut depth = self.base;
         for rank in 0..=self.head.differences() {
             if rank > 0 {
-                depth = depth.wrapping_add(self.difference(rank - 1));
+                depth = depth.saturating_add(self.difference(rank - 1));
             }
             if k.saturating_add(largest_rise) < depth {
                 break;
@@ -224,7 +230,7 @@ impl LeafCode<'_> {
         let mut depth = self.base;
         for rank in 0..=self.head.differences() {
             if rank > 0 {
-                depth = depth.wrapping_add(self.difference(rank - 1));
+                depth = depth.saturating_add(self.difference(rank - 1));
             }
             if first.saturating_add(7 + largest_rise) < depth {
                 let columns = self.at_least(rank);
@@ -242,6 +248,11 @@ impl LeafCode<'_> {
         lit.map(|slab| slab | never)
     }
 
+    /// Columns whose rank is above the last one. A valid leaf has none.
+    pub(super) fn without_depth(self) -> u64 {
+        self.at_least(self.head.last + 1)
+    }
+
     /// Columns of one rank.
     fn of_rank(self, rank: u32) -> u64 {
         (0..self.head.planes())
@@ -250,7 +261,7 @@ impl LeafCode<'_> {
 
     /// Columns of at least this rank: all 64 compared at once, the highest bit first.
     fn at_least(self, rank: u32) -> u64 {
-        if rank > self.head.last {
+        if rank >> self.head.planes() != 0 {
             return 0;
         }
         let (mut more, mut equal) = (0, u64::MAX);

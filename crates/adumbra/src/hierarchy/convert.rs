@@ -1,20 +1,38 @@
 //! Between the hierarchy and anything that answers slabs.
 
+use std::collections::{HashMap, HashSet};
+
 use super::choose::{BESIDE_GRID, FREE_TO_END};
 use super::code::Child;
 use super::sink::HierarchySink;
 use super::{Hierarchy, LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 use crate::bake::graph_sink::GraphSink;
 use crate::bake::sink::{BlockColumns, BlockSink};
-use crate::dag::store::NodeStore;
-use crate::dag::{Dag, Slabs};
+use crate::dag::store::{NodeState, NodeStore};
+use crate::dag::{Dag, MAX_CONVERTED_DEPTH, Slabs, TooLarge};
+
+/// Most blocks of 8 × 8 columns that are looked at to make a hierarchy: 65,536 × 65,536 columns.
+const MAX_BLOCKS: u64 = 1 << 26;
+/// How many times as large as a hierarchy its graph may be, in bytes and in visits to shapes.
+const MAX_GROWTH: u64 = 64;
+/// Visits to shapes that are always allowed: all blocks of 32,768 × 32,768 columns.
+const MIN_SHAPES_LIMIT: u64 = 1 << 24;
+/// Bytes that a graph may always have.
+const MIN_BYTES_LIMIT: u64 = 1 << 30;
 
 impl Hierarchy {
     /// A hierarchy of the same defined voxels as `slabs`, which may say anything where a column is free: each column gets one depth at which it
     /// switches there. `root_level` is the bake's.
     ///
     /// Cost: some ten look-ups a block of 8 × 8 columns, more where silhouettes pass; on one thread.
-    pub fn of_slabs(slabs: &dyn Slabs, root_level: u32) -> Self {
+    ///
+    /// # Errors
+    /// [`TooLarge`] for more than 2^26 blocks of 8 × 8 columns, or 2^31 voxels along the light.
+    pub fn of_slabs(slabs: &dyn Slabs, root_level: u32) -> Result<Self, TooLarge> {
+        let [nx, ny, nz] = slabs.size();
+        TooLarge::check("voxels along the light", nz.into(), MAX_CONVERTED_DEPTH)?;
+        let blocks = u128::from(nx.div_ceil(8)) * u128::from(ny.div_ceil(8));
+        TooLarge::check("blocks of 8 x 8 columns", blocks, MAX_BLOCKS)?;
         let level = root_level.max(LEAF_LEVEL + NODE_LEVELS);
         let sink = HierarchySink::new(level, true, None);
         let size = slabs.size();
@@ -22,21 +40,66 @@ impl Hierarchy {
         let block = |(y, x)| block_of(slabs, &sink, level, [x, y]);
         let blocks =
             corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| (y, x))).map(block).collect();
-        sink.finish(size, level, blocks)
+        Ok(sink.finish(size, level, blocks))
     }
 
-    /// The graph of the same voxels. Cost: that of all shapes as if none were shared.
-    pub fn to_dag(&self) -> Dag {
+    /// The graph of the same voxels; the hierarchy must be valid. Cost: that of all shapes of different roots as if none were shared.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where few bytes stand for far more: for more than 2^24 root cubes, 2^31 voxels along the light, more than 2^24 shapes and 64 times as many as the
+    /// hierarchy has, or more bytes than 2^30 and 64 times its own.
+    pub fn to_dag(&self) -> Result<Dag, TooLarge> {
+        TooLarge::check_roots(self.size, self.root_level)?;
+        self.check_shapes()?;
+        let most_bytes = MIN_BYTES_LIMIT + MAX_GROWTH * self.bytes();
         let store = NodeStore::default();
         let sink = GraphSink::new(&store, self.size[2]);
         let dims = Dag::top_dims_covering(self.size, self.root_level);
-        let roots = self.top.iter().map(|&[at, base]| {
-            sink.roots(&self.blocks(&sink, at, base, self.root_level), self.root_level, dims[2])
-        });
-        let roots: Vec<_> = roots.collect();
-        let top: Vec<_> =
-            (0..dims[2] as usize).flat_map(|z| roots.iter().map(move |column| column[z])).collect();
-        store.finish(self.size, self.root_level, dims, &top)
+        // Roots along the light of each different root, and which of them each column has.
+        let mut roots: Vec<Vec<NodeState>> = Vec::new();
+        let mut known = HashMap::new();
+        let mut columns = Vec::with_capacity(self.top.len());
+        for &[at, base] in &self.top {
+            let column = *known.entry([at, base]).or_insert(roots.len());
+            if column == roots.len() {
+                let runs = self.blocks(&sink, at, base, self.root_level);
+                roots.push(sink.roots(&runs, self.root_level, dims[2]));
+                TooLarge::check("bytes of nodes", store.graph_bytes().into(), most_bytes)?;
+            }
+            columns.push(column);
+        }
+        if store.is_full() {
+            return Err(TooLarge::words());
+        }
+        let top: Vec<_> = (0..dims[2] as usize)
+            .flat_map(|z| columns.iter().map(move |&column| (column, z)))
+            .map(|(column, z)| roots[column][z])
+            .collect();
+        Ok(store.finish(self.size, self.root_level, dims, &top))
+    }
+
+    /// That the different roots, their shapes as if none were shared, are not far more than the shapes that there are.
+    fn check_shapes(&self) -> Result<(), TooLarge> {
+        let mut known = HashMap::new();
+        let roots: HashSet<[u32; 2]> = self.top.iter().filter(|root| root[0] != UNIFORM).copied().collect();
+        let visits =
+            roots.iter().map(|&[at, _]| u128::from(self.visits(&mut known, at, self.root_level))).sum();
+        TooLarge::check("shapes", visits, MIN_SHAPES_LIMIT.max(MAX_GROWTH * known.len() as u64))
+    }
+
+    /// Shapes below and with one, as if none were shared: at most some thousands.
+    fn visits(&self, known: &mut HashMap<(u32, u32), u32>, at: u32, level: u32) -> u32 {
+        if let Some(&visits) = known.get(&(at, level)) {
+            return visits;
+        }
+        let mut visits = 1;
+        for child in (0..16).filter(|_| level > LEAF_LEVEL) {
+            if let Child::Shape { at, .. } = self.shapes().child(at, child) {
+                visits += self.visits(known, at, level - NODE_LEVELS);
+            }
+        }
+        known.insert((at, level), visits);
+        visits
     }
 
     /// A shape as a block of any sink's.

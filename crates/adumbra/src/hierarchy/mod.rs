@@ -36,7 +36,8 @@
 //!
 //! A leaf has n = 1 to 64 different depths v0 < v1 < … of which the last may be [`NEVER`]; v0 is the base. A *slanted* one has planes in their
 //! place: gx and gy quarters of a voxel a column, and the depths are those at the plane's deepest corner. Column (x, y) then switches nearer
-//! by `(|gx|·dx + |gy|·dy + 3) >> 2`, where dx = 7 − x for gx > 0, else x, and dy likewise.
+//! by `(|gx|·dx + |gy|·dy + 3) >> 2`, where dx = 7 − x for gx > 0, else x, and dy likewise. Depths of a leaf end at 0 and at [`NEVER`]:
+//! a sum that would pass them is the nearer of the two.
 //!
 //! | half-words | meaning |
 //! |---|---|

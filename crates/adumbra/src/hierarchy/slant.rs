@@ -43,19 +43,20 @@ impl Slant {
     pub(super) fn below(self, rise: u32) -> u64 {
         let [x, y] = [self.x, self.y].map(|g| i32::from(g.unsigned_abs()));
         // The most quarters that are below.
-        let most = ((rise << SLANT_BITS) - (1 << SLANT_BITS)).min(QUARTERS_END) as i32;
+        let most = ((rise - 1).min(LARGEST_RISE) << SLANT_BITS) as i32;
         if x == 0 {
             // Whole rows, as over level ground.
             let rows = if y == 0 { 8 } else { (most / y + 1).min(8) };
             return if self.y > 0 { u64::MAX << (64 - 8 * rows) } else { u64::MAX >> (64 - 8 * rows) };
         }
-        // Quotients of numbers up to 7x without a division each.
-        let inverse = (1 << 16) / x + 1;
+        // One division for the eight quotients. `inverse` exceeds 2^20 / x by at most 1, so `left * inverse / 2^20` exceeds `left / x` by at
+        // most `left / 2^20`. The floors are equal where that is less than 1 / x: left * x <= 7 * 128 * 128 < 2^20.
+        let inverse = (1 << RECIPROCAL_BITS) / x + 1;
         (0..8).fold(0, |mask, row| {
             let left = most - y * if self.y > 0 { 7 - row } else { row };
             let columns = match left {
                 ..0 => 0,
-                _ => ((left.min(7 * x) * inverse) >> 16) + 1,
+                _ => ((left.min(7 * x) * inverse) >> RECIPROCAL_BITS) + 1,
             };
             let bits = if self.x > 0 { 0xff << (8 - columns) & 0xff } else { (1 << columns) - 1 };
             mask | u64::from(bits as u8) << (8 * row)
@@ -63,8 +64,11 @@ impl Slant {
     }
 }
 
-/// More quarters than any column rises by.
-const QUARTERS_END: u32 = 2 * 7 * 128;
+/// The most voxels that a column of any leaf rises by.
+const LARGEST_RISE: u32 = (2 * 7 * 128) >> SLANT_BITS;
+
+/// Bits behind the point of the reciprocal of a gradient.
+const RECIPROCAL_BITS: u32 = 20;
 
 /// Gradients that columns may have: planes by least squares through the middles of intervals that end, each counted alike, and the
 /// narrower the more; none where they are flat or too steep.
@@ -122,14 +126,23 @@ mod tests {
         assert_eq!(Slant::from_half(slant.to_half().into()), slant);
         assert_eq!(slant.below(22), u64::MAX);
         assert_eq!(slant.below(1), 1 << 7);
-        for gradient in [[127, 127], [-128, -128], [3, 0], [0, -1], [0, 0], [-5, 17], [11, -2], [100, 1]] {
-            let slant = Slant { x: gradient[0], y: gradient[1] };
-            let rises = (0..64).map(|c| slant.rise(c));
-            assert_eq!((rises.clone().min(), rises.clone().max()), (Some(0), Some(slant.largest_rise())));
-            for rise in (1..60).chain([400, 449, 500, u32::MAX >> SLANT_BITS]) {
-                let below = rises.clone().enumerate().map(|(c, r)| u64::from(r < rise) << c);
-                assert_eq!(slant.below(rise), below.fold(0, |mask, bit| mask | bit), "{slant:?} {rise}");
+        assert_eq!(Slant { x: -128, y: -128 }.largest_rise(), LARGEST_RISE);
+    }
+
+    #[test]
+    fn slant_finds_the_columns_below_any_rise_for_every_gradient() {
+        for half in 0..=u32::from(u16::MAX) {
+            let slant = Slant::from_half(half);
+            let largest = slant.largest_rise();
+            let mut of_rise = [0_u64; LARGEST_RISE as usize + 1];
+            (0..64).for_each(|column| of_rise[slant.rise(column) as usize] |= 1 << column);
+            assert!(of_rise[0] != 0 && of_rise[largest as usize] != 0, "{slant:?}");
+            let mut below = 0;
+            for rise in 1..=largest + 1 {
+                below |= of_rise[rise as usize - 1];
+                assert_eq!(slant.below(rise), below, "{slant:?} {rise}");
             }
+            assert_eq!([slant.below(u32::MAX), below], [u64::MAX; 2], "{slant:?}");
         }
     }
 

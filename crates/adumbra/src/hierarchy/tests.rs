@@ -99,9 +99,9 @@ proptest! {
         let mut found = build(&columns, 5, true);
         // Columns beside the grid may be anything; depths beyond its end are one.
         found.size[2] = 300_000;
-        let dag = found.to_dag();
+        let dag = found.to_dag().unwrap();
         prop_assert_eq!(dag.validate(), Ok(()));
-        let again = Hierarchy::of_slabs(&dag, 5);
+        let again = Hierarchy::of_slabs(&dag, 5).unwrap();
         for j in 0..columns.height {
             for i in 0..columns.width {
                 let [value, back] = [&found, &again].map(|h| h.value(i, j).min(300_000));

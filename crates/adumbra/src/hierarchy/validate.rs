@@ -1,5 +1,5 @@
-//! Proves that words from anywhere can be looked up in: every shape lies within the code, and every pointer leads to one before it that
-//! is a shape of the level asked for.
+//! Proves that words from anywhere can be looked up in: every shape lies within the code, every pointer leads to one before it that
+//! is a shape of the level asked for, and every column of a leaf has one of its depths.
 //!
 //! What is proved of an address at a level is remembered, so the walk takes time linear in the half-words. Whether equal shapes were merged,
 //! and whether all half-words are in use, is not checked: that decides the size, not the answers.
@@ -71,6 +71,16 @@ pub enum HierarchyError {
         /// The half-word.
         half: u32,
     },
+    /// A column of a leaf has a rank above the last one.
+    #[error("the leaf at half-word {at} gives column {column} a rank above its last, {last}")]
+    Ranks {
+        /// The leaf's address.
+        at: u32,
+        /// The column, y · 8 + x.
+        column: u32,
+        /// The leaf's last rank.
+        last: u32,
+    },
 }
 
 impl HierarchyError {
@@ -84,6 +94,7 @@ impl HierarchyError {
             Self::End { .. } => "End",
             Self::Wide { .. } => "Wide",
             Self::Bits { .. } => "Bits",
+            Self::Ranks { .. } => "Ranks",
         }
     }
 }
@@ -149,7 +160,15 @@ impl Walk<'_> {
         if half >> 10 != 0 || head.width > 2 || (head.last == 0 && (head.never || !head.slanted)) {
             return Err(HierarchyError::Bits { at, level: LEAF_LEVEL, half });
         }
-        self.ends_within(at, head.length(), LEAF_LEVEL)
+        self.ends_within(at, head.length(), LEAF_LEVEL)?;
+        let leaf = self.code.leaf(at, 0);
+        if let Some(half) = leaf.padding().filter(|half| half >> 8 != 0) {
+            return Err(HierarchyError::Bits { at, level: LEAF_LEVEL, half });
+        }
+        match leaf.without_depth() {
+            0 => Ok(()),
+            columns => Err(HierarchyError::Ranks { at, column: columns.trailing_zeros(), last: head.last }),
+        }
     }
 
     fn node(&mut self, at: u32, level: u32) -> Result<(), HierarchyError> {

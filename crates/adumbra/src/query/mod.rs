@@ -163,15 +163,21 @@ impl<'d> Query<'d> {
     }
 }
 
+/// A normal, if all of its components are finite.
+fn finite(normal: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    normal.filter(|n| n.iter().all(|c| c.is_finite()))
+}
+
 /// Moves a world point by `bias` and gives it in grid space, with its plane's slope.
 ///
 /// The constant and the slope term move it along the light, so it stays on its own sun ray. The bias counts a slope of at most
 /// [`MAX_SLOPE`](crate::settings::MAX_SLOPE); the plane is the surface's own, whichever side it turns to the sun, up to [`MAX_PLANE_SLOPE`].
+/// A normal with a component that is not finite is none.
 pub fn receiver(grid: &LightGrid, bias: &Bias, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Receiver {
     let mut p_grid = grid.to_grid(p_world);
     let mut gradient = [0.0; 2];
     let mut slope = 0.0;
-    if let Some(normal) = normal {
+    if let Some(normal) = finite(normal) {
         let n = grid.direction_to_grid(normal);
         let tangent = (n[0] * n[0] + n[1] * n[1]).sqrt();
         // |n·l| is |n.z|: the grid's z runs away from the sun.

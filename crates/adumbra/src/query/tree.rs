@@ -6,6 +6,7 @@
 //! coarsest within its reach, so that neither bias nor kernel changes along the seam. Up to bias and entry it is `f64`; from
 //! there on whole numbers, see [`TreeReceiver`].
 
+use super::finite;
 use super::plan::PlanLevels;
 use super::tree_receiver::TreeReceiver;
 use crate::error::{Error, Result};
@@ -98,15 +99,16 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
     }
 
     /// What answers a point: it is moved by the bias and to where its sun ray enters the cube. None where it is lit because that
-    /// ray misses the cube, or because it is not finite.
+    /// ray misses the cube, or because it is not finite. A normal with a component that is not finite is none.
     pub fn receiver(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<TreeReceiver> {
+        let normal = finite(normal);
         let p_tree = self.space.to_tree(p_world);
         if !p_tree.iter().all(|c| c.abs() < 1e9) {
             return None;
         }
         let level = self.level(p_tree, normal);
         let lifted = self.lifted(p_tree, normal, level);
-        // Not so where the normal is not a number.
+        // Not so where the normal is far too long.
         let inside = lifted.iter().all(|c| c.is_finite()).then(|| self.entered(lifted)).flatten()?;
         let n = normal.filter(|_| !self.all_taps).unwrap_or_default();
         let height = dot(n, std::array::from_fn(|a| inside[a] - p_tree[a])) / f64::from(1_u32 << level);
@@ -149,7 +151,7 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
 
     /// Edge of the voxels that answer this point, world units.
     pub fn voxel_size_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f64 {
-        let level = self.level(self.space.to_tree(p_world), normal);
+        let level = self.level(self.space.to_tree(p_world), finite(normal));
         self.space.voxel_size * f64::from(1_u32 << level)
     }
 

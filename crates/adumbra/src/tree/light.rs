@@ -15,11 +15,12 @@ use super::reduce::{Interned, Sink};
 use super::word::{Node, Word};
 use crate::dag::store::{NodeState, NodeStore};
 use crate::dag::{
-    Dag, GraphError, LIT, MAX_ROOT_LEVEL, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_MIXED, STATE_SHADOWED,
+    Dag, GraphError, LIT, MAX_CONVERTED_ROOTS, MAX_ROOT_LEVEL, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT,
+    STATE_MIXED, STATE_SHADOWED,
 };
 
 /// Most root cubes of a graph that is made from a tree: a bake has some thousands.
-pub const MAX_ROOTS: u64 = 1 << 26;
+pub const MAX_ROOTS: u64 = MAX_CONVERTED_ROOTS;
 /// Most bytes of a graph that is made from a tree: the store's references have 31 bits, for words.
 const MAX_GRAPH_BYTES: u64 = (1 << 31) * 4 - (1 << 20);
 

@@ -3,7 +3,7 @@
 
 mod damage;
 
-use adumbra::dag::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
+use adumbra::dag::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_MIXED, STATE_SHADOWED, Trail};
 use adumbra::format::{FormatError, HEADER_BYTES, LightBody, ShadowFile};
 use damage::Layout;
 
@@ -64,8 +64,12 @@ pub(crate) fn encode(file: &ShadowFile) -> Vec<u8> {
     bytes
 }
 
-/// Looks up to about `most` voxels up, every one where there are so few; returns how many are lit.
+/// Looks up to about `most` voxels up, every one where there are so few, in every way there is; returns how many are lit.
+///
+/// # Panics
+/// Where two ways give two answers.
 pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
+    let mut trail = Trail::new();
     let size = file.grid.size;
     let all: u64 = size.iter().map(|&n| u64::from(n)).fold(1, u64::saturating_mul);
     let step = all.div_ceil(most).max(1) | 1;
@@ -74,9 +78,26 @@ pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
     while i < all {
         let [sx, sy, _] = size.map(u64::from);
         let v = [(i % sx) as u32, (i / sx % sy) as u32, (i / (sx * sy)) as u32];
-        lit += u64::from(is_lit(file, v));
+        lit += u64::from(is_lit_in_every_way(file, &mut trail, v));
         let Some(next) = i.checked_add(step) else { break };
         i = next;
+    }
+    lit
+}
+
+/// The answer of a voxel: by itself, of its slab, and of the slabs that a walk along the light finds together.
+fn is_lit_in_every_way(file: &ShadowFile, trail: &mut Trail, [i, j, k]: [u32; 3]) -> bool {
+    let lit = is_lit(file, [i, j, k]);
+    let slab = file.slabs().slab(i, j, k);
+    assert_eq!(slab >> ((j & 7) * 8 + (i & 7)) & 1 == 1, lit, "slab of ({i}, {j}, {k})");
+    let mut slabs = [0; 8];
+    let known = file.slabs().fill_along(trail, [i, j, k], &mut slabs);
+    assert_eq!((known >> (k & 7) & 1, slabs[k as usize & 7]), (1, slab), "walk to ({i}, {j}, {k})");
+    for (other, &slab) in slabs.iter().enumerate().filter(|(other, _)| known >> other & 1 == 1) {
+        let beside = k & !7 | other as u32;
+        if beside < file.grid.size[2] {
+            assert_eq!(file.slabs().slab(i, j, beside), slab, "({i}, {j}, {beside}) beside {k}");
+        }
     }
     lit
 }

@@ -235,14 +235,14 @@ fn hierarchy_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
     let mut depths = vec![base];
     for d in 0..last - never {
         let difference = (0..bytes).map(|b| byte(2 * next + d * bytes + b) << (8 * b)).sum::<u32>();
-        depths.push(depths[d as usize].wrapping_add(difference));
+        depths.push(depths[d as usize].saturating_add(difference));
     }
     next += ((last - never) * bytes).div_ceil(2);
     let column = y % 8 * 8 + x % 8;
     let planes = (0..).find(|&n| last < 1 << n).expect("a number of planes");
     let rank: u32 = (0..planes).map(|p| (half(next + 4 * p + column / 16) >> (column % 16) & 1) << p).sum();
     match depths.get(rank as usize) {
-        Some(depth) => u8::from(z < depth - rise),
+        Some(depth) => u8::from(z < depth.saturating_sub(rise)),
         None => 1,
     }
 }

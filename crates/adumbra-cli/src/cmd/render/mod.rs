@@ -22,6 +22,7 @@ use super::lookup::{ignored_alpha, sun_of};
 use super::{load_scene, print_json, with_threads};
 use crate::args::{DeviceArg, LayerArg, Render};
 use crate::exit::{Code, Failure, Outcome};
+use crate::output::{note_input, refuse_inputs, refuse_scene};
 
 /// What every picture of a call is drawn from.
 struct Job<'a> {
@@ -50,6 +51,9 @@ pub(crate) fn run(args: &Render) -> Outcome {
     let mut ambient = Ambient::read(&args.ao)?;
     if args.layer == LayerArg::Ao && ambient.is_none() {
         return Err(Failure::Usage("--layer ao: say how it is made: --ao NAME, see --help".to_owned()));
+    }
+    if let Some(path) = &args.shadow_file {
+        note_input("the shadow file itself", path);
     }
     let file = args.shadow_file.as_deref().map(AnyFile::read).transpose()?;
     if file.is_some() && args.sun.is_given() {
@@ -90,7 +94,23 @@ pub(crate) fn run(args: &Render) -> Outcome {
 }
 
 impl Job<'_> {
+    /// No picture goes where the scene or the shadow file lies.
+    fn check_outputs(&self, specs: &[TechniqueSpec]) -> Result<(), Failure> {
+        let output = &self.args.output;
+        let each = specs.iter().map(|spec| output_of(output, spec, specs.len() > 1));
+        for path in std::iter::once(output.clone()).chain(each) {
+            for &(_, number) in &self.moments {
+                let path = movers::numbered(&path, number);
+                let file = self.args.shadow_file.as_deref().map(|file| ("the shadow file itself", file));
+                refuse_inputs("--output", &path, file)?;
+                refuse_scene("--output", &path, &self.args.scene)?;
+            }
+        }
+        Ok(())
+    }
+
     fn draw(&self, specs: &[TechniqueSpec]) -> Outcome {
+        self.check_outputs(specs)?;
         let traced_only = self.args.truth || !specs.is_empty() && specs.iter().all(|s| s.name() == "truth");
         let is_color = self.args.layer == LayerArg::Color;
         let plain = is_color && !layers::is_exr(&self.args.output) && self.ambient.is_none();

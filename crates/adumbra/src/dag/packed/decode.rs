@@ -3,7 +3,7 @@
 use super::node::{Cube, Inner, LL, LM, LS, M2, MM, MS, Target, high_bits};
 use super::{PackedDag, PackedError};
 use crate::dag::store::{NodeState, NodeStore};
-use crate::dag::{Dag, SLAB_NODE_LEVEL};
+use crate::dag::{Dag, SLAB_NODE_LEVEL, TooLarge};
 
 impl PackedDag {
     /// The same graph in the plain layout, in its canonical form.
@@ -12,9 +12,10 @@ impl PackedDag {
     /// node; memory: the plain graph twice, and twelve bytes a node of a pool.
     ///
     /// # Errors
-    /// [`PackedError`] where the graph is not valid.
+    /// [`PackedError`] where the graph is not valid, or its top grid too large: a plain one has each root cube by itself.
     pub fn to_dag(&self) -> Result<Dag, PackedError> {
         self.validate()?;
+        TooLarge::check_roots(self.size, self.root_level)?;
         let mut reader = Reader { packed: self, store: NodeStore::default(), pools: Vec::new() };
         for level in SLAB_NODE_LEVEL..=self.root_level {
             reader.pool(level);
@@ -32,6 +33,9 @@ impl PackedDag {
                     false => NodeState::Shadowed,
                 };
             }
+        }
+        if reader.store.is_full() {
+            return Err(TooLarge::words().into());
         }
         Ok(reader.store.finish(self.size, self.root_level, self.top_dims, &top))
     }

@@ -310,16 +310,20 @@ impl Cube {
         };
         if in_planes {
             let planes = plane_count(count) as usize;
-            for mask in &mut cube.masks[..count as usize] {
-                *mask = u64::MAX;
-            }
+            // Voxels that are lit in at least 1, 2, ... masks; one more than there are masks finds counts that mean nothing.
+            let mut lit_in = [u64::MAX; 9];
             for bit in 0..planes {
                 let plane: u64 = four(at)?;
                 at += 4;
-                for (i, mask) in cube.masks[..count as usize].iter_mut().enumerate() {
+                for (i, mask) in lit_in.iter_mut().enumerate() {
                     *mask = if (i + 1) >> bit & 1 == 1 { *mask & plane } else { *mask | plane };
                 }
             }
+            let count = count as usize;
+            if (count + 1) >> planes == 0 && lit_in[count] != 0 {
+                return Err(Unreadable::Bits);
+            }
+            cube.masks[..count].copy_from_slice(&lit_in[..count]);
             return Ok((cube, at as u32));
         }
         for i in 0..count as usize {

@@ -9,7 +9,7 @@
 use super::node::{Cube, Inner, Target, Unreadable, high_bits};
 use super::{MAX_SHARED_SLABS, MAX_UNITS, POOL_WORDS, PackedDag};
 use crate::dag::top_error::{TopError, check_count, check_dims};
-use crate::dag::{Composition, SLAB_NODE_LEVEL};
+use crate::dag::{Composition, SLAB_NODE_LEVEL, TooLarge};
 
 /// A structural fault of a packed graph.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -112,6 +112,9 @@ pub enum PackedError {
         /// Its index.
         index: usize,
     },
+    /// The graph is valid, but its plain form would be too large.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
 }
 
 impl PackedError {
@@ -129,6 +132,7 @@ impl PackedError {
             Self::Pointer { .. } => "Pointer",
             Self::Order { .. } => "Order",
             Self::Unreached { .. } => "Unreached",
+            Self::TooLarge(_) => "TooLarge",
         }
     }
 }

@@ -9,7 +9,7 @@ mod place;
 
 use super::node::{Cube, LL, LM, LS, M2, MM, MS, SS};
 use super::{MAX_SHARED_SLABS, MAX_UNITS, PackedDag};
-use crate::dag::{Dag, GraphError, GraphPlace, PagedDag, SHADOWED, SLAB_NODE_LEVEL};
+use crate::dag::{Dag, GraphError, GraphPlace, PagedDag, SHADOWED, SLAB_NODE_LEVEL, TooLarge};
 use graph::{Child, Graph};
 use keys::Keys;
 
@@ -39,6 +39,9 @@ pub enum PackError {
         /// At least so many.
         units: u64,
     },
+    /// The grid is too large for the layout asked for.
+    #[error(transparent)]
+    Grid(#[from] TooLarge),
 }
 
 impl PackedDag {

@@ -1,0 +1,272 @@
+//! No verb replaces a file that it reads, and nothing that a verb cannot answer goes by unsaid.
+
+mod kit;
+
+use std::fs;
+use std::process::Command;
+
+use kit::{Folder, adumbra, json, program, read_f32, stderr};
+
+/// A board of 4 × 4 m, 2 m over a floor of 20 × 20 m.
+const BOARD: &str = "mtllib board.mtl\nv -10 0 -10\nv 10 0 -10\nv 10 0 10\nv -10 0 10\nv -2 2 -2\nv 2 2 -2\nv 2 2 2\nv -2 2 2\n\
+    f 1 4 3\nf 1 3 2\nf 5 8 7\nf 5 7 6\n";
+
+struct Baked {
+    folder: Folder,
+    scene: String,
+    file: String,
+}
+
+fn baked() -> Baked {
+    let folder = Folder::new();
+    let scene = folder.write("board.obj", BOARD.as_bytes());
+    folder.write("board.mtl", b"newmtl a\n");
+    let file = folder.path("board.adumbra");
+    let (code, error) = bake(&scene, &file, &[]);
+    assert_eq!(code, 0, "{error}");
+    Baked { folder, scene, file }
+}
+
+fn bake(scene: &str, output: &str, more: &[&str]) -> (i32, String) {
+    let base = ["bake", scene, "-o", output, "--sun", "0,1,0", "--progress", "none"];
+    let resolution = if more.contains(&"--resolution") { &[][..] } else { &["--resolution", "256"] };
+    adumbra(&[&base[..], resolution, more].concat())
+}
+
+/// Other names of a file: spellings, a symbolic link, a hard link.
+fn names(folder: &Folder, name: &str) -> Vec<String> {
+    let path = folder.path(name);
+    let mut all = vec![path.clone(), folder.path(&format!("./{name}"))];
+    #[cfg(unix)]
+    {
+        let link = folder.path(&format!("soft-{name}"));
+        std::os::unix::fs::symlink(name, &link).unwrap();
+        all.push(link);
+    }
+    let link = folder.path(&format!("hard-{name}"));
+    fs::hard_link(&path, &link).unwrap();
+    all.push(link);
+    all
+}
+
+/// Every command is refused with this code, says so, and leaves the file as it was.
+fn is_kept(path: &str, code: i32, commands: &[Vec<&str>]) {
+    let before = fs::read(path).unwrap();
+    for command in commands {
+        let (found, error) = adumbra(command);
+        assert_eq!(found, code, "{command:?}: {error}");
+        assert!(error.contains("give another path"), "{command:?}: {error}");
+        assert_eq!(fs::read(path).unwrap(), before, "{command:?}");
+    }
+}
+
+#[test]
+fn bake_keeps_its_scene_and_what_the_scene_names() {
+    let Baked { folder, scene, .. } = baked();
+    let library = folder.path("board.mtl");
+    for name in names(&folder, "board.obj") {
+        is_kept(
+            &scene,
+            3,
+            &[vec!["bake", &scene, "-o", &name], vec!["bake", &scene, "--frame", "world", "-o", &name]],
+        );
+    }
+    for name in names(&folder, "board.mtl") {
+        is_kept(&library, 3, &[vec!["bake", &scene, "-o", &name]]);
+    }
+    // From another folder, and by a link to the scene.
+    let output = Command::new(program())
+        .args(["bake", "board.obj", "-o", "./board.obj"])
+        .current_dir(std::path::Path::new(&scene).parent().unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(&scene).unwrap(), BOARD);
+}
+
+#[test]
+fn query_keeps_its_file_points_and_normals() {
+    let Baked { folder, file, .. } = baked();
+    let points = folder.write_f32("p.f32", &[0.0, 0.0, 0.0]);
+    let normals = folder.write_f32("n.f32", &[0.0, 1.0, 0.0]);
+    let query = ["query", &file, "--points", &points, "--normals", &normals];
+    for (path, name) in [(&file, "board.adumbra"), (&points, "p.f32"), (&normals, "n.f32")] {
+        for other in names(&folder, name) {
+            let new = folder.path("new.f32");
+            is_kept(
+                path,
+                2,
+                &[
+                    [&query[..], &["-o", &other]].concat(),
+                    [&query[..], &["-o", &new, "--penumbra", &other]].concat(),
+                ],
+            );
+        }
+    }
+    let doubles = folder.write("p.f64", &[0; 24]);
+    is_kept(&doubles, 2, &[vec!["query", &file, "--points-f64", &doubles, "-o", &doubles]]);
+}
+
+#[test]
+fn export_import_and_render_keep_what_they_read() {
+    let Baked { folder, scene, file } = baked();
+    // Page 1 of an export beside page 0 would be the shadow file.
+    let city = folder.path("city.adumbra");
+    let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
+    assert_eq!(code, 0, "{error}");
+    let pages = ["--max-side", "64", "--texture"];
+    fs::rename(&city, folder.path("page.1.png")).unwrap();
+    let second = folder.path("page.1.png");
+    let texture = folder.path("page.png");
+    is_kept(&second, 2, &[[&["export", &second][..], &pages, &[&texture]].concat()]);
+    for name in names(&folder, "board.adumbra") {
+        is_kept(&file, 2, &[vec!["export", &file, "--texture", &name]]);
+    }
+    let page = folder.path("whole.png");
+    let (code, error) = adumbra(&[&["export", &second][..], &pages, &[&page]].concat());
+    assert_eq!(code, 0, "{error}");
+    let later = folder.path("whole.1.png");
+    is_kept(&page, 2, &[vec!["import", &page, "-o", &page]]);
+    is_kept(&later, 2, &[vec!["import", &page, "-o", &later]]);
+
+    // Pictures have endings of their own, links have not.
+    let picture = folder.path("picture.png");
+    for (path, name) in [(&scene, "scene"), (&file, "file")] {
+        fs::hard_link(path, folder.path(&format!("{name}.png"))).unwrap();
+        let output = folder.path(&format!("{name}.png"));
+        let draw = ["render", &scene, "--shadow-file", &file, "--device", "cpu", "--size", "32x32", "-o"];
+        is_kept(path, 2, &[[&draw[..], &[&output]].concat()]);
+        let (code, error) = adumbra(&[&draw[..], &[&picture]].concat());
+        assert_eq!(code, 0, "{error}");
+    }
+}
+
+#[test]
+fn compare_keeps_what_lies_in_its_folder() {
+    let Baked { folder, scene, file } = baked();
+    let out = folder.path("out");
+    fs::create_dir(&out).unwrap();
+    fs::hard_link(&file, folder.path("out/report.md")).unwrap();
+    let compare =
+        ["compare", &scene, "--shadow-file", &file, "--shadow", "voxel", "--size", "32x32", "-o", &out];
+    is_kept(&file, 2, &[compare.to_vec()]);
+    let (code, error) = adumbra(&[&compare[..9], &[&folder.path("new")]].concat());
+    assert_eq!(code, 0, "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn output_that_is_a_symbolic_link_is_followed() {
+    let Baked { folder, scene, file } = baked();
+    let (link, target) = (folder.path("link.adumbra"), folder.path("store/target.adumbra"));
+    fs::create_dir(folder.path("store")).unwrap();
+    std::os::unix::fs::symlink("store/target.adumbra", &link).unwrap();
+    // The target is not there yet, then it is.
+    for _ in 0..2 {
+        let (code, error) = bake(&scene, &link, &[]);
+        assert_eq!(code, 0, "{error}");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&target).unwrap(), fs::read(&file).unwrap());
+        fs::write(&target, "earlier").unwrap();
+    }
+    let round = folder.path("round.adumbra");
+    std::os::unix::fs::symlink(&round, &round).unwrap();
+    let (code, error) = bake(&scene, &round, &[]);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("symbolic links do not end"), "{error}");
+    assert!(folder.no_temporary_files());
+}
+
+#[test]
+fn query_counts_what_is_not_finite() {
+    let Baked { folder, file, .. } = baked();
+    let (nan, inf) = (f32::NAN, f32::INFINITY);
+    // Four places that are none; two in the board's shadow, one in the sun.
+    let points = [
+        [nan, 0.0, 0.0],
+        [0.0, nan, 0.0],
+        [inf, 0.0, 0.0],
+        [0.0, -inf, 0.0],
+        [0.0; 3],
+        [1.0, 0.0, 1.0],
+        [8.0, 0.0, 8.0],
+    ];
+    let points = folder.write_f32("p.f32", points.as_flattened());
+    let answers = folder.path("v.f32");
+    let query = ["query", &file, "--points", &points, "-o", &answers];
+    let output = Command::new(program()).args(query).output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let said = stderr(&output);
+    assert_eq!((said.lines().count(), said.contains("4 of 7 points are not finite")), (1, true), "{said}");
+    assert_eq!(read_f32(&answers), [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0]);
+    let up = [0.0, 1.0, 0.0];
+    let normals = [up, up, up, up, [nan; 3], [0.0, inf, 0.0], up];
+    let normals = folder.write_f32("n.f32", normals.as_flattened());
+    let with_normals = [&query[..], &["--normals", &normals]].concat();
+    let found = json(&[&with_normals[..], &["--json"]].concat());
+    assert_eq!((&found["points_not_finite"], &found["normals_not_finite"]), (&4.into(), &2.into()));
+    // A normal that is no number does not make a shadowed point lit.
+    assert_eq!(read_f32(&answers), [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0]);
+    let (_, said) = adumbra(&with_normals);
+    assert!(said.contains("4 of 7 points") && said.contains("2 of 7 normals"), "{said}");
+    // Nothing is said where all is well.
+    let one = folder.write_f32("one.f32", &[0.0; 3]);
+    assert_eq!(adumbra(&["query", &file, "--points", &one, "-o", &answers]), (0, String::new()));
+}
+
+#[test]
+fn bounds_that_hold_nothing_are_said() {
+    let Baked { folder, scene, .. } = baked();
+    let output = folder.path("b.adumbra");
+    let beside = ["--bounds", "100,0,100,110,5,110"];
+    let (code, error) = bake(&scene, &output, &beside);
+    assert_eq!(code, 0);
+    assert!(error.contains("--bounds hold no part of"), "{error}");
+    for (bounds, empty) in [(beside, true), (["--bounds", "-1,-1,-1,1,1,1"], false)] {
+        for frame in ["light", "world"] {
+            let base = ["bake", &scene, "-o", &output, "--resolution", "64", "--progress", "none", "--json"];
+            let found = json(&[&base[..], &bounds, &["--frame", frame]].concat());
+            assert_eq!(found["empty_bounds"], empty, "{bounds:?} {frame}");
+        }
+    }
+    let (code, error) = bake(&scene, &output, &[]);
+    assert_eq!((code, error.as_str()), (0, ""));
+}
+
+#[test]
+fn points_of_64_bits_are_answered_far_from_the_origin() {
+    let folder = Folder::new();
+    // The board, 10,000 km east: float32 has steps of a metre there.
+    let east: Vec<String> = BOARD
+        .lines()
+        .map(|line| match line.strip_prefix("v ").map(|v| v.split(' ').collect::<Vec<_>>()) {
+            Some(v) => format!("v {} {} {}", v[0].parse::<f64>().unwrap() + 1e7, v[1], v[2]),
+            None => line.to_owned(),
+        })
+        .collect();
+    let scene = folder.write("east.obj", east.join("\n").as_bytes());
+    let file = folder.path("east.adumbra");
+    let (code, error) = bake(&scene, &file, &[]);
+    assert_eq!(code, 0, "{error}");
+    // Across the shadow's border at x = 2, a tenth of a metre from one to the next.
+    let steps = (-5..5).map(|step| f64::from(step) * 0.1 + 0.05);
+    let points: Vec<f64> = steps.flat_map(|step| [1e7 + 2.0 + step, 0.0, 0.0]).collect();
+    let doubles = folder.write("p.f64", &points.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<_>>());
+    let floats = folder.write_f32("p.f32", &points.iter().map(|&c| c as f32).collect::<Vec<_>>());
+    let answers = folder.path("v.f32");
+    let lit = |option: &str, points: &str| {
+        let (code, error) = adumbra(&["query", &file, option, points, "-o", &answers]);
+        assert_eq!(code, 0, "{error}");
+        read_f32(&answers)
+    };
+    assert_eq!(lit("--points-f64", &doubles), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+    assert_ne!(lit("--points", &floats), lit("--points-f64", &doubles));
+    // Exactly one of the two, and whole triples.
+    let odd = folder.write("odd.f64", &[0; 12]);
+    for (points, code) in
+        [(&[][..], 2), (&["--points", &floats, "--points-f64", &doubles], 2), (&["--points-f64", &odd], 3)]
+    {
+        let (found, error) = adumbra(&[&["query", &file, "-o", &answers][..], points].concat());
+        assert_eq!(found, code, "{error}");
+    }
+}
