@@ -1,7 +1,7 @@
 //! Cuts polygons in space into triangles between their own corners.
 //!
-//! A polygon that a fan from its first corner covers exactly is left to the caller, who cuts that fan: triangles, convex polygons and
-//! every other polygon that is star-shaped around its first corner. The rest is projected along the axis nearest to its normal, where
+//! A polygon that a fan from its first corner covers exactly is left to the caller, who cuts that fan: triangles, convex quads, and most
+//! other polygons that are star-shaped around their first corner. The rest is projected along the axis nearest to its normal, where
 //! coordinates stay exact, and cut by ear clipping.
 
 use earcut::Earcut;
@@ -104,30 +104,28 @@ fn spokes(points: &[[f32; 3]]) -> impl Iterator<Item = [Point; 2]> + '_ {
 }
 
 /// Whether the fan from the first corner covers the polygon exactly: no triangle of it is turned over, and together they do not go
-/// round the corner.
+/// round the corner. Beyond four corners each triangle must also have an area: one without is left out later, and the corner in the
+/// middle of its longest side with it, so that the side no longer matches the neighbour's two.
 fn is_fan(points: &[[f32; 3]], normal: Point) -> bool {
     let length = dot(normal, normal).sqrt();
-    let (mut turned, mut ended) = (0.0, false);
+    if length == 0.0 {
+        // Nothing says which side is up: only a polygon without any area is a fan.
+        return spokes(points).all(|[p, q]| cross(p, q) == [0.0; 3]);
+    }
+    let mut turned = 0.0;
     for [p, q] in spokes(points) {
         let cross = cross(p, q);
-        if length == 0.0 {
-            // Nothing says which side is up: only a polygon without any area is a fan.
-            if cross == [0.0; 3] {
-                continue;
-            }
+        if cross == [0.0; 3] && points.len() > 4 {
             return false;
         }
         let sides = (dot(p, p) * dot(q, q)).sqrt();
         if sides == 0.0 {
-            // The polygon comes back to its first corner.
-            ended |= turned != 0.0;
             continue;
         }
-        let sine = dot(cross, normal) / (length * sides);
-        if sine < -FLAT || ended {
+        let (sine, cosine) = (dot(cross, normal) / (length * sides), dot(p, q) / sides);
+        if sine < -FLAT {
             return false;
         }
-        let cosine = dot(p, q) / sides;
         turned += libm::atan2(if cosine < 0.0 { sine.max(0.0) } else { sine }, cosine);
     }
     turned < std::f64::consts::TAU - 1e-6
