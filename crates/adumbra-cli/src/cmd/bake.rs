@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         files::check_output(&output)?;
     }
     with_threads(args.work.threads, || {
-        let scene = load_scene(&args.scene, &args.load.load_options()?)?;
+        let scene = load_scene(&args.scene, &args.load.load_options(args.work.max_memory)?)?;
         if args.dry_run {
             return dry_run(args, &scene, &options);
         }

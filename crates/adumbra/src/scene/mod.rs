@@ -119,8 +119,8 @@ pub struct LoadNotes {
     pub blended_triangles: u64,
     /// Lines and points that were skipped.
     pub skipped_primitives: u64,
-    /// Polygons of OBJ and PLY files that could not be triangulated, because they cross themselves or are far from flat. Each was cut
-    /// into a fan from its first corner, which may cover more or less than the polygon.
+    /// Polygons of OBJ and PLY files that could not be triangulated, because they cross themselves, are far from flat, or are concave with
+    /// more than 16,384 corners. Each was cut into a fan from its first corner, which may cover more or less than the polygon.
     pub untriangulated_polygons: u64,
     /// Animated instances that were left out, by [`MoverPolicy::LeaveOut`].
     pub movers_left_out: u64,

@@ -12,7 +12,7 @@ const FLAT: f64 = 1e-9;
 /// A cut is wrong if its area differs from the polygon's by a larger share.
 const MAX_AREA_ERROR: f64 = 1e-3;
 /// More corners than this are not cut by ear clipping, whose time may grow with the square of their number.
-const MAX_CORNERS: usize = 1 << 16;
+const MAX_CORNERS: usize = 1 << 14;
 
 type Point = [f64; 3];
 type Flat = [f64; 2];
@@ -24,7 +24,7 @@ pub(super) struct Cutter {
     flat: Vec<Flat>,
     indices: Vec<u32>,
     triangles: Vec<[u32; 3]>,
-    /// Polygons without a triangulation of their own corners, because they cross themselves or are far from flat.
+    /// Polygons that were not triangulated, because they cross themselves, are far from flat or have too many corners.
     pub(super) failed: u64,
 }
 

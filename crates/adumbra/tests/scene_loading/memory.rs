@@ -251,7 +251,7 @@ fn long_texts_take_no_longer_than_their_length() {
 #[test]
 fn polygons_of_very_many_corners_end_soon() {
     // Teeth as far as they may interfere with each other.
-    for teeth in [16_000, 200_000_u32] {
+    for teeth in [8_000, 200_000_u32] {
         let (mut text, mut face) = (String::new(), "f".to_owned());
         let corners = 2 * teeth + 2;
         for i in 0..corners - 2 {
@@ -268,7 +268,7 @@ fn polygons_of_very_many_corners_end_soon() {
         let scene = scene.expect("loads");
         let seconds = started.elapsed().as_secs_f64();
         println!("{corners} corners: {seconds:.3} s, {} not cut", scene.notes.untriangulated_polygons);
-        assert_eq!(scene.notes.untriangulated_polygons, u64::from(corners > 1 << 16));
+        assert_eq!(scene.notes.untriangulated_polygons, u64::from(corners > 1 << 14));
         assert!(seconds < 5.0, "{corners} corners: {seconds:.1} s");
     }
 }
