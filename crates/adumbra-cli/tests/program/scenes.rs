@@ -197,7 +197,7 @@ fn a_scene_beyond_the_memory_allowed_exits_with_4() {
 }
 
 #[test]
-fn polygons_that_cross_themselves_are_told() {
+fn polygons_that_cross_themselves_are_counted_in_a_warning() {
     let folder = Folder::new();
     let bow_tie = "v 0 0 0\nv 4 0 4\nv 4 0 0\nv 0 0 4\nf 1 2 3 4\n";
     let scene = folder.write("bow.obj", bow_tie.as_bytes());

@@ -55,6 +55,9 @@ const KNOWN_EXTENSIONS: [&str; 22] = [
     "KHR_xmp_json_ld",
 ];
 
+/// Bytes of an object of the file's JSON once it is read: of an empty node, which takes three bytes there.
+const OBJECT_BYTES: u64 = 512;
+
 /// A node's mesh with the primitives of it that the filter keeps.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Variant {
@@ -69,6 +72,10 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let sources = Sources::new(path, "glTF", options);
     let bytes = sources.read_scene()?;
     let (json, bin) = container::split(path, &bytes)?;
+    let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
+    sources.budget.charge(objects * OBJECT_BYTES + json.len() as u64, || {
+        format!("the {objects} objects of its JSON")
+    })?;
     let root = parse(path, &json)?;
     let nodes = Nodes::load(path, &root)?;
     let mut scene = Scene::default();

@@ -143,8 +143,8 @@ pub struct LoadOptions {
     /// leads out of it are [`Error::OutsideScene`].
     pub allow_outside: bool,
     /// Memory that the load may hold: files, decoded textures, triangles, vertices and instances, counted before they are made. More is
-    /// [`Error::SceneMemory`]. Without a limit it is 2 GiB, and 64 bytes for each byte of the scene's files: ordinary scenes take less
-    /// than ten bytes for each, and a small file cannot take all memory.
+    /// [`Error::SceneMemory`]. Without a limit it is 2 GiB, and 64 bytes for each byte of the scene's files, so that a small file cannot
+    /// take all memory and a large one may be as large as it is.
     pub max_memory_bytes: Option<u64>,
 }
 

@@ -1,7 +1,7 @@
 //! Loads Wavefront OBJ with its MTL: one mesh for each object or group name, polygons cut into triangles.
 //!
-//! `tobj` groups, cuts fans and reads materials; [`tidy`] first cuts the polygons that a fan would not cover, rewrites the file to the part of the format that
-//! `tobj` is sure of, and reports broken lines by number.
+//! `tobj` groups, cuts fans and reads materials; [`tidy`] first rewrites the file to the part of the format that `tobj` is sure of, cuts
+//! the polygons that a fan would not cover, and reports broken lines by number.
 
 mod tidy;
 
@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use super::affine::IDENTITY;
-use super::sources::{Located, MAX_IMAGE_BYTES, MAX_LIBRARY_BYTES, Sources, loses_outside};
+use super::sources::{Located, MAX_IMAGE_BYTES, MAX_LIBRARY_BYTES, OUTSIDE, Sources};
 use super::validate::{Sieve, check_vertex, finish};
 use super::{AlphaMode, Instance, LoadNotes, LoadOptions, Material, Mesh, Pixels, Scene, Texture};
 use crate::error::{Error, Result};
@@ -210,39 +210,34 @@ fn load_textures(
     materials: &mut [Material],
     scene: &mut Scene,
 ) -> Result<()> {
-    let mut known: HashMap<Located, Option<u32>> = HashMap::new();
+    let mut named: HashMap<&str, Option<u32>> = HashMap::new();
+    let mut decoded: HashMap<Located, Option<u32>> = HashMap::new();
     for ((parsed, material), _) in library.iter().zip(materials).zip(used).filter(|&(_, &used)| used) {
-        let Some(named) = parsed.diffuse_texture.as_deref() else { continue };
-        let name = &material.name;
-        let place = format!("map_Kd of material {name:?}");
-        let file = match locate(sources, &place, named) {
-            Ok(file) => file,
-            Err(Error::OutsideScene { .. }) => {
-                scene.notes.warnings.push(loses_outside(name, named));
-                continue;
-            }
-            Err(e) => {
-                scene.notes.warnings.push(format!("material {name:?} loses its colour texture {named}: {e}"));
-                continue;
-            }
-        };
-        if let Some(&texture) = known.get(&file) {
-            material.texture = texture;
+        let Some(file) = parsed.diffuse_texture.as_deref() else { continue };
+        if let Some(&known) = named.get(file) {
+            material.texture = known;
             continue;
         }
-        match decode(sources, &file, &place, named)? {
-            Ok(texture) => {
-                scene.textures.push(texture);
-                material.texture = Some(scene.textures.len() as u32 - 1);
-            }
-            Err(what) => {
-                scene
-                    .notes
-                    .warnings
-                    .push(format!("material {name:?} loses its colour texture {named}: {what}"));
-            }
-        }
-        known.insert(file, material.texture);
+        let place = format!("map_Kd of material {:?}", material.name);
+        let texture = match locate(sources, &place, file) {
+            Ok(located) => match decoded.get(&located) {
+                Some(&known) => Ok(known),
+                None => decode(sources, &located, &place, file)?.map(|texture| {
+                    scene.textures.push(texture);
+                    let index = Some(scene.textures.len() as u32 - 1);
+                    decoded.insert(located, index);
+                    index
+                }),
+            },
+            Err(Error::OutsideScene { .. }) => Err(OUTSIDE.to_owned()),
+            Err(e) => Err(e.to_string()),
+        };
+        material.texture = texture.unwrap_or_else(|what| {
+            let warning = format!("material {:?} loses its colour texture {file}: {what}", material.name);
+            scene.notes.warnings.push(warning);
+            None
+        });
+        named.insert(file, material.texture);
     }
     Ok(())
 }

@@ -79,18 +79,20 @@ impl<'a> Sources<'a> {
         Ok(Located(file))
     }
 
-    /// The first `most` bytes of a file that `place` names, or all of it.
-    pub(super) fn read_start(&self, file: &Located, place: &str, most: u64) -> Result<Vec<u8>> {
-        self.read_regular(&file.0, &self.full(place), most)
+    /// The first `max_bytes` bytes of a file that `place` names, or all of it.
+    pub(super) fn read_start(&self, file: &Located, place: &str, max_bytes: u64) -> Result<Vec<u8>> {
+        self.read_regular(&file.0, &self.full(place), max_bytes)
     }
 
-    /// A file of at most `most` bytes that `place` names.
-    pub(super) fn read_whole(&self, file: &Located, place: &str, most: u64) -> Result<Vec<u8>> {
+    /// A file of at most `max_bytes` bytes that `place` names.
+    pub(super) fn read_whole(&self, file: &Located, place: &str, max_bytes: u64) -> Result<Vec<u8>> {
         let length = fs::metadata(&file.0).map_err(Error::io("read", &file.0))?.len();
-        if length > most {
-            return Err(self.bad(format!("the file of {place} has {length} bytes; at most {most} are read")));
+        if length > max_bytes {
+            return Err(
+                self.bad(format!("the file of {place} has {length} bytes; at most {max_bytes} are read"))
+            );
         }
-        self.read_start(file, place, most)
+        self.read_start(file, place, max_bytes)
     }
 
     /// Names a part of the scene in an error about a file.
@@ -113,11 +115,11 @@ impl<'a> Sources<'a> {
         Ok(self.folder.get_or_init(|| folder))
     }
 
-    fn read_regular(&self, path: &Path, place: &str, most: u64) -> Result<Vec<u8>> {
+    fn read_regular(&self, path: &Path, place: &str, max_bytes: u64) -> Result<Vec<u8>> {
         // Opening a pipe waits for whoever writes to it, so its kind is asked first.
         regular(path, place, fs::metadata(path))?;
         let file = File::open(path).map_err(Error::io("read", path))?;
-        let length = regular(path, place, file.metadata())?.min(most);
+        let length = regular(path, place, file.metadata())?.min(max_bytes);
         if self.known.borrow_mut().insert(path.to_owned()) {
             self.budget.allow_for(length);
         }
@@ -135,12 +137,8 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// The warning for a material that only loses its colour.
-pub(super) fn loses_outside(material: &str, named: &str) -> String {
-    format!(
-        "material {material:?} loses its colour texture {named}: it lies outside the scene's folder; --allow-outside reads it"
-    )
-}
+/// Why a texture that only colours is not read: a clause of a warning.
+pub(super) const OUTSIDE: &str = "it lies outside the scene's folder; --allow-outside reads it";
 
 /// Whether a relative path leaves the folder that it starts in, or is not relative.
 fn leaves(path: &Path) -> bool {

@@ -123,9 +123,9 @@ impl Texture {
         // The decoded image, its conversion where there is one, and what is kept of it.
         let converted =
             if color == ColorType::Rgba8 || alpha_only && color == ColorType::La8 { 0 } else { 4 };
-        let most = decoder.total_bytes() + converted * texels + if alpha_only { texels } else { 0 };
-        let most = most.max(kept);
-        budget.charge(most, || format!("the texture {name:?} of {width} x {height} texels"))?;
+        let peak = decoder.total_bytes() + converted * texels + if alpha_only { texels } else { 0 };
+        let peak = peak.max(kept);
+        budget.charge(peak, || format!("the texture {name:?} of {width} x {height} texels"))?;
         let result = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()).and_then(|image| {
             if texels == 0 {
                 return Err("the image is empty".to_owned());
@@ -140,7 +140,7 @@ impl Texture {
             };
             Ok(Self { name, width, height, pixels, wrap: [Wrap::Repeat; 2], nearest: false })
         });
-        budget.release(if result.is_ok() { most - kept } else { most });
+        budget.release(if result.is_ok() { peak - kept } else { peak });
         Ok(result)
     }
 

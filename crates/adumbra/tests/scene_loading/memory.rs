@@ -63,7 +63,7 @@ fn images_of_the_same_bytes_are_decoded_once() {
     let side = 256;
     let texels = u64::from(side * side);
     // One image takes five bytes a texel while it is decoded, twenty of them would keep twenty.
-    let enough = within(1 << 18 | 5 * texels);
+    let enough = within((1 << 18) + 5 * texels);
     let mut glb = masked(&vec![json!({"bufferView": 2, "mimeType": "image/png"}); 20], None);
     assert_eq!(glb.view(&clear_png(side)), 2);
     let scene = glb.load_with(&enough).expect("loads");
@@ -151,6 +151,15 @@ fn primitives_that_share_an_accessor_are_counted() {
     let scene = shared(1_000, 30).load_with(&within(8 << 20)).expect("loads");
     let notes = &scene.notes;
     assert_eq!(scene.stored_triangles() + notes.degenerate_triangles, 10_000);
+}
+
+#[test]
+fn objects_of_the_json_are_counted() {
+    let mut glb = Glb::triangle();
+    glb.json["nodes"] = json!(vec![json!({}); 100_000]);
+    glb.json["nodes"][0]["mesh"] = json!(0);
+    assert_too_large(glb.load_with(&within(16 << 20)), "objects of its JSON");
+    glb.load_with(&within(64 << 20)).expect("loads");
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn assert_outside(result: Result<Scene>, place: &str, named: &str) {
     assert!(message.contains("--allow-outside") && message.contains("scene."), "{message}");
     match error {
         Error::OutsideScene { place: p, named: n, .. } => {
-            assert_eq!((p.as_str(), n.as_str()), (place, named))
+            assert_eq!((p.as_str(), n.as_str()), (place, named));
         }
         other => panic!("{other}"),
     }

@@ -97,11 +97,11 @@ pub(super) fn bad(path: &Path, what: impl Into<String>) -> Error {
     Error::SceneParse { path: path.to_owned(), format: "glTF", what: what.into() }
 }
 
-/// The bytes of a data URI, or the first `most` bytes of a file beside the scene; `place` is what names it.
-fn read_uri(sources: &Sources<'_>, uri: &str, place: &str, most: u64) -> Result<Vec<u8>> {
+/// The bytes of a data URI, or the first `max_bytes` bytes of a file beside the scene; `place` is what names it.
+fn read_uri(sources: &Sources<'_>, uri: &str, place: &str, max_bytes: u64) -> Result<Vec<u8>> {
     match uri.strip_prefix("data:") {
         Some(data) => read_data(sources, data, place),
-        None => sources.read_start(&sources.locate(place, &file_name(uri))?, place, most),
+        None => sources.read_start(&sources.locate(place, &file_name(uri))?, place, max_bytes),
     }
 }
 

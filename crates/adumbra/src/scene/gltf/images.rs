@@ -14,7 +14,7 @@ use crate::scene::{Texture, Wrap};
 
 /// Why a material does not get its texture.
 #[derive(Clone, Debug)]
-pub(super) enum Trouble {
+pub(super) enum Problem {
     /// It is missing or broken.
     Unreadable {
         /// Its file, name or number.
@@ -46,7 +46,7 @@ enum Content {
 type Sampling = ([Wrap; 2], bool);
 
 /// A texture's index; none where only alpha is wanted and it is full everywhere.
-type Loaded = Result<Option<u32>, Trouble>;
+type Loaded = Result<Option<u32>, Problem>;
 
 /// Loads the images that textures name.
 pub(super) struct Images<'a> {
@@ -56,7 +56,7 @@ pub(super) struct Images<'a> {
     contents: Vec<Rc<Content>>,
     known: HashMap<Rc<Content>, usize>,
     /// Of each image entry that was asked for, the index of its content.
-    of_image: HashMap<usize, Result<usize, Trouble>>,
+    of_image: HashMap<usize, Result<usize, Problem>>,
     /// Of each content that was decoded, the texture.
     decoded: HashMap<usize, Loaded>,
     /// Of each content, as a sampler reads it, the texture.
@@ -80,7 +80,7 @@ impl<'a> Images<'a> {
     /// The index in `textures` of the texture with this index in the file.
     ///
     /// # Errors
-    /// [`Error::SceneMemory`]. What is wrong with the texture alone comes as [`Trouble`].
+    /// [`Error::SceneMemory`]. What is wrong with the texture alone comes as [`Problem`].
     pub(super) fn load(&mut self, index: usize, textures: &mut Vec<Texture>) -> Result<Loaded> {
         let Some(json) = self.root.textures.get(index) else {
             return Ok(Err(unreadable(index.to_string(), "it does not exist")));
@@ -93,7 +93,7 @@ impl<'a> Images<'a> {
         let nearest = sampler.is_some_and(|s| s.mag_filter == Some(Checked::Valid(MagFilter::Nearest)));
         let content = match self.content(image)? {
             Ok(content) => content,
-            Err(trouble) => return Ok(Err(trouble)),
+            Err(problem) => return Ok(Err(problem)),
         };
         let key = (content, (wraps, nearest));
         if let Some(done) = self.sampled.get(&key) {
@@ -129,7 +129,7 @@ impl<'a> Images<'a> {
     }
 
     /// The index of the content that an image entry has.
-    fn content(&mut self, image: usize) -> Result<Result<usize, Trouble>> {
+    fn content(&mut self, image: usize) -> Result<Result<usize, Problem>> {
         if let Some(known) = self.of_image.get(&image) {
             return Ok(known.clone());
         }
@@ -170,7 +170,7 @@ impl<'a> Images<'a> {
     }
 
     /// The decoded image; none where only alpha is wanted and it is full everywhere.
-    fn decode(&self, image: usize, content: usize) -> Result<Result<Option<Texture>, Trouble>> {
+    fn decode(&self, image: usize, content: usize) -> Result<Result<Option<Texture>, Problem>> {
         let (sources, json) = (self.buffers.sources, &self.root.images[image]);
         let label = || self.label(image);
         let mut read = Vec::new();
@@ -183,7 +183,7 @@ impl<'a> Images<'a> {
             Content::File(file) => {
                 match apart(sources.read_whole(file, &format!("image {image}"), MAX_IMAGE_BYTES), label)? {
                     Ok(bytes) => read = bytes,
-                    Err(trouble) => return Ok(Err(trouble)),
+                    Err(problem) => return Ok(Err(problem)),
                 }
                 &read
             }
@@ -211,17 +211,17 @@ impl<'a> Images<'a> {
     }
 }
 
-fn unreadable(texture: String, what: &str) -> Trouble {
-    Trouble::Unreadable { texture, what: what.to_owned() }
+fn unreadable(texture: String, what: &str) -> Problem {
+    Problem::Unreadable { texture, what: what.to_owned() }
 }
 
 /// Sets what is wrong with one texture apart from what ends the load.
-fn apart<T>(result: Result<T>, label: impl FnOnce() -> String) -> Result<Result<T, Trouble>> {
+fn apart<T>(result: Result<T>, label: impl FnOnce() -> String) -> Result<Result<T, Problem>> {
     match result {
         Ok(value) => Ok(Ok(value)),
         Err(e @ Error::SceneMemory { .. }) => Err(e),
-        Err(Error::OutsideScene { place, named, .. }) => Ok(Err(Trouble::Outside { place, named })),
-        Err(e) => Ok(Err(Trouble::Unreadable { texture: label(), what: e.to_string() })),
+        Err(Error::OutsideScene { place, named, .. }) => Ok(Err(Problem::Outside { place, named })),
+        Err(e) => Ok(Err(Problem::Unreadable { texture: label(), what: e.to_string() })),
     }
 }
 

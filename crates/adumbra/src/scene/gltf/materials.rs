@@ -11,10 +11,10 @@ use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
 
 use super::container::Buffers;
-use super::images::{Images, Trouble};
+use super::images::{Images, Problem};
 use super::nodes::casts;
 use crate::error::{Error, Result};
-use crate::scene::sources::loses_outside;
+use crate::scene::sources::OUTSIDE;
 use crate::scene::{AlphaMode, LoadNotes, LoadOptions, Material, Texture};
 
 /// Which texture coordinates a material's texture takes, and the KHR_texture_transform to apply.
@@ -89,8 +89,8 @@ pub(super) fn load(
         {
             match images.load(info.index.value(), &mut out.textures)? {
                 Ok(texture) => material.texture = texture,
-                Err(trouble) if cuts => return Err(trouble.error(buffers.sources.scene, name)),
-                Err(trouble) => notes.warnings.push(trouble.warning(&name)),
+                Err(problem) if cuts => return Err(problem.error(buffers.sources.scene, name)),
+                Err(problem) => notes.warnings.push(problem.warning(&name)),
             }
             coordinates = material.texture.map(|_| placing(&info));
         }
@@ -152,7 +152,7 @@ fn placing(info: &Info) -> Coordinates {
     }
 }
 
-impl Trouble {
+impl Problem {
     /// The error where the texture decides opacity.
     fn error(self, path: &Path, material: String) -> Error {
         let path = path.to_owned();
@@ -164,11 +164,10 @@ impl Trouble {
 
     /// The warning where the texture only colours.
     fn warning(&self, material: &str) -> String {
-        match self {
-            Self::Unreadable { texture, what } => {
-                format!("material {material:?} loses its colour texture {texture}: {what}")
-            }
-            Self::Outside { named, .. } => loses_outside(material, named),
-        }
+        let (texture, what) = match self {
+            Self::Unreadable { texture, what } => (texture, what.as_str()),
+            Self::Outside { named, .. } => (named, OUTSIDE),
+        };
+        format!("material {material:?} loses its colour texture {texture}: {what}")
     }
 }
