@@ -1,6 +1,8 @@
 //! The program as its users meet it: verbs, exit codes, JSON fields, and what is left behind when something fails.
 
 mod kit;
+#[path = "program/scenes.rs"]
+mod scenes;
 
 use std::fs;
 use std::process::{Command, Stdio};

@@ -68,6 +68,9 @@ pub(crate) struct BenchBake {
         default_value = "kaykit_city_21.glb,zdm2.glb,alpine-2.glb,delft.glb,box-city-5k.glb,dragon_202k.ply"
     )]
     pub(crate) names: Vec<String>,
+    /// Read files outside the folder too, where those scenes name them; for scenes that you trust
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// Resolutions
     #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096,8192,16384")]
     pub(crate) resolutions: Vec<u64>,
@@ -103,6 +106,9 @@ pub(crate) struct BenchVerify {
         default_value = "zdm2.glb,kaykit_city_21.glb,dragon_202k.ply,armadillo.ply,alpine-2.glb,street-1.glb,delft.glb,bridge_garden.glb,auster.obj,box-city-5k.glb,oak_medium.glb"
     )]
     pub(crate) names: Vec<String>,
+    /// Read files outside the folder too, where those scenes name them; for scenes that you trust
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// Resolution
     #[arg(long, default_value_t = 8192)]
     pub(crate) resolution: u64,
@@ -125,6 +131,9 @@ pub(crate) struct BenchTree {
     /// Scene files in that folder; primitives and landscape are made
     #[arg(long, value_delimiter = ',', default_value = "primitives,landscape,zdm2.glb,kaykit_city_21.glb")]
     pub(crate) names: Vec<String>,
+    /// Read files outside the folder too, where those scenes name them; for scenes that you trust
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// Depths of the builders' tables
     #[arg(long, value_delimiter = ',', default_value = "8,9,10,11,12",
         value_parser = clap::value_parser!(u32).range(3..=14))]

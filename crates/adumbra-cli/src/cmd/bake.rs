@@ -46,7 +46,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         files::check_output(&output)?;
     }
     with_threads(args.work.threads, || {
-        let scene = load_scene(&args.scene, &args.load.load_options()?)?;
+        let scene = load_scene(&args.scene, &args.load.load_options(args.work.max_memory)?)?;
         let empty_bounds = options.bounds.is_some_and(|bounds| !holds_geometry(&scene, &bounds));
         if empty_bounds {
             let Bounds { min, max } = scene.bounds();

@@ -55,10 +55,10 @@ fn bake_tables(args: &BenchBake) -> Outcome {
     let mut variants = Vec::new();
     for name in &args.names {
         for &resolution in &args.resolutions {
-            sizes.push(bake_row(&args.scenes, name, resolution, &VARIANTS[0])?);
+            sizes.push(bake_row(args, name, resolution, &VARIANTS[0])?);
         }
         for variant in &VARIANTS {
-            variants.push(bake_row(&args.scenes, name, args.variant_resolution, variant)?);
+            variants.push(bake_row(args, name, args.variant_resolution, variant)?);
         }
     }
     let mut text = String::from("# Bake: seconds, memory and bytes\n\n");
@@ -77,9 +77,16 @@ fn bake_tables(args: &BenchBake) -> Outcome {
     write_tables(&args.output, "bake", &text, &document)
 }
 
-fn bake_row(scenes: &Path, name: &str, resolution: u64, variant: &(&str, &[&str])) -> Result<Value, Failure> {
+fn bake_row(
+    args: &BenchBake,
+    name: &str,
+    resolution: u64,
+    variant: &(&str, &[&str]),
+) -> Result<Value, Failure> {
     let resolution_words = resolution.to_string();
-    let said = child::bake(&scenes.join(name), &[&["--resolution", &resolution_words], variant.1].concat())?;
+    let outside: &[&str] = if args.allow_outside { &["--allow-outside"] } else { &[] };
+    let options = [&["--resolution", &resolution_words], variant.1, outside].concat();
+    let said = child::bake(&args.scenes.join(name), &options)?;
     let number = |key: &str| said[key].as_f64().unwrap_or(f64::NAN);
     let raw =
         said["size"][0].as_f64().unwrap_or(f64::NAN) * said["size"][1].as_f64().unwrap_or(f64::NAN) * 4.0;
@@ -147,7 +154,8 @@ fn verify_table(args: &BenchVerify) -> Outcome {
     let mut rows = Vec::new();
     let mut all_hold = true;
     for name in &args.names {
-        let scene = load_scene(&args.scenes.join(name), &LoadOptions::default())?;
+        let load = LoadOptions { allow_outside: args.allow_outside, ..LoadOptions::default() };
+        let scene = load_scene(&args.scenes.join(name), &load)?;
         let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
         let solids = Solids::of(&scene);
         for (sun_name, sun) in suns()? {

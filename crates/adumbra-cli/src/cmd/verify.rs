@@ -14,7 +14,7 @@ use crate::exit::{Code, Failure, Outcome};
 
 pub(crate) fn run(args: &Verify) -> Outcome {
     let file = AnyFile::read(&args.file)?;
-    let mut load = args.load.load_options()?;
+    let mut load = args.load.load_options(args.work.max_memory)?;
     load.ignore_alpha |= ignored_alpha(&file);
     if let AnyFile::Light(light) = &file
         && args.volume
