@@ -342,9 +342,9 @@ pub(crate) struct Verify {
     /// How a world-aligned file's taps are weighted
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) weights: WeightsArg,
-    /// The check fails below this interior agreement
-    #[arg(long, value_name = "SHARE", default_value_t = 0.999)]
-    pub(crate) min_interior: f64,
+    /// The check fails below this interior agreement; 0.999 unless given, of a filtered light-aligned file 0.995
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) min_interior: Option<f64>,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
     #[command(flatten)]

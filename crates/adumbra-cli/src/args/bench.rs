@@ -22,7 +22,7 @@ pub(crate) enum BenchVerb {
         Example: adumbra bench bake --suite fast --only 8192,query --scenes scenes -o docs/bench"
     )]
     Bake(BenchBake),
-    /// Interior agreement of every scene under four suns; writes verify.md and verify.json
+    /// Every scene against rays, under seven suns and in both layouts; writes verify.md and verify.json
     #[command(after_help = "Example: adumbra bench verify --scenes scenes --resolution 8192 -o docs/bench")]
     Verify(BenchVerify),
     /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots, pictures
@@ -115,6 +115,9 @@ pub(crate) struct BenchVerify {
     /// Points for each scene and sun
     #[arg(long, default_value_t = 1_000_000)]
     pub(crate) samples: u64,
+    /// Filter widths, a row each
+    #[arg(long, value_name = "K,...", value_delimiter = ',', default_value = "1")]
+    pub(crate) filter: Vec<u32>,
     /// Points in free space in place of points on surfaces, on files baked with --no-assume-ground
     #[arg(long)]
     pub(crate) volume: bool,

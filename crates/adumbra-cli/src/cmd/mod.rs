@@ -11,6 +11,7 @@ mod bench_hrsm;
 mod bench_peers;
 mod bench_shadows;
 mod bench_tree;
+mod bench_verify;
 mod child;
 mod compare;
 mod demo;
