@@ -92,8 +92,8 @@ fn table(args: &BenchVerify, rows: &[Value]) -> String {
         "# Agreement with rays{}\n\nN = {}, {} points drawn for each row. Classes as `adumbra::verify` defines them. Agreement in % of the points of \
         a class (with a filter of K × K texels: 100 less the mean difference from the rays' own mean), behind it the share of compared points \
         in the class; of edges and narrow features the share that is wrong by more than a texel.\n\n\
-        | scene | sun | layout | K | all | interior | grazing | edge: misplaced | narrow: misplaced | thin | acne | leak | holds |\n\
-        |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        | scene | sun | layout | K | all | interior | grazing | edge: misplaced | narrow: misplaced | thin | edge-on | acne | leak | holds |\n\
+        |---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         if args.volume { ", points in free space" } else { "" },
         args.resolution,
         args.samples
@@ -125,7 +125,7 @@ fn table(args: &BenchVerify, rows: &[Value]) -> String {
         };
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {:.3} | {} | {} | {} | {} | {} | {:.3} | {:.3} | {} |",
+            "| {} | {} | {} | {} | {:.3} | {} | {} | {} | {} | {} | {} | {:.3} | {:.3} | {} |",
             r["scene"].as_str().unwrap_or_default(),
             r["sun"].as_str().unwrap_or_default(),
             r["layout"].as_str().unwrap_or_default(),
@@ -136,6 +136,7 @@ fn table(args: &BenchVerify, rows: &[Value]) -> String {
             misplaced(Class::Edge),
             misplaced(Class::Narrow),
             agreement(Class::Thin),
+            agreement(Class::EdgeOn),
             percent("acne"),
             percent("leak"),
             if r["holds"] == true { "yes" } else { "no" },

@@ -8,9 +8,14 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Class {
+    /// The surface is all but edge-on to the sun, steeper than look-ups follow ([`crate::settings::MAX_PLANE_SLOPE`]): n·l is below
+    /// 0.0084, so the sun gives it less than a hundredth of its light, and nothing is promised.
+    #[serde(rename = "edge-on")]
+    EdgeOn,
     /// A blocker lies within the point's bias. It cannot be told from the surface itself, so nothing is promised.
     Thin,
-    /// Two neighbours on opposite sides of the point disagree with it: light or shadow is narrower than four texels there.
+    /// Neighbours on opposite sides of the point disagree with it, or one does that lies between the point and an outer one that
+    /// agrees: light or shadow is narrower than four texels there.
     Narrow,
     /// Some neighbour disagrees with the point: an edge is near.
     Edge,
@@ -22,7 +27,8 @@ pub enum Class {
 
 impl Class {
     /// All classes, in the order of tables.
-    pub const ALL: [Self; 5] = [Self::Interior, Self::Grazing, Self::Edge, Self::Narrow, Self::Thin];
+    pub const ALL: [Self; 6] =
+        [Self::Interior, Self::Grazing, Self::Edge, Self::Narrow, Self::Thin, Self::EdgeOn];
 
     /// Its name in tables and JSON.
     pub fn name(self) -> &'static str {
@@ -32,6 +38,7 @@ impl Class {
             Self::Edge => "edge",
             Self::Narrow => "narrow",
             Self::Thin => "thin",
+            Self::EdgeOn => "edge-on",
         }
     }
 }
@@ -129,7 +136,7 @@ impl ClassCounts {
             Class::Interior => (Some(promises.interior), None),
             Class::Grazing => (promises.grazing, None),
             Class::Edge | Class::Narrow => (None, promises.misplaced),
-            Class::Thin => (None, None),
+            Class::Thin | Class::EdgeOn => (None, None),
         };
         let points = self.points;
         let differences = self.difference_steps as f64 / DIFFERENCE_STEPS;

@@ -4,8 +4,8 @@
 //! of the rays. Every point that the sun can shine on is compared; what is not is counted: faces turned away, points inside
 //! solids, which nobody sees, and points outside the file's bounds. Each compared point has a [`Class`], which rays alone decide:
 //!
-//! - The *neighbours* of a point are eight, two texels away in the light's plane and moved along the light onto the point's tangent
-//!   plane (in space: at its depth), all lifted alike. A texel is a voxel's edge where the file is world-aligned.
+//! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, moved along the light onto the
+//!   point's tangent plane (in space: at its depth), all lifted alike. A texel is a voxel's edge where the file is world-aligned.
 //! - *Acne*: lit called shadowed. *Leak*: shadowed called lit. *Misplaced*: wrong, and no ray from the point's own texel gives the
 //!   answer: more than the grid's resolution went wrong.
 //! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the centre of each tap, on
@@ -88,8 +88,8 @@ struct Counts {
     classes: [ClassCounts; Class::ALL.len()],
 }
 
-/// Texels from a point to its neighbours.
-const NEIGHBOUR_TEXELS: f64 = 2.0;
+/// Texels from a point to its inner and its outer neighbours.
+const NEIGHBOUR_TEXELS: [f64; 2] = [1.0, 2.0];
 /// Points nearer to the terminator than this are a class of their own.
 pub const MIN_N_DOT_L: f64 = 0.1;
 /// Points a batch; each batch has its own random numbers, so that the threads do not matter.
@@ -115,7 +115,7 @@ impl<'a, A: Answers> Verifier<'a, A> {
         Self { promises: Promises { interior: least_agreement, ..self.promises }, ..self }
     }
 
-    /// Draws the points and compares. Cost: about 11 rays a point, and one for each tap of a filter; runs on the current rayon pool.
+    /// Draws the points and compares. Cost: about 20 rays for each point, and one more for each tap of a filter; runs on the current rayon pool.
     pub fn run(&self, sampler: &Sampler<'_>, options: &VerifyOptions) -> Verification {
         let batches = options.samples.div_ceil(BATCH);
         let counts = (0..batches)

@@ -5,7 +5,7 @@ use super::points::Solids;
 use super::{MIN_N_DOT_L, NEIGHBOUR_TEXELS};
 use crate::light::{LightGrid, dot};
 use crate::query::Receiver;
-use crate::settings::{Bias, MAX_SLOPE};
+use crate::settings::{Bias, MAX_PLANE_SLOPE, MAX_SLOPE};
 use crate::trace::{Ray, Tracer};
 
 /// How far off its own surface a ray begins, voxels.
@@ -34,17 +34,27 @@ impl Place<'_> {
 
     /// The point's class, given what rays say of itself.
     pub(super) fn class(&self, truth: bool, baked_bias: &Bias) -> Class {
+        let [gx, gy] = self.receiver.gradient;
+        if gx * gx + gy * gy >= (MAX_PLANE_SLOPE * MAX_PLANE_SLOPE) * (1.0 - 1e-9) {
+            return Class::EdgeOn;
+        }
         if self.is_thin(baked_bias) {
             return Class::Thin;
         }
-        let offset = |i: i32| [i % 3 - 1, i / 3 - 1].map(|o| f64::from(o) * NEIGHBOUR_TEXELS);
-        let agrees: [bool; 9] =
-            std::array::from_fn(|i| i == 4 || self.lit(self.on_plane(offset(i as i32))) == truth);
-        if agrees.iter().all(|a| *a) {
+        // Nine directions, of which the middle one is none.
+        let agrees = |i: usize, texels: f64| {
+            let offset = [i % 3, i / 3].map(|o| (o as f64 - 1.0) * texels);
+            self.lit(self.on_plane(offset)) == truth
+        };
+        let [inner, outer]: [[bool; 9]; 2] =
+            NEIGHBOUR_TEXELS.map(|texels| std::array::from_fn(|i| i == 4 || agrees(i, texels)));
+        if inner.iter().chain(&outer).all(|a| *a) {
             let grazes = |n: [f64; 3]| dot(n, self.grid.sun.towards()) <= MIN_N_DOT_L;
             return if self.normal.is_some_and(grazes) { Class::Grazing } else { Class::Interior };
         }
-        let narrow = (0..4).any(|i| !agrees[i] && !agrees[8 - i]);
+        // The point's own light or shadow ends on both sides, or another's begins and ends on one.
+        let between = |i: usize| !inner[i] || !outer[i];
+        let narrow = (0..4).any(|i| between(i) && between(8 - i)) || (0..9).any(|i| !inner[i] && outer[i]);
         if narrow { Class::Narrow } else { Class::Edge }
     }
 
