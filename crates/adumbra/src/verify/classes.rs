@@ -51,17 +51,19 @@ pub struct Promises {
     pub interior: f64,
     /// [`ClassResult::agreement`] of [`Class::Grazing`].
     pub grazing: Option<f64>,
-    /// [`ClassResult::misplaced`] of [`Class::Edge`] and [`Class::Narrow`].
+    /// [`ClassResult::agreement`] of [`Class::Edge`] and [`Class::Narrow`].
+    pub edges: Option<f64>,
+    /// [`ClassResult::misplaced_share`] of [`Class::Edge`] and [`Class::Narrow`].
     pub misplaced: Option<f64>,
 }
 
 impl Promises {
     /// Of a light-aligned file that is looked up without a filter.
-    pub const LIGHT: Self = Self { interior: 0.999, grazing: Some(0.99), misplaced: Some(0.01) };
+    pub const LIGHT: Self = Self { interior: 0.999, grazing: Some(0.99), edges: None, misplaced: Some(0.01) };
     /// Of a light-aligned file whose look-ups are filtered, against the rays' own mean.
-    pub const LIGHT_FILTERED: Self = Self { interior: 0.995, grazing: Some(0.99), misplaced: None };
+    pub const LIGHT_FILTERED: Self = Self { interior: 0.995, grazing: Some(0.99), edges: Some(0.9), misplaced: None };
     /// Of a world-aligned tree. Its voxels do not follow the light, so edges are not held to a texel.
-    pub const TREE: Self = Self { interior: 0.999, grazing: None, misplaced: None };
+    pub const TREE: Self = Self { interior: 0.999, grazing: None, edges: None, misplaced: None };
 }
 
 /// How a file's answers compare with rays in one class.
@@ -135,7 +137,7 @@ impl ClassCounts {
         let (promised_agreement, promised_misplaced) = match class {
             Class::Interior => (Some(promises.interior), None),
             Class::Grazing => (promises.grazing, None),
-            Class::Edge | Class::Narrow => (None, promises.misplaced),
+            Class::Edge | Class::Narrow => (promises.edges, promises.misplaced),
             Class::Thin | Class::EdgeOn => (None, None),
         };
         let points = self.points;
