@@ -205,7 +205,7 @@ fn tree_regions_are_queried_without_seams() {
         let v = Verifier::new(&near, &tracer, &solids)
             .run(&sampler, &VerifyOptions { samples: 1_500_000, seed: 5 });
         println!("{kernel_side}: {v:?}");
-        assert!(v.interior > 10_000, "{v:?}");
+        assert!(v.interior_share * v.samples as f64 > 10_000.0, "{v:?}");
         assert!(v.interior_agreement >= 0.999, "kernel {kernel_side}: {v:?}");
     }
 }
