@@ -160,6 +160,9 @@ pub(crate) struct SceneArgs {
     /// Give it to verify where it was given to bake
     #[arg(long)]
     include_animated: bool,
+    /// Read buffers, images and material libraries outside the scene's folder too; for scenes that you trust
+    #[arg(long)]
+    allow_outside: bool,
 }
 
 impl SceneArgs {
@@ -169,17 +172,24 @@ impl SceneArgs {
             list.iter().map(|glob| format!("{name} '{}'", glob.replace('\'', "'\\''"))).collect()
         };
         let mut words = [named("--only", &self.only), named("--exclude", &self.exclude)].concat();
-        let switches = [(self.ignore_alpha, "--ignore-alpha"), (self.include_animated, "--include-animated")];
+        let switches = [
+            (self.ignore_alpha, "--ignore-alpha"),
+            (self.include_animated, "--include-animated"),
+            (self.allow_outside, "--allow-outside"),
+        ];
         words.extend(switches.iter().filter(|(on, _)| *on).map(|(_, name)| (*name).to_owned()));
         words
     }
 
-    pub(crate) fn load_options(&self) -> Result<LoadOptions, Failure> {
+    /// What to load, and how many bytes the load may hold.
+    pub(crate) fn load_options(&self, max_memory_bytes: Option<u64>) -> Result<LoadOptions, Failure> {
         Ok(LoadOptions {
             filter: NameFilter::new(&self.only, &self.exclude)?,
             color_textures: false,
             ignore_alpha: self.ignore_alpha,
             movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::LeaveOut },
+            allow_outside: self.allow_outside,
+            max_memory_bytes,
         })
     }
 }
@@ -269,6 +279,9 @@ pub(crate) struct Inspect {
     pub(crate) scene: PathBuf,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
+    /// Memory that loading may hold, such as 800MiB or 2GiB [default: 2 GiB, and 64 bytes for each byte of the scene's files]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    pub(crate) max_memory: Option<u64>,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -281,7 +294,7 @@ pub(crate) struct WorkArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Memory that may be held, such as 800MiB or 2GiB; a light-aligned bake goes on with temporary files beside the output [default: no
-    /// limit]
+    /// limit but for loading a scene: 2 GiB, and 64 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     pub(crate) max_memory: Option<u64>,
 }
@@ -329,9 +342,9 @@ pub(crate) struct Verify {
     /// How a world-aligned file's taps are weighted
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) weights: WeightsArg,
-    /// The check fails below this interior agreement
-    #[arg(long, value_name = "SHARE", default_value_t = 0.999)]
-    pub(crate) min_interior: f64,
+    /// The check fails below this interior agreement; 0.999 unless given, of a filtered light-aligned file 0.995
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) min_interior: Option<f64>,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
     #[command(flatten)]

@@ -73,7 +73,9 @@ impl Failure {
         use adumbra::Error as E;
         match self {
             Self::Usage(_) | Self::Library(E::OptionRange { .. } | E::Pattern { .. }) => Code::Usage,
-            Self::Library(E::MemoryLimit { .. } | E::TooManyWords { .. }) => Code::OutOfRoom,
+            Self::Library(E::MemoryLimit { .. } | E::SceneMemory { .. } | E::TooManyWords { .. }) => {
+                Code::OutOfRoom
+            }
             Self::Library(E::Interrupted) => Code::Interrupted,
             Self::Library(E::Io { source, .. }) => match source.kind() {
                 ErrorKind::StorageFull

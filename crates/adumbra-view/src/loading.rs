@@ -60,6 +60,10 @@ impl LoadedScene {
         if whole.notes.degenerate_triangles > 0 {
             notes.push(format!("{} degenerate triangles skipped", whole.notes.degenerate_triangles));
         }
+        if whole.notes.untriangulated_polygons > 0 {
+            let count = whole.notes.untriangulated_polygons;
+            notes.push(format!("{count} polygons could not be triangulated properly"));
+        }
         let whole = Arc::new(whole);
         let (still, moving) = if whole.movers.is_empty() {
             (whole.clone(), Scene::default())

@@ -59,6 +59,45 @@ pub enum Error {
         /// What went wrong.
         what: String,
     },
+    /// The scene names a file outside its own folder.
+    #[error(
+        "{path:?}: {place} names {named:?}, which lies outside the scene's folder; copy it into that folder and name it from there, or use --allow-outside if you trust the scene",
+        path = path.display()
+    )]
+    OutsideScene {
+        /// The scene file.
+        path: PathBuf,
+        /// What in the scene names it, such as "buffer 0".
+        place: String,
+        /// The file as the scene names it.
+        named: String,
+    },
+    /// A device, a pipe or a socket stands where a file of a scene is expected.
+    #[error(
+        "{path:?} ({place}): not a regular file but a device, a pipe or a socket; copy the data into a file",
+        path = path.display()
+    )]
+    NotRegularFile {
+        /// The file.
+        path: PathBuf,
+        /// What names it: the scene itself, or a part of a scene.
+        place: String,
+    },
+    /// Loading the scene would hold more memory than is allowed.
+    #[error(
+        "{path:?}: loading needs about {} MiB with {what}, but {} MiB are allowed; raise --max-memory if you trust the scene, or make it smaller",
+        needed_bytes.div_ceil(1 << 20), limit_bytes >> 20, path = path.display()
+    )]
+    SceneMemory {
+        /// The scene file.
+        path: PathBuf,
+        /// What was about to be made: a texture, a mesh …
+        what: String,
+        /// Bytes that would be held, with everything before.
+        needed_bytes: u64,
+        /// The limit in force.
+        limit_bytes: u64,
+    },
     /// The scene holds no triangle that could cast a shadow.
     #[error("{path:?}: holds no triangles{hint}", path = path.display())]
     NoTriangles {

@@ -2,9 +2,15 @@
 
 #[path = "scene_loading/kit.rs"]
 mod kit;
+#[path = "scene_loading/memory.rs"]
+mod memory;
 #[path = "scene_loading/others.rs"]
 mod others;
+#[path = "scene_loading/polygons.rs"]
+mod polygons;
 mod shared_folder;
+#[path = "scene_loading/untrusted.rs"]
+mod untrusted;
 
 use adumbra::Error;
 use adumbra::scene::{AlphaMode, LoadOptions, load};

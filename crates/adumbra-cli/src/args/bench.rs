@@ -22,7 +22,7 @@ pub(crate) enum BenchVerb {
         Example: adumbra bench bake --suite fast --only 8192,query --scenes scenes -o docs/bench"
     )]
     Bake(BenchBake),
-    /// Interior agreement of every scene under four suns; writes verify.md and verify.json
+    /// Every scene against rays, under seven suns and in both layouts; writes verify.md and verify.json
     #[command(after_help = "Example: adumbra bench verify --scenes scenes --resolution 8192 -o docs/bench")]
     Verify(BenchVerify),
     /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots, pictures
@@ -68,6 +68,9 @@ pub(crate) struct BenchBake {
         default_value = "kaykit_city_21.glb,zdm2.glb,alpine-2.glb,delft.glb,box-city-5k.glb,dragon_202k.ply"
     )]
     pub(crate) names: Vec<String>,
+    /// Read files outside the folder too, where those scenes name them; for scenes that you trust
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// Resolutions
     #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096,8192,16384")]
     pub(crate) resolutions: Vec<u64>,
@@ -103,12 +106,18 @@ pub(crate) struct BenchVerify {
         default_value = "zdm2.glb,kaykit_city_21.glb,dragon_202k.ply,armadillo.ply,alpine-2.glb,street-1.glb,delft.glb,bridge_garden.glb,auster.obj,box-city-5k.glb,oak_medium.glb"
     )]
     pub(crate) names: Vec<String>,
+    /// Read files outside the folder too, where those scenes name them; for scenes that you trust
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// Resolution
     #[arg(long, default_value_t = 8192)]
     pub(crate) resolution: u64,
     /// Points for each scene and sun
     #[arg(long, default_value_t = 1_000_000)]
     pub(crate) samples: u64,
+    /// Filter widths, a row each
+    #[arg(long, value_name = "K,...", value_delimiter = ',', default_value = "1")]
+    pub(crate) filter: Vec<u32>,
     /// Points in free space in place of points on surfaces, on files baked with --no-assume-ground
     #[arg(long)]
     pub(crate) volume: bool,
@@ -125,6 +134,9 @@ pub(crate) struct BenchTree {
     /// Scene files in that folder; primitives and landscape are made
     #[arg(long, value_delimiter = ',', default_value = "primitives,landscape,zdm2.glb,kaykit_city_21.glb")]
     pub(crate) names: Vec<String>,
+    /// Read files outside the folder too, where those scenes name them; for scenes that you trust
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// Depths of the builders' tables
     #[arg(long, value_delimiter = ',', default_value = "8,9,10,11,12",
         value_parser = clap::value_parser!(u32).range(3..=14))]

@@ -66,7 +66,8 @@ pub(crate) struct View {
     /// Texels on the longest side that a bake behind the window goes to
     #[arg(long, value_name = "N", default_value_t = 8192)]
     pub(crate) resolution: u64,
-    /// Memory that such a bake may hold, such as 2GiB [default: no limit]
+    /// Memory that such a bake, or loading a scene, may hold, such as 2GiB [default: no limit for bakes; for loading 2 GiB, and 64 bytes
+    /// for each byte of the scene's files]
     #[arg(long, value_name = "SIZE", value_parser = super::parse_bytes)]
     pub(crate) max_memory: Option<u64>,
     /// Play what a JSON file says, as if a user did it

@@ -19,6 +19,9 @@ use crate::output::{bytes_words, refuse_scene};
 use crate::progress::{Reporter, Units};
 use crate::{memory, signals};
 
+/// Below this elevation level ground nears the steepest plane that look-ups follow.
+const LOWEST_SUN_DEGREES: f64 = 1.0;
+
 pub(crate) fn run(args: &Bake) -> Outcome {
     let cancel = if args.dry_run {
         signals::end_when_interrupted();
@@ -45,8 +48,14 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         refuse_scene("--output", &output, &args.scene).map_err(|e| Failure::BadInput(e.to_string()))?;
         files::check_output(&output)?;
     }
+    if options.sun.elevation_degrees() < LOWEST_SUN_DEGREES {
+        eprintln!(
+            "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is steeper to the light than look-ups follow exactly: check the file with verify",
+            options.sun.elevation_degrees()
+        );
+    }
     with_threads(args.work.threads, || {
-        let scene = load_scene(&args.scene, &args.load.load_options()?)?;
+        let scene = load_scene(&args.scene, &args.load.load_options(args.work.max_memory)?)?;
         let empty_bounds = options.bounds.is_some_and(|bounds| !holds_geometry(&scene, &bounds));
         if empty_bounds {
             let Bounds { min, max } = scene.bounds();

@@ -80,7 +80,7 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let report = args.out.join("report.html");
     write_report(&report, args.resolution, &file, &figures, bake_seconds, &verification)?;
     say!("report    {}", report.display());
-    Ok(if verification.interior_agreement >= 0.999 { Code::Fine } else { Code::CheckFailed })
+    Ok(if verification.holds() { Code::Fine } else { Code::CheckFailed })
 }
 
 fn write_report(

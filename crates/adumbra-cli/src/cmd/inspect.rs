@@ -9,7 +9,7 @@ use crate::args::Inspect;
 use crate::exit::{Code, Outcome};
 
 pub(crate) fn run(args: &Inspect) -> Outcome {
-    let scene = load_scene(&args.scene, &args.load.load_options()?)?;
+    let scene = load_scene(&args.scene, &args.load.load_options(args.max_memory)?)?;
     let bounds = scene.bounds();
     let (closed, solid) = closed_shares(&scene);
     let masked = scene.materials.iter().filter(|m| matches!(m.alpha, AlphaMode::Mask { .. })).count();
@@ -29,6 +29,7 @@ pub(crate) fn run(args: &Inspect) -> Outcome {
             "blended_materials": scene.notes.blended_materials,
             "blended_triangles": scene.notes.blended_triangles,
             "degenerate_triangles": scene.notes.degenerate_triangles,
+            "untriangulated_polygons": scene.notes.untriangulated_polygons,
             "bounds": bounds,
             "closed_share": closed,
             "solid_share": solid,

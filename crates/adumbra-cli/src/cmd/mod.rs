@@ -11,6 +11,7 @@ mod bench_hrsm;
 mod bench_peers;
 mod bench_shadows;
 mod bench_tree;
+mod bench_verify;
 mod child;
 mod compare;
 mod demo;
@@ -69,6 +70,14 @@ fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
     }
     if notes.degenerate_triangles > 0 {
         eprintln!("warning: {}: {} degenerate triangles skipped", path.display(), notes.degenerate_triangles);
+    }
+    if notes.untriangulated_polygons > 0 {
+        eprintln!(
+            "warning: {}: {} polygons could not be triangulated properly: they cross themselves, are far from flat or have more than 16384 corners; triangulate them in the \
+            program that made them",
+            path.display(),
+            notes.untriangulated_polygons
+        );
     }
     if notes.blended_materials > 0 {
         eprintln!(

@@ -3,8 +3,8 @@
 use adumbra::format::{AnyFile, TreeBody};
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{
-    Answers, LightAnswers, Sampler, Solids, SurfaceSampler, TreeAnswers, Verification, Verifier,
-    VerifyOptions, VolumeSampler,
+    Answers, Class, ClassResult, LightAnswers, Sampler, Solids, SurfaceSampler, TreeAnswers, Verification,
+    Verifier, VerifyOptions, VolumeSampler,
 };
 
 use super::lookup::{Asking, ignored_alpha, sun_of};
@@ -14,7 +14,7 @@ use crate::exit::{Code, Failure, Outcome};
 
 pub(crate) fn run(args: &Verify) -> Outcome {
     let file = AnyFile::read(&args.file)?;
-    let mut load = args.load.load_options()?;
+    let mut load = args.load.load_options(args.work.max_memory)?;
     load.ignore_alpha |= ignored_alpha(&file);
     if let AnyFile::Light(light) = &file
         && args.volume
@@ -44,6 +44,7 @@ pub(crate) fn run(args: &Verify) -> Outcome {
             solids: &solids,
             sampler: &sampler,
             options: VerifyOptions { samples: args.samples, seed: args.seed },
+            min_interior: args.min_interior,
         };
         let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
         Ok(match &file {
@@ -57,42 +58,80 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         })
     })?;
     if args.json {
-        let value = serde_json::to_value(result).map_err(|e| Failure::BadInput(e.to_string()))?;
+        let value = serde_json::to_value(&result).map_err(|e| Failure::BadInput(e.to_string()))?;
         print_json(&value);
     } else {
         say!("{} against {}", args.file.display(), args.scene.display());
-        say!(
-            "  samples             {} (left out: {} facing away, {} inside solids, {} outside the bounds)",
-            result.samples,
-            result.facing_away,
-            result.inside_solids,
-            result.outside_bounds
-        );
-        say!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
-        say!("  agreement           {:.4} %", 100.0 * result.agreement);
-        say!(
-            "  interior agreement  {:.4} % of {} ({:.1} % of the samples are interior)",
-            100.0 * result.interior_agreement,
-            result.interior,
-            100.0 * result.interior_share
-        );
-        say!("  acne                {:.4} %, interior {}", 100.0 * result.acne, result.interior_acne);
-        say!("  leak                {:.4} %, interior {}", 100.0 * result.leak, result.interior_leak);
-        say!("  thin                {}, {} of them wrong", result.thin, result.thin_wrong);
+        print_result(&result, args.filter);
     }
-    if result.interior == 0 {
+    if result.class(Class::Interior).points == 0 {
         eprintln!("check failed: no interior point was compared; do the file and the scene overlap?");
         return Ok(Code::CheckFailed);
     }
-    // Written so that NaN fails.
-    if !(result.interior_agreement >= args.min_interior) {
-        eprintln!(
-            "check failed: interior agreement {:.6} is below {}; is this the scene that the file was baked from?",
-            result.interior_agreement, args.min_interior
-        );
-        return Ok(Code::CheckFailed);
+    if result.holds() {
+        return Ok(Code::Fine);
     }
-    Ok(Code::Fine)
+    for class in result.classes.iter().filter(|c| !c.holds) {
+        eprintln!(
+            "check failed: {} points {}; is this the scene that the file was baked from, read with the same options?",
+            class.class.name(),
+            missed(class)
+        );
+    }
+    Ok(Code::CheckFailed)
+}
+
+/// Which promise a class misses.
+fn missed(class: &ClassResult) -> String {
+    match (class.promised_agreement, class.promised_misplaced) {
+        (Some(least), _) if !(class.agreement >= least) => {
+            format!("agree with rays to {:.4} %, less than {:.4} %", 100.0 * class.agreement, 100.0 * least)
+        }
+        (_, most) => format!(
+            "are wrong by more than a texel in {:.4} %, more than {:.4} %",
+            100.0 * class.misplaced_share(),
+            100.0 * most.unwrap_or_default()
+        ),
+    }
+}
+
+fn print_result(result: &Verification, filter: u32) {
+    say!(
+        "  samples             {} (not compared: {} facing away, {} inside solids, {} outside the bounds)",
+        result.samples,
+        result.facing_away,
+        result.inside_solids,
+        result.outside_bounds
+    );
+    say!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
+    say!("  agreement           {:.4} %", 100.0 * result.agreement);
+    say!("  interior agreement  {:.4} %", 100.0 * result.interior_agreement);
+    say!();
+    say!("  class       points   share  agreement       acne       leak  misplaced  promise");
+    for class in &result.classes {
+        let share = 100.0 * class.points as f64 / result.samples.max(1) as f64;
+        let misplaced = if filter == 1 { class.misplaced.to_string() } else { "–".to_owned() };
+        let agreement =
+            if class.points == 0 { "–".to_owned() } else { format!("{:.4} %", 100.0 * class.agreement) };
+        say!(
+            "  {:<9}{:>9}{share:>6.1} %{agreement:>11}{:>11}{:>11}{misplaced:>11}  {}",
+            class.class.name(),
+            class.points,
+            class.acne,
+            class.leak,
+            promise(class)
+        );
+    }
+}
+
+/// What a class promises and whether it holds, in words.
+fn promise(class: &ClassResult) -> String {
+    let promised = match (class.promised_agreement, class.promised_misplaced) {
+        (Some(least), _) => format!("agreement >= {} %", 100.0 * least),
+        (None, Some(most)) => format!("misplaced <= {} %", 100.0 * most),
+        (None, None) => return "none".to_owned(),
+    };
+    if class.holds { promised } else { format!("{promised}: MISSED") }
 }
 
 /// What every kind of answer is compared with.
@@ -101,10 +140,16 @@ struct Check<'a> {
     solids: &'a Solids,
     sampler: &'a Sampler<'a>,
     options: VerifyOptions,
+    min_interior: Option<f64>,
 }
 
 impl Check<'_> {
     fn run(&self, answers: &impl Answers) -> Verification {
-        Verifier::new(answers, self.tracer, self.solids).run(self.sampler, &self.options)
+        let verifier = Verifier::new(answers, self.tracer, self.solids);
+        let verifier = match self.min_interior {
+            Some(least) => verifier.with_interior_promise(least),
+            None => verifier,
+        };
+        verifier.run(self.sampler, &self.options)
     }
 }

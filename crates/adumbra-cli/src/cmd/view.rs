@@ -45,7 +45,7 @@ fn options(args: &View) -> Result<ViewOptions, Failure> {
     let layer = args.layer.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
     Ok(ViewOptions {
         scene: args.scene.clone(),
-        load: args.load.load_options()?,
+        load: args.load.load_options(args.max_memory)?,
         shadow_files: args.shadow_file.clone(),
         shadows: [shadow(0)?, shadow(1)?],
         ambient: args.ao.parse()?,

@@ -91,15 +91,18 @@ pub(crate) fn crossing_key(depth: FixedDepth, exit_bit: u32) -> u32 {
     ((i64::from(depth) + KEY_OFFSET) as u32) << 1 | exit_bit
 }
 
-/// Depth at which the winding count of sorted crossings is back at zero; none where it goes negative or never
-/// returns: then the column is open.
+/// Depth of the first of the sorted crossings at which all solids that were entered have been left; none where there is no such
+/// crossing: then the column is open.
+///
+/// A hull that runs through itself may be left before it is entered. Its column ends right there, so that the end is always one
+/// where a solid is left.
 pub(crate) fn solid_end(sorted: &[u32]) -> Option<FixedDepth> {
     let mut inside = 0_u32;
     for &key in sorted {
         if key & 1 == 0 {
             inside += 1;
         } else {
-            inside = inside.checked_sub(1)?;
+            inside = inside.saturating_sub(1);
             if inside == 0 {
                 return Some((i64::from(key >> 1) - KEY_OFFSET) as FixedDepth);
             }

@@ -8,7 +8,7 @@
 //! answer.
 
 use super::block::{Block, BlockSurface, DEPTH_SLACK, SampledRange};
-use super::columns::{ColumnRules, FOOTPRINT_HALF, FREE_TO_END};
+use super::columns::{ColumnRules, FREE_TO_END, ReceiverKind};
 use super::project::{FixedDepth, SUBTEXEL};
 
 /// Slack of a footprint's half side for the snapping of corners, texels.
@@ -213,7 +213,7 @@ fn earliest_end(
     // A first surface that is one smooth layer over the whole block does not lie behind itself.
     let first = &groups[cover];
     let alone = cover_layers == 1 && groups.iter().filter(could_be_first).count() == 1;
-    let smooth = alone && first.rise_of_neighbours() <= f64::from(first.bias - DEPTH_SLACK);
+    let smooth = alone && first.rise_of_neighbours(rules) <= f64::from(first.bias - DEPTH_SLACK);
     let base_low = if solid_first { solid_exit.min(open_low) } else { open_low };
     let first_low = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.z_low));
     let mut end = FREE_TO_END;
@@ -239,9 +239,9 @@ fn seams_may_be_closed<'a>(solids: impl Iterator<Item = &'a Group>) -> bool {
 impl Group {
     /// How much farther than the surface at a texel's centre the plane of a neighbour in the same smooth layer may lie there, in 1/256
     /// voxel.
-    fn rise_of_neighbours(&self) -> f64 {
+    fn rise_of_neighbours(&self, rules: &ColumnRules) -> f64 {
         let bend: f64 = (0..2).map(|a| self.gradient_high[a] - self.gradient_low[a]).sum();
-        let half = FOOTPRINT_HALF + FOOTPRINT_SLACK;
+        let half = rules.footprint_half_texels(ReceiverKind::Footprint) + FOOTPRINT_SLACK;
         half * bend * SUBTEXEL as f64
     }
 }

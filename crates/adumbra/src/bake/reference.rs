@@ -84,8 +84,8 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     let mut end = None;
     for (depth, leaves) in crossings {
         winding += if leaves { -1 } else { 1 };
-        if winding <= 0 {
-            end = (winding == 0).then_some(depth);
+        if leaves && winding <= 0 {
+            end = Some(depth);
             break;
         }
     }

@@ -117,6 +117,11 @@ impl<'d> Query<'d> {
         Self { layers, ..self }
     }
 
+    /// Texels along a side of the filter.
+    pub fn filter(&self) -> u32 {
+        self.filter
+    }
+
     /// The bias that points are moved by.
     pub fn bias(&self) -> Bias {
         self.bias

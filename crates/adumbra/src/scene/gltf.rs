@@ -7,6 +7,7 @@
 mod accessor;
 mod animations;
 mod container;
+mod images;
 mod materials;
 mod meshes;
 mod nodes;
@@ -19,7 +20,8 @@ use hashbrown::HashMap;
 
 use super::affine::{self, IDENTITY};
 use super::movers::{Mover, MoverPolicy, Movers};
-use super::validate::{Sieve, finish, read};
+use super::sources::Sources;
+use super::validate::{Sieve, finish};
 use super::{Instance, LoadNotes, LoadOptions, Scene};
 use crate::error::{Error, Result};
 use animations::Animations;
@@ -53,6 +55,9 @@ const KNOWN_EXTENSIONS: [&str; 22] = [
     "KHR_xmp_json_ld",
 ];
 
+/// Bytes of an object of the file's JSON once it is read: of an empty node, which takes three bytes there.
+const OBJECT_BYTES: u64 = 512;
+
 /// A node's mesh with the primitives of it that the filter keeps.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Variant {
@@ -64,14 +69,19 @@ struct Variant {
 
 /// Loads a `.glb` or `.gltf` file.
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
-    let bytes = read(path, "glTF")?;
+    let sources = Sources::new(path, "glTF", options);
+    let bytes = sources.read_scene()?;
     let (json, bin) = container::split(path, &bytes)?;
+    let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
+    sources.budget.charge(objects * OBJECT_BYTES + json.len() as u64, || {
+        format!("the {objects} objects of its JSON")
+    })?;
     let root = parse(path, &json)?;
     let nodes = Nodes::load(path, &root)?;
     let mut scene = Scene::default();
     let mut sieve = Sieve::default();
     let plan = choose(path, &root, &nodes, options, &mut sieve, &mut scene.notes)?;
-    let buffers = Buffers::load(path, &root, bin)?;
+    let buffers = Buffers::load(&sources, &root, bin)?;
 
     let mut used = vec![false; root.materials.len() + 1];
     for (variant, _) in &plan.variants {
@@ -88,9 +98,9 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
             }
         }
     }
-    let materials = materials::load(path, &root, &buffers, options, &used, &mut scene.notes)?;
+    let materials = materials::load(&root, &buffers, options, &used, &mut scene.notes)?;
 
-    let builder = Builder { path, root: &root, buffers: &buffers, materials: &materials };
+    let builder = Builder::new(path, &root, &buffers, &materials);
     for (variant, name) in &plan.variants {
         let skin = variant.skinned.zip(variant.skinned.and_then(|n| root.nodes.get(n)?.skin));
         let skin = match skin {
@@ -100,6 +110,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         let primitives: Vec<&Primitive> = kept(&root, variant).collect();
         scene.meshes.push(builder.build(name, &primitives, skin.as_ref(), &mut sieve)?);
     }
+    drop(builder);
     let animations = Animations::load(path, &root, &buffers, &nodes, &mut scene.notes)?;
     let placer = Placer { path, root: &root, buffers: &buffers, nodes: &nodes, animations: &animations };
     let mut movers = Vec::new();
@@ -162,6 +173,8 @@ fn choose(
     let mut plan = Plan::default();
     let mut known: HashMap<Variant, u32> = HashMap::new();
     let mut seen = vec![false; root.meshes.len()];
+    // Variants of meshes of which every primitive is kept, so that each mesh is looked through once.
+    let mut whole: Vec<Option<u32>> = vec![None; root.meshes.len()];
     let (mut skinned, mut morphed) = (0, 0);
     for &(node, casts) in &nodes.drawn {
         let json = &root.nodes[node];
@@ -171,6 +184,13 @@ fn choose(
         };
         let node_name = nodes::name(json, node);
         let mesh_name = mesh.name.clone().unwrap_or_else(|| format!("mesh {index}"));
+        let unfiltered = options.filter.is_empty() && json.skin.is_none();
+        if let Some(&Some(variant)) = whole.get(index)
+            && unfiltered
+        {
+            plan.placings.push(Placing { variant, node, casts: casts && nodes::casts(&mesh.extras) });
+            continue;
+        }
         if !std::mem::replace(seen, true) {
             notes.skipped_primitives += mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
             morphed += u32::from(mesh.primitives.iter().any(|p| p.targets.is_some()));
@@ -196,6 +216,9 @@ fn choose(
         let number = *known.entry_ref(&variant).or_insert(next);
         if number == next {
             plan.variants.push((variant, mesh_name));
+        }
+        if unfiltered {
+            whole[index] = Some(number);
         }
         plan.placings.push(Placing { variant: number, node, casts: casts && nodes::casts(&mesh.extras) });
     }
@@ -229,17 +252,23 @@ impl Placer<'_> {
     fn place(&self, placing: &Placing, scene: &mut Scene, movers: &mut Vec<Mover>) -> Result<()> {
         let &Placing { variant, node, casts } = placing;
         let json = &self.root.nodes[node];
+        let name = nodes::name(json, node);
+        let budget = &self.buffers.sources.budget;
+        let each = (size_of::<Instance>() + size_of::<Mover>() + name.len()) as u64;
         let mut add = |world_from_mesh| {
-            let name = nodes::name(json, node);
+            let name = name.clone();
             scene.instances.push(Instance { name, mesh: variant, world_from_mesh, casts });
             scene.instances.len() as u32 - 1
         };
         if json.skin.is_some() {
+            budget.charge(each, || format!("the instances of node {node}"))?;
             add(IDENTITY);
             return Ok(());
         }
         let maps = nodes::gpu_instances(self.path, self.root, self.buffers, node)?;
-        for map in maps.as_deref().unwrap_or(&[IDENTITY]) {
+        let maps = maps.as_deref().unwrap_or(&[IDENTITY]);
+        budget.charge(each.saturating_mul(maps.len() as u64), || format!("the instances of node {node}"))?;
+        for map in maps {
             let world_from_mesh = affine::multiply(&self.nodes.world[node], map);
             if !affine::is_finite(&world_from_mesh) {
                 let what = format!("the transform of node {:?}", nodes::name(json, node));

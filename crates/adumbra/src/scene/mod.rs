@@ -5,6 +5,7 @@
 //! least one triangle casts.
 
 mod affine;
+mod budget;
 mod filter;
 mod generate;
 mod glb;
@@ -12,6 +13,8 @@ mod gltf;
 mod movers;
 mod obj;
 mod ply;
+mod polygon;
+mod sources;
 mod subdivide;
 mod texture;
 pub mod topology;
@@ -116,6 +119,9 @@ pub struct LoadNotes {
     pub blended_triangles: u64,
     /// Lines and points that were skipped.
     pub skipped_primitives: u64,
+    /// Polygons of OBJ and PLY files that could not be triangulated, because they cross themselves, are far from flat, or are concave with
+    /// more than 16,384 corners. Each was cut into a fan from its first corner, which may cover more or less than the polygon.
+    pub untriangulated_polygons: u64,
     /// Animated instances that were left out, by [`MoverPolicy::LeaveOut`].
     pub movers_left_out: u64,
     /// Sentences for the user: skins in bind pose, missing colour textures, and so on.
@@ -133,6 +139,13 @@ pub struct LoadOptions {
     pub ignore_alpha: bool,
     /// What becomes of animated instances.
     pub movers: MoverPolicy,
+    /// Read files outside the scene's folder too. Without it an absolute path, a path that leaves the folder by `..` and a link that
+    /// leads out of it are [`Error::OutsideScene`].
+    pub allow_outside: bool,
+    /// Memory that the load may hold: files, decoded textures, triangles, vertices and instances, counted before they are made. More is
+    /// [`Error::SceneMemory`]. Without a limit it is 2 GiB, and 64 bytes for each byte of the scene's files, so that a small file cannot
+    /// take all memory and a large one may be as large as it is.
+    pub max_memory_bytes: Option<u64>,
 }
 
 /// Axis-aligned box in world space.
@@ -245,7 +258,7 @@ impl Scene {
 /// Loads a scene by its file ending: `.glb`, `.gltf`, `.obj`, `.ply`.
 ///
 /// # Errors
-/// What is missing, unreadable or not valid, naming the file, the thing and the mend.
+/// What is missing, unreadable, outside the scene's folder, too large or not valid, naming the file, the part of it and the remedy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let scene = match ending.as_str() {

@@ -1,15 +1,16 @@
-//! Loads Wavefront OBJ with its MTL: one mesh an object or group name, polygons cut into fans.
+//! Loads Wavefront OBJ with its MTL: one mesh for each object or group name, polygons cut into triangles.
 //!
-//! `tobj` groups, triangulates and reads materials; [`tidy`] first rewrites the file to the part of the format that
-//! `tobj` is sure of, and reports broken lines by number.
+//! `tobj` groups, cuts fans and reads materials; [`tidy`] first rewrites the file to the part of the format that `tobj` is sure of, cuts
+//! the polygons that a fan would not cover, and reports broken lines by number.
 
 mod tidy;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use super::affine::IDENTITY;
-use super::validate::{Sieve, check_vertex, finish, read};
+use super::sources::{Located, MAX_IMAGE_BYTES, MAX_LIBRARY_BYTES, OUTSIDE, Sources};
+use super::validate::{Sieve, check_vertex, finish};
 use super::{AlphaMode, Instance, LoadNotes, LoadOptions, Material, Mesh, Pixels, Scene, Texture};
 use crate::error::{Error, Result};
 
@@ -18,12 +19,17 @@ type Library = (Vec<tobj::Material>, HashMap<String, usize>);
 
 /// Loads a `.obj` file.
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
-    let bytes = read(path, "OBJ")?;
-    let tidied = tidy::object(path, &bytes, options.color_textures)?;
+    let sources = Sources::new(path, "OBJ", options);
+    let bytes = sources.read_scene()?;
+    let length = bytes.len() as u64;
+    sources.budget.charge(2 * length, || "the text".to_owned())?;
+    let tidied = tidy::object(&sources, &bytes, options.color_textures)?;
     drop(bytes);
+    let passing = charge(&sources, &tidied, 3 * length)?;
     let mut scene = Scene::default();
     scene.notes.skipped_primitives = tidied.skipped;
-    let library = read_libraries(path, &tidied, &mut scene.notes);
+    scene.notes.untriangulated_polygons = tidied.untriangulated;
+    let library = read_libraries(&sources, &tidied, &mut scene.notes)?;
     let loading = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
     let (models, _) = tobj::load_obj_buf(&mut &tidied.text[..], &loading, |_| Ok(library.clone()))
         .map_err(|e| Error::SceneParse { path: path.to_owned(), format: "OBJ", what: e.to_string() })?;
@@ -53,8 +59,9 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
             append(path, mesh, &model.mesh, material as u32, options.color_textures, &mut sieve)?;
         }
     }
+    sources.budget.release(passing);
     if options.color_textures {
-        load_textures(path, &library.0, &used, &mut materials, &mut scene);
+        load_textures(&sources, &library.0, &used, &mut materials, &mut scene)?;
     }
     scene.instances = (0_u32..)
         .zip(&scene.meshes)
@@ -104,16 +111,57 @@ fn append(
     Ok(())
 }
 
+/// Bytes of a triangle as the parser keeps it until its mesh is made.
+const PARSED_TRIANGLE_BYTES: u64 = 120;
+/// Bytes of a vertex as the parser keeps it until its mesh is made.
+const PARSED_VERTEX_BYTES: u64 = 48;
+/// Bytes of a triangle in the scene.
+const TRIANGLE_BYTES: u64 = 16;
+/// Bytes of a vertex in the scene.
+const VERTEX_BYTES: u64 = 20;
+/// Bytes of a material, as it is read and in the scene.
+const MATERIAL_BYTES: u64 = 1024;
+
+/// Counts what parsing is about to hold in place of `before` bytes; gives the bytes that are free again once the meshes are made.
+fn charge(sources: &Sources<'_>, tidied: &tidy::Object, before: u64) -> Result<u64> {
+    sources.budget.release(before);
+    let passing = tidied.text.len() as u64
+        + tidied.triangles * PARSED_TRIANGLE_BYTES
+        + tidied.vertices * PARSED_VERTEX_BYTES;
+    let kept = tidied.triangles * TRIANGLE_BYTES + tidied.vertices * VERTEX_BYTES;
+    let materials = tidied.materials.len() as u64 * MATERIAL_BYTES;
+    sources.budget.charge(passing + kept + materials, || {
+        format!("{} triangles and {} vertices", tidied.triangles, tidied.vertices)
+    })?;
+    Ok(passing)
+}
+
 /// Reads every MTL file, and makes up an opaque material for each name that is in none.
-fn read_libraries(path: &Path, tidied: &tidy::Object, notes: &mut LoadNotes) -> Library {
+///
+/// # Errors
+/// [`Error::OutsideScene`], [`Error::NotRegularFile`] and [`Error::SceneMemory`]; libraries that are missing or broken become warnings.
+fn read_libraries(sources: &Sources<'_>, tidied: &tidy::Object, notes: &mut LoadNotes) -> Result<Library> {
     let (mut list, mut by_name): Library = Default::default();
     let mut missing = Vec::new();
+    let mut known = HashSet::new();
     for name in &tidied.libraries {
-        let Ok(bytes) = std::fs::read(beside(path, name)) else {
-            missing.push(name);
-            continue;
+        let read = match locate(sources, tidy::LIBRARY, name) {
+            Ok(file) if !known.insert(file.clone()) => continue,
+            Ok(file) => sources.read_whole(&file, tidy::LIBRARY, MAX_LIBRARY_BYTES),
+            Err(e) => Err(e),
         };
-        match tobj::load_mtl_buf(&mut &tidy::materials(&bytes)[..]) {
+        let bytes = match read {
+            Ok(bytes) => bytes,
+            Err(Error::Io { .. }) => {
+                missing.push(name);
+                continue;
+            }
+            Err(e) => return Err(e),
+        };
+        let text = tidy::materials(&bytes);
+        let count = text.split(|&b| b == b'\n').filter(|line| line.starts_with(b"newmtl")).count() as u64;
+        sources.budget.charge(count * MATERIAL_BYTES, || format!("{count} materials of {name:?}"))?;
+        match tobj::load_mtl_buf(&mut &text[..]) {
             Ok((materials, _)) => {
                 for m in materials {
                     by_name.insert(m.name.clone(), list.len());
@@ -122,6 +170,7 @@ fn read_libraries(path: &Path, tidied: &tidy::Object, notes: &mut LoadNotes) -> 
             }
             Err(e) => notes.warnings.push(format!("material library {name:?} is not valid: {e}")),
         }
+        sources.budget.release(bytes.len() as u64);
     }
     for name in missing {
         notes
@@ -137,7 +186,7 @@ fn read_libraries(path: &Path, tidied: &tidy::Object, notes: &mut LoadNotes) -> 
     if list.iter().any(|m| m.dissolve_texture.is_some()) {
         notes.warnings.push("opacity maps (map_d) are ignored".to_owned());
     }
-    (list, by_name)
+    Ok((list, by_name))
 }
 
 /// Dissolve below 1 is treated as glTF's BLEND: it casts where it is at least 0.5.
@@ -150,39 +199,68 @@ fn material(m: &tobj::Material, options: &LoadOptions) -> Material {
     Material { alpha, blended, ..Material::opaque(&m.name, [r, g, b, dissolve]) }
 }
 
+/// Loads the colour textures of the materials that are used; what cannot be read becomes a warning.
+///
+/// # Errors
+/// [`Error::SceneMemory`].
 fn load_textures(
-    path: &Path,
+    sources: &Sources<'_>,
     library: &[tobj::Material],
     used: &[bool],
     materials: &mut [Material],
     scene: &mut Scene,
-) {
-    let mut known: HashMap<&str, Option<u32>> = HashMap::new();
-    for ((json, material), _) in library.iter().zip(materials).zip(used).filter(|&(_, &used)| used) {
-        let Some(file) = json.diffuse_texture.as_deref() else { continue };
-        let texture = *known.entry(file).or_insert_with(|| {
-            let ending = file.rsplit_once('.').map_or("", |(_, ending)| ending);
-            let decoded = std::fs::read(beside(path, file))
-                .map_err(|e| e.to_string())
-                .and_then(|bytes| Texture::decode(file.to_owned(), &bytes, ending, false));
-            match decoded {
-                Ok(mut texture) => {
-                    make_opaque(&mut texture);
+) -> Result<()> {
+    let mut named: HashMap<&str, Option<u32>> = HashMap::new();
+    let mut decoded: HashMap<Located, Option<u32>> = HashMap::new();
+    for ((parsed, material), _) in library.iter().zip(materials).zip(used).filter(|&(_, &used)| used) {
+        let Some(file) = parsed.diffuse_texture.as_deref() else { continue };
+        if let Some(&known) = named.get(file) {
+            material.texture = known;
+            continue;
+        }
+        let place = format!("map_Kd of material {:?}", material.name);
+        let texture = match locate(sources, &place, file) {
+            Ok(located) => match decoded.get(&located) {
+                Some(&known) => Ok(known),
+                None => decode(sources, &located, &place, file)?.map(|texture| {
                     scene.textures.push(texture);
-                    Some(scene.textures.len() as u32 - 1)
-                }
-                Err(what) => {
-                    let name = &material.name;
-                    scene
-                        .notes
-                        .warnings
-                        .push(format!("material {name:?} loses its colour texture {file}: {what}"));
-                    None
-                }
-            }
+                    let index = Some(scene.textures.len() as u32 - 1);
+                    decoded.insert(located, index);
+                    index
+                }),
+            },
+            Err(Error::OutsideScene { .. }) => Err(OUTSIDE.to_owned()),
+            Err(e) => Err(e.to_string()),
+        };
+        material.texture = texture.unwrap_or_else(|what| {
+            let warning = format!("material {:?} loses its colour texture {file}: {what}", material.name);
+            scene.notes.warnings.push(warning);
+            None
         });
-        material.texture = texture;
+        named.insert(file, material.texture);
     }
+    Ok(())
+}
+
+/// Decodes a colour texture; the inner error is a clause.
+fn decode(
+    sources: &Sources<'_>,
+    file: &Located,
+    place: &str,
+    named: &str,
+) -> Result<Result<Texture, String>> {
+    let bytes = match sources.read_whole(file, place, MAX_IMAGE_BYTES) {
+        Ok(bytes) => bytes,
+        Err(e @ Error::SceneMemory { .. }) => return Err(e),
+        Err(e) => return Ok(Err(e.to_string())),
+    };
+    let ending = named.rsplit_once('.').map_or("", |(_, ending)| ending);
+    let decoded = Texture::decode(named.to_owned(), &bytes, ending, false, &sources.budget)?;
+    sources.budget.release(bytes.len() as u64);
+    Ok(decoded.map(|mut texture| {
+        make_opaque(&mut texture);
+        texture
+    }))
 }
 
 /// map_Kd is colour alone; opacity must not depend on whether colours were asked for.
@@ -195,6 +273,6 @@ fn make_opaque(texture: &mut Texture) {
 }
 
 /// A file named in the scene, which may have been written on Windows.
-fn beside(scene: &Path, name: &str) -> std::path::PathBuf {
-    scene.parent().unwrap_or(Path::new("")).join(name.replace('\\', "/"))
+fn locate(sources: &Sources<'_>, place: &str, named: &str) -> Result<Located> {
+    sources.locate(place, &named.replace('\\', "/"))
 }

@@ -1,4 +1,4 @@
-//! Loads PLY (Greg Turk, 1994): ascii and both binary orders, polygons cut into fans. No names, no materials: the
+//! Loads PLY (Greg Turk, 1994): ascii and both binary orders, polygons cut into triangles. No names, no materials: the
 //! file's own name stands for node and mesh, `default` for the material.
 
 use std::io::BufRead;
@@ -10,7 +10,9 @@ use ply_rs_bw::ply::{
 };
 
 use super::affine::IDENTITY;
-use super::validate::{Sieve, check_vertex, finish, read};
+use super::polygon::Cutter;
+use super::sources::Sources;
+use super::validate::{Sieve, check_vertex, finish};
 use super::{Instance, LoadOptions, Material, Mesh, Scene};
 use crate::error::{Error, Result};
 
@@ -65,24 +67,30 @@ fn integers(property: Property) -> Vec<i64> {
 
 /// Loads a `.ply` file.
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
-    let bytes = read(path, "PLY")?;
+    let sources = Sources::new(path, "PLY", options);
+    let bytes = sources.read_scene()?;
     let name = path.file_stem().map_or_else(|| "mesh".to_owned(), |s| s.to_string_lossy().into_owned());
     let mut scene = Scene { materials: vec![Material::opaque("default", [1.0; 4])], ..Scene::default() };
     let mut sieve = Sieve::default();
     let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
-    let faces = parse(path, &bytes, &mut mesh.positions, &mut scene.notes.skipped_primitives)?;
+    let faces = parse(&sources, &bytes, &mut mesh.positions, &mut scene.notes.skipped_primitives)?;
+    sources.budget.release(bytes.len() as u64);
     drop(bytes);
     if !options.filter.keeps(&name, &name, "default") {
         sieve.filtered = true;
         return finish(path, scene, &sieve, options);
     }
-    if faces.is_empty() {
+    if faces.ends.is_empty() {
         let hint = "; a point cloud casts no shadow: give a file with faces".to_owned();
         return Err(Error::NoTriangles { path: path.to_owned(), hint });
     }
-    for face in faces {
-        let mut points = [[0.0; 3]; 3];
-        for (point, corner) in points.iter_mut().zip(face) {
+    let mut cutter = Cutter::default();
+    let (mut from, mut points) = (0, Vec::new());
+    for &end in &faces.ends {
+        let corners = &faces.corners[from..end];
+        from = end;
+        points.clear();
+        for &corner in corners {
             let Some(&p) = mesh.positions.get(corner as usize) else {
                 return Err(Error::IndexOutOfRange {
                     path: path.to_owned(),
@@ -92,12 +100,20 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
                 });
             };
             check_vertex(path, &name, u64::from(corner), p)?;
-            *point = p;
+            points.push(p);
         }
-        if sieve.keeps(points) {
-            mesh.triangles.push(face);
+        let mut add = |triangle: [usize; 3]| {
+            if sieve.keeps(triangle.map(|i| points[i])) {
+                mesh.triangles.push(triangle.map(|i| corners[i]));
+            }
+        };
+        match cutter.cut(&points) {
+            Some(triangles) => triangles.iter().for_each(|t| add(t.map(|i| i as usize))),
+            None => (2..corners.len()).for_each(|i| add([0, i - 1, i])),
         }
     }
+    scene.notes.untriangulated_polygons = cutter.failed;
+    drop(faces);
     drop_unused(&mut mesh);
     mesh.triangle_materials = vec![0; mesh.triangles.len()];
     scene.meshes.push(mesh);
@@ -105,19 +121,44 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     finish(path, scene, &sieve, options)
 }
 
-/// Reads the positions, and the faces as triangles.
+/// Faces of three corners and more.
+#[derive(Default)]
+struct Faces {
+    /// The corners of all faces, one face after the other.
+    corners: Vec<u32>,
+    /// Where the corners of each face end.
+    ends: Vec<usize>,
+}
+
+impl Faces {
+    /// Adds a face; the error is a corner that is no vertex index.
+    fn push(&mut self, corners: &[i64]) -> Result<(), i64> {
+        for &corner in corners {
+            self.corners.push(u32::try_from(corner).map_err(|_| corner)?);
+        }
+        self.ends.push(self.corners.len());
+        Ok(())
+    }
+}
+
+/// Bytes of a vertex: as it is read, and as it is kept with its new index.
+const VERTEX_BYTES: u64 = 28;
+/// Bytes of a corner: as it is read, and its part of a triangle.
+const CORNER_BYTES: u64 = 20;
+
+/// Reads the positions and the faces.
 fn parse(
-    path: &Path,
+    sources: &Sources<'_>,
     bytes: &[u8],
     positions: &mut Vec<[f32; 3]>,
     skipped: &mut u64,
-) -> Result<Vec<[u32; 3]>> {
-    let bad = |what: String| Error::SceneParse { path: path.to_owned(), format: "PLY", what };
+) -> Result<Faces> {
+    let bad = |what: String| sources.bad(what);
     let told = |e: ParseError| bad(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
     let parser = Parser::<Record>::new();
     let mut reader = Reader::new(bytes);
     let header = parser.read_header(&mut reader).map_err(told)?;
-    let mut triangles = Vec::new();
+    let mut faces = Faces::default();
     for (_, element) in &header.elements {
         let (count, stated) = (element.count, &element.name);
         let least = least_size(element, header.encoding);
@@ -134,6 +175,7 @@ fn parse(
             return Err(bad("its vertices have no x, y and z".to_owned()));
         }
         if is_vertex {
+            sources.budget.charge(VERTEX_BYTES * count as u64, || format!("{count} vertices"))?;
             positions.reserve_exact(count);
         }
         for i in 0..count {
@@ -141,13 +183,18 @@ fn parse(
                 .map_err(|e| bad(format!("{stated} {i} of {count}: {}", one_line(&e))))?;
             if is_vertex {
                 positions.push(record.position);
+            } else if stated == "face" && record.corners.len() < 3 {
+                *skipped += 1;
             } else if stated == "face" {
-                fan(&record.corners, &mut triangles, skipped)
+                let bytes = CORNER_BYTES * record.corners.len() as u64;
+                sources.budget.charge(bytes, || format!("{} faces", i + 1))?;
+                faces
+                    .push(&record.corners)
                     .map_err(|corner| bad(format!("face {i} names vertex {corner}")))?;
             }
         }
     }
-    Ok(triangles)
+    Ok(faces)
 }
 
 fn read_record(
@@ -187,21 +234,6 @@ fn least_size(element: &ElementDef, encoding: Encoding) -> usize {
         PropertyType::Scalar(s) | PropertyType::List(s, _) => size(s),
     };
     element.properties.iter().map(|(_, p)| of(&p.data_type)).sum()
-}
-
-/// Cuts a polygon into a fan; the error is a corner that is no vertex index.
-fn fan(corners: &[i64], triangles: &mut Vec<[u32; 3]>, skipped: &mut u64) -> Result<(), i64> {
-    let Some((&first, rest)) = corners.split_first().filter(|_| corners.len() >= 3) else {
-        *skipped += 1;
-        return Ok(());
-    };
-    let index = |corner: i64| u32::try_from(corner).map_err(|_| corner);
-    for pair in rest.windows(2) {
-        if let &[second, third] = pair {
-            triangles.push([index(first)?, index(second)?, index(third)?]);
-        }
-    }
-    Ok(())
 }
 
 /// Takes out vertices that no triangle uses, which nothing has checked.

@@ -7,7 +7,10 @@
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use image::{ImageFormat, ImageReader};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+
+use super::budget::Budget;
+use crate::error::Result;
 
 /// An image with the way it repeats and is filtered.
 #[derive(Clone, Debug)]
@@ -99,31 +102,46 @@ impl Texture {
     }
 
     /// Decodes a PNG, JPEG, WebP, TGA or BMP file; repeats and blends. `ending` helps where the bytes do not tell
-    /// the format. With `alpha_only` the colours are dropped. The error is a clause for [`crate::Error::Texture`].
-    pub(super) fn decode(name: String, bytes: &[u8], ending: &str, alpha_only: bool) -> Result<Self, String> {
-        let mut reader =
-            ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
-        if reader.format().is_none()
-            && let Some(format) = ImageFormat::from_extension(ending)
-        {
-            reader.set_format(format);
-        }
-        if reader.format().is_none() {
-            return Err("it is not a PNG, JPEG, WebP, TGA or BMP image".to_owned());
-        }
-        let image = reader.decode().map_err(|e| e.to_string())?;
-        let (width, height) = (image.width(), image.height());
-        if width == 0 || height == 0 {
-            return Err("the image is empty".to_owned());
-        }
-        let pixels = if !alpha_only {
-            Pixels::Rgba(image.into_rgba8().into_raw())
-        } else if image.color().has_alpha() {
-            Pixels::Alpha(image.into_rgba8().chunks_exact(4).map(|texel| texel[3]).collect())
-        } else {
-            Pixels::Alpha(vec![255; width as usize * height as usize])
+    /// the format. With `alpha_only` the colours are dropped. The inner error is a clause for [`crate::Error::Texture`].
+    ///
+    /// # Errors
+    /// [`crate::Error::SceneMemory`] where the image, of the size that its header states, is beyond the budget.
+    pub(super) fn decode(
+        name: String,
+        bytes: &[u8],
+        ending: &str,
+        alpha_only: bool,
+        budget: &Budget<'_>,
+    ) -> Result<Result<Self, String>> {
+        let decoder = match open(bytes, ending) {
+            Ok(decoder) => decoder,
+            Err(what) => return Ok(Err(what)),
         };
-        Ok(Self { name, width, height, pixels, wrap: [Wrap::Repeat; 2], nearest: false })
+        let ((width, height), color) = (decoder.dimensions(), decoder.color_type());
+        let texels = u64::from(width) * u64::from(height);
+        let kept = if alpha_only { texels } else { 4 * texels };
+        // The decoded image, its conversion where there is one, and what is kept of it.
+        let converted =
+            if color == ColorType::Rgba8 || alpha_only && color == ColorType::La8 { 0 } else { 4 };
+        let peak = decoder.total_bytes() + converted * texels + if alpha_only { texels } else { 0 };
+        let peak = peak.max(kept);
+        budget.charge(peak, || format!("the texture {name:?} of {width} x {height} texels"))?;
+        let result = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()).and_then(|image| {
+            if texels == 0 {
+                return Err("the image is empty".to_owned());
+            }
+            let pixels = match image {
+                image if !alpha_only => Pixels::Rgba(image.into_rgba8().into_raw()),
+                DynamicImage::ImageLumaA8(image) => Pixels::Alpha(image.pixels().map(|p| p.0[1]).collect()),
+                image if image.color().has_alpha() => {
+                    Pixels::Alpha(image.into_rgba8().pixels().map(|p| p.0[3]).collect())
+                }
+                _ => Pixels::Alpha(vec![255; width as usize * height as usize]),
+            };
+            Ok(Self { name, width, height, pixels, wrap: [Wrap::Repeat; 2], nearest: false })
+        });
+        budget.release(if result.is_ok() { peak - kept } else { peak });
+        Ok(result)
     }
 
     fn alpha_byte(&self, texel: usize) -> f32 {
@@ -149,6 +167,23 @@ impl Texture {
         let bottom = mix(fetch(index(x.low, y.high)), fetch(index(x.high, y.high)), x.weight);
         mix(top, bottom, y.weight)
     }
+}
+
+/// Reads an image's header. The error is a clause.
+fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, String> {
+    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
+    if reader.format().is_none()
+        && let Some(format) = ImageFormat::from_extension(ending)
+    {
+        reader.set_format(format);
+    }
+    if reader.format().is_none() {
+        return Err("it is not a PNG, JPEG, WebP, TGA or BMP image".to_owned());
+    }
+    let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+    // What the image library allows one image.
+    Limits::default().reserve(decoder.total_bytes()).map_err(|e| e.to_string())?;
+    Ok(decoder)
 }
 
 /// The floor, without a call into the mathematics library where the number is of ordinary size.

@@ -1,6 +1,5 @@
 //! What every loader checks: degenerate triangles on the way in, and the whole scene at the end.
 
-use std::fs;
 use std::path::Path;
 
 use super::{AlphaMode, LoadOptions, Scene};
@@ -32,19 +31,6 @@ impl Sieve {
         self.spread |= p.iter().any(|&q| q != first);
         false
     }
-}
-
-/// The whole file; an empty one is refused.
-pub(super) fn read(path: &Path, format: &'static str) -> Result<Vec<u8>> {
-    let bytes = fs::read(path).map_err(Error::io("read", path))?;
-    if bytes.is_empty() {
-        return Err(Error::SceneParse {
-            path: path.to_owned(),
-            format,
-            what: "the file is empty".to_owned(),
-        });
-    }
-    Ok(bytes)
 }
 
 /// [`Error::NotFinite`] unless the vertex is finite.

@@ -1,7 +1,8 @@
 //! What is verified: anything that answers points, with what a fair comparison must know of it.
 
+use super::classes::Promises;
 use crate::light::{LightExtent, LightGrid, Sun};
-use crate::query::{Query, TreeQuery};
+use crate::query::{Query, Receiver, TreeQuery};
 use crate::settings::{Bias, Settings};
 use crate::tree::{TreeSettings, Voxels};
 
@@ -27,6 +28,14 @@ pub trait Answers: Sync {
 
     /// Whether the file may say either inside solids.
     fn insides_are_free(&self) -> bool;
+
+    /// Where a filtered look-up samples, in the grid's voxels; none for a single tap, or where taps are not points of a plane.
+    fn taps(&self, _receiver: &Receiver) -> Vec<[f64; 3]> {
+        Vec::new()
+    }
+
+    /// What the file promises.
+    fn promises(&self) -> Promises;
 }
 
 /// A light-aligned file.
@@ -72,6 +81,25 @@ impl Answers for LightAnswers<'_> {
 
     fn insides_are_free(&self) -> bool {
         self.settings.closed_regions
+    }
+
+    fn taps(&self, r: &Receiver) -> Vec<[f64; 3]> {
+        let side = self.query.filter();
+        if side == 1 {
+            return Vec::new();
+        }
+        let reach = f64::from(side / 2);
+        let corner = [0, 1].map(|a| r.p_grid[a].floor() + 0.5 - reach);
+        let taps = (0..side * side).map(|i| [f64::from(i % side), f64::from(i / side)]);
+        taps.map(|[i, j]| {
+            let [x, y] = [corner[0] + i, corner[1] + j];
+            [x, y, r.p_grid[2] + r.gradient[0] * (x - r.p_grid[0]) + r.gradient[1] * (y - r.p_grid[1])]
+        })
+        .collect()
+    }
+
+    fn promises(&self) -> Promises {
+        if self.query.filter() == 1 { Promises::LIGHT } else { Promises::LIGHT_FILTERED }
     }
 }
 
@@ -125,5 +153,9 @@ impl<T: Voxels + Sync> Answers for TreeAnswers<'_, T> {
 
     fn insides_are_free(&self) -> bool {
         self.settings.closed_regions
+    }
+
+    fn promises(&self) -> Promises {
+        Promises::TREE
     }
 }

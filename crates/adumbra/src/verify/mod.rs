@@ -1,26 +1,33 @@
 //! A file's answers against rays.
 //!
-//! Random points on the scene's surfaces, or in its space, lifted by the look-up's bias, are asked of the file and of the
-//! rays. Definitions, with a voxel's edge for a texel where the file is world-aligned:
-//! - *Interior*: the point and eight neighbours, two texels away in the light's plane and moved along the light onto the
-//!   point's tangent plane (in space: at its depth), all lifted alike, agree by rays.
-//! - *Thin*: the nearest blocker on the surface point's sun ray is nearer than two voxels or than the file's bias at that slope.
-//! - *Inside a solid*: the winding of closed components along the sun ray is not zero; nobody sees it, the file may say
-//!   either, and it is counted apart.
-//! - *Acne*: lit called shadowed. *Leak*: shadowed called lit.
+//! Random points on the scene's surfaces, uniform by area, or in its space, lifted by the look-up's bias, are asked of the file and
+//! of the rays. Every point that the sun can shine on is compared; what is not is counted: faces turned away, points inside
+//! solids, which nobody sees, and points outside the file's bounds. Each compared point has a [`Class`], which rays alone decide:
+//!
+//! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, moved along the light onto the
+//!   point's tangent plane (in space: at its depth), all lifted alike. A texel is a voxel's edge where the file is world-aligned.
+//! - *Acne*: lit called shadowed. *Leak*: shadowed called lit. *Misplaced*: wrong, and no ray from the point's own texel gives the
+//!   answer: more than the grid's resolution went wrong.
+//! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the centre of each tap, on
+//!   the receiver's plane.
+//!
+//! What a file promises of each class: [`Promises`].
 
 mod answers;
+mod classes;
+mod place;
 mod points;
 
 use rayon::prelude::*;
 
 pub use answers::{Answers, LightAnswers, TreeAnswers};
+pub use classes::{Class, ClassResult, Promises};
 pub use points::{Random, Sample, Solids, SurfaceSampler, VolumeSampler};
 
-use crate::light::LightGrid;
 use crate::query::receiver;
-use crate::settings::MAX_SLOPE;
-use crate::trace::{Ray, Tracer};
+use crate::trace::Tracer;
+use classes::{ClassCounts, DIFFERENCE_STEPS};
+use place::Place;
 
 /// What to check.
 #[derive(Clone, Copy, Debug)]
@@ -31,12 +38,12 @@ pub struct VerifyOptions {
     pub seed: u64,
 }
 
-/// Counts of a verification; shares are of the samples that they name, 0 to 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+/// Counts of a verification; shares are of the samples, 0 to 1.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Verification {
-    /// Points compared: n·l > 0.1, outside solids.
+    /// Points compared.
     pub samples: u64,
-    /// Points drawn that face away from the sun or nearly so; not compared.
+    /// Points drawn that face away from the sun; not compared.
     pub facing_away: u64,
     /// Points drawn inside solids, where nobody sees and the file may say either; not compared.
     pub inside_solids: u64,
@@ -44,48 +51,46 @@ pub struct Verification {
     pub outside_bounds: u64,
     /// Share of the samples shadowed by rays.
     pub shadowed_share: f64,
-    /// Share of all samples on which file and rays agree.
+    /// One less the mean difference from the rays; without a filter the share of right answers.
     pub agreement: f64,
-    /// Share of interior, not thin samples on which they agree.
+    /// The same of [`Class::Interior`]; 1 where it has no points.
     pub interior_agreement: f64,
-    /// Share of all samples that are interior (thin ones too).
+    /// Share of the samples that are [`Class::Interior`].
     pub interior_share: f64,
-    /// Share of all samples that are lit and called shadowed.
+    /// Share of the samples that are answered darker than the rays say by more than half.
     pub acne: f64,
-    /// Share of all samples that are shadowed and called lit.
+    /// Share of the samples that are answered lighter than the rays say by more than half.
     pub leak: f64,
-    /// Thin samples.
-    pub thin: u64,
-    /// Thin samples on which they disagree.
-    pub thin_wrong: u64,
-    /// Interior, not thin samples that are lit and called shadowed.
-    pub interior_acne: u64,
-    /// Interior, not thin samples that are shadowed and called lit.
-    pub interior_leak: u64,
-    /// Interior, not thin samples.
-    pub interior: u64,
+    /// Every class, in the order of [`Class::ALL`].
+    pub classes: Vec<ClassResult>,
+}
+
+impl Verification {
+    /// The result of one class.
+    pub fn class(&self, class: Class) -> &ClassResult {
+        let place = Class::ALL.iter().position(|c| *c == class).unwrap_or_default();
+        &self.classes[place]
+    }
+
+    /// Whether an interior point was compared and every class keeps its promise.
+    pub fn holds(&self) -> bool {
+        self.class(Class::Interior).points > 0 && self.classes.iter().all(|c| c.holds)
+    }
 }
 
 #[derive(Clone, Copy, Default)]
 struct Counts {
-    samples: u64,
     facing_away: u64,
     inside_solids: u64,
     outside_bounds: u64,
     shadowed: u64,
-    acne: u64,
-    leak: u64,
-    interior_all: u64,
-    interior: u64,
-    interior_acne: u64,
-    interior_leak: u64,
-    thin: u64,
-    thin_wrong: u64,
+    /// In the order of [`Class::ALL`].
+    classes: [ClassCounts; Class::ALL.len()],
 }
 
-/// Texels from a point to its neighbours.
-const NEIGHBOUR_TEXELS: f64 = 2.0;
-/// Points nearer to the terminator than this are counted apart.
+/// Texels from a point to its inner and its outer neighbours.
+const NEIGHBOUR_TEXELS: [f64; 2] = [1.0, 2.0];
+/// Points nearer to the terminator than this are a class of their own.
 pub const MIN_N_DOT_L: f64 = 0.1;
 /// Points a batch; each batch has its own random numbers, so that the threads do not matter.
 const BATCH: u64 = 4096;
@@ -95,22 +100,22 @@ pub struct Verifier<'a, A> {
     answers: &'a A,
     tracer: &'a Tracer<'a>,
     solids: &'a Solids,
-}
-
-/// The rays' side of one sample.
-struct Place<'a> {
-    grid: LightGrid,
-    tracer: &'a Tracer<'a>,
-    solids: &'a Solids,
+    promises: Promises,
 }
 
 impl<'a, A: Answers> Verifier<'a, A> {
     /// Compares `answers` with the rays of `tracer`, which must hold the scene that was baked, like `solids`.
     pub fn new(answers: &'a A, tracer: &'a Tracer<'a>, solids: &'a Solids) -> Self {
-        Self { answers, tracer, solids }
+        Self { answers, tracer, solids, promises: answers.promises() }
     }
 
-    /// Draws the points and compares. Cost: about 11 rays a point; runs on the current rayon pool.
+    /// Another agreement to hold the interior to.
+    #[must_use]
+    pub fn with_interior_promise(self, least_agreement: f64) -> Self {
+        Self { promises: Promises { interior: least_agreement, ..self.promises }, ..self }
+    }
+
+    /// Draws the points and compares. Cost: about 20 rays for each point, and one more for each tap of a filter; runs on the current rayon pool.
     pub fn run(&self, sampler: &Sampler<'_>, options: &VerifyOptions) -> Verification {
         let batches = options.samples.div_ceil(BATCH);
         let counts = (0..batches)
@@ -129,101 +134,49 @@ impl<'a, A: Answers> Verifier<'a, A> {
                 counts
             })
             .reduce(Counts::default, Counts::add);
-        counts.finish()
+        counts.finish(&self.promises)
     }
 
     fn compare(&self, sample: &Sample, c: &mut Counts) {
         let answers = self.answers;
-        if let Some(n) = sample.normal
-            && crate::light::dot(n, answers.towards_sun()) <= MIN_N_DOT_L
-        {
+        if sample.normal.is_some_and(|n| !(crate::light::dot(n, answers.towards_sun()) > 0.0)) {
             c.facing_away += 1;
             return;
         }
         let grid = answers.grid_at(sample.p_world, sample.normal);
-        let place = Place { grid, tracer: self.tracer, solids: self.solids };
-        let voxel = grid.voxel_size;
-        let surface_grid = grid.to_grid(sample.p_world);
-        let r = receiver(&grid, &answers.bias(), sample.p_world, sample.normal);
-        let lifted_world = grid.to_world(r.p_grid);
-        if !answers.covers(lifted_world) {
+        let place = Place {
+            grid,
+            tracer: self.tracer,
+            solids: self.solids,
+            p_world: sample.p_world,
+            normal: sample.normal,
+            receiver: receiver(&grid, &answers.bias(), sample.p_world, sample.normal),
+        };
+        if !answers.covers(grid.to_world(place.receiver.p_grid)) {
             c.outside_bounds += 1;
             return;
         }
-        if answers.insides_are_free() && place.inside_solid(lifted_world) {
+        if answers.insides_are_free() && place.is_inside_solid() {
             c.inside_solids += 1;
             return;
         }
-        c.samples += 1;
-        let truth = place.lit(r.p_grid);
-        let answer = answers.visibility(sample.p_world, sample.normal) > 0.5;
-        // The blocker nearest to the surface itself; a volume point's slope is its blocker's.
-        let slope = (r.gradient[0].powi(2) + r.gradient[1].powi(2)).sqrt();
-        let thin = place.nearest_blocker(surface_grid, sample.normal).is_some_and(|(distance, n_dot_l)| {
-            let slope = if sample.normal.is_some() { slope } else { slope_of(n_dot_l) };
-            distance / voxel < 2.0_f64.max(answers.baked_bias().along_light(slope))
-        });
-        let interior = place.is_interior(r.p_grid, r.gradient, truth);
+        let truth = place.truth();
         c.shadowed += u64::from(!truth);
-        c.acne += u64::from(truth && !answer);
-        c.leak += u64::from(!truth && answer);
-        c.interior_all += u64::from(interior);
-        c.thin += u64::from(thin);
-        c.thin_wrong += u64::from(thin && truth != answer);
-        if interior && !thin {
-            c.interior += 1;
-            c.interior_acne += u64::from(truth && !answer);
-            c.interior_leak += u64::from(!truth && answer);
+        let class = place.class(truth, &answers.baked_bias());
+        let value = f64::from(answers.visibility(sample.p_world, sample.normal));
+        let taps = answers.taps(&place.receiver);
+        let expected = if taps.is_empty() { f64::from(u8::from(truth)) } else { place.mean_lit(&taps) };
+        // A tree's filter has no taps to compare, and is judged at one half.
+        let value = if taps.is_empty() { f64::from(u8::from(value > 0.5)) } else { value };
+        let counts = &mut c.classes[Class::ALL.iter().position(|a| *a == class).unwrap_or_default()];
+        counts.points += 1;
+        counts.difference_steps += ((value - expected).abs() * DIFFERENCE_STEPS).round() as u64;
+        counts.acne += u64::from(value < expected - 0.5);
+        counts.leak += u64::from(value > expected + 0.5);
+        if taps.is_empty() && (value - expected).abs() > 0.5 {
+            counts.misplaced += u64::from(!place.is_answer_of_its_texel(value > 0.5));
         }
     }
-}
-
-impl Place<'_> {
-    fn is_interior(&self, p_grid: [f64; 3], gradient: [f64; 2], truth: bool) -> bool {
-        (0..9).filter(|&i| i != 4).all(|i| {
-            let offset = [i % 3 - 1, i / 3 - 1].map(|o| f64::from(o) * NEIGHBOUR_TEXELS);
-            let z = p_grid[2] + gradient[0] * offset[0] + gradient[1] * offset[1];
-            self.lit([p_grid[0] + offset[0], p_grid[1] + offset[1], z]) == truth
-        })
-    }
-
-    fn lit(&self, p_grid: [f64; 3]) -> bool {
-        let origin = self.grid.to_world(p_grid);
-        !self.tracer.occluded(&Ray {
-            origin,
-            direction: self.grid.sun.towards(),
-            t_min: 0.0,
-            t_max: f64::INFINITY,
-        })
-    }
-
-    /// Distance in world units and |n·l| of the first blocker above an unlifted point.
-    fn nearest_blocker(&self, p_grid: [f64; 3], normal: Option<[f64; 3]>) -> Option<(f64, f64)> {
-        let direction = self.grid.sun.towards();
-        // A thousandth of a voxel off its own surface.
-        let origin = self.grid.to_world([p_grid[0], p_grid[1], p_grid[2] - 1e-3]);
-        let t_min = if normal.is_some() { 1e-3 * self.grid.voxel_size } else { 0.0 };
-        let hit = self.tracer.nearest_blocker(&Ray { origin, direction, t_min, t_max: f64::INFINITY })?;
-        Some((hit.t, crate::light::dot(hit.normal, direction).abs()))
-    }
-
-    /// The winding of solids above the point is not zero.
-    fn inside_solid(&self, p_world: [f64; 3]) -> bool {
-        let direction = self.grid.sun.towards();
-        let ray = Ray { origin: p_world, direction, t_min: 0.0, t_max: f64::INFINITY };
-        let mut winding = 0;
-        self.tracer.for_each_hit(&ray, |hit| {
-            if self.solids.contains(hit.instance, hit.triangle) {
-                winding += if hit.front { -1 } else { 1 };
-            }
-        });
-        winding != 0
-    }
-}
-
-fn slope_of(n_dot_l: f64) -> f64 {
-    let n = n_dot_l.clamp(1e-6, 1.0);
-    ((1.0 - n * n).sqrt() / n).min(MAX_SLOPE)
 }
 
 /// Where the points come from.
@@ -235,44 +188,39 @@ pub enum Sampler<'s> {
 }
 
 impl Counts {
-    fn add(self, o: Self) -> Self {
-        Self {
-            samples: self.samples + o.samples,
-            facing_away: self.facing_away + o.facing_away,
-            inside_solids: self.inside_solids + o.inside_solids,
-            outside_bounds: self.outside_bounds + o.outside_bounds,
-            shadowed: self.shadowed + o.shadowed,
-            acne: self.acne + o.acne,
-            leak: self.leak + o.leak,
-            interior_all: self.interior_all + o.interior_all,
-            interior: self.interior + o.interior,
-            interior_acne: self.interior_acne + o.interior_acne,
-            interior_leak: self.interior_leak + o.interior_leak,
-            thin: self.thin + o.thin,
-            thin_wrong: self.thin_wrong + o.thin_wrong,
+    fn add(mut self, o: Self) -> Self {
+        self.facing_away += o.facing_away;
+        self.inside_solids += o.inside_solids;
+        self.outside_bounds += o.outside_bounds;
+        self.shadowed += o.shadowed;
+        for (counts, more) in self.classes.iter_mut().zip(&o.classes) {
+            counts.add(more);
         }
+        self
     }
 
-    fn finish(&self) -> Verification {
-        let share = |part: u64, whole: u64| if whole == 0 { 1.0 } else { part as f64 / whole as f64 };
-        let none = |part: u64| if self.samples == 0 { 0.0 } else { part as f64 / self.samples as f64 };
-        let wrong_inside = self.interior_acne + self.interior_leak;
+    fn finish(&self, promises: &Promises) -> Verification {
+        let mut all = ClassCounts::default();
+        self.classes.iter().for_each(|c| all.add(c));
+        let share = |part: u64| if all.points == 0 { 0.0 } else { part as f64 / all.points as f64 };
+        let classes: Vec<ClassResult> = Class::ALL
+            .iter()
+            .zip(&self.classes)
+            .map(|(class, counts)| counts.finish(*class, promises))
+            .collect();
+        let interior = classes[0];
         Verification {
-            samples: self.samples,
+            samples: all.points,
             facing_away: self.facing_away,
             inside_solids: self.inside_solids,
             outside_bounds: self.outside_bounds,
-            shadowed_share: none(self.shadowed),
-            agreement: share(self.samples - self.acne - self.leak, self.samples),
-            interior_agreement: share(self.interior - wrong_inside, self.interior),
-            interior_share: share(self.interior_all, self.samples),
-            acne: none(self.acne),
-            leak: none(self.leak),
-            thin: self.thin,
-            thin_wrong: self.thin_wrong,
-            interior_acne: self.interior_acne,
-            interior_leak: self.interior_leak,
-            interior: self.interior,
+            shadowed_share: share(self.shadowed),
+            agreement: all.finish(Class::Thin, promises).agreement,
+            interior_agreement: interior.agreement,
+            interior_share: share(interior.points),
+            acne: share(all.acne),
+            leak: share(all.leak),
+            classes,
         }
     }
 }

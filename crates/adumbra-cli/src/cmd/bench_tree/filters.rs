@@ -9,7 +9,7 @@ use adumbra::picture::{self, Picture, Shadows};
 use adumbra::query::{PointVisibility, TreeQuery, Weights};
 use adumbra::settings::Bias;
 use adumbra::tree::{BakedTree, TreeOptions, VoxelTree};
-use adumbra::verify::{Answers, TreeAnswers};
+use adumbra::verify::{Answers, Class, Promises, TreeAnswers};
 use serde_json::{Value, json};
 
 use super::{BenchScene, Check, SUN, bake_quietly, number, rows_of, text_of, tree_options};
@@ -70,10 +70,11 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Value, 
         for variant in &VARIANTS {
             let answers = Ablated::new(&baked, sun, variant)?;
             let v = check.run(&answers);
+            let interior = v.class(Class::Interior);
             rows.push(json!({
                 "scene": scene.name, "depth": DEPTH, "look_up": variant.name, "agreement": v.agreement,
-                "acne": v.acne, "leak": v.leak, "interior": v.interior, "interior_acne": v.interior_acne,
-                "interior_leak": v.interior_leak,
+                "acne": v.acne, "leak": v.leak, "interior": interior.points, "interior_acne": interior.acne,
+                "interior_leak": interior.leak,
             }));
         }
         if let Some((_, depth)) = SHEETS.iter().find(|(name, _)| *name == scene.name) {
@@ -136,6 +137,10 @@ impl Answers for Ablated<'_> {
 
     fn insides_are_free(&self) -> bool {
         self.usual.insides_are_free()
+    }
+
+    fn promises(&self) -> Promises {
+        self.usual.promises()
     }
 }
 

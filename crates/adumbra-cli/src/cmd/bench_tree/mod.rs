@@ -36,6 +36,8 @@ struct BenchScene {
     name: String,
     /// Where other processes find it.
     path: PathBuf,
+    /// Whether it may read files outside its folder.
+    allow_outside: bool,
     scene: Scene,
 }
 
@@ -85,9 +87,11 @@ pub(super) fn run(args: &BenchTree) -> Outcome {
             }
             None => args.scenes.join(name),
         };
-        let scene = load_scene(&path, &LoadOptions { color_textures: true, ..LoadOptions::default() })?;
+        let allow_outside = args.allow_outside;
+        let load = LoadOptions { color_textures: true, allow_outside, ..LoadOptions::default() };
+        let scene = load_scene(&path, &load)?;
         let name = name.rsplit_once('.').map_or(name.as_str(), |(stem, _)| stem).to_owned();
-        scenes.push(BenchScene { name, path, scene });
+        scenes.push(BenchScene { name, path, allow_outside, scene });
     }
     let json_path = args.output.join("tree.json");
     // Sections that are not measured now keep what was measured before.
@@ -183,7 +187,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// What a bake in a process of its own says of itself.
 fn bake_elsewhere(scene: &BenchScene, options: &[&str]) -> Result<Value, Failure> {
-    child::bake(&scene.path, &[&["--frame", "world"], options].concat())
+    let outside: &[&str] = if scene.allow_outside { &["--allow-outside"] } else { &[] };
+    child::bake(&scene.path, &[&["--frame", "world"], options, outside].concat())
 }
 
 /// Answers against rays at points on a scene's surfaces.

@@ -56,7 +56,7 @@ fn with_sun_angle(specs: Vec<TechniqueSpec>, angle_degrees: f64) -> Result<Vec<T
 }
 
 fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outcome {
-    let mut load = args.load.load_options()?;
+    let mut load = args.load.load_options(args.work.max_memory)?;
     load.color_textures = true;
     load.ignore_alpha |= files.ignore_alpha();
     let scene = load_scene(&args.scene, &load)?;

@@ -69,7 +69,7 @@ pub(crate) fn run(args: &Render) -> Outcome {
             ));
         }
     }
-    let mut load = args.load.load_options()?;
+    let mut load = args.load.load_options(args.work.max_memory)?;
     load.color_textures = true;
     if load.movers == MoverPolicy::LeaveOut {
         load.movers = MoverPolicy::Keep;

@@ -81,6 +81,12 @@ impl<'a> Accessor<'a> {
                 let bytes = slice_from(bytes, offset).zip(n).and_then(|(b, n)| b.get(..n));
                 bytes.ok_or_else(|| broken("has sparse elements past their buffer view"))
             };
+            // A list of its own for each time it is opened, however many accessors share its bytes.
+            if sparse.count.0 > count as u64 {
+                return Err(broken("replaces more elements than it has"));
+            }
+            let bytes = sparse.count.0.saturating_mul(2 * size_of::<(u32, &[u8])>() as u64);
+            buffers.sources.budget.charge(bytes, || format!("the sparse elements of accessor {index}"))?;
             let index_size = kind_size(index_kind.0);
             let at = part(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, index_size)?;
             let to = part(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, size)?;

@@ -136,6 +136,9 @@ impl<E: Fn(&str) -> crate::Error> Reader<'_, E> {
         if times.components != 1 || values.components != N {
             return Err((self.what)("has keys of the wrong type"));
         }
+        let bytes = 4 * (times.count as u64 + (N * values.count) as u64);
+        let what = || format!("the keys of node {}", self.channel.target.node.value());
+        self.buffers.sources.budget.charge(bytes, what)?;
         let times: Vec<f32> = (0..times.count).filter_map(|i| times.floats::<1>(i)).map(|[t]| t).collect();
         let values: Vec<[f32; N]> = (0..values.count).filter_map(|i| values.floats(i)).collect();
         Track::new(times, values, interpolation).ok_or_else(|| {

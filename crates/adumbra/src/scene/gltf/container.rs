@@ -1,13 +1,13 @@
 //! Bytes of a glTF scene: the GLB container, buffers in files and in data URIs, and views into them.
 
 use std::borrow::Cow;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use ::gltf::binary::Glb;
 use ::gltf::json::{Root, buffer};
 
 use crate::error::{Error, Result};
+use crate::scene::sources::Sources;
 
 /// JSON, and binary chunk where there is one.
 type Parts<'a> = (Cow<'a, [u8]>, Option<Cow<'a, [u8]>>);
@@ -40,27 +40,34 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Parts<'a>> {
 
 /// Every buffer of the scene.
 pub(super) struct Buffers<'a> {
+    /// The scene's files, and what the load may hold.
+    pub(super) sources: &'a Sources<'a>,
     path: &'a Path,
     bytes: Vec<Cow<'a, [u8]>>,
 }
 
 impl<'a> Buffers<'a> {
     /// Reads the buffers that are not in the file itself.
-    pub(super) fn load(path: &'a Path, root: &Root, mut bin: Option<Cow<'a, [u8]>>) -> Result<Self> {
+    pub(super) fn load(
+        sources: &'a Sources<'a>,
+        root: &Root,
+        mut bin: Option<Cow<'a, [u8]>>,
+    ) -> Result<Self> {
+        let path = sources.scene;
         let mut bytes = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
+            let stated = buffer.byte_length.0;
             let data = match (&buffer.uri, index) {
-                (Some(uri), _) => Cow::Owned(read_uri(path, uri)?),
+                (Some(uri), _) => Cow::Owned(read_uri(sources, uri, &format!("buffer {index}"), stated)?),
                 (None, 0) => bin.take().unwrap_or_default(),
                 (None, _) => Cow::default(),
             };
-            if (data.len() as u64) < buffer.byte_length.0 {
-                let stated = buffer.byte_length.0;
+            if (data.len() as u64) < stated {
                 return Err(bad(path, format!("buffer {index} has {} bytes, not {stated}", data.len())));
             }
             bytes.push(data);
         }
-        Ok(Self { path, bytes })
+        Ok(Self { sources, path, bytes })
     }
 
     /// Bytes of all buffers together: an upper bound of what the file can describe.
@@ -90,22 +97,26 @@ pub(super) fn bad(path: &Path, what: impl Into<String>) -> Error {
     Error::SceneParse { path: path.to_owned(), format: "glTF", what: what.into() }
 }
 
-/// Reads a data URI, or a file beside the scene.
-pub(super) fn read_uri(scene: &Path, uri: &str) -> Result<Vec<u8>> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let decoded = data.split_once(',').and_then(|(kind, body)| {
-            if kind.ends_with(";base64") { decode_base64(body) } else { Some(decode_percent(body)) }
-        });
-        return decoded.ok_or_else(|| bad(scene, "a data URI is not valid base64"));
+/// The bytes of a data URI, or the first `max_bytes` bytes of a file beside the scene; `place` is what names it.
+fn read_uri(sources: &Sources<'_>, uri: &str, place: &str, max_bytes: u64) -> Result<Vec<u8>> {
+    match uri.strip_prefix("data:") {
+        Some(data) => read_data(sources, data, place),
+        None => sources.read_start(&sources.locate(place, &file_name(uri))?, place, max_bytes),
     }
-    let file = uri_path(scene, uri);
-    fs::read(&file).map_err(Error::io("read", file))
 }
 
-/// The file that a relative URI names, beside the scene.
-pub(super) fn uri_path(scene: &Path, uri: &str) -> PathBuf {
-    let decoded = String::from_utf8_lossy(&decode_percent(uri)).into_owned();
-    scene.parent().unwrap_or(Path::new("")).join(decoded)
+/// The bytes of a data URI, given without its `data:`.
+pub(super) fn read_data(sources: &Sources<'_>, data: &str, place: &str) -> Result<Vec<u8>> {
+    sources.budget.charge(data.len() as u64, || format!("the data URI of {place}"))?;
+    let decoded = data.split_once(',').and_then(|(kind, body)| {
+        if kind.ends_with(";base64") { decode_base64(body) } else { Some(decode_percent(body)) }
+    });
+    decoded.ok_or_else(|| bad(sources.scene, format!("the data URI of {place} is not valid base64")))
+}
+
+/// The file name that a relative URI stands for.
+pub(super) fn file_name(uri: &str) -> String {
+    String::from_utf8_lossy(&decode_percent(uri)).into_owned()
 }
 
 fn decode_percent(text: &str) -> Vec<u8> {

@@ -7,14 +7,15 @@ use std::path::Path;
 
 use ::gltf::json::Root;
 use ::gltf::json::material::{AlphaMode as JsonAlpha, Material as Json};
-use ::gltf::json::texture::{Info, MagFilter, WrappingMode};
+use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
-use hashbrown::HashMap;
 
-use super::container::{Buffers, read_uri};
+use super::container::Buffers;
+use super::images::{Images, Problem};
 use super::nodes::casts;
 use crate::error::{Error, Result};
-use crate::scene::{AlphaMode, LoadNotes, LoadOptions, Material, Texture, Wrap};
+use crate::scene::sources::OUTSIDE;
+use crate::scene::{AlphaMode, LoadNotes, LoadOptions, Material, Texture};
 
 /// Which texture coordinates a material's texture takes, and the KHR_texture_transform to apply.
 #[derive(Clone, Copy, Debug)]
@@ -65,9 +66,9 @@ struct SpecularGlossiness {
 /// Loads the materials, and the textures of those that `used` marks.
 ///
 /// # Errors
-/// [`Error::Texture`] where a texture that decides opacity cannot be read; one that only colours becomes a warning.
+/// [`Error::Texture`] or [`Error::OutsideScene`] where a texture that decides opacity cannot be read; one that only colours becomes a
+/// warning. [`Error::SceneMemory`] where textures are too large.
 pub(super) fn load(
-    path: &Path,
     root: &Root,
     buffers: &Buffers<'_>,
     options: &LoadOptions,
@@ -75,8 +76,7 @@ pub(super) fn load(
     notes: &mut LoadNotes,
 ) -> Result<Materials> {
     let mut out = Materials::default();
-    let mut images =
-        Images { path, root, buffers, alpha_only: !options.color_textures, done: HashMap::new() };
+    let mut images = Images::new(root, buffers, !options.color_textures);
     for (index, json) in root.materials.iter().enumerate() {
         let name = name(root, index);
         let (base_color, info) = base_color(json);
@@ -87,16 +87,10 @@ pub(super) fn load(
             && used.get(index) == Some(&true)
             && (cuts || options.color_textures)
         {
-            match images.load(info.index.value(), &mut out.textures) {
+            match images.load(info.index.value(), &mut out.textures)? {
                 Ok(texture) => material.texture = texture,
-                Err((texture, what)) if cuts => {
-                    return Err(Error::Texture { path: path.to_owned(), material: name, texture, what });
-                }
-                Err((texture, what)) => {
-                    notes
-                        .warnings
-                        .push(format!("material {name:?} loses its colour texture {texture}: {what}"));
-                }
+                Err(problem) if cuts => return Err(problem.error(buffers.sources.scene, name)),
+                Err(problem) => notes.warnings.push(problem.warning(&name)),
             }
             coordinates = material.texture.map(|_| placing(&info));
         }
@@ -158,77 +152,22 @@ fn placing(info: &Info) -> Coordinates {
     }
 }
 
-/// What went wrong with a texture: which it is, and a clause.
-type Trouble = (String, String);
-
-/// An image as one sampler reads it: image, wrap, nearest.
-type Sampled = (usize, [Wrap; 2], bool);
-
-/// Loads each image once a sampler.
-struct Images<'a> {
-    path: &'a Path,
-    root: &'a Root,
-    buffers: &'a Buffers<'a>,
-    alpha_only: bool,
-    done: HashMap<Sampled, Result<Option<u32>, Trouble>>,
-}
-
-impl Images<'_> {
-    /// The texture's index in `textures`; `None` where only alpha is wanted and it is full everywhere.
-    fn load(&mut self, index: usize, textures: &mut Vec<Texture>) -> Result<Option<u32>, Trouble> {
-        let json = self.root.textures.get(index);
-        let json = json.ok_or_else(|| (index.to_string(), "it does not exist".to_owned()))?;
-        let webp = json.extensions.as_ref().and_then(|e| e.others.get("EXT_texture_webp"));
-        let webp = webp.and_then(|e| e.get("source")).and_then(serde_json::Value::as_u64);
-        let image = webp.and_then(|i| usize::try_from(i).ok()).unwrap_or(json.source.value());
-        let sampler = json.sampler.and_then(|s| self.root.samplers.get(s.value()));
-        let wrap = sampler.map_or([Wrap::Repeat; 2], |s| [wrap(&s.wrap_s), wrap(&s.wrap_t)]);
-        let nearest = sampler.is_some_and(|s| s.mag_filter == Some(Checked::Valid(MagFilter::Nearest)));
-        let key = (image, wrap, nearest);
-        if let Some(done) = self.done.get(&key) {
-            return done.clone();
+impl Problem {
+    /// The error where the texture decides opacity.
+    fn error(self, path: &Path, material: String) -> Error {
+        let path = path.to_owned();
+        match self {
+            Self::Unreadable { texture, what } => Error::Texture { path, material, texture, what },
+            Self::Outside { place, named } => Error::OutsideScene { path, place, named },
         }
-        let result = self.decode(image).map(|mut texture| {
-            if self.alpha_only && texture.is_fully_opaque() {
-                return None;
-            }
-            (texture.wrap, texture.nearest) = (wrap, nearest);
-            textures.push(texture);
-            Some(textures.len() as u32 - 1)
-        });
-        self.done.insert(key, result.clone());
-        result
     }
 
-    fn decode(&self, index: usize) -> Result<Texture, Trouble> {
-        let Some(json) = self.root.images.get(index) else {
-            return Err(("of no image".to_owned(), "it names no image in a known format".to_owned()));
+    /// The warning where the texture only colours.
+    fn warning(&self, material: &str) -> String {
+        let (texture, what) = match self {
+            Self::Unreadable { texture, what } => (texture, what.as_str()),
+            Self::Outside { named, .. } => (named, OUTSIDE),
         };
-        let uri = json.uri.as_deref();
-        let file = uri.filter(|u| !u.starts_with("data:"));
-        let label = file.map(str::to_owned).or_else(|| json.name.clone());
-        let label = label.unwrap_or_else(|| format!("image {index}"));
-        let trouble = |what: String| (label.clone(), what);
-        let read;
-        let bytes = match (uri, json.buffer_view) {
-            (Some(uri), _) => {
-                read = read_uri(self.path, uri).map_err(|e| trouble(e.to_string()))?;
-                &read[..]
-            }
-            (None, Some(view)) => {
-                self.buffers.view(self.root, view.value()).map_err(|e| trouble(e.to_string()))?.0
-            }
-            (None, None) => return Err(trouble("it has no data".to_owned())),
-        };
-        let ending = file.and_then(|f| f.rsplit_once('.')).map_or("", |(_, ending)| ending);
-        Texture::decode(label.clone(), bytes, ending, self.alpha_only).map_err(trouble)
-    }
-}
-
-fn wrap(mode: &Checked<WrappingMode>) -> Wrap {
-    match mode {
-        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
-        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
-        _ => Wrap::Repeat,
+        format!("material {material:?} loses its colour texture {texture}: {what}")
     }
 }

@@ -1,6 +1,8 @@
 //! Triangles of a mesh: all its kept primitives in one list, with only the vertices that they use.
 
+use std::cell::RefCell;
 use std::path::Path;
+use std::rc::Rc;
 
 use ::gltf::json::Root;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -17,18 +19,20 @@ use crate::scene::validate::{Sieve, check_vertex};
 
 /// What it takes to build a mesh.
 pub(super) struct Builder<'a> {
-    pub(super) path: &'a Path,
-    pub(super) root: &'a Root,
-    pub(super) buffers: &'a Buffers<'a>,
-    pub(super) materials: &'a Materials,
+    path: &'a Path,
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    materials: &'a Materials,
+    /// Accessors that were opened, by index: many primitives may name the same one.
+    opened: RefCell<HashMap<usize, Rc<Accessor<'a>>>>,
 }
 
 /// Vertices of one primitive.
 struct Source<'a> {
-    positions: Accessor<'a>,
-    uvs: Option<(Accessor<'a>, Coordinates)>,
-    /// Joints and weights, a pair a set of four.
-    joints: Vec<[Accessor<'a>; 2]>,
+    positions: Rc<Accessor<'a>>,
+    uvs: Option<(Rc<Accessor<'a>>, Coordinates)>,
+    /// Joints and weights, a pair for each set of four.
+    joints: Vec<[Rc<Accessor<'a>>; 2]>,
 }
 
 /// Primitives with the same key share vertices: accessors of positions, joints and weights, material with a texture.
@@ -50,7 +54,23 @@ fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value())
 }
 
+/// Bytes of a triangle: its corners and its material.
+const TRIANGLE_BYTES: u64 = 16;
+/// Bytes of a vertex: its position and texture coordinates.
+const VERTEX_BYTES: u64 = 20;
+/// Bytes of a vertex in the table that finds it again while its mesh is built.
+const TABLE_BYTES: u64 = 28;
+
 impl<'a> Builder<'a> {
+    pub(super) fn new(
+        path: &'a Path,
+        root: &'a Root,
+        buffers: &'a Buffers<'a>,
+        materials: &'a Materials,
+    ) -> Self {
+        Self { path, root, buffers, materials, opened: RefCell::default() }
+    }
+
     /// The mesh's chosen primitives as one mesh; a skin puts the vertices where its joints say.
     pub(super) fn build(
         &self,
@@ -59,27 +79,17 @@ impl<'a> Builder<'a> {
         skin: Option<&Skin>,
         sieve: &mut Sieve,
     ) -> Result<Mesh> {
+        let passing = self.charge(name, primitives, skin.is_some())?;
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
-        let textured = |p: &Primitive| {
-            let material = material_of(self.root, p);
-            self.materials.coordinates.get(material).copied().flatten().map(|c| (material, c))
-        };
-        let any_textured = primitives.iter().any(|p| textured(p).is_some());
-        let mut keys: Vec<SourceKey> = Vec::new();
+        let any_textured = primitives.iter().any(|p| self.texture(p).is_some());
+        let mut keys: HashMap<SourceKey, u32> = HashMap::new();
         let mut vertices: HashMap<(u32, u32), u32> = HashMap::new();
         for primitive in primitives {
-            let Some(positions) = attribute(primitive, Semantic::Positions) else { continue };
-            let texture = textured(primitive);
-            let joints = match skin {
-                Some(_) => [Semantic::Joints(0), Semantic::Weights(0)].map(|s| attribute(primitive, s)),
-                None => [None; 2],
-            };
-            let key = (positions, joints, texture.map(|t| t.0));
-            let key = keys.iter().position(|k| *k == key).unwrap_or_else(|| {
-                keys.push(key);
-                keys.len() - 1
-            }) as u32;
-            let source = self.open(primitive, positions, texture.map(|t| t.1), skin.is_some())?;
+            let Some(key) = self.source_key(primitive, skin.is_some()) else { continue };
+            let coordinates = self.texture(primitive).map(|t| t.1);
+            let source = self.open(primitive, key.0, coordinates, skin.is_some())?;
+            let next = keys.len() as u32;
+            let key = *keys.entry(key).or_insert(next);
             let material = material_of(self.root, primitive) as u32;
             self.each_triangle(name, primitive, source.positions.count, |corners| {
                 let mut points = [[0.0; 3]; 3];
@@ -110,7 +120,65 @@ impl<'a> Builder<'a> {
         mesh.uvs.shrink_to_fit();
         mesh.triangles.shrink_to_fit();
         mesh.triangle_materials.shrink_to_fit();
+        self.buffers.sources.budget.release(passing);
         Ok(mesh)
+    }
+
+    /// Counts a mesh before anything of it is made, as large as its accessors can make it; gives the bytes that are free again once it
+    /// is built.
+    fn charge(&self, name: &str, primitives: &[&Primitive], skinned: bool) -> Result<u64> {
+        let mut triangles = 0_u64;
+        let mut corners_of: HashMap<SourceKey, (u64, u64)> = HashMap::new();
+        for primitive in primitives {
+            let Some(key) = self.source_key(primitive, skinned) else { continue };
+            let positions = self.accessor(key.0)?.count as u64;
+            let corners = match primitive.indices {
+                Some(index) => self.accessor(index.value())?.count as u64,
+                None => positions,
+            };
+            let made = match primitive.mode {
+                Checked::Valid(Mode::Triangles) => corners / 3,
+                _ => corners.saturating_sub(2),
+            };
+            triangles = triangles.saturating_add(made);
+            let named = corners_of.entry(key).or_insert((0, positions));
+            named.0 = named.0.saturating_add(made.saturating_mul(3));
+        }
+        let vertices = corners_of.values().map(|&(corners, positions)| corners.min(positions));
+        let vertices = vertices.fold(0, u64::saturating_add);
+        let passing = vertices.saturating_mul(TABLE_BYTES);
+        let kept =
+            triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(vertices.saturating_mul(VERTEX_BYTES));
+        let bytes = kept.saturating_add(passing).saturating_add(name.len() as u64);
+        self.buffers.sources.budget.charge(bytes, || {
+            format!("mesh {name:?} of up to {triangles} triangles and {vertices} vertices")
+        })?;
+        Ok(passing)
+    }
+
+    /// What says whether a primitive shares its vertices with another one; none without positions.
+    fn source_key(&self, primitive: &Primitive, skinned: bool) -> Option<SourceKey> {
+        let positions = attribute(primitive, Semantic::Positions)?;
+        let joints = match skinned {
+            true => [Semantic::Joints(0), Semantic::Weights(0)].map(|s| attribute(primitive, s)),
+            false => [None; 2],
+        };
+        Some((positions, joints, self.texture(primitive).map(|t| t.0)))
+    }
+
+    /// The material of a primitive and where it samples its texture; none where it has none.
+    fn texture(&self, primitive: &Primitive) -> Option<(usize, Coordinates)> {
+        let material = material_of(self.root, primitive);
+        self.materials.coordinates.get(material).copied().flatten().map(|c| (material, c))
+    }
+
+    fn accessor(&self, index: usize) -> Result<Rc<Accessor<'a>>> {
+        if let Some(known) = self.opened.borrow().get(&index) {
+            return Ok(known.clone());
+        }
+        let accessor = Rc::new(Accessor::open(self.path, self.root, self.buffers, index)?);
+        self.opened.borrow_mut().insert(index, accessor.clone());
+        Ok(accessor)
     }
 
     fn open(
@@ -120,7 +188,7 @@ impl<'a> Builder<'a> {
         coordinates: Option<Coordinates>,
         skinned: bool,
     ) -> Result<Source<'a>> {
-        let open = |index| Accessor::open(self.path, self.root, self.buffers, index);
+        let open = |index| self.accessor(index);
         let positions = open(positions)?;
         if positions.components != 3 {
             return Err(bad(self.path, "a POSITION attribute is not made of three components"));
@@ -151,7 +219,7 @@ impl<'a> Builder<'a> {
         mut each: impl FnMut([u32; 3]) -> Result<()>,
     ) -> Result<()> {
         let indices = match primitive.indices {
-            Some(index) => Some(Accessor::open(self.path, self.root, self.buffers, index.value())?),
+            Some(index) => Some(self.accessor(index.value())?),
             None => None,
         };
         if indices.as_ref().is_some_and(|i| i.components != 1 || !i.is_unsigned()) {

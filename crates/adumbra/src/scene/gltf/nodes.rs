@@ -121,6 +121,10 @@ pub(super) fn gpu_instances(
     if counts().any(|c| c != count) {
         return Err(broken("have attributes of different lengths"));
     }
+    // For as long as they are read; instances are counted as they are made.
+    let bytes = (count * size_of::<Affine>()) as u64;
+    buffers.sources.budget.charge(bytes, || format!("the instances of node {index}"))?;
+    buffers.sources.budget.release(bytes);
     let mut maps = Vec::with_capacity(count);
     for i in 0..count {
         let t = move_by.as_ref().and_then(|a| a.floats::<3>(i)).unwrap_or_default();

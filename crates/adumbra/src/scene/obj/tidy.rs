@@ -5,9 +5,12 @@
 
 use std::borrow::Cow;
 use std::io::Write;
-use std::path::Path;
+
+use hashbrown::HashSet;
 
 use crate::error::{Error, Result};
+use crate::scene::polygon::Cutter;
+use crate::scene::sources::Sources;
 
 /// A tidied OBJ file.
 #[derive(Default)]
@@ -20,73 +23,65 @@ pub(super) struct Object {
     pub(super) materials: Vec<String>,
     /// Lines, points, and faces with fewer than three corners.
     pub(super) skipped: u64,
+    /// Polygons that could not be triangulated.
+    pub(super) untriangulated: u64,
+    /// Positions in the file.
+    pub(super) vertices: u64,
+    /// Triangles that its faces make.
+    pub(super) triangles: u64,
 }
 
-/// Tidies an OBJ file; texture coordinates are dropped unless `with_uvs`, because they split vertices.
-pub(super) fn object(path: &Path, bytes: &[u8], with_uvs: bool) -> Result<Object> {
+/// What names a material library, in errors.
+pub(super) const LIBRARY: &str = "mtllib";
+
+/// Names, each once, in the order of their first use.
+#[derive(Default)]
+struct Names {
+    list: Vec<String>,
+    known: HashSet<String>,
+}
+
+impl Names {
+    fn remember(&mut self, name: &str) {
+        if !self.known.contains(name) {
+            self.known.insert(name.to_owned());
+            self.list.push(name.to_owned());
+        }
+    }
+}
+
+/// Tidies an OBJ file; texture coordinates are dropped unless `with_uvs`, because they split vertices. Polygons that a fan would not
+/// cover are cut into triangles.
+pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Result<Object> {
     let text = String::from_utf8_lossy(bytes);
-    let total = |keyword: &str| statements(&text).filter(|(_, k, _)| k == keyword).count();
-    let (vertices, uvs) = (total("v"), total("vt"));
-    let mut out = Object { text: b"mtllib all\n".to_vec(), ..Object::default() };
-    let mut head = std::mem::take(&mut out.text);
+    let bad = |line: usize, what: &str, rest: &str| {
+        sources.bad(format!("line {line}: {what}: {:?}", shorten(rest)))
+    };
+    let mut positions: Vec<[f32; 3]> = Vec::new();
+    let mut head = b"mtllib all\n".to_vec();
     // Faces without texture coordinates take the first, which is made up.
-    let (mut uv_lines, mut body) = (b"vt 0 0\n".to_vec(), Vec::new());
-    let mut name = "unnamed_object".to_owned();
-    let (mut vertices_so_far, mut uvs_so_far) = (0, 0);
+    let (mut uv_lines, mut uvs) = (b"vt 0 0\n".to_vec(), 0);
     for (line, keyword, rest) in statements(&text) {
-        let bad = |what: &str| Error::SceneParse {
-            path: path.to_owned(),
-            format: "OBJ",
-            what: format!("line {line}: {what}: {:?}", shorten(&rest)),
-        };
         match keyword.as_ref() {
             "v" => {
-                vertices_so_far += 1;
-                let p = numbers::<3>(&rest).ok_or_else(|| bad("a vertex needs three numbers"))?;
-                line_of(&mut head, format_args!("v {} {} {}", p[0], p[1], p[2]));
+                let p = numbers(&rest).ok_or_else(|| bad(line, "a vertex needs three numbers", &rest))?;
+                positions.push(p);
+                head.push(b'v');
+                // As they are written, for some numbers are far longer otherwise.
+                for word in rest.split_whitespace().take(3) {
+                    head.push(b' ');
+                    head.extend_from_slice(word.as_bytes());
+                }
+                head.push(b'\n');
             }
             "vt" => {
-                uvs_so_far += 1;
-                let [u, v] = numbers::<2>(&rest)
-                    .or_else(|| numbers::<1>(&rest).map(|[u]| [u, 0.0]))
-                    .unwrap_or_default();
-                line_of(&mut uv_lines, format_args!("vt {u} {v}"));
-            }
-            "o" | "g" => {
-                name = if rest.is_empty() { "unnamed_object".to_owned() } else { rest.to_string() };
-                line_of(&mut body, format_args!("o {name}"));
-            }
-            "usemtl" if !rest.is_empty() => {
-                remember(&mut out.materials, &rest);
-                line_of(&mut body, format_args!("usemtl {rest}"));
-            }
-            "mtllib" if !rest.is_empty() => libraries(path, &rest, &mut out.libraries),
-            "l" | "p" => out.skipped += 1,
-            "f" if rest.split_whitespace().count() < 3 => out.skipped += 1,
-            "f" => {
-                body.push(b'f');
-                for corner in rest.split_whitespace() {
-                    let mut parts = corner.split('/');
-                    let v = parts.next().and_then(|p| absolute(p, vertices_so_far));
-                    let v = v.ok_or_else(|| bad("a face's corner is not a vertex index"))?;
-                    if v > vertices {
-                        let (index, vertices) = (v as u64, vertices as u64);
-                        return Err(Error::IndexOutOfRange {
-                            path: path.to_owned(),
-                            mesh: name,
-                            index,
-                            vertices,
-                        });
-                    }
-                    let uv = parts.next().and_then(|p| absolute(p, uvs_so_far)).filter(|&i| i <= uvs);
-                    // Writing to memory does not fail.
-                    let _ = if with_uvs {
-                        write!(body, " {v}/{}", uv.map_or(1, |i| i + 1))
-                    } else {
-                        write!(body, " {v}")
-                    };
+                uvs += 1;
+                if with_uvs {
+                    let [u, v] = numbers::<2>(&rest)
+                        .or_else(|| numbers::<1>(&rest).map(|[u]| [u, 0.0]))
+                        .unwrap_or_default();
+                    line_of(&mut uv_lines, format_args!("vt {u:e} {v:e}"));
                 }
-                body.push(b'\n');
             }
             _ => {}
         }
@@ -94,9 +89,99 @@ pub(super) fn object(path: &Path, bytes: &[u8], with_uvs: bool) -> Result<Object
     if with_uvs {
         head.append(&mut uv_lines);
     }
-    head.append(&mut body);
-    out.text = head;
+    let mut out = Object { text: head, vertices: positions.len() as u64, ..Object::default() };
+    let (mut libraries, mut materials) = (Names::default(), Names::default());
+    let mut faces = Faces {
+        positions: &positions,
+        with_uvs,
+        corners: Vec::new(),
+        points: Vec::new(),
+        cutter: Cutter::default(),
+    };
+    let mut name = "unnamed_object".to_owned();
+    let (mut vertices_so_far, mut uvs_so_far) = (0, 0);
+    for (line, keyword, rest) in statements(&text) {
+        match keyword.as_ref() {
+            "v" => vertices_so_far += 1,
+            "vt" => uvs_so_far += 1,
+            "o" | "g" => {
+                name = if rest.is_empty() { "unnamed_object".to_owned() } else { rest.to_string() };
+                line_of(&mut out.text, format_args!("o {name}"));
+            }
+            "usemtl" if !rest.is_empty() => {
+                materials.remember(&rest);
+                line_of(&mut out.text, format_args!("usemtl {rest}"));
+            }
+            "mtllib" if !rest.is_empty() => {
+                // A library's name may hold spaces, or there may be several names.
+                let several =
+                    rest.contains(char::is_whitespace) && super::locate(sources, LIBRARY, &rest).is_err();
+                if several {
+                    rest.split_whitespace().for_each(|name| libraries.remember(name));
+                } else {
+                    libraries.remember(&rest);
+                }
+            }
+            "l" | "p" => out.skipped += 1,
+            "f" if rest.split_whitespace().count() < 3 => out.skipped += 1,
+            "f" => {
+                faces.corners.clear();
+                for corner in rest.split_whitespace() {
+                    let mut parts = corner.split('/');
+                    let v = parts.next().and_then(|p| absolute(p, vertices_so_far));
+                    let v = v.ok_or_else(|| bad(line, "a face's corner is not a vertex index", &rest))?;
+                    if v > positions.len() {
+                        let (index, vertices) = (v as u64, positions.len() as u64);
+                        let path = sources.scene.to_owned();
+                        return Err(Error::IndexOutOfRange { path, mesh: name, index, vertices });
+                    }
+                    let uv = parts.next().and_then(|p| absolute(p, uvs_so_far)).filter(|&i| i <= uvs);
+                    faces.corners.push((v, uv.map_or(1, |i| i + 1)));
+                }
+                out.triangles += faces.corners.len() as u64 - 2;
+                faces.write(&mut out.text);
+            }
+            _ => {}
+        }
+    }
+    out.untriangulated = faces.cutter.failed;
+    (out.libraries, out.materials) = (libraries.list, materials.list);
     Ok(out)
+}
+
+/// Writes faces.
+struct Faces<'a> {
+    positions: &'a [[f32; 3]],
+    with_uvs: bool,
+    /// Position and texture coordinates of each corner, counted from 1.
+    corners: Vec<(usize, usize)>,
+    points: Vec<[f32; 3]>,
+    cutter: Cutter,
+}
+
+impl Faces<'_> {
+    /// Writes the face of these corners: as it is, where a fan covers it, otherwise as triangles.
+    fn write(&mut self, out: &mut Vec<u8>) {
+        self.points.clear();
+        if self.corners.len() > 3 {
+            self.points.extend(self.corners.iter().map(|&(v, _)| self.positions[v - 1]));
+        }
+        let (corners, with_uvs) = (&self.corners, self.with_uvs);
+        let mut face = |numbers: &mut dyn Iterator<Item = usize>| {
+            out.push(b'f');
+            for (v, uv) in numbers.map(|i| corners[i]) {
+                // Writing to memory does not fail.
+                let _ = if with_uvs { write!(out, " {v}/{uv}") } else { write!(out, " {v}") };
+            }
+            out.push(b'\n');
+        };
+        match self.cutter.cut(&self.points) {
+            Some(triangles) => {
+                triangles.iter().for_each(|t| face(&mut t.iter().map(|&corner| corner as usize)));
+            }
+            None => face(&mut (0..corners.len())),
+        }
+    }
 }
 
 /// Tidies an MTL file: names, diffuse colours, dissolve, and the maps of those.
@@ -130,16 +215,18 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>, Cow<'_, 
     let mut lines = text.lines().enumerate();
     std::iter::from_fn(move || {
         let (number, line) = lines.next()?;
-        let mut whole = Cow::Borrowed(line.trim());
-        while let Some(start) = whole.strip_suffix('\\') {
-            let mut joined = start.to_owned();
-            if let Some((_, next)) = lines.next() {
-                joined.push(' ');
-                joined.push_str(next.trim());
+        let line = line.trim();
+        let Some(start) = line.strip_suffix('\\') else { return Some((number + 1, Cow::Borrowed(line))) };
+        let mut joined = start.to_owned();
+        for (_, next) in lines.by_ref() {
+            joined.push(' ');
+            joined.push_str(next.trim());
+            if !joined.ends_with('\\') {
+                break;
             }
-            whole = Cow::Owned(joined);
+            joined.pop();
         }
-        Some((number + 1, whole))
+        Some((number + 1, Cow::Owned(joined)))
     })
     .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
     .map(|(number, line)| match line {
@@ -171,21 +258,6 @@ fn absolute(text: &str, so_far: usize) -> Option<usize> {
     }
     let back = usize::try_from(index.checked_neg()?).ok()?;
     if back == 0 { None } else { (so_far + 1).checked_sub(back).filter(|&i| i > 0) }
-}
-
-/// A library's name may hold spaces, or there may be several names.
-fn libraries(path: &Path, rest: &str, known: &mut Vec<String>) {
-    if super::beside(path, rest).is_file() || !rest.contains(char::is_whitespace) {
-        remember(known, rest);
-    } else {
-        rest.split_whitespace().for_each(|name| remember(known, name));
-    }
-}
-
-fn remember(names: &mut Vec<String>, name: &str) {
-    if !names.iter().any(|n| n == name) {
-        names.push(name.to_owned());
-    }
 }
 
 fn line_of(out: &mut Vec<u8>, line: std::fmt::Arguments<'_>) {

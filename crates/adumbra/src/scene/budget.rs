@@ -1,0 +1,84 @@
+//! How much memory a load may hold.
+//!
+//! A few bytes of a scene file can ask for a great deal: an image of one colour, a thousand primitives that share their vertices. So
+//! what is about to be made is counted first. The counts are those of the large parts: files, objects of
+//! JSON, texels, triangles, vertices, instances, keys of animations.
+
+use std::cell::Cell;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Without a limit of the caller's, a load may hold this much, whatever the size of its files.
+pub(super) const BASE_BYTES: u64 = 2 << 30;
+/// Without a limit of the caller's, a load may hold this much more for each byte of its files.
+pub(super) const BYTES_PER_FILE_BYTE: u64 = 64;
+
+/// Counts the bytes that a load holds.
+pub(super) struct Budget<'a> {
+    scene: &'a Path,
+    given_bytes: Option<u64>,
+    held_bytes: Cell<u64>,
+    file_bytes: Cell<u64>,
+}
+
+impl<'a> Budget<'a> {
+    pub(super) fn new(scene: &'a Path, given_bytes: Option<u64>) -> Self {
+        Self { scene, given_bytes, held_bytes: Cell::new(0), file_bytes: Cell::new(0) }
+    }
+
+    /// Raises the limit that follows from the size of the scene's files.
+    pub(super) fn allow_for(&self, file_bytes: u64) {
+        self.file_bytes.set(self.file_bytes.get().saturating_add(file_bytes));
+    }
+
+    /// Counts `bytes` before they are allocated; `what` names them in the error.
+    ///
+    /// # Errors
+    /// [`Error::SceneMemory`] beyond the limit; nothing is counted then.
+    pub(super) fn charge(&self, bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
+        let needed_bytes = self.held_bytes.get().saturating_add(bytes);
+        let limit_bytes = self.limit_bytes();
+        if needed_bytes > limit_bytes {
+            let path = self.scene.to_owned();
+            return Err(Error::SceneMemory { path, what: what(), needed_bytes, limit_bytes });
+        }
+        self.held_bytes.set(needed_bytes);
+        Ok(())
+    }
+
+    /// Says that bytes which were counted are free again.
+    pub(super) fn release(&self, bytes: u64) {
+        self.held_bytes.set(self.held_bytes.get().saturating_sub(bytes));
+    }
+
+    fn limit_bytes(&self) -> u64 {
+        let default = || BASE_BYTES.saturating_add(BYTES_PER_FILE_BYTE.saturating_mul(self.file_bytes.get()));
+        self.given_bytes.unwrap_or_else(default)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_given_or_follow_the_files() {
+        let path = Path::new("scene.glb");
+        let given = Budget::new(path, Some(100));
+        given.allow_for(1 << 40);
+        given.charge(60, String::new).expect("fits");
+        let error = given.charge(60, || "the texture".to_owned()).expect_err("60 and 60 are more than 100");
+        assert!(matches!(&error, Error::SceneMemory { needed_bytes: 120, limit_bytes: 100, .. }), "{error}");
+        assert!(error.to_string().contains("the texture"), "{error}");
+        given.release(30);
+        given.charge(60, String::new).expect("30 and 60 fit");
+
+        let default = Budget::new(path, None);
+        default.charge(BASE_BYTES, String::new).expect("fits");
+        default.charge(BYTES_PER_FILE_BYTE, String::new).expect_err("no file allows it");
+        default.allow_for(1);
+        default.charge(BYTES_PER_FILE_BYTE, String::new).expect("fits");
+        default.charge(u64::MAX, String::new).expect_err("no overflow");
+    }
+}
