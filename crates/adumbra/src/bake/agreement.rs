@@ -41,7 +41,7 @@ impl BlockSink for Found {
 }
 
 /// Calls `visit(x, y, e, x, drawn)` for every texel of a root block.
-fn for_each_column(
+fn for_each_found(
     level: u32,
     corner: [u32; 2],
     pieces: &mut impl Iterator<Item = Piece>,
@@ -57,7 +57,7 @@ fn for_each_column(
         let half = 1 << (level - 1);
         for q in 0..4_u32 {
             let quarter = [corner[0] + (q >> 1) * half, corner[1] + (q & 1) * half];
-            for_each_column(level - 1, quarter, pieces, next, visit);
+            for_each_found(level - 1, quarter, pieces, next, visit);
         }
         return;
     }
@@ -78,37 +78,74 @@ fn for_each_column(
     *next = pieces.next();
 }
 
+/// A column as both builders have it, before a limit on switches cuts it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Column {
+    /// Texel of the grid.
+    pub(super) at: [u32; 2],
+    /// `[e, x]` of the plain builder.
+    pub(super) plain: [u32; 2],
+    /// `[e, x]` of the fast builder.
+    pub(super) fast: [u32; 2],
+    /// The fast builder drew it.
+    pub(super) drawn: bool,
+}
+
+impl Column {
+    /// Whether the fast builder's interval lies within the plain one, with the same first surface where it was drawn.
+    pub(super) fn agrees(&self) -> bool {
+        let ([e, x], [fast_e, fast_x]) = (self.plain, self.fast);
+        e <= fast_e && fast_e <= fast_x && fast_x <= x && (!self.drawn || fast_e == e)
+    }
+}
+
+/// What is reused from tile to tile.
+#[derive(Default)]
+pub(super) struct BothBuffers {
+    descent: DescentBuffers,
+    capture: CaptureBuffers,
+    columns: Columns,
+}
+
+/// Calls `visit` with every column of a root block.
+pub(super) fn for_each_column(
+    plan: &Plan<'_>,
+    tile: usize,
+    buffers: &mut BothBuffers,
+    mut visit: impl FnMut(Column),
+) {
+    let BothBuffers { descent, capture: captured, columns } = buffers;
+    let pieces =
+        build_root(plan, tile, &Found, descent, &AtomicBool::new(false)).expect("nothing interrupts");
+    let surfaces = TileSurfaces { casters: &plan.casters, tile, grid: &plan.grid };
+    let rect = plan.tile_rect(tile);
+    capture(&surfaces, &plan.rules, rect, captured, columns);
+    let mut pieces = pieces.into_iter();
+    let mut next = pieces.next();
+    for_each_found(plan.root_level, [0, 0], &mut pieces, &mut next, &mut |[x, y], fast, drawn| {
+        if x < rect.width && y < rect.height {
+            let texel = (y * rect.width + x) as usize;
+            let plain = [columns.e[texel], columns.x[texel]];
+            visit(Column { at: [rect.x + x, rect.y + y], plain, fast, drawn });
+        }
+    });
+    assert!(next.is_none(), "pieces are left behind the block's last");
+}
+
 /// Compares every `step`-th root block; gives texels drawn and texels in all.
 fn assert_agreement(name: &str, scene: &Scene, options: &Options, step: usize) -> [u64; 2] {
     let plan = Plan::new(scene, options).expect("the scene fits");
     let dag = bake(scene, options, &|_| {}, &AtomicBool::new(false)).expect("the scene fits").dag;
-    let (mut buffers, mut columns) = (CaptureBuffers::default(), Columns::default());
-    let mut descent = DescentBuffers::default();
+    let mut buffers = BothBuffers::default();
     let mut random = Random::new(7, 0);
     let (mut counts, mut shorter) = ([0, 0], 0);
     for tile in (0..plan.tiles()).step_by(step) {
-        let pieces = build_root(&plan, tile, &Found, &mut descent, &AtomicBool::new(false))
-            .expect("nothing interrupts");
-        let surfaces = TileSurfaces { casters: &plan.casters, tile, grid: &plan.grid };
-        let rect = plan.tile_rect(tile);
-        capture(&surfaces, &plan.rules, rect, &mut buffers, &mut columns);
-        let mut pieces = pieces.into_iter();
-        let mut next = pieces.next();
-        for_each_column(plan.root_level, [0, 0], &mut pieces, &mut next, &mut |[x, y], [e, exit], drawn| {
-            if x >= rect.width || y >= rect.height {
-                return;
-            }
+        for_each_column(&plan, tile, &mut buffers, |column| {
+            let Column { at: [i, j], plain, fast, drawn } = column;
             counts[0] += u64::from(drawn);
             counts[1] += 1;
-            let texel = (y * rect.width + x) as usize;
-            let plain = [columns.e[texel], columns.x[texel]];
-            let (i, j) = (rect.x + x, rect.y + y);
-            let within = plain[0] <= e && e <= exit && exit <= plain[1];
-            assert!(
-                within && (!drawn || e == plain[0]),
-                "{name}: column ({i}, {j}) is {plain:?}: {e}, {exit}"
-            );
-            shorter += u64::from(drawn && exit < plain[1]);
+            assert!(column.agrees(), "{name}: {column:?}");
+            shorter += u64::from(drawn && fast[1] < plain[1]);
             // The layers next to both ends, and one anywhere.
             let anywhere = (random.unit() * f64::from(plan.grid.size[2])) as u32;
             for k in [plain[0].wrapping_sub(1), plain[0], plain[1].saturating_sub(1), plain[1], anywhere] {
@@ -119,7 +156,6 @@ fn assert_agreement(name: &str, scene: &Scene, options: &Options, step: usize) -
                 }
             }
         });
-        assert!(next.is_none());
     }
     // What is known to lie behind a block is taken to lie behind all of it.
     assert!(shorter * 20 <= counts[0], "{name}: {shorter} of {} drawn columns have less freedom", counts[0]);

@@ -14,6 +14,8 @@ pub(crate) mod columns;
 mod descent;
 mod early;
 mod estimate;
+#[cfg(test)]
+mod fuzz;
 mod gather;
 pub(crate) mod graph_sink;
 pub(crate) mod hierarchy;
