@@ -9,7 +9,9 @@ use adumbra::scene::{GeneratedKind, Scene, generate};
 use adumbra::settings::Bias;
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::tree::{BakedTree, Detail, Region, TreeOptions, VoxelTree, bake_tree};
-use adumbra::verify::{Answers, Sampler, Solids, SurfaceSampler, TreeAnswers, Verifier, VerifyOptions};
+use adumbra::verify::{
+    Answers, Promises, Sampler, Solids, SurfaceSampler, TreeAnswers, Verifier, VerifyOptions,
+};
 
 const SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
@@ -133,6 +135,10 @@ impl Answers for NearSeams<'_> {
 
     fn insides_are_free(&self) -> bool {
         self.answers.insides_are_free()
+    }
+
+    fn promises(&self) -> Promises {
+        Promises::TREE
     }
 }
 
