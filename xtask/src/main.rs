@@ -68,7 +68,8 @@ fn test(root: &Path) -> Result<(), String> {
 }
 
 /// How tests are named that a quick run leaves out: those of real scenes, and those that bake or bench the same over and over.
-const NOT_QUICK: [&str; 4] = ["shared_", "bench_hrsm_", "limited_bake_", "report_browser_"];
+const NOT_QUICK: [&str; 5] =
+    ["shared_", "bench_hrsm_", "limited_bake_", "report_browser_", "fuzz_scenes_full_"];
 
 fn quick_test(root: &Path) -> Result<(), String> {
     tools::ensure_driver()?;
