@@ -52,7 +52,7 @@ fn holds_under_every_sun(name: &str, scene: &Scene) {
             let v = verify(scene, &baked, sun, volume, 100_000);
             println!(
                 "{name} {towards:?} volume {volume}: interior {:.5} of {}, agreement {:.5}",
-                v.interior_agreement, v.interior, v.agreement
+                v.interior_agreement, v.interior_share, v.agreement
             );
             assert!(v.interior_agreement >= 0.999, "{name} {towards:?} volume {volume}: {v:?}");
             assert!(v.interior_share >= 0.5, "{name} {towards:?} volume {volume}: {v:?}");

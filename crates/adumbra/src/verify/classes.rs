@@ -51,19 +51,20 @@ pub struct Promises {
     pub interior: f64,
     /// [`ClassResult::agreement`] of [`Class::Grazing`].
     pub grazing: Option<f64>,
-    /// [`ClassResult::agreement`] of [`Class::Edge`] and [`Class::Narrow`].
-    pub edges: Option<f64>,
+    /// [`ClassResult::agreement`] of [`Class::Edge`].
+    pub edge: Option<f64>,
     /// [`ClassResult::misplaced_share`] of [`Class::Edge`] and [`Class::Narrow`].
     pub misplaced: Option<f64>,
 }
 
 impl Promises {
     /// Of a light-aligned file that is looked up without a filter.
-    pub const LIGHT: Self = Self { interior: 0.999, grazing: Some(0.99), edges: None, misplaced: Some(0.01) };
+    pub const LIGHT: Self = Self { interior: 0.999, grazing: Some(0.99), edge: None, misplaced: Some(0.01) };
     /// Of a light-aligned file whose look-ups are filtered, against the rays' own mean.
-    pub const LIGHT_FILTERED: Self = Self { interior: 0.995, grazing: Some(0.99), edges: Some(0.9), misplaced: None };
+    pub const LIGHT_FILTERED: Self =
+        Self { interior: 0.995, grazing: Some(0.99), edge: Some(0.9), misplaced: None };
     /// Of a world-aligned tree. Its voxels do not follow the light, so edges are not held to a texel.
-    pub const TREE: Self = Self { interior: 0.999, grazing: None, edges: None, misplaced: None };
+    pub const TREE: Self = Self { interior: 0.999, grazing: None, edge: None, misplaced: None };
 }
 
 /// How a file's answers compare with rays in one class.
@@ -85,7 +86,7 @@ pub struct ClassResult {
     pub promised_agreement: Option<f64>,
     /// The largest promised share of points that are misplaced; none where none is.
     pub promised_misplaced: Option<f64>,
-    /// Whether it keeps what is promised. A class without points does.
+    /// Whether it keeps what is promised. A class other than the interior with fewer than 300 points is not judged.
     pub holds: bool,
 }
 
@@ -121,6 +122,9 @@ pub(super) struct ClassCounts {
     pub(super) misplaced: u64,
 }
 
+/// Fewer points than these say too little of a share of a hundredth to judge a class by.
+const MIN_JUDGED_POINTS: u64 = 300;
+
 /// Steps of a difference of 1: a multiple of 1, 9, 25, 81 and 289, the taps of every filter.
 pub(super) const DIFFERENCE_STEPS: f64 = (81 * 25 * 289) as f64;
 
@@ -137,16 +141,19 @@ impl ClassCounts {
         let (promised_agreement, promised_misplaced) = match class {
             Class::Interior => (Some(promises.interior), None),
             Class::Grazing => (promises.grazing, None),
-            Class::Edge | Class::Narrow => (promises.edges, promises.misplaced),
+            Class::Edge => (promises.edge, promises.misplaced),
+            Class::Narrow => (None, promises.misplaced),
             Class::Thin | Class::EdgeOn => (None, None),
         };
         let points = self.points;
         let differences = self.difference_steps as f64 / DIFFERENCE_STEPS;
         let agreement = if points == 0 { 1.0 } else { 1.0 - differences / points as f64 };
         let misplaced = share(self.misplaced, points);
+        let is_judged = class == Class::Interior || points >= MIN_JUDGED_POINTS;
         // Written so that NaN fails.
-        let holds = promised_agreement.is_none_or(|least| agreement >= least)
+        let keeps = promised_agreement.is_none_or(|least| agreement >= least)
             && promised_misplaced.is_none_or(|most| misplaced <= most);
+        let holds = keeps || !is_judged;
         ClassResult {
             class,
             points,

@@ -9,7 +9,7 @@
 //! - *Acne*: lit called shadowed. *Leak*: shadowed called lit. *Misplaced*: wrong, and no ray from the point's own texel gives the
 //!   answer: more than the grid's resolution went wrong.
 //! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the centre of each tap, on
-//!   the receiver's plane.
+//!   the receiver's plane. The taps count as neighbours.
 //!
 //! What a file promises of each class: [`Promises`].
 
@@ -162,10 +162,15 @@ impl<'a, A: Answers> Verifier<'a, A> {
         }
         let truth = place.truth();
         c.shadowed += u64::from(!truth);
-        let class = place.class(truth, &answers.baked_bias());
         let value = f64::from(answers.visibility(sample.p_world, sample.normal));
         let taps = answers.taps(&place.receiver);
-        let expected = if taps.is_empty() { f64::from(u8::from(truth)) } else { place.mean_lit(&taps) };
+        let own = f64::from(u8::from(truth));
+        let expected = if taps.is_empty() { own } else { place.mean_lit(&taps) };
+        let class = match place.class(truth, &answers.baked_bias()) {
+            // A filter's taps are neighbours too.
+            Class::Interior | Class::Grazing if expected != own => Class::Edge,
+            class => class,
+        };
         // A tree's filter has no taps to compare, and is judged at one half.
         let value = if taps.is_empty() { f64::from(u8::from(value > 0.5)) } else { value };
         let counts = &mut c.classes[Class::ALL.iter().position(|a| *a == class).unwrap_or_default()];
