@@ -67,9 +67,10 @@ fn test(root: &Path) -> Result<(), String> {
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }
 
-/// How tests are named that a quick run leaves out: those of real scenes, and those that bake or bench the same over and over.
+/// How tests are named that a quick run leaves out: those of real scenes, those that bake or bench the same over and over, and
+/// scene fuzzing at full length.
 const NOT_QUICK: [&str; 5] =
-    ["shared_", "bench_hrsm_", "limited_bake_", "report_browser_", "fuzz_scenes_full_"];
+    ["shared_", "bench_hrsm_", "limited_bake_", "report_browser_", "fuzz_scenes_full"];
 
 fn quick_test(root: &Path) -> Result<(), String> {
     tools::ensure_driver()?;
