@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Baked, Options, Size, bake};
 use adumbra::light::{LightGrid, Sun};
-use adumbra::query::{Query, Receiver};
+use adumbra::query::{Query, Receiver, receiver};
 use adumbra::scene::{GeneratedKind, Instance, Material, Mesh, Scene, generate};
 use adumbra::settings::Bias;
 use adumbra::trace::{TraceOptions, Tracer};
@@ -184,6 +184,70 @@ fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
     let liar = Liar { honest, grid: &baked.grid, shift_texels, lie };
     let v = check(&scene, sun, &liar, 20_000);
     v.classes.iter().filter(|c| !c.holds).map(|c| c.class).collect()
+}
+
+/// Answers of a look-up whose plane is held back at a slope of 9.95.
+struct Clamped<'a> {
+    honest: LightAnswers<'a>,
+    query: Query<'a>,
+    grid: &'a LightGrid,
+}
+
+impl Answers for Clamped<'_> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        let r = receiver(self.grid, &self.bias(), p_world, normal);
+        let slope = r.gradient[0].hypot(r.gradient[1]);
+        let gradient = r.gradient.map(|g| g * (9.95 / slope).min(1.0));
+        self.query.receiver_visibility(&Receiver { gradient, ..r })
+    }
+
+    fn towards_sun(&self) -> [f64; 3] {
+        self.honest.towards_sun()
+    }
+
+    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
+        self.honest.grid_at(p_world, normal)
+    }
+
+    fn bias(&self) -> Bias {
+        self.honest.bias()
+    }
+
+    fn baked_bias(&self) -> Bias {
+        self.honest.baked_bias()
+    }
+
+    fn covers(&self, p_world: [f64; 3]) -> bool {
+        self.honest.covers(p_world)
+    }
+
+    fn insides_are_free(&self) -> bool {
+        self.honest.insides_are_free()
+    }
+
+    fn taps(&self, receiver: &Receiver) -> Vec<[f64; 3]> {
+        self.honest.taps(receiver)
+    }
+
+    fn promises(&self) -> Promises {
+        self.honest.promises()
+    }
+}
+
+#[test]
+fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
+    let scene = cubes_over_a_scaled_floor();
+    for (elevation, filter, is_right) in [(6.0, 9, true), (3.0, 9, false), (2.0, 1, false), (2.0, 9, false)] {
+        let sun = Sun::from_angles(37.0, elevation).expect("above the horizon");
+        let baked = bake_quietly(&scene, &Options::new(sun, Size::Resolution(1024)));
+        let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
+        let honest = || LightAnswers::new(&baked.grid, &baked.settings, query);
+        let v = check(&scene, sun, &honest(), 10_000);
+        assert!(v.holds() && (is_right || v.class(Class::Grazing).points > 1_000), "{elevation}° {filter}: {v:?}");
+        let clamped = Clamped { honest: honest(), query, grid: &baked.grid };
+        let v = check(&scene, sun, &clamped, 10_000);
+        assert_eq!(v.class(Class::Grazing).holds, is_right, "{elevation}° {filter}: {v:?}");
+    }
 }
 
 /// Whether a point is one of a hundred, spread over the grid.

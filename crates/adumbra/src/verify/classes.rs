@@ -53,18 +53,32 @@ pub struct Promises {
     pub grazing: Option<f64>,
     /// [`ClassResult::agreement`] of [`Class::Edge`].
     pub edge: Option<f64>,
-    /// [`ClassResult::misplaced_share`] of [`Class::Edge`] and [`Class::Narrow`].
-    pub misplaced: Option<f64>,
+    /// [`ClassResult::misplaced_share`] of [`Class::Edge`].
+    pub edge_misplaced: Option<f64>,
+    /// [`ClassResult::misplaced_share`] of [`Class::Narrow`], where holes of masks are judged by area and may be finer than a texel.
+    pub narrow_misplaced: Option<f64>,
 }
 
 impl Promises {
     /// Of a light-aligned file that is looked up without a filter.
-    pub const LIGHT: Self = Self { interior: 0.999, grazing: Some(0.99), edge: None, misplaced: Some(0.01) };
+    pub const LIGHT: Self = Self {
+        interior: 0.999,
+        grazing: Some(0.99),
+        edge: None,
+        edge_misplaced: Some(0.01),
+        narrow_misplaced: Some(0.03),
+    };
     /// Of a light-aligned file whose look-ups are filtered, against the rays' own mean.
-    pub const LIGHT_FILTERED: Self =
-        Self { interior: 0.995, grazing: Some(0.99), edge: Some(0.9), misplaced: None };
+    pub const LIGHT_FILTERED: Self = Self {
+        interior: 0.995,
+        grazing: Some(0.99),
+        edge: Some(0.9),
+        edge_misplaced: None,
+        narrow_misplaced: None,
+    };
     /// Of a world-aligned tree. Its voxels do not follow the light, so edges are not held to a texel.
-    pub const TREE: Self = Self { interior: 0.999, grazing: None, edge: None, misplaced: None };
+    pub const TREE: Self =
+        Self { interior: 0.999, grazing: None, edge: None, edge_misplaced: None, narrow_misplaced: None };
 }
 
 /// How a file's answers compare with rays in one class.
@@ -80,7 +94,7 @@ pub struct ClassResult {
     pub acne: u64,
     /// Points answered lighter than half way from the rays' value; without a filter, shadowed ones called lit.
     pub leak: u64,
-    /// Wrong answers that no ray in the point's texel gives either.
+    /// Wrong answers that the point's texel does not give either, neither at its centre nor in half of its area.
     pub misplaced: u64,
     /// The least agreement promised; none where none is.
     pub promised_agreement: Option<f64>,
@@ -141,8 +155,8 @@ impl ClassCounts {
         let (promised_agreement, promised_misplaced) = match class {
             Class::Interior => (Some(promises.interior), None),
             Class::Grazing => (promises.grazing, None),
-            Class::Edge => (promises.edge, promises.misplaced),
-            Class::Narrow => (None, promises.misplaced),
+            Class::Edge => (promises.edge, promises.edge_misplaced),
+            Class::Narrow => (None, promises.narrow_misplaced),
             Class::Thin | Class::EdgeOn => (None, None),
         };
         let points = self.points;

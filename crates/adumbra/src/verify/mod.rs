@@ -6,8 +6,8 @@
 //!
 //! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, moved along the light onto the
 //!   point's tangent plane (in space: at its depth), all lifted alike. A texel is a voxel's edge where the file is world-aligned.
-//! - *Acne*: lit called shadowed. *Leak*: shadowed called lit. *Misplaced*: wrong, and no ray from the point's own texel gives the
-//!   answer: more than the grid's resolution went wrong.
+//! - *Acne*: lit called shadowed. *Leak*: shadowed called lit. *Misplaced*: wrong, and neither a ray from the
+//!   centre of the point's texel nor half of those spread over it give the answer: more than the grid's resolution went wrong.
 //! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the centre of each tap, on
 //!   the receiver's plane. The taps count as neighbours.
 //!

@@ -10,6 +10,8 @@ use crate::trace::{Ray, Tracer};
 
 /// How far off its own surface a ray begins, voxels.
 const OFF_SURFACE_VOXELS: f64 = 1e-3;
+/// How far about a texel's centre a ray still counts as its centre's, texels: what snapping and rounding may move.
+const CENTER_TEXELS: f64 = 1.0 / 64.0;
 /// Blockers of points in space count as near up to this many voxels, or up to the bias at their slope.
 const NEAR_VOXELS: f64 = 2.0;
 
@@ -58,14 +60,15 @@ impl Place<'_> {
         if narrow { Class::Narrow } else { Class::Edge }
     }
 
-    /// Whether any ray from the point's texel, on its plane, says what was answered.
+    /// Whether rays from the point's texel, on its plane, say what was answered: one about its centre, where look-ups sample, or
+    /// half of those spread over it, by which surfaces with holes are drawn.
     pub(super) fn is_answer_of_its_texel(&self, answer: bool) -> bool {
         let p = self.receiver.p_grid;
-        (0..25).any(|i| {
-            let place = [i % 5, i / 5].map(|c| f64::from(c) / 4.0);
-            let at = [0, 1].map(|a| p[a].floor() + place[a]);
-            self.lit(self.on_plane([at[0] - p[0], at[1] - p[1]])) == answer
-        })
+        let answers = |i: u32, spread: f64| {
+            let [x, y] = [i % 3, i / 3].map(|c| 0.5 + (f64::from(c) - 1.0) * spread);
+            self.lit(self.on_plane([p[0].floor() + x - p[0], p[1].floor() + y - p[1]])) == answer
+        };
+        (0..9).any(|i| answers(i, CENTER_TEXELS)) || (0..9).filter(|&i| answers(i, 1.0 / 3.0)).count() > 4
     }
 
     /// Mean visibility of points in grid space, by rays.
