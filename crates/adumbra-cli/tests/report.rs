@@ -87,7 +87,7 @@ fn report_keeps_what_was_measured_and_says_what_failed() {
     let cause = sections[1]["steps"][0]["error"].as_str().unwrap();
     assert!(cause.contains("adapter"), "{cause}");
     let figures = &sections[0]["figures"]["data/verify/verify.json"];
-    assert_eq!(figures["rows"].as_array().unwrap().len(), 12, "three scenes, four suns");
+    assert_eq!(figures["rows"].as_array().unwrap().len(), 42, "three scenes, seven suns, two layouts");
     let page = page(&folder);
     assert!(page.contains("Agreement with rays") && page.contains("adumbra bench verify"));
     assert!(page.contains("Not all went well: blur (failed)") && page.contains("adumbra bench blur"));

@@ -34,7 +34,7 @@ fn tree_verbs_work_together() {
         let checked =
             json(&["verify", &file, "--scene", &scene, "--samples", "20000", "--filter", filter, "--json"]);
         assert!(checked["interior_agreement"].as_f64().unwrap() >= 0.999, "{checked}");
-        assert!(checked["interior"].as_u64().unwrap() > 5_000, "{checked}");
+        assert!(checked["classes"][0]["points"].as_u64().unwrap() > 5_000, "{checked}");
     }
     let volume = json(&["verify", &file, "--scene", &scene, "--samples", "20000", "--volume", "--json"]);
     assert!(volume["interior_agreement"].as_f64().unwrap() >= 0.999, "{volume}");

@@ -151,7 +151,15 @@ fn sample_band(
     });
     if fits {
         let CaptureBuffers { seams, masked, first, .. } = b;
-        columns::close_seams(seams, |texel, surface| first[texel] = first[texel].min(surface));
+        if columns::keep_meeting_seams(seams) {
+            surfaces.for_each(|surface| {
+                columns::drop_covered_seams(seams, surface, |texel| {
+                    let (x, y) = (texel as u32 % rect.width, texel as u32 / rect.width);
+                    surface.shape.covers(i64::from(rect.x + x), i64::from(rect.y + y))
+                });
+            });
+            columns::close_seams(seams, |texel, surface| first[texel] = first[texel].min(surface));
+        }
         masked::add_first_surfaces(masked, first);
     }
     fits

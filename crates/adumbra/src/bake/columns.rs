@@ -73,12 +73,38 @@ impl SeamHit {
     }
 }
 
+/// Leaves the hits at texels where those of two solids meet; says whether there are any.
+pub(crate) fn keep_meeting_seams(hits: &mut Vec<SeamHit>) -> bool {
+    hits.sort_unstable();
+    let mut kept = 0;
+    let mut start = 0;
+    while start < hits.len() {
+        let texel = hits[start].texel;
+        let end = start + hits[start..].partition_point(|hit| hit.texel == texel);
+        if hits[start..end].iter().any(|hit| hit.body != hits[start].body) {
+            hits.copy_within(start..end, kept);
+            kept += end - start;
+        }
+        start = end;
+    }
+    hits.truncate(kept);
+    kept > 0
+}
+
+/// Takes off the hits of a solid that `surface`, another part of its side towards the sun, covers for itself: they lie beside an edge
+/// within that side, where no seam is.
+pub(crate) fn drop_covered_seams(hits: &mut Vec<SeamHit>, surface: &Surface, covers: impl Fn(usize) -> bool) {
+    if surface.casts && surface.solid && !surface.masked && surface.shape.faces_sun {
+        let body = [surface.instance, surface.component];
+        hits.retain(|hit| hit.body != body || !covers(hit.texel as usize));
+    }
+}
+
 /// Closes the seams between solids that touch: a centre that lies within the seam's width of two of them is covered from where both
 /// are. Nothing is known there of the inside, so what covers it is open. Calls `close(texel, surface)`, once a texel at most.
 ///
 /// Rays see no gap there, but corners that lay on a neighbour's edge have left it when they were snapped.
-pub(crate) fn close_seams(hits: &mut [SeamHit], mut close: impl FnMut(usize, FirstSurface)) {
-    hits.sort_unstable();
+pub(crate) fn close_seams(hits: &[SeamHit], mut close: impl FnMut(usize, FirstSurface)) {
     for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
         if let Some(second) = texel.iter().find(|hit| hit.body != texel[0].body) {
             close(second.texel as usize, second.first);

@@ -96,7 +96,7 @@ pub(super) fn leaf_columns(
         buffers,
     };
     leaf.sample_all(&order);
-    leaf.add_seams();
+    leaf.add_seams(&order);
     leaf.add_masked();
     leaf.resolve_solids();
     leaf.ask_all(&order, known_behind);
@@ -194,9 +194,19 @@ impl Leaf<'_> {
         }
     }
 
-    fn add_seams(&mut self) {
-        let Self { first, owner, buffers, .. } = self;
-        columns::close_seams(&mut buffers.seams, |texel, surface| {
+    fn add_seams(&mut self, order: &[Near]) {
+        let Self { first, owner, buffers, block, .. } = self;
+        if !columns::keep_meeting_seams(&mut buffers.seams) {
+            return;
+        }
+        for near in order {
+            let surface = &self.setting.surfaces[near.surface as usize].surface;
+            columns::drop_covered_seams(&mut buffers.seams, surface, |texel| {
+                let (x, y) = ((texel % BLOCK_SIDE) as u32, (texel / BLOCK_SIDE) as u32);
+                surface.shape.covers(i64::from(block.x + x), i64::from(block.y + y))
+            });
+        }
+        columns::close_seams(&buffers.seams, |texel, surface| {
             if surface < first[texel] {
                 (first[texel], owner[texel]) = (surface, NOBODY);
             }

@@ -64,6 +64,9 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
             seams.push((depth, rules.bias_fixed(t.projected.slope), t.component));
         }
     }
+    let covers_exactly =
+        |component: u32| hits.iter().any(|(_, leaves, t)| t.solid && !leaves && t.component == component);
+    seams.retain(|s| !covers_exactly(s.2));
     seams.sort_unstable();
     let seam = seams.iter().find(|s| s.2 != seams[0].2).copied();
     let sampled = hits.iter().map(|h| h.0).min();
