@@ -151,7 +151,7 @@ proptest! {
                 }
                 None => (0, FLOOR_HALF, 0.0),
             };
-            // As far as the surface reaches in 32 bits.
+            // Vertices are kept in 32 bits.
             let p = [any(half), f64::from(y as f32), any(half)];
             let Some(lit) = expected(&tracer, &baked, p, own) else { continue };
             let found = query.visibility(p, Some(UP)) > 0.5;

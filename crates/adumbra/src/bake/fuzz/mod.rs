@@ -4,6 +4,7 @@
 //! `ADUMBRA_FUZZ_SECONDS=600` goes on from the first of them for so long. See CONTRIBUTING.md.
 
 mod dice;
+mod found;
 mod layouts;
 mod parts;
 mod receivers;
