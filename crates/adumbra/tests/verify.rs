@@ -243,7 +243,10 @@ fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
         let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
         let honest = || LightAnswers::new(&baked.grid, &baked.settings, query);
         let v = check(&scene, sun, &honest(), 10_000);
-        assert!(v.holds() && (is_right || v.class(Class::Grazing).points > 1_000), "{elevation}° {filter}: {v:?}");
+        assert!(
+            v.holds() && (is_right || v.class(Class::Grazing).points > 1_000),
+            "{elevation}° {filter}: {v:?}"
+        );
         let clamped = Clamped { honest: honest(), query, grid: &baked.grid };
         let v = check(&scene, sun, &clamped, 10_000);
         assert_eq!(v.class(Class::Grazing).holds, is_right, "{elevation}° {filter}: {v:?}");
