@@ -3,7 +3,7 @@
 //! All in the snapped coordinates that decide which texel centres a triangle covers, so nothing here can disagree with the
 //! sampling: a test may err only towards "touches" and "crosses".
 
-use super::columns::{ColumnRules, FOOTPRINT_HALF, ReceiverKind, rounding_voxels};
+use super::columns::{ColumnRules, Receiver, ReceiverKind};
 use super::project::{FixedDepth, Projected, SUBTEXEL, fixed_depth};
 use super::surface::Surface;
 
@@ -27,6 +27,8 @@ pub(crate) struct Block {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockSurface {
     pub(crate) surface: Surface,
+    /// What it is as a receiver, if it is one.
+    pub(crate) receiver: Option<Receiver>,
     /// Which edges, in the order of [`Projected::snapped`], have no partner that is drawn on the same side: only there can the
     /// number of layers change.
     pub(crate) contour: [bool; 3],
@@ -95,14 +97,14 @@ impl SnappedRect {
     }
 }
 
-impl Projected {
-    /// Depth range over the block's texels and their footprints, or more: what is sampled there lies strictly within.
-    pub(crate) fn fixed_range_over(&self, block: &Block) -> [FixedDepth; 2] {
-        let half_side = f64::from(1_u32 << block.level) / 2.0;
-        let center = [block.x, block.y].map(|c| f64::from(c) + half_side);
-        let [low, high] = self.range_near(center, half_side + FOOTPRINT_HALF);
-        [fixed_depth(low) - DEPTH_SLACK, fixed_depth(high) + DEPTH_SLACK]
-    }
+/// Where a surface lies over a block, 1/256 voxel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceRange {
+    /// Depths over the block's texels and their footprints, or more: what is sampled there lies strictly within.
+    pub(crate) low: FixedDepth,
+    pub(crate) high: FixedDepth,
+    /// Where look-ups from it sample the block's columns; none where it receives no light.
+    pub(crate) sampled: Option<SampledRange>,
 }
 
 /// Where look-ups from a surface sample the columns of a block, bounds in 1/256 voxel.
@@ -128,22 +130,23 @@ impl SampledRange {
 }
 
 impl BlockSurface {
-    /// Where look-ups from it sample the block's columns; none where it receives no light.
-    pub(crate) fn sampled_over(&self, block: &Block, rules: &ColumnRules) -> Option<SampledRange> {
-        let plane = ColumnRules::receiver_plane(&self.surface)?;
+    /// Where it lies over the block.
+    pub(crate) fn range_over(&self, block: &Block, rules: &ColumnRules) -> SurfaceRange {
         let footprint = rules.footprint_half_texels(ReceiverKind::Footprint);
         let half_side = f64::from(1_u32 << block.level) / 2.0;
         let center = [block.x, block.y].map(|c| f64::from(c) + half_side);
         let [low, high] = self.surface.shape.range_near(center, half_side + footprint);
-        // Its points are at most that far from the centres where its plane is asked.
-        let rise = footprint * plane.gradient_sum();
-        let lift = rules.lift_voxels(plane.slope());
-        let rounding = rounding_voxels(&plane);
-        Some(SampledRange {
-            deepest: fixed_depth(high) + DEPTH_SLACK,
-            lifted_low: fixed_depth(low - rise - lift - rounding) - DEPTH_SLACK,
-            lifted_high: fixed_depth(high + rise - lift) + DEPTH_SLACK,
-        })
+        let deepest = fixed_depth(high) + DEPTH_SLACK;
+        let sampled = self.receiver.map(|Receiver { plane, lift_voxels, rounding_voxels }| {
+            // Its points are at most that far from the centres where its plane is asked.
+            let rise = footprint * plane.gradient_sum();
+            SampledRange {
+                deepest,
+                lifted_low: fixed_depth(low - rise - lift_voxels - rounding_voxels) - DEPTH_SLACK,
+                lifted_high: fixed_depth(high + rise - lift_voxels) + DEPTH_SLACK,
+            }
+        });
+        SurfaceRange { low: fixed_depth(low) - DEPTH_SLACK, high: deepest, sampled }
     }
 
     /// Whether the number of layers may change within `rect` because of this surface.

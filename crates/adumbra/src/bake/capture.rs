@@ -294,7 +294,7 @@ fn find_next(
     rect: TileRect,
     b: &mut CaptureBuffers,
 ) {
-    let Some(plane) = ColumnRules::receiver_plane(surface) else { return };
+    let Some(receiver) = rules.receiver(surface) else { return };
     let triangle = &surface.shape;
     let half = rules.footprint_half_texels(kind);
     let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
@@ -312,8 +312,8 @@ fn find_next(
         let start = ((row - y0) * i64::from(rect.width) - x0) as isize;
         for i in first..=last {
             let texel = (start + i as isize) as usize;
-            let next =
-                rules.triangle_behind(kind, (triangle, &plane), [i, row], b.base[texel], b.first[texel]);
+            let (base, first) = (b.base[texel], b.first[texel]);
+            let next = rules.receiver_behind(kind, (triangle, &receiver), [i, row], base, first);
             b.next[texel] = b.next[texel].min(next);
         }
     }

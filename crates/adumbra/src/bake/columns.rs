@@ -194,6 +194,18 @@ pub(crate) enum ReceiverKind {
     Filtered,
 }
 
+/// What look-ups from one surface have in common, whichever column they sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    /// On which they sample columns.
+    pub(crate) plane: Plane,
+    /// How far before the plane they sample, by the surface's own bias.
+    pub(crate) lift_voxels: f64,
+    /// How far fixed point may move the depth that they sample: the gradient's rounding over half a texel, and the position's, times
+    /// the gradient.
+    pub(crate) rounding_voxels: f64,
+}
+
 /// Where look-ups from one surface sample one column, 1/256 voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sampled {
@@ -203,10 +215,17 @@ pub(crate) struct Sampled {
     pub(crate) lifted: FixedDepth,
 }
 
-/// How far fixed point may move the depth at which a look-up samples a column, voxels: the gradient's rounding over half a texel,
-/// and the position's, times the gradient.
-pub(crate) fn rounding_voxels(plane: &Plane) -> f64 {
-    1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0
+impl Receiver {
+    /// Where it samples the column whose centre is (x, y).
+    pub(crate) fn sampled(&self, kind: ReceiverKind, x: f64, y: f64) -> Sampled {
+        let z = self.plane.at(x, y);
+        let before = match kind {
+            ReceiverKind::Footprint => 0.0,
+            ReceiverKind::Filtered => STATIC_FILTER_TAPS_REACH * self.plane.gradient_sum(),
+        };
+        let lifted = z - self.lift_voxels - before - self.rounding_voxels;
+        Sampled { plane: fixed_depth(z), lifted: floor_fixed_depth(lifted) }
+    }
 }
 
 impl ColumnRules {
@@ -244,35 +263,34 @@ impl ColumnRules {
     }
 
     /// How far before a surface of this slope its look-ups sample, voxels.
-    pub(crate) fn lift_voxels(&self, slope: f64) -> f64 {
+    fn lift_voxels(&self, slope: f64) -> f64 {
         let normal_offset = self.bias.normal_offset_texels;
         let along_normal =
             if normal_offset == 0.0 { 0.0 } else { normal_offset * (1.0 + slope * slope).sqrt() };
         self.bias.along_light(slope) + along_normal
     }
 
-    /// The plane on which look-ups from a surface sample columns. None where it receives no sunlight, being the far side of a
-    /// solid, or where it is steeper than look-ups follow.
-    pub(crate) fn receiver_plane(surface: &Surface) -> Option<Plane> {
+    /// The surface as a receiver. None where it receives no sunlight, being the far side of a solid, or where it is steeper than
+    /// look-ups follow.
+    pub(crate) fn receiver(&self, surface: &Surface) -> Option<Receiver> {
         if surface.casts && surface.solid && !surface.shape.faces_sun {
             return None;
         }
-        surface.shape.true_plane().filter(|plane| plane.slope() <= MAX_PLANE_SLOPE)
+        let plane = surface.shape.true_plane()?;
+        (plane.slope() <= MAX_PLANE_SLOPE).then(|| self.receiver_on(plane))
     }
 
-    /// Where look-ups from the surface with this `plane` sample the column whose centre is (x, y).
-    pub(crate) fn sampled(&self, kind: ReceiverKind, plane: &Plane, x: f64, y: f64) -> Sampled {
-        let z = plane.at(x, y);
-        let before = match kind {
-            ReceiverKind::Footprint => 0.0,
-            ReceiverKind::Filtered => STATIC_FILTER_TAPS_REACH * plane.gradient_sum(),
-        };
-        let lifted = z - self.lift_voxels(plane.slope()) - before - rounding_voxels(plane);
-        Sampled { plane: fixed_depth(z), lifted: floor_fixed_depth(lifted) }
+    /// What look-ups from a surface on this plane have in common.
+    pub(crate) fn receiver_on(&self, plane: Plane) -> Receiver {
+        Receiver {
+            lift_voxels: self.lift_voxels(plane.slope()),
+            rounding_voxels: 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0,
+            plane,
+        }
     }
 
-    /// The depth before which a column's shadow must have begun for a receiver that samples it at `sampled`, or
-    /// [`FixedDepth::MAX`] where it asks for none. `deepest_part` is asked only where `covers_center` is not.
+    /// The depth before which the shadow of column (i, j) must have begun for a receiver that comes into its footprint, or
+    /// [`FixedDepth::MAX`] where the receiver asks for none.
     ///
     /// A look-up from a receiver asks whether anything lies before its lifted point. So the column must be shadowed at that
     /// point where the point lies behind the column's first surface. It asks for nothing where the receiver's plane lies
@@ -280,41 +298,28 @@ impl ColumnRules {
     /// the first surface lies between the plane and its lifted point: what is nearer than its bias, no receiver can see.
     ///
     /// A receiver that misses the texel's centre is sampled at where its plane runs on to. It counts only where its own
-    /// part in the footprint, at most `deepest_part` deep, lies behind the base too; or a wall's foot would ask for shadow under
-    /// the ground that it stands on. An open surface's own neighbours may sink by its bias within a footprint.
+    /// part in the footprint lies behind the base too; or a wall's foot would ask for shadow under the ground that it stands on.
+    /// An open surface's own neighbours may sink by its bias within a footprint.
     pub(crate) fn receiver_behind(
         &self,
-        base: FixedDepth,
-        first: FirstSurface,
-        sampled: Sampled,
-        covers_center: impl FnOnce() -> bool,
-        deepest_part: impl FnOnce() -> FixedDepth,
-    ) -> FixedDepth {
-        if first.is_none() || sampled.plane <= base || sampled.lifted <= first.depth() {
-            return FixedDepth::MAX;
-        }
-        let sinks = if first.is_solid() { 0 } else { first.bias() };
-        if covers_center() || deepest_part() > base.saturating_add(sinks) {
-            sampled.lifted
-        } else {
-            FixedDepth::MAX
-        }
-    }
-
-    /// [`Self::receiver_behind`] for the triangle with this `plane` at texel (i, j), whose footprint it comes into.
-    pub(crate) fn triangle_behind(
-        &self,
         kind: ReceiverKind,
-        (triangle, plane): (&Projected, &Plane),
+        (triangle, receiver): (&Projected, &Receiver),
         [i, j]: [i64; 2],
         base: FixedDepth,
         first: FirstSurface,
     ) -> FixedDepth {
         let center = [i, j].map(|c| c as f64 + 0.5);
-        let sampled = self.sampled(kind, plane, center[0], center[1]);
-        let deepest =
-            || fixed_depth(triangle.deepest_within(plane, center, self.footprint_half_texels(kind)));
-        self.receiver_behind(base, first, sampled, || triangle.covers(i, j), deepest)
+        let sampled = receiver.sampled(kind, center[0], center[1]);
+        if first.is_none() || sampled.plane <= base || sampled.lifted <= first.depth() {
+            return FixedDepth::MAX;
+        }
+        let sinks = if first.is_solid() { 0 } else { first.bias() };
+        let is_behind = |depth: f64| fixed_depth(depth) > base.saturating_add(sinks);
+        let part_is_behind = || {
+            let half = self.footprint_half_texels(kind);
+            is_behind(triangle.z_max) && is_behind(triangle.deepest_within(&receiver.plane, center, half))
+        };
+        if triangle.covers(i, j) || part_is_behind() { sampled.lifted } else { FixedDepth::MAX }
     }
 
     /// The latest x where only static receivers are answered, from the nearest depth at which one asks.

@@ -12,7 +12,7 @@ use super::casters::Casters;
 use super::columns::{BESIDE_GRID, ColumnRules, Columns, FREE_TO_END};
 use super::gather::gather;
 use super::judge::{JudgeBuffers, Verdict, judge};
-use super::leaf::{LeafBuffers, Setting, leaf_columns};
+use super::leaf::{LeafBuffers, NearSurfaces, Setting, leaf_columns};
 use super::plan::Plan;
 use super::project::{FixedDepth, SUBTEXEL};
 use super::sink::{BLOCK_SIDE, BlockColumns, BlockSink};
@@ -37,19 +37,23 @@ pub(super) struct DescentBuffers {
 }
 
 impl DescentBuffers {
-    /// Takes the surfaces that lie behind `settled` off the list just judged; gives the nearest depth that look-ups from them sample.
+    /// Takes the surfaces that lie behind `settled` off the list just judged, and their ranges; gives the nearest depth that look-ups
+    /// from them sample.
     fn forget_behind(&mut self, from: usize, settled: FixedDepth) -> FixedDepth {
+        let ranges = &mut self.judge.ranges;
         let mut nearest = FixedDepth::MAX;
-        let mut kept = from;
-        for (i, depth) in self.judge.nearest.iter().enumerate() {
-            if depth.is_behind(settled) {
-                nearest = nearest.min(depth.lifted());
+        let mut kept = 0;
+        for i in 0..ranges.len() {
+            if ranges[i].is_behind(settled) {
+                nearest = nearest.min(ranges[i].lifted());
             } else {
-                self.lists[kept] = self.lists[from + i];
+                self.lists[from + kept] = self.lists[from + i];
+                ranges[kept] = ranges[i];
                 kept += 1;
             }
         }
-        self.lists.truncate(kept);
+        ranges.truncate(kept);
+        self.lists.truncate(from + kept);
         nearest
     }
 }
@@ -79,7 +83,7 @@ pub(super) fn build_root<S: BlockSink>(
     let rect = plan.tile_rect(tile);
     let block = Block { level: plan.root_level, x: rect.x, y: rect.y };
     let reach = reach_outside(&plan.rules);
-    let surfaces = gather(&plan.casters, tile, &block.snapped(reach), &plan.grid);
+    let surfaces = gather(&plan.casters, tile, &block.snapped(reach), &plan.grid, &plan.rules);
     let descent = Descent {
         setting: Setting {
             scene: plan.casters.scene,
@@ -177,7 +181,8 @@ impl<S: BlockSink> Descent<'_, S> {
         if self.setting.rules.receivers == Receivers::All {
             let row = 0xff >> (side - width);
             let inside = (0..height).fold(0_u64, |mask, y| mask | row << (8 * y));
-            let columns = leaf_columns(&block, inside, list, known_behind, self.setting, &mut buffers.leaf);
+            let near = NearSurfaces { list, ranges: &buffers.judge.ranges };
+            let columns = leaf_columns(&block, inside, near, known_behind, self.setting, &mut buffers.leaf);
             return self.sink.leaf(&columns);
         }
         let rect = TileRect { x: block.x, y: block.y, width, height };

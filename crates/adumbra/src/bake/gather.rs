@@ -2,6 +2,7 @@
 
 use super::block::{BlockSurface, SnappedRect};
 use super::casters::Casters;
+use super::columns::ColumnRules;
 use super::outline::NO_PARTNER;
 use super::project::Projected;
 use super::surface::{Surface, surface_of};
@@ -14,6 +15,7 @@ pub(crate) fn gather(
     tile: usize,
     near: &SnappedRect,
     grid: &LightGrid,
+    rules: &ColumnRules,
 ) -> Vec<BlockSurface> {
     let mut found = Vec::new();
     let mut order: Vec<(GroupKey, u32)> = Vec::new();
@@ -41,7 +43,8 @@ pub(crate) fn gather(
             });
             let contour = if surface.shape.swapped { [given[2], given[1], given[0]] } else { given };
             order.push((group_key(&surface, c.component), found.len() as u32));
-            found.push(BlockSurface { surface, contour, group: 0, body: 0 });
+            let receiver = rules.receiver(&surface);
+            found.push(BlockSurface { surface, receiver, contour, group: 0, body: 0 });
         }
     }
     order.sort_unstable();

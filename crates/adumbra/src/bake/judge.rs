@@ -7,7 +7,7 @@
 //! depth range there bounds the first surface. Everything else errs outwards: a bound that is too weak costs time, never an
 //! answer.
 
-use super::block::{Block, BlockSurface, DEPTH_SLACK, SampledRange};
+use super::block::{Block, BlockSurface, DEPTH_SLACK, SampledRange, SurfaceRange};
 use super::columns::{ColumnRules, FREE_TO_END, ReceiverKind};
 use super::project::{FixedDepth, SUBTEXEL};
 
@@ -30,27 +30,19 @@ pub(crate) struct JudgeBuffers {
     groups: Vec<Group>,
     /// Depth ranges of solids.
     solids: Vec<[FixedDepth; 2]>,
-    /// The nearest depth that each surface of the list has over the block, or that look-ups from it sample there.
-    pub(crate) nearest: Vec<NearestDepth>,
+    /// Where each surface of the list lies over the block.
+    pub(crate) ranges: Vec<SurfaceRange>,
 }
 
-/// How near a surface comes to the light over a block, 1/256 voxel.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NearestDepth {
-    surface: FixedDepth,
-    /// What look-ups from it sample; none where it receives no light.
-    lifted: Option<FixedDepth>,
-}
-
-impl NearestDepth {
+impl SurfaceRange {
     /// Whether it lies so far behind a settled depth that neither what it covers nor what it receives decides a column.
-    pub(crate) fn is_behind(self, settled: FixedDepth) -> bool {
-        self.surface > settled && self.lifted.is_none_or(|lifted| is_sampled_behind(lifted, settled))
+    pub(crate) fn is_behind(&self, settled: FixedDepth) -> bool {
+        self.low > settled && self.sampled.is_none_or(|s| is_sampled_behind(s.lifted_low, settled))
     }
 
     /// The nearest depth that look-ups from it sample; [`FixedDepth::MAX`] where it receives no light.
-    pub(crate) fn lifted(self) -> FixedDepth {
-        self.lifted.unwrap_or(FixedDepth::MAX)
+    pub(crate) fn lifted(&self) -> FixedDepth {
+        self.sampled.map_or(FixedDepth::MAX, |s| s.lifted_low)
     }
 }
 
@@ -251,10 +243,10 @@ fn gather_groups(
     surfaces: &[BlockSurface],
     list: &[u32],
     rules: &ColumnRules,
-    JudgeBuffers { groups, nearest, .. }: &mut JudgeBuffers,
+    JudgeBuffers { groups, ranges, .. }: &mut JudgeBuffers,
 ) {
     groups.clear();
-    nearest.clear();
+    ranges.clear();
     let crossing = block.crossing_rect();
     let mut last = None;
     for (place, &s) in list.iter().enumerate() {
@@ -265,7 +257,7 @@ fn gather_groups(
         }
         let Some(group) = groups.last_mut() else { continue };
         group.to = place as u32 + 1;
-        nearest.push(group.add(surface, block, rules));
+        ranges.push(group.add(surface, block, rules));
         group.contour = group.contour || (group.kind != Kind::Receiver && surface.contour_crosses(&crossing));
     }
 }
@@ -295,8 +287,8 @@ impl Group {
         }
     }
 
-    /// Takes a surface in; gives its nearest depths over the block.
-    fn add(&mut self, surface: &BlockSurface, block: &Block, rules: &ColumnRules) -> NearestDepth {
+    /// Takes a surface in; says where it lies over the block.
+    fn add(&mut self, surface: &BlockSurface, block: &Block, rules: &ColumnRules) -> SurfaceRange {
         let shape = &surface.surface.shape;
         if let Some(plane) = &shape.plane {
             for a in 0..2 {
@@ -304,14 +296,13 @@ impl Group {
                 self.gradient_high[a] = self.gradient_high[a].max(plane.gradient[a]);
             }
         }
-        let [low, high] = shape.fixed_range_over(block);
+        let range = surface.range_over(block, rules);
         self.bias = self.bias.min(rules.bias_fixed(shape.slope));
-        self.z_low = self.z_low.min(low);
-        self.z_high = self.z_high.max(high);
-        let sampled = surface.sampled_over(block, rules);
-        if let Some(new) = sampled {
+        self.z_low = self.z_low.min(range.low);
+        self.z_high = self.z_high.max(range.high);
+        if let Some(new) = range.sampled {
             self.sampled = Some(self.sampled.map_or(new, |s| s.joined(new)));
         }
-        NearestDepth { surface: low, lifted: sampled.map(|s| s.lifted_low) }
+        range
     }
 }

@@ -4,12 +4,13 @@
 //! A column needs to know whether a receiver lies behind its base, and where one samples it nearer than its exit. A surface sampled
 //! far behind a solid says so at once; what is left to ask is about open first surfaces and about thin gaps.
 
-use super::block::{Block, BlockSurface};
+use super::block::{Block, BlockSurface, SurfaceRange};
 use super::columns::{self, ColumnRules, FREE_TO_END, FirstSurface, ReceiverKind, SeamHit};
 use super::masked::{self, MaskedHit, TriangleMask};
-use super::project::{FixedDepth, SUBTEXEL};
+use super::project::{FixedDepth, SEAM_MARGIN, SUBTEXEL};
 use super::sink::{BLOCK_SIDE, BlockColumns};
 use super::surface::Surface;
+use super::texel_mask::{texels_of, texels_where};
 use crate::light::LightGrid;
 use crate::scene::Scene;
 
@@ -19,12 +20,23 @@ const NOBODY: u32 = u32::MAX;
 /// A receiver that samples a column this far behind its exit, or farther, changes nothing about it: rounding of the exit, 1/256 voxel.
 const BEHIND_EXIT: FixedDepth = SUBTEXEL as FixedDepth / 2 + 1;
 
+/// The surfaces near the block.
+#[derive(Clone, Copy)]
+pub(super) struct NearSurfaces<'a> {
+    /// Places in [`Setting::surfaces`].
+    pub(super) list: &'a [u32],
+    /// Where each of them lies over the block.
+    pub(super) ranges: &'a [SurfaceRange],
+}
+
 /// A surface near the block, by its depth range there.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Near {
     low: FixedDepth,
     high: FixedDepth,
     surface: u32,
+    /// Its place in the list.
+    place: u32,
 }
 
 /// Buffers that one worker reuses from block to block.
@@ -52,6 +64,7 @@ pub(super) struct Setting<'a> {
 struct Leaf<'b> {
     setting: Setting<'b>,
     block: &'b Block,
+    ranges: &'b [SurfaceRange],
     /// Texels of the grid.
     inside: u64,
     first: [FirstSurface; TEXELS],
@@ -63,6 +76,8 @@ struct Leaf<'b> {
     deepest: [FixedDepth; TEXELS],
     base: [FixedDepth; TEXELS],
     next: [FixedDepth; TEXELS],
+    /// As [`Self::found_from`].
+    found_from: [FixedDepth; TEXELS],
     buffers: &'b mut LeafBuffers,
 }
 
@@ -73,7 +88,7 @@ struct Leaf<'b> {
 pub(super) fn leaf_columns(
     block: &Block,
     inside: u64,
-    list: &[u32],
+    near: NearSurfaces<'_>,
     known_behind: FixedDepth,
     setting: Setting<'_>,
     buffers: &mut LeafBuffers,
@@ -81,11 +96,12 @@ pub(super) fn leaf_columns(
     buffers.crossings.clear();
     buffers.masked.clear();
     buffers.seams.clear();
-    buffers.order(block, list, setting.surfaces);
+    buffers.order(near);
     let order = std::mem::take(&mut buffers.order);
     let mut leaf = Leaf {
         setting,
         block,
+        ranges: near.ranges,
         inside,
         first: [FirstSurface::NONE; TEXELS],
         owner: [NOBODY; TEXELS],
@@ -93,6 +109,7 @@ pub(super) fn leaf_columns(
         deepest: [FixedDepth::MIN; TEXELS],
         base: [0; TEXELS],
         next: [FixedDepth::MAX; TEXELS],
+        found_from: [FixedDepth::MAX; TEXELS],
         buffers,
     };
     leaf.sample_all(&order);
@@ -101,7 +118,7 @@ pub(super) fn leaf_columns(
     leaf.resolve_solids();
     leaf.ask_all(&order, known_behind);
     let mut columns = BlockColumns::free();
-    for texel in bits(inside) {
+    for texel in texels_of(inside) {
         [columns.e[texel], columns.x[texel]] =
             setting.rules.column(leaf.first[texel], leaf.base[texel], leaf.next[texel]);
     }
@@ -110,11 +127,14 @@ pub(super) fn leaf_columns(
 }
 
 impl LeafBuffers {
-    fn order(&mut self, block: &Block, list: &[u32], surfaces: &[BlockSurface]) {
+    fn order(&mut self, near: NearSurfaces<'_>) {
         self.order.clear();
-        self.order.extend(list.iter().map(|&surface| {
-            let [low, high] = surfaces[surface as usize].surface.shape.fixed_range_over(block);
-            Near { low, high, surface }
+        let surfaces = near.list.iter().zip(near.ranges).zip(0..);
+        self.order.extend(surfaces.map(|((&surface, range), place)| Near {
+            low: range.low,
+            high: range.high,
+            surface,
+            place,
         }));
         self.order.sort_unstable();
     }
@@ -131,7 +151,7 @@ impl Leaf<'_> {
                 continue;
             }
             if near.low > reached {
-                settled = bits(self.inside & !settled)
+                settled = texels_of(self.inside & !settled)
                     .filter(|&texel| !self.first[texel].is_none() && self.entered[texel] == 0)
                     .fold(settled, |mask, texel| mask | 1 << texel);
             }
@@ -144,16 +164,19 @@ impl Leaf<'_> {
         let (block, Setting { scene, grid, rules, .. }) = (self.block, self.setting);
         let shape = &surface.shape;
         let Some(plane) = shape.plane else { return };
-        let coverage = shape.coverage(block.x, block.y);
+        let [exact, grown] = if surface.solid && !shape.faces_sun {
+            [shape.coverage(block.x, block.y, [0])[0]; 2]
+        } else {
+            shape.coverage(block.x, block.y, [0, SEAM_MARGIN])
+        };
         let wanted = self.inside & !settled;
-        let covered = if surface.solid { coverage.exact } else { coverage.grown } & wanted;
-        let seam =
-            if surface.solid && shape.faces_sun { coverage.grown & !coverage.exact & wanted } else { 0 };
+        let covered = if surface.solid { exact } else { grown } & wanted;
+        let seam = if surface.solid { grown & !exact & wanted } else { 0 };
         if !surface.masked
-            && coverage.exact & self.inside != 0
-            && let Some(range) = self.setting.surfaces[near.surface as usize].sampled_over(block, rules)
+            && exact & self.inside != 0
+            && let Some(range) = &self.ranges[near.place as usize].sampled
         {
-            for texel in bits(coverage.exact & self.inside) {
+            for texel in texels_of(exact & self.inside) {
                 self.deepest[texel] = self.deepest[texel].max(range.lifted_low);
             }
         }
@@ -163,7 +186,7 @@ impl Leaf<'_> {
         let info = rules.surface_info(shape.slope, surface.solid);
         if surface.masked {
             let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
-            for texel in bits(covered) {
+            for texel in texels_of(covered) {
                 let [x, y] = center(block, texel);
                 let places = mask.coverage(scene, x, y);
                 if places != 0 {
@@ -173,13 +196,13 @@ impl Leaf<'_> {
             }
             return;
         }
-        for texel in bits(seam) {
+        for texel in texels_of(seam) {
             let [x, y] = center(block, texel);
             let depth = shape.depth_at(&plane, x, y);
             self.buffers.seams.push(SeamHit::new(texel, depth, info, surface));
         }
         let exit_bit = u32::from(!shape.faces_sun);
-        for texel in bits(covered) {
+        for texel in texels_of(covered) {
             let [x, y] = center(block, texel);
             let depth = shape.depth_at(&plane, x, y);
             let first = FirstSurface::new(depth, info);
@@ -265,10 +288,12 @@ impl Leaf<'_> {
     /// all.
     fn ask_all(&mut self, order: &[Near], known_behind: FixedDepth) {
         let (mut asking, mut base_low, mut first_low) = (0, FixedDepth::MAX, FixedDepth::MAX);
-        for texel in bits(self.inside & self.has_first()) {
+        let met = texels_where(|texel| !self.first[texel].is_none());
+        for texel in texels_of(self.inside & met) {
             let (first, base) = (self.first[texel], self.base[texel]);
             self.next[texel] = known_behind;
-            let farthest = self.exits_before(texel).max(base.saturating_add(SUBTEXEL as FixedDepth));
+            self.found_from[texel] = self.found_from(texel);
+            let farthest = self.found_from[texel].max(base.saturating_add(SUBTEXEL as FixedDepth));
             if self.deepest[texel] > farthest {
                 self.next[texel] = known_behind.min(self.deepest[texel]);
             }
@@ -276,25 +301,34 @@ impl Leaf<'_> {
             base_low = base_low.min(base);
             first_low = first_low.min(first.depth());
         }
+        let half = self.setting.rules.footprint_half_texels(ReceiverKind::Footprint);
+        // Corners may have moved when they were snapped.
+        let reach = (half * SUBTEXEL as f64).ceil() as i64 + 2;
+        let mut any_matters_before = self.any_matters_before(asking);
         for near in order {
-            let surface = &self.setting.surfaces[near.surface as usize];
-            let Some(range) = surface.sampled_over(self.block, self.setting.rules) else { continue };
-            if range.deepest <= base_low || range.lifted_high <= first_low {
+            let Some(range) = &self.ranges[near.place as usize].sampled else { continue };
+            if range.deepest <= base_low
+                || range.lifted_high <= first_low
+                || range.lifted_low >= any_matters_before
+            {
                 continue;
             }
             // The first surface does not lie behind itself.
-            let wanted = bits(asking)
+            let surface = &self.setting.surfaces[near.surface as usize];
+            let within_reach = surface.surface.shape.centers_within_box(self.block.x, self.block.y, reach);
+            let wanted = texels_of(asking & within_reach)
                 .filter(|&t| self.owner[t] != near.surface && range.lifted_low < self.matters_before(t))
                 .fold(0, |mask, texel| mask | 1 << texel);
             if wanted != 0 {
-                self.ask(wanted, &surface.surface);
+                self.ask(wanted, surface);
+                any_matters_before = self.any_matters_before(asking);
             }
         }
     }
 
-    /// Texels that anything covers.
-    fn has_first(&self) -> u64 {
-        (0..TEXELS).fold(0, |mask, texel| mask | u64::from(!self.first[texel].is_none()) << texel)
+    /// The latest of [`Self::matters_before`].
+    fn any_matters_before(&self, asking: u64) -> FixedDepth {
+        texels_of(asking).map(|texel| self.matters_before(texel)).max().unwrap_or(FixedDepth::MIN)
     }
 
     /// Receivers that sample a column at this depth or behind it change nothing about it: a nearer one is known, or one behind the
@@ -302,11 +336,11 @@ impl Leaf<'_> {
     fn matters_before(&self, texel: usize) -> FixedDepth {
         let next = self.next[texel];
         let any_counts = next == FixedDepth::MAX && self.setting.rules.assume_ground;
-        if any_counts { next } else { next.min(self.exits_before(texel)) }
+        if any_counts { next } else { next.min(self.found_from[texel]) }
     }
 
     /// A depth from which on shadow is found whatever lies behind the column; [`FixedDepth::MAX`] where the grid ends before its exit.
-    fn exits_before(&self, texel: usize) -> FixedDepth {
+    fn found_from(&self, texel: usize) -> FixedDepth {
         let rules = self.setting.rules;
         let exit = rules.exit(self.first[texel], self.base[texel]);
         if rules.latest_switch(exit) == FREE_TO_END {
@@ -317,9 +351,9 @@ impl Leaf<'_> {
     }
 
     /// `surface` as a receiver, for the texels of `wanted`.
-    fn ask(&mut self, wanted: u64, surface: &Surface) {
+    fn ask(&mut self, wanted: u64, BlockSurface { surface, receiver, .. }: &BlockSurface) {
         let (block, rules) = (self.block, self.setting.rules);
-        let Some(plane) = ColumnRules::receiver_plane(surface) else { return };
+        let Some(receiver) = receiver else { return };
         let half = rules.footprint_half_texels(ReceiverKind::Footprint);
         for row in 0..BLOCK_SIDE {
             let wanted = wanted >> (row * BLOCK_SIDE) & 0xff;
@@ -328,7 +362,7 @@ impl Leaf<'_> {
             }
             let y = f64::from(block.y) + row as f64 + 0.5;
             let Some([low, high]) = surface.shape.x_range_in_band(y, half) else { continue };
-            for column in bits(wanted) {
+            for column in texels_of(wanted) {
                 let x = f64::from(block.x) + column as f64 + 0.5;
                 if x < low - half || x > high + half {
                     continue;
@@ -336,8 +370,8 @@ impl Leaf<'_> {
                 let texel = row * BLOCK_SIDE + column;
                 let at = [block.x + column as u32, block.y + row as u32].map(i64::from);
                 let (base, first) = (self.base[texel], self.first[texel]);
-                let triangle = (&surface.shape, &plane);
-                let next = rules.triangle_behind(ReceiverKind::Footprint, triangle, at, base, first);
+                let triangle = (&surface.shape, receiver);
+                let next = rules.receiver_behind(ReceiverKind::Footprint, triangle, at, base, first);
                 self.next[texel] = self.next[texel].min(next);
             }
         }
@@ -347,15 +381,4 @@ impl Leaf<'_> {
 fn center(block: &Block, texel: usize) -> [f64; 2] {
     let (column, row) = ((texel % BLOCK_SIDE) as u32, (texel / BLOCK_SIDE) as u32);
     [block.x + column, block.y + row].map(|c| f64::from(c) + 0.5)
-}
-
-/// The numbers of the bits that are set.
-pub(super) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        (mask != 0).then(|| {
-            let bit = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            bit
-        })
-    })
 }

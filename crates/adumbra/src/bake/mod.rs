@@ -34,6 +34,7 @@ pub(crate) mod sink;
 pub(crate) mod surface;
 mod switches;
 mod tally;
+mod texel_mask;
 mod tile;
 
 use std::sync::Mutex;

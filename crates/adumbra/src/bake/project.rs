@@ -4,6 +4,7 @@
 //! never leave a gap nor overlap, and a watertight surface has winding zero outside itself at every texel centre.
 //! Depth uses the unsnapped plane, clamped to the triangle's own range, so that slivers cannot shoot away.
 
+use super::texel_mask::{not_negative, rectangle, texels_of};
 use crate::settings::MAX_SLOPE;
 
 /// Fractional steps of a texel (and of a voxel of depth).
@@ -69,15 +70,6 @@ impl Plane {
 /// How far snapping may part what touched: a corner and an edge that it lay on move by half a step each, along both axes.
 pub(crate) const SEAM_MARGIN: i64 = 1;
 
-/// Texels of an 8 × 8 block whose centres a triangle covers, bit row · 8 + column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Coverage {
-    /// Each centre between triangles that share an edge belongs to one of them.
-    pub(crate) exact: u64,
-    /// The triangle grown by [`SEAM_MARGIN`]: leaves no gap where a corner met another triangle's edge.
-    pub(crate) grown: u64,
-}
-
 /// The least value of an edge's function inside, of an edge from the origin to (dx, dy).
 fn needed_side(dx: i64, dy: i64, margin: i64) -> i64 {
     let on_edge_counts = dy > 0 || (dy == 0 && dx > 0);
@@ -88,6 +80,9 @@ fn needed_side(dx: i64, dy: i64, margin: i64) -> i64 {
 fn centers_within(low: i64, high: i64) -> (i64, i64) {
     ((low + SUBTEXEL / 2 - 1).div_euclid(SUBTEXEL), (high - SUBTEXEL / 2).div_euclid(SUBTEXEL))
 }
+
+/// At so few texels a triangle's edges are asked one by one.
+const FEW_CENTERS: u32 = 4;
 
 /// A triangle in grid space.
 #[derive(Clone, Copy, Debug)]
@@ -231,57 +226,53 @@ impl Projected {
         })
     }
 
-    /// The texels of the 8 × 8 from (x, y) whose centres the triangle covers, bit row · 8 + column: what [`Self::span`] says, and
-    /// that of the triangle grown by [`SEAM_MARGIN`].
-    pub(crate) fn coverage(&self, x: u32, y: u32) -> Coverage {
-        if self.wide {
-            let mask = |margin: i64| {
-                let covers =
-                    |bit: u32| self.covers_grown(i64::from(x + bit % 8), i64::from(y + bit / 8), margin);
-                (0..64).fold(0, |mask, bit| mask | u64::from(covers(bit)) << bit)
-            };
-            return Coverage { exact: mask(0), grown: mask(SEAM_MARGIN) };
+    /// The texels of the 8 × 8 from (x, y) whose centres the triangle covers when it is grown by each of the `margins`, as
+    /// [`Self::span`] has it; bit row · 8 + column.
+    pub(crate) fn coverage<const N: usize>(&self, x: u32, y: u32, margins: [i64; N]) -> [u64; N] {
+        let mut covered = margins.map(|margin| self.centers_within_box(x, y, margin));
+        let candidates = covered.iter().fold(0, |all, mask| all | mask);
+        if self.wide || candidates.count_ones() <= FEW_CENTERS {
+            for (covered, margin) in covered.iter_mut().zip(margins) {
+                for bit in texels_of(*covered) {
+                    let texel = [x, y].map(i64::from);
+                    let covers =
+                        self.covers_grown(texel[0] + bit as i64 % 8, texel[1] + bit as i64 / 8, margin);
+                    *covered &= !(u64::from(!covers) << bit);
+                }
+            }
+            return covered;
         }
         let p = [x, y].map(|c| i64::from(c) * SUBTEXEL + SUBTEXEL / 2);
-        let mut covered = Coverage { exact: u64::MAX, grown: u64::MAX };
         for e in 0..3 {
             let (a, b) = (self.snapped[e], self.snapped[(e + 1) % 3]);
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
             let side = dx * (p[1] - a[1]) - dy * (p[0] - a[0]);
-            // Inside where these are not negative.
-            let exact = side - needed_side(dx, dy, 0);
-            let grown = side - needed_side(dx, dy, SEAM_MARGIN);
             let (step_x, step_y) = (-dy * SUBTEXEL, dx * SUBTEXEL);
             let (far_x, far_y) = (7 * step_x, 7 * step_y);
-            if exact + far_x.min(0) + far_y.min(0) >= 0 {
-                continue;
-            }
-            if grown + far_x.max(0) + far_y.max(0) < 0 {
-                return Coverage { exact: 0, grown: 0 };
-            }
-            let mut inside = Coverage { exact: 0, grown: 0 };
-            for row in 0..8 {
-                let mut rise = row * step_y;
-                for column in 0..8 {
-                    inside.exact |= u64::from(exact + rise >= 0) << (row * 8 + column);
-                    inside.grown |= u64::from(grown + rise >= 0) << (row * 8 + column);
-                    rise += step_x;
+            let [lowest, highest] = [side + far_x.min(0) + far_y.min(0), side + far_x.max(0) + far_y.max(0)];
+            for (covered, margin) in covered.iter_mut().zip(margins) {
+                let needed = needed_side(dx, dy, margin);
+                if highest < needed {
+                    *covered = 0;
+                } else if lowest < needed {
+                    *covered &= not_negative(side - needed, step_x, step_y);
                 }
             }
-            covered.exact &= inside.exact;
-            covered.grown &= inside.grown;
-        }
-        if covered.grown != covered.exact {
-            // At a sharp corner the grown edges meet far outside.
-            let near = |axis: usize, bit: u32| {
-                let [low, high] = self.snapped_range(axis);
-                (low - SEAM_MARGIN..=high + SEAM_MARGIN).contains(&(p[axis] + i64::from(bit) * SUBTEXEL))
-            };
-            let columns = (0..8).fold(0_u64, |mask, bit| mask | u64::from(near(0, bit)) << bit);
-            let rows = (0..8).fold(0_u64, |mask, bit| mask | u64::from(near(1, bit)) << (8 * bit));
-            covered.grown &= columns * rows;
+            if covered == [0; N] {
+                return covered;
+            }
         }
         covered
+    }
+
+    /// The texels of the 8 × 8 from (x, y) whose centres lie in the box around the triangle, grown by `margin`.
+    pub(crate) fn centers_within_box(&self, x: u32, y: u32, margin: i64) -> u64 {
+        let [columns, rows] = [(0, x), (1, y)].map(|(axis, from)| {
+            let [low, high] = self.snapped_range(axis);
+            let (first, last) = centers_within(low - margin, high + margin);
+            (first - i64::from(from), last - i64::from(from))
+        });
+        rectangle(columns, rows)
     }
 
     /// Range of the snapped corners along an axis.
@@ -311,24 +302,30 @@ impl Projected {
     /// The deepest point, in voxels, of the part within the square of half side `half` around `center`, on its `plane`; without
     /// end before everything where there is no such part.
     pub(crate) fn deepest_within(&self, plane: &Plane, center: [f64; 2], half: f64) -> f64 {
-        let mut polygon: Vec<[f64; 2]> = self.corners.iter().map(|c| [c[0], c[1]]).collect();
+        let mut polygon = Polygon::default();
+        self.corners.iter().for_each(|c| polygon.push([c[0], c[1]]));
         for (axis, side) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
             let inside = |p: &[f64; 2]| half - side * (p[axis] - center[axis]);
-            let mut clipped = Vec::with_capacity(polygon.len() + 1);
-            for (n, p) in polygon.iter().enumerate() {
-                let q = &polygon[(n + 1) % polygon.len()];
-                let (at_p, at_q) = (inside(p), inside(q));
-                if at_p >= 0.0 {
-                    clipped.push(*p);
-                }
+            let corners = polygon.corners();
+            let Some(last) = corners.last() else { break };
+            let mut clipped = Polygon::default();
+            let (mut p, mut at_p) = (last, inside(last));
+            for q in corners {
+                let at_q = inside(q);
                 if (at_p < 0.0) != (at_q < 0.0) {
                     let t = at_p / (at_p - at_q);
                     clipped.push([0, 1].map(|a| p[a] + t * (q[a] - p[a])));
                 }
+                if at_q >= 0.0 {
+                    clipped.push(*q);
+                }
+                (p, at_p) = (q, at_q);
             }
             polygon = clipped;
         }
-        polygon.iter().map(|p| plane.at(p[0], p[1])).fold(f64::NEG_INFINITY, f64::max)
+        let deepest =
+            polygon.corners().iter().map(|p| plane.at(p[0], p[1])).fold(f64::NEG_INFINITY, f64::max);
+        deepest.min(self.z_max)
     }
 
     /// Range of x, in texels, of the part of the triangle in the band of rows from `y_center - half` to `y_center + half`; none
@@ -348,6 +345,27 @@ impl Projected {
             range = [range[0].min(start).min(end), range[1].max(start).max(end)];
         }
         (range[0] <= range[1]).then_some(range)
+    }
+}
+
+/// A triangle clipped by a square.
+#[derive(Default)]
+struct Polygon {
+    points: [[f64; 2]; 8],
+    len: usize,
+}
+
+impl Polygon {
+    fn corners(&self) -> &[[f64; 2]] {
+        &self.points[..self.len]
+    }
+
+    /// Each of four sides adds one corner at most. What rounding may add beyond them equals its neighbour, and is left out.
+    fn push(&mut self, point: [f64; 2]) {
+        if let Some(free) = self.points.get_mut(self.len) {
+            *free = point;
+            self.len += 1;
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 //! x = [`FREE_TO_END`](super::columns::FREE_TO_END) or more: no voxel of the column must be shadowed.
 
 use super::columns::{BESIDE_GRID, Columns};
+use super::texel_mask::texels_where;
 
 /// Columns of the smallest block along a side.
 pub(crate) const BLOCK_SIDE: usize = 8;
@@ -25,12 +26,12 @@ impl BlockColumns {
 
     /// Columns whose voxel k must be lit.
     pub(crate) fn must_be_lit(&self, k: u32) -> u64 {
-        bits_where(|i| k < self.e[i])
+        texels_where(|i| k < self.e[i])
     }
 
     /// Columns whose voxel k must be shadowed.
     pub(crate) fn must_be_shadowed(&self, k: u32) -> u64 {
-        bits_where(|i| k >= self.x[i])
+        texels_where(|i| k >= self.x[i])
     }
 
     /// At most 8 × 8 columns, what is missing free.
@@ -44,10 +45,6 @@ impl BlockColumns {
         }
         block
     }
-}
-
-fn bits_where(test: impl Fn(usize) -> bool) -> u64 {
-    (0..BLOCK_SIDE * BLOCK_SIDE).fold(0, |mask, i| mask | u64::from(test(i)) << i)
 }
 
 /// Something that grows from blocks. Calls come from many threads; equal calls must give blocks of equal meaning, whatever

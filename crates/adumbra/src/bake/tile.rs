@@ -4,6 +4,7 @@
 //! shadow first keeps the switch at the first surface wherever the choice is free and costs nothing.
 
 use super::columns::Columns;
+use super::texel_mask::texels_where;
 use crate::dag::SLAB_NODE_LEVEL;
 use crate::dag::store::{NodeState, NodeStore};
 
@@ -136,14 +137,10 @@ impl Block {
     }
 
     fn must_be_lit(&self, k: u32) -> u64 {
-        bits(|i| k < self.e[i])
+        texels_where(|i| k < self.e[i])
     }
 
     fn must_be_shadowed(&self, k: u32) -> u64 {
-        bits(|i| k >= self.x[i])
+        texels_where(|i| k >= self.x[i])
     }
-}
-
-fn bits(test: impl Fn(usize) -> bool) -> u64 {
-    (0..64).fold(0, |mask, i| mask | u64::from(test(i)) << i)
 }

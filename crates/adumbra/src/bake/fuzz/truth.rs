@@ -2,7 +2,7 @@
 
 use super::totals::Skip;
 use crate::bake::Options;
-use crate::bake::columns::{ColumnRules, ReceiverKind, rounding_voxels};
+use crate::bake::columns::{ColumnRules, Receiver, ReceiverKind};
 use crate::bake::plan::Plan;
 use crate::bake::project::{Plane, Projected, SUBTEXEL};
 use crate::light::LightGrid;
@@ -91,7 +91,8 @@ impl<'s> Truth<'s> {
             return Ok(Err(Skip::NotCovered));
         }
         let center = [i, j].map(|c| c as f64 + 0.5);
-        let blocked = match self.first_before(own, &plane, center, depth) {
+        let receiver = self.rules.receiver_on(plane);
+        let blocked = match self.first_before(own, &receiver, center, depth) {
             Ok(blocked) => blocked,
             Err(skip) => return Ok(Err(skip)),
         };
@@ -110,18 +111,25 @@ impl<'s> Truth<'s> {
     /// The layer in which a receiver on triangle `own` that lies in texel (i, j) samples its column.
     pub(super) fn sampled_layer(&self, own: usize, [i, j]: [i64; 2]) -> i64 {
         let Some(plane) = self.triangles[own].shape.true_plane() else { return i64::MIN };
-        let sampled = self.rules.sampled(ReceiverKind::Footprint, &plane, i as f64 + 0.5, j as f64 + 0.5);
+        let receiver = self.rules.receiver_on(plane);
+        let sampled = receiver.sampled(ReceiverKind::Footprint, i as f64 + 0.5, j as f64 + 0.5);
         i64::from(sampled.lifted).div_euclid(SUBTEXEL)
     }
 
     /// Whether anything over the centre lies before `depth`.
-    fn first_before(&self, own: usize, plane: &Plane, center: [f64; 2], depth: f64) -> Result<bool, Skip> {
+    fn first_before(
+        &self,
+        own: usize,
+        receiver: &Receiver,
+        center: [f64; 2],
+        depth: f64,
+    ) -> Result<bool, Skip> {
         let outline = OUTLINE_SLACK + self.rounding;
-        let surface = plane.at(center[0], center[1]);
+        let surface = receiver.plane.at(center[0], center[1]);
         // The bake makes room for the rounding of look-ups. With less than a voxel of bias, voxels are too coarse to tell a
         // surface from what lies a voxel before it.
         let constant = self.rules.bias.constant_texels + self.rules.bias.normal_offset_texels;
-        let before = (rounding_voxels(plane) + 2.0 / 256.0).max(1.0 - constant).max(DEPTH_SLACK);
+        let before = (receiver.rounding_voxels + 2.0 / 256.0).max(1.0 - constant).max(DEPTH_SLACK);
         let (mut blocked, mut entered, mut within_bias) = (false, 0, false);
         for (n, t) in self.triangles.iter().enumerate() {
             if (!t.casts && n != own) || t.is_beside(center, outline) {

@@ -1,0 +1,78 @@
+//! Sets of texels of an 8 × 8 block, a bit each: row · 8 + column.
+
+/// The texels for which `test` holds.
+pub(crate) fn texels_where(test: impl Fn(usize) -> bool) -> u64 {
+    (0..64).fold(0, |mask, texel| mask | u64::from(test(texel)) << texel)
+}
+
+/// The texels of a set, in order.
+pub(crate) fn texels_of(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let texel = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            texel
+        })
+    })
+}
+
+/// The texels of the columns and rows from first to last, as far as they lie in the block.
+pub(crate) fn rectangle(columns: (i64, i64), rows: (i64, i64)) -> u64 {
+    let cut = |(first, last): (i64, i64)| (first.max(0), last.min(7));
+    let ((left, right), (top, bottom)) = (cut(columns), cut(rows));
+    if left > right || top > bottom {
+        return 0;
+    }
+    let row = 0xff << left & 0xff >> (7 - right);
+    row * 0x0101_0101_0101_0101 & u64::MAX << (8 * top) & u64::MAX >> (8 * (7 - bottom))
+}
+
+/// The texels where a function is not negative that is `first` at the first texel and rises by `step_x` a column and `step_y` a row.
+pub(crate) fn not_negative(first: i64, step_x: i64, step_y: i64) -> u64 {
+    // Sign bits, a lane a column and a byte a row: this is what compilers turn into vectors.
+    let mut values: [i64; 8] = std::array::from_fn(|column| first + column as i64 * step_x);
+    let mut negative = [0_u64; 8];
+    for row in 0..8 {
+        for (value, negative) in values.iter_mut().zip(&mut negative) {
+            *negative |= (*value as u64 >> 63) << (8 * row);
+            *value += step_y;
+        }
+    }
+    !(0..8).fold(0, |mask, column| mask | negative[column] << column)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn place(texel: usize) -> [i64; 2] {
+        [texel as i64 % 8, texel as i64 / 8]
+    }
+
+    #[test]
+    fn a_rectangle_is_cut_at_the_block() {
+        assert_eq!(rectangle((0, 7), (0, 7)), u64::MAX);
+        assert_eq!(rectangle((-3, 1), (6, 90)), 0x0303_0000_0000_0000);
+        assert_eq!(rectangle((2, 1), (0, 7)), 0);
+        assert_eq!(rectangle((8, 9), (0, 7)), 0);
+    }
+
+    proptest! {
+        #[test]
+        fn masks_hold_the_texels_that_they_say(
+            first in -5_000_i64..5_000, step_x in -900_i64..900, step_y in -900_i64..900,
+            columns in (-3_i64..10, -3_i64..10), rows in (-3_i64..10, -3_i64..10),
+        ) {
+            let value = |[x, y]: [i64; 2]| first + x * step_x + y * step_y;
+            prop_assert_eq!(not_negative(first, step_x, step_y), texels_where(|t| value(place(t)) >= 0));
+            let inside = |t| {
+                let [x, y] = place(t);
+                (columns.0..=columns.1).contains(&x) && (rows.0..=rows.1).contains(&y)
+            };
+            let mask = rectangle(columns, rows);
+            prop_assert_eq!(mask, texels_where(inside));
+            prop_assert_eq!(texels_of(mask).collect::<Vec<_>>(), (0..64).filter(|&t| inside(t)).collect::<Vec<_>>());
+        }
+    }
+}
