@@ -76,8 +76,11 @@ struct Leaf<'b> {
     deepest: [FixedDepth; TEXELS],
     base: [FixedDepth; TEXELS],
     next: [FixedDepth; TEXELS],
-    /// As [`Self::found_from`].
-    found_from: [FixedDepth; TEXELS],
+    /// Receivers that sample a column at this depth or behind it change nothing about it: a nearer one is known, or one behind the
+    /// exit, and that there is one at all.
+    matters_before: [FixedDepth; TEXELS],
+    /// Texel centres, by column and by row.
+    centers: [[f64; BLOCK_SIDE]; 2],
     buffers: &'b mut LeafBuffers,
 }
 
@@ -109,7 +112,8 @@ pub(super) fn leaf_columns(
         deepest: [FixedDepth::MIN; TEXELS],
         base: [0; TEXELS],
         next: [FixedDepth::MAX; TEXELS],
-        found_from: [FixedDepth::MAX; TEXELS],
+        matters_before: [FixedDepth::MIN; TEXELS],
+        centers: [block.x, block.y].map(|from| std::array::from_fn(|i| f64::from(from) + i as f64 + 0.5)),
         buffers,
     };
     leaf.sample_all(&order);
@@ -187,7 +191,7 @@ impl Leaf<'_> {
         if surface.masked {
             let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
             for texel in texels_of(covered) {
-                let [x, y] = center(block, texel);
+                let [x, y] = self.center(texel);
                 let places = mask.coverage(scene, x, y);
                 if places != 0 {
                     let depth = shape.depth_at(&plane, x, y);
@@ -197,13 +201,13 @@ impl Leaf<'_> {
             return;
         }
         for texel in texels_of(seam) {
-            let [x, y] = center(block, texel);
+            let [x, y] = self.center(texel);
             let depth = shape.depth_at(&plane, x, y);
             self.buffers.seams.push(SeamHit::new(texel, depth, info, surface));
         }
         let exit_bit = u32::from(!shape.faces_sun);
         for texel in texels_of(covered) {
-            let [x, y] = center(block, texel);
+            let [x, y] = self.center(texel);
             let depth = shape.depth_at(&plane, x, y);
             let first = FirstSurface::new(depth, info);
             if first < self.first[texel] {
@@ -215,6 +219,10 @@ impl Leaf<'_> {
                 self.buffers.crossings.push((texel as u8, columns::crossing_key(depth, exit_bit)));
             }
         }
+    }
+
+    fn center(&self, texel: usize) -> [f64; 2] {
+        [self.centers[0][texel % BLOCK_SIDE], self.centers[1][texel / BLOCK_SIDE]]
     }
 
     fn add_seams(&mut self, order: &[Near]) {
@@ -292,11 +300,14 @@ impl Leaf<'_> {
         for texel in texels_of(self.inside & met) {
             let (first, base) = (self.first[texel], self.base[texel]);
             self.next[texel] = known_behind;
-            self.found_from[texel] = self.found_from(texel);
-            let farthest = self.found_from[texel].max(base.saturating_add(SUBTEXEL as FixedDepth));
+            let found_from = self.found_from(texel);
+            let farthest = found_from.max(base.saturating_add(SUBTEXEL as FixedDepth));
             if self.deepest[texel] > farthest {
                 self.next[texel] = known_behind.min(self.deepest[texel]);
             }
+            let any_counts = self.next[texel] == FixedDepth::MAX && self.setting.rules.assume_ground;
+            self.matters_before[texel] =
+                if any_counts { FixedDepth::MAX } else { found_from.min(self.next[texel]) };
             asking |= 1 << texel;
             base_low = base_low.min(base);
             first_low = first_low.min(first.depth());
@@ -317,7 +328,8 @@ impl Leaf<'_> {
             let surface = &self.setting.surfaces[near.surface as usize];
             let within_reach = surface.surface.shape.centers_within_box(self.block.x, self.block.y, reach);
             let wanted = texels_of(asking & within_reach)
-                .filter(|&t| self.owner[t] != near.surface && range.lifted_low < self.matters_before(t))
+                .filter(|&t| self.owner[t] != near.surface)
+                .filter(|&t| range.lifted_low < self.matters_before[t] && range.deepest > self.base[t])
                 .fold(0, |mask, texel| mask | 1 << texel);
             if wanted != 0 {
                 self.ask(wanted, surface);
@@ -326,17 +338,9 @@ impl Leaf<'_> {
         }
     }
 
-    /// The latest of [`Self::matters_before`].
+    /// The latest of [`Self::matters_before`] at these texels.
     fn any_matters_before(&self, asking: u64) -> FixedDepth {
-        texels_of(asking).map(|texel| self.matters_before(texel)).max().unwrap_or(FixedDepth::MIN)
-    }
-
-    /// Receivers that sample a column at this depth or behind it change nothing about it: a nearer one is known, or one behind the
-    /// exit, and that there is one at all.
-    fn matters_before(&self, texel: usize) -> FixedDepth {
-        let next = self.next[texel];
-        let any_counts = next == FixedDepth::MAX && self.setting.rules.assume_ground;
-        if any_counts { next } else { next.min(self.found_from[texel]) }
+        texels_of(asking).map(|texel| self.matters_before[texel]).max().unwrap_or(FixedDepth::MIN)
     }
 
     /// A depth from which on shadow is found whatever lies behind the column; [`FixedDepth::MAX`] where the grid ends before its exit.
@@ -360,10 +364,10 @@ impl Leaf<'_> {
             if wanted == 0 {
                 continue;
             }
-            let y = f64::from(block.y) + row as f64 + 0.5;
+            let y = self.centers[1][row];
             let Some([low, high]) = surface.shape.x_range_in_band(y, half) else { continue };
             for column in texels_of(wanted) {
-                let x = f64::from(block.x) + column as f64 + 0.5;
+                let x = self.centers[0][column];
                 if x < low - half || x > high + half {
                     continue;
                 }
@@ -372,13 +376,11 @@ impl Leaf<'_> {
                 let (base, first) = (self.base[texel], self.first[texel]);
                 let triangle = (&surface.shape, receiver);
                 let next = rules.receiver_behind(ReceiverKind::Footprint, triangle, at, base, first);
-                self.next[texel] = self.next[texel].min(next);
+                if next < self.next[texel] {
+                    self.next[texel] = next;
+                    self.matters_before[texel] = self.matters_before[texel].min(next);
+                }
             }
         }
     }
-}
-
-fn center(block: &Block, texel: usize) -> [f64; 2] {
-    let (column, row) = ((texel % BLOCK_SIDE) as u32, (texel / BLOCK_SIDE) as u32);
-    [block.x + column, block.y + row].map(|c| f64::from(c) + 0.5)
 }

@@ -2,7 +2,13 @@
 
 /// The texels for which `test` holds.
 pub(crate) fn texels_where(test: impl Fn(usize) -> bool) -> u64 {
-    (0..64).fold(0, |mask, texel| mask | u64::from(test(texel)) << texel)
+    // Bytes first: this is what compilers turn into vectors.
+    let bytes: [u8; 64] = std::array::from_fn(|texel| u8::from(test(texel)));
+    let (rows, _) = bytes.as_chunks();
+    rows.iter().rev().fold(0, |mask, &row| {
+        // Multiplied, byte c adds its one to bit c of the highest byte.
+        mask << 8 | u64::from_le_bytes(row).wrapping_mul(0x0102_0408_1020_4080) >> 56
+    })
 }
 
 /// The texels of a set, in order.

@@ -4,7 +4,7 @@ use super::totals::Skip;
 use crate::bake::Options;
 use crate::bake::columns::{ColumnRules, Receiver, ReceiverKind};
 use crate::bake::plan::Plan;
-use crate::bake::project::{Plane, Projected, SUBTEXEL};
+use crate::bake::project::{Projected, SUBTEXEL};
 use crate::light::LightGrid;
 use crate::scene::{AlphaMode, Scene, topology};
 use crate::trace::{Ray, TraceOptions, Tracer};
