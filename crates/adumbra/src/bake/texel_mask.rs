@@ -29,8 +29,8 @@ pub(crate) fn rectangle(columns: (i64, i64), rows: (i64, i64)) -> u64 {
     if left > right || top > bottom {
         return 0;
     }
-    let row = 0xff << left & 0xff >> (7 - right);
-    row * 0x0101_0101_0101_0101 & u64::MAX << (8 * top) & u64::MAX >> (8 * (7 - bottom))
+    let row = (0xff << left) & (0xff >> (7 - right));
+    (row * 0x0101_0101_0101_0101) & (u64::MAX << (8 * top)) & (u64::MAX >> (8 * (7 - bottom)))
 }
 
 /// The texels where a function is not negative that is `first` at the first texel and rises by `step_x` a column and `step_y` a row.
