@@ -280,8 +280,8 @@ fn wrong_answers_where_the_sun_grazes_are_found() {
 }
 
 #[test]
-fn shadows_three_texels_off_are_found_at_their_edges() {
-    let found = caught(1, 3.0, |_, _, value| value);
+fn shadows_half_a_texel_off_are_found_at_their_edges() {
+    let found = caught(1, 0.5, |_, _, value| value);
     assert!(found.contains(&Class::Edge), "{found:?}");
 }
 
@@ -295,4 +295,50 @@ fn a_filtered_value_that_is_a_little_too_dark_is_found() {
 fn an_unfiltered_answer_is_found_where_a_filtered_one_was_asked() {
     let found = caught(9, 0.0, |_, _, value| if value > 0.5 { 1.0 } else { 0.0 });
     assert!(found.contains(&Class::Edge), "{found:?}");
+}
+
+/// A floor with rows of posts, each two texels wide at 1024.
+fn posts_on_a_floor() -> Scene {
+    let mut instances = vec![placed([100.0, 0.1, 100.0], [0.0, -0.05, 0.0])];
+    for i in 0..400 {
+        let at = [f64::from(i % 20) * 4.7 - 44.0, 1.5, f64::from(i / 20) * 4.7 - 44.0];
+        instances.push(placed([0.2, 3.0, 0.2], at));
+    }
+    scene_of(instances)
+}
+
+#[test]
+fn posts_without_shadows_are_found() {
+    let scene = posts_on_a_floor();
+    let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
+    let floor = scene_of(vec![scene.instances[0].clone()]);
+    let options = Options::new(sun, Size::Resolution(1024));
+    for filter in [1, 5, 9] {
+        let right = verify(&scene, &bake_quietly(&scene, &options), filter, 20_000);
+        assert!(right.holds() && right.class(Class::Narrow).judged, "{filter}: {right:?}");
+        let bare = verify(&scene, &bake_quietly(&floor, &options), filter, 20_000);
+        assert!(!bare.class(Class::Narrow).holds, "{filter}: {bare:?}");
+    }
+}
+
+#[test]
+fn what_is_no_visibility_is_wrong() {
+    for filter in [1, 9] {
+        for lie in [(|_, _, _| f32::NAN) as Lie, |_, _, _| f32::INFINITY, |_, _, _| -0.25] {
+            let found = caught(filter, 0.0, lie);
+            assert!(found.contains(&Class::Interior), "{filter}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_few_right_answers_are_no_proof() {
+    let scene = posts_on_a_floor();
+    let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
+    let baked = bake_quietly(&scene, &Options::new(sun, Size::Resolution(1024)));
+    let few = verify(&scene, &baked, 1, 300);
+    let interior = few.class(Class::Interior);
+    assert!(interior.points > 50 && interior.agreement == 1.0 && !interior.judged, "{few:?}");
+    assert!(!few.holds());
+    assert!(verify(&scene, &baked, 1, 3_000).holds());
 }

@@ -3,8 +3,8 @@
 use adumbra::format::{AnyFile, TreeBody};
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra::verify::{
-    Answers, Class, ClassResult, LightAnswers, Sampler, Solids, SurfaceSampler, TreeAnswers, Verification,
-    Verifier, VerifyOptions, VolumeSampler,
+    Answers, Class, ClassResult, LightAnswers, MIN_JUDGED_POINTS, Sampler, Solids, SurfaceSampler,
+    TreeAnswers, Verification, Verifier, VerifyOptions, VolumeSampler,
 };
 
 use super::lookup::{Asking, ignored_alpha, sun_of};
@@ -62,10 +62,15 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         print_json(&value);
     } else {
         say!("{} against {}", args.file.display(), args.scene.display());
+        print_file(&file);
         print_result(&result, args.filter);
     }
-    if result.class(Class::Interior).points == 0 {
-        eprintln!("check failed: no interior point was compared; do the file and the scene overlap?");
+    if !result.is_judged() {
+        eprintln!(
+            "check failed: {} interior points were compared, and {MIN_JUDGED_POINTS} are needed to judge the file; give more --samples, \
+             and see that file and scene overlap",
+            result.class(Class::Interior).points
+        );
         return Ok(Code::CheckFailed);
     }
     if result.holds() {
@@ -88,11 +93,25 @@ fn missed(class: &ClassResult) -> String {
             format!("agree with rays to {:.4} %, less than {:.4} %", 100.0 * class.agreement, 100.0 * least)
         }
         (_, most) => format!(
-            "are wrong by more than a texel in {:.4} %, more than {:.4} %",
+            "lie more than a texel off in {:.4} %, and at most {:.4} % may",
             100.0 * class.misplaced_share(),
             100.0 * most.unwrap_or_default()
         ),
     }
+}
+
+/// What the file itself decides of the comparison: a person sees here that it is of another sun, or too coarse.
+fn print_file(file: &AnyFile) {
+    let voxel_size = match file {
+        AnyFile::Light(light) => light.grid.voxel_size,
+        AnyFile::Tree(tree) => tree.space.voxel_size,
+    };
+    let [x, y, z] = sun_of(file).towards();
+    let elevation = y.asin().to_degrees();
+    let masks = if ignored_alpha(file) { ", masks ignored" } else { "" };
+    say!(
+        "  file                sun ({x:.3}, {y:.3}, {z:.3}), {elevation:.1}° high; voxels of {voxel_size:.4}{masks}"
+    );
 }
 
 fn print_result(result: &Verification, filter: u32) {
@@ -131,7 +150,11 @@ fn promise(class: &ClassResult) -> String {
         (None, Some(most)) => format!("misplaced <= {} %", 100.0 * most),
         (None, None) => return "none".to_owned(),
     };
-    if class.holds { promised } else { format!("{promised}: MISSED") }
+    match (class.judged, class.holds) {
+        (false, _) => format!("{promised}: not judged, fewer than {MIN_JUDGED_POINTS} points"),
+        (true, true) => promised,
+        (true, false) => format!("{promised}: MISSED"),
+    }
 }
 
 /// What every kind of answer is compared with.

@@ -3,7 +3,7 @@
 //! All in the snapped coordinates that decide which texel centres a triangle covers, so nothing here can disagree with the
 //! sampling: a test may err only towards "touches" and "crosses".
 
-use super::columns::{ColumnRules, Receiver, ReceiverKind};
+use super::columns::{ColumnRules, ReceiverKind, ReceiverPlane};
 use super::project::{FixedDepth, Projected, SUBTEXEL, fixed_depth};
 use super::surface::Surface;
 
@@ -28,7 +28,7 @@ pub(crate) struct Block {
 pub(crate) struct BlockSurface {
     pub(crate) surface: Surface,
     /// What it is as a receiver, if it is one.
-    pub(crate) receiver: Option<Receiver>,
+    pub(crate) receiver: Option<ReceiverPlane>,
     /// Which edges, in the order of [`Projected::snapped`], have no partner that is drawn on the same side: only there can the
     /// number of layers change.
     pub(crate) contour: [bool; 3],
@@ -107,10 +107,27 @@ pub(crate) struct SurfaceRange {
     pub(crate) sampled: Option<SampledRange>,
 }
 
+impl SurfaceRange {
+    /// Whether it lies so far behind a settled depth that neither what it covers nor what it receives decides a column.
+    pub(crate) fn is_behind(&self, settled: FixedDepth) -> bool {
+        self.low > settled && self.sampled.is_none_or(|s| is_sampled_behind(s.lifted_low, settled))
+    }
+
+    /// The nearest depth that look-ups from it sample; [`FixedDepth::MAX`] where it receives no light.
+    pub(crate) fn lifted(&self) -> FixedDepth {
+        self.sampled.map_or(FixedDepth::MAX, |s| s.lifted_low)
+    }
+}
+
+/// Whether look-ups that sample at `lifted` or deeper find the shadow of every column that ends at `settled` or before.
+pub(crate) fn is_sampled_behind(lifted: FixedDepth, settled: FixedDepth) -> bool {
+    lifted > settled.saturating_add(SUBTEXEL as FixedDepth)
+}
+
 /// Where look-ups from a surface sample the columns of a block, bounds in 1/256 voxel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampledRange {
-    /// No part of it lies deeper.
+    /// Neither a part of it lies deeper, nor its plane at a centre that it covers.
     pub(crate) deepest: FixedDepth,
     /// No look-up samples nearer.
     pub(crate) lifted_low: FixedDepth,
@@ -136,17 +153,18 @@ impl BlockSurface {
         let half_side = f64::from(1_u32 << block.level) / 2.0;
         let center = [block.x, block.y].map(|c| f64::from(c) + half_side);
         let [low, high] = self.surface.shape.range_near(center, half_side + footprint);
-        let deepest = fixed_depth(high) + DEPTH_SLACK;
-        let sampled = self.receiver.map(|Receiver { plane, lift_voxels, rounding_voxels }| {
+        let sampled = self.receiver.map(|ReceiverPlane { plane, lift_voxels, rounding_voxels }| {
             // Its points are at most that far from the centres where its plane is asked.
             let rise = footprint * plane.gradient_sum();
+            // A centre that only the snapped corners cover lies half a step beside the triangle, where its plane runs on.
+            let snapping = plane.gradient_sum() / (2 * SUBTEXEL) as f64;
             SampledRange {
-                deepest,
+                deepest: fixed_depth(high + snapping) + DEPTH_SLACK,
                 lifted_low: fixed_depth(low - rise - lift_voxels - rounding_voxels) - DEPTH_SLACK,
                 lifted_high: fixed_depth(high + rise - lift_voxels) + DEPTH_SLACK,
             }
         });
-        SurfaceRange { low: fixed_depth(low) - DEPTH_SLACK, high: deepest, sampled }
+        SurfaceRange { low: fixed_depth(low) - DEPTH_SLACK, high: fixed_depth(high) + DEPTH_SLACK, sampled }
     }
 
     /// Whether the number of layers may change within `rect` because of this surface.

@@ -179,7 +179,7 @@ pub(crate) const FREE_TO_END: u32 = u32::MAX - 1;
 pub(crate) const BESIDE_GRID: u32 = u32::MAX;
 
 /// Half side of the footprint of a texel, with 1/256 for the snapping.
-pub(crate) const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
+const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
 /// Texels beside a static receiver that a filter may read: a 9 × 9 filter's reach.
 const STATIC_FILTER_REACH: f64 = 4.0;
 /// Distance between the outermost taps that share a depth: eight texels of one block.
@@ -196,7 +196,7 @@ pub(crate) enum ReceiverKind {
 
 /// What look-ups from one surface have in common, whichever column they sample.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Receiver {
+pub(crate) struct ReceiverPlane {
     /// On which they sample columns.
     pub(crate) plane: Plane,
     /// How far before the plane they sample, by the surface's own bias.
@@ -215,7 +215,7 @@ pub(crate) struct Sampled {
     pub(crate) lifted: FixedDepth,
 }
 
-impl Receiver {
+impl ReceiverPlane {
     /// Where it samples the column whose centre is (x, y).
     pub(crate) fn sampled(&self, kind: ReceiverKind, x: f64, y: f64) -> Sampled {
         let z = self.plane.at(x, y);
@@ -272,7 +272,7 @@ impl ColumnRules {
 
     /// The surface as a receiver. None where it receives no sunlight, being the far side of a solid, or where it is steeper than
     /// look-ups follow.
-    pub(crate) fn receiver(&self, surface: &Surface) -> Option<Receiver> {
+    pub(crate) fn receiver(&self, surface: &Surface) -> Option<ReceiverPlane> {
         if surface.casts && surface.solid && !surface.shape.faces_sun {
             return None;
         }
@@ -281,8 +281,8 @@ impl ColumnRules {
     }
 
     /// What look-ups from a surface on this plane have in common.
-    pub(crate) fn receiver_on(&self, plane: Plane) -> Receiver {
-        Receiver {
+    pub(crate) fn receiver_on(&self, plane: Plane) -> ReceiverPlane {
+        ReceiverPlane {
             lift_voxels: self.lift_voxels(plane.slope()),
             rounding_voxels: 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0,
             plane,
@@ -299,11 +299,12 @@ impl ColumnRules {
     ///
     /// A receiver that misses the texel's centre is sampled at where its plane runs on to. It counts only where its own
     /// part in the footprint lies behind the base too; or a wall's foot would ask for shadow under the ground that it stands on.
-    /// An open surface's own neighbours may sink by its bias within a footprint.
+    /// Within a footprint the neighbours of an open first surface may
+    /// lie deeper by up to its bias without counting as behind it.
     pub(crate) fn receiver_behind(
         &self,
         kind: ReceiverKind,
-        (triangle, receiver): (&Projected, &Receiver),
+        (triangle, receiver): (&Projected, &ReceiverPlane),
         [i, j]: [i64; 2],
         base: FixedDepth,
         first: FirstSurface,

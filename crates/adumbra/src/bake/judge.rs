@@ -7,7 +7,7 @@
 //! depth range there bounds the first surface. Everything else errs outwards: a bound that is too weak costs time, never an
 //! answer.
 
-use super::block::{Block, BlockSurface, DEPTH_SLACK, SampledRange, SurfaceRange};
+use super::block::{Block, BlockSurface, DEPTH_SLACK, SampledRange, SurfaceRange, is_sampled_behind};
 use super::columns::{ColumnRules, FREE_TO_END, ReceiverKind};
 use super::project::{FixedDepth, SUBTEXEL};
 
@@ -32,23 +32,6 @@ pub(crate) struct JudgeBuffers {
     solids: Vec<[FixedDepth; 2]>,
     /// Where each surface of the list lies over the block.
     pub(crate) ranges: Vec<SurfaceRange>,
-}
-
-impl SurfaceRange {
-    /// Whether it lies so far behind a settled depth that neither what it covers nor what it receives decides a column.
-    pub(crate) fn is_behind(&self, settled: FixedDepth) -> bool {
-        self.low > settled && self.sampled.is_none_or(|s| is_sampled_behind(s.lifted_low, settled))
-    }
-
-    /// The nearest depth that look-ups from it sample; [`FixedDepth::MAX`] where it receives no light.
-    pub(crate) fn lifted(&self) -> FixedDepth {
-        self.sampled.map_or(FixedDepth::MAX, |s| s.lifted_low)
-    }
-}
-
-/// Whether look-ups that sample at `lifted` or deeper find the shadow of every column that ends at `settled` or before.
-fn is_sampled_behind(lifted: FixedDepth, settled: FixedDepth) -> bool {
-    lifted > settled.saturating_add(SUBTEXEL as FixedDepth)
 }
 
 /// The surfaces of one group near a block.

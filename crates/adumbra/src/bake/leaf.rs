@@ -15,7 +15,7 @@ use crate::light::LightGrid;
 use crate::scene::Scene;
 
 const TEXELS: usize = BLOCK_SIDE * BLOCK_SIDE;
-/// The place of no surface.
+/// The owner of a texel whose first surface is none of the list.
 const NOBODY: u32 = u32::MAX;
 /// A receiver that samples a column this far behind its exit, or farther, changes nothing about it: rounding of the exit, 1/256 voxel.
 const BEHIND_EXIT: FixedDepth = SUBTEXEL as FixedDepth / 2 + 1;
@@ -68,16 +68,16 @@ struct Leaf<'b> {
     /// Texels of the grid.
     inside: u64,
     first: [FirstSurface; TEXELS],
-    /// Place in the list of the surface that `first` is of.
+    /// Place in [`Setting::surfaces`] of the surface that `first` is of.
     owner: [u32; TEXELS],
     /// Solids entered so far, less those left.
     entered: [i32; TEXELS],
-    /// The deepest that a look-up from a sampled surface samples a column.
+    /// Some receiver samples the column at this depth or deeper.
     deepest: [FixedDepth; TEXELS],
     base: [FixedDepth; TEXELS],
     next: [FixedDepth; TEXELS],
-    /// Receivers that sample a column at this depth or behind it change nothing about it: a nearer one is known, or one behind the
-    /// exit, and that there is one at all.
+    /// A receiver that samples the column at this depth or deeper cannot change it: a nearer one is known, or the column is known
+    /// to have one and is in shadow by then anyway.
     matters_before: [FixedDepth; TEXELS],
     /// Texel centres, by column and by row.
     centers: [[f64; BLOCK_SIDE]; 2],
@@ -292,22 +292,22 @@ impl Leaf<'_> {
         }
     }
 
-    /// Finds what lies behind the bases of all columns that must know. Something at `known_behind` or deeper lies behind them
-    /// all.
+    /// Finds, for each column with a first surface, the nearest depth at which a receiver behind its base samples it. Something
+    /// behind all bases is sampled at `known_behind` or deeper.
     fn ask_all(&mut self, order: &[Near], known_behind: FixedDepth) {
         let (mut asking, mut base_low, mut first_low) = (0, FixedDepth::MAX, FixedDepth::MAX);
         let met = texels_where(|texel| !self.first[texel].is_none());
         for texel in texels_of(self.inside & met) {
             let (first, base) = (self.first[texel], self.base[texel]);
             self.next[texel] = known_behind;
-            let found_from = self.found_from(texel);
-            let farthest = found_from.max(base.saturating_add(SUBTEXEL as FixedDepth));
+            let shadowed_from = self.shadowed_from(texel);
+            let farthest = shadowed_from.max(base.saturating_add(SUBTEXEL as FixedDepth));
             if self.deepest[texel] > farthest {
                 self.next[texel] = known_behind.min(self.deepest[texel]);
             }
             let any_counts = self.next[texel] == FixedDepth::MAX && self.setting.rules.assume_ground;
             self.matters_before[texel] =
-                if any_counts { FixedDepth::MAX } else { found_from.min(self.next[texel]) };
+                if any_counts { FixedDepth::MAX } else { shadowed_from.min(self.next[texel]) };
             asking |= 1 << texel;
             base_low = base_low.min(base);
             first_low = first_low.min(first.depth());
@@ -343,8 +343,8 @@ impl Leaf<'_> {
         texels_of(asking).map(|texel| self.matters_before[texel]).max().unwrap_or(FixedDepth::MIN)
     }
 
-    /// A depth from which on shadow is found whatever lies behind the column; [`FixedDepth::MAX`] where the grid ends before its exit.
-    fn found_from(&self, texel: usize) -> FixedDepth {
+    /// From this depth on the column is in shadow, whatever lies behind it; [`FixedDepth::MAX`] if its exit is beyond the grid.
+    fn shadowed_from(&self, texel: usize) -> FixedDepth {
         let rules = self.setting.rules;
         let exit = rules.exit(self.first[texel], self.base[texel]);
         if rules.latest_switch(exit) == FREE_TO_END {
@@ -378,7 +378,7 @@ impl Leaf<'_> {
                 let next = rules.receiver_behind(ReceiverKind::Footprint, triangle, at, base, first);
                 if next < self.next[texel] {
                     self.next[texel] = next;
-                    self.matters_before[texel] = self.matters_before[texel].min(next);
+                    self.matters_before[texel] = next.min(self.shadowed_from(texel));
                 }
             }
         }

@@ -81,7 +81,7 @@ fn centers_within(low: i64, high: i64) -> (i64, i64) {
     ((low + SUBTEXEL / 2 - 1).div_euclid(SUBTEXEL), (high - SUBTEXEL / 2).div_euclid(SUBTEXEL))
 }
 
-/// At so few texels a triangle's edges are asked one by one.
+/// Up to this many candidate texels, testing each against the edges beats building masks.
 const FEW_CENTERS: u32 = 4;
 
 /// A triangle in grid space.
@@ -226,8 +226,8 @@ impl Projected {
         })
     }
 
-    /// The texels of the 8 × 8 from (x, y) whose centres the triangle covers when it is grown by each of the `margins`, as
-    /// [`Self::span`] has it; bit row · 8 + column.
+    /// For each of the `margins`, the texels of the 8 × 8 from (x, y) whose centres the triangle, grown by it, covers; bit
+    /// row · 8 + column. Agrees with [`Self::span`].
     pub(crate) fn coverage<const N: usize>(&self, x: u32, y: u32, margins: [i64; N]) -> [u64; N] {
         let mut covered = margins.map(|margin| self.centers_within_box(x, y, margin));
         let candidates = covered.iter().fold(0, |all, mask| all | mask);
@@ -299,8 +299,8 @@ impl Projected {
         plane_through(corners_grid, values)
     }
 
-    /// The deepest point, in voxels, of the part within the square of half side `half` around `center`, on its `plane`; without
-    /// end before everything where there is no such part.
+    /// The deepest point, in voxels, of the part within the square of half side `half` around `center`, on its `plane`; negative
+    /// infinity if there is no such part.
     pub(crate) fn deepest_within(&self, plane: &Plane, center: [f64; 2], half: f64) -> f64 {
         let mut polygon = Polygon::default();
         self.corners.iter().for_each(|c| polygon.push([c[0], c[1]]));
@@ -360,7 +360,7 @@ impl Polygon {
         &self.points[..self.len]
     }
 
-    /// Each of four sides adds one corner at most. What rounding may add beyond them equals its neighbour, and is left out.
+    /// Clipping by four sides adds at most four corners, so eight are enough; only rounding could ask for more, which is left out.
     fn push(&mut self, point: [f64; 2]) {
         if let Some(free) = self.points.get_mut(self.len) {
             *free = point;
@@ -384,4 +384,79 @@ fn plane_through(c: &[[f64; 3]; 3], z: [f64; 3]) -> Option<Plane> {
     let area = x1 * y2 - x2 * y1;
     let gradient = [(z1 * y2 - z2 * y1) / area, (x1 * z2 - x2 * z1) / area];
     gradient.iter().all(|g| g.is_finite()).then_some(Plane { origin: [c[0][0], c[0][1], z[0]], gradient })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A triangle near the 8 × 8 block at the origin, corners often on centres or in line with them.
+    /// With one corner so far away, in some, that products need more than 64 bits.
+    fn triangles(far: f64) -> impl Strategy<Value = Projected> {
+        let coordinate = prop_oneof![(-4_i32..24).prop_map(|half| f64::from(half) / 2.0), -3.0_f64..12.0];
+        let corner = (coordinate.clone(), coordinate, 0.0_f64..50.0).prop_map(|(x, y, z)| [x, y, z]);
+        (prop::array::uniform3(corner), prop_oneof![Just(0.0), Just(far)]).prop_map(|(mut corners, far)| {
+            corners[0][0] -= far;
+            Projected::new(corners, false)
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn masks_spans_and_single_texels_cover_the_same(triangle in triangles(3e6)) {
+            let margins = [0, SEAM_MARGIN];
+            let masks = triangle.coverage(0, 0, margins);
+            for (mask, margin) in masks.into_iter().zip(margins) {
+                let (first_row, last_row) = triangle.rows(margin);
+                for texel in 0..64_i64 {
+                    let (i, j) = (texel % 8, texel / 8);
+                    let (first, last) = triangle.span(j, margin);
+                    let in_span = (first_row..=last_row).contains(&j) && (first..=last).contains(&i);
+                    prop_assert_eq!(mask >> texel & 1 == 1, in_span, "{},{} margin {}", i, j, margin);
+                    prop_assert_eq!(triangle.covers_grown(i, j, margin), in_span, "{},{} margin {}", i, j, margin);
+                }
+            }
+        }
+
+        /// Against the corners of the clipped triangle one by one: its own within the square, the square's within it, and where
+        /// edges cross the sides.
+        #[test]
+        fn the_deepest_part_is_at_a_corner_of_the_clipped_triangle(
+            triangle in triangles(0.0), center in prop::array::uniform2(0.0_f64..8.0), half in 0.2_f64..2.0,
+        ) {
+            let Some(plane) = triangle.true_plane() else { return Ok(()) };
+            let c = triangle.corners;
+            let inside_square = |p: [f64; 2]| (0..2).all(|a| (p[a] - center[a]).abs() <= half + 1e-12);
+            let cross = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+            let flat = c.map(|[x, y, _]| [x, y]);
+            let inside_triangle = |p: [f64; 2]| {
+                let sides = [0, 1, 2].map(|e| cross(flat[e], flat[(e + 1) % 3], p));
+                sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)
+            };
+            let mut points: Vec<[f64; 2]> = flat.into_iter().filter(|&p| inside_square(p)).collect();
+            for corner in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+                let p = [0, 1].map(|a| center[a] + half * corner[a]);
+                points.extend(Some(p).filter(|&p| inside_triangle(p)));
+            }
+            for e in 0..3 {
+                let (p, q) = (flat[e], flat[(e + 1) % 3]);
+                for (axis, side) in [(0, -half), (0, half), (1, -half), (1, half)] {
+                    let t = (center[axis] + side - p[axis]) / (q[axis] - p[axis]);
+                    let on_edge = [0, 1].map(|a| p[a] + t * (q[a] - p[a]));
+                    points.extend(Some(on_edge).filter(|&p| (0.0..=1.0).contains(&t) && inside_square(p)));
+                }
+            }
+            let expected = points.iter().map(|p| plane.at(p[0], p[1])).fold(f64::NEG_INFINITY, f64::max).min(triangle.z_max);
+            let found = triangle.deepest_within(&plane, center, half);
+            let slack = 1e-7 * (1.0 + plane.gradient_sum());
+            // A triangle that only just touches the square may be found by one and not by the other.
+            prop_assert!(
+                (found - expected).abs() <= slack || found.min(expected) == f64::NEG_INFINITY && points.len() <= 1,
+                "{found} for {expected}"
+            );
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 /// The texels for which `test` holds.
 pub(crate) fn texels_where(test: impl Fn(usize) -> bool) -> u64 {
-    // Bytes first: this is what compilers turn into vectors.
+    // One byte a texel first: compilers vectorize this, but not a loop that shifts single bits.
     let bytes: [u8; 64] = std::array::from_fn(|texel| u8::from(test(texel)));
     let (rows, _) = bytes.as_chunks();
     rows.iter().rev().fold(0, |mask, &row| {
@@ -33,9 +33,9 @@ pub(crate) fn rectangle(columns: (i64, i64), rows: (i64, i64)) -> u64 {
     (row * 0x0101_0101_0101_0101) & (u64::MAX << (8 * top)) & (u64::MAX >> (8 * (7 - bottom)))
 }
 
-/// The texels where a function is not negative that is `first` at the first texel and rises by `step_x` a column and `step_y` a row.
+/// The texels where a linear function is at least 0: `first` at texel 0, plus `step_x` a column and `step_y` a row.
 pub(crate) fn not_negative(first: i64, step_x: i64, step_y: i64) -> u64 {
-    // Sign bits, a lane a column and a byte a row: this is what compilers turn into vectors.
+    // Sign bits, a lane a column and a byte a row, for the same reason.
     let mut values: [i64; 8] = std::array::from_fn(|column| first + column as i64 * step_x);
     let mut negative = [0_u64; 8];
     for row in 0..8 {

@@ -1,6 +1,7 @@
 //! The classes of a verification: what each is, and what a file promises of it.
 //!
-//! Every compared point belongs to one class, and rays alone decide which. So no answer can leave a class by being wrong.
+//! Every compared point belongs to one class, and rays alone decide which, so a wrong answer cannot move its point into a more
+//! lenient class.
 
 use serde::Serialize;
 
@@ -55,6 +56,8 @@ pub struct Promises {
     pub edge: Option<f64>,
     /// [`ClassResult::misplaced_share`] of [`Class::Edge`].
     pub edge_misplaced: Option<f64>,
+    /// [`ClassResult::agreement`] of [`Class::Narrow`].
+    pub narrow: Option<f64>,
     /// [`ClassResult::misplaced_share`] of [`Class::Narrow`], where holes of masks are judged by area and may be finer than a texel.
     pub narrow_misplaced: Option<f64>,
 }
@@ -65,7 +68,8 @@ impl Promises {
         interior: 0.999,
         grazing: Some(0.99),
         edge: None,
-        edge_misplaced: Some(0.01),
+        edge_misplaced: Some(0.005),
+        narrow: None,
         narrow_misplaced: Some(0.03),
     };
     /// Of a light-aligned file whose look-ups are filtered, against the rays' own mean.
@@ -74,11 +78,18 @@ impl Promises {
         grazing: Some(0.99),
         edge: Some(0.9),
         edge_misplaced: None,
+        narrow: Some(0.85),
         narrow_misplaced: None,
     };
     /// Of a world-aligned tree. Its voxels do not follow the light, so edges are not held to a texel.
-    pub const TREE: Self =
-        Self { interior: 0.999, grazing: None, edge: None, edge_misplaced: None, narrow_misplaced: None };
+    pub const TREE: Self = Self {
+        interior: 0.999,
+        grazing: None,
+        edge: None,
+        edge_misplaced: None,
+        narrow: None,
+        narrow_misplaced: None,
+    };
 }
 
 /// How a file's answers compare with rays in one class.
@@ -100,7 +111,9 @@ pub struct ClassResult {
     pub promised_agreement: Option<f64>,
     /// The largest promised share of points that are misplaced; none where none is.
     pub promised_misplaced: Option<f64>,
-    /// Whether it keeps what is promised. A class other than the interior with fewer than 300 points is not judged.
+    /// Whether something is promised, and at least [`MIN_JUDGED_POINTS`] points say whether it is kept.
+    pub judged: bool,
+    /// Whether it keeps what is promised; true where it is not judged.
     pub holds: bool,
 }
 
@@ -136,8 +149,8 @@ pub(super) struct ClassCounts {
     pub(super) misplaced: u64,
 }
 
-/// Fewer points than these say too little of a share of a hundredth to judge a class by.
-const MIN_JUDGED_POINTS: u64 = 300;
+/// With fewer points, a share near a hundredth is too uncertain to judge a class by.
+pub const MIN_JUDGED_POINTS: u64 = 300;
 
 /// Steps of a difference of 1: a multiple of 1, 9, 25, 81 and 289, the taps of every filter.
 pub(super) const DIFFERENCE_STEPS: f64 = (81 * 25 * 289) as f64;
@@ -156,18 +169,17 @@ impl ClassCounts {
             Class::Interior => (Some(promises.interior), None),
             Class::Grazing => (promises.grazing, None),
             Class::Edge => (promises.edge, promises.edge_misplaced),
-            Class::Narrow => (None, promises.narrow_misplaced),
+            Class::Narrow => (promises.narrow, promises.narrow_misplaced),
             Class::Thin | Class::EdgeOn => (None, None),
         };
         let points = self.points;
         let differences = self.difference_steps as f64 / DIFFERENCE_STEPS;
         let agreement = if points == 0 { 1.0 } else { 1.0 - differences / points as f64 };
         let misplaced = share(self.misplaced, points);
-        let is_judged = class == Class::Interior || points >= MIN_JUDGED_POINTS;
-        // Written so that NaN fails.
+        let judged =
+            (promised_agreement.is_some() || promised_misplaced.is_some()) && points >= MIN_JUDGED_POINTS;
         let keeps = promised_agreement.is_none_or(|least| agreement >= least)
             && promised_misplaced.is_none_or(|most| misplaced <= most);
-        let holds = keeps || !is_judged;
         ClassResult {
             class,
             points,
@@ -177,7 +189,8 @@ impl ClassCounts {
             misplaced: self.misplaced,
             promised_agreement,
             promised_misplaced,
-            holds,
+            judged,
+            holds: keeps || !judged,
         }
     }
 }

@@ -21,7 +21,7 @@ mod points;
 use rayon::prelude::*;
 
 pub use answers::{Answers, LightAnswers, TreeAnswers};
-pub use classes::{Class, ClassResult, Promises};
+pub use classes::{Class, ClassResult, MIN_JUDGED_POINTS, Promises};
 pub use points::{Random, Sample, Solids, SurfaceSampler, VolumeSampler};
 
 use crate::query::receiver;
@@ -72,9 +72,14 @@ impl Verification {
         &self.classes[place]
     }
 
-    /// Whether an interior point was compared and every class keeps its promise.
+    /// Whether there are points enough to judge the file by: in [`Class::Interior`], or under a low sun in [`Class::Grazing`].
+    pub fn is_judged(&self) -> bool {
+        [Class::Interior, Class::Grazing].iter().any(|class| self.class(*class).judged)
+    }
+
+    /// Whether the file is judged and every class keeps its promise.
     pub fn holds(&self) -> bool {
-        self.class(Class::Interior).points > 0 && self.classes.iter().all(|c| c.holds)
+        self.is_judged() && self.classes.iter().all(|c| c.holds)
     }
 }
 
@@ -171,6 +176,8 @@ impl<'a, A: Answers> Verifier<'a, A> {
             Class::Interior | Class::Grazing if expected != own => Class::Edge,
             class => class,
         };
+        // What is no visibility is wrong, whatever the rays say.
+        let value = if (0.0..=1.0).contains(&value) { value } else { 1.0 - own };
         // A tree's filter has no taps to compare, and is judged at one half.
         let value = if taps.is_empty() { f64::from(u8::from(value > 0.5)) } else { value };
         let counts = &mut c.classes[Class::ALL.iter().position(|a| *a == class).unwrap_or_default()];

@@ -54,7 +54,7 @@ impl Place<'_> {
             let grazes = |n: [f64; 3]| dot(n, self.grid.sun.towards()) <= MIN_N_DOT_L;
             return if self.normal.is_some_and(grazes) { Class::Grazing } else { Class::Interior };
         }
-        // The point's own light or shadow ends on both sides, or another's begins and ends on one.
+        // The light or shadow around the point ends on both sides of it, or another region begins and ends on one side.
         let between = |i: usize| !inner[i] || !outer[i];
         let narrow = (0..4).any(|i| between(i) && between(8 - i)) || (0..9).any(|i| !inner[i] && outer[i]);
         if narrow { Class::Narrow } else { Class::Edge }

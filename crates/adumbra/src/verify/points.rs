@@ -81,7 +81,7 @@ pub struct SurfaceSampler<'s> {
     solids: &'s Solids,
 }
 
-/// Tries a masked surface gets before its hole counts as a point.
+/// Draws after which a point in a hole of a masked surface is accepted.
 const MASK_TRIES: u32 = 64;
 /// Scales that differ by less than this share are one scale.
 const SAME_SCALE: f64 = 1e-6;

@@ -2,7 +2,7 @@
 
 use super::totals::Skip;
 use crate::bake::Options;
-use crate::bake::columns::{ColumnRules, Receiver, ReceiverKind};
+use crate::bake::columns::{ColumnRules, ReceiverKind, ReceiverPlane};
 use crate::bake::plan::Plan;
 use crate::bake::project::{Projected, SUBTEXEL};
 use crate::light::LightGrid;
@@ -120,7 +120,7 @@ impl<'s> Truth<'s> {
     fn first_before(
         &self,
         own: usize,
-        receiver: &Receiver,
+        receiver: &ReceiverPlane,
         center: [f64; 2],
         depth: f64,
     ) -> Result<bool, Skip> {
