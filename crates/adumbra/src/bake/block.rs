@@ -7,9 +7,9 @@ use super::columns::{ColumnRules, ReceiverKind, ReceiverPlane};
 use super::project::{FixedDepth, Projected, SUBTEXEL, fixed_depth};
 use super::surface::Surface;
 
-/// How far outside a block an edge still counts as crossing it, in 1/256 texel: centres lie half a texel inside, and
-/// footprints reach 1/256 over the border.
-const CROSSING_MARGIN: i64 = 4;
+/// How far outside the footprints of a block's texels an edge still counts as crossing the block, in 1/256 texel: corners move by
+/// half a step when they are snapped.
+const CROSSING_MARGIN: i64 = 3;
 
 /// Slack of depths that are computed over a block and sampled at its texels, in 1/256 voxel.
 pub(crate) const DEPTH_SLACK: FixedDepth = 2;
@@ -59,9 +59,11 @@ impl Block {
         SnappedRect { low, high: low.map(|c| c + side) }
     }
 
-    /// Where an edge counts as crossing.
-    pub(crate) fn crossing_rect(&self) -> SnappedRect {
-        self.snapped(CROSSING_MARGIN)
+    /// Where an edge counts as crossing: wherever a receiver may lie that samples the block's columns, or a layer that ends beside
+    /// the block would be taken for one that goes on.
+    pub(crate) fn crossing_rect(&self, rules: &ColumnRules) -> SnappedRect {
+        let outside = rules.footprint_half_texels(ReceiverKind::Footprint) - 0.5;
+        self.snapped((outside * SUBTEXEL as f64).ceil() as i64 + CROSSING_MARGIN)
     }
 }
 

@@ -230,7 +230,7 @@ fn gather_groups(
 ) {
     groups.clear();
     ranges.clear();
-    let crossing = block.crossing_rect();
+    let crossing = block.crossing_rect(rules);
     let mut last = None;
     for (place, &s) in list.iter().enumerate() {
         let surface = &surfaces[s as usize];

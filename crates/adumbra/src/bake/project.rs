@@ -125,7 +125,7 @@ impl Projected {
         let z = corners.map(|c| c[2]);
         // What snapping gave an area has to be crossed, or a solid would be left that was never entered.
         let plane =
-            (area != 0).then(|| plane_through(&corners, z).unwrap_or(Plane::level(corners[0], faces_sun, z)));
+            (area != 0).then(|| depth_plane(&corners).unwrap_or(Plane::level(corners[0], faces_sun, z)));
         let slope = plane.map_or(MAX_SLOPE, |p| p.slope().min(MAX_SLOPE));
         Self {
             corners,
@@ -140,9 +140,9 @@ impl Projected {
         }
     }
 
-    /// The plane through the corners, also of a triangle too thin to be drawn; none where it is edge-on.
+    /// The plane through the corners, also of a triangle too thin to be drawn; none where it is edge-on, or a line.
     pub(crate) fn true_plane(&self) -> Option<Plane> {
-        plane_through(&self.corners, self.corners.map(|c| c[2]))
+        depth_plane(&self.corners)
     }
 
     /// [`Self::faces_sun`] of a triangle that is drawn at all; none of one that is edge-on.
@@ -378,6 +378,14 @@ fn area_snapped(c: &[[i64; 2]; 3]) -> i128 {
     d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0)
 }
 
+/// The plane through three corners. None where rounding has made it miss one of them, as where they lie on a line: whatever is
+/// known of the triangle's depths would not hold for it.
+fn depth_plane(c: &[[f64; 3]; 3]) -> Option<Plane> {
+    let holds =
+        |plane: &Plane| c.iter().all(|&[x, y, z]| (plane.at(x, y) - z).abs() <= 1.0 / SUBTEXEL as f64);
+    plane_through(c, c.map(|corner| corner[2])).filter(holds)
+}
+
 fn plane_through(c: &[[f64; 3]; 3], z: [f64; 3]) -> Option<Plane> {
     let (x1, y1, z1) = (c[1][0] - c[0][0], c[1][1] - c[0][1], z[1] - z[0]);
     let (x2, y2, z2) = (c[2][0] - c[0][0], c[2][1] - c[0][1], z[2] - z[0]);
@@ -417,6 +425,20 @@ mod tests {
                     let in_span = (first_row..=last_row).contains(&j) && (first..=last).contains(&i);
                     prop_assert_eq!(mask >> texel & 1 == 1, in_span, "{},{} margin {}", i, j, margin);
                     prop_assert_eq!(triangle.covers_grown(i, j, margin), in_span, "{},{} margin {}", i, j, margin);
+                }
+            }
+        }
+
+        /// Corners on a line, as those of an instance that is flattened are: rounding makes a plane of them that may lie anywhere.
+        #[test]
+        fn a_plane_holds_the_corners_that_it_is_through(
+            from in prop::array::uniform3(-50.0_f64..200.0), to in prop::array::uniform3(-50.0_f64..200.0), part in 0.1_f64..0.9,
+        ) {
+            let between = [0, 1, 2].map(|a| from[a] + part * (to[a] - from[a]));
+            let triangle = Projected::new([from, between, to], false);
+            for plane in triangle.true_plane() {
+                for [x, y, z] in triangle.corners {
+                    prop_assert!((plane.at(x, y) - z).abs() <= 1.0 / 256.0, "{plane:?} misses {x}, {y}, {z}");
                 }
             }
         }

@@ -70,3 +70,17 @@ fn ridges_of_solids_that_coincide_are_no_seams() {
         assert_builders_agree(&scene(&roof, 2), Bias::default());
     }
 }
+
+/// Two flights of stairs as one surface, one twice as steep, with a wall between them that the sun does not see. The first ends beside a
+/// block, where the offset look-ups of the second reach into it.
+#[test]
+fn a_layer_that_ends_beside_a_block_is_not_smooth_over_it() {
+    let ramp = |[y0, y1]: [f32; 2], steepness: f32| {
+        let at = |x: f32, y: f32| [x, y, 1.0 + steepness * (x - 40.0)];
+        [[at(40.0, y0), at(90.0, y0), at(90.0, y1)], [at(40.0, y0), at(90.0, y1), at(40.0, y1)]]
+    };
+    let ends = 64.64;
+    let wall = [[40.0, ends, 1.0], [90.0, ends, 51.0], [90.0, ends, 101.0]];
+    let triangles = [ramp([8.0, ends], 1.0).as_slice(), &[wall], &ramp([ends, 120.0], 2.0)].concat();
+    assert_builders_agree(&scene(&triangles, 1), Bias { normal_offset_texels: 0.69, ..Bias::default() });
+}
