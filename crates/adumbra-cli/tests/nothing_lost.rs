@@ -154,6 +154,27 @@ fn compare_keeps_what_lies_in_its_folder() {
     assert_eq!(code, 0, "{error}");
 }
 
+#[test]
+fn report_keeps_scenes_that_it_did_not_make() {
+    let folder = Folder::new();
+    let (out, scenes) = (folder.path("r"), folder.path("r/scenes"));
+    fs::create_dir_all(&scenes).unwrap();
+    for kind in ["city", "cornell"] {
+        let mine = folder.write(&format!("r/scenes/{kind}.glb"), b"mine");
+        for given in [&[][..], &["--scenes", &scenes]] {
+            let (code, error) = adumbra(&[&["report", "-o", &out, "--only", "blur"][..], given].concat());
+            assert_eq!((code, error.contains("generates a scene of this name")), (2, true), "{error}");
+            assert_eq!(fs::read(&mine).unwrap(), b"mine");
+        }
+        fs::remove_file(&mine).unwrap();
+    }
+    // What a section measured is cleared before it is measured again.
+    let measured = folder.path("r/data/blur");
+    fs::create_dir_all(&measured).unwrap();
+    let (code, error) = adumbra(&["report", "-o", &out, "--only", "blur", "--scenes", &measured]);
+    assert_eq!((code, error.contains("clears")), (2, true), "{error}");
+}
+
 #[cfg(unix)]
 #[test]
 fn output_that_is_a_symbolic_link_is_followed() {
