@@ -1,6 +1,7 @@
 //! Files that are there whole or not at all: a temporary file beside the target takes its name once it is complete. A symbolic link is
 //! followed: the file that it leads to is replaced, and the link stays.
 
+use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -83,6 +84,11 @@ impl StagedFile {
         Ok(Self { path: path.to_owned(), target, temporary, bytes, _living: living })
     }
 
+    /// The name that it will get.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// What `write` returned.
     pub fn bytes(&self) -> u64 {
         self.bytes
@@ -129,26 +135,54 @@ pub fn target_of(path: &Path) -> io::Result<PathBuf> {
 /// Whether two paths are one file, under any spelling and by symbolic or hard links. A file that does not exist yet is known by its folder
 /// and its name.
 pub fn same_file(a: &Path, b: &Path) -> bool {
-    if let (Some(a), Some(b)) = (identity(a), identity(b)) {
-        return a == b;
-    }
-    let place = |path: &Path| {
-        let target = target_of(path).ok()?;
-        Some(folder_of(&target).canonicalize().ok()?.join(target.file_name()?))
-    };
-    matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
+    first_same([a, b]).is_some()
 }
+
+/// The first two paths that are [`same_file`], in their order.
+pub fn first_same<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Option<(&'p Path, &'p Path)> {
+    let mut known = HashMap::new();
+    for path in paths {
+        let Some(key) = Key::of(path) else { continue };
+        if let Some(first) = known.insert(key, path) {
+            return Some((first, path));
+        }
+    }
+    None
+}
+
+/// What all names of a file have in common.
+#[derive(PartialEq, Eq, Hash)]
+enum Key {
+    Found(Identity),
+    /// Where it will be.
+    Place(PathBuf),
+}
+
+impl Key {
+    /// None where there cannot be a file.
+    fn of(path: &Path) -> Option<Self> {
+        identity(path).map(Key::Found).or_else(|| {
+            let target = target_of(path).ok()?;
+            Some(Key::Place(folder_of(&target).canonicalize().ok()?.join(target.file_name()?)))
+        })
+    }
+}
+
+#[cfg(unix)]
+type Identity = (u64, u64);
+#[cfg(not(unix))]
+type Identity = PathBuf;
 
 /// What hard links to a file have in common.
 #[cfg(unix)]
-fn identity(path: &Path) -> Option<(u64, u64)> {
+fn identity(path: &Path) -> Option<Identity> {
     use std::os::unix::fs::MetadataExt;
     fs::metadata(path).ok().map(|found| (found.dev(), found.ino()))
 }
 
 /// What spellings of a file's path have in common; its hard links are not known.
 #[cfg(not(unix))]
-fn identity(path: &Path) -> Option<PathBuf> {
+fn identity(path: &Path) -> Option<Identity> {
     path.canonicalize().ok()
 }
 
