@@ -343,7 +343,7 @@ pub(crate) struct Verify {
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) weights: WeightsArg,
     /// The check fails below this interior agreement; 0.999 unless given, of a filtered light-aligned file 0.995
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = parse_share)]
     pub(crate) min_interior: Option<f64>,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
@@ -404,6 +404,13 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
 
 fn parse_triple(text: &str) -> Result<[f64; 3], String> {
     numbers::<3>(text)
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("give a number from 0 to 1, such as 0.999".to_owned()),
+    }
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

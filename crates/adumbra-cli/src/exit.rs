@@ -72,7 +72,14 @@ impl Failure {
     pub(crate) fn code(&self) -> Code {
         use adumbra::Error as E;
         match self {
-            Self::Usage(_) | Self::Library(E::OptionRange { .. } | E::Pattern { .. }) => Code::Usage,
+            Self::Usage(_)
+            | Self::Library(
+                E::OptionRange { .. }
+                | E::Pattern { .. }
+                | E::SunDirection { .. }
+                | E::SunBelowHorizon { .. }
+                | E::Resolution { .. },
+            ) => Code::Usage,
             Self::Library(E::MemoryLimit { .. } | E::SceneMemory { .. } | E::TooManyWords { .. }) => {
                 Code::OutOfRoom
             }

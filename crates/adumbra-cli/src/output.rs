@@ -5,27 +5,68 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use adumbra::Error;
-use adumbra::files::{replace_file, same_file};
+use adumbra::files::{StagedFile, first_same, same_file};
 use adumbra::picture::Picture;
 use image::ImageEncoder;
 
 use crate::exit::Failure;
 use crate::scene_files::named_by;
 
-/// Writes `bytes` at `path`, unless a scene or a shadow file that this run has read lies there.
+/// Files that belong together: all of them are written before any replaces what was there.
+#[derive(Default)]
+pub(crate) struct Outputs(Vec<StagedFile>);
+
+impl Outputs {
+    /// Writes `bytes` beside `path`, unless what this run has read, or another of these files, lies there.
+    pub(crate) fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        refuse_noted(path)?;
+        refuse_same(self.0.iter().map(StagedFile::path).chain([path]))?;
+        self.0.push(StagedFile::new(path, |file| file.write_all(bytes).map(|()| bytes.len() as u64))?);
+        Ok(())
+    }
+
+    /// [`Self::add`] for a picture, as PNG.
+    pub(crate) fn add_png(&mut self, path: &Path, picture: &Picture) -> Result<(), Failure> {
+        self.add(path, &png(path, picture)?)
+    }
+
+    /// Gives all files their names.
+    pub(crate) fn place(self) -> Result<(), Failure> {
+        Ok(StagedFile::place(self.0)?)
+    }
+}
+
+/// Refuses two outputs that are one file, under whatever spelling and through whichever links: the later would replace the earlier.
+pub(crate) fn refuse_same<'p>(outputs: impl IntoIterator<Item = &'p Path>) -> Result<(), Failure> {
+    match first_same(outputs) {
+        Some((first, second)) => Err(Failure::Usage(format!(
+            "{} and {} are both written, and are one file; remove the link, or give another path",
+            first.display(),
+            second.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Writes `bytes` at `path`, unless what this run has read lies there.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    refuse_noted(path)?;
-    replace_file(path, |file| file.write_all(bytes).map(|()| bytes.len() as u64))?;
-    Ok(())
+    let mut outputs = Outputs::default();
+    outputs.add(path, bytes)?;
+    outputs.place()
 }
 
 /// Writes a picture as PNG.
 pub(crate) fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
+    write_whole(path, &png(path, picture)?)
+}
+
+/// A picture as PNG, to go to `path`.
+fn png(path: &Path, picture: &Picture) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
         .write_image(&picture.rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
         .map_err(|e| Failure::BadInput(format!("{}: cannot encode the picture: {e}", path.display())))?;
-    write_whole(path, &bytes)
+    Ok(bytes)
 }
 
 /// Writes named channels of 32-bit floats as OpenEXR, without loss.
@@ -81,10 +122,10 @@ fn is_input(option: &str, output: &Path, what: &str, input: &Path) -> Failure {
     Failure::Usage(format!("{option} {output}: it is {what}{place}; give another path"))
 }
 
-/// Scenes and shadow files that this run has read.
+/// Files that this run has read.
 static READ: Mutex<Vec<(&'static str, PathBuf)>> = Mutex::new(Vec::new());
 
-/// Remembers a scene or a shadow file that this run reads, so that nothing that it writes later replaces it.
+/// Remembers a file that this run reads, so that nothing that it writes later replaces it.
 pub(crate) fn note_input(what: &'static str, path: &Path) {
     let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     if !read.iter().any(|(_, known)| known == path) {

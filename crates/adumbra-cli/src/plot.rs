@@ -57,6 +57,11 @@ const COLORS: [RGBColor; 6] = [
 
 /// Writes panels side by side, two in a row.
 pub(crate) fn write_svg(path: &Path, panels: &[Panel]) -> Result<(), Failure> {
+    write_whole(path, draw_svg(path, panels)?.as_bytes())
+}
+
+/// The text of an SVG with these panels, to go to `path`.
+pub(crate) fn draw_svg(path: &Path, panels: &[Panel]) -> Result<String, Failure> {
     let columns = panels.len().clamp(1, 2);
     let rows = panels.len().div_ceil(columns).max(1);
     let size = (PANEL_PIXELS.0 * columns as u32, PANEL_PIXELS.1 * rows as u32);
@@ -78,7 +83,7 @@ pub(crate) fn write_svg(path: &Path, panels: &[Panel]) -> Result<(), Failure> {
         }
         root.present().map_err(|e| refused(&e))?;
     }
-    write_whole(path, text.as_bytes())
+    Ok(text)
 }
 
 fn y_range(panel: &Panel) -> Range<f64> {

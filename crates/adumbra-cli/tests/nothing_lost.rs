@@ -154,6 +154,151 @@ fn compare_keeps_what_lies_in_its_folder() {
     assert_eq!(code, 0, "{error}");
 }
 
+#[test]
+fn report_keeps_scenes_that_it_did_not_make() {
+    let folder = Folder::new();
+    let (out, scenes) = (folder.path("r"), folder.path("r/scenes"));
+    fs::create_dir_all(&scenes).unwrap();
+    for kind in ["city", "cornell"] {
+        let mine = folder.write(&format!("r/scenes/{kind}.glb"), b"mine");
+        for given in [&[][..], &["--scenes", &scenes]] {
+            let (code, error) = adumbra(&[&["report", "-o", &out, "--only", "blur"][..], given].concat());
+            assert_eq!((code, error.contains("generates a scene of this name")), (2, true), "{error}");
+            assert_eq!(fs::read(&mine).unwrap(), b"mine");
+        }
+        fs::remove_file(&mine).unwrap();
+    }
+    // What a section measured is cleared before it is measured again.
+    let measured = folder.path("r/data/blur");
+    fs::create_dir_all(&measured).unwrap();
+    let (code, error) = adumbra(&["report", "-o", &out, "--only", "blur", "--scenes", &measured]);
+    assert_eq!((code, error.contains("clears")), (2, true), "{error}");
+}
+
+#[test]
+fn compare_keeps_its_camera_and_its_path() {
+    let Baked { folder, scene, .. } = baked();
+    let out = folder.path("out");
+    fs::create_dir(&out).unwrap();
+    let camera = folder.write(
+        "out/report.json",
+        br#"{"eye": [9, 9, 9], "target": [0, 0, 0], "fov_y": 45, "size": [32, 32]}"#,
+    );
+    let compare = ["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out];
+    is_kept(&camera, 2, &[[&compare[..], &["--camera", &camera]].concat()]);
+    let key = r#"{"eye": [9, 9, 9], "target": [0, 0, 0], "fov": 45}"#;
+    let path = folder
+        .write("out/report.json", format!(r#"{{"frames": 2, "keyframes": [{key}, {key}]}}"#).as_bytes());
+    is_kept(&path, 2, &[[&compare[..], &["--path", &path]].concat()]);
+}
+
+#[cfg(unix)]
+#[test]
+fn two_outputs_are_not_one_file() {
+    use std::os::unix::fs::symlink;
+    let Baked { folder, scene, file } = baked();
+    // An export with a second page.
+    let city = folder.path("city.adumbra");
+    let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
+    assert_eq!(code, 0, "{error}");
+    let (first, second) = (folder.path("p.png"), folder.path("p.1.png"));
+    let export = ["export", &city, "--max-side", "64", "--texture", &first];
+    symlink("p.png", &second).unwrap();
+    for there_already in [false, true] {
+        let (code, error) = adumbra(&export);
+        assert_eq!((code, error.contains("are one file")), (2, true), "{error}");
+        assert_eq!(folder.exists("p.png"), there_already);
+        fs::write(&first, "earlier").unwrap();
+    }
+    // Pictures of a render, and tables of a comparison.
+    let frames = [0, 1].map(|i| folder.path(&format!("r.000{i}.png")));
+    symlink(&frames[0], &frames[1]).unwrap();
+    let picture = folder.path("r.png");
+    let render = ["render", &scene, "--shadow-file", &file, "--device", "cpu", "--size", "32x32", "--move"];
+    let (code, error) = adumbra(
+        &[&render[..], &["sphere:radius=1:from=5,1,5:to=6,1,6", "--frames", "2", "-o", &picture]].concat(),
+    );
+    assert_eq!((code, error.contains("are one file")), (2, true), "{error}");
+    let out = folder.path("out");
+    fs::create_dir(&out).unwrap();
+    let tables = folder.write("out/report.md", b"earlier");
+    symlink("report.md", folder.path("out/report.json")).unwrap();
+    let (code, error) =
+        adumbra(&["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out]);
+    assert_eq!((code, error.contains("are one file")), (2, true), "{error}");
+    assert_eq!(fs::read(&tables).unwrap(), b"earlier");
+}
+
+#[test]
+fn a_failed_export_or_query_leaves_every_earlier_file() {
+    let Baked { folder, scene, .. } = baked();
+    let tree = folder.path("tree.adumbra");
+    let (code, error) =
+        bake(&scene, &tree, &["--frame", "world", "--attribute", "penumbra", "--resolution", "64"]);
+    assert_eq!(code, 0, "{error}");
+    let points = folder.write_f32("p.f32", &[0.0; 3]);
+    let widths = folder.write("w.f32", b"earlier");
+    let missing = folder.path("missing/v.f32");
+    let (code, error) =
+        adumbra(&["query", &tree, "--points", &points, "--penumbra", &widths, "-o", &missing]);
+    assert_eq!((code, error.contains("create it first")), (3, true), "{error}");
+    assert_eq!(fs::read(&widths).unwrap(), b"earlier");
+
+    #[cfg(target_os = "linux")]
+    {
+        let city = folder.path("city.adumbra");
+        let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
+        assert_eq!(code, 0, "{error}");
+        let page = folder.path("page.png");
+        let export = ["export", &city, "--max-side", "256", "--texture", &page];
+        let (code, error) = adumbra(&[&export[..3], &["128"], &export[4..]].concat());
+        assert_eq!((code, folder.exists("page.1.png")), (0, true), "{error}");
+        let pages = ["page.png", "page.1.png"].map(|name| folder.path(name));
+        let before = pages.each_ref().map(|page| fs::read(page).unwrap());
+        // A limit on file sizes ends it as a full disk does; a page of 128 pixels a side is smaller than the limit, one of 256 is not.
+        let limit = before.iter().map(Vec::len).max().unwrap().div_ceil(512);
+        let limited = format!("ulimit -f {limit}; exec \"$@\"");
+        let output =
+            Command::new("sh").args(["-c", &limited, "sh", program()]).args(export).output().unwrap();
+        let said = stderr(&output);
+        assert_eq!((output.status.code(), said.contains("raise the limit")), (Some(4), true), "{said}");
+        assert_eq!(pages.each_ref().map(|page| fs::read(page).unwrap()), before);
+    }
+    assert!(folder.no_temporary_files());
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupts_leave_no_temporary_files() {
+    let Baked { folder, file, .. } = baked();
+    let points = folder.write("p.f32", &vec![0; 12 * 2_000_000]);
+    let answers = folder.path("v.f32");
+    // It may end before the signal comes.
+    let was_interrupted = (0..20).any(|_| {
+        let mut run = Command::new(program())
+            .args(["query", &file, "--points", &points, "-o", &answers])
+            .spawn()
+            .unwrap();
+        while folder.no_temporary_files() && run.try_wait().unwrap().is_none() {}
+        let signal = Command::new("kill").args(["-INT", &run.id().to_string()]).status();
+        let code = run.wait().unwrap().code();
+        assert!(folder.no_temporary_files(), "{code:?}");
+        signal.is_ok() && code == Some(130)
+    });
+    assert!(was_interrupted);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_bake_keeps_the_permissions_of_what_it_replaces() {
+    use std::os::unix::fs::PermissionsExt;
+    let Baked { folder: _folder, scene, file } = baked();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+    let (code, error) = bake(&scene, &file, &[]);
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+}
+
 #[cfg(unix)]
 #[test]
 fn output_that_is_a_symbolic_link_is_followed() {
@@ -231,6 +376,38 @@ fn bounds_that_hold_nothing_are_said() {
     }
     let (code, error) = bake(&scene, &output, &[]);
     assert_eq!((code, error.as_str()), (0, ""));
+    // A box that the triangle's own box holds, far from the triangle; it is said of a dry run too.
+    let slope = folder.write("slope.obj", b"v 0 0 0\nv 100 0 0\nv 0 100 100\nf 1 3 2\n");
+    let run = ["bake", &slope, "--resolution", "64", "--dry-run", "--json", "--bounds"];
+    assert_eq!(json(&[&run[..], &["90,80,90,95,95,95"]].concat())["empty_bounds"], true);
+    assert_eq!(json(&[&run[..], &["30,30,30,31,31,31"]].concat())["empty_bounds"], false);
+    for frame in ["light", "world"] {
+        let (code, error) = bake(&scene, &output, &["--frame", frame, "--bounds", "nan,0,0,1,1,1"]);
+        assert_eq!((code, error.contains("warning")), (2, false), "{error}");
+        assert!(error.contains("six finite numbers"), "{error}");
+    }
+}
+
+#[test]
+fn options_out_of_range_are_errors_of_usage() {
+    let Baked { folder, scene, file } = baked();
+    let output = folder.path("b.adumbra");
+    for options in [
+        ["--sun", "0,0,0"],
+        ["--sun", "0,-1,0"],
+        ["--sun", "nan,1,0"],
+        ["--elevation", "-5"],
+        ["--resolution", "100"],
+        ["--resolution", "4"],
+        ["--resolution", "524288"],
+    ] {
+        let (code, error) = adumbra(&[&["bake", &scene, "-o", &output][..], &options].concat());
+        assert_eq!(code, 2, "{options:?}: {error}");
+    }
+    for share in ["2", "nan", "-0.1"] {
+        let (code, error) = adumbra(&["verify", &file, "--scene", &scene, "--min-interior", share]);
+        assert_eq!((code, error.contains("from 0 to 1")), (2, true), "{share}: {error}");
+    }
 }
 
 #[test]

@@ -361,3 +361,24 @@ fn view_without_a_display_says_what_is_missing() {
         assert!(!said.contains("os error at"), "{said}");
     }
 }
+
+#[test]
+fn view_keeps_its_script_and_what_its_scene_names() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let scene = folder.write("a.obj", b"mtllib a.mtl\nv 0 0 0\nv 0 0 9\nv 9 0 0\nf 1 2 3\n");
+    folder.write("a.mtl", b"newmtl a\n");
+    let camera = br#"{"eye": [9, 9, 9], "target": [0, 0, 0], "fov_y": 45, "size": [64, 64]}"#;
+    let camera = folder.write("camera.json", camera);
+    for name in ["a.obj", "a.mtl", "camera.json", "script.json"] {
+        let steps = json!([{"wait": "loaded"}, {"screenshot": folder.path(name)}, "quit"]);
+        // `play` writes the script.
+        let expected = match name {
+            "script.json" => steps.to_string().into(),
+            _ => std::fs::read(folder.path(name)).unwrap(),
+        };
+        let (code, said) = display.play(&folder, &[&scene, "--shadow", "none", "--camera", &camera], &steps);
+        assert!(code != 0 && said.contains("give another path"), "{name}: {said}");
+        assert_eq!(std::fs::read(folder.path(name)).unwrap(), expected, "{name}");
+    }
+}

@@ -280,19 +280,29 @@ impl App {
         self.write_picture(path, &picture)
     }
 
-    /// That a path is not the scene's or a shadow file's, which would be lost.
+    /// That a path is none of what was read, which would be lost.
     fn refuse_inputs(&self, output: &Path) -> Result<(), String> {
-        let scene = self.stage.as_ref().map_or(&self.options.scene, |stage| &stage.scene().path);
-        let given = [scene, &self.options.scene].into_iter().chain(&self.options.shadow_files);
+        let ViewOptions { scene: first, shadow_files, inputs, named_by, .. } = &self.options;
+        let scene = self.stage.as_ref().map_or(first, |stage| &stage.scene().path);
+        let given = [scene, first].into_iter().chain(shadow_files).chain(inputs);
         let mut inputs = given.map(|path| &**path).chain(self.shadows.given_paths(&self.settings));
-        match inputs.find(|input| same_file(output, input)) {
-            Some(input) => Err(format!(
-                "{}: it is {} itself, which is shown; give another path",
+        if let Some(input) = inputs.find(|input| same_file(output, input)) {
+            return Err(format!(
+                "{}: it is {} itself, which is in use; give another path",
                 output.display(),
                 input.display()
-            )),
-            None => Ok(()),
+            ));
         }
+        // A file that is not there yet is none that a scene names.
+        if output.exists()
+            && [scene, first].iter().flat_map(|s| named_by(s)).any(|named| same_file(output, &named))
+        {
+            return Err(format!(
+                "{}: it is a file that the scene names; give another path",
+                output.display()
+            ));
+        }
+        Ok(())
     }
 
     /// Writes a picture of what is seen, and says so.

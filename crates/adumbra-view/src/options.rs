@@ -1,6 +1,6 @@
 //! What a view begins with; a command line can say all of it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adumbra::camera::Projection;
 use adumbra::light::Sun;
@@ -62,6 +62,10 @@ pub struct ViewOptions {
     pub gpu: GpuOptions,
     /// What the command that shows a view again has beside its settings: how scenes are loaded, the device.
     pub repeated: Vec<String>,
+    /// Other files that were read, such as the script; no picture and no camera replaces them.
+    pub inputs: Vec<PathBuf>,
+    /// Paths of the files that a scene names; they are kept too.
+    pub named_by: fn(&Path) -> Vec<PathBuf>,
     /// Commands to play.
     pub script: Option<Script>,
 }

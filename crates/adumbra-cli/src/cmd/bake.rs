@@ -12,7 +12,7 @@ use adumbra::format::{Layout, LightBody, ShadowFile};
 use adumbra::scene::{Bounds, Scene};
 use serde_json::{Value, json};
 
-use super::{GraphFigures, bake_tree, load_scene, print_json, with_threads};
+use super::{GraphFigures, bake_tree, bounds, load_scene, print_json, with_threads};
 use crate::args::Bake;
 use crate::exit::{Code, Failure, Outcome};
 use crate::output::{bytes_words, refuse_scene};
@@ -56,7 +56,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     }
     with_threads(args.work.threads, || {
         let scene = load_scene(&args.scene, &args.load.load_options(args.work.max_memory)?)?;
-        let empty_bounds = options.bounds.is_some_and(|bounds| !holds_geometry(&scene, &bounds));
+        // Bounds that are no box are refused later, with their range.
+        let empty_bounds =
+            options.bounds.is_some_and(|b| bounds::is_box(&b) && !bounds::hold_geometry(&b, &scene));
         if empty_bounds {
             let Bounds { min, max } = scene.bounds();
             eprintln!(
@@ -65,7 +67,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             );
         }
         if args.dry_run {
-            return dry_run(args, &scene, &options);
+            return dry_run(args, &scene, &options, empty_bounds);
         }
         if let Some(tree_options) = &tree_options {
             return bake_tree::run(args, &scene, tree_options, empty_bounds, (&output, start), &cancel);
@@ -114,23 +116,6 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             );
         }
         Ok(Code::Fine)
-    })
-}
-
-/// Whether the box around any triangle, a caster's or a receiver's, meets these bounds.
-fn holds_geometry(scene: &Scene, bounds: &Bounds) -> bool {
-    scene.instances.iter().any(|instance| {
-        let Some(mesh) = scene.meshes.get(instance.mesh as usize) else { return false };
-        let world = |corner: u32| instance.to_world(mesh.positions[corner as usize]);
-        mesh.triangles.iter().any(|triangle| {
-            let corners = triangle.map(world);
-            (0..3).all(|axis| {
-                let along = corners.map(|corner| corner[axis]);
-                let low = along.into_iter().fold(f64::INFINITY, f64::min);
-                let high = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
-                low <= bounds.max[axis] && high >= bounds.min[axis]
-            })
-        })
     })
 }
 
@@ -196,7 +181,7 @@ fn share_of_plain(layout: Option<Layout>) -> [f64; 2] {
     }
 }
 
-fn dry_run(args: &Bake, scene: &Scene, options: &Options) -> Outcome {
+fn dry_run(args: &Bake, scene: &Scene, options: &Options, empty_bounds: bool) -> Outcome {
     let e = bake::estimate(scene, options)?;
     let share = share_of_plain(args.settings.layout());
     let file_bytes: [u64; 2] = std::array::from_fn(|i| (e.file_bytes[i] as f64 * share[i]) as u64);
@@ -207,6 +192,7 @@ fn dry_run(args: &Bake, scene: &Scene, options: &Options) -> Outcome {
             "seconds": e.seconds,
             "file_bytes": file_bytes,
             "memory_bytes": e.memory_bytes,
+            "empty_bounds": empty_bounds,
         }));
     } else {
         let range = |r: [u64; 2]| format!("{} to {}", bytes_words(r[0]), bytes_words(r[1]));

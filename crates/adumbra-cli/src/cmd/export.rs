@@ -10,7 +10,7 @@ use serde_json::json;
 use super::print_json;
 use crate::args::Export;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, refuse_inputs};
+use crate::output::{bytes_words, refuse_inputs, refuse_same};
 
 pub(crate) fn run(args: &Export) -> Outcome {
     let refuse = |path: &Path| refuse_inputs("--texture", path, [("the shadow file itself", &*args.file)]);
@@ -19,7 +19,9 @@ pub(crate) fn run(args: &Export) -> Outcome {
     let words = parts.words.len();
     let layout = Layout::new(words, parts.rest.len(), args.max_side)
         .map_err(|source| Error::WordTexture { path: args.texture.clone(), source })?;
-    (1..layout.pages).try_for_each(|page| refuse(&texture::page_path(&args.texture, page)))?;
+    let pages: Vec<_> = (0..layout.pages).map(|page| texture::page_path(&args.texture, page)).collect();
+    pages.iter().try_for_each(|page| refuse(page))?;
+    refuse_same(pages.iter().map(|page| &**page))?;
     let written = texture::write(&args.texture, &parts.words, &parts.rest, args.max_side)?;
     let layout = written.layout;
     if args.json {

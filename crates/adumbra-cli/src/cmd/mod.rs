@@ -12,6 +12,7 @@ mod bench_peers;
 mod bench_shadows;
 mod bench_tree;
 mod bench_verify;
+mod bounds;
 mod child;
 mod compare;
 mod demo;

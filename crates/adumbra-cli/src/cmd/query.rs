@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use adumbra::Error;
-use adumbra::files::same_file;
+use adumbra::files::{check_output, same_file};
 use adumbra::format::{AnyFile, AttributeKind, TreeBody};
 use adumbra::query::PenumbraQuery;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use super::lookup::Asking;
 use super::{print_json, with_threads};
 use crate::args::Query;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{refuse_inputs, write_whole};
+use crate::output::{Outputs, refuse_inputs};
 
 /// Points that are answered one after the other: a look-up remembers where the last one was.
 const BATCH: usize = 1 << 14;
@@ -34,6 +34,8 @@ pub(crate) fn run(args: &Query) -> Outcome {
             args.output.display()
         )));
     }
+    // Before hours of answers that have no place to go.
+    args.penumbra.iter().chain([&args.output]).try_for_each(|output| check_output(output))?;
     let file = AnyFile::read(&args.file)?;
     let points = match &args.points_f64 {
         Some(path) => read_f64_triples(path)?,
@@ -67,13 +69,15 @@ pub(crate) fn run(args: &Query) -> Outcome {
         Ok(answers.collect::<Vec<_>>().concat())
     })?;
     let floats = |values: &[f32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
+    let mut outputs = Outputs::default();
     if let (Some(query), Some(path)) = (&penumbrae, &args.penumbra) {
         let width = |i: usize| query.width(points[i], normal(i)).map_or(f32::NAN, |w| w as f32);
         let widths: Vec<f32> =
             with_threads(args.work.threads, || Ok((0..points.len()).into_par_iter().map(width).collect()))?;
-        write_whole(path, &floats(&widths))?;
+        outputs.add(path, &floats(&widths))?;
     }
-    write_whole(&args.output, &floats(&visibilities))?;
+    outputs.add(&args.output, &floats(&visibilities))?;
+    outputs.place()?;
     let mean = visibilities.iter().map(|v| f64::from(*v)).sum::<f64>() / visibilities.len().max(1) as f64;
     not_finite.say(points.len());
     if args.json {

@@ -8,7 +8,7 @@ use super::join::Joiner;
 use super::png::{HEADER_BYTES, check_header};
 use super::{Layout, Page, Stream, TextureError};
 use crate::error::{Error, Result};
-use crate::files::{check_output, replace_file};
+use crate::files::{StagedFile, check_output, first_same};
 
 /// What [`write()`] wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,30 +30,71 @@ pub fn page_path(path: &Path, page: u32) -> PathBuf {
 
 /// Writes `words` and `rest` as PNG pages at `path` and beside it; see [`super::encode`].
 ///
-/// Each file is there whole or not at all, page 0 last: until it is replaced, an earlier export's page 0 stands, and its
-/// checksums tell that later pages are not its own. Pages of an earlier, longer export are left; nothing reads them.
+/// All files are written before the first replaces what was there, page 0 last: until it is replaced, an earlier export's page 0 stands,
+/// and its checksums tell that later pages are not its own. Pages of an earlier, longer export are left; nothing reads them.
 ///
 /// # Errors
-/// [`Error::Io`] where the system refuses, [`Error::WordTexture`] where the words do not fit.
+/// [`Error::Io`] where the system refuses or two pages are one file, and an earlier export is as it was; [`Error::WordTexture`] where the
+/// words do not fit.
 pub fn write(path: &Path, words: &[u32], rest: &[u8], max_side: u32) -> Result<Written> {
     let refused = |source| Error::WordTexture { path: path.to_owned(), source };
     let stream = Stream::new(words, rest, max_side).map_err(refused)?;
     let layout = stream.layout;
-    for page in 0..layout.pages {
-        check_output(&page_path(path, page))?;
+    let paths: Vec<PathBuf> = (0..layout.pages).map(|page| page_path(path, page)).collect();
+    paths.iter().try_for_each(|path| check_output(path))?;
+    if let Some((first, second)) = first_same(paths.iter().map(PathBuf::as_path)) {
+        let what = format!("it is the same file as \"{}\"; remove the link", first.display());
+        return Err(Error::io("create", second)(std::io::Error::new(ErrorKind::InvalidInput, what)));
     }
-    let mut bytes = 0;
-    for page in (0..layout.pages).rev() {
+    let mut staged = Vec::with_capacity(paths.len());
+    for (page, path) in (0..layout.pages).zip(&paths).rev() {
         let pixels = stream.page(page);
-        bytes += replace_file(&page_path(path, page), |file| {
-            let mut out = BufWriter::new(&mut *file);
-            pixels.write_png(&mut out)?;
-            out.flush()?;
+        staged.push(StagedFile::new(path, |file| {
+            // What the encoder says of a write that fails has lost its kind.
+            let mut out = Faults { inner: BufWriter::new(&mut *file), fault: None };
+            let written = pixels.write_png(&mut out).and_then(|()| out.flush());
+            if let Some(fault) = out.fault.take() {
+                return Err(fault);
+            }
+            written?;
             drop(out);
             Ok(file.metadata()?.len())
-        })?;
+        })?);
     }
+    let bytes = staged.iter().map(StagedFile::bytes).sum();
+    StagedFile::place(staged)?;
     Ok(Written { layout, bytes })
+}
+
+/// Keeps the first fault of a writer.
+struct Faults<W> {
+    inner: W,
+    fault: Option<std::io::Error>,
+}
+
+impl<W> Faults<W> {
+    fn keep<T>(&mut self, result: std::io::Result<T>) -> std::io::Result<T> {
+        result.map_err(|fault| {
+            let told = fault.kind().into();
+            // A write that is interrupted is tried again.
+            if fault.kind() != ErrorKind::Interrupted {
+                self.fault.get_or_insert(fault);
+            }
+            told
+        })
+    }
+}
+
+impl<W: Write> Write for Faults<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let result = self.inner.write(bytes);
+        self.keep(result)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        let result = self.inner.flush();
+        self.keep(result)
+    }
 }
 
 /// Reads what [`write()`] wrote at `path`: the words and the rest, bit for bit.

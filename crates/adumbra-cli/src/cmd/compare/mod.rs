@@ -18,7 +18,7 @@ use super::baked::{BakeOnTheWay, BakedFiles};
 use super::{load_scene, print_json, with_threads};
 use crate::args::{Compare, DeviceArg, JudgeArg};
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::make_folder;
+use crate::output::{make_folder, note_input};
 
 /// Frames of a path that is made.
 const PATH_FRAMES: u32 = 60;
@@ -149,8 +149,12 @@ fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Outcome {
 fn camera_file(name: &str) -> Result<Option<CameraFile>, Failure> {
     let path = Path::new(name);
     Ok(match path.extension().and_then(|e| e.to_str()) {
-        Some("json") => Some(CameraFile::read(path)?),
+        Some("json") => {
+            note_input("the camera itself", path);
+            Some(CameraFile::read(path)?)
+        }
         Some("npz") => {
+            note_input("the truth file itself", path);
             let (camera, sun) = truth_camera(path)?;
             Some(CameraFile { camera, sun: Some(sun) })
         }
@@ -207,7 +211,9 @@ fn path_of(
             CameraPath::fly(camera, (0.7 * free).min(0.15 * diagonal), 0.15 * diagonal, made)
         }
         file => {
-            let path = CameraPath::read(Path::new(file))?;
+            let file = Path::new(file);
+            note_input("the camera path itself", file);
+            let path = CameraPath::read(file)?;
             match frames {
                 Some(frames) => path.with_frames(frames),
                 None => path,

@@ -10,8 +10,8 @@ use serde_json::Value;
 
 use super::super::render::name_in_paths;
 use crate::exit::Failure;
-use crate::output::{write_png, write_whole};
-use crate::plot::{Along, Legend, Panel, Series, write_svg};
+use crate::output::Outputs;
+use crate::plot::{Along, Legend, Panel, Series, draw_svg};
 
 /// Widest picture of the sheet, pixels.
 const WIDEST: u32 = 640;
@@ -23,24 +23,24 @@ pub(super) fn write(
     comparison: &Comparison,
     document: &Value,
 ) -> Result<(), Failure> {
-    write_whole(&folder.join("report.json"), format!("{document:#}\n").as_bytes())?;
-    write_whole(&folder.join("report.md"), report.markdown().as_bytes())?;
+    let mut outputs = Outputs::default();
+    outputs.add(&folder.join("report.json"), format!("{document:#}\n").as_bytes())?;
+    outputs.add(&folder.join("report.md"), report.markdown().as_bytes())?;
     for (kind, picture) in &comparison.truths {
-        write_png(&folder.join(format!("truth-{}.png", kind_name(*kind))), picture)?;
+        outputs.add_png(&folder.join(format!("truth-{}.png", kind_name(*kind))), picture)?;
     }
     for compared in &comparison.compared {
         let name = name_in_paths(&compared.row.name);
-        write_png(&folder.join(format!("{name}.png")), &compared.picture)?;
-        write_png(&folder.join(format!("{name}.difference.png")), &compared.difference)?;
+        outputs.add_png(&folder.join(format!("{name}.png")), &compared.picture)?;
+        outputs.add_png(&folder.join(format!("{name}.difference.png")), &compared.difference)?;
     }
-    write_png(&folder.join("sheet.png"), &whole_sheet(comparison))?;
-    match &report.path {
-        Some(path) => {
-            write_whole(&folder.join("path.csv"), path.csv().as_bytes())?;
-            write_svg(&folder.join("path.svg"), &[panel(path, report)])
-        }
-        None => Ok(()),
+    outputs.add_png(&folder.join("sheet.png"), &whole_sheet(comparison))?;
+    if let Some(path) = &report.path {
+        outputs.add(&folder.join("path.csv"), path.csv().as_bytes())?;
+        let svg = folder.join("path.svg");
+        outputs.add(&svg, draw_svg(&svg, &[panel(path, report)])?.as_bytes())?;
     }
+    outputs.place()
 }
 
 fn kind_name(kind: TruthKind) -> &'static str {

@@ -22,7 +22,7 @@ use super::lookup::{ignored_alpha, sun_of};
 use super::{load_scene, print_json, with_threads};
 use crate::args::{DeviceArg, LayerArg, Render};
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{note_input, refuse_inputs, refuse_scene};
+use crate::output::{note_input, refuse_inputs, refuse_same, refuse_scene};
 
 /// What every picture of a call is drawn from.
 struct Job<'a> {
@@ -97,16 +97,18 @@ impl Job<'_> {
     /// No picture goes where the scene or the shadow file lies.
     fn check_outputs(&self, specs: &[TechniqueSpec]) -> Result<(), Failure> {
         let output = &self.args.output;
-        let each = specs.iter().map(|spec| output_of(output, spec, specs.len() > 1));
-        for path in std::iter::once(output.clone()).chain(each) {
-            for &(_, number) in &self.moments {
-                let path = movers::numbered(&path, number);
-                let file = self.args.shadow_file.as_deref().map(|file| ("the shadow file itself", file));
-                refuse_inputs("--output", &path, file)?;
-                refuse_scene("--output", &path, &self.args.scene)?;
-            }
+        // The path itself too: the CPU draws there where no GPU is found.
+        let plain = (specs.len() != 1).then(|| output.clone());
+        let each = specs.iter().map(|spec| output_of(output, spec, specs.len() > 1)).chain(plain);
+        let numbered =
+            |path: PathBuf| self.moments.iter().map(move |&(_, number)| movers::numbered(&path, number));
+        let all: Vec<PathBuf> = each.flat_map(numbered).collect();
+        for path in &all {
+            let file = self.args.shadow_file.as_deref().map(|file| ("the shadow file itself", file));
+            refuse_inputs("--output", path, file)?;
+            refuse_scene("--output", path, &self.args.scene)?;
         }
-        Ok(())
+        refuse_same(all.iter().map(|path| &**path))
     }
 
     fn draw(&self, specs: &[TechniqueSpec]) -> Outcome {

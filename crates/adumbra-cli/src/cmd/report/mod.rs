@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use adumbra::Error;
+use adumbra::scene::{GeneratedKind, generate, to_glb};
 use serde_json::{Map, Value};
 
 use self::data::Data;
@@ -31,6 +32,8 @@ use crate::signals;
 
 /// Where benchmarks keep traced pictures.
 const CACHE: &str = "truth-cache";
+/// Of scenes that are generated, as `adumbra generate` has it.
+const SEED: u64 = 1;
 /// Of the page.
 const MOST_BYTES: u64 = 25_000_000;
 
@@ -48,11 +51,11 @@ pub(crate) fn run(args: &Report) -> Outcome {
     let mut record = Record { machine, sections: earlier };
     let mut data = Data::new(&places.folder);
     record.sections.iter().for_each(|s| data.recorded(&s.section));
-    for step in plan::made_scenes() {
-        let (made, found) = step.run(&places, &cancel)?;
-        if found != Found::Measured {
-            return stopped(&cancel, made.error);
+    for (kind, path) in plan::made_scenes() {
+        if cancel.load(Ordering::Relaxed) {
+            return Ok(Code::Interrupted);
         }
+        make_scene(kind, &args.output.join(path))?;
     }
     let names = SECTIONS.map(|(name, _)| name);
     for name in names {
@@ -102,6 +105,22 @@ pub(crate) fn run(args: &Report) -> Outcome {
     Ok(code(&record, bytes, &cancel))
 }
 
+/// Generates a scene where there is none. A scene that is there stays: it must be the same, or the report would be of another one, and
+/// it may be the user's only copy.
+fn make_scene(kind: GeneratedKind, path: &Path) -> Result<(), Failure> {
+    let bytes = to_glb(&generate(kind, SEED));
+    match std::fs::read(path) {
+        Ok(found) if found == bytes => Ok(()),
+        Ok(_) => Err(Failure::Usage(format!(
+            "{}: a report generates a scene of this name, and the file there is another one; move it to another folder, or give another \
+             --output",
+            path.display()
+        ))),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => write_whole(path, &bytes),
+        Err(e) => Err(Error::io("read", path)(e).into()),
+    }
+}
+
 /// Where commands run, and what their folders are called.
 fn places(args: &Report) -> Result<Places, Failure> {
     let absolute =
@@ -109,10 +128,24 @@ fn places(args: &Report) -> Result<Places, Failure> {
     let mut variables = Vec::new();
     for (name, folder) in [(plan::SCENES, &args.scenes), (plan::TRUTH, &args.truth)] {
         if let Some(folder) = folder {
+            refuse_measured(args, folder)?;
             variables.push((name, absolute(folder)?));
         }
     }
     Ok(Places { folder: absolute(&args.output)?, variables })
+}
+
+/// Refuses scenes and truth within the report's data: a section is cleared before it is measured again.
+fn refuse_measured(args: &Report, folder: &Path) -> Result<(), Failure> {
+    let data = args.output.join("data");
+    match (folder.canonicalize(), data.canonicalize()) {
+        (Ok(given), Ok(measured)) if given.starts_with(&measured) => Err(Failure::Usage(format!(
+            "{}: the report clears {} before it measures again; move it to another folder, or give another --output",
+            folder.display(),
+            data.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Removes what an earlier report measured, but for traced pictures: they are found by what they show.
@@ -193,13 +226,6 @@ fn write_page(args: &Report, record: &Record, data: &mut Data) -> Result<(), Fai
         html = page::page(record, data);
     }
     write_whole(&args.output.join("report.html"), html.as_bytes())
-}
-
-fn stopped(cancel: &AtomicBool, error: Option<String>) -> Outcome {
-    if cancel.load(Ordering::Relaxed) {
-        return Ok(Code::Interrupted);
-    }
-    Err(Failure::BadInput(error.unwrap_or_default()))
 }
 
 /// What the caller is told: of the sections measured now and before, and of the page's size.

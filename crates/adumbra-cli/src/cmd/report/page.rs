@@ -237,7 +237,7 @@ fn run(record: &Record) -> Section {
         "Commands are typed in this page's folder. Where they name `$SCENES` or `$TRUTH`, those are the folders given as `--scenes` and \
          `--truth`. Scenes that are made come from a seed, and are the same everywhere:",
     );
-    let made: Vec<String> = super::plan::made_scenes().iter().map(|s| s.command()).collect();
+    let made: Vec<String> = super::plan::made_commands().collect();
     body.code("Commands", &made.join("\n"));
     Section { id: "run".to_owned(), title: "This run".to_owned(), body }
 }

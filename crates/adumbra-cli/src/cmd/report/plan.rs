@@ -1,5 +1,9 @@
 //! Which commands a report runs, section by section.
 
+use std::path::{Path, PathBuf};
+
+use adumbra::scene::GeneratedKind;
+
 use super::step::Step;
 use crate::args::Report;
 
@@ -109,10 +113,21 @@ fn quick(section: &str, args: &Report) -> Vec<Step> {
 }
 
 /// Scenes that are made for pictures and for whoever has no folder of them.
-pub(super) fn made_scenes() -> Vec<Step> {
-    ["city", "primitives", "landscape", "cornell"]
-        .map(|kind| Step::new("scene", &format!("generate {kind} -o {OWN}/{kind}.glb")))
-        .into()
+const MADE_FOR_PICTURES: [(GeneratedKind, &str); 4] = [
+    (GeneratedKind::City, "city"),
+    (GeneratedKind::Primitives, "primitives"),
+    (GeneratedKind::Landscape, "landscape"),
+    (GeneratedKind::Cornell, "cornell"),
+];
+
+/// What is generated, and where it goes in the report's folder.
+pub(super) fn made_scenes() -> impl Iterator<Item = (GeneratedKind, PathBuf)> {
+    MADE_FOR_PICTURES.into_iter().map(|(kind, name)| (kind, Path::new(OWN).join(format!("{name}.glb"))))
+}
+
+/// The commands that generate the same scenes.
+pub(super) fn made_commands() -> impl Iterator<Item = String> {
+    MADE_FOR_PICTURES.into_iter().map(|(_, name)| format!("adumbra generate {name} -o {OWN}/{name}.glb"))
 }
 
 /// Techniques on scenes that are made: from the street, from afar, along a path, and a ball that moves.
