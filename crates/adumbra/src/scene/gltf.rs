@@ -77,6 +77,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         format!("the {objects} objects of its JSON")
     })?;
     let root = parse(path, &json)?;
+    note_named(&sources, &root)?;
     let nodes = Nodes::load(path, &root)?;
     let mut scene = Scene::default();
     let mut sieve = Sieve::default();
@@ -119,6 +120,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     placer.note_moving_skins(&plan, &mut scene.notes);
     scene.movers = Movers::new(movers, animations.moving);
+    scene.notes.named_files = sources.named_files();
     (scene.materials, scene.textures) = (materials.list, materials.textures);
     scene.pose(0.0);
     match options.movers {
@@ -127,6 +129,14 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         MoverPolicy::Freeze => scene.movers = Movers::default(),
     }
     finish(path, scene, &sieve, options)
+}
+
+/// Remembers the files of all buffers and images, whether they are needed or not.
+fn note_named(sources: &Sources<'_>, root: &Root) -> Result<()> {
+    let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
+    let images = root.images.iter().filter_map(|i| i.uri.as_deref());
+    let mut files = buffers.chain(images).filter(|uri| !uri.starts_with("data:"));
+    files.try_for_each(|uri| sources.note_named(&container::file_name(uri)))
 }
 
 fn parse(path: &Path, json: &[u8]) -> Result<Root> {

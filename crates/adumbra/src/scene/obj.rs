@@ -68,6 +68,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         .map(|(mesh, m)| Instance { name: m.name.clone(), mesh, world_from_mesh: IDENTITY, casts: true })
         .collect();
     scene.materials = materials;
+    scene.notes.named_files = sources.named_files();
     finish(path, scene, &sieve, options)
 }
 
@@ -158,6 +159,7 @@ fn read_libraries(sources: &Sources<'_>, tidied: &tidy::Object, notes: &mut Load
             }
             Err(e) => return Err(e),
         };
+        tidy::named(&bytes, |name| note_named(sources, name))?;
         let text = tidy::materials(&bytes);
         let count = text.split(|&b| b == b'\n').filter(|line| line.starts_with(b"newmtl")).count() as u64;
         sources.budget.charge(count * MATERIAL_BYTES, || format!("{count} materials of {name:?}"))?;
@@ -270,6 +272,11 @@ fn make_opaque(texture: &mut Texture) {
             texel[3] = 255;
         }
     }
+}
+
+/// Remembers a file that the scene names, as [`locate`] looks for it.
+fn note_named(sources: &Sources<'_>, named: &str) -> Result<()> {
+    sources.note_named(&named.replace('\\', "/"))
 }
 
 /// A file named in the scene, which may have been written on Windows.

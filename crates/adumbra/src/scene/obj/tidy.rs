@@ -34,6 +34,9 @@ pub(super) struct Object {
 /// What names a material library, in errors.
 pub(super) const LIBRARY: &str = "mtllib";
 
+/// Statements of an MTL file that name a texture, beside those that begin with `map_`.
+const OTHER_MAPS: [&str; 5] = ["bump", "disp", "decal", "refl", "norm"];
+
 /// Names, each once, in the order of their first use.
 #[derive(Default)]
 struct Names {
@@ -113,6 +116,7 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
                 line_of(&mut out.text, format_args!("usemtl {rest}"));
             }
             "mtllib" if !rest.is_empty() => {
+                note_named(&rest, |name| super::note_named(sources, name))?;
                 // A library's name may hold spaces, or there may be several names.
                 let several =
                     rest.contains(char::is_whitespace) && super::locate(sources, LIBRARY, &rest).is_err();
@@ -208,6 +212,23 @@ pub(super) fn materials(bytes: &[u8]) -> Vec<u8> {
         }
     }
     out
+}
+
+/// Calls `note` with all that an MTL file may name as a texture, of whatever kind.
+pub(super) fn named(bytes: &[u8], mut note: impl FnMut(&str) -> Result<()>) -> Result<()> {
+    for (_, keyword, rest) in statements(&String::from_utf8_lossy(bytes)) {
+        let keyword = keyword.to_ascii_lowercase();
+        if keyword.starts_with("map_") || OTHER_MAPS.contains(&keyword.as_str()) {
+            note_named(&rest, &mut note)?;
+        }
+    }
+    Ok(())
+}
+
+/// Calls `note` with the rest of a statement, for names with spaces, and with each of its words, which may be one of several names or
+/// follow options.
+fn note_named(rest: &str, mut note: impl FnMut(&str) -> Result<()>) -> Result<()> {
+    std::iter::once(rest).chain(rest.split_whitespace()).try_for_each(&mut note)
 }
 
 /// Statements as line number, keyword and the rest; lines that end in a backslash go on.
