@@ -112,8 +112,8 @@ pub(crate) fn refuse_read(option: &str, output: &Path) -> Result<(), Failure> {
     read.iter().try_for_each(|Read { what, path, named_files }| {
         refuse_inputs(option, output, [(*what, &**path)])?;
         let folder = folder_of(path);
-        let named = named_files.iter().map(|name| folder.join(name));
-        named.map(|path| refuse_inputs(option, output, [("a file that the scene names", &*path)])).collect()
+        let mut named = named_files.iter().map(|name| folder.join(name));
+        named.try_for_each(|path| refuse_inputs(option, output, [("a file that the scene names", &*path)]))
     })
 }
 
