@@ -281,3 +281,47 @@ fn polygons_of_very_many_corners_end_soon() {
         assert!(seconds < 5.0, "{corners} corners: {seconds:.1} s");
     }
 }
+
+#[test]
+fn skinned_copies_of_a_mesh_are_counted() {
+    let skinned = |copies: usize, mut glb: Glb| {
+        glb.json["nodes"] = json!(vec![json!({"mesh": 0, "skin": 0}); copies]);
+        glb.json["skins"] = json!([{"joints": [0]}]);
+        glb.json["scenes"] = json!([{"nodes": (0..copies).collect::<Vec<_>>()}]);
+        glb
+    };
+    // A name of 100 KB, 1,000 primitives: once in the file, and again for each node.
+    let mut named = Glb::triangle();
+    named.json["meshes"][0]["name"] = json!("n".repeat(100_000));
+    assert_too_large(skinned(1_000, named.clone()).load_with(&within(32 << 20)), "1000 skinned copies");
+    assert_too_large(skinned(2_000, shared(1_000, 3)).load_with(&within(32 << 20)), "2000000 triangles");
+    let scene = skinned(20, named).load_with(&within(32 << 20)).expect("loads");
+    assert_eq!((scene.meshes.len(), scene.meshes[19].name.len()), (20, 100_000));
+    // Nodes that a filter treats alike share what is kept, others have their own.
+    let mut glb = skinned(3, shared(2, 3));
+    glb.json["nodes"][1]["name"] = json!("tree");
+    glb.json["materials"] = json!([{"name": "leaf"}]);
+    glb.json["meshes"][0]["primitives"][1]["material"] = json!(0);
+    let kept = |only: &[&str], exclude: &[&str]| {
+        let scene = glb.load_with(&crate::kit::only(only, exclude)).expect("loads");
+        scene.meshes.iter().map(|m| m.triangles.len()).collect::<Vec<_>>()
+    };
+    assert_eq!(kept(&[], &[]), [2, 2, 2]);
+    assert_eq!(kept(&["tree", "leaf"], &[]), [1, 2, 1]);
+    assert_eq!(kept(&[], &["tree", "leaf"]), [1, 1]);
+}
+
+#[test]
+fn extras_of_a_mesh_are_read_once() {
+    let mut glb = Glb::triangle();
+    glb.json["meshes"][0]["extras"] = json!({"adumbra": {"cast": false}, "more": vec![0; 200_000]});
+    glb.json["nodes"] = json!(vec![json!({"mesh": 0}); 8_000]);
+    glb.json["nodes"][0] = json!({"mesh": 1});
+    glb.json["scenes"] = json!([{"nodes": (0..8_000).collect::<Vec<_>>()}]);
+    glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": 0}}]}));
+    let started = Instant::now();
+    let scene = glb.load().expect("loads");
+    // For each node it took half a minute.
+    assert!(started.elapsed().as_secs_f64() < 5.0);
+    assert_eq!(scene.instances.iter().filter(|i| i.casts).count(), 1);
+}
