@@ -325,3 +325,20 @@ fn extras_of_a_mesh_are_read_once() {
     assert!(started.elapsed().as_secs_f64() < 5.0);
     assert_eq!(scene.instances.iter().filter(|i| i.casts).count(), 1);
 }
+
+#[test]
+fn names_of_objects_are_kept_once() {
+    // The parser copies a name for each change of material.
+    let text = |name: &str| {
+        let faces: String = (0..2_000).map(|i| format!("usemtl {}\nf 1 2 3\n", i % 2)).collect();
+        format!("v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\no {name}\n{faces}o other\nf 1 2 3\no {name}\nf 1 2 3\n")
+    };
+    let scene =
+        load_bytes("scene.obj", text(&"n".repeat(100_000)).as_bytes(), &within(8 << 20)).expect("loads");
+    let found: Vec<_> = scene.meshes.iter().map(|m| (m.name.len(), m.triangles.len())).collect();
+    assert_eq!(found, [(14, 1), (100_000, 2_001), (5, 1)]);
+    assert_eq!(scene.meshes[0].name, "unnamed_object");
+    // What the parser keeps for each change is counted.
+    assert_too_large(load_bytes("scene.obj", text("n").as_bytes(), &within(640_000)), "2003 triangles");
+    load_bytes("scene.obj", text("n").as_bytes(), &within(1 << 20)).expect("loads");
+}
