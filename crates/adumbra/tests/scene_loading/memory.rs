@@ -342,3 +342,28 @@ fn names_of_objects_are_kept_once() {
     assert_too_large(load_bytes("scene.obj", text("n").as_bytes(), &within(640_000)), "2003 triangles");
     load_bytes("scene.obj", text("n").as_bytes(), &within(1 << 20)).expect("loads");
 }
+
+#[test]
+fn one_image_under_many_lengths_is_not_decoded_forever() {
+    // Only a header, so that each is given back at once; one byte more or less makes another image of it.
+    let count = 12;
+    let mut png = png_header(11_000);
+    let least = png.len();
+    png.resize(least + count, 0);
+    let images: Vec<_> = (0..count).map(|i| json!({"bufferView": 2 + i})).collect();
+    let mut glb = masked(&images, None);
+    for material in 0..count {
+        glb.json["materials"][material]["alphaMode"] = json!("OPAQUE");
+    }
+    let view = glb.view(&png);
+    let view = glb.json["bufferViews"][view].clone();
+    for i in 1..count {
+        let mut view = view.clone();
+        view["byteLength"] = json!(least + i);
+        glb.push("bufferViews", view);
+    }
+    let options = LoadOptions { color_textures: true, ..LoadOptions::default() };
+    assert_too_large(glb.load_with(&options), "decoded one by one");
+    let trusted = LoadOptions { max_memory_bytes: Some(4 << 30), ..options };
+    assert_eq!(glb.load_with(&trusted).expect("loads").notes.warnings.len(), count);
+}
