@@ -15,7 +15,6 @@ mod memory;
 mod output;
 mod plot;
 mod progress;
-mod scene_files;
 mod signals;
 
 use std::process::ExitCode;

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use adumbra::Error;
-use adumbra::files::{StagedFile, first_same, same_file};
+use adumbra::files::{StagedFile, first_same, folder_of, same_file};
 use adumbra::picture::Picture;
+use adumbra::scene::LoadNotes;
 use image::ImageEncoder;
 
 use crate::exit::Failure;
-use crate::scene_files::named_by;
 
 /// Files that belong together: all of them are written before any replaces what was there.
 #[derive(Default)]
@@ -19,7 +19,7 @@ pub(crate) struct Outputs(Vec<StagedFile>);
 impl Outputs {
     /// Writes `bytes` beside `path`, unless what this run has read, or another of these files, lies there.
     pub(crate) fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-        refuse_noted(path)?;
+        refuse_read("output", path)?;
         refuse_same(self.0.iter().map(StagedFile::path).chain([path]))?;
         self.0.push(StagedFile::new(path, |file| file.write_all(bytes).map(|()| bytes.len() as u64))?);
         Ok(())
@@ -103,18 +103,6 @@ pub(crate) fn refuse_inputs<'p>(
     }
 }
 
-/// [`refuse_inputs`] for a scene, and for the files that it names: buffers, images, material libraries.
-pub(crate) fn refuse_scene(option: &str, output: &Path, scene: &Path) -> Result<(), Failure> {
-    refuse_inputs(option, output, [("the scene itself", scene)])?;
-    refuse_named(option, output, scene)
-}
-
-fn refuse_named(option: &str, output: &Path, scene: &Path) -> Result<(), Failure> {
-    // A file that is not there yet is none that the scene names.
-    let named = if output.exists() { named_by(scene) } else { Vec::new() };
-    refuse_inputs(option, output, named.iter().map(|path| ("a file that the scene names", &**path)))
-}
-
 fn is_input(option: &str, output: &Path, what: &str, input: &Path) -> Failure {
     let output = output.display().to_string();
     let input = input.display().to_string();
@@ -122,26 +110,51 @@ fn is_input(option: &str, output: &Path, what: &str, input: &Path) -> Failure {
     Failure::Usage(format!("{option} {output}: it is {what}{place}; give another path"))
 }
 
+/// A file that this run has read.
+#[derive(Clone, PartialEq)]
+struct Read {
+    what: &'static str,
+    path: PathBuf,
+    /// Of a scene, the files that it names, as they are found from its folder.
+    named_files: Vec<PathBuf>,
+}
+
 /// Files that this run has read.
-static READ: Mutex<Vec<(&'static str, PathBuf)>> = Mutex::new(Vec::new());
+static READ: Mutex<Vec<Read>> = Mutex::new(Vec::new());
 
 /// Remembers a file that this run reads, so that nothing that it writes later replaces it.
 pub(crate) fn note_input(what: &'static str, path: &Path) {
+    note(Read { what, path: path.to_owned(), named_files: Vec::new() });
+}
+
+/// [`note_input`] for a scene, and for the files that it names, which its loader has found.
+pub(crate) fn note_scene(path: &Path, notes: &LoadNotes) {
+    note(Read { what: SCENE, path: path.to_owned(), named_files: notes.named_files.clone() });
+}
+
+fn note(new: Read) {
     let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    if !read.iter().any(|(_, known)| known == path) {
-        read.push((what, path.to_owned()));
+    if !read.contains(&new) {
+        read.push(new);
     }
 }
 
-/// Refuses what [`note_input`] has noted.
-fn refuse_noted(output: &Path) -> Result<(), Failure> {
+/// What a scene is called where an output would replace it.
+pub(crate) const SCENE: &str = "the scene itself";
+
+/// Refuses an output that would replace a file that this run has read, or one that a scene names. `option` is
+/// where its path was given.
+pub(crate) fn refuse_read(option: &str, output: &Path) -> Result<(), Failure> {
+    // A file that is not there yet is none that was read.
     if !output.exists() {
         return Ok(());
     }
-    let read = READ.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    read.iter().try_for_each(|(what, path)| {
-        refuse_inputs("output", output, [(*what, &**path)])?;
-        refuse_named("output", output, path)
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    read.iter().try_for_each(|Read { what, path, named_files }| {
+        refuse_inputs(option, output, [(*what, &**path)])?;
+        let folder = folder_of(path);
+        let mut named = named_files.iter().map(|name| folder.join(name));
+        named.try_for_each(|path| refuse_inputs(option, output, [("a file that the scene names", &*path)]))
     })
 }
 

@@ -85,6 +85,35 @@ fn bake_keeps_its_scene_and_what_the_scene_names() {
 }
 
 #[test]
+fn bake_keeps_what_only_the_loader_sees_named() {
+    let folder = Folder::new();
+    let face = "v 0 0 0\nv 0 0 1\nv 1 0 0\nusemtl a\nf 1 2 3\n";
+    let scene = folder.write("s.obj", format!("mtllib \\\n s.mtl\n{face}").as_bytes());
+    let library = folder.write("s.mtl", b"newmtl a\nmap_Bump \\\n d.png\n");
+    let texture = folder.write("d.png", b"a texture that no bake reads");
+    for path in [&library, &texture] {
+        is_kept(path, 3, &[vec!["bake", &scene, "-o", path]]);
+    }
+    // JSON that glTF allows and a general parser does not, and a name that is another one on Windows.
+    let positions: Vec<u8> = [0.0_f32, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0].map(f32::to_le_bytes).concat();
+    let deep = format!("{}{}", "[".repeat(200), "]".repeat(200));
+    let names: &[&str] = if cfg!(unix) { &["h.bin", "x\\g.bin"] } else { &["h.bin"] };
+    for (name, extras) in
+        names.iter().flat_map(|&name| ["1e999", &deep].map(|extras| (name, extras.to_owned())))
+    {
+        let buffer = folder.write(name, &positions);
+        let json = format!(
+            r#"{{"asset":{{"version":"2.0"}},"extras":{extras},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+            "buffers":[{{"uri":{name:?},"byteLength":36}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}]}}"#
+        );
+        let scene = folder.write("h.gltf", json.as_bytes());
+        is_kept(&buffer, 3, &[vec!["bake", &scene, "-o", &buffer]]);
+    }
+}
+
+#[test]
 fn query_keeps_its_file_points_and_normals() {
     let Baked { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0, 0.0, 0.0]);

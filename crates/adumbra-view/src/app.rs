@@ -282,7 +282,7 @@ impl App {
 
     /// That a path is none of what was read, which would be lost.
     fn refuse_inputs(&self, output: &Path) -> Result<(), String> {
-        let ViewOptions { scene: first, shadow_files, inputs, named_by, .. } = &self.options;
+        let ViewOptions { scene: first, shadow_files, inputs, .. } = &self.options;
         let scene = self.stage.as_ref().map_or(first, |stage| &stage.scene().path);
         let given = [scene, first].into_iter().chain(shadow_files).chain(inputs);
         let mut inputs = given.map(|path| &**path).chain(self.shadows.given_paths(&self.settings));
@@ -291,15 +291,6 @@ impl App {
                 "{}: it is {} itself, which is in use; give another path",
                 output.display(),
                 input.display()
-            ));
-        }
-        // A file that is not there yet is none that a scene names.
-        if output.exists()
-            && [scene, first].iter().flat_map(|s| named_by(s)).any(|named| same_file(output, &named))
-        {
-            return Err(format!(
-                "{}: it is a file that the scene names; give another path",
-                output.display()
             ));
         }
         Ok(())

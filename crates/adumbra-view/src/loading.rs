@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
+use adumbra::files::folder_of;
 use adumbra::format::AnyFile;
 use adumbra::scene::{self, LoadOptions, Scene};
 
@@ -26,6 +27,8 @@ pub(crate) struct LoadedScene {
     pub(crate) ignore_alpha: bool,
     /// What the loader noticed.
     pub(crate) notes: Vec<String>,
+    /// The files that it names.
+    pub(crate) named_files: Vec<PathBuf>,
 }
 
 /// What a path may be dropped as.
@@ -64,6 +67,8 @@ impl LoadedScene {
             let count = whole.notes.untriangulated_polygons;
             notes.push(format!("{count} polygons could not be triangulated properly"));
         }
+        let folder = folder_of(&path);
+        let named_files = whole.notes.named_files.iter().map(|name| folder.join(name)).collect();
         let whole = Arc::new(whole);
         let (still, moving) = if whole.movers.is_empty() {
             (whole.clone(), Scene::default())
@@ -73,7 +78,7 @@ impl LoadedScene {
             (Arc::new(still), moving)
         };
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        Self { path, number, whole, still, moving, ignore_alpha, notes }
+        Self { path, number, whole, still, moving, ignore_alpha, notes, named_files }
     }
 }
 

@@ -64,8 +64,6 @@ pub struct ViewOptions {
     pub repeated: Vec<String>,
     /// Other files that were read, such as the script; no picture and no camera replaces them.
     pub inputs: Vec<PathBuf>,
-    /// Paths of the files that a scene names; they are kept too.
-    pub named_by: fn(&Path) -> Vec<PathBuf>,
     /// Commands to play.
     pub script: Option<Script>,
 }

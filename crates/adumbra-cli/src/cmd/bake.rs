@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use super::{GraphFigures, bake_tree, bounds, load_scene, print_json, with_threads};
 use crate::args::Bake;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, refuse_scene};
+use crate::output::{SCENE, bytes_words, refuse_inputs, refuse_read};
 use crate::progress::{Reporter, Units};
 use crate::{memory, signals};
 
@@ -30,6 +30,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         signals::install()
     };
     let start = Instant::now();
+    let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let mut options = args.settings.options(args.load.ignore_alpha, &args.work)?;
     // The system's folder may be memory; where the file goes there is a disk.
@@ -45,7 +46,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         false => None,
     };
     if !args.dry_run {
-        refuse_scene("--output", &output, &args.scene).map_err(|e| Failure::BadInput(e.to_string()))?;
+        refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
         files::check_output(&output)?;
     }
     if options.sun.elevation_degrees() < LOWEST_SUN_DEGREES {
@@ -56,6 +57,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     }
     with_threads(args.work.threads, || {
         let scene = load_scene(&args.scene, &args.load.load_options(args.work.max_memory)?)?;
+        if !args.dry_run {
+            refuse_read("--output", &output).map_err(bad_input)?;
+        }
         // Bounds that are no box are refused later, with their range.
         let empty_bounds =
             options.bounds.is_some_and(|b| bounds::is_box(&b) && !bounds::hold_geometry(&b, &scene));

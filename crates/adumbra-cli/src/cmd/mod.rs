@@ -36,7 +36,7 @@ use adumbra::scene::{self, LoadOptions, Scene};
 
 use crate::args::{Args, Verb};
 use crate::exit::{Failure, Outcome};
-use crate::output::note_input;
+use crate::output::note_scene;
 use crate::signals;
 
 pub(crate) fn run(args: Args) -> Outcome {
@@ -63,9 +63,9 @@ pub(crate) fn run(args: Args) -> Outcome {
 
 /// Loads a scene and says on stderr what the loader noticed.
 fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
-    note_input("the scene itself", path);
     let scene = scene::load(path, options)?;
     let notes = &scene.notes;
+    note_scene(path, notes);
     for warning in &notes.warnings {
         eprintln!("warning: {}: {warning}", path.display());
     }

@@ -7,7 +7,6 @@ use clap::ValueEnum;
 
 use crate::args::{DeviceArg, View};
 use crate::exit::{Code, Failure, Outcome};
-use crate::scene_files::named_by;
 
 pub(crate) fn run(args: &View) -> Outcome {
     let options = options(args)?;
@@ -70,7 +69,6 @@ fn options(args: &View) -> Result<ViewOptions, Failure> {
         max_memory_bytes: args.max_memory,
         gpu: args.device.gpu_options(),
         inputs: args.script.iter().chain(&args.camera).cloned().collect(),
-        named_by,
         script: args.script.as_deref().map(Script::read).transpose()?,
     })
 }

@@ -81,6 +81,7 @@ impl App {
                 return self.enter_held();
             }
         };
+        self.options.inputs.extend_from_slice(&scene.named_files);
         for note in &scene.notes {
             self.messages.note(format!("{}: {note}", scene.path.display()));
         }

@@ -20,11 +20,18 @@ pub(super) struct Budget<'a> {
     given_bytes: Option<u64>,
     held_bytes: Cell<u64>,
     file_bytes: Cell<u64>,
+    decoded_bytes: Cell<u64>,
 }
 
 impl<'a> Budget<'a> {
     pub(super) fn new(scene: &'a Path, given_bytes: Option<u64>) -> Self {
-        Self { scene, given_bytes, held_bytes: Cell::new(0), file_bytes: Cell::new(0) }
+        Self {
+            scene,
+            given_bytes,
+            held_bytes: Cell::new(0),
+            file_bytes: Cell::new(0),
+            decoded_bytes: Cell::new(0),
+        }
     }
 
     /// Raises the limit that follows from the size of the scene's files.
@@ -52,9 +59,29 @@ impl<'a> Budget<'a> {
         self.held_bytes.set(self.held_bytes.get().saturating_sub(bytes));
     }
 
+    /// Counts `bytes` that are about to be decoded, for good: what is not kept takes its time all the same, and a small file can ask for
+    /// one image many times, by views of different lengths. All that is decoded has the limit of what may be held without one of the
+    /// caller's; a larger one of the caller's counts.
+    ///
+    /// # Errors
+    /// [`Error::SceneMemory`] beyond the limit.
+    pub(super) fn charge_decoding(&self, bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
+        let needed_bytes = self.decoded_bytes.get().saturating_add(bytes);
+        let limit_bytes = self.default_limit_bytes().max(self.limit_bytes());
+        if needed_bytes > limit_bytes {
+            let path = self.scene.to_owned();
+            return Err(Error::SceneMemory { path, what: what(), needed_bytes, limit_bytes });
+        }
+        self.decoded_bytes.set(needed_bytes);
+        Ok(())
+    }
+
     fn limit_bytes(&self) -> u64 {
-        let default = || BASE_BYTES.saturating_add(BYTES_PER_FILE_BYTE.saturating_mul(self.file_bytes.get()));
-        self.given_bytes.unwrap_or_else(default)
+        self.given_bytes.unwrap_or_else(|| self.default_limit_bytes())
+    }
+
+    fn default_limit_bytes(&self) -> u64 {
+        BASE_BYTES.saturating_add(BYTES_PER_FILE_BYTE.saturating_mul(self.file_bytes.get()))
     }
 }
 
@@ -80,5 +107,25 @@ mod tests {
         default.allow_for(1);
         default.charge(BYTES_PER_FILE_BYTE, String::new).expect("fits");
         default.charge(u64::MAX, String::new).expect_err("no overflow");
+    }
+
+    #[test]
+    fn decoding_is_counted_for_good() {
+        let path = Path::new("scene.glb");
+        for (given, limit) in
+            [(None, BASE_BYTES), (Some(1), BASE_BYTES), (Some(2 * BASE_BYTES), 2 * BASE_BYTES)]
+        {
+            let budget = Budget::new(path, given);
+            budget.charge_decoding(limit - 1, String::new).expect("fits");
+            budget.charge_decoding(1, String::new).expect("fits");
+            budget.release(limit);
+            let error = budget.charge_decoding(1, String::new).expect_err("nothing is given back");
+            assert!(
+                matches!(error, Error::SceneMemory { limit_bytes, .. } if limit_bytes == limit),
+                "{error}"
+            );
+            budget.allow_for(1);
+            assert_eq!(budget.charge_decoding(1, String::new).is_ok(), limit == BASE_BYTES);
+        }
     }
 }

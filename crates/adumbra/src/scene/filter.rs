@@ -13,6 +13,13 @@ pub struct NameFilter {
     exclude: Option<GlobSet>,
 }
 
+/// What a name matches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct Marks {
+    only: bool,
+    exclude: bool,
+}
+
 impl NameFilter {
     /// A filter of globs (`*`, `?`, `[a-z]`, `{a,b}`), matched against whole names with their case.
     ///
@@ -29,9 +36,18 @@ impl NameFilter {
 
     /// Whether a triangle with these names stays.
     pub fn keeps(&self, node: &str, mesh: &str, material: &str) -> bool {
-        let names = [node, mesh, material];
-        let matches = |set: &GlobSet| names.iter().any(|name| set.is_match(name));
-        self.only.as_ref().is_none_or(matches) && !self.exclude.as_ref().is_some_and(matches)
+        self.keeps_marked([node, mesh, material].map(|name| self.marks(name)))
+    }
+
+    /// What a name matches, for [`NameFilter::keeps_marked`]: there are few marks and many names.
+    pub(super) fn marks(&self, name: &str) -> Marks {
+        let matches = |set: &Option<GlobSet>| set.as_ref().is_some_and(|set| set.is_match(name));
+        Marks { only: matches(&self.only), exclude: matches(&self.exclude) }
+    }
+
+    /// Whether a triangle stays of which node, mesh and material have these marks.
+    pub(super) fn keeps_marked(&self, marks: [Marks; 3]) -> bool {
+        (self.only.is_none() || marks.iter().any(|m| m.only)) && !marks.iter().any(|m| m.exclude)
     }
 }
 

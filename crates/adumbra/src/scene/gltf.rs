@@ -13,12 +13,15 @@ mod meshes;
 mod nodes;
 mod skin;
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use ::gltf::json::{Root, mesh::Primitive};
 use hashbrown::HashMap;
 
 use super::affine::{self, IDENTITY};
+use super::filter::{Marks, NameFilter};
 use super::movers::{Mover, MoverPolicy, Movers};
 use super::sources::Sources;
 use super::validate::{Sieve, finish};
@@ -28,6 +31,7 @@ use animations::Animations;
 use container::{Buffers, bad};
 use meshes::{Builder, has_triangles, material_of};
 use nodes::Nodes;
+use skin::Skins;
 
 /// Required extensions that are understood, or that change nothing about what is opaque where.
 const KNOWN_EXTENSIONS: [&str; 22] = [
@@ -58,11 +62,18 @@ const KNOWN_EXTENSIONS: [&str; 22] = [
 /// Bytes of an object of the file's JSON once it is read: of an empty node, which takes three bytes there.
 const OBJECT_BYTES: u64 = 512;
 
-/// A node's mesh with the primitives of it that the filter keeps.
+/// A mesh with the primitives of it that the filter keeps.
 #[derive(Clone, PartialEq, Eq, Hash)]
-struct Variant {
+struct Selection {
     mesh: usize,
     kept: Vec<u32>,
+}
+
+/// What becomes a mesh of the scene.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Variant {
+    /// Index into [`Plan::selections`].
+    selection: u32,
     /// The node, where it has a skin: its vertices are its own.
     skinned: Option<usize>,
 }
@@ -77,6 +88,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         format!("the {objects} objects of its JSON")
     })?;
     let root = parse(path, &json)?;
+    note_named(&sources, &root)?;
     let nodes = Nodes::load(path, &root)?;
     let mut scene = Scene::default();
     let mut sieve = Sieve::default();
@@ -84,31 +96,34 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let buffers = Buffers::load(&sources, &root, bin)?;
 
     let mut used = vec![false; root.materials.len() + 1];
-    for (variant, _) in &plan.variants {
-        for primitive in kept(&root, variant) {
-            let material = material_of(&root, primitive);
-            match used.get_mut(material) {
-                Some(used) => *used = true,
-                None => {
-                    return Err(bad(
-                        path,
-                        format!("a primitive has material {material}, which does not exist"),
-                    ));
-                }
+    for primitive in plan.selections.iter().flat_map(|selection| selection.primitives(&root)) {
+        let material = material_of(&root, primitive);
+        match used.get_mut(material) {
+            Some(used) => *used = true,
+            None => {
+                return Err(bad(path, format!("a primitive has material {material}, which does not exist")));
             }
         }
     }
     let materials = materials::load(&root, &buffers, options, &used, &mut scene.notes)?;
 
     let builder = Builder::new(path, &root, &buffers, &materials);
-    for (variant, name) in &plan.variants {
-        let skin = variant.skinned.zip(variant.skinned.and_then(|n| root.nodes.get(n)?.skin));
-        let skin = match skin {
-            Some((node, s)) => Some(skin::Skin::load(path, &root, &buffers, &nodes, s.value(), node)?),
+    // All is counted before anything is made: a few bytes for a node with a skin are a mesh of its own.
+    for ((selection, is_skinned), copies) in plan.copies() {
+        let selection = &plan.selections[selection as usize];
+        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
+        builder.charge(&mesh_name(&root, selection.mesh), &primitives, is_skinned, copies)?;
+    }
+    let mut skins = Skins::new(path, &root, &buffers, &nodes);
+    for variant in &plan.variants {
+        let skin = match variant.skinned.and_then(|node| Some((node, root.nodes.get(node)?.skin?))) {
+            Some((node, skin)) => Some(skins.load(skin.value(), node)?),
             None => None,
         };
-        let primitives: Vec<&Primitive> = kept(&root, variant).collect();
-        scene.meshes.push(builder.build(name, &primitives, skin.as_ref(), &mut sieve)?);
+        let selection = &plan.selections[variant.selection as usize];
+        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
+        let name = mesh_name(&root, selection.mesh);
+        scene.meshes.push(builder.build(&name, &primitives, skin.as_ref(), &mut sieve)?);
     }
     drop(builder);
     let animations = Animations::load(path, &root, &buffers, &nodes, &mut scene.notes)?;
@@ -119,6 +134,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     placer.note_moving_skins(&plan, &mut scene.notes);
     scene.movers = Movers::new(movers, animations.moving);
+    scene.notes.named_files = sources.named_files();
     (scene.materials, scene.textures) = (materials.list, materials.textures);
     scene.pose(0.0);
     match options.movers {
@@ -127,6 +143,14 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         MoverPolicy::Freeze => scene.movers = Movers::default(),
     }
     finish(path, scene, &sieve, options)
+}
+
+/// Remembers the files of all buffers and images, whether they are needed or not.
+fn note_named(sources: &Sources<'_>, root: &Root) -> Result<()> {
+    let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
+    let images = root.images.iter().filter_map(|i| i.uri.as_deref());
+    let mut files = buffers.chain(images).filter(|uri| !uri.starts_with("data:"));
+    files.try_for_each(|uri| sources.note_named(&container::file_name(uri)))
 }
 
 fn parse(path: &Path, json: &[u8]) -> Result<Root> {
@@ -149,8 +173,9 @@ fn parse(path: &Path, json: &[u8]) -> Result<Root> {
 /// What is to be built and where it goes.
 #[derive(Default)]
 struct Plan {
-    /// Each with the mesh's name.
-    variants: Vec<(Variant, String)>,
+    /// Each once.
+    selections: Vec<Selection>,
+    variants: Vec<Variant>,
     placings: Vec<Placing>,
 }
 
@@ -161,7 +186,49 @@ struct Placing {
     casts: bool,
 }
 
-/// Applies the filter and groups nodes that place the same thing.
+impl Selection {
+    /// What the filter keeps of a mesh on nodes with these marks.
+    fn new(root: &Root, mesh: usize, filter: &NameFilter, node: Marks, sieve: &mut Sieve) -> Self {
+        let mesh_marks = filter.marks(&mesh_name(root, mesh));
+        let keeps = |p: &Primitive| {
+            filter.is_empty()
+                || filter.keeps_marked([
+                    node,
+                    mesh_marks,
+                    filter.marks(&materials::name(root, material_of(root, p))),
+                ])
+        };
+        let mut kept = Vec::new();
+        let primitives = root.meshes.get(mesh).map_or(&[][..], |m| &m.primitives);
+        for (i, primitive) in primitives.iter().enumerate().filter(|(_, p)| has_triangles(p)) {
+            if keeps(primitive) {
+                kept.push(i as u32);
+            } else {
+                sieve.filtered = true;
+            }
+        }
+        Self { mesh, kept }
+    }
+
+    fn primitives<'a>(&'a self, root: &'a Root) -> impl Iterator<Item = &'a Primitive> {
+        let primitives = root.meshes.get(self.mesh).map_or(&[][..], |m| &m.primitives);
+        self.kept.iter().filter_map(|&i| primitives.get(i as usize))
+    }
+}
+
+impl Plan {
+    /// Of each selection, without and with a skin, how many variants there are.
+    fn copies(&self) -> impl Iterator<Item = ((u32, bool), u64)> {
+        let mut copies: BTreeMap<(u32, bool), u64> = BTreeMap::new();
+        for variant in &self.variants {
+            *copies.entry((variant.selection, variant.skinned.is_some())).or_default() += 1;
+        }
+        copies.into_iter()
+    }
+}
+
+/// Applies the filter and groups nodes that place the same thing. A mesh is looked through once, however many nodes place it: once for
+/// each of the few ways in which their names can matter to the filter.
 fn choose(
     path: &Path,
     root: &Root,
@@ -171,10 +238,12 @@ fn choose(
     notes: &mut LoadNotes,
 ) -> Result<Plan> {
     let mut plan = Plan::default();
-    let mut known: HashMap<Variant, u32> = HashMap::new();
-    let mut seen = vec![false; root.meshes.len()];
-    // Variants of meshes of which every primitive is kept, so that each mesh is looked through once.
-    let mut whole: Vec<Option<u32>> = vec![None; root.meshes.len()];
+    let mut variants: HashMap<Variant, u32> = HashMap::new();
+    let mut selections: HashMap<Selection, u32> = HashMap::new();
+    // The selection of a mesh on nodes with these marks; none where nothing is left.
+    let mut selected: HashMap<(usize, Marks), Option<u32>> = HashMap::new();
+    // Of each mesh that was seen, whether it casts.
+    let mut seen: Vec<Option<bool>> = vec![None; root.meshes.len()];
     let (mut skinned, mut morphed) = (0, 0);
     for &(node, casts) in &nodes.drawn {
         let json = &root.nodes[node];
@@ -182,45 +251,32 @@ fn choose(
         let (Some(mesh), Some(seen)) = (root.meshes.get(index), seen.get_mut(index)) else {
             return Err(bad(path, format!("node {node} has mesh {index}, which does not exist")));
         };
-        let node_name = nodes::name(json, node);
-        let mesh_name = mesh.name.clone().unwrap_or_else(|| format!("mesh {index}"));
-        let unfiltered = options.filter.is_empty() && json.skin.is_none();
-        if let Some(&Some(variant)) = whole.get(index)
-            && unfiltered
-        {
-            plan.placings.push(Placing { variant, node, casts: casts && nodes::casts(&mesh.extras) });
-            continue;
-        }
-        if !std::mem::replace(seen, true) {
+        let mesh_casts = *seen.get_or_insert_with(|| {
             notes.skipped_primitives += mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
             morphed += u32::from(mesh.primitives.iter().any(|p| p.targets.is_some()));
-        }
-        let keeps = |p: &Primitive| {
-            options.filter.is_empty()
-                || options.filter.keeps(&node_name, &mesh_name, &materials::name(root, material_of(root, p)))
-        };
-        let mut kept = Vec::new();
-        for (i, primitive) in mesh.primitives.iter().enumerate().filter(|(_, p)| has_triangles(p)) {
-            if keeps(primitive) {
-                kept.push(i as u32);
-            } else {
-                sieve.filtered = true;
-            }
-        }
-        if kept.is_empty() {
-            continue;
-        }
+            nodes::casts(&mesh.extras)
+        });
+        let marks = options.filter.marks(&nodes::name(json, node));
+        let selection = *selected.entry((index, marks)).or_insert_with(|| {
+            let selection = Selection::new(root, index, &options.filter, marks, sieve);
+            let next = plan.selections.len() as u32;
+            (!selection.kept.is_empty()).then(|| {
+                let number = *selections.entry_ref(&selection).or_insert(next);
+                if number == next {
+                    plan.selections.push(selection);
+                }
+                number
+            })
+        });
+        let Some(selection) = selection else { continue };
         skinned += u32::from(json.skin.is_some());
-        let variant = Variant { mesh: index, kept, skinned: json.skin.map(|_| node) };
+        let variant = Variant { selection, skinned: json.skin.map(|_| node) };
         let next = plan.variants.len() as u32;
-        let number = *known.entry_ref(&variant).or_insert(next);
+        let number = *variants.entry(variant).or_insert(next);
         if number == next {
-            plan.variants.push((variant, mesh_name));
+            plan.variants.push(variant);
         }
-        if unfiltered {
-            whole[index] = Some(number);
-        }
-        plan.placings.push(Placing { variant: number, node, casts: casts && nodes::casts(&mesh.extras) });
+        plan.placings.push(Placing { variant: number, node, casts: casts && mesh_casts });
     }
     if skinned > 0 {
         notes
@@ -233,9 +289,12 @@ fn choose(
     Ok(plan)
 }
 
-fn kept<'a>(root: &'a Root, variant: &'a Variant) -> impl Iterator<Item = &'a Primitive> {
-    let primitives = root.meshes.get(variant.mesh).map_or(&[][..], |m| &m.primitives);
-    variant.kept.iter().filter_map(|&i| primitives.get(i as usize))
+/// The mesh's name, or `mesh 7`.
+fn mesh_name(root: &Root, index: usize) -> Cow<'_, str> {
+    match root.meshes.get(index).and_then(|m| m.name.as_deref()) {
+        Some(name) => Cow::Borrowed(name),
+        None => Cow::Owned(format!("mesh {index}")),
+    }
 }
 
 /// What instances are made from.
@@ -286,7 +345,10 @@ impl Placer<'_> {
     /// Skins stand in the pose of the file's nodes, whatever their joints do.
     fn note_moving_skins(&self, plan: &Plan, notes: &mut LoadNotes) {
         let skins = plan.placings.iter().filter_map(|p| self.root.nodes[p.node].skin);
-        let count = skins.filter(|s| self.animations.moves_skin(self.root, s.value())).count();
+        let mut moves: HashMap<usize, bool> = HashMap::new();
+        let mut moves =
+            |skin| *moves.entry(skin).or_insert_with(|| self.animations.moves_skin(self.root, skin));
+        let count = skins.filter(|s| moves(s.value())).count();
         if count > 0 {
             notes
                 .warnings

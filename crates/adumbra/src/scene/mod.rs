@@ -20,7 +20,7 @@ mod texture;
 pub mod topology;
 mod validate;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate};
@@ -124,6 +124,9 @@ pub struct LoadNotes {
     pub untriangulated_polygons: u64,
     /// Animated instances that were left out, by [`MoverPolicy::LeaveOut`].
     pub movers_left_out: u64,
+    /// Files that the scene names, each once and in order, as they are found from the scene's folder: buffers, images, material libraries
+    /// and their textures, whether they were read or not. Whoever writes a file beside a scene can see here what to leave alone.
+    pub named_files: Vec<PathBuf>,
     /// Sentences for the user: skins in bind pose, missing colour textures, and so on.
     pub warnings: Vec<String>,
 }

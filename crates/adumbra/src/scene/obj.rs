@@ -23,7 +23,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let bytes = sources.read_scene()?;
     let length = bytes.len() as u64;
     sources.budget.charge(2 * length, || "the text".to_owned())?;
-    let tidied = tidy::object(&sources, &bytes, options.color_textures)?;
+    let mut tidied = tidy::object(&sources, &bytes, options.color_textures)?;
     drop(bytes);
     let passing = charge(&sources, &tidied, 3 * length)?;
     let mut scene = Scene::default();
@@ -33,17 +33,20 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let loading = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
     let (models, _) = tobj::load_obj_buf(&mut &tidied.text[..], &loading, |_| Ok(library.clone()))
         .map_err(|e| Error::SceneParse { path: path.to_owned(), format: "OBJ", what: e.to_string() })?;
+    let names = std::mem::take(&mut tidied.names);
     drop(tidied);
 
     let mut materials: Vec<Material> = library.0.iter().map(|m| material(m, options)).collect();
     materials.push(Material::opaque("default", [0.8, 0.8, 0.8, 1.0]));
     let mut sieve = Sieve::default();
-    let mut by_name: HashMap<String, usize> = HashMap::new();
+    let mut by_name: HashMap<usize, usize> = HashMap::new();
     let mut used = vec![false; materials.len()];
     for model in models {
         let material = model.mesh.material_id.unwrap_or(library.0.len());
-        let Some(named) = materials.get(material) else { continue };
-        if !options.filter.keeps(&model.name, &model.name, &named.name) {
+        // Faces before any name are the unnamed object's, which has the first number.
+        let number = model.name.parse().unwrap_or(0);
+        let (Some(named), Some(name)) = (materials.get(material), names.get(number)) else { continue };
+        if !options.filter.keeps(name, name, &named.name) {
             sieve.filtered = true;
             continue;
         }
@@ -51,9 +54,9 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
             *used = true;
         }
         let next = scene.meshes.len();
-        let index = *by_name.entry(model.name.clone()).or_insert(next);
+        let index = *by_name.entry(number).or_insert(next);
         if index == next {
-            scene.meshes.push(Mesh { name: model.name, ..Mesh::default() });
+            scene.meshes.push(Mesh { name: name.clone(), ..Mesh::default() });
         }
         if let Some(mesh) = scene.meshes.get_mut(index) {
             append(path, mesh, &model.mesh, material as u32, options.color_textures, &mut sieve)?;
@@ -68,6 +71,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         .map(|(mesh, m)| Instance { name: m.name.clone(), mesh, world_from_mesh: IDENTITY, casts: true })
         .collect();
     scene.materials = materials;
+    scene.notes.named_files = sources.named_files();
     finish(path, scene, &sieve, options)
 }
 
@@ -115,6 +119,8 @@ fn append(
 const PARSED_TRIANGLE_BYTES: u64 = 120;
 /// Bytes of a vertex as the parser keeps it until its mesh is made.
 const PARSED_VERTEX_BYTES: u64 = 48;
+/// Bytes of a model as the parser keeps it until its mesh is made, without triangles and vertices.
+const PARSED_MODEL_BYTES: u64 = size_of::<tobj::Model>() as u64;
 /// Bytes of a triangle in the scene.
 const TRIANGLE_BYTES: u64 = 16;
 /// Bytes of a vertex in the scene.
@@ -127,7 +133,8 @@ fn charge(sources: &Sources<'_>, tidied: &tidy::Object, before: u64) -> Result<u
     sources.budget.release(before);
     let passing = tidied.text.len() as u64
         + tidied.triangles * PARSED_TRIANGLE_BYTES
-        + tidied.vertices * PARSED_VERTEX_BYTES;
+        + tidied.vertices * PARSED_VERTEX_BYTES
+        + tidied.models * PARSED_MODEL_BYTES;
     let kept = tidied.triangles * TRIANGLE_BYTES + tidied.vertices * VERTEX_BYTES;
     let materials = tidied.materials.len() as u64 * MATERIAL_BYTES;
     sources.budget.charge(passing + kept + materials, || {
@@ -158,6 +165,7 @@ fn read_libraries(sources: &Sources<'_>, tidied: &tidy::Object, notes: &mut Load
             }
             Err(e) => return Err(e),
         };
+        tidy::named(&bytes, |name| note_named(sources, name))?;
         let text = tidy::materials(&bytes);
         let count = text.split(|&b| b == b'\n').filter(|line| line.starts_with(b"newmtl")).count() as u64;
         sources.budget.charge(count * MATERIAL_BYTES, || format!("{count} materials of {name:?}"))?;
@@ -270,6 +278,11 @@ fn make_opaque(texture: &mut Texture) {
             texel[3] = 255;
         }
     }
+}
+
+/// Remembers a file that the scene names, as [`locate`] looks for it.
+fn note_named(sources: &Sources<'_>, named: &str) -> Result<()> {
+    sources.note_named(&named.replace('\\', "/"))
 }
 
 /// A file named in the scene, which may have been written on Windows.

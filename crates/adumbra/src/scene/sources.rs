@@ -19,6 +19,9 @@ pub(super) const MAX_LIBRARY_BYTES: u64 = 256 << 20;
 /// Bytes that an image file may have.
 pub(super) const MAX_IMAGE_BYTES: u64 = 1 << 30;
 
+/// Bytes that remembering a file takes beside its name.
+const NAME_BYTES: u64 = 80;
+
 /// Where a scene's bytes come from, and how much of them may be held.
 pub(super) struct Sources<'a> {
     /// The scene file.
@@ -30,6 +33,7 @@ pub(super) struct Sources<'a> {
     allow_outside: bool,
     folder: OnceCell<PathBuf>,
     known: RefCell<HashSet<PathBuf>>,
+    named: RefCell<HashSet<PathBuf>>,
 }
 
 /// A regular file that a scene may read, with all links followed.
@@ -45,6 +49,7 @@ impl<'a> Sources<'a> {
             allow_outside: options.allow_outside,
             folder: OnceCell::new(),
             known: RefCell::default(),
+            named: RefCell::default(),
         }
     }
 
@@ -55,6 +60,26 @@ impl<'a> Sources<'a> {
             return Err(self.bad("the file is empty"));
         }
         Ok(bytes)
+    }
+
+    /// Remembers a file that the scene names, whether it is read or not, for [`LoadNotes::named_files`](super::LoadNotes::named_files).
+    ///
+    /// # Errors
+    /// [`Error::SceneMemory`].
+    pub(super) fn note_named(&self, named: &str) -> Result<()> {
+        let mut known = self.named.borrow_mut();
+        if !known.contains(Path::new(named)) {
+            self.budget.charge(named.len() as u64 + NAME_BYTES, || "the names of its files".to_owned())?;
+            known.insert(PathBuf::from(named));
+        }
+        Ok(())
+    }
+
+    /// What [`Sources::note_named`] has remembered, in order.
+    pub(super) fn named_files(&self) -> Vec<PathBuf> {
+        let mut named: Vec<PathBuf> = self.named.take().into_iter().collect();
+        named.sort_unstable();
+        named
     }
 
     /// Finds the file that `place` in the scene names, relative to the scene.

@@ -50,6 +50,9 @@ pub enum Wrap {
     Clamp,
 }
 
+/// Bytes that a PNG's colour profile and one row of it may take, beside a few times its length.
+const PNG_HEADER_BYTES: u64 = 16 << 20;
+
 /// Linear value of each 8-bit sRGB value (IEC 61966-2-1).
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
@@ -126,6 +129,9 @@ impl Texture {
         let peak = decoder.total_bytes() + converted * texels + if alpha_only { texels } else { 0 };
         let peak = peak.max(kept);
         budget.charge(peak, || format!("the texture {name:?} of {width} x {height} texels"))?;
+        budget.charge_decoding(decoder.total_bytes(), || {
+            format!("all textures as far as {name:?} of {width} x {height} texels, decoded one by one")
+        })?;
         let result = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()).and_then(|image| {
             if texels == 0 {
                 return Err("the image is empty".to_owned());
@@ -180,6 +186,13 @@ fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, Str
     if reader.format().is_none() {
         return Err("it is not a PNG, JPEG, WebP, TGA or BMP image".to_owned());
     }
+    if reader.format() == Some(ImageFormat::Png) {
+        // Its colour profile is unpacked before anybody can ask what it takes. One that is larger is skipped. Chunks of text may be held
+        // as they are, a few times over.
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(PNG_HEADER_BYTES.saturating_add(bytes.len() as u64 * 4));
+        reader.limits(limits);
+    }
     let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
     // What the image library allows one image.
     Limits::default().reserve(decoder.total_bytes()).map_err(|e| e.to_string())?;
@@ -229,6 +242,24 @@ fn axis(u: f32, size: u32, wrap: Wrap) -> Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn colour_profiles_are_small() {
+        use image::ImageEncoder;
+        let with_profile = |bytes: usize| {
+            let mut out = Vec::new();
+            let mut encoder = image::codecs::png::PngEncoder::new(&mut out);
+            encoder.set_icc_profile(vec![0; bytes]).expect("PNG has profiles");
+            encoder.write_image(&[0; 4], 2, 2, image::ExtendedColorType::L8).expect("encodes");
+            out
+        };
+        for (stated, found) in [(4096, Some(4096)), (64 << 20, None)] {
+            let bytes = with_profile(stated);
+            let mut decoder = open(&bytes, "").expect("opens");
+            assert_eq!(decoder.icc_profile().expect("opens").map(|p| p.len()), found);
+            DynamicImage::from_decoder(decoder).expect("decodes");
+        }
+    }
 
     fn two_by_two(wrap: Wrap, nearest: bool) -> Texture {
         let pixels = Pixels::Alpha(vec![0, 255, 255, 255]);

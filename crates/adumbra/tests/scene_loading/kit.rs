@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 /// A glTF file under construction: JSON to change at will, and the binary chunk.
+#[derive(Clone)]
 pub(crate) struct Glb {
     pub(crate) json: Value,
     pub(crate) bin: Vec<u8>,

@@ -281,3 +281,89 @@ fn polygons_of_very_many_corners_end_soon() {
         assert!(seconds < 5.0, "{corners} corners: {seconds:.1} s");
     }
 }
+
+#[test]
+fn skinned_copies_of_a_mesh_are_counted() {
+    let skinned = |copies: usize, mut glb: Glb| {
+        glb.json["nodes"] = json!(vec![json!({"mesh": 0, "skin": 0}); copies]);
+        glb.json["skins"] = json!([{"joints": [0]}]);
+        glb.json["scenes"] = json!([{"nodes": (0..copies).collect::<Vec<_>>()}]);
+        glb
+    };
+    // A name of 100 KB, 1,000 primitives: once in the file, and again for each node.
+    let mut named = Glb::triangle();
+    named.json["meshes"][0]["name"] = json!("n".repeat(100_000));
+    assert_too_large(skinned(1_000, named.clone()).load_with(&within(32 << 20)), "1000 skinned copies");
+    assert_too_large(skinned(2_000, shared(1_000, 3)).load_with(&within(32 << 20)), "2000000 triangles");
+    let scene = skinned(20, named).load_with(&within(32 << 20)).expect("loads");
+    assert_eq!((scene.meshes.len(), scene.meshes[19].name.len()), (20, 100_000));
+    // Nodes that a filter treats alike share what is kept, others have their own.
+    let mut glb = skinned(3, shared(2, 3));
+    glb.json["nodes"][1]["name"] = json!("tree");
+    glb.json["materials"] = json!([{"name": "leaf"}]);
+    glb.json["meshes"][0]["primitives"][1]["material"] = json!(0);
+    let kept = |only: &[&str], exclude: &[&str]| {
+        let scene = glb.load_with(&crate::kit::only(only, exclude)).expect("loads");
+        scene.meshes.iter().map(|m| m.triangles.len()).collect::<Vec<_>>()
+    };
+    assert_eq!(kept(&[], &[]), [2, 2, 2]);
+    assert_eq!(kept(&["tree", "leaf"], &[]), [1, 2, 1]);
+    assert_eq!(kept(&[], &["tree", "leaf"]), [1, 1]);
+}
+
+#[test]
+fn extras_of_a_mesh_are_read_once() {
+    let mut glb = Glb::triangle();
+    glb.json["meshes"][0]["extras"] = json!({"adumbra": {"cast": false}, "more": vec![0; 200_000]});
+    glb.json["nodes"] = json!(vec![json!({"mesh": 0}); 8_000]);
+    glb.json["nodes"][0] = json!({"mesh": 1});
+    glb.json["scenes"] = json!([{"nodes": (0..8_000).collect::<Vec<_>>()}]);
+    glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": 0}}]}));
+    let started = Instant::now();
+    let scene = glb.load().expect("loads");
+    // For each node it took half a minute.
+    assert!(started.elapsed().as_secs_f64() < 5.0);
+    assert_eq!(scene.instances.iter().filter(|i| i.casts).count(), 1);
+}
+
+#[test]
+fn names_of_objects_are_kept_once() {
+    // The parser copies a name for each change of material.
+    let text = |name: &str| {
+        let faces: String = (0..2_000).map(|i| format!("usemtl {}\nf 1 2 3\n", i % 2)).collect();
+        format!("v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\no {name}\n{faces}o other\nf 1 2 3\no {name}\nf 1 2 3\n")
+    };
+    let scene =
+        load_bytes("scene.obj", text(&"n".repeat(100_000)).as_bytes(), &within(8 << 20)).expect("loads");
+    let found: Vec<_> = scene.meshes.iter().map(|m| (m.name.len(), m.triangles.len())).collect();
+    assert_eq!(found, [(14, 1), (100_000, 2_001), (5, 1)]);
+    assert_eq!(scene.meshes[0].name, "unnamed_object");
+    // What the parser keeps for each change is counted.
+    assert_too_large(load_bytes("scene.obj", text("n").as_bytes(), &within(640_000)), "2003 triangles");
+    load_bytes("scene.obj", text("n").as_bytes(), &within(1 << 20)).expect("loads");
+}
+
+#[test]
+fn one_image_under_many_lengths_is_not_decoded_forever() {
+    // Only a header, so that each is given back at once; one byte more or less makes another image of it.
+    let count = 12;
+    let mut png = png_header(11_000);
+    let least = png.len();
+    png.resize(least + count, 0);
+    let images: Vec<_> = (0..count).map(|i| json!({"bufferView": 2 + i})).collect();
+    let mut glb = masked(&images, None);
+    for material in 0..count {
+        glb.json["materials"][material]["alphaMode"] = json!("OPAQUE");
+    }
+    let view = glb.view(&png);
+    let view = glb.json["bufferViews"][view].clone();
+    for i in 1..count {
+        let mut view = view.clone();
+        view["byteLength"] = json!(least + i);
+        glb.push("bufferViews", view);
+    }
+    let options = LoadOptions { color_textures: true, ..LoadOptions::default() };
+    assert_too_large(glb.load_with(&options), "decoded one by one");
+    let trusted = LoadOptions { max_memory_bytes: Some(4 << 30), ..options };
+    assert_eq!(glb.load_with(&trusted).expect("loads").notes.warnings.len(), count);
+}

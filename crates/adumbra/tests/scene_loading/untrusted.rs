@@ -155,6 +155,35 @@ fn material_libraries_and_their_textures_stay_in_the_scenes_folder() {
 }
 
 #[test]
+fn files_that_a_scene_names_are_listed_once() {
+    let place = Place::new();
+    let names = |path: &Path| {
+        let named = plain(path).expect("loads").notes.named_files;
+        named.into_iter().map(|n| n.display().to_string()).collect::<Vec<_>>()
+    };
+    let path = place.write("scene.gltf", gltf_with_image("tex/a%20b.png", "OPAQUE").to_string());
+    assert_eq!(names(&path), ["inside.bin", "tex/a b.png"]);
+
+    let libraries = format!("mtllib{}", " lib.mtl".repeat(1000));
+    let maps = format!("map_Kd{}", " ../a.png".repeat(1000));
+    place.write("lib.mtl", format!("newmtl m\n{maps}\nnorm -bm 2 tex\\\\b.png\n"));
+    let path = place.write("scene.obj", format!("{libraries}\n{FACE}"));
+    let named = names(&path);
+    for name in ["lib.mtl", "../a.png", "tex//b.png", "-bm 2 tex//b.png"] {
+        assert!(named.iter().any(|n| n == name), "{name}");
+    }
+    // And the two long lines, and the words of the option.
+    assert_eq!(named.len(), 8);
+    let path = place.write("scene.obj", format!("mtllib lib.mtl\n{FACE}"));
+    let many: String = (0..100_000).map(|i| format!("map_Kd {i}\n")).collect();
+    place.write("lib.mtl", many);
+    let options = LoadOptions { max_memory_bytes: Some(4 << 20), ..LoadOptions::default() };
+    let error = load(&path, &options).expect_err("more names than fit");
+    assert!(matches!(error, Error::SceneMemory { .. }), "{error}");
+    assert!(error.to_string().contains("the names of its files"), "{error}");
+}
+
+#[test]
 fn buffers_are_read_up_to_their_stated_length() {
     let place = Place::new();
     let long = std::fs::File::options().write(true).open(place.scenes.join("inside.bin")).expect("opens");

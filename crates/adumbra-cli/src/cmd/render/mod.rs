@@ -22,7 +22,7 @@ use super::lookup::{ignored_alpha, sun_of};
 use super::{load_scene, print_json, with_threads};
 use crate::args::{DeviceArg, LayerArg, Render};
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{note_input, refuse_inputs, refuse_same, refuse_scene};
+use crate::output::{note_input, refuse_inputs, refuse_read, refuse_same};
 
 /// What every picture of a call is drawn from.
 struct Job<'a> {
@@ -106,7 +106,7 @@ impl Job<'_> {
         for path in &all {
             let file = self.args.shadow_file.as_deref().map(|file| ("the shadow file itself", file));
             refuse_inputs("--output", path, file)?;
-            refuse_scene("--output", path, &self.args.scene)?;
+            refuse_read("--output", path)?;
         }
         refuse_same(all.iter().map(|path| &**path))
     }

@@ -54,6 +54,8 @@ fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value())
 }
 
+/// Bytes of a mesh without triangles and vertices.
+const MESH_BYTES: u64 = size_of::<Mesh>() as u64;
 /// Bytes of a triangle: its corners and its material.
 const TRIANGLE_BYTES: u64 = 16;
 /// Bytes of a vertex: its position and texture coordinates.
@@ -79,7 +81,9 @@ impl<'a> Builder<'a> {
         skin: Option<&Skin>,
         sieve: &mut Sieve,
     ) -> Result<Mesh> {
-        let passing = self.charge(name, primitives, skin.is_some())?;
+        let (_, vertices) = self.most(primitives, skin.is_some())?;
+        let passing = vertices.saturating_mul(TABLE_BYTES);
+        self.buffers.sources.budget.charge(passing, || format!("mesh {name:?} of {vertices} vertices"))?;
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
         let any_textured = primitives.iter().any(|p| self.texture(p).is_some());
         let mut keys: HashMap<SourceKey, u32> = HashMap::new();
@@ -124,9 +128,28 @@ impl<'a> Builder<'a> {
         Ok(mesh)
     }
 
-    /// Counts a mesh before anything of it is made, as large as its accessors can make it; gives the bytes that are free again once it
-    /// is built.
-    fn charge(&self, name: &str, primitives: &[&Primitive], skinned: bool) -> Result<u64> {
+    /// Counts so many copies of a mesh before anything of them is made, as large as its accessors can make them.
+    pub(super) fn charge(
+        &self,
+        name: &str,
+        primitives: &[&Primitive],
+        skinned: bool,
+        copies: u64,
+    ) -> Result<()> {
+        let (triangles, vertices) = self.most(primitives, skinned)?;
+        let [triangles, vertices, names] =
+            [triangles, vertices, name.len() as u64 + MESH_BYTES].map(|n| n.saturating_mul(copies));
+        let bytes =
+            triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(vertices.saturating_mul(VERTEX_BYTES));
+        self.buffers.sources.budget.charge(bytes.saturating_add(names), || {
+            let what =
+                if copies == 1 { "mesh".to_owned() } else { format!("{copies} skinned copies of mesh") };
+            format!("{what} {name:?} of up to {triangles} triangles and {vertices} vertices")
+        })
+    }
+
+    /// The triangles and the vertices that a mesh has at most.
+    fn most(&self, primitives: &[&Primitive], skinned: bool) -> Result<(u64, u64)> {
         let mut triangles = 0_u64;
         let mut corners_of: HashMap<SourceKey, (u64, u64)> = HashMap::new();
         for primitive in primitives {
@@ -145,15 +168,7 @@ impl<'a> Builder<'a> {
             named.0 = named.0.saturating_add(made.saturating_mul(3));
         }
         let vertices = corners_of.values().map(|&(corners, positions)| corners.min(positions));
-        let vertices = vertices.fold(0, u64::saturating_add);
-        let passing = vertices.saturating_mul(TABLE_BYTES);
-        let kept =
-            triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(vertices.saturating_mul(VERTEX_BYTES));
-        let bytes = kept.saturating_add(passing).saturating_add(name.len() as u64);
-        self.buffers.sources.budget.charge(bytes, || {
-            format!("mesh {name:?} of up to {triangles} triangles and {vertices} vertices")
-        })?;
-        Ok(passing)
+        Ok((triangles, vertices.fold(0, u64::saturating_add)))
     }
 
     /// What says whether a primitive shares its vertices with another one; none without positions.

@@ -1,8 +1,10 @@
 //! Skinned vertices, placed once by the joints as the file leaves them (no animation is played).
 
 use std::path::Path;
+use std::rc::Rc;
 
 use ::gltf::json::Root;
+use hashbrown::HashMap;
 
 use super::accessor::Accessor;
 use super::container::{Buffers, bad};
@@ -12,41 +14,64 @@ use crate::scene::affine::{Affine, IDENTITY, from_columns, multiply};
 
 /// Joint matrices of a skin, from mesh to world.
 pub(super) struct Skin {
-    world_from_mesh: Vec<Affine>,
+    world_from_mesh: Rc<[Affine]>,
     /// For vertices that no joint moves.
     node: Affine,
 }
 
-impl Skin {
+/// Loads skins, each once however many nodes have it.
+pub(super) struct Skins<'a> {
+    path: &'a Path,
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    nodes: &'a Nodes,
+    known: HashMap<usize, Rc<[Affine]>>,
+}
+
+impl<'a> Skins<'a> {
+    pub(super) fn new(path: &'a Path, root: &'a Root, buffers: &'a Buffers<'a>, nodes: &'a Nodes) -> Self {
+        Self { path, root, buffers, nodes, known: HashMap::new() }
+    }
+
+    /// The skin with this index as a node has it.
+    pub(super) fn load(&mut self, index: usize, node: usize) -> Result<Skin> {
+        let world_from_mesh = match self.known.get(&index) {
+            Some(known) => known.clone(),
+            None => {
+                let matrices: Rc<[Affine]> = self.matrices(index)?.into();
+                self.known.insert(index, matrices.clone());
+                matrices
+            }
+        };
+        let node = self.nodes.world.get(node).copied().unwrap_or(IDENTITY);
+        Ok(Skin { world_from_mesh, node })
+    }
+
     /// Multiplies each joint's world transform with its inverse bind matrix.
-    pub(super) fn load(
-        path: &Path,
-        root: &Root,
-        buffers: &Buffers<'_>,
-        nodes: &Nodes,
-        index: usize,
-        node: usize,
-    ) -> Result<Self> {
-        let broken = |what: &str| bad(path, format!("skin {index} {what}"));
-        let json = root.skins.get(index).ok_or_else(|| broken("does not exist"))?;
+    fn matrices(&self, index: usize) -> Result<Vec<Affine>> {
+        let broken = |what: &str| bad(self.path, format!("skin {index} {what}"));
+        let json = self.root.skins.get(index).ok_or_else(|| broken("does not exist"))?;
         let binds = match json.inverse_bind_matrices {
-            Some(accessor) => Some(Accessor::open(path, root, buffers, accessor.value())?),
+            Some(accessor) => Some(Accessor::open(self.path, self.root, self.buffers, accessor.value())?),
             None => None,
         };
         if binds.as_ref().is_some_and(|b| b.components != 16 || b.count < json.joints.len()) {
             return Err(broken("has too few inverse bind matrices"));
         }
+        let bytes = (json.joints.len() * size_of::<Affine>()) as u64;
+        self.buffers.sources.budget.charge(bytes, || format!("the joints of skin {index}"))?;
         let mut world_from_mesh = Vec::with_capacity(json.joints.len());
         for (i, joint) in json.joints.iter().enumerate() {
-            let world =
-                nodes.world.get(joint.value()).ok_or_else(|| broken("names a joint that does not exist"))?;
+            let world = self.nodes.world.get(joint.value());
+            let world = world.ok_or_else(|| broken("names a joint that does not exist"))?;
             let bind = binds.as_ref().and_then(|b| b.floats::<16>(i));
             world_from_mesh.push(bind.map_or(*world, |m| multiply(world, &from_columns(&m))));
         }
-        let node = nodes.world.get(node).copied().unwrap_or(IDENTITY);
-        Ok(Self { world_from_mesh, node })
+        Ok(world_from_mesh)
     }
+}
 
+impl Skin {
     /// The vertex in world space: the joints' positions of it, weighted. Weights that do not add up to one are
     /// scaled; without any, the node's own transform counts.
     pub(super) fn place(&self, p: [f32; 3], influences: impl Iterator<Item = (u32, f32)>) -> [f32; 3] {

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-use hashbrown::HashSet;
+use hashbrown::HashMap;
 
 use crate::error::{Error, Result};
 use crate::scene::polygon::Cutter;
@@ -17,6 +17,11 @@ use crate::scene::sources::Sources;
 pub(super) struct Object {
     /// The OBJ text.
     pub(super) text: Vec<u8>,
+    /// Names of objects and groups, each once; the text has their numbers, for the parser copies an object's name for each change of
+    /// material.
+    pub(super) names: Vec<String>,
+    /// Objects, groups and changes of material: models of the parser.
+    pub(super) models: u64,
     /// Material libraries, each once.
     pub(super) libraries: Vec<String>,
     /// Names of the materials used, each once.
@@ -31,22 +36,31 @@ pub(super) struct Object {
     pub(super) triangles: u64,
 }
 
+/// The object of faces before any name.
+const UNNAMED: &str = "unnamed_object";
+
 /// What names a material library, in errors.
 pub(super) const LIBRARY: &str = "mtllib";
+
+/// Statements of an MTL file that name a texture, beside those that begin with `map_`.
+const OTHER_MAPS: [&str; 5] = ["bump", "disp", "decal", "refl", "norm"];
 
 /// Names, each once, in the order of their first use.
 #[derive(Default)]
 struct Names {
     list: Vec<String>,
-    known: HashSet<String>,
+    known: HashMap<String, u32>,
 }
 
 impl Names {
-    fn remember(&mut self, name: &str) {
-        if !self.known.contains(name) {
-            self.known.insert(name.to_owned());
+    /// The number of a name.
+    fn remember(&mut self, name: &str) -> u32 {
+        let next = self.list.len() as u32;
+        let number = *self.known.entry_ref(name).or_insert(next);
+        if number == next {
             self.list.push(name.to_owned());
         }
+        number
     }
 }
 
@@ -98,26 +112,32 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
         points: Vec::new(),
         cutter: Cutter::default(),
     };
-    let mut name = "unnamed_object".to_owned();
+    let mut names = Names::default();
+    let mut name = names.remember(UNNAMED);
     let (mut vertices_so_far, mut uvs_so_far) = (0, 0);
     for (line, keyword, rest) in statements(&text) {
         match keyword.as_ref() {
             "v" => vertices_so_far += 1,
             "vt" => uvs_so_far += 1,
             "o" | "g" => {
-                name = if rest.is_empty() { "unnamed_object".to_owned() } else { rest.to_string() };
+                name = names.remember(if rest.is_empty() { UNNAMED } else { &rest });
+                out.models += 1;
                 line_of(&mut out.text, format_args!("o {name}"));
             }
             "usemtl" if !rest.is_empty() => {
                 materials.remember(&rest);
+                out.models += 1;
                 line_of(&mut out.text, format_args!("usemtl {rest}"));
             }
             "mtllib" if !rest.is_empty() => {
+                note_named(&rest, |name| super::note_named(sources, name))?;
                 // A library's name may hold spaces, or there may be several names.
                 let several =
                     rest.contains(char::is_whitespace) && super::locate(sources, LIBRARY, &rest).is_err();
                 if several {
-                    rest.split_whitespace().for_each(|name| libraries.remember(name));
+                    for name in rest.split_whitespace() {
+                        libraries.remember(name);
+                    }
                 } else {
                     libraries.remember(&rest);
                 }
@@ -133,7 +153,8 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
                     if v > positions.len() {
                         let (index, vertices) = (v as u64, positions.len() as u64);
                         let path = sources.scene.to_owned();
-                        return Err(Error::IndexOutOfRange { path, mesh: name, index, vertices });
+                        let mesh = names.list.swap_remove(name as usize);
+                        return Err(Error::IndexOutOfRange { path, mesh, index, vertices });
                     }
                     let uv = parts.next().and_then(|p| absolute(p, uvs_so_far)).filter(|&i| i <= uvs);
                     faces.corners.push((v, uv.map_or(1, |i| i + 1)));
@@ -145,7 +166,7 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
         }
     }
     out.untriangulated = faces.cutter.failed;
-    (out.libraries, out.materials) = (libraries.list, materials.list);
+    (out.libraries, out.materials, out.names) = (libraries.list, materials.list, names.list);
     Ok(out)
 }
 
@@ -208,6 +229,23 @@ pub(super) fn materials(bytes: &[u8]) -> Vec<u8> {
         }
     }
     out
+}
+
+/// Calls `note` with all that an MTL file may name as a texture, of whatever kind.
+pub(super) fn named(bytes: &[u8], mut note: impl FnMut(&str) -> Result<()>) -> Result<()> {
+    for (_, keyword, rest) in statements(&String::from_utf8_lossy(bytes)) {
+        let keyword = keyword.to_ascii_lowercase();
+        if keyword.starts_with("map_") || OTHER_MAPS.contains(&keyword.as_str()) {
+            note_named(&rest, &mut note)?;
+        }
+    }
+    Ok(())
+}
+
+/// Calls `note` with the rest of a statement, for names with spaces, and with each of its words, which may be one of several names or
+/// follow options.
+fn note_named(rest: &str, mut note: impl FnMut(&str) -> Result<()>) -> Result<()> {
+    std::iter::once(rest).chain(rest.split_whitespace()).try_for_each(&mut note)
 }
 
 /// Statements as line number, keyword and the rest; lines that end in a backslash go on.
