@@ -256,6 +256,18 @@ fn two_outputs_are_not_one_file() {
         adumbra(&["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out]);
     assert_eq!((code, error.contains("are one file")), (2, true), "{error}");
     assert_eq!(fs::read(&tables).unwrap(), b"earlier");
+    // What a demo and a report leave in their folder.
+    let mine = folder.write("out/report.html", b"earlier");
+    for (link, verb) in
+        [("report.json", vec!["report", "-o", &out]), ("city.adumbra", vec!["demo", "--out", &out])]
+    {
+        let link = folder.path(&format!("out/{link}"));
+        let _ = fs::remove_file(&link);
+        symlink("report.html", &link).unwrap();
+        let (code, error) = adumbra(&verb);
+        assert_eq!(fs::read(&mine).unwrap(), b"earlier");
+        assert_eq!((code, error.contains("are one file")), (2, true), "{verb:?}: {error}");
+    }
 }
 
 #[test]
@@ -421,17 +433,17 @@ fn bounds_that_hold_nothing_are_said() {
 fn options_out_of_range_are_errors_of_usage() {
     let Baked { folder, scene, file } = baked();
     let output = folder.path("b.adumbra");
-    for options in [
-        ["--sun", "0,0,0"],
-        ["--sun", "0,-1,0"],
-        ["--sun", "nan,1,0"],
-        ["--elevation", "-5"],
-        ["--resolution", "100"],
-        ["--resolution", "4"],
-        ["--resolution", "524288"],
+    for (options, says) in [
+        (["--sun", "0,0,0"], "direction"),
+        (["--sun", "0,-1,0"], "horizon"),
+        (["--sun", "nan,1,0"], "direction"),
+        (["--elevation", "-5"], "horizon"),
+        (["--resolution", "1000"], "1024"),
+        (["--resolution", "4"], "try 8"),
+        (["--resolution", "524288"], "try 262144"),
     ] {
         let (code, error) = adumbra(&[&["bake", &scene, "-o", &output][..], &options].concat());
-        assert_eq!(code, 2, "{options:?}: {error}");
+        assert_eq!((code, error.contains(says)), (2, true), "{options:?}: {error}");
     }
     for share in ["2", "nan", "-0.1"] {
         let (code, error) = adumbra(&["verify", &file, "--scene", &scene, "--min-interior", share]);

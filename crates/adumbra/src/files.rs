@@ -199,6 +199,7 @@ pub fn folder_of(path: &Path) -> PathBuf {
 fn temporary_beside(path: &Path, target: &Path) -> Result<(NamedTempFile, Living)> {
     let folder = folder_of(target);
     check_target(target, &folder).map_err(Error::io("create", path))?;
+    #[cfg(unix)]
     let permissions = fs::metadata(target).ok().map(|found| found.permissions());
     let mut builder = tempfile::Builder::new();
     builder.prefix(".adumbra-").suffix(".tmp");

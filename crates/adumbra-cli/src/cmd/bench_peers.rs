@@ -13,7 +13,7 @@ use super::compare::parse;
 use super::load_scene;
 use crate::args::BenchPeers;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{make_folder, write_whole};
+use crate::output::{make_folder, note_input, write_whole};
 
 /// Techniques beside every name with its defaults.
 const VARIANTS: [&str; 5] =
@@ -70,7 +70,9 @@ fn measure(
     rows: &mut [PeerRow],
     column: usize,
 ) -> Result<String, Failure> {
-    let view = TruthView::read(&args.truth.join(format!("{name}.npz")))?;
+    let truth = args.truth.join(format!("{name}.npz"));
+    note_input("the truth file itself", &truth);
+    let view = TruthView::read(&truth)?;
     let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
     let scene = load_scene(&scene_file(&args.scenes, name)?, &options)?;
     let gpu = Gpu::request(&args.device.gpu_options())?;

@@ -17,7 +17,7 @@ use super::compare::{contenders, parse};
 use super::load_scene;
 use crate::args::{BenchShadows, JudgeArg};
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{make_folder, write_whole};
+use crate::output::{make_folder, note_input, write_whole};
 
 /// The sun's disc as seen from the earth, and rays a pixel.
 const DISC: (f64, u32) = (0.53, 64);
@@ -61,7 +61,9 @@ struct Stage<'a, 's> {
 
 /// A scene from its truth camera and from the street; shimmer along a walk there.
 fn measure(args: &BenchShadows, name: &str, specs: &[TechniqueSpec]) -> Result<Vec<Report>, Failure> {
-    let (camera, sun) = truth_camera(&args.truth.join(format!("{name}.npz")))?;
+    let truth = args.truth.join(format!("{name}.npz"));
+    note_input("the truth file itself", &truth);
+    let (camera, sun) = truth_camera(&truth)?;
     let scene = load(args, name)?;
     let truth = TruthTracer::build(&scene, false);
     let mut stage = Stage::new(args, name, &scene, &truth, sun, specs)?;

@@ -19,11 +19,14 @@ use adumbra_lab::page::{Body, Embedded, Encoding, Page, Pair, Table};
 use super::{GraphFigures, load_scene};
 use crate::args::Demo;
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, make_folder, write_png, write_whole};
+use crate::output::{bytes_words, make_folder, refuse_same, write_png, write_whole};
 use crate::progress::{Reporter, Style, Units};
 use crate::signals;
 
 const SEED: u64 = 1;
+/// Cameras, and what each of them shows: parts of the pictures' names.
+const VIEWS: [&str; 2] = ["city", "street"];
+const LAYERS: [&str; 3] = ["", "-truth", "-difference"];
 const SAMPLES: u64 = 200_000;
 /// Of the page's pictures, pixels.
 const WIDEST: u32 = 1280;
@@ -33,6 +36,10 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     make_folder(&args.out)?;
     let scene_path = args.out.join("city.glb");
     let file_path = args.out.join("city.adumbra");
+    let report = args.out.join("report.html");
+    let pictures = VIEWS.map(|view| LAYERS.map(|layer| args.out.join(format!("{view}{layer}.png"))));
+    let outputs = [&scene_path, &file_path, &report].into_iter().chain(pictures.as_flattened());
+    refuse_same(outputs.map(|path| &**path))?;
     write_glb(&generate(GeneratedKind::City, SEED), &scene_path)?;
     let scene = load_scene(&scene_path, &LoadOptions { color_textures: true, ..LoadOptions::default() })?;
     say!("scene     {} ({} triangles)", scene_path.display(), scene.instanced_triangles());
@@ -62,8 +69,8 @@ pub(crate) fn run(args: &Demo) -> Outcome {
 
     let whole = Camera::overview(&scene.bounds(), 40.0);
     let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
-    for (name, camera) in [("city", whole), ("street", street)] {
-        for suffix in ["", "-truth", "-difference"] {
+    for (camera, paths) in [whole, street].into_iter().zip(&pictures) {
+        for (suffix, path) in LAYERS.into_iter().zip(paths) {
             go_on()?;
             let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 5)?;
             let shadows = match suffix {
@@ -72,12 +79,10 @@ pub(crate) fn run(args: &Demo) -> Outcome {
                 _ => Shadows::Difference(&exact),
             };
             let picture = picture::draw(&scene, &tracer, &camera, sun.towards(), &shadows, 2);
-            let path = args.out.join(format!("{name}{suffix}.png"));
-            write_png(&path, &picture)?;
+            write_png(path, &picture)?;
             say!("picture   {}", path.display());
         }
     }
-    let report = args.out.join("report.html");
     write_report(&report, args.resolution, &file, &figures, bake_seconds, &verification)?;
     say!("report    {}", report.display());
     Ok(if verification.holds() { Code::Fine } else { Code::CheckFailed })

@@ -15,6 +15,7 @@ use crate::args::BenchAo;
 use crate::cmd::bench_peers::scene_file;
 use crate::cmd::load_scene;
 use crate::exit::Failure;
+use crate::output::note_input;
 
 /// The name of a row of ours.
 pub(super) fn name(estimator: Estimator, samples: u32, filtered: bool) -> String {
@@ -33,7 +34,9 @@ pub(super) fn rows(args: &BenchAo, truth: &Path) -> Result<Vec<OcclusionRow>, Fa
     };
     let mut rows: Vec<OcclusionRow> = kinds.iter().map(row).collect();
     for (column, scene) in SCENES.into_iter().enumerate() {
-        let view = TruthView::read(&truth.join(format!("{scene}.npz")))?;
+        let path = truth.join(format!("{scene}.npz"));
+        note_input("the truth file itself", &path);
+        let view = TruthView::read(&path)?;
         let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
         let loaded = load_scene(&scene_file(&args.scenes, scene)?, &options)?;
         let gpu = Gpu::request(&args.device.gpu_options())?;

@@ -27,7 +27,7 @@ use self::step::{Places, Step};
 use super::print_json;
 use crate::args::{Report, SECTIONS};
 use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, make_folder, write_whole};
+use crate::output::{bytes_words, make_folder, refuse_same, write_whole};
 use crate::signals;
 
 /// Where benchmarks keep traced pictures.
@@ -39,6 +39,8 @@ const MOST_BYTES: u64 = 25_000_000;
 
 pub(crate) fn run(args: &Report) -> Outcome {
     args.check()?;
+    let pages = ["report.html", "report.json"].map(|name| args.output.join(name));
+    refuse_same(pages.iter().map(|page| &**page))?;
     let earlier = Record::earlier(&args.output)?.map_or_else(Vec::new, |e| e.sections);
     let cancel = signals::install();
     for folder in ["scenes", "data"] {
