@@ -163,6 +163,14 @@ fn objects_of_the_json_are_counted() {
 }
 
 #[test]
+fn lists_of_unknown_extensions_are_counted() {
+    let mut glb = Glb::triangle();
+    glb.json["nodes"][0]["extensions"] = json!({"unknown": vec![0; 1_000_000]});
+    assert_too_large(glb.load_with(&within(32 << 20)), "objects of its JSON");
+    glb.load_with(&within(80 << 20)).expect("loads");
+}
+
+#[test]
 fn accessors_without_bytes_are_counted() {
     let mut glb = shared(5_000, 3);
     glb.json["accessors"][0] = json!({"componentType": FLOAT, "type": "VEC3", "count": 4_000});
