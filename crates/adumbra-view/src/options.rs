@@ -1,6 +1,6 @@
 //! What a view begins with; a command line can say all of it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use adumbra::camera::Projection;
 use adumbra::light::Sun;
