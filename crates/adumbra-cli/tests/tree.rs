@@ -254,7 +254,7 @@ fn tree_faults_have_their_exit_codes() {
     refused(&world(&["--region", "0,0,1,1:16"]), 2, "depths from 1 to 15");
     refused(&world(&["--rings", "0,0:5,4"]), 2, "--rings");
     refused(&world(&["--dry-run"]), 2, "--dry-run");
-    refused(&world(&["--resolution", "1000"]), 3, "not a power of two");
+    refused(&world(&["--resolution", "1000"]), 2, "not a power of two");
     refused(&world(&["--resolution", "65536"]), 2, "--frame light");
     refused(&world(&["--resolution", "1024", "--max-memory", "1MiB"]), 4, "memory");
     refused(&world(&["--sun", "0,-1,0"]), 3, "above the horizon");
