@@ -257,7 +257,7 @@ fn tree_faults_have_their_exit_codes() {
     refused(&world(&["--resolution", "1000"]), 2, "not a power of two");
     refused(&world(&["--resolution", "65536"]), 2, "--frame light");
     refused(&world(&["--resolution", "1024", "--max-memory", "1MiB"]), 4, "memory");
-    refused(&world(&["--sun", "0,-1,0"]), 3, "above the horizon");
+    refused(&world(&["--sun", "0,-1,0"]), 2, "above the horizon");
 
     let tree = folder.path("good.adumbra");
     bake(&scene, &tree, &[]);
