@@ -17,10 +17,9 @@ use crate::exit::Failure;
 pub(crate) struct Outputs(Vec<StagedFile>);
 
 impl Outputs {
-    /// Writes `bytes` beside `path`, unless what this run has read, or another of these files, lies there.
+    /// Writes `bytes` beside `path`, unless a file that this run has read lies there.
     pub(crate) fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         refuse_read("output", path)?;
-        refuse_same(self.0.iter().map(StagedFile::path).chain([path]))?;
         self.0.push(StagedFile::new(path, |file| file.write_all(bytes).map(|()| bytes.len() as u64))?);
         Ok(())
     }
@@ -30,8 +29,9 @@ impl Outputs {
         self.add(path, &png(path, picture)?)
     }
 
-    /// Gives all files their names.
+    /// Gives all files their names, unless two of them are one file.
     pub(crate) fn place(self) -> Result<(), Failure> {
+        refuse_same(self.0.iter().map(StagedFile::path))?;
         Ok(StagedFile::place(self.0)?)
     }
 }
@@ -48,7 +48,7 @@ pub(crate) fn refuse_same<'p>(outputs: impl IntoIterator<Item = &'p Path>) -> Re
     }
 }
 
-/// Writes `bytes` at `path`, unless what this run has read lies there.
+/// Writes `bytes` at `path`, unless a file that this run has read lies there.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let mut outputs = Outputs::default();
     outputs.add(path, bytes)?;

@@ -124,21 +124,15 @@ fn every_point_that_the_sun_can_shine_on_is_in_one_class() {
 /// What a liar does to an answer: the point's grid position, its n·l, the filtered value.
 type Lie = fn([f64; 3], f64, f32) -> f32;
 
-/// Answers of a right file, some of them changed.
-struct Liar<'a> {
+/// A right file whose visibility is replaced.
+struct Replaced<'a, F> {
     honest: LightAnswers<'a>,
-    grid: &'a LightGrid,
-    /// Texels by which points are moved across the light before they are looked up.
-    shift_texels: f64,
-    lie: Lie,
+    visibility: F,
 }
 
-impl Answers for Liar<'_> {
+impl<F: Fn(&LightAnswers<'_>, [f64; 3], Option<[f64; 3]>) -> f32 + Sync> Answers for Replaced<'_, F> {
     fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        let p_grid = self.grid.to_grid(p_world);
-        let moved = self.grid.to_world([p_grid[0] + self.shift_texels, p_grid[1], p_grid[2]]);
-        let n_dot_l = normal.map_or(1.0, |n| (0..3).map(|a| n[a] * self.towards_sun()[a]).sum());
-        (self.lie)(p_grid, n_dot_l, self.honest.visibility(moved, normal))
+        (self.visibility)(&self.honest, p_world, normal)
     }
 
     fn towards_sun(&self) -> [f64; 3] {
@@ -181,57 +175,16 @@ fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
     let baked = bake_quietly(&scene, &Options::new(sun, Size::Resolution(2048)));
     let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
     let honest = LightAnswers::new(&baked.grid, &baked.settings, query);
-    let liar = Liar { honest, grid: &baked.grid, shift_texels, lie };
+    let grid = &baked.grid;
+    let visibility = |honest: &LightAnswers<'_>, p_world, normal: Option<[f64; 3]>| {
+        let p_grid = grid.to_grid(p_world);
+        let moved = grid.to_world([p_grid[0] + shift_texels, p_grid[1], p_grid[2]]);
+        let n_dot_l = normal.map_or(1.0, |n| (0..3).map(|a| n[a] * honest.towards_sun()[a]).sum());
+        lie(p_grid, n_dot_l, honest.visibility(moved, normal))
+    };
+    let liar = Replaced { honest, visibility };
     let v = check(&scene, sun, &liar, 20_000);
     v.classes.iter().filter(|c| !c.holds).map(|c| c.class).collect()
-}
-
-/// Answers of a look-up whose plane is held back at a slope of 9.95.
-struct Clamped<'a> {
-    honest: LightAnswers<'a>,
-    query: Query<'a>,
-    grid: &'a LightGrid,
-}
-
-impl Answers for Clamped<'_> {
-    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        let r = receiver(self.grid, &self.bias(), p_world, normal);
-        let slope = r.gradient[0].hypot(r.gradient[1]);
-        let gradient = r.gradient.map(|g| g * (9.95 / slope).min(1.0));
-        self.query.receiver_visibility(&Receiver { gradient, ..r })
-    }
-
-    fn towards_sun(&self) -> [f64; 3] {
-        self.honest.towards_sun()
-    }
-
-    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
-        self.honest.grid_at(p_world, normal)
-    }
-
-    fn bias(&self) -> Bias {
-        self.honest.bias()
-    }
-
-    fn baked_bias(&self) -> Bias {
-        self.honest.baked_bias()
-    }
-
-    fn covers(&self, p_world: [f64; 3]) -> bool {
-        self.honest.covers(p_world)
-    }
-
-    fn insides_are_free(&self) -> bool {
-        self.honest.insides_are_free()
-    }
-
-    fn taps(&self, receiver: &Receiver) -> Vec<[f64; 3]> {
-        self.honest.taps(receiver)
-    }
-
-    fn promises(&self) -> Promises {
-        self.honest.promises()
-    }
 }
 
 #[test]
@@ -247,8 +200,14 @@ fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
             v.holds() && (is_right || v.class(Class::Grazing).points > 1_000),
             "{elevation}° {filter}: {v:?}"
         );
-        let clamped = Clamped { honest: honest(), query, grid: &baked.grid };
-        let v = check(&scene, sun, &clamped, 10_000);
+        // The same look-ups with their plane held back at a slope of 9.95.
+        let clamped = |honest: &LightAnswers<'_>, p_world, normal| {
+            let r = receiver(&baked.grid, &honest.bias(), p_world, normal);
+            let slope = r.gradient[0].hypot(r.gradient[1]);
+            let gradient = r.gradient.map(|g| g * (9.95 / slope).min(1.0));
+            query.receiver_visibility(&Receiver { gradient, ..r })
+        };
+        let v = check(&scene, sun, &Replaced { honest: honest(), visibility: clamped }, 10_000);
         assert_eq!(v.class(Class::Grazing).holds, is_right, "{elevation}° {filter}: {v:?}");
     }
 }

@@ -62,7 +62,7 @@ const KNOWN_EXTENSIONS: [&str; 22] = [
 /// Bytes of an object of the file's JSON once it is read: of an empty node, which takes three bytes there.
 const OBJECT_BYTES: u64 = 512;
 
-/// Bytes of an item of a list in the file's JSON once it is read: of a number in an extension that nobody knows, while its list grows.
+/// Bytes of an item of a list in the file's JSON once it is read: of a number in an unknown extension, while its list grows.
 const ITEM_BYTES: u64 = 64;
 
 /// A mesh with the primitives of it that the filter keeps.

@@ -187,8 +187,8 @@ fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, Str
         return Err("it is not a PNG, JPEG, WebP, TGA or BMP image".to_owned());
     }
     if reader.format() == Some(ImageFormat::Png) {
-        // Its colour profile is unpacked before anybody can ask what it takes. One that is larger is skipped. Chunks of text may be held
-        // as they are, a few times over.
+        // The decoder unpacks the colour profile before it reports any size. A larger profile is skipped. Chunks of text may be held as
+        // they are, a few times over.
         let mut limits = Limits::default();
         limits.max_alloc = Some(PNG_HEADER_BYTES.saturating_add(bytes.len() as u64 * 4));
         reader.limits(limits);

@@ -75,12 +75,12 @@ struct Faults<W> {
 impl<W> Faults<W> {
     fn keep<T>(&mut self, result: std::io::Result<T>) -> std::io::Result<T> {
         result.map_err(|fault| {
-            let told = fault.kind().into();
+            let passed_on = fault.kind().into();
             // A write that is interrupted is tried again.
             if fault.kind() != ErrorKind::Interrupted {
                 self.fault.get_or_insert(fault);
             }
-            told
+            passed_on
         })
     }
 }

@@ -47,7 +47,7 @@ fn creases_count_as_far_as_a_normal_offset_reaches() {
     assert_builders_agree(&scene(&triangles, 1), Bias { normal_offset_texels: 0.66, ..Bias::default() });
 }
 
-/// The same solid twice: its ridge is an edge between two sides that face the sun, no seam between solids.
+/// Two copies of one solid: the ridge is an edge between two sides that face the sun, no seam between solids.
 #[test]
 fn ridges_of_solids_that_coincide_are_no_seams() {
     // A hair beside the texels' centres, on either side: snapped, the ridge runs through them.

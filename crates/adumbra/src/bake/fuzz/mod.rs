@@ -71,7 +71,7 @@ fn check_case(seed: u64, scene: &Scene, options: &Options) -> Result<Totals, Str
     Ok(totals)
 }
 
-/// As [`check`]; a panic is a failure too.
+/// Checks a case, where a panic is a failure too. See [`check`].
 fn check_caught(seed: u64) -> Result<Totals, String> {
     catch_unwind(AssertUnwindSafe(|| check(seed))).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);

@@ -51,7 +51,7 @@ pub(super) struct Totals {
     pub(super) drawn: u64,
     /// Receivers that were held against rays, and those of them that the rays call lit.
     pub(super) receivers: [u64; 2],
-    /// The same of filters' taps.
+    /// How many taps of filters the look-ups answered, and how many of them are lit.
     pub(super) taps: [u64; 2],
     /// Filters that were held against the sum of their taps.
     pub(super) filters: u64,
