@@ -78,7 +78,7 @@ pub(crate) fn run(args: &Query) -> Outcome {
     }
     outputs.add(&args.output, &floats(&visibilities))?;
     outputs.place()?;
-    let mean = visibilities.iter().map(|v| f64::from(*v)).sum::<f64>() / visibilities.len().max(1) as f64;
+    let mean = visibilities.iter().fold(0.0, |sum, v| sum + f64::from(*v)) / visibilities.len().max(1) as f64;
     not_finite.say(points.len());
     if args.json {
         print_json(&json!({

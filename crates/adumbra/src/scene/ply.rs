@@ -19,12 +19,13 @@ use crate::error::{Error, Result};
 /// What one element of the file says: a vertex's position or a face's corners.
 struct Record {
     position: [f32; 3],
-    corners: Vec<i64>,
+    /// A list, as the file stores it.
+    corners: Property,
 }
 
 impl PropertyAccess for Record {
     fn new() -> Self {
-        Self { position: [0.0; 3], corners: Vec::new() }
+        Self { position: [0.0; 3], corners: Property::ListUInt(Vec::new()) }
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
@@ -33,7 +34,7 @@ impl PropertyAccess for Record {
             "y" => 1,
             "z" => 2,
             "vertex_indices" | "vertex_index" => {
-                self.corners = integers(property);
+                self.corners = property;
                 return PropertyAccessResult::Set;
             }
             _ => return PropertyAccessResult::Ignored,
@@ -53,15 +54,16 @@ impl PropertyAccess for Record {
     }
 }
 
-fn integers(property: Property) -> Vec<i64> {
-    match property {
-        Property::ListChar(v) => v.into_iter().map(i64::from).collect(),
-        Property::ListUChar(v) => v.into_iter().map(i64::from).collect(),
-        Property::ListShort(v) => v.into_iter().map(i64::from).collect(),
-        Property::ListUShort(v) => v.into_iter().map(i64::from).collect(),
-        Property::ListInt(v) => v.into_iter().map(i64::from).collect(),
-        Property::ListUInt(v) => v.into_iter().map(i64::from).collect(),
-        _ => Vec::new(),
+/// How many corners a list holds.
+fn corner_count(list: &Property) -> usize {
+    match list {
+        Property::ListChar(v) => v.len(),
+        Property::ListUChar(v) => v.len(),
+        Property::ListShort(v) => v.len(),
+        Property::ListUShort(v) => v.len(),
+        Property::ListInt(v) => v.len(),
+        Property::ListUInt(v) => v.len(),
+        _ => 0,
     }
 }
 
@@ -131,12 +133,25 @@ struct Faces {
 }
 
 impl Faces {
-    /// Adds a face; the error is a corner that is no vertex index.
-    fn push(&mut self, corners: &[i64]) -> Result<(), i64> {
-        for &corner in corners {
+    /// Adds a face of the corners in a list; the error is a corner that is no vertex index.
+    fn push(&mut self, list: Property) -> Result<(), i64> {
+        match list {
+            Property::ListChar(v) => self.extend(v),
+            Property::ListUChar(v) => self.extend(v),
+            Property::ListShort(v) => self.extend(v),
+            Property::ListUShort(v) => self.extend(v),
+            Property::ListInt(v) => self.extend(v),
+            Property::ListUInt(v) => self.extend(v),
+            _ => Ok(()),
+        }?;
+        self.ends.push(self.corners.len());
+        Ok(())
+    }
+
+    fn extend<T: Into<i64>>(&mut self, corners: Vec<T>) -> Result<(), i64> {
+        for corner in corners.into_iter().map(T::into) {
             self.corners.push(u32::try_from(corner).map_err(|_| corner)?);
         }
-        self.ends.push(self.corners.len());
         Ok(())
     }
 }
@@ -181,15 +196,16 @@ fn parse(
         for i in 0..count {
             let record = read_record(&parser, &mut reader, element, header.encoding)
                 .map_err(|e| bad(format!("{stated} {i} of {count}: {}", one_line(&e))))?;
+            let corners = corner_count(&record.corners);
             if is_vertex {
                 positions.push(record.position);
-            } else if stated == "face" && record.corners.len() < 3 {
+            } else if stated == "face" && corners < 3 {
                 *skipped += 1;
             } else if stated == "face" {
-                let bytes = CORNER_BYTES * record.corners.len() as u64;
-                sources.budget.charge(bytes, || format!("{} faces", i + 1))?;
+                let all = faces.corners.len() + corners;
+                sources.budget.charge(CORNER_BYTES * corners as u64, || format!("{all} corners of faces"))?;
                 faces
-                    .push(&record.corners)
+                    .push(record.corners)
                     .map_err(|corner| bad(format!("face {i} names vertex {corner}")))?;
             }
         }
