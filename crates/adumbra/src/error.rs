@@ -48,7 +48,7 @@ pub enum Error {
         extension: String,
     },
     /// A texture that decides where a material is opaque cannot be read.
-    #[error("{path:?}: material {material:?} needs the texture {texture}: {what}; put the file there, or use --ignore-alpha", path = path.display())]
+    #[error("{path:?}: material {material:?} needs the texture {texture}: {what}; put an image there that can be read, or use --ignore-alpha", path = path.display())]
     Texture {
         /// The scene file.
         path: PathBuf,

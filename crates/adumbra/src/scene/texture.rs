@@ -7,7 +7,7 @@
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::budget::Budget;
 use crate::error::Result;
@@ -193,9 +193,15 @@ fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, Str
         limits.max_alloc = Some(PNG_HEADER_BYTES.saturating_add(bytes.len() as u64 * 4));
         reader.limits(limits);
     }
-    let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+    let decoder = reader.into_decoder().map_err(|e| match e {
+        ImageError::Limits(_) => "it is larger than an image may be".to_owned(),
+        e => e.to_string(),
+    })?;
     // What the image library allows one image.
-    Limits::default().reserve(decoder.total_bytes()).map_err(|e| e.to_string())?;
+    let (width, height) = decoder.dimensions();
+    Limits::default()
+        .reserve(decoder.total_bytes())
+        .map_err(|_| format!("its {width} x {height} texels are more than an image may have"))?;
     Ok(decoder)
 }
 

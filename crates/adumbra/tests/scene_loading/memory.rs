@@ -129,6 +129,17 @@ fn images_are_counted_before_they_are_decoded() {
     load(&path, &within(100 << 20)).expect("loads without colours");
 }
 
+#[test]
+fn images_larger_than_any_image_may_be_are_named_so() {
+    let mut glb = masked(&[json!({"bufferView": 2})], None);
+    glb.view(&png_header(60_000));
+    let message = glb.load_with(&within(1 << 40)).expect_err("too large").to_string();
+    assert!(
+        message.contains("60000 x 60000 texels") || message.contains("larger than an image"),
+        "{message}"
+    );
+}
+
 /// So many primitives on one accessor of so many vertices.
 fn shared(primitives: usize, vertices: usize) -> Glb {
     let mut glb = Glb::new();
@@ -239,8 +250,24 @@ fn texts_are_counted() {
         ply.push(3);
         ply.extend([0_i32, 1, 2].iter().flat_map(|c| c.to_le_bytes()));
     }
-    assert_too_large(load_bytes("scene.ply", &ply, &within(1 << 20)), "faces");
+    assert_too_large(load_bytes("scene.ply", &ply, &within(1 << 20)), "corners of faces");
     load_bytes("scene.ply", &ply, &within(4 << 20)).expect("loads");
+}
+
+#[test]
+fn corners_of_one_face_are_counted_before_they_are_held() {
+    let obj = format!("v 0 0 0\nv 0 0 1\nv 1 0 0\nf{}\n", " 1 2 3".repeat(100_000));
+    let text = 3 * obj.len() as u64;
+    assert_too_large(load_bytes("scene.obj", obj.as_bytes(), &within(text)), "a face of 300000 corners");
+
+    let mut ply =
+        b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+        property float z\nelement face 1\nproperty list uint uchar vertex_indices\nend_header\n"
+            .to_vec();
+    ply.extend([0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0].iter().flat_map(|c| c.to_le_bytes()));
+    ply.extend(300_000_u32.to_le_bytes());
+    ply.extend([0, 1, 2].repeat(100_000));
+    assert_too_large(load_bytes("scene.ply", &ply, &within(2 << 20)), "300000 corners of faces");
 }
 
 /// Each of these took from seconds to hours where the time grew with the square of the length.

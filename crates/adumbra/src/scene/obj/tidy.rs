@@ -110,6 +110,7 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
         with_uvs,
         corners: Vec::new(),
         points: Vec::new(),
+        room: 0,
         cutter: Cutter::default(),
     };
     let mut names = Names::default();
@@ -143,9 +144,13 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
                 }
             }
             "l" | "p" => out.skipped += 1,
-            "f" if rest.split_whitespace().count() < 3 => out.skipped += 1,
             "f" => {
-                faces.corners.clear();
+                let count = rest.split_whitespace().count();
+                if count < 3 {
+                    out.skipped += 1;
+                    continue;
+                }
+                faces.make_room(sources, count)?;
                 for corner in rest.split_whitespace() {
                     let mut parts = corner.split('/');
                     let v = parts.next().and_then(|p| absolute(p, vertices_so_far));
@@ -165,6 +170,7 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
             _ => {}
         }
     }
+    sources.budget.release(faces.room as u64 * CORNER_BYTES);
     out.untriangulated = faces.cutter.failed;
     (out.libraries, out.materials, out.names) = (libraries.list, materials.list, names.list);
     Ok(out)
@@ -177,10 +183,26 @@ struct Faces<'a> {
     /// Position and texture coordinates of each corner, counted from 1.
     corners: Vec<(usize, usize)>,
     points: Vec<[f32; 3]>,
+    /// The corners of a face that memory is counted for.
+    room: usize,
     cutter: Cutter,
 }
 
+/// Bytes of a corner while its face is written.
+const CORNER_BYTES: u64 = size_of::<((usize, usize), [f32; 3])>() as u64;
+
 impl Faces<'_> {
+    /// Begins a face of so many corners.
+    fn make_room(&mut self, sources: &Sources<'_>, corners: usize) -> Result<()> {
+        self.corners.clear();
+        if let Some(more) = corners.checked_sub(self.room) {
+            sources.budget.charge(more as u64 * CORNER_BYTES, || format!("a face of {corners} corners"))?;
+            self.corners.reserve_exact(corners);
+            self.room = corners;
+        }
+        Ok(())
+    }
+
     /// Writes the face of these corners: as it is, where a fan covers it, otherwise as triangles.
     fn write(&mut self, out: &mut Vec<u8>) {
         self.points.clear();
