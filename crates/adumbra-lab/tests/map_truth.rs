@@ -58,7 +58,7 @@ impl<'s> View<'s> {
             let depth = surfaces.view_depth[i] as f32;
             let layer = layers.iter().find(|l| depth < l.scale[2]).unwrap_or(&layers[layers.len() - 1]);
             let radius = EDGE_TEXELS * f64::from(layer.scale[0]);
-            probe.is_clear(surfaces.position[i], surfaces.normal[i].map(f64::from), radius)
+            probe.is_clear(surfaces.lifted(i), surfaces.normal[i].map(f64::from), radius)
         };
         let faces = |i: &usize| surfaces.is_valid(*i) && surfaces.n_dot_l(*i, sun) > LEAST_N_DOT_L;
         let facing: Vec<usize> = (0..surfaces.pixels()).filter(faces).collect();

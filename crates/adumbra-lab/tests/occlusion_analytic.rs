@@ -127,6 +127,7 @@ fn check(
         position: some.iter().map(|&(i, _)| seen.position[i]).collect(),
         normal: some.iter().map(|&(i, _)| seen.normal[i]).collect(),
         view_depth: vec![1.0; some.len()],
+        lift_world: some.iter().map(|&(i, _)| seen.lift_world[i]).collect(),
     };
     let traced = truth.ambient(&surfaces, radius_world, RAYS);
     let off = some.iter().zip(&traced).map(|((_, right), v)| (f64::from(*v) - right).abs());

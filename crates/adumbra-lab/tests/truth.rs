@@ -64,6 +64,8 @@ fn shared_ambient_agrees_with_another_renderer_at_its_positions() {
             position: pixels.iter().map(|&i| view.position[i].map(f64::from)).collect(),
             normal: pixels.iter().map(|&i| view.normal[i]).collect(),
             view_depth: pixels.iter().map(|&i| if view.valid[i] { 1.0 } else { f64::INFINITY }).collect(),
+            // Its positions are floats.
+            lift_world: vec![1e-5 * scene.bounds().diagonal(); pixels.len()],
         };
         let ambient = tracer.ambient(&surfaces, view.ambient_radius_world, 64);
         let theirs: Vec<f32> = pixels.iter().map(|&i| view.ambient[i]).collect();
@@ -145,6 +147,7 @@ fn ambient_of_a_wall_is_its_integral() {
         position: places.iter().map(|p| p.0).chain([[0.0; 3]]).collect(),
         normal: places.iter().map(|p| p.1).chain([[0.0; 3]]).collect(),
         view_depth: vec![1.0, 1.0, 1.0, f64::INFINITY],
+        lift_world: vec![1e-6; 4],
     };
     let radius = 0.75;
     let ambient = truth.ambient(&surfaces, radius, 4096);
@@ -213,7 +216,7 @@ fn edges_of_a_box_shadow_are_where_they_must_be() {
     let truth = TruthTracer::build(&scene, false);
     let sun = Sun::from_direction([1.0, 1.0, 0.0]).unwrap();
     let probe = EdgeProbe::new(&truth, sun.towards());
-    let clear = |p: [f64; 3], radius: f64| probe.is_clear(p, [0.0, 1.0, 0.0], radius);
+    let clear = |p: [f64; 3], radius: f64| probe.is_clear([p[0], p[1] + 1e-6, p[2]], [0.0, 1.0, 0.0], radius);
     // In the light's plane a metre on the ground along x is √½ of one; along z it is one.
     for (p, distance) in [
         ([-3.0, 0.0, 0.6], 0.4),
@@ -228,7 +231,7 @@ fn edges_of_a_box_shadow_are_where_they_must_be() {
     let surfaces = truth.surfaces(&above(96, 48));
     let mask = probe.clear_pixels(&surfaces, |_| 0.2);
     let alone: Vec<bool> = (0..surfaces.pixels())
-        .map(|i| probe.is_clear(surfaces.position[i], surfaces.normal[i].map(f64::from), 0.2))
+        .map(|i| probe.is_clear(surfaces.lifted(i), surfaces.normal[i].map(f64::from), 0.2))
         .collect();
     assert_eq!(mask, alone);
     assert!(mask.iter().any(|c| *c) && mask.iter().any(|c| !*c));

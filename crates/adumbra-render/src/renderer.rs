@@ -245,7 +245,7 @@ impl Renderer {
         if drawn.is_none() {
             let volume = visible_volume(&view);
             for part in std::iter::once(&mut self.scene).chain(&mut self.movers) {
-                part.seen.update(&self.gpu, &part.buffers, &volume, false);
+                part.seen.update(&self.gpu, &part.buffers, view.eye, &volume, false);
             }
         }
         let input = self.input(shot, &view);
@@ -431,7 +431,7 @@ impl Renderer {
             gpu: &self.gpu,
             camera: &shot.camera,
             view,
-            anchor_world: view.eye.map(|c| f64::from(c as f32)),
+            anchor_world: view.eye,
             towards_sun: shot.towards_sun,
             scene: &self.scene.buffers,
             movers: self.movers.as_ref().map(|m| &m.buffers),

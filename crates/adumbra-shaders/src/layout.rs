@@ -1,7 +1,7 @@
 //! Structures that Rust writes and WGSL reads: declared once here, as both.
 //!
 //! Fields stand so that no padding is needed: Rust writes them one behind the other, and `tests/validate.rs` holds size and
-//! offsets against naga's. "Relative" positions are world positions less [`Frame::anchor_world`].
+//! offsets against naga's. "Relative" positions are world positions less the frame's anchor.
 
 mod kinds;
 
@@ -34,8 +34,11 @@ gpu_struct! {
         pub ray_y: [f32; 4],
         /// a, b, c, e of the depth convention above.
         pub depth_to_z: [f32; 4],
-        /// World position that relative positions count from, usually the eye; w = 0.
+        /// World position that relative positions count from, usually the eye, rounded to floats; w = 0. No shader needs it: all that
+        /// is relative was made so in doubles.
         pub anchor_world: [f32; 4],
+        /// What that rounding left over; w = 0.
+        pub anchor_rest: [f32; 4],
         /// Unit vector towards the sun; w = 0.
         pub towards_sun: [f32; 4],
         /// Unit vector that view depth counts along; w = 0.
@@ -76,7 +79,7 @@ gpu_struct! {
         /// Least standard deviation of depth in texels, share of the tail cut off, positive and negative exponent.
         pub moments: [f32; 4],
         /// Edge of a pixel in world units at view depth 0, and what a unit of view depth adds; mip levels of moments;
-        /// least bias along the light, as a share of the layer's depth: a step of 16-bit depth, 0 with 32 bits.
+        /// least bias along the light, as a share of the layer's depth: a step of 16-bit depth, some units in the last place with 32 bits.
         pub pixel: [f32; 4],
     }
 }

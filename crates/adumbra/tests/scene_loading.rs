@@ -46,6 +46,22 @@ fn gltf_transforms_nest_and_mirror() {
 }
 
 #[test]
+fn gltf_nodes_stand_where_the_file_says_at_map_coordinates() {
+    let mut glb = Glb::triangle();
+    glb.json["nodes"] = json!([
+        {"translation": [500_000.37, 0, 5_000_000.37], "children": [1, 2]},
+        {"translation": [0.125, 0, 1_000_000.1], "mesh": 0},
+        {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0.1,0,10_000_000.3,1], "mesh": 0},
+    ]);
+    let scene = glb.load().expect("loads");
+    let places = [[500_000.495, 0.0, 6_000_000.47], [500_000.47, 0.0, 15_000_000.67]];
+    for (instance, place) in scene.instances.iter().zip(places) {
+        let stands = instance.world_from_mesh.map(|row| row[3]);
+        assert!((0..3).all(|a| (stands[a] - place[a]).abs() < 1e-8), "{stands:?} {place:?}");
+    }
+}
+
+#[test]
 fn gltf_strips_and_fans_keep_their_winding() {
     let square = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1.0];
     for (mode, order) in [(5, [0, 1, 2, 3]), (6, [0, 1, 3, 2])] {

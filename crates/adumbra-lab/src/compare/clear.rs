@@ -26,7 +26,7 @@ pub fn clear_errors(
         .map(|i| texel_world(i).map(|texel| (i, CLEAR_TEXELS * texel)))
         .collect::<Option<_>>()?;
     let clear = |&&(i, radius): &&(usize, f64)| {
-        probe.is_clear(surfaces.position[i], surfaces.normal[i].map(f64::from), radius)
+        probe.is_clear(surfaces.lifted(i), surfaces.normal[i].map(f64::from), radius)
     };
     let sample: Vec<(usize, f64)> = pixels.iter().copied().step_by(SAMPLE).collect();
     let share = sample.par_iter().filter(clear).count() as f64 / sample.len().max(1) as f64;

@@ -206,6 +206,7 @@ mod tests {
                 position,
                 normal: vec![[0.0, 0.0, 1.0]; (width * height) as usize],
                 view_depth: vec![10.0; (width * height) as usize],
+                lift_world: vec![0.0; (width * height) as usize],
             },
             truth: pixels().map(truth).collect(),
             counted: vec![true; (width * height) as usize],

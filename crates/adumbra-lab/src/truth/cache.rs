@@ -14,10 +14,10 @@ use super::{SunShape, Surfaces, TruthTracer};
 
 const MAGIC: &[u8; 8] = b"adumbraT";
 /// Goes up whenever rays or this layout change what an entry holds.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER_BYTES: usize = 8 + 4 + 32 + 8 + 32;
-/// Distance along the view, position and normal.
-const SURFACE_BYTES: usize = 8 + 24 + 12;
+/// Distance along the view, position, lift and normal.
+const SURFACE_BYTES: usize = 8 + 24 + 8 + 12;
 
 /// What an entry follows from, hashed.
 #[derive(Clone, Debug)]
@@ -221,6 +221,7 @@ fn encode_surfaces(s: &Surfaces) -> Vec<u8> {
     for i in 0..s.pixels() {
         bytes.extend(s.view_depth[i].to_le_bytes());
         s.position[i].iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+        bytes.extend(s.lift_world[i].to_le_bytes());
         s.normal[i].iter().for_each(|c| bytes.extend(c.to_le_bytes()));
     }
     bytes
@@ -231,12 +232,13 @@ fn decode_surfaces(camera: &Camera, bytes: &[u8]) -> Surfaces {
     let double =
         |e: &[u8; SURFACE_BYTES], k: usize| f64::from_le_bytes(std::array::from_fn(|b| e[8 * k + b]));
     let single =
-        |e: &[u8; SURFACE_BYTES], k: usize| f32::from_le_bytes(std::array::from_fn(|b| e[32 + 4 * k + b]));
+        |e: &[u8; SURFACE_BYTES], k: usize| f32::from_le_bytes(std::array::from_fn(|b| e[40 + 4 * k + b]));
     Surfaces {
         width: camera.width,
         height: camera.height,
         position: entries.iter().map(|e| [1, 2, 3].map(|k| double(e, k))).collect(),
         normal: entries.iter().map(|e| [0, 1, 2].map(|k| single(e, k))).collect(),
         view_depth: entries.iter().map(|e| double(e, 0)).collect(),
+        lift_world: entries.iter().map(|e| double(e, 4)).collect(),
     }
 }

@@ -30,22 +30,21 @@ impl<'a, 's> EdgeProbe<'a, 's> {
         Self { truth, towards_sun, sides: [x, cross(towards_sun, x)] }
     }
 
-    /// Whether the surface point `p_world` with the unit `normal` is more than `radius_world`, in the light's plane, from an edge of the
-    /// true hard shadow. A point turned away from the sun never is. Cost: up to 17 rays.
-    pub fn is_clear(&self, p_world: [f64; 3], normal: [f64; 3], radius_world: f64) -> bool {
+    /// Whether the point at `lifted_world`, just above a surface with the unit `normal`, is more than `radius_world`, in the light's plane, from
+    /// an edge of the true hard shadow. A point turned away from the sun never is. Cost: up to 17 rays.
+    pub fn is_clear(&self, lifted_world: [f64; 3], normal: [f64; 3], radius_world: f64) -> bool {
         let l = self.towards_sun;
         let n_dot_l = dot(normal, l);
         if n_dot_l <= 0.0 {
             return false;
         }
-        let lift = self.truth.lift_world();
         let lit = |offset: [f64; 2]| {
             let [x, y] = self.sides;
             let aside: [f64; 3] = std::array::from_fn(|a| offset[0] * x[a] + offset[1] * y[a]);
             // Onto the tangent plane along the light, as steep as slopes count.
             let flat = (offset[0].powi(2) + offset[1].powi(2)).sqrt();
             let along = (-dot(normal, aside) / n_dot_l).clamp(-MAX_SLOPE * flat, MAX_SLOPE * flat);
-            let origin = std::array::from_fn(|a| p_world[a] + aside[a] + along * l[a] + lift * normal[a]);
+            let origin = std::array::from_fn(|a| lifted_world[a] + aside[a] + along * l[a]);
             self.truth.tracer().sun_visible(origin, l)
         };
         let middle = lit([0.0; 2]);
@@ -70,7 +69,7 @@ impl<'a, 's> EdgeProbe<'a, 's> {
                 let radius = radius_world(i);
                 *clear = surfaces.is_valid(i)
                     && radius.is_finite()
-                    && self.is_clear(surfaces.position[i], surfaces.normal[i].map(f64::from), radius);
+                    && self.is_clear(surfaces.lifted(i), surfaces.normal[i].map(f64::from), radius);
             }
         });
         clear

@@ -1,8 +1,8 @@
 //! The truth at each pixel of a camera, by rays through the pixels' centres.
 //!
 //! First the [`Surfaces`] that the camera sees, then the sun's visibility there, hard or of a disc, or ambient occlusion's. The conventions
-//! are those of the G-buffer: the geometric normal is turned to the viewer, a surface turned away from the sun is 0, the sky is 1. Shadow rays
-//! start [`LIFT_DIAGONALS`] of the scene's diagonal along the normal (coplanar faces depend on it).
+//! are those of the G-buffer: the geometric normal is turned to the viewer, a surface turned away from the sun is 0, the sky is 1. Further
+//! rays start [`Tracer::lift_world`] along the normal.
 
 mod ambient;
 mod cache;
@@ -22,9 +22,6 @@ pub use street::{StreetOptions, street_camera};
 
 use crate::vector::dot;
 
-/// Shadow and occlusion rays start so far along the normal, in diagonals of the scene's bounds.
-pub const LIFT_DIAGONALS: f64 = 1e-5;
-
 /// What a camera sees, one value a pixel, row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
@@ -38,6 +35,8 @@ pub struct Surfaces {
     pub normal: Vec<[f32; 3]>,
     /// Distance along the camera's forward direction, world units; infinite where there is no surface.
     pub view_depth: Vec<f64>,
+    /// How far along the normal further rays start, world units; zero where there is no surface.
+    pub lift_world: Vec<f64>,
 }
 
 /// What shape the sun has.
@@ -72,6 +71,12 @@ impl Surfaces {
         self.view_depth[pixel].is_finite()
     }
 
+    /// Where further rays start.
+    pub fn lifted(&self, pixel: usize) -> [f64; 3] {
+        let (p, n, lift) = (self.position[pixel], self.normal[pixel], self.lift_world[pixel]);
+        std::array::from_fn(|a| p[a] + lift * f64::from(n[a]))
+    }
+
     /// Cosine between the normal and the sun; 0 without a surface.
     pub fn n_dot_l(&self, pixel: usize, towards_sun: [f64; 3]) -> f64 {
         dot(self.normal[pixel].map(f64::from), towards_sun)
@@ -94,11 +99,6 @@ impl<'s> TruthTracer<'s> {
         &self.bounds
     }
 
-    /// How far shadow and occlusion rays start from a surface, world units.
-    pub fn lift_world(&self) -> f64 {
-        LIFT_DIAGONALS * self.bounds.diagonal()
-    }
-
     /// What `camera` sees. Cost: a ray a pixel, 1 µs or so; rows on the current rayon pool.
     pub fn surfaces(&self, camera: &Camera) -> Surfaces {
         let view = camera.view();
@@ -109,11 +109,11 @@ impl<'s> TruthTracer<'s> {
                     let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
                     let ray = Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
                     let Some(hit) = self.tracer.nearest_surface(&ray) else {
-                        return ([0.0; 3], [0.0; 3], f64::INFINITY);
+                        return ([0.0; 3], [0.0; 3], f64::INFINITY, 0.0);
                     };
                     let side = if dot(hit.normal, direction) > 0.0 { -1.0 } else { 1.0 };
                     let p = std::array::from_fn(|a| origin[a] + hit.t * direction[a]);
-                    (p, hit.normal.map(|c| (side * c) as f32), view.depth(p))
+                    (p, hit.normal.map(|c| (side * c) as f32), view.depth(p), self.tracer.lift_world(&hit, p))
                 };
                 (0..camera.width).map(pixel).collect()
             })
@@ -125,13 +125,13 @@ impl<'s> TruthTracer<'s> {
             position: all().map(|p| p.0).collect(),
             normal: all().map(|p| p.1).collect(),
             view_depth: all().map(|p| p.2).collect(),
+            lift_world: all().map(|p| p.3).collect(),
         }
     }
 
     /// The sun's visibility at each pixel: 1 without a surface, 0 on one turned away from the middle of the sun. The disc's samples
     /// are seeded by the pixel's number. Cost: 1 or `samples` rays a pixel that faces the sun.
     pub fn factors(&self, surfaces: &Surfaces, towards_sun: [f64; 3], shape: SunShape) -> Vec<f32> {
-        let lift = self.lift_world();
         let pixel = |i: usize| {
             if !surfaces.is_valid(i) {
                 return 1.0;
@@ -139,8 +139,7 @@ impl<'s> TruthTracer<'s> {
             if surfaces.n_dot_l(i, towards_sun) <= 0.0 {
                 return 0.0;
             }
-            let (p, n) = (surfaces.position[i], surfaces.normal[i]);
-            self.sun(std::array::from_fn(|a| p[a] + lift * f64::from(n[a])), towards_sun, shape, i as u64)
+            self.sun(surfaces.lifted(i), towards_sun, shape, i as u64)
         };
         let width = surfaces.width as usize;
         let mut factors = vec![0.0; surfaces.pixels()];

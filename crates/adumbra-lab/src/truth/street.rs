@@ -160,7 +160,7 @@ impl Scout<'_, '_> {
             }
             far += f64::from(u8::from(hit.t > 10.0 * self.unit()));
             if dot(normal, self.towards_sun) > 0.1 {
-                let lift = self.truth.lift_world();
+                let lift = self.tracer.lift_world(&hit, p);
                 let origin = std::array::from_fn(|a| p[a] + lift * normal[a]);
                 let sees_sun = self.tracer.sun_visible(origin, self.towards_sun);
                 if sees_sun {

@@ -5,10 +5,12 @@
 
 mod check;
 mod gbuffer;
+mod sight;
 mod targets;
 
 pub use check::check_camera;
 pub use gbuffer::GBuffer;
+pub use sight::depths_in_view;
 pub use targets::{DEPTH_FORMAT, FACTOR_FORMAT, Target, Targets};
 
 use adumbra::camera::{Camera, View};
@@ -17,8 +19,10 @@ use adumbra_shaders::layout::Frame;
 
 use crate::scene::Volume;
 
-/// Near plane of a perspective camera, as a share of the scene's diagonal.
-const NEAR_SHARE: f64 = 1e-5;
+/// Near plane of a perspective camera, world units. With reversed depth in floats the distance costs no precision.
+const NEAR_WORLD: f64 = 1e-3;
+/// At most this share of the way to what the camera looks at, for models of a few millimetres.
+const NEAR_SHARE: f64 = 1e-3;
 
 /// The frame of `camera` on a scene within `bounds`, relative to its eye.
 pub fn frame(camera: &Camera, bounds: &Bounds, towards_sun: [f64; 3], number: u32) -> Frame {
@@ -26,7 +30,8 @@ pub fn frame(camera: &Camera, bounds: &Bounds, towards_sun: [f64; 3], number: u3
     let wide = |v: [f64; 3], w: f64| [v[0] as f32, v[1] as f32, v[2] as f32, w as f32];
     let scaled = |v: [f64; 3], k: f64| v.map(|c| c * k);
     let (right, up) = (scaled(view.right, view.half[0]), scaled(view.up, view.half[1]));
-    let near = (bounds.diagonal() * NEAR_SHARE).max(1e-6);
+    let look = (0..3).map(|a| (camera.target[a] - camera.eye[a]).powi(2)).sum::<f64>().sqrt();
+    let near = NEAR_WORLD.min(NEAR_SHARE * look).max(f64::from(f32::MIN_POSITIVE));
     let far = far_plane(&view, bounds);
     let x = scaled(view.right, 1.0 / view.half[0]);
     let y = scaled(view.up, 1.0 / view.half[1]);
@@ -53,21 +58,16 @@ pub fn frame(camera: &Camera, bounds: &Bounds, towards_sun: [f64; 3], number: u3
             [near as f32, 0.0, 0.0, 1.0]
         },
         anchor_world: wide(view.eye, 0.0),
+        anchor_rest: wide(view.eye.map(|c| c - f64::from(c as f32)), 0.0),
         towards_sun: wide(towards_sun, 0.0),
         forward: wide(f, 0.0),
         size: [camera.width, camera.height, number, 0],
     }
 }
 
-/// Far plane of an orthographic camera: just behind everything.
+/// Far plane of an orthographic camera: just behind everything in view.
 fn far_plane(view: &View, bounds: &Bounds) -> f64 {
-    corners(bounds).map(|c| view.depth(c)).fold(0.0, f64::max) * 1.001 + 1e-6
-}
-
-fn corners(bounds: &Bounds) -> impl Iterator<Item = [f64; 3]> {
-    (0..8_usize).map(|corner| {
-        std::array::from_fn(|a| if corner >> a & 1 == 0 { bounds.min[a] } else { bounds.max[a] })
-    })
+    depths_in_view(view, bounds).map_or(0.0, |[_, farthest]| farthest) * 1.001 + 1e-6
 }
 
 /// What a camera sees, without a far plane.

@@ -18,7 +18,7 @@ use crate::maps::cascades::LayerFit;
 use crate::maps::depth_pass::{DepthPass, DepthPassOptions};
 use crate::maps::layers::Layer;
 use crate::maps::textures::DepthTextures;
-use crate::maps::{MapFilter, scene_fit};
+use crate::maps::{DepthPrecision, MapFilter, scene_fit};
 use crate::readback::{read_depth, read_texture};
 use crate::technique::{Answer, FrameInput, Technique};
 
@@ -336,7 +336,7 @@ fn look_up_group(
 fn params(settings: &HybridSettings) -> HybridParams {
     let bias = &settings.bias;
     let widening = 1.0 + bias.filter_factor * (settings.filter.bias_width() - 1.0);
-    let halves = u32::from(settings.depth.step() > 0.0);
+    let halves = u32::from(settings.depth == DepthPrecision::Bits16);
     let bias = [bias.constant_texels, bias.slope_texels, bias.normal_offset_texels, widening];
     HybridParams {
         layer: MapLayer {
@@ -348,6 +348,6 @@ fn params(settings: &HybridSettings) -> HybridParams {
         bias: bias.map(|c| c as f32),
         counts: [settings.start, settings.merges(), settings.width(), halves],
         slope: [1, 0, 0, 0],
-        least_bias: [settings.depth.step() as f32, 0.0, 0.0, 0.0],
+        least_bias: [settings.depth.least_bias() as f32, 0.0, 0.0, 0.0],
     }
 }

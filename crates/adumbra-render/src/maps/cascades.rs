@@ -13,6 +13,7 @@ use adumbra::light::LightExtent;
 use adumbra_shaders::layout::MapLayer;
 
 use super::params::{CascadeSettings, Split};
+use crate::frame::depths_in_view;
 use crate::scene::Volume;
 
 /// A view depth beyond every point: where the one layer over a scene ends.
@@ -101,13 +102,16 @@ pub fn scene_layer(extent: &LightExtent, depth_world: [f64; 2], size: u32, margi
 /// Layers fitted to slices of the view, nearest first. Slices that would cover the scene alike share one layer, so there may be fewer
 /// than cascades.
 ///
-/// `scene` is the layer over the whole scene; `reach` the view depths from [`reach`]; `margin` as for [`scene_layer`].
+/// `scene` is the layer over the whole scene; `reach` the view depths from [`reach`]; `margin` as for [`scene_layer`]. With `presses`, casters
+/// sunward of a layer's range are pressed onto its near plane, so the range need only hold the receivers of its slice; otherwise it begins
+/// where the scene's does.
 pub fn cascade_layers(
     view: &View,
     scene: &LayerFit,
     settings: &CascadeSettings,
     reach: [f64; 2],
     margin: f64,
+    presses: bool,
 ) -> Vec<LayerFit> {
     let size = scene.size;
     let ends = split_depths(settings.split, settings.cascades, reach);
@@ -126,6 +130,10 @@ pub fn cascade_layers(
                 let middle = libm::floor(dot(scene.axes[a], centre) / texel_world + 0.5) as i64;
                 middle.saturating_sub(i64::from(size / 2))
             });
+            let [near, far] = receiver_range(dot(scene.axes[2], centre), radius);
+            layer.depth_world[0] =
+                if presses { near.max(scene.depth_world[0]) } else { scene.depth_world[0] };
+            layer.depth_world[1] = far.min(scene.depth_world[1]).max(layer.depth_world[0] + radius);
         }
         layer.end = [end, blend_begin];
         begin = blend_begin;
@@ -138,33 +146,27 @@ pub fn cascade_layers(
     layers
 }
 
+/// The range along the light of the receivers in a sphere, in steps of an eighth of it, so that it does not follow every move, with at least
+/// one to spare for what the bias moves.
+fn receiver_range(centre: f64, radius: f64) -> [f64; 2] {
+    let step = 0.25 * radius;
+    [libm::floor((centre - radius) / step - 1.0) * step, libm::ceil((centre + radius) / step + 1.0) * step]
+}
+
 /// The view depths that cascades share: from where slices are counted, and where shadows end.
 ///
-/// With a far depth given, from the eye to it. Otherwise to the scene's diagonal, which does not change as the camera moves; a
-/// camera that sees parts of the scene box farther away gets that times the smallest power of √2 that reaches them, and one
-/// farther from the box than half the diagonal counts slices from the largest such power that lies before it.
+/// With a far depth given, from the eye to it. Otherwise to the smallest power of two (of world units) that reaches all of the scene's box
+/// that is in view, so that it stays the same over most moves of the camera, and whatever the scene holds elsewhere; where the nearest part
+/// lies beyond half of that, from the largest power of √2 before it.
 pub fn reach(view: &View, scene: &adumbra::scene::Bounds, far_world: Option<f64>) -> [f64; 2] {
     if let Some(far) = far_world {
         return [0.0, far];
     }
+    let [nearest, farthest] = depths_in_view(view, scene).unwrap_or_default();
     // A scene of one point, or of nothing, still has a reach.
-    let diagonal = Some(scene.diagonal()).filter(|d| d.is_finite()).map_or(1e-6, |d| d.max(1e-6));
-    let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
-    for corner in 0..8_usize {
-        let pick = |a: usize| if corner >> a & 1 == 0 { scene.min[a] } else { scene.max[a] };
-        let depth = view.depth([pick(0), pick(1), pick(2)]);
-        if depth.is_finite() {
-            (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
-        }
-    }
-    let steps = |depth: f64| 2.0 * libm::log2(depth / diagonal);
-    let power = |k: f64| diagonal * libm::exp2(0.5 * k);
-    let far = if farthest > diagonal { power(libm::ceil(steps(farthest))) } else { diagonal };
-    let near = if nearest.is_finite() && nearest > 0.5 * diagonal {
-        power(libm::floor(steps(nearest)))
-    } else {
-        0.0
-    };
+    let far = libm::exp2(libm::ceil(libm::log2(farthest.max(1e-6))));
+    let near =
+        if nearest > 0.5 * far { libm::exp2(0.5 * libm::floor(2.0 * libm::log2(nearest))) } else { 0.0 };
     [near, far]
 }
 

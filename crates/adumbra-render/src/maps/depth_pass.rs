@@ -5,7 +5,7 @@
 //! moved instead. Where the device lacks depth clip control the fit has its near plane before every caster
 //! ([`super::cascades::depth_range`]).
 
-use adumbra_shaders::layout::MapLayer;
+use adumbra_shaders::layout::{GpuType, MapLayer};
 use adumbra_shaders::{assemble, source};
 use wgpu::{CompareFunction, Features, LoadOp, ShaderStages, TextureFormat};
 
@@ -49,12 +49,9 @@ pub(crate) struct LayerUniform {
 }
 
 impl LayerUniform {
-    /// For the layer as shaders take it, relative to `anchor_world`.
-    pub(crate) fn write(&self, gpu: &Gpu, layer: &MapLayer, anchor_world: [f64; 3]) {
-        let anchor = [anchor_world[0] as f32, anchor_world[1] as f32, anchor_world[2] as f32, 0.0];
-        let mut bytes = layer.bytes();
-        bytes.extend_from_slice(bytemuck::bytes_of(&anchor));
-        gpu.queue.write_buffer(&self.buffer, 0, &bytes);
+    /// For the layer as shaders take it, relative to the anchor of the instance lists that are drawn into it.
+    pub(crate) fn write(&self, gpu: &Gpu, layer: &MapLayer) {
+        gpu.queue.write_buffer(&self.buffer, 0, &layer.bytes());
     }
 }
 
@@ -115,7 +112,7 @@ impl DepthPass {
     }
 
     pub(crate) fn uniform(&self, gpu: &Gpu) -> LayerUniform {
-        let buffer = gpu.uniform("map_depth", &[0; 80]);
+        let buffer = gpu.uniform("map_depth", &[0; MapLayer::SIZE]);
         let group = gpu.bind("map_depth", &self.layer_layout, vec![buffer.as_entire_binding()]);
         LayerUniform { buffer, group }
     }

@@ -45,19 +45,19 @@ impl Layer {
         keep: bool,
     ) {
         let gpu = input.gpu;
-        self.uniform.write(gpu, &fit.layer(input.anchor_world), input.anchor_world);
+        self.uniform.write(gpu, &fit.layer(input.anchor_world));
         let scene = input.scene.id();
         self.stale = !keep || !self.drawn.is_some_and(|d| d.scene == scene && d.fit.same_place(fit));
         self.place = Some(Place { fit: *fit, scene });
         let volume = fit.caster_volume();
         if static_casters && self.stale {
             let list = self.still.get_or_insert_with(|| InstanceList::new(gpu, "map::still", input.scene));
-            list.update(gpu, input.scene, &volume, true);
+            list.update(gpu, input.scene, input.anchor_world, &volume, true);
         }
         match input.movers {
             Some(movers) => {
                 let list = self.moving.get_or_insert_with(|| InstanceList::new(gpu, "map::moving", movers));
-                list.update(gpu, movers, &volume, true);
+                list.update(gpu, movers, input.anchor_world, &volume, true);
             }
             None => self.moving = None,
         }

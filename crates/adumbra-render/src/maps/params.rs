@@ -25,8 +25,7 @@ pub struct CascadeSettings {
     pub cascades: u32,
     /// How depth is shared between them.
     pub split: Split,
-    /// View depth where shadows end, world units; none = the scene's diagonal, or further where the camera stands so far
-    /// outside the scene that this would not reach it (see [`super::cascades::reach`]).
+    /// View depth where shadows end, world units; none = where the camera's sight of the scene ends (see [`super::cascades::reach`]).
     pub far_world: Option<f64>,
     /// Share of a slice's depth in which it blends into the next, and of the last one in which shadows fade to lit; 0 to 0.5.
     pub blend: f64,
@@ -153,10 +152,12 @@ impl DepthPrecision {
         }
     }
 
-    /// From one depth to the next, as a share of the layer's range; 0 where that is too little to count.
-    pub fn step(self) -> f64 {
+    /// The least bias along the light, as a share of the layer's range: what rounding may move a caster and a receiver apart. With 16 bits a
+    /// step of stored depth, of which rounding takes half at most; with 32 bits some units in the last place of 1, because light depth is
+    /// reckoned in floats, by sums of four terms on either side.
+    pub fn least_bias(self) -> f64 {
         match self {
-            Self::Bits32 => 0.0,
+            Self::Bits32 => 8.0 / 16_777_216.0,
             Self::Bits16 => 1.0 / 65535.0,
         }
     }

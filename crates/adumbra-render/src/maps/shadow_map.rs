@@ -136,7 +136,10 @@ impl ShadowMap {
         let still = input.scene.bounds();
         let bounds = if still.min[0] <= still.max[0] { still } else { input.bounds };
         let far = reach(input.view, &bounds, cascades.far_world);
-        let layers = cascade_layers(input.view, &scene, cascades, far, margin);
+        // Penumbrae depend on how far away a caster is.
+        let presses = input.gpu.has(Features::DEPTH_CLIP_CONTROL)
+            && !matches!(self.settings.filter, MapFilter::Pcss { .. });
+        let layers = cascade_layers(input.view, &scene, cascades, far, margin, presses);
         let last = layers.last().map_or([ENDLESS; 2], |l| l.end);
         Ok((layers, [last[1], last[0]]))
     }
@@ -270,7 +273,7 @@ fn filter_params(settings: &MapSettings, empty: MapLayer) -> MapParams {
         counts: [settings.layers(), settings.size, width, taps],
         reach: wide([0.0, 0.0, half_tangent, radius]),
         moments: wide(moments),
-        pixel: wide([0.0, 0.0, 0.0, settings.depth.step()]),
+        pixel: wide([0.0, 0.0, 0.0, settings.depth.least_bias()]),
     }
 }
 

@@ -13,8 +13,8 @@ impl OcclusionSettings {
     pub fn history_params(&self, now: &Frame, before: Option<&Frame>) -> OcclusionHistoryParams {
         let old = before.unwrap_or(now);
         let (to, from) = (self.params(old), self.params(now));
-        let moved: [f64; 3] =
-            std::array::from_fn(|a| f64::from(now.anchor_world[a]) - f64::from(old.anchor_world[a]));
+        let anchor = |f: &Frame, a: usize| f64::from(f.anchor_world[a]) + f64::from(f.anchor_rest[a]);
+        let moved: [f64; 3] = std::array::from_fn(|a| anchor(now, a) - anchor(old, a));
         let dot = |a: [f32; 4], b: [f64; 3]| (0..3).map(|i| f64::from(a[i]) * b[i]).sum::<f64>() as f32;
         let wide = |a: [f32; 4]| [0, 1, 2].map(|i| f64::from(a[i]));
         let row = |axis: [f32; 4]| {

@@ -27,7 +27,8 @@ impl Volume {
 }
 
 struct Instance {
-    rows: [[f32; 4]; 3],
+    /// World from the mesh as it is uploaded: its positions count from [`mesh_origin`].
+    world: [[f64; 4]; 3],
     center: [f64; 3],
     half: [f64; 3],
     casts: bool,
@@ -43,6 +44,7 @@ pub(super) struct Placed {
 impl Placed {
     pub(super) fn new(scene: &Scene) -> Self {
         let boxes: Vec<_> = scene.meshes.iter().map(|m| mesh_box(&m.positions)).collect();
+        let origins: Vec<_> = scene.meshes.iter().map(|m| mesh_origin(&m.positions)).collect();
         let mut order: Vec<usize> =
             (0..scene.instances.len()).filter(|&i| has_place(&scene.instances[i])).collect();
         order.sort_by_key(|&i| scene.instances[i].mesh);
@@ -57,8 +59,9 @@ impl Placed {
             let instance = &scene.instances[i];
             let (center, half) = boxes[instance.mesh as usize];
             let world = instance.world_from_mesh;
+            let origin = origins[instance.mesh as usize];
             Instance {
-                rows: world.map(|row| row.map(|c| c as f32)),
+                world: world.map(|[x, y, z, w]| [x, y, z, x * origin[0] + y * origin[1] + z * origin[2] + w]),
                 center: world.map(|r| (0..3).map(|a| r[a] * center[a]).sum::<f64>() + r[3]),
                 half: world.map(|r| (0..3).map(|a| r[a].abs() * half[a]).sum()),
                 casts: instance.casts,
@@ -103,6 +106,17 @@ pub(super) fn bounds(scene: &Scene) -> Bounds {
     b
 }
 
+/// Where a mesh's positions count from on the GPU: the point of its box nearest to zero, so that a mesh far from its own zero is held as
+/// exactly as one about it.
+pub(super) fn mesh_origin(positions: &[[f32; 3]]) -> [f64; 3] {
+    std::array::from_fn(|a| {
+        let places = || positions.iter().map(|p| p[a]).filter(|c| c.is_finite());
+        let nearest = places().fold(f32::INFINITY, |m, c| if c.abs() < m.abs() { c } else { m });
+        let around = places().any(|c| c <= 0.0) && places().any(|c| c >= 0.0);
+        if around || nearest.is_infinite() { 0.0 } else { f64::from(nearest) }
+    })
+}
+
 /// Middle and half extent of a mesh's box.
 fn mesh_box(positions: &[[f32; 3]]) -> ([f64; 3], [f64; 3]) {
     let mut low = [f64::INFINITY; 3];
@@ -135,9 +149,23 @@ impl InstanceList {
         Self { label: label.to_owned(), buffer, ranges: Vec::new(), count: 0 }
     }
 
-    /// Lists the instances that may reach into `volume`; only those that cast, if `casters_only`. Cost: one test an
-    /// instance, and 48 bytes sent for each one listed; a new buffer where there are more than there was room for.
-    pub fn update(&mut self, gpu: &Gpu, scene: &SceneBuffers, volume: &Volume, casters_only: bool) {
+    /// Lists the instances that may reach into `volume`, relative to `anchor_world`; only those that cast, if `casters_only`. Cost: one
+    /// test an instance, and 48 bytes sent for each one listed; a new buffer where there are more than there was room for.
+    pub fn update(
+        &mut self,
+        gpu: &Gpu,
+        scene: &SceneBuffers,
+        anchor_world: [f64; 3],
+        volume: &Volume,
+        casters_only: bool,
+    ) {
+        // In doubles until here: floats step by half a metre at map coordinates.
+        let rows_of = |i: &Instance| -> [[f32; 4]; 3] {
+            std::array::from_fn(|a| {
+                let [x, y, z, w] = i.world[a];
+                [x, y, z, w - anchor_world[a]].map(|c| c as f32)
+            })
+        };
         let placed = &scene.placed;
         let mut rows: Vec<[[f32; 4]; 3]> = Vec::with_capacity(placed.instances.len());
         self.ranges.clear();
@@ -147,7 +175,7 @@ impl InstanceList {
                 placed.instances[mesh[0]..mesh[1]]
                     .iter()
                     .filter(|i| (i.casts || !casters_only) && volume.may_touch(i.center, i.half))
-                    .map(|i| i.rows),
+                    .map(rows_of),
             );
             self.ranges.push(start..rows.len() as u32);
         }

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | corners | three a triangle: position, the triangle's normal, texture coordinates; by mesh, then opaque before masked, then material | G-buffer, masked casters |
 //! | positions, indices | welded as in the file, opaque casters only | depth from the light |
-//! | instances | rows of world from mesh, sorted by mesh; one list a view, see [`InstanceList`] | both |
+//! | instances | rows of relative from mesh, sorted by mesh; one list a view, see [`InstanceList`] | both |
 //!
 //! Cost on the GPU: 28 bytes a corner, 12 a position, 4 an index, 48 an instance and view.
 
@@ -21,7 +21,7 @@ use wgpu::BufferUsages;
 
 use crate::error::{RenderError, Result};
 use crate::gpu::Gpu;
-use instances::Placed;
+use instances::{Placed, mesh_origin};
 use materials::Materials;
 
 /// Bytes of a corner: position 12, normal 8, texture coordinates 8.
@@ -257,7 +257,9 @@ fn mesh_runs(
     indices: &mut Vec<u32>,
 ) -> MeshRuns {
     let base_vertex = (positions.len() / 3) as i32;
-    positions.extend(mesh.positions.iter().flatten());
+    let origin = mesh_origin(&mesh.positions);
+    let local = |p: [f32; 3]| -> [f32; 3] { std::array::from_fn(|a| (f64::from(p[a]) - origin[a]) as f32) };
+    positions.extend(mesh.positions.iter().flat_map(|&p| local(p)));
     let masked = |m: u32| !options.ignore_alpha && scene.materials[m as usize].alpha != AlphaMode::Opaque;
     let casts = |m: u32| scene.materials[m as usize].casts;
     let first_index = indices.len() as u32;
@@ -273,7 +275,7 @@ fn mesh_runs(
             indices.extend(triangle);
         }
         let at = (corners.len() as u64 / CORNER_BYTES) as u32;
-        push_corners(mesh, triangle, corners);
+        push_corners(mesh, triangle, local, corners);
         match runs.last_mut() {
             Some(run) if run.material == material => run.corners.end = at + 3,
             _ => runs.push(Run {
@@ -287,14 +289,19 @@ fn mesh_runs(
     MeshRuns { runs, caster_indices: first_index..indices.len() as u32, base_vertex }
 }
 
-fn push_corners(mesh: &Mesh, triangle: [u32; 3], corners: &mut Vec<u8>) {
+fn push_corners(
+    mesh: &Mesh,
+    triangle: [u32; 3],
+    local: impl Fn([f32; 3]) -> [f32; 3],
+    corners: &mut Vec<u8>,
+) {
     let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
     let edge = |to: [f64; 3]| glam::DVec3::from(std::array::from_fn::<f64, 3, _>(|k| to[k] - a[k]));
     // Edges of length one, so that the cross product of very small triangles does not vanish.
     let normal = edge(b).normalize_or_zero().cross(edge(c).normalize_or_zero()).normalize_or_zero();
     let packed = [normal.x, normal.y, normal.z].map(|c| (c * 32767.0).round() as i16);
     for i in triangle {
-        mesh.positions[i as usize].iter().for_each(|c| corners.extend(c.to_le_bytes()));
+        local(mesh.positions[i as usize]).iter().for_each(|c| corners.extend(c.to_le_bytes()));
         packed.iter().for_each(|c| corners.extend(c.to_le_bytes()));
         corners.extend([0; 2]);
         let uv = mesh.uvs.get(i as usize).copied().unwrap_or_default();

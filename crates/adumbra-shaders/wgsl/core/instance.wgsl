@@ -1,8 +1,8 @@
-// From a mesh to the world by an instance's rows of world from mesh.
+// From a mesh to the world by an instance's rows of relative from mesh: the translation is already less the anchor.
 
 // World position less the anchor.
-fn instance_relative(row_x: vec4f, row_y: vec4f, row_z: vec4f, position: vec3f, anchor_world: vec3f) -> vec3f {
-    let translation = vec3f(row_x.w, row_y.w, row_z.w) - anchor_world;
+fn instance_relative(row_x: vec4f, row_y: vec4f, row_z: vec4f, position: vec3f) -> vec3f {
+    let translation = vec3f(row_x.w, row_y.w, row_z.w);
     return vec3f(dot(row_x.xyz, position), dot(row_y.xyz, position), dot(row_z.xyz, position)) + translation;
 }
 

@@ -26,8 +26,8 @@ fn map_gradient(layer: MapLayer, size: u32, s: Surface) -> vec2f {
     return n / max(dot(s.normal, s.towards_sun), tangent / MAX_SLOPE) * (layer.scale.x / layer.scale.y);
 }
 
-// `bias` as in MapParams. `least_bias`, a share of the layer's depth, is a step of stored depth, or 0: rounding moves a caster
-// by half a step at most, so at least half the bias is left for what it is there for.
+// `bias` as in MapParams. `least_bias`, a share of the layer's depth, is what rounding may move a caster and a receiver apart: see
+// DepthPrecision::least_bias.
 fn map_receiver(layer: MapLayer, index: u32, size: u32, bias: vec4f, least_bias: f32, s: Surface) -> MapReceiver {
     let unit_world = layer.scale.x * bias.w;
     let p = s.p_relative + s.normal * (bias.z * unit_world);

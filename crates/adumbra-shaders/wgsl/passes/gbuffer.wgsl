@@ -10,7 +10,7 @@ struct Corner {
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
-    // Rows of world from mesh.
+    // Rows of relative from mesh.
     @location(3) row_x: vec4f,
     @location(4) row_y: vec4f,
     @location(5) row_z: vec4f,
@@ -31,7 +31,7 @@ struct Targets {
 @vertex
 fn gbuffer_vertex(c: Corner) -> Fragment {
     var f: Fragment;
-    f.p_relative = instance_relative(c.row_x, c.row_y, c.row_z, c.position, frame.anchor_world.xyz);
+    f.p_relative = instance_relative(c.row_x, c.row_y, c.row_z, c.position);
     f.normal = instance_normal(c.row_x, c.row_y, c.row_z, c.normal);
     f.position = frame.clip_from_relative * vec4f(f.p_relative, 1.0);
     f.uv = c.uv;

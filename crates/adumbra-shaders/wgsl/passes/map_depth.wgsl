@@ -1,21 +1,16 @@
 // Depth from the light, one layer a pass: linear, 0 near the sun, 1 far. Casters before the near plane are pressed onto it.
 // map_vertex serves opaque casters by position alone; map_masked_* cut by alpha.
 
-struct LayerUniform {
-    layer: MapLayer,
-    anchor_world: vec4f,
-}
-
-@group(0) @binding(0) var<uniform> view: LayerUniform;
+@group(0) @binding(0) var<uniform> layer: MapLayer;
 @group(1) @binding(0) var<uniform> material: MaterialParams;
 @group(1) @binding(1) var color_texture: texture_2d<f32>;
 @group(1) @binding(2) var color_sampler: sampler;
 
 fn map_position(position: vec3f, row_x: vec4f, row_y: vec4f, row_z: vec4f) -> vec4f {
-    let p = instance_relative(row_x, row_y, row_z, position, view.anchor_world.xyz);
-    let u = dot(view.layer.u_from_relative.xyz, p) + view.layer.u_from_relative.w;
-    let v = dot(view.layer.v_from_relative.xyz, p) + view.layer.v_from_relative.w;
-    let depth = dot(view.layer.depth_from_relative.xyz, p) + view.layer.depth_from_relative.w;
+    let p = instance_relative(row_x, row_y, row_z, position);
+    let u = dot(layer.u_from_relative.xyz, p) + layer.u_from_relative.w;
+    let v = dot(layer.v_from_relative.xyz, p) + layer.v_from_relative.w;
+    let depth = dot(layer.depth_from_relative.xyz, p) + layer.depth_from_relative.w;
     return vec4f(2.0 * u - 1.0, 1.0 - 2.0 * v, depth, 1.0);
 }
 

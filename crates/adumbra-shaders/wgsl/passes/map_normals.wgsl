@@ -17,7 +17,7 @@ fn map_normals_vertex(
     @location(5) row_z: vec4f,
 ) -> NormalFragment {
     let n = instance_normal(row_x, row_y, row_z, normal);
-    let away_from_sun = view.layer.depth_from_relative.xyz;
+    let away_from_sun = layer.depth_from_relative.xyz;
     let turned = select(n, -n, dot(n, away_from_sun) > 0.0);
     // A triangle without area has no normal; it covers no texel either.
     let known = select(turned, -away_from_sun, all(n == vec3f(0.0)));

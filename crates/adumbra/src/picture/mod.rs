@@ -112,7 +112,7 @@ impl Shader<'_> {
             }
             return std::array::from_fn(|a| albedo[a] * ambient(a));
         }
-        let traced = || if self.sun_visible(p, normal, hit.t) { 1.0 } else { 0.0 };
+        let traced = || if self.sun_visible(&hit, p, normal) { 1.0 } else { 0.0 };
         let visibility = match self.shadows {
             Shadows::File(query) => f64::from(query.visibility(p, Some(normal))),
             Shadows::Truth => traced(),
@@ -139,8 +139,8 @@ impl Shader<'_> {
         std::array::from_fn(|a| f64::from(material.base_color[a] * texel[a]))
     }
 
-    fn sun_visible(&self, p: [f64; 3], normal: [f64; 3], distance: f64) -> bool {
-        let lift = 1e-6 * (distance + p.iter().fold(0.0_f64, |m, c| m.max(c.abs())));
+    fn sun_visible(&self, hit: &Hit, p: [f64; 3], normal: [f64; 3]) -> bool {
+        let lift = self.tracer.lift_world(hit, p);
         let origin = std::array::from_fn(|a| p[a] + normal[a] * lift);
         let ray = Ray { origin, direction: self.towards_sun, t_min: 0.0, t_max: f64::INFINITY };
         !self.tracer.occluded(&ray)

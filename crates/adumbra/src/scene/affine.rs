@@ -17,13 +17,13 @@ pub(super) fn multiply(a: &Affine, b: &Affine) -> Affine {
 }
 
 /// The affine part of a column-major 4×4 matrix.
-pub(super) fn from_columns(m: &[f32; 16]) -> Affine {
-    std::array::from_fn(|r| std::array::from_fn(|c| f64::from(m[c * 4 + r])))
+pub(super) fn from_columns(m: &[f64; 16]) -> Affine {
+    std::array::from_fn(|r| std::array::from_fn(|c| m[c * 4 + r]))
 }
 
-/// Whether all twelve numbers are finite.
+/// Whether all twelve numbers are finite, as floats too.
 pub(super) fn is_finite(m: &Affine) -> bool {
-    m.iter().flatten().all(|v| v.is_finite())
+    m.iter().flatten().all(|&v| (v as f32).is_finite())
 }
 
 /// Translation · rotation · scale; the quaternion (x, y, z, w) is normalised first, a zero one turns nothing.

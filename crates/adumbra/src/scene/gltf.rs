@@ -30,7 +30,7 @@ use crate::error::{Error, Result};
 use animations::Animations;
 use container::{Buffers, bad};
 use meshes::{Builder, has_triangles, material_of};
-use nodes::Nodes;
+use nodes::{Nodes, Places};
 use skin::Skins;
 
 /// Required extensions that are understood, or that change nothing about what is opaque where.
@@ -91,9 +91,9 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     sources.budget.charge(objects * OBJECT_BYTES + items * ITEM_BYTES + json.len() as u64, || {
         format!("the {objects} objects of its JSON")
     })?;
-    let root = parse(path, &json)?;
+    let (root, places) = parse(path, &json)?;
     note_named(&sources, &root)?;
-    let nodes = Nodes::load(path, &root)?;
+    let nodes = Nodes::load(path, &root, places)?;
     let mut scene = Scene::default();
     let mut sieve = Sieve::default();
     let plan = choose(path, &root, &nodes, options, &mut sieve, &mut scene.notes)?;
@@ -157,7 +157,7 @@ fn note_named(sources: &Sources<'_>, root: &Root) -> Result<()> {
     files.try_for_each(|uri| sources.note_named(&container::file_name(uri)))
 }
 
-fn parse(path: &Path, json: &[u8]) -> Result<Root> {
+fn parse(path: &Path, json: &[u8]) -> Result<(Root, Places)> {
     /// What is read first, because the rest may make no sense without the extension.
     #[derive(serde::Deserialize)]
     struct Required {
@@ -171,7 +171,7 @@ fn parse(path: &Path, json: &[u8]) -> Result<Root> {
             return Err(Error::RequiredExtension { path: path.to_owned(), extension });
         }
     }
-    serde_json::from_slice(json).map_err(invalid)
+    Ok((serde_json::from_slice(json).map_err(invalid)?, serde_json::from_slice(json).map_err(invalid)?))
 }
 
 /// What is to be built and where it goes.

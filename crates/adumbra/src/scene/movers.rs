@@ -44,10 +44,16 @@ pub(super) struct Mover {
 /// Where a node stands without an animation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rest {
-    pub(super) translation: [f32; 3],
+    pub(super) translation: [f64; 3],
     /// x, y, z, w.
-    pub(super) rotation: [f32; 4],
-    pub(super) scale: [f32; 3],
+    pub(super) rotation: [f64; 4],
+    pub(super) scale: [f64; 3],
+}
+
+impl Default for Rest {
+    fn default() -> Self {
+        Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
+    }
 }
 
 /// What is animated of a node.
@@ -72,7 +78,7 @@ pub(super) struct MovingNode {
 impl Rest {
     /// To the parent's frame.
     pub(super) fn map(&self) -> Affine {
-        compose(self.translation.map(f64::from), self.rotation.map(f64::from), self.scale.map(f64::from))
+        compose(self.translation, self.rotation, self.scale)
     }
 }
 
@@ -103,9 +109,9 @@ impl Tracks {
         let rotation = self.rotation.as_ref().map(|t| t.at(seconds));
         let scale = self.scale.as_ref().map(|t| t.at(seconds));
         compose(
-            translation.unwrap_or(rest.translation.map(f64::from)),
-            rotation.unwrap_or(rest.rotation.map(f64::from)),
-            scale.unwrap_or(rest.scale.map(f64::from)),
+            translation.unwrap_or(rest.translation),
+            rotation.unwrap_or(rest.rotation),
+            scale.unwrap_or(rest.scale),
         )
     }
 }
@@ -152,8 +158,8 @@ impl Movers {
     }
 
     /// Adds a mover on a node of its own; instances are added in ascending order.
-    fn add(&mut self, instance: u32, rest: Rest, tracks: Tracks) {
-        self.nodes.push(MovingNode { parent: None, above: IDENTITY, rest, tracks });
+    fn add(&mut self, instance: u32, above: Affine, rest: Rest, tracks: Tracks) {
+        self.nodes.push(MovingNode { parent: None, above, rest, tracks });
         self.list.push(Mover { instance, node: self.nodes.len() as u32 - 1, node_from_mesh: IDENTITY });
     }
 }
@@ -213,17 +219,19 @@ impl Scene {
         path: &[(f64, [f64; 3])],
     ) -> Option<u32> {
         let times = path.iter().map(|p| p.0 as f32).collect();
-        let places = path.iter().map(|p| p.1.map(|c| c as f32)).collect();
+        // Relative to the first place, where floats are fine.
+        let (_, [x, y, z]) = *path.first()?;
+        let places = path.iter().map(|&(_, p)| [p[0] - x, p[1] - y, p[2] - z].map(|c| c as f32)).collect();
         let translation = Some(Track::new(times, places, Interpolation::Linear)?);
-        let scale = [radius_world as f32; 3];
-        let rest = Rest { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale };
+        let rest = Rest { scale: [radius_world; 3], ..Rest::default() };
+        let above = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]];
         let material = self.materials.len() as u32;
         self.materials.push(Material::opaque("ball", base_color));
         let (mesh, instance) = (self.meshes.len() as u32, self.instances.len() as u32);
         self.meshes.push(unit_ball("ball", material));
         let world_from_mesh = IDENTITY;
         self.instances.push(Instance { name: "ball".to_owned(), mesh, world_from_mesh, casts: true });
-        self.movers.add(instance, rest, Tracks { translation, ..Tracks::default() });
+        self.movers.add(instance, above, rest, Tracks { translation, ..Tracks::default() });
         self.pose(path[0].0);
         Some(instance)
     }

@@ -23,6 +23,12 @@ use box_tree::{BoxTree, Step};
 use mesh_tree::{MeshTree, Placing, used_positions, world_box};
 use triangle::TriangleHit;
 
+/// Of a place in a mesh: four units in the last place of the floats that meshes are stored in. Surfaces that are drawn in one place are no
+/// farther apart than that.
+const LIFT_OF_PLACE: f64 = 4.0 / 16_777_216.0;
+/// Of a world position and of the way to it: some thousand units in the last place of the doubles that hits are reckoned in.
+const LIFT_OF_POSITION: f64 = 1e-12;
+
 /// So many instances are tried one after the other; more get a tree.
 const FEW_PLACINGS: usize = 2;
 
@@ -149,6 +155,16 @@ impl<'s> Tracer<'s> {
     /// As [`Tracer::nearest_surface`], of what casts a shadow.
     pub fn nearest_blocker(&self, ray: &Ray) -> Option<Hit> {
         self.nearest(ray, true)
+    }
+
+    /// How far above a hit at `p_world` a further ray starts, world units, so that it meets neither the surface that it leaves nor another in
+    /// the same place. It follows the precision of the hit: of its place in its mesh, as the instance scales it, and of `p_world` and `t`.
+    /// What else the scene holds, and where in the world it stands, hardly matters.
+    pub fn lift_world(&self, hit: &Hit, p_world: [f64; 3]) -> f64 {
+        let largest = |v: [f64; 3]| v.into_iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let rows = &self.scene.instances[hit.instance as usize].world_from_mesh;
+        let place = largest(std::array::from_fn(|a| p_world[a] - rows[a][3]));
+        LIFT_OF_PLACE * place + LIFT_OF_POSITION * (largest(p_world) + hit.t.abs())
     }
 
     /// Calls `visit` with every opaque hit on the ray, casting or not, in no order. A ray through a shared edge or

@@ -75,7 +75,7 @@ fn layers_hold_every_scene_point_of_their_slice_with_the_margin() {
         for projection in [PERSPECTIVE, Projection::Orthographic { height_world: 90.0 }] {
             let view = camera([12.0, 30.0, -40.0], 2.1, projection);
             let reach = reach(&view, &SCENE, None);
-            let layers = cascade_layers(&view, &scene, &CascadeSettings::default(), reach, margin);
+            let layers = cascade_layers(&view, &scene, &CascadeSettings::default(), reach, margin, true);
             let (mut begin, mut tested) = (0.0, 0);
             for layer in &layers {
                 for step in 0..4000_u32 {
@@ -106,7 +106,7 @@ fn texels_stay_where_they_are_while_the_camera_moves_and_turns() {
     let extent = extent(310.0, 40.0);
     let settings = CascadeSettings { cascades: 3, ..Default::default() };
     let scene = scene_layer(&extent, depth_range(&extent, None), 1024, 4.0);
-    let fit = |view: &View| cascade_layers(view, &scene, &settings, [0.0, 400.0], 4.0);
+    let fit = |view: &View| cascade_layers(view, &scene, &settings, [0.0, 400.0], 4.0, true);
     let first = fit(&camera([0.0, 10.0, 0.0], 0.0, PERSPECTIVE));
     let mut moved = 0;
     for step in 1..200 {
@@ -152,10 +152,10 @@ fn scene_layer_holds_the_scene_tightly() {
 }
 
 #[test]
-fn reach_is_the_diagonal_unless_the_camera_stands_outside() {
-    let diagonal = SCENE.diagonal();
-    let inside = reach(&camera([0.0, 10.0, 0.0], 1.0, PERSPECTIVE), &SCENE, None);
-    assert_eq!(inside, [0.0, diagonal]);
+fn reach_is_what_is_in_view_in_powers_of_two() {
+    // From the middle of the scene the box's far corners are some 400 away.
+    let inside = camera([0.0, 10.0, 0.0], 1.0, PERSPECTIVE);
+    assert_eq!(reach(&inside, &SCENE, None), [0.0, 512.0]);
     let far = Camera {
         eye: [0.0, 10.0, 3000.0],
         target: [0.0; 3],
@@ -164,8 +164,29 @@ fn reach_is_the_diagonal_unless_the_camera_stands_outside() {
         height: 720,
     };
     let [near, end] = reach(&far.view(), &SCENE, None);
-    assert!((1500.0..2670.0).contains(&near) && (3250.0..5000.0).contains(&end), "{near} {end}");
+    assert_eq!(end, 4096.0);
+    assert!((1850.0..2670.0).contains(&near), "{near}");
     assert_eq!(reach(&far.view(), &SCENE, Some(70.0)), [0.0, 70.0]);
+    let up = Camera { target: [0.0, 20.0, 3001.0], ..far };
+    assert!(reach(&up.view(), &SCENE, None)[1] > 0.0, "what sees nothing still has a reach");
+}
+
+#[test]
+fn what_lies_beside_the_view_changes_no_cascade() {
+    let strayed = Bounds { max: [1e6, 60.0, 1e6], ..SCENE };
+    let fit = |bounds: &Bounds| {
+        let mut extent = LightExtent::empty(&Sun::from_angles(310.0, 40.0).unwrap());
+        extent.add_box(bounds);
+        let scene = scene_layer(&extent, depth_range(&extent, None), 2048, 4.0);
+        // Towards the corner that both have.
+        let view = camera([-200.0, 8.0, -150.0], 3.9, PERSPECTIVE);
+        cascade_layers(&view, &scene, &CascadeSettings::default(), reach(&view, bounds, None), 4.0, true)
+    };
+    let (alone, with) = (fit(&SCENE), fit(&strayed));
+    for (a, b) in alone.iter().zip(&with) {
+        assert_eq!((a.end, a.texel_world, a.corner), (b.end, b.texel_world, b.corner));
+        assert!(b.depth_world[1] - b.depth_world[0] < 700.0, "{:?}", b.depth_world);
+    }
 }
 
 #[test]

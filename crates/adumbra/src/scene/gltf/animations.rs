@@ -9,7 +9,7 @@ use hashbrown::HashMap;
 
 use super::accessor::Accessor;
 use super::container::{Buffers, bad};
-use super::nodes::{Nodes, local, rest};
+use super::nodes::Nodes;
 use crate::error::Result;
 use crate::scene::LoadNotes;
 use crate::scene::affine::{Affine, IDENTITY, multiply};
@@ -71,9 +71,8 @@ impl Animations {
     fn of(root: &Root, nodes: &Nodes, mut of_node: HashMap<usize, Tracks>) -> Self {
         let mut all = Self { moving: Vec::new(), hangs_on: vec![None; root.nodes.len()] };
         for &node in &nodes.order {
-            let json = &root.nodes[node];
             let above = nodes.parent[node].and_then(|p| all.hangs_on[p]);
-            let rest = rest(json);
+            let rest = nodes.place[node].rest();
             let tracks = of_node.remove(&node).map(|mut tracks| {
                 tracks.drop_still(&rest);
                 tracks
@@ -85,7 +84,7 @@ impl Animations {
                     all.moving.push(MovingNode { parent, above, rest, tracks });
                     Some((all.moving.len() as u32 - 1, IDENTITY))
                 }
-                None => above.map(|(on, map)| (on, multiply(&map, &local(json)))),
+                None => above.map(|(on, map)| (on, multiply(&map, &nodes.place[node].map()))),
             };
         }
         all

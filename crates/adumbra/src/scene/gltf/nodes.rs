@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use ::gltf::json::{Root, extras::Extras, scene::Node};
+use serde::Deserialize;
 
 use super::accessor::Accessor;
 use super::container::{Buffers, bad};
@@ -10,8 +11,66 @@ use crate::error::{Error, Result};
 use crate::scene::affine::{Affine, IDENTITY, compose, from_columns, is_finite, multiply};
 use crate::scene::movers::Rest;
 
+/// Where a node stands in its parent, in doubles, as JSON has its numbers: the glTF library keeps floats, whose steps are half a metre
+/// at map coordinates.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(from = "Written")]
+pub(super) enum Place {
+    Matrix(Affine),
+    Parts(Rest),
+}
+
+/// A node's numbers in the file.
+#[derive(Deserialize)]
+struct Written {
+    matrix: Option<[f64; 16]>,
+    translation: Option<[f64; 3]>,
+    rotation: Option<[f64; 4]>,
+    scale: Option<[f64; 3]>,
+}
+
+/// The numbers of all nodes in the file.
+#[derive(Deserialize)]
+pub(super) struct Places {
+    #[serde(default)]
+    nodes: Vec<Place>,
+}
+
+impl From<Written> for Place {
+    fn from(written: Written) -> Self {
+        match written.matrix {
+            Some(matrix) => Self::Matrix(from_columns(&matrix)),
+            None => Self::Parts(Rest {
+                translation: written.translation.unwrap_or_default(),
+                rotation: written.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+                scale: written.scale.unwrap_or([1.0; 3]),
+            }),
+        }
+    }
+}
+
+impl Place {
+    /// The node's own map, to its parent's frame.
+    pub(super) fn map(&self) -> Affine {
+        match self {
+            Self::Matrix(map) => *map,
+            Self::Parts(rest) => rest.map(),
+        }
+    }
+
+    /// Where the node stands without an animation; a node that is animated has no matrix.
+    pub(super) fn rest(&self) -> Rest {
+        match self {
+            Self::Matrix(_) => Rest::default(),
+            Self::Parts(rest) => *rest,
+        }
+    }
+}
+
 /// The node tree with transforms multiplied out.
 pub(super) struct Nodes {
+    /// Every node in its parent.
+    pub(super) place: Vec<Place>,
     /// World transform of every node.
     pub(super) world: Vec<Affine>,
     /// The parent of every node.
@@ -24,8 +83,11 @@ pub(super) struct Nodes {
 
 impl Nodes {
     /// Multiplies out the tree and walks the default scene, else the first, else every root.
-    pub(super) fn load(path: &Path, root: &Root) -> Result<Self> {
-        let count = root.nodes.len();
+    pub(super) fn load(path: &Path, root: &Root, places: Places) -> Result<Self> {
+        let (count, place) = (root.nodes.len(), places.nodes);
+        if place.len() != count {
+            return Err(bad(path, "its list of nodes is there twice"));
+        }
         let mut parent = vec![None; count];
         for (index, node) in root.nodes.iter().enumerate() {
             for child in children(node) {
@@ -49,7 +111,7 @@ impl Nodes {
             order.push(index);
             let node = &root.nodes[index];
             let above = parent[index].map_or(IDENTITY, |p| world[p]);
-            world[index] = multiply(&above, &local(node));
+            world[index] = multiply(&above, &place[index].map());
             if !is_finite(&world[index]) {
                 let what = format!("the transform of node {:?}", name(node, index));
                 return Err(Error::NotFinite { path: path.to_owned(), what });
@@ -67,7 +129,7 @@ impl Nodes {
             None => roots,
         };
         let drawn = walk(path, root, starts)?;
-        Ok(Self { world, parent, order, drawn })
+        Ok(Self { place, world, parent, order, drawn })
     }
 }
 
@@ -165,21 +227,4 @@ fn is_hidden(node: &Node) -> bool {
 
 fn children(node: &Node) -> impl Iterator<Item = usize> + '_ {
     node.children.iter().flatten().map(|c| c.value())
-}
-
-/// The node's own map, to its parent's frame.
-pub(super) fn local(node: &Node) -> Affine {
-    match &node.matrix {
-        Some(matrix) => from_columns(matrix),
-        None => rest(node).map(),
-    }
-}
-
-/// Where the node stands without an animation; a matrix is not looked at.
-pub(super) fn rest(node: &Node) -> Rest {
-    Rest {
-        translation: node.translation.unwrap_or_default(),
-        rotation: node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |r| r.0),
-        scale: node.scale.unwrap_or([1.0; 3]),
-    }
 }

@@ -65,7 +65,7 @@ impl<'a> Skins<'a> {
             let world = self.nodes.world.get(joint.value());
             let world = world.ok_or_else(|| broken("names a joint that does not exist"))?;
             let bind = binds.as_ref().and_then(|b| b.floats::<16>(i));
-            world_from_mesh.push(bind.map_or(*world, |m| multiply(world, &from_columns(&m))));
+            world_from_mesh.push(bind.map_or(*world, |m| multiply(world, &from_columns(&m.map(f64::from)))));
         }
         Ok(world_from_mesh)
     }

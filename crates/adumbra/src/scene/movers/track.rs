@@ -43,9 +43,9 @@ impl<const N: usize> Track<N> {
         self.times.last().map_or(0.0, |&t| t.into())
     }
 
-    /// Whether it has `value` at all times.
-    pub(in crate::scene) fn is_always(&self, value: [f32; N]) -> bool {
-        let key = |i: usize| self.key(i, 1) == value.map(f64::from);
+    /// Whether it has `value`, as floats have it, at all times.
+    pub(in crate::scene) fn is_always(&self, value: [f64; N]) -> bool {
+        let key = |i: usize| self.key(i, 1) == value.map(|c| f64::from(c as f32));
         let still = |i: usize| self.key(i, 0) == [0.0; N] && self.key(i, 2) == [0.0; N];
         let cubic = self.interpolation == Interpolation::Cubic;
         (0..self.times.len()).all(|i| key(i) && (!cubic || still(i)))
