@@ -67,10 +67,21 @@ fn test(root: &Path) -> Result<(), String> {
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }
 
-/// How tests are named that a quick run leaves out: those of real scenes, those that bake or bench the same over and over, and
+/// How tests are named that a quick run leaves out: those of real scenes, those that bake, bench or count over and over, and
 /// scene fuzzing at full length.
-const NOT_QUICK: [&str; 5] =
-    ["shared_", "bench_hrsm_", "limited_bake_", "report_browser_", "fuzz_scenes_full"];
+const NOT_QUICK: [&str; 11] = [
+    "shared_",
+    "bench_",
+    "counts_the_taps_that_the_cpu_counts",
+    "demo_",
+    "limited_bake_",
+    "bake_writes_the_same_bytes_",
+    "report_browser_",
+    "report_keeps_what_was_measured_",
+    "report_leaves_what_there_is_",
+    "report_says_that_its_page_",
+    "fuzz_scenes_full",
+];
 
 fn quick_test(root: &Path) -> Result<(), String> {
     tools::ensure_driver()?;
