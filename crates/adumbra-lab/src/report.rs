@@ -72,6 +72,17 @@ pub struct PixelCounts {
     pub excluded: u64,
 }
 
+/// More excluded pixels than this share of those with a surface mean that what is compared is not what is there.
+pub const MOST_EXCLUDED: f64 = 0.01;
+
+impl PixelCounts {
+    /// Excluded pixels, as a share of those with a surface; 0 where there is none.
+    pub fn excluded_share(&self) -> f64 {
+        let surfaces = self.compared + self.facing_away + self.excluded;
+        self.excluded as f64 / surfaces.max(1) as f64
+    }
+}
+
 /// A baked file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BakedFigures {
@@ -99,7 +110,7 @@ pub enum TruthKind {
 /// texel's size excuses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClearErrors {
-    /// Share of compared pixels that lie so, estimated from every 29th.
+    /// Share of compared pixels that lie so; of more than 65,536 a sample is asked, here and below.
     pub pixels: f64,
     /// Share of those that are shadowed and called lit.
     pub wrong_lit: f64,
@@ -126,24 +137,31 @@ pub struct TechniqueRow {
     pub bytes: u64,
     /// What judged it.
     pub truth: TruthKind,
-    /// Root mean square error of the shadow factor, 0 to 1.
-    pub rmse: f64,
+    /// Root mean square error of the shadow factor, 0 to 1. This and the next five are none where no pixel was compared.
+    pub rmse: Option<f64>,
     /// Mean size of the shadow factor's difference, 0 to 1.
-    pub mean_difference: f64,
+    pub mean_difference: Option<f64>,
     /// Structural similarity of the composited picture; 1 is the same.
-    pub ssim: f64,
+    pub ssim: Option<f64>,
     /// Mean FLIP of the composited picture, 0 to 1; 0 is the same.
-    pub flip: f64,
+    pub flip: Option<f64>,
     /// Share of compared pixels that are shadowed and called lit.
-    pub wrong_lit: f64,
+    pub wrong_lit: Option<f64>,
     /// Share of compared pixels that are lit and called shadowed.
-    pub wrong_shadowed: f64,
-    /// The errors that lie away from edges; none for what compares with no texels.
+    pub wrong_shadowed: Option<f64>,
+    /// The errors that lie away from edges; none for what compares with no texels, and where no pixel lies so.
     pub clear: Option<ClearErrors>,
     /// The same errors by distance.
     pub bands: Vec<Band>,
     /// What it left out on this device.
     pub notes: Vec<String>,
+}
+
+impl TechniqueRow {
+    /// Share of compared pixels on the wrong side of 1/2; none where no pixel was compared.
+    pub fn wrong(&self) -> Option<f64> {
+        Some(self.wrong_lit? + self.wrong_shadowed?)
+    }
 }
 
 /// Figures over a camera path.
@@ -189,7 +207,7 @@ pub struct Cheaper {
 impl Report {
     /// Tables of everything.
     pub fn markdown(&self) -> String {
-        let mut text = format!("# Shadows of {} beside the truth\n\n", self.scene);
+        let mut text = format!("# Shadows of {} beside the truth\n\n", escaped(&self.scene));
         let c = &self.camera;
         let lens = match (c.fov_degrees, c.height_world) {
             (Some(fov), _) => format!("{fov}° high"),
@@ -200,10 +218,10 @@ impl Report {
         // Writing to a String does not fail.
         let _ = writeln!(
             text,
-            "Camera `{}`: eye ({}), target ({}), {lens}, {} x {}. Sun towards ({}). Drawn by {}{}.\n\n\
+            "Camera {}: eye ({}), target ({}), {lens}, {} x {}. Sun towards ({}). Drawn by {}{}.\n\n\
             {} pixels are compared; {} are sky, {} face away from the sun (n·l <= 0.1), and {} are excluded: \
             G-buffer and rays see different surfaces there.\n",
-            c.name,
+            escaped(&c.name),
             triple(c.eye),
             triple(c.target),
             c.width,
@@ -262,7 +280,7 @@ impl Report {
             );
             let _ = writeln!(
                 text,
-                "| `{}` | {} | {} | {} | {} | {:.2} | {} | {:.4} | {:.4} | {:.4} | {:.3} | {:.3} | {clear} |",
+                "| `{}` | {} | {} | {} | {} | {:.2} | {} | {} | {} | {} | {} | {} | {clear} |",
                 t.name,
                 ms(t.gpu_ms),
                 ms(t.depth_ms),
@@ -273,11 +291,11 @@ impl Report {
                     TruthKind::Hard => "hard",
                     TruthKind::Disc => "disc",
                 },
-                t.rmse,
-                t.ssim,
-                t.flip,
-                100.0 * t.wrong_lit,
-                100.0 * t.wrong_shadowed
+                figure(t.rmse, 4),
+                figure(t.ssim, 4),
+                figure(t.flip, 4),
+                percent(t.wrong_lit, 3),
+                percent(t.wrong_shadowed, 3)
             );
         }
         text + "\n"
@@ -335,7 +353,7 @@ impl PathReport {
             let at = |i: usize| sorted.get(i).copied().unwrap_or(f64::NAN);
             let shimmer = t.shimmer.map_or_else(
                 || "– | –".to_owned(),
-                |s| format!("{:.3} | {:.5}", 100.0 * s.edge_share, s.edge_mean),
+                |s| format!("{} | {}", percent(s.edge_share, 3), figure(s.edge_mean, 5)),
             );
             let _ = writeln!(
                 text,
@@ -379,6 +397,32 @@ impl PathReport {
     }
 }
 
+/// A name, such as a file's, as Markdown text: nothing of it is markup, and it stays on its line.
+pub fn escaped(name: &str) -> String {
+    let mut text = String::with_capacity(name.len());
+    for c in name.chars() {
+        match c {
+            '&' => text.push_str("&amp;"),
+            '<' => text.push_str("&lt;"),
+            '>' => text.push_str("&gt;"),
+            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '#' | '!' | '~' | '$' => text.extend(['\\', c]),
+            c if c.is_control() => text.push(' '),
+            c => text.push(c),
+        }
+    }
+    text
+}
+
+/// A figure with so many digits after the point; a dash where there is none.
+pub fn figure(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
+}
+
+/// A share in percent, as [`figure`].
+pub fn percent(share: Option<f64>, digits: usize) -> String {
+    figure(share.map(|s| 100.0 * s), digits)
+}
+
 fn triple(v: [f64; 3]) -> String {
     v.map(|c| format!("{}", (c * 1e4).round() / 1e4)).join(", ")
 }
@@ -405,6 +449,27 @@ pub fn grouped(whole: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_no_markup() {
+        assert_eq!(escaped("box-city-5k.glb"), "box-city-5k.glb");
+        let name = "a<b&c`|d\n# e_f.obj";
+        let text = escaped(name);
+        assert!(!text.contains('\n'), "{text}");
+        let mut html = String::new();
+        let markdown = format!("# {text}\n");
+        pulldown_cmark::html::push_html(&mut html, pulldown_cmark::Parser::new(&markdown));
+        assert_eq!(html, "<h1>a&lt;b&amp;c`|d # e_f.obj</h1>\n");
+    }
+
+    #[test]
+    fn figures_of_nothing_are_dashes() {
+        assert_eq!((figure(None, 3), figure(Some(0.5), 3)), ("–".to_owned(), "0.500".to_owned()));
+        assert_eq!(percent(Some(0.01234), 2), "1.23");
+        let counts = PixelCounts { compared: 97, sky: 900, facing_away: 1, excluded: 2 };
+        assert_eq!(counts.excluded_share(), 0.02);
+        assert_eq!(PixelCounts { sky: 5, ..PixelCounts::default() }.excluded_share(), 0.0);
+    }
 
     #[test]
     fn thousands_stand_apart() {

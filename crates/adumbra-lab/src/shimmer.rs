@@ -16,10 +16,10 @@ pub const CHANGE: f32 = 0.05;
 pub struct Shimmer {
     /// Points near edges, each counted once a pair of frames.
     pub edge_points: u64,
-    /// Share of them that changed.
-    pub edge_share: f64,
-    /// Mean change of their factors, 0 to 1.
-    pub edge_mean: f64,
+    /// Share of them that changed; none where there are none.
+    pub edge_share: Option<f64>,
+    /// Mean change of their factors, 0 to 1; none where there are none.
+    pub edge_mean: Option<f64>,
     /// Points in all.
     pub points: u64,
     /// Share of all points that changed.
@@ -58,15 +58,15 @@ impl ShimmerCount {
         Ok(())
     }
 
-    /// The shares; none where no point was added, shares of edge points 0 where none lay near an edge.
+    /// The shares; none where no point was added.
     pub fn finish(&self) -> Option<Shimmer> {
-        let of = |part: f64, whole: u64| if whole == 0 { 0.0 } else { part / whole as f64 };
+        let of = |part: f64, whole: u64| (whole > 0).then(|| part / whole as f64);
         (self.points > 0).then(|| Shimmer {
             edge_points: self.edge_points,
             edge_share: of(self.edge_changed as f64, self.edge_points),
             edge_mean: of(self.edge_sum, self.edge_points),
             points: self.points,
-            share: of(self.changed as f64, self.points),
+            share: self.changed as f64 / self.points as f64,
         })
     }
 }
@@ -82,13 +82,18 @@ mod tests {
         count.add(&[1.0], &[1.0], &[true]).unwrap();
         let s = count.finish().unwrap();
         assert_eq!((s.edge_points, s.points), (4, 5));
-        assert!((s.edge_share - 0.25).abs() < 1e-12 && (s.share - 0.4).abs() < 1e-12);
-        assert!((s.edge_mean - 0.54 / 4.0).abs() < 1e-6);
+        let (share, mean) = (s.edge_share.unwrap(), s.edge_mean.unwrap());
+        assert!((share - 0.25).abs() < 1e-12 && (s.share - 0.4).abs() < 1e-12);
+        assert!((mean - 0.54 / 4.0).abs() < 1e-6);
     }
 
     #[test]
     fn shimmer_of_nothing_is_nothing() {
         assert_eq!(ShimmerCount::default().finish(), None);
+        let mut flat = ShimmerCount::default();
+        flat.add(&[1.0], &[1.0], &[false]).unwrap();
+        let s = flat.finish().unwrap();
+        assert_eq!((s.edge_share, s.edge_mean, s.share), (None, None, 0.0));
         assert!(ShimmerCount::default().add(&[0.0], &[0.0], &[]).is_err());
     }
 }

@@ -327,9 +327,14 @@ impl Renderer {
             .map(|p| {
                 let r: [f64; 3] = std::array::from_fn(|a| p.p_world[a] - input.anchor_world[a]);
                 let n = p.normal.map(|c| c as f32);
+                // As a frame would have it: noise of the screen stands still there, not on the surface.
+                let [x, y] = view.pixel(p.p_world).unwrap_or_default();
+                let [x, y] = [(x, shot.camera.width), (y, shot.camera.height)]
+                    .map(|(c, size)| (c.max(0.0) as u32).min(size.saturating_sub(1)));
                 PointQuery {
                     p_relative: [r[0] as f32, r[1] as f32, r[2] as f32, view.depth(p.p_world) as f32],
                     normal: [n[0], n[1], n[2], 0.0],
+                    pixel: [x, y, 0, 0],
                 }
             })
             .collect();

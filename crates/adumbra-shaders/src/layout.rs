@@ -254,6 +254,8 @@ gpu_struct! {
         pub p_relative: [f32; 4],
         /// Unit normal, or zero; w = 0.
         pub normal: [f32; 4],
+        /// Pixel at which it appears, x and y, for what differs from pixel to pixel; 0, 0.
+        pub pixel: [u32; 4],
     }
 }
 

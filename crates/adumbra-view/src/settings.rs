@@ -71,7 +71,7 @@ impl Settings {
 
     /// Whether a technique that is seen has this name, or begins with it where it ends in `*`.
     pub fn uses(&self, name: &str) -> bool {
-        self.seen().iter().map(innermost).any(|s| match name.strip_suffix('*') {
+        self.seen().iter().map(TechniqueSpec::innermost).any(|s| match name.strip_suffix('*') {
             Some(start) => s.name().starts_with(start),
             None => s.name() == name,
         })
@@ -79,7 +79,7 @@ impl Settings {
 
     /// Whether a technique that is seen asks for penumbrae, which a file in the hierarchy's layout has.
     pub fn uses_penumbrae(&self) -> bool {
-        self.seen().iter().any(has_penumbrae)
+        self.seen().iter().any(TechniqueSpec::needs_hierarchy)
     }
 
     /// The techniques that are seen.
@@ -205,18 +205,6 @@ pub(crate) fn shadow_names() -> impl Iterator<Item = &'static str> {
 fn further<'n>(names: &[&'n str], name: &str, by: i32) -> &'n str {
     let at = names.iter().position(|n| *n == name).unwrap_or(0) as i32;
     names[(at + by).rem_euclid(names.len() as i32) as usize]
-}
-
-/// The technique that looks up: of a blur the one that it blurs.
-pub(crate) fn innermost(spec: &TechniqueSpec) -> TechniqueSpec {
-    let base = spec.value("base").filter(|_| spec.name().starts_with("blur"));
-    base.and_then(|base| base.replace('/', ":").parse().ok()).unwrap_or_else(|| spec.clone())
-}
-
-/// Whether a technique asks a file for penumbrae.
-pub(crate) fn has_penumbrae(spec: &TechniqueSpec) -> bool {
-    let spec = innermost(spec);
-    spec.name() == "voxel" && spec.value("shade") == Some("soft")
 }
 
 fn shadow(text: &str) -> Result<TechniqueSpec, String> {

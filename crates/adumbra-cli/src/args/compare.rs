@@ -53,6 +53,9 @@ pub(crate) struct Compare {
     pub(crate) device: DeviceArgs,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
+    /// Exit code 1 where GPU and rays see different surfaces at more than 1 % of the pixels with a surface
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// Folder for report.md, report.json, sheet.png and the pictures
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
@@ -65,7 +68,7 @@ pub(crate) struct Compare {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum JudgeArg {
-    /// The sun's disc for pcss and the blurs of the screen, its middle for all others
+    /// The sun's disc for pcss, voxel:soft and the blurs of the screen, its middle for all others
     Technique,
     /// The sun's middle
     Hard,

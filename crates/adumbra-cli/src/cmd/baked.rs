@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-use adumbra::bake::{Options, Size, bake};
+use adumbra::bake::{Options, Size, bake, bake_hierarchy};
 use adumbra::format::{AnyFile, ShadowFile, TreeBody, TreeFile};
 use adumbra::light::Sun;
 use adumbra::scene::Scene;
@@ -83,8 +83,13 @@ impl BakedFiles {
                 max_memory_bytes: how.max_memory_bytes,
                 ..Options::new(how.sun, Size::Resolution(how.resolution))
             };
-            let baked = bake(how.scene, &options, &|_| {}, &never)?;
-            self.light = Some(ShadowFile::plain(baked.grid, baked.settings, baked.dag));
+            self.light = Some(if specs.iter().any(TechniqueSpec::needs_hierarchy) {
+                let baked = bake_hierarchy(how.scene, &options, true, &|_| {}, &never)?;
+                ShadowFile::hierarchy(baked.grid, baked.settings, baked.hierarchy)
+            } else {
+                let baked = bake(how.scene, &options, &|_| {}, &never)?;
+                ShadowFile::plain(baked.grid, baked.settings, baked.dag)
+            });
         }
         if self.tree.is_none() && specs.iter().any(needs_tree) {
             let options = TreeOptions {
@@ -129,9 +134,9 @@ impl BakedFiles {
 }
 
 fn needs_light(spec: &TechniqueSpec) -> bool {
-    matches!(spec.name(), "voxel" | "voxel+csm")
+    matches!(spec.innermost().name(), "voxel" | "voxel+csm")
 }
 
 fn needs_tree(spec: &TechniqueSpec) -> bool {
-    spec.name().starts_with("voxel-")
+    spec.innermost().name().starts_with("voxel-")
 }

@@ -94,8 +94,10 @@ fn measure(
         let mut technique = renderer.prepare(build(renderer.gpu(), spec, files.baked())?)?;
         renderer.draw(&shot, &mut technique, Answer::Visibility)?;
         let figures = peers::figures(&renderer.read_factor(&technique)?, &view)?;
-        eprintln!("{name} {spec}: {:.2} ({:.1})", figures.wrong_percent, figures.mean_percent);
-        row.scenes[column] = Some(figures);
+        if let Some(figures) = &figures {
+            eprintln!("{name} {spec}: {:.2} ({:.1})", figures.wrong_percent, figures.mean_percent);
+        }
+        row.scenes[column] = figures;
     }
     Ok(renderer.gpu().name())
 }

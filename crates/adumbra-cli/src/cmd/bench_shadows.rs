@@ -7,7 +7,7 @@ use adumbra::light::Sun;
 use adumbra::scene::{LoadOptions, Scene};
 use adumbra_lab::compare::{Contender, Judge, camera_figures, compare, walk};
 use adumbra_lab::paths::CameraPath;
-use adumbra_lab::report::{Report, TechniqueRow};
+use adumbra_lab::report::{Report, percent};
 use adumbra_lab::truth::{Cache, Key, StreetOptions, TruthTracer, scene_key, street_camera, truth_camera};
 use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec};
 
@@ -135,7 +135,7 @@ impl<'a, 's> Stage<'a, 's> {
         };
         for c in &comparison.compared {
             let row = &c.row;
-            eprintln!("{}, {what}, {}: {:.3} % wrong", self.name, row.name, 100.0 * wrong(row));
+            eprintln!("{}, {what}, {}: {} % wrong", self.name, row.name, percent(row.wrong(), 3));
         }
         Ok(Report {
             adapter: renderer.gpu().name(),
@@ -153,10 +153,6 @@ impl<'a, 's> Stage<'a, 's> {
             path,
         })
     }
-}
-
-fn wrong(row: &TechniqueRow) -> f64 {
-    row.wrong_lit + row.wrong_shadowed
 }
 
 /// Writes what there is so far.
@@ -192,7 +188,7 @@ fn summary(reports: &[Report]) -> String {
         let _ = write!(text, "| `{name}` |");
         for report in reports {
             let cell = report.techniques.iter().find(|t| t.name == name).map_or_else(String::new, |t| {
-                format!("{:.3} ({:.2})", 100.0 * wrong(t), 100.0 * t.mean_difference)
+                format!("{} ({})", percent(t.wrong(), 3), percent(t.mean_difference, 2))
             });
             let _ = write!(text, " {cell} |");
         }

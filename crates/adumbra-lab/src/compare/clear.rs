@@ -1,5 +1,4 @@
-//! Errors away from shadow edges: only pixels that are wrong are asked about their neighbourhood, and a sample of all, so that
-//! nearly no rays are cast.
+//! Errors away from shadow edges, over a sample of the compared pixels: whoever is counted as wrong is counted in the whole too.
 
 use rayon::prelude::*;
 
@@ -9,11 +8,11 @@ use crate::truth::{EdgeProbe, Surfaces};
 
 /// How far from an edge, in the technique's texels.
 pub const CLEAR_TEXELS: f64 = 2.0;
-/// Every so many pixels tell how many lie clear.
-const SAMPLE: usize = 29;
+/// Of more pixels than these, every second, third, … is asked, so that at most so many are.
+const MOST_PIXELS: usize = 1 << 16;
 
-/// Errors of `factors` at the pixels that are `judged` and lie [`CLEAR_TEXELS`] texels from an edge; `texel_world` gives a pixel's.
-/// Cost: 17 rays for each wrong pixel and for every 29th.
+/// Errors of `factors` at the pixels that are `judged` and lie [`CLEAR_TEXELS`] texels from an edge; `texel_world` gives a pixel's. None where
+/// no pixel lies so, or a pixel has no texel. Cost: 17 rays a pixel, of at most 65,536.
 pub fn clear_errors(
     probe: &EdgeProbe<'_, '_>,
     surfaces: &Surfaces,
@@ -25,19 +24,19 @@ pub fn clear_errors(
         .filter(|&i| judged(i))
         .map(|i| texel_world(i).map(|texel| (i, CLEAR_TEXELS * texel)))
         .collect::<Option<_>>()?;
-    let clear = |&&(i, radius): &&(usize, f64)| {
+    let step = pixels.len().div_ceil(MOST_PIXELS).max(1);
+    let sample: Vec<(usize, f64)> = pixels.into_iter().step_by(step).collect();
+    let is_clear = |&&(i, radius): &&(usize, f64)| {
         probe.is_clear(surfaces.lifted(i), surfaces.normal[i].map(f64::from), radius)
     };
-    let sample: Vec<(usize, f64)> = pixels.iter().copied().step_by(SAMPLE).collect();
-    let share = sample.par_iter().filter(clear).count() as f64 / sample.len().max(1) as f64;
-    let count = share * pixels.len() as f64;
+    let clear: Vec<usize> = sample.par_iter().filter(is_clear).map(|&(i, _)| i).collect();
     let wrong = |lit: bool| {
-        let found = pixels
-            .par_iter()
-            .filter(|(i, _)| is_lit(factors[*i]) == lit && is_lit(truth[*i]) != lit)
-            .filter(clear)
-            .count();
-        if count > 0.0 { found as f64 / count } else { 0.0 }
+        let found = clear.iter().filter(|&&i| is_lit(factors[i]) == lit && is_lit(truth[i]) != lit).count();
+        found as f64 / clear.len() as f64
     };
-    Some(ClearErrors { pixels: share, wrong_lit: wrong(true), wrong_shadowed: wrong(false) })
+    (!clear.is_empty()).then(|| ClearErrors {
+        pixels: clear.len() as f64 / sample.len() as f64,
+        wrong_lit: wrong(true),
+        wrong_shadowed: wrong(false),
+    })
 }

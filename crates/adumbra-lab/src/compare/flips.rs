@@ -47,13 +47,13 @@ pub fn near_flips(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], rad
     (0..surfaces.pixels()).map(|i| surfaces.is_valid(i) && near(i)).collect()
 }
 
-/// Errors of `factors` at the pixels that are `judged` and not `near` an edge: acne and leaks.
+/// Errors of `factors` at the pixels that are `judged` and not `near` an edge: acne and leaks. None where there is no such pixel.
 pub fn errors_off_edges(
     factors: &[f32],
     truth: &[f32],
     judged: impl Fn(usize) -> bool,
     near: &[bool],
-) -> ClearErrors {
+) -> Option<ClearErrors> {
     let (mut all, mut clear, mut wrong) = (0_u64, 0_u64, [0_u64; 2]);
     for i in (0..factors.len()).filter(|&i| judged(i)) {
         all += 1;
@@ -65,12 +65,12 @@ pub fn errors_off_edges(
             wrong[usize::from(is_lit(truth[i]))] += 1;
         }
     }
-    let of = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
-    ClearErrors {
+    let of = |part: u64, whole: u64| part as f64 / whole as f64;
+    (clear > 0).then(|| ClearErrors {
         pixels: of(clear, all),
         wrong_lit: of(wrong[0], clear),
         wrong_shadowed: of(wrong[1], clear),
-    }
+    })
 }
 
 #[cfg(test)]
@@ -126,7 +126,8 @@ mod tests {
         let truth = [0.0, 0.0, 1.0, 1.0, 1.0, 0.0];
         let factors = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
         let near = [false, false, false, false, true, false];
-        let e = errors_off_edges(&factors, &truth, |i| i != 5, &near);
+        let e = errors_off_edges(&factors, &truth, |i| i != 5, &near).unwrap();
         assert_eq!((e.pixels, e.wrong_lit, e.wrong_shadowed), (0.8, 0.25, 0.25));
+        assert_eq!(errors_off_edges(&factors, &truth, |i| i == 4, &near), None);
     }
 }

@@ -74,10 +74,9 @@ pub struct Comparison {
     pub compared: Vec<Compared>,
 }
 
-/// What judges a technique unless it is told otherwise: `pcss` and the blurs of the screen set out to show penumbrae, and get the disc; all
-/// others answer for the sun's middle, their filters only smooth the edge.
+/// What judges a technique unless it is told otherwise, as it declares by [`TechniqueSpec::shows_disc`].
 pub fn truth_for(spec: &TechniqueSpec) -> TruthKind {
-    if spec.name() == "pcss" || spec.name().starts_with("blur") { TruthKind::Disc } else { TruthKind::Hard }
+    if spec.shows_disc() { TruthKind::Disc } else { TruthKind::Hard }
 }
 
 /// Draws every contender at `camera` and compares. The first frame of each is not timed; the medians are of the `frames` (at least 1) after it.
@@ -211,6 +210,11 @@ fn draw_and_judge(
         prepared.technique().texel_world(surfaces.view_depth[i] as f32)
     };
     let clear = clear_errors(&probe, surfaces, (&factors, &truth.factors), judged, texel);
+    // Of a picture of nothing no figure says anything, of factors or of colours.
+    let pictures = match errors {
+        Some(_) => Some((ssim(&truth.picture, &picture)?, flip(&truth.picture, &picture)?)),
+        None => None,
+    };
     let of = |what: &dyn Fn(&FrameTimes) -> f64| {
         (!times.is_empty()).then(|| median(times.iter().map(what).collect()))
     };
@@ -223,12 +227,12 @@ fn draw_and_judge(
         wall_time: times.iter().any(|t| t.wall_time),
         bytes,
         truth: truth.kind,
-        rmse: errors.rmse,
-        mean_difference: errors.mean_difference,
-        ssim: ssim(&truth.picture, &picture)?,
-        flip: flip(&truth.picture, &picture)?,
-        wrong_lit: errors.wrong_lit,
-        wrong_shadowed: errors.wrong_shadowed,
+        rmse: errors.map(|e| e.rmse),
+        mean_difference: errors.map(|e| e.mean_difference),
+        ssim: pictures.map(|p| p.0),
+        flip: pictures.map(|p| p.1),
+        wrong_lit: errors.map(|e| e.wrong_lit),
+        wrong_shadowed: errors.map(|e| e.wrong_shadowed),
         clear,
         bands: bands(&factors, &truth.factors, &surfaces.view_depth, judged)?,
         notes,

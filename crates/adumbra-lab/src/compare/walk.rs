@@ -12,8 +12,8 @@ use crate::truth::EdgeProbe;
 
 /// Points are followed from a picture of so many pixels across.
 const POINTS_ACROSS: u32 = 128;
-/// A point is near an edge within so many diagonals of the scene, in the light's plane: a texel of a map of 2048² over the whole scene.
-const EDGE_DIAGONALS: f64 = 1.0 / 2048.0;
+/// A point is near an edge within so many pixels of the frames, in the light's plane.
+const EDGE_PIXELS: f64 = 4.0;
 
 /// Walks `path` with pictures of `width` × `height` pixels: every contender draws every frame once, and fixed points are followed from each
 /// frame to the next. Contenders without pipelines are left out.
@@ -104,9 +104,11 @@ fn follow(judge: &Judge<'_, '_>, from: &Camera, to: &Camera) -> Followed {
                 && inside(surfaces.position[i])
         })
         .collect();
-    let radius = EDGE_DIAGONALS * judge.truth.bounds().diagonal();
+    let view = from.view();
+    let pixel = 2.0 * view.half[1] / f64::from(from.height);
     let probe = EdgeProbe::new(judge.truth, judge.towards_sun);
-    let clear = probe.clear_pixels(&surfaces, |_| radius);
+    let away = |i: usize| if view.orthographic { 1.0 } else { surfaces.view_depth[i] };
+    let clear = probe.clear_pixels(&surfaces, |i| EDGE_PIXELS * pixel * away(i));
     let point = |&i: &usize| SurfacePoint {
         p_world: surfaces.position[i],
         normal: surfaces.normal[i].map(f64::from),

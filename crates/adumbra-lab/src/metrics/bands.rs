@@ -41,8 +41,7 @@ pub fn bands(
         let from_world = if number == skipped && skipped > 0 { 0.0 } else { pair[0] };
         let to_world = pair[1];
         let within = |i: usize| counts(i) && (from_world..to_world).contains(&depths[i]);
-        let errors = factor_errors(factors, truth, within)?;
-        if errors.pixels > 0 {
+        if let Some(errors) = factor_errors(factors, truth, within)? {
             found.push(Band { from_world, to_world, errors });
         }
     }

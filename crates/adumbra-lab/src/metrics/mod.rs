@@ -41,11 +41,15 @@ pub fn is_lit(factor: f32) -> bool {
     factor > 0.5
 }
 
-/// Compares `factors` with `truth`, both one a pixel, where `counts` holds of the pixel's index; all zero where none does.
+/// Compares `factors` with `truth`, both one a pixel, where `counts` holds of the pixel's index; none where it holds of none.
 ///
 /// # Errors
 /// [`Error::Sizes`] where the two differ in length.
-pub fn factor_errors(factors: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> Result<FactorErrors> {
+pub fn factor_errors(
+    factors: &[f32],
+    truth: &[f32],
+    counts: impl Fn(usize) -> bool,
+) -> Result<Option<FactorErrors>> {
     Error::check_sizes("shadow factors and truth", factors.len(), truth.len())?;
     let (mut squares, mut sizes, mut pixels, mut lit, mut shadowed) = (0.0, 0.0, 0_u64, 0_u64, 0_u64);
     for (index, (&answer, &right)) in factors.iter().zip(truth).enumerate() {
@@ -59,14 +63,14 @@ pub fn factor_errors(factors: &[f32], truth: &[f32], counts: impl Fn(usize) -> b
         lit += u64::from(is_lit(answer) && !is_lit(right));
         shadowed += u64::from(!is_lit(answer) && is_lit(right));
     }
-    let whole = pixels.max(1) as f64;
-    Ok(FactorErrors {
+    let whole = pixels as f64;
+    Ok((pixels > 0).then(|| FactorErrors {
         pixels,
         rmse: (squares / whole).sqrt(),
         mean_difference: sizes / whole,
         wrong_lit: lit as f64 / whole,
         wrong_shadowed: shadowed as f64 / whole,
-    })
+    }))
 }
 
 #[cfg(test)]
@@ -77,7 +81,7 @@ mod tests {
     fn factor_errors_of_known_values() {
         let truth = [0.0, 0.0, 1.0, 1.0, 0.75];
         let answer = [0.0, 1.0, 0.0, 1.0, 0.25];
-        let e = factor_errors(&answer, &truth, |_| true).unwrap();
+        let e = factor_errors(&answer, &truth, |_| true).unwrap().unwrap();
         assert_eq!(e.pixels, 5);
         assert!((e.rmse - (2.25_f64 / 5.0).sqrt()).abs() < 1e-12);
         assert!((e.mean_difference - 0.5).abs() < 1e-12);
@@ -88,8 +92,12 @@ mod tests {
     #[test]
     fn factor_errors_count_only_what_is_asked_for() {
         let e = factor_errors(&[1.0, 0.0], &[0.0, 0.0], |i| i == 1).unwrap();
-        assert_eq!(e, FactorErrors { pixels: 1, ..FactorErrors::default() });
-        assert_eq!(factor_errors(&[1.0], &[0.0], |_| false).unwrap(), FactorErrors::default());
+        assert_eq!(e, Some(FactorErrors { pixels: 1, ..FactorErrors::default() }));
+    }
+
+    #[test]
+    fn nothing_compared_has_no_figures() {
+        assert_eq!(factor_errors(&[1.0], &[0.0], |_| false).unwrap(), None);
     }
 
     #[test]
@@ -99,7 +107,7 @@ mod tests {
 
     #[test]
     fn one_half_is_shadowed() {
-        let e = factor_errors(&[0.5], &[1.0], |_| true).unwrap();
+        let e = factor_errors(&[0.5], &[1.0], |_| true).unwrap().unwrap();
         assert_eq!((e.wrong_lit, e.wrong_shadowed), (0.0, 1.0));
     }
 }

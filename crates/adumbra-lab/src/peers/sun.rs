@@ -73,14 +73,15 @@ pub fn aim() -> PeerRow {
     row(RowSource::Aim, AIM)
 }
 
-/// Both figures of shadow factors drawn with the view's camera.
+/// Both figures of shadow factors drawn with the view's camera; none where no pixel of it faces the sun.
 ///
 /// # Errors
 /// [`crate::Error::Sizes`] where the factors are not the view's pixels.
-pub fn figures(factors: &[f32], view: &TruthView) -> Result<PeerFigures> {
+pub fn figures(factors: &[f32], view: &TruthView) -> Result<Option<PeerFigures>> {
     let judged = |i: usize| view.valid[i] && view.n_dot_l[i] > MIN_N_DOT_L;
     let errors = factor_errors(factors, &view.visibility, judged)?;
-    Ok(PeerFigures { wrong_percent: 100.0 * errors.wrong(), mean_percent: 100.0 * errors.mean_difference })
+    Ok(errors
+        .map(|e| PeerFigures { wrong_percent: 100.0 * e.wrong(), mean_percent: 100.0 * e.mean_difference }))
 }
 
 /// The table as Markdown.
@@ -131,7 +132,7 @@ mod tests {
             ambient_radius_world: 1.0,
             valid: vec![true, true, true, false],
         };
-        let f = figures(&[0.25, 0.25, 0.0, 0.0], &view).unwrap();
+        let f = figures(&[0.25, 0.25, 0.0, 0.0], &view).unwrap().unwrap();
         assert_eq!((f.wrong_percent, f.mean_percent), (50.0, 50.0));
         assert!(figures(&[0.0; 3], &view).is_err());
     }

@@ -56,6 +56,48 @@ impl fmt::Display for TechniqueSpec {
 }
 
 impl TechniqueSpec {
+    /// The technique that looks up: of a blur the one that it blurs.
+    pub fn innermost(&self) -> Self {
+        let base = self.value("base").filter(|_| self.blurs());
+        base.and_then(|base| base.replace('/', ":").parse().ok()).unwrap_or_else(|| self.clone())
+    }
+
+    /// Whether it blurs another technique's factor on the screen.
+    fn blurs(&self) -> bool {
+        self.name.starts_with("blur")
+    }
+
+    /// Whether it asks a baked file for penumbrae, which only the layout hierarchy answers.
+    pub fn needs_hierarchy(&self) -> bool {
+        let inner = self.innermost();
+        inner.name == "voxel" && inner.value("shade") == Some("soft")
+    }
+
+    /// Whether it sets out to show the penumbrae of the sun's disc, so that the disc judges it. All others answer for the sun's middle: their
+    /// filters only smooth the edge.
+    pub fn shows_disc(&self) -> bool {
+        self.blurs() || self.name == "pcss" || self.needs_hierarchy()
+    }
+
+    /// The same technique for a sun of this full angle, degrees, where it has one and was not told another.
+    ///
+    /// # Errors
+    /// None that its own text has not.
+    pub fn for_sun_angle(&self, angle_degrees: f64) -> Result<Self> {
+        if self.blurs() {
+            let base = self.innermost();
+            if base.blurs() || !base.shows_disc() {
+                return Ok(self.clone());
+            }
+            let base = base.for_sun_angle(angle_degrees)?.to_string().replace(':', "/");
+            return Ok(self.with("base", Some(&base)));
+        }
+        if !self.shows_disc() || self.value("angle").is_some() {
+            return Ok(self.clone());
+        }
+        format!("{self}:angle={angle_degrees}").parse()
+    }
+
     /// The technique's name.
     pub fn name(&self) -> &str {
         &self.name
@@ -141,5 +183,34 @@ mod tests {
             assert_eq!(changed.to_string(), expected);
             assert_eq!(expected.parse::<TechniqueSpec>().unwrap(), changed);
         }
+    }
+
+    #[test]
+    fn suns_discs_reach_every_technique_that_has_one() {
+        let of = |text: &str| text.parse::<TechniqueSpec>().unwrap().for_sun_angle(3.0).unwrap().to_string();
+        for (text, told) in [
+            ("pcss", "pcss:angle=3"),
+            ("pcss:angle=2", "pcss:angle=2"),
+            ("voxel:soft", "voxel:soft:angle=3"),
+            ("voxel:filter=5", "voxel:filter=5"),
+            ("blur:base=pcss", "blur:base=pcss/angle=3"),
+            ("blur:base=csm/size=1024", "blur:base=csm/size=1024"),
+            ("csm", "csm"),
+        ] {
+            assert_eq!(of(text), told);
+        }
+    }
+
+    #[test]
+    fn what_has_an_angle_shows_the_disc() {
+        let soft = ["voxel:soft"];
+        for name in crate::TECHNIQUES.iter().map(|t| t.0).chain(soft) {
+            let spec: TechniqueSpec = name.parse().unwrap();
+            let parameters = crate::technique::describe(&spec, crate::Baked::default()).unwrap();
+            let has_angle = parameters.iter().any(|p| p.key == "angle");
+            assert_eq!(has_angle, spec.shows_disc() && !spec.blurs(), "{name}");
+        }
+        let soft: TechniqueSpec = "blur:base=voxel/soft".parse().unwrap();
+        assert!(soft.needs_hierarchy() && soft.shows_disc());
     }
 }

@@ -112,7 +112,7 @@ impl BakedScene {
         let asked = self.points(count).into_iter().map(|(p, n)| {
             let r: [f32; 3] = std::array::from_fn(|a| (p[a] - anchor[a]) as f32);
             let n = n.unwrap_or_default().map(|c| c as f32);
-            PointQuery { p_relative: [r[0], r[1], r[2], 0.0], normal: [n[0], n[1], n[2], 0.0] }
+            PointQuery { p_relative: [r[0], r[1], r[2], 0.0], normal: [n[0], n[1], n[2], 0.0], pixel: [0; 4] }
         });
         (anchor, asked.collect())
     }

@@ -12,7 +12,7 @@ struct Surface {
     towards_sun: vec3f,
     // Distance along the camera's forward direction.
     view_depth: f32,
-    // Of the pixel, or the point's number in x.
+    // Where it appears on the screen.
     pixel: vec2u,
 }
 

@@ -15,6 +15,6 @@ fn answer_points(@builtin(global_invocation_id) id: vec3u) {
     s.normal = p.normal.xyz;
     s.towards_sun = frame.towards_sun.xyz;
     s.view_depth = p.p_relative.w;
-    s.pixel = vec2u(id.x, 0u);
+    s.pixel = p.pixel.xy;
     factors[id.x] = shadow_factor(s);
 }

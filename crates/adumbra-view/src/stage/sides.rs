@@ -8,7 +8,6 @@ use adumbra_render::{
     Baked, FrameTimes, Given, Gpu, Prepared, RenderError, Renderer, Result, Shot, TechniqueSpec, build,
 };
 
-use crate::settings::{has_penumbrae, innermost};
 use crate::shadow_file::lacks_penumbrae;
 use crate::tracing::{TraceKey, Traced};
 
@@ -41,9 +40,9 @@ impl Files {
 
     /// The file that a technique looks up in; none that lacks what it asks for.
     pub(crate) fn of(&self, spec: &TechniqueSpec) -> Option<&AnyFile> {
-        match innermost(spec).name() {
+        match spec.innermost().name() {
             "voxel" | "voxel+csm" => {
-                self.light.as_deref().filter(|file| !has_penumbrae(spec) || !lacks_penumbrae(file))
+                self.light.as_deref().filter(|file| !spec.needs_hierarchy() || !lacks_penumbrae(file))
             }
             "voxel-cubes" | "voxel-texture" => self.tree.as_deref(),
             _ => None,
@@ -53,7 +52,7 @@ impl Files {
 
 /// Whether a technique looks up in a file.
 pub(crate) fn needs_file(spec: &TechniqueSpec) -> bool {
-    innermost(spec).name().starts_with("voxel")
+    spec.innermost().name().starts_with("voxel")
 }
 
 /// A side.

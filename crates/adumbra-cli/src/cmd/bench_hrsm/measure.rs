@@ -233,11 +233,13 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
             }
             None => None,
         };
-        let errors = factor_errors(&factors, &self.truth, |i| self.counted[i])?;
+        let nothing =
+            || Failure::BadInput("no pixel of this view is compared, or none lies off the edges".to_owned());
+        let errors = factor_errors(&factors, &self.truth, |i| self.counted[i])?.ok_or_else(nothing)?;
         let texel = pairs[at].ready[0].technique().texel_world(0.0).unwrap_or(0.0);
         let near = self.near(CLEAR_TEXELS * texel);
         let judged = |i: usize| self.counted[i];
-        let clear = errors_off_edges(&factors, &self.truth, judged, &near);
+        let clear = errors_off_edges(&factors, &self.truth, judged, &near).ok_or_else(nothing)?;
         let (own, other) = (&pairs[at], &pairs[beside]);
         let [moving, still] = &own.times;
         let bytes = |pair: &Pair| [0, 1].map(|i: usize| pair.ready[i].technique().bytes());

@@ -10,7 +10,7 @@ use adumbra::trace::Ray;
 use adumbra_lab::camera_file::CameraFile;
 use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
 use adumbra_lab::paths::CameraPath;
-use adumbra_lab::report::{Report, TruthKind};
+use adumbra_lab::report::{MOST_EXCLUDED, Report, TruthKind, figure, percent};
 use adumbra_lab::truth::{Cache, StreetOptions, TruthTracer, scene_key, street_camera, truth_camera};
 use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec, build};
 
@@ -25,7 +25,9 @@ const PATH_FRAMES: u32 = 60;
 
 pub(crate) fn run(args: &Compare) -> Outcome {
     args.check()?;
-    let specs = with_sun_angle(parse(&args.shadow)?, args.sun_angle)?;
+    // Whoever shows a disc shows the one that it is judged by, unless it was told otherwise.
+    let disc = |spec: TechniqueSpec| Ok(spec.for_sun_angle(args.sun_angle)?);
+    let specs = parse(&args.shadow)?.into_iter().map(disc).collect::<Result<Vec<_>, Failure>>()?;
     if args.device.device == DeviceArg::Cpu {
         return Err(Failure::Usage(
             "--device cpu: compare draws on a GPU adapter; a software one will do".to_owned(),
@@ -44,15 +46,6 @@ pub(super) fn parse(names: &[String]) -> Result<Vec<TechniqueSpec>, Failure> {
         }
     }
     Ok(specs)
-}
-
-/// `pcss` shows the sun that it is judged by, unless it was told otherwise.
-fn with_sun_angle(specs: Vec<TechniqueSpec>, angle_degrees: f64) -> Result<Vec<TechniqueSpec>, Failure> {
-    let told = |spec: &TechniqueSpec| spec.name() != "pcss" || spec.value("angle").is_some();
-    let sees = |spec: TechniqueSpec| {
-        if told(&spec) { Ok(spec) } else { Ok(format!("{spec}:angle={angle_degrees}").parse()?) }
-    };
-    specs.into_iter().map(sees).collect()
 }
 
 fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outcome {
@@ -124,9 +117,21 @@ fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Outcome {
     for t in &report.techniques {
         t.notes.iter().for_each(|note| eprintln!("note: {}: {note}", t.name));
     }
+    let excluded = report.pixels.excluded_share();
+    let code = if args.strict && excluded > MOST_EXCLUDED { Code::CheckFailed } else { Code::Fine };
+    if excluded > MOST_EXCLUDED {
+        eprintln!(
+            "warning: {} of the pixels with a surface are excluded, {:.1} %: GPU and rays see different surfaces there, and no figure counts them",
+            report.pixels.excluded,
+            100.0 * excluded
+        );
+    }
+    if report.pixels.compared == 0 {
+        eprintln!("warning: no pixel is compared, so there are no figures: no surface in view faces the sun");
+    }
     if args.json {
         print_json(&document);
-        return Ok(Code::Fine);
+        return Ok(code);
     }
     say!("{}", args.output.join("report.md").display());
     for t in &report.techniques {
@@ -134,15 +139,15 @@ fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Outcome {
             .gpu_ms
             .map_or_else(String::new, |ms| format!("{ms:9.3} ms{}", if t.wall_time { " wall" } else { "" }));
         say!(
-            "  {:32} {ms} RMSE {:.4}  FLIP {:.4}  wrong lit {:.3} %  wrong shadowed {:.3} %",
+            "  {:32} {ms} RMSE {}  FLIP {}  wrong lit {} %  wrong shadowed {} %",
             t.name,
-            t.rmse,
-            t.flip,
-            100.0 * t.wrong_lit,
-            100.0 * t.wrong_shadowed
+            figure(t.rmse, 4),
+            figure(t.flip, 4),
+            percent(t.wrong_lit, 3),
+            percent(t.wrong_shadowed, 3)
         );
     }
-    Ok(Code::Fine)
+    Ok(code)
 }
 
 /// The camera of a file; none where the name is not a file's.

@@ -5,7 +5,7 @@ use std::path::Path;
 use adumbra::picture::Picture;
 use adumbra_lab::compare::{Compared, Comparison};
 use adumbra_lab::pictures::{Cell, sheet};
-use adumbra_lab::report::{PathReport, Report, TruthKind};
+use adumbra_lab::report::{PathReport, Report, TruthKind, figure, percent};
 use serde_json::Value;
 
 use super::super::render::name_in_paths;
@@ -72,9 +72,9 @@ fn captions(compared: &Compared) -> [String; 3] {
         .gpu_ms
         .map_or_else(String::new, |ms| format!("{ms:.2} ms{} ", if row.wall_time { " (wall)" } else { "" }));
     [
-        format!("{time}FLIP {:.4} SSIM {:.4}", row.flip, row.ssim),
-        format!("red: lit called shadowed {:.3} %", 100.0 * row.wrong_shadowed),
-        format!("blue: shadowed called lit {:.3} %", 100.0 * row.wrong_lit),
+        format!("{time}FLIP {} SSIM {}", figure(row.flip, 4), figure(row.ssim, 4)),
+        format!("red: lit called shadowed {} %", percent(row.wrong_shadowed, 3)),
+        format!("blue: shadowed called lit {} %", percent(row.wrong_lit, 3)),
     ]
 }
 
