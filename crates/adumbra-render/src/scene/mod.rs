@@ -10,6 +10,7 @@
 
 mod instances;
 mod materials;
+mod split;
 
 pub use instances::{InstanceList, Volume};
 
@@ -77,8 +78,9 @@ impl SceneBuffers {
         let mut positions: Vec<f32> = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
         let mut meshes = Vec::new();
-        for mesh in &scene.meshes {
-            meshes.push(mesh_runs(scene, mesh, options, &mut corners, &mut positions, &mut indices));
+        for (mesh, scale) in scene.meshes.iter().zip(split::largest_scales(scene)) {
+            let mesh = split::split_long_edges(mesh, scale);
+            meshes.push(mesh_runs(scene, &mesh, options, &mut corners, &mut positions, &mut indices));
         }
         let check = |what: &str, bytes: usize| {
             let limit = gpu.device.limits().max_buffer_size;

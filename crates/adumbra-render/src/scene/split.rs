@@ -1,0 +1,163 @@
+//! Triangles of many kilometres in parts, for the GPU: corners far behind the camera are clipped in floats, which puts what is near
+//! centimetres off its plane. Pure arithmetic.
+//!
+//! An edge is halved while it is longer than [`LONGEST_WORLD`], whatever triangle asks, so triangles that share it still meet.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use adumbra::scene::{Mesh, Scene};
+
+/// Longest edge, world units.
+const LONGEST_WORLD: f64 = 4096.0;
+/// A mesh that would have more triangles stays as it was last.
+const MOST_TRIANGLES: usize = 1 << 20;
+
+/// For each mesh how much the largest of its instances scales it, along the most scaled of its axes; 0 without instances.
+pub(super) fn largest_scales(scene: &Scene) -> Vec<f64> {
+    let mut scales = vec![0.0_f64; scene.meshes.len()];
+    for instance in &scene.instances {
+        let column =
+            |c: usize| instance.world_from_mesh.iter().map(|row| row[c] * row[c]).sum::<f64>().sqrt();
+        let largest = (0..3).map(column).fold(0.0, f64::max);
+        if let Some(scale) = scales.get_mut(instance.mesh as usize)
+            && largest.is_finite()
+        {
+            *scale = scale.max(largest);
+        }
+    }
+    scales
+}
+
+/// The mesh with its long edges halved, where it has any; `scale` is that of [`largest_scales`].
+pub(super) fn split_long_edges(mesh: &Mesh, scale: f64) -> Cow<'_, Mesh> {
+    let longest = LONGEST_WORLD / scale;
+    let mut split = Cow::Borrowed(mesh);
+    while let Some(next) = halved(&split, longest) {
+        split = Cow::Owned(next);
+    }
+    split
+}
+
+/// Each edge that is too long halved once; none where none is, or too many triangles would come of it.
+fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
+    let is_long = |a: u32, b: u32| {
+        let [p, q] = [a, b].map(|i| mesh.positions[i as usize]);
+        (0..3).map(|k| (f64::from(p[k]) - f64::from(q[k])).powi(2)).sum::<f64>() > longest * longest
+    };
+    let sides = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
+    let more = mesh.triangles.iter().flat_map(|&t| sides(t)).filter(|&(a, b)| is_long(a, b)).count();
+    if more == 0 || mesh.triangles.len() + more > MOST_TRIANGLES {
+        return None;
+    }
+    let mut out = Mesh {
+        name: mesh.name.clone(),
+        positions: mesh.positions.clone(),
+        uvs: mesh.uvs.clone(),
+        ..Mesh::default()
+    };
+    let mut middles: HashMap<[u32; 2], u32> = HashMap::new();
+    for (&triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_materials) {
+        let mut middle = |(a, b): (u32, u32)| {
+            is_long(a, b).then(|| {
+                *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    let [p, q] = [a, b].map(|i| mesh.positions[i as usize]);
+                    out.positions.push(std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]));
+                    if let (Some(s), Some(t)) = (mesh.uvs.get(a as usize), mesh.uvs.get(b as usize)) {
+                        out.uvs.push(std::array::from_fn(|k| 0.5 * s[k] + 0.5 * t[k]));
+                    }
+                    out.positions.len() as u32 - 1
+                })
+            })
+        };
+        let found = sides(triangle).map(&mut middle);
+        // Turned so that what is split comes first.
+        let turn = (0..3).max_by_key(|&t| {
+            let at = |i: usize| usize::from(found[(t + i) % 3].is_some());
+            4 * at(0) + 2 * at(1) + at(2)
+        });
+        let at = |i: usize| (turn.unwrap_or(0) + i) % 3;
+        let [a, b, c] = [0, 1, 2].map(|i| triangle[at(i)]);
+        let parts = match [0, 1, 2].map(|i| found[at(i)]) {
+            [Some(ab), Some(bc), Some(ca)] => vec![[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]],
+            [Some(ab), Some(bc), None] => vec![[ab, b, bc], [a, ab, bc], [a, bc, c]],
+            [Some(ab), None, None] => vec![[a, ab, c], [ab, b, c]],
+            _ => vec![[a, b, c]],
+        };
+        out.triangle_materials.extend(std::iter::repeat_n(material, parts.len()));
+        out.triangles.extend(parts);
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use adumbra::scene::Mesh;
+
+    use super::*;
+
+    fn quad(half: f32) -> Mesh {
+        Mesh {
+            positions: vec![[-half, 0.0, -half], [-half, 0.0, half], [half, 0.0, half], [half, 0.0, -half]],
+            uvs: vec![[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            triangle_materials: vec![3, 4],
+            ..Mesh::default()
+        }
+    }
+
+    fn corners(mesh: &Mesh, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|i| mesh.positions[i as usize].map(f64::from))
+    }
+
+    /// Twice the area, seen from above.
+    fn area([a, b, c]: [[f64; 3]; 3]) -> f64 {
+        (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2])
+    }
+
+    #[test]
+    fn long_edges_are_halved_until_none_is_and_triangles_still_meet() {
+        for half in [3_000.0_f32, 50_000.0] {
+            let mesh = quad(half);
+            let split = split_long_edges(&mesh, 1.0);
+            assert!(matches!(split, Cow::Owned(_)));
+            let areas: Vec<f64> = split.triangles.iter().map(|&t| area(corners(&split, t))).collect();
+            let whole = 8.0 * f64::from(half).powi(2);
+            assert!((areas.iter().sum::<f64>() / whole - 1.0).abs() < 1e-6 && areas.iter().all(|a| *a > 0.0));
+            let mut edges: HashMap<[u32; 2], u32> = HashMap::new();
+            for t in &split.triangles {
+                for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                    *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
+                    let [p, q] = [a, b].map(|i| split.positions[i as usize]);
+                    let length = (p[0] - q[0]).hypot(p[2] - q[2]);
+                    assert!(f64::from(length) <= LONGEST_WORLD, "{length}");
+                }
+            }
+            // Inner edges are shared by two; the others lie on the quad's outline.
+            for ([a, b], count) in edges {
+                let [p, q] = [a, b].map(|i| split.positions[i as usize]);
+                let outer = [0, 2].iter().any(|&k| p[k].abs() == half && p[k] == q[k]);
+                assert_eq!(count, if outer { 1 } else { 2 });
+            }
+            assert_eq!(
+                (split.uvs.len(), split.triangle_materials.len()),
+                (split.positions.len(), areas.len())
+            );
+            for (p, uv) in split.positions.iter().zip(&split.uvs) {
+                assert!((uv[0] - (p[0] / half + 1.0) / 2.0).abs() < 1e-6, "{p:?} {uv:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn ordinary_meshes_are_left_alone_and_scales_count() {
+        assert!(matches!(split_long_edges(&quad(1_000.0), 1.0), Cow::Borrowed(_)));
+        assert!(matches!(split_long_edges(&quad(1_000.0), 10.0), Cow::Owned(_)));
+        assert!(matches!(split_long_edges(&quad(1e6), 0.0), Cow::Borrowed(_)));
+        let mesh = quad(1e30);
+        let far_too_large = split_long_edges(&mesh, 1.0);
+        assert!(far_too_large.triangles.len() <= MOST_TRIANGLES);
+    }
+}
