@@ -78,8 +78,10 @@ impl SceneBuffers {
         let mut positions: Vec<f32> = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
         let mut meshes = Vec::new();
-        for (mesh, scale) in scene.meshes.iter().zip(split::largest_scales(scene)) {
-            let mesh = split::split_long_edges(mesh, scale);
+        let scales = split::largest_scales(scene);
+        let longest_world = split::longest_edge(scene, &scales);
+        for (mesh, scale) in scene.meshes.iter().zip(scales) {
+            let mesh = split::split_long_edges(mesh, longest_world / scale);
             meshes.push(mesh_runs(scene, &mesh, options, &mut corners, &mut positions, &mut indices));
         }
         let check = |what: &str, bytes: usize| {

@@ -1,15 +1,18 @@
-//! Triangles of many kilometres in parts, for the GPU: corners far behind the camera are clipped in floats, which puts what is near
-//! centimetres off its plane. Pure arithmetic.
+//! Triangles far larger than the rest in parts, for the GPU: corners far behind the camera are clipped in floats, which puts what is near
+//! off its plane, by centimetres on a quad of 1000 km. Pure arithmetic.
 //!
-//! An edge is halved while it is longer than [`LONGEST_WORLD`], whatever triangle asks, so triangles that share it still meet.
+//! An edge is halved while it is longer than [`LONGEST_EDGES`] of the scene's usual edges, whatever triangle asks, so triangles that share it
+//! still meet. The usual edge is the median, which neither a stray triangle nor the scene's unit changes.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 
 use adumbra::scene::{Mesh, Scene};
 
-/// Longest edge, world units.
-const LONGEST_WORLD: f64 = 4096.0;
+/// Longest edge, in the scene's median edges.
+const LONGEST_EDGES: f64 = 2048.0;
+/// The median is taken of about so many triangles.
+const SAMPLE: usize = 1 << 16;
 /// A mesh that would have more triangles stays as it was last.
 const MOST_TRIANGLES: usize = 1 << 20;
 
@@ -29,9 +32,28 @@ pub(super) fn largest_scales(scene: &Scene) -> Vec<f64> {
     scales
 }
 
-/// The mesh with its long edges halved, where it has any; `scale` is that of [`largest_scales`].
-pub(super) fn split_long_edges(mesh: &Mesh, scale: f64) -> Cow<'_, Mesh> {
-    let longest = LONGEST_WORLD / scale;
+/// Longest edge that is drawn as it is, world units; `scales` are those of [`largest_scales`]. Infinite of a scene without edges.
+pub(super) fn longest_edge(scene: &Scene, scales: &[f64]) -> f64 {
+    let step = (scene.stored_triangles() as usize).div_ceil(SAMPLE).max(1);
+    let placed = scene.meshes.iter().zip(scales).filter(|(_, scale)| **scale > 0.0);
+    let sample = placed.flat_map(|(m, scale)| m.triangles.iter().map(move |t| (m, t, *scale))).step_by(step);
+    let mut lengths: Vec<f64> = sample
+        .flat_map(|(m, &[a, b, c], scale)| {
+            [(a, b), (b, c), (c, a)].map(|(a, b)| scale * square(m, a, b).sqrt())
+        })
+        .collect();
+    lengths.sort_unstable_by(f64::total_cmp);
+    lengths.get(lengths.len() / 2).map_or(f64::INFINITY, |median| LONGEST_EDGES * median)
+}
+
+/// The squared length of an edge, in the mesh's own units.
+fn square(mesh: &Mesh, a: u32, b: u32) -> f64 {
+    let [p, q] = [a, b].map(|i| mesh.positions[i as usize]);
+    (0..3).map(|k| (f64::from(p[k]) - f64::from(q[k])).powi(2)).sum()
+}
+
+/// The mesh with its edges of more than `longest`, in its own units, halved, where it has any.
+pub(super) fn split_long_edges(mesh: &Mesh, longest: f64) -> Cow<'_, Mesh> {
     let mut split = Cow::Borrowed(mesh);
     while let Some(next) = halved(&split, longest) {
         split = Cow::Owned(next);
@@ -41,10 +63,7 @@ pub(super) fn split_long_edges(mesh: &Mesh, scale: f64) -> Cow<'_, Mesh> {
 
 /// Each edge that is too long halved once; none where none is, or too many triangles would come of it.
 fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
-    let is_long = |a: u32, b: u32| {
-        let [p, q] = [a, b].map(|i| mesh.positions[i as usize]);
-        (0..3).map(|k| (f64::from(p[k]) - f64::from(q[k])).powi(2)).sum::<f64>() > longest * longest
-    };
+    let is_long = |a: u32, b: u32| square(mesh, a, b) > longest * longest;
     let sides = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
     let more = mesh.triangles.iter().flat_map(|&t| sides(t)).filter(|&(a, b)| is_long(a, b)).count();
     if more == 0 || mesh.triangles.len() + more > MOST_TRIANGLES {
@@ -94,9 +113,11 @@ fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
 mod tests {
     use std::collections::HashMap;
 
-    use adumbra::scene::Mesh;
+    use adumbra::scene::{GeneratedKind, Mesh, generate};
 
     use super::*;
+
+    const LONGEST: f64 = 4096.0;
 
     fn quad(half: f32) -> Mesh {
         Mesh {
@@ -121,7 +142,7 @@ mod tests {
     fn long_edges_are_halved_until_none_is_and_triangles_still_meet() {
         for half in [3_000.0_f32, 50_000.0] {
             let mesh = quad(half);
-            let split = split_long_edges(&mesh, 1.0);
+            let split = split_long_edges(&mesh, LONGEST);
             assert!(matches!(split, Cow::Owned(_)));
             let areas: Vec<f64> = split.triangles.iter().map(|&t| area(corners(&split, t))).collect();
             let whole = 8.0 * f64::from(half).powi(2);
@@ -132,7 +153,7 @@ mod tests {
                     *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
                     let [p, q] = [a, b].map(|i| split.positions[i as usize]);
                     let length = (p[0] - q[0]).hypot(p[2] - q[2]);
-                    assert!(f64::from(length) <= LONGEST_WORLD, "{length}");
+                    assert!(f64::from(length) <= LONGEST, "{length}");
                 }
             }
             // Inner edges are shared by two; the others lie on the quad's outline.
@@ -152,12 +173,29 @@ mod tests {
     }
 
     #[test]
-    fn ordinary_meshes_are_left_alone_and_scales_count() {
-        assert!(matches!(split_long_edges(&quad(1_000.0), 1.0), Cow::Borrowed(_)));
-        assert!(matches!(split_long_edges(&quad(1_000.0), 10.0), Cow::Owned(_)));
-        assert!(matches!(split_long_edges(&quad(1e6), 0.0), Cow::Borrowed(_)));
+    fn ordinary_meshes_are_left_alone() {
+        assert!(matches!(split_long_edges(&quad(1_000.0), LONGEST), Cow::Borrowed(_)));
+        assert!(matches!(split_long_edges(&quad(1e6), f64::INFINITY), Cow::Borrowed(_)));
         let mesh = quad(1e30);
-        let far_too_large = split_long_edges(&mesh, 1.0);
+        let far_too_large = split_long_edges(&mesh, LONGEST);
         assert!(far_too_large.triangles.len() <= MOST_TRIANGLES);
+    }
+
+    #[test]
+    fn what_is_long_follows_the_usual_edge_and_the_unit() {
+        let mut scene = generate(GeneratedKind::City, 1);
+        let of = |scene: &Scene| longest_edge(scene, &largest_scales(scene));
+        let plain = of(&scene);
+        assert!((100.0..1e5).contains(&plain), "{plain}");
+        scene.meshes[0].positions.extend([[1e6, 0.0, 0.0], [1e6, 0.0, 1.0], [0.0, 0.0, 1e6]]);
+        let last = scene.meshes[0].positions.len() as u32;
+        scene.meshes[0].triangles.push([last - 3, last - 2, last - 1]);
+        scene.meshes[0].triangle_materials.push(0);
+        assert!((of(&scene) / plain - 1.0).abs() < 0.01);
+        for row in scene.instances.iter_mut().flat_map(|i| &mut i.world_from_mesh) {
+            row.iter_mut().for_each(|c| *c *= 1000.0);
+        }
+        assert!((of(&scene) / plain / 1000.0 - 1.0).abs() < 0.01);
+        assert_eq!(of(&Scene::default()), f64::INFINITY);
     }
 }
