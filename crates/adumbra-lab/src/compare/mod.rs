@@ -74,7 +74,7 @@ pub struct Comparison {
     pub compared: Vec<Compared>,
 }
 
-/// What judges a technique unless it is told otherwise, as it declares by [`TechniqueSpec::shows_disc`].
+/// What judges a technique by default: what it declares by [`TechniqueSpec::shows_disc`].
 pub fn truth_for(spec: &TechniqueSpec) -> TruthKind {
     if spec.shows_disc() { TruthKind::Disc } else { TruthKind::Hard }
 }

@@ -72,20 +72,9 @@ fn far_plane(view: &View, bounds: &Bounds) -> f64 {
 
 /// What a camera sees, without a far plane.
 pub fn visible_volume(view: &View) -> Volume {
-    let plane =
-        |n: [f64; 3], through: [f64; 3]| [n[0], n[1], n[2], -(0..3).map(|a| n[a] * through[a]).sum::<f64>()];
-    let mut planes = vec![plane(view.forward, view.eye)];
-    for (axis, half) in [(view.right, view.half[0]), (view.up, view.half[1])] {
-        for side in [-1.0, 1.0] {
-            let inwards: [f64; 3] = axis.map(|c| -side * c);
-            planes.push(if view.orthographic {
-                plane(inwards, std::array::from_fn(|a| view.eye[a] + side * half * axis[a]))
-            } else {
-                plane(std::array::from_fn(|a| inwards[a] + half * view.forward[a]), view.eye)
-            });
-        }
-    }
-    Volume { planes }
+    let [x, y, z] = view.eye;
+    let in_world = |[a, b, c, w]: [f64; 4]| [a, b, c, w - (a * x + b * y + c * z)];
+    Volume { planes: sight::planes(view).map(in_world).into() }
 }
 
 #[cfg(test)]

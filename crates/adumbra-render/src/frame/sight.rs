@@ -27,8 +27,8 @@ pub fn depths_in_view(view: &View, bounds: &Bounds) -> Option<[f64; 2]> {
     (nearest <= farthest).then_some([nearest, farthest])
 }
 
-/// Points of the view have `xyz · p + w >= 0` for each, relative to the eye.
-fn planes(view: &View) -> [[f64; 4]; 5] {
+/// Planes of what a camera sees, without a far one: `xyz · p + w >= 0` for points of the view, relative to the eye.
+pub(super) fn planes(view: &View) -> [[f64; 4]; 5] {
     let [fx, fy, fz] = view.forward;
     let side = |axis: [f64; 3], half: f64| {
         if view.orthographic {

@@ -154,7 +154,7 @@ impl DepthPrecision {
 
     /// The least bias along the light, as a share of the layer's range: what rounding may move a caster and a receiver apart. With 16 bits a
     /// step of stored depth, of which rounding takes half at most; with 32 bits some units in the last place of 1, because light depth is
-    /// reckoned in floats, by sums of four terms on either side.
+    /// computed in floats, by sums of four terms on either side.
     pub fn least_bias(self) -> f64 {
         match self {
             Self::Bits32 => 8.0 / 16_777_216.0,

@@ -43,8 +43,7 @@ pub(super) struct Placed {
 
 impl Placed {
     pub(super) fn new(scene: &Scene) -> Self {
-        let boxes: Vec<_> = scene.meshes.iter().map(|m| mesh_box(&m.positions)).collect();
-        let origins: Vec<_> = scene.meshes.iter().map(|m| mesh_origin(&m.positions)).collect();
+        let extents: Vec<_> = scene.meshes.iter().map(|m| mesh_extent(&m.positions)).collect();
         let mut order: Vec<usize> =
             (0..scene.instances.len()).filter(|&i| has_place(&scene.instances[i])).collect();
         order.sort_by_key(|&i| scene.instances[i].mesh);
@@ -57,9 +56,10 @@ impl Placed {
         }
         let instances = order.into_iter().map(|i| {
             let instance = &scene.instances[i];
-            let (center, half) = boxes[instance.mesh as usize];
+            let extent = extents[instance.mesh as usize];
+            let [center, half] = [middle, half_extent].map(|of| of(extent));
             let world = instance.world_from_mesh;
-            let origin = origins[instance.mesh as usize];
+            let origin = nearest_to_zero(extent);
             Instance {
                 world: world.map(|[x, y, z, w]| [x, y, z, x * origin[0] + y * origin[1] + z * origin[2] + w]),
                 center: world.map(|r| (0..3).map(|a| r[a] * center[a]).sum::<f64>() + r[3]),
@@ -109,29 +109,34 @@ pub(super) fn bounds(scene: &Scene) -> Bounds {
 /// Where a mesh's positions count from on the GPU: the point of its box nearest to zero, so that a mesh far from its own zero is held as
 /// exactly as one about it.
 pub(super) fn mesh_origin(positions: &[[f32; 3]]) -> [f64; 3] {
-    std::array::from_fn(|a| {
-        let places = || positions.iter().map(|p| p[a]).filter(|c| c.is_finite());
-        let nearest = places().fold(f32::INFINITY, |m, c| if c.abs() < m.abs() { c } else { m });
-        let around = places().any(|c| c <= 0.0) && places().any(|c| c >= 0.0);
-        if around || nearest.is_infinite() { 0.0 } else { f64::from(nearest) }
-    })
+    nearest_to_zero(mesh_extent(positions))
 }
 
-/// Middle and half extent of a mesh's box.
-fn mesh_box(positions: &[[f32; 3]]) -> ([f64; 3], [f64; 3]) {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
+/// Least and greatest corner of a mesh's box; zero for a mesh without positions.
+fn mesh_extent(positions: &[[f32; 3]]) -> [[f64; 3]; 2] {
+    if positions.is_empty() {
+        return [[0.0; 3]; 2];
+    }
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in positions {
         for a in 0..3 {
             low[a] = low[a].min(f64::from(p[a]));
             high[a] = high[a].max(f64::from(p[a]));
         }
     }
-    if positions.is_empty() {
-        return ([0.0; 3], [0.0; 3]);
-    }
-    let half_of = |f: fn(f64, f64) -> f64| std::array::from_fn(|a| 0.5 * f(high[a], low[a]));
-    (half_of(|h, l| h + l), half_of(|h, l| h - l))
+    [low, high]
+}
+
+fn nearest_to_zero([low, high]: [[f64; 3]; 2]) -> [f64; 3] {
+    std::array::from_fn(|a| low[a].max(0.0) + high[a].min(0.0))
+}
+
+fn middle([low, high]: [[f64; 3]; 2]) -> [f64; 3] {
+    std::array::from_fn(|a| 0.5 * (high[a] + low[a]))
+}
+
+fn half_extent([low, high]: [[f64; 3]; 2]) -> [f64; 3] {
+    std::array::from_fn(|a| 0.5 * (high[a] - low[a]))
 }
 
 /// The instances that one view draws, on the GPU.

@@ -79,7 +79,7 @@ impl TechniqueSpec {
         self.blurs() || self.name == "pcss" || self.needs_hierarchy()
     }
 
-    /// The same technique for a sun of this full angle, degrees, where it has one and was not told another.
+    /// This technique for a sun of this full angle, degrees, where it has an angle and names no other.
     ///
     /// # Errors
     /// None that its own text has not.
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn suns_discs_reach_every_technique_that_has_one() {
         let of = |text: &str| text.parse::<TechniqueSpec>().unwrap().for_sun_angle(3.0).unwrap().to_string();
-        for (text, told) in [
+        for (text, expected) in [
             ("pcss", "pcss:angle=3"),
             ("pcss:angle=2", "pcss:angle=2"),
             ("voxel:soft", "voxel:soft:angle=3"),
@@ -197,7 +197,7 @@ mod tests {
             ("blur:base=csm/size=1024", "blur:base=csm/size=1024"),
             ("csm", "csm"),
         ] {
-            assert_eq!(of(text), told);
+            assert_eq!(of(text), expected);
         }
     }
 

@@ -26,7 +26,7 @@ use triangle::TriangleHit;
 /// Of a place in a mesh: four units in the last place of the floats that meshes are stored in. Surfaces that are drawn in one place are no
 /// farther apart than that.
 const LIFT_OF_PLACE: f64 = 4.0 / 16_777_216.0;
-/// Of a world position and of the way to it: some thousand units in the last place of the doubles that hits are reckoned in.
+/// Of a world position and of the way to it: some thousand units in the last place of the doubles that hits are computed in.
 const LIFT_OF_POSITION: f64 = 1e-12;
 
 /// So many instances are tried one after the other; more get a tree.

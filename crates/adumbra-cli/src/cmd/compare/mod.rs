@@ -25,7 +25,7 @@ const PATH_FRAMES: u32 = 60;
 
 pub(crate) fn run(args: &Compare) -> Outcome {
     args.check()?;
-    // Whoever shows a disc shows the one that it is judged by, unless it was told otherwise.
+    // A technique that shows a disc gets the one that judges it, unless it names its own.
     let disc = |spec: TechniqueSpec| Ok(spec.for_sun_angle(args.sun_angle)?);
     let specs = parse(&args.shadow)?.into_iter().map(disc).collect::<Result<Vec<_>, Failure>>()?;
     if args.device.device == DeviceArg::Cpu {
