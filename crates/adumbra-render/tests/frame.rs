@@ -67,8 +67,7 @@ fn composite_is_the_cpu_renderer_s() {
     let shot = Shot { camera, towards_sun, number: 0 };
     renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
     let gpu = renderer.read_picture().unwrap();
-    let lit = AllLit;
-    let cpu = picture::draw(&scene, &tracer, &camera, towards_sun, &Shadows::File(&lit), 1);
+    let cpu = picture::draw(&scene, &tracer, &camera, towards_sun, &Shadows::File(&kit::AllLit), 1);
     let differing = gpu
         .as_chunks::<4>()
         .0
@@ -77,12 +76,4 @@ fn composite_is_the_cpu_renderer_s() {
         .filter(|(g, c)| (0..3).any(|a| g[a].abs_diff(c[a]) > 3))
         .count();
     assert!(differing * 200 < cpu.rgb.len() / 3, "{differing} pixels differ");
-}
-
-struct AllLit;
-
-impl adumbra::query::PointVisibility for AllLit {
-    fn visibility(&self, _p_world: [f64; 3], _normal: Option<[f64; 3]>) -> f32 {
-        1.0
-    }
 }

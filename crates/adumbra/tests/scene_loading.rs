@@ -13,7 +13,7 @@ mod shared_folder;
 mod untrusted;
 
 use adumbra::Error;
-use adumbra::scene::{AlphaMode, LoadOptions, load};
+use adumbra::scene::{AlphaMode, LoadOptions, MippedTexture, load};
 use kit::{Glb, TRIANGLE, USHORT, load_bytes, only, refused, world_triangles};
 use serde_json::json;
 
@@ -175,12 +175,12 @@ fn gltf_mask_and_blend_load_their_alpha() {
     let scene = glb.load().expect("loads");
     assert_eq!(scene.materials[0].alpha, AlphaMode::Mask { cutoff: 0.25 });
     assert_eq!(scene.meshes[0].uvs.len(), 3);
-    assert!(!scene.is_opaque(0, [0.25, 0.5]) && scene.is_opaque(0, [0.75, 0.5]));
+    assert!(!scene.is_opaque(0, [0.25, 0.5], 1.0) && scene.is_opaque(0, [0.75, 0.5], 1.0));
     assert_eq!(scene.notes.blended_materials, 0);
     let colored = LoadOptions { color_textures: true, ..LoadOptions::default() };
     let scene = glb.load_with(&colored).expect("loads");
-    assert_eq!(scene.textures[0].color([0.75, 0.5])[0], 1.0);
-    assert!(!scene.is_opaque(0, [0.25, 0.5]) && scene.is_opaque(0, [0.75, 0.5]));
+    assert_eq!(MippedTexture::new(&scene.textures[0]).color([0.75, 0.5], 0.0)[0], 1.0);
+    assert!(!scene.is_opaque(0, [0.25, 0.5], 1.0) && scene.is_opaque(0, [0.75, 0.5], 1.0));
 
     glb.json["materials"][0]["alphaMode"] = json!("BLEND");
     let scene = glb.load().expect("loads");
@@ -190,6 +190,43 @@ fn gltf_mask_and_blend_load_their_alpha() {
     let scene = glb.load_with(&ignoring).expect("loads");
     assert!(scene.materials[0].alpha == AlphaMode::Opaque && scene.textures.is_empty());
     assert_eq!(scene.notes.blended_materials, 0);
+}
+
+#[test]
+fn gltf_vertex_colours_are_read_where_they_count() {
+    let with_colors = |make: &dyn Fn(&mut Glb) -> usize, material: serde_json::Value| {
+        let mut glb = Glb::triangle();
+        let colors = make(&mut glb);
+        glb.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colors);
+        glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        glb.push("materials", material);
+        glb
+    };
+    let floats = |glb: &mut Glb| glb.floats(&[1.0, 0.5, 0.0, -1.0, 7.0, 0.214_041, 0.0, 0.0, 1.0], "VEC3");
+    let bytes = |glb: &mut Glb| {
+        let colors = glb.accessor(&[255, 128, 0, 255, 0, 0, 255, 128, 255, 255, 255, 0], 5121, "VEC4", 3);
+        glb.json["accessors"][colors]["normalized"] = json!(true);
+        colors
+    };
+    let colored = LoadOptions { color_textures: true, ..LoadOptions::default() };
+    let read = |glb: Glb, options: &LoadOptions| glb.load_with(options).expect("loads").meshes[0].colors.clone();
+    // In sRGB, with linear alpha.
+    let opaque = with_colors(&floats, json!({}));
+    assert_eq!(read(opaque, &colored), [[255, 188, 0, 255], [0, 255, 127, 255], [0, 0, 255, 255]]);
+    let expected = [[255, 188, 0, 255], [0, 0, 255, 128], [255, 255, 255, 0]];
+    assert_eq!(read(with_colors(&bytes, json!({})), &colored), expected);
+    // For a bake, only where they cut.
+    assert!(read(with_colors(&bytes, json!({})), &LoadOptions::default()).is_empty());
+    let masked = with_colors(&bytes, json!({"alphaMode": "MASK"}));
+    let scene = masked.load().expect("loads");
+    assert_eq!(scene.meshes[0].colors, expected);
+    assert_eq!(scene.meshes[0].corner_alphas(0), [1.0, 128.0 / 255.0, 0.0]);
+    assert!(scene.is_opaque(0, [0.0; 2], 0.5) && !scene.is_opaque(0, [0.0; 2], 0.49));
+
+    let pairs = |glb: &mut Glb| glb.floats(&[0.0; 6], "VEC2");
+    let error = refused_any(with_colors(&pairs, json!({})).load_with(&colored));
+    assert!(error.to_string().contains("COLOR_0"), "{error}");
+    assert!(with_colors(&pairs, json!({})).load().is_ok());
 }
 
 #[test]

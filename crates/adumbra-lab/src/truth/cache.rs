@@ -33,6 +33,9 @@ pub fn scene_key(scene: &Scene, ignore_alpha: bool) -> Key {
         key = key.with_all(mesh.triangle_materials.iter().copied());
         let uvs = if ignore_alpha { &[][..] } else { &mesh.uvs };
         key = key.with_all(uvs.iter().flatten().map(|c| c.to_bits()));
+        if !ignore_alpha && !mesh.colors.is_empty() {
+            key = key.with(&mesh.colors.iter().map(|c| c[3]).collect::<Vec<_>>());
+        }
     }
     for instance in &scene.instances {
         key = key.with(&instance.mesh.to_le_bytes()).with(&[u8::from(instance.casts)]);

@@ -19,7 +19,7 @@ impl GBuffer {
     pub fn new(gpu: &Gpu) -> Self {
         let frame_layout = gpu.layout("gbuffer", ShaderStages::VERTEX_FRAGMENT, &[binding::UNIFORM]);
         let layout = gpu.pipeline_layout("gbuffer", &[Some(&frame_layout), Some(&material_layout(gpu))]);
-        let module = gpu.shader("gbuffer", assemble(&[source::INSTANCE, source::GBUFFER]));
+        let module = gpu.shader("gbuffer", assemble(&[source::INSTANCE, source::SRGB, source::GBUFFER]));
         let target =
             |format| Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL });
         let targets = [target(TextureFormat::Rgba16Float), target(TextureFormat::Rgba8UnormSrgb)];

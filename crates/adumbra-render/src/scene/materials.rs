@@ -1,6 +1,6 @@
 //! Materials: a small uniform, the base-colour texture with mip levels, a sampler.
 
-use adumbra::scene::{AlphaMode, Pixels, Scene, Texture, Wrap};
+use adumbra::scene::{AlphaMode, MipLevel, Pixels, Scene, Texture, Wrap};
 use adumbra_shaders::layout::MaterialParams;
 use wgpu::{AddressMode, BindingResource, FilterMode, ShaderStages, TextureFormat};
 
@@ -89,76 +89,29 @@ fn upload(gpu: &Gpu, texture: &Texture, bytes: &mut u64) -> Result<wgpu::Texture
             mend: "make it smaller",
         });
     }
-    let mut level: Vec<u8> = match &texture.pixels {
-        Pixels::Rgba(rgba) => rgba.clone(),
-        Pixels::Alpha(alpha) => alpha.iter().flat_map(|&a| [255, 255, 255, a]).collect(),
-    };
-    let levels = texture.width.max(texture.height).ilog2() + 1;
+    let levels = texture.mip_levels();
     let created = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("material::color"),
         size: wgpu::Extent3d { width: texture.width, height: texture.height, depth_or_array_layers: 1 },
-        mip_level_count: levels,
+        mip_level_count: levels.len() as u32 + 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: TextureFormat::Rgba8UnormSrgb,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let (mut width, mut height) = (texture.width, texture.height);
-    for mip_level in 0..levels {
+    let mut write = |mip_level: u32, [width, height]: [u32; 2], rgba: &[u8]| {
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo { mip_level, ..created.as_image_copy() },
-            &level,
+            rgba,
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None },
             wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         );
-        *bytes += level.len() as u64;
-        level = half_size(&level, [width, height]);
-        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+        *bytes += rgba.len() as u64;
+    };
+    write(0, [texture.width, texture.height], &texture.rgba());
+    for (mip_level, MipLevel { width, height, rgba }) in (1..).zip(&levels) {
+        write(mip_level, [*width, *height], rgba);
     }
     Ok(created.create_view(&Default::default()))
-}
-
-/// The next mip level: the mean of 2 × 2 texels, colours in linear light and weighted by alpha, so that what is cut away does
-/// not colour the rest.
-fn half_size(texels: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
-    let (w, h) = ((width / 2).max(1), (height / 2).max(1));
-    let mut half = Vec::with_capacity((w * h * 4) as usize);
-    for y in 0..h {
-        for x in 0..w {
-            let mut sum = [0.0_f32; 4];
-            let mut plain = [0.0_f32; 3];
-            for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                let (sx, sy) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
-                let at = ((sy * width + sx) * 4) as usize;
-                let alpha = f32::from(texels[at + 3]) / 255.0;
-                for c in 0..3 {
-                    let linear = (f32::from(texels[at + c]) / 255.0).powf(2.2);
-                    sum[c] += linear * alpha;
-                    plain[c] += linear * 0.25;
-                }
-                sum[3] += alpha;
-            }
-            for c in 0..3 {
-                let mean = if sum[3] > 0.0 { sum[c] / sum[3] } else { plain[c] };
-                half.push((mean.powf(1.0 / 2.2) * 255.0 + 0.5) as u8);
-            }
-            half.push((sum[3] * 0.25 * 255.0 + 0.5) as u8);
-        }
-    }
-    half
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn mip_level_leaves_out_what_is_cut_away() {
-        // One opaque red texel, three transparent green ones.
-        let mut texels = [0, 255, 0, 0].repeat(4);
-        texels[..4].copy_from_slice(&[255, 0, 0, 255]);
-        assert_eq!(half_size(&texels, [2, 2]), [255, 0, 0, 64]);
-        assert_eq!(half_size(&[7, 8, 9, 255], [1, 1]), [7, 8, 9, 255]);
-    }
 }

@@ -2,11 +2,11 @@
 //!
 //! | buffer | holds | read by |
 //! |---|---|---|
-//! | corners | three a triangle: position, the triangle's normal, texture coordinates; by mesh, then opaque before masked, then material | G-buffer, masked casters |
+//! | corners | three a triangle: position, the triangle's normal, texture coordinates, colour; by mesh, then opaque before masked, then material | G-buffer, masked casters |
 //! | positions, indices | welded as in the file, opaque casters only | depth from the light |
 //! | instances | rows of relative from mesh, sorted by mesh; one list a view, see [`InstanceList`] | both |
 //!
-//! Cost on the GPU: 28 bytes a corner, 12 a position, 4 an index, 48 an instance and view.
+//! Cost on the GPU: 32 bytes a corner, 12 a position, 4 an index, 48 an instance and view.
 
 mod instances;
 mod materials;
@@ -25,8 +25,8 @@ use crate::gpu::Gpu;
 use instances::{Placed, mesh_origin};
 use materials::Materials;
 
-/// Bytes of a corner: position 12, normal 8, texture coordinates 8.
-const CORNER_BYTES: u64 = 28;
+/// Bytes of a corner: position 12, normal 8, texture coordinates 8, colour 4.
+const CORNER_BYTES: u64 = 32;
 
 fn next_id() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -226,12 +226,13 @@ pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     materials::layout(gpu)
 }
 
-/// Vertex buffers of a pipeline that draws corners: position, normal, uv at locations 0 to 2, instance rows at 3 to 5.
+/// Vertex buffers of a pipeline that draws corners: position, normal, uv at locations 0 to 2, instance rows at 3 to 5, colour (sRGB and linear
+/// alpha) at 6.
 pub const CORNER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: CORNER_BYTES,
         step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Float32x2],
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Float32x2, 6 => Unorm8x4],
     }),
     Some(INSTANCE_LAYOUT),
 ];
@@ -310,5 +311,6 @@ fn push_corners(
         corners.extend([0; 2]);
         let uv = mesh.uvs.get(i as usize).copied().unwrap_or_default();
         uv.iter().for_each(|c| corners.extend(c.to_le_bytes()));
+        corners.extend(mesh.colors.get(i as usize).copied().unwrap_or([255; 4]));
     }
 }

@@ -73,20 +73,14 @@ fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
         name: mesh.name.clone(),
         positions: mesh.positions.clone(),
         uvs: mesh.uvs.clone(),
+        colors: mesh.colors.clone(),
         ..Mesh::default()
     };
     let mut middles: HashMap<[u32; 2], u32> = HashMap::new();
     for (&triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_materials) {
         let mut middle = |(a, b): (u32, u32)| {
             is_long(a, b).then(|| {
-                *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
-                    let [p, q] = [a, b].map(|i| mesh.positions[i as usize]);
-                    out.positions.push(std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]));
-                    if let (Some(s), Some(t)) = (mesh.uvs.get(a as usize), mesh.uvs.get(b as usize)) {
-                        out.uvs.push(std::array::from_fn(|k| 0.5 * s[k] + 0.5 * t[k]));
-                    }
-                    out.positions.len() as u32 - 1
-                })
+                *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| out.add_middle([a, b]))
             })
         };
         let found = sides(triangle).map(&mut middle);

@@ -33,3 +33,12 @@ pub(crate) fn camera(width: u32, height: u32) -> Camera {
 pub(crate) fn sun() -> [f64; 3] {
     adumbra::light::Sun::from_direction([0.5, 0.8, 0.35]).unwrap().towards()
 }
+
+/// What a technique called `none` says.
+pub(crate) struct AllLit;
+
+impl adumbra::query::PointVisibility for AllLit {
+    fn visibility(&self, _p_world: [f64; 3], _normal: Option<[f64; 3]>) -> f32 {
+        1.0
+    }
+}

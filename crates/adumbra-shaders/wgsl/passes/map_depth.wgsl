@@ -27,6 +27,7 @@ fn map_vertex(
 struct MaskedFragment {
     @builtin(position) position: vec4f,
     @location(0) uv: vec2f,
+    @location(1) vertex_alpha: f32,
 }
 
 @vertex
@@ -36,18 +37,19 @@ fn map_masked_vertex(
     @location(3) row_x: vec4f,
     @location(4) row_y: vec4f,
     @location(5) row_z: vec4f,
+    @location(6) color: vec4f,
 ) -> MaskedFragment {
-    return MaskedFragment(map_position(position, row_x, row_y, row_z), uv);
+    return MaskedFragment(map_position(position, row_x, row_y, row_z), uv, color.a);
 }
 
-fn map_is_cut(uv: vec2f) -> bool {
-    let alpha = material.base_color.a * textureSampleLevel(color_texture, color_sampler, uv, 0.0).a;
-    return alpha < material.alpha.x;
+fn map_is_cut(uv: vec2f, vertex_alpha: f32) -> bool {
+    let texel_alpha = textureSampleLevel(color_texture, color_sampler, uv, 0.0).a;
+    return material.base_color.a * texel_alpha * vertex_alpha < material.alpha.x;
 }
 
 @fragment
 fn map_masked_fragment(f: MaskedFragment) {
-    if (map_is_cut(f.uv)) {
+    if (map_is_cut(f.uv, f.vertex_alpha)) {
         discard;
     }
 }

@@ -5,6 +5,7 @@ struct NormalFragment {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) texel: vec2f,
     @location(1) uv: vec2f,
+    @location(2) vertex_alpha: f32,
 }
 
 @vertex
@@ -15,6 +16,7 @@ fn map_normals_vertex(
     @location(3) row_x: vec4f,
     @location(4) row_y: vec4f,
     @location(5) row_z: vec4f,
+    @location(6) color: vec4f,
 ) -> NormalFragment {
     let n = instance_normal(row_x, row_y, row_z, normal);
     let away_from_sun = layer.depth_from_relative.xyz;
@@ -22,7 +24,7 @@ fn map_normals_vertex(
     // A triangle without area has no normal; it covers no texel either.
     let known = select(turned, -away_from_sun, all(n == vec3f(0.0)));
     let texel = octahedral_texel(octahedral_encode(known));
-    return NormalFragment(map_position(position, row_x, row_y, row_z), texel, uv);
+    return NormalFragment(map_position(position, row_x, row_y, row_z), texel, uv, color.a);
 }
 
 @fragment
@@ -32,7 +34,7 @@ fn map_normals_fragment(f: NormalFragment) -> @location(0) vec2f {
 
 @fragment
 fn map_normals_masked_fragment(f: NormalFragment) -> @location(0) vec2f {
-    if (map_is_cut(f.uv)) {
+    if (map_is_cut(f.uv, f.vertex_alpha)) {
         discard;
     }
     return f.texel;

@@ -52,11 +52,13 @@ pub(super) fn add_first_surfaces(hits: &mut [MaskedHit], first: &mut [FirstSurfa
     }
 }
 
-/// Where a masked triangle is opaque: texture coordinates as planes over grid x and y.
+/// Where a masked triangle is opaque: texture coordinates and the vertices' alpha as planes over grid x and y.
 pub(super) struct TriangleMask {
     material: u32,
     u: Plane,
     v: Plane,
+    /// None where all corners are opaque.
+    vertex_alpha: Option<Plane>,
     /// Texels of the texture that a texel of the light's plane covers, along the longer axis.
     extent_texels: f64,
 }
@@ -68,9 +70,14 @@ impl TriangleMask {
         let mesh = &scene.meshes[instance.mesh as usize];
         let corners = mesh.triangles[surface.triangle as usize];
         let corners_grid = corners.map(|v| grid.to_grid(instance.to_world(mesh.positions[v as usize])));
-        let uv = corners.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or_default());
+        let uv = mesh.corner_uvs(surface.triangle);
         let plane = |a: usize| Projected::attribute_plane(&corners_grid, uv.map(|c| f64::from(c[a])));
         let (u, v) = (plane(0)?, plane(1)?);
+        let alphas = mesh.corner_alphas(surface.triangle);
+        let vertex_alpha = match alphas == [1.0; 3] {
+            true => None,
+            false => Some(Projected::attribute_plane(&corners_grid, alphas.map(f64::from))?),
+        };
         let material = mesh.triangle_materials[surface.triangle as usize];
         let size = scene.materials[material as usize].texture.map_or([1, 1], |t| {
             let texture = &scene.textures[t as usize];
@@ -78,7 +85,7 @@ impl TriangleMask {
         });
         let extent = |p: &Plane, texels: u32| (p.gradient[0].abs() + p.gradient[1].abs()) * f64::from(texels);
         let extent_texels = extent(&u, size[0]).max(extent(&v, size[1]));
-        Some(Self { material, u, v, extent_texels })
+        Some(Self { material, u, v, vertex_alpha, extent_texels })
     }
 
     /// The places of the texel around (x, y) that are opaque: bit = row · 4 + column.
@@ -101,7 +108,8 @@ impl TriangleMask {
     }
 
     fn opaque_at(&self, scene: &Scene, x: f64, y: f64) -> bool {
-        scene.is_opaque(self.material, [self.u.at(x, y) as f32, self.v.at(x, y) as f32])
+        let vertex_alpha = self.vertex_alpha.as_ref().map_or(1.0, |plane| plane.at(x, y) as f32);
+        scene.is_opaque(self.material, [self.u.at(x, y) as f32, self.v.at(x, y) as f32], vertex_alpha)
     }
 }
 

@@ -1,6 +1,7 @@
 //! A tree's leaves from above, as coloured squares by size: the paper's Fig. 3-3.
 
-use super::{Picture, srgb8};
+use super::Picture;
+use super::shading::encoded;
 use crate::tree::VoxelTree;
 
 /// Linear colours of leaves of 1, 2, 4 … voxels a side.
@@ -43,7 +44,7 @@ pub fn nodes_by_size(tree: &VoxelTree, y: u32, pixels: u32) -> Picture {
             let on_rim = |c: u32| c.is_multiple_of(leaf_pixels);
             let rim = leaf_pixels > 2 && (on_rim(row) || on_rim(column));
             let shade = if lit { 1.0 } else { SHADOWED } * if rim { RIM } else { 1.0 };
-            rgb.extend(color.map(|c| srgb8(c * shade)));
+            rgb.extend(encoded(color.map(|c| c * shade)));
         }
     }
     Picture { width: side, height: side, rgb, difference_share: None }

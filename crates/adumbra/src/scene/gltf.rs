@@ -2,7 +2,7 @@
 //!
 //! The `gltf` crate parses the container and the JSON; accessors are read here with their bounds checked, so that
 //! no file can make it panic, and quantised positions work. A mesh is stored once however many nodes place it.
-//! Animations of nodes make movers; morph targets, vertex colours, cameras and lights are not read.
+//! Animations of nodes make movers; morph targets, cameras and lights are not read.
 
 mod accessor;
 mod animations;
@@ -111,7 +111,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     let materials = materials::load(&root, &buffers, options, &used, &mut scene.notes)?;
 
-    let builder = Builder::new(path, &root, &buffers, &materials);
+    let builder = Builder::new(path, &root, &buffers, &materials, options.color_textures);
     // All is counted before anything is made: a few bytes for a node with a skin are a mesh of its own.
     for ((selection, is_skinned), copies) in plan.copies() {
         let selection = &plan.selections[selection as usize];

@@ -10,11 +10,13 @@ mod filter;
 mod generate;
 mod glb;
 mod gltf;
+mod mips;
 mod movers;
 mod obj;
 mod ply;
 mod polygon;
 mod sources;
+mod srgb;
 mod subdivide;
 mod texture;
 pub mod topology;
@@ -25,7 +27,9 @@ use std::path::{Path, PathBuf};
 pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate};
 pub use glb::{to_glb, write_glb};
+pub use mips::{MipLevel, MippedTexture};
 pub use movers::{MoverPolicy, Movers};
+pub(crate) use srgb::{linear_to_srgb, srgb_to_linear};
 pub use texture::{Pixels, Texture, Wrap};
 
 use crate::error::{Error, Result};
@@ -58,6 +62,9 @@ pub struct Mesh {
     /// Texture coordinates used by the material's base-colour texture, already transformed (KHR_texture_transform);
     /// empty, or one a vertex.
     pub uvs: Vec<[f32; 2]>,
+    /// What each vertex multiplies its material's base colour and alpha by (glTF's COLOR_0): red, green and blue as sRGB bytes, to be
+    /// interpolated in linear light, and linear alpha. Empty for white, or one a vertex.
+    pub colors: Vec<[u8; 4]>,
     /// Three vertex indices a triangle, all in range; degenerate triangles are already taken out.
     pub triangles: Vec<[u32; 3]>,
     /// The material of each triangle, an index into [`Scene::materials`].
@@ -187,6 +194,47 @@ impl Material {
     }
 }
 
+impl Mesh {
+    /// Texture coordinates of a triangle's corners; zero for a mesh that has none.
+    pub fn corner_uvs(&self, triangle: u32) -> [[f32; 2]; 3] {
+        self.corners_of(triangle, &self.uvs).map(Option::unwrap_or_default)
+    }
+
+    /// Alpha of a triangle's corners, 0 to 1; 1 for a mesh without vertex colours.
+    pub fn corner_alphas(&self, triangle: u32) -> [f32; 3] {
+        self.corners_of(triangle, &self.colors).map(|c| c.map_or(1.0, |c| f32::from(c[3]) / 255.0))
+    }
+
+    /// Linear red, green and blue of a triangle's corners; white for a mesh without vertex colours.
+    pub fn corner_colors(&self, triangle: u32) -> [[f32; 3]; 3] {
+        let linear = |[r, g, b, _]: [u8; 4]| [r, g, b].map(srgb_to_linear);
+        self.corners_of(triangle, &self.colors).map(|c| c.map_or([1.0; 3], linear))
+    }
+
+    /// Adds the vertex halfway between two, the same for either order, and returns its index. Colours are halved in linear light.
+    pub fn add_middle(&mut self, [a, b]: [u32; 2]) -> u32 {
+        let [a, b] = [a as usize, b as usize];
+        // Exact in f64, so rounded once.
+        let between = |x: f32, y: f32| ((f64::from(x) + f64::from(y)) / 2.0) as f32;
+        let (p, q) = (self.positions[a], self.positions[b]);
+        self.positions.push([0, 1, 2].map(|i| between(p[i], q[i])));
+        if !self.uvs.is_empty() {
+            let (s, t) = (self.uvs[a], self.uvs[b]);
+            self.uvs.push([0, 1].map(|i| between(s[i], t[i])));
+        }
+        if !self.colors.is_empty() {
+            let (c, d) = (self.colors[a], self.colors[b]);
+            let color = |i: usize| linear_to_srgb(between(srgb_to_linear(c[i]), srgb_to_linear(d[i])));
+            self.colors.push([color(0), color(1), color(2), c[3].midpoint(d[3])]);
+        }
+        self.positions.len() as u32 - 1
+    }
+
+    fn corners_of<T: Copy>(&self, triangle: u32, of: &[T]) -> [Option<T>; 3] {
+        self.triangles[triangle as usize].map(|vertex| of.get(vertex as usize).copied())
+    }
+}
+
 impl Instance {
     /// The point `p_mesh` in world space.
     pub fn to_world(&self, p_mesh: [f32; 3]) -> [f64; 3] {
@@ -218,6 +266,7 @@ impl Scene {
         let meshes = self.meshes.iter().map(|m| {
             m.positions.capacity() * 12
                 + m.uvs.capacity() * 8
+                + m.colors.capacity() * 4
                 + m.triangles.capacity() * 12
                 + m.triangle_materials.capacity() * 4
         });
@@ -242,18 +291,19 @@ impl Scene {
         b
     }
 
-    /// Alpha of `material` at `uv`: factor times texture, the same function for rays and for the bake.
-    pub fn alpha(&self, material: u32, uv: [f32; 2]) -> f32 {
+    /// Alpha of `material` at `uv`: factor times texture times the vertices' alpha there, the same function for rays and for the bake.
+    pub fn alpha(&self, material: u32, uv: [f32; 2], vertex_alpha: f32) -> f32 {
         let m = &self.materials[material as usize];
         let texel = m.texture.map_or(1.0, |t| self.textures[t as usize].alpha(uv));
-        m.base_color[3] * texel
+        m.base_color[3] * texel * vertex_alpha
     }
 
-    /// Whether `material` is opaque at `uv`. Cost: one bilinear texture sample for masked materials.
-    pub fn is_opaque(&self, material: u32, uv: [f32; 2]) -> bool {
+    /// Whether `material` is opaque at `uv`, where the vertices' alpha is `vertex_alpha`. Cost: one bilinear texture sample for masked
+    /// materials.
+    pub fn is_opaque(&self, material: u32, uv: [f32; 2], vertex_alpha: f32) -> bool {
         match self.materials[material as usize].alpha {
             AlphaMode::Opaque => true,
-            AlphaMode::Mask { cutoff } => self.alpha(material, uv) >= cutoff,
+            AlphaMode::Mask { cutoff } => self.alpha(material, uv, vertex_alpha) >= cutoff,
         }
     }
 }

@@ -84,25 +84,12 @@ fn cut_edges(mesh: &mut Mesh, chosen: impl Fn([u32; 2]) -> bool) {
     let mut parts = Vec::with_capacity(4);
     for (&triangle, material) in old.iter().zip(old_materials) {
         let cuts = sides(triangle).map(|ends| {
-            chosen(ends).then(|| *middles.entry(sorted(ends)).or_insert_with(|| add_middle(mesh, ends)))
+            chosen(ends).then(|| *middles.entry(sorted(ends)).or_insert_with(|| mesh.add_middle(ends)))
         });
         cut_triangle(mesh, triangle, cuts, &mut parts);
         mesh.triangle_materials.resize(mesh.triangle_materials.len() + parts.len(), material);
         mesh.triangles.append(&mut parts);
     }
-}
-
-fn add_middle(mesh: &mut Mesh, [a, b]: [u32; 2]) -> u32 {
-    // Exact in f64, so rounded once and the same for either order.
-    let between = |x: f32, y: f32| ((f64::from(x) + f64::from(y)) / 2.0) as f32;
-    let [a, b] = [a as usize, b as usize];
-    let (p, q) = (mesh.positions[a], mesh.positions[b]);
-    mesh.positions.push([0, 1, 2].map(|i| between(p[i], q[i])));
-    if !mesh.uvs.is_empty() {
-        let (s, t) = (mesh.uvs[a], mesh.uvs[b]);
-        mesh.uvs.push([0, 1].map(|i| between(s[i], t[i])));
-    }
-    mesh.positions.len() as u32 - 1
 }
 
 /// The parts of a triangle whose sides, from the first corner on, have these middles.

@@ -1,11 +1,10 @@
-//! Textures as shadows need them: sampled alpha, and colour for the CPU renderer.
+//! Textures as shadows need them: images, and sampled alpha. Colours are sampled in [`super::MippedTexture`].
 //!
 //! Coordinates follow glTF 2.0: (0, 0) is the top left corner, texel centres lie at half texels. Only plain
 //! arithmetic on 32-bit floats, so every machine samples the same value. No mip levels: a cut-off is decided on the
 //! full texture.
 
 use std::io::Cursor;
-use std::sync::LazyLock;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
@@ -53,13 +52,13 @@ pub enum Wrap {
 /// Bytes that a PNG's colour profile and one row of it may take, beside a few times its length.
 const PNG_HEADER_BYTES: u64 = 16 << 20;
 
-/// Linear value of each 8-bit sRGB value (IEC 61966-2-1).
-static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|i| {
-        let s = i as f64 / 255.0;
-        (if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) }) as f32
-    })
-});
+/// Texels as a sample finds them.
+pub(super) struct Grid {
+    /// Texels along u and v.
+    pub(super) size: [u32; 2],
+    pub(super) wrap: [Wrap; 2],
+    pub(super) nearest: bool,
+}
 
 /// One axis of a sample: two texels and the weight of the second.
 #[derive(Clone, Copy)]
@@ -74,19 +73,6 @@ impl Texture {
     /// counts as 0.
     pub fn alpha(&self, uv: [f32; 2]) -> f32 {
         self.sample(uv, |texel| [self.alpha_byte(texel)])[0] / 255.0
-    }
-
-    /// Linear red, green and blue, and alpha, at `uv`. Cost: as [`Texture::alpha`], four channels.
-    pub fn color(&self, uv: [f32; 2]) -> [f32; 4] {
-        let [r, g, b, a] = self.sample(uv, |texel| match &self.pixels {
-            Pixels::Alpha(_) => [1.0, 1.0, 1.0, self.alpha_byte(texel)],
-            Pixels::Rgba(bytes) => {
-                let channel =
-                    |c: usize| LINEAR[usize::from(bytes.get(texel * 4 + c).copied().unwrap_or(255))];
-                [channel(0), channel(1), channel(2), self.alpha_byte(texel)]
-            }
-        });
-        [r, g, b, a / 255.0]
     }
 
     /// Bytes held by the texels.
@@ -159,15 +145,24 @@ impl Texture {
     }
 
     fn sample<const N: usize>(&self, uv: [f32; 2], fetch: impl Fn(usize) -> [f32; N]) -> [f32; N] {
-        let index = |x: u32, y: u32| y as usize * self.width as usize + x as usize;
-        if self.nearest {
-            return fetch(index(
-                nearest_texel(uv[0], self.width, self.wrap[0]),
-                nearest_texel(uv[1], self.height, self.wrap[1]),
-            ));
+        Grid { size: [self.width, self.height], wrap: self.wrap, nearest: self.nearest }.sample(uv, fetch)
+    }
+}
+
+impl Grid {
+    /// The nearest texel at `uv`, or four of them blended; `fetch` takes a texel's number.
+    pub(super) fn sample<const N: usize>(
+        &self,
+        uv: [f32; 2],
+        fetch: impl Fn(usize) -> [f32; N],
+    ) -> [f32; N] {
+        let Self { size: [width, height], wrap, nearest } = *self;
+        let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
+        if nearest {
+            return fetch(index(nearest_texel(uv[0], width, wrap[0]), nearest_texel(uv[1], height, wrap[1])));
         }
-        let x = axis(uv[0], self.width, self.wrap[0]);
-        let y = axis(uv[1], self.height, self.wrap[1]);
+        let x = axis(uv[0], width, wrap[0]);
+        let y = axis(uv[1], height, wrap[1]);
         let mix = |a: [f32; N], b: [f32; N], w: f32| std::array::from_fn(|c| a[c] + (b[c] - a[c]) * w);
         let top = mix(fetch(index(x.low, y.low)), fetch(index(x.high, y.low)), x.weight);
         let bottom = mix(fetch(index(x.low, y.high)), fetch(index(x.high, y.high)), x.weight);
@@ -302,7 +297,6 @@ mod tests {
                 for u in [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN, -1e-12, 1e-40, 1.0] {
                     for v in [0.3, u] {
                         assert!((0.0..=1.0).contains(&t.alpha([u, v])));
-                        assert!(t.color([v, u]).iter().all(|c| (0.0..=1.0).contains(c)));
                     }
                 }
             }

@@ -18,7 +18,7 @@ mod tests;
 use rayon::prelude::*;
 
 use crate::light::{cross, dot};
-use crate::scene::{AlphaMode, Scene};
+use crate::scene::{AlphaMode, Mesh, Scene};
 use box_tree::{BoxTree, Step};
 use mesh_tree::{MeshTree, Placing, used_positions, world_box};
 use triangle::TriangleHit;
@@ -235,17 +235,24 @@ impl<'s> Tracer<'s> {
         let surface = self.surfaces[material as usize];
         let found = Found { placing, triangle, material, hit };
         let there = (surface.casts || !casters_only)
-            && (!surface.masked || self.scene.is_opaque(material, self.uv(&found)));
+            && (!surface.masked || self.scene.is_opaque(material, self.uv(&found), self.vertex_alpha(&found)));
         there.then_some(found)
     }
 
     fn uv(&self, found: &Found<'_>) -> [f32; 2] {
-        let mesh = &self.scene.meshes[self.scene.instances[found.placing.instance as usize].mesh as usize];
-        let corners = mesh.triangles[found.triangle as usize];
         let weights = found.hit.barycentric;
-        let uv_of = |i: u32| mesh.uvs.get(i as usize).copied().unwrap_or_default().map(f64::from);
-        let [a, b, c] = corners.map(uv_of);
+        let [a, b, c] = self.mesh(found).corner_uvs(found.triangle).map(|uv| uv.map(f64::from));
         [0, 1].map(|k| (weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]) as f32)
+    }
+
+    fn vertex_alpha(&self, found: &Found<'_>) -> f32 {
+        let [a, b, c] = self.mesh(found).corner_alphas(found.triangle).map(f64::from);
+        let weights = found.hit.barycentric;
+        (weights[0] * a + weights[1] * b + weights[2] * c) as f32
+    }
+
+    fn mesh(&self, found: &Found<'_>) -> &'s Mesh {
+        &self.scene.meshes[self.scene.instances[found.placing.instance as usize].mesh as usize]
     }
 
     fn complete(&self, found: &Found<'_>) -> Hit {

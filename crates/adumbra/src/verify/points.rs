@@ -150,10 +150,11 @@ impl<'s> SurfaceSampler<'s> {
         }
         normal = normal.map(|c| c * sign / length);
         let material = mesh.triangle_materials[triangle];
-        let opaque = self.ignore_alpha || mesh.uvs.is_empty() || {
-            let uv = corners.map(|c| mesh.uvs[c as usize]);
-            let at = |a: usize| (0..3).map(|c| uv[c][a] * weights[c] as f32).sum();
-            self.scene.is_opaque(material, [at(0), at(1)])
+        let opaque = self.ignore_alpha || {
+            let at = |values: [f32; 3]| (0..3).map(|c| values[c] * weights[c] as f32).sum();
+            let uv = mesh.corner_uvs(triangle as u32);
+            let vertex_alpha = at(mesh.corner_alphas(triangle as u32));
+            self.scene.is_opaque(material, [0, 1].map(|a| at(uv.map(|c| c[a]))), vertex_alpha)
         };
         (Sample { p_world, normal: Some(normal) }, opaque)
     }

@@ -14,8 +14,8 @@ use super::container::{Buffers, bad};
 use super::materials::{Coordinates, Materials};
 use super::skin::Skin;
 use crate::error::{Error, Result};
-use crate::scene::Mesh;
 use crate::scene::validate::{Sieve, check_vertex};
+use crate::scene::{AlphaMode, Mesh, linear_to_srgb};
 
 /// What it takes to build a mesh.
 pub(super) struct Builder<'a> {
@@ -23,6 +23,8 @@ pub(super) struct Builder<'a> {
     root: &'a Root,
     buffers: &'a Buffers<'a>,
     materials: &'a Materials,
+    /// Load vertex colours too; without it only those whose alpha decides what is opaque are read.
+    colors: bool,
     /// Accessors that were opened, by index: many primitives may name the same one.
     opened: RefCell<HashMap<usize, Rc<Accessor<'a>>>>,
 }
@@ -31,12 +33,21 @@ pub(super) struct Builder<'a> {
 struct Source<'a> {
     positions: Rc<Accessor<'a>>,
     uvs: Option<(Rc<Accessor<'a>>, Coordinates)>,
+    colors: Option<Rc<Accessor<'a>>>,
     /// Joints and weights, a pair for each set of four.
     joints: Vec<[Rc<Accessor<'a>>; 2]>,
 }
 
-/// Primitives with the same key share vertices: accessors of positions, joints and weights, material with a texture.
-type SourceKey = (usize, [Option<usize>; 2], Option<usize>);
+/// Primitives with the same key share vertices.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct SourceKey {
+    /// Accessors.
+    positions: usize,
+    joints_and_weights: [Option<usize>; 2],
+    colors: Option<usize>,
+    /// The material, where it has a texture: it says how texture coordinates are transformed.
+    textured_material: Option<usize>,
+}
 
 /// Whether a primitive is triangles; lines and points are not, nor is one without positions.
 pub(super) fn has_triangles(primitive: &Primitive) -> bool {
@@ -58,8 +69,8 @@ fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
 const MESH_BYTES: u64 = size_of::<Mesh>() as u64;
 /// Bytes of a triangle: its corners and its material.
 const TRIANGLE_BYTES: u64 = 16;
-/// Bytes of a vertex: its position and texture coordinates.
-const VERTEX_BYTES: u64 = 20;
+/// Bytes of a vertex: its position, texture coordinates and colour.
+const VERTEX_BYTES: u64 = 24;
 /// Bytes of a vertex in the table that finds it again while its mesh is built.
 const TABLE_BYTES: u64 = 28;
 
@@ -69,8 +80,9 @@ impl<'a> Builder<'a> {
         root: &'a Root,
         buffers: &'a Buffers<'a>,
         materials: &'a Materials,
+        colors: bool,
     ) -> Self {
-        Self { path, root, buffers, materials, opened: RefCell::default() }
+        Self { path, root, buffers, materials, colors, opened: RefCell::default() }
     }
 
     /// The mesh's chosen primitives as one mesh; a skin puts the vertices where its joints say.
@@ -86,12 +98,13 @@ impl<'a> Builder<'a> {
         self.buffers.sources.budget.charge(passing, || format!("mesh {name:?} of {vertices} vertices"))?;
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
         let any_textured = primitives.iter().any(|p| self.texture(p).is_some());
+        let any_colored = primitives.iter().any(|p| self.vertex_colors(p).is_some());
         let mut keys: HashMap<SourceKey, u32> = HashMap::new();
         let mut vertices: HashMap<(u32, u32), u32> = HashMap::new();
         for primitive in primitives {
             let Some(key) = self.source_key(primitive, skin.is_some()) else { continue };
             let coordinates = self.texture(primitive).map(|t| t.1);
-            let source = self.open(primitive, key.0, coordinates, skin.is_some())?;
+            let source = self.open(primitive, key, coordinates, skin.is_some())?;
             let next = keys.len() as u32;
             let key = *keys.entry(key).or_insert(next);
             let material = material_of(self.root, primitive) as u32;
@@ -113,6 +126,9 @@ impl<'a> Builder<'a> {
                         if any_textured {
                             mesh.uvs.push(source.uv(corners[i]));
                         }
+                        if any_colored {
+                            mesh.colors.push(source.color(corners[i]));
+                        }
                     }
                 }
                 mesh.triangles.push(triangle);
@@ -122,6 +138,7 @@ impl<'a> Builder<'a> {
         }
         mesh.positions.shrink_to_fit();
         mesh.uvs.shrink_to_fit();
+        mesh.colors.shrink_to_fit();
         mesh.triangles.shrink_to_fit();
         mesh.triangle_materials.shrink_to_fit();
         self.buffers.sources.budget.release(passing);
@@ -154,7 +171,7 @@ impl<'a> Builder<'a> {
         let mut corners_of: HashMap<SourceKey, (u64, u64)> = HashMap::new();
         for primitive in primitives {
             let Some(key) = self.source_key(primitive, skinned) else { continue };
-            let positions = self.accessor(key.0)?.count as u64;
+            let positions = self.accessor(key.positions)?.count as u64;
             let corners = match primitive.indices {
                 Some(index) => self.accessor(index.value())?.count as u64,
                 None => positions,
@@ -174,11 +191,20 @@ impl<'a> Builder<'a> {
     /// What says whether a primitive shares its vertices with another one; none without positions.
     fn source_key(&self, primitive: &Primitive, skinned: bool) -> Option<SourceKey> {
         let positions = attribute(primitive, Semantic::Positions)?;
-        let joints = match skinned {
+        let joints_and_weights = match skinned {
             true => [Semantic::Joints(0), Semantic::Weights(0)].map(|s| attribute(primitive, s)),
             false => [None; 2],
         };
-        Some((positions, joints, self.texture(primitive).map(|t| t.0)))
+        let colors = self.vertex_colors(primitive);
+        let textured_material = self.texture(primitive).map(|t| t.0);
+        Some(SourceKey { positions, joints_and_weights, colors, textured_material })
+    }
+
+    /// The accessor of a primitive's vertex colours, where they are wanted.
+    fn vertex_colors(&self, primitive: &Primitive) -> Option<usize> {
+        let material = self.materials.list.get(material_of(self.root, primitive));
+        let cuts = material.is_some_and(|m| m.alpha != AlphaMode::Opaque);
+        (self.colors || cuts).then(|| attribute(primitive, Semantic::Colors(0))).flatten()
     }
 
     /// The material of a primitive and where it samples its texture; none where it has none.
@@ -199,12 +225,12 @@ impl<'a> Builder<'a> {
     fn open(
         &self,
         primitive: &Primitive,
-        positions: usize,
+        key: SourceKey,
         coordinates: Option<Coordinates>,
         skinned: bool,
     ) -> Result<Source<'a>> {
         let open = |index| self.accessor(index);
-        let positions = open(positions)?;
+        let positions = open(key.positions)?;
         if positions.components != 3 {
             return Err(bad(self.path, "a POSITION attribute is not made of three components"));
         }
@@ -215,6 +241,10 @@ impl<'a> Builder<'a> {
                 None => None,
             },
         };
+        let colors = key.colors.map(open).transpose()?;
+        if colors.as_ref().is_some_and(|c| !(3..=4).contains(&c.components)) {
+            return Err(bad(self.path, "a COLOR_0 attribute is not made of three or four components"));
+        }
         let mut joints = Vec::new();
         while skinned && let Ok(set) = u32::try_from(joints.len()) {
             let pair =
@@ -222,7 +252,7 @@ impl<'a> Builder<'a> {
             let (Some(j), Some(w)) = pair else { break };
             joints.push([open(j)?, open(w)?]);
         }
-        Ok(Source { positions, uvs, joints })
+        Ok(Source { positions, uvs, colors, joints })
     }
 
     /// Calls `each` with the corners of every triangle, all below `vertices`, wound as glTF 2.0 section 3.7.2.1.
@@ -289,6 +319,18 @@ impl Source<'_> {
             joints.into_iter().zip(weights)
         });
         skin.place(p, influences)
+    }
+
+    /// White where the file gives none; a component that is not a number counts as 1.
+    fn color(&self, index: u32) -> [u8; 4] {
+        let read = |accessor: &Rc<Accessor<'_>>| {
+            let [r, g, b, a] = accessor.floats(index as usize)?;
+            Some([r, g, b, if accessor.components == 4 { a } else { 1.0 }])
+        };
+        let linear = self.colors.as_ref().and_then(read).unwrap_or([1.0; 4]);
+        let [r, g, b, a] = linear.map(|c| if c.is_nan() { 1.0 } else { c.clamp(0.0, 1.0) });
+        let [r, g, b] = [r, g, b].map(linear_to_srgb);
+        [r, g, b, (a * 255.0 + 0.5) as u8]
     }
 
     fn uv(&self, index: u32) -> [f32; 2] {

@@ -1,0 +1,91 @@
+//! Textures and vertex colours on the GPU against the CPU renderer, which filters by the same mip levels.
+
+mod kit;
+
+use adumbra::camera::{Camera, Projection};
+use adumbra::picture::{self, Shadows};
+use adumbra::scene::{AlphaMode, Instance, Material, Mesh, Pixels, Scene, Texture, Wrap};
+use adumbra::trace::{TraceOptions, Tracer};
+use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+
+const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// Squares of 3 texels in strong colours; the sides are odd, as are those of most of its levels.
+fn squares(width: u32, height: u32, wrap: Wrap, nearest: bool) -> Texture {
+    let colors = [[250, 30, 20], [30, 200, 60], [20, 40, 230], [255, 255, 255], [0, 0, 0]];
+    let texel = |x: u32, y: u32| {
+        let [r, g, b] = colors[((x / 3) * 7 + (y / 3) * 3) as usize % colors.len()];
+        [r, g, b, 255]
+    };
+    let pixels = (0..width * height).flat_map(|i| texel(i % width, i / width)).collect();
+    let name = "squares".to_owned();
+    Texture { name, width, height, pixels: Pixels::Rgba(pixels), wrap: [wrap; 2], nearest }
+}
+
+/// A four-cornered surface; texture coordinates run from 0 to `repeats`.
+fn quad(corners: [[f32; 3]; 4], repeats: f32, colors: Option<[[u8; 4]; 4]>, material: u32) -> Mesh {
+    Mesh {
+        name: "quad".to_owned(),
+        positions: corners.to_vec(),
+        uvs: vec![[0.0, 0.0], [repeats, 0.0], [repeats, repeats], [0.0, repeats]],
+        colors: colors.map_or_else(Vec::new, |c| c.to_vec()),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangle_materials: vec![material; 2],
+    }
+}
+
+/// Ground that runs to the horizon, two walls, a faded leaf.
+fn scene() -> Scene {
+    let textured = |name, texture| Material { texture: Some(texture), ..Material::opaque(name, [1.0; 4]) };
+    let wall = |x: f32| [[x, 0.0, 0.0], [x + 3.0, 0.0, 0.0], [x + 3.0, 3.0, 0.0], [x, 3.0, 0.0]];
+    let corner_colors = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 0, 255]];
+    let faded = [[255, 255, 255, 0], [255; 4], [255; 4], [255, 255, 255, 0]];
+    let leaf = [[-1.0, 3.2, 1.0], [3.0, 3.2, 1.0], [3.0, 4.2, 1.0], [-1.0, 4.2, 1.0]];
+    let ground = [[-30.0, 0.0, 30.0], [30.0, 0.0, 30.0], [30.0, 0.0, -60.0], [-30.0, 0.0, -60.0]];
+    let meshes = vec![
+        quad(ground, 20.0, None, 0),
+        quad(wall(-4.0), 1.0, None, 1),
+        quad(wall(0.5), 0.3, Some(corner_colors), 2),
+        quad(leaf, 1.0, Some(faded), 3),
+    ];
+    let place = |mesh| Instance { name: "place".to_owned(), mesh, world_from_mesh: IDENTITY, casts: true };
+    Scene {
+        instances: (0..meshes.len() as u32).map(place).collect(),
+        meshes,
+        materials: vec![
+            textured("ground", 0),
+            textured("wall", 1),
+            Material::opaque("painted", [0.9, 0.8, 0.7, 1.0]),
+            Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..Material::opaque("leaf", [0.2, 0.6, 0.1, 1.0]) },
+        ],
+        textures: vec![squares(129, 65, Wrap::Repeat, false), squares(30, 30, Wrap::Mirror, true)],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn textures_and_vertex_colours_are_the_cpu_renderer_s() {
+    let scene = scene();
+    let tracer = Tracer::build(&scene, TraceOptions::default());
+    let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let mut none = renderer.prepare(none).unwrap();
+    for projection in
+        [Projection::Perspective { fov_degrees: 50.0 }, Projection::Orthographic { height_world: 9.0 }]
+    {
+        let (eye, target) = ([1.0, 2.2, 9.0], [0.2, 1.9, 0.0]);
+        let camera = Camera { eye, target, projection, width: 320, height: 200 };
+        let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
+        renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
+        let gpu = renderer.read_picture().unwrap();
+        let cpu = picture::draw(&scene, &tracer, &camera, kit::sun(), &Shadows::File(&kit::AllLit), 1);
+        let differing_by = |least: u8| {
+            let pixels = gpu.as_chunks::<4>().0.iter().zip(cpu.rgb.as_chunks::<3>().0);
+            pixels.filter(|(g, c)| (0..3).any(|a| g[a].abs_diff(c[a]) > least)).count()
+        };
+        let pixels = cpu.rgb.len() / 3;
+        let [slightly, much] = [2, 16].map(differing_by);
+        assert!(slightly * 100 < pixels, "{slightly} of {pixels} pixels differ by more than 2/255");
+        assert!(much * 1000 < pixels, "{much} of {pixels} pixels differ by more than 16/255");
+    }
+}
