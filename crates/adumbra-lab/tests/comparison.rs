@@ -85,8 +85,9 @@ fn comparison_of_no_shadows_is_wrong_where_the_truth_is_shadowed() {
     assert_eq!(sum, pixels.compared);
     for truth in &compared[1..] {
         let row = &truth.row;
-        assert_eq!([row.rmse, row.wrong_lit, row.wrong_shadowed, row.flip], [Some(0.0); 4]);
-        assert!((row.ssim.unwrap() - 1.0).abs() < 1e-12 && row.gpu_ms.is_none());
+        assert_eq!([row.rmse, row.wrong_lit, row.wrong_shadowed], [Some(0.0); 3]);
+        // The rasterizer snaps corners to a part of a pixel, and small triangles have normals of their own.
+        assert!(row.ssim.unwrap() > 0.998 && row.flip.unwrap() < 0.005 && row.gpu_ms.is_none(), "{row:?}");
     }
     let soft = compared[2].factors.iter().filter(|f| **f > 0.0 && **f < 1.0).count();
     assert!(soft > 20, "{soft} pixels in penumbra");
@@ -105,6 +106,33 @@ fn a_camera_at_the_sky_gives_no_technique_a_figure() {
     for row in compared.iter().map(|c| &c.row) {
         let figures = [row.rmse, row.mean_difference, row.ssim, row.flip, row.wrong_lit, row.wrong_shadowed];
         assert_eq!((figures, row.clear), ([None; 6], None), "{}", row.name);
+    }
+}
+
+#[test]
+fn pictures_are_judged_by_the_geometry_and_colours_that_rays_see() {
+    let world = World::new();
+    // The truth's own shadows, so that nothing but geometry, normals and colours can differ.
+    let figures = |drawn: &Scene| {
+        let mut renderer = renderer(drawn);
+        let mut contenders = [contender(&renderer, "truth", TruthKind::Hard)];
+        let Comparison { compared, .. } =
+            world.with_judge(|judge| compare(&mut renderer, judge, &camera(), &mut contenders, 1).unwrap());
+        (compared[0].row.ssim.unwrap(), compared[0].row.flip.unwrap())
+    };
+    let (ssim, flip) = figures(&world.scene);
+    assert!(ssim > 0.998 && flip < 0.005, "as it is: {ssim} {flip}");
+    let mut darker = world.scene.clone();
+    darker.materials.iter_mut().for_each(|m| m.base_color = m.base_color.map(|c| 0.5 * c));
+    let mut turned = world.scene.clone();
+    for row in turned.instances.iter_mut().flat_map(|i| &mut i.world_from_mesh) {
+        let [x, y, z, _] = *row;
+        (row[0], row[2]) = (0.995 * x - 0.1 * z, 0.1 * x + 0.995 * z);
+        row[1] = y;
+    }
+    for (what, scene) in [("darker", &darker), ("turned", &turned)] {
+        let (ssim, flip) = figures(scene);
+        assert!(ssim < 0.99 && flip > 0.01, "{what}: {ssim} {flip}");
     }
 }
 

@@ -46,7 +46,8 @@ pub struct Judge<'a, 's> {
 pub struct Contender {
     /// As it was asked for.
     pub spec: TechniqueSpec,
-    /// Its pipelines; none for `truth` itself.
+    /// Its pipelines; none for `truth` itself, which is drawn with the factors that judge it: it shows how far the renderer's picture is
+    /// from that of the rays without any technique's doing.
     pub prepared: Option<Prepared>,
     /// What judges it.
     pub truth: TruthKind,
@@ -68,7 +69,7 @@ pub struct Compared {
 pub struct Comparison {
     /// Which pixels were compared.
     pub pixels: PixelCounts,
-    /// Composited truths that judged a technique.
+    /// The truths that judged a technique, as rays see them.
     pub truths: Vec<(TruthKind, Picture)>,
     /// One a contender.
     pub compared: Vec<Compared>,
@@ -96,16 +97,13 @@ pub fn compare(
     let mut truths: Vec<Truth> = Vec::new();
     for kind in [TruthKind::Hard, TruthKind::Disc] {
         if contenders.iter().any(|c| c.truth == kind) {
-            truths.push(Truth::new(renderer, judge, &shot, &surfaces, kind)?);
+            truths.push(Truth::new(judge, camera, &surfaces, kind));
         }
     }
-    let (mut pixels, mut counted) = (PixelCounts::default(), Vec::new());
+    let (pixels, counted) = judge.count(&surfaces, &drawn_surface(renderer, &shot)?);
     let mut compared = Vec::new();
     for contender in contenders.iter_mut() {
         let Some(truth) = truths.iter().find(|t| t.kind == contender.truth) else { continue };
-        if counted.is_empty() {
-            (pixels, counted) = judge.count(&surfaces, &renderer.read_surface(&shot)?);
-        }
         compared.push(draw_and_judge(
             renderer,
             judge,
@@ -120,6 +118,21 @@ pub fn compare(
     Ok(Comparison { pixels, truths, compared })
 }
 
+/// The G-buffer at the camera, which is the same for every technique.
+fn drawn_surface(renderer: &mut Renderer, shot: &Shot) -> Result<SurfaceImage> {
+    let lit = vec![1.0; shot.camera.width as usize * shot.camera.height as usize];
+    draw_given(renderer, shot, &lit)?;
+    Ok(renderer.read_surface(shot)?)
+}
+
+/// Draws the renderer's picture with these shadow factors.
+fn draw_given(renderer: &mut Renderer, shot: &Shot, factors: &[f32]) -> Result<()> {
+    let size = [shot.camera.width, shot.camera.height];
+    let mut given = renderer.prepare(Box::new(Given::new(renderer.gpu(), "given", size, factors)?))?;
+    renderer.draw(shot, &mut given, Answer::Visibility)?;
+    Ok(())
+}
+
 /// One kind of truth at the camera.
 struct Truth {
     kind: TruthKind,
@@ -128,26 +141,16 @@ struct Truth {
 }
 
 impl Truth {
-    fn new(
-        renderer: &mut Renderer,
-        judge: &Judge<'_, '_>,
-        shot: &Shot,
-        surfaces: &Surfaces,
-        kind: TruthKind,
-    ) -> Result<Self> {
+    fn new(judge: &Judge<'_, '_>, camera: &Camera, surfaces: &Surfaces, kind: TruthKind) -> Self {
         let (angle_degrees, samples) = judge.disc;
         let shape = match kind {
             TruthKind::Hard => SunShape::Hard,
             TruthKind::Disc => SunShape::Disc { angle_degrees, samples },
         };
         let towards = judge.towards_sun;
-        let factors = judge.cache.factors(judge.truth, judge.scene, &shot.camera, surfaces, towards, shape);
-        let size = [shot.camera.width, shot.camera.height];
-        let given = Given::new(renderer.gpu(), "truth", size, &factors)?;
-        let mut given = renderer.prepare(Box::new(given))?;
-        renderer.draw(shot, &mut given, Answer::Visibility)?;
-        let picture = picture_of_rgba(size, &renderer.read_picture()?);
-        Ok(Self { kind, factors, picture })
+        let factors = judge.cache.factors(judge.truth, judge.scene, camera, surfaces, towards, shape);
+        let picture = judge.truth.picture(camera, surfaces, &factors, towards);
+        Self { kind, factors, picture }
     }
 }
 
@@ -198,7 +201,9 @@ fn draw_and_judge(
             (renderer.read_factor(prepared)?, picture, times, technique.bytes(), technique.notes())
         }
         None => {
-            let picture = Picture { rgb: truth.picture.rgb.clone(), ..picture_of_rgba(size, &[]) };
+            // What is left between its picture and that of the rays is the rasterizer's.
+            draw_given(renderer, shot, &truth.factors)?;
+            let picture = picture_of_rgba(size, &renderer.read_picture()?);
             (truth.factors.clone(), picture, Vec::new(), 0, Vec::new())
         }
     };

@@ -2,7 +2,7 @@
 //!
 //! First the [`Surfaces`] that the camera sees, then the sun's visibility there, hard or of a disc, or ambient occlusion's. The conventions
 //! are those of the G-buffer: the geometric normal is turned to the viewer, a surface turned away from the sun is 0, the sky is 1. Further
-//! rays start [`Tracer::lift_world`] along the normal.
+//! rays start [`Tracer::lift_world`] along the normal. [`TruthTracer::picture`] shows it all, with nothing from a GPU in it.
 
 mod ambient;
 mod cache;
@@ -10,9 +10,12 @@ mod cameras;
 mod edges;
 mod street;
 
-use adumbra::camera::Camera;
+use std::sync::OnceLock;
+
+use adumbra::camera::{Camera, View};
+use adumbra::picture::{self, BaseColors, Picture};
 use adumbra::scene::{Bounds, Scene};
-use adumbra::trace::{Ray, TraceOptions, Tracer};
+use adumbra::trace::{Hit, Ray, TraceOptions, Tracer};
 pub use ambient::standard_error;
 pub use cache::{Cache, Key, scene_key};
 pub use cameras::{TruthView, truth_camera};
@@ -58,6 +61,8 @@ pub enum SunShape {
 pub struct TruthTracer<'s> {
     tracer: Tracer<'s>,
     bounds: Bounds,
+    /// Made with the first picture.
+    colors: OnceLock<BaseColors<'s>>,
 }
 
 impl Surfaces {
@@ -86,7 +91,8 @@ impl Surfaces {
 impl<'s> TruthTracer<'s> {
     /// Makes a scene ready. Cost: that of [`Tracer::build`].
     pub fn build(scene: &'s Scene, ignore_alpha: bool) -> Self {
-        Self { tracer: Tracer::build(scene, TraceOptions { ignore_alpha }), bounds: scene.bounds() }
+        let tracer = Tracer::build(scene, TraceOptions { ignore_alpha });
+        Self { tracer, bounds: scene.bounds(), colors: OnceLock::new() }
     }
 
     /// The rays beneath.
@@ -106,9 +112,8 @@ impl<'s> TruthTracer<'s> {
             .into_par_iter()
             .map(|y| {
                 let pixel = |x: u32| {
-                    let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-                    let ray = Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
-                    let Some(hit) = self.tracer.nearest_surface(&ray) else {
+                    let (origin, direction, hit) = self.seen(&view, [x, y]);
+                    let Some(hit) = hit else {
                         return ([0.0; 3], [0.0; 3], f64::INFINITY, 0.0);
                     };
                     let side = if dot(hit.normal, direction) > 0.0 { -1.0 } else { 1.0 };
@@ -127,6 +132,44 @@ impl<'s> TruthTracer<'s> {
             view_depth: all().map(|p| p.2).collect(),
             lift_world: all().map(|p| p.3).collect(),
         }
+    }
+
+    /// The picture of the same camera's `surfaces` under the sun's visibility `factors`: geometry, normals and colours are those that rays
+    /// find, light and display those of the renderer (`adumbra::picture`). Cost: a ray a pixel, and once the mip levels of the textures.
+    pub fn picture(
+        &self,
+        camera: &Camera,
+        surfaces: &Surfaces,
+        factors: &[f32],
+        towards_sun: [f64; 3],
+    ) -> Picture {
+        let view = camera.view();
+        let colors = self.colors.get_or_init(|| BaseColors::new(self.tracer.scene()));
+        let width = camera.width as usize;
+        let mut rgb = vec![0; width * camera.height as usize * 3];
+        rgb.par_chunks_mut((width * 3).max(1)).zip(0..camera.height).for_each(|(row, y)| {
+            for (shown, x) in row.as_chunks_mut::<3>().0.iter_mut().zip(0..) {
+                let (_, direction, hit) = self.seen(&view, [x, y]);
+                let pixel = y as usize * width + x as usize;
+                *shown = picture::shown(match hit {
+                    Some(hit) => picture::lit(
+                        colors.at(&view, [x, y], &hit),
+                        surfaces.normal[pixel].map(f64::from),
+                        surfaces.n_dot_l(pixel, towards_sun),
+                        f64::from(factors[pixel]),
+                    ),
+                    None => picture::sky(direction),
+                });
+            }
+        });
+        Picture { width: camera.width, height: camera.height, rgb, difference_share: None }
+    }
+
+    /// The ray through a pixel's centre, and what it meets.
+    fn seen(&self, view: &View, [x, y]: [u32; 2]) -> ([f64; 3], [f64; 3], Option<Hit>) {
+        let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let ray = Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
+        (origin, direction, self.tracer.nearest_surface(&ray))
     }
 
     /// The sun's visibility at each pixel: 1 without a surface, 0 on one turned away from the middle of the sun. The disc's samples

@@ -11,6 +11,7 @@ use crate::scene::{MippedTexture, Scene};
 use crate::trace::Hit;
 
 /// A scene's colours, ready to be asked for from any number of threads.
+#[derive(Debug)]
 pub struct BaseColors<'s> {
     scene: &'s Scene,
     textures: Vec<MippedTexture<'s>>,

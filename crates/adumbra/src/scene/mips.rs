@@ -41,6 +41,7 @@ impl Texture {
 }
 
 /// A texture with its mip levels, to sample colours from.
+#[derive(Debug)]
 pub struct MippedTexture<'t> {
     texture: &'t Texture,
     levels: Vec<MipLevel>,
