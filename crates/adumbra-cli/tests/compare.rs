@@ -91,6 +91,24 @@ fn compare_finds_a_street_and_walks_a_file() {
 }
 
 #[test]
+fn strict_refuses_figures_of_too_few_pixels() {
+    let folder = Folder::new();
+    // Rods far thinner than a pixel: the rasterizer and the rays do not meet the same ones.
+    let scene = folder.generate("wires");
+    let out = folder.path("out");
+    let base = ["compare", &scene, "--shadow", "none", "--size", "32x24", "--frames", "1", "-o", &out];
+    for (more, code) in [(vec![], 0), (vec!["--strict"], 1)] {
+        let (found, error) = adumbra(&[&base[..], &more].concat());
+        assert_eq!(found, code, "{error}");
+        assert!(error.contains("excluded") && folder.exists("out/report.md"), "{error}");
+    }
+    let scene = folder.generate("city");
+    let base = ["compare", &scene, "--shadow", "none", "--size", "64x48", "--frames", "1", "-o", &out];
+    let (code, error) = adumbra(&[&base[..], &["--strict"]].concat());
+    assert_eq!((code, error.contains("excluded")), (0, false), "{error}");
+}
+
+#[test]
 fn compare_refuses_what_makes_no_sense() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");

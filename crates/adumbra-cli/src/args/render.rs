@@ -122,7 +122,7 @@ pub(crate) enum LayerArg {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum DeviceArg {
-    /// The GPU, or the CPU where there is no adapter
+    /// The GPU, or the CPU where there is no adapter; rays alone (`--truth`, `--diff`) are the CPU's
     Auto,
     /// The GPU, or an error
     Gpu,
@@ -158,6 +158,11 @@ impl DeviceArgs {
     /// Whether the CPU may draw where there is no adapter: no other was asked for.
     pub(crate) fn may_fall_back(&self) -> bool {
         self.device == DeviceArg::Auto && self.adapter.is_none()
+    }
+
+    /// Whether only a GPU will do.
+    pub(crate) fn wants_gpu(&self) -> bool {
+        self.device == DeviceArg::Gpu || self.device == DeviceArg::Auto && self.adapter.is_some()
     }
 
     /// Which adapter was asked for, and what it is to do without, as words of a command.

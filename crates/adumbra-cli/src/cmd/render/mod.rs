@@ -116,15 +116,22 @@ impl Job<'_> {
         let traced_only = self.args.truth || !specs.is_empty() && specs.iter().all(|s| s.name() == "truth");
         let is_color = self.args.layer == LayerArg::Color;
         let plain = is_color && !layers::is_exr(&self.args.output) && self.ambient.is_none();
-        if self.args.diff || traced_only && plain || self.args.device.device == DeviceArg::Cpu {
+        let device = &self.args.device;
+        if self.args.diff && device.wants_gpu() {
+            return Err(Failure::Usage(
+                "--diff: the CPU draws it; leave out --device gpu and --adapter".to_owned(),
+            ));
+        }
+        let by_rays_alone = self.args.diff || traced_only && plain && !device.wants_gpu();
+        if by_rays_alone || device.device == DeviceArg::Cpu {
             self.on_the_cpu(specs)?;
             return Ok(Code::Fine);
         }
-        match Gpu::request(&self.args.device.gpu_options()) {
+        match Gpu::request(&device.gpu_options()) {
             Ok(gpu) if self.args.truth => gpu::draw(self, gpu, &["truth".parse()?])?,
             Ok(gpu) => gpu::draw(self, gpu, specs)?,
             Err(error @ RenderError::NoAdapter { .. })
-                if self.args.device.may_fall_back() && self.ambient.is_none() =>
+                if device.may_fall_back() && self.ambient.is_none() =>
             {
                 let whose = if self.file.is_some() { "the file's shadows" } else { "traced shadows" };
                 eprintln!("note: {error}; drawing on the CPU with {whose}");
