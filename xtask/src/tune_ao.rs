@@ -29,7 +29,7 @@ struct Asked {
 pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
     let asked = Asked::read(root, words)?;
     let gpu = Gpu::request(&GpuOptions::default())?;
-    let cache = Cache::in_folder(root.join("target/truth-cache"));
+    let cache = Cache::in_folder(root.join("target/truth-cache"), Cache::DEFAULT_LIMIT_BYTES);
     let begun = Instant::now();
     let scenes = TuneScene::all(&gpu, &asked.scenes, &asked.options, &cache)?;
     eprintln!("{} scenes ready after {:.0} s", scenes.len(), begun.elapsed().as_secs_f64());

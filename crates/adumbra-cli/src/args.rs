@@ -9,12 +9,13 @@ mod report;
 mod tree;
 mod view;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, LoadOptions, MoverPolicy, NameFilter};
 use adumbra::settings::Bias;
 use adumbra::texture::{MAX_SIDE, MIN_SIDE};
+use adumbra_lab::truth::Cache;
 pub(crate) use bake::{Bake, BakeSettings, LayoutArg};
 pub(crate) use bench::{
     Bench, BenchAo, BenchBake, BenchBlur, BenchHrsm, BenchShadows, BenchTree, BenchVerb, BenchVerify,
@@ -308,6 +309,24 @@ impl WorkArgs {
             }
             _ => Ok(()),
         }
+    }
+}
+
+/// Where traced pictures are kept between runs.
+#[derive(clap::Args)]
+pub(crate) struct CacheArgs {
+    /// Folder that traced pictures are kept in between runs [default: truth-cache in the output folder]
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Bytes that they may take there, such as 200MiB or 4GiB; those that were used longest ago go first [default: 1GiB]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    cache_limit: Option<u64>,
+}
+
+impl CacheArgs {
+    pub(crate) fn cache(&self, output: &Path) -> Cache {
+        let folder = self.cache.clone().unwrap_or_else(|| output.join("truth-cache"));
+        Cache::in_folder(folder, self.cache_limit.unwrap_or(Cache::DEFAULT_LIMIT_BYTES))
     }
 }
 

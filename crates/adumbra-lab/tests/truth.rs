@@ -195,7 +195,7 @@ fn ambient_is_kept_under_its_radius_and_rays() {
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
     let (cache, key, camera) =
-        (Cache::in_folder(folder.path().to_owned()), scene_key(&scene, false), above(24, 12));
+        (Cache::in_folder(folder.path().to_owned(), u64::MAX), scene_key(&scene, false), above(24, 12));
     let surfaces = truth.surfaces(&camera);
     let ask = |radius: f64, rays: u32| cache.ambient(&truth, &key, &camera, &surfaces, radius, rays);
     let entries = || std::fs::read_dir(folder.path()).unwrap().count();
@@ -243,7 +243,7 @@ fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
     let entries = folder.path().join("cache");
-    let cache = Cache::in_folder(entries.clone());
+    let cache = Cache::in_folder(entries.clone(), u64::MAX);
     let key = scene_key(&scene, false);
     let (camera, towards) = (above(24, 12), Sun::from_direction([1.0, 1.0, 0.3]).unwrap().towards());
     let soft = SunShape::Disc { angle_degrees: 5.0, samples: 8 };
@@ -297,6 +297,40 @@ fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
 }
 
 #[test]
+fn cache_stays_within_its_limit_and_drops_what_was_used_longest_ago() {
+    let folder = tempfile::tempdir().unwrap();
+    let entries = folder.path().join("cache");
+    let scene = plane_and_box();
+    let truth = TruthTracer::build(&scene, false);
+    let key = scene_key(&scene, false);
+    let unlimited = Cache::in_folder(entries.clone(), u64::MAX);
+    let sizes = || -> Vec<u64> {
+        std::fs::read_dir(&entries).unwrap().map(|e| e.unwrap().metadata().unwrap().len()).collect()
+    };
+    let cameras = [8, 9, 10, 11].map(|width| above(width, 12));
+    cameras[..3].iter().for_each(|camera| drop(unlimited.surfaces(&truth, &key, camera)));
+    let other = entries.join("notes.txt");
+    std::fs::write(&other, "not an entry").unwrap();
+    let limit = sizes().into_iter().max().unwrap() * 3;
+    let cache = Cache::in_folder(entries.clone(), limit);
+    // The first is used again, so the second is what was used longest ago.
+    std::thread::sleep(std::time::Duration::from_millis(20));
+    cache.surfaces(&truth, &key, &cameras[0]);
+    std::thread::sleep(std::time::Duration::from_millis(20));
+    cache.surfaces(&truth, &key, &cameras[3]);
+    let kept = cameras.map(|camera| {
+        let before = sizes().len();
+        unlimited.surfaces(&truth, &key, &camera);
+        sizes().len() == before
+    });
+    assert_eq!(kept, [true, false, true, true]);
+    assert!(other.exists());
+    let tiny = Cache::in_folder(folder.path().join("tiny"), 100);
+    assert_eq!(tiny.surfaces(&truth, &key, &cameras[0]), truth.surfaces(&cameras[0]));
+    assert!(!folder.path().join("tiny").exists());
+}
+
+#[test]
 fn cache_without_a_place_still_answers() {
     let folder = tempfile::tempdir().unwrap();
     let scene = plane_and_box();
@@ -304,7 +338,7 @@ fn cache_without_a_place_still_answers() {
     // A file stands where the folder would.
     let file = folder.path().join("a file");
     std::fs::write(&file, "").unwrap();
-    let cache = Cache::in_folder(file);
+    let cache = Cache::in_folder(file, u64::MAX);
     let key = scene_key(&scene, false);
     assert_eq!(cache.surfaces(&truth, &key, &above(8, 8)), truth.surfaces(&above(8, 8)));
 }

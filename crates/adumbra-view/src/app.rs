@@ -357,12 +357,13 @@ impl App {
             stage.forget_files();
             self.dirty = true;
         }
-        if let Some(key) = stage.trace_key(&self.settings)
-            && !self.settings.playing
-            && !stage.has_traced(&key)
-            && self.tracing.ask(key, stage.scene(), stage.ball())
-        {
-            self.trace_fault = None;
+        match stage.trace_key(&self.settings).filter(|key| !self.settings.playing && !stage.has_traced(key)) {
+            Some(key) => {
+                if self.tracing.ask(key, stage.scene(), stage.ball()) {
+                    self.trace_fault = None;
+                }
+            }
+            None => self.tracing.cancel(),
         }
         self.play()
     }

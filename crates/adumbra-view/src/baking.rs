@@ -11,8 +11,9 @@ use adumbra::light::Sun;
 use adumbra::scene::Scene;
 use adumbra::tree::{TreeOptions, bake_tree};
 
+use crate::background::{background_pool, caught};
 use crate::loading::LoadedScene;
-use crate::news::{News, Teller, background_pool};
+use crate::news::{News, Teller};
 use crate::settings::Settings;
 
 /// The coarsest level, texels on the longest side.
@@ -97,7 +98,8 @@ impl RunningBake {
         let cancel = Arc::new(AtomicBool::new(false));
         let seen = cancel.clone();
         thread::spawn(move || {
-            let outcome = background_pool().and_then(|pool| {
+            let outcome = caught(|| {
+                let pool = background_pool()?;
                 pool.install(|| bake_levels(number, key, &scene, max_memory, &seen, &teller))
                     .map_err(|e| e.to_string())
             });
@@ -245,6 +247,25 @@ mod tests {
             }
             let expected = levels(finest).into_iter().map(|r| (r, r == finest));
             assert_eq!(landed, expected.collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn a_bake_that_panics_ends_with_a_message() {
+        let mut broken = generate(GeneratedKind::Primitives, 1);
+        broken.instances[0].mesh = u32::MAX;
+        let path = PathBuf::from("broken");
+        let (whole, still) = (Arc::new(broken.clone()), Arc::new(broken));
+        let sound = LoadedScene::new(path, generate(GeneratedKind::Primitives, 1), false);
+        let scene = Arc::new(LoadedScene { whole, still, ..sound });
+        for kind in [FileKind::Light, FileKind::Tree] {
+            let (tell, told) = mpsc::channel();
+            let teller = Teller::new(move |news| tell.send(news).unwrap());
+            let key = BakeKey::new(kind, 1, &settings());
+            let running = RunningBake::start(key, scene.clone(), None, teller);
+            let ended: Vec<_> = told.iter().collect();
+            let [News::BakeEnded { bake, error: Some(error) }] = &ended[..] else { panic!("{}", ended.len()) };
+            assert!(*bake == running.number && error.contains("please report it"), "{error}");
         }
     }
 

@@ -1,17 +1,18 @@
 //! The ball's way, looked for on another thread: a hundred thousand rays.
 
 use std::sync::Arc;
-use std::thread;
 
 use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::movers::MoveSpec;
 
+use crate::background::{background_pool, in_background};
 use crate::loading::LoadedScene;
-use crate::news::{News, Teller, background_pool};
+use crate::news::{News, Teller};
 
 /// Looks for a way among what stands still.
 pub(crate) fn find(scene: Arc<LoadedScene>, spec: MoveSpec, sun: [f64; 3], teller: Teller) {
-    thread::spawn(move || {
+    let number = scene.number;
+    let work = move || {
         let find = || {
             let options = TraceOptions { ignore_alpha: scene.ignore_alpha };
             let tracer = Tracer::build(&scene.still, options);
@@ -19,7 +20,7 @@ pub(crate) fn find(scene: Arc<LoadedScene>, spec: MoveSpec, sun: [f64; 3], telle
             let viewpoint = path.viewpoint(&tracer, sun);
             Ok((path, viewpoint))
         };
-        let found = background_pool().and_then(|pool| pool.install(find));
-        teller.tell(News::Ball { scene: scene.number, found });
-    });
+        background_pool().and_then(|pool| pool.install(find))
+    };
+    in_background(teller, work, move |found| News::Ball { scene: number, found });
 }

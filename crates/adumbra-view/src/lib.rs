@@ -15,6 +15,7 @@
 //! | `beginning`, `app`, `window` | the loop of events that ties them together |
 
 mod app;
+mod background;
 mod baking;
 mod ball;
 mod beginning;

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread;
 
 use adumbra::files::folder_of;
 use adumbra::format::AnyFile;
 use adumbra::scene::{self, LoadOptions, Scene};
 
+use crate::background::in_background;
 use crate::news::{News, Teller};
 
 /// A scene, apart from what moves.
@@ -126,20 +126,18 @@ impl Loads {
 
 /// Loads a scene; the number comes back with it.
 pub(crate) fn load_scene(load: u64, path: PathBuf, options: LoadOptions, teller: Teller) {
-    thread::spawn(move || {
-        let ignore_alpha = options.ignore_alpha;
-        let loaded = scene::load(&path, &options).map_err(|e| e.to_string());
-        let loaded = loaded.map(|scene| Arc::new(LoadedScene::new(path, scene, ignore_alpha)));
-        teller.tell(News::Scene { load, loaded });
-    });
+    let work = move || {
+        let scene = scene::load(&path, &options).map_err(|e| e.to_string())?;
+        Ok(Arc::new(LoadedScene::new(path, scene, options.ignore_alpha)))
+    };
+    in_background(teller, work, move |loaded| News::Scene { load, loaded });
 }
 
 /// Reads a shadow file.
 pub(crate) fn read_file(path: PathBuf, teller: Teller) {
-    thread::spawn(move || {
-        let read = AnyFile::read(&path).map_err(|e| e.to_string());
-        teller.tell(News::File { path, read });
-    });
+    let file = path.clone();
+    let work = move || AnyFile::read(&file).map_err(|e| e.to_string());
+    in_background(teller, work, |read| News::File { path, read });
 }
 
 #[cfg(test)]

@@ -42,10 +42,3 @@ impl Teller {
         (self.0)(news);
     }
 }
-
-/// Threads for work behind the window: one core stays for it.
-pub(crate) fn background_pool() -> Result<rayon::ThreadPool, String> {
-    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let threads = cores.saturating_sub(1).max(1);
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())
-}

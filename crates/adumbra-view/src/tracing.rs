@@ -1,6 +1,7 @@
 //! Rays on another thread: the truth at each pixel, for the technique and the ambient occlusion called `truth`.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 
@@ -9,8 +10,9 @@ use adumbra::scene::Scene;
 use adumbra_lab::truth::{SunShape, TruthTracer};
 use adumbra_render::movers::BallPath;
 
+use crate::background::{background_pool, caught};
 use crate::loading::LoadedScene;
-use crate::news::{News, Teller, background_pool};
+use crate::news::{News, Teller};
 
 /// What a picture of rays belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +39,7 @@ struct Job {
     key: TraceKey,
     scene: Arc<LoadedScene>,
     ball: Option<BallPath>,
+    cancel: Arc<AtomicBool>,
 }
 
 impl Job {
@@ -70,10 +73,10 @@ struct Placed {
     ignore_alpha: bool,
 }
 
-/// The thread. It traces the newest picture asked for; older ones that it has not begun are dropped.
+/// The thread. It traces the newest picture asked for; older ones are dropped, begun or not.
 pub(crate) struct TraceThread {
     jobs: Sender<Job>,
-    asked: Option<TraceKey>,
+    asked: Option<(TraceKey, Arc<AtomicBool>)>,
 }
 
 impl TraceThread {
@@ -85,49 +88,129 @@ impl TraceThread {
 
     /// Asks for a picture, unless it is the one asked for last: then false. The key's time places what moves, and the ball.
     pub(crate) fn ask(&mut self, key: TraceKey, scene: &Arc<LoadedScene>, ball: Option<&BallPath>) -> bool {
-        if self.asked == Some(key) {
+        if self.asked.as_ref().is_some_and(|(asked, _)| *asked == key) {
             return false;
         }
-        self.asked = Some(key);
+        self.cancel();
+        let cancel = Arc::new(AtomicBool::new(false));
+        self.asked = Some((key, cancel.clone()));
         // The thread lives as long as this.
-        let _ = self.jobs.send(Job { key, scene: scene.clone(), ball: ball.cloned() });
+        let _ = self.jobs.send(Job { key, scene: scene.clone(), ball: ball.cloned(), cancel });
         true
+    }
+
+    /// Has what is traced end soon, without news of it.
+    pub(crate) fn cancel(&mut self) {
+        if let Some((_, cancel)) = self.asked.take() {
+            cancel.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Drop for TraceThread {
+    fn drop(&mut self) {
+        self.cancel();
     }
 }
 
 fn trace_all(jobs: &Receiver<Job>, teller: &Teller) {
     let mut next = jobs.recv().ok();
-    while let Some(mut job) = next.take() {
-        let pool = match background_pool() {
-            Ok(pool) => pool,
+    while let Some(job) = next.take() {
+        next = match caught(|| trace_scene(job, jobs, teller)) {
+            Ok(other) => other,
             Err(error) => {
                 teller.tell(News::NotTraced { error });
-                next = jobs.recv().ok();
-                continue;
+                jobs.recv().ok()
             }
         };
-        let placed = job.place();
-        let truth = pool.install(|| TruthTracer::build(&placed.whole, placed.ignore_alpha));
-        loop {
-            job = jobs.try_iter().last().unwrap_or(job);
-            if !job.is_of_the_same(&placed) {
-                next = Some(job);
-                break;
-            }
-            teller.tell(News::Traced(pool.install(|| trace(&truth, job.key))));
-            match jobs.recv() {
-                Ok(later) => job = later,
-                Err(_) => return,
-            }
+    }
+}
+
+/// Traces pictures of one scene until one of another is asked for, which comes back, or none any more.
+fn trace_scene(mut job: Job, jobs: &Receiver<Job>, teller: &Teller) -> Result<Option<Job>, String> {
+    let pool = background_pool()?;
+    let placed = job.place();
+    let truth = pool.install(|| TruthTracer::build(&placed.whole, placed.ignore_alpha));
+    loop {
+        job = jobs.try_iter().last().unwrap_or(job);
+        if !job.is_of_the_same(&placed) {
+            return Ok(Some(job));
+        }
+        let traced = pool.install(|| trace(&truth, job.key, &job.cancel));
+        if !job.cancel.load(Ordering::Relaxed) {
+            teller.tell(News::Traced(traced));
+        }
+        match jobs.recv() {
+            Ok(later) => job = later,
+            Err(_) => return Ok(None),
         }
     }
 }
 
-fn trace(truth: &TruthTracer<'_>, key: TraceKey) -> Traced {
-    let surfaces = truth.surfaces(&key.camera);
-    Traced {
-        key,
-        sun: key.sun.map(|sun| truth.factors(&surfaces, sun, SunShape::Hard)),
-        ambient: key.ambient.map(|(radius, rays)| truth.ambient(&surfaces, radius, rays)),
+fn trace(truth: &TruthTracer<'_>, key: TraceKey, cancel: &AtomicBool) -> Traced {
+    let surfaces = truth.surfaces_unless(&key.camera, cancel);
+    let sun = key.sun.map(|sun| truth.factors_unless(&surfaces, sun, SunShape::Hard, cancel));
+    let ambient = key.ambient.map(|(radius, rays)| truth.ambient_unless(&surfaces, radius, rays, cancel));
+    Traced { key, sun, ambient }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+    use std::time::{Duration, Instant};
+
+    use adumbra::scene::{GeneratedKind, generate};
+
+    use super::*;
+
+    fn thread() -> (TraceThread, Receiver<News>) {
+        let (tell, told) = mpsc::channel();
+        (TraceThread::start(Teller::new(move |news| drop(tell.send(news)))), told)
+    }
+
+    fn loaded(scene: Scene) -> Arc<LoadedScene> {
+        Arc::new(LoadedScene::new(PathBuf::from("scene"), scene, false))
+    }
+
+    fn key(scene: &Arc<LoadedScene>, rays: u32) -> TraceKey {
+        let camera = Camera { width: 320, height: 180, ..Camera::overview(&scene.whole.bounds(), 45.0) };
+        let ambient = Some((1.0, rays));
+        TraceKey { scene: [scene.number, 0], camera, seconds: 0.0, sun: Some([0.0, 1.0, 0.0]), ambient }
+    }
+
+    #[test]
+    fn a_newer_picture_does_not_wait_for_an_older_one() {
+        let scene = loaded(generate(GeneratedKind::Primitives, 1));
+        let (mut thread, told) = thread();
+        let quick = key(&scene, 1);
+        // Minutes of rays.
+        assert!(thread.ask(key(&scene, 1_000_000), &scene, None));
+        std::thread::sleep(Duration::from_millis(200));
+        let begun = Instant::now();
+        assert!(thread.ask(quick, &scene, None) && !thread.ask(quick, &scene, None));
+        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else { panic!("no picture") };
+        assert!(traced.key == quick && begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
+        // A picture that is cancelled comes never, and may be asked for again.
+        assert!(thread.ask(key(&scene, 1_000_000), &scene, None));
+        thread.cancel();
+        assert!(thread.ask(quick, &scene, None));
+        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else { panic!("no picture") };
+        assert!(traced.key == quick);
+    }
+
+    #[test]
+    fn a_panic_is_told_and_the_next_scene_is_traced() {
+        let mut broken = generate(GeneratedKind::Primitives, 1);
+        broken.meshes[0].triangles[0][0] = u32::MAX;
+        let sound = loaded(generate(GeneratedKind::Primitives, 1));
+        let whole = Arc::new(broken);
+        let other = LoadedScene::new(PathBuf::from("broken"), generate(GeneratedKind::Primitives, 1), false);
+        let broken = Arc::new(LoadedScene { whole, ..other });
+        let (mut thread, told) = thread();
+        assert!(thread.ask(TraceKey { scene: [broken.number, 0], ..key(&sound, 1) }, &broken, None));
+        let Ok(News::NotTraced { error }) = told.recv_timeout(Duration::from_secs(60)) else { panic!("no news") };
+        assert!(error.contains("please report it"), "{error}");
+        assert!(thread.ask(key(&sound, 1), &sound, None));
+        assert!(matches!(told.recv_timeout(Duration::from_secs(60)), Ok(News::Traced(_))));
     }
 }

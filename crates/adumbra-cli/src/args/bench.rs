@@ -226,9 +226,8 @@ pub(crate) struct BenchShadows {
     pub(crate) size: [u32; 2],
     #[command(flatten)]
     pub(crate) device: super::DeviceArgs,
-    /// Folder that traced pictures are kept in between runs [default: the output's truth-cache]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) cache: super::CacheArgs,
     /// Where the tables go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
@@ -254,9 +253,8 @@ pub(crate) struct BenchHrsm {
     pub(crate) size: [u32; 2],
     #[command(flatten)]
     pub(crate) device: super::DeviceArgs,
-    /// Folder that traced pictures are kept in between runs [default: the output's truth-cache]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) cache: super::CacheArgs,
     /// Where tables and pictures go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
@@ -285,9 +283,8 @@ pub(crate) struct BenchAo {
     pub(crate) rays: u32,
     #[command(flatten)]
     pub(crate) device: super::DeviceArgs,
-    /// Folder that traced pictures are kept in between runs [default: the output's truth-cache]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) cache: super::CacheArgs,
     /// Where tables, the plot and pictures go
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,

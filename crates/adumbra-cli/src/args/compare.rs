@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::render::{CameraArgs, DeviceArgs};
-use super::{SceneArgs, SunArgs, WorkArgs};
+use super::{CacheArgs, SceneArgs, SunArgs, WorkArgs};
 use crate::exit::Failure;
 
 #[derive(clap::Args)]
@@ -46,9 +46,8 @@ pub(crate) struct Compare {
     /// Frames of the path [default: the file's, or 60]
     #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) path_frames: Option<u32>,
-    /// Where traced pictures are kept between runs [default: truth-cache in the output folder]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) cache: CacheArgs,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
     #[command(flatten)]

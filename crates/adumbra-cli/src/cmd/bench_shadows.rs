@@ -118,8 +118,7 @@ impl<'a, 's> Stage<'a, 's> {
         };
         files.complete(specs, &how)?;
         let contenders = contenders(&renderer, specs, &files, JudgeArg::Technique)?;
-        let folder = args.cache.clone().unwrap_or_else(|| args.output.join("truth-cache"));
-        let (cache, key) = (Cache::in_folder(folder), scene_key(scene, false));
+        let (cache, key) = (args.cache.cache(&args.output), scene_key(scene, false));
         Ok(Self { args, name, renderer, truth, sun, files, cache, key, contenders })
     }
 

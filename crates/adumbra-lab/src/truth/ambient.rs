@@ -1,5 +1,7 @@
 //! Ambient occlusion's truth at each pixel: cosine-weighted rays up to a radius, against every caster.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rayon::prelude::*;
 
 use super::{Surfaces, TruthTracer};
@@ -12,11 +14,24 @@ impl TruthTracer<'_> {
     /// from [`Surfaces::lifted`], seeded by the pixel's number; 1 without a surface, and everywhere for no rays or a radius
     /// that is not above 0. Cost: `rays` rays a pixel with a surface, about 0.3 µs each; rows on the current rayon pool.
     pub fn ambient(&self, surfaces: &Surfaces, radius_world: f64, rays: u32) -> Vec<f32> {
+        self.ambient_unless(surfaces, radius_world, rays, &AtomicBool::new(false))
+    }
+
+    /// As [`Self::ambient`]; pixels that are not traced yet when `cancel` is set are 1.
+    pub fn ambient_unless(
+        &self,
+        surfaces: &Surfaces,
+        radius_world: f64,
+        rays: u32,
+        cancel: &AtomicBool,
+    ) -> Vec<f32> {
         let width = surfaces.width as usize;
         let mut visibility = vec![1.0; surfaces.pixels()];
         visibility.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
             for (x, visibility) in row.iter_mut().enumerate() {
-                *visibility = self.ambient_at(surfaces, y * width + x, radius_world, rays, 0);
+                if !cancel.load(Ordering::Relaxed) {
+                    *visibility = self.ambient_at(surfaces, y * width + x, radius_world, rays, 0);
+                }
             }
         });
         visibility

@@ -1,10 +1,13 @@
 //! Truth kept on disk between runs, under a key of everything that it follows from.
 //!
 //! An entry is a file named by its key: `"adumbraT"`, the version, the key, the payload's length, its BLAKE3 hash, the payload. One that
-//! is cut short, changed, or of another version or key is as good as absent. What cannot be written is not kept, and that is no error.
+//! is cut short, changed, or of another version or key is as good as absent. What cannot be written is not kept, and that is no error. An
+//! entry's time of modification is when it was used last.
 
+use std::fs::File;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use adumbra::camera::{Camera, Projection};
 use adumbra::files::replace_file;
@@ -12,6 +15,8 @@ use adumbra::scene::{AlphaMode, Pixels, Scene, Texture};
 
 use super::{SunShape, Surfaces, TruthTracer};
 
+/// Of entries' names.
+const ENDING: &str = "truth";
 const MAGIC: &[u8; 8] = b"adumbraT";
 /// Goes up whenever rays or this layout change what an entry holds.
 const VERSION: u32 = 2;
@@ -111,17 +116,22 @@ impl Key {
 #[derive(Clone, Debug)]
 pub struct Cache {
     folder: Option<PathBuf>,
+    limit_bytes: u64,
 }
 
 impl Cache {
-    /// Entries in `folder`, which is made when the first is kept.
-    pub fn in_folder(folder: PathBuf) -> Self {
-        Self { folder: Some(folder) }
+    /// Bytes that entries may take where no other limit is given: some 20 cameras of 1280 × 720 pixels.
+    pub const DEFAULT_LIMIT_BYTES: u64 = 1 << 30;
+
+    /// Entries in `folder`, which is made when the first is kept. Together they take no more than `limit_bytes`: those that were used
+    /// longest ago go first.
+    pub fn in_folder(folder: PathBuf, limit_bytes: u64) -> Self {
+        Self { folder: Some(folder), limit_bytes }
     }
 
     /// Keeps nothing.
     pub fn none() -> Self {
-        Self { folder: None }
+        Self { folder: None, limit_bytes: 0 }
     }
 
     /// [`TruthTracer::surfaces`], kept under `scene` (see [`scene_key`]) and the camera.
@@ -177,22 +187,33 @@ impl Cache {
 
     fn path(&self, key: &[u8; 32]) -> Option<PathBuf> {
         let name: String = key.iter().take(16).map(|b| format!("{b:02x}")).collect();
-        self.folder.as_ref().map(|folder| folder.join(format!("{name}.truth")))
+        self.folder.as_ref().map(|folder| folder.join(format!("{name}.{ENDING}")))
     }
 
     /// The payload, if the entry is there, whole, and `length` bytes long.
     fn read(&self, key: &[u8; 32], length: usize) -> Option<Vec<u8>> {
-        let mut bytes = std::fs::read(self.path(key)?).ok()?;
+        let path = self.path(key)?;
+        let mut bytes = std::fs::read(&path).ok()?;
         if bytes.len() != HEADER_BYTES + length {
             return None;
         }
         let payload = bytes.split_off(HEADER_BYTES);
-        (bytes == header(key, &payload)).then_some(payload)
+        if bytes != header(key, &payload) {
+            return None;
+        }
+        // Its time says when it was used last. One that cannot be set only lets the entry go sooner.
+        let _ = File::options().write(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
+        Some(payload)
     }
 
     fn keep(&self, key: &[u8; 32], payload: &[u8]) {
         let Some(path) = self.path(key) else { return };
-        let write = |file: &mut std::fs::File| {
+        let bytes = (HEADER_BYTES + payload.len()) as u64;
+        if bytes > self.limit_bytes {
+            return;
+        }
+        self.make_room(bytes);
+        let write = |file: &mut File| {
             file.write_all(&header(key, payload))?;
             file.write_all(payload)?;
             Ok(payload.len() as u64)
@@ -201,6 +222,29 @@ impl Cache {
         let made = path.parent().is_none_or(|folder| std::fs::create_dir_all(folder).is_ok());
         if made {
             let _ = replace_file(&path, write);
+        }
+    }
+
+    /// Takes out entries until `bytes` more are within the limit.
+    fn make_room(&self, bytes: u64) {
+        let Some(listed) = self.folder.as_ref().and_then(|folder| std::fs::read_dir(folder).ok()) else { return };
+        let mut entries: Vec<_> = listed
+            .flatten()
+            .filter(|entry| Path::new(&entry.file_name()).extension().is_some_and(|e| e == ENDING))
+            .filter_map(|entry| {
+                let about = entry.metadata().ok()?;
+                Some((about.modified().ok()?, entry.path(), about.len()))
+            })
+            .collect();
+        entries.sort();
+        let mut taken: u64 = entries.iter().map(|entry| entry.2).sum();
+        for (_, path, length) in entries {
+            if taken.saturating_add(bytes) <= self.limit_bytes {
+                return;
+            }
+            // Whoever took it out before, it is gone.
+            let _ = std::fs::remove_file(path);
+            taken -= length;
         }
     }
 }

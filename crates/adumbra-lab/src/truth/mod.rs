@@ -11,6 +11,7 @@ mod edges;
 mod street;
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use adumbra::camera::{Camera, View};
 use adumbra::picture::{self, BaseColors, Picture};
@@ -107,15 +108,22 @@ impl<'s> TruthTracer<'s> {
 
     /// What `camera` sees. Cost: a ray a pixel, 1 µs or so; rows on the current rayon pool.
     pub fn surfaces(&self, camera: &Camera) -> Surfaces {
+        self.surfaces_unless(camera, &AtomicBool::new(false))
+    }
+
+    /// As [`Self::surfaces`]; pixels that are not traced yet when `cancel` is set see nothing.
+    pub fn surfaces_unless(&self, camera: &Camera, cancel: &AtomicBool) -> Surfaces {
         let view = camera.view();
         let rows: Vec<Vec<_>> = (0..camera.height)
             .into_par_iter()
             .map(|y| {
                 let pixel = |x: u32| {
+                    let nothing = ([0.0; 3], [0.0; 3], f64::INFINITY, 0.0);
+                    if cancel.load(Ordering::Relaxed) {
+                        return nothing;
+                    }
                     let (origin, direction, hit) = self.seen(&view, [x, y]);
-                    let Some(hit) = hit else {
-                        return ([0.0; 3], [0.0; 3], f64::INFINITY, 0.0);
-                    };
+                    let Some(hit) = hit else { return nothing };
                     let side = if dot(hit.normal, direction) > 0.0 { -1.0 } else { 1.0 };
                     let p = std::array::from_fn(|a| origin[a] + hit.t * direction[a]);
                     (p, hit.normal.map(|c| (side * c) as f32), view.depth(p), self.tracer.lift_world(&hit, p))
@@ -175,8 +183,19 @@ impl<'s> TruthTracer<'s> {
     /// The sun's visibility at each pixel: 1 without a surface, 0 on one turned away from the middle of the sun. The disc's samples
     /// are seeded by the pixel's number. Cost: 1 or `samples` rays a pixel that faces the sun.
     pub fn factors(&self, surfaces: &Surfaces, towards_sun: [f64; 3], shape: SunShape) -> Vec<f32> {
+        self.factors_unless(surfaces, towards_sun, shape, &AtomicBool::new(false))
+    }
+
+    /// As [`Self::factors`]; pixels that are not traced yet when `cancel` is set are 1.
+    pub fn factors_unless(
+        &self,
+        surfaces: &Surfaces,
+        towards_sun: [f64; 3],
+        shape: SunShape,
+        cancel: &AtomicBool,
+    ) -> Vec<f32> {
         let pixel = |i: usize| {
-            if !surfaces.is_valid(i) {
+            if !surfaces.is_valid(i) || cancel.load(Ordering::Relaxed) {
                 return 1.0;
             }
             if surfaces.n_dot_l(i, towards_sun) <= 0.0 {

@@ -23,7 +23,7 @@ use adumbra_lab::occlusion::{
 use adumbra_lab::peers::occlusion::OcclusionRow;
 use adumbra_lab::pictures::png;
 use adumbra_lab::report::{CameraFigures, PixelCounts};
-use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
+use adumbra_lab::truth::{TruthTracer, scene_key};
 use adumbra_render::occlusion::{Estimator, OcclusionSettings};
 use adumbra_render::{Gpu, SceneOptions};
 use serde::Serialize;
@@ -181,8 +181,7 @@ fn path_size(args: &BenchAo) -> [u32; 2] {
 fn one(args: &BenchAo, scene: &OcclusionScene, document: &mut Document) -> Result<(), Failure> {
     let view: OcclusionView = scene.open(&args.scenes)?;
     let truth = TruthTracer::build(&view.scene, false);
-    let folder = args.cache.clone().unwrap_or_else(|| args.output.join("truth-cache"));
-    let (cache, key) = (Cache::in_folder(folder), scene_key(&view.scene, false));
+    let (cache, key) = (args.cache.cache(&args.output), scene_key(&view.scene, false));
     let gpu = Gpu::request(&args.device.gpu_options())?;
     document.adapter = gpu.name();
     document.software = gpu.is_software();

@@ -15,7 +15,7 @@ use adumbra::picture::Picture;
 use adumbra_lab::compare::{Judge, camera_figures};
 use adumbra_lab::pictures::png;
 use adumbra_lab::report::{CameraFigures, PixelCounts};
-use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
+use adumbra_lab::truth::{TruthTracer, scene_key};
 use adumbra_render::{Gpu, RenderError, Renderer, SceneOptions, Shot};
 use serde::Serialize;
 
@@ -120,8 +120,7 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Le
     document.adapter = gpu.name();
     document.software = gpu.is_software();
     let mut renderer = Renderer::new(gpu, &standing.scene, SceneOptions::default())?;
-    let folder = args.cache.clone().unwrap_or_else(|| args.output.join("truth-cache"));
-    let (cache, key) = (Cache::in_folder(folder), scene_key(&standing.scene, false));
+    let (cache, key) = (args.cache.cache(&args.output), scene_key(&standing.scene, false));
     let towards_sun = document.sun;
     let judge = Judge { truth: &truth, cache: &cache, scene: &key, towards_sun, disc: (0.0, 1) };
     let camera = standing.whole(towards_sun, args.size);

@@ -11,7 +11,7 @@ use adumbra_lab::camera_file::CameraFile;
 use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
 use adumbra_lab::paths::CameraPath;
 use adumbra_lab::report::{MOST_EXCLUDED, Report, TruthKind, figure, percent};
-use adumbra_lab::truth::{Cache, StreetOptions, TruthTracer, scene_key, street_camera, truth_camera};
+use adumbra_lab::truth::{StreetOptions, TruthTracer, scene_key, street_camera, truth_camera};
 use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec, build};
 
 use super::baked::{BakeOnTheWay, BakedFiles};
@@ -81,8 +81,7 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
     )?;
     make_folder(&args.output)?;
     let mut contenders = contenders(&renderer, specs, &files, args.judge)?;
-    let folder = args.cache.clone().unwrap_or_else(|| args.output.join("truth-cache"));
-    let (cache, key) = (Cache::in_folder(folder), scene_key(&scene, load.ignore_alpha));
+    let (cache, key) = (args.cache.cache(&args.output), scene_key(&scene, load.ignore_alpha));
     let disc = (args.sun_angle, args.sun_samples);
     let judge = Judge { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc };
     let comparison = compare(&mut renderer, &judge, &camera, &mut contenders, args.frames)?;
