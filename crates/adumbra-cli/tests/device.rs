@@ -9,8 +9,19 @@ use kit::{Folder, adumbra, json};
 /// Draws traced shadows on a device; gives the picture and what `--json` calls the device.
 fn truth(scene: &str, device: &str, output: &str) -> (image::RgbImage, String) {
     let report = json(&[
-        "render", scene, "--shadow", "truth", "--device", device, "--size", "320x180", "--antialias", "1",
-        "--json", "-o", output,
+        "render",
+        scene,
+        "--shadow",
+        "truth",
+        "--device",
+        device,
+        "--size",
+        "320x180",
+        "--antialias",
+        "1",
+        "--json",
+        "-o",
+        output,
     ]);
     (image::open(output).unwrap().into_rgb8(), report["device"].as_str().unwrap().to_owned())
 }

@@ -63,8 +63,14 @@ impl Shape {
     fn scene(self) -> Scene {
         let Self { positions, triangles } = self;
         let triangle_materials = vec![0; triangles.len()];
-        let mesh =
-            Mesh { name: "shape".to_owned(), positions, uvs: Vec::new(), colors: Vec::new(), triangles, triangle_materials };
+        let mesh = Mesh {
+            name: "shape".to_owned(),
+            positions,
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            triangles,
+            triangle_materials,
+        };
         let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         Scene {
             meshes: vec![mesh],

@@ -96,7 +96,14 @@ fn plane_and_box() -> Scene {
         quad([[a[0], 0.0, a[1]], [b[0], 0.0, b[1]], [b[0], 4.0, b[1]], [a[0], 4.0, a[1]]]);
     }
     let triangle_materials = vec![0; triangles.len()];
-    let mesh = Mesh { name: "box".to_owned(), positions, uvs: Vec::new(), colors: Vec::new(), triangles, triangle_materials };
+    let mesh = Mesh {
+        name: "box".to_owned(),
+        positions,
+        uvs: Vec::new(),
+        colors: Vec::new(),
+        triangles,
+        triangle_materials,
+    };
     let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     Scene {
         meshes: vec![mesh],

@@ -56,7 +56,10 @@ fn scene() -> Scene {
             textured("ground", 0),
             textured("wall", 1),
             Material::opaque("painted", [0.9, 0.8, 0.7, 1.0]),
-            Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..Material::opaque("leaf", [0.2, 0.6, 0.1, 1.0]) },
+            Material {
+                alpha: AlphaMode::Mask { cutoff: 0.5 },
+                ..Material::opaque("leaf", [0.2, 0.6, 0.1, 1.0])
+            },
         ],
         textures: vec![squares(129, 65, Wrap::Repeat, false), squares(30, 30, Wrap::Mirror, true)],
         ..Scene::default()

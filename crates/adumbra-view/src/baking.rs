@@ -264,7 +264,9 @@ mod tests {
             let key = BakeKey::new(kind, 1, &settings());
             let running = RunningBake::start(key, scene.clone(), None, teller);
             let ended: Vec<_> = told.iter().collect();
-            let [News::BakeEnded { bake, error: Some(error) }] = &ended[..] else { panic!("{}", ended.len()) };
+            let [News::BakeEnded { bake, error: Some(error) }] = &ended[..] else {
+                panic!("{}", ended.len())
+            };
             assert!(*bake == running.number && error.contains("please report it"), "{error}");
         }
     }

@@ -188,13 +188,17 @@ mod tests {
         std::thread::sleep(Duration::from_millis(200));
         let begun = Instant::now();
         assert!(thread.ask(quick, &scene, None) && !thread.ask(quick, &scene, None));
-        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else { panic!("no picture") };
+        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else {
+            panic!("no picture")
+        };
         assert!(traced.key == quick && begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
         // A picture that is cancelled comes never, and may be asked for again.
         assert!(thread.ask(key(&scene, 1_000_000), &scene, None));
         thread.cancel();
         assert!(thread.ask(quick, &scene, None));
-        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else { panic!("no picture") };
+        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else {
+            panic!("no picture")
+        };
         assert!(traced.key == quick);
     }
 
@@ -208,7 +212,9 @@ mod tests {
         let broken = Arc::new(LoadedScene { whole, ..other });
         let (mut thread, told) = thread();
         assert!(thread.ask(TraceKey { scene: [broken.number, 0], ..key(&sound, 1) }, &broken, None));
-        let Ok(News::NotTraced { error }) = told.recv_timeout(Duration::from_secs(60)) else { panic!("no news") };
+        let Ok(News::NotTraced { error }) = told.recv_timeout(Duration::from_secs(60)) else {
+            panic!("no news")
+        };
         assert!(error.contains("please report it"), "{error}");
         assert!(thread.ask(key(&sound, 1), &sound, None));
         assert!(matches!(told.recv_timeout(Duration::from_secs(60)), Ok(News::Traced(_))));

@@ -209,7 +209,8 @@ fn gltf_vertex_colours_are_read_where_they_count() {
         colors
     };
     let colored = LoadOptions { color_textures: true, ..LoadOptions::default() };
-    let read = |glb: Glb, options: &LoadOptions| glb.load_with(options).expect("loads").meshes[0].colors.clone();
+    let read =
+        |glb: Glb, options: &LoadOptions| glb.load_with(options).expect("loads").meshes[0].colors.clone();
     // In sRGB, with linear alpha.
     let opaque = with_colors(&floats, json!({}));
     assert_eq!(read(opaque, &colored), [[255, 188, 0, 255], [0, 255, 127, 255], [0, 0, 255, 255]]);

@@ -24,7 +24,8 @@ fn seamed() -> Mesh {
     let count = torus.triangles.len() as u32;
     Mesh {
         positions: corners.map(|&v| torus.positions[v as usize]).collect(),
-        uvs: (0..count * 3).map(|i| [(i / 3) as f32, (i % 3) as f32]).collect(), colors: Vec::new(),
+        uvs: (0..count * 3).map(|i| [(i / 3) as f32, (i % 3) as f32]).collect(),
+        colors: Vec::new(),
         triangles: (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
         triangle_materials: (0..count).collect(),
         ..torus

@@ -40,13 +40,9 @@ fn scene() -> Scene {
 fn what_vertex_alpha_cuts_away_lets_the_sun_through() {
     let scene = scene();
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
-    let baked = bake_both(
-        &scene,
-        &Options::new(sun, Size::Resolution(512)),
-        &|_| {},
-        &AtomicBool::new(false),
-    )
-    .unwrap();
+    let baked =
+        bake_both(&scene, &Options::new(sun, Size::Resolution(512)), &|_| {}, &AtomicBool::new(false))
+            .unwrap();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let texel = baked.grid.voxel_size;
     let structures: [&dyn Slabs; 2] = [&baked.dag, &baked.hierarchy];

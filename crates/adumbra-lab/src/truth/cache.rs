@@ -227,7 +227,9 @@ impl Cache {
 
     /// Takes out entries until `bytes` more are within the limit.
     fn make_room(&self, bytes: u64) {
-        let Some(listed) = self.folder.as_ref().and_then(|folder| std::fs::read_dir(folder).ok()) else { return };
+        let Some(listed) = self.folder.as_ref().and_then(|folder| std::fs::read_dir(folder).ok()) else {
+            return;
+        };
         let mut entries: Vec<_> = listed
             .flatten()
             .filter(|entry| Path::new(&entry.file_name()).extension().is_some_and(|e| e == ENDING))

@@ -3,10 +3,10 @@
 //! Sources: Dimitrov, *Cascaded Shadow Maps*, 2007; Zhang, Sun, Xu, Lun, *Parallel-Split Shadow Maps*, 2006; Valient, *Stable
 //! Rendering of Cascaded Shadow Maps*, 2008 (spheres and snapping).
 //!
-//! Texels of a layer lie on a lattice that is fixed in the world: light coordinates come from the light's rotation alone, a
-//! texel's edge does not change while the camera moves or turns, and a layer's corner is a whole number of texels. So a world
-//! point keeps its place within its texel whatever the camera does. A layer whose slice of the view is larger than the scene
-//! covers the scene instead, which is finer and never moves.
+//! Texels of a layer lie on a lattice that is fixed to the scene: it counts from a point that stands where the scene's first instance does,
+//! axes come from the light's rotation alone, a texel's edge does not change while the camera moves or turns, and a layer's corner is a whole
+//! number of texels. So a point keeps its place within its texel whatever the camera does, and wherever in the world the scene stands. A layer
+//! whose slice of the view is larger than the scene covers the scene instead, which is finer and never moves.
 
 use adumbra::camera::View;
 use adumbra::light::LightExtent;
@@ -29,7 +29,9 @@ pub struct LayerFit {
     pub axes: [[f64; 3]; 3],
     /// Edge of a texel, world units.
     pub texel_world: f64,
-    /// The first texel's place on the world's lattice.
+    /// Coordinates along the axes of the point that the lattice counts from, world units.
+    pub lattice: [f64; 3],
+    /// The first texel's place on the lattice.
     pub corner: [i64; 2],
     /// Texels a side.
     pub size: u32,
@@ -50,8 +52,8 @@ impl LayerFit {
         let extent = self.texel_world * f64::from(self.size);
         let range = self.depth_world[1] - self.depth_world[0];
         MapLayer {
-            u_from_relative: row(0, extent, self.corner[0] as f64 * self.texel_world),
-            v_from_relative: row(1, extent, self.corner[1] as f64 * self.texel_world),
+            u_from_relative: row(0, extent, self.first(0)),
+            v_from_relative: row(1, extent, self.first(1)),
             depth_from_relative: row(2, range, self.depth_world[0]),
             scale: [self.texel_world as f32, range as f32, self.end[0] as f32, self.end[1] as f32],
         }
@@ -61,8 +63,8 @@ impl LayerFit {
     pub fn project(&self, p_world: [f64; 3]) -> [f64; 3] {
         let range = self.depth_world[1] - self.depth_world[0];
         [
-            dot(self.axes[0], p_world) / self.texel_world - self.corner[0] as f64,
-            dot(self.axes[1], p_world) / self.texel_world - self.corner[1] as f64,
+            (dot(self.axes[0], p_world) - self.first(0)) / self.texel_world,
+            (dot(self.axes[1], p_world) - self.first(1)) / self.texel_world,
             (dot(self.axes[2], p_world) - self.depth_world[0]) / range,
         ]
     }
@@ -71,11 +73,16 @@ impl LayerFit {
     pub fn caster_volume(&self) -> Volume {
         let planes = (0..2).flat_map(|a| {
             let [x, y, z] = self.axes[a];
-            let first = self.corner[a] as f64 * self.texel_world;
+            let first = self.first(a);
             let last = first + self.texel_world * f64::from(self.size);
             [[x, y, z, -first], [-x, -y, -z, last]]
         });
         Volume { planes: planes.collect() }
+    }
+
+    /// Where the first texel begins along an axis, world units.
+    pub fn first(&self, axis: usize) -> f64 {
+        self.lattice[axis] + self.corner[axis] as f64 * self.texel_world
     }
 
     /// Whether both layers hold the same depths: everything but where the view uses them.
@@ -86,17 +93,24 @@ impl LayerFit {
 
 /// One layer over everything in `extent`, with `margin` texels on every side.
 ///
-/// `depth_world` is what [`depth_range`] gives.
-pub fn scene_layer(extent: &LightExtent, depth_world: [f64; 2], size: u32, margin: f64) -> LayerFit {
+/// `depth_world` is what [`depth_range`] gives, `lattice_world` the point that the lattice counts from.
+pub fn scene_layer(
+    extent: &LightExtent,
+    depth_world: [f64; 2],
+    lattice_world: [f64; 3],
+    size: u32,
+    margin: f64,
+) -> LayerFit {
+    let lattice = extent.axes.map(|axis| dot(axis, lattice_world));
     // A whole number of texels may be lost where the corner is rounded.
     let texels = (f64::from(size) - 2.0 * margin - 1.0).max(1.0);
     let side = extent.longest_side().max(1e-6 * (depth_world[1] - depth_world[0]));
     let texel_world = side / texels;
     let corner = std::array::from_fn(|a| {
-        let middle = 0.5 * (extent.min[a] + extent.max[a]) / texel_world;
+        let middle = (0.5 * (extent.min[a] + extent.max[a]) - lattice[a]) / texel_world;
         libm::floor(middle - 0.5 * f64::from(size) + 0.5) as i64
     });
-    LayerFit { axes: extent.axes, texel_world, corner, size, depth_world, end: [ENDLESS; 2] }
+    LayerFit { axes: extent.axes, texel_world, lattice, corner, size, depth_world, end: [ENDLESS; 2] }
 }
 
 /// Layers fitted to slices of the view, nearest first. Slices that would cover the scene alike share one layer, so there may be fewer
@@ -127,10 +141,11 @@ pub fn cascade_layers(
         if texel_world < scene.texel_world {
             layer.texel_world = texel_world;
             layer.corner = std::array::from_fn(|a| {
-                let middle = libm::floor(dot(scene.axes[a], centre) / texel_world + 0.5) as i64;
-                middle.saturating_sub(i64::from(size / 2))
+                let middle = (dot(scene.axes[a], centre) - scene.lattice[a]) / texel_world;
+                (libm::floor(middle + 0.5) as i64).saturating_sub(i64::from(size / 2))
             });
-            let [near, far] = receiver_range(dot(scene.axes[2], centre), radius);
+            let along = dot(scene.axes[2], centre) - scene.lattice[2];
+            let [near, far] = receiver_range(along, radius).map(|depth| scene.lattice[2] + depth);
             layer.depth_world[0] =
                 if presses { near.max(scene.depth_world[0]) } else { scene.depth_world[0] };
             layer.depth_world[1] = far.min(scene.depth_world[1]).max(layer.depth_world[0] + radius);

@@ -230,7 +230,7 @@ pub(crate) fn scene_fit(input: &FrameInput<'_>, size: u32, margin: f64) -> Resul
     let (still, all) = extents(input, &sun);
     let clipped = !input.gpu.has(Features::DEPTH_CLIP_CONTROL);
     let depth = depth_range(&still, clipped.then_some(&all));
-    Ok(scene_layer(&still, depth, size, margin))
+    Ok(scene_layer(&still, depth, input.scene.lattice_world(), size, margin))
 }
 
 /// What stands still, and everything, along the light. Where nothing stands still both are everything; where nothing is at all, a point.

@@ -39,6 +39,7 @@ pub(super) struct Placed {
     instances: Vec<Instance>,
     /// Where each mesh's instances begin, and the end.
     starts: Vec<usize>,
+    first_world: [f64; 3],
 }
 
 impl Placed {
@@ -67,7 +68,9 @@ impl Placed {
                 casts: instance.casts,
             }
         });
-        Self { instances: instances.collect(), starts }
+        let first = scene.instances.iter().find(|i| has_place(i));
+        let first_world = first.map_or([0.0; 3], |i| i.world_from_mesh.map(|row| row[3]));
+        Self { instances: instances.collect(), starts, first_world }
     }
 
     /// World boxes of the instances.
@@ -76,6 +79,11 @@ impl Placed {
             min: std::array::from_fn(|a| i.center[a] - i.half[a]),
             max: std::array::from_fn(|a| i.center[a] + i.half[a]),
         })
+    }
+
+    /// Where the first instance in the scene's order stands.
+    pub(super) fn first_world(&self) -> [f64; 3] {
+        self.first_world
     }
 
     pub(super) fn len(&self) -> usize {

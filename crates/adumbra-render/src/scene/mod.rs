@@ -118,6 +118,11 @@ impl SceneBuffers {
         self.bounds
     }
 
+    /// Where the scene's first instance stands: a point that moves with the scene, whatever else is in it. Zero where there is none.
+    pub fn lattice_world(&self) -> [f64; 3] {
+        self.placed.first_world()
+    }
+
     /// What the boxes of everything placed cover along the light's axes. Cost: eight corners an instance.
     pub fn light_extent(&self, sun: &Sun) -> LightExtent {
         let mut extent = LightExtent::empty(sun);

@@ -79,9 +79,8 @@ fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
     let mut middles: HashMap<[u32; 2], u32> = HashMap::new();
     for (&triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_materials) {
         let mut middle = |(a, b): (u32, u32)| {
-            is_long(a, b).then(|| {
-                *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| out.add_middle([a, b]))
-            })
+            is_long(a, b)
+                .then(|| *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| out.add_middle([a, b])))
         };
         let found = sides(triangle).map(&mut middle);
         // Turned so that what is split comes first.

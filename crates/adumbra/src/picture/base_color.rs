@@ -105,7 +105,8 @@ mod tests {
     fn uv_differences_are_those_of_the_neighbouring_hits() {
         let mut scene = generate(GeneratedKind::Primitives, 1);
         for mesh in &mut scene.meshes {
-            mesh.uvs = mesh.positions.iter().map(|p| [0.3 * p[0] + 0.1 * p[1], 0.2 * p[2] - 0.4 * p[1]]).collect();
+            mesh.uvs =
+                mesh.positions.iter().map(|p| [0.3 * p[0] + 0.1 * p[1], 0.2 * p[2] - 0.4 * p[1]]).collect();
         }
         let tracer = Tracer::build(&scene, TraceOptions::default());
         let colors = BaseColors::new(&scene);

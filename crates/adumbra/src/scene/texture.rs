@@ -151,11 +151,7 @@ impl Texture {
 
 impl Grid {
     /// The nearest texel at `uv`, or four of them blended; `fetch` takes a texel's number.
-    pub(super) fn sample<const N: usize>(
-        &self,
-        uv: [f32; 2],
-        fetch: impl Fn(usize) -> [f32; N],
-    ) -> [f32; N] {
+    pub(super) fn sample<const N: usize>(&self, uv: [f32; 2], fetch: impl Fn(usize) -> [f32; N]) -> [f32; N] {
         let Self { size: [width, height], wrap, nearest } = *self;
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
         if nearest {

@@ -26,8 +26,9 @@ use triangle::TriangleHit;
 /// Of a place in a mesh: four units in the last place of the floats that meshes are stored in. Surfaces that are drawn in one place are no
 /// farther apart than that.
 const LIFT_OF_PLACE: f64 = 4.0 / 16_777_216.0;
-/// Of a world position and of the way to it: some thousand units in the last place of the doubles that hits are computed in.
-const LIFT_OF_POSITION: f64 = 1e-12;
+/// Of a world position and of the way to it: 64 units in the last place of the doubles that hits are computed in, of which a hit's place is
+/// off by a few.
+const LIFT_OF_POSITION: f64 = 64.0 * f64::EPSILON;
 
 /// So many instances are tried one after the other; more get a tree.
 const FEW_PLACINGS: usize = 2;
@@ -235,7 +236,8 @@ impl<'s> Tracer<'s> {
         let surface = self.surfaces[material as usize];
         let found = Found { placing, triangle, material, hit };
         let there = (surface.casts || !casters_only)
-            && (!surface.masked || self.scene.is_opaque(material, self.uv(&found), self.vertex_alpha(&found)));
+            && (!surface.masked
+                || self.scene.is_opaque(material, self.uv(&found), self.vertex_alpha(&found)));
         there.then_some(found)
     }
 

@@ -71,7 +71,7 @@ fn layers_hold_every_scene_point_of_their_slice_with_the_margin() {
     let (size, margin) = (512, 4.0);
     for (azimuth, elevation) in [(0.0, 90.0), (200.0, 5.0), (310.0, 40.0)] {
         let extent = extent(azimuth, elevation);
-        let scene = scene_layer(&extent, depth_range(&extent, None), size, margin);
+        let scene = scene_layer(&extent, depth_range(&extent, None), [0.0; 3], size, margin);
         for projection in [PERSPECTIVE, Projection::Orthographic { height_world: 90.0 }] {
             let view = camera([12.0, 30.0, -40.0], 2.1, projection);
             let reach = reach(&view, &SCENE, None);
@@ -105,7 +105,7 @@ fn layers_hold_every_scene_point_of_their_slice_with_the_margin() {
 fn texels_stay_where_they_are_while_the_camera_moves_and_turns() {
     let extent = extent(310.0, 40.0);
     let settings = CascadeSettings { cascades: 3, ..Default::default() };
-    let scene = scene_layer(&extent, depth_range(&extent, None), 1024, 4.0);
+    let scene = scene_layer(&extent, depth_range(&extent, None), [0.0; 3], 1024, 4.0);
     let fit = |view: &View| cascade_layers(view, &scene, &settings, [0.0, 400.0], 4.0, true);
     let first = fit(&camera([0.0, 10.0, 0.0], 0.0, PERSPECTIVE));
     let mut moved = 0;
@@ -140,7 +140,7 @@ fn texels_stay_where_they_are_while_the_camera_moves_and_turns() {
 fn scene_layer_holds_the_scene_tightly() {
     for (azimuth, elevation) in [(0.0, 90.0), (200.0, 5.0), (310.0, 40.0)] {
         let extent = extent(azimuth, elevation);
-        let layer = scene_layer(&extent, depth_range(&extent, None), 2048, 3.0);
+        let layer = scene_layer(&extent, depth_range(&extent, None), [5.0, -3.0, 0.7], 2048, 3.0);
         let longest = extent.longest_side() / layer.texel_world;
         assert!(longest <= 2048.0 - 6.0 && longest > 2040.0, "{longest}");
         for corner in 0..8_usize {
@@ -177,7 +177,7 @@ fn what_lies_beside_the_view_changes_no_cascade() {
     let fit = |bounds: &Bounds| {
         let mut extent = LightExtent::empty(&Sun::from_angles(310.0, 40.0).unwrap());
         extent.add_box(bounds);
-        let scene = scene_layer(&extent, depth_range(&extent, None), 2048, 4.0);
+        let scene = scene_layer(&extent, depth_range(&extent, None), [0.0; 3], 2048, 4.0);
         // Towards the corner that both have.
         let view = camera([-200.0, 8.0, -150.0], 3.9, PERSPECTIVE);
         cascade_layers(&view, &scene, &CascadeSettings::default(), reach(&view, bounds, None), 4.0, true)
@@ -200,4 +200,32 @@ fn depth_grows_in_steps_to_hold_what_moves() {
     assert!(grown[0] < all.min[2] && grown[1] == alone[1]);
     all.min[2] -= 1.0;
     assert_eq!(depth_range(&still, Some(&all)), grown);
+}
+
+#[test]
+fn a_scene_has_the_same_layers_wherever_it_stands() {
+    let sun = Sun::from_angles(310.0, 40.0).unwrap();
+    let first = [3.5, 0.25, -7.0];
+    let fit = |place: [f64; 3]| {
+        let at = |p: [f64; 3]| std::array::from_fn(|a| p[a] + place[a]);
+        let bounds = Bounds { min: at(SCENE.min), max: at(SCENE.max) };
+        let mut extent = LightExtent::empty(&sun);
+        extent.add_box(&bounds);
+        let scene = scene_layer(&extent, depth_range(&extent, None), at(first), 2048, 4.0);
+        let (eye, target) = (at([-50.0, 8.0, -60.0]), at([0.0, 5.0, 1.0]));
+        let view = Camera { eye, target, projection: PERSPECTIVE, width: 1280, height: 720 }.view();
+        let reach = reach(&view, &bounds, None);
+        let layers = cascade_layers(&view, &scene, &CascadeSettings::default(), reach, 4.0, true);
+        layers
+            .into_iter()
+            .map(|layer| (layer.project(at([1.0, 2.0, 3.0])), layer.texel_world))
+            .collect::<Vec<_>>()
+    };
+    let at_zero = fit([0.0; 3]);
+    for place in [[500_000.0, 0.0, 5_000_000.0], [1e7, 0.0, 1e7]] {
+        for (a, b) in at_zero.iter().zip(&fit(place)) {
+            assert!((a.1 - b.1).abs() < 1e-9 * a.1, "{a:?} {b:?}");
+            assert!((0..3).all(|k| (a.0[k] - b.0[k]).abs() < 1e-4), "{a:?} {b:?}");
+        }
+    }
 }

@@ -31,7 +31,7 @@ fn draw(gpu: &Gpu, scene: &Scene, movers: Option<&Scene>, sun: &Sun, options: De
     let upload = |scene| SceneBuffers::new(gpu, scene, SceneOptions::default()).unwrap();
     let (buffers, movers) = (upload(scene), movers.map(upload));
     let extent = buffers.light_extent(sun);
-    let fit = scene_layer(&extent, depth_range(&extent, None), SIZE, 2.0);
+    let fit = scene_layer(&extent, depth_range(&extent, None), buffers.lattice_world(), SIZE, 2.0);
     let projection = Projection::Orthographic { height_world: 1.0 };
     let camera = Camera { eye: [9.0, 5.0, -3.0], target: [0.0; 3], projection, width: 1, height: 1 };
     let view = camera.view();
@@ -70,7 +70,7 @@ fn with_normals(depth: DepthPrecision) -> DepthPassOptions {
 
 /// The first caster's depth and its normal, turned towards the sun, on the ray through a place in texels.
 fn traced(tracer: &Tracer<'_>, fit: &LayerFit, p_texels: [f64; 2]) -> Option<(f64, [f64; 3])> {
-    let [u, v] = [0, 1].map(|a| (fit.corner[a] as f64 + p_texels[a]) * fit.texel_world);
+    let [u, v] = [0, 1].map(|a| fit.first(a) + p_texels[a] * fit.texel_world);
     let [right, down, away] = fit.axes;
     let origin = std::array::from_fn(|a| u * right[a] + v * down[a] + fit.depth_world[0] * away[a]);
     let hit = tracer.nearest_blocker(&Ray { origin, direction: away, t_min: 0.0, t_max: f64::INFINITY })?;
