@@ -6,6 +6,7 @@
 
 mod affine;
 mod budget;
+mod far_origin;
 mod filter;
 mod generate;
 mod glb;

@@ -1,14 +1,15 @@
 //! Loads Wavefront OBJ with its MTL: one mesh for each object or group name, polygons cut into triangles.
 //!
 //! `tobj` groups, cuts fans and reads materials; [`tidy`] first rewrites the file to the part of the format that `tobj` is sure of, cuts
-//! the polygons that a fan would not cover, and reports broken lines by number.
+//! the polygons that a fan would not cover, and reports broken lines by number. Positions are read in doubles, and what is far from zero is
+//! placed there by its instances.
 
 mod tidy;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use super::affine::IDENTITY;
+use super::far_origin::placed_at;
 use super::sources::{Located, MAX_IMAGE_BYTES, MAX_LIBRARY_BYTES, OUTSIDE, Sources};
 use super::validate::{Sieve, check_vertex, finish};
 use super::{AlphaMode, Instance, LoadNotes, LoadOptions, Material, Mesh, Pixels, Scene, Texture};
@@ -34,6 +35,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let (models, _) = tobj::load_obj_buf(&mut &tidied.text[..], &loading, |_| Ok(library.clone()))
         .map_err(|e| Error::SceneParse { path: path.to_owned(), format: "OBJ", what: e.to_string() })?;
     let names = std::mem::take(&mut tidied.names);
+    let world_from_mesh = placed_at(tidied.offset);
     drop(tidied);
 
     let mut materials: Vec<Material> = library.0.iter().map(|m| material(m, options)).collect();
@@ -68,7 +70,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     scene.instances = (0_u32..)
         .zip(&scene.meshes)
-        .map(|(mesh, m)| Instance { name: m.name.clone(), mesh, world_from_mesh: IDENTITY, casts: true })
+        .map(|(mesh, m)| Instance { name: m.name.clone(), mesh, world_from_mesh, casts: true })
         .collect();
     scene.materials = materials;
     scene.notes.named_files = sources.named_files();

@@ -9,7 +9,7 @@ use ply_rs_bw::ply::{
     ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
-use super::affine::IDENTITY;
+use super::far_origin::{FarOrigin, placed_at};
 use super::polygon::Cutter;
 use super::sources::Sources;
 use super::validate::{Sieve, check_vertex, finish};
@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 
 /// What one element of the file says: a vertex's position or a face's corners.
 struct Record {
-    position: [f32; 3],
+    position: [f64; 3],
     /// A list, as the file stores it.
     corners: Property,
 }
@@ -40,14 +40,14 @@ impl PropertyAccess for Record {
             _ => return PropertyAccessResult::Ignored,
         };
         self.position[axis] = match property {
-            Property::Char(v) => f32::from(v),
-            Property::UChar(v) => f32::from(v),
-            Property::Short(v) => f32::from(v),
-            Property::UShort(v) => f32::from(v),
-            Property::Int(v) => v as f32,
-            Property::UInt(v) => v as f32,
-            Property::Float(v) => v,
-            Property::Double(v) => v as f32,
+            Property::Char(v) => f64::from(v),
+            Property::UChar(v) => f64::from(v),
+            Property::Short(v) => f64::from(v),
+            Property::UShort(v) => f64::from(v),
+            Property::Int(v) => f64::from(v),
+            Property::UInt(v) => f64::from(v),
+            Property::Float(v) => f64::from(v),
+            Property::Double(v) => v,
             _ => return PropertyAccessResult::UnsupportedType,
         };
         PropertyAccessResult::Set
@@ -75,9 +75,14 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = Scene { materials: vec![Material::opaque("default", [1.0; 4])], ..Scene::default() };
     let mut sieve = Sieve::default();
     let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
-    let faces = parse(&sources, &bytes, &mut mesh.positions, &mut scene.notes.skipped_primitives)?;
+    let mut stated = Vec::new();
+    let faces = parse(&sources, &bytes, &mut stated, &mut scene.notes.skipped_primitives)?;
     sources.budget.release(bytes.len() as u64);
     drop(bytes);
+    let offset = FarOrigin::of(stated.iter().copied()).offset();
+    mesh.positions = stated.iter().map(|p| std::array::from_fn(|a| (p[a] - offset[a]) as f32)).collect();
+    sources.budget.release(STATED_BYTES * stated.len() as u64);
+    drop(stated);
     if !options.filter.keeps(&name, &name, "default") {
         sieve.filtered = true;
         return finish(path, scene, &sieve, options);
@@ -119,7 +124,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     drop_unused(&mut mesh);
     mesh.triangle_materials = vec![0; mesh.triangles.len()];
     scene.meshes.push(mesh);
-    scene.instances.push(Instance { name, mesh: 0, world_from_mesh: IDENTITY, casts: true });
+    scene.instances.push(Instance { name, mesh: 0, world_from_mesh: placed_at(offset), casts: true });
     finish(path, scene, &sieve, options)
 }
 
@@ -158,6 +163,8 @@ impl Faces {
 
 /// Bytes of a vertex: as it is read, and as it is kept with its new index.
 const VERTEX_BYTES: u64 = 28;
+/// Bytes of a vertex as the file states it, until its mesh is made.
+const STATED_BYTES: u64 = 24;
 /// Bytes of a corner: as it is read, and its part of a triangle.
 const CORNER_BYTES: u64 = 20;
 
@@ -165,7 +172,7 @@ const CORNER_BYTES: u64 = 20;
 fn parse(
     sources: &Sources<'_>,
     bytes: &[u8],
-    positions: &mut Vec<[f32; 3]>,
+    positions: &mut Vec<[f64; 3]>,
     skipped: &mut u64,
 ) -> Result<Faces> {
     let bad = |what: String| sources.bad(what);
@@ -190,7 +197,8 @@ fn parse(
             return Err(bad("its vertices have no x, y and z".to_owned()));
         }
         if is_vertex {
-            sources.budget.charge(VERTEX_BYTES * count as u64, || format!("{count} vertices"))?;
+            let bytes = (VERTEX_BYTES + STATED_BYTES) * count as u64;
+            sources.budget.charge(bytes, || format!("{count} vertices"))?;
             positions.reserve_exact(count);
         }
         for i in 0..count {

@@ -238,3 +238,25 @@ fn shared_scenes_have_the_triangles_that_their_list_says() {
         assert!(!mirrored || instanced > 0, "{name}");
     }
 }
+
+/// A right triangle of 10 m in map coordinates, every corner a quarter of a metre off the floats there.
+const MAP_CORNERS: [[f64; 3]; 3] =
+    [[500_000.125, 31.5, 5_000_000.25], [500_010.125, 31.5, 5_000_000.25], [500_000.125, 31.5, 5_000_010.25]];
+
+#[test]
+fn obj_and_ply_stand_where_the_file_says_at_map_coordinates() {
+    let lines = |prefix: &str| -> String {
+        MAP_CORNERS.iter().map(|[x, y, z]| format!("{prefix}{x} {y} {z}\n")).collect()
+    };
+    let obj_text = format!("{}f 1 2 3\n", lines("v "));
+    let ply_text = format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n\
+         element face 1\nproperty list uchar int vertex_indices\nend_header\n{}3 0 1 2\n",
+        lines("")
+    );
+    for (file, text) in [("scene.obj", obj_text), ("scene.ply", ply_text)] {
+        let scene = load_bytes(file, text.as_bytes(), &PLAIN()).expect("loads");
+        assert_eq!(world_triangles(&scene), [MAP_CORNERS], "{file}");
+        assert_eq!(scene.meshes[0].positions[1], [10.0, 31.5, 0.0], "{file}");
+    }
+}

@@ -5,10 +5,12 @@
 
 use std::borrow::Cow;
 use std::io::Write;
+use std::str::FromStr;
 
 use hashbrown::HashMap;
 
 use crate::error::{Error, Result};
+use crate::scene::far_origin::FarOrigin;
 use crate::scene::polygon::Cutter;
 use crate::scene::sources::Sources;
 
@@ -34,6 +36,8 @@ pub(super) struct Object {
     pub(super) vertices: u64,
     /// Triangles that its faces make.
     pub(super) triangles: u64,
+    /// What was taken off the positions, where they are far from zero.
+    pub(super) offset: [f64; 3],
 }
 
 /// The object of faces before any name.
@@ -71,6 +75,8 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
     let bad = |line: usize, what: &str, rest: &str| {
         sources.bad(format!("line {line}: {what}: {:?}", shorten(rest)))
     };
+    let stated = statements(&text).filter(|(_, keyword, _)| keyword == "v");
+    let offset = FarOrigin::of(stated.filter_map(|(_, _, rest)| numbers(&rest))).offset();
     let mut positions: Vec<[f32; 3]> = Vec::new();
     let mut head = b"mtllib all\n".to_vec();
     // Faces without texture coordinates take the first, which is made up.
@@ -78,8 +84,14 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
     for (line, keyword, rest) in statements(&text) {
         match keyword.as_ref() {
             "v" => {
-                let p = numbers(&rest).ok_or_else(|| bad(line, "a vertex needs three numbers", &rest))?;
-                positions.push(p);
+                let p: [f64; 3] =
+                    numbers(&rest).ok_or_else(|| bad(line, "a vertex needs three numbers", &rest))?;
+                let [x, y, z] = std::array::from_fn(|a| (p[a] - offset[a]) as f32);
+                positions.push([x, y, z]);
+                if offset != [0.0; 3] {
+                    line_of(&mut head, format_args!("v {x:e} {y:e} {z:e}"));
+                    continue;
+                }
                 head.push(b'v');
                 // As they are written, for some numbers are far longer otherwise.
                 for word in rest.split_whitespace().take(3) {
@@ -91,8 +103,8 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
             "vt" => {
                 uvs += 1;
                 if with_uvs {
-                    let [u, v] = numbers::<2>(&rest)
-                        .or_else(|| numbers::<1>(&rest).map(|[u]| [u, 0.0]))
+                    let [u, v] = numbers::<f32, 2>(&rest)
+                        .or_else(|| numbers::<f32, 1>(&rest).map(|[u]| [u, 0.0]))
                         .unwrap_or_default();
                     line_of(&mut uv_lines, format_args!("vt {u:e} {v:e}"));
                 }
@@ -103,7 +115,7 @@ pub(super) fn object(sources: &Sources<'_>, bytes: &[u8], with_uvs: bool) -> Res
     if with_uvs {
         head.append(&mut uv_lines);
     }
-    let mut out = Object { text: head, vertices: positions.len() as u64, ..Object::default() };
+    let mut out = Object { text: head, vertices: positions.len() as u64, offset, ..Object::default() };
     let (mut libraries, mut materials) = (Names::default(), Names::default());
     let mut faces = Faces {
         positions: &positions,
@@ -236,7 +248,7 @@ pub(super) fn materials(bytes: &[u8]) -> Vec<u8> {
         match keyword.as_ref() {
             "newmtl" if !rest.is_empty() => line_of(&mut out, format_args!("newmtl {rest}")),
             "Kd" => {
-                if let Some([r, g, b]) = numbers(&rest) {
+                if let Some([r, g, b]) = numbers::<f32, 3>(&rest) {
                     line_of(&mut out, format_args!("Kd {r} {g} {b}"));
                 }
             }
@@ -301,9 +313,9 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>, Cow<'_, 
     })
 }
 
-fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+fn numbers<T: Copy + Default + FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let mut words = text.split_whitespace();
-    let mut out = [0.0; N];
+    let mut out = [T::default(); N];
     for value in &mut out {
         *value = words.next()?.parse().ok()?;
     }

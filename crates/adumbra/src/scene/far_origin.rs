@@ -1,0 +1,63 @@
+//! Where a mesh's positions count from that stands far from zero, as cities in map coordinates do: single floats there step by half a metre, so
+//! the way to the mesh goes into its instance, which has doubles.
+
+use super::affine::IDENTITY;
+
+/// A mesh is far along an axis where zero is so many times its longest side away. Nearer, single floats resolve a millionth of that side.
+const FAR_SIDES: f64 = 16.0;
+
+/// The box of a mesh's positions as a file states them.
+pub(super) struct FarOrigin {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl FarOrigin {
+    /// Of these positions; those that no single float can hold are left out. Cost: a pass.
+    pub(super) fn of(positions: impl Iterator<Item = [f64; 3]>) -> Self {
+        let mut found = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+        for p in positions.filter(|p| p.iter().all(|&c| (c as f32).is_finite())) {
+            for a in 0..3 {
+                found.low[a] = found.low[a].min(p[a]);
+                found.high[a] = found.high[a].max(p[a]);
+            }
+        }
+        found
+    }
+
+    /// What is taken off each coordinate: the box's side nearest to zero along the axes on which it is far away, else 0.
+    pub(super) fn offset(&self) -> [f64; 3] {
+        let longest = (0..3).map(|a| self.high[a] - self.low[a]).fold(0.0, f64::max);
+        std::array::from_fn(|a| {
+            let nearest = self.low[a].max(0.0) + self.high[a].min(0.0);
+            if nearest.abs() > FAR_SIDES * longest && nearest.is_finite() { nearest } else { 0.0 }
+        })
+    }
+}
+
+/// The place of a mesh whose positions had `offset` taken off.
+pub(super) fn placed_at(offset: [f64; 3]) -> [[f64; 4]; 3] {
+    std::array::from_fn(|a| {
+        let [x, y, z, _] = IDENTITY[a];
+        [x, y, z, offset[a]]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_far_away_is_offset() {
+        let offset = |points: &[[f64; 3]]| FarOrigin::of(points.iter().copied()).offset();
+        assert_eq!(
+            offset(&[[500_000.25, 3.0, -5e6], [500_010.25, 9.0, -4_999_990.0]]),
+            [500_000.25, 0.0, -4_999_990.0]
+        );
+        assert_eq!(offset(&[[100.0, 0.0, 0.0], [110.0, 0.0, 5.0]]), [0.0; 3]);
+        // One vertex that is broken, or far away, makes nothing of the rest far.
+        assert_eq!(offset(&[[f64::NAN, 0.0, 0.0], [5e6, 1e300, 0.0]]), [0.0; 3]);
+        assert_eq!(offset(&[[5e6, 0.0, 0.0], [0.0, 0.0, 0.0]]), [0.0; 3]);
+        assert_eq!(offset(&[]), [0.0; 3]);
+    }
+}
