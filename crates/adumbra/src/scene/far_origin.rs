@@ -17,10 +17,8 @@ impl FarOrigin {
     pub(super) fn of(positions: impl Iterator<Item = [f64; 3]>) -> Self {
         let mut found = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         for p in positions.filter(|p| p.iter().all(|&c| (c as f32).is_finite())) {
-            for a in 0..3 {
-                found.low[a] = found.low[a].min(p[a]);
-                found.high[a] = found.high[a].max(p[a]);
-            }
+            found.low = std::array::from_fn(|a| found.low[a].min(p[a]));
+            found.high = std::array::from_fn(|a| found.high[a].max(p[a]));
         }
         found
     }
