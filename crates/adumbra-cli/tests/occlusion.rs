@@ -75,7 +75,7 @@ fn render_draws_the_layer_of_ambient_visibility_alone() {
     };
     let [one, three] = [mean("1"), mean("3")];
     assert!((one - three).abs() < 0.01, "{one} {three}");
-    // Without a radius a note says which it is: 0.02 of the scene's diagonal.
+    // Without a radius a note says which it is: 0.02 of the scene's usual diagonal.
     let said = draw("gtao", "ao.png", &[]);
     assert!(said.contains("note: --ao gtao: the radius is ") && said.contains("2 % of the"), "{said}");
 }

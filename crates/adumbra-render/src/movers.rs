@@ -99,7 +99,8 @@ impl MoveSpec {
     /// [`RenderError::Mover`] where no place in the sun has a shade to go to, or the path is one that no mover can take.
     pub fn path(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> Result<BallPath> {
         let bounds = still.scene().bounds();
-        let radius_world = self.radius_world.unwrap_or_else(|| (bounds.diagonal() / 40.0).min(1.0));
+        let radius_world =
+            self.radius_world.unwrap_or_else(|| (still.scene().usual_diagonal() / 40.0).min(1.0));
         let seconds = |share: f64| share * self.seconds;
         if let Some([from, to]) = self.ends_world {
             return BallPath { radius_world, keys: vec![(0.0, from), (self.seconds, to)] }.checked();

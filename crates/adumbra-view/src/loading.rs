@@ -23,6 +23,8 @@ pub(crate) struct LoadedScene {
     pub(crate) still: Arc<Scene>,
     /// What moves.
     pub(crate) moving: Scene,
+    /// [`Scene::usual_diagonal`].
+    pub(crate) usual_diagonal_world: f64,
     /// Take masked materials as opaque.
     pub(crate) ignore_alpha: bool,
     /// What the loader noticed.
@@ -69,6 +71,7 @@ impl LoadedScene {
         }
         let folder = folder_of(&path);
         let named_files = whole.notes.named_files.iter().map(|name| folder.join(name)).collect();
+        let usual_diagonal_world = whole.usual_diagonal();
         let whole = Arc::new(whole);
         let (still, moving) = if whole.movers.is_empty() {
             (whole.clone(), Scene::default())
@@ -78,7 +81,7 @@ impl LoadedScene {
             (Arc::new(still), moving)
         };
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        Self { path, number, whole, still, moving, ignore_alpha, notes, named_files }
+        Self { path, number, whole, still, moving, usual_diagonal_world, ignore_alpha, notes, named_files }
     }
 }
 

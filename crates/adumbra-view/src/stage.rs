@@ -148,7 +148,7 @@ impl Stage {
 
     /// Of ambient occlusion, where it does not say, world units.
     pub(crate) fn default_radius(&self) -> f64 {
-        DEFAULT_RADIUS_SHARE * self.bounds().diagonal()
+        DEFAULT_RADIUS_SHARE * self.scene.usual_diagonal_world
     }
 
     /// Draws the sides that are seen.

@@ -89,7 +89,7 @@ impl MapBias {
 fn cascades(reader: &mut SpecReader<'_>) -> Result<CascadeSettings> {
     let usual = CascadeSettings::default();
     let lambda = "of split=practical: its share of the logarithmic one";
-    let far = "view depth where shadows end, world units; without it the scene's diagonal, or further where that reaches nothing";
+    let far = "view depth where shadows end, world units; without it as far as the scene is in view, to the next power of two";
     Ok(CascadeSettings {
         cascades: reader.count("cascades", "layers", usual.cascades, 1..=8)?,
         split: match reader.choice("split", "of the view's depth", &["practical", "uniform", "log"])? {

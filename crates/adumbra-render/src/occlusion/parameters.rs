@@ -45,7 +45,7 @@ fn lines<'p>(parameters: impl Iterator<Item = &'p Parameter>) -> Vec<String> {
     let line = |p: &Parameter| match p.key {
         "radius" => {
             format!(
-                "radius= (world units, {} % of the scene's diagonal): {}",
+                "radius= (world units, {} % of the scene's usual diagonal): {}",
                 100.0 * DEFAULT_RADIUS_SHARE,
                 p.what
             )

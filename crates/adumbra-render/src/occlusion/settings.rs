@@ -4,7 +4,7 @@ use adumbra_shaders::layout::{Frame, OcclusionFilterParams, OcclusionParams};
 
 use super::estimator::{Estimator, MAX_PARAMETERS, ShapeParameter};
 
-/// Radius where none is given, as a share of the scene's diagonal.
+/// Radius where none is given, as a share of the scene's usual diagonal ([`adumbra::scene::Scene::usual_diagonal`]).
 pub const DEFAULT_RADIUS_SHARE: f64 = 0.02;
 /// Difference of visibility that the edge test passes over: a step of eight bits.
 const EDGE_TOLERANCE: f32 = 1.0 / 255.0;

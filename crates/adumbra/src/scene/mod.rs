@@ -21,6 +21,7 @@ mod srgb;
 mod subdivide;
 mod texture;
 pub mod topology;
+mod usual_size;
 mod validate;
 
 use std::path::{Path, PathBuf};

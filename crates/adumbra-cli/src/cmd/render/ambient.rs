@@ -1,6 +1,5 @@
 //! Ambient occlusion of pictures: what `--ao` asks for.
 
-use adumbra::scene::Bounds;
 use adumbra_lab::truth::TruthTracer;
 use adumbra_render::occlusion::{
     AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings, TracedSettings,
@@ -50,14 +49,14 @@ impl Ambient {
     }
 
     /// Gives it the scene's radius, and says so, where it was asked for without one.
-    pub(super) fn set_radius(&mut self, bounds: &Bounds) {
+    pub(super) fn set_radius(&mut self, usual_diagonal_world: f64) {
         if self.has_radius {
             return;
         }
-        let radius = DEFAULT_RADIUS_SHARE * bounds.diagonal();
+        let radius = DEFAULT_RADIUS_SHARE * usual_diagonal_world;
         let percent = 100.0 * DEFAULT_RADIUS_SHARE;
         eprintln!(
-            "note: --ao {}: the radius is {} in world units, {percent} % of the scene's diagonal; radius= sets another",
+            "note: --ao {}: the radius is {} in world units, {percent} % of the scene's usual diagonal; radius= sets another",
             self.spec,
             three_digits(radius)
         );
@@ -134,7 +133,7 @@ mod tests {
     fn ambient_takes_the_scene_s_radius_where_it_has_none() {
         let radius = |text: &str| {
             let mut ambient = Ambient::read(text).ok().flatten().unwrap();
-            ambient.set_radius(&Bounds { min: [0.0; 3], max: [3.0, 4.0, 12.0] });
+            ambient.set_radius(13.0);
             match ambient.kind {
                 Kind::Estimated(settings) => settings.radius_world,
                 Kind::Traced(settings) => settings.radius_world,

@@ -86,7 +86,7 @@ pub(crate) fn run(args: &Render) -> Outcome {
         let camera = args.camera.camera(&scene.bounds(), view)?;
         let moments = movers::moments(args, &scene)?;
         if let Some(ambient) = &mut ambient {
-            ambient.set_radius(&scene.bounds());
+            ambient.set_radius(scene.usual_diagonal());
         }
         let job = Job { args, scene, camera, moments, file, ambient, sun, ignore_alpha };
         job.draw(&specs)
