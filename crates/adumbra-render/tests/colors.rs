@@ -92,3 +92,34 @@ fn textures_and_vertex_colours_are_the_cpu_renderer_s() {
         assert!(much * 1000 < pixels, "{much} of {pixels} pixels differ by more than 16/255");
     }
 }
+
+#[test]
+fn what_vertex_alpha_cuts_away_casts_no_shadow_on_either_device() {
+    let scene = scene();
+    let tracer = Tracer::build(&scene, TraceOptions::default());
+    let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
+    // Down on the ground beside the leaf, where its shadow falls.
+    let projection = Projection::Perspective { fov_degrees: 50.0 };
+    let camera =
+        Camera { eye: [-1.0, 9.0, 4.0], target: [-1.0, 0.0, -0.5], projection, width: 240, height: 160 };
+    let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
+    let cpu = picture::draw(&scene, &tracer, &camera, kit::sun(), &Shadows::Truth, 1);
+    let ignoring = Tracer::build(&scene, TraceOptions { ignore_alpha: true });
+    let uncut = picture::draw(&scene, &ignoring, &camera, kit::sun(), &Shadows::Truth, 1);
+    let pixels = cpu.rgb.len() / 3;
+    let off = |a: &[[u8; 3]], b: &[[u8; 3]]| {
+        a.iter().zip(b).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 16)).count()
+    };
+    let cpu = cpu.rgb.as_chunks::<3>().0;
+    assert!(off(cpu, uncut.rgb.as_chunks::<3>().0) * 50 > pixels, "the cut half is in view, or its shadow");
+    // Casters by depth alone, and with their normals.
+    for name in ["csm:size=4096:filter=1", "hrsm:2048-512:layout=paper"] {
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+        let mut technique = renderer.prepare(technique).unwrap();
+        renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
+        let rgba = renderer.read_picture().unwrap();
+        let gpu: Vec<[u8; 3]> = rgba.as_chunks::<4>().0.iter().map(|p| [p[0], p[1], p[2]]).collect();
+        let wrong = off(&gpu, cpu);
+        assert!(wrong * 100 < pixels, "{name}: {wrong} of {pixels} pixels differ");
+    }
+}

@@ -31,9 +31,9 @@ impl<'s> BaseColors<'s> {
         Self { scene, textures: scene.textures.par_iter().map(MippedTexture::new).collect() }
     }
 
-    /// Bytes held besides the scene.
-    pub fn memory_bytes(&self) -> u64 {
-        self.textures.iter().map(MippedTexture::memory_bytes).sum()
+    /// Bytes that a scene's colours will hold besides the scene itself.
+    pub fn bytes_of(scene: &Scene) -> u64 {
+        scene.textures.iter().map(MippedTexture::bytes_of).sum()
     }
 
     /// Linear base colour at `hit`, which the ray through the centre of pixel (x, y) met. Cost: eight texels where there is a texture.

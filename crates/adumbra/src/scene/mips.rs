@@ -57,9 +57,12 @@ impl<'t> MippedTexture<'t> {
         Self { texture, levels }
     }
 
-    /// Bytes held besides the texture.
-    pub fn memory_bytes(&self) -> u64 {
-        self.levels.iter().map(|l| l.rgba.capacity() as u64).sum()
+    /// Bytes that a texture's levels will hold besides the texture itself: a third of it.
+    pub fn bytes_of(texture: &Texture) -> u64 {
+        match &texture.pixels {
+            Pixels::Rgba(rgba) => rgba.len() as u64 / 3,
+            Pixels::Alpha(_) => 0,
+        }
     }
 
     /// Linear red, green and blue at `uv`, blended between the two levels about `level`, which counts from 0; levels that there are not are

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use adumbra::camera::Camera;
 use adumbra::light::Sun;
+use adumbra::picture::BaseColors;
 use adumbra::trace::Ray;
 use adumbra_lab::camera_file::CameraFile;
 use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
@@ -54,8 +55,8 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
     load.ignore_alpha |= files.ignore_alpha();
     let scene = load_scene(&args.scene, &load)?;
     let truth = TruthTracer::build(&scene, load.ignore_alpha);
-    let held = scene.memory_bytes() + truth.tracer().memory_bytes();
-    args.work.check_memory("the scene and its rays' trees", held)?;
+    let held = scene.memory_bytes() + truth.tracer().memory_bytes() + BaseColors::bytes_of(&scene);
+    args.work.check_memory("the scene, its rays' trees and its mip levels", held)?;
     if files.sun().is_some() && args.sun.is_given() {
         return Err(Failure::Usage("--sun: the shadow file was baked for a sun of its own".to_owned()));
     }

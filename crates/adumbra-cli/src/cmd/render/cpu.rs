@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use adumbra::picture::{self, Shadows};
+use adumbra::picture::{self, BaseColors, Shadows};
 use adumbra::trace::{TraceOptions, Tracer};
 use serde_json::json;
 
@@ -23,8 +23,8 @@ fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<(
     let args = job.args;
     let scene = job.scene_at(seconds);
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: job.ignore_alpha });
-    let held = scene.memory_bytes() + tracer.memory_bytes();
-    args.work.check_memory("the scene and its rays' trees", held)?;
+    let held = scene.memory_bytes() + tracer.memory_bytes() + BaseColors::bytes_of(&scene);
+    args.work.check_memory("the scene, its rays' trees and its mip levels", held)?;
     let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
     let lookup = job.file.as_ref().map(|f| asking.lookup(f)).transpose()?;
     let shadows = match &lookup {
