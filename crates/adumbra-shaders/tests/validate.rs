@@ -310,7 +310,7 @@ const LOOK_UPS: &[(&str, &[Source])] = &[
 
 /// Every other module that a pass of `adumbra-render` is made from.
 const MODULES: &[(&str, &[Source])] = &[
-    ("gbuffer", &[source::INSTANCE, source::GBUFFER]),
+    ("gbuffer", &[source::INSTANCE, source::SRGB, source::GBUFFER]),
     ("map_depth", &[source::INSTANCE, source::MAP_DEPTH]),
     ("depth_image", &[source::DEPTH_IMAGE]),
     (
