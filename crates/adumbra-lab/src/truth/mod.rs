@@ -143,7 +143,8 @@ impl<'s> TruthTracer<'s> {
     }
 
     /// The picture of the same camera's `surfaces` under the sun's visibility `factors`: geometry, normals and colours are those that rays
-    /// find, light and display those of the renderer (`adumbra::picture`). Cost: a ray a pixel, and once the mip levels of the textures.
+    /// find, light and display those of the renderer (`adumbra::picture`). Base colours are rounded as a G-buffer's texels are: a mean
+    /// FLIP of 0.02 would come of that alone. Cost: a ray a pixel, and once the mip levels of the textures.
     pub fn picture(
         &self,
         camera: &Camera,
@@ -161,7 +162,7 @@ impl<'s> TruthTracer<'s> {
                 let pixel = y as usize * width + x as usize;
                 *shown = picture::shown(match hit {
                     Some(hit) => picture::lit(
-                        colors.at(&view, [x, y], &hit),
+                        picture::in_8_bits(colors.at(&view, [x, y], &hit)),
                         surfaces.normal[pixel].map(f64::from),
                         surfaces.n_dot_l(pixel, towards_sun),
                         f64::from(factors[pixel]),

@@ -1,6 +1,6 @@
 //! Light on a surface and how it is shown: the CPU twin of `wgsl/passes/composite.wgsl`.
 
-use crate::scene::linear_to_srgb;
+use crate::scene::{linear_to_srgb, srgb_to_linear};
 
 /// Linear red, green and blue of sunlight, at n·l = 1.
 pub const SUN_COLOR: [f64; 3] = [1.55, 1.45, 1.28];
@@ -28,6 +28,11 @@ pub fn lit(base_color: [f64; 3], normal: [f64; 3], n_dot_l: f64, visibility: f64
 /// The sRGB pixel that shows a linear colour: with a gentle shoulder, so that sunlit white stays below white.
 pub fn shown(color: [f64; 3]) -> [u8; 3] {
     encoded(toned(color))
+}
+
+/// A linear colour as a texel of 8-bit sRGB holds it, a G-buffer's for one.
+pub fn in_8_bits(color: [f64; 3]) -> [f64; 3] {
+    encoded(color).map(|byte| f64::from(srgb_to_linear(byte)))
 }
 
 pub(super) fn toned(color: [f64; 3]) -> [f64; 3] {
