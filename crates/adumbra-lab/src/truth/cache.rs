@@ -244,7 +244,7 @@ impl Cache {
             if taken.saturating_add(bytes) <= self.limit_bytes {
                 return;
             }
-            // Whoever took it out before, it is gone.
+            // Another process may have taken it out already.
             let _ = std::fs::remove_file(path);
             taken -= length;
         }

@@ -21,7 +21,7 @@ pub struct BaseColors<'s> {
 struct UvPlane {
     p_world: [f64; 3],
     normal: [f64; 3],
-    /// By this the way from `p_world` is multiplied for u and for v.
+    /// Their dot products with the way from `p_world` are how far u and v move.
     gradients: [[f64; 3]; 2],
 }
 

@@ -1,4 +1,4 @@
-//! How large a scene is apart from the little that stands far away or is wide alone: what lengths that nobody gave are a share of.
+//! How large a scene is apart from the little that stands far away or is wide alone: default lengths are shares of it.
 
 use super::Scene;
 
