@@ -69,11 +69,15 @@ fn test(root: &Path) -> Result<(), String> {
 
 /// How tests are named that a quick run leaves out: those of real scenes, those that bake, bench or count over and over, and
 /// scene fuzzing at full length.
-const NOT_QUICK: [&str; 11] = [
+const NOT_QUICK: [&str; 15] = [
     "shared_",
     "bench_",
     "counts_the_taps_that_the_cpu_counts",
     "demo_",
+    "a_stray_triangle_",
+    "ground_of_any_width_",
+    "a_town_at_map_coordinates_",
+    "view_bakes_anew_",
     "limited_bake_",
     "bake_writes_the_same_bytes_",
     "report_browser_",
