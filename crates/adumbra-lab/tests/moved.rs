@@ -1,5 +1,6 @@
 //! Every shared scene at map coordinates gives the figures that it gives at zero: six cameras each, techniques of every kind.
 
+mod judged;
 #[path = "../../adumbra/tests/shared_folder/mod.rs"]
 mod shared_folder;
 
@@ -11,10 +12,10 @@ use adumbra::camera::Camera;
 use adumbra::format::ShadowFile;
 use adumbra::light::Sun;
 use adumbra::scene::{LoadOptions, Scene, load};
-use adumbra_lab::compare::{Compared, Comparison, Contender, Judge, compare, truth_for};
+use adumbra_lab::compare::{Compared, Comparison};
 use adumbra_lab::paths::CameraPath;
-use adumbra_lab::truth::{Cache, StreetOptions, TruthTracer, scene_key, street_camera};
-use adumbra_render::{Baked, Gpu, GpuOptions, Renderer, SceneOptions, TechniqueSpec, build};
+use adumbra_lab::truth::{StreetOptions, TruthTracer, street_camera};
+use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions};
 use shared_folder::{full, scene_file, shared};
 
 const SIZE: [u32; 2] = [320, 200];
@@ -74,26 +75,10 @@ fn compare_at(scene: &Scene, sun: Sun, place: [f64; 3], cameras: &[Camera]) -> V
     let file = ShadowFile::hierarchy(baked.grid, baked.settings, baked.hierarchy);
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
-    let truth = TruthTracer::build(&scene, false);
-    let key = scene_key(&scene, false);
-    let judge = Judge {
-        truth: &truth,
-        cache: &Cache::none(),
-        scene: &key,
-        towards_sun: sun.towards(),
-        disc: (0.53, 16),
-    };
-    let mut contenders: Vec<Contender> = TECHNIQUES
-        .iter()
-        .map(|name| {
-            let spec: TechniqueSpec = name.parse().unwrap();
-            let technique = build(renderer.gpu(), &spec, Baked { light: Some(&file), tree: None }).unwrap();
-            Contender { prepared: Some(renderer.prepare(technique).unwrap()), truth: truth_for(&spec), spec }
-        })
-        .collect();
     let at = |p: [f64; 3]| std::array::from_fn(|a| p[a] + place[a]);
-    let cameras = cameras.iter().map(|c| Camera { eye: at(c.eye), target: at(c.target), ..*c });
-    cameras.map(|c| compare(&mut renderer, &judge, &c, &mut contenders, 1).unwrap()).collect()
+    let cameras: Vec<_> =
+        cameras.iter().map(|c| Camera { eye: at(c.eye), target: at(c.target), ..*c }).collect();
+    judged::comparisons(&mut renderer, &scene, Some(&file), sun, &cameras, &TECHNIQUES)
 }
 
 /// Every figure of a comparison, with its name.

@@ -1,6 +1,8 @@
 //! What else a scene holds, and where in the world it stands, changes nothing of what a camera sees: pictures, shadows, ambient occlusion
 //! and figures beside rays, of scenes that are wide, hold a stray triangle, or stand at map coordinates.
 
+mod judged;
+
 use std::sync::atomic::AtomicBool;
 
 use adumbra::bake::{Options, Size, bake};
@@ -8,12 +10,9 @@ use adumbra::camera::{Camera, Projection};
 use adumbra::format::ShadowFile;
 use adumbra::light::Sun;
 use adumbra::scene::{GeneratedKind, Instance, Material, Mesh, Scene, generate};
-use adumbra_lab::compare::{Comparison, Contender, Judge, compare, truth_for};
-use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
+use adumbra_lab::compare::Comparison;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
-use adumbra_render::{
-    Answer, Baked, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build,
-};
+use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
 
 const SIZE: [u32; 2] = [160, 120];
 const SUN: [f64; 3] = [0.5, 0.8, 0.35];
@@ -70,22 +69,9 @@ fn renderer(scene: &Scene) -> Renderer {
 fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]) -> Seen {
     let mut renderer = renderer(scene);
     let sun = file.map_or_else(|| Sun::from_direction(SUN).unwrap(), |f| f.grid.sun);
-    let truth = TruthTracer::build(scene, false);
-    let key = scene_key(scene, false);
-    let judge = Judge {
-        truth: &truth,
-        cache: &Cache::none(),
-        scene: &key,
-        towards_sun: sun.towards(),
-        disc: (0.53, 16),
-    };
-    let contender = |renderer: &Renderer, name: &str| {
-        let spec: TechniqueSpec = name.parse().unwrap();
-        let technique = build(renderer.gpu(), &spec, Baked { light: file, tree: None }).unwrap();
-        Contender { prepared: Some(renderer.prepare(technique).unwrap()), truth: truth_for(&spec), spec }
-    };
-    let mut contenders: Vec<Contender> = names.iter().map(|name| contender(&renderer, name)).collect();
-    let comparison = compare(&mut renderer, &judge, camera, &mut contenders, 1).unwrap();
+    let comparisons =
+        judged::comparisons(&mut renderer, scene, file, sun, std::slice::from_ref(camera), names);
+    let comparison = comparisons.into_iter().next().unwrap();
     let shot = Shot { camera: *camera, towards_sun: sun.towards(), number: 0 };
     let settings = OcclusionSettings::new(Estimator::Gtao, 1.0);
     renderer.set_ambient(Some(OcclusionPasses::new(renderer.gpu(), settings).into()));

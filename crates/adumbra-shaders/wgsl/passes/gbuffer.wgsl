@@ -75,7 +75,7 @@ fn gbuffer_opaque(f: Fragment) -> Targets {
 fn gbuffer_masked(f: Fragment) -> Targets {
     let t = targets(f, 1.0);
     let texel_alpha = textureSampleLevel(color_texture, color_sampler, f.uv, 0.0).a;
-    let alpha = material.base_color.a * texel_alpha * f.color.a;
+    let alpha = material.base_color.a * texel_alpha * vertex_alpha(f.color.a);
     if (alpha < material.alpha.x) {
         discard;
     }

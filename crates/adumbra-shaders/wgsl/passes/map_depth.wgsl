@@ -27,7 +27,7 @@ fn map_vertex(
 struct MaskedFragment {
     @builtin(position) position: vec4f,
     @location(0) uv: vec2f,
-    @location(1) vertex_alpha: f32,
+    @location(1) alpha: f32,
 }
 
 @vertex
@@ -42,14 +42,14 @@ fn map_masked_vertex(
     return MaskedFragment(map_position(position, row_x, row_y, row_z), uv, color.a);
 }
 
-fn map_is_cut(uv: vec2f, vertex_alpha: f32) -> bool {
+fn map_is_cut(uv: vec2f, interpolated_alpha: f32) -> bool {
     let texel_alpha = textureSampleLevel(color_texture, color_sampler, uv, 0.0).a;
-    return material.base_color.a * texel_alpha * vertex_alpha < material.alpha.x;
+    return material.base_color.a * texel_alpha * vertex_alpha(interpolated_alpha) < material.alpha.x;
 }
 
 @fragment
 fn map_masked_fragment(f: MaskedFragment) {
-    if (map_is_cut(f.uv, f.vertex_alpha)) {
+    if (map_is_cut(f.uv, f.alpha)) {
         discard;
     }
 }

@@ -5,7 +5,7 @@ struct NormalFragment {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) texel: vec2f,
     @location(1) uv: vec2f,
-    @location(2) vertex_alpha: f32,
+    @location(2) alpha: f32,
 }
 
 @vertex
@@ -34,7 +34,7 @@ fn map_normals_fragment(f: NormalFragment) -> @location(0) vec2f {
 
 @fragment
 fn map_normals_masked_fragment(f: NormalFragment) -> @location(0) vec2f {
-    if (map_is_cut(f.uv, f.vertex_alpha)) {
+    if (map_is_cut(f.uv, f.alpha)) {
         discard;
     }
     return f.texel;

@@ -31,7 +31,7 @@ pub use generate::{GeneratedKind, generate};
 pub use glb::{to_glb, write_glb};
 pub use mips::{MipLevel, MippedTexture};
 pub use movers::{MoverPolicy, Movers};
-pub(crate) use srgb::{linear_to_srgb, srgb_to_linear};
+pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use texture::{Pixels, Texture, Wrap};
 
 use crate::error::{Error, Result};
@@ -205,6 +205,15 @@ impl Mesh {
     /// Alpha of a triangle's corners, 0 to 1; 1 for a mesh without vertex colours.
     pub fn corner_alphas(&self, triangle: u32) -> [f32; 3] {
         self.corners_of(triangle, &self.colors).map(|c| c.map_or(1.0, |c| f32::from(c[3]) / 255.0))
+    }
+
+    /// Alpha of the vertex colours at a place in a triangle, by the weights of its corners; exactly 1 for a mesh without them.
+    pub fn alpha_at(&self, triangle: u32, weights: [f64; 3]) -> f32 {
+        if self.colors.is_empty() {
+            return 1.0;
+        }
+        let alphas = self.corner_alphas(triangle).map(f64::from);
+        (0..3).map(|c| weights[c] * alphas[c]).sum::<f64>() as f32
     }
 
     /// Linear red, green and blue of a triangle's corners; white for a mesh without vertex colours.

@@ -14,12 +14,12 @@ fn decode(value_of_255: f64) -> f64 {
 }
 
 /// The linear value, 0 to 1, of an sRGB byte.
-pub(crate) fn srgb_to_linear(byte: u8) -> f32 {
+pub fn srgb_to_linear(byte: u8) -> f32 {
     LINEAR[usize::from(byte)]
 }
 
 /// The nearest sRGB byte of a linear value; values outside 0 to 1 count as the nearer end, what is not a number as 0.
-pub(crate) fn linear_to_srgb(linear: f32) -> u8 {
+pub fn linear_to_srgb(linear: f32) -> u8 {
     STEPS.partition_point(|&step| step <= linear) as u8
 }
 

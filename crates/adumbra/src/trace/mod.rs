@@ -236,8 +236,10 @@ impl<'s> Tracer<'s> {
         let surface = self.surfaces[material as usize];
         let found = Found { placing, triangle, material, hit };
         let there = (surface.casts || !casters_only)
-            && (!surface.masked
-                || self.scene.is_opaque(material, self.uv(&found), self.vertex_alpha(&found)));
+            && (!surface.masked || {
+                let vertex_alpha = self.mesh(&found).alpha_at(triangle, hit.barycentric);
+                self.scene.is_opaque(material, self.uv(&found), vertex_alpha)
+            });
         there.then_some(found)
     }
 
@@ -245,12 +247,6 @@ impl<'s> Tracer<'s> {
         let weights = found.hit.barycentric;
         let [a, b, c] = self.mesh(found).corner_uvs(found.triangle).map(|uv| uv.map(f64::from));
         [0, 1].map(|k| (weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]) as f32)
-    }
-
-    fn vertex_alpha(&self, found: &Found<'_>) -> f32 {
-        let [a, b, c] = self.mesh(found).corner_alphas(found.triangle).map(f64::from);
-        let weights = found.hit.barycentric;
-        (weights[0] * a + weights[1] * b + weights[2] * c) as f32
     }
 
     fn mesh(&self, found: &Found<'_>) -> &'s Mesh {

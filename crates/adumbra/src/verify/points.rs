@@ -153,7 +153,7 @@ impl<'s> SurfaceSampler<'s> {
         let opaque = self.ignore_alpha || {
             let at = |values: [f32; 3]| (0..3).map(|c| values[c] * weights[c] as f32).sum();
             let uv = mesh.corner_uvs(triangle as u32);
-            let vertex_alpha = at(mesh.corner_alphas(triangle as u32));
+            let vertex_alpha = mesh.alpha_at(triangle as u32, weights);
             self.scene.is_opaque(material, [0, 1].map(|a| at(uv.map(|c| c[a]))), vertex_alpha)
         };
         (Sample { p_world, normal: Some(normal) }, opaque)

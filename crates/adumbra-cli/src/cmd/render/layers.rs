@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use adumbra::picture::Picture;
+use adumbra::scene::{linear_to_srgb, srgb_to_linear};
 use adumbra_render::SurfaceImage;
 
 use crate::exit::Failure;
@@ -21,7 +22,7 @@ pub(in crate::cmd) struct Layer {
 
 pub(super) fn color(size: [u32; 2], rgba: &[u8]) -> Layer {
     let shown: Vec<[f32; 3]> =
-        rgba.as_chunks::<4>().0.iter().map(|p| [0, 1, 2].map(|c| linear(p[c]))).collect();
+        rgba.as_chunks::<4>().0.iter().map(|p| [0, 1, 2].map(|c| srgb_to_linear(p[c]))).collect();
     let channel = |c: usize| shown.iter().map(|p| p[c]).collect();
     let raw = vec![("R", channel(0)), ("G", channel(1)), ("B", channel(2))];
     Layer { size, raw, shown, data: false }
@@ -82,7 +83,8 @@ impl Layer {
     /// What a PNG shows.
     pub(in crate::cmd) fn picture(&self) -> Picture {
         let [width, height] = self.size;
-        let encode = |c: f32| if self.data { (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 } else { srgb8(c) };
+        let encode =
+            |c: f32| if self.data { (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 } else { linear_to_srgb(c) };
         let rgb = self.shown.iter().flat_map(|p| p.map(encode)).collect();
         Picture { width, height, rgb, difference_share: None }
     }
@@ -100,27 +102,9 @@ pub(super) fn write(path: &Path, layer: &Layer) -> Result<(), Failure> {
     write_png(path, &layer.picture())
 }
 
-fn linear(byte: u8) -> f32 {
-    let s = f32::from(byte) / 255.0;
-    if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
-}
-
-fn srgb8(linear: f32) -> u8 {
-    let c = linear.clamp(0.0, 1.0);
-    let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-    (s * 255.0 + 0.5) as u8
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn layer_s_colours_survive_there_and_back() {
-        for byte in 0..=255 {
-            assert_eq!(srgb8(linear(byte)), byte);
-        }
-    }
 
     #[test]
     fn smaller_layer_is_the_mean() {
