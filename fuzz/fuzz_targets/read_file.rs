@@ -1,6 +1,6 @@
 //! Any bytes: the reader refuses them, or gives a graph that answers everywhere and is written as the same bytes.
 //!
-//! The first byte decides whether checksums are made right, see `interpret`; files as they are serve as seeds.
+//! The first byte decides whether checksums are made right, see `Layout::interpret`; files as they are serve as seeds.
 
 #![no_main]
 
@@ -11,5 +11,5 @@ mod format_support;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|input: &[u8]| {
-    let _ = format_support::exercise(&format_support::interpret(input));
+    let _ = format_support::exercise(&format_support::LAYOUT.interpret(input));
 });

@@ -1,4 +1,4 @@
-//! Broken files: a valid one with one fault, its checksums made right again, and the error that it must cause.
+//! Broken files: each is a valid one with one fault and corrected checksums, and the error that it must cause.
 
 use std::fs;
 use std::io;
@@ -10,9 +10,9 @@ pub(crate) struct Broken {
     pub(crate) name: &'static str,
     /// Name of the error.
     pub(crate) error: &'static str,
-    /// Name of the fault, for the errors "Graph" and "Tree".
+    /// Name of the fault, for the errors "Graph", "Packed", "Depths" and "Tree".
     pub(crate) fault: Option<&'static str>,
-    /// The field or section that is wrong; the message must name it.
+    /// The field or section that is wrong. The message must name it.
     pub(crate) names: &'static str,
     pub(crate) bytes: Vec<u8>,
 }
@@ -35,7 +35,7 @@ pub(crate) fn write(all: &[Broken], folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A file being broken, whose header has `HEADER` bytes and its table of three sections at byte `TABLE`.
+/// A file that is being broken. Its header has `HEADER` bytes, and its table of three sections starts at byte `TABLE`.
 #[derive(Clone)]
 pub(crate) struct Bytes<const TABLE: usize, const HEADER: usize>(pub(crate) Vec<u8>);
 
@@ -57,7 +57,7 @@ impl<const TABLE: usize, const HEADER: usize> Bytes<TABLE, HEADER> {
         self.put(at, &value.to_le_bytes())
     }
 
-    /// The same without what follows byte `length`.
+    /// Removes everything after byte `length`.
     pub(crate) fn cut(mut self, length: usize) -> Self {
         self.0.truncate(length);
         self
@@ -68,7 +68,7 @@ impl<const TABLE: usize, const HEADER: usize> Bytes<TABLE, HEADER> {
         self.word(TABLE + 24 * section) as usize
     }
 
-    /// Makes every checksum right again.
+    /// Recomputes all checksums.
     pub(crate) fn sealed(mut self) -> Vec<u8> {
         for row in [TABLE, TABLE + 24, TABLE + 48] {
             let (from, length) = (self.word(row) as usize, self.word(row + 8) as usize);

@@ -1,30 +1,32 @@
 //! Development tasks: `cargo xtask test [--quick]`, `cargo xtask docs [--quick]`, `cargo xtask vectors`,
-//! `cargo xtask count [--bless]`, `cargo xtask tune-ao`.
+//! `cargo xtask json`, `cargo xtask count [--bless]`.
 
+#[cfg(test)]
+mod arrows;
 mod broken;
 mod count;
 mod docs;
 mod tools;
 mod tree_vectors;
-mod tune_ao;
 mod vectors;
 
+use std::collections::BTreeSet;
 use std::env;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test, the documents' commands
-  cargo xtask test --quick    without real scenes and what bakes over and over, under two minutes
-  cargo xtask docs            every command of README and docs/ in a copy of the repository, its output checked; links
-  cargo xtask docs --quick    with what is built, smaller numbers, and only the arguments of what takes long; FILE... reads these alone
-  cargo xtask vectors         write test_vectors/ again
-  cargo xtask count           instructions of the hot steps beside docs/counts.json; --bless writes it
-  cargo xtask tune-ao [--scenes DIR] [--budget N] [--only NAME,...]
-                              look for the estimators' parameters of ambient occlusion on the eight scenes; DIR is where the tests
-                              find scenes, N 120, and NAME every estimator if not given
-  cargo xtask tune-ao --variant NAME:KEY=VALUE... [--variant ...]
-                              the same with parameters fixed that have words or no search; prints, records nothing";
+  cargo xtask test --quick    only the tests, without real scenes and repeated bakes; under two minutes
+  cargo xtask docs            run every command of README and docs/ in a copy of the repository, check its output; check links
+  cargo xtask docs --quick    use existing builds and smaller numbers, only parse the arguments of long commands; FILE... reads only these files
+  cargo xtask vectors         regenerate test_vectors/
+  cargo xtask json            regenerate docs/json.md from the types that are printed or written as JSON
+  cargo xtask count           compare instruction counts of the hot steps with docs/counts.json; --bless writes it";
+
+/// The test that compares docs/json.md with the types, or writes it.
+const JSON_DOCUMENT: [&str; 7] =
+    ["test", "--release", "-p", "adumbra-cli", "--bin", "adumbra", "json_document"];
 
 fn main() -> ExitCode {
     let args: Vec<String> = env::args().skip(1).collect();
@@ -36,11 +38,9 @@ fn main() -> ExitCode {
         ["docs", options @ ..] => {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
+        ["json"] => cargo(root, &JSON_DOCUMENT, &[("ADUMBRA_WRITE_DOCUMENTS", "1")]),
         ["vectors"] => vectors::run(root).map_err(|e| e.to_string()),
         ["count", options @ ..] => count::run(root, options).map_err(|e| e.to_string()),
-        ["tune-ao", options @ ..] => {
-            tools::ensure_driver().and_then(|()| tune_ao::run(root, options).map_err(|e| e.to_string()))
-        }
         _ => Err(USAGE.to_owned()),
     };
     match outcome {
@@ -61,14 +61,38 @@ fn test(root: &Path) -> Result<(), String> {
     }
     cargo(root, &["fmt", "--all", "--check"], &[])?;
     cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+    check_baker(root)?;
     cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     tools::ensure_all()?;
     cargo(root, &["test", "--release", "--workspace", "--no-fail-fast"], &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }
 
-/// How tests are named that a quick run leaves out: those of real scenes, those that bake, bench or count over and over, and
-/// scene fuzzing at full length.
+/// Checks that the program without its features builds and links nothing that draws.
+fn check_baker(root: &Path) -> Result<(), String> {
+    let baker = ["-p", "adumbra-cli", "--no-default-features"];
+    cargo(root, &[&["clippy", "--release"], &baker[..], &["--", "-D", "warnings"]].concat(), &[])?;
+    let tree = Command::new("cargo")
+        .args([&["tree", "-e", "normal", "--prefix", "none"], &baker[..]].concat())
+        .current_dir(root)
+        .output()
+        .map_err(|e| format!("cannot run cargo: {e}"))?;
+    let tree = String::from_utf8_lossy(&tree.stdout);
+    let linked: BTreeSet<&str> = tree.lines().filter_map(|l| l.split(' ').next()).collect();
+    if !linked.contains("adumbra") {
+        return Err("cargo tree does not list what adumbra-cli links".to_owned());
+    }
+    match DRAWING.iter().find(|name| linked.contains(*name)) {
+        Some(name) => Err(format!("adumbra-cli links {name} without its features")),
+        None => Ok(()),
+    }
+}
+
+/// Crates that the program must not link without its features.
+const DRAWING: [&str; 6] = ["adumbra-lab", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
+
+/// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench or count
+/// repeatedly, and scene fuzzing at full length.
 const NOT_QUICK: [&str; 15] = [
     "shared_",
     "bench_",

@@ -1,11 +1,11 @@
-//! What the tests need beside Rust: a Vulkan driver; for the window an X server without a screen, the libraries that
-//! winit opens at run time, and `xdotool`; for the report's page a browser without a window.
+//! Tools that the tests need besides Rust: a Vulkan driver; for the window a headless X server, the libraries that
+//! winit opens at run time, and `xdotool`; for the report's page a headless browser.
 
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a test needs, found in one way, with its packages' names.
+/// A tool that tests need, how it is found, and its packages' names.
 struct Tool {
     what: &'static str,
     found: Found,
@@ -13,12 +13,12 @@ struct Tool {
     fedora: &'static str,
 }
 
-/// How to tell that a tool is there.
+/// How to find out whether a tool is installed.
 enum Found {
     VulkanDriver,
-    /// One of these commands is in the PATH.
+    /// One of these commands is in the `PATH`.
     Command(&'static [&'static str]),
-    /// A file of this name lies where the loader looks.
+    /// A file of this name is where the loader looks.
     Library(&'static str),
 }
 
@@ -29,7 +29,7 @@ const DRIVER: Tool = Tool {
     fedora: "mesa-vulkan-drivers",
 };
 
-/// Of the tests that press keys in a window.
+/// For the tests that press keys in a window.
 const KEYS: Tool = command("xdotool", &["xdotool"], "xdotool", "xdotool");
 
 const BROWSER: Tool = command(
@@ -39,7 +39,7 @@ const BROWSER: Tool = command(
     "chromium",
 );
 
-/// To open a window where nobody sees it.
+/// What a window needs to open without a screen.
 const WINDOW: [Tool; 8] = [
     command("Xvfb", &["Xvfb"], "xvfb", "xorg-x11-server-Xvfb"),
     library("libX11.so.6", "libx11-6", "libX11"),
@@ -64,18 +64,20 @@ const fn library(name: &'static str, debian: &'static str, fedora: &'static str)
     Tool { what: name, found: Found::Library(name), debian, fedora }
 }
 
-/// Makes sure that a machine with Linux has a Vulkan driver: installs Mesa's where that is one command, or names it. Other
-/// systems bring an adapter of their own.
+/// Makes sure that a Linux machine has a Vulkan driver: tries to install Mesa's with apt-get, or else names the
+/// packages. Other systems bring an adapter of their own.
 pub(crate) fn ensure_driver() -> Result<(), String> {
     ensure(&[DRIVER])
 }
 
-/// The same for what the documents' commands need: the driver, and what opens a window.
+/// Makes sure that everything the documents' commands need is installed, like [`ensure_driver`]: the driver, and what
+/// opens a window.
 pub(crate) fn ensure_documents() -> Result<(), String> {
     ensure(&documents())
 }
 
-/// The same for all that the full tests need: the driver, the window's tools, the browser.
+/// Makes sure that everything the full tests need is installed, like [`ensure_driver`]: the driver, the window's tools,
+/// the browser.
 pub(crate) fn ensure_all() -> Result<(), String> {
     ensure(&all())
 }
@@ -98,7 +100,7 @@ fn ensure(tools: &[Tool]) -> Result<(), String> {
     }
     let packages: Vec<&str> = missing.iter().map(|t| t.debian).collect();
     eprintln!("missing: {}; trying: apt-get install {}", names(&missing), packages.join(" "));
-    // An old list of packages may still do.
+    // An old list of packages may still be enough.
     let _ = apt(&["update"]);
     apt(&[&["install", "--yes", "--no-install-recommends"], packages.as_slice()].concat());
     let missing: Vec<&Tool> = missing.into_iter().filter(|t| !t.found.holds()).collect();
@@ -148,7 +150,8 @@ fn has_driver() -> bool {
     named || folders.iter().any(holds_a_driver)
 }
 
-/// Where the loader looks: what the user names, the usual folders, and Debian's one a machine below them.
+/// Returns the folders where the loader looks: those that the user names, the usual ones, and below them Debian's
+/// folder for each architecture.
 fn library_folders() -> Vec<PathBuf> {
     let mut folders: Vec<PathBuf> =
         env::split_paths(&env::var_os("LD_LIBRARY_PATH").unwrap_or_default()).collect();

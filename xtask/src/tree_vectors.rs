@@ -1,26 +1,27 @@
-//! The vectors of the tree file: valid ones made from functions voxel -> lit, with answers from those functions and not
-//! from the tree, and broken ones with one fault each.
+//! The test vectors of the tree file. Valid ones are made from functions voxel -> lit, and their answers come from
+//! these functions, not from the tree. Broken ones have one fault each.
 
 use std::collections::HashMap;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use adumbra::format::{AttributeKind, TreeBody, TreeFile};
-use adumbra::light::Sun;
-use adumbra::scene::Bounds;
-use adumbra::settings::Bias;
-use adumbra::tree::symmetric::SymmetricTree;
-use adumbra::tree::{CaptureBias, LossyChange, Region, Regions, TreeSettings, TreeSpace, VoxelTree};
+use adumbra::{Bias, Bounds, Sun};
+use adumbra_tree::symmetric::SymmetricTree;
+use adumbra_tree::{
+    AttributeKind, CaptureBias, LossyChange, Region, Regions, TreeBody, TreeFile, TreeSettings, TreeSpace,
+    VoxelTree,
+};
 use serde_json::{Value, json};
 
 use crate::broken::{self, Broken};
 use crate::vectors::noise;
 
-/// Whether a cube, given by its lowest voxel and its level, is all lit or all shadowed; a voxel is one of them.
+/// Whether a cube, given by its lowest voxel and its level, is all lit or all shadowed; `None` if it is mixed. A single
+/// voxel is never mixed.
 type Cubes = dyn Fn([u32; 3], u32) -> Option<bool>;
 
-/// Writes every vector below `folder`.
+/// Writes all vectors below `folder`.
 pub(crate) fn run(folder: &Path) -> Result<(), Box<dyn Error>> {
     let valid = folder.join("valid");
     fs::create_dir_all(&valid)?;
@@ -35,7 +36,7 @@ pub(crate) fn run(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The vectors without an attribute once more, with a symmetric body of either kind; their answers are the same.
+/// Writes the vectors without an attribute again, with a symmetric body of both kinds. Their answers are the same.
 fn write_symmetric(vectors: &[Vector], folder: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     for vector in vectors.iter().filter(|v| v.file.attribute_kind.is_none()) {
@@ -55,9 +56,9 @@ struct Vector {
     what: &'static str,
     file: TreeFile,
     cubes: Box<Cubes>,
-    /// Lowest voxels of the voxels of leaves of eight, and their levels, in the order of the attribute.
+    /// Lowest voxel and level of each voxel of the leaves of eight, in the order of the attribute.
     leaf_voxels: Vec<([u32; 3], u32)>,
-    /// Voxels that the answers must have.
+    /// Voxels that must be among the answers.
     shown: Vec<[u32; 3]>,
 }
 
@@ -91,14 +92,15 @@ impl Vector {
         Ok(Self { name, what, file, cubes: Box::new(cubes), leaf_voxels, shown: Vec::new() })
     }
 
-    /// The voxel's byte, where there are any.
+    /// Returns the attribute's byte for a voxel, or null if it is not in a leaf of eight. `None` if there is no
+    /// attribute.
     fn attribute(&self, voxel: [u32; 3]) -> Option<Value> {
         self.file.attribute_kind?;
         let holds = |(at, level): &([u32; 3], u32)| (0..3).all(|a| voxel[a] >> level == at[a] >> level);
         Some(self.leaf_voxels.iter().find(|leaf| holds(leaf)).map_or(Value::Null, |(at, _)| json!(byte(*at))))
     }
 
-    /// Points in and around the cube, with their visibility by the function.
+    /// Returns points in and around the cube, with their visibility according to the function.
     fn answers(&self) -> String {
         let side = self.file.space.side_voxels();
         let mut state = 0x9E37_79B9_u32;
@@ -118,7 +120,7 @@ impl Vector {
         let voxels: Vec<[u32; 3]> =
             self.shown.iter().copied().chain((0..24).map(|_| [0, 1, 2].map(&mut random))).collect();
         for v in voxels {
-            // A quarter off the centre: far from every voxel's boundary, whatever the rounding.
+            // A quarter off the centre, far from every voxel's boundary whatever the rounding.
             let at = [f64::from(v[0]) + 0.25, f64::from(v[1]) + 0.5, f64::from(v[2]) + 0.75];
             let lit = (self.cubes)(v, 0).expect("a voxel is lit or not");
             add("inside", at, lit, self.attribute(v));
@@ -139,17 +141,17 @@ impl Vector {
     }
 }
 
-/// The value of the vectors' attribute for the leaf voxel with this lowest voxel.
+/// Returns the attribute of the leaf voxel with this lowest voxel.
 fn byte([x, y, z]: [u32; 3]) -> u8 {
     ((x * 7 + y * 13 + z * 29) % 256) as u8
 }
 
-/// A function of voxels alone.
+/// Makes [`Cubes`] from a function of single voxels.
 fn voxels(lit: impl Fn(u32, u32, u32) -> bool) -> impl Fn([u32; 3], u32) -> Option<bool> {
     move |[x, y, z], level| (level == 0).then(|| lit(x, y, z))
 }
 
-/// Lit outside a ball in the middle of `side` voxels, with a shadow straight below it.
+/// Returns a function that is lit outside a ball in the middle of `side` voxels and its shadow straight below.
 fn ball(side: u32) -> impl Fn(u32, u32, u32) -> bool {
     move |x, y, z| {
         let [dx, dy, dz] = [x, y, z].map(|c| f64::from(c) - 0.5 * f64::from(side - 1));
@@ -166,7 +168,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
     let target = [5_u32, 32_767, 12_345];
     let rings = Regions::rings([-2.5, 10.5], &[3.0, 7.0], 6);
     let cell_of = {
-        // Boxes that end at cells' edges, so that every cell lies in one depth.
+        // The boxes end at cell boundaries, so that every cell has one depth.
         let boxes = [(16..32_u32, 12..24_u32, 6_u32), (8..40, 4..36, 5)];
         move |[x, y, z]: [u32; 3]| {
             let holds = boxes.iter().find(|(bx, bz, _)| bx.contains(&x) && bz.contains(&z));
@@ -231,7 +233,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
             }),
         )?,
         Vector::new("rings", "nested squares, a tree that is one leaf", space(6), |_, _| Some(true))?,
-        Vector::new("penumbra", "a byte a leaf voxel", space(4), voxels(ball(16)))?,
+        Vector::new("penumbra", "one byte per leaf voxel", space(4), voxels(ball(16)))?,
     ];
     let find = |all: &[Vector], name| all.iter().position(|v| v.name == name).ok_or("no such vector");
     let at = find(&all, "deep")?;
@@ -253,7 +255,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
     Ok(all)
 }
 
-/// A node before its block has a place.
+/// A node before its block has an index.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Child {
     Uniform(bool),
@@ -269,7 +271,7 @@ struct Builder<'a> {
     leaf_voxels: Vec<([u32; 3], u32)>,
 }
 
-/// The tree, and its leaf voxels in the order of a walk.
+/// The tree, and its leaf voxels in traversal order.
 type Built = (VoxelTree, Vec<([u32; 3], u32)>);
 
 fn build(depth: u32, cubes: &Cubes) -> Result<Built, Box<dyn Error>> {
@@ -316,7 +318,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The word of a child; blocks are numbered in order of first visit.
+    /// Returns the word of a child. Blocks are numbered in order of first visit.
     fn place(&self, child: Child, placed: &mut HashMap<usize, u32>, words: &mut Vec<u32>) -> u32 {
         let id = match child {
             Child::Uniform(lit) => return 0x8000_0000 | u32::from(lit),
@@ -339,10 +341,10 @@ impl Builder<'_> {
 const REGIONS: usize = 0;
 const BODY: usize = 1;
 const ATTRIBUTE: usize = 2;
-/// Rows of the section table.
+/// Byte offsets of the rows of the section table.
 const ROWS: [usize; 3] = [224, 248, 272];
 
-/// A tree file being broken.
+/// A tree file that is being broken.
 type Bytes = broken::Bytes<224, 320>;
 
 impl Bytes {
@@ -351,7 +353,7 @@ impl Bytes {
         self.put_word(at, value)
     }
 
-    /// Byte `byte` of the region at `index`.
+    /// Returns the offset of byte `byte` of the region at `index`.
     fn region(&self, index: usize, byte: usize) -> usize {
         self.section(REGIONS) + 40 * index + byte
     }

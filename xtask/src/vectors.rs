@@ -1,8 +1,10 @@
-//! `cargo xtask vectors`: writes `test_vectors/` anew, the same bytes each time. Here those of the light-aligned file.
+//! `cargo xtask vectors`: writes `test_vectors/` again, with the same bytes every time. This module makes those of the
+//! light-aligned file.
 //!
-//! Valid files are made from functions voxel -> lit, and their answers come from those functions, not from the graph;
-//! so a reader that agrees with them has decoded the graph rightly. Each is there in the plain layout and, if its columns are
-//! monotone, in the packed one and as a hierarchy. Each broken file is a valid one with one fault. `valid_v1` holds what version 1 wrote, and stays as it is.
+//! Valid files are made from functions voxel -> lit, and their answers come from these functions, not from the graph. A
+//! reader that agrees with them has therefore decoded the graph correctly. Each file exists in the plain layout and, if
+//! its columns are monotone, also in the packed one and as `depths`. Each broken file is a valid one with one fault.
+//! `valid_v1` contains files written by version 1 and never changes.
 
 use std::collections::HashMap;
 use std::error::Error;
@@ -10,11 +12,13 @@ use std::fs;
 use std::path::Path;
 use std::rc::Rc;
 
-use adumbra::dag::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
-use adumbra::format::{HEADER_BYTES, Layout, ShadowFile};
-use adumbra::light::{LightExtent, LightGrid, Sun};
-use adumbra::scene::Bounds;
-use adumbra::settings::{Bias, Receivers, Settings};
+use adumbra::file::HEADER_BYTES;
+use adumbra::layout::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
+use adumbra::layout::{LEAF_NODE_LEVEL, top_dims};
+use adumbra::{
+    Bias, Bounds, FileSettings, Layout, LightBody, LightExtent, LightGrid, Receivers, ShadowFile, Sun,
+};
+use adumbra_bake::convert::{body_in, graph_of};
 use serde_json::json;
 
 use crate::broken::{self, Broken};
@@ -23,7 +27,7 @@ use crate::tree_vectors;
 /// Whether the voxel (x, y, z) is lit.
 type Voxels = dyn Fn(u32, u32, u32) -> bool;
 
-/// Writes every vector below `root/test_vectors`.
+/// Writes all vectors below `root/test_vectors`.
 pub(crate) fn run(root: &Path) -> Result<(), Box<dyn Error>> {
     let folder = root.join("test_vectors");
     let valid = folder.join("valid");
@@ -46,7 +50,7 @@ struct Vector {
 }
 
 impl Vector {
-    /// Points in and around the grid, with their visibility by the function.
+    /// Returns points in and around the grid, with their visibility according to the function.
     fn answers(&self) -> String {
         let grid = &self.file.grid;
         let size = grid.size;
@@ -65,18 +69,18 @@ impl Vector {
         };
         for _ in 0..24 {
             let v = size.map(&mut random);
-            // A quarter off the centre: far from every voxel's boundary, whatever the rounding.
+            // A quarter off the centre, far from every voxel's boundary whatever the rounding.
             let at = [f64::from(v[0]) + 0.25, f64::from(v[1]) + 0.5, f64::from(v[2]) + 0.75];
             add("inside", at, (self.lit)(v[0], v[1], v[2]));
         }
         let [x, y] = [random(size[0]), random(size[1])];
         let (cx, cy) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
         let [ex, ey, ez] = size.map(f64::from);
-        add("beside, x below 0", [-0.5, cy, ez - 0.5], true);
-        add("beside, x at the end", [ex + 0.5, cy, ez - 0.5], true);
-        add("beside, y below 0", [cx, -0.5, ez - 0.5], true);
-        add("beside, y at the end", [cx, ey + 0.5, ez - 0.5], true);
-        add("beside and beyond", [-3.5, cy, ez + 5.5], true);
+        add("outside, x below 0", [-0.5, cy, ez - 0.5], true);
+        add("outside, x at the end", [ex + 0.5, cy, ez - 0.5], true);
+        add("outside, y below 0", [cx, -0.5, ez - 0.5], true);
+        add("outside, y at the end", [cx, ey + 0.5, ez - 0.5], true);
+        add("outside and beyond the far end", [-3.5, cy, ez + 5.5], true);
         add("sunward", [cx, cy, -0.5], true);
         add("far sunward", [cx, cy, -1000.5], true);
         let last = (self.lit)(x, y, size[2] - 1);
@@ -86,10 +90,10 @@ impl Vector {
     }
 }
 
-/// In every layout.
+/// Returns the vectors in all layouts that can represent them.
 fn all_valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
     let mut all = valid_vectors()?;
-    let monotone = |v: &Vector| Some([v.packed()?, v.in_layout("hierarchy", Layout::Hierarchy)?]);
+    let monotone = |v: &Vector| Some([v.packed()?, v.in_layout("depths", Layout::Depths)?]);
     let others: Vec<Vector> = all.iter().filter_map(monotone).flatten().collect();
     all.extend(others);
     Ok(all)
@@ -132,7 +136,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
         }),
         Vector::new(
             "odd_sizes",
-            "sizes that are no multiples of 8, in roots of 16",
+            "sizes that are not multiples of 8, in roots of 16",
             slanted([13, 21, 37], 1.5)?,
             4,
             |x, y, z| (x * 7 + y * 3) % 40 > z,
@@ -147,14 +151,14 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
         ),
         Vector::new(
             "shared_levels",
-            "one node without slabs, used at levels 4 and 5",
+            "one node without leaf masks, used at levels 4 and 5",
             slanted([64, 32, 32], 1.0)?,
             5,
             |x, y, z| if x < 32 { !(8..16).contains(&x) || y >= 16 || z >= 16 } else { x < 48 },
         ),
         Vector::new(
             "terraces",
-            "steps of 8 and 16 voxels: a node without slabs at levels 4 and 5 whose columns are monotone",
+            "steps of 8 and 16 voxels: a node without leaf masks at levels 4 and 5 whose columns are monotone",
             slanted([64, 32, 64], 1.0)?,
             5,
             |x, _, z| z < if x < 32 { 16 * (x / 16) } else { 8 * (x / 8 % 2) },
@@ -168,7 +172,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
         ),
         Vector::new(
             "cliff",
-            "depths that differ by more than 16 bits hold",
+            "depths that differ by more than 16 bits can hold",
             slanted([16, 1, 66_000], 1.0)?,
             5,
             |x, _, z| z < if x < 8 { 5 + 65_900 * (x / 4) } else { 34_000 + 300 * (x % 3) },
@@ -190,7 +194,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
     Ok(vectors)
 }
 
-/// Sun overhead, voxels of one unit; x is +X, y is +Z, z is down from y = 8.
+/// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from y = 8.
 fn example_grid(size: [u32; 3]) -> LightGrid {
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("straight up is a direction");
     let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
@@ -218,7 +222,7 @@ impl Vector {
         root_level: u32,
         lit: impl Fn(u32, u32, u32) -> bool + 'static,
     ) -> Self {
-        let settings = Settings {
+        let settings = FileSettings {
             resolution: grid.size[0].max(grid.size[1]),
             thickness_world: 0.0,
             assume_ground: true,
@@ -231,23 +235,23 @@ impl Vector {
             triangles: 12,
             instances: 1,
         };
-        let file = ShadowFile::plain(grid, settings, build(grid.size, root_level, &lit));
+        let file = ShadowFile { grid, settings, body: LightBody::Plain(build(grid.size, root_level, &lit)) };
         Self { name: name.to_owned(), what, file, lit: Rc::new(lit) }
     }
 
-    /// The same in the packed layout, if it is monotone.
+    /// Returns the vector in the packed layout, if it is monotone.
     fn packed(&self) -> Option<Self> {
         self.in_layout("packed", Layout::Packed)
     }
 
     fn in_layout(&self, suffix: &str, layout: Layout) -> Option<Self> {
-        let dag = self.file.graph().ok()?.into_owned();
-        let file = ShadowFile::of_dag(self.file.grid, self.file.settings, dag, layout).ok()?;
+        let body = body_in(layout, graph_of(&self.file.body).ok()?.into_owned()).ok()?;
+        let file = ShadowFile { grid: self.file.grid, settings: self.file.settings, body };
         Some(Self { name: format!("{}_{suffix}", self.name), file, lit: Rc::clone(&self.lit), ..*self })
     }
 }
 
-/// A child before it has a place: shadowed, lit, or an index into the merged nodes or slabs.
+/// A child before it has an index in the file: shadowed, lit, or an index into the merged nodes or leaf masks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Child {
     Shadowed,
@@ -255,22 +259,25 @@ enum Child {
     Mixed(usize),
 }
 
-/// Merges equal nodes and slabs while it builds.
+/// Merges equal nodes and leaf masks while it builds.
 struct Builder<'a> {
     lit: &'a Voxels,
-    /// Voxels outside are never looked up; those beside count as lit, those behind the far end as shadowed.
+    /// Size of the grid. Voxels outside are never looked up: those to the sides count as lit, those behind the far end
+    /// as shadowed.
     size: [u32; 3],
     nodes: Vec<[Child; 8]>,
-    slabs: Vec<u64>,
-    /// By whether the children are slabs, and the children: a node without slabs below may serve several levels.
+    leaf_masks: Vec<u64>,
+    /// Keyed by whether the children are leaf masks, and by the children: a node without leaf masks below may be used
+    /// at several levels.
     node_ids: HashMap<(bool, [Child; 8]), usize>,
-    slab_ids: HashMap<u64, usize>,
+    leaf_mask_ids: HashMap<u64, usize>,
 }
 
 fn build(size: [u32; 3], root_level: u32, lit: &Voxels) -> Dag {
-    let (node_ids, slab_ids) = (HashMap::new(), HashMap::new());
-    let mut builder = Builder { lit, size, nodes: Vec::new(), slabs: Vec::new(), node_ids, slab_ids };
-    let top_dims = Dag::top_dims_covering(size, root_level);
+    let (node_ids, leaf_mask_ids) = (HashMap::new(), HashMap::new());
+    let mut builder =
+        Builder { lit, size, nodes: Vec::new(), leaf_masks: Vec::new(), node_ids, leaf_mask_ids };
+    let top_dims = top_dims(size, root_level);
     let mut dag = Dag { size, root_level, top_dims, ..Dag::default() };
     let mut roots = Vec::new();
     for gz in 0..top_dims[2] {
@@ -280,7 +287,7 @@ fn build(size: [u32; 3], root_level: u32, lit: &Voxels) -> Dag {
             }
         }
     }
-    let mut placed = Placed { nodes: HashMap::new(), slabs: HashMap::new() };
+    let mut placed = Placed { nodes: HashMap::new(), leaf_masks: HashMap::new() };
     for root in roots {
         let entry = match root {
             Child::Shadowed => SHADOWED,
@@ -302,8 +309,8 @@ impl Builder<'_> {
         }
         let mut children = [Child::Lit; 8];
         for (c, child) in (0_u32..).zip(&mut children) {
-            *child = if level == SLAB_NODE_LEVEL {
-                self.slab([at[0], at[1], at[2] + c])
+            *child = if level == LEAF_NODE_LEVEL {
+                self.leaf_mask([at[0], at[1], at[2] + c])
             } else {
                 let half = level - 1;
                 let bits = [c >> 2, c >> 1 & 1, c & 1];
@@ -314,14 +321,14 @@ impl Builder<'_> {
             return children[0];
         }
         let next = self.nodes.len();
-        let id = *self.node_ids.entry((level == SLAB_NODE_LEVEL, children)).or_insert(next);
+        let id = *self.node_ids.entry((level == LEAF_NODE_LEVEL, children)).or_insert(next);
         if id == next {
             self.nodes.push(children);
         }
         Child::Mixed(id)
     }
 
-    fn slab(&mut self, at: [u32; 3]) -> Child {
+    fn leaf_mask(&mut self, at: [u32; 3]) -> Child {
         let mask = (0..64_u32).fold(0_u64, |mask, bit| {
             let v = [at[0] + bit % 8, at[1] + bit / 8, at[2]];
             let beside = (0..2).any(|a| v[a] >= self.size[a]);
@@ -331,10 +338,10 @@ impl Builder<'_> {
             0 => Child::Shadowed,
             u64::MAX => Child::Lit,
             _ => {
-                let next = self.slabs.len();
-                let id = *self.slab_ids.entry(mask).or_insert(next);
+                let next = self.leaf_masks.len();
+                let id = *self.leaf_mask_ids.entry(mask).or_insert(next);
                 if id == next {
-                    self.slabs.push(mask);
+                    self.leaf_masks.push(mask);
                 }
                 Child::Mixed(id)
             }
@@ -342,10 +349,10 @@ impl Builder<'_> {
     }
 }
 
-/// Numbers in order of first visit.
+/// Indices in the file, in order of first visit.
 struct Placed {
     nodes: HashMap<usize, u32>,
-    slabs: HashMap<usize, u32>,
+    leaf_masks: HashMap<usize, u32>,
 }
 
 impl Placed {
@@ -366,10 +373,10 @@ impl Placed {
             children.iter().filter_map(|c| if let Child::Mixed(id) = c { Some(*id) } else { None }).collect();
         dag.nodes.resize(at + 1 + mixed.len(), 0);
         for (i, child) in mixed.into_iter().enumerate() {
-            dag.nodes[at + 1 + i] = if level == SLAB_NODE_LEVEL {
-                *self.slabs.entry(child).or_insert_with(|| {
-                    dag.slabs.push(from.slabs[child]);
-                    dag.slabs.len() as u32 - 1
+            dag.nodes[at + 1 + i] = if level == LEAF_NODE_LEVEL {
+                *self.leaf_masks.entry(child).or_insert_with(|| {
+                    dag.leaf_masks.push(from.leaf_masks[child]);
+                    dag.leaf_masks.len() as u32 - 1
                 })
             } else {
                 self.node(from, dag, child, level - 1)
@@ -381,9 +388,9 @@ impl Placed {
 
 const TOP: usize = 0;
 const NODES: usize = 1;
-const SLABS: usize = 2;
+const LEAF_MASKS: usize = 2;
 
-/// A light-aligned file being broken.
+/// A light-aligned file that is being broken.
 type Bytes = broken::Bytes<280, 384>;
 
 impl Bytes {
@@ -401,7 +408,7 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
         Ok(broken::Bytes(bytes))
     };
     let vectors = all_valid_vectors()?;
-    // One level-3 node (header and pointer) and one slab.
+    // One level-3 node (header and pointer) and one leaf mask.
     let small = encode("example_8", &vectors)?;
     // Roots of level 4, several levels of nodes.
     let deep = encode("odd_sizes", &vectors)?;
@@ -417,12 +424,12 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     add("header_length", "HeaderField", "header_bytes", s().put_word(12, 256).sealed());
     add("cut_in_header", "Truncated", "header", s().0[..200].to_vec());
     add("cut_in_half", "Truncated", "nodes", d().0[..deep.section(NODES) + 20].to_vec());
-    add("cut_last_byte", "Truncated", "slabs", d().0[..deep.0.len() - 1].to_vec());
+    add("cut_last_byte", "Truncated", "leaf_masks", d().0[..deep.0.len() - 1].to_vec());
     add("goes_on", "TrailingBytes", "end", [s().0, vec![0]].concat());
     add("header_damaged", "HeaderChecksum", "header", s().put_word(20, 16).0);
     add("top_damaged", "SectionChecksum", "top", d().put(deep.section(TOP), &[1]).0);
     add("nodes_damaged", "SectionChecksum", "nodes", d().put(deep.section(NODES) + 9, &[77]).0);
-    add("slabs_damaged", "SectionChecksum", "slabs", d().put(deep.section(SLABS), &[0x5A]).0);
+    add("leaf_masks_damaged", "SectionChecksum", "leaf_masks", d().put(deep.section(LEAF_MASKS), &[0x5A]).0);
     add("padding", "Padding", "between", s().put(391, &[1]).0);
     add("unknown_flag", "HeaderField", "flags", s().put_word(16, 1 << 5).sealed());
     add("resolution_0", "HeaderField", "resolution", s().put_word(20, 0).sealed());
@@ -455,8 +462,8 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     add("section_far_away", "SectionBounds", "offset", s().put_word(332, 0x7FFF_FFFF).sealed());
     add("top_length", "SectionBounds", "length", s().put_word(288, 8).sealed());
     add("nodes_length_odd", "SectionBounds", "length", s().put_word(312, 7).sealed());
-    add("slabs_length_huge", "SectionBounds", "length", s().put_word(340, 0x1000_0000).sealed());
-    add("slabs_length_past_end", "Truncated", "slabs", s().put_word(336, 0x4000_0000).sealed());
+    add("leaf_masks_length_huge", "SectionBounds", "length", s().put_word(340, 0x1000_0000).sealed());
+    add("leaf_masks_length_past_end", "Truncated", "leaf_masks", s().put_word(336, 0x4000_0000).sealed());
     add(
         "top_huge",
         "SectionBounds",
@@ -477,9 +484,19 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     graph("node_all_shadowed", "Uniform", "node word 0", s().put_node(0, 0).sealed());
     graph("node_past_end", "NodeEnd", "2 pointers", s().put_node(0, header | 2 << 6).sealed());
     graph("pointer_unreached", "Unreachable", "node word 1", s().put_node(0, 0x0005).sealed());
-    graph("slab_past_end", "PointerRange", "slab 1", s().put_node(1, 1).sealed());
-    graph("slab_all_lit", "Uniform", "slab 0", s().put(small.section(SLABS), &[255; 8]).sealed());
-    graph("slab_all_shadowed", "Uniform", "slab 0", s().put(small.section(SLABS), &[0; 8]).sealed());
+    graph("leaf_mask_past_end", "PointerRange", "leaf mask 1", s().put_node(1, 1).sealed());
+    graph(
+        "leaf_mask_all_lit",
+        "Uniform",
+        "leaf mask 0",
+        s().put(small.section(LEAF_MASKS), &[255; 8]).sealed(),
+    );
+    graph(
+        "leaf_mask_all_shadowed",
+        "Uniform",
+        "leaf mask 0",
+        s().put(small.section(LEAF_MASKS), &[0; 8]).sealed(),
+    );
     graph("roots_all_lit", "Unreachable", "node word 0", s().put_word(root, LIT).sealed());
     graph("cycle", "TwoLevels", "node word 1", d().put_node(1, 0).sealed());
     graph("into_a_node", "NotAHeader", "node word 1", d().put_node(1, 1).sealed());
@@ -494,40 +511,41 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     for (name, fault, names) in [
         ("packed_top_length", "TopLength", "top of"),
         ("packed_pools", "Pools", "pool begins"),
-        ("packed_filler", "Filler", "fills a word"),
+        ("packed_filler", "Filler", "is padding"),
         ("packed_column", "Column", "column of"),
-        ("packed_node_bits", "NodeBits", "bits mean nothing"),
-        ("packed_node_end", "NodeEnd", "behind its pool"),
-        ("packed_slab_range", "SlabRange", "names slab"),
-        ("packed_slabs", "Slabs", "lose voxels"),
+        ("packed_node_bits", "NodeBits", "invalid bits"),
+        ("packed_node_end", "NodeEnd", "past the end of its pool"),
+        ("packed_leaf_mask_range", "LeafMaskRange", "refers to leaf mask"),
+        ("packed_leaf_masks", "LeafMasks", "proper subset"),
         ("packed_pointer", "Pointer", "no node begins"),
-        ("packed_order", "Order", "behind its slots"),
-        ("packed_unreached", "Unreached", "not reached"),
+        ("packed_order", "Order", "after its slots"),
+        ("packed_unreached", "Unreached", "not reachable"),
     ] {
         let bytes = packed.iter().find_map(|valid| flipped(valid, fault));
         let bytes = bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?;
         all.push(Broken { name, error: "Packed", fault: Some(fault), names, bytes });
     }
-    let hierarchies = [encode("sphere_hierarchy", &vectors)?, encode("cliff_hierarchy", &vectors)?];
-    let other_level = encode("example_8_hierarchy", &vectors)?.put_word(36, 6).sealed();
-    let mut hierarchy = |name, fault, names, bytes| {
-        all.push(Broken { name, error: "Hierarchy", fault: Some(fault), names, bytes });
+    let depths = [encode("sphere_depths", &vectors)?, encode("cliff_depths", &vectors)?];
+    let other_level = encode("example_8_depths", &vectors)?.put_word(36, 6).sealed();
+    let mut damaged = |name, fault, names, bytes| {
+        all.push(Broken { name, error: "Depths", fault: Some(fault), names, bytes });
     };
-    hierarchy("hierarchy_root_level", "RootLevel", "root level 6", other_level);
+    damaged("depths_root_level", "RootLevel", "root level 6", other_level);
     for (name, fault, names) in [
-        ("hierarchy_order", "Order", "which is not before it"),
-        ("hierarchy_end", "End", "behind the code"),
-        ("hierarchy_wide", "Wide", "names wide entry"),
-        ("hierarchy_bits", "Bits", "bits that mean nothing"),
-        ("hierarchy_ranks", "Ranks", "above its last"),
+        ("depths_order", "Order", "which is not before it"),
+        ("depths_end", "End", "past the end of the code"),
+        ("depths_wide", "Wide", "refers to wide entry"),
+        ("depths_bits", "Bits", "invalid bits"),
+        ("depths_ranks", "Ranks", "above its last"),
     ] {
-        let bytes = hierarchies.iter().find_map(|valid| flipped(valid, fault));
-        hierarchy(name, fault, names, bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?);
+        let bytes = depths.iter().find_map(|valid| flipped(valid, fault));
+        damaged(name, fault, names, bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?);
     }
     Ok(all)
 }
 
-/// The file with the first bit of its sections flipped that is this fault.
+/// Returns the file with one bit of its sections flipped, the first that causes this fault. `None` if there is no such
+/// bit.
 fn flipped(valid: &Bytes, fault: &str) -> Option<Vec<u8>> {
     let bits = (HEADER_BYTES..valid.0.len()).flat_map(|at| (0..8).map(move |bit| (at, bit)));
     bits.map(|(at, bit)| valid.clone().put(at, &[valid.0[at] ^ 1 << bit]).sealed())

@@ -1,45 +1,40 @@
-//! The program `adumbra`: bakes a scene's sun shadows into a file, and proves the file's answers against rays.
-
-/// Prints a line on stdout; a reader that has gone away, or a full disk there, does not end the work.
-macro_rules! say {
-    ($($words:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($words)*);
-    }};
-}
+//! The program `adumbra`: bakes a scene's sun shadows into a file, and verifies the file's answers against rays.
 
 mod args;
 mod cmd;
-mod exit;
-mod memory;
-mod output;
-mod plot;
-mod progress;
-mod signals;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use adumbra_program::exit::Outcome;
+use adumbra_program::{signals, start};
+
+use crate::args::{Args, Verb};
+
+impl start::Program for Args {
+    fn checks_arguments_only(&self) -> bool {
+        self.check_arguments
+    }
+
+    fn run(self) -> Outcome {
+        if !self.verb.has_something_to_finish() {
+            signals::end_when_interrupted();
+        }
+        cmd::run(self.verb)
+    }
+}
+
+impl Verb {
+    /// Whether the verb handles an interrupt itself.
+    fn has_something_to_finish(&self) -> bool {
+        match self {
+            Self::Bake(_) => true,
+            #[cfg(feature = "render")]
+            Self::Demo(_) => true,
+            _ => false,
+        }
+    }
+}
 
 fn main() -> ExitCode {
-    signals::survive_file_size_limit();
-    let args = match args::Args::try_parse() {
-        Ok(args) => args,
-        Err(error) => {
-            let code = if error.use_stderr() { exit::Code::Usage } else { exit::Code::Fine };
-            // Nothing is left to do where not even this can be printed.
-            let _ = error.print();
-            return code.into();
-        }
-    };
-    if args.check_arguments {
-        return exit::Code::Fine.into();
-    }
-    match cmd::run(args) {
-        Ok(code) => code.into(),
-        Err(error) => {
-            eprintln!("error: {error}");
-            error.code().into()
-        }
-    }
+    start::main::<Args>()
 }

@@ -1,11 +1,11 @@
-//! `compare` and `bench peers` as a user calls them.
+//! `compare` as a user calls it.
 
-mod kit;
+#![cfg(feature = "render")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use kit::{Folder, adumbra, json};
+use adumbra_testing::{Folder, adumbra, json};
 
 #[test]
 fn compare_leaves_tables_and_pictures() {
@@ -65,7 +65,7 @@ fn compare_leaves_tables_and_pictures() {
         serde_json::from_slice(&fs::read(folder.path("out/report.json")).unwrap()).unwrap();
     assert_eq!(kept, report);
     assert_eq!(fs::read_to_string(folder.path("out/path.csv")).unwrap().lines().count(), 4);
-    // Traced pictures are kept, and give the same figures.
+    // Traced pictures are cached and give the same figures.
     assert!(fs::read_dir(folder.path("out/truth-cache")).unwrap().count() >= 2);
     let again = json(&arguments);
     assert_eq!(again["techniques"][0]["rmse"], report["techniques"][0]["rmse"]);
@@ -91,9 +91,55 @@ fn compare_finds_a_street_and_walks_a_file() {
 }
 
 #[test]
+fn sun_angle_reaches_and_judges_every_technique_that_takes_one() {
+    let folder = Folder::new();
+    let (scene, out) = (folder.generate("primitives"), folder.path("out"));
+    let report = json(&[
+        "compare",
+        &scene,
+        "--sun-angle",
+        "3",
+        "--sun-samples",
+        "4",
+        "--resolution",
+        "256",
+        "--size",
+        "48x32",
+        "--frames",
+        "1",
+        "--shadow",
+        "pcss:size=256",
+        "--shadow",
+        "voxel:soft",
+        "--shadow",
+        "voxel:soft:angle=1",
+        "--shadow",
+        "blur:base=voxel/soft",
+        "--shadow",
+        "voxel:filter=3",
+        "--json",
+        "-o",
+        &out,
+    ]);
+    let rows: Vec<_> =
+        report["techniques"].as_array().unwrap().iter().map(|t| (&t["name"], &t["truth"])).collect();
+    let expected = [
+        ("pcss:size=256:angle=3", "disc"),
+        ("voxel:soft:angle=3", "disc"),
+        ("voxel:soft:angle=1", "disc"),
+        ("blur:base=voxel/soft/angle=3", "disc"),
+        ("voxel:filter=3", "hard"),
+    ];
+    assert_eq!(rows.len(), expected.len());
+    for ((name, truth), (expected, reference)) in rows.into_iter().zip(expected) {
+        assert_eq!((name.as_str(), truth.as_str()), (Some(expected), Some(reference)));
+    }
+}
+
+#[test]
 fn strict_refuses_figures_of_too_few_pixels() {
     let folder = Folder::new();
-    // Rods far thinner than a pixel: the rasterizer and the rays do not meet the same ones.
+    // The rods are far thinner than a pixel, so the rasterizer and the rays do not hit the same ones.
     let scene = folder.generate("wires");
     let out = folder.path("out");
     let base = ["compare", &scene, "--shadow", "none", "--size", "32x24", "--frames", "1", "-o", &out];
@@ -133,7 +179,8 @@ fn compare_refuses_what_makes_no_sense() {
     }
 }
 
-/// Where the tests find scenes and truth that are no part of the repository.
+/// Returns the folder of scenes and truth that are not part of the repository. If it is absent, prints a note and
+/// returns `None`.
 fn shared() -> Option<PathBuf> {
     let base = std::env::var_os("ADUMBRA_SHARED")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
@@ -161,44 +208,4 @@ fn shared_compare_takes_camera_and_sun_of_a_truth_file() {
     let other = json(&[&base[..], &["--sun", "0,1,0"]].concat());
     assert_eq!(other["sun"], serde_json::json!([0.0, 1.0, 0.0]));
     assert_ne!(report["sun"], other["sun"]);
-}
-
-#[test]
-fn shared_bench_peers_stands_beside_the_engines() {
-    let Some(shared) = shared() else { return };
-    let folder = Folder::new();
-    let (scenes, truth) = (shared.join("scenes"), shared.join("truth"));
-    let out = folder.path("out");
-    let (code, error) = adumbra(&[
-        "bench",
-        "peers",
-        "--scenes",
-        scenes.to_str().unwrap(),
-        "--truth",
-        truth.to_str().unwrap(),
-        "--shadow",
-        "none",
-        "-o",
-        &out,
-    ]);
-    assert_eq!(code, 0, "{error}");
-    let table: serde_json::Value =
-        serde_json::from_slice(&fs::read(folder.path("out/peers.json")).unwrap()).unwrap();
-    let rows = table["rows"].as_array().unwrap();
-    assert_eq!((rows.len(), &rows[0]["name"], &rows[7]["source"]), (8, &"none".into(), &"aim".into()));
-    for scene in rows[0]["scenes"].as_array().unwrap() {
-        // Without shadows, what is wrong is what is shadowed.
-        let (wrong, mean) =
-            (scene["wrong_percent"].as_f64().unwrap(), scene["mean_percent"].as_f64().unwrap());
-        assert!(wrong > 1.0 && (wrong - mean).abs() < 1e-3, "{scene}");
-    }
-}
-
-#[test]
-fn bench_peers_says_which_scene_is_missing() {
-    let folder = Folder::new();
-    let (scenes, out) = (folder.path(""), folder.path("out"));
-    let (code, error) = adumbra(&["bench", "peers", "--scenes", &scenes, "--truth", &scenes, "-o", &out]);
-    assert_eq!(code, 3);
-    assert!(error.contains("kaykit_city_21"), "{error}");
 }

@@ -1,12 +1,12 @@
-//! `--device` and `--adapter` mean what they say, and the GPU's pictures are the CPU's.
+//! `--device` and `--adapter` are obeyed, and the GPU's pictures match the CPU's.
 
-mod kit;
+#![cfg(feature = "render")]
 
 use std::path::{Path, PathBuf};
 
-use kit::{Folder, adumbra, json};
+use adumbra_testing::{Folder, adumbra, json};
 
-/// Draws traced shadows on a device; gives the picture and what `--json` calls the device.
+/// Draws traced shadows on a device. Returns the picture and the device's name according to `--json`.
 fn truth(scene: &str, device: &str, output: &str) -> (image::RgbImage, String) {
     let report = json(&[
         "render",
@@ -26,7 +26,7 @@ fn truth(scene: &str, device: &str, output: &str) -> (image::RgbImage, String) {
     (image::open(output).unwrap().into_rgb8(), report["device"].as_str().unwrap().to_owned())
 }
 
-/// Shares of pixels that differ by more than 2/255 and by more than 16/255.
+/// Returns the shares of pixels that differ by more than 2/255 and by more than 16/255.
 fn differing(a: &image::RgbImage, b: &image::RgbImage) -> [f64; 2] {
     let by = |least: u8| {
         let pixels = a.pixels().zip(b.pixels());
@@ -46,7 +46,7 @@ fn device_gpu_means_the_gpu() {
     assert_ne!(gpu_name, "cpu");
     let [slightly, much] = differing(&cpu, &gpu);
     assert!(slightly < 0.005 && much < 0.003, "{slightly} {much}");
-    // Without a word about it, rays alone are the CPU's; an adapter that is named is one.
+    // By default the CPU draws traced shadows. A named adapter is a GPU.
     assert_eq!(truth(&scene, "auto", &folder.path("auto.png")).1, "cpu");
     let picture = folder.path("none.png");
     let base = ["render", &scene, "--truth", "--size", "32x18", "-o", &picture];
@@ -59,11 +59,11 @@ fn device_gpu_means_the_gpu() {
     let base = ["render", &scene, "--shadow-file", &file, "--diff", "--size", "32x18", "-o", &picture];
     let (code, error) = adumbra(&[&base[..], &["--device", "gpu"]].concat());
     assert_eq!(code, 2, "{error}");
-    assert!(error.contains("--diff: the CPU draws it"), "{error}");
+    assert!(error.contains("--diff: it is drawn on the CPU"), "{error}");
     assert!(!folder.exists("none.png"));
 }
 
-/// Where the tests find scenes that are no part of the repository.
+/// Returns the path of a scene that is not part of the repository. If it is absent, prints a note and returns `None`.
 fn shared_scene(name: &str) -> Option<String> {
     let base = std::env::var_os("ADUMBRA_SHARED")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);

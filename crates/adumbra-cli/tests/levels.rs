@@ -1,11 +1,11 @@
-//! Hybrid maps as a user draws them: the levels that answer, and what is said of a coarse start.
+//! Hybrid maps drawn by the program: the levels that answer, and the note about a coarse start.
 
-mod kit;
+#![cfg(feature = "render")]
 
 use std::process::Command;
 
+use adumbra_testing::{Folder, adumbra, json, program};
 use exr::prelude::read_first_flat_layer_from_file;
-use kit::{Folder, adumbra, json, program};
 
 const SIZE: [&str; 2] = ["--size", "96x64"];
 
@@ -39,7 +39,7 @@ fn render_shows_the_levels_of_a_hybrid_map() {
         assert!(*level != 2.0 || g > r && g > b, "{level}: {pixel:?}");
         assert!(*level != 0.0 || r > g && r > b, "{level}: {pixel:?}");
     }
-    // Of what has none, and without a GPU.
+    // A technique without levels, and drawing without a GPU, are errors.
     let (code, error) = render("pcf:size=256", &[], "none.png");
     assert_eq!(code, 2, "{error}");
     assert!(error.contains("--layer hrsm-levels: pcf:size=256 has no levels"), "{error}");
@@ -88,7 +88,7 @@ fn render_gives_the_time_of_the_build() {
             json(&[&["render", &scene, "--json"][..], &SIZE, &["--shadow", shadow, "-o", &output]].concat());
         said["build_ms"].as_f64().unwrap()
     };
-    // Without a build the stage is timed all the same, with nothing in it.
+    // Without a build the stage is still timed, with nothing in it.
     let [none, some] = ["pcf:size=256", "hrsm:1024-512"].map(milliseconds);
     assert!(none >= 0.0 && some > none && some > 0.0, "{none} {some}");
 }
@@ -120,7 +120,7 @@ fn render_shows_the_size_of_the_voxels_that_answer() {
         let shares: f64 = rows.iter().map(|r| r["share"].as_f64().unwrap()).sum();
         let nothing = values.iter().filter(|v| **v == -1.0).count() as f64 / values.len() as f64;
         assert!((shares + nothing - 1.0).abs() < 1e-9, "{said}");
-        // As a picture, with its legend in words.
+        // As a picture, with its legend printed.
         let picture = folder.path(&format!("{frame}.png"));
         let arguments = [&render[..], &SIZE, &["-o", &picture]].concat();
         let legend = Command::new(program()).args(arguments).output().unwrap().stdout;

@@ -1,10 +1,10 @@
-//! Animated instances through the program: left out of a bake unless asked for, and verified as they were baked.
+//! Animated instances through the program: skipped by a bake unless asked for, and verified as they were baked.
 
-mod kit;
+#![cfg(feature = "render")]
 
-use kit::{Folder, adumbra, json};
+use adumbra_testing::{Folder, adumbra, json};
 
-/// A ground, and a block above it that rises: one key 1 m up, one key 9 m up. The file is put together here.
+/// Returns a GLB with a ground and a block above it that rises, from 1 m at the first key to 9 m at the second.
 fn rising_block() -> Vec<u8> {
     let mut bin = Vec::new();
     let mut floats = |values: &[f32]| {
@@ -67,15 +67,15 @@ fn bake_leaves_movers_out_and_verify_agrees() {
         (file, said)
     };
     let (without, said) = bake("without.adumbra", &[]);
-    assert!(said.contains("1 animated instances are left out"), "{said}");
+    assert!(said.contains("1 animated instances are skipped"), "{said}");
     let (with, said) = bake("with.adumbra", &["--include-animated"]);
-    assert!(!said.contains("left out"), "{said}");
+    assert!(!said.contains("are skipped"), "{said}");
     let verify = |file: &str, more: &[&str]| {
         let words = [&["verify", file, "--scene", &scene, "--samples", "20000", "--json"], more].concat();
         json(&words)["shadowed_share"].as_f64().unwrap()
     };
     assert_eq!(verify(&without, &[]), 0.0);
-    // In its first pose the block stands 1 m up, and its shadow falls onto the ground.
+    // In its first pose the block is 1 m above the ground, and its shadow falls onto the ground.
     assert!(verify(&with, &["--include-animated"]) > 0.02);
 }
 
@@ -91,7 +91,7 @@ fn render_numbers_frames_and_says_what_cannot_move() {
     let (code, said) = draw(&[&scene, "--move", "sphere", "--frames", "2", "-o", &folder.path("ball.png")]);
     assert_eq!(code, 0, "{said}");
     assert!(folder.exists("ball.0000.png") && folder.exists("ball.0001.png") && !folder.exists("ball.png"));
-    // The animation's first and last pictures differ; standing still they do not.
+    // The animation's first and last pictures differ. Frozen in the first pose they do not.
     let picture = |name: &str, more: &[&str]| {
         let output = folder.path(name);
         let (code, said) = draw(&[&[lift.as_str(), "-o", &output], more].concat());
@@ -106,5 +106,5 @@ fn render_numbers_frames_and_says_what_cannot_move() {
     let (code, said) = draw(&[&scene, "--frames", "2", "-o", &folder.path("still.png")]);
     assert!(code == 2 && said.contains("nothing moves"), "{code} {said}");
     let (code, said) = draw(&[&scene, "--move", "cube", "-o", &folder.path("still.png")]);
-    assert!(code == 2 && said.contains("there is: sphere"), "{code} {said}");
+    assert!(code == 2 && said.contains("the only one is sphere"), "{code} {said}");
 }

@@ -1,13 +1,11 @@
-//! No verb replaces a file that it reads, and nothing that a verb cannot answer goes by unsaid.
-
-mod kit;
+//! No verb replaces a file that it reads, and everything that a verb cannot answer is reported.
 
 use std::fs;
 use std::process::Command;
 
-use kit::{Folder, adumbra, json, program, read_f32, stderr};
+use adumbra_testing::{Folder, adumbra, json, program, read_f32, stderr};
 
-/// A board of 4 × 4 m, 2 m over a floor of 20 × 20 m.
+/// A board of 4 × 4 m, 2 m above a floor of 20 × 20 m.
 const BOARD: &str = "mtllib board.mtl\nv -10 0 -10\nv 10 0 -10\nv 10 0 10\nv -10 0 10\nv -2 2 -2\nv 2 2 -2\nv 2 2 2\nv -2 2 2\n\
     f 1 4 3\nf 1 3 2\nf 5 8 7\nf 5 7 6\n";
 
@@ -33,7 +31,7 @@ fn bake(scene: &str, output: &str, more: &[&str]) -> (i32, String) {
     adumbra(&[&base[..], resolution, more].concat())
 }
 
-/// Other names of a file: spellings, a symbolic link, a hard link.
+/// Returns other names of a file: another spelling, a symbolic link, a hard link.
 fn names(folder: &Folder, name: &str) -> Vec<String> {
     let path = folder.path(name);
     let mut all = vec![path.clone(), folder.path(&format!("./{name}"))];
@@ -49,7 +47,7 @@ fn names(folder: &Folder, name: &str) -> Vec<String> {
     all
 }
 
-/// Every command is refused with this code, says so, and leaves the file as it was.
+/// Checks that every command is refused with this exit code and a message, and leaves the file unchanged.
 fn is_kept(path: &str, code: i32, commands: &[Vec<&str>]) {
     let before = fs::read(path).unwrap();
     for command in commands {
@@ -74,7 +72,7 @@ fn bake_keeps_its_scene_and_what_the_scene_names() {
     for name in names(&folder, "board.mtl") {
         is_kept(&library, 3, &[vec!["bake", &scene, "-o", &name]]);
     }
-    // From another folder, and by a link to the scene.
+    // From the scene's folder, with relative paths.
     let output = Command::new(program())
         .args(["bake", "board.obj", "-o", "./board.obj"])
         .current_dir(std::path::Path::new(&scene).parent().unwrap())
@@ -94,7 +92,7 @@ fn bake_keeps_what_only_the_loader_sees_named() {
     for path in [&library, &texture] {
         is_kept(path, 3, &[vec!["bake", &scene, "-o", path]]);
     }
-    // JSON that glTF allows and a general parser does not, and a name that is another one on Windows.
+    // JSON that glTF allows but a general parser rejects, and a name that means another file on Windows.
     let positions: Vec<u8> = [0.0_f32, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0].map(f32::to_le_bytes).concat();
     let deep = format!("{}{}", "[".repeat(200), "]".repeat(200));
     let names: &[&str] = if cfg!(unix) { &["h.bin", "x\\g.bin"] } else { &["h.bin"] };
@@ -139,7 +137,7 @@ fn query_keeps_its_file_points_and_normals() {
 #[test]
 fn export_import_and_render_keep_what_they_read() {
     let Baked { folder, scene, file } = baked();
-    // Page 1 of an export beside page 0 would be the shadow file.
+    // Page 1 of an export to page 0 would replace the shadow file.
     let city = folder.path("city.adumbra");
     let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
     assert_eq!(code, 0, "{error}");
@@ -158,7 +156,7 @@ fn export_import_and_render_keep_what_they_read() {
     is_kept(&page, 2, &[vec!["import", &page, "-o", &page]]);
     is_kept(&later, 2, &[vec!["import", &page, "-o", &later]]);
 
-    // Pictures have endings of their own, links have not.
+    // Pictures have extensions of their own, but links can have any.
     let picture = folder.path("picture.png");
     for (path, name) in [(&scene, "scene"), (&file, "file")] {
         fs::hard_link(path, folder.path(&format!("{name}.png"))).unwrap();
@@ -184,27 +182,6 @@ fn compare_keeps_what_lies_in_its_folder() {
 }
 
 #[test]
-fn report_keeps_scenes_that_it_did_not_make() {
-    let folder = Folder::new();
-    let (out, scenes) = (folder.path("r"), folder.path("r/scenes"));
-    fs::create_dir_all(&scenes).unwrap();
-    for kind in ["city", "cornell"] {
-        let mine = folder.write(&format!("r/scenes/{kind}.glb"), b"mine");
-        for given in [&[][..], &["--scenes", &scenes]] {
-            let (code, error) = adumbra(&[&["report", "-o", &out, "--only", "blur"][..], given].concat());
-            assert_eq!((code, error.contains("generates a scene of this name")), (2, true), "{error}");
-            assert_eq!(fs::read(&mine).unwrap(), b"mine");
-        }
-        fs::remove_file(&mine).unwrap();
-    }
-    // What a section measured is cleared before it is measured again.
-    let measured = folder.path("r/data/blur");
-    fs::create_dir_all(&measured).unwrap();
-    let (code, error) = adumbra(&["report", "-o", &out, "--only", "blur", "--scenes", &measured]);
-    assert_eq!((code, error.contains("clears")), (2, true), "{error}");
-}
-
-#[test]
 fn compare_keeps_its_camera_and_its_path() {
     let Baked { folder, scene, .. } = baked();
     let out = folder.path("out");
@@ -226,7 +203,7 @@ fn compare_keeps_its_camera_and_its_path() {
 fn two_outputs_are_not_one_file() {
     use std::os::unix::fs::symlink;
     let Baked { folder, scene, file } = baked();
-    // An export with a second page.
+    // An export that has a second page.
     let city = folder.path("city.adumbra");
     let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
     assert_eq!(code, 0, "{error}");
@@ -239,7 +216,7 @@ fn two_outputs_are_not_one_file() {
         assert_eq!(folder.exists("p.png"), there_already);
         fs::write(&first, "earlier").unwrap();
     }
-    // Pictures of a render, and tables of a comparison.
+    // Frames of a render, and tables of a comparison.
     let frames = [0, 1].map(|i| folder.path(&format!("r.000{i}.png")));
     symlink(&frames[0], &frames[1]).unwrap();
     let picture = folder.path("r.png");
@@ -256,18 +233,12 @@ fn two_outputs_are_not_one_file() {
         adumbra(&["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out]);
     assert_eq!((code, error.contains("are one file")), (2, true), "{error}");
     assert_eq!(fs::read(&tables).unwrap(), b"earlier");
-    // What a demo and a report leave in their folder.
+    // The files that a demo leaves in its folder.
     let mine = folder.write("out/report.html", b"earlier");
-    for (link, verb) in
-        [("report.json", vec!["report", "-o", &out]), ("city.adumbra", vec!["demo", "--out", &out])]
-    {
-        let link = folder.path(&format!("out/{link}"));
-        let _ = fs::remove_file(&link);
-        symlink("report.html", &link).unwrap();
-        let (code, error) = adumbra(&verb);
-        assert_eq!(fs::read(&mine).unwrap(), b"earlier");
-        assert_eq!((code, error.contains("are one file")), (2, true), "{verb:?}: {error}");
-    }
+    symlink("report.html", folder.path("out/city.adumbra")).unwrap();
+    let (code, error) = adumbra(&["demo", "--out", &out]);
+    assert_eq!(fs::read(&mine).unwrap(), b"earlier");
+    assert_eq!((code, error.contains("are one file")), (2, true), "{error}");
 }
 
 #[test]
@@ -296,13 +267,18 @@ fn a_failed_export_or_query_leaves_every_earlier_file() {
         assert_eq!((code, folder.exists("page.1.png")), (0, true), "{error}");
         let pages = ["page.png", "page.1.png"].map(|name| folder.path(name));
         let before = pages.each_ref().map(|page| fs::read(page).unwrap());
-        // A limit on file sizes ends it as a full disk does; a page of 128 pixels a side is smaller than the limit, one of 256 is not.
+        // A limit on file sizes has the effect of a full disk. A page with sides of 128 pixels is smaller than the
+        // limit, one with sides of 256 is not.
         let limit = before.iter().map(Vec::len).max().unwrap().div_ceil(512);
         let limited = format!("ulimit -f {limit}; exec \"$@\"");
         let output =
-            Command::new("sh").args(["-c", &limited, "sh", program()]).args(export).output().unwrap();
+            Command::new("sh").args(["-c", &limited, "sh"]).arg(program()).args(export).output().unwrap();
         let said = stderr(&output);
-        assert_eq!((output.status.code(), said.contains("raise the limit")), (Some(4), true), "{said}");
+        assert_eq!(
+            (output.status.code(), said.contains("raise the file size limit")),
+            (Some(4), true),
+            "{said}"
+        );
         assert_eq!(pages.each_ref().map(|page| fs::read(page).unwrap()), before);
     }
     assert!(folder.no_temporary_files());
@@ -314,7 +290,7 @@ fn interrupts_leave_no_temporary_files() {
     let Baked { folder, file, .. } = baked();
     let points = folder.write("p.f32", &vec![0; 12 * 2_000_000]);
     let answers = folder.path("v.f32");
-    // It may end before the signal comes.
+    // The program may end before the signal arrives.
     let was_interrupted = (0..20).any(|_| {
         let mut run = Command::new(program())
             .args(["query", &file, "--points", &points, "-o", &answers])
@@ -347,7 +323,7 @@ fn output_that_is_a_symbolic_link_is_followed() {
     let (link, target) = (folder.path("link.adumbra"), folder.path("store/target.adumbra"));
     fs::create_dir(folder.path("store")).unwrap();
     std::os::unix::fs::symlink("store/target.adumbra", &link).unwrap();
-    // The target is not there yet, then it is.
+    // The target does not exist at first, then it does.
     for _ in 0..2 {
         let (code, error) = bake(&scene, &link, &[]);
         assert_eq!(code, 0, "{error}");
@@ -359,7 +335,7 @@ fn output_that_is_a_symbolic_link_is_followed() {
     std::os::unix::fs::symlink(&round, &round).unwrap();
     let (code, error) = bake(&scene, &round, &[]);
     assert_eq!(code, 3, "{error}");
-    assert!(error.contains("symbolic links do not end"), "{error}");
+    assert!(error.contains("too many symbolic links"), "{error}");
     assert!(folder.no_temporary_files());
 }
 
@@ -367,7 +343,7 @@ fn output_that_is_a_symbolic_link_is_followed() {
 fn query_counts_what_is_not_finite() {
     let Baked { folder, file, .. } = baked();
     let (nan, inf) = (f32::NAN, f32::INFINITY);
-    // Four places that are none; two in the board's shadow, one in the sun.
+    // Four invalid points, two in the board's shadow, one in the sun.
     let points = [
         [nan, 0.0, 0.0],
         [0.0, nan, 0.0],
@@ -391,11 +367,11 @@ fn query_counts_what_is_not_finite() {
     let with_normals = [&query[..], &["--normals", &normals]].concat();
     let found = json(&[&with_normals[..], &["--json"]].concat());
     assert_eq!((&found["points_not_finite"], &found["normals_not_finite"]), (&4.into(), &2.into()));
-    // A normal that is no number does not make a shadowed point lit.
+    // A normal that is not finite does not make a shadowed point lit.
     assert_eq!(read_f32(&answers), [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0]);
     let (_, said) = adumbra(&with_normals);
     assert!(said.contains("4 of 7 points") && said.contains("2 of 7 normals"), "{said}");
-    // Nothing is said where all is well.
+    // Nothing is printed if all points are valid.
     let one = folder.write_f32("one.f32", &[0.0; 3]);
     assert_eq!(adumbra(&["query", &file, "--points", &one, "-o", &answers]), (0, String::new()));
 }
@@ -407,7 +383,7 @@ fn bounds_that_hold_nothing_are_said() {
     let beside = ["--bounds", "100,0,100,110,5,110"];
     let (code, error) = bake(&scene, &output, &beside);
     assert_eq!(code, 0);
-    assert!(error.contains("--bounds hold no part of"), "{error}");
+    assert!(error.contains("--bounds contain no part of"), "{error}");
     for (bounds, empty) in [(beside, true), (["--bounds", "-1,-1,-1,1,1,1"], false)] {
         for frame in ["light", "world"] {
             let base = ["bake", &scene, "-o", &output, "--resolution", "64", "--progress", "none", "--json"];
@@ -417,7 +393,7 @@ fn bounds_that_hold_nothing_are_said() {
     }
     let (code, error) = bake(&scene, &output, &[]);
     assert_eq!((code, error.as_str()), (0, ""));
-    // A box that the triangle's own box holds, far from the triangle; it is said of a dry run too.
+    // A box inside the triangle's bounding box, but far from the triangle. A dry run reports it too.
     let slope = folder.write("slope.obj", b"v 0 0 0\nv 100 0 0\nv 0 100 100\nf 1 3 2\n");
     let run = ["bake", &slope, "--resolution", "64", "--dry-run", "--json", "--bounds"];
     assert_eq!(json(&[&run[..], &["90,80,90,95,95,95"]].concat())["empty_bounds"], true);
@@ -454,7 +430,7 @@ fn options_out_of_range_are_errors_of_usage() {
 #[test]
 fn points_of_64_bits_are_answered_far_from_the_origin() {
     let folder = Folder::new();
-    // The board, 10,000 km east: float32 has steps of a metre there.
+    // The board, 10,000 km to the east, where float32 has steps of one metre.
     let east: Vec<String> = BOARD
         .lines()
         .map(|line| match line.strip_prefix("v ").map(|v| v.split(' ').collect::<Vec<_>>()) {
@@ -466,7 +442,7 @@ fn points_of_64_bits_are_answered_far_from_the_origin() {
     let file = folder.path("east.adumbra");
     let (code, error) = bake(&scene, &file, &[]);
     assert_eq!(code, 0, "{error}");
-    // Across the shadow's border at x = 2, a tenth of a metre from one to the next.
+    // Points across the shadow's border at x = 2, a tenth of a metre apart.
     let steps = (-5..5).map(|step| f64::from(step) * 0.1 + 0.05);
     let points: Vec<f64> = steps.flat_map(|step| [1e7 + 2.0 + step, 0.0, 0.0]).collect();
     let doubles = folder.write("p.f64", &points.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<_>>());
@@ -479,7 +455,7 @@ fn points_of_64_bits_are_answered_far_from_the_origin() {
     };
     assert_eq!(lit("--points-f64", &doubles), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
     assert_ne!(lit("--points", &floats), lit("--points-f64", &doubles));
-    // Exactly one of the two, and whole triples.
+    // Exactly one of the two options must be given, and the file must hold whole triples.
     let odd = folder.write("odd.f64", &[0; 12]);
     for (points, code) in
         [(&[][..], 2), (&["--points", &floats, "--points-f64", &doubles], 2), (&["--points-f64", &odd], 3)]

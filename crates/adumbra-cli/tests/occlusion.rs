@@ -1,14 +1,14 @@
-//! Ambient occlusion as a user draws it: every name, its layer, its figures, frames, and what is said of mistakes.
+//! Ambient occlusion drawn by the program: every name, its layer, its figures, frames, and the messages about mistakes.
 
-mod kit;
+#![cfg(feature = "render")]
 
+use adumbra_testing::{Folder, adumbra, json};
 use exr::prelude::read_first_flat_layer_from_file;
-use kit::{Folder, adumbra, json};
 
 const SIZE: [&str; 2] = ["--size", "96x64"];
 const PIXELS: usize = 96 * 64;
 
-/// The one channel of an EXR.
+/// Reads the only channel of an EXR.
 fn visibility(path: &str) -> Vec<f32> {
     let layer = read_first_flat_layer_from_file(path).unwrap().layer_data;
     let channels = &layer.channel_data.list;
@@ -35,7 +35,7 @@ fn render_draws_ambient_occlusion_of_every_name() {
         pictures.push(picture);
     }
     assert!(draw("none", "issao:radius=0") == open);
-    // With any shadow, traced ones too.
+    // It combines with any shadows, including traced ones.
     for shadow in ["pcf:size=256", "truth"] {
         assert!(draw(shadow, "gtao:radius=1") != draw(shadow, "none"), "{shadow}");
     }
@@ -60,14 +60,14 @@ fn render_draws_the_layer_of_ambient_visibility_alone() {
         assert!(raw.iter().all(|v| (0.0..=1.0).contains(v)));
         let mean = raw.iter().sum::<f32>() / PIXELS as f32;
         assert!(mean > 0.8 && mean < 0.995, "{ao}: {mean}");
-        // As a picture the same values, without a curve; shadows and the device's own choice play no part.
+        // A picture has the same values, without a tone curve. Shadows and the choice of the device have no influence.
         draw(ao, "ao.png", &["--antialias", "1", "--shadow", "pcf:size=256"]);
         let png = image::open(folder.path("ao.png")).unwrap().into_rgb8();
         for (pixel, v) in png.pixels().zip(&raw) {
             assert_eq!(pixel.0, [(v * 255.0 + 0.5) as u8; 3], "{ao}");
         }
     }
-    // More samples a pixel see the same radius, which is in world units.
+    // More samples per pixel see the same radius, which is in world units.
     let mean = |samples: &str| {
         draw("issao:radius=1.5", "ao.png", &["--antialias", samples]);
         let png = image::open(folder.path("ao.png")).unwrap().into_luma8();
@@ -75,7 +75,7 @@ fn render_draws_the_layer_of_ambient_visibility_alone() {
     };
     let [one, three] = [mean("1"), mean("3")];
     assert!((one - three).abs() < 0.01, "{one} {three}");
-    // Without a radius a note says which it is: 0.02 of the scene's usual diagonal.
+    // Without a radius a note gives the one that is used: 0.02 of the scene's usual diagonal.
     let said = draw("gtao", "ao.png", &[]);
     assert!(said.contains("note: --ao gtao: the radius is ") && said.contains("2 % of the"), "{said}");
 }
@@ -123,7 +123,7 @@ fn frames_of_a_call_reuse_those_before() {
     let on = [0, 1, 2].map(|i| read(&format!("on.none.000{i}.exr")));
     let next = [0, 1, 2].map(|i| read(&format!("on.pcf_size=256.000{i}.exr")));
     let apart = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 0.01).count();
-    // A first frame has none before it, whatever the technique that was drawn before.
+    // A first frame has no previous frame, whatever technique was drawn before.
     assert_eq!(apart(&on[0], &off[0]), 0);
     assert!(apart(&on[1], &off[1]) > 200 && apart(&on[2], &off[2]) > 200);
     assert!(on == next, "a technique's frames do not depend on another's");
@@ -137,20 +137,20 @@ fn mistakes_of_ambient_occlusion_are_told_and_nothing_is_drawn() {
     let cases: [(&[&str], &str); 10] = [
         (
             &["--ao", "sao"],
-            "--ao sao: there is no such occlusion; there are: ssao, hbao, alchemy, issao, gtao, truth, none",
+            "--ao sao: unknown ambient occlusion; choose one of: ssao, hbao, alchemy, issao, gtao, truth, none",
         ),
         (
             &["--ao", "issao:taps=3"],
-            "--ao issao:taps=3: it has no parameter \"taps\"; it has: radius, samples, cap, levels, ",
+            "--ao issao:taps=3: unknown parameter \"taps\"; choose one of: radius, samples, cap, levels, ",
         ),
         (&["--ao", "issao:samples=65"], "samples=65: give a whole number from 1 to 64"),
-        (&["--ao", "gtao:filter=box"], "filter=box: give bilateral, square, gauss, none"),
+        (&["--ao", "gtao:filter=box"], "filter=box: choose one of: bilateral, square, gauss, none"),
         (&["--ao", "gtao:radius=-1"], "radius=-1: give a number from 0"),
         (&["--ao", "truth:rays=0"], "rays=0: give a whole number from 1 to 65536"),
-        (&["--ao", "truth:filter=none"], "it has no parameter \"filter\"; it has: radius, rays"),
-        (&["--ao", "none:radius=1"], "it has no parameter \"radius\"; it has: none"),
-        (&["--layer", "ao"], "--layer ao: say how it is made: --ao NAME"),
-        (&["--ao", "gtao", "--device", "cpu"], "--ao gtao: the CPU draws open sky alone"),
+        (&["--ao", "truth:filter=none"], "unknown parameter \"filter\"; choose one of: radius, rays"),
+        (&["--ao", "none:radius=1"], "unknown parameter \"radius\"; there are none"),
+        (&["--layer", "ao"], "--layer ao: choose the ambient occlusion with --ao NAME"),
+        (&["--ao", "gtao", "--device", "cpu"], "--ao gtao: the CPU does not draw ambient occlusion"),
     ];
     for (words, said) in cases {
         let always = ["render", &scene, "--truth", "-o", &output];

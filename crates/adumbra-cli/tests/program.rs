@@ -1,6 +1,5 @@
-//! The program as its users meet it: verbs, exit codes, JSON fields, and what is left behind when something fails.
+//! The program as its users see it: verbs, exit codes, JSON fields, and the files that remain when something fails.
 
-mod kit;
 #[path = "program/scenes.rs"]
 mod scenes;
 
@@ -8,7 +7,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use kit::{Folder, adumbra, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, json, program, stderr};
 use serde_json::Value;
 
 #[test]
@@ -29,11 +28,11 @@ fn bake_info_verify_query_and_render_work_together() {
         "--progress",
         "none",
     ]);
-    for key in ["seconds", "peak_bytes", "file_bytes", "bits_per_texel", "nodes", "slabs"] {
+    for key in ["seconds", "peak_bytes", "file_bytes", "bits_per_texel", "nodes", "leaf_masks"] {
         assert!(baked[key].as_f64().is_some_and(|v| v > 0.0), "bake says {key}: {baked}");
     }
     let info = json(&["info", &file, "--json"]);
-    for key in ["file_bytes", "bits_per_texel", "nodes", "slabs"] {
+    for key in ["file_bytes", "bits_per_texel", "nodes", "leaf_masks"] {
         assert_eq!(info[key], baked[key], "{key}");
     }
     assert_eq!(info["file_bytes"].as_u64(), Some(fs::metadata(&file).unwrap().len()));
@@ -47,7 +46,7 @@ fn bake_info_verify_query_and_render_work_together() {
     }
     assert!(verified["interior_agreement"].as_f64().unwrap() >= 0.999, "{verified}");
 
-    // High above everything it is lit; far beyond the ground's rim, beside the grid, too.
+    // A point high above everything is lit, and so is one next to the grid, far beyond the edge of the ground.
     let points = folder.write_f32("points.f32", &[0.0, 500.0, 0.0, 9000.0, 0.0, 0.0]);
     let normals = folder.write_f32("normals.f32", &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
     let output = folder.path("v.f32");
@@ -66,7 +65,7 @@ fn bake_info_verify_query_and_render_work_together() {
             "--json",
         ]);
         assert_eq!(answer["points"], 2);
-        assert_eq!(kit::read_f32(&output), [1.0, 1.0], "filter {filter}");
+        assert_eq!(adumbra_testing::read_f32(&output), [1.0, 1.0], "filter {filter}");
     }
 
     let picture = folder.path("p.png");
@@ -132,7 +131,7 @@ fn usage_faults_exit_with_2() {
         &["bake", &scene, "--azimuth", "10"],
         &["bake", &scene, "--thickness", "-1", "-o", &file],
         &["bake", &scene, "--switch-within", "65536", "-o", &file],
-        &["bake", &scene, "--builder", "plain", "--layout", "hierarchy", "-o", &file],
+        &["bake", &scene, "--builder", "plain", "--layout", "depths", "-o", &file],
         &["bake", &scene, "--builder", "plain", "--layout", "auto", "-o", &file],
         &["bake", &scene, "--bounds", "1,0,0,0,1,1", "-o", &file],
         &["bake", &scene, "--voxel-size", "0", "-o", &file],
@@ -160,8 +159,8 @@ fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
     let point = folder.write("point.obj", b"v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
     let range = folder.write("range.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
     let nothing = folder.write("nothing.obj", b"v 0 0 0\n");
-    let texture = folder.write("texture.gltf", kit::MASKED_GLTF.as_bytes());
-    let extension = folder.write("extension.gltf", kit::REQUIRING_GLTF.as_bytes());
+    let texture = folder.write("texture.gltf", adumbra_testing::MASKED_GLTF.as_bytes());
+    let extension = folder.write("extension.gltf", adumbra_testing::REQUIRING_GLTF.as_bytes());
     let below = folder.path("nan.obj/below.adumbra");
     let folder_name = folder.path("");
     let missing = folder.path("missing.glb");
@@ -195,7 +194,7 @@ fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
         let (code, error) = adumbra(&arguments);
         assert_eq!(code, 3, "{case:?}: {error}");
         assert!(error.starts_with("error: ") || error.contains("\nerror: "), "{case:?}: {error}");
-        assert!(error.contains(says), "{case:?} should speak of {says}: {error}");
+        assert!(error.contains(says), "{case:?} should mention {says}: {error}");
     }
     assert_eq!(fs::read(&file).unwrap(), b"earlier");
     assert!(folder.no_temporary_files());
@@ -204,7 +203,7 @@ fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
 #[test]
 fn ignore_alpha_needs_no_texture() {
     let folder = Folder::new();
-    let texture = folder.write("texture.gltf", kit::MASKED_GLTF.as_bytes());
+    let texture = folder.write("texture.gltf", adumbra_testing::MASKED_GLTF.as_bytes());
     let file = folder.path("t.adumbra");
     let (code, error) = adumbra(&["bake", &texture, "--ignore-alpha", "--resolution", "64", "-o", &file]);
     assert_eq!(code, 0, "{error}");
@@ -252,9 +251,9 @@ fn full_disk_exits_with_4_and_leaves_the_earlier_file() {
     let scene = folder.generate("city");
     let file = folder.path("p.adumbra");
     fs::write(&file, b"earlier").unwrap();
-    // The limit of a file's size stands in for a full disk: 16 blocks are a few KiB, the bake is larger.
+    // A file-size limit simulates a full disk: 16 blocks are a few KiB, the bake is larger.
     let line = "ulimit -f 16; exec \"$0\" bake \"$1\" --resolution 1024 --progress none -o \"$2\"";
-    let output = Command::new("sh").args(["-c", line, program(), &scene, &file]).output().unwrap();
+    let output = Command::new("sh").args(["-c", line]).arg(program()).args([&scene, &file]).output().unwrap();
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
     assert!(stderr(&output).contains("p.adumbra"), "{}", stderr(&output));
     assert_eq!(fs::read(&file).unwrap(), b"earlier");
@@ -273,7 +272,7 @@ fn interrupt_exits_with_130_and_leaves_the_earlier_file() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // The first progress line says that the bake is under way.
+    // The first progress line shows that the bake is under way.
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().unwrap()));
     let first: Value = serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap();
     assert!(first["done_tiles"].as_u64().unwrap() >= 1 && first["total_tiles"].as_u64().unwrap() > 100);
@@ -339,10 +338,9 @@ fn inspect_says_what_a_scene_holds() {
 
 #[test]
 fn every_verb_shows_an_example() {
-    for verb in [
-        "generate", "inspect", "bake", "info", "verify", "query", "export", "import", "render", "bench",
-        "demo",
-    ] {
+    for verb in
+        ["generate", "inspect", "bake", "info", "verify", "query", "export", "import", "render", "demo"]
+    {
         let output = Command::new(program()).args([verb, "--help"]).output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let text = String::from_utf8(output.stdout).unwrap();
@@ -364,51 +362,7 @@ fn demo_leaves_the_file_pictures_and_a_report() {
     let report = fs::read_to_string(folder.path("demo/report.html")).unwrap();
     assert!(report.contains("interior agreement"));
     assert_eq!(report.matches("<figure class=\"pair\"").count(), 2);
-    assert_eq!(report.matches("src=\"data:image/").count(), 6, "pictures stand in the page");
-}
-
-#[test]
-fn bench_writes_tables() {
-    let folder = Folder::new();
-    folder.generate("primitives");
-    let out = folder.path("bench");
-    let scenes = folder.path("");
-    let arguments = [
-        "bench",
-        "bake",
-        "--scenes",
-        &scenes,
-        "--names",
-        "primitives.glb",
-        "--resolutions",
-        "128,256",
-        "--variant-resolution",
-        "128",
-        "-o",
-        &out,
-    ];
-    assert_eq!(adumbra(&arguments).0, 0);
-    let table = fs::read_to_string(folder.path("bench/bake.md")).unwrap();
-    assert!(table.contains("| primitives.glb | 256 |") && table.contains("static receivers"), "{table}");
-    let document: Value = serde_json::from_slice(&fs::read(folder.path("bench/bake.json")).unwrap()).unwrap();
-    assert_eq!(document["resolutions"].as_array().unwrap().len(), 2);
-    let arguments = [
-        "bench",
-        "verify",
-        "--scenes",
-        &scenes,
-        "--names",
-        "primitives.glb",
-        "--resolution",
-        "1024",
-        "--samples",
-        "20000",
-        "-o",
-        &out,
-    ];
-    let (code, error) = adumbra(&arguments);
-    assert_eq!(code, 0, "{error}");
-    assert!(fs::read_to_string(folder.path("bench/verify.md")).unwrap().contains("elevation 3°"));
+    assert_eq!(report.matches("src=\"data:image/").count(), 6, "pictures are embedded in the page");
 }
 
 #[test]
@@ -432,12 +386,12 @@ fn bake_layout_auto_keeps_the_smaller_file() {
             "none",
         ])
     };
-    let [packed, hierarchy, auto] = ["packed", "hierarchy", "auto"].map(bake);
+    let [packed, depths, auto] = ["packed", "depths", "auto"].map(bake);
     let bytes = |said: &Value| said["file_bytes"].as_u64().unwrap();
     assert!(packed["candidate_bytes"].is_null());
     assert_eq!(auto["candidate_bytes"]["packed"], packed["file_bytes"]);
-    assert_eq!(auto["candidate_bytes"]["hierarchy"], hierarchy["file_bytes"]);
-    assert_eq!(bytes(&auto), bytes(&packed).min(bytes(&hierarchy)));
+    assert_eq!(auto["candidate_bytes"]["depths"], depths["file_bytes"]);
+    assert_eq!(bytes(&auto), bytes(&packed).min(bytes(&depths)));
     let kept = auto["layout"].as_str().unwrap();
     assert!(fs::read(file("auto")).unwrap() == fs::read(file(kept)).unwrap(), "{kept}");
 }

@@ -1,14 +1,12 @@
-//! `export` and `import`: the same file comes back, and a picture that was changed on its way is refused.
-
-mod kit;
+//! `export` and `import`: the same file comes back, and pictures that were changed in between are refused.
 
 use std::fs;
 use std::path::Path;
 
+use adumbra_testing::{Folder, adumbra, json};
 use image::{DynamicImage, ImageFormat, ImageReader, RgbaImage};
-use kit::{Folder, adumbra, json};
 
-/// A small city's file.
+/// Bakes a small city and returns the file's path.
 fn bake(folder: &Folder) -> String {
     let scene = folder.generate("city");
     let file = folder.path("city.adumbra");
@@ -106,7 +104,7 @@ fn import_refuses_changed_pictures_and_leaves_the_output_alone() {
         assert!(error.contains(reason) && error.contains(picture.as_str()), "{picture}: {error}");
         assert_eq!(fs::read(&output).unwrap(), b"kept", "{picture}");
     }
-    // The same pixels, written by another program, are the same words.
+    // The same pixels written by another program are the same words.
     let resaved = save("resaved.png", &rgba);
     assert_eq!(adumbra(&["import", &resaved, "-o", &output]).0, 0);
     assert!(folder.no_temporary_files());

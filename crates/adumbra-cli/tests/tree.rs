@@ -1,12 +1,10 @@
-//! World-aligned trees from the command line.
-
-mod kit;
+//! World-aligned trees on the command line.
 
 use std::fs;
 
-use kit::{Folder, adumbra, json, read_f32};
+use adumbra_testing::{Folder, adumbra, json, read_f32};
 
-/// Bakes `scene` as a tree of depth 8 with more options.
+/// Bakes `scene` as a tree of depth 8 with further options, and returns the printed JSON.
 fn bake(scene: &str, output: &str, options: &[&str]) -> serde_json::Value {
     let base = ["bake", scene, "--frame", "world", "--resolution", "256", "--progress", "none", "--json"];
     json(&[&base, options, &["-o", output]].concat())
@@ -114,7 +112,7 @@ fn tree_options_report_what_they_did() {
     assert_eq!(bytes, both[0].min(both[1]));
     let info = json(&["info", &symmetric, "--json"]);
     assert_eq!(info["body"], "symmetric");
-    // Mirrors merge more; without them the nodes are those of the words.
+    // Mirrors merge more nodes. Without them there are as many nodes as in words.
     let plain_nodes = (plain_bytes - 4) / 32;
     let nodes = info["nodes"].as_u64().unwrap();
     assert!(nodes > 0 && nodes <= plain_nodes, "{nodes} of {plain_nodes}");
@@ -143,7 +141,7 @@ fn tree_options_report_what_they_did() {
     let (code, error) = query(&plain);
     assert_eq!(code, 3);
     assert!(error.contains("--attribute penumbra"), "{error}");
-    // One path for both answers: neither is written, whether or not the file exists.
+    // One path for both results: neither is written, whether or not the file exists.
     let new = folder.path("one.f32");
     for path in [&new, &widths] {
         let earlier = fs::read(path).ok();
@@ -155,8 +153,8 @@ fn tree_options_report_what_they_did() {
     }
 }
 
-/// A thin board 10 m above a floor under a sun overhead: its outline's penumbra is 10 m · 0.0093 wide. Its side lies off the
-/// cube's planes, so that the border passes single voxels.
+/// A thin board 10 m above a floor under a sun overhead, so that the penumbra of its outline is 10 m · 0.0093 wide. Its
+/// edge is off the planes of the cube, so that the border crosses single voxels.
 #[test]
 fn tree_penumbra_is_as_wide_as_the_sun_makes_it() {
     let folder = Folder::new();
@@ -179,7 +177,7 @@ fn tree_penumbra_is_as_wide_as_the_sun_makes_it() {
     let found: Vec<f32> = read_f32(&widths).into_iter().filter(|w| !w.is_nan() && *w > 0.0).collect();
     assert_eq!(found.len(), steps.len());
     for width in found {
-        // Eighths of a voxel of 1.6 cm.
+        // Widths are quantized to eighths of a voxel of 1.6 cm.
         assert!((width - 0.0924).abs() < 0.001, "{width}");
     }
 }
@@ -235,16 +233,16 @@ fn tree_faults_have_their_exit_codes() {
         assert_eq!(fs::read(&output).unwrap(), b"earlier");
     };
     let world = |options: &[&'static str]| [&["--frame", "world"][..], options].concat();
-    refused(&["--symmetry"], 2, "--symmetry means nothing with --frame light");
+    refused(&["--symmetry"], 2, "--symmetry does not apply to --frame light");
     refused(&["--lossy", "1%"], 2, "--lossy");
     refused(&["--rings", "0,0:1"], 2, "--rings");
-    refused(&["--builder", "pooled"], 2, "--builder means nothing with --frame light");
+    refused(&["--builder", "pooled"], 2, "--builder does not apply to --frame light");
     refused(&world(&["--capture-bias-slope", "17"]), 2, "--capture-bias");
     refused(&world(&["--region", "100,100,101,101:9"]), 2, "touch the scene's cube");
     refused(&world(&["--region", "0,0,1,1:8", "--resolution", "256"]), 2, "deeper than the rest");
     refused(&world(&["--rings", "0,0:nan"]), 2, "--rings");
     refused(&world(&["--voxel-size", "0.0001"]), 2, "--voxel-size");
-    refused(&world(&["--thickness", "0.1"]), 2, "--thickness means nothing with --frame world");
+    refused(&world(&["--thickness", "0.1"]), 2, "--thickness does not apply to --frame world");
     refused(&world(&["--receivers", "static"]), 2, "--receivers static");
     refused(&world(&["--no-assume-ground"]), 2, "--no-assume-ground");
     refused(&world(&["--symmetry", "--attribute", "penumbra"]), 2, "cannot be used with");
@@ -273,65 +271,4 @@ fn tree_faults_have_their_exit_codes() {
         adumbra(&["query", &light, "--points", &points, "--weights", "poisson", "-o", &folder.path("v.f32")]);
     assert_eq!(code, 2);
     assert!(error.contains("world-aligned"), "{error}");
-}
-
-#[test]
-fn bench_tree_writes_tables_plots_and_pictures() {
-    let folder = Folder::new();
-    let out = folder.path("bench");
-    let run = |only: &str| {
-        let (code, error) = adumbra(&[
-            "bench",
-            "tree",
-            "--scenes",
-            "none",
-            "--names",
-            "primitives",
-            "--depths",
-            "5,6",
-            "--runs",
-            "2",
-            "--samples",
-            "2000",
-            "--only",
-            only,
-            "-o",
-            &out,
-        ]);
-        assert_eq!(code, 0, "{error}");
-    };
-    run("builders");
-    run("reductions");
-    let text = fs::read_to_string(folder.path("bench/tree.md")).unwrap();
-    assert_eq!(text.matches("take turns").count(), 2, "{text}");
-    let document: serde_json::Value =
-        serde_json::from_slice(&fs::read(folder.path("bench/tree.json")).unwrap()).unwrap();
-    for section in ["builders", "reductions"] {
-        let rows = document[section]["rows"].as_array().unwrap();
-        assert_eq!(rows.len(), 2, "{section}");
-        assert!(rows.iter().all(|r| r["agree"] == true), "{rows:?}");
-    }
-    let sizes = &document["reductions"]["rows"][1];
-    let bytes = |key: &str| sizes[key].as_f64().unwrap();
-    assert!(bytes("complete_bytes") > bytes("merged_bytes") && bytes("merged_bytes") > bytes("graph_bytes"));
-    assert!(text.contains("## Builders") && text.contains("## Sort against hash"));
-    for plot in ["tree-builders.svg", "tree-merging.svg", "tree-reductions.svg"] {
-        let svg = fs::read_to_string(folder.path(&format!("bench/{plot}"))).unwrap();
-        assert!(svg.contains("<svg") && svg.contains("depth"), "{plot}");
-    }
-}
-
-#[test]
-fn bench_tree_refuses_an_earlier_report_that_is_none() {
-    let folder = Folder::new();
-    for content in ["[]", "null", "{", ""] {
-        let earlier = folder.write("tree.json", content.as_bytes());
-        let out = folder.path("");
-        let base =
-            ["bench", "tree", "--scenes", "none", "--names", "primitives", "--depths", "3", "--runs", "1"];
-        let (code, error) = adumbra(&[&base[..], &["--only", "builders", "-o", &out]].concat());
-        assert_eq!(code, 3, "{content:?}: {error}");
-        assert!(error.contains("tree.json") && error.contains("remove it"), "{content:?}: {error}");
-        assert_eq!(fs::read(&earlier).unwrap(), content.as_bytes());
-    }
 }

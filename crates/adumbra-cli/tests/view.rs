@@ -1,23 +1,24 @@
-//! The window, under a virtual display: its keys, its pictures beside `render`'s, and what it does with a broken file.
+//! Tests of the window under a virtual display: its keys, its pictures compared with those of `render`, and its
+//! reaction to a broken file.
 //!
-//! Xvfb and xdotool are needed. Without them the tests say so and pass, except where `ADUMBRA_REQUIRE_TOOLS` is set, as `cargo xtask test`
-//! sets it.
+//! Needs Xvfb and xdotool. Without them the tests print a note and pass, unless `ADUMBRA_REQUIRE_TOOLS` is set, as
+//! `cargo xtask test` does.
+
+#![cfg(feature = "view")]
 
 mod display;
-mod kit;
-
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use adumbra::picture::Picture;
 use adumbra_lab::metrics::flip;
+use adumbra_truth::picture::Picture;
 use serde_json::{Value, json};
 
-use display::{PATIENCE, display, finish};
-use kit::{Folder, adumbra, program};
+use adumbra_testing::{Folder, adumbra, program};
+use display::{TIMEOUT, display, finish};
 
-/// Largest mean difference between the view's and `render`'s pictures.
-const MOST_FLIP: f64 = 0.02;
+/// Largest mean FLIP difference between the pictures of the view and of `render`.
+const MAX_FLIP: f64 = 0.02;
 
 fn picture(path: &str) -> Picture {
     let image = image::open(path).unwrap_or_else(|e| panic!("{path}: {e}")).into_rgb8();
@@ -25,7 +26,7 @@ fn picture(path: &str) -> Picture {
     Picture { width, height, rgb: image.into_raw(), difference_share: None }
 }
 
-/// Mean difference of two pictures, and the share of their bytes that are more than two steps apart.
+/// Returns the mean FLIP difference of two pictures, and the share of their bytes that differ by more than two steps.
 fn apart(a: &str, b: &str) -> (f64, f64) {
     let (a, b) = (picture(a), picture(b));
     let off = a.rgb.iter().zip(&b.rgb).filter(|(x, y)| x.abs_diff(**y) > 2).count();
@@ -42,7 +43,7 @@ fn view_shows_what_render_draws() {
     let file = folder.path("primitives.adumbra");
     let (code, error) = adumbra(&["bake", &scene, "--resolution", "2048", "-o", &file]);
     assert_eq!(code, 0, "{error}");
-    // A layer, and the technique and the ambient occlusion that it is of.
+    // Layer, technique and ambient occlusion of each view.
     let views = [
         ("color", "voxel:filter=9", "none"),
         ("color", "voxel:filter=9", "issao:radius=1"),
@@ -67,7 +68,7 @@ fn view_shows_what_render_draws() {
             json!({"screenshot": shot(i)}),
         ]);
     }
-    // Four samples a pixel, as render has it by default.
+    // Four samples per pixel, the default of render.
     steps.extend([
         json!({"shadow": {"side": "first", "technique": "voxel:filter=9"}}),
         json!({"layer": "color"}),
@@ -87,7 +88,7 @@ fn view_shows_what_render_draws() {
         let (code, error) = adumbra(&[&head[..], &CAMERA, &rest].concat());
         assert_eq!(code, 0, "{error}");
         let (flip, off) = apart(&shot(i), &drawn);
-        assert!(flip <= MOST_FLIP && off <= 0.002, "{layer} of {technique}, {ao}: FLIP {flip}, {off} off");
+        assert!(flip <= MAX_FLIP && off <= 0.002, "{layer} of {technique}, {ao}: FLIP {flip}, {off} off");
     }
 }
 
@@ -104,7 +105,7 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
         {"wait": "loaded"},
         {"wait": "baked"},
         {"screenshot": first},
-        // Here the keyboard and the mouse come in.
+        // The test presses keys and resizes the window here.
         {"wait": {"size": [640, 400]}},
         {"wait": {"frames": 1}},
         {"screenshot": second},
@@ -124,14 +125,14 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
     let mut wait_for = |path: &str| {
         let start = Instant::now();
         while !std::path::Path::new(path).exists() {
-            assert!(start.elapsed() < PATIENCE, "{path} was not written");
+            assert!(start.elapsed() < TIMEOUT, "{path} was not written");
             view.must_run(&format!("{path} was written"));
             std::thread::sleep(Duration::from_millis(50));
         }
     };
     wait_for(&first);
     display.xdotool(&["windowfocus", "--sync", &window]);
-    // The next technique is voxel+csm, the next layer what is shadowed.
+    // The next technique is voxel+csm, and the next layer is the shadow factor.
     display.press("t");
     display.press("l");
     display.xdotool(&["windowsize", "--sync", &window, "640", "400"]);
@@ -143,7 +144,7 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
     assert!(said.contains("broken.glb") && said.contains("torn.adumbra"), "{said}");
     let sizes = [&first, &second, &third].map(|p| (picture(p).width, picture(p).height));
     assert_eq!(sizes, [(480, 300), (640, 400), (400, 300)]);
-    // What was baked behind the window is what bake makes.
+    // The bake in the background gives what bake gives.
     let (file, drawn) = (folder.path("primitives.adumbra"), folder.path("render.png"));
     let (code, error) = adumbra(&["bake", &scene, "--resolution", "1024", "-o", &file]);
     assert_eq!(code, 0, "{error}");
@@ -152,7 +153,7 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
     let (code, error) = adumbra(&[&from[..], &to].concat());
     assert_eq!(code, 0, "{error}");
     let (flip, off) = apart(&second, &drawn);
-    assert!(flip <= MOST_FLIP && off <= 0.002, "FLIP {flip}, {off} off");
+    assert!(flip <= MAX_FLIP && off <= 0.002, "FLIP {flip}, {off} off");
     let saved: Value = serde_json::from_slice(&std::fs::read(&camera).unwrap()).unwrap();
     assert_eq!((&saved["eye"], &saved["size"]), (&json!([9.0, 6.0, 12.0]), &json!([640, 400])));
     let compared = folder.path("compared");
@@ -182,7 +183,7 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
         {"split": 0.5},
         {"wait": "traced"},
         {"screenshot": split},
-        // A finer bake, stopped on its way: what landed stays.
+        // A finer bake that is stopped on its way: what landed stays.
         "single",
         {"bake": 131072},
         {"wait": {"frames": 1}},
@@ -193,7 +194,7 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
         {"screenshot": difference},
         "single",
         {"bake": 1024},
-        // The file that is there has no penumbrae: another is baked.
+        // The current file has no penumbrae, so another is baked.
         {"shadow": {"side": "first", "technique": "voxel:soft:angle=4"}},
         {"wait": "baked"},
         {"screenshot": soft},
@@ -211,17 +212,17 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     let arguments = [&[scene.as_str(), "--resolution", "1024", "--move", way][..], &CAMERA].concat();
     let (code, said) = display.play(&folder, &arguments, &steps);
     assert_eq!(code, 0, "{said}");
-    assert!(said.contains("the bake is stopped; what landed stays"), "{said}");
+    assert!(said.contains("the bake was stopped; completed levels are kept"), "{said}");
     let (flip, _) = apart(&before, &after);
     assert!(flip > 0.02, "the shadows followed the sun: {flip}");
     let (flip, _) = apart(&kept, &after);
-    assert!(flip < 0.02, "what landed stayed: {flip}");
+    assert!(flip < 0.02, "completed levels were kept: {flip}");
     let colored =
         |p: &str| picture(p).rgb.as_chunks::<3>().0.iter().filter(|c| c[0].abs_diff(c[2]) > 60).count();
     assert!(colored(&difference) > 20 && colored(&kept) == 0, "the file differs from rays along edges");
     let (file, drawn) = (folder.path("soft.adumbra"), folder.path("render.png"));
     let sun = ["--azimuth", "250", "--elevation", "30"];
-    let baked = ["bake", &scene, "--resolution", "1024", "--layout", "hierarchy", "-o", &file];
+    let baked = ["bake", &scene, "--resolution", "1024", "--layout", "depths", "-o", &file];
     let (code, error) = adumbra(&[&baked[..], &sun].concat());
     assert_eq!(code, 0, "{error}");
     let rendered = ["render", &scene, "--shadow-file", &file, "--shadow", "voxel:soft:angle=4"];
@@ -229,12 +230,12 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     let (code, error) = adumbra(&[&rendered[..], &CAMERA, &rest].concat());
     assert_eq!(code, 0, "{error}");
     let (flip, off) = apart(&soft, &drawn);
-    assert!(flip <= MOST_FLIP && off <= 0.002, "penumbrae: FLIP {flip}, {off} off");
+    assert!(flip <= MAX_FLIP && off <= 0.002, "penumbrae: FLIP {flip}, {off} off");
     let (bare, panel) = (picture(&ball), picture(&window));
     assert_eq!((bare.width, bare.height), (panel.width, panel.height));
     let covered = bare.rgb.iter().zip(&panel.rgb).filter(|(a, b)| a.abs_diff(**b) > 30).count();
     assert!(covered > bare.rgb.len() / 20, "the panel is in the window's picture: {covered}");
-    // Left of the divider the file, right of it rays: what the file says right of it is what rays say.
+    // The file is left of the divider, rays are right of it. On the right, the file mostly agrees with rays.
     let (after, split) = (picture(&after), picture(&split));
     let half = |p: &Picture, right: bool| -> Vec<u8> {
         let row = p.width as usize * 3;
@@ -258,7 +259,7 @@ fn view_s_script_ends_where_a_step_cannot_be_done() {
     let shot = folder.path("shot.png");
     let cases: [(&[&str], Value, &str); 3] = [
         (&[], json!([{"wait": "loaded"}, {"window_shot": nowhere}, "quit"]), "step 2"),
-        // Enough to load the scene, not to bake it.
+        // Enough memory to load the scene, but not to bake it.
         (
             &["--max-memory", "500KiB"],
             json!([{"wait": "baked"}, {"screenshot": shot}, "quit"]),
@@ -285,7 +286,7 @@ fn view_keeps_what_comes_before_its_scene() {
     let saved = folder.path("camera.json");
     let steps = json!([
         {"camera": {"eye": [1.0, 2.0, 3.0], "target": [0.0, 0.5, 0.0]}},
-        // A scene that cannot be loaded takes nothing away.
+        // A scene that cannot be loaded changes nothing.
         {"drop": broken},
         {"drop": file},
         {"wait": "loaded"},
@@ -294,7 +295,7 @@ fn view_keeps_what_comes_before_its_scene() {
         "say_line",
         {"sun": {"azimuth": 10.0, "elevation": 50.0}},
         "say_line",
-        // As the view began with it: the file was not there then, but it is for that sun.
+        // Back to the sun that the view began with. The file was not there at that time, but it is for that sun.
         "reset_sun",
         {"wait": "baked"},
         "say_line",
@@ -316,7 +317,7 @@ fn view_keeps_what_comes_before_its_scene() {
         lines.iter().all(|line| line.contains("--max-memory 1073741824 ") || line.ends_with("1073741824"))
     );
     assert!(lines[3].starts_with(&other), "{said}");
-    // What it says is taken.
+    // The printed command line is accepted.
     let again: Vec<&str> = lines[2].split(' ').collect();
     let (code, said) = display.play(&folder, &again, &json!([{"wait": "loaded"}, "quit"]));
     assert_eq!(code, 0, "{said}");
@@ -340,6 +341,7 @@ fn view_tells_a_fault_of_its_script_before_a_window_opens() {
     ] {
         let (code, said) = adumbra(&[&["view", scene.as_str()][..], &wrong].concat());
         assert_eq!(code, 2, "{wrong:?}: {said}");
+        assert!(wrong == ["--shadow", "smm"] || said.contains(wrong[0]), "{wrong:?}: {said}");
     }
 }
 
@@ -354,7 +356,7 @@ fn view_without_a_display_says_what_is_missing() {
         .env_remove("WAYLAND_SOCKET")
         .output()
         .unwrap();
-    let said = kit::stderr(&output);
+    let said = adumbra_testing::stderr(&output);
     if cfg!(target_os = "linux") {
         assert_eq!(output.status.code(), Some(3), "{said}");
         assert!(said.contains("display") && said.contains("Xvfb"), "{said}");

@@ -1,26 +1,24 @@
-//! Two techniques beside rays, with the library: the same camera, the same pixels, a row each.
+//! Compares two techniques with ray-traced truth, using the library: same camera, same pixels, one row each.
 //!
-//! `cargo run --release -p adumbra-lab --example compare_two` bakes the generated city and prints the table of `voxel:filter=5` and
-//! `csm:filter=5`; `-- sm msm` compares others (`adumbra render --help` lists them). Fails where one is wrong at over 10 % of the pixels. Needs
-//! a Vulkan, Metal or DirectX 12 adapter; a software one will do.
+//! `cargo run --release -p adumbra-lab --example compare_two` bakes the generated city and prints the table of
+//! `voxel:filter=5` and `csm:filter=5`. Append `-- sm msm` to compare others; `adumbra render --help` lists them. The
+//! example fails if a technique is wrong at more than 10 % of the pixels. It needs a Vulkan, Metal or DirectX 12
+//! adapter, which may be a software one.
 
 use std::error::Error;
-use std::sync::atomic::AtomicBool;
 
-use adumbra::bake::{self, Size};
-use adumbra::camera::{Camera, Projection};
-use adumbra::format::{Layout, ShadowFile};
-use adumbra::light::Sun;
-use adumbra::scene::{GeneratedKind, generate};
-use adumbra_lab::compare::{Contender, Judge, compare, truth_for};
+use adumbra::Sun;
+use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_lab::compare::{Contender, Reference, compare, truth_for};
 use adumbra_lab::report::{figure, percent};
 use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
 use adumbra_render::{Baked, Gpu, GpuOptions, Renderer, SceneOptions, TechniqueSpec, build};
+use adumbra_scene::{Camera, GeneratedKind, Projection, generate};
 
-/// What is compared where nothing else is asked for.
+/// Techniques compared by default.
 const DEFAULTS: [&str; 2] = ["voxel:filter=5", "csm:filter=5"];
-/// A technique that is wrong at more of the compared pixels is not set up right.
-const MOST_WRONG: f64 = 0.1;
+/// Largest share of wrong pixels. A technique that exceeds it is not set up correctly.
+const MAX_WRONG: f64 = 0.1;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut names: Vec<String> = std::env::args().skip(1).collect();
@@ -29,9 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
-    let options = bake::Options::new(sun, Size::Resolution(8192));
-    let baked = bake::bake(&scene, &options, &|_| {}, &AtomicBool::new(false))?;
-    let file = ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::Packed)?;
+    let options = BakeOptions::new(sun, Size::Resolution(8192));
+    let file = bake(&scene, &options, Watch::none())?.file;
 
     let gpu = Gpu::request(&GpuOptions::default())?;
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default())?;
@@ -44,11 +41,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         contenders.push(Contender { prepared, truth: truth_for(&spec), spec });
     }
 
-    // The judge: rays at the camera's own pixels. A disc of 0.53° with 64 rays judges what shows penumbrae.
+    // The reference: rays at the camera's own pixels. Techniques with penumbrae are compared with a disc of 0.53°,
+    // sampled with 64 rays.
     let truth = TruthTracer::build(&scene, false);
     let (cache, key) = (Cache::none(), scene_key(&scene, false));
-    let judge =
-        Judge { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc: (0.53, 64) };
+    let reference =
+        Reference { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc: (0.53, 64) };
     let camera = Camera {
         eye: [-150.0, 38.0, 175.0],
         target: [-75.0, 4.0, 75.0],
@@ -56,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         width: 480,
         height: 270,
     };
-    let comparison = compare(&mut renderer, &judge, &camera, &mut contenders, 3)?;
+    let comparison = compare(&mut renderer, &reference, &camera, &mut contenders, 3)?;
 
     println!("{} pixels compared", comparison.pixels.compared);
     println!(
@@ -73,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             percent(row.wrong_lit, 3),
             percent(row.wrong_shadowed, 3)
         );
-        if row.wrong().is_none_or(|wrong| wrong > MOST_WRONG) {
+        if row.wrong().is_none_or(|wrong| wrong > MAX_WRONG) {
             return Err(
                 format!("{} is wrong at over 10 % of the pixels, or none is compared", row.name).into()
             );

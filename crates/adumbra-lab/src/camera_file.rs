@@ -1,26 +1,28 @@
-//! Cameras as JSON: what the viewer saves and `compare --camera` takes, and the text within a truth file.
+//! Cameras as JSON: saved by the viewer, read by `compare --camera`, and part of truth files.
 //!
 //! ```json
 //! {"eye": [0, 2, 20], "target": [0, 2, 0], "fov_y": 60, "size": [1280, 720], "sun": [0.5, 0.8, 0.35]}
 //! ```
-//! `fov_y` is vertical, degrees; an orthographic camera has `height_world` in its place. `sun` points towards it and may be absent.
+//! `fov_y` is the vertical field of view in degrees; an orthographic camera has `height_world` instead. `sun` is the
+//! direction towards the sun and may be absent.
 
+use adumbra::IoError;
 use std::io::Write as _;
 use std::path::Path;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::files::replace_file;
-use adumbra::light::Sun;
+use adumbra::Sun;
+use adumbra_files::replace_file;
+use adumbra_scene::{Camera, Projection};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
-/// A camera, and the sun that it was saved under.
+/// A camera, and the sun that it was saved with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFile {
     /// The camera.
     pub camera: Camera,
-    /// The sun.
+    /// The sun, if the file has one.
     pub sun: Option<Sun>,
 }
 
@@ -40,7 +42,7 @@ pub(crate) struct CameraText {
 }
 
 impl CameraText {
-    /// The camera and its sun, or what is wrong with the text.
+    /// Returns the camera and its sun, or a message that says what is wrong.
     pub(crate) fn file(&self) -> Result<CameraFile, String> {
         let projection = match (self.fov_y, self.height_world) {
             (Some(fov_degrees), None) if fov_degrees > 0.0 && fov_degrees < 180.0 => {
@@ -53,7 +55,7 @@ impl CameraText {
         };
         let [width, height] = self.size;
         if width.min(height) == 0 || width.max(height) > 16_384 {
-            return Err(format!("a size of {width} x {height}; give 1 to 16384 pixels a side"));
+            return Err(format!("its size is {width} x {height}; give 1 to 16384 pixels per side"));
         }
         if self.eye == self.target || !self.eye.iter().chain(&self.target).all(|c| c.is_finite()) {
             return Err("eye and target must be finite and differ".to_owned());
@@ -65,24 +67,24 @@ impl CameraText {
 }
 
 impl CameraFile {
-    /// Reads a camera.
+    /// Reads a camera from a file.
     ///
     /// # Errors
-    /// [`Error::Library`] where the file cannot be read, [`Error::CameraFile`] where it is not a camera.
+    /// Returns [`Error::Program`] if the file cannot be read, and [`Error::CameraFile`] if it is not a camera.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(adumbra::Error::io("read", path))?;
+        let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
         Self::parse(&bytes).map_err(|what| Error::CameraFile { path: path.to_owned(), what })
     }
 
-    /// A camera from JSON, or what is wrong with it.
+    /// Parses a camera from JSON.
     ///
     /// # Errors
-    /// A sentence for the user.
+    /// Returns a message for the user.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         serde_json::from_slice::<CameraText>(bytes).map_err(|e| e.to_string())?.file()
     }
 
-    /// The camera as JSON.
+    /// Returns the camera as JSON.
     pub fn text(&self) -> String {
         let c = &self.camera;
         let (fov_y, height_world) = match c.projection {
@@ -96,10 +98,10 @@ impl CameraFile {
         serde_json::to_string(&text).unwrap_or_default()
     }
 
-    /// Writes [`Self::text`].
+    /// Writes [`Self::text`] and a newline to a file.
     ///
     /// # Errors
-    /// [`Error::Library`] where the system refuses.
+    /// Returns [`Error::Program`] if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.text() + "\n";
         replace_file(path, |file| file.write_all(text.as_bytes()).map(|()| text.len() as u64))?;

@@ -1,40 +1,44 @@
-//! The crate's one error type: every variant carries what was wrong and (in its message) the mend.
+//! The crate's single error type. Every message says what is wrong and, if there is a remedy, how to fix it.
 
 use std::path::PathBuf;
 
-use adumbra::picture::Picture;
+use adumbra_program::exit::{Code, Failure};
+use adumbra_render::{Fix, RenderError};
+use adumbra_truth::picture::Picture;
 
-/// Everything that can go wrong in this crate.
+/// Errors of this crate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The library could not do its part.
+    /// The renderer failed.
     #[error(transparent)]
-    Library(#[from] adumbra::Error),
-    /// The renderer could not do its part.
+    Render(Box<RenderError>),
+    /// A core crate failed, or the request to a benchmark was invalid.
     #[error(transparent)]
-    Render(#[from] adumbra_render::RenderError),
-    /// Two things that belong together differ in size.
+    Program(Box<Failure>),
+    /// Two inputs that belong together differ in size.
     #[error("{what} differ in size: {left} and {right}")]
     Sizes {
-        /// Which two.
+        /// Description of both.
         what: &'static str,
-        /// Values of the first.
+        /// Size of the first.
         left: usize,
-        /// Values of the second.
+        /// Size of the second.
         right: usize,
     },
     /// A picture is smaller than a metric's window.
-    #[error("the picture has {width} x {height} pixels; structural similarity needs {least} a side")]
+    #[error(
+        "the picture has {width} x {height} pixels; structural similarity needs at least {least} per side"
+    )]
     PictureTooSmall {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
-        /// Fewest a side.
+        /// Required width and height in pixels.
         least: u32,
     },
-    /// A truth file does not hold what it must.
+    /// The contents of a truth file are invalid.
     #[error("{path:?}: not a truth file: {what}; it must be a NumPy .npz with the arrays pos, normal, ndotl, sun, ao, valid and camera", path = path.display())]
     TruthFile {
         /// The file.
@@ -42,7 +46,7 @@ pub enum Error {
         /// What is wrong.
         what: String,
     },
-    /// A camera path does not hold what it must.
+    /// The contents of a camera path are invalid.
     #[error("{path:?}: not a camera path: {what}", path = path.display())]
     CameraPath {
         /// The file.
@@ -50,7 +54,7 @@ pub enum Error {
         /// What is wrong.
         what: String,
     },
-    /// A camera file does not hold what it must.
+    /// The contents of a camera file are invalid.
     #[error("{path:?}: not a camera: {what}", path = path.display())]
     CameraFile {
         /// The file.
@@ -58,30 +62,30 @@ pub enum Error {
         /// What is wrong.
         what: String,
     },
-    /// No place on the ground suits a street-level camera.
+    /// No point on the ground suits a street-level camera.
     #[error(
-        "no street-level camera was found: no place on the ground has open sky above and a view; give --eye and --target"
+        "no street-level camera found: no place on the ground has open sky and a clear view; give the camera's eye and target"
     )]
     NoStreet,
-    /// Bytes are not a picture.
+    /// The bytes cannot be decoded as a picture.
     #[error("not a picture: {what}")]
     Picture {
-        /// What the decoder said.
+        /// Message of the decoder.
         what: String,
     },
     /// A picture cannot be encoded.
     #[error("cannot encode a picture of {width} x {height} pixels: {what}")]
     Encode {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
-        /// What the encoder said.
+        /// Message of the encoder.
         what: String,
     },
 }
 
-/// Shorthand used across the crate.
+/// The crate's result type.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
@@ -93,5 +97,111 @@ impl Error {
         Self::check_sizes("the pictures' widths", a.width as usize, b.width as usize)?;
         Self::check_sizes("the pictures' heights", a.height as usize, b.height as usize)?;
         Self::check_sizes("the pictures' bytes", a.rgb.len(), b.rgb.len())
+    }
+}
+
+impl From<RenderError> for Error {
+    fn from(error: RenderError) -> Self {
+        Self::Render(Box::new(error))
+    }
+}
+
+/// Converts errors of the core crates by way of [`Failure`].
+macro_rules! from_core {
+    ($($error:ty),*) => {
+        $(impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Failure::from(error).into()
+            }
+        })*
+    };
+}
+
+from_core!(
+    adumbra::Error,
+    adumbra::IoError,
+    adumbra::RangeError,
+    adumbra_bake::Error,
+    adumbra_scene::Error,
+    adumbra_tree::Error
+);
+
+impl From<Failure> for Error {
+    fn from(failure: Failure) -> Self {
+        Self::Program(Box::new(failure))
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Program(failure) => *failure,
+            Error::Render(error) => match *error {
+                RenderError::Library(error) => error.into(),
+                RenderError::Tree(error) => error.into(),
+                error => {
+                    let options =
+                        options_of(&error).map_or_else(String::new, |options| format!(" ({options})"));
+                    Self::Other { code: code_of(&error), message: format!("{error}{options}") }
+                }
+            },
+            error @ Error::NoStreet => Self::BadInput(format!("{error} (--eye, --target)")),
+            other => Self::BadInput(other.to_string()),
+        }
+    }
+}
+
+/// Returns the command-line options that an error's advice refers to. Libraries do not name options in their messages.
+fn options_of(error: &RenderError) -> Option<&'static str> {
+    let (RenderError::TooLarge { fix, .. } | RenderError::VoxelLimit { fix, .. }) = error else {
+        return None;
+    };
+    Some(match fix {
+        Fix::SmallerPicture => "--size, --antialias",
+        Fix::SmallerScene => "--only, --exclude",
+        Fix::LowerResolution => "--resolution",
+        Fix::SmallerPages => "--max-side",
+        Fix::LargerPages => "--max-side, --resolution",
+        Fix::Other(_) => return None,
+    })
+}
+
+fn code_of(error: &RenderError) -> Code {
+    match error {
+        RenderError::Technique { .. } | RenderError::Mover { .. } | RenderError::Camera { .. } => Code::Usage,
+        RenderError::TooLarge { .. } | RenderError::OutOfMemory { .. } => Code::OutOfRoom,
+        RenderError::Lost { .. } => Code::DeviceLost,
+        _ => Code::BadInput,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_the_renderer_have_their_codes() {
+        let lost = RenderError::Lost { reason: "gone".to_owned() };
+        let unknown = RenderError::Technique { name: "cvs".to_owned(), reason: "no such".to_owned() };
+        let code = |error: RenderError| Failure::from(Error::from(error)).code() as u8;
+        assert_eq!(code(lost), 5);
+        assert_eq!(code(unknown), 2);
+    }
+
+    #[test]
+    fn errors_of_the_renderer_have_their_options() {
+        let fixes = [
+            (Fix::SmallerPicture, Some("(--size, --antialias)")),
+            (Fix::LowerResolution, Some("(--resolution)")),
+            (Fix::Other("make it smaller"), None),
+        ];
+        for (fix, options) in fixes {
+            let error = RenderError::TooLarge { what: "a thing".to_owned(), bytes: 2, limit: 1, fix };
+            assert!(!error.to_string().contains("--"), "{error}");
+            let failure = Failure::from(Error::from(error)).to_string();
+            assert!(options.is_none_or(|o| failure.ends_with(o)), "{failure}");
+        }
+        let street = Failure::from(Error::NoStreet).to_string();
+        assert!(street.ends_with("(--eye, --target)"), "{street}");
     }
 }

@@ -1,23 +1,25 @@
-//! Cameras along a path: keyframes from a JSON file, or a path made for a scene.
+//! Camera paths: keyframes from a JSON file, or a path generated for a scene.
 //!
 //! ```json
 //! {"frames": 120, "interpolation": "catmull-rom", "keyframes": [
 //!   {"eye": [0, 2, 20], "target": [0, 2, 0], "fov": 60}, {"eye": [10, 2, 0], "target": [0, 2, 0]}]}
 //! ```
-//! Frames are spread evenly over the segments between keyframes. `fov` (vertical, degrees) is kept from the keyframe before where it is
-//! not given, 45 at first. Catmull, Rom, *A Class of Local Interpolating Splines*, 1974, uniform; the ends' neighbours are
-//! the ends themselves.
+//! Frames are spread evenly over the segments between keyframes. `fov` is the vertical field of view in degrees. If it
+//! is absent, that of the previous keyframe applies, 45 for the first. The spline is the uniform one of Catmull, Rom,
+//! *A Class of Local Interpolating Splines*, 1974. The first and last keyframes are their own neighbours beyond the
+//! ends.
 
+use adumbra::IoError;
 use std::path::Path;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::Bounds;
+use adumbra::Bounds;
+use adumbra_scene::{Camera, Projection};
 use serde::Deserialize;
 
 use crate::error::{Error, Result};
 
-/// Most frames of a path.
-const MOST_FRAMES: u32 = 100_000;
+/// Largest number of frames of a path.
+const MAX_FRAMES: u32 = 100_000;
 const DEFAULT_FOV_DEGREES: f64 = 45.0;
 
 /// A camera path.
@@ -35,11 +37,11 @@ struct Keyframe {
     fov_degrees: f64,
 }
 
-/// How frames come from keyframes.
+/// The interpolation between keyframes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
-    /// Smooth through every keyframe.
+    /// A smooth curve through every keyframe.
     #[default]
     CatmullRom,
     /// Straight lines.
@@ -64,19 +66,19 @@ struct KeyframeText {
 }
 
 impl CameraPath {
-    /// Reads a path.
+    /// Reads a path from a file.
     ///
     /// # Errors
-    /// [`Error::Library`] where the file cannot be read, [`Error::CameraPath`] where it is not a path.
+    /// Returns [`Error::Program`] if the file cannot be read, and [`Error::CameraPath`] if it is not a path.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(adumbra::Error::io("read", path))?;
+        let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
         Self::parse(&bytes).map_err(|what| Error::CameraPath { path: path.to_owned(), what })
     }
 
     fn parse(bytes: &[u8]) -> Result<Self, String> {
         let text: PathText = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
-        if !(1..=MOST_FRAMES).contains(&text.frames) {
-            return Err(format!("{} frames; give 1 to {MOST_FRAMES}", text.frames));
+        if !(1..=MAX_FRAMES).contains(&text.frames) {
+            return Err(format!("{} frames; give 1 to {MAX_FRAMES}", text.frames));
         }
         if text.keyframes.is_empty() {
             return Err("it has no keyframes".to_owned());
@@ -86,24 +88,27 @@ impl CameraPath {
         for (number, k) in text.keyframes.iter().enumerate() {
             fov = k.fov.unwrap_or(fov);
             if !(fov > 0.0 && fov < 180.0) {
-                return Err(format!("keyframe {number} has a fov of {fov}; give degrees between 0 and 180"));
+                return Err(format!(
+                    "keyframe {number} has a fov of {fov}; give an angle between 0 and 180 degrees"
+                ));
             }
             if k.eye == k.target || !k.eye.iter().chain(&k.target).all(|c| c.is_finite()) {
-                return Err(format!("keyframe {number}'s eye and target must be finite and differ"));
+                return Err(format!("keyframe {number}: eye and target must be finite and differ"));
             }
             keyframes.push(Keyframe { eye: k.eye, target: k.target, fov_degrees: fov });
         }
         Ok(Self { keyframes, interpolation: text.interpolation, frames: text.frames })
     }
 
-    /// Once around a scene, looking at its middle from outside and above; the last frame comes before the first one again.
+    /// Returns a path once around a scene, looking from outside and above at a point over the middle of its footprint,
+    /// a fifth of the way up. The path loops: the first frame is the one after the last.
     pub fn orbit(bounds: &Bounds, frames: u32) -> Self {
         const KEYFRAMES: u32 = 24;
-        let frames = frames.clamp(1, MOST_FRAMES);
+        let frames = frames.clamp(1, MAX_FRAMES);
         let middle: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
         let target = [middle[0], 0.8 * bounds.min[1] + 0.2 * bounds.max[1], middle[2]];
         let radius = 0.6 * bounds.diagonal();
-        // So that the frames are an even part of the circle each.
+        // The last frame is one step short of the full circle, so that a loop has even steps.
         let turns = 1.0 - 1.0 / f64::from(frames);
         let keyframe = |i: u32| {
             let angle = std::f64::consts::TAU * turns * f64::from(i) / f64::from(KEYFRAMES);
@@ -118,8 +123,9 @@ impl CameraPath {
         }
     }
 
-    /// From a camera `walk_world` along its horizontal direction, then `rise_world` straight up while it keeps looking ahead and more and
-    /// more down: near and far shadows in one path.
+    /// Returns a path that moves from a camera by `walk_world` along its horizontal direction, then by `rise_world`
+    /// straight up. While it rises, the camera keeps looking ahead and increasingly down, so that one path has both
+    /// near and far shadows.
     pub fn fly(from: &Camera, walk_world: f64, rise_world: f64, frames: u32) -> Self {
         let view = from.view();
         let flat = (view.forward[0].powi(2) + view.forward[2].powi(2)).sqrt().max(1e-9);
@@ -146,22 +152,22 @@ impl CameraPath {
                 keyframe(1.0, 1.0, 0.7),
             ],
             interpolation: Interpolation::CatmullRom,
-            frames: frames.clamp(1, MOST_FRAMES),
+            frames: frames.clamp(1, MAX_FRAMES),
         }
     }
 
-    /// Frames of the path.
+    /// Returns the number of frames.
     pub fn frames(&self) -> u32 {
         self.frames
     }
 
-    /// The same path with other frames.
+    /// Returns the path with another number of frames, clamped to 1 to 100,000.
     #[must_use]
     pub fn with_frames(self, frames: u32) -> Self {
-        Self { frames: frames.clamp(1, MOST_FRAMES), ..self }
+        Self { frames: frames.clamp(1, MAX_FRAMES), ..self }
     }
 
-    /// The camera of a frame, 0 to [`CameraPath::frames`] - 1.
+    /// Returns the camera of a frame, 0 to [`CameraPath::frames`] - 1.
     pub fn camera(&self, frame: u32, width: u32, height: u32) -> Camera {
         let segments = (self.keyframes.len() - 1) as f64;
         let along = f64::from(frame) / f64::from(self.frames.max(2) - 1) * segments;
@@ -208,7 +214,7 @@ mod tests {
         assert_eq!((at(0).eye, at(2).eye, at(4).eye), ([0.0; 3], [2.0, 0.0, 0.0], [4.0, 4.0, 0.0]));
         assert_eq!(at(0).projection, Projection::Perspective { fov_degrees: 30.0 });
         assert_eq!(at(4).projection, Projection::Perspective { fov_degrees: 60.0 });
-        // Smooth: it begins to rise only after a dip.
+        // The curve is smooth: it dips before it rises.
         assert!(at(1).eye[1] < 0.0);
     }
 

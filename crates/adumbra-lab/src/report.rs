@@ -1,6 +1,6 @@
-//! A comparison's figures, as JSON and as Markdown.
+//! A comparison's results, as JSON and as Markdown.
 //!
-//! The JSON is [`Report`], field by field; `docs/json.md` says what each means.
+//! The JSON is [`Report`], field by field. `docs/json.md` describes each field.
 
 use std::fmt::Write as _;
 
@@ -9,74 +9,79 @@ use serde::{Deserialize, Serialize};
 use crate::metrics::Band;
 use crate::shimmer::Shimmer;
 
-/// All figures of one camera.
+/// All results of one camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
     /// The adapter that drew, with its driver.
     pub adapter: String,
-    /// Whether the adapter is a program, not a GPU.
+    /// Whether the adapter is a software renderer.
     pub software: bool,
     /// The scene's file name.
     pub scene: String,
-    /// Where it was seen from.
+    /// The camera.
     pub camera: CameraFigures,
     /// Unit vector towards the sun.
     pub sun: [f64; 3],
-    /// Full angle of the disc that soft techniques are judged by, degrees.
+    /// Angular diameter in degrees of the sun's disc in the truth for soft techniques.
     pub sun_angle_degrees: f64,
-    /// Rays a pixel towards that disc.
+    /// Rays per pixel towards that disc.
     pub sun_samples: u32,
-    /// Frames that each median is taken of.
+    /// Number of frames that each median is taken over.
     pub frames: u32,
-    /// Which pixels were compared.
+    /// Counts of compared and other pixels.
     pub pixels: PixelCounts,
-    /// Baked files that techniques looked up in.
+    /// Baked files that techniques used.
     pub baked: Vec<BakedFigures>,
-    /// What the device lacks, and what that costs.
-    pub left_out: Vec<String>,
-    /// One row a technique, in the order asked for.
+    /// Features that the device lacks, each with its consequence.
+    pub missing_features: Vec<String>,
+    /// One row per technique, in the order requested.
     pub techniques: Vec<TechniqueRow>,
-    /// Over a camera path, where one was walked.
+    /// Results over a camera path, if one was given.
     pub path: Option<PathReport>,
 }
 
-/// A camera, as it was asked for and as it is.
+/// A camera, as requested and as resolved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CameraFigures {
-    /// `given`, `street`, `overview`, or a truth file's name.
+    /// `given`, `street`, `overview`, or the name of a truth file.
     pub name: String,
-    /// World position.
+    /// Position in world space.
     pub eye: [f64; 3],
-    /// World point in the middle of the picture.
+    /// Point in world space at the middle of the picture.
     pub target: [f64; 3],
-    /// Vertical field of view; none for an orthographic camera.
+    /// Vertical field of view in degrees; `None` for an orthographic camera.
     pub fov_degrees: Option<f64>,
-    /// Height of the picture in the world; none for a perspective camera.
+    /// Height of the picture in world units; `None` for a perspective camera.
     pub height_world: Option<f64>,
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
 }
 
-/// Pixels by what became of them; they sum up to the picture.
+/// Numbers of pixels by outcome. They add up to the picture's pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PixelCounts {
-    /// Compared.
+    /// Pixels compared.
     pub compared: u64,
-    /// No surface there, for G-buffer and rays alike.
+    /// Pixels without a surface in both G-buffer and ray-traced view.
     pub sky: u64,
-    /// n·l <= 0.1.
+    /// Pixels that face away from the sun: n·l <= 0.1.
     pub facing_away: u64,
-    /// G-buffer and rays see different surfaces: their view depths differ by more than 0.1 %.
+    /// Pixels where G-buffer and rays see different surfaces: their view depths differ by more than 0.1 %.
     pub excluded: u64,
 }
 
-/// More excluded pixels than this share of those with a surface mean that what is compared is not what is there.
-pub const MOST_EXCLUDED: f64 = 0.01;
+/// Largest share of excluded pixels among those with a surface.
+///
+/// With more of them, the compared pixels do not represent the picture.
+pub const MAX_EXCLUDED: f64 = 0.01;
 
 impl PixelCounts {
-    /// Excluded pixels, as a share of those with a surface; 0 where there is none.
+    /// Returns the excluded pixels as a share of those with a surface, 0 if there are none.
     pub fn excluded_share(&self) -> f64 {
         let surfaces = self.compared + self.facing_away + self.excluded;
         self.excluded as f64 / surfaces.max(1) as f64
@@ -85,142 +90,152 @@ impl PixelCounts {
 
 /// A baked file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BakedFigures {
-    /// `light` or `world`.
+    /// Alignment: `light` or `world`.
     pub frame: String,
-    /// Voxels on the longest side.
+    /// Voxels along the longest side.
     pub resolution: u64,
-    /// Edge of a voxel, world units.
+    /// Edge length of a voxel in world units.
     pub voxel_size: f64,
-    /// Bytes as a file.
+    /// Size of the file in bytes.
     pub file_bytes: u64,
 }
 
-/// Which truth judged a technique.
+/// The truth that a technique was compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum TruthKind {
     /// One ray towards the middle of the sun.
     Hard,
-    /// A disc of [`Report::sun_angle_degrees`].
+    /// Rays towards a disc of [`Report::sun_angle_degrees`].
     Disc,
 }
 
-/// Errors at pixels that lie more than two of the technique's own texels from an edge of the true shadow: acne and leaks, without what a
-/// texel's size excuses.
+/// Errors at pixels more than two of the technique's own texels from an edge of the true shadow.
+///
+/// These are acne and leaks, without the errors due to the size of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClearErrors {
-    /// Share of compared pixels that lie so; of more than 65,536 a sample is asked, here and below.
+    /// Share of compared pixels at that distance. If more than 65,536 were compared, all shares are of a sample.
     pub pixels: f64,
-    /// Share of those that are shadowed and called lit.
+    /// Share of those that are shadowed but called lit.
     pub wrong_lit: f64,
-    /// Share of those that are lit and called shadowed.
+    /// Share of those that are lit but called shadowed.
     pub wrong_shadowed: f64,
 }
 
-/// One technique's figures.
+/// One technique's results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TechniqueRow {
-    /// As it was asked for.
+    /// Name as requested.
     pub name: String,
-    /// Milliseconds of all its passes: depth, look-up, screen; the median. None for traced truth.
+    /// Median milliseconds of all its passes: depth, look-up, screen. `None` for traced truth.
     pub gpu_ms: Option<f64>,
-    /// Of its depth passes alone.
+    /// Median milliseconds of its depth passes alone.
     pub depth_ms: Option<f64>,
-    /// Of its look-up alone.
+    /// Median milliseconds of its look-up alone.
     pub lookup_ms: Option<f64>,
-    /// Of its passes on the screen alone.
+    /// Median milliseconds of its screen-space passes alone.
     pub screen_ms: Option<f64>,
-    /// The times are wall times: the device has no timestamps.
+    /// Whether the times are wall times, because the device has no timestamps or is a software renderer.
     pub wall_time: bool,
-    /// Bytes that it holds on the GPU for its shadows.
+    /// GPU memory of its shadows in bytes.
     pub bytes: u64,
-    /// What judged it.
+    /// The truth that it was compared with.
     pub truth: TruthKind,
-    /// Root mean square error of the shadow factor, 0 to 1. This and the next five are none where no pixel was compared.
+    /// Root mean square error of the shadow factor, 0 to 1. This and the next five are `None` if no pixel was compared.
     pub rmse: Option<f64>,
-    /// Mean size of the shadow factor's difference, 0 to 1.
+    /// Mean absolute error of the shadow factor, 0 to 1.
     pub mean_difference: Option<f64>,
-    /// Structural similarity of the composited picture; 1 is the same.
+    /// Structural similarity of the composited picture; 1 means identical.
     pub ssim: Option<f64>,
-    /// Mean FLIP of the composited picture, 0 to 1; 0 is the same.
+    /// Mean FLIP of the composited picture, 0 to 1; 0 means identical.
     pub flip: Option<f64>,
-    /// Share of compared pixels that are shadowed and called lit.
+    /// Share of compared pixels that are shadowed but called lit.
     pub wrong_lit: Option<f64>,
-    /// Share of compared pixels that are lit and called shadowed.
+    /// Share of compared pixels that are lit but called shadowed.
     pub wrong_shadowed: Option<f64>,
-    /// The errors that lie away from edges; none for what compares with no texels, and where no pixel lies so.
+    /// Errors away from edges; `None` if the technique has no texels or no pixel is away from edges.
     pub clear: Option<ClearErrors>,
-    /// The same errors by distance.
+    /// Errors by distance from the camera.
     pub bands: Vec<Band>,
-    /// What it left out on this device.
+    /// What it omits on this device.
     pub notes: Vec<String>,
 }
 
 impl TechniqueRow {
-    /// Share of compared pixels on the wrong side of 1/2; none where no pixel was compared.
+    /// Returns the share of compared pixels on the wrong side of 1/2, or `None` if no pixel was compared.
     pub fn wrong(&self) -> Option<f64> {
         Some(self.wrong_lit? + self.wrong_shadowed?)
     }
 }
 
-/// Figures over a camera path.
+/// Results over a camera path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PathReport {
-    /// Frames walked.
+    /// Number of frames.
     pub frames: u32,
-    /// One a technique.
+    /// One row per technique.
     pub techniques: Vec<PathRow>,
-    /// Each voxel technique beside the first `csm`.
+    /// Comparison of each voxel technique with the first `csm`.
     pub cheaper: Vec<Cheaper>,
 }
 
-/// One technique over a path.
+/// One technique's results over a path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PathRow {
-    /// As it was asked for.
+    /// Name as requested.
     pub name: String,
-    /// Milliseconds of all its passes, a frame each.
+    /// Milliseconds of all its passes, per frame.
     pub gpu_ms: Vec<f64>,
-    /// Of its depth passes alone.
+    /// Milliseconds of its depth passes alone, per frame.
     pub depth_ms: Vec<f64>,
-    /// Of its look-up and its passes on the screen.
+    /// Milliseconds of its look-up and its screen-space passes, per frame.
     pub lookup_ms: Vec<f64>,
-    /// The times are wall times.
+    /// Whether the times are wall times.
     pub wall_time: bool,
-    /// Changes at fixed points; none for a technique that filters on the screen, which answers no points, and where no point stays in
-    /// view from one frame to the next.
+    /// Changes at fixed points.
+    ///
+    /// `None` if the technique filters in screen space and so cannot be evaluated at points.
+    /// Also `None` if no point stays in view from one frame to the next.
     pub shimmer: Option<Shimmer>,
 }
 
-/// How often a voxel technique costs less than cascades.
+/// The share of frames in which a voxel technique costs less than cascades.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cheaper {
     /// The voxel technique.
     pub voxel: String,
-    /// The cascades that it stands beside.
+    /// The cascades that it is compared with.
     pub csm: String,
-    /// Share of the frames.
+    /// Share of the frames in which the voxel technique costs less.
     pub share: f64,
 }
 
 impl Report {
-    /// Tables of everything.
+    /// Returns tables of all results.
     pub fn markdown(&self) -> String {
-        let mut text = format!("# Shadows of {} beside the truth\n\n", escaped(&self.scene));
+        let mut text = format!("# Shadows of {} compared with the truth\n\n", escaped(&self.scene));
         let c = &self.camera;
         let lens = match (c.fov_degrees, c.height_world) {
-            (Some(fov), _) => format!("{fov}° high"),
+            (Some(fov), _) => format!("vertical field of view {fov}°"),
             (_, Some(height)) => format!("orthographic, {height} high"),
             _ => String::new(),
         };
         let p = &self.pixels;
-        // Writing to a String does not fail.
+        // Writing to a `String` never fails.
         let _ = writeln!(
             text,
             "Camera {}: eye ({}), target ({}), {lens}, {} x {}. Sun towards ({}). Drawn by {}{}.\n\n\
-            {} pixels are compared; {} are sky, {} face away from the sun (n·l <= 0.1), and {} are excluded: \
-            G-buffer and rays see different surfaces there.\n",
+            {} pixels are compared; {} are sky, {} face away from the sun (n·l <= 0.1), and {} are excluded \
+            because G-buffer and rays see different surfaces.\n",
             escaped(&c.name),
             triple(c.eye),
             triple(c.target),
@@ -228,7 +243,7 @@ impl Report {
             c.height,
             triple(self.sun),
             self.adapter,
-            if self.software { ", a program and not a GPU" } else { "" },
+            if self.software { ", a software renderer" } else { "" },
             p.compared,
             p.sky,
             p.facing_away,
@@ -237,7 +252,7 @@ impl Report {
         for b in &self.baked {
             let _ = writeln!(
                 text,
-                "Baked: {}-aligned, {} voxels on the longest side, {:.4} each, {:.2} MB.\n",
+                "Baked: {}-aligned, {} voxels on the longest side, voxel size {:.4}, {:.2} MB.\n",
                 b.frame,
                 b.resolution,
                 b.voxel_size,
@@ -252,19 +267,21 @@ impl Report {
         for (name, note) in self.techniques.iter().flat_map(|t| t.notes.iter().map(move |n| (&t.name, n))) {
             let _ = writeln!(text, "- `{name}`: {note}");
         }
-        for note in &self.left_out {
+        for note in &self.missing_features {
             let _ = writeln!(text, "- {note}");
         }
         text
     }
 
-    /// A row a technique.
+    /// Returns a table with one row per technique.
     pub fn technique_table(&self) -> String {
         let mut text = format!(
-            "Times are medians of {} frames in milliseconds (* wall time: the device has no timestamps, or is a program). Truth is traced from the sun's middle \
-            (hard) or from a disc of {}° with {} rays a pixel (disc). RMSE and wrong shares are of the shadow factor, SSIM and FLIP (67 pixels a \
-            degree) of the composited picture. Wrong lit: shadowed called lit; wrong shadowed: lit called shadowed. Clear of edges: the same two at \
-            pixels more than two of the technique's texels from an edge of the true shadow.\n\n\
+            "Times are medians of {} frames in milliseconds (*: wall time, because the device has no timestamps \
+            or is a software renderer). Truth is traced towards the sun's centre (hard) or towards a disc of {}° \
+            with {} rays per pixel (disc). RMSE and wrong shares are of the shadow factor, SSIM and FLIP (67 \
+            pixels per degree) of the composited picture. Wrong lit: shadowed pixels called lit. Wrong shadowed: \
+            lit pixels called shadowed. Clear of edges: the same two, counting only pixels more than two of the \
+            technique's texels away from any edge of the true shadow.\n\n\
             | technique | all ms | depth | look-up | screen | MB | truth | RMSE | SSIM | FLIP | wrong lit % | wrong shadowed % | clear of edges % |\n\
             |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
             self.frames, self.sun_angle_degrees, self.sun_samples
@@ -301,7 +318,7 @@ impl Report {
         text + "\n"
     }
 
-    /// Wrong pixels by distance: a row a band, a column a technique.
+    /// Returns wrong pixels by distance, with one row per band and one column per technique.
     pub fn band_table(&self) -> String {
         let mut ends: Vec<(f64, f64)> = Vec::new();
         for band in self.techniques.iter().flat_map(|t| &t.bands) {
@@ -313,9 +330,11 @@ impl Report {
             return String::new();
         }
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut text = "## Wrong pixels by distance\n\nIn % of the band's compared pixels, wrong lit + wrong shadowed.\n\n\
+        let mut text =
+            "## Wrong pixels by distance\n\nWrong lit + wrong shadowed, in % of the band's compared \
+            pixels.\n\n\
             | view depth | pixels |"
-            .to_owned();
+                .to_owned();
         self.techniques.iter().for_each(|t| {
             let _ = write!(text, " `{}` |", t.name);
         });
@@ -340,11 +359,12 @@ impl Report {
 }
 
 impl PathReport {
-    /// A row a technique, and how often voxels are cheaper.
+    /// Returns a table with one row per technique, and how often voxels are cheaper.
     pub fn markdown(&self) -> String {
         let mut text = format!(
-            "## Along a path of {} frames\n\nShimmer: share of points near a true edge whose factor changes by more than 0.05 from one frame to the next, \
-            and the mean change there.\n\n| technique | median ms | least | most | shimmer % | mean change |\n|---|---|---|---|---|---|\n",
+            "## Along a path of {} frames\n\nShimmer: share of the points near an edge of the true shadow whose \
+            shadow factor changes by more than 0.05 from one frame to the next, and the mean change there.\n\n| \
+            technique | median ms | min | max | shimmer % | mean change |\n|---|---|---|---|---|---|\n",
             self.frames
         );
         for t in &self.techniques {
@@ -377,7 +397,7 @@ impl PathReport {
         text
     }
 
-    /// One line a frame: its number, then each technique's milliseconds.
+    /// Returns CSV with one line per frame: its number, then each technique's milliseconds.
     pub fn csv(&self) -> String {
         let names = self.techniques.iter().flat_map(|t| {
             [("all", &t.name), ("depth", &t.name), ("lookup", &t.name)]
@@ -397,7 +417,7 @@ impl PathReport {
     }
 }
 
-/// A name, such as a file's, as Markdown text: nothing of it is markup, and it stays on its line.
+/// Escapes a name, such as a file's, as Markdown text. The result has no markup and stays on one line.
 pub fn escaped(name: &str) -> String {
     let mut text = String::with_capacity(name.len());
     for c in name.chars() {
@@ -413,12 +433,12 @@ pub fn escaped(name: &str) -> String {
     text
 }
 
-/// A figure with so many digits after the point; a dash where there is none.
+/// Formats a value with `digits` digits after the point, or as a dash if there is none.
 pub fn figure(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
 }
 
-/// A share in percent, as [`figure`].
+/// Formats a share in percent, see [`figure`].
 pub fn percent(share: Option<f64>, digits: usize) -> String {
     figure(share.map(|s| 100.0 * s), digits)
 }
@@ -427,13 +447,13 @@ fn triple(v: [f64; 3]) -> String {
     v.map(|c| format!("{}", (c * 1e4).round() / 1e4)).join(", ")
 }
 
-/// The middle one; of an even number the upper. NaN of none.
+/// Returns the median, or the upper of the two middle values if their number is even. NaN if there are no values.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// A number with its thousands apart: 2400000 as 2,400,000.
+/// Formats a number with thousands separators: 2400000 as 2,400,000.
 pub fn grouped(whole: u64) -> String {
     let digits = whole.to_string();
     let mut text = String::new();

@@ -1,32 +1,34 @@
-//! Shimmer: how a shadow factor at fixed world points changes while the camera moves.
+//! Shimmer: changes of the shadow factor at fixed world-space points while the camera moves.
 //!
-//! Definition: of the points followed from one frame to the next that lie near an edge of the true shadow, the share whose factor changes
-//! by more than [`CHANGE`], and the mean size of the change over those points. Nothing in the world moves, so the right
-//! figures are 0 and 0. Points off edges are counted too, apart: acne that comes and goes is found there.
+//! It is measured on points near an edge of the true shadow, each followed from one frame to the next. The results are
+//! the share of these points whose factor changes by more than [`CHANGE`], and their mean absolute change. The world is
+//! static, so both should be 0. The share over all points is reported as well. It also shows acne that flickers away
+//! from edges.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
-/// A smaller change of a factor is not seen.
+/// Changes of a factor up to this are considered invisible.
 pub const CHANGE: f32 = 0.05;
 
-/// Changes over a path.
+/// Shimmer along a camera path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shimmer {
-    /// Points near edges, each counted once a pair of frames.
+    /// Number of points near edges, each counted once per pair of frames.
     pub edge_points: u64,
-    /// Share of them that changed; none where there are none.
+    /// Share of the points near edges that changed; `None` without such points.
     pub edge_share: Option<f64>,
-    /// Mean change of their factors, 0 to 1; none where there are none.
+    /// Mean absolute change of the factors near edges, 0 to 1; `None` without such points.
     pub edge_mean: Option<f64>,
-    /// Points in all.
+    /// Number of all points, each counted once per pair of frames.
     pub points: u64,
     /// Share of all points that changed.
     pub share: f64,
 }
 
-/// Gathers changes pair by pair.
+/// Accumulates changes over pairs of frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShimmerCount {
     edge_points: u64,
@@ -37,10 +39,11 @@ pub struct ShimmerCount {
 }
 
 impl ShimmerCount {
-    /// Adds the factors `before` and `after` of the same points in two consecutive frames; `near_edge` says which lie near an edge.
+    /// Adds the factors `before` and `after` of the same points in two consecutive frames. `near_edge` says which of
+    /// them are near an edge.
     ///
     /// # Errors
-    /// [`Error::Sizes`] where the three differ in length.
+    /// Returns [`Error::Sizes`] if the three differ in length.
     pub fn add(&mut self, before: &[f32], after: &[f32], near_edge: &[bool]) -> Result<()> {
         Error::check_sizes("factors before and after", before.len(), after.len())?;
         Error::check_sizes("factors and edge marks", before.len(), near_edge.len())?;
@@ -58,7 +61,7 @@ impl ShimmerCount {
         Ok(())
     }
 
-    /// The shares; none where no point was added.
+    /// Returns the figures, or `None` if no point was added.
     pub fn finish(&self) -> Option<Shimmer> {
         let of = |part: f64, whole: u64| (whole > 0).then(|| part / whole as f64);
         (self.points > 0).then(|| Shimmer {

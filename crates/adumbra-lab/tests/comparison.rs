@@ -1,17 +1,9 @@
-//! A comparison on a small generated scene: figures, pictures, the walk, and the report's form; and what baked voxels must reach
-//! beside cascades.
+//! A comparison on a small generated scene: errors, pictures, the walk, and the report's format. Also checks that baked
+//! voxels have smaller errors than cascades, as required.
 
-#[path = "../../adumbra/tests/shared_folder/mod.rs"]
-mod shared_folder;
-
-use std::sync::atomic::AtomicBool;
-
-use adumbra::bake::{Options, Size, bake};
-use adumbra::camera::{Camera, Projection};
-use adumbra::format::ShadowFile;
-use adumbra::light::Sun;
-use adumbra::scene::{GeneratedKind, LoadOptions, Scene, generate, load};
-use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
+use adumbra::{ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_lab::compare::{Comparison, Contender, Reference, camera_figures, compare, truth_for, walk};
 use adumbra_lab::paths::CameraPath;
 use adumbra_lab::report::{BakedFigures, Report, TruthKind};
 use adumbra_lab::truth::{
@@ -20,7 +12,9 @@ use adumbra_lab::truth::{
 use adumbra_render::{
     Answer, Baked, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build,
 };
-use shared_folder::{full, scene_file, shared};
+use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
+use adumbra_testing::bake_file;
+use adumbra_testing::{full, scene_file, shared};
 
 const SIZE: [u32; 2] = [96, 64];
 
@@ -52,11 +46,11 @@ impl World {
         Self { scene: generate(GeneratedKind::Primitives, 1), sun }
     }
 
-    fn with_judge<T>(&self, work: impl FnOnce(&Judge<'_, '_>) -> T) -> T {
+    fn with_reference<T>(&self, work: impl FnOnce(&Reference<'_, '_>) -> T) -> T {
         let truth = TruthTracer::build(&self.scene, false);
         let key = scene_key(&self.scene, false);
         let towards_sun = self.sun.towards();
-        work(&Judge { truth: &truth, cache: &Cache::none(), scene: &key, towards_sun, disc: (8.0, 16) })
+        work(&Reference { truth: &truth, cache: &Cache::none(), scene: &key, towards_sun, disc: (8.0, 16) })
     }
 }
 
@@ -69,8 +63,9 @@ fn comparison_of_no_shadows_is_wrong_where_the_truth_is_shadowed() {
         contender(&renderer, "truth", TruthKind::Hard),
         contender(&renderer, "truth", TruthKind::Disc),
     ];
-    let Comparison { pixels, truths, compared } =
-        world.with_judge(|judge| compare(&mut renderer, judge, &camera(), &mut contenders, 2).unwrap());
+    let Comparison { pixels, truths, compared } = world.with_reference(|reference| {
+        compare(&mut renderer, reference, &camera(), &mut contenders, 2).unwrap()
+    });
     let all = pixels.compared + pixels.sky + pixels.facing_away + pixels.excluded;
     assert_eq!(all, u64::from(SIZE[0] * SIZE[1]));
     assert!(pixels.compared > 2000 && pixels.excluded * 100 < all, "{pixels:?}");
@@ -78,7 +73,7 @@ fn comparison_of_no_shadows_is_wrong_where_the_truth_is_shadowed() {
     let none = &compared[0].row;
     let (rmse, wrong_lit) = (none.rmse.unwrap(), none.wrong_lit.unwrap());
     assert!(wrong_lit > 0.02 && none.wrong_shadowed == Some(0.0), "{none:?}");
-    // All is lit: the squares of the differences are the shadowed share.
+    // All pixels are lit, so the mean squared difference is the shadowed share.
     assert!((rmse - wrong_lit.sqrt()).abs() < 1e-9);
     assert!(none.ssim.unwrap() < 0.999 && none.flip.unwrap() > 0.0 && none.gpu_ms.is_some());
     let sum: u64 = none.bands.iter().map(|b| b.errors.pixels).sum();
@@ -86,7 +81,7 @@ fn comparison_of_no_shadows_is_wrong_where_the_truth_is_shadowed() {
     for truth in &compared[1..] {
         let row = &truth.row;
         assert_eq!([row.rmse, row.wrong_lit, row.wrong_shadowed], [Some(0.0); 3]);
-        // The rasterizer snaps corners to a part of a pixel, and small triangles have normals of their own.
+        // The rasterizer snaps vertices to a fraction of a pixel, and small triangles have normals of their own.
         assert!(row.ssim.unwrap() > 0.998 && row.flip.unwrap() < 0.005 && row.gpu_ms.is_none(), "{row:?}");
     }
     let soft = compared[2].factors.iter().filter(|f| **f > 0.0 && **f < 1.0).count();
@@ -100,8 +95,8 @@ fn a_camera_at_the_sky_gives_no_technique_a_figure() {
     let mut renderer = renderer(&world.scene);
     let mut contenders = ["none", "sm", "csm"].map(|name| contender(&renderer, name, TruthKind::Hard));
     let sky = Camera { eye: [0.0, 500.0, 0.0], target: [0.0, 900.0, 1.0], ..camera() };
-    let Comparison { pixels, compared, .. } =
-        world.with_judge(|judge| compare(&mut renderer, judge, &sky, &mut contenders, 1).unwrap());
+    let Comparison { pixels, compared, .. } = world
+        .with_reference(|reference| compare(&mut renderer, reference, &sky, &mut contenders, 1).unwrap());
     assert_eq!((pixels.compared, pixels.sky), (0, u64::from(SIZE[0] * SIZE[1])));
     for row in compared.iter().map(|c| &c.row) {
         let figures = [row.rmse, row.mean_difference, row.ssim, row.flip, row.wrong_lit, row.wrong_shadowed];
@@ -112,12 +107,13 @@ fn a_camera_at_the_sky_gives_no_technique_a_figure() {
 #[test]
 fn pictures_are_judged_by_the_geometry_and_colours_that_rays_see() {
     let world = World::new();
-    // The truth's own shadows, so that nothing but geometry, normals and colours can differ.
+    // The truth's own shadows are used, so that only geometry, normals and colours can differ.
     let figures = |drawn: &Scene| {
         let mut renderer = renderer(drawn);
         let mut contenders = [contender(&renderer, "truth", TruthKind::Hard)];
-        let Comparison { compared, .. } =
-            world.with_judge(|judge| compare(&mut renderer, judge, &camera(), &mut contenders, 1).unwrap());
+        let Comparison { compared, .. } = world.with_reference(|reference| {
+            compare(&mut renderer, reference, &camera(), &mut contenders, 1).unwrap()
+        });
         (compared[0].row.ssim.unwrap(), compared[0].row.flip.unwrap())
     };
     let (ssim, flip) = figures(&world.scene);
@@ -143,7 +139,8 @@ fn noise_of_the_screen_shimmers() {
     let names = ["pcf", "pcf:filter=poisson:radius=6"];
     let mut contenders = names.map(|name| contender(&renderer, name, TruthKind::Hard));
     let path = CameraPath::orbit(&world.scene.bounds(), 720).with_frames(4);
-    let report = world.with_judge(|judge| walk(&mut renderer, judge, &path, SIZE, &mut contenders).unwrap());
+    let report = world
+        .with_reference(|reference| walk(&mut renderer, reference, &path, SIZE, &mut contenders).unwrap());
     let [still, noisy] = [0, 1].map(|i: usize| report.techniques[i].shimmer.unwrap().edge_share.unwrap());
     assert!(still < 0.001 && noisy > 0.01, "{still} {noisy}");
 }
@@ -161,7 +158,7 @@ fn given_factors_are_composited_as_they_are() {
     let back = renderer.read_factor(&given).unwrap();
     for (i, (&there, &asked)) in back.iter().zip(&factors).enumerate() {
         let n_dot_l: f64 = (0..3).map(|a| f64::from(surface.normal[i][a]) * shot.towards_sun[a]).sum();
-        // A normal of half precision decides only where it is clear of zero.
+        // With a normal of half precision, the sign of n·l is reliable only if it is clear of zero.
         if surface.view_depth[i].is_finite() && n_dot_l.abs() < 1e-3 {
             continue;
         }
@@ -184,7 +181,8 @@ fn walk_gives_times_and_shimmer_of_every_technique() {
     let mut contenders =
         [contender(&renderer, "none", TruthKind::Hard), contender(&renderer, "truth", TruthKind::Hard)];
     let path = CameraPath::orbit(&world.scene.bounds(), 36).with_frames(3);
-    let report = world.with_judge(|judge| walk(&mut renderer, judge, &path, SIZE, &mut contenders).unwrap());
+    let report = world
+        .with_reference(|reference| walk(&mut renderer, reference, &path, SIZE, &mut contenders).unwrap());
     assert_eq!((report.frames, report.techniques.len()), (3, 1), "truth draws no frames");
     let row = &report.techniques[0];
     assert_eq!(row.gpu_ms.len(), 3);
@@ -212,8 +210,9 @@ fn report_keeps_its_form() {
     let world = World::new();
     let mut renderer = renderer(&world.scene);
     let mut contenders = [contender(&renderer, "none", TruthKind::Hard)];
-    let comparison =
-        world.with_judge(|judge| compare(&mut renderer, judge, &camera(), &mut contenders, 1).unwrap());
+    let comparison = world.with_reference(|reference| {
+        compare(&mut renderer, reference, &camera(), &mut contenders, 1).unwrap()
+    });
     let mut report = Report {
         adapter: renderer.gpu().name(),
         software: renderer.gpu().is_software(),
@@ -230,7 +229,7 @@ fn report_keeps_its_form() {
             voxel_size: 0.05,
             file_bytes: 4096,
         }],
-        left_out: Vec::new(),
+        missing_features: Vec::new(),
         techniques: comparison.compared.iter().map(|c| c.row.clone()).collect(),
         path: None,
     };
@@ -258,7 +257,7 @@ fn report_keeps_its_form() {
     assert!(report.markdown().contains("* |"), "wall times are marked");
 }
 
-/// Wrong pixels of cascades and of voxels at one camera, %.
+/// Returns the wrong pixels of cascades and of voxels at one camera, in percent.
 fn cascades_and_voxels(
     scene: &Scene,
     truth: &TruthTracer<'_>,
@@ -267,7 +266,7 @@ fn cascades_and_voxels(
 ) -> [f64; 2] {
     let mut renderer = renderer(scene);
     let baked = Baked { light: Some(file), ..Baked::default() };
-    // 4 cascades of 2048², practical split at 0.5, as far as the scene is in view: the default.
+    // By default there are 4 cascades of 2048², with a practical split at 0.5, as far as the scene is in view.
     let mut contenders: Vec<Contender> = ["csm:filter=5", "voxel:filter=5"]
         .iter()
         .map(|name| {
@@ -278,8 +277,8 @@ fn cascades_and_voxels(
         .collect();
     let key = scene_key(scene, false);
     let towards_sun = file.grid.sun.towards();
-    let judge = Judge { truth, cache: &Cache::none(), scene: &key, towards_sun, disc: (0.53, 2) };
-    let comparison = compare(&mut renderer, &judge, camera, &mut contenders, 1).unwrap();
+    let reference = Reference { truth, cache: &Cache::none(), scene: &key, towards_sun, disc: (0.53, 2) };
+    let comparison = compare(&mut renderer, &reference, camera, &mut contenders, 1).unwrap();
     [0, 1].map(|i| {
         let row = &comparison.compared[i].row;
         100.0 * row.wrong().unwrap()
@@ -298,15 +297,14 @@ fn shared_voxels_are_wrong_at_fewer_pixels_than_cascades() {
         let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).unwrap();
         let truth = TruthTracer::build(&scene, false);
         let (given, sun) = truth_camera(&truths.join(format!("{name}.npz"))).unwrap();
-        let options = Options::new(sun, Size::Resolution(16384));
-        let baked = bake(&scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
-        let file = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
+        let options = BakeOptions::new(sun, Size::Resolution(16384));
+        let file = bake_file(&scene, &options, LayoutChoice::Plain).unwrap();
         let options = StreetOptions { width, height, ..StreetOptions::default() };
         let street = street_camera(&truth, sun.towards(), &options).unwrap();
         for (from, camera) in [("truth camera", Camera { width, height, ..given }), ("street", street)] {
             let [cascades, voxels] = cascades_and_voxels(&scene, &truth, &file, &camera);
             eprintln!("{name}, {from}: cascades {cascades:.3} %, voxels {voxels:.3} %");
-            // At street level the nearest cascade's texels may be the finer ones; the tables show where.
+            // At street level the nearest cascade's texels may be finer than the voxels. The tables show where.
             assert!(voxels < cascades || from == "street", "{name}, {from}: {voxels} and {cascades}");
         }
     }

@@ -1,13 +1,13 @@
-//! FLIP against its authors' program.
+//! FLIP compared with its authors' implementation.
 
-use adumbra::picture::Picture;
-use adumbra::verify::Random;
 use adumbra_lab::metrics::flip;
 use adumbra_lab::metrics::flip::{PIXELS_PER_DEGREE, flip_map};
+use adumbra_scene::random::Random;
+use adumbra_truth::picture::Picture;
 use nv_flip::FlipImageRgb8;
 
-/// At every pixel; the other program works in single precision, under a square root.
-const LARGEST_DIFFERENCE: f32 = 1e-3;
+/// Largest difference at any pixel. The other implementation takes a square root in single precision.
+const MAX_DIFFERENCE: f32 = 1e-3;
 
 fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [u8; 3]) -> Picture {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -15,7 +15,7 @@ fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [u8; 3]) -> Pict
 }
 
 fn noise(width: u32, height: u32, seed: u64) -> Picture {
-    let mut random = Random::new(seed, 0);
+    let mut random = Random::for_batch(seed, 0);
     let rgb = (0..width * height * 3).map(|_| (random.unit() * 256.0) as u8).collect();
     Picture { width, height, rgb, difference_share: None }
 }
@@ -36,7 +36,7 @@ fn check(name: &str, reference: &Picture, test: &Picture) -> f64 {
     let mean = flip(reference, test).unwrap();
     let their_mean = theirs.iter().map(|e| f64::from(*e)).sum::<f64>() / theirs.len() as f64;
     eprintln!("{name}: mean {mean:.6}, theirs {their_mean:.6}, largest difference {largest:.2e}");
-    assert!(largest <= LARGEST_DIFFERENCE, "{name}: {largest}");
+    assert!(largest <= MAX_DIFFERENCE, "{name}: {largest}");
     assert!((mean - their_mean).abs() <= 1e-4, "{name}");
     mean
 }

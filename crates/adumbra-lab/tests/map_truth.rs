@@ -1,32 +1,28 @@
-//! Every shadow-map technique against rays, away from shadow edges, on the shared scenes.
+//! Every shadow-map technique compared with rays, away from shadow edges, on the shared scenes.
 
-#[path = "../../adumbra/tests/shared_folder/mod.rs"]
-mod shared_folder;
-
-use adumbra::camera::Camera;
-use adumbra::scene::{LoadOptions, Scene, load};
 use adumbra_lab::metrics::is_lit;
 use adumbra_lab::truth::{
     EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, street_camera, truth_camera,
 };
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
+use adumbra_scene::{Camera, LoadOptions, Scene, load};
+use adumbra_testing::shared;
 use rayon::prelude::*;
-use shared_folder::shared;
 
-/// Points so near an edge of the true shadow, in the technique's texels, are not judged.
+/// Points within this distance of an edge of the true shadow, in the technique's texels, are not compared.
 const EDGE_TEXELS: f64 = 2.0;
-/// Nor are surfaces that face the sun less than this.
-const LEAST_N_DOT_L: f64 = 0.1;
+/// Surfaces with a smaller n·l are not compared.
+const MIN_N_DOT_L: f64 = 0.1;
 
-/// Shares of the judged pixels.
+/// Shares of the compared pixels.
 struct Wrong {
     lit: f64,
     shadowed: f64,
-    /// Mean of the difference's size, over every pixel that faces the sun.
+    /// Mean absolute difference over all pixels that face the sun.
     mean_difference: f64,
 }
 
-/// One view of a scene, with its truth.
+/// A view of a scene with its ray-traced truth.
 struct View<'s> {
     shot: Shot,
     truth: TruthTracer<'s>,
@@ -45,26 +41,26 @@ impl<'s> View<'s> {
         Self { shot: Shot { camera, towards_sun, number: 0 }, truth, surfaces, factors, renderer }
     }
 
-    fn judge(&mut self, name: &str) -> Wrong {
+    fn reference(&mut self, name: &str) -> Wrong {
         let technique = build(self.renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
         let mut technique = self.renderer.prepare(technique).unwrap();
         self.renderer.draw(&self.shot, &mut technique, Answer::Visibility).unwrap();
         let answers = self.renderer.read_factor(&technique).unwrap();
         let params = *technique.technique().map().unwrap().params();
-        let layers = &params.layers.0[..params.counts[0] as usize];
+        let layers = &params.layers.0[..params.layer_count as usize];
         let (truth, surfaces, sun) = (&self.factors, &self.surfaces, self.shot.towards_sun);
         let probe = EdgeProbe::new(&self.truth, sun);
         let clear = |i: usize| {
             let depth = surfaces.view_depth[i] as f32;
-            let layer = layers.iter().find(|l| depth < l.scale[2]).unwrap_or(&layers[layers.len() - 1]);
-            let radius = EDGE_TEXELS * f64::from(layer.scale[0]);
+            let layer = layers.iter().find(|l| depth < l.end_view_depth).unwrap_or(&layers[layers.len() - 1]);
+            let radius = EDGE_TEXELS * f64::from(layer.texel_world);
             probe.is_clear(surfaces.lifted(i), surfaces.normal[i].map(f64::from), radius)
         };
-        let faces = |i: &usize| surfaces.is_valid(*i) && surfaces.n_dot_l(*i, sun) > LEAST_N_DOT_L;
+        let faces = |i: &usize| surfaces.is_valid(*i) && surfaces.n_dot_l(*i, sun) > MIN_N_DOT_L;
         let facing: Vec<usize> = (0..surfaces.pixels()).filter(faces).collect();
         let sum: f64 = facing.iter().map(|&i| f64::from((answers[i] - truth[i]).abs())).sum();
         let mean_difference = sum / facing.len() as f64;
-        // What share of them is judged, from every 29th.
+        // The share of them that is compared, estimated from every 29th.
         let sample: Vec<usize> = facing.iter().copied().step_by(29).collect();
         let judged_share = sample.par_iter().filter(|&&i| clear(i)).count() as f64 / sample.len() as f64;
         let wrong = |lit: bool| {
@@ -83,10 +79,10 @@ impl<'s> View<'s> {
     }
 }
 
-/// Most light in shadow. Moments let light bleed: theirs is only told.
-const MOST_LIT: f64 = 0.003;
-/// Most shadow in light.
-const MOST_SHADOWED: f64 = 0.0005;
+/// Largest share of shadowed pixels that are lit. Moment techniques leak light, so theirs is only printed.
+const MAX_LIT: f64 = 0.003;
+/// Largest share of lit pixels that are shadowed.
+const MAX_SHADOWED: f64 = 0.0005;
 
 const COMPARED: &[&str] = &[
     "sm",
@@ -101,7 +97,7 @@ const COMPARED: &[&str] = &[
 ];
 const MOMENTS: &[&str] = &["vsm", "evsm", "msm", "csm-vsm", "csm-evsm"];
 
-/// A scene from its truth camera, or from street level.
+/// Checks a scene from its truth camera or from street level.
 fn check(file: &str, street: bool) {
     let (Some(scenes), Some(truth)) = (shared("scenes"), shared("truth")) else { return };
     let name = file.split('.').next().unwrap();
@@ -116,15 +112,15 @@ fn check(file: &str, street: bool) {
     let mut view = View::new(&scene, camera, sun.towards());
     let mut csm_difference = 0.0;
     for technique in COMPARED {
-        let wrong = view.judge(technique);
-        assert!(wrong.lit <= MOST_LIT, "{name}, {technique}: {} wrong-lit", wrong.lit);
-        assert!(wrong.shadowed <= MOST_SHADOWED, "{name}, {technique}: {} wrong-shadowed", wrong.shadowed);
+        let wrong = view.reference(technique);
+        assert!(wrong.lit <= MAX_LIT, "{name}, {technique}: {} wrong-lit", wrong.lit);
+        assert!(wrong.shadowed <= MAX_SHADOWED, "{name}, {technique}: {} wrong-shadowed", wrong.shadowed);
         csm_difference = wrong.mean_difference;
     }
     for technique in MOMENTS {
-        let wrong = view.judge(technique);
-        assert!(wrong.shadowed <= MOST_SHADOWED, "{name}, {technique}: {} wrong-shadowed", wrong.shadowed);
-        // From afar, with four splits; both against the hard shadow.
+        let wrong = view.reference(technique);
+        assert!(wrong.shadowed <= MAX_SHADOWED, "{name}, {technique}: {} wrong-shadowed", wrong.shadowed);
+        // Compared from afar with four splits, both against the hard shadow.
         if *technique == "csm-vsm" && !street {
             assert!(
                 wrong.mean_difference <= csm_difference,

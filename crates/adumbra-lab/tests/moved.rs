@@ -1,27 +1,25 @@
-//! Every shared scene at map coordinates gives the figures that it gives at zero: six cameras each, techniques of every kind.
+//! Every shared scene gives the same results at map coordinates as at the origin.
+//!
+//! Each scene is compared from six cameras, with techniques of every kind.
 
-mod judged;
-#[path = "../../adumbra/tests/shared_folder/mod.rs"]
-mod shared_folder;
+mod compared;
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use adumbra::bake::{Options, Size, bake_hierarchy};
-use adumbra::camera::Camera;
-use adumbra::format::ShadowFile;
-use adumbra::light::Sun;
-use adumbra::scene::{LoadOptions, Scene, load};
+use adumbra::Sun;
+use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_lab::compare::{Compared, Comparison};
 use adumbra_lab::paths::CameraPath;
 use adumbra_lab::truth::{StreetOptions, TruthTracer, street_camera};
 use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions};
-use shared_folder::{full, scene_file, shared};
+use adumbra_scene::{Camera, LoadOptions, Scene, load};
+use adumbra_testing::bake_file;
+use adumbra_testing::{full, scene_file, shared};
 
 const SIZE: [u32; 2] = [320, 200];
-/// A city's place in UTM coordinates, and a tenth of the way around the Earth.
+/// A city's position in UTM coordinates, and a position 10,000 km away along both axes.
 const PLACES: [[f64; 3]; 2] = [[500_000.0, 0.0, 5_000_000.0], [10_000_000.0, 0.0, 10_000_000.0]];
-/// Pixels that may come out otherwise: what is on an edge to the last bit.
+/// Number of pixels that may differ, as some are on an edge to within rounding.
 const PIXELS: u64 = 2;
 const SCENES: [&str; 18] = [
     "alpine-2",
@@ -46,7 +44,7 @@ const SCENES: [&str; 18] = [
 const TECHNIQUES: [&str; 6] =
     ["none", "voxel", "voxel:filter=5", "sm:size=2048", "csm:size=1024", "hrsm:1024-256"];
 
-/// Three around the scene, and three on a flight from a street; without one, six around it.
+/// Returns three cameras around the scene and three on a flight from a street, or six around it if there is no street.
 fn cameras(scene: &Scene, sun: Sun) -> Vec<Camera> {
     let truth = TruthTracer::build(scene, false);
     let [width, height] = SIZE;
@@ -70,18 +68,17 @@ fn moved(scene: &Scene, place: [f64; 3]) -> Scene {
 
 fn compare_at(scene: &Scene, sun: Sun, place: [f64; 3], cameras: &[Camera]) -> Vec<Comparison> {
     let scene = moved(scene, place);
-    let options = Options::new(sun, Size::Resolution(2048));
-    let baked = bake_hierarchy(&scene, &options, true, &|_| {}, &AtomicBool::new(false)).unwrap();
-    let file = ShadowFile::hierarchy(baked.grid, baked.settings, baked.hierarchy);
+    let options = BakeOptions::new(sun, Size::Resolution(2048));
+    let file = bake_file(&scene, &options, LayoutChoice::Depths).unwrap();
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     let at = |p: [f64; 3]| std::array::from_fn(|a| p[a] + place[a]);
     let cameras: Vec<_> =
         cameras.iter().map(|c| Camera { eye: at(c.eye), target: at(c.target), ..*c }).collect();
-    judged::comparisons(&mut renderer, &scene, Some(&file), sun, &cameras, &TECHNIQUES)
+    compared::comparisons(&mut renderer, &scene, Some(&file), sun, &cameras, &TECHNIQUES)
 }
 
-/// Every figure of a comparison, with its name.
+/// Returns every error of a comparison with its name.
 fn figures(comparison: &Comparison) -> Vec<(String, f64)> {
     let of = |c: &Compared| {
         let row = &c.row;
@@ -98,7 +95,9 @@ fn figures(comparison: &Comparison) -> Vec<(String, f64)> {
     comparison.compared.iter().flat_map(of).collect()
 }
 
-/// Holds a scene's figures elsewhere against those at zero: equal to the second digit, or but for `PIXELS` of those compared.
+/// Compares a scene's results elsewhere with those at the origin.
+///
+/// They may differ by 1 % of their value, or by the share that `PIXELS` are of the compared pixels.
 fn check(scenes: &Path, name: &str) {
     let options = LoadOptions { color_textures: true, ..LoadOptions::default() };
     let scene = load(&scene_file(scenes, name), &options).unwrap();

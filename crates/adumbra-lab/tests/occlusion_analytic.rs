@@ -1,29 +1,27 @@
-//! Ambient occlusion where integrals say what is right: a plane, the inside corner of two planes, a sphere on a
-//! plane.
+//! Ambient occlusion compared with exact integrals: a plane, the inside corner of two planes, a sphere on a plane.
 //!
 //! Visibility is cosine-weighted, within a radius R. Seen from above the surface, cosine-weighted directions fill the
-//! unit disc evenly, so visibility is the share of the disc whose rays meet nothing within R.
+//! unit disc evenly, so visibility is the share of the disc whose rays hit nothing within R.
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::{Instance, Material, Mesh, Scene};
-use adumbra_lab::occlusion::{OcclusionJudge, OcclusionStage, path_flicker, scene_named};
+use adumbra_lab::occlusion::{OcclusionReference, OcclusionStage, path_flicker, scene_named};
 use adumbra_lab::truth::{Cache, Surfaces, TruthTracer, scene_key};
 use adumbra_render::occlusion::{Estimator, Filter, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Gpu, GpuOptions, SceneOptions};
+use adumbra_scene::{Camera, Instance, Material, Mesh, Projection, Scene};
 
 const SIZE: [u32; 2] = [288, 162];
-/// Pixels from the picture's rim that are left out.
+/// Width in pixels of the picture's border that is ignored.
 const RIM: u32 = 24;
-/// Largest mean error of the truth, and of an estimator with its filter.
+/// Largest error of the truth at any pixel. Its mean error may be a fifth of this.
 const TRUTH_TOLERANCE: f64 = 0.03;
 const TOLERANCE: f64 = 0.10;
-/// How far from 1 a plane's mean visibility may be.
+/// Largest deviation of a plane's mean visibility from 1.
 const PLANE_TOLERANCE: f64 = 0.01;
 const RAYS: u32 = 1024;
-/// Of the pixels with an integral, every such is traced.
+/// One in this many of the pixels with an integral is traced.
 const TRACED: usize = 7;
 
 #[derive(Default)]
@@ -39,7 +37,7 @@ impl Shape {
         self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
 
-    /// A square of the ground around the origin.
+    /// Adds a square of ground around the origin.
     fn ground(mut self, side: f32) -> Self {
         let s = 0.5 * side;
         self.quad([[-s, 0.0, s], [s, 0.0, s], [s, 0.0, -s], [-s, 0.0, -s]]);
@@ -100,15 +98,16 @@ fn unfiltered(mut settings: OcclusionSettings) -> OcclusionSettings {
     settings
 }
 
-/// Whether a pixel is away from the picture's rim.
+/// Returns whether a pixel is away from the picture's border.
 fn inside(i: usize) -> bool {
     let (x, y) = (i as u32 % SIZE[0], i as u32 / SIZE[0]);
     let within = |c: u32, size: u32| c >= RIM && c < size - RIM;
     within(x, SIZE[0]) && within(y, SIZE[1])
 }
 
-/// Judges truth and every estimator by `integral`, which has the visibility of a point with its normal where it is
-/// asked for.
+/// Compares truth and every estimator with `integral`.
+///
+/// `integral` returns the visibility of a point with its normal, or `None` if the point is not to be compared.
 fn check(
     name: &str,
     scene: &Scene,
@@ -173,8 +172,10 @@ fn occlusion_of_an_infinite_plane_is_none() {
     }
 }
 
-/// A wall's share of the disc: a ray meets a plane that is `distance` away after distance / (its part towards it), so
-/// within R where that part is distance / R or more. What is met is the disc beyond a chord.
+/// Returns the share of the disc that a wall occludes.
+///
+/// A ray hits a plane that is `distance` away after distance / (the direction's component towards it). That is within R
+/// if the component is at least distance / R. The directions that hit are therefore the disc's segment beyond a chord.
 fn wall(distance: f64, radius: f64) -> f64 {
     let chord = (distance / radius).min(1.0);
     (chord.acos() - chord * (1.0 - chord * chord).sqrt()) / PI
@@ -192,17 +193,20 @@ fn occlusion_of_an_inside_corner_is_its_integral() {
     });
 }
 
-/// Visibility of the ground at `distance` from where a sphere of radius `a` stands on it, by the disc's cells.
+/// Returns the visibility of the ground at `distance` from the point where a sphere of radius `a` touches it.
+///
+/// It is found numerically over cells of the disc.
 fn beside_sphere(distance: f64, a: f64, radius: f64) -> f64 {
     const RINGS: u32 = 96;
     const STEPS: u32 = 192;
     let mut met = 0_u32;
     for (ring, step) in (0..RINGS).flat_map(|r| (0..STEPS).map(move |s| (r, s))) {
-        // Rings of equal area.
+        // The rings have equal area.
         let r = ((f64::from(ring) + 0.5) / f64::from(RINGS)).sqrt();
         let around = TAU * (f64::from(step) + 0.5) / f64::from(STEPS);
         let d = [r * around.cos(), (1.0 - r * r).sqrt(), r * around.sin()];
-        // From (distance, 0, 0) to the sphere around (0, a, 0): t² - 2 t (c·d) + c·c - a² = 0.
+        // A ray from (distance, 0, 0) to the sphere around (0, a, 0), with c the vector to its centre:
+        // t² - 2 t (c·d) + c·c - a² = 0.
         let along = -distance * d[0] + a * d[1];
         let discriminant = along * along - distance * distance;
         met += u32::from(along > 0.0 && discriminant >= 0.0 && along - discriminant.sqrt() <= radius);
@@ -214,7 +218,7 @@ fn beside_sphere(distance: f64, a: f64, radius: f64) -> f64 {
 fn occlusion_beside_a_sphere_is_its_integral() {
     let (a, radius) = (1.0, 1.0);
     let scene = Shape::default().ground(200.0).sphere([0.0, a, 0.0], a, 96).scene();
-    // By distance from where the sphere stands.
+    // Visibility by distance from the point where the sphere touches the ground.
     let known: Vec<f64> = (0..=200).map(|i| beside_sphere(f64::from(i) * 0.01, a, radius)).collect();
     let at = |distance: f64| {
         let place = distance * 100.0;
@@ -234,19 +238,19 @@ fn occlusion_in_the_cornell_box_gains_by_the_filter() {
     let (truth, key, cache) =
         (TruthTracer::build(&view.scene, false), scene_key(&view.scene, false), Cache::none());
     let radius_world = view.radius_world;
-    let judge = OcclusionJudge { truth: &truth, cache: &cache, scene: &key, radius_world, rays: 64 };
+    let reference = OcclusionReference { truth: &truth, cache: &cache, scene: &key, radius_world, rays: 64 };
     let mut stage = stage(&view.scene, view.camera(SIZE));
-    let judged = judge.judge(&stage).unwrap();
-    assert!(judged.pixels.compared as f64 > 0.95 * judged.truth.len() as f64, "{:?}", judged.pixels);
-    let none = judged.errors_of_none().rmse;
+    let compared = reference.trace_view(&stage).unwrap();
+    assert!(compared.pixels.compared as f64 > 0.95 * compared.truth.len() as f64, "{:?}", compared.pixels);
+    let none = compared.errors_of_none().rmse;
     for estimator in Estimator::ALL {
         let settings = OcclusionSettings::new(estimator, radius_world);
         let [with, without] =
-            [settings, unfiltered(settings)].map(|s| judged.errors(&visibility(&stage, s)).unwrap().rmse);
+            [settings, unfiltered(settings)].map(|s| compared.errors(&visibility(&stage, s)).unwrap().rmse);
         println!("{estimator}: {with:.4}, without filter {without:.4}, none {none:.4}");
         assert!(with < without && with < 0.8 * none, "{estimator}: {with} {without} {none}");
     }
-    // Of two cameras that see the same the same is seen; beside each other the filter steadies.
+    // Identical cameras give no flicker. Between neighbouring cameras, the filter reduces it.
     let path = view.path(SIZE);
     let each = |path: &[Camera], stage: &mut OcclusionStage| {
         let settings = OcclusionSettings::new(Estimator::Issao, radius_world);

@@ -1,15 +1,12 @@
-//! Ambient occlusion on the truth cameras, beside today's engines.
+//! Ambient occlusion on the truth cameras, compared with current engines.
 
-#[path = "../../adumbra/tests/shared_folder/mod.rs"]
-mod shared_folder;
-
-use adumbra::scene::{LoadOptions, load};
 use adumbra_lab::occlusion::{OcclusionStage, TunedOn, with_tuned};
 use adumbra_lab::peers::occlusion::{SCENES, engines, figures};
 use adumbra_lab::truth::TruthView;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Gpu, GpuOptions, SceneOptions};
-use shared_folder::{scene_file, shared};
+use adumbra_scene::{LoadOptions, load};
+use adumbra_testing::{scene_file, shared};
 
 #[test]
 fn shared_issao_is_ahead_of_every_engine_on_the_truth_cameras() {

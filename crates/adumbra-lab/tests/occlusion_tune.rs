@@ -1,15 +1,14 @@
-//! The tuner of ambient occlusion on a small scene, and its record beside the defaults that users get.
+//! The tuner of ambient occlusion on a small scene, and its record compared with the defaults that users get.
 
-use adumbra::camera::Camera;
-use adumbra::scene::{GeneratedKind, generate};
 use adumbra_lab::occlusion::{Fold, Record, RecordEntry, TuneOptions, TuneScene, TunedOn, scene_named, tune};
 use adumbra_lab::truth::Cache;
 use adumbra_render::occlusion::{Estimator, OcclusionSettings, Search};
 use adumbra_render::{Gpu, GpuOptions};
+use adumbra_scene::{Camera, GeneratedKind, generate};
 
 const OPTIONS: TuneOptions = TuneOptions { budget: 18, size: [96, 54], rays: 16 };
 
-/// The Cornell box from its own camera, and from another for the other half.
+/// Returns the Cornell box from its own camera for one half, and from another camera for the other half.
 fn scenes() -> Vec<TuneScene> {
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let view = scene_named("cornell").unwrap().open(std::path::Path::new("")).unwrap();
@@ -48,7 +47,7 @@ fn tuner_repeats_itself_and_finds_less_error_within_the_ranges() {
             assert!((0.999 * low..=1.001 * high).contains(value), "{}: {value}", p.name);
         }
     }
-    // The half that a run did not see is as the other run's record has it.
+    // A run's result on the half that it was not tuned on matches the entry of the other half.
     let [a, b] = [TunedOn::FoldA, TunedOn::FoldB].map(|on| record.entry(Estimator::Issao, on).unwrap());
     let share = |e: &RecordEntry, i: usize| e.rmse[&record.scenes[i].name] / record.scenes[i].none_rmse;
     assert!((a.elsewhere.unwrap() - share(a, 1)).abs() < 2e-3, "{a:?}");
@@ -62,7 +61,7 @@ fn tuner_repeats_itself_and_finds_less_error_within_the_ranges() {
 fn tuned_defaults_are_those_of_all_scenes() {
     let record = Record::embedded();
     for estimator in Estimator::ALL {
-        // A record of other parameters is of an older estimator.
+        // A record with other parameters belongs to an older version of the estimator.
         let Some(shape) = record.shape(estimator, TunedOn::All) else { continue };
         for (value, p) in shape.iter().zip(estimator.parameters()) {
             let off = (value - p.default).abs();

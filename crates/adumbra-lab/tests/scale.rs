@@ -1,24 +1,25 @@
-//! What else a scene holds, and where in the world it stands, changes nothing of what a camera sees: pictures, shadows, ambient occlusion
-//! and figures beside rays, of scenes that are wide, hold a stray triangle, or stand at map coordinates.
+//! A camera's view does not depend on a scene's other content, nor on its position in the world.
+//!
+//! Compares pictures, shadows, ambient occlusion and errors against rays, of scenes that are wide, have a stray
+//! triangle, or are at map coordinates.
 
-mod judged;
+mod compared;
 
-use std::sync::atomic::AtomicBool;
-
-use adumbra::bake::{Options, Size, bake};
-use adumbra::camera::{Camera, Projection};
-use adumbra::format::ShadowFile;
-use adumbra::light::Sun;
-use adumbra::scene::{GeneratedKind, Instance, Material, Mesh, Scene, generate};
+use adumbra::{ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_lab::compare::Comparison;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
+use adumbra_scene::{Camera, GeneratedKind, Instance, Material, Mesh, Projection, Scene, generate};
+use adumbra_testing::bake_file;
 
 const SIZE: [u32; 2] = [160, 120];
 const SUN: [f64; 3] = [0.5, 0.8, 0.35];
 const STILL: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// One mesh: a square ground of this half width, boxes of 2 m on it, and triangles besides, as an OBJ file without names has them.
+/// Returns a scene of one mesh, as from an OBJ file without object names.
+///
+/// It is a square ground with side 2 · `half`, boxes of 2 m on it, and the triangles `besides`.
 fn ground_and_boxes(half: f32, boxes: &[[f32; 2]], besides: &[[[f32; 3]; 3]]) -> Scene {
     let mut mesh = Mesh::default();
     let mut quad = |corners: [[f32; 3]; 4]| {
@@ -52,10 +53,10 @@ fn camera(eye: [f64; 3], target: [f64; 3]) -> Camera {
     Camera { eye, target, projection, width: SIZE[0], height: SIZE[1] }
 }
 
-/// What a camera sees of a scene.
+/// The view of a scene from a camera.
 struct Seen {
     comparison: Comparison,
-    /// Of ambient occlusion by a metre.
+    /// Ambient visibility with a radius of one metre.
     ambient: Vec<f32>,
     picture: Vec<u8>,
     view_depth: Vec<f32>,
@@ -70,7 +71,7 @@ fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]
     let mut renderer = renderer(scene);
     let sun = file.map_or_else(|| Sun::from_direction(SUN).unwrap(), |f| f.grid.sun);
     let comparisons =
-        judged::comparisons(&mut renderer, scene, file, sun, std::slice::from_ref(camera), names);
+        compared::comparisons(&mut renderer, scene, file, sun, std::slice::from_ref(camera), names);
     let comparison = comparisons.into_iter().next().unwrap();
     let shot = Shot { camera: *camera, towards_sun: sun.towards(), number: 0 };
     let settings = OcclusionSettings::new(Estimator::Gtao, 1.0);
@@ -87,7 +88,7 @@ fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]
     }
 }
 
-/// Holds what is seen of a changed scene against the plain one, at the pixels where the plain one has a surface.
+/// Compares the view of a changed scene with that of the plain one, at the pixels where the plain one has a surface.
 fn assert_same(what: &str, plain: &Seen, changed: &Seen) {
     let surfaces: Vec<usize> =
         (0..plain.view_depth.len()).filter(|&i| plain.view_depth[i].is_finite()).collect();
@@ -126,7 +127,7 @@ fn a_stray_triangle_changes_nothing_near_the_camera() {
     let names = ["none", "csm", "csm:filter=1", "csm:filter=poisson", "csm-vsm", "csm-evsm"];
     let seen = |scene| see(scene, None, &street, &names);
     assert_same("stray", &seen(&plain), &seen(&strayed));
-    // From above the last cascade of the plain scene is no larger than the scene, and finer for it.
+    // From above no cascades are compared: the last one of the plain scene is limited to the scene, and so is finer.
     let above = camera([18.0, 22.0, 30.0], [0.0; 3]);
     let seen = |scene| see(scene, None, &above, &["none"]);
     assert_same("stray from above", &seen(&plain), &seen(&strayed));
@@ -138,7 +139,8 @@ fn ground_of_any_width_changes_nothing_near_the_camera() {
     let seen = |half: f32, camera: &Camera, names: &[&str]| {
         see(&ground_and_boxes(half, &boxes, &[]), None, camera, names)
     };
-    // Down, so that all see the same ground, which is wider than their cascades; and to the horizon, beneath which only wide ones have some.
+    // One camera looks down, so that all scenes show the same ground, which is wider than their cascades. The other
+    // looks to the horizon, just below which only wide scenes have ground.
     let down = camera([0.0, 7.0, 8.0], [0.0; 3]);
     let level = camera([0.0, 1.0, 5.2], [0.0, 1.0, 0.0]);
     let names = ["none", "csm", "csm:filter=1", "csm-evsm"];
@@ -158,9 +160,8 @@ fn a_town_at_map_coordinates_looks_as_at_zero() {
             (0..3).for_each(|a| instance.world_from_mesh[a][3] += origin[a]);
         }
         let sun = Sun::from_direction(SUN).unwrap();
-        let options = Options::new(sun, Size::Resolution(4096));
-        let baked = bake(&scene, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
-        let file = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
+        let options = BakeOptions::new(sun, Size::Resolution(4096));
+        let file = bake_file(&scene, &options, LayoutChoice::Plain).unwrap();
         let place = |p: [f64; 3]| std::array::from_fn(|a| p[a] + origin[a]);
         let camera = camera(place([-150.0, 38.0, 175.0]), place([-75.0, 4.0, 75.0]));
         see(&scene, Some(&file), &camera, &["none", "voxel", "voxel:filter=5"])
@@ -182,7 +183,7 @@ fn a_camera_at_map_coordinates_moves_in_every_step() {
     let towards_sun = Sun::from_direction(SUN).unwrap().towards();
     let mut depths = Vec::new();
     for step in 0..=1000_u32 {
-        // Towards the box's side, a millimetre a step.
+        // The camera approaches the side of the box by a millimetre per step.
         let away = 5.0 - 0.001 * f64::from(step);
         let eye = [origin[0], 1.0, origin[2] + 1.0 + away];
         let target = [origin[0], 1.0, origin[2]];

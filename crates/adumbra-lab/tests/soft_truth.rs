@@ -1,19 +1,14 @@
-//! Penumbrae from a baked hierarchy against rays to a sun's disc, on shared scenes.
+//! Penumbrae from baked switch depths compared with rays to a sun's disc, on shared scenes.
 
-#[path = "../../adumbra/tests/shared_folder/mod.rs"]
-mod shared_folder;
-
-use std::sync::atomic::AtomicBool;
-
-use adumbra::bake::{Options, Size, bake_hierarchy};
-use adumbra::camera::Camera;
-use adumbra::scene::{LoadOptions, load};
+use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_lab::truth::{StreetOptions, SunShape, TruthTracer, street_camera, truth_camera};
-use adumbra_render::voxel::{VoxelHierarchy, VoxelSettings};
+use adumbra_render::voxel::{BakedLight, Voxel, VoxelSettings};
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build};
-use shared_folder::{scene_file, shared};
+use adumbra_scene::{Camera, LoadOptions, load};
+use adumbra_testing::bake_file;
+use adumbra_testing::{scene_file, shared};
 
-/// Root mean squares over the pixels that face the sun, at street level, under a sun of two degrees.
+/// Compares RMSE over the pixels that face the sun, at street level, under a sun of two degrees.
 #[test]
 fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let (Some(scenes), Some(truths)) = (shared("scenes"), shared("truth")) else { return };
@@ -22,8 +17,8 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let (camera, sun) = truth_camera(&truths.join(format!("{name}.npz"))).unwrap();
     let truth = TruthTracer::build(&scene, false);
     let street = street_camera(&truth, sun.towards(), &StreetOptions::default()).unwrap();
-    let options = Options { thickness_world: 0.1, ..Options::new(sun, Size::Resolution(8192)) };
-    let baked = bake_hierarchy(&scene, &options, true, &|_| {}, &AtomicBool::new(false)).unwrap();
+    let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(8192)) };
+    let baked = bake_file(&scene, &options, LayoutChoice::Depths).unwrap();
     let gpu = Gpu::request(&GpuOptions::default()).unwrap();
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     for (view, camera) in [("afar", camera), ("street", street)] {
@@ -40,15 +35,8 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
             let technique = if spec.name() == "voxel" {
                 let settings = VoxelSettings::from_spec(&spec, None).unwrap();
                 let settings = VoxelSettings { bias: baked.settings.bias, ..settings };
-                let (grid, hierarchy) = (&baked.grid, &baked.hierarchy);
-                let found = VoxelHierarchy::from_settings(
-                    renderer.gpu(),
-                    spec.to_string(),
-                    grid,
-                    hierarchy,
-                    settings,
-                );
-                Box::new(found.unwrap())
+                let light = BakedLight::from_file(renderer.gpu(), &baked, settings).unwrap();
+                Box::new(Voxel::new(spec.to_string(), light))
             } else {
                 build(renderer.gpu(), &spec, Baked::default()).unwrap()
             };

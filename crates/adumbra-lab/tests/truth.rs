@@ -1,19 +1,17 @@
-//! Truth by rays: against another renderer, through the cache, beside edges, and from the street.
+//! Ray-traced truth: compared with another renderer, through the cache, near edges, and from the street.
 
-#[path = "../../adumbra/tests/shared_folder/mod.rs"]
-mod shared_folder;
-
-use adumbra::camera::{Camera, Projection};
-use adumbra::light::Sun;
-use adumbra::scene::{GeneratedKind, Instance, LoadOptions, Material, Mesh, Scene, generate, load};
+use adumbra::Sun;
 use adumbra_lab::occlusion::{SCENES, occlusion_errors};
 use adumbra_lab::truth::{
     Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, standard_error,
     street_camera,
 };
-use shared_folder::{scene_file, shared};
+use adumbra_scene::{
+    Camera, GeneratedKind, Instance, LoadOptions, Material, Mesh, Projection, Scene, generate, load,
+};
+use adumbra_testing::{scene_file, shared};
 
-/// Share of sun pixels that must agree with the other renderer.
+/// Minimum share of sun-facing pixels that agree with the other renderer.
 const SUN_AGREEMENT: f64 = 0.995;
 
 #[test]
@@ -27,7 +25,7 @@ fn shared_truth_matches_another_renderer_through_its_cameras() {
         let towards = view.sun.towards();
         let surfaces = tracer.surfaces(&view.camera);
         let factors = tracer.factors(&surfaces, towards, SunShape::Hard);
-        let (mut judged, mut agreeing, mut apart) = (0_u32, 0_u32, 0_u32);
+        let (mut compared, mut agreeing, mut apart) = (0_u32, 0_u32, 0_u32);
         for (i, factor) in factors.iter().enumerate() {
             let far = (0..3).any(|a| {
                 (surfaces.position[i][a] - f64::from(view.position[i][a])).abs()
@@ -36,12 +34,12 @@ fn shared_truth_matches_another_renderer_through_its_cameras() {
             if view.valid[i] != surfaces.is_valid(i) || (view.valid[i] && far) {
                 apart += 1;
             } else if view.valid[i] && view.n_dot_l[i] > 0.1 {
-                judged += 1;
+                compared += 1;
                 agreeing += u32::from((*factor > 0.5) == (view.visibility[i] > 0.5));
             }
         }
-        let share = f64::from(agreeing) / f64::from(judged);
-        eprintln!("{name}: {share:.5} of {judged} pixels agree; {apart} see other surfaces");
+        let share = f64::from(agreeing) / f64::from(compared);
+        eprintln!("{name}: {share:.5} of {compared} pixels agree; {apart} see other surfaces");
         assert!(share >= SUN_AGREEMENT, "{name}: {share}");
         assert!(f64::from(apart) < 0.01 * factors.len() as f64, "{name}: {apart}");
     }
@@ -55,7 +53,7 @@ fn shared_ambient_agrees_with_another_renderer_at_its_positions() {
         let options = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
         let scene = load(&scene_file(&scenes, name), &options).unwrap();
         let tracer = TruthTracer::build(&scene, true);
-        // The file's own surfaces, every third row, so that only occlusion is judged.
+        // The file's own surfaces are used, every third row, so that only occlusion is compared.
         let rows = (0..view.camera.height as usize).step_by(3);
         let pixels: Vec<usize> = rows.flat_map(|y| (0..320).map(move |x| y * 320 + x)).collect();
         let surfaces = Surfaces {
@@ -64,7 +62,7 @@ fn shared_ambient_agrees_with_another_renderer_at_its_positions() {
             position: pixels.iter().map(|&i| view.position[i].map(f64::from)).collect(),
             normal: pixels.iter().map(|&i| view.normal[i]).collect(),
             view_depth: pixels.iter().map(|&i| if view.valid[i] { 1.0 } else { f64::INFINITY }).collect(),
-            // Its positions are floats.
+            // Positions in the file have single precision.
             lift_world: vec![1e-5 * scene.bounds().diagonal(); pixels.len()],
         };
         let ambient = tracer.ambient(&surfaces, view.ambient_radius_world, 64);
@@ -76,7 +74,7 @@ fn shared_ambient_agrees_with_another_renderer_at_its_positions() {
     }
 }
 
-/// A ground square and a box on it.
+/// Returns a square ground with a box on it.
 fn plane_and_box() -> Scene {
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
@@ -129,11 +127,11 @@ fn truth_of_a_box_is_its_analytic_shadow() {
         let [x, y, z] = surfaces.position[i];
         assert_eq!(surfaces.normal[i], [0.0, 1.0, 0.0]);
         assert!((surfaces.view_depth[i] - (30.0 - y)).abs() < 1e-9);
-        // The box throws its shadow four metres to -x.
+        // The box casts a shadow four metres long towards -x.
         let shadowed = y < 1.0 && z.abs() < 1.0 && (-5.0..-1.0).contains(&x);
         assert_eq!(*factor, f32::from(u8::from(!shadowed)), "{x} {y} {z}");
     }
-    // Straight below the disc's middle, half of it is seen at the shadow's far rim.
+    // At the far edge of the hard shadow, half of the disc is visible.
     let soft = truth.factors(&surfaces, sun.towards(), SunShape::Disc { angle_degrees: 10.0, samples: 64 });
     let partly = soft.iter().filter(|f| **f > 0.0 && **f < 1.0).count();
     assert!(partly > 20, "{partly}");
@@ -145,7 +143,7 @@ fn truth_of_a_box_is_its_analytic_shadow() {
 fn ambient_of_a_wall_is_its_integral() {
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
-    // Beside the middle of a side of the box, with a radius that reaches neither its top nor its corners.
+    // Points next to the middle of a side of the box, with a radius that reaches neither its top nor its corners.
     let at = |x: f64| ([x, 0.0, 0.0], [0.0, 1.0, 0.0_f32]);
     let places = [at(1.25), at(1.5), at(5.0)];
     let surfaces = Surfaces {
@@ -158,8 +156,9 @@ fn ambient_of_a_wall_is_its_integral() {
     };
     let radius = 0.75;
     let ambient = truth.ambient(&surfaces, radius, 4096);
-    // A plane `d` away is met within the radius where the direction's part towards it is d / radius or more. Cosine-weighted directions,
-    // seen from above, fill the unit circle evenly: what is met is the segment beyond that chord.
+    // A ray hits a plane at distance `d` within the radius if its direction's component towards the plane is at least
+    // d / radius. Seen from above, cosine-weighted directions fill the unit disc evenly, so the rays that hit are the
+    // segment beyond that chord.
     let wall = |d: f64| {
         let chord: f64 = d / radius;
         (chord.acos() - chord * (1.0 - chord * chord).sqrt()) / std::f64::consts::PI
@@ -224,7 +223,7 @@ fn edges_of_a_box_shadow_are_where_they_must_be() {
     let sun = Sun::from_direction([1.0, 1.0, 0.0]).unwrap();
     let probe = EdgeProbe::new(&truth, sun.towards());
     let clear = |p: [f64; 3], radius: f64| probe.is_clear([p[0], p[1] + 1e-6, p[2]], [0.0, 1.0, 0.0], radius);
-    // In the light's plane a metre on the ground along x is √½ of one; along z it is one.
+    // Projected into the light's plane, a metre on the ground is √½ m along x and 1 m along z.
     for (p, distance) in [
         ([-3.0, 0.0, 0.6], 0.4),
         ([-3.0, 0.0, 1.5], 0.5),
@@ -280,13 +279,13 @@ fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
             assert_eq!(std::fs::read(&file).unwrap(), whole, "it is traced anew and kept");
         }
     }
-    // Whole entries are trusted: another's payload under this name and key is not.
+    // An intact entry is trusted only under its own name and key, so swapped entries are traced again.
     let [a, b] = &files()[..] else { panic!() };
     let (bytes_a, bytes_b) = (std::fs::read(a).unwrap(), std::fs::read(b).unwrap());
     std::fs::write(a, &bytes_b).unwrap();
     std::fs::write(b, &bytes_a).unwrap();
     assert_eq!(ask(&cache), first);
-    // Anything that the answer follows from leads to another entry.
+    // A change to any input of the result leads to another entry.
     let before = files().len();
     let surfaces = &first.0;
     cache.factors(&truth, &key, &camera, surfaces, towards, SunShape::Hard);
@@ -296,7 +295,7 @@ fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
     moved.instances[0].world_from_mesh[1][3] = 0.5;
     cache.surfaces(&truth, &scene_key(&moved, false), &camera);
     assert_eq!(files().len(), before + 4);
-    // A colour is none of that.
+    // Colour is not an input.
     let mut red = scene.clone();
     red.materials[0].base_color = [1.0, 0.0, 0.0, 1.0];
     cache.surfaces(&truth, &scene_key(&red, false), &camera);
@@ -320,7 +319,7 @@ fn cache_stays_within_its_limit_and_drops_what_was_used_longest_ago() {
     std::fs::write(&other, "not an entry").unwrap();
     let limit = sizes().into_iter().max().unwrap() * 3;
     let cache = Cache::in_folder(entries.clone(), limit);
-    // The first is used again, so the second is what was used longest ago.
+    // The first is used again, so the second becomes the least recently used.
     std::thread::sleep(std::time::Duration::from_millis(20));
     cache.surfaces(&truth, &key, &cameras[0]);
     std::thread::sleep(std::time::Duration::from_millis(20));
@@ -342,7 +341,7 @@ fn cache_without_a_place_still_answers() {
     let folder = tempfile::tempdir().unwrap();
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
-    // A file stands where the folder would.
+    // There is a file at the path of the folder.
     let file = folder.path().join("a file");
     std::fs::write(&file, "").unwrap();
     let cache = Cache::in_folder(file, u64::MAX);
@@ -350,13 +349,13 @@ fn cache_without_a_place_still_answers() {
     assert_eq!(cache.surfaces(&truth, &key, &above(8, 8)), truth.surfaces(&above(8, 8)));
 }
 
-/// What every street-level camera must be, by rays of the test's own.
+/// Checks a street-level camera with the test's own rays.
 fn check_street(name: &str, scene: &Scene, sun: Sun) {
     let truth = TruthTracer::build(scene, false);
     let options = StreetOptions { width: 160, height: 90, ..StreetOptions::default() };
     let camera = street_camera(&truth, sun.towards(), &options).unwrap();
     assert_eq!(camera, street_camera(&truth, sun.towards(), &options).unwrap());
-    let down = adumbra::trace::Ray {
+    let down = adumbra_truth::trace::Ray {
         origin: camera.eye,
         direction: [0.0, -1.0, 0.0],
         t_min: 0.0,

@@ -1,47 +1,48 @@
-//! An engine's own wgpu program that shades with a shadow file: upload it, bind group 1, include the WGSL, call `shadow_factor`.
+//! An engine's own wgpu program that shades with a shadow file: upload the file, set bind group 1, include the WGSL,
+//! call `adumbra_shadow_factor`.
 //!
-//! `cargo run --release -p adumbra-render --example engine` bakes the generated city and shades a square of 200 m over its streets, seen
-//! from straight above, into square.png, white = lit; `-- city.adumbra picture.png` takes another file. Fails where more than one pixel in a
-//! thousand differs from the CPU's look-up by more than a row of the filter's taps. What it costs in bindings: one uniform and one
-//! storage buffer in group 1 (six storage buffers for files larger than one binding may be).
+//! `cargo run --release -p adumbra-render --example engine` bakes the generated city, shades a square of 200 m over its
+//! streets, seen from straight above, and writes it to square.png, white = lit. `-- city.adumbra picture.png` takes
+//! another file. The example fails if more than one pixel in a thousand differs from the CPU look-up by more than one
+//! row of the filter's taps. Cost in bindings: one uniform and one storage buffer in group 1, or six storage buffers
+//! for files larger than one binding may be.
 
 use std::error::Error;
-use std::sync::atomic::AtomicBool;
 
-use adumbra::bake::{self, Size};
-use adumbra::format::{Layout, ShadowFile};
-use adumbra::light::Sun;
-use adumbra::query::Query;
-use adumbra::scene::{GeneratedKind, generate};
+use adumbra::{Query, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_render::gpu::{Gpu, binding};
 use adumbra_render::readback::read_buffer;
-use adumbra_render::voxel::Voxel;
-use adumbra_shaders::{assemble, source};
+use adumbra_render::voxel::{BakedLight, VoxelSettings};
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_shaders::{Source, assemble, source};
 use wgpu::{BufferUsages, ShaderStages};
 
 const PIXELS: u32 = 512;
-const METRES_A_PIXEL: f64 = 200.0 / PIXELS as f64;
-/// Of the square that is drawn, above the pavements.
+const METRES_PER_PIXEL: f64 = 200.0 / PIXELS as f64;
+/// Corner of the square that is drawn, above the pavements.
 const CORNER_WORLD: [f64; 3] = [-150.0, 0.25, -50.0];
-/// Texels a side of the filter.
+/// Width of the filter, texels.
 const FILTER: u32 = 9;
-/// By which the shader's `f32` positions may differ from the CPU's `f64`: a point that falls into the next texel.
+/// Tolerance of the visibility: the shader's `f32` positions may put a point into the texel next to the one that the
+/// CPU's `f64` gives.
 const ROW_OF_TAPS: f32 = 1.001 / FILTER as f32;
 
-/// The engine's own shader: group 0 is its own. An engine fills `Surface` from its G-buffer or in its fragment shader; here it is a square in the air.
+/// The engine's own shader, with its own group 0. An engine fills `AdumbraSurface` from its G-buffer or in its fragment
+/// shader; this one shades a square in mid-air.
 const ENGINE_WGSL: &str = "
-struct Engine { corner: vec3f, metres_a_pixel: f32, towards_sun: vec3f, pixels: u32 }
+struct Engine { corner: vec3f, metres_per_pixel: f32, towards_sun: vec3f, pixels: u32 }
 @group(0) @binding(0) var<uniform> engine: Engine;
-@group(0) @binding(1) var<storage, read_write> shade: array<f32>;
+@group(0) @binding(1) var<storage, read_write> visibility: array<f32>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let at = (vec2f(id.xy) + 0.5) * engine.metres_a_pixel;
-    var s: Surface;
+    let at = (vec2f(id.xy) + 0.5) * engine.metres_per_pixel;
+    var s: AdumbraSurface;
     s.p_relative = engine.corner + vec3f(at.x, 0.0, at.y);
     s.normal = vec3f(0.0, 1.0, 0.0);
     s.towards_sun = engine.towards_sun;
-    shade[id.y * engine.pixels + id.x] = shadow_factor(s);
+    visibility[id.y * engine.pixels + id.x] = adumbra_shadow_factor(s);
 }
 ";
 
@@ -51,10 +52,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(path) => ShadowFile::read(&path)?,
         None => {
             let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
-            let options = bake::Options::new(sun, Size::Resolution(8192));
+            let options = BakeOptions::new(sun, Size::Resolution(8192));
             let city = generate(GeneratedKind::City, 1);
-            let baked = bake::bake(&city, &options, &|_| {}, &AtomicBool::new(false))?;
-            ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::Packed)?
+            bake(&city, &options, Watch::none())?.file
         }
     };
     let picture = arguments.next().unwrap_or_else(|| "square.png".into());
@@ -67,50 +67,55 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok::<_, Box<dyn Error>>(adapter.request_device(&asked).await?)
     })?;
 
-    // Once: the file's words and their bind group.
+    // Once: upload the file's words and create their bind group.
     let gpu = Gpu::sharing(&device, &queue);
-    let mut voxel = Voxel::of_file(&gpu, &file, file.settings.bias, FILTER)?;
-    // Each frame: the point that positions count from, usually the camera.
+    let mut light = BakedLight::from_file(&gpu, &file, VoxelSettings::taps(FILTER, file.settings.bias))?;
+    // Every frame: set the origin of relative positions, usually the camera.
     let anchor = [-50.0, 1.7, 50.0];
-    voxel.set_anchor(&gpu, anchor)?;
+    light.set_anchor(&gpu, anchor)?;
 
-    // Once: the shader, of the files that the layout needs and the engine's own text, and its pipeline.
+    // Once: assemble the shader from the files that the layout needs and the engine's own text, and build its pipeline.
     let mut files = vec![source::SURFACE];
-    files.extend(voxel.look_up());
-    files.push(source::VOXEL_PASS);
+    files.extend(light.visibility_sources());
+    files.push(Source { name: "engine", text: ENGINE_WGSL });
     let own = gpu.layout("engine", ShaderStages::COMPUTE, &[binding::UNIFORM, binding::STORAGE_OUT]);
-    let groups = [Some(&own), Some(voxel.bindings().layout())];
-    let pipeline = gpu.compute("engine", assemble(&files) + ENGINE_WGSL, "main", &groups);
+    let groups = [Some(&own), Some(light.bindings().layout())];
+    let pipeline = gpu.compute("engine", assemble(&files), "main", &groups);
 
     let corner: [f32; 3] = std::array::from_fn(|a| (CORNER_WORLD[a] - anchor[a]) as f32);
     let sun = file.grid.sun.towards().map(|c| c as f32);
     let mut uniform: Vec<u8> = bytemuck::cast_slice(&[corner, sun].concat()).to_vec();
-    uniform.splice(12..12, (METRES_A_PIXEL as f32).to_le_bytes());
+    uniform.splice(12..12, (METRES_PER_PIXEL as f32).to_le_bytes());
     uniform.extend(PIXELS.to_le_bytes());
     let uniform = gpu.uniform("engine::uniform", &uniform);
     let pixels = (PIXELS * PIXELS) as usize;
-    let shade =
-        gpu.buffer("engine::shade", &vec![0; 4 * pixels], BufferUsages::STORAGE | BufferUsages::COPY_SRC);
-    let group = gpu.bind("engine", &own, vec![uniform.as_entire_binding(), shade.as_entire_binding()]);
+    let visibility = gpu.buffer(
+        "engine::visibility",
+        &vec![0; 4 * pixels],
+        BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+    );
+    let group = gpu.bind("engine", &own, vec![uniform.as_entire_binding(), visibility.as_entire_binding()]);
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &group, &[]);
-    pass.set_bind_group(1, voxel.bindings().group(), &[]);
+    pass.set_bind_group(1, light.bindings().group(), &[]);
     pass.dispatch_workgroups(PIXELS / 8, PIXELS / 8, 1);
     drop(pass);
     queue.submit([encoder.finish()]);
-    let shade: Vec<f32> = bytemuck::pod_collect_to_vec(&read_buffer(&gpu, &shade)?);
+    let visibility: Vec<f32> = bytemuck::pod_collect_to_vec(&read_buffer(&gpu, &visibility)?);
 
-    let bytes: Vec<u8> = shade.iter().map(|v| (255.0 * v).round() as u8).collect();
+    let bytes: Vec<u8> = visibility.iter().map(|v| (255.0 * v).round() as u8).collect();
     image::save_buffer(&picture, &bytes, PIXELS, PIXELS, image::ExtendedColorType::L8)?;
-    let query = Query::new(&file.grid, file.slabs(), file.settings.bias, FILTER)?;
-    let differ = (0..).zip(&shade).filter(|&(i, v): &(u32, _)| {
-        let [x, z] = [i % PIXELS, i / PIXELS].map(|n| (f64::from(n) + 0.5) * METRES_A_PIXEL);
+    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, FILTER)?;
+    let differ = (0..).zip(&visibility).filter(|&(i, v): &(u32, _)| {
+        let [x, z] = [i % PIXELS, i / PIXELS].map(|n| (f64::from(n) + 0.5) * METRES_PER_PIXEL);
         let p_world = [CORNER_WORLD[0] + x, CORNER_WORLD[1], CORNER_WORLD[2] + z];
         (query.visibility(p_world, Some([0.0, 1.0, 0.0])) - v).abs() > ROW_OF_TAPS
     });
-    let (differ, mean) = (differ.count(), shade.iter().sum::<f32>() / pixels as f32);
-    println!("{picture}: mean visibility {mean:.3}; {differ} of {pixels} pixels are off the CPU's look-up");
-    if differ * 1000 > pixels { Err("the shader's look-up is not the CPU's".into()) } else { Ok(()) }
+    let (differ, mean) = (differ.count(), visibility.iter().sum::<f32>() / pixels as f32);
+    println!(
+        "{picture}: mean visibility {mean:.3}; {differ} of {pixels} pixels differ from the CPU's look-up"
+    );
+    if differ * 1000 > pixels { Err("the shader's look-up differs from the CPU's".into()) } else { Ok(()) }
 }

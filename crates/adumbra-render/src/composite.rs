@@ -1,21 +1,21 @@
-//! The finished picture: a plain sun and sky, the material's colour, and the shadow factor. The arithmetic is that of
-//! `adumbra::picture`, its CPU twin.
+//! The finished picture: a plain sun and sky, the material's colour, the shadow factor and ambient visibility. The
+//! arithmetic matches `adumbra_truth::picture`, its CPU twin.
 
-use adumbra::picture::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
 use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::layout::CompositeParams;
 use adumbra_shaders::{assemble, source};
+use adumbra_truth::picture::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
 use wgpu::{BindingResource, ShaderStages, TextureFormat};
 
 use crate::frame::Targets;
 use crate::gpu::{Gpu, binding};
 
-/// The pass.
+/// The composite pass.
 pub struct Composite {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
     light: wgpu::Buffer,
-    /// Ambient visibility of every pixel where nothing else says.
+    /// Ambient visibility used if none is given: a single texel of 1.
     open: wgpu::TextureView,
 }
 
@@ -33,19 +33,20 @@ impl Composite {
             binding::LOADED,
         ];
         let layout = gpu.layout("composite", ShaderStages::COMPUTE, &bindings);
-        let text = assemble(&[source::SURFACE, source::FRAME, source::SRGB, source::COMPOSITE]);
+        let text =
+            assemble(&[source::SURFACE, source::VIEW_DEPTH, source::FRAME, source::SRGB, source::COMPOSITE]);
         let pipeline = gpu.compute("composite", text, "composite", &[Some(&layout)]);
-        let wide = |c: [f64; 3]| [c[0] as f32, c[1] as f32, c[2] as f32, 0.0];
+        let single = |c: [f64; 3]| c.map(|c| c as f32);
         let params = CompositeParams {
-            sun_color: wide(SUN_COLOR),
-            sky_color: wide(SKY_COLOR),
-            ground_color: wide(GROUND_COLOR),
+            sun_color: single(SUN_COLOR),
+            sky_color: single(SKY_COLOR),
+            ground_color: single(GROUND_COLOR),
         };
         let open = gpu.float_texture("composite::open", [1, 1], &[1.0]).create_view(&Default::default());
         Self { layout, pipeline, light: gpu.uniform("composite::light", &params.bytes()), open }
     }
 
-    /// Writes `targets.picture` from the G-buffer, `factor` and, if there is any, ambient visibility.
+    /// Writes `targets.picture` from the G-buffer, `factor` and ambient visibility, if any.
     pub fn encode(
         &self,
         gpu: &Gpu,

@@ -1,6 +1,38 @@
-//! Whatever ends a drawing early.
+//! The errors of this crate.
 
-/// Why the GPU could not be used, or drew nothing.
+use std::fmt;
+
+/// How to fix something that is larger than the device allows. A program with matching options may name them instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fix {
+    /// A picture of fewer pixels, or with fewer samples per pixel.
+    SmallerPicture,
+    /// A scene with fewer parts.
+    SmallerScene,
+    /// A bake at a lower resolution.
+    LowerResolution,
+    /// Pages with fewer pixels per side.
+    SmallerPages,
+    /// Pages with more pixels per side, or a bake at a lower resolution.
+    LargerPages,
+    /// Anything else: a fix that no program has an option for, or a parameter of the technique.
+    Other(&'static str),
+}
+
+impl fmt::Display for Fix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SmallerPicture => "draw fewer pixels, or fewer samples per pixel",
+            Self::SmallerScene => "leave parts of the scene out, or split it",
+            Self::LowerResolution => "bake at a lower resolution",
+            Self::SmallerPages => "export again with smaller pages",
+            Self::LargerPages => "export again with larger pages, or bake at a lower resolution",
+            Self::Other(what) => what,
+        })
+    }
+}
+
+/// Why the GPU could not be used, or could not draw.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// No adapter: no GPU, no driver, and no software Vulkan either.
@@ -9,85 +41,85 @@ pub enum RenderError {
          apt-get install mesa-vulkan-drivers)"
     )]
     NoAdapter {
-        /// What was asked and what came back.
+        /// The adapter requested and the adapters found.
         reason: String,
     },
     /// The adapter gave no device.
-    #[error("the adapter {adapter} gives no device: {reason}")]
+    #[error("the adapter {adapter} provides no device: {reason}")]
     NoDevice {
-        /// Its name.
+        /// The adapter's name.
         adapter: String,
-        /// What it said.
+        /// The error that it reported.
         reason: String,
     },
-    /// The device went away or stopped answering; nothing that it held can be read any more.
+    /// The device was lost or stopped responding. Nothing that it held can be read any more.
     #[error(
         "the GPU device was lost: {reason}; run it again, with a smaller picture or map if it happens again"
     )]
     Lost {
-        /// What was said.
+        /// The reported reason.
         reason: String,
     },
-    /// The device has no memory left for what was asked of it.
+    /// The device is out of memory.
     #[error(
         "the GPU is out of memory: {reason}; make the picture or the maps smaller, or leave parts of the scene out"
     )]
     OutOfMemory {
-        /// What was said.
+        /// The reported reason.
         reason: String,
     },
-    /// The device refused what was asked of it.
+    /// The device refused a command.
     #[error("the GPU refused a command: {reason}")]
     Refused {
-        /// What was said.
+        /// The reported reason.
         reason: String,
     },
-    /// Something is larger than the device takes.
-    #[error("{what} takes {bytes} bytes, and this device takes at most {limit}; {mend}")]
+    /// Something is larger than the device allows.
+    #[error("{what} takes {bytes} bytes, but this device allows at most {limit}; {fix}")]
     TooLarge {
-        /// The thing.
+        /// What is too large.
         what: String,
-        /// Its size.
+        /// Its size, bytes.
         bytes: u64,
-        /// What the device takes.
+        /// The device's limit, bytes.
         limit: u64,
-        /// What to do.
-        mend: &'static str,
+        /// What to do about it.
+        fix: Fix,
     },
-    /// A depth image that no shadow map holds.
+    /// A depth image that no shadow map can hold.
     #[error("a depth image cannot be used: {what}")]
     DepthImage {
         /// What is wrong with it, and where.
         what: String,
     },
-    /// Baked voxels that are more than the shaders take.
-    #[error("{what} is {value}, and a look-up on this device takes at most {limit}; {mend}")]
+    /// Baked voxels that exceed a limit of the shaders.
+    #[error("{what} is {value}, but look-ups on this device support at most {limit}; {fix}")]
     VoxelLimit {
-        /// What is counted.
+        /// The quantity that is limited.
         what: &'static str,
-        /// How much there is.
+        /// Its value.
         value: u64,
-        /// How much there may be.
+        /// The largest value allowed.
         limit: u64,
-        /// What to do.
-        mend: &'static str,
+        /// What to do about it.
+        fix: Fix,
     },
-    /// Words that are not, or do not fit, the pages of a texture.
+    /// Words that are not the pages of a texture, or do not fit into them.
     #[error("the texture's pages: {source}")]
     Pages {
         /// What is wrong.
-        source: adumbra::texture::TextureError,
+        source: adumbra_tree::TextureError,
     },
-    /// A technique that does not exist, or a value that it does not take.
+    /// A technique that does not exist, or a parameter value that it does not accept.
     #[error("technique {name}: {reason}")]
     Technique {
-        /// As it was given.
+        /// The technique as it was given.
         name: String,
-        /// What is wrong, and what would do.
+        /// What is wrong, and what would be accepted.
         reason: String,
     },
-    /// Ambient visibility that was made elsewhere and does not fit.
-    #[error("the ambient visibility given: {reason}")]
+    /// Ambient visibility that was supplied from outside and does not fit.
+    #[error("the given ambient visibility: {reason}")]
     Ambient {
         /// What is wrong.
         reason: String,
@@ -98,21 +130,27 @@ pub enum RenderError {
         /// What is wrong.
         reason: &'static str,
     },
-    /// A mover that does not exist, a value that it does not take, or no way for it.
-    #[error("{name:?} cannot move: {reason}")]
+    /// A mover that does not exist, a parameter value that it does not accept, or no path for it.
+    #[error("mover {name:?}: {reason}")]
     Mover {
-        /// As it was given.
+        /// The mover as it was given.
         name: String,
-        /// What is wrong, and what would do.
+        /// What is wrong, and what would be accepted.
         reason: String,
     },
-    /// A file of another layout has no graph that could be drawn with.
-    #[error("the shadow file's graph cannot be made: {0}")]
-    Conversion(#[from] adumbra::dag::TooLarge),
-    /// The library's own.
+    /// An error of [`adumbra`].
     #[error(transparent)]
     Library(#[from] adumbra::Error),
+    /// An error of [`adumbra_tree`].
+    #[error(transparent)]
+    Tree(#[from] adumbra_tree::Error),
 }
 
-/// Short for results of this crate.
+/// The result type of this crate.
 pub type Result<T> = std::result::Result<T, RenderError>;
+
+impl From<adumbra::RangeError> for RenderError {
+    fn from(error: adumbra::RangeError) -> Self {
+        Self::Library(error.into())
+    }
+}

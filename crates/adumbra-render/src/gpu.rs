@@ -1,8 +1,8 @@
 //! An adapter and a device, without a window.
 //!
-//! Nothing optional is required: [`Gpu::left_out`] says what this device lacks and what that costs. Errors that the device
-//! reports on its own are kept, and given by the next [`Gpu::check`]; a device that is lost, or does not answer for
-//! [`PATIENCE`], is [`RenderError::Lost`].
+//! No optional feature is required: [`Gpu::missing_features`] lists what this device lacks and what that costs. Errors
+//! that the device reports asynchronously are kept and returned by the next [`Gpu::check`]. A device that is lost, or
+//! does not respond for [`SUBMIT_TIMEOUT`], gives [`RenderError::Lost`].
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,53 +13,55 @@ use wgpu::{Features, Limits};
 use crate::error::{RenderError, Result};
 
 /// How long a submission may take.
-pub const PATIENCE: Duration = Duration::from_secs(600);
+pub const SUBMIT_TIMEOUT: Duration = Duration::from_secs(600);
 
-/// Optional features that are used where they are there.
+/// Optional features, used if available.
 const WANTED: Features = Features::TIMESTAMP_QUERY
     .union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
     .union(Features::FLOAT32_FILTERABLE)
     .union(Features::DEPTH_CLIP_CONTROL);
 
-/// Which adapter, and what of it is not to be used.
+/// Which adapter to use, and which of its features to avoid.
 #[derive(Clone, Debug, Default)]
 pub struct GpuOptions {
-    /// Part of the adapter's name, in any case; none takes the first real GPU, or else a software adapter.
+    /// Part of the adapter's name, case-insensitive. `None` takes the first real GPU, or a software adapter if there is
+    /// none.
     pub adapter: Option<String>,
-    /// Optional features to do without, as if the device lacked them.
+    /// Optional features not to use, as if the device lacked them.
     pub without: Features,
-    /// Largest storage binding in bytes to use, if less than the device's.
+    /// Largest storage binding to use, bytes, if less than the device's limit.
     pub max_binding_bytes: Option<u64>,
 }
 
-/// A device with its queue; a clone is the same device.
+/// A device with its queue. A clone refers to the same device.
 #[derive(Clone)]
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// The device's queue.
     pub queue: wgpu::Queue,
     /// Largest storage binding that may be used, bytes.
     pub max_binding_bytes: u64,
     features: Features,
     info: wgpu::AdapterInfo,
-    trouble: Arc<Mutex<Option<RenderError>>>,
+    pending_error: Arc<Mutex<Option<RenderError>>>,
 }
 
 impl Gpu {
-    /// The best adapter that fits `options`: discrete before integrated before virtual before software.
+    /// Opens the best adapter that fits `options`: a discrete GPU, else an integrated one, else a virtual one, else a
+    /// software adapter.
     ///
     /// # Errors
-    /// [`RenderError::NoAdapter`], [`RenderError::NoDevice`].
+    /// Returns [`RenderError::NoAdapter`] if no adapter fits, [`RenderError::NoDevice`] if it gives no device.
     pub fn request(options: &GpuOptions) -> Result<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         pollster::block_on(Self::request_async(&instance, None, options)).map(|(gpu, _)| gpu)
     }
 
-    /// As [`Gpu::request`], of the adapters that can show pictures on `surface`, with the adapter.
+    /// Opens the best adapter that can present to `surface`, as [`Gpu::request`] does, and returns the adapter too.
     ///
     /// # Errors
-    /// As [`Gpu::request`].
+    /// Returns the errors of [`Gpu::request`].
     pub fn request_for(
         instance: &wgpu::Instance,
         surface: &wgpu::Surface<'_>,
@@ -68,13 +70,14 @@ impl Gpu {
         pollster::block_on(Self::request_async(instance, Some(surface), options))
     }
 
-    /// An engine's own device and queue. What the device reports stays the engine's to hear: [`Gpu::check`] knows nothing of it.
+    /// Wraps an engine's own device and queue. The device's errors go to the engine's own handlers, so [`Gpu::check`]
+    /// never sees them.
     pub fn sharing(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self {
             max_binding_bytes: device.limits().max_storage_buffer_binding_size,
             features: WANTED.intersection(device.features()),
             info: device.adapter_info(),
-            trouble: Arc::new(Mutex::new(None)),
+            pending_error: Arc::new(Mutex::new(None)),
             device: device.clone(),
             queue: queue.clone(),
         }
@@ -101,7 +104,7 @@ impl Gpu {
         });
         let Some(adapter) = adapters.into_iter().next() else {
             let asked = options.adapter.as_ref().map_or_else(|| "any".to_owned(), |n| format!("{n:?}"));
-            return Err(RenderError::NoAdapter { reason: format!("asked for {asked}, found {found:?}") });
+            return Err(RenderError::NoAdapter { reason: format!("requested {asked}, found {found:?}") });
         };
         let info = adapter.get_info();
         let features = WANTED.difference(options.without).intersection(adapter.features());
@@ -115,8 +118,8 @@ impl Gpu {
             .request_device(&descriptor)
             .await
             .map_err(|e| RenderError::NoDevice { adapter: info.name.clone(), reason: e.to_string() })?;
-        let trouble = Arc::new(Mutex::new(None));
-        let (lost, refused) = (trouble.clone(), trouble.clone());
+        let pending_error = Arc::new(Mutex::new(None));
+        let (lost, refused) = (pending_error.clone(), pending_error.clone());
         device.set_device_lost_callback(move |reason, message| {
             note(&lost, RenderError::Lost { reason: format!("{reason:?}: {message}") });
         });
@@ -132,61 +135,61 @@ impl Gpu {
         }));
         let most = device.limits().max_storage_buffer_binding_size;
         let max_binding_bytes = options.max_binding_bytes.map_or(most, |b| b.min(most));
-        Ok((Self { device, queue, max_binding_bytes, features, info, trouble }, adapter))
+        Ok((Self { device, queue, max_binding_bytes, features, info, pending_error }, adapter))
     }
 
-    /// The adapter's name and driver, as figures are labelled with them.
+    /// The adapter's name and driver, as used to label figures.
     pub fn name(&self) -> String {
         let i = &self.info;
         format!("{} ({:?}; {} {})", i.name, i.backend, i.driver, i.driver_info)
     }
 
-    /// Whether the adapter is a program, not a GPU.
+    /// Whether the adapter runs in software, not on a GPU.
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Whether the device has an optional feature, and may use it.
+    /// Whether the device has an optional feature and may use it.
     pub fn has(&self, feature: Features) -> bool {
         self.features.contains(feature)
     }
 
-    /// What this device lacks, and what that costs: sentences for the user.
-    pub fn left_out(&self) -> Vec<&'static str> {
+    /// Returns what this device lacks and what that costs, as messages for the user.
+    pub fn missing_features(&self) -> Vec<&'static str> {
         let notes = [
             (
                 Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS,
-                "no timestamps: times are wall times, with the submission in them",
+                "no timestamps: times are wall times that include submission",
             ),
             (
                 Features::FLOAT32_FILTERABLE,
-                "no filtering of 32-bit floats: moments are blended in the shader, from the first mip level",
+                "no filtering of 32-bit floats: moments are interpolated in the shader, from the first mip level only",
             ),
             (
                 Features::DEPTH_CLIP_CONTROL,
-                "no depth clip control: casters sunward of a shadow map are kept by a nearer near plane, at some depth precision",
+                "no depth clip control: casters sunward of a shadow map are kept by a closer near plane, at some cost in depth precision",
             ),
         ];
         notes.into_iter().filter(|(feature, _)| !self.has(*feature)).map(|(_, text)| text).collect()
     }
 
-    /// What went wrong since the last call, if anything did.
+    /// Reports what went wrong since the last call, if anything did.
     ///
     /// # Errors
-    /// [`RenderError::Lost`], [`RenderError::OutOfMemory`], [`RenderError::Refused`].
+    /// Returns [`RenderError::Lost`], [`RenderError::OutOfMemory`] or [`RenderError::Refused`].
     pub fn check(&self) -> Result<()> {
-        let take = || self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let take = || self.pending_error.lock().unwrap_or_else(PoisonError::into_inner).take();
         let Some(error) = take() else { return Ok(()) };
-        // What a lost device refuses is refused before the loss itself is told; polling tells it.
+        // A lost device refuses commands before it reports the loss itself. Polling makes it report the loss.
         let polled = self.poll(wgpu::PollType::Poll).err();
-        let told = take().filter(|later| matches!(later, RenderError::Lost { .. }));
-        Err(told.or(polled).unwrap_or(error))
+        let lost = take().filter(|later| matches!(later, RenderError::Lost { .. }));
+        Err(lost.or(polled).unwrap_or(error))
     }
 
-    /// Submits and waits until it is done.
+    /// Submits `commands` and waits until they are done.
     ///
     /// # Errors
-    /// As [`Gpu::check`].
+    /// Returns the errors of [`Gpu::check`].
     pub fn finish(&self, commands: wgpu::CommandBuffer) -> Result<()> {
         self.queue.submit([commands]);
         self.wait()
@@ -195,9 +198,10 @@ impl Gpu {
     /// Waits until everything submitted is done.
     ///
     /// # Errors
-    /// As [`Gpu::check`].
+    /// Returns the errors of [`Gpu::check`].
     pub fn wait(&self) -> Result<()> {
-        let waited = self.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) });
+        let waited =
+            self.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(SUBMIT_TIMEOUT) });
         match (self.check(), waited) {
             (Err(lost @ RenderError::Lost { .. }), _) | (_, Err(lost)) => Err(lost),
             (checked, Ok(())) => checked,
@@ -208,12 +212,13 @@ impl Gpu {
         answered(|| self.device.poll(how))
     }
 
-    /// A uniform buffer with these bytes.
+    /// Creates a uniform buffer with these bytes.
     pub fn uniform(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
         self.buffer(label, bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
     }
 
-    /// A buffer with these bytes; an empty one gets four zero bytes.
+    /// Creates a buffer with these bytes, padded with zeros to a multiple of 4 bytes. An empty one gets four zero
+    /// bytes.
     pub fn buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -231,28 +236,40 @@ impl Gpu {
         buffer
     }
 
-    /// A texture of 32-bit floats to load from, row by row; `texels` are as many as its size says.
-    pub fn float_texture(&self, label: &str, [width, height]: [u32; 2], texels: &[f32]) -> wgpu::Texture {
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+    /// Creates a 2-D texture with one mip level.
+    pub fn texture(
+        &self,
+        label: &str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
-            size,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::R32Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_DST
-                | wgpu::TextureUsages::COPY_SRC,
+            format,
+            usage,
             view_formats: &[],
-        });
+        })
+    }
+
+    /// Creates an R32Float texture to load from. `texels` are row-major and match its size.
+    pub fn float_texture(&self, label: &str, size: [u32; 2], texels: &[f32]) -> wgpu::Texture {
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_DST
+            | wgpu::TextureUsages::COPY_SRC;
+        let texture = self.texture(label, size, wgpu::TextureFormat::R32Float, usage);
         let rows =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None };
-        self.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), rows, size);
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: None };
+        let texels = bytemuck::cast_slice(texels);
+        self.queue.write_texture(texture.as_image_copy(), texels, rows, texture.size());
         texture
     }
 
-    /// A shader module from WGSL.
+    /// Creates a shader module from WGSL.
     pub fn shader(&self, label: &str, text: String) -> wgpu::ShaderModule {
         self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
@@ -260,7 +277,7 @@ impl Gpu {
         })
     }
 
-    /// A bind group layout whose bindings are numbered in order.
+    /// Creates a bind group layout whose bindings are numbered in order.
     pub fn layout(
         &self,
         label: &str,
@@ -277,7 +294,7 @@ impl Gpu {
         })
     }
 
-    /// A bind group whose bindings are numbered in order.
+    /// Creates a bind group whose bindings are numbered in order.
     pub fn bind(
         &self,
         label: &str,
@@ -295,7 +312,7 @@ impl Gpu {
         })
     }
 
-    /// A compute pipeline over these groups.
+    /// Creates a compute pipeline with these bind group layouts.
     pub fn compute(
         &self,
         label: &str,
@@ -315,7 +332,7 @@ impl Gpu {
         })
     }
 
-    /// A pipeline layout over these groups.
+    /// Creates a pipeline layout with these bind group layouts.
     pub fn pipeline_layout(
         &self,
         label: &str,
@@ -328,18 +345,18 @@ impl Gpu {
         })
     }
 
-    /// An encoder.
+    /// Creates a command encoder.
     pub fn encoder(&self, label: &str) -> wgpu::CommandEncoder {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) })
     }
 
-    /// The largest 2-D texture, texels a side.
+    /// Largest side of a 2-D texture, texels.
     pub fn max_texture_side(&self) -> u32 {
         self.device.limits().max_texture_dimension_2d
     }
 }
 
-/// What a poll came to. A device that is really lost makes wgpu's own poll panic.
+/// Turns the outcome of a poll into a result. If the device is really lost, wgpu's own poll panics.
 fn answered<T, E: std::fmt::Display>(poll: impl FnOnce() -> std::result::Result<T, E>) -> Result<()> {
     let reason = match catch_unwind(AssertUnwindSafe(poll)) {
         Ok(Ok(_)) => return Ok(()),
@@ -352,9 +369,9 @@ fn answered<T, E: std::fmt::Display>(poll: impl FnOnce() -> std::result::Result<
     Err(RenderError::Lost { reason })
 }
 
-fn note(trouble: &Mutex<Option<RenderError>>, error: RenderError) {
-    let mut kept = trouble.lock().unwrap_or_else(PoisonError::into_inner);
-    // The first is the cause; but a lost device outweighs what followed from it.
+fn note(pending_error: &Mutex<Option<RenderError>>, error: RenderError) {
+    let mut kept = pending_error.lock().unwrap_or_else(PoisonError::into_inner);
+    // The first error is the cause, but the loss of the device outranks the errors that it causes.
     if kept.is_none() || matches!(error, RenderError::Lost { .. }) {
         *kept = Some(error);
     }
@@ -398,7 +415,7 @@ pub mod binding {
     /// `sampler_comparison`.
     pub const COMPARISON: BindingType = BindingType::Sampler(SamplerBindingType::Comparison);
 
-    /// Any texture that is read.
+    /// A texture that is read, not multisampled.
     pub const fn texture(
         sample_type: TextureSampleType,
         view_dimension: TextureViewDimension,

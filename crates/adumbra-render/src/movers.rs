@@ -1,45 +1,46 @@
-//! Things that move through a scene: `--move sphere`, a ball on a path that the user gives, or on one that leads from the sun into the
-//! shade of something tall, as the ball of the voxel paper's Figure 5-3.
+//! Objects that move through a scene: `--move sphere`, a ball. It follows a path that the user gives, or one that leads
+//! from sunlight into the shadow of something tall, as in Figure 5-3 of the voxel paper.
 
 use std::str::FromStr;
 
-use adumbra::scene::{Bounds, Scene};
-use adumbra::trace::{Ray, Tracer};
+use adumbra::Bounds;
+use adumbra_scene::Scene;
+use adumbra_truth::trace::{Ray, Tracer};
 
 use crate::error::{RenderError, Result};
 
-/// Linear.
+/// Base colour of the ball, linear RGBA.
 const BALL_COLOR: [f32; 4] = [0.80, 0.10, 0.06, 1.0];
-/// Columns tried along each side of the scene.
+/// Number of candidate positions tried along each horizontal side of the scene.
 const COLUMNS: u32 = 128;
-/// Lengths of a path in radii: at least, at best, at most.
+/// Length of a path in radii: minimum, ideal, maximum.
 const LENGTHS: [f64; 3] = [8.0, 14.0, 24.0];
-/// A caster nearer than this, in radii, is not what casts a shade to walk into.
+/// Casters nearer than this, in radii, do not count when looking for a shadow to move into.
 const NEAREST_CASTER: f64 = 3.0;
-/// Half width of a shade to walk into, in radii.
+/// Minimum half width of a shadow to move into, in radii.
 const WIDE: f64 = 4.0;
-/// A camera stands so many radians aside of the sun: the ball's lit side and its shadow are both seen.
+/// Azimuth of a camera relative to the sun, radians. From there, both the ball's lit side and its shadow are visible.
 const ASIDE: f64 = 1.1;
-/// Keys of a path, so that it follows the ground.
+/// Number of keys of a path that is found, so that it follows the ground.
 const KEYS: u32 = 9;
 
-/// A mover as it is asked for: `sphere[:radius=R][:from=X,Y,Z:to=X,Y,Z][:seconds=S]`.
+/// A mover as specified in text: `sphere[:radius=R][:from=X,Y,Z:to=X,Y,Z][:seconds=S]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveSpec {
-    /// World units; none suits the scene: 1, or less in a small one.
+    /// Radius, world units. `None` picks one that suits the scene: 1, or less in a small scene.
     pub radius_world: Option<f64>,
-    /// Where the ball's centre goes, first and last; none finds a path.
+    /// First and last world position of the ball's centre. `None` searches for a path.
     pub ends_world: Option<[[f64; 3]; 2]>,
-    /// How long it takes.
+    /// Duration, seconds.
     pub seconds: f64,
 }
 
-/// Where a ball goes.
+/// The path of a ball.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BallPath {
-    /// World units.
+    /// Radius, world units.
     pub radius_world: f64,
-    /// Seconds, rising, and the ball's centre then; straight between them.
+    /// Times in seconds, ascending, each with the world position of the ball's centre. Interpolation is linear.
     pub keys: Vec<(f64, [f64; 3])>,
 }
 
@@ -50,7 +51,7 @@ impl FromStr for MoveSpec {
         let wrong = |reason: String| RenderError::Mover { name: text.to_owned(), reason };
         let mut parts = text.split(':');
         if parts.next() != Some("sphere") {
-            return Err(wrong("there is: sphere".to_owned()));
+            return Err(wrong("unknown mover; the only one is sphere".to_owned()));
         }
         let mut spec = Self { radius_world: None, ends_world: None, seconds: 4.0 };
         let (mut from, mut to) = (None, None);
@@ -62,7 +63,7 @@ impl FromStr for MoveSpec {
                 return Err(wrong(format!("{key:?} is given twice")));
             }
             seen.push(key);
-            // As a mover's track holds them.
+            // A mover's track stores `f32`, so a number must be finite as `f32`.
             let number = |n: &str| n.trim().parse().ok().filter(|n: &f64| (*n as f32).is_finite());
             let numbers: Option<Vec<f64>> = value.split(',').map(number).collect();
             let numbers = numbers.unwrap_or_default();
@@ -72,14 +73,18 @@ impl FromStr for MoveSpec {
             };
             let point = || match numbers[..] {
                 [x, y, z] => Ok([x, y, z]),
-                _ => Err(wrong(format!("{key}={value}: give three numbers with commas between"))),
+                _ => Err(wrong(format!("{key}={value}: give three numbers separated by commas"))),
             };
             match key {
                 "radius" => spec.radius_world = Some(above_0()?),
                 "seconds" => spec.seconds = above_0()?,
                 "from" => from = Some(point()?),
                 "to" => to = Some(point()?),
-                _ => return Err(wrong(format!("{key:?}: there are radius, from, to and seconds"))),
+                _ => {
+                    return Err(wrong(format!(
+                        "unknown parameter {key:?}; choose one of: radius, from, to, seconds"
+                    )));
+                }
             }
         }
         spec.ends_world = match (from, to) {
@@ -92,11 +97,12 @@ impl FromStr for MoveSpec {
 }
 
 impl MoveSpec {
-    /// The path, found in `still` if none is given: a scene without movers, ready for rays. Cost: about a hundred thousand rays where
-    /// it is to be found.
+    /// Returns the path that was given, or else finds one in `still`, a tracer of the scene without movers. Cost of a
+    /// search: about a hundred thousand rays.
     ///
     /// # Errors
-    /// [`RenderError::Mover`] where no place in the sun has a shade to go to, or the path is one that no mover can take.
+    /// Returns [`RenderError::Mover`] if no sunlit position has a suitable shadow within reach, or if the path is
+    /// invalid.
     pub fn path(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> Result<BallPath> {
         let bounds = still.scene().bounds();
         let radius_world =
@@ -108,7 +114,7 @@ impl MoveSpec {
         let finder = Finder { still, bounds, towards_sun, radius: radius_world };
         let centers = finder.find().ok_or_else(|| RenderError::Mover {
             name: "sphere".to_owned(),
-            reason: "no free place in the sun with a shade beside it was found; give from and to".to_owned(),
+            reason: "found no free place in the sun with a shadow next to it; give from and to".to_owned(),
         })?;
         let last = f64::from(KEYS - 1);
         let keys = (0..).zip(centers).map(|(i, c)| (seconds(f64::from(i) / last), c)).collect();
@@ -117,7 +123,7 @@ impl MoveSpec {
 }
 
 impl BallPath {
-    /// This path, if a ball can go along it.
+    /// Returns this path if a ball can follow it.
     fn checked(self) -> Result<Self> {
         let wrong =
             |reason: &str| RenderError::Mover { name: "sphere".to_owned(), reason: reason.to_owned() };
@@ -126,18 +132,19 @@ impl BallPath {
         }
         match Scene::default().add_ball(self.radius_world, BALL_COLOR, &self.keys) {
             Some(_) => Ok(self),
-            None => Err(wrong("its way is empty, not finite, or goes back in time")),
+            None => Err(wrong("its path is empty, not finite, or goes back in time")),
         }
     }
 
-    /// Adds the ball to a scene, as its last instance and a mover. Nothing is added of a way that [`MoveSpec::path`] would not give:
-    /// empty, not finite, or back in time.
+    /// Adds the ball to a scene, as its last instance and as a mover. Does nothing for a path that [`MoveSpec::path`]
+    /// would never return: one that is empty, not finite, or goes back in time.
     pub fn add_to(&self, scene: &mut Scene) {
         scene.add_ball(self.radius_world, BALL_COLOR, &self.keys);
     }
 
-    /// Eye and target of a camera from which nothing of `still` hides the ball on its way: the first of a ring of places about the
-    /// path, those near `ASIDE` of the sun before others.
+    /// Returns eye and target of a camera from which nothing in `still` hides the ball's centre at any key. It is the
+    /// first such position of several rings around the path, lowest ring first and azimuths near `ASIDE` from the sun
+    /// first, or the last position if none is free.
     pub fn viewpoint(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> [[f64; 3]; 2] {
         let (first, last) = (self.keys[0].1, self.keys[self.keys.len() - 1].1);
         let target: [f64; 3] = std::array::from_fn(|a| 0.5 * (first[a] + last[a]));
@@ -159,7 +166,7 @@ impl BallPath {
                 !still.occluded(&Ray { origin: eye, direction, t_min: 0.0, t_max: 1.0 })
             })
         };
-        // By height: from 25° up; then by how far it is turned from the sun.
+        // Ordered by elevation, from 25° up in steps of 14°, then by azimuth away from `ASIDE`.
         let places = (0..5).flat_map(|rise| (0..16).map(move |turn| (rise, turn)));
         let places = places.map(|(rise, turn)| {
             let side = if turn % 2 == 0 { 1.0 } else { -1.0 };
@@ -172,7 +179,7 @@ impl BallPath {
     }
 }
 
-/// Looks for a path from sun into shade.
+/// Finds a path from sunlight into shadow.
 struct Finder<'a> {
     still: &'a Tracer<'a>,
     bounds: Bounds,
@@ -180,17 +187,18 @@ struct Finder<'a> {
     radius: f64,
 }
 
-/// A place on the ground where the ball may stand.
+/// A position of the ball resting on the ground.
 #[derive(Clone, Copy)]
 struct Place {
     center: [f64; 3],
     lit: bool,
-    /// Fully, by casters that stand away.
+    /// Whether the ball is fully in the wide shadow of casters at least [`NEAREST_CASTER`] radii away.
     shadowed: bool,
 }
 
 impl Finder<'_> {
-    /// Centres of the keys of the path whose length suits best; the same on every machine up to rounding.
+    /// Returns the ball's centre at each key of the path closest to the ideal length and to the lowest ground. Up to
+    /// rounding, the result is the same on every machine.
     fn find(&self) -> Option<Vec<[f64; 3]>> {
         let b = &self.bounds;
         let step = [0, 2].map(|a| (b.max[a] - b.min[a]) / f64::from(COLUMNS));
@@ -215,7 +223,7 @@ impl Finder<'_> {
                 let length = distance(start.center, end.center) / self.radius;
                 let level = (start.center[1] - end.center[1]).abs() < self.radius;
                 if level && (LENGTHS[0]..=LENGTHS[2]).contains(&length) {
-                    // The street before the roofs.
+                    // Prefer the street to the roofs.
                     let high = 10.0 * (start.center[1] - b.min[1]) / height;
                     ways.push(((length - LENGTHS[1]).abs() + high, [from, to]));
                 }
@@ -226,7 +234,8 @@ impl Finder<'_> {
         ways.iter().find_map(|&(_, [from, to])| self.way(center(from)?, center(to)?))
     }
 
-    /// The ball on the ground below the sky at (x, z), if there is ground and it is nearly level.
+    /// Places the ball on the highest surface at (x, z), if there is one, it is nearly level and the ball has room
+    /// there.
     fn place(&self, x: f64, z: f64) -> Option<Place> {
         let ground = self.ground(x, z)?;
         let center = [x, ground + self.radius, z];
@@ -241,11 +250,11 @@ impl Finder<'_> {
         };
         let lit = points.iter().all(|&p| !self.still.occluded(&to_sun(p, 0.0)));
         let away = NEAREST_CASTER * self.radius;
-        // A wide shade, such as a building's: the ball is in it as a whole, and so is its surrounding.
+        // The shadow must be wide, such as a building's: it covers the whole ball and its surroundings.
         let wide =
             around.map(|d| std::array::from_fn(|a| center[a] + if a == 1 { 0.0 } else { WIDE * d[a] }));
         let shadowed = !lit && points.iter().chain(&wide).all(|&p| self.still.occluded(&to_sun(p, away)));
-        // Nothing may stand within the ball's reach.
+        // Nothing may be within reach of the ball.
         let free = around[1..].iter().all(|&d| {
             let direction = d.map(|c| 1.5 * c);
             d[1] != 0.0 || !self.still.occluded(&Ray { origin: center, direction, t_min: 0.0, t_max: 1.0 })
@@ -253,7 +262,7 @@ impl Finder<'_> {
         free.then_some(Place { center, lit, shadowed })
     }
 
-    /// Height of the highest surface at (x, z), if it is nearly level.
+    /// Returns the height of the highest surface at (x, z), if it is nearly level.
     fn ground(&self, x: f64, z: f64) -> Option<f64> {
         let top = self.bounds.max[1] + 1.0;
         let down = Ray { origin: [x, top, z], direction: [0.0, -1.0, 0.0], t_min: 0.0, t_max: f64::INFINITY };
@@ -261,7 +270,7 @@ impl Finder<'_> {
         (hit.normal[1].abs() > 0.95).then_some(top - hit.t)
     }
 
-    /// Keys from one place to another over even ground with nothing in the way.
+    /// Returns the keys of a straight path between two positions, if the ground is even and nothing is in the way.
     fn way(&self, from: [f64; 3], to: [f64; 3]) -> Option<Vec<[f64; 3]>> {
         let aside = [-(to[2] - from[2]), 0.0, to[0] - from[0]];
         let flat = aside[0].hypot(aside[2]).max(1e-9);

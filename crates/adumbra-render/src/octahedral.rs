@@ -1,13 +1,14 @@
-//! A unit vector as two bytes: twin of core/octahedral.wgsl, which has the table of them.
+//! Octahedral encoding of a unit vector in two bytes: the CPU twin of core/octahedral.wgsl, which has the table of
+//! bytes.
 //!
-//! Source: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer, *A Survey of Efficient Representations for Independent Unit
-//! Vectors*, 2014. Departure: rounded to the nearest, the survey's plain variant.
+//! Source: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer, *A Survey of Efficient Representations for Independent
+//! Unit Vectors*, 2014. Departure: rounds to nearest, which is the survey's plain variant.
 
-/// The bytes of no vector.
+/// Two bytes that encode no vector.
 pub const NONE: [u8; 2] = [0; 2];
 
-/// The bytes of a direction, each 1 to 255; it need not be of length 1, but not zero. What they stand for is at most 0.95 degrees
-/// off.
+/// Encodes a direction as two bytes, each 1 to 255. The direction need not have unit length but must not be zero. The
+/// error of the decoded direction is at most 0.95 degrees.
 pub fn encode(direction: [f32; 3]) -> [u8; 2] {
     let [x, y, z] = direction;
     let sum = x.abs() + y.abs() + z.abs();
@@ -21,7 +22,7 @@ pub fn encode(direction: [f32; 3]) -> [u8; 2] {
     folded.map(|c| (127.0 * c + 128.5).floor() as u8)
 }
 
-/// The unit vector that bytes stand for; of [`NONE`], no direction of meaning.
+/// Decodes two bytes to a unit vector. The result for [`NONE`] is meaningless.
 pub fn decode(bytes: [u8; 2]) -> [f32; 3] {
     let e = bytes.map(|b| (f32::from(b) - 128.0) / 127.0);
     let z = 1.0 - e[0].abs() - e[1].abs();
@@ -49,7 +50,7 @@ mod tests {
         }
     }
 
-    /// A Fibonacci lattice over the sphere.
+    /// Tests directions of a Fibonacci lattice over the sphere.
     #[test]
     fn directions_come_back_within_a_degree_and_none_is_none() {
         let count = 200_000;

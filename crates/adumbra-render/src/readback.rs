@@ -1,4 +1,4 @@
-//! From the GPU to memory.
+//! Reads buffers and textures back from the GPU.
 
 use std::sync::mpsc;
 
@@ -7,10 +7,10 @@ use wgpu::{BufferUsages, TextureFormat};
 use crate::error::{RenderError, Result};
 use crate::gpu::Gpu;
 
-/// All bytes of a buffer that may be copied from.
+/// Reads all bytes of a buffer, which must have the usage `COPY_SRC`.
 ///
 /// # Errors
-/// What the device reports.
+/// Returns whatever error the device reports.
 pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>> {
     let copy = landing(gpu, buffer.size());
     let mut encoder = gpu.encoder("readback");
@@ -19,10 +19,10 @@ pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>> {
     land(gpu, &copy)
 }
 
-/// One layer of one mip level of a texture, row by row without padding.
+/// Reads one layer of one mip level of a texture, row by row without padding.
 ///
 /// # Errors
-/// What the device reports.
+/// Returns whatever error the device reports.
 pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, layer: u32) -> Result<Vec<u8>> {
     let (width, height) = ((texture.width() >> mip_level).max(1), (texture.height() >> mip_level).max(1));
     let aspect = if texture.format().is_depth_stencil_format() {
@@ -56,19 +56,19 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, layer: u
     Ok(bytes.chunks_exact(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect())
 }
 
-/// As [`read_texture`], of 32-bit floats.
+/// Reads one layer of one mip level of a texture of 32-bit floats, row by row, as [`read_texture`] does.
 ///
 /// # Errors
-/// What the device reports.
+/// Returns whatever error the device reports.
 pub fn read_floats(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, layer: u32) -> Result<Vec<f32>> {
     let bytes = read_texture(gpu, texture, mip_level, layer)?;
     Ok(bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect())
 }
 
-/// One layer of a depth map, row by row: floats as they are stored, 16-bit depth as `k / 65535`.
+/// Reads one layer of a depth map, row by row. 32-bit depth is returned as stored, 16-bit depth as `k / 65535`.
 ///
 /// # Errors
-/// What the device reports.
+/// Returns whatever error the device reports.
 pub fn read_depth(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<Vec<f32>> {
     if texture.format() != TextureFormat::Depth16Unorm {
         return read_floats(gpu, texture, 0, layer);
@@ -94,7 +94,7 @@ fn landing(gpu: &Gpu, size: u64) -> wgpu::Buffer {
 fn land(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>> {
     let (sender, receiver) = mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver is gone only where waiting has already failed.
+        // The receiver is gone only if waiting has already failed.
         let _ = sender.send(result);
     });
     gpu.wait()?;

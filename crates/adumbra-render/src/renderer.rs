@@ -1,7 +1,7 @@
-//! Frames: G-buffer, a technique's passes, its look-up, composite; and what can be read back of them.
+//! Draws frames (G-buffer, a technique's passes, its look-up, composite) and reads their results back.
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::{Bounds, Scene};
+use adumbra::Bounds;
+use adumbra_scene::{Camera, Projection, Scene};
 use adumbra_shaders::layout::PointQuery;
 
 use crate::composite::Composite;
@@ -14,7 +14,7 @@ use crate::scene::{InstanceList, SceneBuffers, SceneOptions};
 use crate::technique::{Answer, FrameInput, Lookup, Resolver, Technique};
 use crate::timing::{FrameTimes, Stage, StageTimer};
 
-/// A scene on a device, with everything that frames of it need but the technique.
+/// A scene on a device, with everything needed to draw it except a technique.
 pub struct Renderer {
     gpu: Gpu,
     gbuffer: GBuffer,
@@ -25,18 +25,18 @@ pub struct Renderer {
     targets: Option<Targets>,
     frame: wgpu::Buffer,
     ambient: Option<AmbientSource>,
-    /// What the last frame was asked for.
+    /// The kind of answer in the last frame.
     answered: Answer,
-    /// What of the last frame still holds.
+    /// The parts of the last frame that can be reused.
     drawn: Option<Drawn>,
 }
 
-/// A frame whose G-buffer is of the scene as it is.
+/// A frame whose G-buffer still matches the scene.
 struct Drawn {
     shot: Shot,
-    /// Its ambient occlusion is there too.
+    /// Whether its ambient occlusion can be reused too.
     ambient: bool,
-    /// Of these two.
+    /// Times of the G-buffer and of ambient occlusion.
     times: FrameTimes,
 }
 
@@ -58,18 +58,18 @@ impl Prepared {
     }
 }
 
-/// Where a frame is seen from.
+/// The camera and sun of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     /// The camera.
     pub camera: Camera,
     /// Unit vector towards the sun.
     pub towards_sun: [f64; 3],
-    /// Number of the frame.
+    /// Frame number.
     pub number: u32,
 }
 
-/// A surface point to answer.
+/// A surface point to look up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// World position.
@@ -78,11 +78,11 @@ pub struct SurfacePoint {
     pub normal: [f64; 3],
 }
 
-/// What the last frame's G-buffer holds for each pixel, row 0 at the top.
+/// Per-pixel content of the last frame's G-buffer, row 0 at the top.
 pub struct SurfaceImage {
-    /// Distance along the camera's forward direction, world units; infinite where nothing is.
+    /// Distance along the camera's forward direction, world units; infinite for the background.
     pub view_depth: Vec<f32>,
-    /// World normal towards the viewer.
+    /// World normal, facing the viewer.
     pub normal: Vec<[f32; 3]>,
 }
 
@@ -90,7 +90,7 @@ impl Renderer {
     /// Uploads a scene.
     ///
     /// # Errors
-    /// What the device cannot hold.
+    /// Returns an error if the device cannot hold the scene.
     pub fn new(gpu: Gpu, scene: &Scene, options: SceneOptions) -> Result<Self> {
         let buffers = SceneBuffers::new(&gpu, scene, options)?;
         let seen = InstanceList::new(&gpu, "scene::seen", &buffers);
@@ -117,15 +117,15 @@ impl Renderer {
         &self.gpu
     }
 
-    /// What stands still.
+    /// The static scene.
     pub fn scene(&self) -> &SceneBuffers {
         &self.scene.buffers
     }
 
-    /// Uploads what moves; it casts and receives like the rest, but no baked file holds it.
+    /// Uploads the movers. They cast and receive shadows like everything else, but no baked file contains them.
     ///
     /// # Errors
-    /// What the device cannot hold.
+    /// Returns an error if the device cannot hold the movers.
     pub fn set_movers(&mut self, movers: &Scene, options: SceneOptions) -> Result<()> {
         let buffers = SceneBuffers::new(&self.gpu, movers, options)?;
         let seen = InstanceList::new(&self.gpu, "movers::seen", &buffers);
@@ -134,13 +134,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// Takes away what moves.
+    /// Removes the movers.
     pub fn remove_movers(&mut self) {
         self.movers = None;
         self.drawn = None;
     }
 
-    /// Places the movers anew; `movers` is the scene given to [`Renderer::set_movers`] with other transforms.
+    /// Updates the transforms of the movers. `movers` is the scene given to [`Renderer::set_movers`] with new
+    /// transforms.
     pub fn move_movers(&mut self, movers: &Scene) {
         if let Some(part) = &mut self.movers {
             part.buffers.move_instances(movers);
@@ -148,27 +149,27 @@ impl Renderer {
         }
     }
 
-    /// Ambient occlusion for the frames to come; none for open sky everywhere.
+    /// Sets the ambient occlusion of the frames that follow. `None` means unoccluded everywhere.
     pub fn set_ambient(&mut self, ambient: Option<AmbientSource>) {
         self.ambient = ambient;
         self.drawn = None;
     }
 
-    /// The ambient occlusion of frames.
+    /// The ambient occlusion in use.
     pub fn ambient(&self) -> Option<&AmbientSource> {
         self.ambient.as_ref()
     }
 
-    /// The same, to have it forget the frames before.
+    /// The ambient occlusion in use, mutable, for example to reset its history.
     pub fn ambient_mut(&mut self) -> Option<&mut AmbientSource> {
         self.drawn = None;
         self.ambient.as_mut()
     }
 
-    /// Ambient occlusion alone, on the G-buffer of the frame drawn last, which was `shot`'s.
+    /// Runs ambient occlusion alone on the G-buffer of the last frame, which must have been drawn from `shot`.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn occlude(&self, shot: &Shot, ambient: &mut OcclusionPasses) -> Result<FrameTimes> {
         let mut timer = StageTimer::new(&self.gpu);
         if let Some(targets) = &self.targets {
@@ -201,40 +202,43 @@ impl Renderer {
     /// Builds a technique's pipelines.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn prepare(&self, technique: Box<dyn Technique>) -> Result<Prepared> {
         let lookup = self.resolver.lookup(&self.gpu, &*technique);
         self.gpu.check()?;
         Ok(Prepared { technique, lookup })
     }
 
-    /// Draws a frame. Its layers stay readable until the next. Screen passes and ambient occlusion are for visibilities: cascades are
-    /// left as they are, and the frames before stay what they were.
+    /// Draws a frame. Its results can be read back until the next frame. Screen passes and ambient occlusion run for
+    /// [`Answer::Visibility`] only: other answers stay unfiltered, and the history of ambient occlusion is unchanged.
     ///
     /// # Errors
-    /// [`RenderError::Camera`]; [`RenderError::Technique`] for an answer that the technique does not have; [`RenderError::Ambient`] for
-    /// ambient visibility given for another size; what the technique or the device reports.
+    /// Returns [`RenderError::Camera`] if nothing can be drawn from the camera, [`RenderError::Technique`] if the
+    /// technique does not support `answer`, and [`RenderError::Ambient`] if the given ambient visibility has another
+    /// size. Also returns whatever error the technique or the device reports.
     pub fn draw(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
         self.drawn = None;
         self.draw_again(shot, prepared, answer)
     }
 
-    /// The same, but where `shot` is the frame drawn last, with its number, and nothing moved since: then its G-buffer stands, and its
-    /// ambient occlusion, once reckoned, for another technique or another answer. The times are what these took then.
+    /// Draws a frame as [`Renderer::draw`] does, but reuses what it can of the last frame. If `shot` equals that of the
+    /// last frame, including its number, and nothing has moved since, the G-buffer is kept, and so is the ambient
+    /// occlusion once it has been computed. This serves to draw one frame with another technique or for another answer.
+    /// The returned times include those of the reused passes.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Returns the errors of [`Renderer::draw`].
     pub fn draw_again(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
         check_camera(&shot.camera)?;
         if !prepared.lookup.answers(answer) {
-            let reason = format!("it has no answer of the kind {answer:?}");
+            let reason = format!("it cannot answer {answer:?}");
             return Err(RenderError::Technique { name: prepared.technique.name(), reason });
         }
         let size = [shot.camera.width, shot.camera.height];
         if let Some(ambient) = &self.ambient {
             ambient.check(size)?;
         }
-        // Not there while it is drawn on: what fails leaves nothing that seems to hold.
+        // Taken out while drawing, so that a failure leaves nothing behind that looks reusable.
         let drawn = self.drawn.take().filter(|drawn| drawn.shot == *shot);
         let targets = match self.targets.take() {
             Some(targets) if targets.size == size => targets,
@@ -299,12 +303,12 @@ impl Renderer {
         Ok(times)
     }
 
-    /// A technique's answers for a list of points, as it would give them in a frame of `shot`: cascades are those of its
-    /// camera.
+    /// Looks up the visibility of a list of points, as in a frame drawn from `shot`: cascades are fitted to its camera.
     ///
     /// # Errors
-    /// [`RenderError::Camera`]; [`RenderError::Technique`] for one that answers pictures alone, such as a blur on the screen; what the
-    /// technique or the device reports.
+    /// Returns [`RenderError::Camera`] if nothing can be drawn from the camera, and [`RenderError::Technique`] if the
+    /// technique works on whole pictures only, such as a screen-space blur. Also returns whatever error the technique
+    /// or the device reports.
     pub fn answer(
         &mut self,
         shot: &Shot,
@@ -327,35 +331,37 @@ impl Renderer {
             .map(|p| {
                 let r: [f64; 3] = std::array::from_fn(|a| p.p_world[a] - input.anchor_world[a]);
                 let n = p.normal.map(|c| c as f32);
-                // As a frame would have it: noise of the screen stands still there, not on the surface.
+                // The pixel that the point would have in a frame, because noise is fixed in screen space, not on
+                // surfaces.
                 let [x, y] = view.pixel(p.p_world).unwrap_or_default();
                 let [x, y] = [(x, shot.camera.width), (y, shot.camera.height)]
                     .map(|(c, size)| (c.max(0.0) as u32).min(size.saturating_sub(1)));
                 PointQuery {
-                    p_relative: [r[0] as f32, r[1] as f32, r[2] as f32, view.depth(p.p_world) as f32],
-                    normal: [n[0], n[1], n[2], 0.0],
-                    pixel: [x, y, 0, 0],
+                    p_relative: r.map(|c| c as f32),
+                    view_depth: view.depth(p.p_world) as f32,
+                    normal: n,
+                    pixel: [x, y],
                 }
             })
             .collect();
         self.resolver.answer(&self.gpu, &self.frame, &**technique, lookup, &queries)
     }
 
-    /// What the last frame was asked for: visibilities, after a technique's screen passes, 1 where nothing is; or cascades or
-    /// levels. Row 0 at the top.
+    /// Reads the answers of the last frame, row 0 at the top: visibilities after the technique's screen passes, with 1
+    /// for the background, or whichever other [`Answer`] it was drawn for. Empty before the first frame.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn read_factor(&self, prepared: &Prepared) -> Result<Vec<f32>> {
         let Some(targets) = &self.targets else { return Ok(Vec::new()) };
         read_floats(&self.gpu, &self.factor_of(prepared, targets).texture, 0, 0)
     }
 
-    /// Ambient visibility of the last frame that was asked for visibilities, 1 = unoccluded and where nothing is; everywhere where there is
-    /// no ambient occlusion. Row 0 at the top.
+    /// Reads the ambient visibility of the last frame drawn for [`Answer::Visibility`], row 0 at the top. 1 means
+    /// unoccluded or background. All values are 1 without ambient occlusion.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn read_ambient(&self) -> Result<Vec<f32>> {
         let Some(targets) = &self.targets else { return Ok(Vec::new()) };
         match &self.ambient {
@@ -364,25 +370,25 @@ impl Renderer {
         }
     }
 
-    /// The picture of the last frame: RGBA, sRGB, row 0 at the top.
+    /// Reads the picture of the last frame: RGBA, sRGB-encoded, row 0 at the top. Empty before the first frame.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn read_picture(&self) -> Result<Vec<u8>> {
         let Some(targets) = &self.targets else { return Ok(Vec::new()) };
         read_texture(&self.gpu, &targets.picture.texture, 0, 0)
     }
 
-    /// The surfaces of the last frame.
+    /// Reads the surfaces of the last frame, which must have been drawn from `shot`.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn read_surface(&self, shot: &Shot) -> Result<SurfaceImage> {
         let Some(targets) = &self.targets else {
             return Ok(SurfaceImage { view_depth: Vec::new(), normal: Vec::new() });
         };
-        let k = frame(&shot.camera, &self.bounds(), shot.towards_sun, shot.number).depth_to_z;
-        let to_z = |d: f32| if d == 0.0 { f32::INFINITY } else { (k[0] + k[1] * d) / (k[2] + k[3] * d) };
+        let depth_to_z = frame(&shot.camera, &self.bounds(), shot.towards_sun, shot.number).depth_to_z;
+        let to_z = |d: f32| if d == 0.0 { f32::INFINITY } else { depth_to_z.view_depth(d) };
         let depth = read_floats(&self.gpu, &targets.depth.texture, 0, 0)?;
         let normals = read_texture(&self.gpu, &targets.normal.texture, 0, 0)?;
         let normal = normals
@@ -393,28 +399,28 @@ impl Renderer {
         Ok(SurfaceImage { view_depth: depth.into_iter().map(to_z).collect(), normal: normal.collect() })
     }
 
-    /// The last frame's targets, for tests that hold a pass against its twin.
+    /// The last frame's targets, for tests that compare a pass with its CPU twin.
     pub fn targets(&self) -> Option<&Targets> {
         self.targets.as_ref()
     }
 
-    /// The uniform of the frame drawn last.
+    /// The uniform buffer of the last frame.
     pub(crate) fn frame_buffer(&self) -> &wgpu::Buffer {
         &self.frame
     }
 
-    /// Where the factors of the frame drawn last are.
+    /// The target that holds the factors of the last frame.
     pub(crate) fn factor_of<'t>(&self, prepared: &Prepared, targets: &'t Targets) -> &'t Target {
         let filtered = self.answered == Answer::Visibility && prepared.technique.has_screen_passes();
         if filtered { &targets.filtered } else { &targets.factor }
     }
 
-    /// Ambient visibility of the frame drawn last, where there is ambient occlusion.
+    /// Ambient visibility of the last frame, if there is ambient occlusion.
     pub(crate) fn ambient_view(&self) -> Option<&wgpu::TextureView> {
         self.ambient.as_ref().and_then(AmbientSource::target).map(|t| &t.view)
     }
 
-    /// Box of everything, movers included.
+    /// Bounding box of everything, movers included.
     pub fn bounds(&self) -> Bounds {
         let all = self.scene.buffers.bounds();
         self.movers.as_ref().map_or(all, |m| {
@@ -431,7 +437,7 @@ impl Renderer {
         self.gpu.queue.write_buffer(&self.frame, 0, &frame.bytes());
     }
 
-    fn input<'a>(&'a self, shot: &'a Shot, view: &'a adumbra::camera::View) -> FrameInput<'a> {
+    fn input<'a>(&'a self, shot: &'a Shot, view: &'a adumbra_scene::View) -> FrameInput<'a> {
         FrameInput {
             gpu: &self.gpu,
             camera: &shot.camera,
@@ -454,7 +460,7 @@ const EMPTY_CAMERA: Camera = Camera {
     height: 1,
 };
 
-/// IEEE 754 binary16; normals need neither infinities nor NaN.
+/// Converts an IEEE 754 binary16 to `f32`. Infinities and NaN are not handled, because normals have none.
 fn half_to_f32(bits: u16) -> f32 {
     let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
     let exponent = i32::from(bits >> 10 & 31);

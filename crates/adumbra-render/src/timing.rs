@@ -1,4 +1,4 @@
-//! How long each stage of a frame took: a GPU's timestamps where there are any, else wall time of its submission.
+//! Times of each stage of a frame: GPU timestamps if available, else the wall-clock time of the stage's submission.
 
 use wgpu::{BufferUsages, Features};
 
@@ -6,61 +6,62 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::readback::read_buffer;
 
-/// A stage of a frame, in order.
+/// The stages of a frame, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Depth, normals and base colour.
     GBuffer,
     /// A technique's depth passes.
     Depth,
-    /// What a technique makes of depth before its look-up.
+    /// What a technique derives from that depth before its look-up.
     Build,
     /// The look-up for every pixel.
     Lookup,
-    /// A technique's passes on the screen.
+    /// A technique's screen-space passes.
     Screen,
-    /// View depth, and normals where ambient occlusion makes its own.
+    /// View depth, and normals if ambient occlusion computes its own.
     AmbientSurface,
     /// The estimator of ambient occlusion.
     AmbientEstimate,
-    /// Its mean with the frames before.
+    /// The mean of the estimate and earlier frames.
     AmbientHistory,
-    /// What smooths its estimate, and brings it to the frame's size.
+    /// The filter of the estimate, and upsampling to the frame's size.
     AmbientFilter,
-    /// Sun, sky, shadow and ambient occlusion.
+    /// Composition of sun, sky, shadow and ambient occlusion.
     Composite,
 }
 
 const STAGES: usize = 10;
-/// A stage's two ticks, each pair where a query may be resolved to.
+/// Bytes per stage in the resolve buffer. It holds the stage's two ticks; the size is the alignment that resolving
+/// queries requires.
 const RESOLVED_BYTES: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
 
-/// Milliseconds by stage.
+/// Times of a frame's stages, milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTimes {
-    /// By [`Stage`].
+    /// Milliseconds, indexed by [`Stage`].
     pub milliseconds: [f64; STAGES],
-    /// Wall times, because the device has no timestamps, or is none but a program.
+    /// Whether these are wall-clock times, because the device has no timestamps or is a software adapter.
     pub wall_time: bool,
 }
 
 impl FrameTimes {
-    /// Milliseconds of one stage.
+    /// Time of one stage, milliseconds.
     pub fn of(&self, stage: Stage) -> f64 {
         self.milliseconds[stage as usize]
     }
 
-    /// Milliseconds before the look-up: depth passes, and what is made of them.
+    /// Time of the shadow stages before the look-up, milliseconds: depth passes, and what is derived from them.
     pub fn before_lookup(&self) -> f64 {
         self.of(Stage::Depth) + self.of(Stage::Build)
     }
 
-    /// Milliseconds that the shadows took: depth passes, what is made of them, look-up and screen passes.
+    /// Time of the shadows, milliseconds: depth passes, what is derived from them, look-up and screen-space passes.
     pub fn shadow(&self) -> f64 {
         self.before_lookup() + self.of(Stage::Lookup) + self.of(Stage::Screen)
     }
 
-    /// Milliseconds that ambient occlusion took.
+    /// Time of ambient occlusion, milliseconds.
     pub fn ambient(&self) -> f64 {
         use Stage::{AmbientEstimate, AmbientFilter, AmbientHistory, AmbientSurface};
         [AmbientSurface, AmbientEstimate, AmbientHistory, AmbientFilter]
@@ -69,7 +70,7 @@ impl FrameTimes {
             .sum()
     }
 
-    /// What does not depend on the technique: G-buffer and ambient occlusion.
+    /// Keeps only the times that do not depend on the technique: G-buffer and ambient occlusion.
     pub(crate) fn without_shadows(mut self) -> Self {
         for stage in [Stage::Depth, Stage::Build, Stage::Lookup, Stage::Screen, Stage::Composite] {
             self.milliseconds[stage as usize] = 0.0;
@@ -91,7 +92,7 @@ pub(crate) struct StageTimer {
 
 impl StageTimer {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        // A software adapter works on other threads than those that write its timestamps: they say next to nothing.
+        // A software adapter writes timestamps on other threads than those that do the work, so they mean little.
         let has = gpu.has(Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
             && !gpu.is_software();
         let queries = has.then(|| {
@@ -108,7 +109,7 @@ impl StageTimer {
         Self { queries, wall: [0.0; STAGES], encoded: [false; STAGES] }
     }
 
-    /// Encodes, submits and, where there are no timestamps, waits for one stage.
+    /// Encodes and submits one stage, and waits for it if there are no timestamps.
     pub(crate) fn stage(
         &mut self,
         gpu: &Gpu,
@@ -134,7 +135,7 @@ impl StageTimer {
         Ok(())
     }
 
-    /// Waits for the frame and gives its times: 0 for what was not encoded.
+    /// Waits for the frame and returns its times; 0 for stages that were not encoded.
     pub(crate) fn finish(&self, gpu: &Gpu) -> Result<FrameTimes> {
         let Some((set, buffer)) = &self.queries else {
             return Ok(FrameTimes { milliseconds: self.wall, wall_time: true });

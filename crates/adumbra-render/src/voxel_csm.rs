@@ -1,78 +1,80 @@
-//! The technique `voxel+csm`: what stands still casts through a baked file, what moves through cascades, the darker of the two counts.
+//! The technique `voxel+csm`: shadows of static casters from a baked file of any layout, those of movers from cascaded
+//! shadow maps. The darker of the two is used.
 //!
-//! Source: the future work of *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm*, 2021. The
-//! cascades hold movers alone, so their depth passes cost what moves.
+//! Source: the future work of *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm*,
+//! 2021. The cascades contain only movers, so the cost of their depth passes depends on the movers alone.
 
-use adumbra::format::ShadowFile;
+use std::any::Any;
+
 use adumbra::query::TapLayers;
+use adumbra::{Bias, ShadowFile};
 use adumbra_shaders::{Source, source};
 
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::maps::{MapCasters, MapSettings, ShadowMap};
+use crate::maps::{MapCasters, MapKind, MapSettings, ShadowMap};
 use crate::technique::{Answer, FrameInput, SpecReader, Technique, TechniqueSpec};
-use crate::voxel::{Voxel, read_layers, read_width};
+use crate::voxel::{BakedLight, NO_FILE, VoxelFilter, VoxelSettings, read_layers, read_width};
 
-/// A baked file and a map of movers.
+/// A baked file and a shadow map of the movers.
 pub struct VoxelCsm {
     name: String,
-    voxel: Voxel,
+    light: BakedLight,
     map: ShadowMap,
 }
 
-/// Its two halves.
+/// Settings of [`VoxelCsm`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoxelCsmSettings {
     /// Width of the file's filter, texels.
     pub filter: u32,
-    /// Of that filter's taps.
+    /// Layers in which that filter's taps look up.
     pub layers: TapLayers,
-    /// The cascades, of movers alone.
+    /// The cascades, which contain only movers.
     pub map: MapSettings,
 }
 
 impl VoxelCsmSettings {
-    /// `voxel+csm[:filter=K][:layers=tap|block][:csm=PARAMETERS]`: the file's filter, and parameters of `csm` with `/` between them, such as
-    /// `csm=cascades=2/filter=3`.
+    /// Reads `voxel+csm[:filter=K][:layers=tap|block][:csm=PARAMETERS]`: the file's filter, and the parameters of `csm`
+    /// with `/` between them, such as `csm=cascades=2/filter=3`.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for other parameters, and for `static=cached`, of which cascades without static casters have
-    /// nothing.
+    /// Returns [`crate::RenderError::Technique`] for other parameters, and for `static=cached`, which is useless in
+    /// cascades without static casters.
     pub fn from_spec(spec: &TechniqueSpec) -> Result<Self> {
-        let mut reader = spec.reader();
-        let settings = Self::from_reader(&mut reader)?;
-        reader.finish()?;
-        Ok(settings)
+        spec.read(Self::from_reader)
     }
 
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
         let spec = reader.spec();
         let filter = read_width(reader)?;
         let layers = read_layers(reader)?;
-        let map = reader.technique("csm", "the cascades for what moves", Some("csm"), "")?;
-        let map = MapSettings::from_spec(&map)?.ok_or_else(|| spec.wrong("csm is no map".to_owned()))?;
+        let map = reader.technique("csm", "the cascades for movers", Some("csm"), "")?;
+        let map = MapSettings::from_spec(&map, MapKind::CSM)?;
         if map.cache_static {
-            return Err(
-                spec.wrong("csm=static=cached: nothing that stands still is in the cascades".to_owned())
-            );
+            return Err(spec.wrong("csm=static=cached: these cascades contain no static casters".to_owned()));
         }
         Ok(Self { filter, layers, map: MapSettings { casters: MapCasters::Movers, ..map } })
+    }
+
+    /// Look-up settings of the file, with this bias.
+    fn voxel(&self, bias: Bias) -> VoxelSettings {
+        VoxelSettings { filter: VoxelFilter::Taps(self.filter), layers: self.layers, bias }
     }
 }
 
 impl VoxelCsm {
-    /// The technique `voxel+csm`, as [`VoxelCsmSettings::from_spec`] reads it.
+    /// Builds the technique `voxel+csm` from text, read by [`VoxelCsmSettings::from_spec`].
     ///
     /// # Errors
-    /// As [`Voxel::of_file`] and [`ShadowMap::new`]; [`crate::RenderError::Technique`] for other parameters, or no file.
+    /// Returns the errors of [`BakedLight::from_file`] and [`ShadowMap::new`], and [`crate::RenderError::Technique`]
+    /// for other parameters or if there is no file.
     pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
         let settings = VoxelCsmSettings::from_spec(spec)?;
-        let file =
-            file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
-        let voxel =
-            Voxel::of_file(gpu, file, file.settings.bias, settings.filter)?.with_layers(gpu, settings.layers);
+        let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;
+        let light = BakedLight::from_file(gpu, file, settings.voxel(file.settings.bias))?;
         let map = ShadowMap::new(gpu, "csm", settings.map)?;
-        Ok(Self { name: spec.to_string(), voxel, map })
+        Ok(Self { name: spec.to_string(), light, map })
     }
 }
 
@@ -82,7 +84,7 @@ impl Technique for VoxelCsm {
     }
 
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
-        self.voxel.prepare(input)?;
+        self.light.set_anchor(input.gpu, input.anchor_world)?;
         self.map.prepare(input)
     }
 
@@ -93,36 +95,36 @@ impl Technique for VoxelCsm {
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         match answer {
             Answer::Visibility => {
-                let both = self.voxel.look_up().into_iter().chain(self.map.visibility_sources());
+                let both = self.light.look_up().into_iter().chain(self.map.visibility_sources());
                 Some(both.chain([source::VOXEL_CSM]).collect())
             }
-            Answer::Voxel => self.voxel.sources(answer),
+            Answer::Voxel => Some(self.light.level_sources()),
             Answer::Cascade | Answer::Level => self.map.sources(answer),
         }
     }
 
     fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
-        [self.voxel.layouts()[0], self.map.layouts()[1]]
+        [Some(self.light.bindings().layout()), self.map.layouts()[1]]
     }
 
     fn groups(&self) -> [Option<&wgpu::BindGroup>; 2] {
-        [self.voxel.groups()[0], self.map.groups()[1]]
+        [Some(self.light.bindings().group()), self.map.groups()[1]]
     }
 
     fn bytes(&self) -> u64 {
-        self.voxel.bytes() + self.map.bytes()
+        self.light.bytes() + self.map.bytes()
     }
 
-    fn map(&self) -> Option<&ShadowMap> {
+    fn readable(&self) -> Option<&dyn Any> {
         Some(&self.map)
     }
 
-    fn texel_world(&self, view_depth: f32) -> Option<f64> {
-        self.voxel.texel_world(view_depth)
+    fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        Some(self.light.voxel_world())
     }
 
     fn voxel_world(&self) -> Option<f64> {
-        self.voxel.voxel_world()
+        Some(self.light.voxel_world())
     }
 
     fn notes(&self) -> Vec<String> {

@@ -1,11 +1,9 @@
-//! The screen-space blurs: GPU against CPU, and the defects that the notes report, counted on a box before a far ground.
+//! The screen-space blurs: GPU against CPU, and their known defects (halos and gaps), counted on a box in front of
+//! distant ground.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::light::Sun;
-use adumbra::scene::{Instance, Material, Mesh, Scene};
-use adumbra::trace::{TraceOptions, Tracer};
+use adumbra::Sun;
 use adumbra_render::frame::frame;
 use adumbra_render::readback::read_floats;
 use adumbra_render::screen_blur::twin::{Bleeding, Surfaces, bleeding, blur};
@@ -13,6 +11,8 @@ use adumbra_render::screen_blur::{BlurInput, BlurPasses, BlurSettings};
 use adumbra_render::{
     Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, SurfacePoint, build,
 };
+use adumbra_scene::{Camera, Instance, Material, Mesh, Projection, Scene};
+use adumbra_truth::trace::{TraceOptions, Tracer};
 
 const SIZE: [u32; 2] = [203, 151];
 
@@ -45,14 +45,14 @@ fn scene() -> Scene {
     }
 }
 
-/// What the camera sees, and the factor by rays.
+/// What the camera sees, and the ray-traced factor.
 struct View {
     renderer: Renderer,
     shot: Shot,
     factor: Vec<f32>,
     depth: Vec<f32>,
     normal: Vec<[f32; 3]>,
-    /// 1 on the ground, 2 and more on the box's faces, 0 for the sky.
+    /// Surface number: 1 for the ground, 2 and above for the box's faces, 0 for the sky.
     surface: Vec<u8>,
 }
 
@@ -113,16 +113,8 @@ impl View {
     fn on_gpu(&self, settings: BlurSettings) -> (Vec<f32>, BlurPasses) {
         let gpu = self.renderer.gpu();
         let texture = |usage| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: None,
-                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::R32Float,
-                usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
+            let usage = usage | wgpu::TextureUsages::TEXTURE_BINDING;
+            gpu.texture("test", SIZE, wgpu::TextureFormat::R32Float, usage)
         };
         let factor = texture(wgpu::TextureUsages::COPY_DST);
         let bytes: Vec<u8> = self.factor.iter().flat_map(|f| f.to_le_bytes()).collect();
@@ -147,8 +139,8 @@ impl View {
         (read_floats(gpu, &filtered, 0, 0).unwrap(), passes)
     }
 
-    /// Pixels of one value that a blur changed by more than 0.02 though no pixel of the other value on their own surface is within
-    /// its reach: lit ones (halo) and shadowed ones (gap); and the largest such change.
+    /// Counts the pixels that a blur changed by more than 0.02 although no pixel of the other value is within its reach
+    /// on the same surface: lit ones (halo) and shadowed ones (gap). Also returns the largest such change.
     fn bleeding(&self, blurred: &[f32], reach: i32) -> Bleeding {
         let mut found = Bleeding::default();
         let [width, height] = SIZE.map(|s| s as i32);
@@ -172,7 +164,7 @@ impl View {
     }
 }
 
-/// Every pass is in one of these.
+/// Together, these use every pass.
 const ALL: [&str; 13] = [
     "blur:samples=8",
     "blur:samples=64:sigma=9",
@@ -213,7 +205,7 @@ fn blur_bleeds_over_silhouettes_and_within_surfaces_does_not() {
         let (blurred, _) = view.on_gpu(settings);
         let reach = settings.samples / 2 + 3;
         let found = view.bleeding(&blurred, reach as i32);
-        // Judged by depth and normal alone it comes to about the same.
+        // The measure that uses only depth and normals gives about the same counts.
         let frame = frame(&view.shot.camera, &view.renderer.bounds(), view.shot.towards_sun, 0);
         let surfaces = Surfaces { frame, depth: &view.depth, normal: &view.normal };
         let judged = bleeding(&view.factor, &blurred, &surfaces, reach);
@@ -224,10 +216,10 @@ fn blur_bleeds_over_silhouettes_and_within_surfaces_does_not() {
     };
     let plain = bleeding("blur:samples=16");
     assert!(plain.halo > 200 && plain.gap > 50 && plain.largest > 0.3, "{plain:?}");
-    // More samples, more halo.
+    // More samples give more halo.
     let wide = bleeding("blur:samples=32");
     assert!(wide.halo > plain.halo, "{wide:?} {plain:?}");
-    // However often it is dilated, a gap stays; and the halo grows.
+    // Dilation with any radius leaves some gap and enlarges the halo.
     for radius in 1..=3 {
         let dilated = bleeding(&format!("blur-dilate:samples=16:radius={radius}"));
         assert!(

@@ -1,16 +1,16 @@
-//! Textures and vertex colours on the GPU against the CPU renderer, which filters by the same mip levels.
+//! Textures and vertex colours on the GPU against the CPU renderer, which filters with the same mip levels.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::picture::{self, Shadows};
-use adumbra::scene::{AlphaMode, Instance, Material, Mesh, Pixels, Scene, Texture, Wrap};
-use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_scene::{AlphaMode, Camera, Instance, Material, Mesh, Pixels, Projection, Scene, Texture, Wrap};
+use adumbra_truth::picture;
+use adumbra_truth::picture::Shadows;
+use adumbra_truth::trace::{TraceOptions, Tracer};
 
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Squares of 3 texels in strong colours; the sides are odd, as are those of most of its levels.
+/// Squares of 3 × 3 texels in saturated colours.
 fn squares(width: u32, height: u32, wrap: Wrap, nearest: bool) -> Texture {
     let colors = [[250, 30, 20], [30, 200, 60], [20, 40, 230], [255, 255, 255], [0, 0, 0]];
     let texel = |x: u32, y: u32| {
@@ -22,7 +22,7 @@ fn squares(width: u32, height: u32, wrap: Wrap, nearest: bool) -> Texture {
     Texture { name, width, height, pixels: Pixels::Rgba(pixels), wrap: [wrap; 2], nearest }
 }
 
-/// A four-cornered surface; texture coordinates run from 0 to `repeats`.
+/// A quad whose texture coordinates run from 0 to `repeats`.
 fn quad(corners: [[f32; 3]; 4], repeats: f32, colors: Option<[[u8; 4]; 4]>, material: u32) -> Mesh {
     Mesh {
         name: "quad".to_owned(),
@@ -34,7 +34,7 @@ fn quad(corners: [[f32; 3]; 4], repeats: f32, colors: Option<[[u8; 4]; 4]>, mate
     }
 }
 
-/// Ground that runs to the horizon, two walls, a faded leaf.
+/// Ground towards the horizon, two walls, and a leaf that fades out by vertex alpha.
 fn scene() -> Scene {
     let textured = |name, texture| Material { texture: Some(texture), ..Material::opaque(name, [1.0; 4]) };
     let wall = |x: f32| [[x, 0.0, 0.0], [x + 3.0, 0.0, 0.0], [x + 3.0, 3.0, 0.0], [x, 3.0, 0.0]];
@@ -98,7 +98,7 @@ fn what_vertex_alpha_cuts_away_casts_no_shadow_on_either_device() {
     let scene = scene();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
-    // Down on the ground beside the leaf, where its shadow falls.
+    // Looks down on the ground beside the leaf, where its shadow falls.
     let projection = Projection::Perspective { fov_degrees: 50.0 };
     let camera =
         Camera { eye: [-1.0, 9.0, 4.0], target: [-1.0, 0.0, -0.5], projection, width: 240, height: 160 };
@@ -112,7 +112,7 @@ fn what_vertex_alpha_cuts_away_casts_no_shadow_on_either_device() {
     };
     let cpu = cpu.rgb.as_chunks::<3>().0;
     assert!(off(cpu, uncut.rgb.as_chunks::<3>().0) * 50 > pixels, "the cut half is in view, or its shadow");
-    // Casters by depth alone, and with their normals.
+    // The first technique draws only the casters' depth, the second also their normals.
     for name in ["csm:size=4096:filter=1", "hrsm:2048-512:layout=paper"] {
         let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
         let mut technique = renderer.prepare(technique).unwrap();

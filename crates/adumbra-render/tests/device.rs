@@ -1,4 +1,4 @@
-//! Devices that lack something, or go away.
+//! Devices that lack optional features, are lost, or do not exist, and techniques that do not exist.
 
 mod kit;
 
@@ -14,7 +14,7 @@ fn shot() -> Shot {
 fn device_without_timestamps_still_draws_and_says_so() {
     let without = Features::all();
     let gpu = Gpu::request(&GpuOptions { without, ..GpuOptions::default() }).unwrap();
-    assert_eq!(gpu.left_out().len(), 3, "{:?}", gpu.left_out());
+    assert_eq!(gpu.missing_features().len(), 3, "{:?}", gpu.missing_features());
     let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
     for name in ["none", "csm:size=512", "vsm:size=512"] {
         let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();

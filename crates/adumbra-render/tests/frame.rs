@@ -1,12 +1,13 @@
-//! The G-buffer against rays, and the composite against the CPU renderer's arithmetic.
+//! The G-buffer against rays, and the composite against the CPU renderer.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::light::Sun;
-use adumbra::picture::{self, Shadows};
-use adumbra::trace::{Ray, TraceOptions, Tracer};
+use adumbra::Sun;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_scene::{Camera, Projection};
+use adumbra_truth::picture;
+use adumbra_truth::picture::Shadows;
+use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 const SIZE: [u32; 2] = [160, 90];
 
@@ -49,8 +50,8 @@ fn gbuffer_sees_what_rays_see() {
             turned += usize::from(cosine < 0.999);
         }
         assert!(hits > 5000, "{hits}");
-        // Rasterisers and rays differ where a silhouette passes through a pixel's centre.
-        assert!(far_off * 500 < hits, "{far_off} of {hits} lie elsewhere");
+        // Rasterisation and rays differ if a silhouette passes through a pixel's centre.
+        assert!(far_off * 500 < hits, "{far_off} of {hits} are elsewhere");
         assert!(turned * 500 < hits, "{turned} of {hits} are turned elsewhere");
     }
 }

@@ -1,12 +1,13 @@
-//! The same frame with another technique: G-buffer and ambient occlusion stand, the picture is that of a frame drawn alone.
+//! A frame drawn again with another technique reuses G-buffer and ambient occlusion and gives the same picture as a
+//! frame drawn from scratch.
 
 mod kit;
 
-use adumbra::scene::Scene;
-use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::movers::MoveSpec;
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::{Answer, Baked, FrameTimes, Prepared, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_scene::Scene;
+use adumbra_truth::trace::{TraceOptions, Tracer};
 use kit::ambient::settings;
 
 const TEXT: &str = "issao:reuse=on";
@@ -47,7 +48,7 @@ fn a_second_technique_shares_the_frame_and_its_history() {
         let second = both.draw_again(&shot, &mut cascades, Answer::Visibility).unwrap();
         assert_eq!(shared(&first), shared(&second), "these are the first's");
         assert!(shared(&first).iter().all(|ms| *ms > 0.0), "{first:?}");
-        assert!(both.read_ambient().unwrap() == ambient, "a history goes on once a frame");
+        assert!(both.read_ambient().unwrap() == ambient, "a history advances once per frame");
         let drawn = alone.draw(&shot, &mut alone_cascades, Answer::Visibility).unwrap();
         assert!(drawn.of(Stage::GBuffer) > 0.0);
         assert!(both.read_picture().unwrap() == alone.read_picture().unwrap(), "frame {number}");
@@ -69,7 +70,7 @@ fn ambient_occlusion_comes_after_an_answer_without_it() {
 #[test]
 fn what_moves_or_looks_elsewhere_is_drawn_anew() {
     let scene = kit::city();
-    // Before the camera, whatever stands behind.
+    // In front of the camera, whatever is behind.
     let camera = shot(0).camera;
     let [x, y, z] = [0, 1, 2].map(|a| 0.8 * camera.eye[a] + 0.2 * camera.target[a]);
     let spec = format!("sphere:radius=2:from={x},{y},{z}:to={x},{},{z}:seconds=1", y + 3.0);

@@ -1,4 +1,4 @@
-//! Hybrid maps built on the GPU from depth images that no scene draws, against the build on the CPU: the same words.
+//! Hybrid maps built on the GPU from synthetic depth images against the build on the CPU: the words must be equal.
 
 mod kit;
 
@@ -11,15 +11,15 @@ use adumbra_render::readback::read_buffer;
 use adumbra_render::{Gpu, RenderError};
 use kit::hybrid::check_shares;
 
-/// Sides and merges.
+/// Sides in texels and numbers of merges.
 const SIZES: [(usize, u32); 5] = [(64, 1), (64, 3), (128, 2), (256, 3), (512, 2)];
 const TESTS: [&str; 3] = ["test=plane", "test=plane:tolerance=4", "test=paper"];
 
-/// Numbers from a seed: the steps of splitmix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators*, 2014).
+/// The random number generator splitmix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators*, 2014).
 struct Random(u64);
 
 impl Random {
-    /// From 0 to 1.
+    /// Returns the next number, from 0 to 1.
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -34,7 +34,7 @@ fn image(side: usize, mut depth: impl FnMut(f64, f64) -> f64) -> DepthImage {
     DepthImage::new(side, texels.collect()).unwrap()
 }
 
-/// Patches of planes and waves between random lines, a third of them without a caster.
+/// Random lines divide the image into patches of planes and waves, a third of them without a caster.
 fn piecewise(side: usize, random: &mut Random) -> DepthImage {
     let lines: Vec<[f64; 3]> = (0..4)
         .map(|_| {
@@ -44,7 +44,7 @@ fn piecewise(side: usize, random: &mut Random) -> DepthImage {
         .collect();
     let patches: Vec<[f64; 5]> = (0..16)
         .map(|_| {
-            // From level to so steep that planes do not reach.
+            // From level to so steep that no plane fits.
             let steep = libm::pow(10.0, 3.0 * random.next() - 2.0) / side as f64;
             let far = if random.next() < 0.33 { 2.0 } else { random.next() };
             [
@@ -65,7 +65,7 @@ fn piecewise(side: usize, random: &mut Random) -> DepthImage {
     })
 }
 
-/// Images by name.
+/// Returns test images with their names.
 fn images(side: usize, seed: u64) -> Vec<(&'static str, DepthImage)> {
     let mut random = Random(seed);
     let last = side as f64 - 1.0;
@@ -82,9 +82,9 @@ fn images(side: usize, seed: u64) -> Vec<(&'static str, DepthImage)> {
         ("noise", image(side, |_, _| random.next())),
     ];
     let mut random = Random(seed + 1);
-    // Around what the paper's test lets pass.
+    // Near the threshold of the paper's test.
     all.push(("noise of a quarter", image(side, |_, _| 0.55 + 0.25 * random.next())));
-    // Around the plane test's tolerance.
+    // Near the plane test's tolerance.
     let rough = 1.0 / side as f64;
     all.push(("noise on a slope", image(side, |x, y| 0.2 + 0.3 * rough * (x + y) + rough * random.next())));
     for name in ["patches", "other patches", "more patches"] {
@@ -99,7 +99,7 @@ fn settings(side: usize, merges: u32, test: &str, depth: DepthPrecision, build: 
     HybridSettings { start, target: start >> merges, depth, build, ..read }
 }
 
-/// What is in the buffers after a build: the words in use, and the blocks that did not merge.
+/// Builds a map and returns the words in use and the numbers of blocks that did not merge.
 fn built(gpu: &Gpu, builder: &Builder) -> (Vec<u32>, [u32; 3]) {
     let mut encoder = gpu.encoder("test");
     builder.encode(&mut encoder);
@@ -139,7 +139,7 @@ fn check_images(gpu: &Gpu, (side, merges): (usize, u32), precision: DepthPrecisi
                 assert!(first == built(gpu, builder), "{what}: another build, another map");
             }
         }
-        // Neither all whole nor all split.
+        // Some images are partly merged: neither entirely merged nor entirely split.
         assert!(merged >= 3, "{test}: {merged}");
     }
 }
@@ -189,7 +189,7 @@ fn upload_refuses_another_size_and_what_is_no_depth() {
 
 #[test]
 fn plane_s_map_is_at_most_the_tolerance_behind_the_image() {
-    // What the words mean, whoever built them.
+    // Checks the meaning of the words, independently of how they were built.
     let units = PlaneUnits::new(MergeTest::Plane { tolerance_texels: 0.5 }, 1.0 / 128.0);
     let image = piecewise(128, &mut Random(77));
     let plane = MergeTest::Plane { tolerance_texels: 0.5 };

@@ -1,16 +1,16 @@
-//! Hybrid maps of drawn scenes: look-ups against their CPU twin on the tree read back, that tree against the shadow map that it was made
-//! from, and maps that are kept from frame to frame.
+//! Hybrid maps of drawn scenes: look-ups against their CPU twin on the tree read back, that tree against the shadow map
+//! it was built from, and maps that are kept from frame to frame.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::Scene;
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, HybridTwin};
 use adumbra_render::{Answer, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
+use adumbra_scene::{Camera, Projection, Scene};
 use kit::boxes::boxes;
 use kit::hybrid::{SIZE, check_shares, hybrid, prepare, renderer, shot};
 
-/// Draws a frame and holds the map, the factors and the levels against the twin. The share of the area by level.
+/// Draws a frame and compares the map, the factors and the levels with the twin. Returns each level's share of the
+/// area.
 fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
     let mut technique = prepare(renderer, name);
     let shot = shot(camera);
@@ -38,13 +38,14 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
     }
     println!("{name}: {apart} factors and {levels_apart} levels of {seen} apart; {mixed:?} shadowed, lit");
     assert!(seen > 5000 && mixed[0] > 300 && mixed[1] > 500, "{name}: {seen} {mixed:?}");
-    // A comparison turns over where a receiver is as deep as the texel to the last bit: positions are made in another order here.
+    // A comparison may flip if receiver and texel are equally deep to the last bit, because positions are computed in
+    // another order here.
     assert!(apart * 500 < seen, "{name}: {apart} of {seen}");
     assert!(levels_apart * 500 < seen, "{name}: {levels_apart} levels of {seen}");
     tree.shares()
 }
 
-/// Every filter, either test, one to three merges and both depths, not each with each.
+/// Every filter, both tests, one to three merges and both depth precisions, but not every combination.
 const KINDS: [&str; 10] = [
     "hrsm:512-256:filter=1",
     "hrsm:512-128:filter=3",
@@ -96,7 +97,7 @@ fn hybrid_answers_as_its_twin_does_among_boxes() {
 
 #[test]
 fn hybrid_of_planes_answers_as_the_shadow_map_does() {
-    // Where nothing merged, answers are those of the shadow map; where something did, planes lie within the tolerance.
+    // Unmerged texels answer as the shadow map does. In merged ones, planes are within the tolerance.
     let mut renderer = renderer(&on_a_ground());
     let mut factors = |name: &str| {
         let mut technique = prepare(&renderer, name);
@@ -115,7 +116,7 @@ fn hybrid_of_planes_answers_as_the_shadow_map_does() {
 
 #[test]
 fn largest_start_is_built_and_answers_in_bindings_of_128_mib() {
-    // What every device has; a map that nowhere merged would not fit.
+    // A limit that every device reaches. A map without any merges would not fit.
     let most = 128 << 20;
     let options = GpuOptions { max_binding_bytes: Some(most), ..GpuOptions::default() };
     let gpu = Gpu::request(&options).unwrap();
@@ -146,13 +147,13 @@ fn largest_start_is_built_and_answers_in_bindings_of_128_mib() {
     assert!(wrong * 500 < seen && other * 200 < seen, "{wrong} and {other} of {seen}");
 }
 
-/// A frame's factors.
+/// Draws a frame and returns its factors.
 fn drawn(renderer: &mut Renderer, shot: &Shot, technique: &mut Prepared) -> Vec<f32> {
     renderer.draw(shot, technique, Answer::Visibility).unwrap();
     renderer.read_factor(technique).unwrap()
 }
 
-/// How many factors differ.
+/// Returns the number of factors that differ.
 fn apart(a: &[f32], b: &[f32]) -> usize {
     a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-3).count()
 }
@@ -170,14 +171,15 @@ fn kept_map_answers_as_a_redrawn_one_in_less_memory() {
             camera.target[2] -= 3.0 * f64::from(step);
             let shot = Shot { number: step, ..shot(camera) };
             let [a, b] = [&mut redrawn, &mut kept].map(|t| drawn(&mut renderer, &shot, t));
-            // The redrawn one was drawn relative to another eye: a triangle's edge may round to the other side of a texel's middle.
+            // The redrawn map was drawn relative to another eye, so a triangle's edge may round to the other side of a
+            // texel's centre.
             assert!(apart(&a, &b) * 500 < a.len(), "{settings}, frame {step}: {}", apart(&a, &b));
             bytes.push(kept.technique().bytes());
         }
         println!("{settings}: {bytes:?}, redrawn {}", redrawn.technique().bytes());
         assert!(bytes[0] == redrawn.technique().bytes() && bytes[1] * 2 < bytes[0], "{bytes:?}");
         assert!(bytes[1..].iter().all(|b| *b == bytes[1]), "{bytes:?}");
-        // What is kept is the map alone, and it is read as any other.
+        // Only the map itself is kept, and it can be read like any other.
         let map = hybrid(&kept);
         assert!(map.read_start(renderer.gpu()).unwrap().is_none());
         let counts = map.counts(renderer.gpu()).unwrap();
@@ -186,7 +188,7 @@ fn kept_map_answers_as_a_redrawn_one_in_less_memory() {
     }
 }
 
-/// A box in the air, `along` metres to the side.
+/// A raised box, moved `along` metres to the side.
 fn mover(along: f64) -> Scene {
     let mut scene = boxes(&[([-3.0, 6.0, -3.0], [3.0, 6.5, 3.0])]);
     scene.instances[0].world_from_mesh[0][3] = along;
@@ -200,7 +202,7 @@ fn kept_map_is_built_again_when_casters_or_the_sun_move() {
     let mut kept = prepare(&renderer, "hrsm:512-128:static=cached");
     let mut last: Option<Vec<f32>> = None;
     let mut turned = shot(over_boxes());
-    // Twice each, so that the map is kept before it is built again.
+    // Each state is drawn twice, so that the map is kept before it is built again.
     for (step, what) in
         ["still", "a mover", "it moves", "the sun moves", "the mover is gone"].iter().enumerate()
     {
@@ -208,7 +210,7 @@ fn kept_map_is_built_again_when_casters_or_the_sun_move() {
             1 => renderer.set_movers(&mover(0.0), SceneOptions::default()).unwrap(),
             2 => renderer.move_movers(&mover(5.0)),
             3 => {
-                turned.towards_sun = adumbra::light::Sun::from_direction([-0.4, 0.9, 0.1]).unwrap().towards();
+                turned.towards_sun = adumbra::Sun::from_direction([-0.4, 0.9, 0.1]).unwrap().towards();
             }
             4 => renderer.move_movers(&mover(1000.0)),
             _ => (),
@@ -246,7 +248,7 @@ fn mover_s_shade_comes_and_goes_with_a_kept_map() {
 #[test]
 fn levels_are_asked_of_every_surface_and_of_no_sky() {
     let mut renderer = renderer(&on_a_ground());
-    // Level with the ground: sky above.
+    // A horizontal view, with sky above the ground.
     let camera = Camera { eye: [-30.0, 3.0, 22.0], target: [0.0, 3.0, 0.0], ..over_boxes() };
     let mut technique = prepare(&renderer, "hrsm:512-128");
     renderer.draw(&shot(camera), &mut technique, Answer::Level).unwrap();

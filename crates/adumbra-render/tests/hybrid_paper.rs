@@ -1,14 +1,14 @@
-//! Hybrid maps of the paper's layout on the GPU: texels and links against their CPU twin, answers against the compact
-//! layout's.
+//! Hybrid maps in the paper's layout on the GPU: texels and links against their CPU twin, answers against those of the
+//! compact layout.
 
 mod kit;
 
-use adumbra::scene::{GeneratedKind, generate};
 use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::{DepthImage, HybridPaper};
 use adumbra_render::{
     Answer, Baked, FrameTimes, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
 };
+use adumbra_scene::{GeneratedKind, generate};
 use kit::hybrid::{SIZE, hybrid, prepare, renderer, shot};
 
 fn draw(renderer: &mut Renderer, technique: &mut Prepared, number: u32, answer: Answer) -> FrameTimes {
@@ -16,7 +16,7 @@ fn draw(renderer: &mut Renderer, technique: &mut Prepared, number: u32, answer: 
     renderer.draw(&shot, technique, answer).unwrap()
 }
 
-/// The twin, from the depth and the normals that the GPU drew.
+/// Builds the twin from the depth and normals that the GPU drew.
 fn twin(gpu: &Gpu, map: &HybridMap) -> HybridPaper {
     let settings = map.settings();
     let depth = map.read_start(gpu).unwrap().unwrap();
@@ -51,7 +51,7 @@ fn texels_and_links_are_the_twin_s() {
             let counts = map.counts(renderer.gpu()).unwrap();
             assert_eq!(counts.texels as usize, found.texels.len());
             assert_eq!(counts.words as usize, 4 * found.texels.len() + 2 * found.links.len());
-            // Normals there are, of merged texels too.
+            // Merged texels have normals too.
             let coarsest = (map.settings().target as usize).pow(2);
             let merged = found.texels[..coarsest].iter().filter(|t| t[2] == 0 && t[3] & 0xffff != 0).count();
             assert!(merged > 100 && found.split[0] > 100, "{kind:?} {name}: {merged} {:?}", found.split);
@@ -98,7 +98,7 @@ fn kept_map_answers_as_it_was_built_in_the_bytes_in_use() {
 
 #[test]
 fn map_without_room_is_refused_and_one_that_fits_is_not() {
-    // Less than the largest map of either layout takes; of the city's the compact one fits.
+    // Less than the largest possible map of either layout. For the city, the compact map fits.
     let options = GpuOptions { max_binding_bytes: Some(2 << 20), ..GpuOptions::default() };
     let draw = |options: &GpuOptions, name: &str| {
         let gpu = Gpu::request(options).unwrap();
@@ -107,7 +107,7 @@ fn map_without_room_is_refused_and_one_that_fits_is_not() {
         let mut prepared = renderer.prepare(technique)?;
         let shot = shot(kit::camera(SIZE[0], SIZE[1]));
         let drawn = renderer.draw(&shot, &mut prepared, Answer::Visibility);
-        // What failed once is not kept.
+        // A failed map is not kept.
         let again = renderer.draw(&shot, &mut prepared, Answer::Visibility);
         assert_eq!(drawn.is_err(), again.is_err(), "{name}");
         drawn?;
@@ -118,7 +118,7 @@ fn map_without_room_is_refused_and_one_that_fits_is_not() {
     for kept in ["redrawn", "cached"] {
         let name = format!("hrsm:1024-256:layout=paper:static={kept}");
         let error = draw(&options, &name).unwrap_err().to_string();
-        assert!(error.contains("1024 texels a side") && error.contains("layout=compact"), "{error}");
+        assert!(error.contains("1024 texels per side") && error.contains("layout=compact"), "{error}");
     }
     let small = GpuOptions { max_binding_bytes: Some(1 << 19), ..options };
     let error = draw(&small, "hrsm:1024-512").unwrap_err().to_string();

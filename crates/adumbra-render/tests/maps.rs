@@ -1,12 +1,12 @@
-//! Shadow maps on the GPU against their CPU twin, on the textures that the GPU filled.
+//! Shadow maps on the GPU against their CPU twin, which reads the textures that the GPU drew.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
 use adumbra_render::maps::twin::MapTwin;
 use adumbra_render::{
     Answer, Baked, Features, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
 };
+use adumbra_scene::{Camera, Projection};
 
 const SIZE: [u32; 2] = [160, 90];
 
@@ -31,7 +31,8 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) {
     }
     println!("{name}: {apart} of {seen} apart; {mixed:?} shadowed, lit");
     assert!(seen > 5000 && mixed[0] > 500 && mixed[1] > 500, "{name}: {seen} {mixed:?}");
-    // A comparison turns over where a receiver is as deep as the texel to the last bit: positions are made in another order here.
+    // A comparison may flip if receiver and texel are equally deep to the last bit, because positions are computed in
+    // another order here.
     assert!(apart * 500 < seen, "{name}: {apart} of {seen}");
 }
 
@@ -82,7 +83,8 @@ fn maps_answer_as_their_twins_do_without_optional_features() {
     assert!(notes.len() == 1 && notes[0].contains("without mip levels"), "{notes:?}");
 }
 
-/// Pixels that are darker and lighter by 0.02 with 16-bit depth than with 32, and the bytes of both.
+/// Returns the numbers of pixels that are darker and lighter by more than 0.02 with 16-bit depth than with 32-bit
+/// depth, and the bytes of both.
 fn half_against_full(renderer: &mut Renderer, camera: Camera, name: &str) -> ([usize; 2], [u64; 2]) {
     let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
     let mut answer = |name: &str| {
@@ -98,8 +100,8 @@ fn half_against_full(renderer: &mut Renderer, camera: Camera, name: &str) -> ([u
     ([darker, lighter], [half_bytes, full_bytes])
 }
 
-/// In the city, and among cubes on a plain of two kilometres, where a step of 16-bit depth is six times the bias of the nearest cascade:
-/// without the least bias 5 % of those pixels are darker than they should be.
+/// Tests the city, and cubes on a plain of two kilometres. On the plain, a step of 16-bit depth is six times the bias
+/// of the nearest cascade; without the minimum bias, 5 % of its pixels are darker than they should be.
 #[test]
 fn maps_of_16_bits_shadow_no_lit_surface_by_their_rounding() {
     let mut corners = vec![([-1000.0, -1.0, -1000.0], [1000.0, 0.0, 1000.0])];

@@ -1,11 +1,10 @@
-//! Maps from frame to frame: what is kept, what movers cast, and that cascades do not shimmer.
+//! Shadow maps over several frames: cached layers, shadows of movers, and cascades without shimmer.
 
 mod kit;
 
-use adumbra::camera::Camera;
-use adumbra::scene::Scene;
 use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
+use adumbra_scene::{Camera, Scene};
 use kit::boxes::boxes;
 
 fn prepare(renderer: &Renderer, name: &str) -> Prepared {
@@ -13,7 +12,7 @@ fn prepare(renderer: &Renderer, name: &str) -> Prepared {
     renderer.prepare(technique).unwrap()
 }
 
-/// A box in the air before the camera, `along` metres to the side.
+/// A raised box in front of the camera, moved `along` metres to the side.
 fn mover(along: f64) -> Scene {
     let mut scene = boxes(&[([-104.0, 14.0, 110.0], [-96.0, 18.0, 118.0])]);
     scene.instances[0].world_from_mesh[0][3] = along;
@@ -38,7 +37,7 @@ fn cached_layers_hold_what_redrawn_ones_do() {
         renderer.move_movers(&mover(3.0 * f64::from(step)));
         let mut camera = kit::camera(64, 36);
         if step >= 3 {
-            // Far enough for the first layers to move.
+            // Far enough to move the first layers.
             camera.eye[0] += 11.0;
             camera.target[0] += 11.0;
         }
@@ -48,7 +47,8 @@ fn cached_layers_hold_what_redrawn_ones_do() {
             depth_of(&renderer, technique)
         });
         let apart = depths[0].iter().zip(&depths[1]).filter(|(a, b)| (*a - *b).abs() > 1e-5).count();
-        // Layers that stayed were drawn relative to another eye: a triangle's edge may round to the other side of a texel's middle.
+        // Cached layers were drawn relative to another eye, so a triangle's edge may round to the other side of a
+        // texel's centre.
         assert!(apart * 5000 < depths[0].len(), "frame {step}: {apart} texels differ");
         let moved = depths[0].iter().zip(&last).filter(|(a, b)| a != b).count();
         assert!(step == 0 || moved > 20, "frame {step}: the mover casts nothing");
@@ -73,7 +73,8 @@ fn movers_cast_and_leave_no_trace() {
     assert!(depth_of(&renderer, &cached) == without);
 }
 
-/// Fixed points, a camera that walks and turns: the share of points at shadow edges whose factor changes from frame to frame.
+/// Looks up fixed points while the camera walks and turns. Limits the share of points at shadow edges whose factor
+/// changes from frame to frame.
 #[test]
 fn cascades_do_not_shimmer() {
     let scene = kit::city();
@@ -116,12 +117,12 @@ fn cascades_do_not_shimmer() {
         }
         before = now;
     }
-    println!("shimmer: {changed} of {edges} edge points a frame change by more than 0.05");
+    println!("shimmer: {changed} of {edges} edge points per frame change by more than 0.05");
     assert!(edges > 20_000 && moved > 20, "{edges} {moved}");
     assert!(changed * 100 < edges, "{changed} of {edges}");
 }
 
-/// Lowest and highest of finite numbers.
+/// Returns the least and greatest value. All must be finite.
 fn range(values: &[f32]) -> [f32; 2] {
     assert!(values.iter().all(|v| v.is_finite()));
     values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)])
@@ -130,7 +131,7 @@ fn range(values: &[f32]) -> [f32; 2] {
 #[test]
 fn scene_of_movers_alone_is_drawn() {
     let nothing = Scene { instances: Vec::new(), ..mover(0.0) };
-    // A plate over a floor, all of it moving.
+    // A plate over a floor, both of them movers.
     let plate = boxes(&[([-6.0, 0.0, -6.0], [6.0, 0.5, 6.0]), ([-2.0, 3.0, -2.0], [2.0, 3.5, 2.0])]);
     let mut renderer = Renderer::new(kit::gpu(), &nothing, SceneOptions::default()).unwrap();
     let camera = Camera { eye: [-9.0, 8.0, 11.0], target: [0.0, 1.0, 0.0], ..kit::camera(96, 54) };
@@ -143,18 +144,22 @@ fn scene_of_movers_alone_is_drawn() {
             }
             renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
             let map = technique.technique().map().unwrap().params();
-            let layers = &map.layers.0[..map.counts[0] as usize];
+            let layers = &map.layers.0[..map.layer_count as usize];
             assert!(!layers.is_empty());
             for layer in layers {
-                let rows =
-                    [layer.u_from_relative, layer.v_from_relative, layer.depth_from_relative, layer.scale];
-                assert!(rows.as_flattened().iter().all(|c| c.is_finite()), "{name}: {rows:?}");
+                let rows = [layer.u_from_relative, layer.v_from_relative, layer.depth_from_relative];
+                let scales =
+                    [layer.texel_world, layer.depth_world, layer.end_view_depth, layer.blend_view_depth];
+                assert!(
+                    rows.as_flattened().iter().chain(&scales).all(|c| c.is_finite()),
+                    "{name}: {layer:?}"
+                );
             }
         }
         let factors = renderer.read_factor(&technique).unwrap();
         let [low, high] = range(&factors);
         assert!(low < 1e-4 && (high - 1.0).abs() < 1e-4, "{name}: {low} {high}");
-        // Where the plate's shade falls on the floor, and where it does not.
+        // A point of the floor in the plate's shadow, and one outside it.
         let [x, z] = [0, 2].map(|a| -2.5 * kit::sun()[a] / kit::sun()[1]);
         let at = |x, z| SurfacePoint { p_world: [x, 0.5, z], normal: [0.0, 1.0, 0.0] };
         let answers = renderer.answer(&shot, &mut technique, &[at(x, z), at(-5.0, 4.0)]).unwrap();
@@ -207,7 +212,7 @@ fn kept_layers_are_not_taken_for_another_scene_s() {
     let shot = Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 };
     let first =
         boxes(&[([-160.0, 0.0, 0.0], [0.0, 1.0, 180.0]), ([-104.0, 14.0, 110.0], [-96.0, 18.0, 118.0])]);
-    // The same box around it, with the small one elsewhere.
+    // The same bounding box, with the small box elsewhere.
     let second =
         boxes(&[([-160.0, 0.0, 0.0], [0.0, 1.0, 180.0]), ([-94.0, 14.0, 100.0], [-86.0, 18.0, 108.0])]);
     let gpu = kit::gpu();

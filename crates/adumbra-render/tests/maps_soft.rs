@@ -1,11 +1,12 @@
-//! What the filters are for: moments and their blur, light bleeding and its remedy, and soft shadows against a sun disc.
+//! Filters of shadow maps: moments and their blur, light bleeding and its reduction, and soft shadows against a
+//! ray-traced sun disc.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
 use adumbra_render::maps::gaussian;
 use adumbra_render::maps::twin::MapTwin;
 use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
+use adumbra_scene::{Camera, Projection};
 use kit::boxes::boxes;
 use kit::penumbra::Penumbra;
 
@@ -14,7 +15,8 @@ fn prepare(renderer: &Renderer, name: &str) -> Prepared {
     renderer.prepare(technique).unwrap()
 }
 
-/// A column of blurred moments by hand, and the mip level above, against what the passes stored.
+/// Computes blurred moments of a few texels, and of the mip level above, directly and compares them with what the
+/// passes stored.
 #[test]
 fn moments_are_blurred_by_layer_and_shrunk() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
@@ -25,7 +27,7 @@ fn moments_are_blurred_by_layer_and_shrunk() {
         renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
         let map = technique.technique().map().unwrap();
         let twin = MapTwin::read(renderer.gpu(), map).unwrap();
-        let weights = gaussian(map.params().counts[2]);
+        let weights = gaussian(map.params().filter_width);
         let layers = map.settings().layers() as usize;
         let radius = weights.len() as i64 - 1;
         let expected = |layer: usize, x: u32, y: u32| {
@@ -58,8 +60,8 @@ fn moments_are_blurred_by_layer_and_shrunk() {
     }
 }
 
-/// Ground at height 0, a low plate over all of the middle, and a high one that ends at x = 0 above it. Below the low plate
-/// everything is dark; a variance map sees the high plate's edge through it.
+/// Uses ground at height 0, a low plate over the whole middle, and above it a high plate that ends at x = 0. Below the
+/// low plate everything is dark, but in a variance map the high plate's edge shows through it.
 #[test]
 fn light_bleeds_through_overlapping_casters_until_the_tail_is_cut() {
     let scene = boxes(&[
@@ -79,8 +81,8 @@ fn light_bleeds_through_overlapping_casters_until_the_tail_is_cut() {
         let factors = renderer.answer(&shot, &mut technique, &points).unwrap();
         factors.into_iter().fold(0.0, f32::max)
     };
-    // A share q of the low plate, 1 before the ground, the rest 9 nearer the sun: 81 q (1 - q) / (81 q (1 - q) + (10 - 9 q)²), at
-    // most 0.67, where q = 10/11. Cut at 0.2 that is 0.59.
+    // A share q of the filter is the low plate, 1 above the ground; the rest is 9 nearer the sun. Chebyshev's bound is
+    // 81 q (1 - q) / (81 q (1 - q) + (10 - 9 q)²), at most 0.67, at q = 10/11. With the tail cut at 0.2 that is 0.59.
     let plain = brightest("vsm:size=512:blur=9:bleed=0");
     let usual = brightest("vsm:size=512:blur=9:bleed=0.2");
     let strong = brightest("vsm:size=512:blur=9:bleed=0.9");
@@ -96,8 +98,9 @@ fn light_bleeds_through_overlapping_casters_until_the_tail_is_cut() {
     assert!(exponential < 0.1 * plain && four < 0.1 * plain, "{exponential} {four}");
 }
 
-/// A plate in the air over flat ground, under a sun whose penumbra is about as wide as the widest filter: means over comparisons err
-/// less than one comparison, and penumbrae that follow their casters least.
+/// Uses a raised plate over flat ground, under a sun whose penumbra is about as wide as the widest filter. The mean of
+/// several comparisons has a smaller error than one comparison, and penumbrae that follow their casters have the
+/// smallest.
 #[test]
 fn filters_are_nearer_to_a_sun_disc_than_one_comparison() {
     let angle: f64 = 2.0;

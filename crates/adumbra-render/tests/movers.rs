@@ -1,18 +1,15 @@
-//! Movers: what `--move` takes, the path that leads a ball from the sun into the shade, and the ball's shade on the way.
+//! Movers: the text that `--move` accepts, the path that leads a ball from sunlight into shadow, and the ball's own
+//! shadow along it.
 
 mod kit;
 
-use std::sync::atomic::AtomicBool;
-
-use adumbra::bake::{Options, Size, bake};
-use adumbra::camera::{Camera, Projection};
-use adumbra::format::ShadowFile;
-use adumbra::light::Sun;
-use adumbra::query::Query;
-use adumbra::scene::Scene;
-use adumbra::trace::{TraceOptions, Tracer};
+use adumbra::{Query, Sun};
+use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_render::movers::MoveSpec;
 use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, build};
+use adumbra_scene::{Camera, Projection, Scene};
+use adumbra_testing::bake_file;
+use adumbra_truth::trace::{TraceOptions, Tracer};
 
 fn spec(text: &str) -> MoveSpec {
     text.parse().unwrap()
@@ -41,7 +38,7 @@ fn moves_are_read() {
     }
 }
 
-/// Points on the upper half of the sun's side of a ball, with their normals.
+/// Points on the sunlit side of a ball, with their normals.
 fn ball_points(center: [f64; 3], radius: f64, towards_sun: [f64; 3]) -> Vec<([f64; 3], [f64; 3])> {
     let directions = (0..400).map(|i| {
         let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / 400.0;
@@ -53,7 +50,7 @@ fn ball_points(center: [f64; 3], radius: f64, towards_sun: [f64; 3]) -> Vec<([f6
     facing.map(|n| (std::array::from_fn(|a| center[a] + 1.001 * radius * n[a]), n)).collect()
 }
 
-/// Where the ball's centre is at a time, by the scene that holds it.
+/// Poses the scene and returns the position of the ball's centre at this time.
 fn ball_center(scene: &mut Scene, seconds: f64) -> [f64; 3] {
     scene.pose(seconds);
     let ball = scene.movers.instances().last().unwrap();
@@ -68,10 +65,9 @@ fn ball_goes_from_the_sun_into_the_shade_and_the_file_says_so() {
     let path = spec("sphere").path(&tracer, kit::sun()).unwrap();
     path.add_to(&mut scene);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = Options::new(sun, Size::Resolution(4096));
-    let baked = bake(&still, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
-    let file = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
-    let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 5).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(4096));
+    let file = bake_file(&still, &options, LayoutChoice::Plain).unwrap();
+    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 5).unwrap();
     let end = scene.movers.end_seconds();
     let mut means = Vec::new();
     for i in 0..=8 {
@@ -95,7 +91,7 @@ fn ball_is_seen_from_its_viewpoint() {
     assert!(eye != target && eye[1] > target[1]);
     for (_, p) in &path.keys {
         let towards = std::array::from_fn(|a| p[a] - eye[a]);
-        let hit = tracer.nearest_surface(&adumbra::trace::Ray {
+        let hit = tracer.nearest_surface(&adumbra_truth::trace::Ray {
             origin: eye,
             direction: towards,
             t_min: 0.0,
@@ -107,17 +103,18 @@ fn ball_is_seen_from_its_viewpoint() {
 
 const SIZE: [u32; 2] = [320, 180];
 
-/// A pixel's surface point, lifted a little, and its factor.
+/// A pixel's surface point, offset slightly along its normal, and its factor.
 struct Seen {
     p_world: [f64; 3],
     on_ball: bool,
     factor: f32,
-    /// By rays through everything, and the same at four points a little around it: all equal means that no edge is near.
+    /// Ray-traced factor, with everything as casters.
     truth: f32,
+    /// Whether rays give the same factor at four points slightly around it, so that no shadow edge is near.
     interior: bool,
 }
 
-/// Draws a frame and asks rays at its pixels that face the sun.
+/// Draws a frame and traces rays from those of its pixels that face the sun.
 fn frame(
     renderer: &mut Renderer,
     prepared: &mut Prepared,
@@ -169,9 +166,8 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
     path.add_to(&mut scene);
     let mut moving = scene.clone().take_movers();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = Options::new(sun, Size::Resolution(4096));
-    let baked = bake(&still, &options, &|_| {}, &AtomicBool::new(false)).unwrap();
-    let file = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
+    let options = BakeOptions::new(sun, Size::Resolution(4096));
+    let file = bake_file(&still, &options, LayoutChoice::Plain).unwrap();
     let baked = Baked { light: Some(&file), ..Baked::default() };
     let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();
@@ -191,7 +187,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
         let ball = (center, path.radius_world);
         moving.pose(seconds);
         renderer.move_movers(&moving);
-        // The file knows what stands still: the ball's own shade is not in it.
+        // The file contains only static casters, not the ball's own shadow.
         let seen = frame(&mut renderer, &mut voxel, &shot, &still_tracer, ball);
         let mean = |value: fn(&Seen) -> f32| {
             let on_ball: Vec<f32> = seen.iter().filter(|s| s.on_ball).map(value).collect();
@@ -201,7 +197,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
         let (found, truth) = (mean(|s| s.factor), mean(|s| s.truth));
         assert!((found - truth).abs() < 0.1, "{i}: {found}, rays {truth}");
         means.push(found);
-        // Everything, movers as casters too.
+        // All casters, movers included.
         let tracer = Tracer::build(&scene, TraceOptions::default());
         let wrong = |seen: &[Seen]| {
             let interior = seen.iter().filter(|s| s.interior);
@@ -213,7 +209,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
         println!("{i}: {} of {interior} wrong, {} without cascades", wrong(&with), wrong(&without));
         assert!(wrong(&with) * 200 < interior, "{i}: {} of {interior} are wrong", wrong(&with));
         if i == 0 {
-            assert!(wrong(&without) > wrong(&with) + 20, "the ball casts no shade to speak of");
+            assert!(wrong(&without) > wrong(&with) + 20, "the ball casts no shadow to speak of");
             let on_ground = |s: &&Seen| !s.on_ball && s.interior && s.truth == 0.0 && s.factor < 0.5;
             let near = |s: &&Seen| (0..3).map(|a| (s.p_world[a] - center[a]).powi(2)).sum::<f64>() < 9.0;
             assert!(with.iter().filter(on_ground).filter(near).count() > 20);

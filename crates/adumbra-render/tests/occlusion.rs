@@ -1,31 +1,21 @@
-//! Ambient occlusion on drawn frames: GPU against CPU, planes, corners, other units.
+//! Ambient occlusion on drawn frames: GPU against CPU, planes, corners, and scenes in other units.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::Scene;
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Surfaces, ambient};
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_scene::{Camera, Projection, Scene};
+use kit::ambient::VARIANTS;
 use kit::boxes::boxes;
 
-/// What estimators' names alone leave unseen.
-const VARIANTS: [&str; 10] = [
-    "ssao:tangent=0",
-    "issao:lambda=1:phi=0.5:levels=off",
-    "issao:lambda=1:phi=0.5:reading=1",
-    "issao:lambda=1:phi=0.5:reading=2",
-    "issao:lambda=1:phi=0.5:attenuation=off",
-    "issao:lambda=1:phi=0.5:before=nothing",
-    "issao:lambda=1:phi=0.5:relation=free",
-    "issao:preset=fig3",
-    "issao:preset=fig4:reading=2:levels=off",
-    "issao:preset=fig5:relation=free:before=surface",
-];
+/// Further settings of `issao` that are compared on drawn frames.
+const PRESETS: [&str; 2] =
+    ["issao:preset=fig4:reading=2:levels=off", "issao:preset=fig5:relation=free:before=surface"];
 
-/// A frame's G-buffer.
+/// A renderer and the shot that it drew last.
 struct View {
     renderer: Renderer,
     shot: Shot,
@@ -41,14 +31,14 @@ impl View {
         Self { renderer, shot }
     }
 
-    /// Ambient visibility of each pixel.
+    /// Computes the ambient visibility of each pixel.
     fn occlude(&self, text: &str, radius_world: f64) -> Vec<f32> {
         let mut passes = OcclusionPasses::new(self.renderer.gpu(), settings(text, radius_world));
         self.renderer.occlude(&self.shot, &mut passes).unwrap();
         passes.read(self.renderer.gpu()).unwrap()
     }
 
-    /// World position of each pixel's surface; none for the sky.
+    /// World position of each pixel's surface; `None` for the sky.
     fn points(&self) -> Vec<Option<[f64; 3]>> {
         let axes = self.shot.camera.view();
         let width = self.shot.camera.width;
@@ -86,7 +76,7 @@ fn occlusion_on_the_gpu_is_the_cpu_s() {
         let normal = renderer.read_surface(shot).unwrap().normal;
         let frame = frame(&shot.camera, &renderer.bounds(), shot.towards_sun, 0);
         let each = Estimator::ALL.iter().flat_map(|e| [e.to_string(), format!("{e}:filter=none")]);
-        let variants = VARIANTS.iter().map(|v| format!("{v}:filter=none"));
+        let variants = VARIANTS.iter().chain(&PRESETS).map(|v| format!("{v}:filter=none"));
         for text in each.chain(variants) {
             let found = view.occlude(&text, 8.0);
             let surfaces = Surfaces { frame, depth: &depth, normal: &normal };
@@ -100,7 +90,7 @@ fn occlusion_on_the_gpu_is_the_cpu_s() {
     }
 }
 
-/// A turn that leaves no axis where it was: normals of 16 bits are exact along the axes alone.
+/// Rotates a vector such that no axis stays an axis, because 16-bit normals are exact only along the axes.
 fn tilted([x, y, z]: [f64; 3]) -> [f64; 3] {
     let turn = |[a, b]: [f64; 2], angle: f64| {
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
@@ -149,7 +139,7 @@ fn occlusion_of_a_plane_is_none() {
     }
 }
 
-/// Ground y = 0 and a wall x = 0, drawn with the radius 2 in mind.
+/// Ground y = 0 and a wall x = 0, framed for a radius of 2.
 fn corner() -> View {
     let scene =
         boxes(&[([-60.0, -1.0, -60.0], [60.0, 0.0, 60.0]), ([-61.0, -1.0, -60.0], [0.0, 60.0, 60.0])]);
@@ -165,7 +155,7 @@ fn occlusion_of_an_inside_corner_is_darker_than_a_plane_s() {
     let points = view.points();
     for estimator in Estimator::ALL {
         let found = view.occlude(estimator.name(), 2.0);
-        // By the distance from the corner, in radii: nearly 1/2 is seen in it, everything from 1 on.
+        // Rings by distance from the corner, in radii. Visibility is nearly 1/2 in the corner and 1 from one radius on.
         let at = |from: f64, to: f64| {
             let of = |p: &[f64; 3]| (from..to).contains(&(p[0].max(p[1]) / 2.0));
             mean(points.iter().zip(&found).filter(|(p, _)| p.as_ref().is_some_and(of)).map(|(_, v)| *v))
@@ -185,7 +175,7 @@ fn occlusion_of_gtao_with_many_taps_is_the_corner_s_integral() {
     let view = corner();
     let text = "gtao:samples=64:falloff=0.99:power=1:distribution=1:cap=1000:filter=none";
     let found = view.occlude(text, 2.0);
-    // A wall at the distance u R takes the cap x < -u of the unit disc that cosine-weighted directions fill evenly.
+    // Cosine-weighted directions fill the unit disc uniformly. A wall at distance u R occludes its segment x < -u.
     let open = |u: f64| 1.0 - (libm::acos(u) - u * (1.0 - u * u).sqrt()) / std::f64::consts::PI;
     let near = view.points().into_iter().zip(&found).filter_map(|(p, v)| {
         let u = p.map(|p| p[0].max(p[1]).max(0.0) / 2.0)?;
@@ -196,7 +186,7 @@ fn occlusion_of_gtao_with_many_taps_is_the_corner_s_integral() {
     assert!(near.count() > 3000 && bias.abs() < 0.005 && error < 0.02, "{bias} {error}");
 }
 
-/// The same in other units.
+/// Returns the scene scaled to other units.
 fn scaled(scene: &Scene, by: f32) -> Scene {
     let mut scene = scene.clone();
     scene.meshes.iter_mut().flat_map(|m| &mut m.positions).flatten().for_each(|c| *c *= by);
@@ -214,8 +204,8 @@ fn occlusion_does_not_depend_on_the_scene_s_unit() {
         let text = format!("{estimator}:filter=none");
         let (a, b) = (metres.occlude(&text, 7.3), millimetres.occlude(&text, 7300.0));
         let differences = || a.iter().zip(&b).map(|(a, b)| (a - b).abs());
-        // 1000 is no power of two: depths differ in their last bits, and a tap that falls on the edge between two texels may take
-        // the other one.
+        // 1000 is not a power of two, so depths differ in their last bits, and a tap on the edge between two texels may
+        // take the other one.
         let moved = differences().filter(|d| *d > 1e-3).count();
         println!(
             "{estimator}: {} and {moved} texels",

@@ -1,38 +1,27 @@
-//! Estimators of ambient occlusion on depth that no scene gives: GPU against CPU.
+//! Estimators of ambient occlusion on synthetic depth: GPU against CPU.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::Bounds;
+use adumbra::Bounds;
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Surfaces, ambient};
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
+use adumbra_scene::{Camera, Projection};
 use adumbra_shaders::layout::Frame;
+use kit::ambient::{VARIANTS, stored_depth};
 use kit::buffers::Buffers;
 
 const PERSPECTIVE: Projection = Projection::Perspective { fov_degrees: 50.0 };
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { height_world: 6.0 };
 const BOUNDS: Bounds = Bounds { min: [-5.0; 3], max: [5.0; 3] };
 
-/// What estimators' names alone leave unseen.
-const VARIANTS: [&str; 9] = [
-    "ssao:tangent=0",
-    "issao:lambda=1:phi=0.5:levels=off",
-    "issao:lambda=1:phi=0.5:reading=1",
-    "issao:lambda=1:phi=0.5:reading=2",
-    "issao:lambda=1:phi=0.5:attenuation=off",
-    "issao:lambda=1:phi=0.5:before=nothing",
-    "issao:lambda=1:phi=0.5:relation=free",
-    "issao:preset=fig3",
-    "gtao:thin=0.5:falloff=0.1",
-];
-
 fn frame_of(projection: Projection, [width, height]: [u32; 2]) -> Frame {
     let camera = Camera { eye: [3.0, 4.0, 5.0], target: [0.5, 0.0, -0.5], projection, width, height };
     frame(&camera, &BOUNDS, kit::sun(), 0)
 }
 
-/// Numbers from 0 to 1, the same every time (Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators*, 2014).
+/// A reproducible generator of numbers from 0 to 1: splitmix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom
+/// Number Generators*, 2014).
 struct Random(u64);
 
 impl Random {
@@ -45,14 +34,14 @@ impl Random {
     }
 }
 
-/// Depths at view depths from `near` to `far`, a tenth of them sky, and normals towards the eye, most of them.
+/// Random stored depths for view depths from `near` to `far`, a tenth of them sky, and random normals, most of them
+/// towards the eye.
 fn random(frame: &Frame, [near, far]: [f32; 2], seed: u64) -> (Vec<f32>, Vec<[f32; 3]>) {
     let mut random = Random(seed);
-    let k = frame.depth_to_z;
     (0..frame.size[0] * frame.size[1])
         .map(|_| {
             let z = near + (far - near) * random.next();
-            let depth = (k[0] - z * k[2]) / (z * k[3] - k[1]);
+            let depth = stored_depth(frame.depth_to_z, z);
             let depth = if random.next() < 0.1 { 0.0 } else { depth };
             let n: [f32; 3] = std::array::from_fn(|a| 2.0 * random.next() - 1.0 - frame.forward[a]);
             let length = n.iter().map(|c| c * c).sum::<f32>().sqrt();
@@ -65,7 +54,9 @@ fn random(frame: &Frame, [near, far]: [f32; 2], seed: u64) -> (Vec<f32>, Vec<[f3
 fn occlusion_on_the_gpu_is_the_cpu_s_on_random_depth() {
     let gpu = kit::gpu();
     let (mut compared, mut off, mut darkened) = (0, 0, 0);
-    for text in Estimator::ALL.map(Estimator::name).iter().chain(&VARIANTS) {
+    for text in
+        Estimator::ALL.map(Estimator::name).iter().chain(&VARIANTS).chain(&["gtao:thin=0.5:falloff=0.1"])
+    {
         let mut worst = 0.0_f32;
         for samples in [1, 12, 64] {
             let text = format!("{text}:samples={samples}:filter=none");
@@ -79,7 +70,7 @@ fn occlusion_on_the_gpu_is_the_cpu_s_on_random_depth() {
                 for (seed, range) in [(1, [2.0, 9.0]), (2, [6.0, 6.3])] {
                     let (depth, normal) = random(&frame, range, seed);
                     let buffers = Buffers::new(&gpu, size, &depth, &normal);
-                    // None, a few texels, more texels than there are, more than are allowed.
+                    // Radii on the screen: zero, a few texels, more than the picture has, more than the cap allows.
                     for radius_world in [0.0, 0.7, 5.0, 1e4] {
                         settings.radius_world = radius_world;
                         assert!(passes.reshape(&gpu, &settings));
@@ -115,7 +106,7 @@ fn occlusion_of_empty_sky_and_of_a_far_plane_is_none() {
         for (projection, size) in [(PERSPECTIVE, [33, 17]), (ORTHOGRAPHIC, [33, 17]), (PERSPECTIVE, [1, 1])] {
             let frame = frame_of(projection, size);
             let count = (size[0] * size[1]) as usize;
-            let backwards = [frame.forward[0], frame.forward[1], frame.forward[2]].map(|c| -c);
+            let backwards = frame.forward.map(|c| -c);
             let mut passes = OcclusionPasses::new(&gpu, OcclusionSettings::new(estimator, 2.0));
             for (depth, normal) in [(0.0, [0.0; 3]), (1e-6, backwards)] {
                 let buffers = Buffers::new(&gpu, size, &vec![depth; count], &vec![normal; count]);

@@ -1,17 +1,17 @@
-//! The most texels that a radius takes on the screen: a larger one shrinks to it as a whole, it is not cut off.
+//! The cap on the radius in texels on the screen: a larger radius shrinks to the cap as a whole and is not cut off.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
 use adumbra_render::{Renderer, SceneOptions};
+use adumbra_scene::{Camera, Projection};
 use kit::ambient::{Seen, largest, settings};
 use kit::boxes::boxes;
 
 const SIZE: [u32; 2] = [160, 120];
-/// World units that an orthographic picture is high: a texel is a 64th of one.
+/// Height of an orthographic picture, world units. One texel is 1/64 of a world unit.
 const HEIGHT_WORLD: f64 = 120.0 / 64.0;
 const CAP: f64 = 32.0;
-/// With numbers that no tuning moves.
+/// Every estimator with fixed parameters, independent of tuned defaults.
 const ESTIMATORS: [&str; 5] = [
     "ssao:strength=1:power=1:bias=0.05:range=1",
     "hbao:strength=1:power=1:bias=0.1:falloff=2",
@@ -20,7 +20,7 @@ const ESTIMATORS: [&str; 5] = [
     "gtao:falloff=0.385:thin=0:distribution=2:power=2.2",
 ];
 
-/// An inside corner, from so near that a radius of a unit covers a large part of the picture.
+/// An inside corner, so near that a radius of one unit covers a large part of the picture.
 fn corner(projection: Projection) -> Seen {
     let scene = boxes(&[([-9.0, -1.0, -9.0], [9.0, 0.0, 9.0]), ([-10.0, -1.0, -9.0], [0.0, 9.0, 9.0])]);
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
@@ -30,7 +30,7 @@ fn corner(projection: Projection) -> Seen {
 }
 
 fn visibility(seen: &Seen, estimator: &str, radius_world: f64, cap: f64) -> Vec<f32> {
-    // At few texels `issao` takes fewer taps by steps of its own.
+    // `levels=off`, because `issao` otherwise reduces its taps in steps if the radius is only a few texels.
     seen.on_cpu(&settings(&format!("{estimator}:filter=none:levels=off:cap={cap}"), radius_world))
 }
 
@@ -55,11 +55,12 @@ fn capped_radius_is_the_smaller_radius_as_a_whole() {
             );
             assert!(moved * 1000 <= small.len(), "{estimator} {radius_world}: {moved}");
         }
-        // And the corner is seen in it: were the region cut to the cap, a large radius would leave next to nothing of it.
+        // The corner must still be visible. If the region were cut off at the cap, a large radius would leave almost
+        // nothing of it.
         let darkest = small.iter().copied().fold(1.0, f32::min);
         assert!(darkest < 0.7, "{estimator}: {darkest}");
         let whole = visibility(&seen, estimator, 2.0, 4096.0);
-        assert!(largest(&small, &whole) > 0.1, "{estimator}: the cap tells");
+        assert!(largest(&small, &whole) > 0.1, "{estimator}: the cap has an effect");
     }
 }
 
@@ -72,7 +73,7 @@ fn result_goes_on_where_the_radius_passes_the_cap() {
         let seen = corner(projection);
         for estimator in ESTIMATORS {
             let (mut steps, mut last) = (Vec::new(), None::<Vec<f32>>);
-            // By factors of 1.02, from well below the cap to well above it everywhere.
+            // The radius grows by a factor of 1.02 per step, from well below the cap everywhere to well above it.
             for step in 0..48 {
                 let now = visibility(&seen, estimator, 0.4 * libm::pow(1.02, f64::from(step)), CAP);
                 if let Some(last) = &last {
@@ -85,7 +86,8 @@ fn result_goes_on_where_the_radius_passes_the_cap() {
             println!(
                 "{estimator} {projection:?}: mean step {first:.4} at first, {most:.4} at most, {last:.5} at last"
             );
-            // Rounding moves taps at every step; passing the cap adds none of its own, and beyond it nothing changes.
+            // Rounding moves taps at every step. Reaching the cap adds no step of its own, and beyond it nothing
+            // changes.
             assert!(most < 0.02 && most < 2.0 * first, "{estimator} {projection:?}: {steps:?}");
             assert!(last < 1e-3, "{estimator} {projection:?}: {steps:?}");
         }

@@ -1,13 +1,13 @@
-//! What surrounds the estimators of ambient occlusion: filters, edge test, half size, normals from depth. GPU against CPU,
-//! and what each is for.
+//! The passes around the estimators of ambient occlusion: filters, edge test, half size, normals from depth. Compares
+//! GPU and CPU and checks that each does its job.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::occlusion::twin::{estimate, made_normals, skipped};
 use adumbra_render::{Renderer, SceneOptions};
+use adumbra_scene::{Camera, Projection};
 use kit::ambient::{Seen, largest, rms, settings, visibility};
 use kit::boxes::boxes;
 
@@ -74,7 +74,7 @@ fn every_option_on_random_depth_is_the_cpu_s() {
 fn lines_are_near_the_square() {
     let mut renderer = city();
     let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
-    // Measured: 0.153 and 0.252 of what the square changes.
+    // Measured: 0.153 and 0.252 of the change that the square filter makes.
     for (depth, limit) in [("plane", 0.2), ("plain", 0.3)] {
         let [none, square, lines] = ["none", "square", "bilateral"]
             .map(|f| seen.on_cpu(&settings(&format!("issao:filter={f}:depth={depth}"), RADIUS_WORLD)));
@@ -104,7 +104,7 @@ fn planes_leave_less_noise_than_depth_alone() {
     }
 }
 
-/// A pole with a shelf before a far ground.
+/// A pole with a shelf in front of distant ground.
 fn pole() -> Renderer {
     let scene = boxes(&[
         ([-200.0, -1.0, -200.0], [200.0, 0.0, 200.0]),
@@ -114,7 +114,7 @@ fn pole() -> Renderer {
     Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap()
 }
 
-/// Before the pole, above it.
+/// A camera in front of the pole and above it.
 fn before_pole(width: u32, height: u32) -> Camera {
     let projection = Projection::Perspective { fov_degrees: 50.0 };
     Camera { eye: [1.0, 10.0, 16.0], target: [0.0, 4.0, 0.0], projection, width, height }
@@ -126,8 +126,8 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
     let seen = Seen::drawn(&mut renderer, before_pole(SIZE[0], SIZE[1]), 0);
     let [width, height] = seen.size();
     let raw = seen.on_cpu(&settings("issao:filter=none", 3.0));
-    // Open ground, with nothing but open ground and the pole before it in the filter's window: what it changes comes from
-    // the pole.
+    // Pixels of open ground whose filter window contains only open ground and the pole in front of it. Any change there
+    // comes from the pole.
     let is_open_ground = |at: usize| {
         seen.normal[at][1] > 0.9 && raw[at] > 0.999 && seen.view_depth(at).is_some_and(|z| z > 24.0)
     };
@@ -144,7 +144,7 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
         .filter(|&at| is_open_ground(at))
         .filter(|&at| window(at).all(|o| is_open_ground(o) || is_pole(o)) && window(at).any(is_pole))
         .collect();
-    println!("{} texels of open ground beside the pole", behind.len());
+    println!("{} texels of open ground next to the pole", behind.len());
     assert!(behind.len() > 100, "{}", behind.len());
     let change = |text: &str| {
         let filtered = seen.on_cpu(&settings(text, 3.0));
@@ -163,8 +163,8 @@ fn edge_test_leaves_out_what_it_may() {
     let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
     let raw = seen.on_cpu(&settings("issao:filter=none", RADIUS_WORLD));
     let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
-    // Measured: 0.34 to 0.49 skipped; that moves the result by 0.13 to 0.15 of what the filter changes, and away from the
-    // estimator's mean by at most 0.016 of its distance.
+    // Measured: a share of 0.34 to 0.49 is skipped. That changes the result by 0.13 to 0.15 of what the filter changes,
+    // and increases its distance from the estimator's mean by at most 0.016 of that distance.
     for filter in ["bilateral", "square", "bilateral:side=8", "square:side=8"] {
         let [without, with] =
             ["off", "on"].map(|e| settings(&format!("issao:filter={filter}:edges={e}"), RADIUS_WORLD));
@@ -183,8 +183,8 @@ fn edge_test_leaves_out_what_it_may() {
 #[test]
 fn half_size_is_near_the_whole() {
     let mut renderer = city();
-    // Measured: 1.32 and 1.33 times as far from the estimator's mean as at full size, with a quarter of its taps; open sky
-    // everywhere is 2.3 and 2.0 times as far.
+    // Measured: 1.32 and 1.33 times as far from the estimator's mean as at full size, with a quarter of the taps. A
+    // constant visibility of 1 is 2.3 and 2.0 times as far.
     for camera in [kit::camera, orthographic] {
         let seen = Seen::drawn(&mut renderer, camera(SIZE[0], SIZE[1]), 0);
         let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
@@ -243,7 +243,7 @@ fn normals_from_depth_are_those_of_the_surface() {
             for half in [false, true] {
                 let made = adumbra_render::occlusion::OcclusionSettings { half, ..made };
                 let normals = made_normals(&made, &seen.surfaces()).unwrap();
-                let [width, _] = made.size([seen.frame.size[0], seen.frame.size[1]]);
+                let [width, _] = made.size(seen.frame.size);
                 let scale = if half { 2 } else { 1 };
                 let (mut near, mut all) = (0, 0);
                 for (at, n) in normals.iter().enumerate() {
@@ -303,7 +303,7 @@ fn scaled_scene_gives_the_same_picture() {
     };
     for text in ["issao", "issao:filter=square", "issao:half=on:normals=depth", "issao:edges=on"] {
         let (one, thousand) = (picture(1.0, text), picture(1000.0, text));
-        // A tap that lies on the rim of the region may fall on either side of it.
+        // A tap on the boundary of the sampling region may fall on either side of it.
         let other = one.iter().zip(&thousand).filter(|(a, b)| (*a - *b).abs() > 2e-3).count();
         assert!(other * 500 < one.len(), "{text}: {other} of {}", one.len());
     }

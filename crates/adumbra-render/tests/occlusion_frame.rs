@@ -1,4 +1,5 @@
-//! Ambient occlusion in finished frames: whose light it takes, visibility given from elsewhere, and what does not touch it.
+//! Ambient occlusion in finished frames: which light it reduces, visibility given from outside, and answers that must
+//! not affect its history.
 
 mod kit;
 
@@ -25,7 +26,7 @@ fn given(renderer: &Renderer, visibility: &[f32]) -> GivenAmbient {
     GivenAmbient::new(renderer.gpu(), SIZE, visibility).unwrap()
 }
 
-/// The picture of a frame with a technique.
+/// Draws a frame with a technique and returns its picture.
 fn picture(renderer: &mut Renderer, technique: &str) -> Vec<u8> {
     let technique = build(renderer.gpu(), &technique.parse().unwrap(), Baked::default()).unwrap();
     let mut technique = renderer.prepare(technique).unwrap();
@@ -90,7 +91,7 @@ fn given_ambient_of_another_size_is_an_error() {
         assert!(error.to_string().contains(&format!("{values} visibilities for 64 x 48")), "{error}");
     }
     assert!(matches!(GivenAmbient::new(gpu, [0, 5], &[]), Err(RenderError::Ambient { .. })));
-    // As many values, of another shape.
+    // The same number of values in another shape.
     let turned = GivenAmbient::new(gpu, [48, 64], &vec![0.5; 64 * 48]).unwrap();
     renderer.set_ambient(Some(turned.into()));
     let technique = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();

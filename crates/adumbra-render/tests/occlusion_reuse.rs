@@ -1,11 +1,11 @@
-//! Ambient occlusion with the frames before: GPU against CPU over moving cameras, less noise, no ghosts.
+//! Ambient occlusion that reuses earlier frames: GPU against CPU for moving cameras, less noise, no ghosting.
 
 mod kit;
 
-use adumbra::camera::{Camera, Projection};
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::occlusion::twin::Twin;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_scene::{Camera, Projection};
 use kit::ambient::{Seen, largest, rms, settings, visibility};
 use kit::boxes::boxes;
 
@@ -17,8 +17,8 @@ fn city() -> Renderer {
     Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap()
 }
 
-/// A way through the air over the city, turning.
-fn on_the_way(camera: Camera, number: u32) -> Camera {
+/// Moves a camera along a flight over the city, while it turns.
+fn on_demand(camera: Camera, number: u32) -> Camera {
     let t = f64::from(number);
     let moved = |p: [f64; 3], d: [f64; 3]| [0, 1, 2].map(|a| p[a] + t * d[a]);
     Camera {
@@ -44,7 +44,7 @@ fn reuse_on_the_gpu_is_the_cpu_s() {
             let mut passes = all.map(|s| OcclusionPasses::new(renderer.gpu(), s));
             let mut twins = all.map(Twin::new);
             for number in 0..5 {
-                let camera = on_the_way(Camera { projection, ..kit::camera(width, height) }, number);
+                let camera = on_demand(Camera { projection, ..kit::camera(width, height) }, number);
                 let seen = Seen::drawn(&mut renderer, camera, number);
                 for (i, text) in texts.iter().enumerate() {
                     let found = seen.on_gpu(renderer.gpu(), &mut passes[i]);
@@ -66,7 +66,7 @@ fn renderer_keeps_the_history_of_its_frames() {
     let passes = OcclusionPasses::new(renderer.gpu(), settings);
     renderer.set_ambient(Some(passes.into()));
     for number in 0..4 {
-        let camera = on_the_way(kit::camera(64, 48), number);
+        let camera = on_demand(kit::camera(64, 48), number);
         if number == 3 {
             renderer.ambient_mut().unwrap().forget();
             twin.forget();
@@ -78,7 +78,7 @@ fn renderer_keeps_the_history_of_its_frames() {
         let seen = Seen::now(&renderer, &shot);
         assert!(largest(&found, &visibility(&twin.ambient(&seen.surfaces()))) < 2e-3, "frame {number}");
     }
-    // Another size begins anew.
+    // Another size restarts the history.
     twin.forget();
     let shot = Shot { camera: kit::camera(48, 40), towards_sun: kit::sun(), number: 4 };
     renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
@@ -94,7 +94,7 @@ fn reuse_lowers_the_noise() {
         let [alone, reusing] =
             ["off", "on"].map(|r| settings(&format!("issao:filter={filter}:reuse={r}"), RADIUS_WORLD));
         let mut twin = Twin::new(reusing);
-        // An orthographic camera that moves by a texel a frame to its right: what it sees moves by a texel to the left.
+        // An orthographic camera moves right by one texel per frame, so the picture moves left by one texel.
         let camera = Camera { projection: ORTHOGRAPHIC, ..kit::camera(160, 120) };
         let right = camera.view().right;
         let mut last: Option<[Vec<f32>; 2]> = None;
@@ -153,8 +153,8 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
     let (old, new) = (camera(0.0).view(), camera(3.0).view());
     let seen = Seen::drawn(&mut renderer, camera(3.0), 8);
     let [width, height] = seen.size();
-    // Pixels whose point the frame before did not see: something lay before it at all four pixels about its place there, or
-    // it was beyond the picture.
+    // Pixels whose point was not visible in the previous frame: each of the four pixels around its position there was
+    // covered by something nearer or was outside the picture.
     let is_hidden = |at: usize| {
         let Some(z) = seen.view_depth(at) else { return false };
         let (origin, direction) = new.ray((at % width) as f64 + 0.5, (at / width) as f64 + 0.5);
@@ -179,7 +179,7 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
     let fresh = visibility(&Twin::new(reusing).ambient(&seen.surfaces()));
     let worst = hidden.iter().map(|&at| (reused[at] - fresh[at]).abs()).fold(0.0, f32::max);
     assert_eq!(worst, 0.0, "of {} disoccluded pixels", hidden.len());
-    // And what was seen before is nearer to the estimator's own mean than without.
+    // Over the whole frame, reuse brings the result nearer to the estimator's mean.
     let [a, b] = [visibility(&filtered_twin.ambient(&seen.surfaces())), seen.on_cpu(&with_filter)];
     let smooth = seen.without_noise(&reusing);
     let (with, without) = (rms(&a, &smooth), rms(&b, &smooth));

@@ -1,16 +1,19 @@
-//! Baked voxels on the GPU against their CPU twins: the same count for every receiver in fixed point, and from f32 positions the same
-//! answer but where a point lies on a voxel's face.
+//! Baked voxels on the GPU against their CPU twins: equal counts for every fixed-point receiver, and from f32 positions
+//! equal answers unless a point is on a voxel's face.
 
 mod kit;
 mod voxel_points;
 
-use adumbra::dag::packed::{NEAR_UNITS, POOL_WORDS};
-use adumbra::format::Layout;
-use adumbra::query::{FILTER_WIDTHS, KERNEL_SIDES, Weights};
-use adumbra::scene::{GeneratedKind, generate};
-use adumbra::tree::Detail;
-use adumbra_render::voxel::{CubesStore, MAX_WORD_BINDINGS, PageTexture, Voxel};
+use adumbra::Layout;
+use adumbra::layout::packed::{NEAR_UNITS, POOL_WORDS};
+use adumbra::query::FILTER_WIDTHS;
+use adumbra_bake::convert::graph_of;
+use adumbra_render::voxel::{BakedLight, CubesStore, MAX_WORD_BINDINGS, PageTexture, VoxelSettings};
 use adumbra_render::{Baked, Gpu, GpuOptions, RenderError, build};
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_tree::Detail;
+use adumbra_tree::query as tree_query;
+use adumbra_tree::query::{KERNEL_SIDES, Weights};
 use voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 
 fn generated() -> Vec<BakedScene> {
@@ -33,12 +36,12 @@ fn voxel_counts_the_taps_that_the_cpu_counts() {
 #[test]
 fn voxel_in_six_bindings_counts_the_same() {
     let baked = &generated()[0];
-    let dag = baked.light.graph().unwrap();
-    let words = dag.top.len() + dag.nodes.len() + 2 * dag.slabs.len();
+    let dag = graph_of(&baked.light.body).unwrap();
+    let words = dag.top.len() + dag.nodes.len() + 2 * dag.leaf_masks.len();
     let limited = |bytes: u64| {
         Gpu::request(&GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() }).unwrap()
     };
-    // More than two bindings of a power of two.
+    // A limit, a power of two, that needs more than two bindings.
     let bytes = 4 * (words as u64 / 4).next_power_of_two();
     let gpu = limited(bytes);
     exact_light(&gpu, baked, 9, 20_000);
@@ -49,9 +52,9 @@ fn voxel_in_six_bindings_counts_the_same() {
         (3, Weights::Mean),
         20_000,
     );
-    let grid = &baked.light.grid;
     let small = limited(4 * words as u64 / 16);
-    let Err(error) = Voxel::new(&small, grid, &dag, baked.light.settings.bias, 9) else { panic!("it fits") };
+    let settings = VoxelSettings::taps(9, baked.light.settings.bias);
+    let Err(error) = BakedLight::from_file(&small, &baked.light, settings) else { panic!("it fits") };
     assert!(matches!(error, RenderError::TooLarge { .. }), "{error}");
     assert_eq!(MAX_WORD_BINDINGS, 6);
 }
@@ -90,14 +93,14 @@ fn voxel_cubes_with_regions_count_the_same_and_stay_within_their_limit() {
         float_cubes(&gpu, &baked, (side, Weights::Mean), 30_000);
     }
     let region = baked.tree.regions.list[0];
-    // Seventeen apart from each other, two voxels wide.
+    // Seventeen disjoint regions, two voxels wide.
     let (space, size) = (baked.tree.space, baked.tree.space.voxel_size);
     let range = |axis: usize, i: u32| {
         let from = space.p_min[axis] + size * f64::from(2 + 6 * i);
         [from, from + 2.0 * size]
     };
     baked.tree.regions.list =
-        (0..17).map(|i| adumbra::tree::Region { x: range(0, i), z: range(2, i), ..region }).collect();
+        (0..17).map(|i| adumbra_tree::Region { x: range(0, i), z: range(2, i), ..region }).collect();
     let error = voxel_points::try_cubes(&gpu, &baked, CubesStore::Words, (3, Weights::Mean)).err().unwrap();
     assert!(matches!(error, RenderError::VoxelLimit { value: 17, limit: 16, .. }), "{error}");
 }
@@ -120,8 +123,8 @@ fn texture_is_decoded_bit_for_bit() {
     let gpu = kit::gpu();
     let baked = &generated()[1];
     let words = baked.words();
-    // Several pages, then several bindings.
-    let pages = adumbra::texture::encode(words, &[1, 2, 3], 64).unwrap();
+    // Several pages, first with one binding, then with several.
+    let pages = adumbra_tree::texture::encode(words, &[1, 2, 3], 64).unwrap();
     assert!(pages.len() > 2, "{}", pages.len());
     for bytes in [1 << 27, 4 * (words.len() as u64 / 4).next_power_of_two()] {
         let options = GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() };
@@ -141,7 +144,9 @@ fn texture_is_decoded_bit_for_bit() {
 
 #[test]
 fn constants_of_shaders_are_those_of_the_library() {
-    use adumbra::{dag, query, settings};
+    use adumbra as settings;
+    use adumbra::layout::plain as dag;
+    use adumbra::query;
     use adumbra_shaders::constants as shaders;
     assert_eq!(shaders::MAX_SLOPE, settings::MAX_SLOPE as f32);
     assert_eq!(shaders::MAX_PLANE_SLOPE, settings::MAX_PLANE_SLOPE as f32);
@@ -150,13 +155,13 @@ fn constants_of_shaders_are_those_of_the_library() {
     assert_eq!((shaders::MAX_GRADIENT, shaders::MARGIN_VOXELS), (query::MAX_GRADIENT, query::MARGIN_VOXELS));
     assert_eq!(
         (shaders::NORMAL_ONE, shaders::MAX_HEIGHT_CELLS),
-        (query::NORMAL_ONE, query::MAX_HEIGHT_CELLS)
+        (tree_query::NORMAL_ONE, tree_query::MAX_HEIGHT_CELLS)
     );
     assert_eq!((shaders::PACKED_POOL_WORDS as usize, shaders::PACKED_NEAR_UNITS), (POOL_WORDS, NEAR_UNITS));
     assert_eq!((shaders::TOP_LIT, shaders::TOP_SHADOWED), (dag::LIT, dag::SHADOWED));
     assert_eq!(
-        (shaders::HIERARCHY_UNIFORM, shaders::HIERARCHY_NEVER),
-        (adumbra::hierarchy::UNIFORM, adumbra::hierarchy::NEVER)
+        (shaders::DEPTHS_UNIFORM, shaders::DEPTHS_NEVER),
+        (adumbra::layout::depths::UNIFORM, adumbra::layout::depths::NEVER)
     );
 }
 

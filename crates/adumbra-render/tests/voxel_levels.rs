@@ -1,13 +1,15 @@
-//! Where look-ups in baked files end, pixel by pixel of drawn frames: the shaders against their CPU twins, and one layout against the others.
+//! The levels at which look-ups in baked files end, for each pixel of drawn frames: shaders against their CPU twins,
+//! and layouts against each other.
 
 mod kit;
 mod voxel_points;
 
-use adumbra::format::Layout;
-use adumbra::query::{FixedReceiver, Query, TreeQuery, Weights, receiver};
-use adumbra::tree::{Detail, VoxelTree};
+use adumbra::query::{FixedReceiver, receiver};
+use adumbra::{Layout, Query};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_tree::query::{TreeQuery, Weights};
+use adumbra_tree::{Detail, VoxelTree};
 use kit::surfaces::surfaces;
 use voxel_points::BakedScene;
 
@@ -25,7 +27,7 @@ fn shot() -> Shot {
     Shot { camera: kit::camera(240, 160), towards_sun: kit::sun(), number: 0 }
 }
 
-/// Levels of a frame, and the edge of a voxel.
+/// Returns the levels of a frame and the edge of a voxel in world units.
 fn levels(renderer: &mut Renderer, baked: &BakedScene, name: &str) -> (Vec<f32>, f64) {
     let files = Baked { light: Some(&baked.light), tree: Some(&baked.tree) };
     let technique = build(renderer.gpu(), &name.parse().unwrap(), files).unwrap();
@@ -35,7 +37,8 @@ fn levels(renderer: &mut Renderer, baked: &BakedScene, name: &str) -> (Vec<f32>,
     (renderer.read_factor(&prepared).unwrap(), voxel_world)
 }
 
-/// Nearly every pixel is as the twin says, the others as it says within 0.02 voxels; as much as can be between f32 and f64.
+/// Asserts that nearly every pixel equals the twin's answer, and every other one equals its answer at most 0.02 voxels
+/// away along each axis. That is as close as f32 and f64 can agree.
 fn hold(name: &str, renderer: &Renderer, found: &[f32], twin: impl Fn([f64; 3], [f64; 3]) -> (f32, f64)) {
     let shot = shot();
     let anchor = shot.camera.view().eye.map(|c| f64::from(c as f32));
@@ -72,23 +75,23 @@ fn voxel_levels_are_those_of_the_cpu_in_every_layout() {
     let plain = baked(Detail::Uniform);
     let mut renderer = renderer(&plain);
     let mut frames = Vec::new();
-    for layout in [Layout::Plain, Layout::Packed, Layout::Hierarchy] {
+    for layout in [Layout::Plain, Layout::Packed, Layout::Depths] {
         let baked = plain.in_layout(layout);
         let (found, voxel_world) = levels(&mut renderer, &baked, "voxel:filter=9");
         let file = &baked.light;
         assert_eq!(voxel_world, file.grid.voxel_size);
         let bias = file.settings.bias;
-        let query = Query::new(&file.grid, file.slabs(), bias, 9).unwrap();
+        let query = Query::new(&file.grid, file.leaf_masks(), bias, 9).unwrap();
         hold(&format!("{layout:?}"), &renderer, &found, |p, n| {
             let r = FixedReceiver::new(&receiver(&file.grid, &bias, p, Some(n)), file.grid.size);
             (query.end_level(&r).map_or(-1.0, |level| level as f32), voxel_world)
         });
-        if layout == Layout::Hierarchy {
+        if layout == Layout::Depths {
             assert_eq!(levels(&mut renderer, &baked, "voxel:soft").0, found);
         }
         frames.push(found);
     }
-    // Both graphs end where they end to the last pixel, and with every filter; so do cascades beside them and a blur over them.
+    // Both graphs give equal levels at every pixel, with every filter. Adding cascades or a blur does not change them.
     assert_eq!(frames[0], frames[1]);
     for name in ["voxel:filter=1", "voxel+csm", "blur:base=voxel"] {
         assert_eq!(levels(&mut renderer, &plain, name).0, frames[0], "{name}");

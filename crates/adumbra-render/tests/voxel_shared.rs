@@ -1,14 +1,13 @@
-//! As tests/voxel.rs, on scenes that are no part of the repository, and at 16384.
+//! The tests of tests/voxel.rs on scenes that are not part of the repository, and at a resolution of 16384.
 
 mod kit;
-#[path = "../../adumbra/tests/shared_folder/mod.rs"]
-mod shared_folder;
 mod voxel_points;
 
-use adumbra::query::{FILTER_WIDTHS, KERNEL_SIDES, Weights};
-use adumbra::scene::{LoadOptions, load};
+use adumbra::query::FILTER_WIDTHS;
 use adumbra_render::voxel::CubesStore;
-use shared_folder::{full, shared};
+use adumbra_scene::{LoadOptions, load};
+use adumbra_testing::{full, shared};
+use adumbra_tree::query::{KERNEL_SIDES, Weights};
 use voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 
 const SCENES: [&str; 4] = ["kaykit_city_21.glb", "zdm2.glb", "alpine-2.glb", "auster.obj"];
@@ -37,7 +36,8 @@ fn shared_voxel_counts_are_the_cpu_s() {
     }
 }
 
-/// At 16384 where the whole size is asked for, else on the smallest scene alone; the tree at 1024.
+/// Runs at 16384 for all scenes if full size is requested, else for the first scene only and at 4096 for the others.
+/// The tree is at 1024.
 #[test]
 fn shared_voxel_from_f32_positions_differs_only_on_faces() {
     let gpu = kit::gpu();

@@ -1,117 +1,128 @@
-//! Numbers that Rust and WGSL share, each declared here once.
+//! Constants shared by Rust and WGSL, each declared here once. Their WGSL names begin with `ADUMBRA_`.
 
 macro_rules! shared {
     ($($(#[$doc:meta])* $name:ident: $kind:ident = $value:expr;)*) => {
         $($(#[$doc])* pub const $name: $kind = $value;)*
 
-        /// Every constant as WGSL.
-        pub fn declarations() -> String {
-            let mut text = String::new();
-            $(text += &format!("const {}: {} = {:?};\n", stringify!($name), stringify!($kind), $name);)*
+        /// Every constant's WGSL name and WGSL declaration.
+        pub fn declarations() -> Vec<(&'static str, String)> {
+            let mut all = Vec::new();
+            $(
+                let name = concat!("ADUMBRA_", stringify!($name));
+                all.push((name, format!("const {name}: {} = {:?};\n", stringify!($kind), $name)));
+            )*
             let points: Vec<_> = POISSON_DISC.iter().map(|[x, y]| format!("vec2f({x:?}, {y:?})")).collect();
-            text += &format!("const POISSON_DISC = array<vec2f, {}>({});\n", points.len(), points.join(", "));
-            text + "\n"
+            let name = "ADUMBRA_POISSON_DISC";
+            let disc = format!("const {name} = array<vec2f, {}>({});\n", points.len(), points.join(", "));
+            all.push((name, disc));
+            all
         }
     };
 }
 
 shared! {
-    /// Threads of a workgroup over pixels or texels, along each side.
+    /// Workgroup size along each side for passes over pixels or texels, in threads.
     PIXEL_GROUP: u32 = 8;
-    /// Threads of a workgroup over a list.
+    /// Workgroup size for passes over a list, in threads.
     LIST_GROUP: u32 = 64;
-    /// `LayerParams::shape.w`: the picture.
+    /// `LayerParams::kind`: the rendered picture.
     LAYER_COLOR: u32 = 0;
-    /// One value a pixel, as grey.
+    /// `LayerParams::kind`: one value per pixel, as a shade of grey.
     LAYER_VALUE: u32 = 1;
-    /// Distance along the view.
+    /// `LayerParams::kind`: view depth.
     LAYER_DEPTH: u32 = 2;
-    /// World normals.
+    /// `LayerParams::kind`: world-space normals.
     LAYER_NORMAL: u32 = 3;
-    /// The picture, in the colours of a value a pixel.
+    /// `LayerParams::kind`: the rendered picture, tinted by one value per pixel.
     LAYER_TINT: u32 = 4;
-    /// Most colours of a tint; the length of `LayerParams::palette`.
+    /// Largest number of tint colours; the length of `LayerParams::palette`.
     MAX_TINTS: u32 = 16;
-    /// `PresentParams::shape.x`: the first picture.
+    /// `PresentParams::kind`: the first picture alone.
     PRESENT_FIRST: u32 = 0;
-    /// Two pictures beside a divider.
+    /// `PresentParams::kind`: both pictures, side by side at a divider.
     PRESENT_SPLIT: u32 = 1;
-    /// Where the second differs from the first.
+    /// `PresentParams::kind`: the difference of the two pictures.
     PRESENT_DIFFERENCE: u32 = 2;
-    /// Most layers of a shadow map.
+    /// Largest number of layers in a shadow map.
     MAX_LAYERS: u32 = 8;
-    /// Most neighbours on either side of a screen-space blur; one less than the length of `BlurParams::taps`.
+    /// Largest number of taps on either side of a screen-space blur; one less than the length of `BlurParams::taps`.
     MAX_BLUR_SIDE: u32 = 32;
-    /// Most taps of an estimator of ambient occlusion; a 16th of the length of `OcclusionTaps::taps`.
+    /// Largest number of taps of an ambient occlusion estimator; a 16th of the length of `OcclusionTaps::taps`.
     OCCLUSION_MAX_TAPS: u32 = 64;
-    /// Most neighbours on either side of the filter of ambient occlusion.
+    /// Largest number of taps on either side of the ambient occlusion filter.
     OCCLUSION_MAX_SIDE: u32 = 16;
-    /// A bias counts steeper slopes as this one (`adumbra::settings::MAX_SLOPE`).
+    /// Slope at which the slope-scaled bias is clamped (`adumbra::MAX_SLOPE`).
     MAX_SLOPE: f32 = 9.95;
-    /// Steepest plane that a look-up of baked voxels follows (`adumbra::settings::MAX_PLANE_SLOPE`).
+    /// Slope of the steepest receiver plane that a look-up in baked voxels follows (`adumbra::MAX_PLANE_SLOPE`).
     MAX_PLANE_SLOPE: f32 = 120.0;
-    /// A voxel in the fixed-point numbers of grid positions.
+    /// One voxel in fixed-point grid positions.
     FIXED_ONE: i32 = 4096;
-    /// Bits behind the point of a grid position.
+    /// Fraction bits of a grid position.
     FIXED_BITS: u32 = 12;
-    /// Slope 1 in the fixed-point numbers of a receiver's gradient.
+    /// Slope 1 in a receiver's fixed-point gradient.
     GRADIENT_ONE: i32 = 256;
-    /// Bits behind the point of a gradient.
+    /// Fraction bits of a gradient.
     GRADIENT_BITS: u32 = 8;
-    /// Largest number of a receiver's gradient (`MAX_PLANE_SLOPE` in them).
+    /// Largest component of a receiver's gradient (`MAX_PLANE_SLOPE` in fixed point).
     MAX_GRADIENT: i32 = 30720;
-    /// Voxels beyond a grid that positions are clamped to.
+    /// Distance beyond a grid at which positions are clamped, in voxels.
     MARGIN_VOXELS: i32 = 4096;
-    /// 1 in the fixed-point numbers of a tree receiver's normal and height.
+    /// 1 in the fixed-point normal and height of a tree receiver.
     NORMAL_ONE: i32 = 1024;
-    /// Heights over a receiver's plane are clamped to this many cells.
+    /// Limit to which heights above a receiver's plane are clamped, in cells.
     MAX_HEIGHT_CELLS: i32 = 8;
-    /// Most regions of several depths that a tree's look-up takes.
+    /// Largest number of regions with different depths that a tree's look-up supports.
     MAX_PLAN_REGIONS: u32 = 16;
-    /// Top-grid entry: the whole root cube is lit (`adumbra::dag::LIT`).
+    /// Top-grid entry: the whole root cube is lit (`adumbra::layout::plain::LIT`).
     TOP_LIT: u32 = u32::MAX;
-    /// Top-grid entry: the whole root cube is shadowed (`adumbra::dag::SHADOWED`).
+    /// Top-grid entry: the whole root cube is shadowed (`adumbra::layout::plain::SHADOWED`).
     TOP_SHADOWED: u32 = u32::MAX - 1;
-    /// Words before the columns in a packed graph's top (`adumbra::dag::packed::POOL_WORDS`).
+    /// Number of words before the columns in a packed graph's top (`adumbra::layout::packed::POOL_WORDS`).
     PACKED_POOL_WORDS: u32 = 19;
-    /// Slots of a packed graph below this count from the end of their node's slots (`adumbra::dag::packed::NEAR_UNITS`).
+    /// Slot values below this are offsets from the end of their node's slots (`adumbra::layout::packed::NEAR_UNITS`).
     PACKED_NEAR_UNITS: u32 = 1024;
-    /// In place of a shape's address: all of it switches at the base (`adumbra::hierarchy::UNIFORM`).
-    HIERARCHY_UNIFORM: u32 = u32::MAX;
-    /// Depth of a column that is lit to its end (`adumbra::hierarchy::NEVER`).
-    HIERARCHY_NEVER: u32 = u32::MAX;
-    /// Most texels of a penumbra's radius in a hierarchy: with more, depths of the receiver's plane would not fit 32 bits.
-    HIERARCHY_MAX_RADIUS: f32 = 64.0;
-    /// How far from the receiver, in texels, the sampler's own 2 × 2 comparison takes the receiver's plane.
+    /// Layout "depths": replaces a shape's address if the whole block switches at its base
+    /// (`adumbra::layout::depths::UNIFORM`).
+    DEPTHS_UNIFORM: u32 = u32::MAX;
+    /// Switch depth of a column that is lit to its end (`adumbra::layout::depths::NEVER`).
+    DEPTHS_NEVER: u32 = u32::MAX;
+    /// Largest penumbra radius in the layout "depths", in texels. With a larger one, depths on the receiver's plane
+    /// would overflow 32 bits.
+    DEPTHS_MAX_RADIUS: f32 = 64.0;
+    /// Distance along the receiver's plane, in texels, by which hardware 2 × 2 comparisons move the compared depth
+    /// towards the sun.
     HARDWARE_REACH: f32 = 0.75;
-    /// Blocks of a row whose ranks are counted together when a hybrid map is built.
+    /// Number of blocks in a row that are ranked together when a hybrid map is built.
     HYBRID_SECTION: u32 = 64;
-    /// Words before the sections in the counts of a hybrid map.
+    /// Number of words before the sections in the counts of a hybrid map.
     HYBRID_FIRST_SECTION: u32 = 4;
-    /// Bits behind the point of a plane's slope of code 1.
+    /// Fraction bits of a plane's slope with code 1.
     HYBRID_SLOPE_BITS: u32 = 12;
-    /// A word of a hybrid map with this bit holds where its four finer texels are; one without it is a depth.
+    /// A word of a hybrid map with this bit set holds the index of its four finer texels. Without it, the word is a
+    /// depth.
     HYBRID_INDEX: u32 = 0x80000000;
-    /// The end of a list of links.
+    /// End of a linked list.
     HYBRID_NO_LINK: u32 = 0xffffffff;
-    /// Depth 1 in the whole numbers that planes of a hybrid map are fitted in.
+    /// Depth 1 in the integers to which the planes of a hybrid map are fitted.
     HYBRID_ONE: f32 = 16777216.0;
-    /// Largest code of a plane's depth.
+    /// Largest depth code of a plane.
     HYBRID_LAST_DEPTH: i32 = 131071;
-    /// Whole-number depth from one code to the next.
+    /// Step of integer depth between consecutive depth codes.
     HYBRID_DEPTH_STEP: i32 = 128;
-    /// Largest code of a plane's slope.
+    /// Largest slope code of a plane.
     HYBRID_LAST_SLOPE: i32 = 63;
-    /// From one depth of 16 bits to the next.
+    /// Step between consecutive 16-bit depths.
     DEPTH_16_STEP: f32 = 1.0 / 65535.0;
     /// Threshold e0 of the relative test (Li, Yang, Zhao, Chen 2016, equation 1).
     HYBRID_E0: f32 = 0.25;
-    /// Share that four moments of depth move towards those of an even spread: what their rounding needs in 32-bit floats.
+    /// Weight with which the four moments of depth are blended towards those of an even spread, to compensate their
+    /// rounding in 32-bit floats.
     MOMENT_BIAS: f32 = 0.000003;
 }
 
-/// Points in the unit disc, far from each other from the first few on; their mean is the middle. Made once by best candidates
-/// (Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*, 1991).
+/// Points in the unit disc in progressive order: the first few are already far apart. Their mean is the centre.
+/// Generated once by best-candidate sampling (Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*,
+/// 1991).
 pub const POISSON_DISC: [[f32; 2]; 32] = [
     [-0.052, -0.009],
     [0.661, 0.478],

@@ -1,16 +1,25 @@
-//! The shaders of adumbra: plain WGSL in `wgsl/`, and what Rust and WGSL must agree on.
+//! The shaders of adumbra: plain WGSL in `wgsl/`, and the definitions that Rust and WGSL share.
 //!
 //! | folder | holds |
 //! |---|---|
-//! | `wgsl/core/` | functions without bindings: look-ups, filters, cascades. An engine includes these |
-//! | `wgsl/access/` | where words come from: one buffer, several, a texture; those of hybrid maps |
+//! | folder | contents |
+//! |---|---|
+//! | `wgsl/core/` | functions without bindings: look-ups, filters, cascades. Engines include these |
+//! | `wgsl/access/` | functions that fetch words: from one buffer, several buffers or a texture, or from a hybrid map |
 //! | `wgsl/passes/` | bindings and entry points |
 //!
-//! A module is made by [`assemble`]: [`layout::declarations`] and [`constants::declarations`], then the files asked for, in order.
-//! Nothing is preprocessed. Structures and constants are declared once, in Rust; a test holds the structures against naga's layout.
+//! [`assemble`] makes a module: the parts of [`layout::STRUCTS`] and [`constants::declarations`] that the chosen files
+//! use, followed by those files in order. There is no preprocessor. Structures and constants are declared once, in
+//! Rust. A test checks the structures against naga's layout.
+//!
+//! All names in `core/` and `access/`, all shared structures and constants, and all functions that `core/` and
+//! `access/` expect other files to define begin with `adumbra_`, `Adumbra` or `ADUMBRA_`, so that the text can be
+//! included in an engine's own shader.
 
+mod assemble;
 pub mod constants;
 pub mod layout;
 pub mod source;
 
-pub use source::{Source, assemble};
+pub use assemble::{assemble, identifiers};
+pub use source::Source;

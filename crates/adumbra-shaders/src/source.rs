@@ -1,14 +1,18 @@
-//! The WGSL files, and how a module is put together from them.
+//! The WGSL files.
 
-use crate::{constants, layout};
-
-/// A WGSL file.
+/// A WGSL file, or an engine's own WGSL text.
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
-    /// Path below `wgsl/`.
+    /// Path below `wgsl/`; any name for other text.
     pub name: &'static str,
-    /// Its text.
+    /// The WGSL text.
     pub text: &'static str,
+}
+
+/// Returns the file at a path below `wgsl/`, such as those that `adumbra::gpu::wgsl_files` names; `None` if there is no
+/// such file.
+pub fn by_path(path: &str) -> Option<Source> {
+    ALL.iter().copied().find(|source| source.name == path)
 }
 
 macro_rules! sources {
@@ -21,37 +25,41 @@ macro_rules! sources {
 }
 
 sources! {
-    /// A visible point, as every technique takes it.
+    /// A visible point, the input of every technique.
     SURFACE = "core/surface.wgsl";
-    /// From a pixel and its depth to the point behind it.
+    /// Converts stored depth to view depth.
+    VIEW_DEPTH = "core/view_depth.wgsl";
+    /// Reconstructs the visible point from a pixel and its depth.
     FRAME = "core/frame.wgsl";
-    /// sRGB's curve.
+    /// The sRGB transfer function.
     SRGB = "core/srgb.wgsl";
-    /// From a mesh to the world.
+    /// Transforms a mesh instance to world space.
     INSTANCE = "core/instance.wgsl";
-    /// From relative positions to a grid of voxels.
+    /// Transforms relative positions to a voxel grid.
     GRID = "core/grid.wgsl";
-    /// What look-ups in light-aligned files share.
+    /// Code shared by look-ups in light-aligned files.
     VOXEL = "core/voxel.wgsl";
     /// Look-up in a light-aligned graph.
     VOXEL_GRAPH = "core/voxel_graph.wgsl";
-    /// Its nodes in the plain layout.
+    /// Nodes of a light-aligned graph in the plain layout.
     VOXEL_PLAIN = "core/voxel_plain.wgsl";
-    /// Its nodes in the packed layout.
+    /// Nodes of a light-aligned graph in the packed layout.
     VOXEL_PACKED = "core/voxel_packed.wgsl";
-    /// Look-up in a hierarchy.
-    HIERARCHY = "core/hierarchy.wgsl";
-    /// Penumbrae from a hierarchy's depths.
-    HIERARCHY_SOFT = "core/hierarchy_soft.wgsl";
+    /// Look-up in a light-aligned file in the layout "depths".
+    DEPTHS = "core/depths.wgsl";
+    /// Leaves of the layout "depths".
+    DEPTHS_LEAF = "core/depths_leaf.wgsl";
+    /// Penumbrae from switch depths.
+    DEPTHS_SOFT = "core/depths_soft.wgsl";
     /// The level at which a look-up in a light-aligned graph ends.
     VOXEL_LEVEL = "core/voxel_level.wgsl";
-    /// The level at which a look-up in a hierarchy ends.
-    HIERARCHY_LEVEL = "core/hierarchy_level.wgsl";
+    /// The level at which a look-up in the layout "depths" ends.
+    DEPTHS_LEVEL = "core/depths_level.wgsl";
     /// The level at which a look-up in a tree ends.
     VOXEL_CUBES_LEVEL = "core/voxel_cubes_level.wgsl";
     /// Look-up in a tree.
     VOXEL_CUBES = "core/voxel_cubes.wgsl";
-    /// Surface to receiver, for a tree.
+    /// Converts a surface to a receiver, for trees.
     VOXEL_CUBES_RECEIVER = "core/voxel_cubes_receiver.wgsl";
     /// Words from one storage buffer.
     WORDS_1 = "access/words_1.wgsl";
@@ -59,195 +67,196 @@ sources! {
     WORDS_6 = "access/words_6.wgsl";
     /// Words from the pages of an RGBA8 texture.
     WORDS_TEXTURE = "access/words_texture.wgsl";
-    /// World positions and normals into the G-buffer.
+    /// Texels of a look-up texture of format `R32Uint`.
+    TEXTURE_R32UINT = "access/texture_r32uint.wgsl";
+    /// Texels of a look-up texture of format `Rgba8Unorm`.
+    TEXTURE_RGBA8UNORM = "access/texture_rgba8unorm.wgsl";
+    /// Words and parameters of a look-up texture.
+    LOOK_UP_TEXTURE = "access/look_up_texture.wgsl";
+    /// Renders depth, normals and base colour into the G-buffer.
     GBUFFER = "passes/gbuffer.wgsl";
-    /// Depth from the light.
+    /// The vertex input and the material shared by the passes that draw the scene.
+    SCENE_CORNER = "passes/scene_corner.wgsl";
+    /// Renders depth from the light.
     MAP_DEPTH = "passes/map_depth.wgsl";
-    /// A unit vector as two bytes.
+    /// Packs a unit vector into two bytes.
     OCTAHEDRAL = "core/octahedral.wgsl";
-    /// Depth from the light, and normals.
+    /// Renders depth and normals from the light.
     MAP_NORMALS = "passes/map_normals.wgsl";
-    /// A point as a layer of a shadow map sees it.
+    /// A point's position in a layer of a shadow map.
+    MAP_LAYER = "core/map_layer.wgsl";
+    /// A receiver in a layer of a shadow map.
     MAPS = "core/maps.wgsl";
-    /// Discs of taps, turned from pixel to pixel.
+    /// Disc taps, rotated per pixel.
     DISC = "core/disc.wgsl";
-    /// Comparisons with a depth map, and their means.
+    /// Comparisons with a depth map and their means: percentage-closer filtering.
     PCF = "core/pcf.wgsl";
-    /// Penumbrae by the distance of blockers.
+    /// Percentage-closer soft shadows: penumbrae from the distance of blockers.
     PCSS = "core/pcss.wgsl";
-    /// What all statistics of depth share.
+    /// Code shared by all depth moments.
     MOMENTS = "core/moments.wgsl";
-    /// Mean and mean square of depth.
+    /// Variance shadow maps: mean and mean square of depth.
     VSM = "core/vsm.wgsl";
-    /// The same of two exponentials.
+    /// Exponential variance shadow maps: mean and mean square of two exponentials of depth.
     EVSM = "core/evsm.wgsl";
-    /// Four moments of depth.
+    /// Moment shadow maps: four moments of depth.
     MSM = "core/msm.wgsl";
-    /// Layers of a map, their blends and where shadows end.
+    /// Layer selection, blending between layers, and the fade at the end of the shadows.
     MAP_LOOKUP = "passes/map_lookup.wgsl";
-    /// A shadow map as the whole technique.
+    /// The technique that is a shadow map alone.
     MAP_ONLY = "passes/map_only.wgsl";
     /// The layer that a point falls in.
     MAP_CASCADE = "passes/map_cascade.wgsl";
-    /// One texel compared.
+    /// Map filter: a single texel compared.
     MAP_NEAREST = "passes/map_nearest.wgsl";
-    /// The sampler's 2 × 2 comparisons.
+    /// Map filter: the sampler's 2 × 2 comparisons.
     MAP_HARDWARE = "passes/map_hardware.wgsl";
-    /// A square of comparisons.
+    /// Map filter: the mean of comparisons over a square.
     MAP_PCF = "passes/map_pcf.wgsl";
-    /// A disc of comparisons.
+    /// Map filter: the mean of comparisons over a disc.
     MAP_POISSON = "passes/map_poisson.wgsl";
-    /// Soft shadows of a sun with a size.
+    /// Map filter: soft shadows of an area sun.
     MAP_PCSS = "passes/map_pcss.wgsl";
-    /// Moments through a filtering sampler.
+    /// Map filter: moments read through a filtering sampler.
     MAP_MOMENTS = "passes/map_moments.wgsl";
-    /// Moments blended in the shader.
+    /// Map filter: moments interpolated in the shader.
     MAP_MOMENTS_LOADED = "passes/map_moments_loaded.wgsl";
+    /// One axis of the separable blur of moments.
+    MOMENTS_LINE = "passes/moments_line.wgsl";
     /// Moments of a layer's depth, blurred along rows.
     MOMENTS_ROWS = "passes/moments_rows.wgsl";
     /// Moments blurred along columns.
     MOMENTS_COLUMNS = "passes/moments_columns.wgsl";
     /// The next mip level of moments.
     MOMENTS_MIP = "passes/moments_mip.wgsl";
-    /// A depth image into a shadow map.
+    /// Writes a depth image into a shadow map.
     DEPTH_IMAGE = "passes/depth_image.wgsl";
-    /// Down the levels of a hybrid map.
+    /// Traversal of the levels of a hybrid map.
     HYBRID = "core/hybrid.wgsl";
-    /// A mean over a square of a hybrid map.
+    /// The mean of comparisons over a square of a hybrid map.
     HYBRID_BOX = "core/hybrid_box.wgsl";
     /// Texels of a hybrid map that are planes.
     HYBRID_PLANE = "core/hybrid_plane.wgsl";
     /// Texels of a hybrid map that are mean depths.
     HYBRID_MEAN = "core/hybrid_mean.wgsl";
-    /// Words of a hybrid map of 32 bits a texel.
+    /// Words of a hybrid map of 32 bits per texel.
     HYBRID_COMPACT = "access/hybrid_compact.wgsl";
-    /// Texels of a hybrid map of 128 bits, and the list of links.
+    /// 128-bit texels of a hybrid map, and their linked lists.
     HYBRID_PAPER = "access/hybrid_paper.wgsl";
     /// Means of packed normals.
     HYBRID_NORMALS = "core/hybrid_normals.wgsl";
-    /// What the passes that build a hybrid map share.
+    /// Code shared by the passes that build a hybrid map.
     HYBRID_BUILD = "passes/hybrid_build.wgsl";
-    /// Blocks that lie in a plane.
+    /// Merges blocks that fit a plane.
     HYBRID_MERGE_PLANE = "passes/hybrid_merge_plane.wgsl";
-    /// Blocks whose depths differ little from their mean.
+    /// Merges blocks whose depths are close to their mean.
     HYBRID_MERGE_MEAN = "passes/hybrid_merge_mean.wgsl";
-    /// Merging, a thread a strip.
+    /// Merging with one thread per strip.
     HYBRID_SWEEP = "passes/hybrid_sweep.wgsl";
-    /// Merging, a thread a block.
+    /// Merging with one thread per block.
     HYBRID_BLOCKS = "passes/hybrid_blocks.wgsl";
-    /// Where each section's children go.
+    /// Computes the offset of each section's children.
     HYBRID_SCAN = "passes/hybrid_scan.wgsl";
-    /// Children to their places.
+    /// Writes the children of unmerged blocks to the map.
     HYBRID_PLACE = "passes/hybrid_place.wgsl";
-    /// The same as texels of 128 bits, with their links.
+    /// Writes the children of unmerged blocks to the map as 128-bit texels, with their links.
     HYBRID_PLACE_PAPER = "passes/hybrid_place_paper.wgsl";
-    /// The technique `hrsm`, bindings.
+    /// The technique `hrsm`: bindings and entry function.
     HYBRID_MAP = "passes/hybrid_map.wgsl";
-    /// `hrsm`, one texel compared.
+    /// Filter of `hrsm`: a single texel compared.
     HYBRID_NEAREST = "passes/hybrid_nearest.wgsl";
-    /// `hrsm`, a square of comparisons.
+    /// Filter of `hrsm`: the mean of comparisons over a square.
     HYBRID_PCF = "passes/hybrid_pcf.wgsl";
-    /// The level that a look-up in a hybrid map ends at.
+    /// The level at which a look-up in a hybrid map ends.
     HYBRID_LEVELS = "passes/hybrid_levels.wgsl";
-    /// A technique's answer for every pixel of the G-buffer.
+    /// Evaluates a technique for every pixel of the G-buffer.
     RESOLVE = "passes/resolve.wgsl";
-    /// A technique's answer for a list of points.
+    /// Evaluates a technique for a list of points.
     POINTS = "passes/points.wgsl";
     /// The technique without shadows.
     NONE = "passes/none.wgsl";
     /// Weights of the screen-space blur.
     BLUR = "core/blur.wgsl";
-    /// The shadow factor blurred over the picture.
+    /// Bindings and helpers shared by all blur passes.
+    BLUR_FACTOR = "passes/blur_factor.wgsl";
+    /// Bindings and helpers shared by the edge-aware blur passes.
+    BLUR_SURFACES = "passes/blur_surfaces.wgsl";
+    /// Blurs the shadow factor in screen space.
     BLUR_PASS = "passes/blur.wgsl";
-    /// The same with two neighbours a sample.
+    /// One axis of the blur, reading two neighbours per sample.
     BLUR_PAIRS = "passes/blur_pairs.wgsl";
-    /// The shadow factor blurred within surfaces.
+    /// Blurs the shadow factor within surfaces.
     BLUR_EDGES = "passes/blur_edges.wgsl";
-    /// To half size and back.
+    /// Scales the shadow factor to half size and back.
     BLUR_HALF = "passes/blur_half.wgsl";
-    /// To half size and back within surfaces.
+    /// Scales the shadow factor to half size and back within surfaces.
     BLUR_HALF_EDGES = "passes/blur_half_edges.wgsl";
-    /// Factors made elsewhere, as a technique.
+    /// The technique that reads precomputed factors.
     GIVEN = "passes/given.wgsl";
     /// The technique `voxel`.
     VOXEL_PASS = "passes/voxel.wgsl";
+    /// The technique `voxel` from a look-up texture.
+    VOXEL_TEXTURE_PASS = "passes/voxel_texture.wgsl";
     /// The technique `voxel+csm`.
     VOXEL_CSM = "passes/voxel_csm.wgsl";
-    /// The technique `voxel` on a hierarchy.
-    HIERARCHY_PASS = "passes/hierarchy.wgsl";
     /// The technique `voxel:soft`.
-    HIERARCHY_SOFT_PASS = "passes/hierarchy_soft.wgsl";
-    /// Its counts, depths and penumbrae for receivers in fixed point.
-    HIERARCHY_FIXED = "passes/hierarchy_fixed.wgsl";
-    /// Counts of `voxel` for receivers in fixed point.
+    VOXEL_SOFT_PASS = "passes/voxel_soft.wgsl";
+    /// Lit taps, switch depths and penumbrae of the layout "depths" for receivers in fixed point.
+    DEPTHS_FIXED = "passes/depths_fixed.wgsl";
+    /// Lit taps of `voxel` for receivers in fixed point.
     VOXEL_FIXED = "passes/voxel_fixed.wgsl";
-    /// `voxel`, the level at which its look-up ends.
+    /// The level at which a look-up of `voxel` ends, as a pass.
     VOXEL_LEVEL_PASS = "passes/voxel_level.wgsl";
-    /// The same on a hierarchy.
-    HIERARCHY_LEVEL_PASS = "passes/hierarchy_level.wgsl";
-    /// The same of a tree.
+    /// The level at which a look-up in a tree ends, as a pass.
     VOXEL_CUBES_LEVEL_PASS = "passes/voxel_cubes_level.wgsl";
     /// A tree's uniform and regions.
     VOXEL_CUBES_MAP = "passes/voxel_cubes_map.wgsl";
     /// The techniques `voxel-cubes` and `voxel-texture`.
     VOXEL_CUBES_PASS = "passes/voxel_cubes.wgsl";
-    /// Their counts for receivers in fixed point.
+    /// Tap weights of `voxel-cubes` and `voxel-texture` for receivers in fixed point.
     VOXEL_CUBES_FIXED = "passes/voxel_cubes_fixed.wgsl";
-    /// A texture's words into a storage buffer.
+    /// Decodes a texture's words into a storage buffer.
     DECODE_TEXTURE = "passes/decode_texture.wgsl";
-    /// A texel's place in view space, for ambient occlusion.
+    /// Conversions between texels and view space, for ambient occlusion.
     OCCLUSION = "core/occlusion.wgsl";
-    /// Depth along an axis of the screen, for ambient occlusion.
+    /// Depth extrapolated along a screen axis, for ambient occlusion.
     OCCLUSION_PLANE = "core/occlusion_plane.wgsl";
     /// View depth for ambient occlusion.
     OCCLUSION_SURFACE = "passes/occlusion_surface.wgsl";
-    /// What estimators of ambient occlusion share.
+    /// Code shared by the ambient occlusion estimators.
     OCCLUSION_PASS = "passes/occlusion.wgsl";
     /// The estimator `issao`.
     OCCLUSION_ISSAO = "passes/occlusion_issao.wgsl";
-    /// Its term.
+    /// The term of `issao`.
     OCCLUSION_ISSAO_TERM = "passes/occlusion_issao_term.wgsl";
-    /// Its term in the second reading.
+    /// The term of `issao` in the second reading of the paper.
     OCCLUSION_ISSAO_FALLOFF = "passes/occlusion_issao_falloff.wgsl";
-    /// Its term without the attenuation.
+    /// The term of `issao` without the attenuation.
     OCCLUSION_ISSAO_BARE = "passes/occlusion_issao_bare.wgsl";
     /// The estimator `ssao`.
     OCCLUSION_SSAO = "passes/occlusion_ssao.wgsl";
     /// The estimator `alchemy`.
     OCCLUSION_ALCHEMY = "passes/occlusion_alchemy.wgsl";
-    /// What `hbao` and `gtao` share.
+    /// Code shared by `hbao` and `gtao`.
     OCCLUSION_MARCH = "passes/occlusion_march.wgsl";
     /// The estimator `hbao`.
     OCCLUSION_HBAO = "passes/occlusion_hbao.wgsl";
     /// The estimator `gtao`.
     OCCLUSION_GTAO = "passes/occlusion_gtao.wgsl";
-    /// World normals from depth.
+    /// Reconstructs world normals from depth.
     OCCLUSION_NORMALS = "passes/occlusion_normals.wgsl";
-    /// Ambient visibility of the frames before.
+    /// Temporal accumulation of ambient visibility.
     OCCLUSION_HISTORY = "passes/occlusion_history.wgsl";
     /// Filters of ambient visibility.
     OCCLUSION_FILTER = "passes/occlusion_filter.wgsl";
-    /// Ambient visibility from half size to the frame's.
+    /// Upsamples ambient visibility from half size to the frame's.
     OCCLUSION_UP = "passes/occlusion_up.wgsl";
-    /// Sun, sky, shadow factor and ambient visibility on the G-buffer.
+    /// Lights the G-buffer with sun, sky, shadow factor and ambient visibility.
     COMPOSITE = "passes/composite.wgsl";
-    /// A layer of a frame, as it is shown.
+    /// Displays a layer of a frame.
     LAYER = "passes/layer.wgsl";
-    /// One or two pictures onto a window.
+    /// Draws one or two pictures to a window.
     PRESENT = "passes/present.wgsl";
-    /// Lines over a picture.
+    /// Draws lines over a picture.
     LINES = "passes/lines.wgsl";
-}
-
-/// One module: every shared structure and constant, then `files` in this order.
-pub fn assemble(files: &[Source]) -> String {
-    let mut text = layout::declarations() + &constants::declarations();
-    for file in files {
-        text += "// ";
-        text += file.name;
-        text += "\n";
-        text += file.text;
-        text += "\n";
-    }
-    text
 }

@@ -1,58 +1,56 @@
-//! The view without its window: takes commands, keeps everything in step, and draws; `arrivals` takes what other threads tell, `playing`
-//! plays the script.
+//! The view without its window: executes commands, keeps everything in step, and draws. `results` handles the events of
+//! other threads, and `playing` plays the script.
 
-mod arrivals;
 mod playing;
+mod results;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-use adumbra::camera::Camera;
-use adumbra::files::{replace_file, same_file};
-use adumbra::format::AnyFile;
-use adumbra::picture::Picture;
+use adumbra_files::{replace_file, same_file};
 use adumbra_lab::camera_file::CameraFile;
 use adumbra_lab::pictures::png;
 use adumbra_render::movers::MoveSpec;
 use adumbra_render::{FrameTimes, Gpu, RenderError};
+use adumbra_scene::Camera;
+use adumbra_tree::AnyFile;
+use adumbra_truth::picture::Picture;
 
-use crate::beginning::Beginning;
-use crate::boxes;
 use crate::command::{Command, Side};
 use crate::error::Result;
-use crate::keys;
+use crate::event::EventSender;
 use crate::loading::{self, DropKind, Loads};
 use crate::messages::{Messages, Say};
-use crate::news::Teller;
 use crate::options::ViewOptions;
 use crate::player::Player;
 use crate::settings::Settings;
 use crate::shadow_file::is_same_sun;
 use crate::shadows::Shadows;
 use crate::stage::{FrameContext, Stage, is_fatal};
+use crate::startup::Startup;
 use crate::tracing::TraceThread;
-use crate::{ball, command_line};
+use crate::{ball, command_line, keys, wireframes};
 
-/// Frames that the plot of times shows.
+/// Number of frames in the plot of times.
 const HISTORY: usize = 240;
-/// Distances from eye to target that a second of flying is worth.
+/// Speed of flight, in distances from eye to target per second.
 const FLIGHT_PER_SECOND: f64 = 0.8;
 
-/// Of them a key that a script presses, or that is pressed for a moment, is worth.
+/// Flight per key press of a script or per short press, in distances from eye to target.
 const KEY_FLIGHT: f64 = 0.04;
 
-/// Whether a command moves a camera from where it stands, for which a scene must be there.
+/// Whether a command moves the camera relative to its position, which needs a scene.
 fn is_relative(command: &Command) -> bool {
     use Command::{Fly, Look, Orbit, Pan, Zoom};
     matches!(command, Orbit(_) | Look(_) | Pan(_) | Fly(_) | Zoom(_))
 }
 
-/// Where the ball stands.
+/// The state of the search for the ball's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum BallState {
     None,
     Sought,
-    /// It was found; a sun that moves later does not change it.
+    /// The path was found. Later changes of the sun do not change it.
     Known,
 }
 
@@ -60,53 +58,53 @@ enum BallState {
 pub(crate) struct App {
     options: ViewOptions,
     gpu: Gpu,
-    teller: Teller,
+    sender: EventSender,
     pub(crate) settings: Settings,
-    /// As the view began.
-    pub(crate) begin: Settings,
+    /// The settings that the view started with.
+    pub(crate) initial: Settings,
     pub(crate) stage: Option<Stage>,
     pub(crate) loads: Loads,
     pub(crate) shadows: Shadows,
     tracing: TraceThread,
-    /// Why the rays that were asked for last do not come.
+    /// The reason why the rays requested last could not be traced.
     trace_fault: Option<String>,
     ball: BallState,
-    /// Eye and target that see the ball's way.
+    /// Eye and target of a camera that sees the ball's path.
     viewpoint: Option<[[f64; 3]; 2]>,
     pub(crate) messages: Messages,
     player: Option<Player>,
-    /// Times of both sides, the latest last.
+    /// Times of both sides per frame, the latest last.
     pub(crate) times: VecDeque<[FrameTimes; 2]>,
-    /// Something changed since the last frame.
+    /// Whether something changed since the last frame.
     dirty: bool,
-    /// A scene or a file is read, after which the script goes on.
+    /// Number of shadow files being read; the script waits for them.
     reading: u32,
-    /// Files that were read while a scene is loaded: they are the scene's.
+    /// Files that were read while a scene was loading; they belong to that scene.
     held_files: Vec<(AnyFile, PathBuf)>,
-    /// The same of a camera.
+    /// A camera that was requested while a scene was loading; it belongs to that scene.
     held_camera: Option<Camera>,
     pub(crate) resize: Option<[u32; 2]>,
-    /// Where the whole window is to be written when it is drawn next.
+    /// Output path for a picture of the whole window, written when it is drawn next.
     pub(crate) window_shot: Option<PathBuf>,
-    /// How that went.
+    /// The result of writing that picture.
     pub(crate) window_shot_done: Option<Result<(), String>>,
     pub(crate) quit: bool,
 }
 
 impl App {
-    /// Begins to load.
-    pub(crate) fn new(beginning: Beginning, gpu: Gpu, teller: Teller, say: Say) -> Self {
-        let Beginning { mut options, settings, files } = beginning;
+    /// Creates the view and starts to load the scene.
+    pub(crate) fn new(startup: Startup, gpu: Gpu, sender: EventSender, say: Say) -> Self {
+        let Startup { mut options, settings, files } = startup;
         let player = options.script.take().map(Player::new);
-        let mut shadows = Shadows::new(options.max_memory_bytes, teller.clone());
+        let mut shadows = Shadows::new(options.max_memory_bytes, sender.clone());
         for (file, path) in files.into_iter().zip(&options.shadow_files) {
             shadows.give(file, Some(path.clone()));
         }
         let mut app = Self {
             gpu,
-            tracing: TraceThread::start(teller.clone()),
-            teller,
-            begin: settings.clone(),
+            tracing: TraceThread::start(sender.clone()),
+            sender,
+            initial: settings.clone(),
             settings,
             stage: None,
             loads: Loads::default(),
@@ -127,7 +125,7 @@ impl App {
             quit: false,
             options,
         };
-        for note in app.gpu.left_out() {
+        for note in app.gpu.missing_features() {
             let name = app.gpu.name();
             app.messages.note(format!("{name}: {note}"));
         }
@@ -137,13 +135,13 @@ impl App {
 
     fn load(&mut self, path: PathBuf) {
         let load = self.loads.begin(path.clone());
-        loading::load_scene(load, path, self.options.load.clone(), self.teller.clone());
+        loading::load_scene(load, path, self.options.load.clone(), self.sender.clone());
     }
 
-    /// Does what a user asks; what goes wrong is shown.
+    /// Executes a user's command; errors are shown as messages.
     pub(crate) fn command(&mut self, command: &Command) {
         if self.stage.is_none() && is_relative(command) {
-            // Whoever turns what is not there yet sees that it is loaded.
+            // Without a scene there is nothing to move, and the window shows that it is loading.
             return;
         }
         if let Err(what) = self.try_command(command) {
@@ -156,7 +154,7 @@ impl App {
         let needs_scene =
             is_relative(command) || matches!(command, Command::SaveCamera(_) | Command::SayLine);
         if needs_scene && self.stage.is_none() {
-            return Err("there is no scene yet".to_owned());
+            return Err("no scene is loaded yet".to_owned());
         }
         if self.settings.apply(command)? {
             match command {
@@ -171,7 +169,7 @@ impl App {
             Command::Key(key) => {
                 let flight = || keys::flight(key).map(|way| Command::Fly(way.map(|w| KEY_FLIGHT * w)));
                 let command = keys::command(key, &self.settings).or_else(flight);
-                let command = command.ok_or_else(|| format!("{key} does nothing; press ?"))?;
+                let command = command.ok_or_else(|| format!("{key} does nothing; press ? for help"))?;
                 return self.try_command(&command);
             }
             Command::LoadCamera(path) => {
@@ -183,36 +181,36 @@ impl App {
                 }
                 self.hold_camera();
             }
-            Command::ResetSun => self.settings.sun = self.begin.sun,
+            Command::ResetSun => self.settings.sun = self.initial.sun,
             Command::ResetCamera => self.reset_camera(),
             Command::ResetAll => {
                 let Camera { width, height, .. } = self.settings.camera;
-                self.settings = self.begin.clone();
+                self.settings = self.initial.clone();
                 (self.settings.camera.width, self.settings.camera.height) = (width, height);
                 self.held_camera = None;
                 self.shadows.return_to_given();
                 self.seek_ball()?;
             }
             Command::WatchBall => {
-                let [eye, target] = self.viewpoint.ok_or("there is no ball; b makes one")?;
+                let [eye, target] = self.viewpoint.ok_or("there is no ball; press b to add one")?;
                 (self.settings.camera.eye, self.settings.camera.target) = (eye, target);
             }
             Command::CancelBake => {
-                let stage = self.stage.as_ref().ok_or("there is no bake to stop")?;
+                let stage = self.stage.as_ref().ok_or("no bake is running")?;
                 if !self.shadows.cancel(&self.settings, stage.scene()) {
-                    return Err("there is no bake to stop".to_owned());
+                    return Err("no bake is running".to_owned());
                 }
                 let rest = if self.shadows.has_landed(&self.settings) {
-                    "what landed stays"
+                    "completed levels are kept"
                 } else {
-                    "what is shown is of another sun, or nothing"
+                    "no level is complete for this sun"
                 };
-                self.messages.note(format!("the bake is stopped; {rest}"));
+                self.messages.note(format!("the bake was stopped; {rest}"));
             }
             Command::Drop(path) => self.take_file(path)?,
             Command::Resize(size) => {
                 if size.iter().any(|s| !(16..=16_384).contains(s)) {
-                    return Err(format!("{} x {}: give 16 to 16384 pixels a side", size[0], size[1]));
+                    return Err(format!("{} x {}: give 16 to 16384 pixels per side", size[0], size[1]));
                 }
                 self.resize = Some(*size);
             }
@@ -236,14 +234,14 @@ impl App {
             DropKind::Scene => self.load(path.to_owned()),
             DropKind::ShadowFile => {
                 self.reading += 1;
-                loading::read_file(path.to_owned(), self.teller.clone());
+                loading::read_file(path.to_owned(), self.sender.clone());
             }
             DropKind::Camera => self.try_command(&Command::LoadCamera(path.to_owned()))?,
         }
         Ok(())
     }
 
-    /// Keeps a camera that was asked for while a scene is loaded: it is the scene's.
+    /// Keeps a camera that was requested while a scene is loading, because it belongs to that scene.
     fn hold_camera(&mut self) {
         if !self.loads.are_done() {
             self.held_camera = Some(self.settings.camera);
@@ -253,10 +251,10 @@ impl App {
     fn reset_camera(&mut self) {
         self.held_camera = None;
         let Camera { width, height, .. } = self.settings.camera;
-        self.settings.camera = Camera { width, height, ..self.begin.camera };
+        self.settings.camera = Camera { width, height, ..self.initial.camera };
     }
 
-    /// Looks for the ball's way where it is not known, and puts the ball on it or takes it away.
+    /// Starts the search for the ball's path if it is unknown, and removes the ball if it is switched off.
     fn seek_ball(&mut self) -> Result<(), String> {
         let Some(stage) = &mut self.stage else { return Ok(()) };
         if !self.settings.ball {
@@ -268,19 +266,19 @@ impl App {
             self.ball = BallState::Sought;
             let spec = self.options.ball.clone().map_or_else(|| "sphere".parse::<MoveSpec>(), Ok);
             let spec = spec.map_err(|e| e.to_string())?;
-            ball::find(stage.scene().clone(), spec, self.settings.sun.towards(), self.teller.clone());
+            ball::find(stage.scene().clone(), spec, self.settings.sun.towards(), self.sender.clone());
         }
         Ok(())
     }
 
     fn screenshot(&mut self, path: &Path) -> Result<(), String> {
         self.try_draw().map_err(|e| e.to_string())?;
-        let stage = self.stage.as_ref().ok_or("there is no scene yet")?;
+        let stage = self.stage.as_ref().ok_or("no scene is loaded yet")?;
         let picture = stage.screenshot(&self.settings).map_err(|e| e.to_string())?;
         self.write_picture(path, &picture)
     }
 
-    /// That a path is none of what was read, which would be lost.
+    /// Returns an error if `output` is one of the input files, which would be overwritten.
     fn refuse_inputs(&self, output: &Path) -> Result<(), String> {
         let ViewOptions { scene: first, shadow_files, inputs, .. } = &self.options;
         let scene = self.stage.as_ref().map_or(first, |stage| &stage.scene().path);
@@ -288,7 +286,7 @@ impl App {
         let mut inputs = given.map(|path| &**path).chain(self.shadows.given_paths(&self.settings));
         if let Some(input) = inputs.find(|input| same_file(output, input)) {
             return Err(format!(
-                "{}: it is {} itself, which is in use; give another path",
+                "{}: it would overwrite {}, which is in use; give another path",
                 output.display(),
                 input.display()
             ));
@@ -296,7 +294,7 @@ impl App {
         Ok(())
     }
 
-    /// Writes a picture of what is seen, and says so.
+    /// Writes a picture of what is shown, and reports it as a message.
     pub(crate) fn write_picture(&mut self, path: &Path, picture: &Picture) -> Result<(), String> {
         self.refuse_inputs(path)?;
         let bytes = png(picture).map_err(|e| e.to_string())?;
@@ -314,12 +312,13 @@ impl App {
         Ok(())
     }
 
-    /// The device's name and driver.
+    /// Returns the device's name and driver.
     pub(crate) fn adapter(&self) -> String {
         self.gpu.name()
     }
 
-    /// The command that shows this view again: with shadow files that were given or dropped, as long as the sun stands where they say.
+    /// Returns the command line that reproduces this view. It includes shadow files that were given or dropped, if they
+    /// were baked for the current sun.
     pub(crate) fn command_line(&self) -> String {
         let scene = self.stage.as_ref().map_or(&self.options.scene, |s| &s.scene().path);
         let ball = self.options.ball_text.as_deref();
@@ -328,7 +327,7 @@ impl App {
         [&[words], &self.options.repeated[..]].concat().join(" ")
     }
 
-    /// What the window is now, pixels.
+    /// Sets the size of the window, in pixels.
     pub(crate) fn set_size(&mut self, [width, height]: [u32; 2]) {
         let camera = &mut self.settings.camera;
         if [camera.width, camera.height] != [width, height] && width > 0 && height > 0 {
@@ -337,10 +336,10 @@ impl App {
         }
     }
 
-    /// Goes on by some seconds: time, flight, bakes, rays, the script.
+    /// Advances by `seconds`: time, flight, bakes, rays, and the script.
     ///
     /// # Errors
-    /// A step of the script that failed.
+    /// Returns an error if a step of the script failed.
     pub(crate) fn tick(&mut self, seconds: f64, flight: [f64; 3]) -> Result<()> {
         if flight != [0.0; 3] {
             let step = FLIGHT_PER_SECOND * seconds.min(0.25);
@@ -368,12 +367,12 @@ impl App {
         self.play()
     }
 
-    /// Whether a frame is to be drawn.
+    /// Whether a frame must be drawn.
     pub(crate) fn needs_frame(&self) -> bool {
         self.dirty || self.settings.continuous
     }
 
-    /// Whether something goes on by itself, so that the window must not sleep.
+    /// Whether something is in progress by itself, so that the event loop must not sleep.
     pub(crate) fn is_busy(&self) -> bool {
         let plays = self.settings.playing && self.stage.as_ref().is_some_and(|s| s.end_seconds().is_some());
         plays || self.settings.continuous || self.player.is_some()
@@ -382,7 +381,7 @@ impl App {
     /// Draws the scene, if there is one.
     ///
     /// # Errors
-    /// A device that is gone.
+    /// Returns an error if the device is lost.
     pub(crate) fn draw(&mut self) -> Result<()> {
         match self.try_draw() {
             Err(error) if is_fatal(&error) => Err(error.into()),
@@ -399,7 +398,7 @@ impl App {
         let Some(stage) = &mut self.stage else { return Ok(()) };
         let lines = if self.settings.show_box {
             let file = self.settings.seen().iter().find_map(|s| self.shadows.files.of(s));
-            file.map(boxes::of_file).unwrap_or_default()
+            file.map(wireframes::of_file).unwrap_or_default()
         } else {
             Vec::new()
         };

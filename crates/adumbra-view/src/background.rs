@@ -1,32 +1,29 @@
-//! Work behind the window: its threads, and what becomes of work that breaks down.
+//! Background work: its threads, and the conversion of panics into errors.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread;
 
-use crate::news::{News, Teller};
-
-/// Threads for work behind the window: one core stays for it.
+/// Creates a thread pool for background work that leaves one core for the window.
 pub(crate) fn background_pool() -> Result<rayon::ThreadPool, String> {
     let cores = thread::available_parallelism().map_or(1, |n| n.get());
     let threads = cores.saturating_sub(1).max(1);
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())
 }
 
-/// Does `work` on a thread of its own and tells the news that `news` makes of what comes of it; a panic is an error too.
+/// Runs `work` on a new thread and passes its result to `done` there; a panic becomes an error.
 pub(crate) fn in_background<T>(
-    teller: Teller,
     work: impl FnOnce() -> Result<T, String> + Send + 'static,
-    news: impl FnOnce(Result<T, String>) -> News + Send + 'static,
+    done: impl FnOnce(Result<T, String>) + Send + 'static,
 ) {
-    thread::spawn(move || teller.tell(news(caught(work))));
+    thread::spawn(move || done(caught(work)));
 }
 
-/// What comes of `work`, of which nothing is used again if it panics.
+/// Returns the result of `work`; a panic becomes an error. After a panic, nothing that `work` used may be used again.
 pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
         let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason was given");
-        Err(format!("a fault of the program, please report it: {said}"))
+        Err(format!("an internal error, please report it: {said}"))
     })
 }
 

@@ -1,29 +1,26 @@
-//! A bake behind the window, coarse to fine: each level is shown as it lands, and cancelling keeps the last.
+//! A background bake, coarse to fine: each level is shown as soon as it is done, and cancelling keeps the last one.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::thread;
 
-use adumbra::Error;
-use adumbra::bake::{self, Options, Size};
-use adumbra::format::{AnyFile, Layout, ShadowFile, TreeBody, TreeFile};
-use adumbra::light::Sun;
-use adumbra::scene::Scene;
-use adumbra::tree::{TreeOptions, bake_tree};
+use adumbra::{Layout, Sun};
+use adumbra_bake::{BakeOptions, Progress, Size, Watch, bake};
+use adumbra_tree::{AnyFile, TreeOptions, TreeProgress, bake_tree};
 
 use crate::background::{background_pool, caught};
-use crate::loading::LoadedScene;
-use crate::news::{News, Teller};
+use crate::event::{Event, EventSender};
+use crate::loaded_scene::LoadedScene;
 use crate::settings::Settings;
 
-/// The coarsest level, texels on the longest side.
+/// Resolution of the coarsest level, in texels on the longest side.
 const COARSEST: u64 = 512;
-/// A level is so many times as fine as the one before.
+/// Ratio of the resolutions of consecutive levels.
 const STEP: u64 = 4;
-/// The finest world-aligned tree, voxels a side.
+/// Resolution of the finest world-aligned tree, in voxels a side.
 const FINEST_TREE: u64 = 2048;
 
-/// Which kind of file.
+/// The kind of a shadow file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FileKind {
     /// Light-aligned, for `voxel` and `voxel+csm`.
@@ -32,49 +29,49 @@ pub(crate) enum FileKind {
     Tree,
 }
 
-/// What a bake is of.
+/// The inputs of a bake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BakeKey {
     pub(crate) kind: FileKind,
     /// Number of the scene.
     pub(crate) scene: u64,
     pub(crate) sun: Sun,
-    /// Texels or voxels of the finest level.
+    /// Resolution of the finest level, in texels or voxels.
     pub(crate) resolution: u64,
-    /// Of light-aligned files.
+    /// Layout of light-aligned files.
     pub(crate) layout: Layout,
 }
 
-/// A bake that runs.
+/// A bake in progress.
 pub(crate) struct RunningBake {
-    /// Its number: another bake of the same key has another.
+    /// Unique number, so that two bakes with the same key can be told apart.
     pub(crate) number: u64,
     pub(crate) key: BakeKey,
-    /// Of the level that is baked now.
+    /// Resolution of the level being baked.
     pub(crate) resolution: u64,
     pub(crate) share: f32,
     cancel: Arc<AtomicBool>,
 }
 
 impl BakeKey {
-    /// What these settings ask for.
+    /// Returns the key of the bake that these settings require.
     pub(crate) fn new(kind: FileKind, scene: u64, settings: &Settings) -> Self {
         let (resolution, layout) = match kind {
-            FileKind::Light if settings.uses_penumbrae() => (settings.resolution, Layout::Hierarchy),
+            FileKind::Light if settings.uses_penumbrae() => (settings.resolution, Layout::Depths),
             FileKind::Light => (settings.resolution, Layout::default()),
             FileKind::Tree => (settings.resolution.min(FINEST_TREE), Layout::default()),
         };
         Self { kind, scene, sun: settings.sun, resolution, layout }
     }
 
-    /// Whether what this key bakes does where `wanted` is asked for.
+    /// Whether a bake with this key can be used where `wanted` is requested.
     pub(crate) fn serves(&self, wanted: &Self) -> bool {
         let as_wanted = Self { layout: wanted.layout, ..*self };
-        as_wanted == *wanted && (self.layout == wanted.layout || self.layout == Layout::Hierarchy)
+        as_wanted == *wanted && (self.layout == wanted.layout || self.layout == Layout::Depths)
     }
 }
 
-/// The resolutions of the levels, coarse to fine.
+/// Returns the resolutions of the levels, coarse to fine.
 fn levels(finest: u64) -> Vec<u64> {
     let mut levels: Vec<u64> =
         std::iter::successors(Some(finest), |r| Some(r / STEP)).take_while(|&r| r >= COARSEST).collect();
@@ -91,7 +88,7 @@ impl RunningBake {
         key: BakeKey,
         scene: Arc<LoadedScene>,
         max_memory: Option<u64>,
-        teller: Teller,
+        sender: EventSender,
     ) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -100,18 +97,18 @@ impl RunningBake {
         thread::spawn(move || {
             let outcome = caught(|| {
                 let pool = background_pool()?;
-                pool.install(|| bake_levels(number, key, &scene, max_memory, &seen, &teller))
+                pool.install(|| bake_levels(number, key, &scene, max_memory, &seen, &sender))
                     .map_err(|e| e.to_string())
             });
             if let Err(error) = outcome {
                 let error = (!seen.load(Ordering::Relaxed)).then_some(error);
-                teller.tell(News::BakeEnded { bake: number, error });
+                sender.send(Event::BakeEnded { bake: number, error });
             }
         });
         Self { number, key, resolution: levels(key.resolution)[0], share: 0.0, cancel }
     }
 
-    /// Has it stop soon.
+    /// Makes it stop soon.
     pub(crate) fn cancel(&self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
@@ -124,31 +121,32 @@ impl Drop for RunningBake {
 }
 
 fn bake_levels(
-    bake: u64,
+    number: u64,
     key: BakeKey,
     scene: &LoadedScene,
     max_memory: Option<u64>,
     cancel: &AtomicBool,
-    teller: &Teller,
-) -> adumbra::Result<()> {
+    sender: &EventSender,
+) -> adumbra_tree::Result<()> {
     for resolution in levels(key.resolution) {
-        // Each percent once: the window draws its panel for each.
-        let told = AtomicU32::new(0);
-        let tell = |share: f64| {
+        // Reports each percent once, because the window redraws its panel for each report.
+        let reported = AtomicU32::new(0);
+        let report = |share: f64| {
             let percent = (100.0 * share) as u32;
-            if told.fetch_max(percent, Ordering::Relaxed) < percent {
-                teller.tell(News::Baking { bake, resolution, share: share as f32 });
+            if reported.fetch_max(percent, Ordering::Relaxed) < percent {
+                sender.send(Event::Baking { bake: number, resolution, share: share as f32 });
             }
         };
         let file = match key.kind {
             FileKind::Light => {
-                let options = Options {
+                let options = BakeOptions {
+                    layout: key.layout.into(),
                     ignore_alpha: scene.ignore_alpha,
                     max_memory_bytes: max_memory,
-                    ..Options::new(key.sun, Size::Resolution(resolution))
+                    ..BakeOptions::new(key.sun, Size::Resolution(resolution))
                 };
-                let done = |p: bake::Progress| tell(p.done_tiles as f64 / p.total_tiles.max(1) as f64);
-                AnyFile::Light(bake_light(&scene.still, &options, key.layout, &done, cancel)?)
+                let done = |p: Progress| report(p.done_tiles as f64 / p.total_tiles.max(1) as f64);
+                AnyFile::Light(bake(&scene.still, &options, Watch::new(&done, cancel))?.file)
             }
             FileKind::Tree => {
                 let options = TreeOptions {
@@ -156,36 +154,13 @@ fn bake_levels(
                     max_memory_bytes: max_memory,
                     ..TreeOptions::new(key.sun, Size::Resolution(resolution))
                 };
-                let baked = bake_tree(&scene.still, &options, &|p| tell(p.done_share), cancel)?;
-                AnyFile::Tree(TreeFile {
-                    space: baked.space,
-                    sun: key.sun,
-                    settings: baked.settings,
-                    regions: baked.regions,
-                    body: TreeBody::Words(baked.tree),
-                    attribute: Vec::new(),
-                    attribute_kind: None,
-                })
+                let done = |p: TreeProgress| report(p.done_share);
+                AnyFile::Tree(bake_tree(&scene.still, &options, Watch::new(&done, cancel))?.into())
             }
         };
-        teller.tell(News::Baked { bake, file, last: resolution == key.resolution });
+        sender.send(Event::Baked { bake: number, file, last: resolution == key.resolution });
     }
     Ok(())
-}
-
-fn bake_light(
-    scene: &Scene,
-    options: &Options,
-    layout: Layout,
-    progress: &(dyn Fn(bake::Progress) + Sync),
-    cancel: &AtomicBool,
-) -> adumbra::Result<ShadowFile> {
-    if layout == Layout::Hierarchy {
-        let baked = bake::bake_hierarchy(scene, options, true, progress, cancel)?;
-        return Ok(ShadowFile::hierarchy(baked.grid, baked.settings, baked.hierarchy));
-    }
-    let baked = bake::bake(scene, options, progress, cancel)?;
-    ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, layout).map_err(Error::from)
 }
 
 #[cfg(test)]
@@ -193,7 +168,7 @@ mod tests {
     use std::path::PathBuf;
     use std::sync::mpsc;
 
-    use adumbra::scene::{GeneratedKind, generate};
+    use adumbra_scene::{GeneratedKind, generate};
 
     use super::*;
     use crate::settings::tests::settings;
@@ -211,28 +186,28 @@ mod tests {
     }
 
     #[test]
-    fn hierarchy_serves_all_and_packed_no_penumbrae() {
+    fn depths_serve_all_and_packed_no_penumbrae() {
         let hard = BakeKey::new(FileKind::Light, 1, &settings());
         let mut soft = settings();
         soft.shadows[0] = "voxel:soft".parse().unwrap();
         let soft = BakeKey::new(FileKind::Light, 1, &soft);
-        assert_eq!((hard.layout, soft.layout), (Layout::Packed, Layout::Hierarchy));
+        assert_eq!((hard.layout, soft.layout), (Layout::Packed, Layout::Depths));
         assert!(hard.serves(&hard) && soft.serves(&hard) && soft.serves(&soft) && !hard.serves(&soft));
         assert!(!soft.serves(&BakeKey { resolution: 512, ..hard }));
     }
 
     #[test]
-    fn bake_tells_every_level_of_either_kind() {
+    fn bake_sends_every_level_of_either_kind() {
         let sun = Sun::from_angles(40.0, 50.0).unwrap();
         for (kind, finest) in [(FileKind::Light, 2048), (FileKind::Tree, 512)] {
-            let (tell, told) = mpsc::channel();
-            let teller = Teller::new(move |news| tell.send(news).unwrap());
+            let (channel, events) = mpsc::channel();
+            let sender = EventSender::new(move |event| channel.send(event).unwrap());
             let key = BakeKey::new(kind, 1, &Settings { sun, resolution: finest, ..settings() });
-            let running = RunningBake::start(key, scene(), None, teller);
+            let running = RunningBake::start(key, scene(), None, sender);
             let mut landed = Vec::new();
-            for news in told {
-                match news {
-                    News::Baked { bake, file, last } => {
+            for event in events {
+                match event {
+                    Event::Baked { bake, file, last } => {
                         assert_eq!(bake, running.number);
                         let (is, resolution) = match file {
                             AnyFile::Light(file) => (FileKind::Light, file.settings.resolution),
@@ -241,7 +216,7 @@ mod tests {
                         assert_eq!(is, kind);
                         landed.push((u64::from(resolution), last));
                     }
-                    News::BakeEnded { error, .. } => panic!("{error:?}"),
+                    Event::BakeEnded { error, .. } => panic!("{error:?}"),
                     _ => {}
                 }
             }
@@ -259,12 +234,12 @@ mod tests {
         let sound = LoadedScene::new(path, generate(GeneratedKind::Primitives, 1), false);
         let scene = Arc::new(LoadedScene { whole, still, ..sound });
         for kind in [FileKind::Light, FileKind::Tree] {
-            let (tell, told) = mpsc::channel();
-            let teller = Teller::new(move |news| tell.send(news).unwrap());
+            let (channel, events) = mpsc::channel();
+            let sender = EventSender::new(move |event| channel.send(event).unwrap());
             let key = BakeKey::new(kind, 1, &settings());
-            let running = RunningBake::start(key, scene.clone(), None, teller);
-            let ended: Vec<_> = told.iter().collect();
-            let [News::BakeEnded { bake, error: Some(error) }] = &ended[..] else {
+            let running = RunningBake::start(key, scene.clone(), None, sender);
+            let ended: Vec<_> = events.iter().collect();
+            let [Event::BakeEnded { bake, error: Some(error) }] = &ended[..] else {
                 panic!("{}", ended.len())
             };
             assert!(*bake == running.number && error.contains("please report it"), "{error}");
@@ -274,13 +249,13 @@ mod tests {
     #[test]
     fn bake_that_is_cancelled_ends_without_an_error() {
         let sun = Sun::from_angles(40.0, 50.0).unwrap();
-        let (tell, told) = mpsc::channel();
-        let teller = Teller::new(move |news| tell.send(news).unwrap());
+        let (channel, events) = mpsc::channel();
+        let sender = EventSender::new(move |event| channel.send(event).unwrap());
         let key = BakeKey::new(FileKind::Light, 1, &Settings { sun, resolution: 32_768, ..settings() });
-        let running = RunningBake::start(key, scene(), None, teller);
+        let running = RunningBake::start(key, scene(), None, sender);
         running.cancel();
         let ended: Vec<_> =
-            told.iter().filter(|n| matches!(n, News::BakeEnded { error: None, .. })).collect();
+            events.iter().filter(|n| matches!(n, Event::BakeEnded { error: None, .. })).collect();
         assert_eq!(ended.len(), 1);
     }
 }

@@ -1,16 +1,16 @@
-//! The ball's way, looked for on another thread: a hundred thousand rays.
+//! Searches for the ball's path on another thread, with a hundred thousand rays.
 
 use std::sync::Arc;
 
-use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::movers::MoveSpec;
+use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use crate::background::{background_pool, in_background};
-use crate::loading::LoadedScene;
-use crate::news::{News, Teller};
+use crate::event::{Event, EventSender};
+use crate::loaded_scene::LoadedScene;
 
-/// Looks for a way among what stands still.
-pub(crate) fn find(scene: Arc<LoadedScene>, spec: MoveSpec, sun: [f64; 3], teller: Teller) {
+/// Searches for a path through the static part of the scene.
+pub(crate) fn find(scene: Arc<LoadedScene>, spec: MoveSpec, sun: [f64; 3], sender: EventSender) {
     let number = scene.number;
     let work = move || {
         let find = || {
@@ -22,5 +22,5 @@ pub(crate) fn find(scene: Arc<LoadedScene>, spec: MoveSpec, sun: [f64; 3], telle
         };
         background_pool().and_then(|pool| pool.install(find))
     };
-    in_background(teller, work, move |found| News::Ball { scene: number, found });
+    in_background(work, move |found| sender.send(Event::Ball { scene: number, found }));
 }

@@ -1,131 +1,131 @@
-//! What a user may do, whatever it comes from: the mouse, a key, the panel, a dropped file, or a line of a script.
+//! A user's commands, whatever their source: the mouse, a key, the panel, a dropped file, or a line of a script.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// One of the two techniques that are compared.
+/// One of the two techniques being compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// The one shown alone, or on the left.
+    /// The technique that is shown alone or on the left.
     First,
-    /// The one on the right.
+    /// The technique on the right.
     Second,
 }
 
-/// A change of what is shown, or something to be done with it. As JSON it is an object with one key, such as `{"layer": "shadow"}`, or
-/// the name alone where there is nothing to say, such as `"quit"`.
+/// A change of what is shown, or an action. As JSON it is an object with one key, such as `{"layer": "shadow"}`, or
+/// just the name if there are no arguments, such as `"quit"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Command {
-    /// Another shadow technique, as `--shadow` names it.
+    /// Selects a shadow technique by its name in `--shadow`.
     Shadow {
-        /// Of which side.
+        /// The side to change.
         side: Side,
         /// `NAME[:KEY=VALUE…]`.
         technique: String,
     },
-    /// The technique so many places further in the list of all, on a side.
+    /// Moves a side's technique this many positions forward in the list of all techniques.
     NextShadow {
-        /// Of which side.
+        /// The side to change.
         side: Side,
-        /// Places; back below 0.
+        /// Number of positions; negative moves back.
         by: i32,
     },
-    /// Other ambient occlusion, as `--ao` names it.
+    /// Selects an ambient occlusion technique by its name in `--ao`.
     Ao(String),
-    /// The ambient occlusion so many places further.
+    /// Moves the ambient occlusion technique this many positions forward.
     NextAo(i32),
-    /// Another layer, as `--layer` names it.
+    /// Selects a layer by its name in `--layer`.
     Layer(String),
-    /// The layer so many places further.
+    /// Moves the layer this many positions forward.
     NextLayer(i32),
-    /// Each side shows what the other did.
+    /// Swaps the techniques of the two sides.
     ChangeSides,
-    /// The first technique alone.
+    /// Shows the first technique alone.
     Single,
-    /// Both, the divider at this share of the width.
+    /// Shows both techniques, with the divider at this fraction of the width.
     Split(f64),
-    /// Where they differ, multiplied by this.
+    /// Shows the difference of the two, multiplied by this gain.
     Difference(f32),
-    /// Where the sun stands, degrees.
+    /// Sets the sun's azimuth and elevation, in degrees.
     Sun {
-        /// Clockwise from -Z, seen from above.
+        /// Azimuth clockwise from -Z, seen from above.
         azimuth: f64,
-        /// Above the horizon.
+        /// Elevation above the horizon.
         elevation: f64,
     },
-    /// Moves the sun by degrees.
+    /// Moves the sun by these angles, in degrees.
     TurnSun {
-        /// Clockwise.
+        /// Change of the azimuth, clockwise.
         azimuth: f64,
-        /// Up.
+        /// Change of the elevation, upwards.
         elevation: f64,
     },
-    /// Where the camera stands and looks.
+    /// Sets the camera's position and target.
     Camera {
         /// World position.
         eye: [f64; 3],
-        /// World point in the middle of the view.
+        /// World point at the centre of the view.
         target: [f64; 3],
-        /// Vertical field of view, degrees; as it was where it is absent.
+        /// Vertical field of view in degrees; unchanged if absent.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         fov: Option<f64>,
     },
-    /// The camera of a file that a view or a person wrote.
+    /// Loads the camera of a file that was saved by a view or written by hand.
     LoadCamera(PathBuf),
-    /// Around the target: degrees to the right and up.
+    /// Moves the eye around the target: degrees to the right and up.
     Orbit([f64; 2]),
-    /// The target around the eye: degrees to the right and up.
+    /// Moves the target around the eye: degrees to the right and up.
     Look([f64; 2]),
-    /// Eye and target aside: shares of what is seen of the target's plane, to the right and up.
+    /// Moves eye and target to the right and up, in fractions of the visible height at the target.
     Pan([f64; 2]),
-    /// To the right, up and ahead, in distances from the target.
+    /// Moves eye and target to the right, up and ahead, in distances from eye to target.
     Fly([f64; 3]),
-    /// Nearer by a factor below 1, further by one above.
+    /// Zooms in by a factor below 1, out by a factor above 1.
     Zoom(f64),
-    /// The camera that the view began with.
+    /// Restores the camera that the view started with.
     ResetCamera,
-    /// The sun that the view began with.
+    /// Restores the sun that the view started with.
     ResetSun,
-    /// Everything as the view began with it.
+    /// Restores all settings that the view started with.
     ResetAll,
-    /// A ball that rolls from the sun into the shade, or none.
+    /// Adds or removes a ball that rolls from sunlight into shadow.
     Ball(bool),
-    /// The camera that sees the ball's way.
+    /// Selects a camera that sees the ball's path.
     WatchBall,
-    /// Seconds since all movements began.
+    /// Sets the time, in seconds since all movements began.
     Time(f64),
-    /// Whether time goes on.
+    /// Starts or stops time.
     Play(bool),
-    /// The space of the shadow file as a box of lines.
+    /// Shows or hides the bounds of the shadow file's space as lines.
     Box(bool),
-    /// The panel.
+    /// Shows or hides the panel.
     Panel(bool),
-    /// The help.
+    /// Shows or hides the help.
     Help(bool),
-    /// Samples a pixel along each side.
+    /// Sets the samples per pixel along each side.
     Antialias(u32),
-    /// Frames drawn on and on, or only where something changed.
+    /// Draws frames continuously, or only when something changed.
     Continuous(bool),
-    /// Bakes anew, to so many texels on the longest side; a world-aligned file to 2048 at most.
+    /// Starts a new bake with this many texels on the longest side. A world-aligned file has at most 2048.
     Bake(u64),
-    /// Stops the bake; what landed stays.
+    /// Stops the bake; completed levels stay.
     CancelBake,
-    /// A scene, a shadow file or a camera, as if it were dropped on the window.
+    /// Opens a scene, a shadow file or a camera, as if it were dropped on the window.
     Drop(PathBuf),
-    /// The size of what is shown, pixels.
+    /// Sets the size of the picture, in pixels.
     Resize([u32; 2]),
-    /// Writes what is shown, without the panel, as PNG.
+    /// Writes a PNG of the picture, without the panel.
     Screenshot(PathBuf),
-    /// Writes the whole window with the panel as PNG, when it is drawn next.
+    /// Writes a PNG of the whole window with the panel, when it is drawn next.
     WindowShot(PathBuf),
-    /// Writes the camera as JSON that `compare --camera` takes.
+    /// Writes the camera as JSON, for `compare --camera`.
     SaveCamera(PathBuf),
-    /// A key, as the keyboard names it: `t`, `T`, `?`, `F12`, `Space`.
+    /// Presses a key, as the keyboard names it: `t`, `T`, `?`, `F12`, `Space`.
     Key(String),
-    /// Says the command that shows this view again.
+    /// Reports the command line that reproduces this view.
     SayLine,
     /// Closes the window.
     Quit,

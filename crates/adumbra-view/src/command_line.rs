@@ -1,13 +1,13 @@
-//! The command that shows a view again.
+//! The command line that reproduces a view.
 
 use std::path::Path;
 
-use adumbra::camera::Projection;
+use adumbra_scene::Projection;
 
 use crate::navigation;
 use crate::settings::{Settings, Shown};
 
-/// A word as a POSIX shell takes it.
+/// Quotes a word for a POSIX shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -17,7 +17,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// `adumbra view …`, with everything that the settings say; `ball` is how the ball was asked for.
+/// Returns `adumbra view …` with all settings; `ball` is the text with which the ball was requested.
 pub(crate) fn of(scene: &Path, shadow_files: &[&Path], ball: Option<&str>, settings: &Settings) -> String {
     let s = settings;
     let point = |p: [f64; 3]| format!("{},{},{}", p[0], p[1], p[2]);

@@ -1,7 +1,8 @@
-//! What may go wrong with a view as a whole; what goes wrong inside it is shown in the window, which stays.
+//! Errors that end a view. All others are shown in the window, which stays open.
 
 use std::path::PathBuf;
 
+use adumbra::IoError;
 use adumbra_render::RenderError;
 
 /// An error of a view.
@@ -10,22 +11,27 @@ use adumbra_render::RenderError;
 pub enum ViewError {
     /// No window can be opened.
     #[error(
-        "no window can be opened: {reason}; a display is needed (DISPLAY or WAYLAND_DISPLAY on Linux), a virtual one will do (Xvfb)"
+        "cannot open a window: {reason}; a display is needed (DISPLAY or WAYLAND_DISPLAY on Linux), and a virtual one such as Xvfb is enough"
     )]
     Window {
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
-    /// What a view was asked to begin with does not exist.
+    /// Some of the options are invalid or inconsistent.
     #[error("{what}")]
     Options {
+        /// The affected option.
+        field: OptionField,
         /// What is wrong.
         what: String,
     },
     /// The first scene cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] adumbra_scene::Error),
+    /// Work on another thread failed unexpectedly.
     #[error("{what}")]
-    Scene {
-        /// What is wrong.
+    Fault {
+        /// Description of the fault.
         what: String,
     },
     /// A script that cannot be played.
@@ -36,7 +42,7 @@ pub enum ViewError {
         /// What is wrong with it.
         what: String,
     },
-    /// A step of a script that did not come to its end.
+    /// A step of a script failed or was not completed.
     #[error("{}: step {step} ({text}): {what}", path.display())]
     Step {
         /// The script.
@@ -48,13 +54,42 @@ pub enum ViewError {
         /// What went wrong.
         what: String,
     },
-    /// The library.
+    /// A file cannot be read.
     #[error(transparent)]
-    Library(#[from] adumbra::Error),
-    /// The device.
+    Io(#[from] IoError),
+    /// An error in a baked file or in another part of the core crates.
+    #[error(transparent)]
+    Library(#[from] adumbra_tree::Error),
+    /// An error of the device.
     #[error(transparent)]
     Render(#[from] RenderError),
 }
 
-/// Of this crate.
+/// The field of [`ViewOptions`](crate::ViewOptions) that an error concerns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum OptionField {
+    /// The shadow files.
+    ShadowFiles,
+    /// The shadow techniques.
+    Shadows,
+    /// Ambient occlusion.
+    Ambient,
+    /// The layer.
+    Layer,
+    /// The way both sides are shown.
+    Shown,
+    /// The camera's eye and target.
+    EyeAndTarget,
+    /// The camera's target.
+    Target,
+    /// The time in seconds since all movements began.
+    Seconds,
+    /// Samples per pixel.
+    Antialias,
+    /// Resolution of bakes, in texels.
+    Resolution,
+}
+
+/// Result type used across the crate.
 pub type Result<T, E = ViewError> = std::result::Result<T, E>;

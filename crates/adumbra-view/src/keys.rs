@@ -1,51 +1,51 @@
-//! Which key does what; the help is written from the same list.
+//! The function of each key. The help is generated from the same list.
 
 use crate::command::{Command, Side};
 use crate::settings::{Settings, Shown};
 
-/// A key as the keyboard names it, and what it does, for the help.
+/// Keys, as the keyboard names them, and their functions, for the help.
 pub(crate) const KEYS: &[(&str, &str)] = &[
     ("t / T", "next, previous technique of the first side"),
     ("y / Y", "next, previous technique of the second side"),
     ("o / O", "next, previous ambient occlusion"),
     ("l / L", "next, previous layer"),
     ("x", "split screen, or the first side alone"),
-    (", / .", "the divider to the left, to the right"),
-    ("v", "difference of both sides, or the first alone"),
-    ("n", "change sides"),
+    (", / .", "move the divider left, right"),
+    ("v", "difference of both sides, or the first side alone"),
+    ("n", "swap sides"),
     ("w a s d, q e", "fly: ahead, left, back, right, down, up"),
     ("arrows", "orbit"),
-    ("+ / -", "nearer, further"),
-    ("[ / ]", "the sun to the left, to the right"),
-    ("{ / }", "the sun down, up"),
-    ("r", "the camera that the view began with"),
-    ("b", "a ball that rolls from the sun into the shade"),
-    ("Space", "time goes on, or stands still"),
-    ("g", "the shadow file's space as lines"),
-    ("m", "one or four samples a pixel"),
+    ("+ / -", "zoom in, out"),
+    ("[ / ]", "turn the sun left, right"),
+    ("{ / }", "lower, raise the sun"),
+    ("r", "reset the camera"),
+    ("b", "a ball that rolls from sunlight into shadow"),
+    ("Space", "run or pause time"),
+    ("g", "the bounds of the shadow file as lines"),
+    ("m", "one or four samples per pixel"),
     ("c", "save the camera, for compare --camera"),
-    ("p", "screenshot, without the panel"),
-    ("u", "the panel"),
-    ("k", "stop the bake, keep what landed"),
+    ("p", "screenshot without the panel"),
+    ("u", "show or hide the panel"),
+    ("k", "stop the bake, keep completed levels"),
     ("? / F1", "this help"),
     ("Ctrl+q", "quit"),
 ];
 
-/// What the mouse does, for the help.
+/// Functions of the mouse, for the help.
 pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("left", "orbit; on the divider: move it"),
     ("right", "look around"),
-    ("middle, Shift+left", "aside"),
+    ("middle, Shift+left", "pan"),
     ("Ctrl+left", "drag the sun"),
-    ("wheel", "nearer, further"),
-    ("drop", "a scene, a shadow file or a camera"),
+    ("wheel", "zoom"),
+    ("drop", "open a scene, a shadow file or a camera"),
 ];
 
-/// Where screenshots and cameras go that a key asked for.
+/// File names for screenshots and cameras that are saved by key.
 pub(crate) const SCREENSHOT: &str = "adumbra-view.png";
 pub(crate) const CAMERA: &str = "adumbra-camera.json";
 
-/// What a key does with these settings; none for a key that does nothing.
+/// Returns the command of a key under these settings; `None` if the key has no function.
 pub(crate) fn command(key: &str, settings: &Settings) -> Option<Command> {
     let divider = |by: f64| match settings.shown {
         Shown::Split(at) => Command::Split((at + by).clamp(0.0, 1.0)),
@@ -95,7 +95,7 @@ pub(crate) fn command(key: &str, settings: &Settings) -> Option<Command> {
     })
 }
 
-/// Which way a held key flies: right, up, ahead.
+/// Returns the direction in which a held key flies: right, up, ahead.
 pub(crate) fn flight(key: &str) -> Option<[f64; 3]> {
     Some(match key {
         "w" => [0.0, 0.0, 1.0],

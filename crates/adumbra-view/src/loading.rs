@@ -1,39 +1,19 @@
-//! Scenes and shadow files, read on another thread.
+//! Reads scenes and shadow files on another thread.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-use adumbra::files::folder_of;
-use adumbra::format::AnyFile;
-use adumbra::scene::{self, LoadOptions, Scene};
+use adumbra_scene as scene;
+use adumbra_scene::LoadOptions;
+use adumbra_tree::AnyFile;
 
 use crate::background::in_background;
-use crate::news::{News, Teller};
+use crate::error::ViewError;
+use crate::event::{Event, EventSender};
+use crate::loaded_scene::LoadedScene;
 
-/// A scene, apart from what moves.
-pub(crate) struct LoadedScene {
-    pub(crate) path: PathBuf,
-    /// Differs from scene to scene.
-    pub(crate) number: u64,
-    /// Everything, for rays.
-    pub(crate) whole: Arc<Scene>,
-    /// What stands still.
-    pub(crate) still: Arc<Scene>,
-    /// What moves.
-    pub(crate) moving: Scene,
-    /// [`Scene::usual_diagonal`].
-    pub(crate) usual_diagonal_world: f64,
-    /// Take masked materials as opaque.
-    pub(crate) ignore_alpha: bool,
-    /// What the loader noticed.
-    pub(crate) notes: Vec<String>,
-    /// The files that it names.
-    pub(crate) named_files: Vec<PathBuf>,
-}
-
-/// What a path may be dropped as.
+/// The kind of a dropped file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DropKind {
     Scene,
@@ -41,7 +21,7 @@ pub(crate) enum DropKind {
     Camera,
 }
 
-/// What a file is, by its ending.
+/// Returns the kind of a file, by its extension.
 pub(crate) fn drop_kind(path: &Path) -> Result<DropKind, String> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     Ok(match ending.as_str() {
@@ -50,42 +30,15 @@ pub(crate) fn drop_kind(path: &Path) -> Result<DropKind, String> {
         "json" => DropKind::Camera,
         _ => {
             return Err(format!(
-                "{}: drop a scene (.glb, .gltf, .obj, .ply), a shadow file (.adumbra) or a camera (.json)",
+                "{}: unknown kind of file; drop a scene (.glb, .gltf, .obj, .ply), a shadow file (.adumbra) or a camera (.json)",
                 path.display()
             ));
         }
     })
 }
 
-impl LoadedScene {
-    /// Takes a scene that was loaded with its movers kept.
-    pub(crate) fn new(path: PathBuf, whole: Scene, ignore_alpha: bool) -> Self {
-        static NEXT: AtomicU64 = AtomicU64::new(1);
-        let mut notes: Vec<String> = whole.notes.warnings.iter().map(ToString::to_string).collect();
-        if whole.notes.degenerate_triangles > 0 {
-            notes.push(format!("{} degenerate triangles skipped", whole.notes.degenerate_triangles));
-        }
-        if whole.notes.untriangulated_polygons > 0 {
-            let count = whole.notes.untriangulated_polygons;
-            notes.push(format!("{count} polygons could not be triangulated properly"));
-        }
-        let folder = folder_of(&path);
-        let named_files = whole.notes.named_files.iter().map(|name| folder.join(name)).collect();
-        let usual_diagonal_world = whole.usual_diagonal();
-        let whole = Arc::new(whole);
-        let (still, moving) = if whole.movers.is_empty() {
-            (whole.clone(), Scene::default())
-        } else {
-            let mut still = (*whole).clone();
-            let moving = still.take_movers();
-            (Arc::new(still), moving)
-        };
-        let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        Self { path, number, whole, still, moving, usual_diagonal_world, ignore_alpha, notes, named_files }
-    }
-}
-
-/// Scenes that are under way, by number. What was asked for later is shown, as long as it comes at all: one that fails takes nothing away.
+/// Scenes being loaded, by number. A scene replaces those that were requested before it; one that fails replaces
+/// nothing.
 #[derive(Default)]
 pub(crate) struct Loads {
     under_way: BTreeMap<u64, PathBuf>,
@@ -94,17 +47,17 @@ pub(crate) struct Loads {
 }
 
 impl Loads {
-    /// The number of the scene that a view begins with.
+    /// Number of the scene that a view starts with.
     pub(crate) const FIRST: u64 = 1;
 
-    /// Another one is under way; gives its number.
+    /// Registers another load and returns its number.
     pub(crate) fn begin(&mut self, path: PathBuf) -> u64 {
         self.begun += 1;
         self.under_way.insert(self.begun, path);
         self.begun
     }
 
-    /// The one asked for last.
+    /// Returns the path of the scene requested last.
     pub(crate) fn newest(&self) -> Option<&Path> {
         self.under_way.values().next_back().map(PathBuf::as_path)
     }
@@ -113,7 +66,7 @@ impl Loads {
         self.under_way.is_empty()
     }
 
-    /// One has come; whether it is to be shown.
+    /// Registers a scene that was loaded. Returns whether it is to be shown.
     pub(crate) fn came(&mut self, load: u64) -> bool {
         self.under_way.retain(|other, _| *other > load);
         let is_newer = load > self.shown;
@@ -121,26 +74,32 @@ impl Loads {
         is_newer
     }
 
-    /// One will not come.
+    /// Registers a load that failed.
     pub(crate) fn failed(&mut self, load: u64) {
         self.under_way.remove(&load);
     }
 }
 
-/// Loads a scene; the number comes back with it.
-pub(crate) fn load_scene(load: u64, path: PathBuf, options: LoadOptions, teller: Teller) {
+/// Loads a scene and sends it with the number of its load.
+pub(crate) fn load_scene(load: u64, path: PathBuf, options: LoadOptions, sender: EventSender) {
     let work = move || {
-        let scene = scene::load(&path, &options).map_err(|e| e.to_string())?;
-        Ok(Arc::new(LoadedScene::new(path, scene, options.ignore_alpha)))
+        let scene = scene::load(&path, &options);
+        Ok(scene.map(|scene| Arc::new(LoadedScene::new(path, scene, options.ignore_alpha))))
     };
-    in_background(teller, work, move |loaded| News::Scene { load, loaded });
+    in_background(work, move |done| {
+        let loaded = match done {
+            Ok(loaded) => loaded.map_err(ViewError::from),
+            Err(what) => Err(ViewError::Fault { what }),
+        };
+        sender.send(Event::Scene { load, loaded });
+    });
 }
 
-/// Reads a shadow file.
-pub(crate) fn read_file(path: PathBuf, teller: Teller) {
+/// Reads a shadow file and sends it.
+pub(crate) fn read_file(path: PathBuf, sender: EventSender) {
     let file = path.clone();
     let work = move || AnyFile::read(&file).map_err(|e| e.to_string());
-    in_background(teller, work, |read| News::File { path, read });
+    in_background(work, move |read| sender.send(Event::File { path, read }));
 }
 
 #[cfg(test)]
@@ -161,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn drop_is_told_by_its_ending() {
+    fn drop_is_known_by_its_ending() {
         let kind = |name: &str| drop_kind(Path::new(name));
         assert_eq!(kind("a/City.GLB"), Ok(DropKind::Scene));
         assert_eq!(kind("city.adumbra"), Ok(DropKind::ShadowFile));

@@ -1,16 +1,16 @@
-//! What the view says to its user: in the window for a while, and wherever the program says things.
+//! Messages to the user: shown in the window for a while, and passed on to the program.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// What gets a line of what the view says.
+/// Receives each message as a line.
 pub type Say = Box<dyn Fn(&str)>;
 
-/// How long a message stays.
+/// How long messages are shown.
 const NOTE_STAYS: Duration = Duration::from_secs(5);
 const ERROR_STAYS: Duration = Duration::from_secs(15);
-/// As many are kept for scripts that wait for one.
-const MOST_SAID: usize = 1000;
+/// Number of messages that are kept for scripts that wait for one.
+const MAX_REPORTED: usize = 1000;
 
 pub(crate) struct Message {
     pub(crate) text: String,
@@ -37,7 +37,8 @@ impl Messages {
         self.add(text, true);
     }
 
-    /// What goes wrong again and again, such as with every frame, is said once as long as it is shown.
+    /// Adds a message. An error that is already shown, for example because it recurs with every frame, is only shown
+    /// for longer.
     fn add(&mut self, text: String, is_error: bool) {
         let until = Instant::now() + if is_error { ERROR_STAYS } else { NOTE_STAYS };
         if is_error && let Some(same) = self.shown.iter_mut().find(|m| m.is_error && m.text == text) {
@@ -46,32 +47,32 @@ impl Messages {
         }
         (self.say)(&format!("{}: {text}", if is_error { "error" } else { "note" }));
         self.shown.retain(|m| m.text != text);
-        if self.said.len() == MOST_SAID {
+        if self.said.len() == MAX_REPORTED {
             self.said.pop_front();
         }
         self.said.push_back(text.clone());
         self.shown.push(Message { text, is_error, until });
     }
 
-    /// What is to be seen now.
+    /// Returns the messages to show now.
     pub(crate) fn shown(&self) -> impl Iterator<Item = &Message> {
         let now = Instant::now();
         self.shown.iter().filter(move |m| m.until > now)
     }
 
-    /// Forgets what has been seen long enough; whether there was any.
+    /// Drops messages that have been shown long enough. Returns whether there were any.
     pub(crate) fn has_gone(&mut self) -> bool {
         let (now, before) = (Instant::now(), self.shown.len());
         self.shown.retain(|m| m.until > now);
         self.shown.len() < before
     }
 
-    /// When the next one goes.
+    /// Returns when the next message disappears.
     pub(crate) fn until(&self) -> Option<Instant> {
         self.shown().map(|m| m.until).min()
     }
 
-    /// What was said, the latest last.
+    /// Returns all messages that are kept, the latest last.
     pub(crate) fn said(&self) -> &VecDeque<String> {
         &self.said
     }
@@ -101,8 +102,8 @@ mod tests {
     #[test]
     fn what_was_said_does_not_grow_for_ever() {
         let mut messages = Messages::new(Box::new(|_| {}));
-        (0..2 * MOST_SAID).for_each(|i| messages.note(i.to_string()));
-        assert_eq!(messages.said().len(), MOST_SAID);
-        assert_eq!(messages.said().back().unwrap(), &(2 * MOST_SAID - 1).to_string());
+        (0..2 * MAX_REPORTED).for_each(|i| messages.note(i.to_string()));
+        assert_eq!(messages.said().len(), MAX_REPORTED);
+        assert_eq!(messages.said().back().unwrap(), &(2 * MAX_REPORTED - 1).to_string());
     }
 }

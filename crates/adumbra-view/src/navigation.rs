@@ -1,19 +1,21 @@
-//! How cameras and the sun move. Up stays up: nothing rolls, nothing goes over the pole.
+//! Movement of cameras and of the sun. Up stays up: nothing rolls, and nothing passes over the pole.
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::light::Sun;
+use adumbra::Sun;
+use adumbra_scene::{Camera, Projection};
 
-/// Nearest to straight up or down that a camera looks, and that the sun stands to the horizon.
+/// Smallest angle in degrees between a camera's view and straight up or down, and between the sun and the horizon or
+/// the zenith.
 const MARGIN_DEGREES: f64 = 0.5;
 
-/// Azimuth clockwise from -Z and elevation of a direction, degrees; the inverse of [`Sun::from_angles`].
+/// Returns the azimuth, clockwise from -Z, and the elevation of a direction, in degrees; the inverse of
+/// [`Sun::from_angles`].
 pub(crate) fn angles(towards: [f64; 3]) -> [f64; 2] {
     let flat = towards[0].hypot(towards[2]);
     let azimuth = towards[0].atan2(-towards[2]).to_degrees();
     [azimuth.rem_euclid(360.0), towards[1].atan2(flat).to_degrees()]
 }
 
-/// A unit vector of these angles.
+/// Returns the unit vector with these angles.
 fn direction([azimuth, elevation]: [f64; 2]) -> [f64; 3] {
     let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
     let flat = elevation.cos();
@@ -34,21 +36,21 @@ fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
-/// The eye around the target, degrees to the right and up.
+/// Moves the eye around the target, by degrees to the right and up.
 pub(crate) fn orbit(camera: &mut Camera, [right, up]: [f64; 2]) {
     let distance = length(offset(camera));
     let ahead = turned(offset(camera), [-right, -up]);
     camera.eye = std::array::from_fn(|a| camera.target[a] - distance * ahead[a]);
 }
 
-/// The target around the eye, degrees to the right and up.
+/// Moves the target around the eye, by degrees to the right and up.
 pub(crate) fn look(camera: &mut Camera, degrees: [f64; 2]) {
     let distance = length(offset(camera));
     let ahead = turned(offset(camera), degrees);
     camera.target = std::array::from_fn(|a| camera.eye[a] + distance * ahead[a]);
 }
 
-/// Eye and target together, in shares of the height seen at the target, to the right and up.
+/// Moves eye and target together to the right and up, in fractions of the visible height at the target.
 pub(crate) fn pan(camera: &mut Camera, [right, up]: [f64; 2]) {
     let view = camera.view();
     let height = match camera.projection {
@@ -58,7 +60,7 @@ pub(crate) fn pan(camera: &mut Camera, [right, up]: [f64; 2]) {
     shift(camera, std::array::from_fn(|a| height * (right * view.right[a] + up * view.up[a])));
 }
 
-/// Eye and target together, in distances from eye to target: to the right, up, ahead.
+/// Moves eye and target together to the right, up and ahead, in distances from eye to target.
 pub(crate) fn fly(camera: &mut Camera, [right, up, ahead]: [f64; 3]) {
     let (view, distance) = (camera.view(), length(offset(camera)));
     let world_up = [0.0, 1.0, 0.0];
@@ -77,7 +79,7 @@ fn shift(camera: &mut Camera, by: [f64; 3]) {
     }
 }
 
-/// The eye's distance from the target, or the height seen, times a factor.
+/// Multiplies the eye's distance from the target, and the visible height of an orthographic camera, by a factor.
 pub(crate) fn zoom(camera: &mut Camera, factor: f64) {
     if let Projection::Orthographic { height_world } = &mut camera.projection {
         *height_world *= factor;
@@ -86,7 +88,7 @@ pub(crate) fn zoom(camera: &mut Camera, factor: f64) {
     camera.eye = std::array::from_fn(|a| target[a] - factor * o[a]);
 }
 
-/// The sun, turned by degrees; it stays above the horizon and beside the zenith.
+/// Turns the sun by degrees. It stays above the horizon and off the zenith.
 pub(crate) fn turn_sun(sun: &Sun, [azimuth, elevation]: [f64; 2]) -> Sun {
     let [a, e] = angles(sun.towards());
     let e = (e + elevation).clamp(MARGIN_DEGREES, 90.0 - MARGIN_DEGREES);

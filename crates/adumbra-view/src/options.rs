@@ -1,69 +1,68 @@
-//! What a view begins with; a command line can say all of it.
+//! The options that a view starts with. All of them can be given on a command line.
 
 use std::path::PathBuf;
 
-use adumbra::camera::Projection;
-use adumbra::light::Sun;
-use adumbra::scene::LoadOptions;
+use adumbra::Sun;
 use adumbra_render::movers::MoveSpec;
 use adumbra_render::{GpuOptions, TechniqueSpec};
+use adumbra_scene::{LoadOptions, Projection};
 
 use crate::script::Script;
 use crate::settings::Shown;
 
-/// What a view begins with.
+/// The options that a view starts with.
 pub struct ViewOptions {
     /// The scene.
     pub scene: PathBuf,
-    /// How scenes are loaded, those that are dropped too.
+    /// How scenes are loaded, including dropped ones.
     pub load: LoadOptions,
-    /// Shadow files, in place of bakes, one of each kind at most; a bake begins where the sun moves, and they are taken again where it
-    /// comes back.
+    /// Shadow files that replace bakes, at most one of each kind. A bake starts when the sun moves. The files are used
+    /// again when it returns.
     pub shadow_files: Vec<PathBuf>,
-    /// Shadow techniques of both sides; the file's, and cascades, where they are not given.
+    /// Shadow techniques of both sides. The defaults are the technique that reads the shadow file, and cascades.
     pub shadows: [Option<TechniqueSpec>; 2],
     /// Ambient occlusion.
     pub ambient: TechniqueSpec,
-    /// Name of a layer, as `adumbra render --layer` has it.
+    /// Name of a layer, as in `adumbra render --layer`.
     pub layer: String,
     /// How both sides are shown.
     pub shown: Shown,
-    /// The sun; none takes the shadow file's, or the usual one.
+    /// The sun. The default is the shadow file's, or the usual one.
     pub sun: Option<Sun>,
-    /// Camera position; none stands so as to see the whole scene.
+    /// Camera position. The default is a position from which the whole scene is visible.
     pub eye: Option<[f64; 3]>,
-    /// Point in the middle of the view; none looks at the scene's centre.
+    /// Point at the centre of the view. The default is the scene's centre.
     pub target: Option<[f64; 3]>,
-    /// How points are projected.
+    /// The camera's projection.
     pub projection: Projection,
-    /// Width and height of what is shown, pixels.
+    /// Width and height of the picture, in pixels.
     pub size: [u32; 2],
-    /// Samples a pixel along each side.
+    /// Samples per pixel along each side.
     pub antialias: u32,
-    /// A ball that rolls, and how.
+    /// Specification of a rolling ball.
     pub ball: Option<MoveSpec>,
-    /// The same as it was written.
+    /// The text from which `ball` was parsed.
     pub ball_text: Option<String>,
     /// Seconds since all movements began.
     pub seconds: f64,
-    /// Whether they go on.
+    /// Whether time runs.
     pub playing: bool,
-    /// Whether the shadow file's space is drawn as lines.
+    /// Whether the bounds of the shadow file's space are drawn as lines.
     pub show_box: bool,
-    /// Whether the panel is there.
+    /// Whether the panel is shown.
     pub show_panel: bool,
-    /// Whether frames are drawn on and on, or only where something changed.
+    /// Whether frames are drawn continuously, or only when something changed.
     pub continuous: bool,
-    /// Texels on the longest side that bakes go to.
+    /// Resolution of bakes, in texels on the longest side.
     pub resolution: u64,
-    /// Bytes that a bake may hold.
+    /// Memory limit of a bake, in bytes.
     pub max_memory_bytes: Option<u64>,
-    /// The device.
+    /// Options for selecting the device.
     pub gpu: GpuOptions,
-    /// What the command that shows a view again has beside its settings: how scenes are loaded, the device.
+    /// Further arguments of the command line that reproduces a view: how scenes are loaded, and the device.
     pub repeated: Vec<String>,
-    /// Other files that were read, such as the script; no picture and no camera replaces them.
+    /// Other files that were read, such as the script. No picture and no camera may overwrite them.
     pub inputs: Vec<PathBuf>,
-    /// Commands to play.
+    /// Script to play.
     pub script: Option<Script>,
 }

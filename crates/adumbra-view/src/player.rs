@@ -1,13 +1,13 @@
-//! Plays a script: gives its commands when what comes before them is done.
+//! Plays a script: returns each command once the steps before it are done.
 
 use std::collections::VecDeque;
 use std::time::Instant;
 
 use crate::command::Command;
 use crate::error::{Result, ViewError};
-use crate::script::{PATIENCE, Script, Step, Until};
+use crate::script::{Script, Step, TIMEOUT, Until};
 
-/// Where the view stands, as far as scripts wait for it.
+/// The state of the view that scripts can wait for.
 pub(crate) struct Progress<'a> {
     pub(crate) is_loaded: bool,
     pub(crate) is_baked: bool,
@@ -17,19 +17,19 @@ pub(crate) struct Progress<'a> {
     pub(crate) has_ball: bool,
     pub(crate) seeks_ball: bool,
     pub(crate) size: [u32; 2],
-    /// Why a bake failed that is waited for.
+    /// Why a bake that the script waits for failed.
     pub(crate) bake_fault: Option<&'a str>,
-    /// Why rays failed that are waited for.
+    /// Why rays that the script waits for failed.
     pub(crate) trace_fault: Option<&'a str>,
-    /// What was said.
+    /// Messages so far.
     pub(crate) messages: &'a VecDeque<String>,
 }
 
 pub(crate) struct Player {
     script: Script,
-    /// When the step that is next was reached.
+    /// When the next step was reached.
     since: Instant,
-    /// Frames drawn since.
+    /// Frames drawn since then.
     frames: u32,
 }
 
@@ -38,10 +38,10 @@ impl Player {
         Self { script, since: Instant::now(), frames: 0 }
     }
 
-    /// The command to do now; none where one is to be waited for, or none is left.
+    /// Returns the command to execute now; `None` if a wait is in progress or no step is left.
     ///
     /// # Errors
-    /// [`ViewError::Step`] for what was waited for too long.
+    /// Returns [`ViewError::Step`] if a wait took too long or can no longer succeed.
     pub(crate) fn next(&mut self, progress: &Progress<'_>) -> Result<Option<Command>> {
         while let Some(step) = self.script.next() {
             let until = match step {
@@ -51,7 +51,7 @@ impl Player {
             if *until == Until::Baked
                 && let Some(fault) = progress.bake_fault
             {
-                // It is settled that there will be none.
+                // The bake will never complete.
                 return Err(self.fault(format!("the bake failed: {fault}")));
             }
             if !self.is_over(until, progress) {
@@ -59,15 +59,19 @@ impl Player {
                     (Until::Landed, Some(fault), _) => {
                         return Err(self.fault(format!("the bake failed: {fault}")));
                     }
-                    (Until::Traced, _, Some(fault)) => return Err(self.fault(format!("rays: {fault}"))),
+                    (Until::Traced, _, Some(fault)) => {
+                        return Err(self.fault(format!("ray tracing failed: {fault}")));
+                    }
                     _ => {}
                 }
                 match until {
                     Until::Ball if !progress.seeks_ball => {
-                        return Err(self.fault("there is no ball, and none is looked for".to_owned()));
+                        return Err(self.fault("there is no ball to wait for".to_owned()));
                     }
                     Until::Traced if progress.is_playing => {
-                        return Err(self.fault("no rays are traced while time goes on".to_owned()));
+                        return Err(
+                            self.fault("no rays are traced while time runs; pause it first".to_owned())
+                        );
                     }
                     _ => {}
                 }
@@ -93,25 +97,25 @@ impl Player {
         }
     }
 
-    /// Whether the step that is next has been waited for too long.
+    /// Checks how long the next step has been waiting.
     ///
     /// # Errors
-    /// [`ViewError::Step`] where it has.
+    /// Returns [`ViewError::Step`] if it has been too long.
     pub(crate) fn check_patience(&self) -> Result<()> {
-        if self.since.elapsed() > PATIENCE {
-            return Err(self.fault(format!("waited for {} s", PATIENCE.as_secs())));
+        if self.since.elapsed() > TIMEOUT {
+            return Err(self.fault(format!("timed out after {} s", TIMEOUT.as_secs())));
         }
         Ok(())
     }
 
-    /// The step is done.
+    /// Marks the next step as done.
     pub(crate) fn did(&mut self) {
         self.script.advance();
         self.since = Instant::now();
         self.frames = 0;
     }
 
-    /// A frame was drawn.
+    /// Counts a frame that was drawn.
     pub(crate) fn frame(&mut self) {
         self.frames += 1;
     }
@@ -124,7 +128,7 @@ impl Player {
         self.script.next().is_none()
     }
 
-    /// An error of the step that is next.
+    /// Returns an error for the next step.
     pub(crate) fn fault(&self, what: String) -> ViewError {
         self.script.fault(what)
     }

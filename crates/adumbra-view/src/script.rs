@@ -1,11 +1,13 @@
-//! Scripts: commands from a file, played one after the other as if a user had given them.
+//! Scripts: commands from a file, executed one after the other as if a user had given them.
 //!
 //! A script is a JSON array of steps. A step is a [`Command`], or a wait:
 //!
 //! ```json
-//! [{"wait": "baked"}, {"layer": "shadow"}, {"key": "t"}, {"wait": {"frames": 2}}, {"screenshot": "shadow.png"}, "quit"]
+//! [{"wait": "baked"}, {"layer": "shadow"}, {"key": "t"}, {"wait": {"frames": 2}}, {"screenshot": "shadow.png"},
+//! "quit"]
 //! ```
 
+use adumbra::IoError;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -15,30 +17,30 @@ use serde::{Deserialize, Serialize};
 use crate::command::Command;
 use crate::error::{Result, ViewError};
 
-/// Longest that a step may be waited for.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(600);
+/// Longest time that a step may wait.
+pub(crate) const TIMEOUT: Duration = Duration::from_secs(600);
 
-/// What a script waits for.
+/// A condition that a script waits for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Until {
-    /// The scene is there.
+    /// The scene is loaded.
     Loaded,
-    /// No bake runs, and what is seen of shadow files is of this sun.
+    /// No bake is running, and all shadow files in use were baked for the current sun.
     Baked,
-    /// Something of the bake has landed.
+    /// At least one level of the bake is complete.
     Landed,
-    /// Rays that were asked for have come.
+    /// The requested rays are traced.
     Traced,
-    /// The ball has its way.
+    /// The ball has its path.
     Ball,
-    /// So many frames were drawn since the step before.
+    /// This many frames were drawn since the previous step.
     Frames(u32),
-    /// What is shown is so many pixels: width and height.
+    /// The picture has this width and height, in pixels.
     Size([u32; 2]),
-    /// A message that holds this text was shown.
+    /// A message that contains this text was shown.
     Message(String),
-    /// So many seconds passed.
+    /// This many seconds passed.
     Seconds(f64),
 }
 
@@ -46,16 +48,16 @@ pub enum Until {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Step {
-    /// Waits.
+    /// Waits for a condition.
     Wait {
-        /// For what.
+        /// The condition.
         wait: Until,
     },
-    /// Does something.
+    /// Executes a command.
     Do(Command),
 }
 
-/// Steps that are left to do.
+/// The remaining steps of a script.
 #[derive(Clone, Debug)]
 pub struct Script {
     path: PathBuf,
@@ -67,9 +69,10 @@ impl Script {
     /// Reads a script.
     ///
     /// # Errors
-    /// [`ViewError::Library`] where the file cannot be read, [`ViewError::Script`] where it is not a script, with the number of the step.
+    /// Returns [`ViewError::Io`] if the file cannot be read, or [`ViewError::Script`], with the number of the step, if
+    /// it is not a script.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(adumbra::Error::io("read", path))?;
+        let text = std::fs::read_to_string(path).map_err(IoError::at("read", path))?;
         Self::parse(path, &text)
     }
 
@@ -78,7 +81,7 @@ impl Script {
         let values: Vec<serde_json::Value> =
             serde_json::from_str(text).map_err(|e| wrong(format!("not an array of steps: {e}")))?;
         let step = |(number, value): (usize, serde_json::Value)| {
-            // By its key, so that the fault that is told is the step's own.
+            // Selected by its key, so that the error is about the step itself.
             let read = match value.get("wait") {
                 Some(until) => serde_json::from_value(until.clone()).map(|wait| Step::Wait { wait }),
                 None => serde_json::from_value(value.clone()).map(Step::Do),
@@ -86,9 +89,9 @@ impl Script {
             read.map_err(|e| wrong(format!("step {}, {value}: {e}", number + 1)))
         };
         let steps: VecDeque<Step> = values.into_iter().enumerate().map(step).collect::<Result<_>>()?;
-        let most = PATIENCE.as_secs();
+        let most = TIMEOUT.as_secs();
         let is_too_long = |step: &Step| match step {
-            Step::Wait { wait: Until::Seconds(seconds) } => !(0.0..=PATIENCE.as_secs_f64()).contains(seconds),
+            Step::Wait { wait: Until::Seconds(seconds) } => !(0.0..=TIMEOUT.as_secs_f64()).contains(seconds),
             _ => false,
         };
         if let Some(at) = steps.iter().position(is_too_long) {
@@ -97,18 +100,18 @@ impl Script {
         Ok(Self { path: path.to_owned(), steps, done: 0 })
     }
 
-    /// The step to do next.
+    /// Returns the next step.
     pub(crate) fn next(&self) -> Option<&Step> {
         self.steps.front()
     }
 
-    /// Goes on behind it.
+    /// Moves on to the step after it.
     pub(crate) fn advance(&mut self) {
         self.steps.pop_front();
         self.done += 1;
     }
 
-    /// An error of the step that is next.
+    /// Returns an error for the next step.
     pub(crate) fn fault(&self, what: String) -> ViewError {
         let text = self.next().and_then(|s| serde_json::to_string(s).ok()).unwrap_or_default();
         ViewError::Step { path: self.path.clone(), step: self.done + 1, text, what }

@@ -1,96 +1,94 @@
-//! What a view shows, as plain data. Commands change it; nothing here knows of a window or a device.
+//! The settings of a view, as plain data. Commands change them without a window or a device.
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::light::Sun;
+use adumbra::Sun;
 use adumbra_render::layers::Layer;
 use adumbra_render::occlusion::{self, OCCLUSIONS};
-use adumbra_render::{Baked, TECHNIQUES, TechniqueSpec, technique};
+use adumbra_render::{Baked, Reads, TECHNIQUES, TechniqueSpec, techniques};
+use adumbra_scene::{Camera, Projection};
 
 use crate::command::{Command, Side};
 use crate::navigation;
 
-/// Most samples a pixel along each side.
+/// Largest number of samples per pixel along each side.
 const MAX_ANTIALIAS: u32 = 4;
 
 /// How the two techniques are shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shown {
-    /// The first alone.
+    /// The first technique alone.
     Single,
-    /// The first left of a divider, at this share of the width, the second right of it.
+    /// The first technique left of a divider at this fraction of the width, the second right of it.
     Split(f64),
-    /// Red where the second is darker, blue where it is brighter; multiplied by this.
+    /// Red where the second technique is darker, blue where it is brighter, multiplied by this gain.
     Difference(f32),
 }
 
-/// What a view shows.
+/// The settings of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// The shadow techniques of both sides.
     pub shadows: [TechniqueSpec; 2],
-    /// Ambient occlusion, for both.
+    /// Ambient occlusion, used for both sides.
     pub ambient: TechniqueSpec,
-    /// What of the frames.
+    /// The layer of the frames to show.
     pub layer: Layer,
-    /// How both sides.
+    /// How both sides are shown.
     pub shown: Shown,
     /// The sun.
     pub sun: Sun,
-    /// The camera; its size is that of what is shown, pixels.
+    /// The camera; its size is that of the picture, in pixels.
     pub camera: Camera,
-    /// Whether a ball rolls.
+    /// Whether there is a rolling ball.
     pub ball: bool,
     /// Seconds since all movements began.
     pub seconds: f64,
-    /// Whether they go on.
+    /// Whether time runs.
     pub playing: bool,
-    /// Whether the shadow file's space is drawn as lines.
+    /// Whether the bounds of the shadow file's space are drawn as lines.
     pub show_box: bool,
-    /// Whether the panel is there.
+    /// Whether the panel is shown.
     pub show_panel: bool,
-    /// Whether the help is there.
+    /// Whether the help is shown.
     pub show_help: bool,
-    /// Samples a pixel along each side.
+    /// Samples per pixel along each side.
     pub antialias: u32,
-    /// Whether frames are drawn on and on.
+    /// Whether frames are drawn continuously.
     pub continuous: bool,
-    /// Texels on the longest side that a bake goes to.
+    /// Resolution of bakes, in texels on the longest side.
     pub resolution: u64,
 }
 
 impl Settings {
-    /// The technique of a side.
+    /// Returns the technique of a side.
     pub fn shadow(&self, side: Side) -> &TechniqueSpec {
         &self.shadows[side as usize]
     }
 
-    /// Whether both sides are seen.
+    /// Whether both sides are visible.
     pub fn shows_both(&self) -> bool {
         self.shown != Shown::Single
     }
 
-    /// Whether a technique that is seen has this name, or begins with it where it ends in `*`.
-    pub fn uses(&self, name: &str) -> bool {
-        self.seen().iter().map(TechniqueSpec::innermost).any(|s| match name.strip_suffix('*') {
-            Some(start) => s.name().starts_with(start),
-            None => s.name() == name,
-        })
+    /// Whether a visible technique is ray-traced.
+    pub fn uses_traced(&self) -> bool {
+        self.seen().iter().any(TechniqueSpec::is_traced)
     }
 
-    /// Whether a technique that is seen asks for penumbrae, which a file in the hierarchy's layout has.
+    /// Whether a visible technique needs penumbrae, which only a file in the layout "depths" provides.
     pub fn uses_penumbrae(&self) -> bool {
-        self.seen().iter().any(TechniqueSpec::needs_hierarchy)
+        self.seen().iter().any(|s| s.reads() == Reads::LightDepths)
     }
 
-    /// The techniques that are seen.
+    /// Returns the visible techniques.
     pub(crate) fn seen(&self) -> &[TechniqueSpec] {
         if self.shows_both() { &self.shadows } else { &self.shadows[..1] }
     }
 
-    /// Changes what a command says. False where it asks for something that is not a setting, such as a screenshot.
+    /// Applies a command. Returns false if the command does not change a setting but does something else, such as a
+    /// screenshot.
     ///
     /// # Errors
-    /// What is wrong with the command; then nothing changed.
+    /// Returns a message if the command is invalid. Then nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<bool, String> {
         match command {
             Command::Shadow { side, technique } => {
@@ -177,7 +175,7 @@ impl Settings {
                 (camera.eye, camera.target) = (*eye, *target);
                 if let Some(fov) = fov {
                     if !(*fov > 0.0 && *fov < 180.0) {
-                        return Err(format!("camera: a fov of {fov}; give degrees between 0 and 180"));
+                        return Err(format!("camera: fov {fov}: give degrees between 0 and 180"));
                     }
                     camera.projection = Projection::Perspective { fov_degrees: *fov };
                 }
@@ -197,9 +195,9 @@ impl Settings {
     }
 }
 
-/// Every shadow technique that a side may show, rays last.
+/// Names of all shadow techniques that a side may show, ray tracing last.
 pub(crate) fn shadow_names() -> impl Iterator<Item = &'static str> {
-    TECHNIQUES.iter().map(|(name, _)| *name).chain(["truth"])
+    TECHNIQUES.iter().map(|t| t.name)
 }
 
 fn further<'n>(names: &[&'n str], name: &str, by: i32) -> &'n str {
@@ -209,7 +207,7 @@ fn further<'n>(names: &[&'n str], name: &str, by: i32) -> &'n str {
 
 fn shadow(text: &str) -> Result<TechniqueSpec, String> {
     let spec: TechniqueSpec = text.parse().map_err(|e| format!("{e}"))?;
-    technique::describe(&spec, Baked::default()).map_err(|e| e.to_string())?;
+    techniques::describe(&spec, Baked::default()).map_err(|e| e.to_string())?;
     Ok(spec)
 }
 
@@ -217,7 +215,7 @@ fn ambient(text: &str) -> Result<TechniqueSpec, String> {
     let spec: TechniqueSpec = text.parse().map_err(|e| format!("{e}"))?;
     if !OCCLUSIONS.iter().any(|(name, _)| *name == spec.name()) {
         let names: Vec<&str> = OCCLUSIONS.iter().map(|(name, _)| *name).collect();
-        return Err(format!("--ao {text}: there is {}", names.join(", ")));
+        return Err(format!("unknown ambient occlusion {text}; choose one of: {}", names.join(", ")));
     }
     occlusion::describe(&spec, 1.0).map_err(|e| e.to_string())?;
     Ok(spec)
@@ -225,7 +223,9 @@ fn ambient(text: &str) -> Result<TechniqueSpec, String> {
 
 fn layer(name: &str) -> Result<Layer, String> {
     let found = Layer::ALL.into_iter().find(|l| l.name() == name);
-    found.ok_or_else(|| format!("layer {name}: there is {}", Layer::ALL.map(Layer::name).join(", ")))
+    found.ok_or_else(|| {
+        format!("unknown layer {name}; choose one of: {}", Layer::ALL.map(Layer::name).join(", "))
+    })
 }
 
 fn finite(what: &str, value: f64) -> Result<f64, String> {
@@ -243,6 +243,8 @@ fn within(what: &str, value: f64, least: f64, most: f64) -> Result<f64, String> 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::baking::FileKind;
+    use crate::shadows::is_used;
 
     pub(crate) fn settings() -> Settings {
         Settings {
@@ -290,9 +292,14 @@ pub(crate) mod tests {
         assert_eq!((s.ambient.name(), s.layer, s.shown), ("issao", Layer::HybridLevels, Shown::Split(0.25)));
         assert!((s.sun.elevation_degrees() - 10.0).abs() < 1e-9 && s.sun.towards()[0] > 0.9);
         assert_eq!((s.antialias, s.resolution, s.show_box), (2, 1024, true));
-        assert!(s.uses("vsm") && s.uses("voxel") && !s.uses("voxel-*"));
+        let uses = |s: &Settings| [FileKind::Light, FileKind::Tree].map(|kind| is_used(kind, s));
+        assert_eq!((uses(&s), s.uses_traced()), ([true, false], false));
         s.shadows[1] = "blur:base=voxel-cubes/filter=3".parse().unwrap();
-        assert!(s.uses("voxel-*") && !s.uses("blur"));
+        assert_eq!(uses(&s), [true, true]);
+        s.shadows = ["csm", "truth"].map(|text| text.parse().unwrap());
+        assert_eq!((uses(&s), s.uses_traced()), ([false, false], true));
+        s.shown = Shown::Single;
+        assert!(!s.uses_traced());
     }
 
     #[test]

@@ -1,13 +1,14 @@
-//! Keeps the shadow files that are seen in step with the sun: given ones as long as it stands where they say, baked ones otherwise.
+//! Keeps the visible shadow files in step with the sun: given files if they were baked for it, new bakes otherwise.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use adumbra::format::AnyFile;
+use adumbra_render::Reads;
+use adumbra_tree::AnyFile;
 
 use crate::baking::{BakeKey, FileKind, RunningBake};
-use crate::loading::LoadedScene;
-use crate::news::Teller;
+use crate::event::EventSender;
+use crate::loaded_scene::LoadedScene;
 use crate::settings::Settings;
 use crate::shadow_file::serves;
 use crate::stage::Files;
@@ -17,7 +18,7 @@ pub(crate) struct Shadows {
     pub(crate) files: Files,
     kinds: [Kind; 2],
     max_memory_bytes: Option<u64>,
-    teller: Teller,
+    sender: EventSender,
 }
 
 #[derive(Default)]
@@ -28,40 +29,40 @@ struct Kind {
     stopped: Option<Stopped>,
 }
 
-/// A file that was given, kept for when the sun comes back to where it says.
+/// A given file, kept for when the sun is again the one it was baked for.
 struct Given {
     file: Arc<AnyFile>,
     path: Option<PathBuf>,
-    /// A bake was asked for in its place.
+    /// Whether a bake was requested in its place.
     is_set_aside: bool,
 }
 
-/// A bake that is not begun again.
+/// A bake that must not be started again.
 struct Stopped {
     key: BakeKey,
-    /// Why it failed; none where it was cancelled.
+    /// Why it failed; `None` if it was cancelled.
     fault: Option<String>,
 }
 
-/// Where a file comes from.
+/// The origin of a file.
 #[derive(Default)]
 enum Origin {
-    /// There is none, or what there is is to be baked anew.
+    /// There is no file, or it is to be replaced by a new bake.
     #[default]
     None,
-    /// It was given.
+    /// The file was given.
     Given,
-    /// A level of a bake, the last one or an earlier.
+    /// The file is a level of a bake, not necessarily the last one.
     Baked { key: BakeKey, is_last: bool },
 }
 
 const KINDS: [FileKind; 2] = [FileKind::Light, FileKind::Tree];
 
-/// Whether a technique that is seen looks up in such a file.
-fn is_used(kind: FileKind, settings: &Settings) -> bool {
+/// Whether a visible technique reads a file of this kind.
+pub(crate) fn is_used(kind: FileKind, settings: &Settings) -> bool {
     match kind {
-        FileKind::Light => settings.uses("voxel") || settings.uses("voxel+csm"),
-        FileKind::Tree => settings.uses("voxel-*"),
+        FileKind::Light => settings.seen().iter().any(|s| s.reads().is_light_file()),
+        FileKind::Tree => settings.seen().iter().any(|s| s.reads() == Reads::TreeFile),
     }
 }
 
@@ -72,17 +73,17 @@ fn set_aside(state: &mut Kind, is_set_aside: bool) {
 }
 
 impl Shadows {
-    pub(crate) fn new(max_memory_bytes: Option<u64>, teller: Teller) -> Self {
-        Self { files: Files::default(), kinds: Default::default(), max_memory_bytes, teller }
+    pub(crate) fn new(max_memory_bytes: Option<u64>, sender: EventSender) -> Self {
+        Self { files: Files::default(), kinds: Default::default(), max_memory_bytes, sender }
     }
 
-    /// Another scene: nothing of this one is right any more.
+    /// Drops all files and bakes, because there is another scene.
     pub(crate) fn clear(&mut self) {
         self.files = Files::default();
         self.kinds = Default::default();
     }
 
-    /// Takes a file that was given.
+    /// Uses a file that was given.
     pub(crate) fn give(&mut self, file: AnyFile, path: Option<PathBuf>) {
         let kind = match file {
             AnyFile::Light(_) => FileKind::Light,
@@ -94,7 +95,8 @@ impl Shadows {
         *self.file_mut(kind) = Some(file);
     }
 
-    /// Has everything baked anew, given files and what was stopped too; what there is stays until then.
+    /// Requests new bakes of everything, including given files and bakes that were stopped. Existing files stay in use
+    /// until then.
     pub(crate) fn rebake(&mut self) {
         for state in &mut self.kinds {
             (state.origin, state.stopped) = (Origin::None, None);
@@ -102,12 +104,12 @@ impl Shadows {
         }
     }
 
-    /// Has given files taken again wherever the sun stands where they say.
+    /// Uses given files again if they were baked for the current sun.
     pub(crate) fn return_to_given(&mut self) {
         self.kinds.iter_mut().for_each(|state| set_aside(state, false));
     }
 
-    /// Takes a given file again where the sun has come back to it.
+    /// Uses a given file again if it was baked for the current sun. Returns whether the file changed.
     fn take_back(&mut self, kind: FileKind, settings: &Settings) -> bool {
         let state = &mut self.kinds[kind as usize];
         let fits = |g: &&Given| !g.is_set_aside && serves(&g.file, settings);
@@ -135,7 +137,7 @@ impl Shadows {
         }
     }
 
-    /// Where the files lie that are shown, as far as they were given.
+    /// Returns the paths of those visible files that were given.
     pub(crate) fn given_paths(&self, settings: &Settings) -> Vec<&Path> {
         let shown = |kind: &FileKind| {
             let Kind { origin, given, .. } = &self.kinds[*kind as usize];
@@ -146,7 +148,7 @@ impl Shadows {
         KINDS.iter().filter(|kind| is_used(**kind, settings)).filter_map(shown).collect()
     }
 
-    /// Why what is seen of bakes failed, where it did.
+    /// Returns why a visible bake failed, if one did.
     pub(crate) fn fault(&self, settings: &Settings, scene: &LoadedScene) -> Option<&str> {
         KINDS.iter().filter(|kind| is_used(**kind, settings)).find_map(|&kind| {
             let wanted = BakeKey::new(kind, scene.number, settings);
@@ -155,18 +157,18 @@ impl Shadows {
         })
     }
 
-    /// The bakes that run.
+    /// The bakes in progress.
     pub(crate) fn running(&self) -> impl Iterator<Item = &RunningBake> {
         self.kinds.iter().filter_map(|k| k.running.as_ref())
     }
 
-    /// Whether everything that is seen is as it will be.
+    /// Whether all visible files are final.
     pub(crate) fn is_settled(&self, settings: &Settings, scene: &LoadedScene) -> bool {
         KINDS.iter().all(|&kind| !is_used(kind, settings) || self.is_done(kind, settings, scene))
             && self.running().next().is_none()
     }
 
-    /// Whether there is something right of everything that is seen.
+    /// Whether all visible files fit the settings, even if they are not final.
     pub(crate) fn has_landed(&self, settings: &Settings) -> bool {
         let is_right = |kind| self.file(kind).is_some_and(|f| serves(f, settings));
         KINDS.iter().all(|&kind| !is_used(kind, settings) || is_right(kind))
@@ -183,7 +185,8 @@ impl Shadows {
         is_there || stopped.as_ref().is_some_and(|s| s.key == wanted)
     }
 
-    /// Begins and ends bakes, so that what is seen comes to be right. One bake of a kind runs at a time. True where files changed.
+    /// Starts and cancels bakes until the visible files fit the settings. Only one bake of each kind runs at a time.
+    /// Returns whether files changed.
     pub(crate) fn reconcile(&mut self, settings: &Settings, scene: &Arc<LoadedScene>) -> bool {
         let mut has_changed = false;
         for kind in KINDS {
@@ -194,9 +197,9 @@ impl Shadows {
             match &state.running {
                 Some(running) if !wanted || !running.key.serves(&key) => running.cancel(),
                 None if wanted => {
-                    let teller = self.teller.clone();
+                    let sender = self.sender.clone();
                     state.running =
-                        Some(RunningBake::start(key, scene.clone(), self.max_memory_bytes, teller));
+                        Some(RunningBake::start(key, scene.clone(), self.max_memory_bytes, sender));
                 }
                 _ => {}
             }
@@ -208,14 +211,14 @@ impl Shadows {
         self.kinds.iter_mut().find(|k| k.running.as_ref().is_some_and(|r| r.number == bake))
     }
 
-    /// Where a bake stands.
+    /// Updates the progress of a bake.
     pub(crate) fn progress(&mut self, bake: u64, resolution: u64, share: f32) {
         if let Some(running) = self.running_mut(bake).and_then(|k| k.running.as_mut()) {
             (running.resolution, running.share) = (resolution, share);
         }
     }
 
-    /// Takes a level of a bake. False where it is not what is wanted any more.
+    /// Uses a level of a bake. Returns false if the settings no longer need it.
     pub(crate) fn landed(&mut self, bake: u64, file: AnyFile, is_last: bool, settings: &Settings) -> bool {
         let Some(state) = self.running_mut(bake) else { return false };
         let Some(key) = state.running.as_ref().map(|r| r.key) else { return false };
@@ -231,7 +234,7 @@ impl Shadows {
         };
         let is_finer = |old: &Arc<AnyFile>| serves(old, settings) && side(old) > side(&file);
         if !is_last && self.file(key.kind).is_some_and(is_finer) {
-            // A finer bake begins with what is coarser than the one before it.
+            // The first levels of a finer bake are coarser than the result of the previous bake.
             return false;
         }
         self.kinds[key.kind as usize].origin = Origin::Baked { key, is_last };
@@ -239,7 +242,7 @@ impl Shadows {
         true
     }
 
-    /// A bake ended without its last level; one that failed is not begun again.
+    /// Ends a bake before its last level. A bake that failed is not started again.
     pub(crate) fn ended(&mut self, bake: u64, fault: Option<String>) {
         let Some(state) = self.running_mut(bake) else { return };
         let ended = state.running.take();
@@ -248,7 +251,7 @@ impl Shadows {
         }
     }
 
-    /// Stops for good what these settings would have baked; what landed stays. False where there is nothing to stop.
+    /// Stops the bakes of these settings for good; completed levels stay. Returns false if there is nothing to stop.
     pub(crate) fn cancel(&mut self, settings: &Settings, scene: &LoadedScene) -> bool {
         let mut stopped = false;
         for kind in KINDS {
@@ -271,11 +274,11 @@ impl Shadows {
 mod tests {
     use std::sync::mpsc::{self, Receiver};
 
-    use adumbra::light::Sun;
-    use adumbra::scene::{GeneratedKind, generate};
+    use adumbra::Sun;
+    use adumbra_scene::{GeneratedKind, generate};
 
     use super::*;
-    use crate::news::News;
+    use crate::event::Event;
     use crate::settings::tests::settings;
     use crate::shadow_file::{is_same_sun, sun_of};
 
@@ -283,29 +286,29 @@ mod tests {
         shadows: Shadows,
         scene: Arc<LoadedScene>,
         settings: Settings,
-        told: Receiver<News>,
+        events: Receiver<Event>,
     }
 
     impl Bench {
         fn new() -> Self {
-            let (tell, told) = mpsc::channel();
-            // The thread of a bake that was dropped tells nobody.
-            let teller = Teller::new(move |news| drop(tell.send(news)));
+            let (channel, events) = mpsc::channel();
+            // The thread of a dropped bake may outlive the receiver.
+            let sender = EventSender::new(move |event| drop(channel.send(event)));
             let scene = generate(GeneratedKind::Primitives, 1);
             let scene = Arc::new(LoadedScene::new("primitives".into(), scene, false));
             let settings = Settings { resolution: 2048, ..settings() };
-            Self { shadows: Shadows::new(None, teller), scene, settings, told }
+            Self { shadows: Shadows::new(None, sender), scene, settings, events }
         }
 
-        /// Takes news until nothing runs and nothing is to be begun.
+        /// Handles events until no bake is running and none is to be started.
         fn settle(&mut self) {
             self.shadows.reconcile(&self.settings, &self.scene);
             while !self.shadows.is_settled(&self.settings, &self.scene) {
-                match self.told.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
-                    News::Baked { bake, file, last } => {
+                match self.events.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
+                    Event::Baked { bake, file, last } => {
                         self.shadows.landed(bake, file, last, &self.settings);
                     }
-                    News::BakeEnded { bake, error } => self.shadows.ended(bake, error),
+                    Event::BakeEnded { bake, error } => self.shadows.ended(bake, error),
                     _ => {}
                 }
                 self.shadows.reconcile(&self.settings, &self.scene);
@@ -328,7 +331,7 @@ mod tests {
         assert_eq!(bench.resolution(), 2048);
         let second = Sun::from_angles(200.0, 20.0).unwrap();
         for sun in [second, first, second, first] {
-            // Begun and not waited for: what lands later is of another sun.
+            // Started but not awaited: its results arrive when the sun is a different one.
             bench.settings.sun = sun;
             bench.shadows.reconcile(&bench.settings, &bench.scene);
         }
@@ -350,7 +353,7 @@ mod tests {
         bench.settle();
         assert_eq!(bench.resolution(), 512);
         assert_eq!(bench.shadows.given_paths(&bench.settings), [Path::new("given.adumbra")]);
-        // The sun goes away and comes back.
+        // The sun moves away and returns.
         let first = std::mem::replace(&mut bench.settings.sun, Sun::from_angles(10.0, 60.0).unwrap());
         bench.settle();
         assert_eq!(bench.resolution(), 2048);
@@ -369,9 +372,9 @@ mod tests {
     }
 
     #[test]
-    fn a_bake_that_fails_is_told_and_not_begun_again() {
+    fn a_bake_that_fails_is_reported_and_not_started_again() {
         let mut bench = Bench::new();
-        // Less than any bake holds.
+        // Less than any bake needs.
         bench.shadows.max_memory_bytes = Some(1);
         bench.settings.resolution = 1 << 17;
         bench.settle();

@@ -1,36 +1,37 @@
-//! Draws what the settings say: keeps a scene on the device, the techniques of both sides, and their pictures.
+//! Draws frames according to the settings. Keeps the scene on the device, the techniques of both sides, and their
+//! pictures.
 
 mod sides;
 
 use std::sync::Arc;
 
-use adumbra::camera::Camera;
-use adumbra::picture::Picture;
-use adumbra::scene::{Bounds, Scene};
+use adumbra::Bounds;
 use adumbra_lab::pictures::picture_of_rgba;
 use adumbra_render::layers::{Layer, LayerPass, LinePass, PresentKind, PresentPass, WorldLine};
 use adumbra_render::movers::BallPath;
 use adumbra_render::occlusion::{
-    AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings, TracedSettings,
+    AmbientSettings, AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses,
 };
 use adumbra_render::readback::read_texture;
 use adumbra_render::{Gpu, RenderError, Renderer, Result, SceneOptions, Shot, TechniqueSpec};
+use adumbra_scene::{Camera, Scene};
+use adumbra_truth::picture::Picture;
 
 pub(crate) use self::sides::{Files, SideView};
 use crate::command::Side;
-use crate::loading::LoadedScene;
+use crate::loaded_scene::LoadedScene;
 use crate::settings::{Settings, Shown};
-use crate::tracing::{TraceKey, Traced};
+use crate::traced::{TraceKey, Traced};
 
-/// A scene with everything that is drawn of it.
+/// A scene with everything that is needed to draw it.
 pub(crate) struct Stage {
     gpu: Gpu,
     scene: Arc<LoadedScene>,
     renderer: Renderer,
-    /// What moves, the ball last.
+    /// Everything that moves, the ball last.
     moving: Scene,
     ball: Option<BallPath>,
-    /// Counts the balls that there were: what was traced with another is of another scene.
+    /// Number of balls so far. Visibilities traced with another ball belong to another scene.
     balls: u64,
     layer_pass: LayerPass,
     line_pass: LinePass,
@@ -41,7 +42,7 @@ pub(crate) struct Stage {
     frame: u32,
 }
 
-/// What a frame is drawn with besides the settings.
+/// Inputs of a frame besides the settings.
 pub(crate) struct FrameContext<'a> {
     pub(crate) files: &'a Files,
     pub(crate) lines: &'a [WorldLine],
@@ -84,7 +85,7 @@ impl Stage {
         &self.sides[side as usize]
     }
 
-    /// What went wrong with either side since this was asked last.
+    /// Returns the faults of either side since the last call.
     pub(crate) fn take_faults(&mut self) -> impl Iterator<Item = String> {
         self.sides.iter_mut().filter_map(SideView::take_fault)
     }
@@ -93,12 +94,12 @@ impl Stage {
         self.ball.as_ref()
     }
 
-    /// Seconds after which everything has come to its end; none where nothing moves.
+    /// Returns the time in seconds at which all movements have ended; `None` if nothing moves.
     pub(crate) fn end_seconds(&self) -> Option<f64> {
         (!self.moving.movers.is_empty()).then(|| self.moving.movers.end_seconds())
     }
 
-    /// Puts a ball on its way, or takes it away.
+    /// Adds a ball on its path, or removes it.
     pub(crate) fn set_ball(&mut self, ball: Option<BallPath>) -> Result<()> {
         self.moving = self.scene.moving.clone();
         if let Some(ball) = &ball {
@@ -115,7 +116,7 @@ impl Stage {
         self.renderer.set_movers(&self.moving, options)
     }
 
-    /// Files changed: techniques that read them are built anew.
+    /// Marks the files as changed: techniques that read them are rebuilt.
     pub(crate) fn forget_files(&mut self) {
         self.sides.iter_mut().for_each(SideView::forget_file);
     }
@@ -125,13 +126,13 @@ impl Stage {
         self.given_ambient = None;
     }
 
-    /// The rays that these settings need, where some do.
+    /// Returns the key of the rays that these settings need, if they need any.
     pub(crate) fn trace_key(&self, settings: &Settings) -> Option<TraceKey> {
-        let sun = settings.uses("truth").then(|| settings.sun.towards());
-        let ambient = (settings.ambient.name() == "truth")
-            .then(|| TracedSettings::from_spec(&settings.ambient, self.default_radius()).ok())
-            .flatten()
-            .map(|traced| (traced.radius_world, traced.rays));
+        let sun = settings.uses_traced().then(|| settings.sun.towards());
+        let ambient = match AmbientSettings::from_spec(&settings.ambient, self.default_radius()) {
+            Ok(AmbientSettings::Traced(traced)) => Some((traced.radius_world, traced.rays)),
+            _ => None,
+        };
         if sun.is_none() && ambient.is_none() {
             return None;
         }
@@ -141,20 +142,21 @@ impl Stage {
         Some(TraceKey { scene, camera: fine(settings), seconds, sun, ambient })
     }
 
-    /// Whether the rays that these settings need are there.
+    /// Whether the rays with this key are available.
     pub(crate) fn has_traced(&self, key: &TraceKey) -> bool {
         self.traced.as_ref().is_some_and(|t| t.key == *key)
     }
 
-    /// Of ambient occlusion, where it does not say, world units.
+    /// Default radius of ambient occlusion, in world units.
     pub(crate) fn default_radius(&self) -> f64 {
         DEFAULT_RADIUS_SHARE * self.scene.usual_diagonal_world
     }
 
-    /// Draws the sides that are seen.
+    /// Draws the visible sides.
     ///
     /// # Errors
-    /// What the device reports; a technique that cannot be drawn is told by its side, which then shows no shadows.
+    /// Returns the device's errors. A technique that cannot be drawn is a fault of its side, which is then shown
+    /// without shadows.
     pub(crate) fn draw(&mut self, settings: &Settings, context: &FrameContext<'_>) -> Result<()> {
         self.moving.pose(settings.seconds);
         self.renderer.move_movers(&self.moving);
@@ -174,10 +176,11 @@ impl Stage {
         Ok(())
     }
 
-    /// Makes the renderer's ambient occlusion what the settings ask for.
+    /// Sets the renderer's ambient occlusion according to the settings.
     fn set_ambient(&mut self, settings: &Settings, key: Option<&TraceKey>) -> Result<()> {
         let spec = &settings.ambient;
-        if spec.name() == "truth" {
+        let asked = AmbientSettings::from_spec(spec, self.default_radius())?;
+        if let AmbientSettings::Traced(_) = asked {
             let traced = self.traced.as_ref().filter(|t| Some(&t.key) == key);
             let (Some(traced), Some(key)) = (traced, key) else {
                 self.ambient = None;
@@ -194,11 +197,11 @@ impl Stage {
                 self.given_ambient = Some(*key);
             }
         } else if self.ambient.as_ref() != Some(spec) {
-            let source = if spec.name() == "none" {
-                None
-            } else {
-                let settings = OcclusionSettings::from_spec(spec, self.default_radius())?;
-                Some(AmbientSource::from(OcclusionPasses::new(&self.gpu, settings)))
+            let source = match asked {
+                AmbientSettings::Estimated(settings) => {
+                    Some(AmbientSource::from(OcclusionPasses::new(&self.gpu, settings)))
+                }
+                AmbientSettings::Traced(_) | AmbientSettings::Open => None,
             };
             self.gpu.check()?;
             self.renderer.set_ambient(source);
@@ -207,7 +210,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Puts the sides onto a target of their size.
+    /// Draws the sides to a target of their size.
     pub(crate) fn present(
         &self,
         pass: &PresentPass,
@@ -226,23 +229,15 @@ impl Stage {
         pass.encode(&self.gpu, encoder, target, pictures, kind);
     }
 
-    /// What is shown, without anything over it.
+    /// Returns the picture that is shown, without any overlay.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns the device's errors.
     pub(crate) fn screenshot(&self, settings: &Settings) -> Result<Picture> {
         let format = adumbra_render::layers::SHOWN_FORMAT;
         let size = [settings.camera.width, settings.camera.height];
-        let texture = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("view::screenshot"),
-            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let texture = self.gpu.texture("view::screenshot", size, format, usage);
         let pass = PresentPass::new(&self.gpu, format)?;
         let mut encoder = self.gpu.encoder("view::screenshot");
         self.present(&pass, &mut encoder, &texture.create_view(&Default::default()), settings);
@@ -251,25 +246,25 @@ impl Stage {
         Ok(picture_of_rgba(size, &rgba))
     }
 
-    /// Why a technique that is seen cannot be drawn, where one cannot.
+    /// Returns why a visible technique cannot be drawn, if there is one.
     pub(crate) fn failure(&self, settings: &Settings) -> Option<&str> {
         let seen = if settings.shows_both() { 2 } else { 1 };
         self.sides[..seen].iter().find_map(SideView::failure)
     }
 
-    /// Why a layer is not there on a side, where it is not.
+    /// Returns why a side lacks a layer, if it does.
     pub(crate) fn missing(&self, side: Side, layer: Layer) -> Option<String> {
         self.side(side).missing(layer)
     }
 }
 
-/// The settings' camera with all samples as pixels.
+/// Returns the settings' camera with one pixel per sample.
 fn fine(settings: &Settings) -> Camera {
     let Settings { camera, antialias, .. } = settings;
     Camera { width: camera.width * antialias, height: camera.height * antialias, ..*camera }
 }
 
-/// A device that is gone ends the view; everything else is shown in it.
+/// Whether an error ends the view, as the loss of the device does. All other errors are shown in it.
 pub(crate) fn is_fatal(error: &RenderError) -> bool {
     matches!(error, RenderError::Lost { .. })
 }

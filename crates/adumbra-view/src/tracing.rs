@@ -1,39 +1,19 @@
-//! Rays on another thread: the truth at each pixel, for the technique and the ambient occlusion called `truth`.
+//! Ray tracing on another thread: the true visibility at each pixel, for the technique and the ambient occlusion named
+//! `truth`.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 
-use adumbra::camera::Camera;
-use adumbra::scene::Scene;
 use adumbra_lab::truth::{SunShape, TruthTracer};
 use adumbra_render::movers::BallPath;
+use adumbra_scene::Scene;
 
 use crate::background::{background_pool, caught};
-use crate::loading::LoadedScene;
-use crate::news::{News, Teller};
-
-/// What a picture of rays belongs to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TraceKey {
-    /// Number of the scene, and of the ball in it.
-    pub(crate) scene: [u64; 2],
-    /// All samples are pixels.
-    pub(crate) camera: Camera,
-    pub(crate) seconds: f64,
-    /// Towards the sun, where its visibility is asked for.
-    pub(crate) sun: Option<[f64; 3]>,
-    /// Radius in world units and rays a pixel, where ambient visibility is asked for.
-    pub(crate) ambient: Option<(f64, u32)>,
-}
-
-/// Visibilities of a picture's pixels.
-pub(crate) struct Traced {
-    pub(crate) key: TraceKey,
-    pub(crate) sun: Option<Vec<f32>>,
-    pub(crate) ambient: Option<Vec<f32>>,
-}
+use crate::event::{Event, EventSender};
+use crate::loaded_scene::LoadedScene;
+use crate::traced::{TraceKey, Traced};
 
 struct Job {
     key: TraceKey,
@@ -43,12 +23,12 @@ struct Job {
 }
 
 impl Job {
-    /// Whether both see the same geometry.
+    /// Whether both have the same geometry.
     fn is_of_the_same(&self, other: &Placed) -> bool {
         (self.key.scene, self.key.seconds) == (other.scene, other.seconds)
     }
 
-    /// The scene with everything where it is then.
+    /// Returns the scene posed for the job's time.
     fn place(&self) -> Placed {
         let TraceKey { scene, seconds, .. } = self.key;
         let whole = if self.ball.is_none() && self.scene.whole.movers.is_empty() {
@@ -65,7 +45,7 @@ impl Job {
     }
 }
 
-/// A scene at a time.
+/// A scene posed for a point in time.
 struct Placed {
     scene: [u64; 2],
     seconds: f64,
@@ -73,20 +53,21 @@ struct Placed {
     ignore_alpha: bool,
 }
 
-/// The thread. It traces the newest picture asked for; older ones are dropped, begun or not.
+/// The tracing thread. It traces the picture requested last. Older requests are dropped, even if they are in progress.
 pub(crate) struct TraceThread {
     jobs: Sender<Job>,
     asked: Option<(TraceKey, Arc<AtomicBool>)>,
 }
 
 impl TraceThread {
-    pub(crate) fn start(teller: Teller) -> Self {
+    pub(crate) fn start(sender: EventSender) -> Self {
         let (jobs, received) = mpsc::channel();
-        thread::spawn(move || trace_all(&received, &teller));
+        thread::spawn(move || trace_all(&received, &sender));
         Self { jobs, asked: None }
     }
 
-    /// Asks for a picture, unless it is the one asked for last: then false. The key's time places what moves, and the ball.
+    /// Requests a picture. Returns false if it is the one requested last. The key's time determines the pose of
+    /// everything that moves, including the ball.
     pub(crate) fn ask(&mut self, key: TraceKey, scene: &Arc<LoadedScene>, ball: Option<&BallPath>) -> bool {
         if self.asked.as_ref().is_some_and(|(asked, _)| *asked == key) {
             return false;
@@ -94,12 +75,12 @@ impl TraceThread {
         self.cancel();
         let cancel = Arc::new(AtomicBool::new(false));
         self.asked = Some((key, cancel.clone()));
-        // The thread lives as long as this.
+        // The thread lives as long as `self`.
         let _ = self.jobs.send(Job { key, scene: scene.clone(), ball: ball.cloned(), cancel });
         true
     }
 
-    /// Has what is traced end soon, without news of it.
+    /// Makes the current job end soon, without an event.
     pub(crate) fn cancel(&mut self) {
         if let Some((_, cancel)) = self.asked.take() {
             cancel.store(true, Ordering::Relaxed);
@@ -113,21 +94,21 @@ impl Drop for TraceThread {
     }
 }
 
-fn trace_all(jobs: &Receiver<Job>, teller: &Teller) {
+fn trace_all(jobs: &Receiver<Job>, sender: &EventSender) {
     let mut next = jobs.recv().ok();
     while let Some(job) = next.take() {
-        next = match caught(|| trace_scene(job, jobs, teller)) {
+        next = match caught(|| trace_scene(job, jobs, sender)) {
             Ok(other) => other,
             Err(error) => {
-                teller.tell(News::NotTraced { error });
+                sender.send(Event::NotTraced { error });
                 jobs.recv().ok()
             }
         };
     }
 }
 
-/// Traces pictures of one scene until one of another is asked for, which comes back, or none any more.
-fn trace_scene(mut job: Job, jobs: &Receiver<Job>, teller: &Teller) -> Result<Option<Job>, String> {
+/// Traces pictures of one scene. Returns the first job of another scene, or `None` if no more jobs can arrive.
+fn trace_scene(mut job: Job, jobs: &Receiver<Job>, sender: &EventSender) -> Result<Option<Job>, String> {
     let pool = background_pool()?;
     let placed = job.place();
     let truth = pool.install(|| TruthTracer::build(&placed.whole, placed.ignore_alpha));
@@ -138,7 +119,7 @@ fn trace_scene(mut job: Job, jobs: &Receiver<Job>, teller: &Teller) -> Result<Op
         }
         let traced = pool.install(|| trace(&truth, job.key, &job.cancel));
         if !job.cancel.load(Ordering::Relaxed) {
-            teller.tell(News::Traced(traced));
+            sender.send(Event::Traced(traced));
         }
         match jobs.recv() {
             Ok(later) => job = later,
@@ -159,13 +140,13 @@ mod tests {
     use std::path::PathBuf;
     use std::time::{Duration, Instant};
 
-    use adumbra::scene::{GeneratedKind, generate};
+    use adumbra_scene::{Camera, GeneratedKind, generate};
 
     use super::*;
 
-    fn thread() -> (TraceThread, Receiver<News>) {
-        let (tell, told) = mpsc::channel();
-        (TraceThread::start(Teller::new(move |news| drop(tell.send(news)))), told)
+    fn thread() -> (TraceThread, Receiver<Event>) {
+        let (channel, events) = mpsc::channel();
+        (TraceThread::start(EventSender::new(move |event| drop(channel.send(event)))), events)
     }
 
     fn loaded(scene: Scene) -> Arc<LoadedScene> {
@@ -181,42 +162,42 @@ mod tests {
     #[test]
     fn a_newer_picture_does_not_wait_for_an_older_one() {
         let scene = loaded(generate(GeneratedKind::Primitives, 1));
-        let (mut thread, told) = thread();
+        let (mut thread, events) = thread();
         let quick = key(&scene, 1);
-        // Minutes of rays.
+        // Takes minutes to trace.
         assert!(thread.ask(key(&scene, 1_000_000), &scene, None));
         std::thread::sleep(Duration::from_millis(200));
         let begun = Instant::now();
         assert!(thread.ask(quick, &scene, None) && !thread.ask(quick, &scene, None));
-        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else {
+        let Ok(Event::Traced(traced)) = events.recv_timeout(Duration::from_secs(60)) else {
             panic!("no picture")
         };
         assert!(traced.key == quick && begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
-        // A picture that is cancelled comes never, and may be asked for again.
+        // A cancelled picture never arrives, and may be requested again.
         assert!(thread.ask(key(&scene, 1_000_000), &scene, None));
         thread.cancel();
         assert!(thread.ask(quick, &scene, None));
-        let Ok(News::Traced(traced)) = told.recv_timeout(Duration::from_secs(60)) else {
+        let Ok(Event::Traced(traced)) = events.recv_timeout(Duration::from_secs(60)) else {
             panic!("no picture")
         };
         assert!(traced.key == quick);
     }
 
     #[test]
-    fn a_panic_is_told_and_the_next_scene_is_traced() {
+    fn a_panic_is_reported_and_the_next_scene_is_traced() {
         let mut broken = generate(GeneratedKind::Primitives, 1);
         broken.meshes[0].triangles[0][0] = u32::MAX;
         let sound = loaded(generate(GeneratedKind::Primitives, 1));
         let whole = Arc::new(broken);
         let other = LoadedScene::new(PathBuf::from("broken"), generate(GeneratedKind::Primitives, 1), false);
         let broken = Arc::new(LoadedScene { whole, ..other });
-        let (mut thread, told) = thread();
+        let (mut thread, events) = thread();
         assert!(thread.ask(TraceKey { scene: [broken.number, 0], ..key(&sound, 1) }, &broken, None));
-        let Ok(News::NotTraced { error }) = told.recv_timeout(Duration::from_secs(60)) else {
-            panic!("no news")
+        let Ok(Event::NotTraced { error }) = events.recv_timeout(Duration::from_secs(60)) else {
+            panic!("no event")
         };
         assert!(error.contains("please report it"), "{error}");
         assert!(thread.ask(key(&sound, 1), &sound, None));
-        assert!(matches!(told.recv_timeout(Duration::from_secs(60)), Ok(News::Traced(_))));
+        assert!(matches!(events.recv_timeout(Duration::from_secs(60)), Ok(Event::Traced(_))));
     }
 }

@@ -1,4 +1,4 @@
-//! The window: winit's events to commands, the picture and the panel onto its surface.
+//! The window: turns winit's events into commands, and draws the picture and the panel to its surface.
 
 mod input;
 
@@ -20,32 +20,33 @@ use winit::window::{Window, WindowId};
 
 use self::input::Pointer;
 use crate::app::App;
-use crate::beginning::Beginning;
 use crate::error::{Result, ViewError};
+use crate::event::{Event, EventSender};
 use crate::messages::Say;
-use crate::news::{News, Teller};
 use crate::options::ViewOptions;
 use crate::stage::is_fatal;
+use crate::startup::Startup;
 use crate::ui;
 
-/// How often a view that waits for something looks again.
+/// Interval at which a waiting view checks again.
 const PULSE: Duration = Duration::from_millis(8);
 
-/// Opens a window and returns when it is closed. `say` gets what the view says, a line each.
+/// Opens a window and returns when it is closed. `say` receives each message as a line.
 ///
 /// # Errors
-/// [`ViewError::Window`] without a display; what the options, the first scene, the script or the device are wrong about.
+/// Returns [`ViewError::Window`] if there is no display, and other errors if the options, the first scene, the script
+/// or the device are at fault.
 pub fn run(options: ViewOptions, say: Say) -> Result<()> {
-    let beginning = Beginning::new(options)?;
+    let startup = Startup::new(options)?;
     let no_window = |e: winit::error::EventLoopError| ViewError::Window { reason: system_says(&e) };
-    let events = EventLoop::<News>::with_user_event().build().map_err(no_window)?;
+    let events = EventLoop::<Event>::with_user_event().build().map_err(no_window)?;
     let proxy = events.create_proxy();
-    let mut handler = Handler { begin: Some((beginning, say)), proxy, open: None, ended: None };
+    let mut handler = Handler { startup: Some((startup, say)), proxy, open: None, ended: None };
     events.run_app(&mut handler).map_err(no_window)?;
     handler.ended.unwrap_or(Ok(()))
 }
 
-/// What winit says, without the place in winit's own source that it puts before it.
+/// Returns winit's message without the location in winit's source that it starts with.
 fn system_says(error: &dyn std::error::Error) -> String {
     let said = error.to_string();
     let what = said.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
@@ -53,13 +54,13 @@ fn system_says(error: &dyn std::error::Error) -> String {
 }
 
 struct Handler {
-    begin: Option<(Beginning, Say)>,
-    proxy: EventLoopProxy<News>,
+    startup: Option<(Startup, Say)>,
+    proxy: EventLoopProxy<Event>,
     open: Option<Open>,
     ended: Option<Result<()>>,
 }
 
-/// What there is while the window is open.
+/// State while the window is open.
 struct Open {
     app: App,
     window: Arc<Window>,
@@ -74,7 +75,7 @@ struct Open {
     held: BTreeSet<String>,
     modifiers: ModifiersState,
     last: Instant,
-    /// Something went on by itself until now: time that passed before does not count.
+    /// Whether something was in progress by itself until now. Otherwise the time that passed does not count.
     was_active: bool,
     /// When egui wants to be drawn again.
     repaint_at: Option<Instant>,
@@ -88,13 +89,13 @@ struct PanelDrawing {
 
 impl Open {
     fn new(
-        beginning: Beginning,
+        startup: Startup,
         say: Say,
         events: &ActiveEventLoop,
-        proxy: EventLoopProxy<News>,
+        proxy: EventLoopProxy<Event>,
     ) -> Result<Self> {
         let no_window = |reason: String| ViewError::Window { reason };
-        let options = &beginning.options;
+        let options = &startup.options;
         let [width, height] = options.size;
         let attributes = Window::default_attributes()
             .with_title(format!("adumbra: {}", options.scene.display()))
@@ -128,11 +129,11 @@ impl Open {
         );
         let painter = egui_wgpu::Renderer::new(&gpu.device, format, egui_wgpu::RendererOptions::default());
         let present = PresentPass::new(&gpu, format)?;
-        let teller = Teller::new(move |news| {
-            // The loop is gone only when the window is.
-            let _ = proxy.send_event(news);
+        let sender = EventSender::new(move |event| {
+            // Sending fails only if the event loop, and thus the window, is gone.
+            let _ = proxy.send_event(event);
         });
-        let mut app = App::new(beginning, gpu.clone(), teller, say);
+        let mut app = App::new(startup, gpu.clone(), sender, say);
         app.set_size([size.width, size.height]);
         Ok(Self {
             app,
@@ -178,7 +179,7 @@ impl Open {
         if self.app.needs_frame() {
             self.app.draw()?;
         }
-        // Whether or not there is a frame to show it on: textures come once.
+        // Done even without a frame to draw to, because each texture update is delivered only once.
         for (id, deltas) in &output.textures_delta.set {
             deltas
                 .iter()
@@ -212,7 +213,8 @@ impl Open {
         }
     }
 
-    /// What to draw on; none where there is nothing now, and a redraw is asked for where there will be.
+    /// Returns the surface's next texture; `None` if there is none now. Then a redraw is requested if there will be
+    /// one.
     fn frame(&mut self) -> Result<Option<wgpu::SurfaceTexture>> {
         match self.surface.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(frame) | wgpu::CurrentSurfaceTexture::Suboptimal(frame) => {
@@ -225,26 +227,18 @@ impl Open {
                 self.surface.configure(&self.gpu.device, &self.config);
             }
             wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Validation => {}
-            // It is drawn again when it is seen again.
+            // It is drawn again when it becomes visible.
             wgpu::CurrentSurfaceTexture::Occluded => return Ok(None),
         }
         self.window.request_redraw();
         Ok(None)
     }
 
-    /// Draws the window a second time, into a texture, and writes it.
+    /// Draws the window a second time, into a texture, and writes that to a file.
     fn shoot(&mut self, path: &Path, panel: &PanelDrawing) {
         let [width, height] = panel.screen.size_in_pixels;
-        let texture = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("view::window"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: self.config.format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let texture = self.gpu.texture("view::window", [width, height], self.config.format, usage);
         let mut encoder = self.gpu.encoder("view::window");
         self.paint(&mut encoder, &texture.create_view(&Default::default()), panel);
         self.gpu.queue.submit([encoder.finish()]);
@@ -261,7 +255,7 @@ impl Open {
         self.app.window_shot_done = Some(written);
     }
 
-    /// The picture, and the panel over it.
+    /// Draws the picture, and the panel over it.
     fn paint(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -290,7 +284,7 @@ impl Open {
         self.painter.render(&mut pass.forget_lifetime(), jobs, screen);
     }
 
-    /// Goes on by the time since the last call.
+    /// Advances by the time since the last call.
     fn tick(&mut self) -> Result<()> {
         let now = Instant::now();
         let seconds = if self.was_active { (now - self.last).as_secs_f64() } else { 0.0 };
@@ -300,7 +294,7 @@ impl Open {
         if let Some([width, height]) = self.app.resize.take()
             && let Some(size) = self.window.request_inner_size(PhysicalSize::new(width, height))
         {
-            // Sizes that are not taken at once come as an event.
+            // A size that is not applied immediately arrives as an event.
             self.resized(size);
         }
         Ok(())
@@ -329,10 +323,10 @@ impl Handler {
     }
 }
 
-impl ApplicationHandler<News> for Handler {
+impl ApplicationHandler<Event> for Handler {
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        let Some((beginning, say)) = self.begin.take() else { return };
-        match Open::new(beginning, say, events, self.proxy.clone()) {
+        let Some((startup, say)) = self.startup.take() else { return };
+        match Open::new(startup, say, events, self.proxy.clone()) {
             Ok(open) => {
                 open.window.request_redraw();
                 self.open = Some(open);
@@ -341,10 +335,10 @@ impl ApplicationHandler<News> for Handler {
         }
     }
 
-    fn user_event(&mut self, events: &ActiveEventLoop, news: News) {
+    fn user_event(&mut self, events: &ActiveEventLoop, event: Event) {
         let Some(open) = &mut self.open else { return };
         open.window.request_redraw();
-        let outcome = open.app.receive(news);
+        let outcome = open.app.receive(event);
         self.check(events, outcome);
     }
 
@@ -369,7 +363,7 @@ impl ApplicationHandler<News> for Handler {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // The surface goes before the connection to the display does.
+        // The surface must be dropped before the connection to the display.
         self.open = None;
     }
 

@@ -1,52 +1,32 @@
-//! Bakes the sun's shadows of a static world into a small file that answers any point in space.
+//! Baked sun shadows of a static world: one look-up for any point in space, sharp at every distance.
 //!
-//! Data flows one way: [`scene`] → [`light`] → [`bake`] → [`dag`] → [`mod@format`] → [`query`]; [`trace`] is the truth
-//! that [`verify`] compares the answers with, and [`picture`] draws both. [`tree`] is the paper's form of the same answers,
-//! and [`texture`] keeps its words in pictures. One polarity everywhere: *visibility*,
-//! 1 = unoccluded.
+//! This crate reads what a bake has written, and is the one that an engine links. It opens a file ([`ShadowFile`]),
+//! looks up points on the CPU ([`Query`]), and provides the words and parameters that a shader needs ([`gpu`]). It
+//! depends on no graphics library, so it works with any version of any of them. Files are baked by the crate
+//! `adumbra-bake` or by the program `adumbra`.
+//!
+//! Data flows one way: [`grid`] → [`layout`] → [`mod@file`] → [`query`] and [`gpu`]. All results have one polarity,
+//! *visibility*: 1 = unoccluded.
 //!
 //! ```no_run
-//! use std::path::Path;
-//! use std::sync::atomic::AtomicBool;
-//! use adumbra::format::{Layout, ShadowFile};
-//! use adumbra::{bake, light::Sun, query::Query, scene};
+//! use adumbra::{Query, ShadowFile};
 //!
-//! fn main() -> adumbra::Result<()> {
-//!     let scene = scene::load(Path::new("city.glb"), &scene::LoadOptions::default())?;
-//!     let options = bake::Options::new(Sun::from_direction([0.5, 0.8, 0.35])?, bake::Size::Resolution(8192));
-//!     let baked = bake::bake(&scene, &options, &|_| {}, &AtomicBool::new(false))?;
-//!     let file = ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::Packed)?;
-//!     file.write("city.adumbra")?;
-//!     let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 9)?;
-//!     println!("{}", query.visibility([10.0, 1.8, 4.0], Some([0.0, 1.0, 0.0])));
-//!     Ok(())
-//! }
+//! let file = ShadowFile::read("city.adumbra")?;
+//! let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 5)?;
+//! println!("{}", query.visibility([10.0, 1.8, 4.0], Some([0.0, 1.0, 0.0])));
+//! # Ok::<(), adumbra::Error>(())
 //! ```
 
-pub mod bake;
-pub mod camera;
-pub mod dag;
-pub mod error;
-pub mod files;
-pub mod format;
-pub mod hierarchy;
-pub mod light;
-mod paged;
-pub mod picture;
+mod error;
+pub mod file;
+pub mod gpu;
+pub mod grid;
+pub mod layout;
 pub mod query;
-pub mod scene;
-pub mod settings;
-#[cfg(test)]
-#[path = "../tests/shared_folder/mod.rs"]
-pub(crate) mod shared_folder;
-pub mod texture;
-pub mod trace;
-pub mod tree;
-pub mod verify;
+mod settings;
 
-pub use error::{Error, Result};
-
-/// Compiles what the guide shows.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/guides/use-the-file-in-my-engine.md")]
-struct Guide;
+pub use error::{Error, FormatError, IoError, RangeError, Result};
+pub use file::{Layout, LightBody, ShadowFile};
+pub use grid::{Bounds, LightExtent, LightGrid, Sun};
+pub use query::{Cursor, PointVisibility, Query};
+pub use settings::{Bias, FileSettings, MAX_PLANE_SLOPE, MAX_SLOPE, Receivers};

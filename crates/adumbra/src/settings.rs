@@ -1,26 +1,28 @@
-//! What a bake was asked for: written into the file, and shown by `info`.
+//! The settings of a bake. They are written into the file and shown by `info`.
 
-use serde::{Deserialize, Serialize};
+use crate::error::{RangeError, Result};
+use crate::grid::Bounds;
 
-use crate::error::{Error, Result};
-use crate::scene::Bounds;
-
-/// How far a look-up moves its point towards the light before it reads the grid. All in texels of the light's plane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// How far a look-up moves its point before it reads the grid. All terms are in texels of the light's plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bias {
-    /// Along the light, everywhere.
+    /// Distance towards the sun, on every surface.
     pub constant_texels: f64,
-    /// Along the light, times the slope: the tangent of the angle between normal and light, at most [`MAX_SLOPE`].
+    /// Distance towards the sun, multiplied by the slope: the tangent of the angle between normal and light, at most
+    /// [`MAX_SLOPE`].
     pub slope_texels: f64,
-    /// Along the normal.
+    /// Distance along the normal.
     pub normal_offset_texels: f64,
 }
 
-/// The bias counts steeper slopes as this one: n·l = 0.1.
+/// The largest slope that the bias uses; steeper slopes are clamped to it. It corresponds to n·l = 0.1.
 pub const MAX_SLOPE: f64 = 9.95;
 
-/// Steepest plane of a receiver that look-ups follow from texel to texel: level ground under a sun 0.5° high. Steeper surfaces
-/// are taken to rise by this much. It keeps all of a look-up within 32 bits, see [`crate::query::FixedReceiver`].
+/// The steepest receiver plane that look-ups follow from texel to texel: level ground under a sun 0.5° high. Steeper
+/// planes are clamped to this slope. The limit keeps all arithmetic of a look-up within 32 bits, see
+/// [`crate::query::FixedReceiver`].
 pub const MAX_PLANE_SLOPE: f64 = 120.0;
 
 impl Default for Bias {
@@ -30,61 +32,64 @@ impl Default for Bias {
 }
 
 impl Bias {
-    /// Whether every term is from 0 to 16 texels.
+    /// Checks that every term is from 0 to 16 texels.
     ///
     /// # Errors
-    /// [`Error::OptionRange`] with the first that is not.
+    /// Returns [`Error::Range`](crate::Error::Range) with the first term that is not.
     pub fn check(&self) -> Result<()> {
         for value in [self.constant_texels, self.slope_texels, self.normal_offset_texels] {
             if !(0.0..=16.0).contains(&value) {
-                let (value, range) = (value.to_string(), "from 0 to 16 texels");
-                return Err(Error::OptionRange { option: "bias", value, range });
+                return Err(RangeError::new("a term of the bias", value, "from 0 to 16 texels").into());
             }
         }
         Ok(())
     }
 
-    /// Bias along the light at a surface of this slope, in texels; the normal offset is not in it.
+    /// Returns the bias along the light at a surface of this slope, in texels, without the normal offset.
     pub fn along_light(&self, slope: f64) -> f64 {
         self.constant_texels + self.slope_texels * slope.min(MAX_SLOPE)
     }
 }
 
-/// Which points the file must answer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+/// The points at which a file must be correct.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Receivers {
-    /// Every point in space.
+    /// All points in space.
     #[default]
     All,
     /// Only points on static surfaces, with a margin for filter and bias.
     Static,
 }
 
-/// The settings that decide what the file answers. Nothing here varies between runs of the same bake.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
-    /// Texels on the longest side of the scene in the light's plane; with a voxel size, the power of two that holds them.
+/// The settings that determine what a file returns. Nothing here varies between runs of the same bake.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FileSettings {
+    /// Number of texels on the longest side of the scene in the light's plane. If a voxel size was given, the smallest
+    /// power of two that is at least that number.
     pub resolution: u32,
-    /// How far below an open surface a shadow may begin, world units; 0 = the bias at its slope.
+    /// How far below an open surface its shadow may begin, in world units; 0 = the bias at the surface's slope.
     pub thickness_world: f64,
-    /// No static surface lies behind the last one of a column.
+    /// Whether the bake assumed that no static surface is behind the last one of a column.
     pub assume_ground: bool,
-    /// Insides of closed components are free.
+    /// Whether the insides of closed connected components are free, that is, may be lit or shadowed.
     pub closed_regions: bool,
-    /// Alpha masks were ignored.
+    /// Whether alpha masks were ignored.
     pub ignore_alpha: bool,
-    /// Which points are answered.
+    /// The points at which the file is correct.
     pub receivers: Receivers,
-    /// How far behind its first surface, or the deepest of a block that no contour crosses, a column may switch, voxels; 0 = anywhere inside
-    /// the solid.
+    /// How far behind its first surface a column may switch from lit to shadowed, in voxels. In a block that no contour
+    /// crosses, the distance is measured from the block's deepest first surface. 0 = anywhere inside the solid.
     pub switch_within_voxels: u32,
-    /// The box that fixed the space, if one was given.
+    /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,
     /// The look-up bias that the bake was made for.
     pub bias: Bias,
-    /// Triangles baked, instances counted.
+    /// Number of baked triangles, with those of every instance counted.
     pub triangles: u64,
-    /// Instances baked.
+    /// Number of baked instances.
     pub instances: u64,
 }

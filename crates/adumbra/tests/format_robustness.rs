@@ -1,50 +1,32 @@
-//! The file format against `test_vectors/` and against damage: whatever bytes are read, the answer is a file that can
-//! be looked up everywhere or an error that names the fault; whatever goes wrong while writing, no half file is left.
+//! Tests of the file format with `test_vectors/` and with damaged files. For any bytes, reading must return either a
+//! file in which every voxel can be looked up, or an error that names the fault. Writing an invalid file must be an
+//! error.
 
 #[path = "format_support/mod.rs"]
 mod format_support;
 #[path = "format_support/reference.rs"]
 mod reference;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
 
-use adumbra::Error;
-use adumbra::dag::LIT;
-use adumbra::format::{Layout, LightBody, ShadowFile, VERSION};
-use adumbra::scene::Bounds;
-use adumbra::settings::Receivers;
-use format_support::{Mutator, encode, exercise, interpret, is_lit, sweep};
-use serde_json::Value;
+use adumbra::file::VERSION;
+use adumbra::layout::plain::LIT;
+use adumbra::{Bounds, Error, IoError, Layout, LightBody, Receivers, ShadowFile};
+use adumbra_testing::{
+    assert_faults_found, expected_points, faulty_vectors, named_vectors, specified_example, vector_answers,
+    vectors,
+};
+use format_support::{LAYOUT, encode, exercise, is_lit, sweep};
 
-fn vectors(folder: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../test_vectors").join(folder)
-}
-
-/// Name and bytes of every valid vector, by name.
+/// Returns name and bytes of every valid vector, sorted by name.
 fn valid() -> Vec<(String, Vec<u8>)> {
-    valid_in("valid")
-}
-
-fn valid_in(folder: &str) -> Vec<(String, Vec<u8>)> {
-    let mut all: Vec<_> = fs::read_dir(vectors(folder))
-        .expect(folder)
-        .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.extension().is_some_and(|e| e == "adumbra"))
-        .map(|path| (path.file_stem().unwrap().to_string_lossy().into_owned(), fs::read(&path).unwrap()))
-        .collect();
-    all.sort();
-    assert!(all.len() >= 10, "only {} vectors", all.len());
-    all
+    named_vectors("valid", 10)
 }
 
 fn example() -> Vec<u8> {
     fs::read(vectors("valid/example_8.adumbra")).expect("the example")
-}
-
-fn json(path: &Path) -> Value {
-    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
 
 #[test]
@@ -55,7 +37,7 @@ fn valid_vectors_give_their_answers() {
 #[test]
 fn version_1_is_read_and_written_as_version_2() {
     give_their_answers("valid_v1");
-    for (name, bytes) in valid_in("valid_v1") {
+    for (name, bytes) in named_vectors("valid_v1", 10) {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         assert_eq!((bytes[8], u32::from(encode(&file)[8])), (1, VERSION), "{name}");
         assert_eq!(file.body.layout(), Layout::Plain);
@@ -63,17 +45,15 @@ fn version_1_is_read_and_written_as_version_2() {
 }
 
 fn give_their_answers(folder: &str) {
-    for (name, bytes) in valid_in(folder) {
+    for (name, bytes) in named_vectors(folder, 10) {
         let file = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let answers = json(&vectors(folder).join(format!("{name}.json")));
-        for point in answers["points"].as_array().unwrap() {
-            let world = [0, 1, 2].map(|i| point["world"][i].as_f64().unwrap());
-            let expected = point["visibility"].as_u64().unwrap();
-            assert_eq!(u64::from(reference::visibility(&bytes, world)), expected, "{name}: {point}");
-            let at = file.grid.to_grid(world);
+        for point in expected_points(&vector_answers(folder, &name)) {
+            let (expected, what) = (point.visibility, point.all);
+            assert_eq!(u64::from(reference::visibility(&bytes, point.world)), expected, "{name}: {what}");
+            let at = file.grid.to_grid(point.world);
             if (0..3).all(|a| at[a] >= 0.0 && at[a] < f64::from(file.grid.size[a])) {
                 let lit = is_lit(&file, at.map(|c| c.floor() as u32));
-                assert_eq!(u64::from(lit), expected, "{name}: {point}");
+                assert_eq!(u64::from(lit), expected, "{name}: {what}");
             }
         }
     }
@@ -100,51 +80,26 @@ fn decoded_graph_agrees_with_the_reference_on_every_voxel() {
 
 #[test]
 fn invalid_vectors_give_their_errors() {
-    let mut count = 0;
-    for entry in fs::read_dir(vectors("invalid")).unwrap() {
-        let folder = entry.unwrap().path();
-        let expected = json(&folder.join("expected.json"));
-        let path = folder.join("file.adumbra");
-        let Err(Error::Format { source, .. }) = ShadowFile::read(&path) else {
-            panic!("{}: no format error", folder.display());
+    let faulty = faulty_vectors("invalid");
+    for vector in &faulty {
+        let Err(Error::Format { source, .. }) = ShadowFile::read(&vector.path) else {
+            panic!("{}: no format error", vector.path.display());
         };
-        let fault = source.fault();
-        let message = source.to_string();
-        assert_eq!(
-            (source.kind(), fault),
-            (expected["error"].as_str().unwrap(), expected["fault"].as_str()),
-            "{}: {message}",
-            folder.display()
-        );
-        assert!(message.contains(expected["names"].as_str().unwrap()), "{}: {message}", folder.display());
-        assert!(["bake", "update"].iter().any(|mend| message.contains(mend)), "no mend: {message}");
-        // Bytes and file give the same error.
-        assert_eq!(exercise(&fs::read(&path).unwrap()).unwrap_err(), source);
-        count += 1;
+        vector.check(source.kind(), source.fault(), &source.to_string());
+        // Reading from memory and from a file must give the same error.
+        assert_eq!(exercise(&fs::read(&vector.path).unwrap()).unwrap_err(), *source);
     }
-    assert!(count >= 50, "only {count} faults");
+    assert!(faulty.len() >= 50, "only {} faults", faulty.len());
 }
 
 #[test]
 fn specification_shows_the_example_as_it_is() {
-    let text =
-        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../spec/adumbra-file.md")).unwrap();
-    let mut bytes = Vec::new();
-    for line in text.lines() {
-        let Some((at, hex)) = line.split_once(": ") else { continue };
-        if at.len() != 8 || usize::from_str_radix(at, 16) != Ok(bytes.len()) {
-            continue;
-        }
-        bytes.extend(hex.split_whitespace().map_while(|b| u8::from_str_radix(b, 16).ok()));
+    let example_in_text = specified_example("adumbra-file.md");
+    assert_eq!(example_in_text.bytes, example());
+    for (world, answer) in &example_in_text.answers {
+        assert_eq!(reference::visibility(&example_in_text.bytes, *world).to_string(), *answer, "{world:?}");
     }
-    assert_eq!(bytes, example());
-    let answers = text.lines().filter(|line| line.starts_with("| (")).map(|line| {
-        let cells: Vec<_> = line.split('|').map(|cell| cell.trim().replace('−', "-")).collect();
-        let mut world = cells[1].trim_matches(['(', ')']).split(", ").map(|c| c.parse().unwrap());
-        let world = [0; 3].map(|_| world.next().unwrap());
-        assert_eq!(reference::visibility(&bytes, world).to_string(), cells[4], "{line}");
-    });
-    assert_eq!(answers.count(), 8);
+    assert_eq!(example_in_text.answers.len(), 8);
 }
 
 #[test]
@@ -187,15 +142,15 @@ fn every_flipped_bit_is_an_error() {
     }
 }
 
-/// Some voxels of an accepted file, spread over its columns and near where they switch.
+/// Compares some voxels of an accepted file with the reference, spread over its columns and near where they switch.
 fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
     let size = file.grid.size;
     for at in 0..24 {
         let spread =
             |a: u64| (seed.wrapping_add(at * 7 + a).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32;
         let [i, j, mut k] = [0, 1, 2].map(|a| spread(a as u64) % size[a]);
-        if let LightBody::Hierarchy(hierarchy) = &file.body {
-            k = hierarchy.value(i, j).wrapping_sub(at as u32 & 1).min(size[2] - 1);
+        if let LightBody::Depths(depths) = &file.body {
+            k = depths.value(i, j).wrapping_sub(at as u32 & 1).min(size[2] - 1);
         }
         let expected = reference::voxel(bytes, [i, j, k]) == 1;
         assert_eq!(is_lit(file, [i, j, k]), expected, "seed {seed}: ({i}, {j}, {k})");
@@ -205,10 +160,10 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
 #[test]
 fn mutations_are_refused_or_answer_everywhere() {
     let seeds = valid();
-    let (mut accepted, mut kinds) = (0, std::collections::BTreeMap::new());
+    let (mut accepted, mut kinds) = (0, BTreeMap::new());
     for seed in 0..200_000_u64 {
         let (_, bytes) = &seeds[seed as usize % seeds.len()];
-        let mutated = Mutator::new(seed).mutate(bytes);
+        let mutated = LAYOUT.mutate(bytes, seed);
         match exercise(&mutated) {
             Ok(file) => {
                 accepted += 1;
@@ -217,56 +172,47 @@ fn mutations_are_refused_or_answer_everywhere() {
             Err(error) => *kinds.entry(error.fault().unwrap_or(error.kind())).or_insert(0) += 1,
         }
     }
-    // The mutations reach every check, and graphs that are still valid.
+    // The mutations reach every check, and also produce graphs that are still valid.
     assert!(accepted > 10_000, "{accepted} accepted");
-    let kinds: Vec<_> = kinds.into_iter().filter(|(_, n)| *n >= 10).map(|(kind, _)| kind).collect();
-    for kind in [
-        "Magic",
-        "FutureVersion",
-        "Truncated",
-        "TrailingBytes",
-        "HeaderChecksum",
-        "SectionChecksum",
-        "HeaderField",
-        "SectionBounds",
-        "Padding",
-        "PointerRange",
-        "Order",
-        "NotAHeader",
-        "TwoLevels",
-        "HeaderBits",
-        "ChildState",
-        "NodeEnd",
-        "Uniform",
-        "Unreachable",
-        "TopLength",
-        "Pools",
-        "Filler",
-        "Column",
-        "NodeBits",
-        "SlabRange",
-        "Slabs",
-        "Pointer",
-        "Unreached",
-        "Bits",
-        "End",
-        "Ranks",
-    ] {
-        assert!(kinds.contains(&kind), "no {kind} in {kinds:?}");
-    }
+    assert_faults_found(
+        &kinds,
+        &[
+            "PointerRange",
+            "Order",
+            "NotAHeader",
+            "TwoLevels",
+            "HeaderBits",
+            "ChildState",
+            "NodeEnd",
+            "Uniform",
+            "Unreachable",
+            "TopLength",
+            "Pools",
+            "Filler",
+            "Column",
+            "NodeBits",
+            "LeafMaskRange",
+            "LeafMasks",
+            "Pointer",
+            "Unreached",
+            "Bits",
+            "End",
+            "Ranks",
+        ],
+    );
 }
 
 #[test]
 fn fuzz_input_of_even_first_byte_gets_its_checksums() {
     let mut input = example();
-    assert_eq!(interpret(&input), example());
+    assert_eq!(LAYOUT.interpret(&input), example());
     input[0] = b'@';
     input[20] = 99;
-    assert_eq!(exercise(&interpret(&input)).unwrap().settings.resolution, 99);
-    assert_eq!(exercise(&interpret(&[])).unwrap_err().kind(), "Truncated");
+    assert_eq!(exercise(&LAYOUT.interpret(&input)).unwrap().settings.resolution, 99);
+    assert_eq!(exercise(&LAYOUT.interpret(&[])).unwrap_err().kind(), "Truncated");
 }
 
-/// Takes `room` bytes, then says that the disk is full.
+/// A writer that accepts `room` bytes and then reports that the disk is full.
 struct FullDisk {
     room: usize,
 }
@@ -295,57 +241,20 @@ fn failing_writer_is_an_error_after_any_byte() {
 }
 
 #[test]
-fn written_file_reads_back_and_replaces_the_earlier_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.adumbra");
-    fs::write(&path, "earlier").unwrap();
-    let file = ShadowFile::from_bytes(&example()).unwrap();
-    assert_eq!(file.write(&path).unwrap(), example().len() as u64);
-    assert_eq!(fs::read(&path).unwrap(), example());
-    assert_eq!(ShadowFile::read(&path).unwrap(), file);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file is left");
-}
-
-#[test]
-fn refused_write_leaves_the_earlier_output() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.adumbra");
-    fs::write(&path, "earlier").unwrap();
+fn invalid_file_is_not_written() {
     let mut file = ShadowFile::from_bytes(&example()).unwrap();
     let LightBody::Plain(dag) = &mut file.body else { panic!("another layout") };
     dag.nodes.push(LIT);
-    assert!(matches!(file.write(&path), Err(Error::Format { .. })));
-    assert_eq!(file.write_to(&mut Vec::new()).unwrap_err().kind(), ErrorKind::InvalidData);
-    assert_eq!(fs::read(&path).unwrap(), b"earlier");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-}
-
-#[test]
-fn write_says_what_is_wrong_with_the_path() {
-    let folder = tempfile::tempdir().unwrap();
-    let regular = folder.path().join("regular");
-    fs::write(&regular, "a file").unwrap();
-    let file = ShadowFile::from_bytes(&example()).unwrap();
-    let says = |path: PathBuf| match file.write(&path) {
-        Err(e @ Error::Io { .. }) => e.to_string(),
-        other => panic!("{}: {other:?}", path.display()),
-    };
-    assert!(says(regular.join("a.adumbra")).contains("is a file, not a folder"));
-    assert!(says(regular.join("deeper/a.adumbra")).contains("is a file, not a folder"));
-    assert!(says(folder.path().join("missing/a.adumbra")).contains("does not exist; create it first"));
-    assert!(says(folder.path().to_owned()).contains("it is a folder"));
-    if cfg!(unix) {
-        assert!(says("/dev/null".into()).contains("device"));
-    }
-    assert_eq!(fs::read(&regular).unwrap(), b"a file");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let mut written = Vec::new();
+    assert_eq!(file.write_to(&mut written).unwrap_err().kind(), ErrorKind::InvalidData);
+    assert!(written.is_empty());
 }
 
 #[test]
 fn read_says_what_is_wrong_with_the_path() {
-    let folder = tempfile::tempdir().unwrap();
-    for path in [folder.path().to_owned(), folder.path().join("missing")] {
-        let Err(Error::Io { action: "read", path: named, .. }) = ShadowFile::read(&path) else {
+    let folder = vectors("valid");
+    for path in [folder.clone(), folder.join("missing")] {
+        let Err(Error::Io(IoError { action: "read", path: named, .. })) = ShadowFile::read(&path) else {
             panic!("{}", path.display());
         };
         assert_eq!(named, path);

@@ -1,8 +1,8 @@
-//! Instructions of the hot steps, counted by valgrind's callgrind and held against `docs/counts.json`: a change for the worse
+//! Instructions of the hot steps, counted by valgrind's callgrind and compared with `docs/counts.json`. A regression
 //! shows however busy the machine is.
 //!
-//! Counts move with the compiler too; the table says which made it. Hash tables are seeded alike in every run, so one
-//! program's counts differ from run to run by far less than what is allowed.
+//! Counts also change with the compiler; the table names the one that made it. Hash tables are seeded equally in every
+//! run, so the counts of one program differ between runs by far less than the tolerance.
 
 mod profile;
 mod steps;
@@ -17,9 +17,9 @@ use serde_json::{Map, Value, json};
 use steps::STEPS;
 
 const TABLE: &str = "docs/counts.json";
-/// A step may take this many times the instructions of the table.
+/// Tolerance: a step may take at most this many times the instructions in the table.
 const MOST: f64 = 1.03;
-/// What `cargo xtask count` is called with under valgrind.
+/// Option that `cargo xtask count` gets under valgrind.
 const INSIDE: &str = "--inside";
 
 pub(crate) fn run(root: &Path, options: &[&str]) -> Result<(), Box<dyn Error>> {
@@ -27,10 +27,12 @@ pub(crate) fn run(root: &Path, options: &[&str]) -> Result<(), Box<dyn Error>> {
         [INSIDE] => return steps::run(),
         [] => false,
         ["--bless"] => true,
-        _ => return Err(format!("unknown options {options:?}; there is --bless").into()),
+        _ => return Err(format!("unknown options {options:?}; the only option is --bless").into()),
     };
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|o| o.status.success()) {
-        eprintln!("SKIPPED: valgrind is absent; install it to count instructions (apt-get install valgrind)");
+        eprintln!(
+            "SKIPPED: valgrind is not installed; it is needed to count instructions (apt-get install valgrind)"
+        );
         return Ok(());
     }
     let counted = count()?;
@@ -45,16 +47,16 @@ pub(crate) fn run(root: &Path, options: &[&str]) -> Result<(), Box<dyn Error>> {
     }
     let table: Value = serde_json::from_slice(&fs::read(&path)?)?;
     if table["target"] != target() {
-        eprintln!("SKIPPED: {TABLE} is of {}, this is {}", table["target"], target());
+        eprintln!("SKIPPED: {TABLE} is for {}, this machine is {}", table["target"], target());
         return Ok(());
     }
     if table["rustc"] != compiler()? {
-        eprintln!("note: {TABLE} was made by {}, this is {}", table["rustc"], compiler()?);
+        eprintln!("note: {TABLE} was made with {}, this is {}", table["rustc"], compiler()?);
     }
     compare(&table["instructions"], &counted)
 }
 
-/// Prints the table, and refuses what grew.
+/// Prints the table, and returns an error if a count grew beyond the tolerance.
 fn compare(table: &Value, counted: &[(&str, u64)]) -> Result<(), Box<dyn Error>> {
     let mut grown = Vec::new();
     for &(name, now) in counted {
@@ -70,15 +72,15 @@ fn compare(table: &Value, counted: &[(&str, u64)]) -> Result<(), Box<dyn Error>>
         return Ok(());
     }
     Err(format!(
-        "more than {:.0} % more instructions: {}; mend it, or, where they buy something, write the table with \
-         cargo xtask count --bless and say what",
+        "more than {:.0} % more instructions: {}; reduce them or, if they are worth it, write the table with \
+         cargo xtask count --bless and say why",
         100.0 * (MOST - 1.0),
         grown.join(", ")
     )
     .into())
 }
 
-/// Runs the steps under callgrind.
+/// Runs the steps under callgrind and returns the instructions of each.
 fn count() -> Result<Vec<(&'static str, u64)>, Box<dyn Error>> {
     let folder = env::temp_dir().join(format!("adumbra-count-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
@@ -107,7 +109,7 @@ fn count_in(folder: &Path) -> Result<Vec<(&'static str, u64)>, Box<dyn Error>> {
     STEPS
         .iter()
         .map(|step| match count_of(&step.symbol) {
-            0 => Err(format!("no function {:?} was met: was it inlined?", step.symbol).into()),
+            0 => Err(format!("no function {:?} was found: was it inlined?", step.symbol).into()),
             n => Ok((step.name, n)),
         })
         .collect()

@@ -1,11 +1,12 @@
-//! Callgrind's profiles, names and positions not compressed.
+//! Parser of callgrind's profiles whose names and positions are not compressed.
 //!
-//! Source: *Callgrind Format Specification*, the manual of valgrind 3. Read: `fn=` begins a function, `cfn=` names one that it
-//! calls, `calls=` how often, and the line after that has the instructions spent there.
+//! Source: *Callgrind Format Specification*, the manual of valgrind 3. `fn=` begins a function, `cfn=` names a function
+//! that it calls, `calls=` gives the number of calls, and the line after that has the instructions that they took.
 
 use std::collections::BTreeMap;
 
-/// Instructions by function, those of its callees included; what recursion counts twice is counted once.
+/// Returns the instructions of each function including its callees. Calls of a function to itself are not counted
+/// again.
 pub(super) fn inclusive(profile: &str) -> BTreeMap<&str, u64> {
     let mut sums = BTreeMap::new();
     let (mut caller, mut callee) = ("", "");

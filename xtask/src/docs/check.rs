@@ -1,34 +1,35 @@
-//! What a comment behind a block asks of its commands.
+//! Checks of a block's commands, as the comment after the block asks for them.
 //!
-//! `<!-- check: CLAUSE; CLAUSE; … -->`, the clauses being
+//! `<!-- check: CLAUSE; CLAUSE; … -->`, where a clause is one of
 //!
-//! | clause | asks |
+//! | clause | check |
 //! |---|---|
-//! | `exit N` | that the last command ends with this code; 0 without it. The others end with 0 |
-//! | `exists PATH [MIN..[MAX]]` | a file of so many bytes |
-//! | `picture PATH [WxH]` | a picture of this size and of more than one colour |
-//! | `equal PATH PATH` | the same bytes |
-//! | `alike PATH PATH` | pictures of one size, [`ALIKE`] apart in the mean |
-//! | `stdout "TEXT"`, `stderr "TEXT"` | that the block's commands print this |
-//! | `quick "A" => "B"` | nothing: a quick run puts B in place of A |
-//! | `long` | nothing: a quick run only has the commands' arguments parsed |
-//! | `parse` | nothing: any run does, for what opens a window and waits |
+//! | `exit N` | the last command ends with this code (0 without the clause); all others end with 0 |
+//! | `exists PATH [MIN..[MAX]]` | the file exists, with a length in bytes in this range, or of at least 1 |
+//! | `picture PATH [WxH]` | the picture has this size and more than one colour |
+//! | `equal PATH PATH` | the files have the same bytes |
+//! | `alike PATH PATH` | the pictures have the same size, and a mean difference of at most [`ALIKE`] |
+//! | `stdout "TEXT"`, `stderr "TEXT"` | the block's commands print this text |
+//! | `quick "A" => "B"` | no check: a quick run replaces A with B |
+//! | `long` | no check: a quick run only has the commands' arguments parsed |
+//! | `parse` | no check: every run only has the commands' arguments parsed, for commands that open a window and wait |
 
 use std::fs;
 use std::path::Path;
 
 use image::RgbImage;
 
-/// Mean difference of two pictures that are alike, of 255: another adapter, or another number of milliseconds on a sheet.
+/// Largest mean difference, of 255, of two pictures that are alike. It allows for another adapter, or another number of
+/// milliseconds on a sheet.
 const ALIKE: f64 = 3.0;
 
-/// What a block is checked for.
+/// The checks of a block.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Check {
     pub(crate) exit: i32,
     pub(crate) long: bool,
     pub(crate) parse: bool,
-    /// Of a quick run: what is put in place of what.
+    /// Replacements of a quick run: from, to.
     pub(crate) quick: Vec<(String, String)>,
     expected: Vec<Expected>,
 }
@@ -43,7 +44,7 @@ enum Expected {
     Stderr(String),
 }
 
-/// What a block's commands printed.
+/// The output of a block's commands.
 #[derive(Debug, Default)]
 pub(crate) struct Printed {
     pub(crate) stdout: String,
@@ -51,7 +52,7 @@ pub(crate) struct Printed {
 }
 
 impl Check {
-    /// Reads the comment's text.
+    /// Parses the comment's text.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let mut check = Self::default();
         for clause in clauses(text)? {
@@ -59,7 +60,9 @@ impl Check {
             match words.as_slice() {
                 ["long"] => check.long = true,
                 ["parse"] => check.parse = true,
-                ["exit", code] => check.exit = code.parse().map_err(|_| format!("exit {code}: no code"))?,
+                ["exit", code] => {
+                    check.exit = code.parse().map_err(|_| format!("exit {code}: not an exit code"))?;
+                }
                 ["quick", from, "=>", to] => check.quick.push(((*from).to_owned(), (*to).to_owned())),
                 _ => check.expected.push(Expected::parse(&words)?),
             }
@@ -67,7 +70,7 @@ impl Check {
         Ok(check)
     }
 
-    /// Everything that does not hold in `folder` after the commands.
+    /// Returns everything that does not hold in `folder` after the commands have run.
     pub(crate) fn faults(&self, folder: &Path, printed: &Printed) -> Vec<String> {
         self.expected.iter().filter_map(|e| e.hold(folder, printed).err()).collect()
     }
@@ -95,7 +98,7 @@ impl Expected {
             ["alike", a, b] => Self::Alike { paths: [of(a), of(b)] },
             ["stdout", text] => Self::Stdout(of(text)),
             ["stderr", text] => Self::Stderr(of(text)),
-            _ => return Err(format!("{:?} is no clause of a check", words.join(" "))),
+            _ => return Err(format!("{:?} is not a clause of a check", words.join(" "))),
         })
     }
 
@@ -111,7 +114,7 @@ impl Expected {
                 let found: [u32; 2] = picture.dimensions().into();
                 match size {
                     Some(size) if *size != found => Err(format!("{path}: {found:?} pixels, not {size:?}")),
-                    _ if is_one_colour(&picture) => Err(format!("{path}: one colour")),
+                    _ if is_one_colour(&picture) => Err(format!("{path}: the picture has a single colour")),
                     _ => Ok(()),
                 }
             }
@@ -122,11 +125,19 @@ impl Expected {
             Self::Alike { paths: [a, b] } => {
                 let (left, right) = (picture(&folder.join(a))?, picture(&folder.join(b))?);
                 if left.dimensions() != right.dimensions() {
-                    return Err(format!("{a} and {b}: {:?} and {:?}", left.dimensions(), right.dimensions()));
+                    return Err(format!(
+                        "{a} and {b} have different sizes: {:?} and {:?}",
+                        left.dimensions(),
+                        right.dimensions()
+                    ));
                 }
                 let sum: u64 = left.iter().zip(right.iter()).map(|(l, r)| u64::from(l.abs_diff(*r))).sum();
                 let mean = sum as f64 / left.len() as f64;
-                if mean <= ALIKE { Ok(()) } else { Err(format!("{a} and {b} are {mean:.1} of 255 apart")) }
+                if mean <= ALIKE {
+                    Ok(())
+                } else {
+                    Err(format!("{a} and {b} differ by {mean:.1} of 255 on average"))
+                }
             }
             Self::Stdout(text) => contains("stdout", &printed.stdout, text),
             Self::Stderr(text) => contains("stderr", &printed.stderr, text),
@@ -147,12 +158,16 @@ pub(crate) fn is_one_colour(picture: &RgbImage) -> bool {
     picture.pixels().all(|p| Some(p) == first)
 }
 
-/// Lines of a `text` block that the commands did not print; every run of digits, points and spaces stands for any other, for times
-/// and sizes differ.
+/// Returns the lines of a `text` block that the commands did not print. Every run of digits, points, hyphens and spaces
+/// matches any other, because times and sizes differ.
 pub(crate) fn not_printed(shown: &[String], stdout: &str) -> Vec<String> {
     let printed: Vec<String> = stdout.lines().map(without_numbers).collect();
     let missing = |line: &&String| !line.trim().is_empty() && !printed.contains(&without_numbers(line));
-    shown.iter().filter(missing).map(|line| format!("{line:?} is shown and not printed:\n{stdout}")).collect()
+    shown
+        .iter()
+        .filter(missing)
+        .map(|line| format!("{line:?} is shown but was not printed:\n{stdout}"))
+        .collect()
 }
 
 fn without_numbers(line: &str) -> String {
@@ -169,7 +184,7 @@ fn without_numbers(line: &str) -> String {
     text.trim().to_owned()
 }
 
-/// Clauses as words; quotes hold a word together, with \" and \\ inside.
+/// Splits the text into clauses, and each clause into words. Quotes hold a word together, with \" and \\ inside.
 fn clauses(text: &str) -> Result<Vec<Vec<String>>, String> {
     let (mut all, mut words, mut word) = (Vec::new(), Vec::new(), None::<String>);
     let mut characters = text.chars();
@@ -182,7 +197,7 @@ fn clauses(text: &str) -> Result<Vec<Vec<String>>, String> {
                         Some('"') => break,
                         Some('\\') => open.extend(characters.next()),
                         Some(other) => open.push(other),
-                        None => return Err(format!("a quote does not end: {text}")),
+                        None => return Err(format!("unterminated quote: {text}")),
                     }
                 }
             }
@@ -198,7 +213,7 @@ fn clauses(text: &str) -> Result<Vec<Vec<String>>, String> {
     words.extend(word);
     all.push(words);
     all.retain(|clause| !clause.is_empty());
-    if all.is_empty() { Err("a check of nothing: say at least `exit 0`".to_owned()) } else { Ok(all) }
+    if all.is_empty() { Err("empty check: give at least `exit 0`".to_owned()) } else { Ok(all) }
 }
 
 #[cfg(test)]

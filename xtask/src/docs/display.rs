@@ -1,27 +1,32 @@
-//! A display without a screen, so that documents may open windows.
+//! A virtual display, so that commands of the documents can open windows.
 
 use std::io::{self, BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
-/// An X server of its own, gone with this.
+/// An X server, which ends when this is dropped.
 pub(crate) struct Display {
     server: Child,
     name: String,
 }
 
 impl Display {
-    /// Starts one; none on systems whose windows are not X's.
+    /// Starts an X server. `None` on systems whose windows do not use X.
     pub(crate) fn start() -> io::Result<Option<Self>> {
         if !cfg!(target_os = "linux") {
             return Ok(None);
         }
-        // -noreset: else the server begins anew after each window's end, and drops the next that comes just then.
+        // Without -noreset the server resets after each window closes, and drops a client that connects at that moment.
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-noreset", "-screen", "0", "1920x1200x24", "-nolisten", "tcp"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .map_err(|e| io::Error::new(e.kind(), format!("Xvfb, for windows without a screen: {e}")))?;
+            .map_err(|e| {
+                io::Error::new(
+                    e.kind(),
+                    format!("cannot start Xvfb, which provides a display without a screen: {e}"),
+                )
+            })?;
         let mut number = String::new();
         if let Some(out) = server.stdout.take() {
             BufReader::new(out).read_line(&mut number)?;
@@ -33,20 +38,20 @@ impl Display {
         Ok(Some(display))
     }
 
-    /// As `DISPLAY` has it.
+    /// Returns the name for the variable `DISPLAY`.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 }
 
-/// As `DISPLAY` has the number that the server prints; none where it prints none.
+/// Returns the name for `DISPLAY` from the number that the server prints. `None` if it prints none.
 fn name(number: &str) -> Option<String> {
     number.trim().parse::<u32>().ok().map(|number| format!(":{number}"))
 }
 
 impl Drop for Display {
     fn drop(&mut self) {
-        // Where it is gone already there is nothing to end.
+        // If the server has already ended, there is nothing to do.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }

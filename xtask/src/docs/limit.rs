@@ -1,4 +1,4 @@
-//! Commands that may take so long and no longer, with all that they start.
+//! Time limits of commands, including everything that they start.
 
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _};
@@ -13,10 +13,11 @@ use signal_hook::flag;
 
 const POLL: Duration = Duration::from_millis(10);
 
-/// Whether this program was asked to end. A terminal does not ask what it runs, which is in process groups of its own.
+/// Whether this program was interrupted. A terminal does not signal the commands that it runs, because they are in
+/// process groups of their own.
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
-/// Until when commands may run.
+/// The time until which commands may run.
 pub(crate) struct Limit {
     start: Instant,
     most: Duration,
@@ -32,21 +33,22 @@ impl Interrupt {
         Ok(Self(asked))
     }
 
-    /// An error once it was asked.
+    /// Returns an error if this program was interrupted.
     pub(crate) fn check(&self) -> io::Result<()> {
         if self.0.load(Ordering::Relaxed) { Err(interrupted()) } else { Ok(()) }
     }
 
-    /// From now on, all commands together.
+    /// Returns a limit that starts now and applies to all commands together.
     pub(crate) fn after(&self, most: Duration) -> Limit {
         Limit { start: Instant::now(), most, interrupt: Arc::clone(&self.0) }
     }
 }
 
 impl Limit {
-    /// Runs a command without input; one that is not done in time is killed with what it started, and is an error.
+    /// Runs a command without input. If it is not done in time, kills it with everything that it started and returns an
+    /// error.
     pub(crate) fn output(&self, command: &mut Command) -> io::Result<Output> {
-        // Files and not pipes: nobody has to read them meanwhile, nor to wait for whoever else holds them.
+        // Files instead of pipes: nobody needs to read them meanwhile, or wait for other processes that hold them open.
         let [mut stdout, mut stderr] = [tempfile::tempfile()?, tempfile::tempfile()?];
         command.stdin(Stdio::null()).stdout(stdout.try_clone()?).stderr(stderr.try_clone()?);
         #[cfg(unix)]
@@ -71,7 +73,7 @@ impl Limit {
                 let minutes = self.most.as_secs_f64() / 60.0;
                 return Err(io::Error::new(
                     io::ErrorKind::TimedOut,
-                    format!("not done in {minutes:.0} minutes, and killed"),
+                    format!("killed after {minutes:.0} minutes"),
                 ));
             }
             thread::sleep(POLL);
@@ -83,11 +85,11 @@ fn interrupted() -> io::Error {
     io::Error::new(io::ErrorKind::Interrupted, "interrupted")
 }
 
-/// Ends a command, and where the system has process groups what it started.
+/// Kills a command and, if the system has process groups, everything that it started.
 fn kill(child: &mut Child) -> io::Result<()> {
     #[cfg(unix)]
     if let Some(group) = rustix::process::Pid::from_raw(child.id().cast_signed()) {
-        // A group that is gone has ended as it should.
+        // A group that no longer exists has already ended.
         let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
     }
     child.kill()?;

@@ -1,4 +1,5 @@
-//! Links and pictures of the documents: each goes somewhere, no picture is of one colour or too large to load.
+//! Links and pictures of the documents: every link has a target, and no picture is of a single colour or too large to
+//! load.
 
 use std::collections::HashMap;
 use std::fs;
@@ -7,10 +8,10 @@ use std::path::{Component, Path, PathBuf};
 use super::check::{is_one_colour, picture};
 use super::markdown::{Document, Link};
 
-/// Most bytes of a picture.
-const MOST_BYTES: u64 = 2_000_000;
+/// Maximum size of a picture in bytes.
+const MAX_BYTES: u64 = 2_000_000;
 
-/// Every link that goes nowhere, of documents by their paths below `root`.
+/// Returns every broken link of the documents, which are given by their paths below `root`.
 pub(crate) fn faults(root: &Path, documents: &HashMap<PathBuf, Document>) -> Vec<String> {
     let mut faults = Vec::new();
     for (path, document) in documents {
@@ -38,11 +39,11 @@ fn follow(
     let to = if file.is_empty() { from.to_path_buf() } else { resolved(from, file)? };
     let metadata = fs::metadata(root.join(&to)).map_err(|_| format!("{target}: no such file"))?;
     if link.picture {
-        if metadata.len() > MOST_BYTES {
-            return Err(format!("{target}: {} bytes", metadata.len()));
+        if metadata.len() > MAX_BYTES {
+            return Err(format!("{target}: {} bytes, more than {MAX_BYTES}", metadata.len()));
         }
         if to.extension().is_some_and(|e| e == "png") && is_one_colour(&picture(&root.join(&to))?) {
-            return Err(format!("{target}: one colour"));
+            return Err(format!("{target}: the picture has a single colour"));
         }
     }
     if anchor.is_empty() {
@@ -57,7 +58,7 @@ fn follow(
     if anchors.iter().any(|a| a == anchor) { Ok(()) } else { Err(format!("{target}: no such heading")) }
 }
 
-/// A link's path below the root.
+/// Returns the path of a link's target below the root.
 fn resolved(from: &Path, file: &str) -> Result<PathBuf, String> {
     let mut path = from.parent().map(Path::to_path_buf).unwrap_or_default();
     for part in Path::new(file).components() {

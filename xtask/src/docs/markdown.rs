@@ -1,13 +1,14 @@
-//! As much of Markdown as the documents use: blocks of commands with their checks, code spans, links, headings.
+//! Parser of the parts of Markdown that the documents use: blocks of commands with their checks, code spans, links,
+//! headings.
 
-/// What a document holds.
+/// The contents of a document.
 #[derive(Debug, Default)]
 pub(crate) struct Document {
     /// The `sh` blocks, in order.
     pub(crate) blocks: Vec<Block>,
-    /// Code spans outside of blocks, with their lines.
+    /// Code spans outside blocks, with their line numbers.
     pub(crate) spans: Vec<(usize, String)>,
-    /// Targets of links and pictures, with their lines.
+    /// Targets of links and pictures, with their line numbers.
     pub(crate) links: Vec<Link>,
     /// Anchors of the headings.
     pub(crate) anchors: Vec<String>,
@@ -16,13 +17,13 @@ pub(crate) struct Document {
 /// A block of commands.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Block {
-    /// Line of the fence, from 1.
+    /// Line number of the fence, from 1.
     pub(crate) line: usize,
-    /// Commands, continued lines joined.
+    /// The commands, with continued lines joined.
     pub(crate) commands: Vec<String>,
-    /// What follows `check:` in the comment behind it.
+    /// The text after `check:` in the comment that follows the block.
     pub(crate) check: Option<String>,
-    /// The `text` block behind that: what the commands print.
+    /// The `text` block after that comment: what the commands print.
     pub(crate) shown: Option<Vec<String>>,
 }
 
@@ -58,7 +59,7 @@ impl Document {
         document
     }
 
-    /// Reads the comment and the `text` block behind a block that ends before line `at`; returns the line behind them.
+    /// Reads the comment and the `text` block that follow a block ending before line `at`. Returns the line after them.
     fn checked(&mut self, block: &mut Block, lines: &[&str], at: usize) -> usize {
         let Some(first) = lines.get(at).and_then(|l| l.trim().strip_prefix("<!-- check:")) else { return at };
         let (mut check, mut next) = (first.to_owned(), at + 1);
@@ -77,7 +78,7 @@ impl Document {
     }
 
     fn line(&mut self, number: usize, line: &str) {
-        // Odd parts stand between backticks.
+        // Parts with odd indices are between backticks.
         let parts: Vec<&str> = line.split('`').collect();
         let closed = parts.len() % 2 == 1;
         let is_code = |i: usize| i % 2 == 1 && (closed || i + 1 < parts.len());
@@ -107,12 +108,12 @@ impl Document {
     }
 }
 
-/// The word behind a fence.
+/// Returns the word after a fence.
 fn fence(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix("```").map(str::trim)
 }
 
-/// Lines of a fenced block that opens at `at`, and the line behind it.
+/// Returns the lines of a fenced block that opens at `at`, and the line after it.
 fn fenced<'t>(lines: &[&'t str], at: usize) -> (Vec<&'t str>, usize) {
     let end = (at + 1..lines.len()).find(|&i| fence(lines[i]) == Some("")).unwrap_or(lines.len());
     (lines[at + 1..end].to_vec(), (end + 1).min(lines.len()))
@@ -133,7 +134,8 @@ fn commands(lines: &[&str]) -> Vec<String> {
     all
 }
 
-/// As code hosts make anchors of headings: lower case, spaces to hyphens, letters, digits, hyphens and underscores alone.
+/// Makes the anchor of a heading as code hosts do: lower case, spaces become hyphens, and only letters, digits, hyphens
+/// and underscores remain.
 fn anchor(heading: &str) -> String {
     let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     kept.map(|c| if c == ' ' { '-' } else { c }).collect::<String>().to_lowercase()

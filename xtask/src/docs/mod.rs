@@ -1,10 +1,10 @@
-//! `cargo xtask docs`: what the documents tell a reader to do, done, and what they say of it, checked.
+//! `cargo xtask docs`: runs the commands of the documents and checks what the documents say about them.
 //!
-//! Each `sh` block of the README, of `docs/` and of `docs/guides/` is run in order in a copy of the repository, a copy a document, and checked by the
-//! comment behind it ([`check`]); a block without one is an error, and so is one that takes
-//! longer than [`MINUTES`]. A quick run takes what is built already, puts smaller numbers where
-//! a check gives some, and of blocks that are marked `long` only has the arguments parsed. Then every verb and option that the text names is looked for
-//! in the program's help, every link followed, and the examples run.
+//! The `sh` blocks of the README, of `docs/` and of `docs/guides/` run in order in a copy of the repository, one copy
+//! per document. The comment after each block says how it is checked ([`check`]). A block without such a comment is an
+//! error, and so is one that takes longer than [`MINUTES`]. A quick run uses what is already built, replaces numbers
+//! with smaller ones where a check gives them, and only has the arguments parsed of blocks marked `long`. The task also
+//! follows every link, looks up every verb and option that the text names in its program's help, and runs the examples.
 
 mod check;
 mod display;
@@ -27,14 +27,19 @@ use shell::Clone;
 
 /// Folders whose documents are read.
 const FOLDERS: [&str; 6] = ["", "docs", "docs/guides", "docs/bench", "spec", "fuzz"];
-/// Those whose commands are run: a fuzzer's need another compiler.
+/// Folders whose documents' commands are run. Those of the fuzzer need another compiler.
 const RUN: [&str; 3] = ["", "docs", "docs/guides"];
-/// Run where the documents do not run them.
+/// Examples that are run in addition to the documents.
 const EXAMPLES: [&str; 3] = ["bake_and_query", "engine", "compare_two"];
-/// The option of the program that ends it once its arguments are parsed.
+/// Names of the programs.
+const PRODUCT: &str = "adumbra";
+const LABORATORY: &str = "adumbra-lab";
+/// Command that runs the second program from a checkout.
+const RUN_LABORATORY: &str = "cargo run --release -p adumbra-lab -- ";
+/// Option of both programs that ends them once their arguments are parsed.
 const PARSE_ONLY: &str = "--check-arguments";
 
-/// Minutes that a block may take, and of a quick run.
+/// Time limit of a block in minutes: in a full run and in a quick run.
 const MINUTES: [u64; 2] = [20, 5];
 
 pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
@@ -51,8 +56,10 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
             faults.extend(run_document(root, path, &documents[path], quick, &interrupt)?);
         }
     }
-    let program = Program { path: root.join("target/release/adumbra"), help: BTreeMap::new() };
-    faults.extend(program.faults(&documents, named.is_empty()));
+    for name in [PRODUCT, LABORATORY] {
+        let program = Program { name, path: root.join("target/release").join(name), help: BTreeMap::new() };
+        faults.extend(program.faults(&documents, named.is_empty()));
+    }
     if named.is_empty() {
         faults.extend(run_examples(root, &interrupt)?);
     }
@@ -62,7 +69,7 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
     Err(format!("{}\n{} faults in the documents", faults.join("\n"), faults.len()).into())
 }
 
-/// The documents that are named, or all, by their paths below the root.
+/// Reads the named documents, or all if none is named, by their paths below the root.
 fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<dyn Error>> {
     let mut paths: Vec<PathBuf> = named.iter().map(PathBuf::from).collect();
     if named.is_empty() {
@@ -82,14 +89,14 @@ fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<d
     paths.into_iter().map(document).collect()
 }
 
-/// The program and the examples, as the tests build them.
+/// Builds the programs and the examples as the tests do.
 fn build(root: &Path) -> Result<(), Box<dyn Error>> {
     let arguments = ["build", "--release", "--workspace", "--bins", "--examples"];
     let status = Command::new("cargo").args(arguments).current_dir(root).status()?;
     if status.success() { Ok(()) } else { Err("the program does not build".into()) }
 }
 
-/// Runs a document's blocks; gives what does not hold.
+/// Runs a document's blocks and returns everything that does not hold.
 fn run_document(
     root: &Path,
     path: &Path,
@@ -110,7 +117,7 @@ fn run_document(
         let found = run_block(&clone, block, quick, &interrupt.after(minutes(quick)));
         interrupt.check()?;
         let (place, seconds) = (format!("{}:{}", path.display(), block.line), start.elapsed().as_secs_f64());
-        eprintln!("{place}: {} ({seconds:.1} s)", if found.is_empty() { "ok" } else { "wrong" });
+        eprintln!("{place}: {} ({seconds:.1} s)", if found.is_empty() { "ok" } else { "failed" });
         faults.extend(found.into_iter().map(|fault| format!("{place}: {fault}")));
     }
     Ok(faults)
@@ -122,7 +129,7 @@ fn minutes(quick: bool) -> Duration {
 
 fn run_block(clone: &Clone, block: &Block, quick: bool, limit: &Limit) -> Vec<String> {
     let check =
-        match block.check.as_deref().ok_or("no check stands behind it".to_owned()).and_then(Check::parse) {
+        match block.check.as_deref().ok_or("no check follows this block".to_owned()).and_then(Check::parse) {
             Ok(check) => check,
             Err(fault) => return vec![fault],
         };
@@ -131,16 +138,16 @@ fn run_block(clone: &Clone, block: &Block, quick: bool, limit: &Limit) -> Vec<St
     if quick {
         for (from, to) in &check.quick {
             if !commands.iter().any(|c| c.contains(from.as_str())) {
-                return vec![format!("quick: {from:?} is in no command")];
+                return vec![format!("quick: no command contains {from:?}")];
             }
             commands.iter_mut().for_each(|c| *c = c.replace(from.as_str(), to));
         }
     }
     let mut printed = Printed::default();
     for (i, command) in commands.iter().enumerate() {
-        let line = match command.strip_prefix("adumbra ") {
+        let line = match program_and_rest(command) {
             _ if !parse_only => command.clone(),
-            Some(rest) => format!("adumbra {PARSE_ONLY} {rest}"),
+            Some((program, rest)) => format!("{program} {PARSE_ONLY} {rest}"),
             None => continue,
         };
         let output = match clone.run(&line, limit) {
@@ -162,6 +169,12 @@ fn run_block(clone: &Clone, block: &Block, quick: bool, limit: &Limit) -> Vec<St
     faults
 }
 
+/// Returns the program that a command runs, and its arguments.
+fn program_and_rest(command: &str) -> Option<(&'static str, &str)> {
+    let begins = [("adumbra ", PRODUCT), ("adumbra-lab ", LABORATORY), (RUN_LABORATORY, LABORATORY)];
+    begins.into_iter().find_map(|(begin, program)| Some((program, command.strip_prefix(begin)?)))
+}
+
 fn run_examples(root: &Path, interrupt: &Interrupt) -> std::io::Result<Vec<String>> {
     let clone = Clone::of(root, true)?;
     let mut faults = Vec::new();
@@ -174,21 +187,23 @@ fn run_examples(root: &Path, interrupt: &Interrupt) -> std::io::Result<Vec<Strin
             Ok(output) => Some(format!("{}\n{}", output.status, String::from_utf8_lossy(&output.stderr))),
             Err(fault) => Some(fault),
         };
-        let word = if fault.is_none() { "ok" } else { "wrong" };
+        let word = if fault.is_none() { "ok" } else { "failed" };
         eprintln!("example {name}: {word} ({:.1} s)", start.elapsed().as_secs_f64());
         faults.extend(fault.map(|f| format!("example {name}: {f}")));
     }
     Ok(faults)
 }
 
-/// What the program's help says, by verb.
+/// A program and its help texts by verb.
 struct Program {
+    name: &'static str,
     path: PathBuf,
     help: BTreeMap<Vec<String>, Option<String>>,
 }
 
 impl Program {
-    /// Verbs and options that the documents name and the program does not know; of all documents also verbs that the README does not list.
+    /// Returns the verbs and options that the documents name but the program does not have. If `all` documents were
+    /// read, also the verbs that the README does not list.
     fn faults(mut self, documents: &HashMap<PathBuf, Document>, all: bool) -> Vec<String> {
         let mut faults = BTreeSet::new();
         for (path, document) in documents {
@@ -211,10 +226,10 @@ impl Program {
         faults.into_iter().collect()
     }
 
-    /// Whether a span that begins with the program's name has a verb and options that exist.
+    /// Checks that a span that begins with the program's name has a verb and options that exist.
     fn knows(&mut self, span: &str) -> Result<(), String> {
         let mut words = span.split_whitespace();
-        if words.next() != Some("adumbra") {
+        if words.next() != Some(self.name) {
             return Ok(());
         }
         let mut verb: Vec<String> = Vec::new();
@@ -241,13 +256,13 @@ impl Program {
             let output = Command::new(path).args(verb).arg("--help").output().ok()?;
             output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
         });
-        help.clone().ok_or_else(|| format!("adumbra {} --help fails", verb.join(" ")))
+        help.clone().ok_or_else(|| format!("{} {} --help fails", self.name, verb.join(" ")))
     }
 
     fn verbs(&mut self) -> Vec<String> {
         let help = self.help(&[]).unwrap_or_default();
         let commands = help.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
-        // What a verb does goes on in the lines below it, further in.
+        // The description of a verb continues on the lines below it, which are indented further.
         let verbs = commands.filter_map(|l| l.strip_prefix("  ").filter(|l| !l.starts_with(' ')));
         let first = verbs.filter_map(|l| l.split_whitespace().next());
         first.filter(|verb| *verb != "help").map(str::to_owned).collect()

@@ -1,4 +1,4 @@
-//! The documents' commands, run as a newcomer's in a copy of the repository.
+//! Runs the documents' commands as a newcomer would, in a copy of the repository.
 
 use std::env;
 use std::ffi::OsString;
@@ -12,26 +12,26 @@ use tempfile::TempDir;
 use super::display::Display;
 use super::limit::Limit;
 
-/// A copy of what git would clone, with `target` of the checkout it is made from.
+/// A copy of what git would clone, with the `target` folder of the checkout that it is made from.
 pub(crate) struct Clone {
     /// The checkout.
     root: PathBuf,
     folder: TempDir,
     path: OsString,
-    /// Whether what is built already stands for building it.
+    /// Whether files that are already built replace building them.
     quick: bool,
-    /// For documents that open windows.
+    /// The display of documents that open windows.
     display: Option<Display>,
 }
 
 /// How a command is run.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Run {
-    /// As it stands.
+    /// Run unchanged by the shell.
     Shell(String),
-    /// Nothing to run: the file that it makes, or names, is there already.
+    /// Nothing to run: the file that the command makes or names must already exist.
     Built(String),
-    /// The tests, of which this is one.
+    /// Nothing to run: a task of `cargo xtask`, as this check is itself.
     Task,
 }
 
@@ -43,7 +43,7 @@ impl Clone {
             .current_dir(root)
             .output()?;
         let names = String::from_utf8_lossy(&files.stdout);
-        // A file that is deleted and not yet committed is listed too.
+        // Deleted files that are not committed yet are listed too.
         for name in names.split('\0').filter(|n| !n.is_empty() && root.join(n).is_file()) {
             let to = folder.path().join(name);
             fs::create_dir_all(to.parent().unwrap_or(folder.path()))?;
@@ -57,7 +57,7 @@ impl Clone {
         Ok(Self { root: root.to_owned(), path, folder, quick, display: None })
     }
 
-    /// From here on windows open where nobody sees them.
+    /// Starts a virtual display, on which windows open from now on.
     pub(crate) fn open_display(&mut self) -> io::Result<()> {
         self.display = Display::start()?;
         Ok(())
@@ -67,7 +67,7 @@ impl Clone {
         self.folder.path()
     }
 
-    /// Runs a command; a file that should have been built and is not, and what is not done in time, is an error.
+    /// Runs a command. A file that should have been built but was not is an error, and so is exceeding the time limit.
     pub(crate) fn run(&self, command: &str, limit: &Limit) -> Result<Output, String> {
         let done = Output { status: Default::default(), stdout: Vec::new(), stderr: Vec::new() };
         match Run::of(command, &self.root, self.quick) {
@@ -84,7 +84,7 @@ impl Clone {
         if let Some(display) = &self.display {
             command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
         }
-        // Not the documents' matter: Mesa says on stderr that this is missing.
+        // Unrelated to the documents: Mesa prints an error on stderr if this variable is missing.
         if env::var_os("XDG_RUNTIME_DIR").is_none() {
             command.env("XDG_RUNTIME_DIR", env::temp_dir());
         }
@@ -99,11 +99,18 @@ impl Run {
             ["cargo", "xtask", ..] => Self::Task,
             ["alias", name] => Self::Built(name.split_once('=').map_or(*name, |(_, file)| file).to_owned()),
             ["cargo", "build", "--release"] if quick => Self::Built("target/release/adumbra".to_owned()),
+            ["cargo", "run", "--release", "--", rest @ ..] if quick => {
+                Self::Shell(format!("adumbra {}", rest.join(" ")))
+            }
             ["cargo", "run", "--release", "-p", _, "--example", name, rest @ ..] if quick => {
                 let arguments = rest.strip_prefix(&["--"]).unwrap_or(rest).join(" ");
                 Self::Shell(format!("target/release/examples/{name} {arguments}").trim().to_owned())
             }
-            // Of the checkout, whose `target` this is: what is built of the copy would be built anew, and be left behind there.
+            ["cargo", "run", "--release", "-p", "adumbra-lab", "--", rest @ ..] if quick => {
+                Self::Shell(format!("adumbra-lab {}", rest.join(" ")))
+            }
+            // Builds in the checkout, whose `target` folder is linked here. The copy's sources would be built again and
+            // left behind there.
             ["cargo", verb @ ("build" | "run"), rest @ ..] => {
                 let manifest = root.join("Cargo.toml");
                 Self::Shell(format!(
@@ -141,9 +148,14 @@ mod tests {
             Run::Built("target/release/adumbra".to_owned())
         );
         assert_eq!(quick("cargo build --release"), Run::Built("target/release/adumbra".to_owned()));
-        let example = "cargo run --release -p adumbra --example bake_and_query -- a b";
+        assert_eq!(quick("cargo run --release -- demo"), Run::Shell("adumbra demo".to_owned()));
+        assert_eq!(
+            quick("cargo run --release -p adumbra-lab -- report -o a"),
+            Run::Shell("adumbra-lab report -o a".to_owned())
+        );
+        let example = "cargo run --release -p adumbra-truth --example bake_and_query -- a b";
         assert_eq!(quick(example), Run::Shell("target/release/examples/bake_and_query a b".to_owned()));
-        let of_checkout = "cargo run --manifest-path '/a checkout/Cargo.toml' --release -p adumbra --example bake_and_query -- a b";
+        let of_checkout = "cargo run --manifest-path '/a checkout/Cargo.toml' --release -p adumbra-truth --example bake_and_query -- a b";
         assert_eq!(Run::of(example, root, false), Run::Shell(of_checkout.to_owned()));
         assert_eq!(quick("adumbra demo # why"), Run::Shell("adumbra demo # why".to_owned()));
     }

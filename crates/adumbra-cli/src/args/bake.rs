@@ -1,21 +1,20 @@
-//! What `bake` is told, and what else bakes by its settings.
+//! Arguments of `bake`, and the settings that it shares with other bakes.
 
 use std::path::PathBuf;
 
-use adumbra::bake::{DEFAULT_SWITCH_WITHIN, Options, Preset, Size};
-use adumbra::format::Layout;
-use adumbra::scene::Bounds;
-use adumbra::settings::Receivers;
+use adumbra::{Bounds, Receivers};
+use adumbra_bake::{BakeOptions, DEFAULT_SWITCH_WITHIN, LayoutChoice, Preset, Size};
+use adumbra_program::args::{LayoutArg, RunArgs, SceneArgs, SunArgs, numbers};
+use adumbra_program::exit::Failure;
+use adumbra_program::progress::Style;
+use adumbra_tree::TreeOptions;
 use clap::ValueEnum;
 
 use super::tree::{FrameArg, TreeArgs};
-use super::{SceneArgs, SunArgs, WorkArgs, numbers};
-use crate::exit::Failure;
-use crate::progress::Style;
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum PresetArg {
-    /// 2048 texels: a look within seconds
+    /// 2048 texels: a first look within seconds
     Draft,
     /// 4096 texels
     Low,
@@ -29,40 +28,29 @@ pub(crate) enum PresetArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum ReceiversArg {
-    /// Every point in space is answered
+    /// Every point in space
     All,
-    /// Only points on static surfaces (with normals), filters up to 9; smaller where nothing moves
+    /// Only points on static surfaces (with normals), for filters up to 9; smaller files if nothing moves
     Static,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum LayoutArg {
-    /// About a third of the bytes
-    Packed,
-    /// Words of 32 bits
-    Plain,
-    /// An image of depths: about a quarter of the bytes, and penumbrae (voxel:soft)
-    Hierarchy,
-    /// Packed or hierarchy, whichever is smaller; the bake builds both
-    Auto,
-}
-
-/// What decides a bake's result.
+/// Options that determine the result of a bake.
 #[derive(clap::Args)]
 pub(crate) struct BakeSettings {
     #[command(flatten)]
     pub(crate) sun: SunArgs,
-    /// A power of two. Light: texels on the longest side in the light's plane, 8 to 262144; world: voxels along the cube's
-    /// side, at most 32768
+    /// A power of two. Light frame: texels on the longest side in the light's plane, 8 to 262144; world frame: voxels
+    /// along the cube's side, at most 32768
     #[arg(long, value_name = "N", conflicts_with = "voxel_size")]
     resolution: Option<u64>,
-    /// Edge of a voxel in metres, in place of a resolution
+    /// Edge of a voxel in metres, instead of a resolution
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     voxel_size: Option<f64>,
-    /// A ready-made resolution
+    /// Preset resolution
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
-    /// How far below an open surface a shadow may begin, metres: smaller files [default: the bias at its slope]
+    /// How far below an open surface its shadow may begin, in metres; more gives smaller files [default: the bias at
+    /// the surface's slope]
     #[arg(
         long,
         value_name = "METRES",
@@ -71,23 +59,23 @@ pub(crate) struct BakeSettings {
         allow_hyphen_values = true
     )]
     thickness: f64,
-    /// How far behind its first surface a column's shadow may begin, voxels. 0: anywhere inside the solid, for smaller files
-    /// and paler contact shadows under filters
+    /// How far behind the first surface of a column its shadow may begin, in voxels. 0 allows anywhere inside the
+    /// solid, for smaller files but paler contact shadows under filters
     #[arg(long, value_name = "VOXELS", default_value_t = DEFAULT_SWITCH_WITHIN)]
     switch_within: u32,
-    /// Shadows are needed below the last surface of a column too (movers under bridges with nothing below)
+    /// Keep shadows below the last surface of a column too (for movers under bridges with nothing below)
     #[arg(long)]
     no_assume_ground: bool,
-    /// Insides of solids are not free
+    /// Do not let the bake choose freely whether voxels inside closed solids are lit or shadowed
     #[arg(long)]
     no_closed_regions: bool,
     /// Which points the file must answer
     #[arg(long, value_enum, default_value = "all")]
     receivers: ReceiversArg,
-    /// Cover this box in place of the scene; casters outside it but sunward still cast into it
+    /// Cover this box instead of the scene; casters outside it towards the sun still cast shadows into it
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     bounds: Option<Bounds>,
-    /// How the file holds the voxels [default: packed]
+    /// How the file stores the voxels [default: packed]
     #[arg(long, value_enum)]
     layout: Option<LayoutArg>,
     #[command(flatten)]
@@ -95,27 +83,8 @@ pub(crate) struct BakeSettings {
 }
 
 impl BakeSettings {
-    /// The layout of a light-aligned file; none: the smaller.
-    pub(crate) fn layout(&self) -> Option<Layout> {
-        match self.layout {
-            None | Some(LayoutArg::Packed) => Some(Layout::Packed),
-            Some(LayoutArg::Plain) => Some(Layout::Plain),
-            Some(LayoutArg::Hierarchy) => Some(Layout::Hierarchy),
-            Some(LayoutArg::Auto) => None,
-        }
-    }
-
-    /// Options that only the light frame knows, and whether they were given.
-    /// The layouts that the plain builder does not make; their option's value, if it was given.
-    pub(super) fn fast_only_layout(&self) -> Option<&'static str> {
-        match self.layout {
-            Some(LayoutArg::Hierarchy) => Some("hierarchy"),
-            Some(LayoutArg::Auto) => Some("auto"),
-            _ => None,
-        }
-    }
-
-    pub(super) fn light_only(&self) -> [(bool, &'static str); 5] {
+    /// Returns the options that only the light frame has, and whether each was given.
+    fn light_only(&self) -> [(bool, &'static str); 5] {
         [
             (self.thickness != 0.0, "--thickness"),
             (self.no_assume_ground, "--no-assume-ground"),
@@ -125,7 +94,7 @@ impl BakeSettings {
         ]
     }
 
-    pub(crate) fn options(&self, ignore_alpha: bool, work: &WorkArgs) -> Result<Options, Failure> {
+    pub(crate) fn options(&self, ignore_alpha: bool, run: &RunArgs) -> Result<BakeOptions, Failure> {
         let preset = match self.preset {
             Some(PresetArg::Draft) => Preset::Draft,
             Some(PresetArg::Low) => Preset::Low,
@@ -139,7 +108,8 @@ impl BakeSettings {
             (None, Some(metres)) => Size::VoxelSize(metres),
             (None, None) => Size::Resolution(preset.resolution().into()),
         };
-        Ok(Options {
+        Ok(BakeOptions {
+            layout: self.layout.map_or_else(LayoutChoice::default, LayoutChoice::from),
             thickness_world: self.thickness,
             switch_within_voxels: self.switch_within,
             assume_ground: !self.no_assume_ground,
@@ -150,10 +120,21 @@ impl BakeSettings {
                 ReceiversArg::Static => Receivers::Static,
             },
             bounds: self.bounds,
-            max_memory_bytes: work.max_memory,
+            max_memory_bytes: run.max_memory,
             builder: self.tree.light_builder(),
-            ..Options::new(self.sun.sun()?, size)
+            ..BakeOptions::new(self.sun.sun()?, size)
         })
+    }
+
+    /// Whether the bake is a world-aligned tree. An error if options of both frames are mixed.
+    pub(crate) fn is_tree(&self) -> Result<bool, Failure> {
+        self.tree.check(&self.light_only())?;
+        Ok(self.tree.frame == FrameArg::World)
+    }
+
+    /// Returns the options of a world-aligned bake.
+    pub(crate) fn tree_options(&self, ignore_alpha: bool, run: &RunArgs) -> Result<TreeOptions, Failure> {
+        Ok(self.tree.options(&self.options(ignore_alpha, run)?))
     }
 }
 
@@ -165,20 +146,17 @@ pub(crate) struct Bake {
     pub(crate) settings: BakeSettings,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
-    /// The shadow file to write [default: the scene's name with .adumbra]
+    /// The shadow file to write [default: the scene's path with the extension .adumbra]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// Draw a few tiles and say what the bake would take; writes nothing
+    /// Draw a few tiles and forecast what the whole bake would take; writes nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
     /// How to show progress
     #[arg(long, value_enum, default_value = "auto")]
     pub(crate) progress: Style,
     #[command(flatten)]
-    pub(crate) work: WorkArgs,
-    /// Print one JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
+    pub(crate) run: RunArgs,
 }
 
 fn parse_bounds(text: &str) -> Result<Bounds, String> {

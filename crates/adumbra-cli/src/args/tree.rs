@@ -1,32 +1,31 @@
 //! Options of world-aligned trees.
 
-use adumbra::bake;
-use adumbra::query::Weights;
-use adumbra::tree::{Builder, CaptureBias, Detail, Reduction, Region, TreeOptions};
+use adumbra_bake::{self as bake, BakeOptions};
+use adumbra_program::args::numbers;
+use adumbra_program::exit::Failure;
+use adumbra_tree::query::Weights;
+use adumbra_tree::{Builder, CaptureBias, Detail, Reduction, Region, TreeOptions};
 use clap::ValueEnum;
-
-use super::{BakeSettings, WorkArgs, numbers};
-use crate::exit::Failure;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FrameArg {
-    /// Columns along the light: smaller, filters like a shadow map
+    /// Columns along the light: smaller, and filters like a shadow map
     Light,
-    /// A cube of the world, divided into eight again and again: the paper's tree
+    /// A cube of the world, divided into eight recursively: the paper's tree
     World,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum BuilderArg {
-    /// Light frame: only blocks that silhouettes cross are drawn
+    /// Light frame: draw only blocks that silhouettes cross
     Fast,
-    /// Light frame: every texel is drawn
+    /// Light frame: draw every texel
     Plain,
-    /// World frame: a function that calls itself
+    /// World frame: a recursive function
     Recursive,
-    /// World frame: an explicit stack, one heap frame a push
+    /// World frame: an explicit stack, one heap frame per push
     Iterative,
-    /// World frame: an explicit stack of frames that are used again
+    /// World frame: an explicit stack of frames that are reused
     Pooled,
 }
 
@@ -38,23 +37,23 @@ impl BuilderArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum ReductionArg {
-    /// Equal subtrees are found while building, by a hash of their words
+    /// Find equal subtrees while building, by a hash of their words
     Hash,
-    /// The whole tree first, then sorted from the bottom up
+    /// Build the whole tree first, then sort it from the bottom up
     Sort,
-    /// As hash, by the paper's tree hash
+    /// Like hash, with the paper's tree hash
     TreeHash,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum AttributeArg {
-    /// The width of the sun's penumbra, in eighths of a voxel
+    /// Width of the sun's penumbra, in eighths of a voxel
     Penumbra,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
 pub(crate) enum WeightsArg {
-    /// All taps alike
+    /// All taps equally
     #[default]
     Mean,
     /// Less with distance: 8, 4, 1 along each axis
@@ -62,7 +61,8 @@ pub(crate) enum WeightsArg {
 }
 
 impl WeightsArg {
-    /// As techniques are told.
+    /// Returns the name that techniques use.
+    #[cfg(feature = "render")]
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Mean => "mean",
@@ -80,16 +80,20 @@ impl From<WeightsArg> for Weights {
     }
 }
 
-/// What only `--frame world` knows.
+/// Help heading of options that change how a bake is made but none of its answers.
+const REPRODUCE: &str = "Only to reproduce the papers' tables";
+
+/// The choice of the frame, and the options of `--frame world`.
 #[derive(clap::Args)]
 pub(crate) struct TreeArgs {
     /// What the voxels are aligned with
     #[arg(long, value_enum, default_value = "light")]
     pub(crate) frame: FrameArg,
-    /// World frame: go down to this depth (2^depth voxels across the cube) in a box in plan; may be repeated
+    /// World frame: depth of the tree (2^depth voxels across the cube) within a rectangle seen from above; may be
+    /// repeated
     #[arg(long = "region", value_name = "X0,Z0,X1,Z1:DEPTH", allow_hyphen_values = true, value_parser = parse_region)]
     regions: Vec<Region>,
-    /// World frame: nested squares around a point; --resolution holds in the innermost, half of it in each next one
+    /// World frame: nested squares around a point; --resolution applies in the innermost, half of it in each next one
     #[arg(long, value_name = "X,Z:R1,R2,…", allow_hyphen_values = true, value_parser = parse_rings,
         conflicts_with = "regions")]
     rings: Option<Detail>,
@@ -99,35 +103,37 @@ pub(crate) struct TreeArgs {
     /// World frame: merge similar subtrees, changing at most this share of the voxels at shadow borders
     #[arg(long, value_name = "SHARE", value_parser = parse_share)]
     pub(crate) lossy: Option<f64>,
-    /// World frame: keep a byte for each voxel at a shadow border
+    /// World frame: store a byte for each voxel at a shadow border
     #[arg(long, value_enum, conflicts_with = "symmetry")]
     pub(crate) attribute: Option<AttributeArg>,
-    /// How the bake is made; every point that must be answered has the same answer [default: light: fast, world: pooled]
-    #[arg(long, value_enum)]
+    /// How the bake is made; every point that must be answered gets the same answer [default: light: fast, world:
+    /// pooled]
+    #[arg(long, value_enum, help_heading = REPRODUCE)]
     builder: Option<BuilderArg>,
     /// World frame: how equal subtrees are found; the result is the same [default: hash]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, help_heading = REPRODUCE)]
     reduction: Option<ReductionArg>,
-    /// World frame: test every voxel, also where the min/max pyramid decides; the result is the same
-    #[arg(long)]
+    /// World frame: test every voxel, even if the min/max pyramid decides; the result is the same
+    #[arg(long, help_heading = REPRODUCE)]
     exhaustive: bool,
-    /// World frame: depths move away from the light by this, in texels of the depth image [default: 0]
+    /// World frame: move depths away from the light by this, in texels of the depth image [default: 0]
     #[arg(long, value_name = "TEXELS")]
     capture_bias_constant: Option<f64>,
-    /// World frame: and by this times the slope [default: 0.75]
+    /// World frame: also move them by this per unit of slope, in texels of the depth image [default: 0.75]
     #[arg(long, value_name = "TEXELS")]
     capture_bias_slope: Option<f64>,
 }
 
 impl TreeArgs {
-    /// An error where an option of the world frame stands beside the light frame, or the other way round.
-    fn check(&self, settings: &BakeSettings) -> Result<(), Failure> {
+    /// Checks that no option of one frame is given with the other. `light_only` lists options of the light frame
+    /// outside this group, and whether each was given.
+    pub(super) fn check(&self, light_only: &[(bool, &'static str)]) -> Result<(), Failure> {
         let needless = |given: &[(bool, &'static str)], frame: &str, other: &str| match given
             .iter()
             .find(|(given, _)| *given)
         {
             Some((_, option)) => Err(Failure::Usage(format!(
-                "{option} means nothing with --frame {frame}; leave it out, or bake with --frame {other}"
+                "{option} does not apply to --frame {frame}; remove it, or bake with --frame {other}"
             ))),
             None => Ok(()),
         };
@@ -154,12 +160,47 @@ impl TreeArgs {
                     "world",
                     "light",
                 )?;
-                needless(&settings.light_only(), "world", "light")
+                needless(light_only, "world", "light")
             }
         }
     }
 
-    /// How the columns of the light frame are found.
+    /// Returns the options of a world-aligned bake. Options that both frames share come from `common`.
+    pub(super) fn options(&self, common: &BakeOptions) -> TreeOptions {
+        let default = TreeOptions::new(common.sun, common.size);
+        let bias = default.capture_bias;
+        TreeOptions {
+            detail: match &self.rings {
+                Some(rings) => rings.clone(),
+                None if self.regions.is_empty() => Detail::Uniform,
+                None => Detail::Regions(self.regions.clone()),
+            },
+            closed_regions: common.closed_regions,
+            ignore_alpha: common.ignore_alpha,
+            bounds: common.bounds,
+            builder: match self.builder {
+                Some(BuilderArg::Recursive) => Builder::Recursive,
+                Some(BuilderArg::Iterative) => Builder::Iterative,
+                Some(BuilderArg::Pooled) => Builder::Pooled,
+                Some(BuilderArg::Fast | BuilderArg::Plain) | None => default.builder,
+            },
+            reduction: match self.reduction {
+                Some(ReductionArg::Hash) => Reduction::Hash,
+                Some(ReductionArg::Sort) => Reduction::Sort,
+                Some(ReductionArg::TreeHash) => Reduction::TreeHash,
+                None => default.reduction,
+            },
+            prune: !self.exhaustive,
+            capture_bias: CaptureBias {
+                constant_texels: self.capture_bias_constant.unwrap_or(bias.constant_texels),
+                slope_texels: self.capture_bias_slope.unwrap_or(bias.slope_texels),
+            },
+            max_memory_bytes: common.max_memory_bytes,
+            ..default
+        }
+    }
+
+    /// Returns the method that finds the columns of the light frame.
     pub(crate) fn light_builder(&self) -> bake::Builder {
         match self.builder {
             Some(BuilderArg::Plain) => bake::Builder::Plain,
@@ -168,60 +209,13 @@ impl TreeArgs {
     }
 }
 
-impl BakeSettings {
-    /// Whether the bake is a world-aligned tree; an error where options of both frames are mixed.
-    pub(crate) fn is_tree(&self) -> Result<bool, Failure> {
-        self.tree.check(self)?;
-        if let (bake::Builder::Plain, Some(layout)) = (self.tree.light_builder(), self.fast_only_layout()) {
-            return Err(Failure::Usage(format!(
-                "--builder plain makes no --layout {layout}; leave one of them out"
-            )));
-        }
-        Ok(self.tree.frame == FrameArg::World)
-    }
-
-    /// Options of a world-aligned bake.
-    pub(crate) fn tree_options(&self, ignore_alpha: bool, work: &WorkArgs) -> Result<TreeOptions, Failure> {
-        let common = self.options(ignore_alpha, work)?;
-        let tree = &self.tree;
-        let default = TreeOptions::new(common.sun, common.size);
-        let bias = default.capture_bias;
-        Ok(TreeOptions {
-            detail: match &tree.rings {
-                Some(rings) => rings.clone(),
-                None if tree.regions.is_empty() => Detail::Uniform,
-                None => Detail::Regions(tree.regions.clone()),
-            },
-            closed_regions: common.closed_regions,
-            ignore_alpha,
-            bounds: common.bounds,
-            builder: match tree.builder {
-                Some(BuilderArg::Recursive) => Builder::Recursive,
-                Some(BuilderArg::Iterative) => Builder::Iterative,
-                Some(BuilderArg::Pooled) => Builder::Pooled,
-                Some(BuilderArg::Fast | BuilderArg::Plain) | None => default.builder,
-            },
-            reduction: match tree.reduction {
-                Some(ReductionArg::Hash) => Reduction::Hash,
-                Some(ReductionArg::Sort) => Reduction::Sort,
-                Some(ReductionArg::TreeHash) => Reduction::TreeHash,
-                None => default.reduction,
-            },
-            prune: !tree.exhaustive,
-            capture_bias: CaptureBias {
-                constant_texels: tree.capture_bias_constant.unwrap_or(bias.constant_texels),
-                slope_texels: tree.capture_bias_slope.unwrap_or(bias.slope_texels),
-            },
-            max_memory_bytes: common.max_memory_bytes,
-            ..default
-        })
-    }
-}
-
 fn parse_region(text: &str) -> Result<Region, String> {
     let (corners, depth) = text.split_once(':').ok_or("give X0,Z0,X1,Z1:DEPTH")?;
     let [x0, z0, x1, z1] = numbers::<4>(corners)?;
-    let depth = depth.trim().parse().map_err(|_| format!("{depth:?} is not a depth, such as 11"))?;
+    let depth = depth
+        .trim()
+        .parse()
+        .map_err(|_| format!("{depth:?} is not a depth; give a whole number such as 11"))?;
     Ok(Region { x: [x0, x1], z: [z0, z1], depth })
 }
 
@@ -239,7 +233,10 @@ fn parse_share(text: &str) -> Result<f64, String> {
         Some(percent) => (percent, 0.01),
         None => (text, 1.0),
     };
-    let share =
-        number.trim().parse::<f64>().map_err(|_| format!("{text:?} is not a share, such as 0.5%"))? * scale;
+    let share = number
+        .trim()
+        .parse::<f64>()
+        .map_err(|_| format!("{text:?} is not a share; give one such as 0.5%"))?
+        * scale;
     if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(format!("{text} is not between 0 and 100 %")) }
 }

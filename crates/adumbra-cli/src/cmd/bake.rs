@@ -1,26 +1,100 @@
-//! `adumbra bake`: scene in, shadow file out.
+//! `adumbra bake`: bakes a scene into a shadow file.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use adumbra::Error;
-use adumbra::bake::{self, Baked, BakedBoth, BakedHierarchy, BakedPacked, Options, Progress, Report};
-use adumbra::dag::packed::PackError;
-use adumbra::files;
-use adumbra::format::{Layout, LightBody, ShadowFile};
-use adumbra::scene::{Bounds, Scene};
-use serde_json::{Value, json};
+use adumbra::Bounds;
+use adumbra::file::Layout;
+use adumbra_bake::{BakeOptions, LayoutChoice, Watch, bake, estimate};
+use adumbra_files as files;
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
+use adumbra_program::progress::{Reporter, Units};
+use adumbra_program::scene::load_scene;
+use adumbra_program::threads::with_threads;
+use adumbra_program::{memory, say, signals};
+use adumbra_scene::Scene;
+use serde::Serialize;
 
-use super::{GraphFigures, bake_tree, bounds, load_scene, print_json, with_threads};
+use super::{GraphFigures, bake_tree, bounds};
 use crate::args::Bake;
-use crate::exit::{Code, Failure, Outcome};
-use crate::output::{SCENE, bytes_words, refuse_inputs, refuse_read};
-use crate::progress::{Reporter, Units};
-use crate::{memory, signals};
 
-/// Below this elevation level ground nears the steepest plane that look-ups follow.
+/// Elevation below which level ground comes close to the steepest plane that look-ups follow, degrees.
 const LOWEST_SUN_DEGREES: f64 = 1.0;
+
+/// The result of a bake.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Baked {
+    /// The shadow file that was written.
+    file: String,
+    /// Total wall time: loading, baking and writing.
+    seconds: f64,
+    /// Wall time of the bake alone.
+    bake_seconds: f64,
+    /// The largest resident size of the process. If the system does not report it, `accounted_bytes`.
+    peak_bytes: u64,
+    /// Memory that the bake counted for `--max-memory`. It is an upper estimate.
+    accounted_bytes: u64,
+    /// Bytes that were written to disk because of `--max-memory`. A byte that was written twice counts twice.
+    spilled_bytes: u64,
+    /// Length of the shadow file, in bytes.
+    file_bytes: u64,
+    /// Bits of the shadow file per texel of its grid.
+    bits_per_texel: f64,
+    /// How the file stores its shadows.
+    layout: Layout,
+    /// The sizes that `--layout auto` chose from. Null with every other `--layout`.
+    candidate_bytes: Option<CandidateBytes>,
+    /// Number of nodes of the result.
+    nodes: u64,
+    /// Number of leaf masks and planes of 64 bits, wherever the file stores them.
+    leaf_masks: u64,
+    /// Number of threads that baked.
+    threads: usize,
+    /// Number of tiles that were baked.
+    tiles: usize,
+    /// Number of texels that were processed one by one.
+    drawn_texels: u64,
+    /// Number of texels on the longest side of the scene in the light's plane.
+    resolution: u32,
+    /// Number of voxels along x, y and z of the grid.
+    size: [u32; 3],
+    /// Edge of a voxel, world units.
+    voxel_size: f64,
+    /// Number of triangles that were baked. Instances are counted.
+    triangles: u64,
+    /// Whether `--bounds` were given and contain no part of the scene.
+    empty_bounds: bool,
+}
+
+/// Sizes of the two layouts that `--layout auto` chooses from. It keeps the smaller.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct CandidateBytes {
+    /// Bytes in the layout `packed`. Null if it cannot represent the voxels.
+    packed: Option<u64>,
+    /// Bytes in the layout `depths`.
+    depths: u64,
+}
+
+/// The forecast costs of a bake. Each pair is the least and the most.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Forecast {
+    /// Number of tiles of the whole bake.
+    tiles: usize,
+    /// Number of tiles that were drawn for the forecast.
+    sampled_tiles: usize,
+    /// Wall time of the bake.
+    seconds: [f64; 2],
+    /// Length of the shadow file, in bytes.
+    file_bytes: [u64; 2],
+    /// Memory that the bake takes, in bytes.
+    memory_bytes: [u64; 2],
+    /// Whether `--bounds` were given and contain no part of the scene.
+    empty_bounds: bool,
+}
 
 pub(crate) fn run(args: &Bake) -> Outcome {
     let cancel = if args.dry_run {
@@ -32,17 +106,17 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
-    let mut options = args.settings.options(args.load.ignore_alpha, &args.work)?;
-    // The system's folder may be memory; where the file goes there is a disk.
+    let mut options = args.settings.options(args.load.ignore_alpha, &args.run)?;
+    // The system's temporary folder may be in memory. The folder of the output is on a disk.
     options.spill_folder =
         Some(files::folder_of(&files::target_of(&output).unwrap_or_else(|_| output.clone())));
     let tree_options = match args.settings.is_tree()? {
         true if args.dry_run => {
             return Err(Failure::Usage(
-                "--dry-run forecasts --frame light only; a draft of a tree takes seconds".to_owned(),
+                "--dry-run supports only --frame light; a draft of a tree bakes in seconds".to_owned(),
             ));
         }
-        true => Some(args.settings.tree_options(args.load.ignore_alpha, &args.work)?),
+        true => Some(args.settings.tree_options(args.load.ignore_alpha, &args.run)?),
         false => None,
     };
     if !args.dry_run {
@@ -51,22 +125,22 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     }
     if options.sun.elevation_degrees() < LOWEST_SUN_DEGREES {
         eprintln!(
-            "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is steeper to the light than look-ups follow exactly: check the file with verify",
+            "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is too steep relative to the light for exact look-ups; check the file with verify",
             options.sun.elevation_degrees()
         );
     }
-    with_threads(args.work.threads, || {
-        let scene = load_scene(&args.scene, &args.load.load_options(args.work.max_memory)?)?;
+    with_threads(args.run.threads, || {
+        let scene = load_scene(&args.scene, &args.load.load_options(args.run.max_memory)?)?;
         if !args.dry_run {
             refuse_read("--output", &output).map_err(bad_input)?;
         }
-        // Bounds that are no box are refused later, with their range.
+        // Bounds that are not a box are refused later, with the allowed range.
         let empty_bounds =
             options.bounds.is_some_and(|b| bounds::is_box(&b) && !bounds::hold_geometry(&b, &scene));
         if empty_bounds {
             let Bounds { min, max } = scene.bounds();
             eprintln!(
-                "warning: --bounds hold no part of {}, which reaches from {min:?} to {max:?}; check the box's place and unit",
+                "warning: --bounds contain no part of {}, which extends from {min:?} to {max:?}; check the box's position and unit",
                 args.scene.display()
             );
         }
@@ -78,137 +152,87 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         }
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| reporter.update(p);
-        let layout = args.settings.layout();
-        let Built { file, report, candidate_bytes } = build(&scene, &options, layout, &progress, &cancel)?;
+        let baked = bake(&scene, &options, Watch::new(&progress, &cancel))?;
+        let (file, report) = (baked.file, baked.report);
+        // A layout that cannot represent the voxels has no size.
+        let candidate_bytes = baked.candidates.map(|c| CandidateBytes { packed: c.packed, depths: c.depths });
         let (grid, settings) = (file.grid, file.settings);
-        let file_bytes = file.write(&output)?;
+        let file_bytes = files::replace_file(&output, |out| file.write_to(out))?;
         let figures = GraphFigures::of(&file, file_bytes)?;
         let seconds = start.elapsed().as_secs_f64();
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
-        if args.json {
-            print_json(&json!({
-                "file": output.display().to_string(),
-                "seconds": seconds,
-                "bake_seconds": report.seconds,
-                "peak_bytes": peak,
-                "accounted_bytes": report.accounted_bytes,
-                "spilled_bytes": report.spilled_bytes,
-                "file_bytes": figures.file_bytes,
-                "bits_per_texel": figures.bits_per_texel,
-                "layout": file.body.layout(),
-                "candidate_bytes": candidate_bytes,
-                "nodes": figures.composition.nodes,
-                "slabs": figures.composition.slabs,
-                "threads": report.threads,
-                "tiles": report.tiles,
-                "drawn_texels": report.drawn_texels,
-                "resolution": settings.resolution,
-                "size": file.grid.size,
-                "voxel_size": grid.voxel_size,
-                "triangles": settings.triangles,
-                "empty_bounds": empty_bounds,
-            }));
+        if args.run.json {
+            print_json(&Baked {
+                file: output.display().to_string(),
+                seconds,
+                bake_seconds: report.seconds,
+                peak_bytes: peak,
+                accounted_bytes: report.accounted_bytes,
+                spilled_bytes: report.spilled_bytes,
+                file_bytes: figures.file_bytes,
+                bits_per_texel: figures.bits_per_texel,
+                layout: file.body.layout(),
+                candidate_bytes,
+                nodes: figures.composition.nodes,
+                leaf_masks: figures.composition.leaf_masks,
+                threads: report.threads,
+                tiles: report.tiles,
+                drawn_texels: report.drawn_texels,
+                resolution: settings.resolution,
+                size: file.grid.size,
+                voxel_size: grid.voxel_size,
+                triangles: settings.triangles,
+                empty_bounds,
+            })?;
         } else {
             say!(
-                "{} -> {} ({}, {}, {:.4} bits a texel) in {seconds:.1} s, peak memory {}",
+                "{} -> {} ({}, {}, {:.4} bits per texel) in {seconds:.1} s, peak memory {}",
                 args.scene.display(),
                 output.display(),
                 file.body.layout().name(),
-                bytes_words(figures.file_bytes),
+                format_bytes(figures.file_bytes),
                 figures.bits_per_texel,
-                bytes_words(peak)
+                format_bytes(peak)
             );
         }
         Ok(Code::Fine)
-    })
+    })?
 }
 
-/// A file that is ready to be written.
-struct Built {
-    file: ShadowFile,
-    report: Report,
-    /// Bytes by layout where the smaller was asked for; a layout that cannot hold the voxels has none.
-    candidate_bytes: Option<Value>,
-}
-
-/// Bakes in the layout, or in the smaller one if none is given.
-fn build(
-    scene: &Scene,
-    options: &Options,
-    layout: Option<Layout>,
-    progress: &(dyn Fn(Progress) + Sync),
-    cancel: &AtomicBool,
-) -> Result<Built, Failure> {
-    let (file, report, candidate_bytes) = match layout {
-        Some(Layout::Hierarchy) => {
-            let BakedHierarchy { grid, settings, hierarchy, report } =
-                bake::bake_hierarchy(scene, options, true, progress, cancel)?;
-            (ShadowFile::hierarchy(grid, settings, hierarchy), report, None)
-        }
-        Some(Layout::Packed) => {
-            let BakedPacked { grid, settings, packed, report } =
-                bake::bake_packed(scene, options, progress, cancel)?;
-            (ShadowFile { grid, settings, body: LightBody::Packed(packed) }, report, None)
-        }
-        Some(layout) => {
-            let Baked { grid, settings, dag, report } = bake::bake(scene, options, progress, cancel)?;
-            (ShadowFile::of_dag(grid, settings, dag, layout).map_err(Error::from)?, report, None)
-        }
-        None => {
-            let BakedBoth { grid, settings, dag, hierarchy, report } =
-                bake::bake_both(scene, options, progress, cancel)?;
-            let hierarchy = ShadowFile::hierarchy(grid, settings, hierarchy);
-            // A graph that has no packed form leaves the other.
-            let packed = match ShadowFile::of_dag(grid, settings, dag, Layout::Packed) {
-                Ok(file) => Some(file),
-                Err(PackError::TooLarge { .. } | PackError::NotMonotone { .. }) => None,
-                Err(fault) => return Err(Error::from(fault).into()),
-            };
-            let bytes = json!({
-                "packed": packed.as_ref().map(ShadowFile::encoded_len),
-                "hierarchy": hierarchy.encoded_len(),
-            });
-            let smaller = packed.filter(|packed| packed.encoded_len() < hierarchy.encoded_len());
-            (smaller.unwrap_or(hierarchy), report, Some(bytes))
-        }
-    };
-    Ok(Built { file, report, candidate_bytes })
-}
-
-/// Bytes of a layout, of those of the plain one, which is forecast: 0.3 to 0.46 on the scenes of `docs/layouts.md`, 0.14 to
-/// 0.36 on those of `docs/layouts-hierarchy.md`.
-fn share_of_plain(layout: Option<Layout>) -> [f64; 2] {
+/// Returns the least and the most size of a layout as a share of the plain layout's size, which is what is forecast.
+/// Measured: 0.3 to 0.46 on the scenes of `docs/layouts.md`, 0.14 to 0.36 on those of `docs/layouts-depths.md`.
+fn share_of_plain(layout: LayoutChoice) -> [f64; 2] {
     match layout {
-        Some(Layout::Plain) => [1.0; 2],
-        Some(Layout::Packed) => [0.25, 0.5],
-        Some(Layout::Hierarchy) | None => [0.1, 0.4],
+        LayoutChoice::Plain => [1.0; 2],
+        LayoutChoice::Packed => [0.25, 0.5],
+        LayoutChoice::Depths | LayoutChoice::Auto => [0.1, 0.4],
     }
 }
 
-fn dry_run(args: &Bake, scene: &Scene, options: &Options, empty_bounds: bool) -> Outcome {
-    let e = bake::estimate(scene, options)?;
-    let share = share_of_plain(args.settings.layout());
+fn dry_run(args: &Bake, scene: &Scene, options: &BakeOptions, empty_bounds: bool) -> Outcome {
+    let e = estimate(scene, options)?;
+    let share = share_of_plain(options.layout);
     let file_bytes: [u64; 2] = std::array::from_fn(|i| (e.file_bytes[i] as f64 * share[i]) as u64);
-    if args.json {
-        print_json(&json!({
-            "tiles": e.tiles,
-            "sampled_tiles": e.sampled_tiles,
-            "seconds": e.seconds,
-            "file_bytes": file_bytes,
-            "memory_bytes": e.memory_bytes,
-            "empty_bounds": empty_bounds,
-        }));
+    if args.run.json {
+        print_json(&Forecast {
+            tiles: e.tiles,
+            sampled_tiles: e.sampled_tiles,
+            seconds: e.seconds,
+            file_bytes,
+            memory_bytes: e.memory_bytes,
+            empty_bounds,
+        })?;
     } else {
-        let range = |r: [u64; 2]| format!("{} to {}", bytes_words(r[0]), bytes_words(r[1]));
+        let range = |r: [u64; 2]| format!("{} to {}", format_bytes(r[0]), format_bytes(r[1]));
         say!("{}: {} of {} tiles drawn", args.scene.display(), e.sampled_tiles, e.tiles);
         say!("  time    {:.0} to {:.0} s", e.seconds[0], e.seconds[1]);
         say!("  memory  {}", range(e.memory_bytes));
         say!("  file    {}", range(file_bytes));
-        say!("  a lower --resolution, --thickness or --receivers static make the file smaller");
+        say!("  a lower --resolution, a larger --thickness or --receivers static makes the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {
         eprintln!(
-            "warning: --max-memory is less: the bake will be slower, and keep the rest in temporary files"
+            "warning: --max-memory is less than the bake needs: it will be slower, and keep the rest in temporary files"
         );
     }
     Ok(Code::Fine)

@@ -1,34 +1,98 @@
-//! `adumbra bake --frame world`: scene in, world-aligned tree out.
+//! `adumbra bake --frame world`: bakes a scene into a world-aligned tree.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use adumbra::Error;
-use adumbra::bake::Progress;
-use adumbra::format::{AttributeKind, TreeBody, TreeFile};
-use adumbra::scene::Scene;
-use adumbra::tree::lossy;
-use adumbra::tree::symmetric::SymmetricTree;
-use adumbra::tree::{BakedTree, PreparedTree, TreeOptions, TreeProgress, leaf_voxels};
-use serde_json::{Value, json};
+use adumbra_bake::{Progress, Watch};
+use adumbra_files::replace_file;
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{format_bytes, print_json};
+use adumbra_program::progress::{Reporter, Units};
+use adumbra_program::{memory, say};
+use adumbra_scene::Scene;
+use adumbra_tree::symmetric::SymmetricTree;
+use adumbra_tree::{
+    AttributeKind, BakedTree, Builder, PreparedTree, Reduction, TreeBody, TreeFile, TreeOptions,
+    TreeProgress, TreeReport, leaf_voxels, lossy,
+};
+use serde::Serialize;
 
-use super::print_json;
 use crate::args::Bake;
-use crate::exit::{Code, Failure, Outcome};
-use crate::memory;
-use crate::output::bytes_words;
-use crate::progress::{Reporter, Units};
 
-/// What options beside the plain tree made of it.
+/// The result of a bake of a world-aligned tree.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct TreeBaked {
+    /// The shadow file that was written.
+    file: String,
+    /// Always `world`.
+    frame: &'static str,
+    /// Total wall time: loading, baking and writing.
+    seconds: f64,
+    /// The largest resident size of the process. If the system does not report it, what the bake counted.
+    peak_bytes: u64,
+    /// Length of the shadow file, in bytes.
+    file_bytes: u64,
+    /// Bytes of the plain tree's words.
+    tree_bytes: u64,
+    /// Bytes of the body that was written, after `--lossy` and `--symmetry`.
+    body_bytes: u64,
+    /// Levels of the deepest part of the tree.
+    depth: u32,
+    /// Edge of a voxel of the deepest level, world units.
+    voxel_size: f64,
+    /// Number of regions that have a depth of their own.
+    regions: usize,
+    /// Which builder built the tree. The file does not depend on it.
+    builder: Builder,
+    /// How equal subtrees were found. The file does not depend on it.
+    reduction: Reduction,
+    /// Whether cubes that the pyramid decides were skipped. The file does not depend on it.
+    pruned: bool,
+    /// Report of the bake.
+    report: TreeReport,
+    /// Number of triangles that were baked. Instances are counted.
+    triangles: u64,
+    /// Whether `--bounds` were given and contain no part of the scene.
+    empty_bounds: bool,
+    #[serde(flatten)]
+    extras: ExtraFigures,
+}
+
+/// Fields that are added by options beyond the plain tree.
+#[derive(Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct ExtraFigures {
+    /// With `--reduction tree-hash`: comparisons of different subtrees with one hash.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    collisions: Option<u64>,
+    /// With `--lossy`: number of voxels of the finest level that changed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    changed_voxels: Option<u64>,
+    /// With `--lossy`: number of voxels at the borders of shadows, the only ones that may change.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    leaf_voxels: Option<u64>,
+    /// With `--attribute`: bytes of the attribute.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    attribute_bytes: Option<usize>,
+    /// With `--symmetry`: bytes of the encoding without mirrored subtrees. The smaller encoding is written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bytes_without_mirrors: Option<u64>,
+    /// With `--symmetry`: bytes of the encoding with mirrored subtrees. The smaller encoding is written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bytes_with_mirrors: Option<u64>,
+}
+
+/// Results of options beyond the plain tree.
 struct Extras {
     plain_bytes: u64,
     body_bytes: u64,
-    figures: Vec<(&'static str, Value)>,
+    figures: ExtraFigures,
     sentences: Vec<String>,
 }
 
-/// Bakes to a path. `start` is when the program began to load the scene.
+/// Bakes to the path `output`. `start` is when the program began to load the scene.
 pub(super) fn run(
     args: &Bake,
     scene: &Scene,
@@ -39,44 +103,42 @@ pub(super) fn run(
 ) -> Outcome {
     let prepared = PreparedTree::new(scene, options, cancel)?;
     let reporter = Reporter::new(args.progress, Units::VOXELS);
-    let baked = prepared.build(options, &|p| reporter.update(cubes(p)), cancel)?;
+    let progress = |p| reporter.update(cubes(p));
+    let baked = prepared.build(options, Watch::new(&progress, cancel))?;
     let report = baked.report;
-    let (file, extras) = finish(args, prepared, options, baked, cancel)?;
-    let file_bytes = file.write(output)?;
+    let (file, extras) = finish(args, prepared, baked, cancel)?;
+    let file_bytes = replace_file(output, |out| file.write_to(out))?;
     let seconds = start.elapsed().as_secs_f64();
     let peak = memory::peak_bytes().unwrap_or(report.image_bytes + report.held_bytes);
-    if args.json {
-        let mut object = json!({
-            "file": output.display().to_string(),
-            "frame": "world",
-            "seconds": seconds,
-            "peak_bytes": peak,
-            "file_bytes": file_bytes,
-            "tree_bytes": extras.plain_bytes,
-            "body_bytes": extras.body_bytes,
-            "depth": file.space.depth,
-            "voxel_size": file.space.voxel_size,
-            "regions": file.regions.list.len(),
-            "builder": options.builder,
-            "reduction": options.reduction,
-            "pruned": options.prune,
-            "report": report,
-            "triangles": file.settings.triangles,
-            "empty_bounds": empty_bounds,
-        });
-        for (key, value) in extras.figures {
-            object[key] = value;
-        }
-        print_json(&object);
+    if args.run.json {
+        print_json(&TreeBaked {
+            file: output.display().to_string(),
+            frame: "world",
+            seconds,
+            peak_bytes: peak,
+            file_bytes,
+            tree_bytes: extras.plain_bytes,
+            body_bytes: extras.body_bytes,
+            depth: file.space.depth,
+            voxel_size: file.space.voxel_size,
+            regions: file.regions.list.len(),
+            builder: options.builder,
+            reduction: options.reduction,
+            pruned: options.prune,
+            report,
+            triangles: file.settings.triangles,
+            empty_bounds,
+            extras: extras.figures,
+        })?;
     } else {
         say!(
             "{} -> {} ({}, depth {}, voxels of {:.4}) in {seconds:.1} s, peak memory {}",
             args.scene.display(),
             output.display(),
-            bytes_words(file_bytes),
+            format_bytes(file_bytes),
             file.space.depth,
             file.space.voxel_size,
-            bytes_words(peak)
+            format_bytes(peak)
         );
         for sentence in extras.sentences {
             say!("  {sentence}");
@@ -85,7 +147,7 @@ pub(super) fn run(
     Ok(Code::Fine)
 }
 
-/// Progress in cubes of the same size, as many as a bar can show.
+/// Converts the progress into equal cubes, a number that a bar can show.
 fn cubes(p: TreeProgress) -> Progress {
     const CUBES: usize = 512;
     Progress {
@@ -96,71 +158,77 @@ fn cubes(p: TreeProgress) -> Progress {
     }
 }
 
-/// The file, with what `--lossy`, `--symmetry` and `--attribute` ask for.
+/// Builds the file, with what `--lossy`, `--symmetry` and `--attribute` ask for.
 fn finish(
     args: &Bake,
     prepared: PreparedTree,
-    options: &TreeOptions,
     baked: BakedTree,
     cancel: &AtomicBool,
 ) -> Result<(TreeFile, Extras), Failure> {
-    let go_on = || if cancel.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
+    let go_on =
+        || if cancel.load(Ordering::Relaxed) { Err(adumbra_bake::Error::Interrupted) } else { Ok(()) };
     let wants_attribute = args.settings.tree.attribute.is_some();
-    // The depth images are of no more use, and may be large.
+    // The depth images may be large. They are dropped here unless the attribute needs them.
     let prepared = wants_attribute.then_some(prepared);
-    let BakedTree { space, regions, mut settings, mut tree, report } = baked;
-    let mut extras =
-        Extras { plain_bytes: tree.bytes(), body_bytes: 0, figures: Vec::new(), sentences: Vec::new() };
+    let BakedTree { space, regions, mut settings, sun, mut tree, report } = baked;
+    let mut extras = Extras {
+        plain_bytes: tree.bytes(),
+        body_bytes: 0,
+        figures: ExtraFigures::default(),
+        sentences: Vec::new(),
+    };
     if let Some(collisions) = report.collisions {
-        extras.figures.push(("collisions", json!(collisions)));
+        extras.figures.collisions = Some(collisions);
         extras
             .sentences
-            .push(format!("tree hash: {collisions} comparisons of different subtrees with one hash"));
+            .push(format!("tree hash: {collisions} comparisons of different subtrees with the same hash"));
     }
     if let Some(share) = args.settings.tree.lossy {
         go_on()?;
-        // About what a round holds beside the tree: its blocks twice, and lists of similar ones.
-        args.work.check_memory("merging similar subtrees", 6 * tree.bytes())?;
+        // About what a round holds besides the tree: its blocks twice, and lists of similar ones.
+        args.run.check_memory("merging similar subtrees", 6 * tree.bytes())?;
         let merged = lossy::merge_similar(&tree, share)?;
         settings.lossy = Some(merged.change);
         let change = merged.change;
         let changed_share = change.changed_voxels as f64 / change.leaf_voxels.max(1) as f64;
-        extras.figures.push(("changed_voxels", json!(change.changed_voxels)));
-        extras.figures.push(("leaf_voxels", json!(change.leaf_voxels)));
+        extras.figures.changed_voxels = Some(change.changed_voxels);
+        extras.figures.leaf_voxels = Some(change.leaf_voxels);
         extras.sentences.push(format!(
             "lossy: {} of {} border voxels changed ({:.3} %), {} -> {}",
             change.changed_voxels,
             change.leaf_voxels,
             100.0 * changed_share,
-            bytes_words(tree.bytes()),
-            bytes_words(merged.tree.bytes())
+            format_bytes(tree.bytes()),
+            format_bytes(merged.tree.bytes())
         ));
         tree = merged.tree;
     }
     let (mut attribute, mut attribute_kind) = (Vec::new(), None);
     if let Some(prepared) = prepared {
         go_on()?;
-        args.work.check_memory("the penumbra's widths", 2 * tree.bytes() + leaf_voxels(&tree))?;
+        args.run.check_memory("the penumbra's widths", 2 * tree.bytes() + leaf_voxels(&tree))?;
         attribute = prepared.penumbra(&tree)?;
         attribute_kind = (!attribute.is_empty()).then_some(AttributeKind::Penumbra);
-        extras.figures.push(("attribute_bytes", json!(attribute.len())));
-        extras.sentences.push(format!("penumbra: {} beside the tree", bytes_words(attribute.len() as u64)));
+        extras.figures.attribute_bytes = Some(attribute.len());
+        extras
+            .sentences
+            .push(format!("penumbra: {} in addition to the tree", format_bytes(attribute.len() as u64)));
     }
     let body = if args.settings.tree.symmetry {
         go_on()?;
-        args.work.check_memory("the symmetric trees", 4 * tree.bytes())?;
-        // Mirrors share more nodes but widen pointers: which wins depends on the scene.
+        args.run.check_memory("the symmetric trees", 4 * tree.bytes())?;
+        // Mirrors share more nodes but need wider pointers. Which one is smaller depends on the scene.
         let [narrow, mirrored] = [SymmetricTree::of(&tree, false)?, SymmetricTree::of(&tree, true)?];
         let bytes = [&narrow, &mirrored].map(|t| t.bytes().len() as u64);
         let mirrors = bytes[1] < bytes[0];
         extras.body_bytes = bytes[0].min(bytes[1]);
-        extras.figures.push(("bytes_without_mirrors", json!(bytes[0])));
-        extras.figures.push(("bytes_with_mirrors", json!(bytes[1])));
+        extras.figures.bytes_without_mirrors = Some(bytes[0]);
+        extras.figures.bytes_with_mirrors = Some(bytes[1]);
         extras.sentences.push(format!(
             "symmetry: {} -> {} with variable-width pointers, {} with mirrors too; the smaller is kept",
-            bytes_words(tree.bytes()),
-            bytes_words(bytes[0]),
-            bytes_words(bytes[1])
+            format_bytes(tree.bytes()),
+            format_bytes(bytes[0]),
+            format_bytes(bytes[1])
         ));
         let symmetric = if mirrors { mirrored } else { narrow };
         TreeBody::Symmetric(symmetric)
@@ -168,6 +236,6 @@ fn finish(
         extras.body_bytes = tree.bytes();
         TreeBody::Words(tree)
     };
-    let file = TreeFile { space, sun: options.sun, settings, regions, body, attribute, attribute_kind };
+    let file = TreeFile { space, sun, settings, regions, body, attribute, attribute_kind };
     Ok((file, extras))
 }

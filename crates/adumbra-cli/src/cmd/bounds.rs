@@ -1,15 +1,16 @@
-//! Whether the box of `--bounds` holds a part of the scene.
+//! Tests whether the box of `--bounds` contains any part of the scene.
 
 use std::array::from_fn;
 
-use adumbra::scene::{Bounds, Scene};
+use adumbra::Bounds;
+use adumbra_scene::Scene;
 
 pub(super) fn is_box(bounds: &Bounds) -> bool {
     let Bounds { min, max } = bounds;
     (0..3).all(|a| min[a].is_finite() && max[a].is_finite() && min[a] < max[a])
 }
 
-/// Whether any triangle, a caster's or a receiver's, meets these bounds.
+/// Whether any triangle, of a caster or a receiver, intersects these bounds.
 pub(super) fn hold_geometry(bounds: &Bounds, scene: &Scene) -> bool {
     scene.instances.iter().any(|instance| {
         let Some(mesh) = scene.meshes.get(instance.mesh as usize) else { return false };
@@ -18,11 +19,11 @@ pub(super) fn hold_geometry(bounds: &Bounds, scene: &Scene) -> bool {
     })
 }
 
-/// Whether a triangle and a box have a point in common: none of the axes that could separate them does. Those are the box's own, the
-/// triangle's normal, and what is perpendicular to an edge of each.
+/// Whether a triangle and a box have a point in common, by the separating-axis theorem. The axes are those of the box,
+/// the triangle's normal, and the cross products of a box axis and a triangle edge.
 fn meets(bounds: &Bounds, triangle: [[f64; 3]; 3]) -> bool {
     let half: [f64; 3] = from_fn(|a| (bounds.max[a] - bounds.min[a]) / 2.0);
-    // From the box's middle.
+    // Relative to the centre of the box.
     let corners = triangle.map(|corner| from_fn(|a| corner[a] - bounds.min[a] - half[a]));
     let separates = |axis: [f64; 3]| {
         let along = corners.map(|corner| dot(axis, corner));
@@ -32,7 +33,7 @@ fn meets(bounds: &Bounds, triangle: [[f64; 3]; 3]) -> bool {
         low > reach || high < -reach
     };
     let own: [[f64; 3]; 3] = from_fn(|a| from_fn(|b| f64::from(u8::from(a == b))));
-    // First what is cheap and separates most.
+    // The box's own axes first: they are cheap and separate most.
     if own.into_iter().any(separates) {
         return false;
     }
@@ -57,23 +58,25 @@ mod tests {
     fn triangles_and_boxes_meet_only_where_they_share_points() {
         let triangle = [[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 100.0]];
         for (min, max, expected) in [
-            // Within the triangle's own box: before its plane, beside its long edge, and on it.
+            // Inside the triangle's bounding box: past its long edge, off its plane, past its long edge again, and on
+            // it.
             ([90.0, 80.0, 90.0], [95.0, 95.0, 95.0], false),
             ([20.0, 10.0, 40.0], [30.0, 30.0, 60.0], false),
             ([60.0, 58.0, 58.0], [70.0, 62.0, 62.0], false),
             ([30.0, 30.0, 30.0], [31.0, 31.0, 31.0], true),
-            // It passes through a box that holds no corner of it, holds a box's corner, lies within, and touches.
+            // The triangle passes through a box that contains none of its corners, has a corner inside one, is inside
+            // one, touches one, and just misses one.
             ([40.0, -10.0, -10.0], [45.0, 90.0, 90.0], true),
             ([-5.0, -5.0, -5.0], [1.0, 1.0, 1.0], true),
             ([-1e3; 3], [1e3; 3], true),
             ([-5.0, -5.0, -5.0], [0.0, 0.0, 0.0], true),
             ([-5.0, -5.0, -5.0], [-0.1, 0.0, 0.0], false),
-            // Past its long edge, where only what is perpendicular to both edges separates.
+            // Past its long edge, where only an axis perpendicular to that edge and to an edge of the box separates.
             ([52.0, 50.0, 40.0], [60.0, 60.0, 60.0], false),
         ] {
             assert_eq!(meets(&Bounds { min, max }, triangle), expected, "{min:?} {max:?}");
         }
-        // A triangle without area is a line.
+        // A degenerate triangle is a line.
         let line = [[0.0; 3], [10.0; 3], [5.0; 3]];
         assert!(meets(&Bounds { min: [4.0; 3], max: [6.0; 3] }, line));
         assert!(!meets(&Bounds { min: [4.0, 6.5, 4.0], max: [6.0, 8.0, 6.0] }, line));

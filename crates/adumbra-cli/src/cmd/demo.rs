@@ -1,38 +1,79 @@
-//! `adumbra demo`: the main job from end to end on a generated city.
+//! `adumbra demo`: the whole workflow on a generated city.
 
 use std::path::Path;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use adumbra::Error;
-use adumbra::bake::{self, Options, Size};
-use adumbra::camera::Camera;
-use adumbra::format::{Layout, ShadowFile};
-use adumbra::light::Sun;
-use adumbra::picture::{self, Shadows};
-use adumbra::query::Query;
-use adumbra::scene::{GeneratedKind, LoadOptions, generate, write_glb};
-use adumbra::trace::{TraceOptions, Tracer};
-use adumbra::verify::{LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions};
+use adumbra::{IoError, Query, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_files::replace_file;
 use adumbra_lab::page::{Body, Embedded, Encoding, Page, Pair, Table};
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{format_bytes, make_folder, print_json, refuse_same, write_png, write_whole};
+use adumbra_program::progress::{Reporter, Style, Units};
+use adumbra_program::scene::load_scene;
+use adumbra_program::threads::with_threads;
+use adumbra_program::{say, signals};
+use adumbra_scene::{Camera, GeneratedKind, LoadOptions, generate, write_glb};
+use adumbra_truth::picture;
+use adumbra_truth::picture::{BaseColors, Shadows};
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use adumbra_truth::verify::{
+    LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
+};
+use serde::Serialize;
 
-use super::{GraphFigures, load_scene};
+use super::GraphFigures;
 use crate::args::Demo;
-use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, make_folder, refuse_same, write_png, write_whole};
-use crate::progress::{Reporter, Style, Units};
-use crate::signals;
 
 const SEED: u64 = 1;
-/// Cameras, and what each of them shows: parts of the pictures' names.
+/// Names of the cameras, which begin the pictures' names.
 const VIEWS: [&str; 2] = ["city", "street"];
 const LAYERS: [&str; 3] = ["", "-truth", "-difference"];
 const SAMPLES: u64 = 200_000;
-/// Of the page's pictures, pixels.
+/// Largest width of the page's pictures, pixels.
 const WIDEST: u32 = 1280;
+
+/// The results of the demo.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Shown {
+    /// The generated scene.
+    scene: String,
+    /// The shadow file.
+    file: String,
+    /// The pictures.
+    pictures: Vec<String>,
+    /// The page that shows them.
+    report: String,
+    /// Voxels on the longest side of the scene.
+    resolution: u64,
+    /// Triangles of the instances. A mesh counts as often as it is placed.
+    triangles: u64,
+    /// Wall time of baking and writing the file.
+    bake_seconds: f64,
+    /// Length of the shadow file, in bytes.
+    file_bytes: u64,
+    /// Bits of the shadow file per texel of its grid.
+    bits_per_texel: f64,
+    /// Number of points that were compared with rays.
+    samples: u64,
+    /// Share of the points where file and rays agree.
+    agreement: f64,
+    /// Share of the interior points where file and rays agree. An interior point is not near an edge of a shadow.
+    interior_agreement: f64,
+}
 
 pub(crate) fn run(args: &Demo) -> Outcome {
     let cancel = signals::install();
+    with_threads(args.run.threads, || demo(args, &cancel))?
+}
+
+fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
+    // With --json everything is printed once, at the end.
+    macro_rules! tell {
+        ($($words:tt)*) => { if !args.run.json { say!($($words)*) } };
+    }
     make_folder(&args.out)?;
     let scene_path = args.out.join("city.glb");
     let file_path = args.out.join("city.adumbra");
@@ -41,38 +82,45 @@ pub(crate) fn run(args: &Demo) -> Outcome {
     let outputs = [&scene_path, &file_path, &report].into_iter().chain(pictures.as_flattened());
     refuse_same(outputs.map(|path| &**path))?;
     write_glb(&generate(GeneratedKind::City, SEED), &scene_path)?;
-    let scene = load_scene(&scene_path, &LoadOptions { color_textures: true, ..LoadOptions::default() })?;
-    say!("scene     {} ({} triangles)", scene_path.display(), scene.instanced_triangles());
+    let load =
+        LoadOptions { color_textures: true, max_memory_bytes: args.run.max_memory, ..LoadOptions::default() };
+    let scene = load_scene(&scene_path, &load)?;
+    tell!("scene     {} ({} triangles)", scene_path.display(), scene.instanced_triangles());
 
     let start = Instant::now();
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
-    let options = Options::new(sun, Size::Resolution(args.resolution));
-    let reporter = Reporter::new(Style::Auto, Units::TEXELS);
-    let baked = bake::bake(&scene, &options, &|p| reporter.update(p), &cancel)?;
-    let file =
-        ShadowFile::of_dag(baked.grid, baked.settings, baked.dag, Layout::default()).map_err(Error::from)?;
-    let file_bytes = file.write(&file_path)?;
+    let options = BakeOptions {
+        max_memory_bytes: args.run.max_memory,
+        ..BakeOptions::new(sun, Size::Resolution(args.resolution))
+    };
+    let reporter = Reporter::new(if args.run.json { Style::None } else { Style::Auto }, Units::TEXELS);
+    let progress = |p| reporter.update(p);
+    let file = bake(&scene, &options, Watch::new(&progress, cancel))?.file;
+    let file_bytes = replace_file(&file_path, |out| file.write_to(out))?;
     let bake_seconds = start.elapsed().as_secs_f64();
     let figures = GraphFigures::of(&file, file_bytes)?;
-    say!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), bytes_words(figures.file_bytes));
+    tell!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), format_bytes(figures.file_bytes));
 
-    let go_on = || if cancel.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
+    let go_on =
+        || if cancel.load(Ordering::Relaxed) { Err(adumbra_bake::Error::Interrupted) } else { Ok(()) };
     go_on()?;
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
+    let held = scene.memory_bytes() + tracer.memory_bytes() + BaseColors::bytes_of(&scene);
+    args.run.check_memory("the scene, its acceleration structure and its mip levels", held)?;
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
-    let exact = Query::new(&file.grid, file.slabs(), file.settings.bias, 1)?;
+    let exact = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1)?;
     let answers = LightAnswers::new(&file.grid, &file.settings, exact);
     let check = VerifyOptions { samples: SAMPLES, seed: 1 };
     let verification = Verifier::new(&answers, &tracer, &solids).run(&sampler, &check);
-    say!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
+    tell!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
 
     let whole = Camera::overview(&scene.bounds(), 40.0);
     let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
     for (camera, paths) in [whole, street].into_iter().zip(&pictures) {
         for (suffix, path) in LAYERS.into_iter().zip(paths) {
             go_on()?;
-            let query = Query::new(&file.grid, file.slabs(), file.settings.bias, 5)?;
+            let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 5)?;
             let shadows = match suffix {
                 "" => Shadows::File(&query),
                 "-truth" => Shadows::Truth,
@@ -80,11 +128,27 @@ pub(crate) fn run(args: &Demo) -> Outcome {
             };
             let picture = picture::draw(&scene, &tracer, &camera, sun.towards(), &shadows, 2);
             write_png(path, &picture)?;
-            say!("picture   {}", path.display());
+            tell!("picture   {}", path.display());
         }
     }
     write_report(&report, args.resolution, &file, &figures, bake_seconds, &verification)?;
-    say!("report    {}", report.display());
+    if args.run.json {
+        print_json(&Shown {
+            scene: scene_path.display().to_string(),
+            file: file_path.display().to_string(),
+            pictures: pictures.as_flattened().iter().map(|p| p.display().to_string()).collect::<Vec<_>>(),
+            report: report.display().to_string(),
+            resolution: args.resolution,
+            triangles: scene.instanced_triangles(),
+            bake_seconds,
+            file_bytes: figures.file_bytes,
+            bits_per_texel: figures.bits_per_texel,
+            samples: verification.samples,
+            agreement: verification.agreement,
+            interior_agreement: verification.interior_agreement,
+        })?;
+    }
+    tell!("report    {}", report.display());
     Ok(if verification.holds() { Code::Fine } else { Code::CheckFailed })
 }
 
@@ -100,11 +164,14 @@ fn write_report(
         ("triangles", file.settings.triangles.to_string()),
         ("grid", format!("{resolution}: {:?} voxels of {:.3} m", file.grid.size, file.grid.voxel_size)),
         ("bake", format!("{bake_seconds:.1} s on {} threads", rayon::current_num_threads())),
-        ("file", format!("{}, {:.3} bits a texel", bytes_words(figures.file_bytes), figures.bits_per_texel)),
-        ("nodes, slabs", format!("{}, {}", figures.composition.nodes, figures.composition.slabs)),
+        (
+            "file",
+            format!("{}, {:.3} bits per texel", format_bytes(figures.file_bytes), figures.bits_per_texel),
+        ),
+        ("nodes, leaf masks", format!("{}, {}", figures.composition.nodes, figures.composition.leaf_masks)),
         ("points compared with rays", v.samples.to_string()),
         ("interior agreement", format!("{:.4} %", 100.0 * v.interior_agreement)),
-        ("agreement, edges too", format!("{:.3} %", 100.0 * v.agreement)),
+        ("agreement, including edges", format!("{:.3} %", 100.0 * v.agreement)),
         ("acne, leak", format!("{:.3} %, {:.3} %", 100.0 * v.acne, 100.0 * v.leak)),
     ];
     let mut table = Table::new("", &["", ""]);
@@ -116,18 +183,18 @@ fn write_report(
     for (name, what) in [("street", "A street of the city"), ("city", "The whole city")] {
         let picture = |suffix: &str| -> Result<Embedded, Failure> {
             let path = path.with_file_name(format!("{name}{suffix}.png"));
-            let bytes = std::fs::read(&path).map_err(Error::io("read", &path))?;
-            Ok(Embedded::of_png(&bytes, None, WIDEST, Encoding::Lossless)?)
+            let bytes = std::fs::read(&path).map_err(IoError::at("read", &path))?;
+            Ok(Embedded::from_png(&bytes, None, WIDEST, Encoding::Lossless)?)
         };
         let (file, truth, difference) = (picture("")?, picture("-truth")?, picture("-difference")?);
         let names = ("the file, 5 × 5 texels", "rays");
         opening.pair(&Pair { left: (&file, names.0), right: (&truth, names.1), caption: what });
         let caption = format!(
-            "{what}: where one texel of the file differs from rays; red: lit called shadowed, blue: shadowed called lit"
+            "{what}: where the unfiltered file differs from rays; red: lit called shadowed, blue: shadowed called lit"
         );
         opening.picture(&difference, &caption, &caption);
     }
-    let title = "A generated city, its shadows in one file".to_owned();
+    let title = "A generated city with its shadows in one file".to_owned();
     let page = Page { description: title.clone(), title, opening, sections: Vec::new() };
     write_whole(path, page.html().as_bytes())
 }

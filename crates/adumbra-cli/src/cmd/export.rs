@@ -1,22 +1,58 @@
-//! `adumbra export`: a shadow file as PNG pages of words.
+//! `adumbra export`: writes a shadow file as PNG pages of words.
 
 use std::path::Path;
 
-use adumbra::format::{AnyFile, TreeBody};
-use adumbra::texture::Layout;
-use adumbra::{Error, texture};
-use serde_json::json;
+use adumbra::IoError;
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{format_bytes, print_json, refuse_inputs, refuse_same};
+use adumbra_program::say;
+use adumbra_program::threads::with_threads;
+use adumbra_tree::texture::Layout;
+use adumbra_tree::{AnyFile, Error, TreeBody, texture, words_of};
+use serde::Serialize;
 
-use super::print_json;
 use crate::args::Export;
-use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, refuse_inputs, refuse_same};
+
+/// The PNG pages that were written.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Exported {
+    /// The shadow file that was read.
+    file: String,
+    /// Length of the shadow file, in bytes.
+    file_bytes: u64,
+    /// `light-aligned` or `world-aligned`.
+    kind: &'static str,
+    /// Levels of the tree. It has 2^depth voxels along each side.
+    depth: u32,
+    /// Path of page 0. Every other page has its number before the extension.
+    texture: String,
+    /// Number of 32-bit words. Word i is pixel `i mod (width · rows)` of page `i / (width · rows)`.
+    words: usize,
+    /// Number of pages.
+    pages: u32,
+    /// Pixels per row.
+    width: u32,
+    /// Rows of words of every page but the last. A row with a signature follows them.
+    rows: u32,
+    /// Bytes of all pages.
+    texture_bytes: u64,
+}
 
 pub(crate) fn run(args: &Export) -> Outcome {
+    with_threads(args.run.threads, || export(args))?
+}
+
+fn export(args: &Export) -> Outcome {
     let refuse = |path: &Path| refuse_inputs("--texture", path, [("the shadow file itself", &*args.file)]);
     refuse(&args.texture)?;
+    // The file's bytes, and the decoded file.
+    let bytes = std::fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
+    args.run.check_memory("the shadow file", 2 * bytes)?;
     let parts = Parts::of(&args.file)?;
     let words = parts.words.len();
+    // The words, and the pages that contain them.
+    args.run.check_memory("the words and their pages", 2 * (4 * words + parts.rest.len()) as u64)?;
     let layout = Layout::new(words, parts.rest.len(), args.max_side)
         .map_err(|source| Error::WordTexture { path: args.texture.clone(), source })?;
     let pages: Vec<_> = (0..layout.pages).map(|page| texture::page_path(&args.texture, page)).collect();
@@ -24,51 +60,51 @@ pub(crate) fn run(args: &Export) -> Outcome {
     refuse_same(pages.iter().map(|page| &**page))?;
     let written = texture::write(&args.texture, &parts.words, &parts.rest, args.max_side)?;
     let layout = written.layout;
-    if args.json {
-        print_json(&json!({
-            "file": args.file.display().to_string(),
-            "file_bytes": parts.file_bytes,
-            "kind": parts.kind,
-            "depth": parts.depth,
-            "texture": args.texture.display().to_string(),
-            "words": words,
-            "pages": layout.pages,
-            "width": layout.width,
-            "rows": layout.rows,
-            "texture_bytes": written.bytes,
-        }));
+    if args.run.json {
+        print_json(&Exported {
+            file: args.file.display().to_string(),
+            file_bytes: parts.file_bytes,
+            kind: parts.kind,
+            depth: parts.depth,
+            texture: args.texture.display().to_string(),
+            words,
+            pages: layout.pages,
+            width: layout.width,
+            rows: layout.rows,
+            texture_bytes: written.bytes,
+        })?;
     } else {
         say!(
-            "{}: {words} words on {} of {} pixels a row, {}",
+            "{}: {words} words on {} of {} pixels per row, {}",
             args.texture.display(),
-            if layout.pages == 1 { "a page".to_owned() } else { format!("{} pages", layout.pages) },
+            if layout.pages == 1 { "1 page".to_owned() } else { format!("{} pages", layout.pages) },
             layout.width,
-            bytes_words(written.bytes)
+            format_bytes(written.bytes)
         );
     }
     Ok(Code::Fine)
 }
 
-/// A file as a picture holds it.
+/// The parts of a file that a picture stores.
 struct Parts {
     kind: &'static str,
-    /// Levels of the tree: 2^depth voxels a side.
+    /// Levels of the tree: 2^depth voxels along each side.
     depth: u32,
     words: Vec<u32>,
-    /// What a file of this kind is made of besides its words; its first eight bytes are the file's magic.
+    /// What the file contains besides its words. Its first eight bytes are the file's magic.
     rest: Vec<u8>,
     file_bytes: u64,
 }
 
 impl Parts {
-    /// Each kind of shadow file has its arm here and one in `import`.
+    /// Reads a file. Each kind of shadow file has a match arm here and one in `import`.
     fn of(path: &Path) -> Result<Self, Failure> {
         let file = AnyFile::read(path)?;
         let file_bytes = file.encoded_len();
         let (kind, tree, rest) = match file {
             AnyFile::Light(file) => {
                 let (tree, rest) =
-                    file.without_words().map_err(|source| Error::Words { path: path.to_owned(), source })?;
+                    words_of(&file).map_err(|source| Error::Words { path: path.to_owned(), source })?;
                 ("light-aligned", tree, rest)
             }
             AnyFile::Tree(file) => match (file.without_words(), file.body) {

@@ -1,16 +1,37 @@
-//! `adumbra import`: PNG pages of words back into the shadow file that they were exported from.
+//! `adumbra import`: turns PNG pages of words back into the shadow file that they were exported from.
 
-use adumbra::format::tree::TREE_MAGIC;
-use adumbra::format::{MAGIC, ShadowFile, TreeFile};
-use adumbra::{Error, texture};
-use serde_json::json;
+use adumbra::file::MAGIC;
+use adumbra_files::replace_file;
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{format_bytes, print_json, refuse_inputs};
+use adumbra_program::say;
+use adumbra_program::threads::with_threads;
+use adumbra_tree::{Error, TREE_MAGIC, TreeFile, file_of_words, texture};
+use serde::Serialize;
 
-use super::print_json;
 use crate::args::Import;
-use crate::exit::{Code, Failure, Outcome};
-use crate::output::{bytes_words, refuse_inputs};
+
+/// The PNG pages that were read.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Imported {
+    /// The shadow file that was written.
+    file: String,
+    /// Length of the shadow file, in bytes.
+    file_bytes: u64,
+    /// `light-aligned` or `world-aligned`.
+    kind: &'static str,
+    /// Path of page 0. Every other page has its number before the extension.
+    texture: String,
+    /// Number of 32-bit words.
+    words: usize,
+}
 
 pub(crate) fn run(args: &Import) -> Outcome {
+    with_threads(args.run.threads, || import(args))?
+}
+
+fn import(args: &Import) -> Outcome {
     let path = &args.texture;
     let pages = (0..).map(|page| texture::page_path(path, page)).take_while(|page| page.exists());
     for page in pages {
@@ -18,37 +39,39 @@ pub(crate) fn run(args: &Import) -> Outcome {
     }
     let (words, rest) = texture::read(path)?;
     let count = words.len();
-    // Each kind of shadow file is known by its magic and has its arm here.
+    // The words, and the file that they become.
+    args.run.check_memory("the words and their file", 2 * (4 * count + rest.len()) as u64)?;
+    // Each kind of shadow file is recognized by its magic and has a match arm here.
     let (kind, file_bytes) = match rest.first_chunk::<8>() {
         Some(&MAGIC) => {
-            let file = ShadowFile::with_words(&rest, words)
-                .map_err(|source| Error::Words { path: path.clone(), source })?;
-            ("light-aligned", file.write(&args.output)?)
+            let file =
+                file_of_words(&rest, words).map_err(|source| Error::Words { path: path.clone(), source })?;
+            ("light-aligned", replace_file(&args.output, |out| file.write_to(out))?)
         }
         Some(&TREE_MAGIC) => {
             let file = TreeFile::with_words(&rest, &words)
-                .map_err(|source| Error::Format { path: path.clone(), source })?;
-            ("world-aligned", file.write(&args.output)?)
+                .map_err(|source| Error::Format { path: path.clone(), source: Box::new(source) })?;
+            ("world-aligned", replace_file(&args.output, |out| file.write_to(out))?)
         }
         _ => {
             let start = rest[..rest.len().min(8)].escape_ascii();
             return Err(Failure::BadInput(format!(
-                "{:?}: its words are of a kind of file that begins with \"{start}\", which this program does not \
-                know; import it with the program that exported it",
+                "{:?}: its words belong to a kind of file that begins with \"{start}\", which this program \
+                does not support; import it with the program that exported it",
                 path.display().to_string()
             )));
         }
     };
-    if args.json {
-        print_json(&json!({
-            "file": args.output.display().to_string(),
-            "file_bytes": file_bytes,
-            "kind": kind,
-            "texture": path.display().to_string(),
-            "words": count,
-        }));
+    if args.run.json {
+        print_json(&Imported {
+            file: args.output.display().to_string(),
+            file_bytes,
+            kind,
+            texture: path.display().to_string(),
+            words: count,
+        })?;
     } else {
-        say!("{}: {} from {count} words", args.output.display(), bytes_words(file_bytes));
+        say!("{}: {} from {count} words", args.output.display(), format_bytes(file_bytes));
     }
     Ok(Code::Fine)
 }

@@ -1,41 +1,88 @@
-//! `adumbra inspect`: what a scene holds.
+//! `adumbra inspect`: what a scene contains.
 
-use adumbra::light::{LightExtent, Sun};
-use adumbra::scene::{AlphaMode, Scene, topology};
-use serde_json::json;
+use adumbra::{Bounds, LightExtent, Sun};
+use adumbra_program::exit::{Code, Outcome};
+use adumbra_program::output::print_json;
+use adumbra_program::say;
+use adumbra_program::scene::load_scene;
+use adumbra_program::threads::with_threads;
+use adumbra_scene::{AlphaMode, Scene, topology};
+use serde::Serialize;
 
-use super::{load_scene, print_json};
 use crate::args::Inspect;
-use crate::exit::{Code, Outcome};
+
+/// The properties of a scene.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Inspected {
+    /// The scene's file.
+    scene: String,
+    /// Number of triangles of the meshes. Each mesh counts once.
+    triangles: u64,
+    /// Number of triangles of the instances. A mesh counts as often as it is placed.
+    instanced_triangles: u64,
+    /// Number of meshes.
+    meshes: usize,
+    /// Number of instances.
+    instances: usize,
+    /// Number of animated instances. No other field counts them.
+    skipped_movers: u64,
+    /// Number of materials.
+    materials: usize,
+    /// Number of materials with an alpha mask.
+    masked_materials: usize,
+    /// Number of blended materials.
+    blended_materials: u64,
+    /// Number of triangles whose material is blended.
+    blended_triangles: u64,
+    /// Number of triangles without area.
+    degenerate_triangles: u64,
+    /// Number of polygons of OBJ and PLY files that were cut into fans, which may cover too much or too little.
+    untriangulated_polygons: u64,
+    /// Bounding box of the scene.
+    bounds: Bounds,
+    /// Share of the instanced triangles that are in closed components.
+    closed_share: f64,
+    /// Share of the instanced triangles that bound solids.
+    solid_share: f64,
+    /// Suggested resolution of a bake: voxels of about 5 cm, if the scene is in metres.
+    suggested_resolution: u32,
+    /// Warnings of the loader.
+    warnings: Vec<String>,
+}
 
 pub(crate) fn run(args: &Inspect) -> Outcome {
-    let scene = load_scene(&args.scene, &args.load.load_options(args.max_memory)?)?;
+    with_threads(args.run.threads, || inspect(args))?
+}
+
+fn inspect(args: &Inspect) -> Outcome {
+    let scene = load_scene(&args.scene, &args.load.load_options(args.run.max_memory)?)?;
     let bounds = scene.bounds();
     let (closed, solid) = closed_shares(&scene);
     let masked = scene.materials.iter().filter(|m| matches!(m.alpha, AlphaMode::Mask { .. })).count();
     let triangles = scene.stored_triangles();
     let instanced = scene.instanced_triangles();
     let suggested = suggested_resolution(&scene)?;
-    if args.json {
-        print_json(&json!({
-            "scene": args.scene.display().to_string(),
-            "triangles": triangles,
-            "instanced_triangles": instanced,
-            "meshes": scene.meshes.len(),
-            "instances": scene.instances.len(),
-            "movers_left_out": scene.notes.movers_left_out,
-            "materials": scene.materials.len(),
-            "masked_materials": masked,
-            "blended_materials": scene.notes.blended_materials,
-            "blended_triangles": scene.notes.blended_triangles,
-            "degenerate_triangles": scene.notes.degenerate_triangles,
-            "untriangulated_polygons": scene.notes.untriangulated_polygons,
-            "bounds": bounds,
-            "closed_share": closed,
-            "solid_share": solid,
-            "suggested_resolution": suggested,
-            "warnings": scene.notes.warnings,
-        }));
+    if args.run.json {
+        print_json(&Inspected {
+            scene: args.scene.display().to_string(),
+            triangles,
+            instanced_triangles: instanced,
+            meshes: scene.meshes.len(),
+            instances: scene.instances.len(),
+            skipped_movers: scene.notes.skipped_movers,
+            materials: scene.materials.len(),
+            masked_materials: masked,
+            blended_materials: scene.notes.blended_materials,
+            blended_triangles: scene.notes.blended_triangles,
+            degenerate_triangles: scene.notes.degenerate_triangles,
+            untriangulated_polygons: scene.notes.untriangulated_polygons,
+            bounds,
+            closed_share: closed,
+            solid_share: solid,
+            suggested_resolution: suggested,
+            warnings: scene.notes.warnings,
+        })?;
     } else {
         say!("{}", args.scene.display());
         say!("  triangles            {triangles} stored, {instanced} with instances");
@@ -53,7 +100,7 @@ pub(crate) fn run(args: &Inspect) -> Outcome {
     Ok(Code::Fine)
 }
 
-/// Shares of the instanced triangles that lie in closed components and that bound solids.
+/// Returns the shares of the instanced triangles that are in closed components and that bound solids.
 fn closed_shares(scene: &Scene) -> (f64, f64) {
     let mut placed = vec![0_u64; scene.meshes.len()];
     for instance in &scene.instances {
@@ -73,7 +120,8 @@ fn closed_shares(scene: &Scene) -> (f64, f64) {
     (share(closed), share(solid))
 }
 
-/// Voxels of about 5 cm in a scene of metres, within what bakes in minutes.
+/// Edge of a voxel for the suggested resolution, world units: 5 cm if they are metres. The resolution is limited to
+/// what bakes in minutes.
 const SUGGESTED_VOXEL: f64 = 0.05;
 
 fn suggested_resolution(scene: &Scene) -> Result<u32, adumbra::Error> {

@@ -1,23 +1,22 @@
-//! Points answered from whichever kind of file.
+//! Look-ups in files of either frame.
 
-use adumbra::format::{AnyFile, ShadowFile, TreeBody, TreeFile};
-use adumbra::light::Sun;
-use adumbra::query::{PointVisibility, Query, TreeQuery, Weights};
-use adumbra::tree::Voxels;
+use adumbra::{PointVisibility, Query, ShadowFile};
+use adumbra_program::exit::Failure;
+use adumbra_tree::query::{TreeQuery, Weights};
+use adumbra_tree::{AnyFile, TreeBody, TreeFile, Voxels};
 
 use crate::args::BiasArgs;
-use crate::exit::Failure;
 
-/// How a file is asked.
-pub(super) struct Asking<'a> {
+/// Parameters of a look-up.
+pub(super) struct LookupOptions<'a> {
     pub(super) bias: &'a BiasArgs,
-    /// Texels, or voxels a side.
+    /// Width in texels for a light-aligned file, voxels per side for a world-aligned file.
     pub(super) filter: u32,
     pub(super) weights: Weights,
 }
 
-impl Asking<'_> {
-    /// The look-up of a file.
+impl LookupOptions<'_> {
+    /// Returns the look-up of a file.
     pub(super) fn lookup<'f>(&self, file: &'f AnyFile) -> Result<Box<dyn PointVisibility + 'f>, Failure> {
         Ok(match file {
             AnyFile::Light(file) => Box::new(self.light(file)?),
@@ -34,7 +33,7 @@ impl Asking<'_> {
                 "--weights is for world-aligned files; this one is light-aligned".to_owned(),
             ));
         }
-        Ok(Query::new(&file.grid, file.slabs(), self.bias.over(file.settings.bias)?, self.filter)?)
+        Ok(Query::new(&file.grid, file.leaf_masks(), self.bias.over(file.settings.bias)?, self.filter)?)
     }
 
     pub(super) fn tree<'f, T: Voxels>(
@@ -45,21 +44,5 @@ impl Asking<'_> {
         let bias = self.bias.over(file.settings.bias)?;
         let regions = &file.regions;
         Ok(TreeQuery::new(&file.space, regions, &file.sun, tree, bias, self.filter, self.weights)?)
-    }
-}
-
-/// The sun that a file was baked for.
-pub(super) fn sun_of(file: &AnyFile) -> Sun {
-    match file {
-        AnyFile::Light(file) => file.grid.sun,
-        AnyFile::Tree(file) => file.sun,
-    }
-}
-
-/// Whether the bake took masked materials as opaque.
-pub(super) fn ignored_alpha(file: &AnyFile) -> bool {
-    match file {
-        AnyFile::Light(file) => file.settings.ignore_alpha,
-        AnyFile::Tree(file) => file.settings.ignore_alpha,
     }
 }

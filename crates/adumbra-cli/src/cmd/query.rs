@@ -1,21 +1,39 @@
 //! `adumbra query`: points in, visibilities out.
 
+use adumbra::IoError;
 use std::path::Path;
 
-use adumbra::Error;
-use adumbra::files::{check_output, same_file};
-use adumbra::format::{AnyFile, AttributeKind, TreeBody};
-use adumbra::query::PenumbraQuery;
+use adumbra_files::{check_output, same_file};
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{Outputs, print_json, refuse_inputs};
+use adumbra_program::say;
+use adumbra_program::threads::with_threads;
+use adumbra_tree::query::PenumbraQuery;
+use adumbra_tree::{AnyFile, AttributeKind, TreeBody};
 use rayon::prelude::*;
-use serde_json::json;
+use serde::Serialize;
 
-use super::lookup::Asking;
-use super::{print_json, with_threads};
+use super::lookup::LookupOptions;
 use crate::args::Query;
-use crate::exit::{Code, Failure, Outcome};
-use crate::output::{Outputs, refuse_inputs};
 
-/// Points that are answered one after the other: a look-up remembers where the last one was.
+/// The result of a query.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Answered {
+    /// Number of points that were looked up.
+    points: usize,
+    /// Number of points with a component that is infinite or not a number. They count as lit.
+    points_not_finite: usize,
+    /// Number of normals with a component that is infinite or not a number. Their points are looked up as if without a
+    /// normal.
+    normals_not_finite: usize,
+    /// Mean of the answers, 0 to 1. 1 is lit.
+    mean_visibility: f64,
+    /// The file that the answers were written to.
+    output: String,
+}
+
+/// Number of points that are looked up one after the other. A look-up remembers the position of the last point.
 const BATCH: usize = 1 << 14;
 
 pub(crate) fn run(args: &Query) -> Outcome {
@@ -34,7 +52,7 @@ pub(crate) fn run(args: &Query) -> Outcome {
             args.output.display()
         )));
     }
-    // Before hours of answers that have no place to go.
+    // Checked before hours of look-ups whose results could not be written.
     args.penumbra.iter().chain([&args.output]).try_for_each(|output| check_output(output))?;
     let file = AnyFile::read(&args.file)?;
     let points = match &args.points_f64 {
@@ -46,7 +64,7 @@ pub(crate) fn run(args: &Query) -> Outcome {
         && n.len() != points.len()
     {
         return Err(Failure::BadInput(format!(
-            "{} holds {} normals, but {} holds {} points; give one a point",
+            "{} holds {} normals, but {} holds {} points; give one normal per point",
             args.normals.as_deref().unwrap_or(Path::new("")).display(),
             n.len(),
             points_path.display(),
@@ -54,40 +72,41 @@ pub(crate) fn run(args: &Query) -> Outcome {
         )));
     }
     let not_finite = NotFinite::of(&points, normals.as_deref());
-    // A point, its normal, its answer, in its batch and behind the others, and the answer's bytes.
-    args.work.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4 + 4) + file.encoded_len())?;
-    let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+    // Bytes per point: the point (24), its normal (24), its answer in its batch (4) and in the whole (4), and the
+    // answer's bytes (4).
+    args.run.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4 + 4) + file.encoded_len())?;
+    let asking = LookupOptions { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
     let lookup = asking.lookup(&file)?;
     let penumbrae = args.penumbra.as_ref().map(|_| penumbra_query(args, &asking, &file)).transpose()?;
     let normal = |i: usize| normals.as_ref().map(|n| n[i]);
-    let visibilities: Vec<f32> = with_threads(args.work.threads, || {
+    let visibilities: Vec<f32> = with_threads(args.run.threads, || {
         let batches = points.par_chunks(BATCH).enumerate();
         let answers = batches.map(|(b, batch)| {
             let normals = normals.as_ref().map(|n| &n[b * BATCH..][..batch.len()]);
             lookup.visibilities(batch, normals)
         });
-        Ok(answers.collect::<Vec<_>>().concat())
+        answers.collect::<Vec<_>>().concat()
     })?;
     let floats = |values: &[f32]| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
     let mut outputs = Outputs::default();
     if let (Some(query), Some(path)) = (&penumbrae, &args.penumbra) {
         let width = |i: usize| query.width(points[i], normal(i)).map_or(f32::NAN, |w| w as f32);
         let widths: Vec<f32> =
-            with_threads(args.work.threads, || Ok((0..points.len()).into_par_iter().map(width).collect()))?;
+            with_threads(args.run.threads, || (0..points.len()).into_par_iter().map(width).collect())?;
         outputs.add(path, &floats(&widths))?;
     }
     outputs.add(&args.output, &floats(&visibilities))?;
     outputs.place()?;
     let mean = visibilities.iter().fold(0.0, |sum, v| sum + f64::from(*v)) / visibilities.len().max(1) as f64;
     not_finite.say(points.len());
-    if args.json {
-        print_json(&json!({
-            "points": points.len(),
-            "points_not_finite": not_finite.points,
-            "normals_not_finite": not_finite.normals,
-            "mean_visibility": mean,
-            "output": args.output.display().to_string(),
-        }));
+    if args.run.json {
+        print_json(&Answered {
+            points: points.len(),
+            points_not_finite: not_finite.points,
+            normals_not_finite: not_finite.normals,
+            mean_visibility: mean,
+            output: args.output.display().to_string(),
+        })?;
     } else {
         say!("{}: {} points, mean visibility {mean:.4}", args.output.display(), points.len());
     }
@@ -96,7 +115,7 @@ pub(crate) fn run(args: &Query) -> Outcome {
 
 fn penumbra_query<'f>(
     args: &Query,
-    asking: &Asking<'_>,
+    asking: &LookupOptions<'_>,
     file: &'f AnyFile,
 ) -> Result<PenumbraQuery<'f>, Failure> {
     if let AnyFile::Tree(file) = file
@@ -111,7 +130,7 @@ fn penumbra_query<'f>(
     )))
 }
 
-/// How many points and normals have a component that is infinite or not a number.
+/// Numbers of points and normals with a component that is infinite or not a number.
 struct NotFinite {
     points: usize,
     normals: usize,
@@ -123,12 +142,12 @@ impl NotFinite {
         Self { points: count(points), normals: normals.map_or(0, count) }
     }
 
-    /// One line on stderr, where there are any.
+    /// Prints one line on stderr if there are any.
     fn say(&self, of: usize) {
         let Self { points, normals } = *self;
-        let lit = format!("{points} of {of} points are not finite and called lit");
+        let lit = format!("{points} of {of} points are not finite and count as lit");
         let plain =
-            format!("{normals} of {of} normals are not finite, and their points answered as without one");
+            format!("{normals} of {of} normals are not finite, so their points are looked up without one");
         match (points, normals) {
             (0, 0) => {}
             (_, 0) => eprintln!("warning: {lit}"),
@@ -147,12 +166,12 @@ fn read_f64_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {
     Ok(read_triples::<8>(path, "float64")?.into_iter().map(|t| t.map(f64::from_le_bytes)).collect())
 }
 
-/// Triples of numbers that take `BYTES` bytes each.
+/// Reads triples of numbers that take `BYTES` bytes each.
 fn read_triples<const BYTES: usize>(path: &Path, kind: &str) -> Result<Vec<[[u8; BYTES]; 3]>, Failure> {
-    let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
+    let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
     if bytes.len() % (3 * BYTES) != 0 {
         return Err(Failure::BadInput(format!(
-            "{}: {} bytes are not whole {kind} triples of {} bytes; write x, y, z as little-endian {kind}",
+            "{}: {} bytes are not a whole number of {kind} triples of {} bytes; write x, y, z as little-endian {kind}",
             path.display(),
             bytes.len(),
             3 * BYTES

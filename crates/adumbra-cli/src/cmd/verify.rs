@@ -1,41 +1,46 @@
-//! `adumbra verify`: a file's answers against rays.
+//! `adumbra verify`: compares a file's answers with rays.
 
-use adumbra::format::{AnyFile, TreeBody};
-use adumbra::trace::{TraceOptions, Tracer};
-use adumbra::verify::{
-    Answers, Class, ClassResult, LightAnswers, MIN_JUDGED_POINTS, Sampler, Solids, SurfaceSampler,
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::print_json;
+use adumbra_program::say;
+use adumbra_program::scene::load_scene;
+use adumbra_program::threads::with_threads;
+use adumbra_tree::{AnyFile, TreeBody};
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use adumbra_truth::verify::{
+    Answers, Class, ClassResult, LightAnswers, MIN_CHECKED_POINTS, Sampler, Solids, SurfaceSampler,
     TreeAnswers, Verification, Verifier, VerifyOptions, VolumeSampler,
 };
 
-use super::lookup::{Asking, ignored_alpha, sun_of};
-use super::{load_scene, print_json, with_threads};
+use super::lookup::LookupOptions;
 use crate::args::Verify;
-use crate::exit::{Code, Failure, Outcome};
 
 pub(crate) fn run(args: &Verify) -> Outcome {
     let file = AnyFile::read(&args.file)?;
-    let mut load = args.load.load_options(args.work.max_memory)?;
-    load.ignore_alpha |= ignored_alpha(&file);
+    let mut load = args.load.load_options(args.run.max_memory)?;
+    load.ignore_alpha |= file.ignores_alpha();
     if let AnyFile::Light(light) = &file
         && args.volume
         && light.settings.assume_ground
     {
         return Err(Failure::Usage(format!(
-            "{} was baked with ground assumed: points in free space are not promised; bake with --no-assume-ground",
+            "{} was baked with ground assumed, so it promises nothing about points in free space; bake with --no-assume-ground",
             args.file.display()
         )));
     }
-    let result = with_threads(args.work.threads, || {
+    let result = with_threads(args.run.threads, || {
         let scene = load_scene(&args.scene, &load)?;
         let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
-        args.work
-            .check_memory("the scene and its rays' trees", scene.memory_bytes() + tracer.memory_bytes())?;
+        args.run.check_memory(
+            "the scene and its acceleration structure",
+            scene.memory_bytes() + tracer.memory_bytes(),
+        )?;
         let solids = Solids::of(&scene);
         let sampler = match &file {
             AnyFile::Light(light) if args.volume => Sampler::Volume(VolumeSampler::new(&light.grid)),
             AnyFile::Tree(tree) if args.volume => Sampler::Volume(VolumeSampler::in_cube(&tree.space)),
             _ => {
-                let towards = sun_of(&file).towards();
+                let towards = file.sun().towards();
                 Sampler::Surface(SurfaceSampler::new(&scene, &solids, towards, load.ignore_alpha))
             }
         };
@@ -46,8 +51,8 @@ pub(crate) fn run(args: &Verify) -> Outcome {
             options: VerifyOptions { samples: args.samples, seed: args.seed },
             min_interior: args.min_interior,
         };
-        let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
-        Ok(match &file {
+        let asking = LookupOptions { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+        Ok::<_, Failure>(match &file {
             AnyFile::Light(f) => check.run(&LightAnswers::new(&f.grid, &f.settings, asking.light(f)?)),
             AnyFile::Tree(f) => match &f.body {
                 TreeBody::Words(t) => check.run(&TreeAnswers::new(&f.settings, f.sun, asking.tree(f, t)?)),
@@ -56,19 +61,18 @@ pub(crate) fn run(args: &Verify) -> Outcome {
                 }
             },
         })
-    })?;
-    if args.json {
-        let value = serde_json::to_value(&result).map_err(|e| Failure::BadInput(e.to_string()))?;
-        print_json(&value);
+    })??;
+    if args.run.json {
+        print_json(&result)?;
     } else {
         say!("{} against {}", args.file.display(), args.scene.display());
         print_file(&file);
         print_result(&result, args.filter);
     }
-    if !result.is_judged() {
+    if !result.is_checked() {
         eprintln!(
-            "check failed: {} interior points were compared, and {MIN_JUDGED_POINTS} are needed to judge the file; give more --samples, \
-             and see that file and scene overlap",
+            "check failed: {} interior points were compared, but the check needs at least {MIN_CHECKED_POINTS}; give more --samples, \
+             and make sure that file and scene overlap",
             result.class(Class::Interior).points
         );
         return Ok(Code::CheckFailed);
@@ -86,29 +90,34 @@ pub(crate) fn run(args: &Verify) -> Outcome {
     Ok(Code::CheckFailed)
 }
 
-/// Which promise a class misses.
+/// Says which promise a class misses.
 fn missed(class: &ClassResult) -> String {
     match (class.promised_agreement, class.promised_misplaced) {
         (Some(least), _) if !(class.agreement >= least) => {
-            format!("agree with rays to {:.4} %, less than {:.4} %", 100.0 * class.agreement, 100.0 * least)
+            format!(
+                "agree with rays in {:.4} %, less than the required {:.4} %",
+                100.0 * class.agreement,
+                100.0 * least
+            )
         }
         (_, most) => format!(
-            "lie more than a texel off in {:.4} %, and at most {:.4} % may",
+            "are off by more than a texel in {:.4} %, more than the allowed {:.4} %",
             100.0 * class.misplaced_share(),
             100.0 * most.unwrap_or_default()
         ),
     }
 }
 
-/// What the file itself decides of the comparison: a person sees here that it is of another sun, or too coarse.
+/// Prints the properties of the file that affect the comparison. They show if the file is for another sun or too
+/// coarse.
 fn print_file(file: &AnyFile) {
     let voxel_size = match file {
         AnyFile::Light(light) => light.grid.voxel_size,
         AnyFile::Tree(tree) => tree.space.voxel_size,
     };
-    let [x, y, z] = sun_of(file).towards();
+    let [x, y, z] = file.sun().towards();
     let elevation = y.asin().to_degrees();
-    let masks = if ignored_alpha(file) { ", masks ignored" } else { "" };
+    let masks = if file.ignores_alpha() { ", masks ignored" } else { "" };
     say!(
         "  file                sun ({x:.3}, {y:.3}, {z:.3}), {elevation:.1}° high; voxels of {voxel_size:.4}{masks}"
     );
@@ -143,21 +152,21 @@ fn print_result(result: &Verification, filter: u32) {
     }
 }
 
-/// What a class promises and whether it holds, in words.
+/// Says what a class promises and whether it holds.
 fn promise(class: &ClassResult) -> String {
     let promised = match (class.promised_agreement, class.promised_misplaced) {
         (Some(least), _) => format!("agreement >= {} %", 100.0 * least),
         (None, Some(most)) => format!("misplaced <= {} %", 100.0 * most),
         (None, None) => return "none".to_owned(),
     };
-    match (class.judged, class.holds) {
-        (false, _) => format!("{promised}: not judged, fewer than {MIN_JUDGED_POINTS} points"),
+    match (class.checked, class.holds) {
+        (false, _) => format!("{promised}: not checked, fewer than {MIN_CHECKED_POINTS} points"),
         (true, true) => promised,
         (true, false) => format!("{promised}: MISSED"),
     }
 }
 
-/// What every kind of answer is compared with.
+/// The reference and the parameters of a comparison, for answers of any kind.
 struct Check<'a> {
     tracer: &'a Tracer<'a>,
     solids: &'a Solids,

@@ -1,27 +1,30 @@
 //! `adumbra view`: a window on a scene.
 
-use adumbra::camera::Projection;
+use adumbra_lab::Result;
+use adumbra_lab::args::DeviceArg;
 use adumbra_lab::camera_file::CameraFile;
-use adumbra_view::{Script, Shown, ViewOptions};
+use adumbra_program::exit::{Code, Failure};
+use adumbra_scene::Projection;
+use adumbra_view::{OptionField, Script, Shown, ViewError, ViewOptions};
 use clap::ValueEnum;
 
-use crate::args::{DeviceArg, View};
-use crate::exit::{Code, Failure, Outcome};
+use crate::args::View;
 
-pub(crate) fn run(args: &View) -> Outcome {
+pub(crate) fn run(args: &View) -> Result<Code> {
     let options = options(args)?;
-    adumbra_view::run(options, Box::new(|line| eprintln!("{line}")))?;
+    adumbra_view::run(options, Box::new(|line| eprintln!("{line}"))).map_err(failure)?;
     Ok(Code::Fine)
 }
 
-fn options(args: &View) -> Result<ViewOptions, Failure> {
+fn options(args: &View) -> Result<ViewOptions> {
     if args.device.device == DeviceArg::Cpu {
         return Err(Failure::Usage(
-            "--device cpu: a window needs a GPU adapter, a software one will do".to_owned(),
-        ));
+            "--device cpu: a window needs a GPU adapter; a software adapter is enough".to_owned(),
+        )
+        .into());
     }
     if args.shadow.len() > 2 {
-        return Err(Failure::Usage("--shadow: give at most two, one a side".to_owned()));
+        return Err(Failure::Usage("--shadow: give at most two, one per side".to_owned()).into());
     }
     let shadow = |side: usize| args.shadow.get(side).map(|s| s.parse()).transpose();
     let shown = match (args.split, args.difference) {
@@ -38,7 +41,7 @@ fn options(args: &View) -> Result<ViewOptions, Failure> {
     if let Projection::Orthographic { .. } = projection
         && (eye.is_none() || target.is_none())
     {
-        return Err(Failure::Usage("--ortho: give --eye and --target too".to_owned()));
+        return Err(Failure::Usage("--ortho: give --eye and --target too".to_owned()).into());
     }
     let given = args.sun.is_given().then(|| args.sun.sun()).transpose()?;
     let memory = args.max_memory.map_or_else(Vec::new, |b| vec!["--max-memory".to_owned(), b.to_string()]);
@@ -69,6 +72,37 @@ fn options(args: &View) -> Result<ViewOptions, Failure> {
         max_memory_bytes: args.max_memory,
         gpu: args.device.gpu_options(),
         inputs: args.script.iter().chain(&args.camera).cloned().collect(),
-        script: args.script.as_deref().map(Script::read).transpose()?,
+        script: args.script.as_deref().map(Script::read).transpose().map_err(failure)?,
+    })
+}
+
+fn failure(error: ViewError) -> adumbra_lab::Error {
+    match error {
+        ViewError::Io(error) => error.into(),
+        ViewError::Library(error) => error.into(),
+        ViewError::Render(error) => error.into(),
+        ViewError::Scene(error) => error.into(),
+        ViewError::Options { field, what } => {
+            let options = options_of(field).map_or_else(String::new, |options| format!(" ({options})"));
+            Failure::Usage(format!("{what}{options}")).into()
+        }
+        other => Failure::BadInput(other.to_string()).into(),
+    }
+}
+
+/// Returns the options that set a field of the view.
+fn options_of(field: OptionField) -> Option<&'static str> {
+    Some(match field {
+        OptionField::ShadowFiles => "--shadow-file",
+        OptionField::Shadows => "--shadow",
+        OptionField::Ambient => "--ao",
+        OptionField::Layer => "--layer",
+        OptionField::Shown => "--split, --difference",
+        OptionField::EyeAndTarget => "--eye, --target",
+        OptionField::Target => "--target",
+        OptionField::Seconds => "--time",
+        OptionField::Antialias => "--antialias",
+        OptionField::Resolution => "--resolution",
+        _ => return None,
     })
 }

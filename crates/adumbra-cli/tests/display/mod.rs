@@ -1,4 +1,4 @@
-//! A display without a screen, and views on it.
+//! A virtual display, and views on it.
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::kit::{Folder, program};
+use adumbra_testing::{Folder, program};
 
-/// Longest that a view may take.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(240);
+/// Time limit of a view.
+pub(crate) const TIMEOUT: Duration = Duration::from_secs(240);
 
-/// A virtual display, gone with this.
+/// A virtual display, which ends when it is dropped.
 pub(crate) struct Display {
     server: Child,
     name: String,
@@ -24,7 +24,7 @@ impl Drop for Display {
     }
 }
 
-/// A view, gone with this.
+/// A running view, which is killed when it is dropped.
 pub(crate) struct View(Child);
 
 impl Drop for View {
@@ -38,7 +38,7 @@ fn has(tool: &str, argument: &str) -> bool {
     Command::new(tool).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// Starts a display; none where there is nothing to start, which is said.
+/// Starts a display. If its programs are missing, prints a note and returns `None`.
 pub(crate) fn display() -> Option<Display> {
     if !has("Xvfb", "-help") || !has("xdotool", "version") {
         assert!(
@@ -48,8 +48,8 @@ pub(crate) fn display() -> Option<Display> {
         eprintln!("SKIPPED: the window is not tested: Xvfb or xdotool is missing");
         return None;
     }
-    // Without -noreset the server begins anew whenever its last client has gone, and drops those that come just then:
-    // a search for the window, again and again, would cost the view its connection.
+    // Without -noreset the server resets whenever its last client has gone, and drops clients that connect at that
+    // moment. Repeated searches for the window would cost the view its connection.
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-noreset", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
         .stdout(Stdio::piped())
@@ -67,7 +67,7 @@ pub(crate) fn display() -> Option<Display> {
 }
 
 impl Display {
-    /// A view that begins, without anything of another display around it.
+    /// Starts a view that can reach no other display.
     pub(crate) fn begin(&self, arguments: &[&str]) -> View {
         let view = Command::new(program())
             .arg("view")
@@ -80,7 +80,7 @@ impl Display {
         View(view.unwrap())
     }
 
-    /// A view that plays a script to its end: exit code and what it said.
+    /// Runs a view that plays a script to its end. Returns its exit code and stderr.
     pub(crate) fn play(&self, folder: &Folder, arguments: &[&str], steps: &Value) -> (i32, String) {
         let script = folder.write("script.json", steps.to_string().as_bytes());
         finish(self.begin(&[arguments, &["--script", &script]].concat()))
@@ -96,10 +96,10 @@ impl Display {
         self.xdotool(&["key", key]);
     }
 
-    /// The view's window, once it is seen.
+    /// Waits for the view's window and returns its id.
     pub(crate) fn window(&self, view: &mut View) -> String {
         let start = Instant::now();
-        while start.elapsed() < PATIENCE {
+        while start.elapsed() < TIMEOUT {
             view.must_run("its window was there");
             let found = self.xdotool(&["search", "--onlyvisible", "--name", "^adumbra: "]);
             if let Some(id) = found.lines().next() {
@@ -112,7 +112,7 @@ impl Display {
 }
 
 impl View {
-    /// Fails, with what the view said, where it has ended.
+    /// Panics with the view's stderr if it has ended.
     pub(crate) fn must_run(&mut self, until: &str) {
         if let Some(status) = self.0.try_wait().unwrap() {
             let mut said = String::new();
@@ -122,7 +122,7 @@ impl View {
     }
 }
 
-/// Exit code and stderr of a view that ends by itself.
+/// Waits until a view ends by itself. Returns its exit code and stderr.
 pub(crate) fn finish(mut view: View) -> (i32, String) {
     let mut said = String::new();
     let mut stderr = view.0.stderr.take().unwrap();
@@ -135,7 +135,7 @@ pub(crate) fn finish(mut view: View) -> (i32, String) {
         if let Some(status) = view.0.try_wait().unwrap() {
             return (status.code().unwrap_or(-1), reader.join().unwrap());
         }
-        if start.elapsed() > PATIENCE {
+        if start.elapsed() > TIMEOUT {
             drop(view);
             panic!("the view did not end: {}", reader.join().unwrap());
         }

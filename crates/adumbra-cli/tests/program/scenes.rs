@@ -1,4 +1,4 @@
-//! Scenes from strangers, as the program meets them: exit codes, messages, options.
+//! Untrusted scenes in the program: exit codes, messages, options.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::kit::{Folder, adumbra, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, json, program, stderr};
 
 const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0];
 const FACE: &str = "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n";
@@ -21,7 +21,7 @@ fn gltf(uri: &str) -> Vec<u8> {
     json.to_string().into_bytes()
 }
 
-/// A folder with a triangle in `secret.bin`, and a folder `sub`.
+/// Returns a folder with a triangle in `secret.bin` and an empty folder `sub`.
 fn folder_with_a_secret() -> Folder {
     let folder = Folder::new();
     folder.write_f32("secret.bin", &TRIANGLE);
@@ -71,26 +71,11 @@ fn files_outside_are_read_where_every_verb_allows_it() {
     let folder = folder_with_a_secret();
     let scene = folder.write("sub/trav.gltf", &gltf("../secret.bin"));
     let (file, picture) = (folder.path("t.adumbra"), folder.path("t.png"));
-    let (scenes, tables) = (folder.path("sub"), folder.path("tables"));
-    let verbs: [&[&str]; 5] = [
+    let verbs: [&[&str]; 4] = [
         &["inspect", &scene],
         &["bake", &scene, "-o", &file, "--resolution", "64", "--sun", "0,1,0", "--progress", "none"],
         &["verify", &file, "--scene", &scene, "--samples", "1000", "--min-interior", "0"],
         &["render", &scene, "--truth", "--device", "cpu", "--size", "16x16", "-o", &picture],
-        &[
-            "bench",
-            "bake",
-            "--scenes",
-            &scenes,
-            "--names",
-            "trav.gltf",
-            "--resolutions",
-            "64",
-            "--variant-resolution",
-            "64",
-            "-o",
-            &tables,
-        ],
     ];
     for verb in verbs {
         let (code, message) = adumbra(&[verb, &["--allow-outside"]].concat());
@@ -132,7 +117,8 @@ fn a_pipe_is_no_scene() {
     }
 }
 
-/// A GLB of so many image entries that all name one clear image, each masking a triangle of its own.
+/// Returns a GLB with `entries` image entries that all refer to one transparent image. Each masks a triangle of its
+/// own.
 fn bomb(entries: usize, side: u32) -> Vec<u8> {
     let mut png = std::io::Cursor::new(Vec::new());
     image::GrayAlphaImage::new(side, side).write_to(&mut png, image::ImageFormat::Png).unwrap();
@@ -176,7 +162,7 @@ fn a_scene_beyond_the_memory_allowed_exits_with_4() {
     let folder = Folder::new();
     let scene = folder.write("bomb.glb", &bomb(200, 1_000));
     let (file, picture) = (folder.path("b.adumbra"), folder.path("b.png"));
-    // Decoded once it takes 3 MB for a moment and 1 MB from then on; for each entry it would be 200 MB.
+    // Decoded once, the image takes 3 MB for a moment and 1 MB afterwards. Decoded per entry it would take 200 MB.
     let verbs: [&[&str]; 3] = [
         &["inspect", &scene],
         &["bake", &scene, "--resolution", "64", "--progress", "none", "-o", &file],

@@ -1,25 +1,28 @@
-//! How much finer a hybrid map is where the true shadow has an edge.
+//! How much finer a hybrid-resolution map is at the edges of the true shadow.
 //!
-//! *At an edge* lies a compared pixel within one coarsest texel, in the light's plane, of an edge that the traced picture shows
-//! ([`super::near_flips`]). A look-up that ends `level` levels above the finest of `merges` + 1 has texels
-//! 2^(`merges` - `level`) times finer than the coarsest. The gain is the mean of that over the pixels at edges, less 1.
-//! A map of the coarsest size alone gains 0.
+//! A compared pixel is *at an edge* if it is within one coarsest texel, in the light's plane, of an edge in the traced
+//! picture ([`super::near_edges`]). A look-up that ends `level` levels above the finest of `merges` + 1 has texels
+//! 2^(`merges` - `level`) times finer than the coarsest. The gain is the mean of this ratio over the pixels at edges,
+//! minus 1. A map with coarsest texels only has a gain of 0.
 
 use serde::{Deserialize, Serialize};
 
-/// What a hybrid map's levels add at the edges of the true shadow.
+/// The gain of a hybrid-resolution map's levels at the edges of the true shadow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BoundaryGain {
-    /// Pixels at edges.
+    /// Number of pixels at edges.
     pub pixels: u64,
-    /// Mean of coarsest texel edge over texel edge, less 1: 0 where all look-ups end at the coarsest level.
+    /// Mean ratio of the coarsest texel size to the texel size, minus 1: 0 if all look-ups end at the coarsest level.
     pub gain: f64,
     /// Share of the pixels whose look-up ends at the finest level.
     pub at_finest: f64,
 }
 
-/// The gain at `pixels` of a map of `merges` + 1 levels; `levels` holds [`adumbra_render::Answer::Level`] of each pixel of the picture.
-/// Pixels beside the map are left out; all zero where none is left.
+/// Returns the gain at `pixels` of a map of `merges` + 1 levels. `levels` holds [`adumbra_render::Answer::Level`] of
+/// each pixel of the picture.
+///
+/// Pixels outside the map are skipped. If none remains, all values are zero.
 pub fn boundary_gain(levels: &[f32], merges: u32, pixels: &[usize]) -> BoundaryGain {
     let ends = pixels.iter().filter_map(|&i| levels.get(i)).filter(|level| **level >= 0.0);
     let (mut count, mut finest, mut finer) = (0_u64, 0_u64, 0.0);

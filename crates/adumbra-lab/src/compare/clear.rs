@@ -1,4 +1,5 @@
-//! Errors away from shadow edges, over a sample of the compared pixels: whoever is counted as wrong is counted in the whole too.
+//! Errors away from shadow edges, over a sample of the compared pixels. Wrong pixels and the total are counted over the
+//! same sample.
 
 use rayon::prelude::*;
 
@@ -6,25 +7,29 @@ use crate::metrics::is_lit;
 use crate::report::ClearErrors;
 use crate::truth::{EdgeProbe, Surfaces};
 
-/// How far from an edge, in the technique's texels.
+/// Required distance from an edge, in texels of the technique.
 pub const CLEAR_TEXELS: f64 = 2.0;
-/// Of more pixels than these, every second, third, … is asked, so that at most so many are.
-const MOST_PIXELS: usize = 1 << 16;
+/// Largest number of pixels examined. Of more pixels, every second, third, … is examined.
+const MAX_PIXELS: usize = 1 << 16;
 
-/// Errors of `factors` at the pixels that are `judged` and lie [`CLEAR_TEXELS`] texels from an edge; `texel_world` gives a pixel's. None where
-/// no pixel lies so, or a pixel has no texel. Cost: 17 rays a pixel, of at most 65,536.
+/// Returns the errors of `factors` at the pixels that are `is_compared` and more than [`CLEAR_TEXELS`] texels from an edge.
+///
+/// `texel_world` gives the texel size at a pixel in world units. Returns `None` if there is no such pixel, or if a
+/// is_compared pixel has no texel size.
+///
+/// Cost: up to 17 rays per pixel, for at most 65,536 pixels.
 pub fn clear_errors(
     probe: &EdgeProbe<'_, '_>,
     surfaces: &Surfaces,
     (factors, truth): (&[f32], &[f32]),
-    judged: impl Fn(usize) -> bool,
+    is_compared: impl Fn(usize) -> bool,
     texel_world: impl Fn(usize) -> Option<f64>,
 ) -> Option<ClearErrors> {
     let pixels: Vec<(usize, f64)> = (0..factors.len())
-        .filter(|&i| judged(i))
+        .filter(|&i| is_compared(i))
         .map(|i| texel_world(i).map(|texel| (i, CLEAR_TEXELS * texel)))
         .collect::<Option<_>>()?;
-    let step = pixels.len().div_ceil(MOST_PIXELS).max(1);
+    let step = pixels.len().div_ceil(MAX_PIXELS).max(1);
     let sample: Vec<(usize, f64)> = pixels.into_iter().step_by(step).collect();
     let is_clear = |&&(i, radius): &&(usize, f64)| {
         probe.is_clear(surfaces.lifted(i), surfaces.normal[i].map(f64::from), radius)

@@ -1,19 +1,19 @@
-//! Techniques beside the truth: each drawn by the renderer at one camera, and judged pixel by pixel.
+//! Comparison of techniques with the truth: the renderer draws each at one camera, and every pixel is compared.
 
 mod boundary;
 mod clear;
-mod flips;
+mod near_edges;
 mod timing;
 mod walk;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::picture::Picture;
 use adumbra_render::{
-    Answer, FrameTimes, Given, Prepared, Renderer, Shot, Stage, SurfaceImage, TechniqueSpec,
+    Answer, FrameTimes, Given, Prepared, Renderer, Shot, Stage, SurfaceImage, TechniqueSpec, Truth,
 };
+use adumbra_scene::{Camera, Projection};
+use adumbra_truth::picture::Picture;
 pub use boundary::{BoundaryGain, boundary_gain};
 pub use clear::{CLEAR_TEXELS, clear_errors};
-pub use flips::{errors_off_edges, near_flips};
+pub use near_edges::{errors_off_edges, near_edges};
 pub use timing::{interleaved, median_ratio, median_time, ratio_range, take_turns};
 pub use walk::walk;
 
@@ -23,90 +23,96 @@ use crate::pictures::{difference_picture, picture_of_rgba};
 use crate::report::{CameraFigures, PixelCounts, TechniqueRow, TruthKind, median};
 use crate::truth::{Cache, EdgeProbe, Key, SunShape, Surfaces, TruthTracer};
 
-/// G-buffer and rays see the same surface where their view depths differ by no more than this share.
+/// Largest relative difference of the view depths of G-buffer and rays that counts as the same surface.
 pub const SAME_SURFACE: f64 = 1e-3;
-/// Pixels with a smaller cosine to the sun are not compared.
-pub const MIN_N_DOT_L: f64 = adumbra::verify::MIN_N_DOT_L;
+/// Pixels are compared if the cosine between normal and sun is above this.
+pub const MIN_N_DOT_L: f64 = adumbra_truth::verify::MIN_N_DOT_L;
 
-/// The truth's side of a comparison.
-pub struct Judge<'a, 's> {
-    /// The scene's rays.
+/// The reference of a comparison: ray-traced truth for a scene and a sun.
+pub struct Reference<'a, 's> {
+    /// The ray tracer of the scene.
     pub truth: &'a TruthTracer<'s>,
-    /// Where traced pictures are kept.
+    /// Cache of ray-traced truth.
     pub cache: &'a Cache,
-    /// The scene's part of their keys.
+    /// The scene's part of the cache keys.
     pub scene: &'a Key,
     /// Unit vector towards the sun.
     pub towards_sun: [f64; 3],
-    /// The disc that soft techniques are judged by: full angle in degrees, rays a pixel.
+    /// The sun's disc in the truth for soft techniques: angular diameter in degrees, rays per pixel.
     pub disc: (f64, u32),
 }
 
 /// A technique to compare.
 pub struct Contender {
-    /// As it was asked for.
+    /// The technique, as requested.
     pub spec: TechniqueSpec,
-    /// Its pipelines; none for `truth` itself, which is drawn with the factors that judge it: it shows how far the renderer's picture is
-    /// from that of the rays without any technique's doing.
+    /// Its pipelines. `None` for the technique `truth`, which is drawn with the true factors. It shows how far the
+    /// renderer's picture is from the ray-traced one for reasons other than a shadow technique.
     pub prepared: Option<Prepared>,
-    /// What judges it.
+    /// The truth that it is compared with.
     pub truth: TruthKind,
 }
 
-/// A technique's figures and pictures.
+/// Results and pictures of a technique.
 pub struct Compared {
     /// Its row of the report.
     pub row: TechniqueRow,
-    /// Shadow factors, one a pixel.
+    /// Shadow factors, one per pixel.
     pub factors: Vec<f32>,
-    /// What it drew.
+    /// The picture that it drew.
     pub picture: Picture,
-    /// Where it is wrong.
+    /// The difference picture of its shadow factors.
     pub difference: Picture,
 }
 
-/// What one camera gave.
+/// The result of a comparison at one camera.
 pub struct Comparison {
-    /// Which pixels were compared.
+    /// Counts of compared and other pixels.
     pub pixels: PixelCounts,
-    /// The truths that judged a technique, as rays see them.
+    /// Ray-traced pictures of the truths that techniques were compared with.
     pub truths: Vec<(TruthKind, Picture)>,
-    /// One a contender.
+    /// One result per contender.
     pub compared: Vec<Compared>,
 }
 
-/// What judges a technique by default: what it declares by [`TechniqueSpec::shows_disc`].
+/// Returns the truth that a technique is compared with by default: its [`TechniqueSpec::truth`].
 pub fn truth_for(spec: &TechniqueSpec) -> TruthKind {
-    if spec.shows_disc() { TruthKind::Disc } else { TruthKind::Hard }
+    match spec.truth() {
+        Truth::HardSun => TruthKind::Hard,
+        Truth::SunDisc => TruthKind::Disc,
+    }
 }
 
-/// Draws every contender at `camera` and compares. The first frame of each is not timed; the medians are of the `frames` (at least 1) after it.
+/// Draws every contender at `camera` and compares it with the truth. The first frame of each is not timed. Median times
+/// are over the `frames` (at least 1) after it.
+///
+/// Cost: the frames, the truth unless it is cached, and about 3 µs per pixel and contender for the picture metrics.
 ///
 /// # Errors
-/// What the renderer reports; [`crate::Error::PictureTooSmall`] for a camera of fewer than 11 pixels a side. Cost: the frames, the truth
-/// where it is not kept yet, and about 3 µs a pixel and contender for the pictures' metrics.
+/// Returns the errors of the renderer, and [`crate::Error::PictureTooSmall`] if the camera has fewer than 11 pixels in
+/// width or height.
 pub fn compare(
     renderer: &mut Renderer,
-    judge: &Judge<'_, '_>,
+    reference: &Reference<'_, '_>,
     camera: &Camera,
     contenders: &mut [Contender],
     frames: u32,
 ) -> Result<Comparison> {
-    let shot = Shot { camera: *camera, towards_sun: judge.towards_sun, number: 0 };
-    let surfaces = judge.cache.surfaces(judge.truth, judge.scene, camera);
-    let mut truths: Vec<Truth> = Vec::new();
+    let shot = Shot { camera: *camera, towards_sun: reference.towards_sun, number: 0 };
+    let surfaces = reference.cache.surfaces(reference.truth, reference.scene, camera);
+    let mut truths: Vec<Traced> = Vec::new();
     for kind in [TruthKind::Hard, TruthKind::Disc] {
         if contenders.iter().any(|c| c.truth == kind) {
-            truths.push(Truth::new(judge, camera, &surfaces, kind));
+            truths.push(Traced::new(reference, camera, &surfaces, kind));
         }
     }
-    let (pixels, counted) = judge.count(&surfaces, &drawn_surface(renderer, &shot)?);
+    let (pixels, counted) = reference.count(&surfaces, &drawn_surface(renderer, &shot)?);
     let mut compared = Vec::new();
     for contender in contenders.iter_mut() {
         let Some(truth) = truths.iter().find(|t| t.kind == contender.truth) else { continue };
         compared.push(draw_and_judge(
             renderer,
-            judge,
+            reference,
             &shot,
             contender,
             frames,
@@ -118,14 +124,14 @@ pub fn compare(
     Ok(Comparison { pixels, truths, compared })
 }
 
-/// The G-buffer at the camera, which is the same for every technique.
+/// Returns the G-buffer at the camera. It is the same for every technique.
 fn drawn_surface(renderer: &mut Renderer, shot: &Shot) -> Result<SurfaceImage> {
     let lit = vec![1.0; shot.camera.width as usize * shot.camera.height as usize];
     draw_given(renderer, shot, &lit)?;
     Ok(renderer.read_surface(shot)?)
 }
 
-/// Draws the renderer's picture with these shadow factors.
+/// Draws the picture with the given shadow factors.
 fn draw_given(renderer: &mut Renderer, shot: &Shot, factors: &[f32]) -> Result<()> {
     let size = [shot.camera.width, shot.camera.height];
     let mut given = renderer.prepare(Box::new(Given::new(renderer.gpu(), "given", size, factors)?))?;
@@ -133,29 +139,30 @@ fn draw_given(renderer: &mut Renderer, shot: &Shot, factors: &[f32]) -> Result<(
     Ok(())
 }
 
-/// One kind of truth at the camera.
-struct Truth {
+/// One kind of truth at a camera.
+struct Traced {
     kind: TruthKind,
     factors: Vec<f32>,
     picture: Picture,
 }
 
-impl Truth {
-    fn new(judge: &Judge<'_, '_>, camera: &Camera, surfaces: &Surfaces, kind: TruthKind) -> Self {
-        let (angle_degrees, samples) = judge.disc;
+impl Traced {
+    fn new(reference: &Reference<'_, '_>, camera: &Camera, surfaces: &Surfaces, kind: TruthKind) -> Self {
+        let (angle_degrees, samples) = reference.disc;
         let shape = match kind {
             TruthKind::Hard => SunShape::Hard,
             TruthKind::Disc => SunShape::Disc { angle_degrees, samples },
         };
-        let towards = judge.towards_sun;
-        let factors = judge.cache.factors(judge.truth, judge.scene, camera, surfaces, towards, shape);
-        let picture = judge.truth.picture(camera, surfaces, &factors, towards);
+        let towards = reference.towards_sun;
+        let factors =
+            reference.cache.factors(reference.truth, reference.scene, camera, surfaces, towards, shape);
+        let picture = reference.truth.picture(camera, surfaces, &factors, towards);
         Self { kind, factors, picture }
     }
 }
 
-impl Judge<'_, '_> {
-    /// Sorts the pixels by what rays and the G-buffer see there; true where they are compared.
+impl Reference<'_, '_> {
+    /// Counts the pixels by what rays and the G-buffer see there. Also returns for each pixel whether it is compared.
     pub fn count(&self, surfaces: &Surfaces, drawn: &SurfaceImage) -> (PixelCounts, Vec<bool>) {
         let mut counts = PixelCounts::default();
         let compared = (0..surfaces.pixels()).map(|i| {
@@ -182,11 +189,11 @@ impl Judge<'_, '_> {
 
 fn draw_and_judge(
     renderer: &mut Renderer,
-    judge: &Judge<'_, '_>,
+    reference: &Reference<'_, '_>,
     shot: &Shot,
     contender: &mut Contender,
     frames: u32,
-    truth: &Truth,
+    truth: &Traced,
     (surfaces, counted): (&Surfaces, &[bool]),
 ) -> Result<Compared> {
     let size = [shot.camera.width, shot.camera.height];
@@ -201,21 +208,21 @@ fn draw_and_judge(
             (renderer.read_factor(prepared)?, picture, times, technique.bytes(), technique.notes())
         }
         None => {
-            // What is left between its picture and that of the rays is the rasterizer's.
+            // The remaining difference from the ray-traced picture is due to the rasterizer.
             draw_given(renderer, shot, &truth.factors)?;
             let picture = picture_of_rgba(size, &renderer.read_picture()?);
             (truth.factors.clone(), picture, Vec::new(), 0, Vec::new())
         }
     };
-    let judged = |i: usize| counted[i];
-    let errors = factor_errors(&factors, &truth.factors, judged)?;
-    let probe = EdgeProbe::new(judge.truth, judge.towards_sun);
+    let is_compared = |i: usize| counted[i];
+    let errors = factor_errors(&factors, &truth.factors, is_compared)?;
+    let probe = EdgeProbe::new(reference.truth, reference.towards_sun);
     let texel = |i: usize| {
         let prepared = contender.prepared.as_ref()?;
         prepared.technique().texel_world(surfaces.view_depth[i] as f32)
     };
-    let clear = clear_errors(&probe, surfaces, (&factors, &truth.factors), judged, texel);
-    // Of a picture of nothing no figure says anything, of factors or of colours.
+    let clear = clear_errors(&probe, surfaces, (&factors, &truth.factors), is_compared, texel);
+    // Without compared pixels, metrics of the pictures are as meaningless as those of the factors.
     let pictures = match errors {
         Some(_) => Some((ssim(&truth.picture, &picture)?, flip(&truth.picture, &picture)?)),
         None => None,
@@ -239,14 +246,14 @@ fn draw_and_judge(
         wrong_lit: errors.map(|e| e.wrong_lit),
         wrong_shadowed: errors.map(|e| e.wrong_shadowed),
         clear,
-        bands: bands(&factors, &truth.factors, &surfaces.view_depth, judged)?,
+        bands: bands(&factors, &truth.factors, &surfaces.view_depth, is_compared)?,
         notes,
     };
-    let difference = difference_picture(size, &factors, &truth.factors, judged)?;
+    let difference = difference_picture(size, &factors, &truth.factors, is_compared)?;
     Ok(Compared { row, factors, picture, difference })
 }
 
-/// A camera's figures for the report.
+/// Returns the camera's part of the report.
 pub fn camera_figures(name: &str, camera: &Camera) -> CameraFigures {
     let (fov_degrees, height_world) = match camera.projection {
         Projection::Perspective { fov_degrees } => (Some(fov_degrees), None),

@@ -1,17 +1,19 @@
-//! Times of several techniques on a machine that does other things besides: their frames take turns, so that what slows one
-//! down slows the others too.
+//! Timing of several techniques on a machine with other load. Their frames are interleaved, so that a disturbance slows
+//! all of them.
 
 use adumbra_render::{Answer, FrameTimes, Prepared, Renderer, Shot};
 
 use crate::error::Result;
 use crate::report::median;
 
-/// Draws frame k of every technique before frame k + 1 of any; gives each technique's `frames` times. Each round begins with another
-/// technique, and every other one runs backwards, so that none is always drawn after the same one. What a first frame makes is
-/// timed too: draw it before.
+/// Draws frame k of every technique before frame k + 1 of any, and returns the times of each technique's `frames`
+/// frames.
+///
+/// Each round begins with another technique, and every other round runs backwards, so that no technique is always drawn
+/// after the same one. The first frame is timed too. To exclude resources created on first use, draw a frame before.
 ///
 /// # Errors
-/// What the renderer reports.
+/// Returns the errors of the renderer.
 pub fn interleaved(
     renderer: &mut Renderer,
     shot: &Shot,
@@ -21,10 +23,11 @@ pub fn interleaved(
     take_turns(techniques.len(), frames, |at| Ok(renderer.draw(shot, techniques[at], Answer::Visibility)?))
 }
 
-/// As [`interleaved`], of `count` things of which `draw` draws a frame of the one asked for.
+/// Calls `draw` with the indices 0 to `count` - 1 in the interleaved order of [`interleaved`], `frames` times each, and
+/// returns the times by index.
 ///
 /// # Errors
-/// What `draw` gives.
+/// Returns the errors of `draw`.
 pub fn take_turns(
     count: usize,
     frames: u32,
@@ -39,7 +42,7 @@ pub fn take_turns(
     Ok(times)
 }
 
-/// The order of a round.
+/// Returns the indices in the order of a round.
 fn turns(round: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..count).map(move |turn| {
         let at = (turn + round) % count;
@@ -47,17 +50,19 @@ fn turns(round: usize, count: usize) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The median over frames of `what`; NaN of none.
+/// Returns the median of `what` over the frames, NaN if there are none.
 pub fn median_time(times: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f64 {
     median(times.iter().map(what).collect())
 }
 
-/// The median over frames k of `what` of frame k of `times` by that of `beside`; NaN of none.
+/// Returns the median over frames k of the ratio of `what` in frame k of `times` to that in frame k of `beside`, NaN if
+/// there are no frames.
 pub fn median_ratio(times: &[FrameTimes], beside: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f64 {
     median(times.iter().zip(beside).map(|(a, b)| what(a) / what(b)).collect())
 }
 
-/// The least and the most of what [`median_ratio`] is the median of; infinities of none.
+/// Returns the smallest and the largest of the ratios whose median is [`median_ratio`], or +∞ and -∞ if there are no
+/// frames.
 pub fn ratio_range(
     times: &[FrameTimes],
     beside: &[FrameTimes],

@@ -1,44 +1,48 @@
 //! Frame times and shimmer along a camera path.
 
-use adumbra::camera::Camera;
-use adumbra_render::{Answer, FrameTimes, Renderer, Shot, Stage, SurfacePoint};
+use adumbra_render::{Answer, FrameTimes, Reads, Renderer, Shot, Stage, SurfacePoint, TechniqueSpec};
+use adumbra_scene::Camera;
 
-use super::{Contender, Judge, MIN_N_DOT_L};
+use super::{Contender, MIN_N_DOT_L, Reference};
 use crate::error::Result;
 use crate::paths::CameraPath;
 use crate::report::{Cheaper, PathReport, PathRow};
 use crate::shimmer::ShimmerCount;
 use crate::truth::EdgeProbe;
 
-/// Points are followed from a picture of so many pixels across.
+/// Width in pixels of the picture that the followed points are taken from.
 const POINTS_ACROSS: u32 = 128;
-/// A point is near an edge within so many pixels of the frames, in the light's plane.
+/// Points within this distance of an edge are near it. In pixels of the frames, measured in the light's plane.
 const EDGE_PIXELS: f64 = 4.0;
 
-/// Walks `path` with pictures of `width` × `height` pixels: every contender draws every frame once, and fixed points are followed from each
-/// frame to the next. Contenders without pipelines are left out.
+/// Measures frame times and shimmer along `path` with pictures of `width` × `height` pixels.
+///
+/// Every contender draws every frame once, and fixed points are followed from each frame to the next. Contenders
+/// without pipelines are skipped.
+///
+/// Cost: the frames, two look-ups of about 9,000 points per frame and contender, and 17 rays per point and frame.
 ///
 /// # Errors
-/// What the renderer reports. Cost: the frames; besides, a frame and contender, two look-ups of about 9,000 points, and a frame 17 rays a
-/// point.
+/// Returns the errors of the renderer.
 pub fn walk(
     renderer: &mut Renderer,
-    judge: &Judge<'_, '_>,
+    reference: &Reference<'_, '_>,
     path: &CameraPath,
     [width, height]: [u32; 2],
     contenders: &mut [Contender],
 ) -> Result<PathReport> {
     let shot = |frame: u32| Shot {
         camera: path.camera(frame, width, height),
-        towards_sun: judge.towards_sun,
+        towards_sun: reference.towards_sun,
         number: 0,
     };
     let points: Vec<Followed> =
-        (1..path.frames()).map(|f| follow(judge, &shot(f - 1).camera, &shot(f).camera)).collect();
+        (1..path.frames()).map(|f| follow(reference, &shot(f - 1).camera, &shot(f).camera)).collect();
     let mut techniques = Vec::new();
+    let mut specs = Vec::new();
     for contender in contenders.iter_mut() {
         let Some(prepared) = &mut contender.prepared else { continue };
-        // The first frame warms up.
+        // A warm-up frame, which is not timed.
         renderer.draw(&shot(0), prepared, Answer::Visibility)?;
         let times: Vec<FrameTimes> = (0..path.frames())
             .map(|f| renderer.draw(&shot(f), prepared, Answer::Visibility))
@@ -63,34 +67,35 @@ pub fn walk(
             wall_time: times.iter().any(|t| t.wall_time),
             shimmer,
         });
+        specs.push(contender.spec.clone());
     }
-    let cheaper = cheaper(&techniques);
+    let cheaper = cheaper(&specs, &techniques);
     Ok(PathReport { frames: path.frames(), techniques, cheaper })
 }
 
-/// Each voxel technique beside the first cascades.
-fn cheaper(techniques: &[PathRow]) -> Vec<Cheaper> {
-    let Some(csm) = techniques.iter().find(|t| t.name.to_lowercase().starts_with("csm")) else {
-        return Vec::new();
-    };
+/// Compares each technique that uses a baked file with the first cascaded technique.
+fn cheaper(specs: &[TechniqueSpec], techniques: &[PathRow]) -> Vec<Cheaper> {
+    let rows = || specs.iter().zip(techniques);
+    let Some((_, csm)) = rows().find(|(spec, _)| spec.is_cascades()) else { return Vec::new() };
     let beside = |voxel: &PathRow| {
         let frames = voxel.gpu_ms.iter().zip(&csm.gpu_ms);
         let fewer = frames.clone().filter(|(v, c)| v < c).count();
         let share = fewer as f64 / frames.len().max(1) as f64;
         Cheaper { voxel: voxel.name.clone(), csm: csm.name.clone(), share }
     };
-    techniques.iter().filter(|t| t.name.to_lowercase().starts_with("voxel")).map(beside).collect()
+    let is_baked = |spec: &TechniqueSpec| spec.reads() != Reads::Nothing;
+    rows().filter(|(spec, _)| is_baked(spec)).map(|(_, row)| beside(row)).collect()
 }
 
-/// Points that two consecutive cameras have in view.
+/// Points inside the view of two consecutive cameras.
 struct Followed {
     points: Vec<SurfacePoint>,
     near_edge: Vec<bool>,
 }
 
-fn follow(judge: &Judge<'_, '_>, from: &Camera, to: &Camera) -> Followed {
+fn follow(reference: &Reference<'_, '_>, from: &Camera, to: &Camera) -> Followed {
     let height = (POINTS_ACROSS * from.height).div_ceil(from.width).max(1);
-    let surfaces = judge.truth.surfaces(&Camera { width: POINTS_ACROSS, height, ..*from });
+    let surfaces = reference.truth.surfaces(&Camera { width: POINTS_ACROSS, height, ..*from });
     let next = to.view();
     let inside = |p: [f64; 3]| {
         next.pixel(p).is_some_and(|[x, y]| {
@@ -100,13 +105,13 @@ fn follow(judge: &Judge<'_, '_>, from: &Camera, to: &Camera) -> Followed {
     let kept: Vec<usize> = (0..surfaces.pixels())
         .filter(|&i| {
             surfaces.is_valid(i)
-                && surfaces.n_dot_l(i, judge.towards_sun) > MIN_N_DOT_L
+                && surfaces.n_dot_l(i, reference.towards_sun) > MIN_N_DOT_L
                 && inside(surfaces.position[i])
         })
         .collect();
     let view = from.view();
     let pixel = 2.0 * view.half[1] / f64::from(from.height);
-    let probe = EdgeProbe::new(judge.truth, judge.towards_sun);
+    let probe = EdgeProbe::new(reference.truth, reference.towards_sun);
     let away = |i: usize| if view.orthographic { 1.0 } else { surfaces.view_depth[i] };
     let clear = probe.clear_pixels(&surfaces, |i| EDGE_PIXELS * pixel * away(i));
     let point = |&i: &usize| SurfacePoint {
@@ -142,9 +147,10 @@ mod tests {
             row("csm", &[2.0, 2.0, 4.0, 9.0]),
             row("csm-vsm", &[0.0; 4]),
         ];
-        let found = cheaper(&rows);
+        let specs = rows.each_ref().map(|row| row.name.parse().unwrap());
+        let found = cheaper(&specs, &rows);
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].csm.as_str(), found[0].share), ("csm", 0.75));
-        assert!(cheaper(&rows[..1]).is_empty());
+        assert!(cheaper(&specs[..1], &rows[..1]).is_empty());
     }
 }

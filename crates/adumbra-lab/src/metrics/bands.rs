@@ -1,28 +1,32 @@
-//! Errors by distance from the camera, in bands whose ends are 1, 2 and 5 times powers of ten.
+//! Errors by distance from the camera, in bands whose bounds are 1, 2 and 5 times powers of ten.
 
 use serde::{Deserialize, Serialize};
 
 use super::{FactorErrors, factor_errors};
 use crate::error::Result;
 
-/// Most bands; what is nearer than these goes into the first.
-const MOST_BANDS: usize = 8;
+/// Largest number of bands. If more are needed, the nearest ones are merged into the first.
+const MAX_BANDS: usize = 8;
 
 /// Errors of the pixels in a range of view depths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Band {
-    /// Where it begins, world units along the camera's forward direction.
+    /// Lower bound of the view depth, in world units along the camera's forward direction.
     pub from_world: f64,
-    /// Where it ends, exclusive.
+    /// Upper bound of the view depth in world units, exclusive.
     pub to_world: f64,
-    /// Errors there.
+    /// Errors of the pixels in the band.
     pub errors: FactorErrors,
 }
 
-/// Errors of the pixels for which `counts` holds, by `depths` (view depth a pixel, world units, above 0); nearest band first, none empty.
+/// Returns the errors of the pixels for which `counts` holds, by view depth. The nearest band is first, and no band is
+/// empty.
+///
+/// `depths` holds one view depth per pixel, in world units. Pixels whose depth is not finite and above 0 are skipped.
 ///
 /// # Errors
-/// [`crate::Error::Sizes`] where factors and truth differ in length.
+/// Returns [`crate::Error::Sizes`] if factors and truth differ in length.
 pub fn bands(
     factors: &[f32],
     truth: &[f32],
@@ -35,7 +39,7 @@ pub fn bands(
         return Ok(Vec::new());
     }
     let ends = ends(low, high);
-    let skipped = ends.len().saturating_sub(MOST_BANDS + 1);
+    let skipped = ends.len().saturating_sub(MAX_BANDS + 1);
     let mut found = Vec::new();
     for (number, pair) in ends.windows(2).enumerate().skip(skipped) {
         let from_world = if number == skipped && skipped > 0 { 0.0 } else { pair[0] };
@@ -48,7 +52,7 @@ pub fn bands(
     Ok(found)
 }
 
-/// The series 1, 2, 5, 10 … from the last at or below `low` to the first above `high`.
+/// Returns the series 1, 2, 5, 10, …, from the last value at or below `low` to the first above `high`.
 fn ends(low: f64, high: f64) -> Vec<f64> {
     let decade = libm::floor(libm::log10(low)) as i32;
     let mut ends = Vec::new();
@@ -93,7 +97,7 @@ mod tests {
     fn bands_beyond_the_most_join_the_first() {
         let depths: Vec<f64> = (0..14).map(|i| f64::from(1 << i) * 1.5).collect();
         let found = bands(&[1.0; 14], &[1.0; 14], &depths, |_| true).unwrap();
-        assert!(found.len() <= MOST_BANDS && found[0].from_world == 0.0);
+        assert!(found.len() <= MAX_BANDS && found[0].from_world == 0.0);
         assert_eq!(found.iter().map(|b| b.errors.pixels).sum::<u64>(), 14);
     }
 }

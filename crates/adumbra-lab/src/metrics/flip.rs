@@ -1,51 +1,58 @@
-//! FLIP for pictures of limited range: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, *FLIP: A Difference
-//! Evaluator for Alternating Images*, 2020. Written from the paper; tested against its authors' program.
+//! FLIP for low-dynamic-range pictures: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, *FLIP: A
+//! Difference Evaluator for Alternating Images*, 2020. Implemented from the paper and tested against its authors'
+//! program.
 //!
-//! Two paths a pixel. Colour: both pictures filtered by the eye's contrast sensitivity, compared in CIELAB, the distance
-//! compressed to 0…1. Features: edges and points of luminance, found by derivatives of a Gaussian. The feature difference
-//! sharpens the colour difference: `ΔE = ΔEc^(1 - ΔEf)`. Departure: all filters are run as separable ones; they are.
+//! Each pixel goes through two pipelines. The colour pipeline filters both pictures with the contrast sensitivity of
+//! the eye, compares them in CIELAB, and maps the distance to 0…1. The feature pipeline finds edges and points of the
+//! luminance with derivatives of a Gaussian. The feature difference amplifies the colour difference:
+//! `ΔE = ΔEc^(1 - ΔEf)`. Unlike in the paper, every filter runs as separable passes, which is equivalent because the
+//! filters are separable.
 
 mod color;
 mod filter;
 
 use std::f64::consts::PI;
 
-use adumbra::picture::Picture;
+use adumbra_truth::picture::Picture;
 use color::{hunt_lab_from_linear, hyab, linear_from_srgb8, linear_from_ycxcz, ycxcz_from_linear};
 use filter::{Kernel, Plane};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 
-/// Pixels a degree of the viewer's eye: a 0.7 m wide screen of 3840 pixels, 0.7 m away.
+/// Pixels per degree of visual angle: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 67.0;
 
-/// Heights and widths (degrees²) of the Gaussians whose sum is the eye's response to luminance, red-green and blue-yellow.
+/// Heights and widths (degrees²) of the Gaussians whose sums are the eye's contrast sensitivity to luminance, red-green
+/// and blue-yellow.
 const SENSITIVITY: [[[f64; 2]; 2]; 3] =
     [[[1.0, 0.0047], [0.0, 1e-5]], [[1.0, 0.0053], [0.0, 1e-5]], [[34.1, 0.04], [13.5, 0.025]]];
 /// Exponent of colour distances.
 const Q_COLOR: f32 = 0.7;
-/// Share of the largest distance up to which distances are spread over 0…[`P_TOP`].
+/// Share of the largest distance below which distances map linearly to 0…[`P_TOP`]. Larger ones map to the rest.
 const P_LARGE: f32 = 0.4;
 const P_TOP: f32 = 0.95;
 /// Exponent of feature differences.
 const Q_FEATURE: f32 = 0.5;
-/// Degrees that an edge is wide.
+/// Width of a feature, in degrees of visual angle.
 const FEATURE_DEGREES: f64 = 0.082;
 
-/// The mean difference of two pictures as an eye at [`PIXELS_PER_DEGREE`] flips between them: 0 equal, 1 black and white.
+/// Returns the mean difference that a viewer at [`PIXELS_PER_DEGREE`] sees when flipping between two pictures: 0 for
+/// equal ones, 1 for black and white.
+///
+/// Cost: about 1 µs per pixel. Runs on the current rayon pool.
 ///
 /// # Errors
-/// [`Error::Sizes`] for pictures of different size. Cost: about 1 µs a pixel; runs on the current rayon pool.
+/// Returns [`Error::Sizes`] if the pictures differ in size.
 pub fn flip(reference: &Picture, test: &Picture) -> Result<f64> {
     let map = flip_map(reference, test, PIXELS_PER_DEGREE)?;
     Ok(map.iter().map(|e| f64::from(*e)).sum::<f64>() / map.len().max(1) as f64)
 }
 
-/// The difference at each pixel, 0 to 1.
+/// Returns the difference at each pixel, 0 to 1.
 ///
 /// # Errors
-/// As [`flip`].
+/// Returns [`Error::Sizes`] if the pictures differ in size.
 pub fn flip_map(reference: &Picture, test: &Picture, pixels_per_degree: f64) -> Result<Vec<f32>> {
     Error::check_pictures(reference, test)?;
     let eyes = [reference, test].map(|picture| Seen::new(picture, pixels_per_degree));
@@ -68,9 +75,9 @@ pub fn flip_map(reference: &Picture, test: &Picture, pixels_per_degree: f64) -> 
     Ok((0..a.color.len()).into_par_iter().map(pixel).collect())
 }
 
-/// A picture as the eye has it.
+/// A picture as the eye perceives it.
 struct Seen {
-    /// Filtered, in CIELAB.
+    /// Filtered colours in CIELAB with the Hunt adjustment.
     color: Vec<[f32; 3]>,
     /// Strength of edges and of points.
     features: Vec<[f32; 2]>,
@@ -98,9 +105,9 @@ impl Seen {
     }
 }
 
-/// A plane through the sum of two Gaussians, whose weights sum to one.
+/// Filters a plane with the sum of two Gaussians, normalised so that all weights sum to 1.
 fn sensed(plane: &Plane, gaussians: &[[f64; 2]; 2], pixels_per_degree: f64) -> Plane {
-    // The widest of all decides how far every filter reaches.
+    // The widest Gaussian of all channels determines the radius of every filter.
     let radius = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
     let bell = |width: f64, x: f64| libm::exp(-PI * PI * (x / pixels_per_degree).powi(2) / width);
     let height = |[a, width]: [f64; 2]| a * (PI / width).sqrt();
@@ -108,7 +115,7 @@ fn sensed(plane: &Plane, gaussians: &[[f64; 2]; 2], pixels_per_degree: f64) -> P
     let whole: f64 = gaussians.iter().map(|g| height(*g) * side(g[1]).powi(2)).sum();
     let mut sum = Plane::new(plane.width, vec![0.0; plane.values.len()]);
     for gaussian in gaussians.iter().filter(|g| g[0] > 0.0) {
-        // A root each, for rows and for columns.
+        // The square root, because the kernel is applied to rows and to columns.
         let scale = (height(*gaussian) / whole).sqrt();
         let kernel = Kernel::new(radius, |x| scale * bell(gaussian[1], x));
         let part = plane.filtered(&kernel, &kernel);
@@ -117,7 +124,7 @@ fn sensed(plane: &Plane, gaussians: &[[f64; 2]; 2], pixels_per_degree: f64) -> P
     sum
 }
 
-/// Strength of edges and points in luminance 0…1.
+/// Returns the strength of edges and points at each pixel of a luminance of 0…1.
 fn features(luminance: &Plane, pixels_per_degree: f64) -> Vec<[f32; 2]> {
     let deviation = 0.5 * FEATURE_DEGREES * pixels_per_degree;
     let radius = (3.0 * deviation).ceil() as usize;
@@ -125,7 +132,7 @@ fn features(luminance: &Plane, pixels_per_degree: f64) -> Vec<[f32; 2]> {
     let taps = || (-(radius as i64)..=radius as i64).map(|x| x as f64);
     let bell_sum: f64 = taps().map(bell).sum();
     let smooth = Kernel::new(radius, |x| bell(x) / bell_sum);
-    // First and second derivative; positive weights sum to 1, negative ones to -1.
+    // Kernels of the first and second derivative. Positive weights sum to 1, negative ones to -1.
     let derivative = |weight: &dyn Fn(f64) -> f64| {
         let part = |sign: f64| taps().map(|x| (sign * weight(x)).max(0.0)).sum::<f64>();
         let (positive, negative) = (part(1.0), part(-1.0));

@@ -1,7 +1,7 @@
-//! How far shadows are from the truth.
+//! Metrics of the error of shadows with respect to the truth.
 //!
-//! RMSE and the wrong shares are taken on shadow factors, [`ssim()`] and [`flip()`] on composited sRGB pictures. A factor
-//! above 1/2 is lit, in the answer and in the truth alike.
+//! RMSE and the shares of wrong pixels are of shadow factors, [`ssim()`] and [`flip()`] of composited sRGB pictures. A
+//! factor above 1/2 is lit, in the result as in the truth.
 
 mod bands;
 pub mod flip;
@@ -14,23 +14,24 @@ pub use ssim::ssim;
 
 use crate::error::{Error, Result};
 
-/// Errors of shadow factors over some pixels; shares are of those pixels, 0 to 1.
+/// Errors of shadow factors over a set of pixels. Shares are of those pixels, 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorErrors {
-    /// Pixels compared.
+    /// Number of pixels compared.
     pub pixels: u64,
-    /// Root of the mean squared difference, 0 to 1.
+    /// Root-mean-square error, 0 to 1.
     pub rmse: f64,
-    /// Mean of the difference's size, 0 to 1.
+    /// Mean absolute difference, 0 to 1.
     pub mean_difference: f64,
-    /// Share that is shadowed in truth and called lit, 0 to 1: light leaks.
+    /// Share of pixels that are shadowed in the truth but lit in the result, 0 to 1: light leaks.
     pub wrong_lit: f64,
-    /// Share that is lit in truth and called shadowed, 0 to 1: acne.
+    /// Share of pixels that are lit in the truth but shadowed in the result, 0 to 1: acne.
     pub wrong_shadowed: f64,
 }
 
 impl FactorErrors {
-    /// Share of the pixels on the wrong side of 1/2.
+    /// Returns the share of pixels on the wrong side of 1/2.
     pub fn wrong(&self) -> f64 {
         self.wrong_lit + self.wrong_shadowed
     }
@@ -41,10 +42,11 @@ pub fn is_lit(factor: f32) -> bool {
     factor > 0.5
 }
 
-/// Compares `factors` with `truth`, both one a pixel, where `counts` holds of the pixel's index; none where it holds of none.
+/// Compares `factors` with `truth`, one of each per pixel, over the pixels for whose index `counts` holds. Returns
+/// `None` if there is no such pixel.
 ///
 /// # Errors
-/// [`Error::Sizes`] where the two differ in length.
+/// Returns [`Error::Sizes`] if the two differ in length.
 pub fn factor_errors(
     factors: &[f32],
     truth: &[f32],

@@ -1,24 +1,28 @@
-//! Structural similarity: Wang, Bovik, Sheikh, Simoncelli, *Image Quality Assessment: From Error Visibility to Structural
-//! Similarity*, 2004.
+//! Structural similarity: Wang, Bovik, Sheikh, Simoncelli, *Image Quality Assessment: From Error Visibility to
+//! Structural Similarity*, 2004.
 //!
-//! As the paper has it: luma of 8-bit pictures (0.299 R + 0.587 G + 0.114 B), windows of 11 × 11 under a Gaussian of σ 1.5, K1 = 0.01,
-//! K2 = 0.03; the mean over every window that lies wholly in the picture. No pixel is left out.
+//! As in the paper: luma of 8-bit pictures (0.299 R + 0.587 G + 0.114 B), windows of 11 × 11 pixels weighted by a
+//! Gaussian of σ 1.5, K1 = 0.01, K2 = 0.03, and the mean over every window that is entirely inside the picture. No
+//! pixel is excluded.
 
-use adumbra::picture::Picture;
+use adumbra_truth::picture::Picture;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 
-/// Pixels a side of a window.
+/// Width and height of a window in pixels.
 const WINDOW: usize = 11;
 const SIGMA: f64 = 1.5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
-/// Mean structural similarity of two pictures, 1 where they are equal.
+/// Returns the mean structural similarity of two pictures, 1 if they are equal.
+///
+/// Cost: about 0.1 µs per pixel.
 ///
 /// # Errors
-/// [`Error::Sizes`] for pictures of different size, [`Error::PictureTooSmall`] below 11 pixels a side. Cost: about 0.1 µs a pixel.
+/// Returns [`Error::Sizes`] if the pictures differ in size, and [`Error::PictureTooSmall`] if they are less than 11
+/// pixels wide or high.
 pub fn ssim(a: &Picture, b: &Picture) -> Result<f64> {
     Error::check_pictures(a, b)?;
     let (width, height) = (a.width as usize, a.height as usize);
@@ -63,7 +67,7 @@ pub fn ssim(a: &Picture, b: &Picture) -> Result<f64> {
     Ok(row_sums.iter().sum::<f64>() / (columns * row_sums.len()) as f64)
 }
 
-/// Of one window, from the weighted means of a, b, a², b², ab.
+/// Returns the similarity of one window, from the weighted means of a, b, a², b², ab.
 fn similarity([a, b, aa, bb, ab]: [f64; 5]) -> f64 {
     let (variance_a, variance_b, covariance) = (aa - a * a, bb - b * b, ab - a * b);
     (2.0 * a * b + C1) * (2.0 * covariance + C2) / ((a * a + b * b + C1) * (variance_a + variance_b + C2))

@@ -1,83 +1,85 @@
-//! What Qiu et al. 2014 claim of their estimator, as numbers: detail, self-occlusion, clean edges after filtering.
+//! The claims of Qiu et al. (2014) about their estimator as numbers: detail, self-occlusion, clean edges after
+//! filtering.
 //!
-//! The high pass of a picture is the picture minus its Gaussian mean over [`BLUR_PIXELS`], taken over pixels that
-//! count alone.
+//! The high pass of a picture is the picture minus its Gaussian mean over [`BLUR_PIXELS`]. The mean is taken only over
+//! pixels that count.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::errors::occlusion_errors;
-use super::measure::Judged;
+use super::measure::TracedView;
 use crate::error::{Error, Result};
 use crate::truth::Surfaces;
 use crate::vector::dot;
 
-/// Standard deviation of the Gaussian, pixels.
+/// Standard deviation of the Gaussian in pixels.
 pub const BLUR_PIXELS: f64 = 8.0;
-/// Truth above this is open: what occludes there is the surface itself, or noise.
+/// Truth above this visibility is open: any occlusion there is self-occlusion or noise.
 pub const OPEN: f32 = 0.98;
-/// Pixels so near a discontinuity are its edge.
+/// Distance in pixels up to which pixels near a discontinuity are its edge.
 pub const EDGE_PIXELS: usize = 3;
-/// Neighbouring surfaces are discontinuous where one lies further than this from the plane of the other, radii...
+/// Neighbouring pixels are discontinuous if one is further than this from the plane of the other, in radii...
 pub const EDGE_STEP: f64 = 0.1;
-/// ...or where the cosine between their normals is smaller.
+/// ...or if the cosine between their normals is smaller than this.
 pub const EDGE_COSINE: f64 = 0.7;
-/// Truth is flat where its high pass is smaller, as a root mean square around the pixel.
+/// Truth is flat where the root mean square of its high pass around the pixel is smaller than this.
 pub const FLAT: f64 = 0.02;
 
-/// The numbers of one picture; none where no pixel is of that kind.
+/// The numbers of one picture, each `None` if no pixel is of its kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Claims {
     /// Correlation of the high pass with the truth's, -1 to 1.
     pub detail_correlation: Option<f64>,
-    /// Variance of the high pass by that of the truth's: below 1 is blurred, above is noisy or too strong.
+    /// Variance of the high pass divided by that of the truth's: below 1 is blurred, above 1 is noisy or too strong.
     pub detail_variance: Option<f64>,
     /// Mean occlusion, 1 - visibility, where truth is open.
     pub self_occlusion: Option<f64>,
     /// RMSE on edges, 0 to 1.
     pub edge_rmse: Option<f64>,
-    /// Root mean square of the high pass where truth is flat and no edge is near, in visibility.
+    /// Root mean square of the high pass, in visibility, where truth is flat and no edge is near.
     pub noise: Option<f64>,
 }
 
-/// The kinds of pixels of a truth.
+/// The pixels of a truth sorted by kind.
 pub struct ClaimProbe<'a> {
-    judged: &'a Judged,
+    traced_view: &'a TracedView,
     high_pass: Vec<f64>,
     edges: Vec<bool>,
     flat: Vec<bool>,
 }
 
 impl<'a> ClaimProbe<'a> {
-    /// Sorts the pixels of a truth of that radius. Cost: about 0.3 µs a pixel.
-    pub fn new(judged: &'a Judged, radius_world: f64) -> Self {
-        let size = [judged.surfaces.width as usize, judged.surfaces.height as usize];
-        let mut edges = discontinuities(&judged.surfaces, EDGE_STEP * radius_world);
+    /// Sorts the pixels of a truth of the given radius. Cost: about 0.3 µs per pixel.
+    pub fn new(traced_view: &'a TracedView, radius_world: f64) -> Self {
+        let size = [traced_view.surfaces.width as usize, traced_view.surfaces.height as usize];
+        let mut edges = discontinuities(&traced_view.surfaces, EDGE_STEP * radius_world);
         widen(&mut edges, size);
-        let high_pass = high_pass(size, &judged.truth, &judged.counted);
+        let high_pass = high_pass(size, &traced_view.truth, &traced_view.counted);
         let squares: Vec<f64> = high_pass.iter().map(|h| h * h).collect();
-        let around = blurred(size, &squares, &judged.counted);
-        let flat = (0..edges.len()).map(|i| judged.counted[i] && !edges[i] && around[i] < FLAT * FLAT);
+        let around = blurred(size, &squares, &traced_view.counted);
+        let flat = (0..edges.len()).map(|i| traced_view.counted[i] && !edges[i] && around[i] < FLAT * FLAT);
         let flat = flat.collect();
-        for (edge, counted) in edges.iter_mut().zip(&judged.counted) {
+        for (edge, counted) in edges.iter_mut().zip(&traced_view.counted) {
             *edge &= *counted;
         }
-        Self { judged, high_pass, edges, flat }
+        Self { traced_view, high_pass, edges, flat }
     }
 
-    /// Shares of the pixels that count: on edges, and flat.
+    /// Returns the shares of the counted pixels that are on edges, and that are flat.
     pub fn shares(&self) -> [f64; 2] {
         let count = |kind: &[bool]| kind.iter().filter(|k| **k).count() as f64;
-        let whole = count(&self.judged.counted).max(1.0);
+        let whole = count(&self.traced_view.counted).max(1.0);
         [count(&self.edges) / whole, count(&self.flat) / whole]
     }
 
-    /// The numbers of a picture; the truth's own are the floor that its rays leave.
+    /// Returns the numbers of a picture. Those of the truth itself are the floor set by the noise of its rays.
     ///
     /// # Errors
-    /// [`Error::Sizes`] where the visibility is not the truth's pixels.
+    /// Returns [`Error::Sizes`] if the visibility and the truth differ in their number of pixels.
     pub fn claims(&self, visibility: &[f32]) -> Result<Claims> {
-        let Judged { surfaces, truth, counted, .. } = self.judged;
+        let TracedView { surfaces, truth, counted, .. } = self.traced_view;
         Error::check_sizes("visibility and truth", visibility.len(), truth.len())?;
         let high = high_pass([surfaces.width as usize, surfaces.height as usize], visibility, counted);
         let pixels = || (0..high.len()).filter(|&i| counted[i]);
@@ -111,7 +113,7 @@ fn mean_where(counts: impl Fn(usize) -> bool, value: impl Fn(usize) -> f64, leng
     (pixels > 0).then(|| sum / pixels as f64)
 }
 
-/// True on both sides of a discontinuity between neighbours.
+/// Marks the pixels on both sides of every discontinuity between neighbours.
 fn discontinuities(surfaces: &Surfaces, step_world: f64) -> Vec<bool> {
     let [width, height] = [surfaces.width as usize, surfaces.height as usize];
     let broken = |i: usize, j: usize| {
@@ -135,7 +137,7 @@ fn discontinuities(surfaces: &Surfaces, step_world: f64) -> Vec<bool> {
     edges
 }
 
-/// Spreads true by so many pixels that [`EDGE_PIXELS`] on either side of a discontinuity have it.
+/// Dilates `edges` so that [`EDGE_PIXELS`] pixels on either side of a discontinuity are set.
 fn widen(edges: &mut Vec<bool>, [width, height]: [usize; 2]) {
     let reach = EDGE_PIXELS - 1;
     let near = |from: &[bool], at: usize, length: usize, index: &dyn Fn(usize) -> usize| {
@@ -146,14 +148,14 @@ fn widen(edges: &mut Vec<bool>, [width, height]: [usize; 2]) {
     *edges = pixels().map(|(x, y)| near(&along, y, height, &|k| k * width + x)).collect();
 }
 
-/// The picture minus its blurred self where it counts, 0 elsewhere.
+/// Returns the picture minus its blurred version at pixels that count, 0 elsewhere.
 fn high_pass(size: [usize; 2], visibility: &[f32], counted: &[bool]) -> Vec<f64> {
     let values: Vec<f64> = visibility.iter().map(|v| f64::from(*v)).collect();
     let low = blurred(size, &values, counted);
     (0..values.len()).map(|i| if counted[i] { values[i] - low[i] } else { 0.0 }).collect()
 }
 
-/// Gaussian mean over the pixels that count, 0 where none is in reach.
+/// Returns the Gaussian mean over the pixels that count, 0 where none is in reach.
 fn blurred([width, height]: [usize; 2], values: &[f64], counted: &[bool]) -> Vec<f64> {
     let reach = (3.0 * BLUR_PIXELS) as usize;
     let weights: Vec<f64> = (0..=reach).map(|d| libm::exp(-0.5 * (d as f64 / BLUR_PIXELS).powi(2))).collect();
@@ -188,8 +190,10 @@ mod tests {
 
     const SIZE: [u32; 2] = [96, 64];
 
-    /// A plane that faces the camera, a step up at x = 48; the truth is a wave, but for an open strip and a flat one.
-    fn judged() -> Judged {
+    /// Returns a plane facing the camera with a step at x = 48.
+    ///
+    /// The truth is a wave except for an open strip and a flat one.
+    fn traced_view() -> TracedView {
         let [width, height] = SIZE;
         let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let position =
@@ -199,7 +203,7 @@ mod tests {
             _ if x > 60 => 0.5,
             _ => 0.5 + 0.3 * libm::sinf(x as f32),
         };
-        Judged {
+        TracedView {
             surfaces: Surfaces {
                 width,
                 height,
@@ -216,9 +220,9 @@ mod tests {
 
     #[test]
     fn claims_of_the_truth_itself_are_perfect() {
-        let judged = judged();
-        let probe = ClaimProbe::new(&judged, 10.0);
-        let c = probe.claims(&judged.truth).unwrap();
+        let traced_view = traced_view();
+        let probe = ClaimProbe::new(&traced_view, 10.0);
+        let c = probe.claims(&traced_view.truth).unwrap();
         assert!((c.detail_correlation.unwrap() - 1.0).abs() < 1e-9);
         assert!((c.detail_variance.unwrap() - 1.0).abs() < 1e-9);
         assert_eq!((c.self_occlusion, c.edge_rmse), (Some(0.0), Some(0.0)));
@@ -231,20 +235,24 @@ mod tests {
 
     #[test]
     fn claims_tell_blur_noise_and_darkness() {
-        let judged = judged();
-        let probe = ClaimProbe::new(&judged, 10.0);
+        let traced_view = traced_view();
+        let probe = ClaimProbe::new(&traced_view, 10.0);
         let size = SIZE.map(|s| s as usize);
-        let truth: Vec<f64> = judged.truth.iter().map(|v| f64::from(*v)).collect();
-        let low: Vec<f32> = blurred(size, &truth, &judged.counted).iter().map(|v| *v as f32).collect();
+        let truth: Vec<f64> = traced_view.truth.iter().map(|v| f64::from(*v)).collect();
+        let low: Vec<f32> = blurred(size, &truth, &traced_view.counted).iter().map(|v| *v as f32).collect();
         let blur = probe.claims(&low).unwrap();
         assert!(blur.detail_variance.unwrap() < 0.3 && blur.edge_rmse.unwrap() > 0.1, "{blur:?}");
-        let darker: Vec<f32> = judged.truth.iter().map(|v| v - 0.1).collect();
+        let darker: Vec<f32> = traced_view.truth.iter().map(|v| v - 0.1).collect();
         let darker = probe.claims(&darker).unwrap();
         assert!((darker.self_occlusion.unwrap() - 0.1).abs() < 1e-6, "{darker:?}");
         assert!((darker.edge_rmse.unwrap() - 0.1).abs() < 1e-6);
         assert!((darker.detail_correlation.unwrap() - 1.0).abs() < 1e-6);
-        let noisy: Vec<f32> =
-            judged.truth.iter().enumerate().map(|(i, v)| v + if i % 3 == 0 { 0.2 } else { -0.1 }).collect();
+        let noisy: Vec<f32> = traced_view
+            .truth
+            .iter()
+            .enumerate()
+            .map(|(i, v)| v + if i % 3 == 0 { 0.2 } else { -0.1 })
+            .collect();
         let noisy = probe.claims(&noisy).unwrap();
         assert!((noisy.noise.unwrap() - 0.02_f64.sqrt()).abs() < 0.02, "{noisy:?}");
         assert!(noisy.detail_correlation.unwrap() < 0.9 && noisy.detail_variance.unwrap() > 1.1, "{noisy:?}");
@@ -252,10 +260,10 @@ mod tests {
 
     #[test]
     fn claims_about_nothing_are_none() {
-        let mut judged = judged();
-        judged.counted.fill(false);
-        let probe = ClaimProbe::new(&judged, 10.0);
-        assert_eq!(probe.claims(&judged.truth).unwrap(), Claims::default());
+        let mut traced_view = traced_view();
+        traced_view.counted.fill(false);
+        let probe = ClaimProbe::new(&traced_view, 10.0);
+        assert_eq!(probe.claims(&traced_view.truth).unwrap(), Claims::default());
         assert!(probe.claims(&[1.0]).is_err());
     }
 }

@@ -1,27 +1,30 @@
-//! How far ambient visibility is from the truth of the same radius, and the picture that SSIM and FLIP look at.
+//! Errors of ambient visibility against the truth of the same radius, and the picture that SSIM and FLIP compare.
 
-use adumbra::picture::Picture;
+use adumbra_truth::picture::Picture;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
 /// Errors of ambient visibility over some pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OcclusionErrors {
-    /// Pixels compared.
+    /// Number of pixels compared.
     pub pixels: u64,
     /// Root of the mean squared difference, 0 to 1.
     pub rmse: f64,
-    /// Mean of estimate minus truth, -1 to 1: above 0 is too light.
+    /// Mean of estimate minus truth, -1 to 1. Positive values are too light.
     pub mean_signed: f64,
-    /// Mean of the difference's size, 0 to 1.
+    /// Mean absolute difference, 0 to 1.
     pub mean_absolute: f64,
 }
 
-/// Compares `visibility` with `truth`, both one a pixel, where `counts` holds of the pixel's index; all zero where none does.
+/// Compares `visibility` with `truth`, one value per pixel each, over the pixels for whose index `counts` is true.
+///
+/// All errors are zero if no pixel counts.
 ///
 /// # Errors
-/// [`Error::Sizes`] where the two differ in length.
+/// Returns [`Error::Sizes`] if the two differ in length.
 pub fn occlusion_errors(
     visibility: &[f32],
     truth: &[f32],
@@ -48,11 +51,12 @@ pub fn occlusion_errors(
     })
 }
 
-/// Visibility as grey: a byte is 255 times the visibility, 0 to 1, with no curve of a screen's between, so that equal steps of visibility are
-/// equal steps of grey for metrics of pictures.
+/// Returns visibility as a grey picture, in which a byte is 255 times the visibility clamped to 0 to 1.
+///
+/// No display transfer curve is applied, so that equal steps of visibility are equal steps of grey for image metrics.
 ///
 /// # Errors
-/// [`Error::Sizes`] where the visibility is not the size's pixels.
+/// Returns [`Error::Sizes`] if the number of visibility values differs from the number of pixels.
 pub fn grey_picture([width, height]: [u32; 2], visibility: &[f32]) -> Result<Picture> {
     Error::check_sizes("visibility and pixels", visibility.len(), width as usize * height as usize)?;
     let rgb = visibility.iter().flat_map(|v| [(v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8; 3]).collect();

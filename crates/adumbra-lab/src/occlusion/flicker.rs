@@ -1,53 +1,57 @@
-//! Flicker: how ambient visibility changes from frame to frame at the same places of the world while the camera moves.
+//! Flicker: the change of ambient visibility from frame to frame at fixed points of the world while the camera moves.
 //!
-//! Definition: each pixel with a surface stands for the point that the ray through its centre meets. The point is projected into the frame
-//! before; it counts where each of the four pixels whose centres surround that place shows the same surface: its normal is within a cosine of
-//! [`MIN_COSINE`], and its view depth within [`DEPTH_SHARE`] of where the pixel's ray meets the plane through the point (so that a surface seen at
-//! a grazing angle counts as well as one seen straight on). The change is the size of the difference between the point's visibility and
-//! that of the frame before, interpolated linearly between the four. Nothing in the world moves, so the right figure is 0; the truth's own
-//! pictures give the floor that resampling leaves.
+//! Definition: each pixel with a surface represents the point hit by the ray through its centre. The point is projected
+//! into the previous frame. It counts if each of the four pixels whose centres surround the projection shows the same
+//! surface. For that, the cosine between the normals must be at least [`MIN_COSINE`], and the pixel's view depth must
+//! be within [`DEPTH_SHARE`] of the depth at which its ray intersects the plane through the point. Surfaces seen at a
+//! grazing angle thus count as well as those seen head-on.
+//!
+//! The change is the absolute difference between the point's visibility and that of the previous frame, interpolated
+//! bilinearly between the four pixels. Nothing in the world moves, so the correct value is 0. The truth's own pictures
+//! give the floor set by resampling.
 
-use adumbra::camera::{Camera, View};
+use adumbra_scene::{Camera, View};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::vector::dot;
 
-/// A smaller change of visibility is not seen.
+/// Changes of visibility up to this size are taken as invisible.
 pub const CHANGE: f64 = 0.05;
-/// How far a surface's view depth may be from what is expected, as a share of it.
+/// Largest difference of a surface's view depth from the expected one, as a share of the latter.
 const DEPTH_SHARE: f64 = 0.005;
-/// Cosine between normals of one surface, at least.
+/// Smallest cosine between normals of one surface.
 const MIN_COSINE: f64 = 0.9;
-/// Cosine between a ray and a plane that it is still taken to meet, at least.
+/// Smallest cosine between a ray and a plane's normal at which the two are intersected.
 const MIN_MEETING: f64 = 1e-4;
 
-/// A frame of the path, one value a pixel.
+/// A frame of the path, one value per pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct FlickerFrame<'a> {
-    /// Where it is seen from.
+    /// Camera of the frame.
     pub camera: Camera,
-    /// Distance along the camera's forward direction, world units; infinite without a surface.
+    /// Distance along the camera's forward direction in world units; infinite without a surface.
     pub view_depth: &'a [f64],
-    /// Unit normals in the world; of no meaning without a surface.
+    /// Unit normals in world space; undefined without a surface.
     pub normal: &'a [[f32; 3]],
     /// Ambient visibility, 1 = unoccluded.
     pub visibility: &'a [f32],
 }
 
-/// Changes over a path.
+/// The flicker over a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Flicker {
-    /// Pixels counted, each once a pair of frames.
+    /// Number of pixels counted, once per pair of frames.
     pub pixels: u64,
-    /// Mean size of the change of their visibility.
+    /// Mean absolute change of their visibility.
     pub mean: f64,
     /// Share of them that changed by more than [`CHANGE`].
     pub share: f64,
 }
 
-/// Gathers changes pair by pair.
+/// Accumulates changes pair by pair.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FlickerCount {
     pixels: u64,
@@ -56,11 +60,12 @@ pub struct FlickerCount {
 }
 
 impl FlickerCount {
-    /// Adds the changes from the frame `before` to the frame `after`. Cost: about 0.1 µs a pixel; rows on the current rayon pool, summed in
-    /// their order.
+    /// Adds the changes from the frame `before` to the frame `after`.
+    ///
+    /// Cost: about 0.1 µs per pixel. Rows run in parallel on the current rayon pool and are summed in order.
     ///
     /// # Errors
-    /// [`Error::Sizes`] where a frame's values are not its camera's pixels.
+    /// Returns [`Error::Sizes`] if the number of a frame's values differs from its camera's pixels.
     pub fn add(&mut self, before: &FlickerFrame<'_>, after: &FlickerFrame<'_>) -> Result<()> {
         before.check()?;
         after.check()?;
@@ -90,7 +95,7 @@ impl FlickerCount {
         Ok(())
     }
 
-    /// Mean and share; none where no pixel was counted.
+    /// Returns the flicker so far, or `None` if no pixel was counted.
     pub fn finish(&self) -> Option<Flicker> {
         let whole = self.pixels as f64;
         (self.pixels > 0).then(|| Flicker {
@@ -109,7 +114,7 @@ impl FlickerFrame<'_> {
         Error::check_sizes("visibility and pixels", self.visibility.len(), pixels)
     }
 
-    /// The world point that a pixel shows.
+    /// Returns the world point that a pixel shows, or `None` without a surface.
     fn point(&self, view: &View, x: u32, y: u32) -> Option<[f64; 3]> {
         let depth = self.view_depth[y as usize * self.camera.width as usize + x as usize];
         let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -117,7 +122,7 @@ impl FlickerFrame<'_> {
         depth.is_finite().then(|| std::array::from_fn(|a| origin[a] + t * direction[a]))
     }
 
-    /// Visibility at the world point `p` of this `normal`, if this frame shows its surface all around it.
+    /// Returns the visibility at the world point `p` with this `normal`, if all pixels around it show its surface.
     fn resampled(&self, view: &View, p: [f64; 3], normal: [f64; 3]) -> Option<f64> {
         if view.depth(p) <= 0.0 {
             return None;
@@ -131,7 +136,7 @@ impl FlickerFrame<'_> {
         let (fx, fy) = (px - f64::from(x), py - f64::from(y));
         let mut sum = 0.0;
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            // On the last centre of a row or column the next one has no weight.
+            // At the last centre of a row or column, the next one has no weight.
             let (sx, sy) = ((x + dx).min(self.camera.width - 1), (y + dy).min(self.camera.height - 1));
             if !self.shows(view, sx, sy, p, normal) {
                 return None;
@@ -143,7 +148,7 @@ impl FlickerFrame<'_> {
         Some(sum)
     }
 
-    /// Whether a pixel shows the surface that goes through `p` with this `normal`.
+    /// Returns whether a pixel shows the surface through `p` with this `normal`.
     fn shows(&self, view: &View, x: u32, y: u32, p: [f64; 3], normal: [f64; 3]) -> bool {
         let i = y as usize * self.camera.width as usize + x as usize;
         let seen = self.view_depth[i];
@@ -163,7 +168,7 @@ impl FlickerFrame<'_> {
 
 #[cfg(test)]
 mod tests {
-    use adumbra::camera::Projection;
+    use adumbra_scene::Projection;
 
     use super::*;
 
@@ -175,7 +180,7 @@ mod tests {
         normal: Vec<[f32; 3]>,
     }
 
-    /// The ground at y = 0 up to `far`, from `eye_x`, two metres up; pixels beyond have no surface.
+    /// Returns the ground at y = 0 seen from `eye_x`, two metres up. Pixels near and above the horizon have no surface.
     fn ground(eye_x: f64) -> Seen {
         let projection = Projection::Perspective { fov_degrees: 60.0 };
         let [width, height] = SIZE;
@@ -205,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Evenly spread, the same for the same seed.
+    /// Returns uniform noise, reproducible by seed.
     fn noise(seed: u32) -> Vec<f32> {
         let mut state = seed;
         let mut next = || {
@@ -228,7 +233,7 @@ mod tests {
         let picture = noise(1);
         let f = flicker(&seen.frame(&picture), &seen.frame(&picture)).unwrap();
         assert!(f.mean < 1e-6 && f.share == 0.0, "{f:?}");
-        // Rounding may put a place beside its centre, over the picture's or the ground's rim.
+        // Rounding may move a point off its pixel's centre, across the edge of the picture or of the ground.
         assert!(f.pixels > seen.valid() * 9 / 10, "{f:?} of {}", seen.valid());
     }
 
@@ -244,7 +249,7 @@ mod tests {
     #[test]
     fn flicker_of_something_fixed_to_the_world_is_small() {
         let (before, after) = (ground(0.0), ground(0.13));
-        // Waves of eight metres along x.
+        // Waves of eight metres in length along x.
         let painted = |seen: &Seen| -> Vec<f32> {
             let view = seen.camera.view();
             let frame = seen.frame(&[]);
@@ -263,7 +268,7 @@ mod tests {
         let seen = ground(0.0);
         let (a, b) = (noise(1), noise(2));
         let f = flicker(&seen.frame(&a), &seen.frame(&b)).unwrap();
-        // Of two even values: a third; nearer than c: 1 - (1 - c)².
+        // For two uniform values the mean difference is a third, and the probability of less than c is 1 - (1 - c)².
         assert!((f.mean - 1.0 / 3.0).abs() < 0.025, "{f:?}");
         assert!((f.share - 0.95 * 0.95).abs() < 0.025, "{f:?}");
     }

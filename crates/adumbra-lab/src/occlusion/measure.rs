@@ -1,11 +1,10 @@
-//! What estimators are measured on: a scene drawn on a device, and the rays that judge what a camera sees of it.
+//! The stage on which estimators are measured: a scene drawn on a device, and the ray-traced truth of a camera's view.
 
-use adumbra::camera::Camera;
-use adumbra::scene::Scene;
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::{
     Answer, Baked, FrameTimes, Gpu, Prepared, Renderer, SceneOptions, Shot, SurfaceImage, build,
 };
+use adumbra_scene::{Camera, Scene};
 
 use super::{OcclusionErrors, occlusion_errors};
 use crate::compare::{SAME_SURFACE, take_turns};
@@ -13,7 +12,7 @@ use crate::error::Result;
 use crate::report::PixelCounts;
 use crate::truth::{Cache, Key, Surfaces, TruthTracer, standard_error};
 
-/// Straight up: no figure here depends on the sun.
+/// Straight up, as no result here depends on the sun.
 const TOWARDS_SUN: [f64; 3] = [0.0, 1.0, 0.0];
 
 /// A scene on a device, seen by a camera.
@@ -23,30 +22,30 @@ pub struct OcclusionStage {
     shot: Shot,
 }
 
-/// What judges: rays, kept in a cache.
+/// Ray-traced truth, kept in a cache.
 #[derive(Clone, Copy)]
-pub struct OcclusionJudge<'a, 's> {
-    /// The scene's rays.
+pub struct OcclusionReference<'a, 's> {
+    /// Ray tracer of the scene.
     pub truth: &'a TruthTracer<'s>,
-    /// Where traced pictures are kept.
+    /// Cache of traced pictures.
     pub cache: &'a Cache,
-    /// The scene's part of their keys.
+    /// The scene's part of the cache keys.
     pub scene: &'a Key,
-    /// How far what occludes may be, world units.
+    /// Largest distance of an occluder in world units.
     pub radius_world: f64,
-    /// Rays a pixel.
+    /// Rays per pixel.
     pub rays: u32,
 }
 
-/// The truth of what a stage's camera sees, one value a pixel.
-pub struct Judged {
-    /// What rays see.
+/// The truth of what a stage's camera sees, one value per pixel.
+pub struct TracedView {
+    /// Surfaces hit by rays.
     pub surfaces: Surfaces,
     /// Ambient visibility by rays.
     pub truth: Vec<f32>,
-    /// Where rays and G-buffer see the same surface, within [`SAME_SURFACE`].
+    /// Whether rays and G-buffer see the same surface, within [`SAME_SURFACE`].
     pub counted: Vec<bool>,
-    /// How many those are, and what became of the others; no pixel faces away from a sky.
+    /// Counts of these pixels and of the others by reason. None are facing away, because the sky has no direction.
     pub pixels: PixelCounts,
 }
 
@@ -54,7 +53,7 @@ impl OcclusionStage {
     /// Uploads a scene and draws what `camera` sees of it.
     ///
     /// # Errors
-    /// What the renderer reports.
+    /// Returns the errors of the renderer.
     pub fn new(gpu: Gpu, scene: &Scene, options: SceneOptions, camera: Camera) -> Result<Self> {
         let renderer = Renderer::new(gpu, scene, options)?;
         let none = renderer.prepare(build(renderer.gpu(), &"none".parse()?, Baked::default())?)?;
@@ -64,66 +63,70 @@ impl OcclusionStage {
         Ok(stage)
     }
 
-    /// Draws what `camera` sees, as the frame of that number.
+    /// Draws what `camera` sees, as frame `number`.
     ///
     /// # Errors
-    /// What the renderer reports.
+    /// Returns the errors of the renderer.
     pub fn look(&mut self, camera: Camera, number: u32) -> Result<()> {
         self.shot = Shot { camera, towards_sun: TOWARDS_SUN, number };
         self.renderer.draw(&self.shot, &mut self.none, Answer::Visibility)?;
         Ok(())
     }
 
-    /// The device.
+    /// Returns the device.
     pub fn gpu(&self) -> &Gpu {
         self.renderer.gpu()
     }
 
-    /// The camera that it is seen by.
+    /// Returns the current camera.
     pub fn camera(&self) -> &Camera {
         &self.shot.camera
     }
 
-    /// What the G-buffer holds.
+    /// Reads the G-buffer.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns the errors of the device.
     pub fn surface(&self) -> Result<SurfaceImage> {
         Ok(self.renderer.read_surface(&self.shot)?)
     }
 
-    /// Occludes what is seen.
+    /// Runs the occlusion passes on the current view.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns the errors of the device.
     pub fn occlude(&self, passes: &mut OcclusionPasses) -> Result<FrameTimes> {
         Ok(self.renderer.occlude(&self.shot, passes)?)
     }
 
-    /// Occludes what is seen with each of `passes` in turns, see [`take_turns`]; gives each one's `frames` times.
+    /// Runs each of `passes` on the current view for `frames` frames, in alternation, and returns the times of each.
+    ///
+    /// See [`take_turns`].
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns the errors of the device.
     pub fn times(&self, passes: &mut [OcclusionPasses], frames: u32) -> Result<Vec<Vec<FrameTimes>>> {
         take_turns(passes.len(), frames, |at| self.occlude(&mut passes[at]))
     }
 
-    /// Ambient visibility of what is seen, row 0 at the top.
+    /// Returns the ambient visibility of the current view, row 0 at the top.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns the errors of the device.
     pub fn visibility(&self, passes: &mut OcclusionPasses) -> Result<Vec<f32>> {
         self.occlude(passes)?;
         Ok(passes.read(self.gpu())?)
     }
 }
 
-impl OcclusionJudge<'_, '_> {
-    /// The truth of what the stage's camera sees. Cost: that of [`TruthTracer::ambient`], where it is not kept yet.
+impl OcclusionReference<'_, '_> {
+    /// Returns the truth of what the stage's camera sees.
+    ///
+    /// Cost: that of [`TruthTracer::ambient`], if it is not cached yet.
     ///
     /// # Errors
-    /// What the device reports.
-    pub fn judge(&self, stage: &OcclusionStage) -> Result<Judged> {
+    /// Returns the errors of the device.
+    pub fn trace_view(&self, stage: &OcclusionStage) -> Result<TracedView> {
         let (surfaces, truth) = self.trace(stage.camera());
         let drawn = stage.surface()?;
         let mut pixels = PixelCounts::default();
@@ -138,10 +141,10 @@ impl OcclusionJudge<'_, '_> {
             traced.is_finite() && drawn.is_finite() && same
         });
         let counted = counted.collect();
-        Ok(Judged { surfaces, truth, counted, pixels })
+        Ok(TracedView { surfaces, truth, counted, pixels })
     }
 
-    /// What `camera` sees, and its ambient visibility.
+    /// Traces the surfaces that `camera` sees and their ambient visibility, or takes them from the cache.
     pub(super) fn trace(&self, camera: &Camera) -> (Surfaces, Vec<f32>) {
         let surfaces = self.cache.surfaces(self.truth, self.scene, camera);
         let (radius, rays) = (self.radius_world, self.rays);
@@ -150,21 +153,21 @@ impl OcclusionJudge<'_, '_> {
     }
 }
 
-impl Judged {
-    /// Errors over the pixels that count.
+impl TracedView {
+    /// Returns the errors over the pixels that count.
     ///
     /// # Errors
-    /// [`crate::Error::Sizes`] where the visibility is of another size.
+    /// Returns [`crate::Error::Sizes`] if the visibility is of another size.
     pub fn errors(&self, visibility: &[f32]) -> Result<OcclusionErrors> {
         occlusion_errors(visibility, &self.truth, |i| self.counted[i])
     }
 
-    /// Errors of open sky everywhere.
+    /// Returns the errors of open sky everywhere.
     pub fn errors_of_none(&self) -> OcclusionErrors {
         self.errors(&vec![1.0; self.truth.len()]).unwrap_or_default()
     }
 
-    /// Bound on the truth's standard error, see [`standard_error`].
+    /// Returns a bound on the truth's standard error, see [`standard_error`].
     pub fn error_bound(&self, rays: u32) -> f64 {
         standard_error(&self.truth, rays, |i| self.counted[i])
     }

@@ -1,8 +1,7 @@
-//! Ambient occlusion judged by rays: errors of visibility, flicker along a camera path, the paper's claims as
-//! numbers, the eight scenes of
-//! `bench ao`, and the tuner that gives every estimator the same chance on them.
+//! Ambient occlusion compared with ray-traced truth: errors of visibility, flicker along a camera path, the paper's
+//! claims as numbers, the eight scenes of `bench ao`, and the tuner that gives every estimator an equal chance on them.
 //!
-//! One polarity: visibility, 1 = unoccluded.
+//! All values are visibility: 1 = unoccluded.
 
 mod claims;
 mod errors;
@@ -16,7 +15,7 @@ mod walk;
 pub use claims::{BLUR_PIXELS, ClaimProbe, Claims, EDGE_COSINE, EDGE_PIXELS, EDGE_STEP, FLAT, OPEN};
 pub use errors::{OcclusionErrors, grey_picture, occlusion_errors};
 pub use flicker::{CHANGE, Flicker, FlickerCount, FlickerFrame};
-pub use measure::{Judged, OcclusionJudge, OcclusionStage};
+pub use measure::{OcclusionReference, OcclusionStage, TracedView};
 pub use record::{Record, RecordEntry, RecordScene, TunedOn, tuned, with_tuned};
 pub use tune::{TuneOptions, TuneScene, tune};
 pub use views::{Fold, OcclusionScene, OcclusionView, PATH_FRAMES, SCENES, scene_named};

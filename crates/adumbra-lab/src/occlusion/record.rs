@@ -1,4 +1,4 @@
-//! What the tuner found: `data/ao_tuning.json`, and the settings that each scene is judged with.
+//! The results of the tuner in `data/ao_tuning.json`, and the settings with which each scene is measured.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,64 +9,65 @@ use serde::{Deserialize, Serialize};
 
 use super::views::{Fold, scene_named};
 
-/// Which scenes a setting was tuned on.
+/// The scenes that a setting was tuned on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum TunedOn {
-    /// Those of [`Fold::A`].
+    /// The scenes of [`Fold::A`].
     FoldA,
-    /// Those of [`Fold::B`].
+    /// The scenes of [`Fold::B`].
     FoldB,
-    /// All eight: what users get.
+    /// All eight scenes. These are the settings that users get.
     All,
 }
 
-/// All that `cargo xtask tune-ao` found.
+/// All results of `adumbra-lab tune-ao`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// What drew.
+    /// Name of the adapter that drew.
     pub adapter: String,
-    /// Pixels of each picture.
+    /// Size of each picture in pixels.
     pub size: [u32; 2],
-    /// Rays a pixel of the truth.
+    /// Rays per pixel of the truth.
     pub rays: u32,
-    /// Taps a pixel.
+    /// Taps per pixel.
     pub samples: u32,
-    /// Evaluations a run.
+    /// Evaluations per run.
     pub budget: u32,
-    /// In order.
+    /// The scenes in order.
     pub scenes: Vec<RecordScene>,
-    /// One an estimator and [`TunedOn`].
+    /// One entry per estimator and [`TunedOn`].
     pub entries: Vec<RecordEntry>,
 }
 
-/// A scene that was tuned on.
+/// A scene used for tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecordScene {
-    /// As [`scene_named`] finds it.
+    /// Name by which [`scene_named`] finds it.
     pub name: String,
-    /// Its half.
+    /// The half that the scene is in.
     pub fold: Fold,
-    /// How far what occludes may be, world units.
+    /// Largest distance of an occluder in world units.
     pub radius_world: f64,
     /// RMSE of open sky everywhere.
     pub none_rmse: f64,
 }
 
-/// What one run found.
+/// The result of one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecordEntry {
-    /// By [`Estimator::name`].
+    /// Name of the estimator, see [`Estimator::name`].
     pub estimator: String,
-    /// On which scenes.
+    /// The scenes that it was tuned on.
     pub on: TunedOn,
-    /// What varied, by the names of [`Estimator::parameters`].
+    /// Values of the varied parameters by their names in [`Estimator::parameters`].
     pub settings: BTreeMap<String, f64>,
-    /// Mean over those scenes of RMSE after the filter by that of open sky.
+    /// Mean over those scenes of RMSE after the filter, divided by that of open sky.
     pub objective: f64,
-    /// The same over the other scenes; none where there are no others.
+    /// Mean of that ratio over the other scenes; `None` if there are no others.
     pub elsewhere: Option<f64>,
-    /// RMSE after the filter by scene, those that were not tuned on too.
+    /// RMSE after the filter by scene, including scenes that were not tuned on.
     pub rmse: BTreeMap<String, f64>,
 }
 
@@ -74,10 +75,10 @@ static EMBEDDED: LazyLock<Record> =
     LazyLock::new(|| serde_json::from_str(include_str!("../../data/ao_tuning.json")).unwrap_or_default());
 
 impl TunedOn {
-    /// Each.
+    /// Every value.
     pub const ALL: [Self; 3] = [Self::FoldA, Self::FoldB, Self::All];
 
-    /// Whether scenes of `fold` are tuned on.
+    /// Returns whether scenes of `fold` are tuned on.
     pub fn has(self, fold: Fold) -> bool {
         match self {
             Self::FoldA => fold == Fold::A,
@@ -86,7 +87,9 @@ impl TunedOn {
         }
     }
 
-    /// What judges the scene of that name fairly: the half that lacks it; all eight where neither has it.
+    /// Returns the half that excludes the named scene, so that the scene is measured with settings not tuned on it.
+    ///
+    /// Returns [`Self::All`] if neither half has the scene.
     pub fn without(scene: &str) -> Self {
         match scene_named(scene).map(|s| s.fold) {
             Some(Fold::A) => Self::FoldB,
@@ -95,7 +98,7 @@ impl TunedOn {
         }
     }
 
-    /// As tables call it.
+    /// Returns its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::FoldA => "fold A",
@@ -106,18 +109,19 @@ impl TunedOn {
 }
 
 impl Record {
-    /// The one of this build.
+    /// Returns the record embedded in this build.
     pub fn embedded() -> &'static Self {
         &EMBEDDED
     }
 
-    /// A run's entry.
+    /// Returns a run's entry.
     pub fn entry(&self, estimator: Estimator, on: TunedOn) -> Option<&RecordEntry> {
         self.entries.iter().find(|e| e.estimator == estimator.name() && e.on == on)
     }
 
-    /// An estimator's parameters as a run left them; none where there is no entry, or where it names other parameters
-    /// than those that the tuner varies today.
+    /// Returns an estimator's parameters as tuned by a run.
+    ///
+    /// Returns `None` if there is no entry, or if it names other parameters than those that the tuner varies today.
     pub fn shape(&self, estimator: Estimator, on: TunedOn) -> Option<[f64; MAX_PARAMETERS]> {
         let entry = self.entry(estimator, on)?;
         let mut shape = OcclusionSettings::new(estimator, 1.0).shape;
@@ -131,8 +135,9 @@ impl Record {
         (varied == entry.settings.len()).then_some(shape)
     }
 
-    /// This one with the entries of `other` in place of its own, if both are of the same scenes and options; else
-    /// `other`.
+    /// Returns this record with entries replaced by those of `other` if both have the same scenes and options.
+    ///
+    /// Otherwise returns `other`.
     #[must_use]
     pub fn joined(&self, other: Self) -> Self {
         let head = |r: &Self| Self { entries: Vec::new(), ..r.clone() };
@@ -146,15 +151,15 @@ impl Record {
         joined
     }
 
-    /// The record as JSON text, and as a table.
+    /// Returns the record as JSON text.
     ///
     /// # Errors
-    /// What the serialiser says.
+    /// Returns the error of the serialiser.
     pub fn json(&self) -> serde_json::Result<String> {
         Ok(format!("{}\n", serde_json::to_string_pretty(self)?))
     }
 
-    /// The record as Markdown.
+    /// Returns the record as Markdown.
     pub fn markdown(&self) -> String {
         let [width, height] = self.size;
         let names: Vec<&str> = self.scenes.iter().map(|s| s.name.as_str()).collect();
@@ -163,16 +168,14 @@ impl Record {
             inside.collect::<Vec<_>>().join(", ")
         };
         let mut text = format!(
-            "# Ambient occlusion, tuned\n\nBy `cargo xtask tune-ao`, drawn by {}: {width} x {height}, {} samples, \
-            each estimator with its filter, judged by {} rays a \
-            pixel of the same radius over the pixels where rays and G-buffer see the same surface. Every estimator \
-            has the same search: {} evaluations a run, a third of \
-            them spread over all that its parameters may be, the rest a simplex from the best of them on. What is made \
-            small is the mean over the \
-            run's scenes of RMSE by the RMSE of open sky everywhere. Fold A: {}. Fold B: {}. *Elsewhere* is the same \
-            mean over the \
-            scenes that the run did not see. RMSE in brackets is of scenes that were tuned on. A star marks a parameter \
-            at an end of what it may be.\n\n\
+            "# Ambient occlusion, tuned\n\nBy `adumbra-lab tune-ao`, drawn by {}: {width} x {height}, {} samples, \
+            each estimator with its filter, compared with {} rays per pixel of the same radius over the pixels \
+            where rays and G-buffer see the same surface. Every estimator is tuned by the same search of {} \
+            evaluations per run: a third of them are spread over the full range of its parameters, the rest \
+            follow a simplex from the best of those. The objective is the mean, over the run's scenes, of the \
+            RMSE divided by that of no occlusion. Fold A: {}. Fold B: {}. *Elsewhere* is the same mean over the \
+            scenes that the run did not use. RMSE in brackets is of scenes that were tuned on. A star marks a \
+            parameter at an end of its range.\n\n\
             | estimator | tuned on | settings | mean | elsewhere | {} |\n|---|---|---|---|---|{}\n",
             self.adapter,
             self.samples,
@@ -184,7 +187,7 @@ impl Record {
             "---|".repeat(names.len())
         );
         let none: String = self.scenes.iter().map(|s| format!(" {:.4} |", s.none_rmse)).collect();
-        // Writing to a String does not fail.
+        // Writing to a `String` never fails.
         let _ = writeln!(text, "| none | – | – | 1 | – |{none}");
         for e in &self.entries {
             let settings = e.settings.iter().map(|(name, value)| {
@@ -214,7 +217,7 @@ impl Record {
     }
 }
 
-/// Whether a parameter lies in the outer hundredth of where the tuner looks.
+/// Returns whether a parameter is in the outer hundredth of the tuner's range, at either end.
 fn at_an_end(estimator: &str, name: &str, value: f64) -> bool {
     let of = |e: &Estimator| e.parameters().iter().find(|p| p.name == name).and_then(|p| p.search);
     let place = match Estimator::ALL.iter().find(|e| e.name() == estimator).and_then(of) {
@@ -225,13 +228,13 @@ fn at_an_end(estimator: &str, name: &str, value: f64) -> bool {
     !(0.01..=0.99).contains(&place)
 }
 
-/// An estimator's parameters as tuned `on` those scenes; its defaults where [`Record::shape`] has none.
+/// Returns an estimator's parameters as tuned `on` those scenes, or its defaults if [`Record::shape`] has none.
 pub fn tuned(estimator: Estimator, on: TunedOn) -> [f64; MAX_PARAMETERS] {
     let defaults = || OcclusionSettings::new(estimator, 1.0).shape;
     Record::embedded().shape(estimator, on).unwrap_or_else(defaults)
 }
 
-/// `settings` with what the tuner varies as tuned `on` those scenes; all else stays.
+/// Returns `settings` with the parameters that the tuner varies as tuned `on` those scenes. All others are unchanged.
 #[must_use]
 pub fn with_tuned(mut settings: OcclusionSettings, on: TunedOn) -> OcclusionSettings {
     let shape = tuned(settings.estimator, on);

@@ -1,41 +1,42 @@
-//! Looks for the parameters of every estimator of ambient occlusion in the same way: what `cargo xtask tune-ao` runs.
+//! Tunes the parameters of every estimator of ambient occlusion with the same search, for `adumbra-lab tune-ao`.
 //!
-//! An estimator may vary what its own list of parameters says ([`adumbra_render::occlusion::ShapeParameter::search`]);
-//! radius, samples, noise and filter are the same for all. What is made small is the mean over scenes of RMSE after
-//! the filter by that of open sky everywhere. A run is a fixed number of evaluations: a third of them over the whole
-//! box of parameters, along a sequence that fills it evenly (M. Roberts, *The Unreasonable Effectiveness of
-//! Quasirandom Sequences*, 2018), then steps about the best so far, which shrink from a quarter of the box to a
-//! hundredth. Nothing is drawn by chance, so a run repeats itself on the same adapter.
+//! Each estimator varies the parameters that its own list marks for search
+//! ([`adumbra_render::occlusion::ShapeParameter::search`]). Radius, samples, noise and filter are the same for all. The
+//! objective to minimise is the mean over scenes of RMSE after the filter, divided by that of open sky everywhere.
+//!
+//! A run is a fixed number of evaluations. A third of them cover the whole box of parameters along a sequence that
+//! fills it evenly (M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018). The rest are Nelder
+//! and Mead's simplex method, which starts at the best of these points. The search is deterministic, so a run is
+//! repeatable on the same adapter.
 
 use std::collections::HashMap;
 use std::path::Path;
 
-use adumbra::camera::Camera;
-use adumbra::scene::Scene;
 use adumbra_render::occlusion::{
     Estimator, MAX_PARAMETERS, OcclusionPasses, OcclusionSettings, Search, ShapeParameter,
 };
 use adumbra_render::{Gpu, SceneOptions};
+use adumbra_scene::{Camera, Scene};
 
-use super::measure::{Judged, OcclusionJudge, OcclusionStage};
+use super::measure::{OcclusionReference, OcclusionStage, TracedView};
 use super::record::{Record, RecordEntry, RecordScene, TunedOn};
 use super::views::{Fold, SCENES};
 use crate::error::Result;
 use crate::truth::{Cache, TruthTracer, scene_key};
 
-/// Edge of the first simplex, in sides of the box.
+/// Edge length of the first simplex, as a share of the side of the box.
 const FIRST_EDGE: f64 = 0.12;
-/// Digits that count of a parameter: what is recorded is what was tried.
+/// Significant digits of a parameter. Values are rounded before they are tried, so that the record is exact.
 const DIGITS: i32 = 4;
 
-/// How much is tried, and on what.
+/// Options of the tuner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TuneOptions {
-    /// Evaluations a run, each over all scenes of the run.
+    /// Evaluations per run, each over all scenes of the run.
     pub budget: u32,
-    /// Pixels of the pictures.
+    /// Size of the pictures in pixels.
     pub size: [u32; 2],
-    /// Rays a pixel of the truth.
+    /// Rays per pixel of the truth.
     pub rays: u32,
 }
 
@@ -50,17 +51,17 @@ pub struct TuneScene {
     name: String,
     fold: Fold,
     stage: OcclusionStage,
-    judged: Judged,
+    traced_view: TracedView,
     radius_world: f64,
     none_rmse: f64,
 }
 
 impl TuneScene {
-    /// Draws the scene on a device of its own, or one shared with other scenes ([`Gpu::sharing`]), and traces its
+    /// Draws the scene on a device of its own, or on one shared with other scenes ([`Gpu::sharing`]), and traces its
     /// truth.
     ///
     /// # Errors
-    /// What the renderer reports.
+    /// Returns the errors of the renderer.
     pub fn new(
         gpu: Gpu,
         (name, fold): (&str, Fold),
@@ -73,17 +74,18 @@ impl TuneScene {
         let stage = OcclusionStage::new(gpu, scene, SceneOptions::default(), camera)?;
         let truth = TruthTracer::build(scene, false);
         let key = scene_key(scene, false);
-        let judge = OcclusionJudge { truth: &truth, cache, scene: &key, radius_world, rays };
-        let judged = judge.judge(&stage)?;
-        let none_rmse = judged.errors_of_none().rmse;
-        Ok(Self { name: name.to_owned(), fold, stage, judged, radius_world, none_rmse })
+        let reference = OcclusionReference { truth: &truth, cache, scene: &key, radius_world, rays };
+        let traced_view = reference.trace_view(&stage)?;
+        let none_rmse = traced_view.errors_of_none().rmse;
+        Ok(Self { name: name.to_owned(), fold, stage, traced_view, radius_world, none_rmse })
     }
 
-    /// The eight of [`SCENES`], from files in `folder`, on one device.
+    /// Loads the eight scenes of [`SCENES`] from files in `folder`, all on one device.
+    ///
+    /// Cost: tracing the truths that are not cached yet, about a minute each.
     ///
     /// # Errors
-    /// Scenes that are absent; what the renderer reports. Cost: the truths that are not kept yet, about a minute
-    /// each.
+    /// Returns an error if a scene is absent, and the errors of the renderer.
     pub fn all(gpu: &Gpu, folder: &Path, options: &TuneOptions, cache: &Cache) -> Result<Vec<Self>> {
         let open = |scene: &super::OcclusionScene| {
             let view = scene.open(folder)?;
@@ -105,12 +107,15 @@ impl TuneScene {
     }
 }
 
-/// Tunes estimators on fold A, fold B and all scenes, each from `settings` that say what does not vary; tells `done` of
-/// each run's entry. The scenes must be on one device.
+/// Tunes estimators on fold A, fold B and all scenes, and calls `done` with each run's entry.
+///
+/// Each of `settings` supplies what does not vary. The scenes must be on one device.
+///
+/// Cost: at most 5 · budget · scenes / 3 pictures per estimator, because the run on all scenes reuses both folds'
+/// evaluations over the whole box.
 ///
 /// # Errors
-/// What the device reports. Cost: at most 5 · budget · scenes / 3 pictures an estimator: what both folds try over the
-/// whole box is computed once.
+/// Returns the errors of the device.
 pub fn tune(
     scenes: &[TuneScene],
     options: &TuneOptions,
@@ -137,7 +142,7 @@ pub fn tune(
     Ok(record)
 }
 
-/// Nelder and Mead's method from a point with its value on, `budget` evaluations.
+/// Runs `budget` evaluations of Nelder and Mead's method, starting from a point with its value.
 fn simplex(
     best: (f64, Vec<f64>),
     budget: u32,
@@ -161,7 +166,7 @@ fn simplex(
         let (count, worst) = (others.len() as f64, worst[0].clone());
         let middle: Vec<f64> =
             (0..worst.1.len()).map(|a| others.iter().map(|c| c.1[a]).sum::<f64>() / count).collect();
-        // From the worst corner through the middle of the others.
+        // The line from the worst corner through the centroid of the others.
         let along = |t: f64| -> Vec<f64> {
             middle.iter().zip(&worst.1).map(|(m, w)| (m + t * (m - w)).clamp(0.0, 1.0)).collect()
         };
@@ -186,7 +191,7 @@ fn simplex(
             *corner = found;
         }
         if stuck {
-            // Towards the best.
+            // Shrink the simplex towards the best corner.
             let best = corners[0].1.clone();
             for corner in corners.iter_mut().skip(1).take(left as usize) {
                 corner.1.iter_mut().zip(&best).for_each(|(c, b)| *c = 0.5 * (*c + b));
@@ -203,10 +208,10 @@ fn simplex(
 struct Tuner<'a> {
     scenes: &'a [TuneScene],
     settings: OcclusionSettings,
-    /// Where the shape holds what varies, and its parameter.
+    /// Index in the shape of each varied parameter, its search range and its description.
     varied: Vec<(usize, Search, &'static ShapeParameter)>,
     passes: Option<OcclusionPasses>,
-    /// RMSE by scene of every shape that was tried.
+    /// RMSE by scene of every shape tried so far.
     known: HashMap<[u64; MAX_PARAMETERS], Vec<Option<f64>>>,
 }
 
@@ -222,7 +227,7 @@ impl<'a> Tuner<'a> {
         let inside = |s: &TuneScene| on.has(s.fold);
         let mut points = sequence(self.varied.len());
         let mut next = || points.next().unwrap_or_default();
-        // With nothing to vary one evaluation says it all.
+        // With nothing to vary, one evaluation is enough.
         let budget = if self.varied.is_empty() { 1 } else { budget.max(1) };
         let wide = budget.div_ceil(3);
         let mut tried = 0;
@@ -259,14 +264,14 @@ impl<'a> Tuner<'a> {
         Ok(self.mean(&rmse, inside).unwrap_or(f64::INFINITY))
     }
 
-    /// Mean of RMSE by that of open sky; none without scenes.
+    /// Returns the mean of RMSE divided by that of open sky, or `None` without scenes.
     fn mean(&self, rmse: &[Option<f64>], inside: &dyn Fn(&TuneScene) -> bool) -> Option<f64> {
         let of = |(s, e): (&TuneScene, &Option<f64>)| e.filter(|_| inside(s)).map(|e| e / s.none_rmse);
         let shares: Vec<f64> = self.scenes.iter().zip(rmse).filter_map(of).collect();
         (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
     }
 
-    /// By scene, computed where it is asked for and not known.
+    /// Returns RMSE by scene, computing it for requested scenes where it is not known yet.
     fn rmse(
         &mut self,
         shape: &[f64; MAX_PARAMETERS],
@@ -281,12 +286,12 @@ impl<'a> Tuner<'a> {
             }
             let settings = shaped(self.settings, *shape, scene.radius_world);
             passes.reshape(scene.stage.gpu(), &settings);
-            *known = Some(scene.judged.errors(&scene.stage.visibility(passes)?)?.rmse);
+            *known = Some(scene.traced_view.errors(&scene.stage.visibility(passes)?)?.rmse);
         }
         Ok(known.clone())
     }
 
-    /// The parameters at a point of the unit box.
+    /// Returns the parameters at a point of the unit box.
     fn shape(&self, point: &[f64]) -> [f64; MAX_PARAMETERS] {
         let mut shape = self.settings.shape;
         for (&(i, search, _), u) in self.varied.iter().zip(point) {
@@ -309,12 +314,14 @@ fn value(search: Search, u: f64) -> f64 {
     }
 }
 
-/// To so many digits that count, as decimal text has them.
+/// Rounds to `digits` significant decimal digits.
 fn rounded(value: f64, digits: i32) -> f64 {
     format!("{value:.*e}", (digits - 1).max(0) as usize).parse().unwrap_or(value)
 }
 
-/// Points that fill the unit box evenly: multiples of the powers of 1/φ, φ the root above 1 of φ^(d + 1) = φ + 1.
+/// Returns points that fill the unit box evenly.
+///
+/// They are multiples of the powers of 1/φ, where φ is the root above 1 of φ^(d + 1) = φ + 1 in d dimensions.
 fn sequence(dimensions: usize) -> impl Iterator<Item = Vec<f64>> {
     let exponent = 1.0 / (dimensions as f64 + 1.0);
     let root = (0..64).fold(2.0, |x: f64, _| libm::pow(1.0 + x, exponent));
@@ -339,7 +346,7 @@ mod tests {
         for dimensions in 1..=6 {
             let points: Vec<Vec<f64>> = sequence(dimensions).take(256).collect();
             assert!(points.iter().flatten().all(|u| (0.0..1.0).contains(u)));
-            // Of every pair of neighbouring sides, each quarter holds a quarter of the points.
+            // For every pair of adjacent axes, a quarter of the square holds a quarter of the points.
             for side in 0..dimensions {
                 let other = (side + 1) % dimensions;
                 let quarter = |p: &&Vec<f64>| p[side] < 0.5 && (p[other] < 0.5 || dimensions == 1);

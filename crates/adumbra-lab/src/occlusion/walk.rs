@@ -1,13 +1,13 @@
 //! Flicker along a camera path, of estimators on a device and of the truth.
 
-use adumbra::camera::Camera;
 use adumbra_render::occlusion::OcclusionPasses;
+use adumbra_scene::Camera;
 
 use super::flicker::{Flicker, FlickerCount, FlickerFrame};
-use super::measure::{OcclusionJudge, OcclusionStage};
+use super::measure::{OcclusionReference, OcclusionStage};
 use crate::error::Result;
 
-/// What every picture of a frame is seen on.
+/// Camera and surfaces common to all pictures of a frame.
 struct Frame {
     camera: Camera,
     view_depth: Vec<f64>,
@@ -20,11 +20,12 @@ impl Frame {
     }
 }
 
-/// Each of `passes` at every camera in turn, frame k of all before frame k + 1 of any; one figure each, none where no
-/// pixel was counted. The stage is left at the last camera.
+/// Measures the flicker of each of `passes` along the path of `cameras`: frame k of all before frame k + 1 of any.
+///
+/// Returns one result per pass, `None` if no pixel was counted. The stage is left at the last camera.
 ///
 /// # Errors
-/// What the renderer reports.
+/// Returns the errors of the renderer.
 pub fn path_flicker(
     stage: &mut OcclusionStage,
     cameras: &[Camera],
@@ -48,15 +49,17 @@ pub fn path_flicker(
     Ok(counts.iter().map(FlickerCount::finish).collect())
 }
 
-/// The truth's own: what resampling leaves of it, and the noise of its rays.
+/// Measures the truth's own flicker, which is due to resampling and to the noise of its rays.
+///
+/// Cost: one truth per camera, if it is not cached yet.
 ///
 /// # Errors
-/// None but those of [`FlickerCount::add`]. Cost: a truth a camera, where it is not kept yet.
-pub fn truth_flicker(judge: &OcclusionJudge<'_, '_>, cameras: &[Camera]) -> Result<Option<Flicker>> {
+/// Returns the errors of [`FlickerCount::add`].
+pub fn truth_flicker(reference: &OcclusionReference<'_, '_>, cameras: &[Camera]) -> Result<Option<Flicker>> {
     let mut count = FlickerCount::default();
     let mut before: Option<(Frame, Vec<f32>)> = None;
     for camera in cameras {
-        let (surfaces, truth) = judge.trace(camera);
+        let (surfaces, truth) = reference.trace(camera);
         let frame = Frame { camera: *camera, view_depth: surfaces.view_depth, normal: surfaces.normal };
         if let Some((old, picture)) = &before {
             count.add(&old.with(picture), &frame.with(&truth))?;

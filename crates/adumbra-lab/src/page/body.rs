@@ -1,4 +1,4 @@
-//! What stands in a section: words, tables, plots, pictures, pairs of pictures.
+//! The contents of a section: text, tables, plots, pictures, pairs of pictures.
 
 use std::fmt::Write as _;
 
@@ -6,38 +6,38 @@ use super::picture::Embedded;
 use super::table::{Table, scroll_box, words};
 use super::{escape, markdown};
 
-/// HTML that grows. Texts are plain; between backquotes they stand as code.
+/// HTML to which elements are appended. Texts are plain text, with code between backquotes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Body {
     html: String,
-    /// Id and title of its parts.
+    /// Id and title of each part.
     parts: Vec<(String, String)>,
 }
 
-/// Two pictures of one size in one place, with a divider that moves.
+/// Two pictures of equal size on top of each other, with a divider that moves.
 #[derive(Clone, Debug)]
 pub struct Pair<'a> {
-    /// Left of the divider, and what it is called.
+    /// Picture left of the divider, and its name.
     pub left: (&'a Embedded, &'a str),
-    /// Right of the divider, and what it is called.
+    /// Picture right of the divider, and its name.
     pub right: (&'a Embedded, &'a str),
-    /// Below both.
+    /// Text below both.
     pub caption: &'a str,
 }
 
-/// Pixels on the page a pixel of a pair, at most.
+/// Largest magnification of a pair: pixels on the page per pixel of the picture.
 const LARGEST: f64 = 1.5;
-/// Height of a pair on the page, pixels.
+/// Largest height of a pair on the page, in pixels.
 const TALLEST: f64 = 600.0;
 
-// Writing to a String does not fail, so what `write!` gives is dropped throughout.
+// Writing to a String does not fail, so the result of `write!` is ignored throughout.
 impl Body {
-    /// What was said so far.
+    /// Returns the HTML so far.
     pub fn html(&self) -> &str {
         &self.html
     }
 
-    /// Nothing was said yet.
+    /// Whether nothing was appended yet.
     pub fn is_empty(&self) -> bool {
         self.html.is_empty()
     }
@@ -46,38 +46,39 @@ impl Body {
         &self.parts
     }
 
-    /// A part of the section that the contents list; `id` once a page.
+    /// Appends the heading of a part of the section, which the table of contents lists. `id` must be unique in the
+    /// page.
     pub fn part(&mut self, id: &str, title: &str) {
         let _ = writeln!(self.html, "<h3 id=\"{}\">{}</h3>", escape(id), words(title));
         self.parts.push((id.to_owned(), title.to_owned()));
     }
 
-    /// A heading below a part's, which the contents do not list.
+    /// Appends a heading one level below a part's, which the table of contents does not list.
     pub fn heading(&mut self, title: &str) {
         let _ = writeln!(self.html, "<h4>{}</h4>", words(title));
     }
 
-    /// A paragraph.
+    /// Appends a paragraph.
     pub fn paragraph(&mut self, text: &str) {
         let _ = writeln!(self.html, "<p>{}</p>", words(text));
     }
 
-    /// A paragraph in another language, such as `zh`.
+    /// Appends a paragraph in another language. `language` is its tag, such as `zh`.
     pub fn foreign(&mut self, language: &str, text: &str) {
         let _ = writeln!(self.html, "<p lang=\"{}\">{}</p>", escape(language), words(text));
     }
 
-    /// A paragraph that stands out: what failed, what is missing.
+    /// Appends an emphasised paragraph, for what failed or is missing.
     pub fn note(&mut self, text: &str) {
         let _ = writeln!(self.html, "<p class=\"note\">{}</p>", words(text));
     }
 
-    /// A paragraph that stands back: that there is nothing to show, and why.
+    /// Appends a subdued paragraph, which says why there is nothing to show.
     pub fn aside(&mut self, text: &str) {
         let _ = writeln!(self.html, "<p class=\"aside\">{}</p>", words(text));
     }
 
-    /// Items in a list.
+    /// Appends a list.
     pub fn list<T: AsRef<str>>(&mut self, items: impl IntoIterator<Item = T>) {
         self.html.push_str("<ul>\n");
         for item in items {
@@ -86,18 +87,18 @@ impl Body {
         self.html.push_str("</ul>\n");
     }
 
-    /// Commands or other text as typed, line by line; `name` says what it is.
+    /// Appends preformatted text such as commands, line by line. `name` describes it to screen readers.
     pub fn code(&mut self, name: &str, text: &str) {
         let lines: String = text.lines().map(|l| format!("<code>{}\n</code>", escape(l))).collect();
         let _ = writeln!(self.html, "<pre role=\"group\" aria-label=\"{}\">{lines}</pre>", escape(name));
     }
 
-    /// A table.
+    /// Appends a table.
     pub fn table(&mut self, table: &Table) {
         self.html.push_str(&table.html());
     }
 
-    /// A picture with its caption; `alt` says what is seen in it.
+    /// Appends a picture with its caption. `alt` describes its contents.
     pub fn picture(&mut self, picture: &Embedded, alt: &str, caption: &str) {
         let _ = writeln!(
             self.html,
@@ -107,7 +108,8 @@ impl Body {
         );
     }
 
-    /// Two pictures with a divider. They should be of one size; the right one is shown at the left one's.
+    /// Appends two pictures with a divider. They should have equal size; the right one is shown at the size of the left
+    /// one.
     pub fn pair(&mut self, pair: &Pair<'_>) {
         let Pair { left, right, caption } = pair;
         let side = |class: &str, (picture, name): &(&Embedded, &str)| {
@@ -133,9 +135,9 @@ impl Body {
         );
     }
 
-    /// A plot, given as SVG; `alt` says what it shows.
+    /// Appends a plot, given as SVG. `alt` describes its contents.
     pub fn plot(&mut self, svg: &str, alt: &str, caption: &str) {
-        // What stands before the element belongs to a file.
+        // An XML declaration before the element is for files only.
         let svg = svg.find("<svg").map_or("", |at| &svg[at..]);
         let _ = writeln!(
             self.html,
@@ -146,12 +148,12 @@ impl Body {
         );
     }
 
-    /// Markdown, its headings `down` levels lower; pictures in it are left out.
+    /// Appends Markdown, with its headings `down` levels lower and without its pictures.
     pub fn markdown(&mut self, text: &str, down: usize) {
         self.html.push_str(&markdown::html(text, down));
     }
 
-    /// What is shown when `title` is opened, and always in print.
+    /// Appends a collapsed section, shown when the reader opens `title`, and always in print.
     pub fn folded(&mut self, title: &str, inside: &Self) {
         let _ =
             writeln!(self.html, "<details>\n<summary>{}</summary>\n{}</details>", words(title), inside.html);
@@ -163,7 +165,7 @@ fn image(picture: &Embedded, alt: &str) -> String {
     format!("<img src=\"{uri}\" width=\"{width}\" height=\"{height}\" alt=\"{}\">", plain(alt))
 }
 
-/// A text that only readers of the screen get: as an attribute, without backquotes.
+/// Returns a text for screen readers: escaped for an attribute, without backquotes.
 fn plain(text: &str) -> String {
     escape(&text.replace('`', ""))
 }

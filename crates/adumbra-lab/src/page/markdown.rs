@@ -1,11 +1,13 @@
-//! Markdown, as the benchmarks write it, as a part of a page.
+//! Conversion of the benchmarks' Markdown to HTML for a page.
 
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
 use super::table::scroll_box;
 
-/// The text as HTML: headings `down` levels lower, tables in boxes that scroll, pictures left out (a page shows them its own way),
-/// links only where they lead somewhere from anywhere, raw HTML as text.
+/// Returns the text as HTML.
+///
+/// Headings are `down` levels lower, tables are in boxes that scroll, and raw HTML is shown as text. Pictures are
+/// omitted, because a page shows them in its own way. Links are kept only if they are absolute (`https://`).
 pub(super) fn html(text: &str, down: usize) -> String {
     let mut inside_picture = 0_u32;
     let mut links = Vec::new();

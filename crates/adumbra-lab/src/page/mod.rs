@@ -1,7 +1,8 @@
-//! Pages that need nothing but themselves: text, tables, plots and pictures in one HTML file, which asks no server for anything.
+//! Self-contained pages: text, tables, plots and pictures in one HTML file, which makes no network requests.
 //!
-//! Strings go in, a string comes out; nothing is read or written here. A page works without scripts (pairs of pictures stand side by
-//! side then), in print, in dark and light, and on narrow screens, where tables and plots scroll in boxes of their own.
+//! The input is strings and the output is a string; this module does no I/O. A page works without scripts (pairs of
+//! pictures are then shown side by side), in print, in dark and light mode, and on narrow screens, where tables and
+//! plots scroll in their own boxes.
 
 mod body;
 mod markdown;
@@ -16,36 +17,36 @@ pub use table::Table;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
-/// What the page may load: what stands in it.
+/// Content security policy: the page may load only what it contains.
 const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
 /// A whole page.
 #[derive(Clone, Debug, Default)]
 pub struct Page {
-    /// Its title, as plain text.
+    /// Title, as plain text.
     pub title: String,
-    /// Said in the head for who lists the page, as plain text.
+    /// Meta description, as plain text.
     pub description: String,
-    /// What stands before the contents.
+    /// Text before the table of contents.
     pub opening: Body,
-    /// Its sections; the contents list them and their parts.
+    /// Sections. The table of contents lists them and their parts.
     pub sections: Vec<Section>,
 }
 
 /// A section of a page.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// Where links lead to; once a page.
+    /// Anchor of links to the section; unique in the page.
     pub id: String,
-    /// As plain text.
+    /// Title, as plain text.
     pub title: String,
-    /// What stands in it.
+    /// Contents.
     pub body: Body,
 }
 
 impl Page {
-    /// The page as HTML.
+    /// Returns the page as HTML.
     pub fn html(&self) -> String {
         let mut page = format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -74,7 +75,8 @@ impl Page {
         page
     }
 
-    /// Links to the sections and their parts; nothing where there is only one section.
+    /// Returns the table of contents, with links to the sections and their parts; empty if there are fewer than two
+    /// sections.
     fn contents(&self) -> String {
         if self.sections.len() < 2 {
             return String::new();
@@ -98,7 +100,7 @@ impl Page {
     }
 }
 
-/// Plain text as it may stand in HTML, in double-quoted attributes too.
+/// Escapes plain text for HTML, quoted attributes included.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! Pictures as they stand in a page.
+//! Pictures embedded in a page.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -10,32 +10,35 @@ use image::{ExtendedColorType, ImageEncoder, RgbImage};
 
 use crate::error::{Error, Result};
 
-/// How a picture's bytes are kept.
+/// The encoding of an embedded picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// Every pixel as it is: WebP or PNG, whichever is smaller.
+    /// Lossless: WebP or PNG, whichever is smaller.
     Lossless,
     /// JPEG of this quality, 1 to 100.
     Lossy(u8),
 }
 
-/// A picture's bytes, ready for a page.
+/// A picture encoded as a data URI.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Embedded {
     /// `data:image/...;base64,...`
     pub uri: String,
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
 }
 
 impl Embedded {
-    /// A PNG's bytes, or its `part` `[x, y, width, height]` in pixels as far as it goes; made smaller where it is wider than `widest`.
+    /// Encodes a PNG, or its `part` `[x, y, width, height]` in pixels, clipped to the picture. Pictures wider than
+    /// `widest` pixels are scaled down to that width.
+    ///
+    /// Cost: tens of milliseconds per megapixel.
     ///
     /// # Errors
-    /// [`Error::Picture`] where the bytes are no picture. Cost: tens of milliseconds a megapixel.
-    pub fn of_png(bytes: &[u8], part: Option<[u32; 4]>, widest: u32, encoding: Encoding) -> Result<Self> {
+    /// Returns [`Error::Picture`] if the bytes are not a picture, and [`Error::Encode`] if it cannot be encoded.
+    pub fn from_png(bytes: &[u8], part: Option<[u32; 4]>, widest: u32, encoding: Encoding) -> Result<Self> {
         let image = image::load_from_memory(bytes).map_err(|e| Error::Picture { what: e.to_string() })?;
         let mut image = image.into_rgb8();
         if let Some([x, y, width, height]) = part {
@@ -84,7 +87,7 @@ fn encode(image: &RgbImage, encoding: Encoding) -> image::ImageResult<(&'static 
 
 #[cfg(test)]
 mod tests {
-    use adumbra::picture::Picture;
+    use adumbra_truth::picture::Picture;
 
     use super::*;
     use crate::pictures::png;
@@ -96,22 +99,22 @@ mod tests {
 
     #[test]
     fn embedded_picture_is_lossless_or_small() {
-        let whole = Embedded::of_png(&gradient(), None, 100, Encoding::Lossless).unwrap();
+        let whole = Embedded::from_png(&gradient(), None, 100, Encoding::Lossless).unwrap();
         assert_eq!((whole.width, whole.height), (100, 50));
         let bytes = STANDARD.decode(whole.uri.split_once(',').unwrap().1).unwrap();
         let again = image::load_from_memory(&bytes).unwrap().into_rgb8();
         assert_eq!(again.get_pixel(99, 49).0, [99, 49, 7]);
-        let small = Embedded::of_png(&gradient(), None, 40, Encoding::Lossy(80)).unwrap();
+        let small = Embedded::from_png(&gradient(), None, 40, Encoding::Lossy(80)).unwrap();
         assert_eq!((small.width, small.height), (40, 20));
         assert!(small.uri.starts_with("data:image/jpeg;base64,"));
-        let part = Embedded::of_png(&gradient(), Some([90, 10, 30, 20]), 100, Encoding::Lossless).unwrap();
+        let part = Embedded::from_png(&gradient(), Some([90, 10, 30, 20]), 100, Encoding::Lossless).unwrap();
         assert_eq!((part.width, part.height), (10, 20));
     }
 
     #[test]
     fn embedded_picture_refuses_what_is_none() {
         assert!(matches!(
-            Embedded::of_png(b"not a png", None, 9, Encoding::Lossless),
+            Embedded::from_png(b"not a png", None, 9, Encoding::Lossless),
             Err(Error::Picture { .. })
         ));
     }

@@ -4,22 +4,22 @@ use std::fmt::Write as _;
 
 use super::escape;
 
-/// Characters from which on a cell is given room for words.
+/// Cells with more characters than this hold running text, and get a minimum width.
 const LONG: usize = 40;
 
-/// A table of plain texts. Text between backquotes stands as code.
+/// A table of plain texts. Text between backquotes is shown as code.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// What it holds; nothing where the words before it say so.
+    /// Caption; empty if the text before the table describes it.
     pub caption: String,
-    /// Heads of the columns.
+    /// Column headers.
     pub head: Vec<String>,
-    /// Rows; the first cell is the row's head.
+    /// Rows. The first cell of each is the row header.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// An empty table of these columns.
+    /// Creates an empty table with these columns.
     pub fn new(caption: &str, head: &[&str]) -> Self {
         Self {
             caption: caption.to_owned(),
@@ -33,7 +33,18 @@ impl Table {
         self.rows.push(cells.into_iter().map(Into::into).collect());
     }
 
-    /// The table in a box that scrolls sideways by itself.
+    /// Returns the table as Markdown, without its caption.
+    pub fn markdown(&self) -> String {
+        let line = |cells: &[String]| {
+            let cells =
+                cells.iter().map(|cell| if cell.is_empty() { "| ".to_owned() } else { format!("| {cell} ") });
+            cells.collect::<String>() + "|\n"
+        };
+        let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        format!("{}{}|\n{rows}", line(&self.head), "|---".repeat(self.head.len()))
+    }
+
+    /// Returns the table as HTML, in a box that scrolls horizontally on its own.
     pub(super) fn html(&self) -> String {
         let name = if self.caption.is_empty() { "Table" } else { &self.caption };
         let mut text = format!("{}<table>\n", scroll_box(name));
@@ -41,7 +52,7 @@ impl Table {
         if !self.caption.is_empty() {
             let _ = writeln!(text, "<caption>{}</caption>", words(&self.caption));
         }
-        // Columns without names need no row of them.
+        // Without column names there is no header row.
         let named = self.head.iter().any(|h| !h.is_empty());
         if named {
             text.push_str("<thead><tr>");
@@ -76,18 +87,18 @@ impl Table {
     }
 }
 
-/// What opens the box; the reader with a keyboard reaches it by tab and scrolls it by arrows.
+/// Returns the opening tag of a box that scrolls. It takes the keyboard focus, so that the arrow keys scroll it.
 pub(super) fn scroll_box(name: &str) -> String {
     format!("<div class=\"scroll\" role=\"group\" tabindex=\"0\" aria-label=\"{}\">\n", escape(name))
 }
 
-/// Escaped, and code between backquotes.
+/// Escapes a text, and marks text between backquotes as code.
 pub(super) fn words(text: &str) -> String {
     let mut parts = text.split('`');
     let mut html = escape(parts.next().unwrap_or_default());
     let rest: Vec<&str> = parts.collect();
     for (i, part) in rest.iter().enumerate() {
-        // A last backquote without a partner is one.
+        // An unpaired last backquote is a literal backquote.
         let closed = i % 2 == 1 || i + 1 < rest.len();
         let code = i % 2 == 0 && closed;
         if code {
@@ -99,10 +110,10 @@ pub(super) fn words(text: &str) -> String {
     html
 }
 
-/// A number, perhaps with signs, units' marks and brackets.
+/// Whether a cell consists of numbers, possibly with signs, unit symbols and brackets.
 fn looks_numeric(cell: &str) -> bool {
     let mark = |c: char| c.is_ascii_digit() || " .,+-−–×%()/eE²³°".contains(c);
-    // Two hyphens are a date's.
+    // Two hyphens indicate a date.
     !cell.is_empty() && cell.chars().all(mark) && cell.matches('-').count() < 2
 }
 

@@ -1,4 +1,4 @@
-//! What today's engines get on the truth cameras, beside ours: sun shadows here, ambient occlusion in [`occlusion`].
+//! Results of current engines at the truth cameras, next to ours: sun shadows here, ambient occlusion in [`occlusion`].
 
 pub mod occlusion;
 mod sun;
@@ -6,20 +6,21 @@ mod sun;
 use serde::{Deserialize, Serialize};
 pub use sun::{PeerFigures, PeerRow, SCENES, aim, engines, figures, markdown};
 
-/// Where a row comes from.
+/// The origin of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RowSource {
-    /// By this program, in this run.
+    /// Measured by this program, in this run.
     Here,
-    /// On the same cameras against the same truth, with another program.
+    /// Measured with another program, at the same cameras and against the same truth.
     MeasuredElsewhere,
-    /// What is aimed at.
+    /// A target, not a measurement.
     Aim,
 }
 
 impl RowSource {
-    /// As tables call it.
+    /// Returns the name in tables.
     fn word(self) -> &'static str {
         match self {
             Self::Here => "here",

@@ -1,7 +1,8 @@
-//! Ambient occlusion: the figures that today's engines were measured by on the truth cameras, and a table of ours beside theirs.
+//! Ambient occlusion: the errors of current engines at the truth cameras, and a table of ours next to theirs.
 //!
-//! 320 × 240, no anti-aliasing, masks ignored, every valid pixel; the truth's radius in world units where a row says that it was matched.
-//! RMSE of visibility, and the mean of visibility minus truth: above 0 is too light.
+//! The pictures have 320 × 240 pixels without anti-aliasing, alpha masks are ignored, and every valid pixel counts. In
+//! rows that say "radius matched", the technique had the truth's radius in world units. The errors are the RMSE of
+//! visibility and the mean of visibility minus truth; above 0 is too light.
 
 use std::fmt::Write as _;
 
@@ -12,34 +13,36 @@ use crate::error::Result;
 use crate::occlusion::occlusion_errors;
 use crate::truth::TruthView;
 
-/// The scenes, in the table's order. On alpine-2 the radius is a pixel on the screen, so it is left out.
+/// The scenes, in the order of the columns. On alpine-2 the radius is a pixel on the screen, so that scene is omitted.
 pub const SCENES: [&str; 3] = ["kaykit_city_21", "box-city-5k", "zdm2"];
 
-/// Both figures of one scene.
+/// Both errors on one scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OcclusionFigures {
-    /// Root of the mean squared difference of visibility.
+    /// Root-mean-square error of visibility.
     pub rmse: f64,
-    /// Mean of visibility minus truth; none where it was not published.
+    /// Mean of visibility minus truth; `None` if it was not published.
     pub mean_signed: Option<f64>,
 }
 
 /// A row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OcclusionRow {
-    /// The technique or program.
+    /// Name of the technique or program.
     pub name: String,
-    /// Where its figures come from.
+    /// Origin of the figures.
     pub source: RowSource,
-    /// By [`SCENES`]; none where it was not measured.
+    /// Errors on each of [`SCENES`]; `None` if not measured.
     pub scenes: [Option<OcclusionFigures>; 3],
 }
 
-/// RMSE and, where published, mean signed error.
+/// A row's name, and RMSE and mean signed error (if published) on each of [`SCENES`].
 type Published = (&'static str, [(f64, Option<f64>); 3]);
 
 const ELSEWHERE: [Published; 6] = [
-    ("none at all", [(0.327, None), (0.168, None), (0.156, None)]),
+    ("no ambient occlusion", [(0.327, None), (0.168, None), (0.156, None)]),
     (
         "Bevy SSAO High as shipped (0.73 m)",
         [(0.322, Some(0.232)), (0.166, Some(0.080)), (0.148, Some(0.053))],
@@ -65,26 +68,26 @@ fn row(source: RowSource, (name, figures): Published) -> OcclusionRow {
     OcclusionRow { name: name.to_owned(), source, scenes }
 }
 
-/// The engines' rows, and that of no occlusion at all, which comes first.
+/// Returns the rows of the engines, after one without any occlusion.
 pub fn engines() -> Vec<OcclusionRow> {
     ELSEWHERE.into_iter().map(|r| row(RowSource::MeasuredElsewhere, r)).collect()
 }
 
-/// What is aimed at.
+/// Returns the row of the target figures.
 pub fn aim() -> OcclusionRow {
     row(RowSource::Aim, AIM)
 }
 
-/// Both figures of visibility drawn with the view's camera and radius, over its valid pixels.
+/// Returns both errors of visibility that was drawn with the view's camera and radius, over the valid pixels.
 ///
 /// # Errors
-/// [`crate::Error::Sizes`] where the visibility is not the view's pixels.
+/// Returns [`crate::Error::Sizes`] if the visibility does not have one value per pixel of the view.
 pub fn figures(visibility: &[f32], view: &TruthView) -> Result<OcclusionFigures> {
     let errors = occlusion_errors(visibility, &view.ambient, |i| view.valid[i])?;
     Ok(OcclusionFigures { rmse: errors.rmse, mean_signed: Some(errors.mean_signed) })
 }
 
-/// The table as Markdown.
+/// Returns the table as Markdown.
 pub fn markdown(rows: &[OcclusionRow]) -> String {
     let mut text =
         format!("| ambient occlusion | measured | {} |\n|---|---|---|---|---|\n", SCENES.join(" | "));
@@ -105,8 +108,8 @@ fn cell(figures: &OcclusionFigures) -> String {
 
 #[cfg(test)]
 mod tests {
-    use adumbra::camera::{Camera, Projection};
-    use adumbra::light::Sun;
+    use adumbra::Sun;
+    use adumbra_scene::{Camera, Projection};
 
     use super::*;
 
@@ -117,7 +120,7 @@ mod tests {
         rows.push(aim());
         let text = markdown(&rows);
         assert_eq!(text.lines().count(), 2 + 6 + 2);
-        assert!(text.contains("| none at all | elsewhere | 0.327 | 0.168 | 0.156 |"));
+        assert!(text.contains("| no ambient occlusion | elsewhere | 0.327 | 0.168 | 0.156 |"));
         assert!(text.contains(
             "| three.js SSAO, radius matched | elsewhere | 0.209 (+0.118) | 0.111 (+0.011) | 0.099 (+0.025) |"
         ));

@@ -1,7 +1,8 @@
-//! Sun shadows: the two figures that today's engines were measured by on the truth cameras, and a table of ours beside theirs.
+//! Sun shadows: the two errors of current engines at the truth cameras, and a table of ours next to theirs.
 //!
-//! 320 × 240, no anti-aliasing, masks ignored, valid pixels with n·l > 0.1. First figure: share of pixels on the wrong side of 1/2; second: mean
-//! |shadow factor - truth|; both in %. Quote both: acne at half strength hides in the first.
+//! The pictures have 320 × 240 pixels without anti-aliasing, alpha masks are ignored, and valid pixels with n·l > 0.1
+//! count. The first error is the share of pixels on the wrong side of 1/2, the second the mean |shadow factor - truth|,
+//! both in %. Quote both: the first does not show acne at half strength.
 
 use std::fmt::Write as _;
 
@@ -12,15 +13,16 @@ use crate::error::Result;
 use crate::metrics::factor_errors;
 use crate::truth::TruthView;
 
-/// The scenes, in the table's order.
+/// The scenes, in the order of the columns.
 pub const SCENES: [&str; 4] = ["kaykit_city_21", "box-city-5k", "zdm2", "alpine-2"];
-/// Pixels with a smaller cosine to the sun are not judged.
+/// Pixels count if the cosine between normal and sun is above this.
 const MIN_N_DOT_L: f32 = 0.1;
 
-/// Both figures of one scene, %.
+/// Both errors on one scene, in %.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PeerFigures {
-    /// Share of pixels on the wrong side of 1/2.
+    /// Share of pixels on the wrong side of 1/2, 0 to 100.
     pub wrong_percent: f64,
     /// Mean |shadow factor - truth|, 0 to 100.
     pub mean_percent: f64,
@@ -28,12 +30,13 @@ pub struct PeerFigures {
 
 /// A row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PeerRow {
-    /// The technique or program.
+    /// Name of the technique or program.
     pub name: String,
-    /// Where its figures come from.
+    /// Origin of the figures.
     pub source: RowSource,
-    /// By [`SCENES`]; none where it was not measured.
+    /// Errors on each of [`SCENES`]; `None` if not measured.
     pub scenes: [Option<PeerFigures>; 4],
 }
 
@@ -63,20 +66,21 @@ fn row(source: RowSource, (name, figures): (&str, [(f64, f64); 4])) -> PeerRow {
     PeerRow { name: name.to_owned(), source, scenes }
 }
 
-/// The engines' rows.
+/// Returns the rows of the engines.
 pub fn engines() -> Vec<PeerRow> {
     ELSEWHERE.into_iter().map(|r| row(RowSource::MeasuredElsewhere, r)).collect()
 }
 
-/// What is aimed at.
+/// Returns the row of the target figures.
 pub fn aim() -> PeerRow {
     row(RowSource::Aim, AIM)
 }
 
-/// Both figures of shadow factors drawn with the view's camera; none where no pixel of it faces the sun.
+/// Returns both errors of shadow factors that were drawn with the view's camera, or `None` if no valid pixel has
+/// n·l > 0.1.
 ///
 /// # Errors
-/// [`crate::Error::Sizes`] where the factors are not the view's pixels.
+/// Returns [`crate::Error::Sizes`] if there is not one factor per pixel of the view.
 pub fn figures(factors: &[f32], view: &TruthView) -> Result<Option<PeerFigures>> {
     let judged = |i: usize| view.valid[i] && view.n_dot_l[i] > MIN_N_DOT_L;
     let errors = factor_errors(factors, &view.visibility, judged)?;
@@ -84,7 +88,7 @@ pub fn figures(factors: &[f32], view: &TruthView) -> Result<Option<PeerFigures>>
         .map(|e| PeerFigures { wrong_percent: 100.0 * e.wrong(), mean_percent: 100.0 * e.mean_difference }))
 }
 
-/// The table as Markdown.
+/// Returns the table as Markdown.
 pub fn markdown(rows: &[PeerRow]) -> String {
     let mut text = format!("| sun shadow | measured | {} |\n|---|---|---|---|---|---|\n", SCENES.join(" | "));
     for row in rows {
@@ -99,8 +103,8 @@ pub fn markdown(rows: &[PeerRow]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use adumbra::camera::{Camera, Projection};
-    use adumbra::light::Sun;
+    use adumbra::Sun;
+    use adumbra_scene::{Camera, Projection};
 
     use super::*;
 

@@ -1,29 +1,34 @@
-//! Pictures of a comparison: what a technique drew, where it is wrong, and sheets of both.
+//! Pictures of a comparison: difference pictures, enlarged details, and contact sheets.
 
 mod sheet;
 mod text;
 
-use adumbra::picture::Picture;
+use adumbra_truth::picture::Picture;
 use image::ImageEncoder;
 pub use sheet::{Cell, sheet};
 
 use crate::error::{Error, Result};
 use crate::metrics::is_lit;
 
-/// Lit called shadowed.
+/// Colour of pixels that are lit in the truth but shadowed in the result.
 const WRONG_SHADOWED: [f32; 3] = [0.95, 0.10, 0.08];
-/// Shadowed called lit.
+/// Colour of pixels that are shadowed in the truth but lit in the result.
 const WRONG_LIT: [f32; 3] = [0.10, 0.30, 1.00];
-/// Brightness of what is shadowed, lit, and left out of the comparison.
+/// Brightness of shadowed pixels.
 const SHADOWED_GREY: f32 = 0.22;
+/// Brightness of lit pixels.
 const LIT_GREY: f32 = 0.62;
-const LEFT_OUT_GREY: f32 = 0.08;
+/// Brightness of pixels excluded from the comparison.
+const SKIPPED_GREY: f32 = 0.08;
 
-/// Where `factors` are on the wrong side of 1/2: red = lit called shadowed, blue = shadowed called lit. Elsewhere the truth in grey, turned
-/// towards red or blue by half of what the factor is off; nearly black where `counts` does not hold.
+/// Returns a picture that shows where `factors` differ from the truth.
+///
+/// Factors on the wrong side of 1/2 are red if the truth is lit, blue if it is shadowed. Elsewhere the picture shows
+/// the truth in grey, blended towards red or blue by half of the absolute difference. Pixels for which `counts` does
+/// not hold are nearly black.
 ///
 /// # Errors
-/// [`Error::Sizes`] where factors, truth and size do not fit.
+/// Returns [`Error::Sizes`] if the sizes of factors, truth and picture do not match.
 pub fn difference_picture(
     [width, height]: [u32; 2],
     factors: &[f32],
@@ -34,7 +39,7 @@ pub fn difference_picture(
     Error::check_sizes("shadow factors and pixels", factors.len(), width as usize * height as usize)?;
     let pixel = |(i, (&factor, &right)): (usize, (&f32, &f32))| {
         if !counts(i) {
-            return [LEFT_OUT_GREY; 3];
+            return [SKIPPED_GREY; 3];
         }
         let wrong = if factor < right { WRONG_SHADOWED } else { WRONG_LIT };
         if is_lit(factor) != is_lit(right) {
@@ -48,13 +53,14 @@ pub fn difference_picture(
     Ok(Picture { width, height, rgb, difference_share: None })
 }
 
-/// A picture of RGBA pixels, alpha left out.
+/// Returns a picture of RGBA pixels, without their alpha.
 pub fn picture_of_rgba([width, height]: [u32; 2], rgba: &[u8]) -> Picture {
     let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
     Picture { width, height, rgb, difference_share: None }
 }
 
-/// The part of `size` from the corner `from`, as far as the picture goes, each of its pixels `times` as wide and high.
+/// Returns the part of a picture with the top left corner `from` and the given `size` in pixels, clipped to the picture
+/// and enlarged `times` times without interpolation.
 pub fn enlarged(picture: &Picture, from: [u32; 2], size: [u32; 2], times: u32) -> Picture {
     let part = |a: usize, whole: u32| size[a].min(whole.saturating_sub(from[a]));
     let [width, height] = [part(0, picture.width) * times, part(1, picture.height) * times];
@@ -67,10 +73,10 @@ pub fn enlarged(picture: &Picture, from: [u32; 2], size: [u32; 2], times: u32) -
     Picture { width, height, rgb: rgb.collect(), difference_share: None }
 }
 
-/// The picture as the bytes of a PNG.
+/// Encodes a picture as PNG.
 ///
 /// # Errors
-/// [`Error::Encode`] where its bytes are not its size's.
+/// Returns [`Error::Encode`] if the number of its bytes does not match its size.
 pub fn png(picture: &Picture) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)

@@ -1,25 +1,25 @@
-//! Pictures side by side, each above its caption.
+//! Contact sheets: pictures in a grid, each above its caption.
 
-use adumbra::picture::Picture;
+use adumbra_truth::picture::Picture;
 
 use super::text;
 
 const PAPER: [u8; 3] = [248, 248, 246];
 const INK: [u8; 3] = [24, 24, 28];
-/// Pixels between pictures.
+/// Space between pictures, in pixels.
 const GAP: u32 = 12;
-/// Captions below pictures of this width and more are twice as large.
+/// Captions are twice as large if the widest picture has at least this many pixels.
 const WIDE: u32 = 560;
 
 /// A picture of a sheet.
 pub struct Cell<'a> {
-    /// What to show; larger ones are made smaller by whole numbers.
+    /// The picture. Wide ones are scaled down by a whole number.
     pub picture: &'a Picture,
-    /// Lines below it.
+    /// Lines of text below it.
     pub caption: Vec<String>,
 }
 
-/// The cells in rows of `columns` (at least 1), none wider than `widest` pixels.
+/// Returns a sheet of the cells in rows of `columns` (at least 1), with no picture wider than `widest` pixels.
 pub fn sheet(cells: &[Cell<'_>], columns: usize, widest: u32) -> Picture {
     let columns = columns.max(1).min(cells.len().max(1));
     let small: Vec<Picture> = cells.iter().map(|c| smaller(c.picture, widest)).collect();
@@ -52,7 +52,8 @@ fn place(whole: &mut Picture, part: &Picture, [x, y]: [u32; 2]) {
     }
 }
 
-/// The mean of n × n pixels each, n as small as `widest` allows.
+/// Scales a picture down to at most `widest` pixels of width. Each pixel is the mean of n × n pixels, for the smallest
+/// n possible.
 fn smaller(picture: &Picture, widest: u32) -> Picture {
     let n = picture.width.div_ceil(widest.max(1)).max(1);
     let [width, height] = [picture.width / n, picture.height / n];

@@ -1,16 +1,16 @@
-//! Captions: a bitmap font of 8 × 8 pixels, scaled by whole numbers. Characters beyond ASCII appear as '?'.
+//! Captions in a bitmap font of 8 × 8 pixels, scaled by whole numbers. Characters beyond ASCII are drawn as '?'.
 
-use adumbra::picture::Picture;
+use adumbra_truth::picture::Picture;
 use font8x8::legacy::BASIC_LEGACY;
 
 const SIDE: u32 = 8;
 
-/// Height of a line in pixels.
+/// Returns the height of a line in pixels.
 pub(super) fn height(scale: u32) -> u32 {
     SIDE * scale
 }
 
-/// Draws `text` with its top left corner at `x`, `y`, cut off at `width` pixels.
+/// Draws `text` with its top left corner at `x`, `y`. Characters that do not fit into `width` pixels are omitted.
 pub(super) fn draw(
     picture: &mut Picture,
     text: &str,

@@ -1,4 +1,4 @@
-//! Ambient occlusion's truth at each pixel: cosine-weighted rays up to a radius, against every caster.
+//! Ray-traced truth of ambient occlusion at each pixel: cosine-weighted rays up to a radius, against every caster.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,18 +6,22 @@ use rayon::prelude::*;
 
 use super::{Surfaces, TruthTracer};
 
-/// Added to the seeds of a second, independent tracing: no picture has as many pixels.
+/// Offset of the seeds of a second, independent set of rays. No picture has this many pixels.
 const SECOND: u64 = 1 << 40;
 
 impl TruthTracer<'_> {
-    /// Share of the hemisphere above each pixel's surface in which no caster lies within `radius_world`, by `rays` cosine-weighted rays
-    /// from [`Surfaces::lifted`], seeded by the pixel's number; 1 without a surface, and everywhere for no rays or a radius
-    /// that is not above 0. Cost: `rays` rays a pixel with a surface, about 0.3 µs each; rows on the current rayon pool.
+    /// Returns the ambient visibility of each pixel: the cosine-weighted share of the hemisphere above its surface in
+    /// which no caster is within `radius_world`.
+    ///
+    /// It traces `rays` cosine-weighted rays from [`Surfaces::lifted`], seeded by the pixel's index. Pixels without a
+    /// surface have 1, and so do all pixels if `rays` is 0 or the radius is not above 0.
+    ///
+    /// Cost: `rays` rays per pixel with a surface, about 0.3 µs each. Rows run in parallel on the current rayon pool.
     pub fn ambient(&self, surfaces: &Surfaces, radius_world: f64, rays: u32) -> Vec<f32> {
         self.ambient_unless(surfaces, radius_world, rays, &AtomicBool::new(false))
     }
 
-    /// As [`Self::ambient`]; pixels that are not traced yet when `cancel` is set are 1.
+    /// Computes [`Self::ambient`], with 1 at pixels that are not traced yet when `cancel` is set.
     pub fn ambient_unless(
         &self,
         surfaces: &Surfaces,
@@ -37,8 +41,12 @@ impl TruthTracer<'_> {
         visibility
     }
 
-    /// The standard error of [`Self::ambient`], measured: every `every`-th pixel with a surface is traced a second time with other rays, and
-    /// the root of the mean squared difference divided by √2. None where no pixel is. Cost: `rays` rays a pixel that is.
+    /// Measures the standard error of [`Self::ambient`].
+    ///
+    /// Every `every`-th pixel with a surface is traced a second time with other rays. The error is the root-mean-square
+    /// difference between both, divided by √2. Returns `None` if no pixel is traced.
+    ///
+    /// Cost: `rays` rays per traced pixel.
     pub fn measured_error(
         &self,
         surfaces: &Surfaces,
@@ -59,7 +67,7 @@ impl TruthTracer<'_> {
     }
 
     fn ambient_at(&self, surfaces: &Surfaces, i: usize, radius_world: f64, rays: u32, seeds: u64) -> f32 {
-        // A NaN is no radius either.
+        // NaN counts as no radius.
         if !surfaces.is_valid(i) || radius_world.is_nan() || radius_world <= 0.0 {
             return 1.0;
         }
@@ -68,9 +76,11 @@ impl TruthTracer<'_> {
     }
 }
 
-/// Bound on the standard error of visibility that was found by `rays` rays a pixel, over the pixels where `counts` holds of the index: the
-/// root of the mean of p (1 - p) / `rays`, as of independent rays. Stratified ones, which [`TruthTracer::ambient`] traces, do better. 0
-/// where no pixel counts.
+/// Returns an upper bound of the standard error of visibility that was measured with `rays` rays per pixel, over the
+/// pixels for whose index `counts` holds.
+///
+/// It is the root of the mean of p (1 - p) / `rays`, the error of independent rays. The stratified rays of
+/// [`TruthTracer::ambient`] have a smaller error. The bound is 0 if no pixel counts.
 pub fn standard_error(visibility: &[f32], rays: u32, counts: impl Fn(usize) -> bool) -> f64 {
     let (mut sum, mut pixels) = (0.0, 0_u64);
     for (_, &p) in visibility.iter().enumerate().filter(|(i, _)| counts(*i)) {

@@ -1,35 +1,36 @@
-//! Truth kept on disk between runs, under a key of everything that it follows from.
+//! Cache of ray-traced truth on disk, keyed by everything that the truth depends on.
 //!
-//! An entry is a file named by its key: `"adumbraT"`, the version, the key, the payload's length, its BLAKE3 hash, the payload. One that
-//! is cut short, changed, or of another version or key is as good as absent. What cannot be written is not kept, and that is no error. An
-//! entry's time of modification is when it was used last.
+//! An entry is a file named after its key. It holds `"adumbraT"`, the version, the key, the payload's length, its
+//! BLAKE3 hash, and the payload. An entry that is truncated, changed, or of another version or key counts as absent.
+//! Failure to write an entry is not an error. The modification time of an entry is the time of its last use.
 
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::files::replace_file;
-use adumbra::scene::{AlphaMode, Pixels, Scene, Texture};
+use adumbra_files::replace_file;
+use adumbra_scene::{AlphaMode, Camera, Pixels, Projection, Scene, Texture};
 
 use super::{SunShape, Surfaces, TruthTracer};
 
-/// Of entries' names.
+/// File extension of entries.
 const ENDING: &str = "truth";
 const MAGIC: &[u8; 8] = b"adumbraT";
-/// Goes up whenever rays or this layout change what an entry holds.
+/// Version of entries. Increase it whenever a change of the rays or of the format changes what an entry holds.
 const VERSION: u32 = 2;
 const HEADER_BYTES: usize = 8 + 4 + 32 + 8 + 32;
-/// Distance along the view, position, lift and normal.
+/// Bytes per pixel of [`Surfaces`]: view depth, position, lift and normal.
 const SURFACE_BYTES: usize = 8 + 24 + 8 + 12;
 
-/// What an entry follows from, hashed.
+/// A hash of what an entry depends on.
 #[derive(Clone, Debug)]
 pub struct Key(blake3::Hasher);
 
-/// The key's part that is the scene: everything that rays see of it, wherever it came from. Colours and names are not in it. Cost: hashing
-/// the meshes, and the alpha of masked textures.
+/// Returns the scene's part of a key: everything that rays see of the scene, independent of its source file. Colours
+/// and names are not included.
+///
+/// Cost: hashing the meshes and the alpha of masked textures.
 pub fn scene_key(scene: &Scene, ignore_alpha: bool) -> Key {
     let mut key = Key::new().with(&[u8::from(ignore_alpha)]);
     for mesh in &scene.meshes {
@@ -63,7 +64,7 @@ impl Key {
         Self(blake3::Hasher::new()).with(&VERSION.to_le_bytes())
     }
 
-    /// With another part; parts are told apart by their lengths.
+    /// Appends a part, preceded by its length, so that different sequences of parts do not have the same bytes.
     #[must_use]
     fn with(mut self, part: &[u8]) -> Self {
         self.0.update(&(part.len() as u64).to_le_bytes());
@@ -112,7 +113,7 @@ impl Key {
     }
 }
 
-/// A folder of entries, or none.
+/// A cache in a folder, or a disabled one.
 #[derive(Clone, Debug)]
 pub struct Cache {
     folder: Option<PathBuf>,
@@ -120,21 +121,21 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Bytes that entries may take where no other limit is given: some 20 cameras of 1280 × 720 pixels.
+    /// Default size limit in bytes: enough for about 20 cameras of 1280 × 720 pixels.
     pub const DEFAULT_LIMIT_BYTES: u64 = 1 << 30;
 
-    /// Entries in `folder`, which is made when the first is kept. Together they take no more than `limit_bytes`: those that were used
-    /// longest ago go first.
+    /// Creates a cache in `folder`, which is created with the first entry. The entries take at most `limit_bytes`: the
+    /// least recently used ones are removed first.
     pub fn in_folder(folder: PathBuf, limit_bytes: u64) -> Self {
         Self { folder: Some(folder), limit_bytes }
     }
 
-    /// Keeps nothing.
+    /// Creates a cache that stores nothing.
     pub fn none() -> Self {
         Self { folder: None, limit_bytes: 0 }
     }
 
-    /// [`TruthTracer::surfaces`], kept under `scene` (see [`scene_key`]) and the camera.
+    /// Returns [`TruthTracer::surfaces`], cached by `scene` (see [`scene_key`]) and camera.
     pub fn surfaces(&self, truth: &TruthTracer<'_>, scene: &Key, camera: &Camera) -> Surfaces {
         let key = scene.clone().with(b"surfaces").with_camera(camera).finish();
         let pixels = camera.width as usize * camera.height as usize;
@@ -146,7 +147,7 @@ impl Cache {
         surfaces
     }
 
-    /// [`TruthTracer::factors`] of the same camera's `surfaces`, kept under `scene`, camera, sun and shape.
+    /// Returns [`TruthTracer::factors`] of the `surfaces` of the same camera, cached by `scene`, camera, sun and shape.
     pub fn factors(
         &self,
         truth: &TruthTracer<'_>,
@@ -165,7 +166,8 @@ impl Cache {
         factors
     }
 
-    /// [`TruthTracer::ambient`] of the same camera's `surfaces`, kept under `scene`, camera, radius and rays.
+    /// Returns [`TruthTracer::ambient`] of the `surfaces` of the same camera, cached by `scene`, camera, radius and
+    /// rays.
     pub fn ambient(
         &self,
         truth: &TruthTracer<'_>,
@@ -190,7 +192,7 @@ impl Cache {
         self.folder.as_ref().map(|folder| folder.join(format!("{name}.{ENDING}")))
     }
 
-    /// The payload, if the entry is there, whole, and `length` bytes long.
+    /// Returns the payload if the entry exists, is valid, and its payload has `length` bytes.
     fn read(&self, key: &[u8; 32], length: usize) -> Option<Vec<u8>> {
         let path = self.path(key)?;
         let mut bytes = std::fs::read(&path).ok()?;
@@ -201,7 +203,7 @@ impl Cache {
         if bytes != header(key, &payload) {
             return None;
         }
-        // Its time says when it was used last. One that cannot be set only lets the entry go sooner.
+        // Records the last use. If that fails, the entry is only removed sooner.
         let _ = File::options().write(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
         Some(payload)
     }
@@ -218,14 +220,14 @@ impl Cache {
             file.write_all(payload)?;
             Ok(payload.len() as u64)
         };
-        // A cache that cannot be written only costs time.
+        // If the cache cannot be written, later runs only take longer.
         let made = path.parent().is_none_or(|folder| std::fs::create_dir_all(folder).is_ok());
         if made {
             let _ = replace_file(&path, write);
         }
     }
 
-    /// Takes out entries until `bytes` more are within the limit.
+    /// Removes the least recently used entries until `bytes` more fit within the limit.
     fn make_room(&self, bytes: u64) {
         let Some(listed) = self.folder.as_ref().and_then(|folder| std::fs::read_dir(folder).ok()) else {
             return;
@@ -244,7 +246,7 @@ impl Cache {
             if taken.saturating_add(bytes) <= self.limit_bytes {
                 return;
             }
-            // Another process may have taken it out already.
+            // Another process may have removed it already.
             let _ = std::fs::remove_file(path);
             taken -= length;
         }

@@ -1,44 +1,46 @@
-//! Truth of another renderer, and its cameras: NumPy `.npz` files with the arrays pos, normal (H, W, 3), ndotl, sun, ao (H, W), all `f32`,
-//! valid (H, W, bool), and camera: JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height), `sun` (towards it) and
-//! `ao_radius` (world units).
+//! Truth files: the truth of another renderer, with its camera, as NumPy `.npz`.
+//!
+//! The arrays are pos and normal (H, W, 3), ndotl, sun and ao (H, W), all `f32`, valid (H, W, bool), and camera. The
+//! latter is JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height), `sun` (direction towards it)
+//! and `ao_radius` (world units).
 
 use std::path::Path;
 
-use adumbra::camera::Camera;
-use adumbra::light::Sun;
+use adumbra::Sun;
+use adumbra_scene::Camera;
 use npyz::npz::NpzArchive;
 use npyz::{Deserialize as NpyDeserialize, NpyFile};
 
 use crate::camera_file::{CameraFile, CameraText};
 use crate::error::{Error, Result};
 
-/// One view, one value a pixel, row 0 at the top.
+/// The contents of a truth file: one view, with one value per pixel and row 0 at the top.
 #[derive(Clone, Debug)]
 pub struct TruthView {
-    /// Where it was seen from.
+    /// The camera.
     pub camera: Camera,
     /// The sun.
     pub sun: Sun,
-    /// World position of the first surface.
+    /// World-space position of the nearest surface.
     pub position: Vec<[f32; 3]>,
-    /// Its unit geometric normal in the world, turned to the viewer.
+    /// Unit geometric normal of that surface in world space, facing the viewer.
     pub normal: Vec<[f32; 3]>,
     /// Cosine between normal and sun, -1 to 1.
     pub n_dot_l: Vec<f32>,
-    /// Visibility of the sun's middle: 1 where it is seen, else 0.
+    /// Visibility of the sun's centre, 0 or 1.
     pub visibility: Vec<f32>,
-    /// Ambient visibility: cosine-weighted, within [`Self::ambient_radius_world`]; 1 = open.
+    /// Cosine-weighted ambient visibility within [`Self::ambient_radius_world`], 1 = open.
     pub ambient: Vec<f32>,
-    /// How far what occludes may be, world units.
+    /// Largest distance of occluders for the ambient visibility, in world units.
     pub ambient_radius_world: f64,
     /// Whether there is a surface.
     pub valid: Vec<bool>,
 }
 
-/// Camera and sun of a truth file, without its arrays.
+/// Reads camera and sun of a truth file, without its arrays.
 ///
 /// # Errors
-/// [`Error::TruthFile`] where the file is absent or holds no camera with a sun above the horizon.
+/// Returns [`Error::TruthFile`] if the file is absent or has no camera with a sun above the horizon.
 pub fn truth_camera(path: &Path) -> Result<(Camera, Sun)> {
     let text = camera_text(path)?;
     camera_and_sun(path, &text)
@@ -46,28 +48,29 @@ pub fn truth_camera(path: &Path) -> Result<(Camera, Sun)> {
 
 fn camera_and_sun(path: &Path, text: &CameraText) -> Result<(Camera, Sun)> {
     let CameraFile { camera, sun } =
-        text.file().map_err(|what| refuse(path, format!("its camera is not readable: {what}")))?;
+        text.file().map_err(|what| refuse(path, format!("its camera is invalid: {what}")))?;
     Ok((camera, sun.ok_or_else(|| refuse(path, "its camera has no sun".to_owned()))?))
 }
 
 fn camera_text(path: &Path) -> Result<CameraText> {
     let text: Vec<String> = array(path, "camera")?;
     let text = text.first().map_or("", |t| t.trim_end_matches('\0'));
-    serde_json::from_str(text).map_err(|e| refuse(path, format!("its camera is not readable: {e}")))
+    serde_json::from_str(text).map_err(|e| refuse(path, format!("its camera is invalid: {e}")))
 }
 
 impl TruthView {
     /// Reads a truth file.
     ///
     /// # Errors
-    /// As [`truth_camera`]; [`Error::TruthFile`] for arrays that are absent, of another type, or not the camera's size, and for no `ao_radius`.
+    /// Returns [`Error::TruthFile`] if the file is absent, has no camera with a sun above the horizon, or has no
+    /// `ao_radius`, and if an array is absent, of another type, or not of the camera's size.
     pub fn read(path: &Path) -> Result<Self> {
         let text = camera_text(path)?;
         let (camera, sun) = camera_and_sun(path, &text)?;
         let no_radius = || refuse(path, "its camera has no ao_radius".to_owned());
         let pixels = camera.width as usize * camera.height as usize;
         let of_size = |name: &str, length: usize, wanted: usize| {
-            let what = format!("{name} holds {length} values, not {wanted}");
+            let what = format!("array {name:?} has {length} values instead of {wanted}");
             if length == wanted { Ok(()) } else { Err(refuse(path, what)) }
         };
         let singles = |name: &str, channels: usize| {

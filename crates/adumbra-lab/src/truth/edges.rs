@@ -1,37 +1,42 @@
-//! Whether a point lies clear of shadow edges.
+//! Test of whether a point is clear of shadow edges.
 //!
-//! The notion is `adumbra::verify`'s *interior*: the point and its neighbours, moved in the light's plane and then along the light
-//! onto the point's tangent plane, agree by rays. Here the neighbours stand on two rings of eight, at the whole radius and at half
-//! of it, the inner one turned by a sixteenth of a circle, so that thin shadows do not slip between.
+//! The definition is that of *interior* in `adumbra_truth::verify`: rays give the same visibility of the sun at the
+//! point and at its neighbours. The neighbours are offset in the light's plane and then projected along the light onto
+//! the point's tangent plane. Here they form two rings of eight, at the full radius and at half of it. The inner ring
+//! is rotated by a sixteenth of a circle, so that thin shadows do not fall between the neighbours.
 
-use adumbra::settings::MAX_SLOPE;
+use adumbra::MAX_SLOPE;
 use rayon::prelude::*;
 
 use super::{Surfaces, TruthTracer};
 use crate::vector::{cross, dot, normalize};
 
-/// Neighbours on a ring.
+/// Number of neighbours on a ring.
 const RING: u32 = 8;
 
-/// Asks rays about the neighbourhood of points.
+/// Traces rays around points to find out whether they are near shadow edges.
 #[derive(Debug)]
 pub struct EdgeProbe<'a, 's> {
     truth: &'a TruthTracer<'s>,
     towards_sun: [f64; 3],
-    /// Unit axes of the light's plane.
+    /// Unit axes of the light's plane, which is perpendicular to the sun's direction.
     sides: [[f64; 3]; 2],
 }
 
 impl<'a, 's> EdgeProbe<'a, 's> {
-    /// A probe for a sun in the unit direction `towards_sun`.
+    /// Creates a probe for a sun in the unit direction `towards_sun`.
     pub fn new(truth: &'a TruthTracer<'s>, towards_sun: [f64; 3]) -> Self {
         let other = if towards_sun[1].abs() < 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
         let x = normalize(cross(other, towards_sun));
         Self { truth, towards_sun, sides: [x, cross(towards_sun, x)] }
     }
 
-    /// Whether the point at `lifted_world`, just above a surface with the unit `normal`, is more than `radius_world`, in the light's plane, from
-    /// an edge of the true hard shadow. A point turned away from the sun never is. Cost: up to 17 rays.
+    /// Whether a point is more than `radius_world` from an edge of the true hard shadow, measured in the light's plane.
+    ///
+    /// The point is at `lifted_world`, just above a surface with the unit `normal`. The result is false for points that
+    /// face away from the sun.
+    ///
+    /// Cost: up to 17 rays.
     pub fn is_clear(&self, lifted_world: [f64; 3], normal: [f64; 3], radius_world: f64) -> bool {
         let l = self.towards_sun;
         let n_dot_l = dot(normal, l);
@@ -41,7 +46,7 @@ impl<'a, 's> EdgeProbe<'a, 's> {
         let lit = |offset: [f64; 2]| {
             let [x, y] = self.sides;
             let aside: [f64; 3] = std::array::from_fn(|a| offset[0] * x[a] + offset[1] * y[a]);
-            // Onto the tangent plane along the light, as steep as slopes count.
+            // Projects along the light onto the tangent plane, with the slope limited to MAX_SLOPE.
             let flat = (offset[0].powi(2) + offset[1].powi(2)).sqrt();
             let along = (-dot(normal, aside) / n_dot_l).clamp(-MAX_SLOPE * flat, MAX_SLOPE * flat);
             let origin = std::array::from_fn(|a| lifted_world[a] + aside[a] + along * l[a]);
@@ -58,8 +63,11 @@ impl<'a, 's> EdgeProbe<'a, 's> {
         ring(radius_world, 0.0) && ring(0.5 * radius_world, 0.5)
     }
 
-    /// [`EdgeProbe::is_clear`] of each pixel, with a radius in world units a pixel; false where there is no surface or the radius is not
-    /// finite. Cost: up to 17 rays a pixel; rows on the current rayon pool.
+    /// Returns [`EdgeProbe::is_clear`] for each pixel. `radius_world` gives the radius of a pixel in world units.
+    ///
+    /// The result is false at pixels without a surface or with a radius that is not finite.
+    ///
+    /// Cost: up to 17 rays per pixel. Rows run in parallel on the current rayon pool.
     pub fn clear_pixels(&self, surfaces: &Surfaces, radius_world: impl Fn(usize) -> f64 + Sync) -> Vec<bool> {
         let width = (surfaces.width as usize).max(1);
         let mut clear = vec![false; surfaces.pixels()];

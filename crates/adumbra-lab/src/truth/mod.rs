@@ -1,8 +1,9 @@
-//! The truth at each pixel of a camera, by rays through the pixels' centres.
+//! Ray-traced truth at each pixel of a camera, by rays through the pixel centres.
 //!
-//! First the [`Surfaces`] that the camera sees, then the sun's visibility there, hard or of a disc, or ambient occlusion's. The conventions
-//! are those of the G-buffer: the geometric normal is turned to the viewer, a surface turned away from the sun is 0, the sky is 1. Further
-//! rays start [`Tracer::lift_world`] along the normal. [`TruthTracer::picture`] shows it all, with nothing from a GPU in it.
+//! The first step finds the [`Surfaces`] that the camera sees. The second computes the visibility of the sun there, as
+//! a point or a disc, or the ambient visibility. The conventions are those of the G-buffer: the geometric normal faces
+//! the viewer, the sun's visibility is 0 on surfaces that face away from it, and the sky is 1. Secondary rays start
+//! [`Tracer::lift_world`] along the normal. [`TruthTracer::picture`] renders the result without a GPU.
 
 mod ambient;
 mod cache;
@@ -13,10 +14,11 @@ mod street;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use adumbra::camera::{Camera, View};
-use adumbra::picture::{self, BaseColors, Picture};
-use adumbra::scene::{Bounds, Scene};
-use adumbra::trace::{Hit, Ray, TraceOptions, Tracer};
+use adumbra::Bounds;
+use adumbra_scene::{Camera, Scene, View};
+use adumbra_truth::picture;
+use adumbra_truth::picture::{BaseColors, Picture};
+use adumbra_truth::trace::{Hit, Ray, TraceOptions, Tracer};
 pub use ambient::standard_error;
 pub use cache::{Cache, Key, scene_key};
 pub use cameras::{TruthView, truth_camera};
@@ -26,92 +28,94 @@ pub use street::{StreetOptions, street_camera};
 
 use crate::vector::dot;
 
-/// What a camera sees, one value a pixel, row 0 at the top.
+/// The surfaces that a camera sees, with one value per pixel and row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// World position of the first opaque surface; zero where there is none.
+    /// World-space position of the nearest opaque surface; zero without a surface.
     pub position: Vec<[f64; 3]>,
-    /// Its unit geometric normal turned to the viewer; zero where there is none.
+    /// Unit geometric normal of that surface, facing the viewer; zero without a surface.
     pub normal: Vec<[f32; 3]>,
-    /// Distance along the camera's forward direction, world units; infinite where there is no surface.
+    /// Distance along the camera's forward direction in world units; infinite without a surface.
     pub view_depth: Vec<f64>,
-    /// How far along the normal further rays start, world units; zero where there is no surface.
+    /// Offset of the origins of secondary rays along the normal in world units; zero without a surface.
     pub lift_world: Vec<f64>,
 }
 
-/// What shape the sun has.
+/// The shape of the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SunShape {
-    /// A direction: one ray a pixel.
+    /// A direction: one ray per pixel.
     Hard,
     /// A disc.
     Disc {
-        /// Full angle, degrees.
+        /// Angular diameter in degrees.
         angle_degrees: f64,
-        /// Rays a pixel.
+        /// Rays per pixel.
         samples: u32,
     },
 }
 
-/// A scene ready for truth.
+/// Traces the truth of a scene.
 #[derive(Debug)]
 pub struct TruthTracer<'s> {
     tracer: Tracer<'s>,
     bounds: Bounds,
-    /// Made with the first picture.
+    /// Base colours, created with the first picture.
     colors: OnceLock<BaseColors<'s>>,
 }
 
 impl Surfaces {
-    /// Pixels.
+    /// Returns the number of pixels.
     pub fn pixels(&self) -> usize {
         self.view_depth.len()
     }
 
-    /// Whether there is a surface.
+    /// Whether a pixel has a surface.
     pub fn is_valid(&self, pixel: usize) -> bool {
         self.view_depth[pixel].is_finite()
     }
 
-    /// Where further rays start.
+    /// Returns the origin of secondary rays of a pixel.
     pub fn lifted(&self, pixel: usize) -> [f64; 3] {
         let (p, n, lift) = (self.position[pixel], self.normal[pixel], self.lift_world[pixel]);
         std::array::from_fn(|a| p[a] + lift * f64::from(n[a]))
     }
 
-    /// Cosine between the normal and the sun; 0 without a surface.
+    /// Returns the cosine between the normal and the sun, 0 without a surface.
     pub fn n_dot_l(&self, pixel: usize, towards_sun: [f64; 3]) -> f64 {
         dot(self.normal[pixel].map(f64::from), towards_sun)
     }
 }
 
 impl<'s> TruthTracer<'s> {
-    /// Makes a scene ready. Cost: that of [`Tracer::build`].
+    /// Prepares a scene for tracing. Cost: that of [`Tracer::build`].
     pub fn build(scene: &'s Scene, ignore_alpha: bool) -> Self {
         let tracer = Tracer::build(scene, TraceOptions { ignore_alpha });
         Self { tracer, bounds: scene.bounds(), colors: OnceLock::new() }
     }
 
-    /// The rays beneath.
+    /// Returns the underlying ray tracer.
     pub fn tracer(&self) -> &Tracer<'s> {
         &self.tracer
     }
 
-    /// The scene's box.
+    /// Returns the bounding box of the scene.
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
     }
 
-    /// What `camera` sees. Cost: a ray a pixel, 1 µs or so; rows on the current rayon pool.
+    /// Returns the surfaces that `camera` sees.
+    ///
+    /// Cost: one ray per pixel, about 1 µs each. Rows run in parallel on the current rayon pool.
     pub fn surfaces(&self, camera: &Camera) -> Surfaces {
         self.surfaces_unless(camera, &AtomicBool::new(false))
     }
 
-    /// As [`Self::surfaces`]; pixels that are not traced yet when `cancel` is set see nothing.
+    /// Computes [`Self::surfaces`], without a surface at pixels that are not traced yet when `cancel` is set.
     pub fn surfaces_unless(&self, camera: &Camera, cancel: &AtomicBool) -> Surfaces {
         let view = camera.view();
         let rows: Vec<Vec<_>> = (0..camera.height)
@@ -142,9 +146,13 @@ impl<'s> TruthTracer<'s> {
         }
     }
 
-    /// The picture of the same camera's `surfaces` under the sun's visibility `factors`: geometry, normals and colours are those that rays
-    /// find, light and display those of the renderer (`adumbra::picture`). Base colours are rounded as a G-buffer's texels are: a mean
-    /// FLIP of 0.02 would come of that alone. Cost: a ray a pixel, and once the mip levels of the textures.
+    /// Renders the `surfaces` of the same camera with `factors` as the visibility of the sun.
+    ///
+    /// Geometry, normals and colours come from rays. Lighting and display are those of the renderer
+    /// (`adumbra_truth::picture`). Base colours are rounded like the texels of a G-buffer. Otherwise that rounding
+    /// alone would cause a mean FLIP of 0.02.
+    ///
+    /// Cost: one ray per pixel, plus the mip levels of the textures on the first call.
     pub fn picture(
         &self,
         camera: &Camera,
@@ -174,20 +182,22 @@ impl<'s> TruthTracer<'s> {
         Picture { width: camera.width, height: camera.height, rgb, difference_share: None }
     }
 
-    /// The ray through a pixel's centre, and what it meets.
+    /// Returns origin and direction of the ray through a pixel's centre, and its nearest hit.
     fn seen(&self, view: &View, [x, y]: [u32; 2]) -> ([f64; 3], [f64; 3], Option<Hit>) {
         let (origin, direction) = view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let ray = Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
         (origin, direction, self.tracer.nearest_surface(&ray))
     }
 
-    /// The sun's visibility at each pixel: 1 without a surface, 0 on one turned away from the middle of the sun. The disc's samples
-    /// are seeded by the pixel's number. Cost: 1 or `samples` rays a pixel that faces the sun.
+    /// Returns the visibility of the sun at each pixel: 1 without a surface, 0 on surfaces that face away from the
+    /// sun's centre. The samples of a disc are seeded by the pixel's index.
+    ///
+    /// Cost: 1 or `samples` rays per pixel that faces the sun.
     pub fn factors(&self, surfaces: &Surfaces, towards_sun: [f64; 3], shape: SunShape) -> Vec<f32> {
         self.factors_unless(surfaces, towards_sun, shape, &AtomicBool::new(false))
     }
 
-    /// As [`Self::factors`]; pixels that are not traced yet when `cancel` is set are 1.
+    /// Computes [`Self::factors`], with 1 at pixels that are not traced yet when `cancel` is set.
     pub fn factors_unless(
         &self,
         surfaces: &Surfaces,

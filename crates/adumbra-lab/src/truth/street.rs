@@ -1,28 +1,29 @@
-//! A street-level camera of any scene, chosen by rays: the same scene gives the same camera.
+//! Selection of a street-level camera for any scene, by ray tracing. The result is deterministic.
 //!
-//! Places are the ground points below a grid of rays from the sky. Those that stand above what is around them (roofs) or in nearly
-//! closed yards are left out; the others are ranked by how much stands around them. From the best, small pictures are traced in
-//! eight directions, and the one that sees walls, ground, far ahead, and light and shadow with many edges wins. Lengths scale with the
-//! eye's height.
+//! Candidate places are the ground points below a grid of rays from the sky. Places above their surroundings (roofs)
+//! and in nearly closed yards are rejected. The others are ranked by the share of their surroundings that is higher,
+//! minus twice the share that is lower. From the best places, small pictures are traced in eight directions. The winner
+//! shows walls, ground, a long view ahead, and both light and shadow with many edges. Lengths scale with the eye
+//! height.
 
-use adumbra::camera::{Camera, Projection, View};
-use adumbra::trace::{Hit, Ray, Tracer};
+use adumbra_scene::{Camera, Projection, View};
+use adumbra_truth::trace::{Hit, Ray, Tracer};
 use rayon::prelude::*;
 
 use super::TruthTracer;
 use crate::error::{Error, Result};
 use crate::vector::dot;
 
-/// What camera to look for.
+/// Requirements on the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreetOptions {
-    /// Eye above the ground, world units; 1.7 where they are metres.
+    /// Height of the eye above the ground in world units; 1.7 if these are metres.
     pub eye_height_world: f64,
-    /// Vertical field of view, degrees.
+    /// Vertical field of view in degrees.
     pub fov_degrees: f64,
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
 }
 
@@ -32,25 +33,29 @@ impl Default for StreetOptions {
     }
 }
 
-/// Places tried along x and along z.
+/// Number of candidate places along x and along z.
 const GRID: u32 = 32;
-/// Places that pictures are traced from.
+/// Number of places from which pictures are traced.
 const FINALISTS: usize = 64;
+/// Number of viewing directions per place.
 const DIRECTIONS: u32 = 8;
-/// Directions and distances (eye heights) around a place whose heights are looked at.
+/// Number of directions around a place in which heights are sampled.
 const AROUND: u32 = 12;
+/// Distances from a place at which heights are sampled, in eye heights.
 const RINGS: [f64; 3] = [5.0, 12.0, 25.0];
-/// Of the small picture.
+/// Width and height of the small pictures in pixels.
 const SMALL: [u32; 2] = [32, 18];
-/// Eye heights that a view along a street has ahead of it.
+/// Free distance ahead, in eye heights, from which on a view counts as one along a street.
 const LONG: f64 = 40.0;
-/// Ground and floors: cosine to straight up.
+/// Smallest cosine between the normal of a ground surface and straight up.
 const LEVEL: f64 = 0.85;
 
-/// A camera at street level of a scene under a sun in the unit direction `towards_sun`.
+/// Returns a street-level camera for a scene under a sun in the unit direction `towards_sun`.
+///
+/// Cost: about half a million rays, on the current rayon pool.
 ///
 /// # Errors
-/// [`Error::NoStreet`] where no place suits. Cost: about half a million rays, on the current rayon pool.
+/// Returns [`Error::NoStreet`] if no place is suitable.
 pub fn street_camera(
     truth: &TruthTracer<'_>,
     towards_sun: [f64; 3],
@@ -65,7 +70,7 @@ pub fn street_camera(
         .flat_map_iter(|place| (0..DIRECTIONS).map(|d| scout.camera(place.eye, d)))
         .filter_map(|camera| scout.score(&camera).map(|score| (score, camera)))
         .collect();
-    // The first of equals, whatever the threads.
+    // Takes the first of equal scores, so that the result does not depend on the threads.
     let best = views.iter().reduce(|best, view| if view.0 > best.0 { view } else { best });
     best.map(|(_, camera)| *camera).ok_or(Error::NoStreet)
 }
@@ -91,18 +96,18 @@ impl Scout<'_, '_> {
         self.tracer.nearest_surface(&Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY })
     }
 
-    /// The topmost surface at x, z: its height, and the cosine of its slope.
+    /// Returns the height of the topmost surface at x, z, and the cosine of its slope.
     fn top(&self, x: f64, z: f64) -> Option<(f64, f64)> {
         let above = self.truth.bounds().max[1] + self.unit();
         let hit = self.first([x, above, z], [0.0, -1.0, 0.0])?;
         Some((above - hit.t, hit.normal[1].abs()))
     }
 
-    /// The `number`th place, if it is on the ground outside.
+    /// Returns the `number`th place if it is on the ground and outdoors.
     fn place(&self, number: u32) -> Option<Place> {
         let bounds = self.truth.bounds();
         let along = |a: usize, i: u32| {
-            // The middle nine tenths.
+            // The grid covers the middle nine tenths of the bounds.
             let share = 0.05 + 0.9 * (f64::from(i) + 0.5) / f64::from(GRID);
             bounds.min[a] + share * (bounds.max[a] - bounds.min[a])
         };
@@ -116,7 +121,7 @@ impl Scout<'_, '_> {
             let (sin, cos) = turn(i, AROUND);
             let Some((top, _)) = self.top(x + radius * cos, z + radius * sin) else { continue };
             seen += 1.0;
-            // What a slope of a half would do is no roof and no wall.
+            // Smaller height differences are terrain, not roofs or walls.
             let allowed = 1.2 * self.unit() + 0.25 * radius;
             higher += f64::from(u8::from(top > ground + allowed));
             lower += f64::from(u8::from(top < ground - allowed));
@@ -140,14 +145,15 @@ impl Scout<'_, '_> {
         Camera { eye, target, projection: Projection::Perspective { fov_degrees }, width, height }
     }
 
-    /// How good a view is; none where something stands before the eye, or where light or shadow is missing.
+    /// Returns the score of a view, or `None` if it is blocked nearby, shows too little ground, or lacks light or
+    /// shadow.
     fn score(&self, camera: &Camera) -> Option<f64> {
         let [width, height] = SMALL;
         let view = Camera { width, height, ..*camera }.view();
         let all = f64::from(width * height);
         let (mut ground, mut walls, mut near, mut far, mut edges) = (0.0, 0.0, 0.0, 0.0, 0.0);
         let (mut lit, mut shadowed) = (0.0, 0.0);
-        // Whether the pixel before was lit, if it faced the sun.
+        // Whether the previous pixel was lit, if it faced the sun.
         let mut before: Option<bool> = None;
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let last = before.take().filter(|_| x > 0);
@@ -178,10 +184,10 @@ impl Scout<'_, '_> {
         let share: f64 = shadowed / (lit + shadowed);
         let mixed = 4.0 * share * (1.0 - share);
         let capped = |count: f64, most: f64| (count / all).min(most) / most;
-        // Along the street, not at its side.
+        // Favours views along a street over views at its side.
         let ahead = self.first(camera.eye, view.forward).map_or(f64::INFINITY, |hit| hit.t);
         let along = (ahead / (LONG * self.unit())).min(1.0);
-        // Each part is good up to a point, and none alone decides.
+        // Each term saturates, and most are at least 0.1, so that no single one decides.
         let edges = 0.1 + capped(edges, 0.1);
         (mixed > 0.0)
             .then(|| mixed * edges * (0.1 + along) * (0.1 + capped(walls, 0.45)) * (0.1 + capped(far, 0.35)))
@@ -196,8 +202,8 @@ impl Scout<'_, '_> {
     }
 }
 
-/// Sine and cosine of `i` parts of `of` of a full turn, a little beside the axes: streets run along them, and their
-/// middle is rarely where the grid is.
+/// Returns sine and cosine of the `i`th of `of` equal steps of a full turn. The angles are slightly off the axes:
+/// streets run along the axes, and the places of the grid are rarely in the middle of a street.
 fn turn(i: u32, of: u32) -> (f64, f64) {
     libm::sincos((f64::from(i) + 0.15) * std::f64::consts::TAU / f64::from(of))
 }

@@ -1,13 +1,13 @@
-//! Which cameras anything can be drawn from.
+//! Validation of cameras.
 
-use adumbra::camera::{Camera, Projection};
+use adumbra_scene::{Camera, Projection};
 
 use crate::error::{RenderError, Result};
 
-/// Whether anything can be drawn from a camera.
+/// Checks that a frame can be drawn from a camera.
 ///
 /// # Errors
-/// [`RenderError::Camera`] for one without pixels, not finite, without a direction, or that sees nothing.
+/// Returns [`RenderError::Camera`] if the camera has no pixels, is not finite, has no direction, or sees nothing.
 pub fn check_camera(camera: &Camera) -> Result<()> {
     let wrong = |reason| Err(RenderError::Camera { reason });
     if camera.width == 0 || camera.height == 0 {

@@ -1,4 +1,4 @@
-//! The G-buffer pass: draws the scene once, into depth, normal and base colour.
+//! The G-buffer pass: draws the scene once into depth, normal and base colour.
 
 use adumbra_shaders::{assemble, source};
 use wgpu::{CompareFunction, ShaderStages, TextureFormat};
@@ -7,7 +7,7 @@ use super::{DEPTH_FORMAT, Targets};
 use crate::gpu::{Gpu, binding};
 use crate::scene::{CORNER_LAYOUT, InstanceList, SceneBuffers, material_layout};
 
-/// The pass and its pipelines.
+/// The G-buffer pass and its pipelines.
 pub struct GBuffer {
     frame_layout: wgpu::BindGroupLayout,
     opaque: wgpu::RenderPipeline,
@@ -19,7 +19,10 @@ impl GBuffer {
     pub fn new(gpu: &Gpu) -> Self {
         let frame_layout = gpu.layout("gbuffer", ShaderStages::VERTEX_FRAGMENT, &[binding::UNIFORM]);
         let layout = gpu.pipeline_layout("gbuffer", &[Some(&frame_layout), Some(&material_layout(gpu))]);
-        let module = gpu.shader("gbuffer", assemble(&[source::INSTANCE, source::SRGB, source::GBUFFER]));
+        let module = gpu.shader(
+            "gbuffer",
+            assemble(&[source::INSTANCE, source::SRGB, source::SCENE_CORNER, source::GBUFFER]),
+        );
         let target =
             |format| Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL });
         let targets = [target(TextureFormat::Rgba16Float), target(TextureFormat::Rgba8UnormSrgb)];
@@ -56,7 +59,7 @@ impl GBuffer {
         Self { frame_layout, opaque, masked }
     }
 
-    /// Draws `parts` into cleared targets.
+    /// Clears the targets and draws `parts` into them.
     pub fn encode<'a>(
         &self,
         gpu: &Gpu,

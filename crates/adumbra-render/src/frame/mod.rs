@@ -1,7 +1,18 @@
-//! A camera's frame: its uniform, its targets, the G-buffer pass.
+//! A camera's frame: its uniform, its targets and the G-buffer pass.
 //!
-//! Targets: depth (Depth32Float, reversed: see [`Frame`]), normals (Rgba16Float, world space, towards the viewer), base colour
-//! (Rgba8UnormSrgb), shadow factor (R32Float, 1 = lit), picture (Rgba8Unorm, sRGB-encoded).
+//! Targets: depth (Depth32Float, reversed: see [`Frame`]), normals (Rgba16Float, world space, facing the viewer), base
+//! colour (Rgba8UnormSrgb), shadow factor (R32Float, 1 = lit), picture (Rgba8Unorm, sRGB-encoded).
+//!
+//! - *Positions* are relative to the frame's anchor, the eye. Instances, lights and grids subtract it in `f64`, so
+//!   `f32` is most precise near the camera, wherever in the world that is.
+//! - *The near plane* is 1 mm away, or nearer for models of a few millimetres. With reversed floating-point depth this
+//!   costs no precision.
+//! - *Normals* are those of the triangles, as in the ray tracer. Slopes and biases are therefore exact, not estimated
+//!   in screen space.
+//! - *Masked surfaces* are alpha-tested at full resolution with the alpha of material, texture and vertex, as in the
+//!   bake and the ray tracer.
+//! - *Colours* are sampled with mip levels, which are generated once for CPU and GPU. The shader computes the level
+//!   itself, because devices differ in how they select it.
 
 mod check;
 mod gbuffer;
@@ -13,18 +24,19 @@ pub use gbuffer::GBuffer;
 pub use sight::depths_in_view;
 pub use targets::{DEPTH_FORMAT, FACTOR_FORMAT, Target, Targets};
 
-use adumbra::camera::{Camera, View};
-use adumbra::scene::Bounds;
-use adumbra_shaders::layout::Frame;
+use adumbra::Bounds;
+use adumbra_scene::{Camera, View};
+use adumbra_shaders::layout::{DepthToZ, Frame};
 
 use crate::scene::Volume;
 
-/// Near plane of a perspective camera, world units. With reversed depth in floats the distance costs no precision.
+/// Distance of a perspective camera's near plane, world units. With reversed floating-point depth, a small distance
+/// costs no precision.
 const NEAR_WORLD: f64 = 1e-3;
-/// At most this share of the way to what the camera looks at, for models of a few millimetres.
+/// Upper bound of the near plane as a fraction of the distance from eye to target, for models of a few millimetres.
 const NEAR_SHARE: f64 = 1e-3;
 
-/// The frame of `camera` on a scene within `bounds`, relative to its eye.
+/// Returns the frame uniform of `camera`, relative to its eye, for a scene within `bounds`.
 pub fn frame(camera: &Camera, bounds: &Bounds, towards_sun: [f64; 3], number: u32) -> Frame {
     let view = camera.view();
     let wide = |v: [f64; 3], w: f64| [v[0] as f32, v[1] as f32, v[2] as f32, w as f32];
@@ -36,41 +48,44 @@ pub fn frame(camera: &Camera, bounds: &Bounds, towards_sun: [f64; 3], number: u3
     let x = scaled(view.right, 1.0 / view.half[0]);
     let y = scaled(view.up, 1.0 / view.half[1]);
     let f = view.forward;
-    // Rows of clip from relative; depth is reversed.
+    // Rows of the matrix from relative positions to clip space; depth is reversed.
     let rows = if view.orthographic {
         [wide(x, 0.0), wide(y, 0.0), wide(scaled(f, -1.0 / far), 1.0), [0.0, 0.0, 0.0, 1.0]]
     } else {
         [wide(x, 0.0), wide(y, 0.0), [0.0, 0.0, 0.0, near as f32], wide(f, 0.0)]
     };
-    let zero = [0.0; 4];
-    let aside = |v: [f64; 3], when: bool| if when { wide(v, 0.0) } else { zero };
+    let single = |v: [f64; 3]| v.map(|c| c as f32);
+    let aside = |v: [f64; 3], when: bool| if when { single(v) } else { [0.0; 3] };
     Frame {
         clip_from_relative: std::array::from_fn(|c| std::array::from_fn(|r| rows[r][c])),
-        origin: zero,
+        origin: [0.0; 3],
         origin_x: aside(right, view.orthographic),
         origin_y: aside(up, view.orthographic),
-        ray: wide(f, 0.0),
+        ray: single(f),
         ray_x: aside(right, !view.orthographic),
         ray_y: aside(up, !view.orthographic),
         depth_to_z: if view.orthographic {
-            [far as f32, -far as f32, 1.0, 0.0]
+            let far = far as f32;
+            DepthToZ { numerator: far, numerator_slope: -far, denominator: 1.0, denominator_slope: 0.0 }
         } else {
-            [near as f32, 0.0, 0.0, 1.0]
+            let near = near as f32;
+            DepthToZ { numerator: near, numerator_slope: 0.0, denominator: 0.0, denominator_slope: 1.0 }
         },
-        anchor_world: wide(view.eye, 0.0),
-        anchor_rest: wide(view.eye.map(|c| c - f64::from(c as f32)), 0.0),
-        towards_sun: wide(towards_sun, 0.0),
-        forward: wide(f, 0.0),
-        size: [camera.width, camera.height, number, 0],
+        anchor_world: single(view.eye),
+        anchor_rest_world: single(view.eye.map(|c| c - f64::from(c as f32))),
+        towards_sun: single(towards_sun),
+        forward: single(f),
+        size: [camera.width, camera.height],
+        number,
     }
 }
 
-/// Far plane of an orthographic camera: just behind everything in view.
+/// Distance of an orthographic camera's far plane: just behind everything in view.
 fn far_plane(view: &View, bounds: &Bounds) -> f64 {
     depths_in_view(view, bounds).map_or(0.0, |[_, farthest]| farthest) * 1.001 + 1e-6
 }
 
-/// What a camera sees, without a far plane.
+/// Returns the view volume of a camera, without a far plane, in world space.
 pub fn visible_volume(view: &View) -> Volume {
     let [x, y, z] = view.eye;
     let in_world = |[a, b, c, w]: [f64; 4]| [a, b, c, w - (a * x + b * y + c * z)];
@@ -79,7 +94,7 @@ pub fn visible_volume(view: &View) -> Volume {
 
 #[cfg(test)]
 mod tests {
-    use adumbra::camera::Projection;
+    use adumbra_scene::Projection;
 
     use super::*;
 
@@ -109,8 +124,7 @@ mod tests {
                 assert!((f64::from(ndc[1]) - (1.0 - 2.0 * py / 40.0)).abs() < 1e-5);
                 let depth = clip[2] / clip[3];
                 assert!(depth > 0.0 && depth <= 1.0);
-                let k = frame.depth_to_z;
-                let z = (k[0] + k[1] * depth) / (k[2] + k[3] * depth);
+                let z = frame.depth_to_z.view_depth(depth);
                 assert!((f64::from(z) - view.depth(p)).abs() < 1e-4, "{z} {}", view.depth(p));
                 for (a, expected) in relative.into_iter().enumerate() {
                     let origin = frame.origin_x[a] * ndc[0] + frame.origin_y[a] * ndc[1];

@@ -1,13 +1,14 @@
-//! How deep a camera sees into a box: the box cut by the planes of the view, in `f64` relative to the eye.
+//! The range of view depths at which a camera sees a box: the box clipped by the planes of the view, in `f64` relative
+//! to the eye.
 //!
-//! The box's corners alone would not do: of a wide scene most lie beside the view, and lengths taken from them change with every stray
-//! triangle.
+//! The box's corners alone would not be enough. In a wide scene most of them are outside the view, and lengths derived
+//! from them would change with every stray triangle.
 
-use adumbra::camera::View;
-use adumbra::scene::Bounds;
+use adumbra::Bounds;
+use adumbra_scene::View;
 
-/// Least and greatest view depth of what a view may see of a box, world units; none where they do not meet. A perspective camera sees from
-/// its eye on, an orthographic one too.
+/// Returns the least and greatest view depth of the part of a box inside a view, world units, or `None` if they do not
+/// intersect. Every view starts at the eye, whether perspective or orthographic.
 pub fn depths_in_view(view: &View, bounds: &Bounds) -> Option<[f64; 2]> {
     let relative = |v: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|a| v[a] - view.eye[a]) };
     let [low, high] = [relative(&bounds.min), relative(&bounds.max)];
@@ -20,14 +21,15 @@ pub fn depths_in_view(view: &View, bounds: &Bounds) -> Option<[f64; 2]> {
         let depth = dot(view.forward, p).max(0.0);
         (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
     }
-    // Inside the box the view begins at the eye; its faces lie farther away.
+    // If the eye is inside the box, the view starts at the eye, and the box's faces are farther away.
     if (0..3).all(|a| low[a] <= 0.0 && high[a] >= 0.0) {
         nearest = 0.0;
     }
     (nearest <= farthest).then_some([nearest, farthest])
 }
 
-/// Planes of what a camera sees, without a far one: `xyz · p + w >= 0` for points of the view, relative to the eye.
+/// Returns the planes of a camera's view volume, without a far plane: `xyz · p + w >= 0` for points inside, relative to
+/// the eye.
 pub(super) fn planes(view: &View) -> [[f64; 4]; 5] {
     let [fx, fy, fz] = view.forward;
     let side = |axis: [f64; 3], half: f64| {
@@ -48,7 +50,7 @@ pub(super) fn planes(view: &View) -> [[f64; 4]; 5] {
     ]
 }
 
-/// The six faces of a box, corners in order around each.
+/// Returns the six faces of a box, each as its corners in order around the face.
 fn faces(low: [f64; 3], high: [f64; 3]) -> [[[f64; 3]; 4]; 6] {
     std::array::from_fn(|face| {
         let (axis, end) = (face / 2, if face % 2 == 0 { low } else { high });
@@ -61,7 +63,7 @@ fn faces(low: [f64; 3], high: [f64; 3]) -> [[[f64; 3]; 4]; 6] {
     })
 }
 
-/// What of a convex polygon lies on the inner side of all planes.
+/// Clips a convex polygon against planes and returns the part inside all of them.
 fn cut(mut polygon: Vec<[f64; 3]>, planes: &[[f64; 4]]) -> Vec<[f64; 3]> {
     for plane in planes {
         let inside = |p: [f64; 3]| dot([plane[0], plane[1], plane[2]], p) + plane[3];
@@ -88,7 +90,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use adumbra::camera::{Camera, Projection};
+    use adumbra_scene::{Camera, Projection};
 
     use super::*;
 
@@ -109,7 +111,8 @@ mod tests {
         near(depths_in_view(&view([0.0; 3], [0.0, 0.0, -1.0], WIDE), &cube), [0.0, 10.0]);
         near(depths_in_view(&view([0.0, 0.0, 50.0], [0.0; 3], WIDE), &cube), [40.0, 60.0]);
         assert_eq!(depths_in_view(&view([0.0, 0.0, 50.0], [0.0, 0.0, 60.0], WIDE), &cube), None);
-        // Down onto a floor that the whole view meets: one of its corners is the farthest point, at the same depth.
+        // Looking down on a floor that fills the whole view: every visible point, the farthest corner included, has the
+        // same view depth.
         let floor = Bounds { min: [-1e6, 0.0, -1e6], max: [1e6, 0.0, 1e6] };
         near(depths_in_view(&view([0.0, 7.0, 0.0], [0.0; 3], WIDE), &floor), [7.0, 7.0]);
         let flat = Projection::Orthographic { height_world: 4.0 };

@@ -1,28 +1,36 @@
-//! The textures that a frame is drawn into.
+//! The textures that a frame renders to.
 
 use wgpu::{TextureFormat, TextureUsages};
 
-use crate::error::{RenderError, Result};
+use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
 
-/// Of a camera's depth.
+/// Format of a camera's depth.
 pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
-/// Of the shadow factor.
+/// Format of the shadow factor.
 pub const FACTOR_FORMAT: TextureFormat = TextureFormat::R32Float;
 
 /// A texture with its view.
 pub struct Target {
     /// The texture.
     pub texture: wgpu::Texture,
-    /// All of it.
+    /// A view of the whole texture.
     pub view: wgpu::TextureView,
 }
 
-/// The targets of a frame of one size.
+impl Target {
+    /// Creates a 2-D texture of `size` texels with one mip level, and a view of it.
+    pub fn new(gpu: &Gpu, label: &str, size: [u32; 2], format: TextureFormat, usage: TextureUsages) -> Self {
+        let texture = gpu.texture(label, size, format, usage);
+        Self { view: texture.create_view(&Default::default()), texture }
+    }
+}
+
+/// The render targets of frames of one size.
 pub struct Targets {
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Reversed depth.
+    /// Camera depth, reversed.
     pub depth: Target,
     /// World normals.
     pub normal: Target,
@@ -37,10 +45,10 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// Targets of `width` × `height` pixels.
+    /// Creates targets of `width` × `height` pixels.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`].
+    /// Returns [`RenderError::TooLarge`] if the device has no textures of that size.
     pub fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self> {
         let limit = gpu.max_texture_side();
         if width.max(height) > limit {
@@ -48,21 +56,12 @@ impl Targets {
                 what: format!("a picture of {width} x {height} pixels"),
                 bytes: u64::from(width) * u64::from(height) * 4,
                 limit: u64::from(limit) * u64::from(limit) * 4,
-                mend: "draw a smaller one with --size, or with less --antialias",
+                fix: Fix::SmallerPicture,
             });
         }
         let target = |label, format, usage| {
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            Target { view: texture.create_view(&Default::default()), texture }
+            let usage = usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+            Target::new(gpu, label, [width, height], format, usage)
         };
         let drawn = TextureUsages::RENDER_ATTACHMENT;
         let written = TextureUsages::STORAGE_BINDING;

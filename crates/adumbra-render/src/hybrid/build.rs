@@ -1,30 +1,31 @@
-//! Merges a shadow map level by level. Same stems as passes/hybrid_*.wgsl.
+//! Builds a hybrid map by merging a shadow map level by level. Counterpart of passes/hybrid_*.wgsl.
 //!
 //! | pass of a level | reads | writes |
 //! |---|---|---|
-//! | merge (sweep or blocks) | depth, the level before | the level's words, a count a section |
-//! | scan | counts | where each section's children begin |
-//! | place | both levels, depth, in the paper's layout normals | children, the coarsest level |
+//! | merge (sweep or blocks) | depth, the next finer level | the level's words, a count per section |
+//! | scan | counts | the offset at which each section's children begin |
+//! | place | both levels, depth, and normals for the paper's layout | children, the coarsest level |
 //!
-//! No pass waits for the CPU, so there is room for the largest map, or as much of it as the device binds; [`Builder::counts`] says how
-//! much is in use. Where room runs out a block is taken as without a caster, and [`Builder::check`] says so.
+//! No pass waits for the CPU, so the buffers are sized for the largest map, or as much of it as the device can bind.
+//! [`Builder::counts`] returns how much is in use. If room runs out, a block is treated as if it had no caster, and
+//! [`Builder::check`] reports it.
 
 use adumbra_shaders::constants::{
     HYBRID_FIRST_SECTION, HYBRID_LAST_DEPTH, HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP,
 };
-use adumbra_shaders::layout::HybridLevel;
+use adumbra_shaders::layout::{GpuType, HybridLevel};
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindingResource, BufferUsages, ShaderStages};
 
 use super::place::{PlaceGroup, PlacePipeline};
 use super::settings::{BuildKind, HybridLayout, HybridSettings, MergeTest, PlaneUnits};
-use super::stored::{Stored, buffer, check_binding, too_large};
+use super::stored::{BuiltCounts, Stored, buffer, check_binding, too_large};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::maps::DepthPrecision;
 use crate::readback::read_buffer;
 
-/// The pipelines of maps of the same settings.
+/// The pipelines shared by maps of the same settings.
 #[derive(Clone)]
 pub(super) struct Pipelines {
     layout: wgpu::BindGroupLayout,
@@ -42,17 +43,6 @@ pub struct Builder {
     scratch: wgpu::Buffer,
     counts: wgpu::Buffer,
     stored: Stored,
-}
-
-/// Blocks that did not merge, and what the map takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BuiltCounts {
-    /// 32-bit words in use: of the compact layout its words, of the paper's four a texel and two a link.
-    pub words: u32,
-    /// Texels in use: the coarsest, and four a block that did not merge.
-    pub texels: u32,
-    /// By level, from 1.
-    pub split: [u32; 3],
 }
 
 impl Pipelines {
@@ -80,21 +70,23 @@ impl Pipelines {
 }
 
 impl Builder {
-    /// Buffers and pipelines for maps of these settings, made from `depth`: a `texture_depth_2d_array` of one layer with
-    /// `settings.start` texels a side. Of the compact layout; see [`Builder::with_normals`].
+    /// Creates the buffers and pipelines for compact maps of these settings, made from `depth`: a
+    /// `texture_depth_2d_array` of one layer with `settings.start` texels per side. For the paper's layout see
+    /// [`Builder::with_normals`].
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for settings out of range, [`crate::RenderError::TooLarge`] where the device binds less than
-    /// the levels of this size.
+    /// Returns [`crate::RenderError::Technique`] if the settings are out of range, [`crate::RenderError::TooLarge`] if
+    /// the device cannot bind levels of this size, and [`crate::RenderError::DepthImage`] if the layout is the paper's,
+    /// which needs normals.
     pub fn new(gpu: &Gpu, settings: &HybridSettings, depth: &wgpu::TextureView) -> Result<Self> {
         Self::with_normals(gpu, settings, depth, None)
     }
 
-    /// The same of either layout. The paper's takes `normals` beside depth: a `texture_2d_array` of two bytes a texel, as
-    /// core/octahedral.wgsl packs them.
+    /// Creates the buffers and pipelines for maps of either layout. The paper's also takes `normals`: a
+    /// `texture_2d_array` of two bytes per texel, packed as in core/octahedral.wgsl.
     ///
     /// # Errors
-    /// As [`Builder::new`], and [`crate::RenderError::DepthImage`] where normals are missing.
+    /// Returns the errors of [`Builder::new`]. [`crate::RenderError::DepthImage`] means that `normals` are missing.
     pub fn with_normals(
         gpu: &Gpu,
         settings: &HybridSettings,
@@ -102,11 +94,11 @@ impl Builder {
         normals: Option<&wgpu::TextureView>,
     ) -> Result<Self> {
         settings.check()?;
-        Self::of(gpu, settings, &Pipelines::new(gpu, settings), depth, normals)
+        Self::with_pipelines(gpu, settings, &Pipelines::new(gpu, settings), depth, normals)
     }
 
-    /// The same with pipelines that were made before, of settings that were checked.
-    pub(super) fn of(
+    /// [`Builder::with_normals`] with existing pipelines and settings that have been checked.
+    pub(super) fn with_pipelines(
         gpu: &Gpu,
         settings: &HybridSettings,
         pipelines: &Pipelines,
@@ -121,7 +113,7 @@ impl Builder {
         let scratch = buffer(gpu, "hybrid::levels", 4 * blocks);
         let counts = buffer(gpu, "hybrid::counts", 4 * (u64::from(HYBRID_FIRST_SECTION) + sections));
         let levels = (0..settings.merges()).map(|_| {
-            let uniform = gpu.uniform("hybrid::level", &[0; 64]);
+            let uniform = gpu.uniform("hybrid::level", &[0; HybridLevel::SIZE]);
             let resources = vec![
                 uniform.as_entire_binding(),
                 BindingResource::TextureView(depth),
@@ -144,7 +136,7 @@ impl Builder {
         Ok(built)
     }
 
-    /// Sets what planes are measured in.
+    /// Writes the uniforms of all levels, with `units` as the units of merged planes.
     pub fn write(&self, gpu: &Gpu, units: PlaneUnits) {
         let halves = self.settings.depth == DepthPrecision::Bits16;
         let pairs = halves && self.settings.layout == HybridLayout::Compact;
@@ -156,17 +148,25 @@ impl Builder {
         for (made, (uniform, _)) in (1..).zip(&self.levels) {
             let side = self.settings.start >> made;
             let level = HybridLevel {
-                counts: [self.settings.start, made, side, self.settings.merges()],
-                places: [before, first, if pairs && made == 1 { 2 } else { 4 }, u32::from(halves)],
-                plane: [units.slope, units.tolerance, 0, 0],
-                room: [self.stored.room(), empty, 0, 0],
+                start_texels: self.settings.start,
+                number: made,
+                side_texels: side,
+                merges: self.settings.merges(),
+                finer_offset: before,
+                offset: first,
+                split_size: if pairs && made == 1 { 2 } else { 4 },
+                has_16_bit_depth: u32::from(halves),
+                slope_unit: units.slope,
+                twice_tolerance: units.tolerance,
+                room: self.stored.room(),
+                empty_word: empty,
             };
             gpu.queue.write_buffer(uniform, 0, &level.bytes());
             (before, first) = (first, first + side * side);
         }
     }
 
-    /// Builds the map from what the depth texture holds by then.
+    /// Encodes the passes that build the map from the contents of the depth texture at that time.
     pub fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         for (made, (_, group)) in (1..).zip(&self.levels) {
@@ -185,7 +185,7 @@ impl Builder {
         }
     }
 
-    /// The map: words of the compact layout, texels of the paper's.
+    /// The map's buffer: words of the compact layout, texels of the paper's.
     pub fn words(&self) -> &wgpu::Buffer {
         match &self.stored {
             Stored::Compact { words } => words,
@@ -193,15 +193,15 @@ impl Builder {
         }
     }
 
-    /// The map in either layout.
+    /// The map's buffers in either layout.
     pub(super) fn stored(&self) -> &Stored {
         &self.stored
     }
 
-    /// How much of the map the last build filled; waits for it.
+    /// Returns how much of the map the last build filled. Waits for the build.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn counts(&self, gpu: &Gpu) -> Result<BuiltCounts> {
         let mut encoder = gpu.encoder("hybrid::counts");
         let copy =
@@ -220,10 +220,10 @@ impl Builder {
         })
     }
 
-    /// Whether the last build found room for all of the map; waits for it where it may not have.
+    /// Checks that the last build had room for the whole map. Waits for the build if it may not have had.
     ///
     /// # Errors
-    /// [`crate::RenderError::TooLarge`], and what the device reports.
+    /// Returns [`crate::RenderError::TooLarge`] if room ran out, and any error that the device reports.
     pub fn check(&self, gpu: &Gpu) -> Result<()> {
         if !self.stored.may_run_out(&self.settings) {
             return Ok(());
@@ -239,7 +239,7 @@ impl Builder {
         Err(too_large(gpu, &self.settings, each * u64::from(used)))
     }
 
-    /// Bytes on the GPU, the map's largest size among them.
+    /// Bytes on the GPU, including the room for the largest map.
     pub fn bytes(&self) -> u64 {
         self.scratch.size() + self.counts.size() + self.stored.bytes() + self.place.bytes()
     }

@@ -1,16 +1,18 @@
 //! The technique `hrsm`: a shadow map over the scene, merged where depth is smooth.
 //!
-//! Bind group 2: parameters; words and the same words by fours, or texels and links (see access/hybrid_*.wgsl). The shadow map
-//! that it is made from, and room for the largest map of its size, stay on the device while light or casters change; with
-//! `cache_static` they are given back once nothing does.
+//! Bind group 2 holds the parameters, then either the map's words and the same words in groups of four, or texels and
+//! links (see access/hybrid_*.wgsl). The source shadow map, and buffers for the largest map of its size, stay on the
+//! device while the light or the casters change. With `cache_static` they are freed once nothing changes.
+
+use std::any::Any;
 
 use adumbra_shaders::layout::{HybridParams, MapLayer};
 use adumbra_shaders::{Source, source};
 use wgpu::ShaderStages;
 
-use super::build::{Builder, BuiltCounts, Pipelines};
+use super::build::{Builder, Pipelines};
 use super::settings::{HybridLayout, HybridSettings, PlaneUnits};
-use super::stored::Stored;
+use super::stored::{BuiltCounts, Stored};
 use super::twin::{HybridPaper, HybridTree};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
@@ -35,17 +37,17 @@ pub struct HybridMap {
     held: Held,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
-    /// Where the map was last built, and of what.
+    /// The fit and casters of the last built map.
     built: Option<Place>,
-    /// To be built in this frame.
+    /// Whether the map must be built in this frame.
     stale: bool,
 }
 
-/// What is on the device.
+/// The resources on the device.
 enum Held {
-    /// A map with everything that it is built with.
+    /// A map with everything needed to build it.
     Working(Box<Working>),
-    /// The map alone.
+    /// Only the map.
     Kept { stored: Stored, counts: BuiltCounts },
 }
 
@@ -57,16 +59,17 @@ struct Working {
 #[derive(Clone, Copy, PartialEq)]
 struct Place {
     fit: LayerFit,
-    /// [`SceneBuffers::id`](crate::scene::SceneBuffers::id) of what stands still and, where there is anything, of what moves.
+    /// [`SceneBuffers::id`](crate::scene::SceneBuffers::id) of the static casters and, if there are any, of the moving
+    /// ones.
     casters: [Option<u64>; 2],
 }
 
 impl HybridMap {
-    /// Makes the buffers and pipelines of these settings.
+    /// Creates the buffers and pipelines for these settings.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for settings out of range, [`crate::RenderError::TooLarge`] for a size that the device does not
-    /// take.
+    /// Returns [`crate::RenderError::Technique`] if the settings are out of range, and [`crate::RenderError::TooLarge`]
+    /// if the device does not support the size.
     pub fn new(gpu: &Gpu, name: &str, settings: HybridSettings) -> Result<Self> {
         settings.check()?;
         let pass = DepthPass::new(gpu, options(&settings));
@@ -94,7 +97,7 @@ impl HybridMap {
         })
     }
 
-    /// What it was made from.
+    /// The settings that the map was created with.
     pub fn settings(&self) -> &HybridSettings {
         &self.settings
     }
@@ -104,10 +107,10 @@ impl HybridMap {
         &self.params
     }
 
-    /// How much of it the last frame's map fills; waits for the device.
+    /// Returns how much memory the last frame's map fills. Waits for the device.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn counts(&self, gpu: &Gpu) -> Result<BuiltCounts> {
         match &self.held {
             Held::Working(working) => working.builder.counts(gpu),
@@ -129,10 +132,10 @@ impl HybridMap {
         }
     }
 
-    /// The last frame's map; of the paper's layout, as the compact one would hold it.
+    /// Reads back the last frame's map. A map in the paper's layout is converted to the compact one.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn read(&self, gpu: &Gpu) -> Result<HybridTree> {
         if let Some(paper) = self.read_paper(gpu)? {
             return Ok(paper.compact());
@@ -151,10 +154,10 @@ impl HybridMap {
         })
     }
 
-    /// The last frame's map as the paper's layout stores it; none of the compact one.
+    /// Reads back the last frame's map as the paper's layout stores it. `None` for the compact layout.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn read_paper(&self, gpu: &Gpu) -> Result<Option<HybridPaper>> {
         if self.settings.layout != HybridLayout::Paper {
             return Ok(None);
@@ -174,26 +177,27 @@ impl HybridMap {
         }))
     }
 
-    /// The shadow map that the last frame's was made from, row by row; none where it is not kept.
+    /// Reads back the shadow map that the last frame's map was built from, row by row. `None` if it was freed.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn read_start(&self, gpu: &Gpu) -> Result<Option<Vec<f32>>> {
         let Some(working) = self.working() else { return Ok(None) };
         read_depth(gpu, &working.depth.all.texture, 0).map(Some)
     }
 
-    /// Normals beside [`HybridMap::read_start`], two bytes each ([`crate::octahedral`]); none where there are none.
+    /// Reads back the normals of [`HybridMap::read_start`], two bytes each ([`crate::octahedral`]). `None` if the
+    /// layout has no normals or they were freed.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn read_start_normals(&self, gpu: &Gpu) -> Result<Option<Vec<[u8; 2]>>> {
         let normals = self.working().and_then(|w| w.depth.normals.as_ref());
         let Some((all, _)) = normals else { return Ok(None) };
         Ok(Some(read_texture(gpu, &all.texture, 0, 0)?.as_chunks().0.to_vec()))
     }
 
-    /// Copies the map into buffers of its size and drops what it was built with.
+    /// Copies the map into buffers of exactly its size and frees what it was built with.
     fn keep(&mut self, gpu: &Gpu) -> Result<()> {
         let Some(working) = self.working() else { return Ok(()) };
         working.builder.check(gpu)?;
@@ -213,8 +217,15 @@ impl Working {
     fn new(gpu: &Gpu, settings: &HybridSettings, pipelines: &Pipelines) -> Result<Self> {
         let depth = DepthTextures::new(gpu, "hybrid::depth", settings.start, 1, options(settings))?;
         let normals = depth.normals.as_ref().map(|(all, _)| &all.view);
-        let builder = Builder::of(gpu, settings, pipelines, &depth.all.view, normals)?;
+        let builder = Builder::with_pipelines(gpu, settings, pipelines, &depth.all.view, normals)?;
         Ok(Self { depth, builder })
+    }
+}
+
+impl dyn Technique + '_ {
+    /// Returns the technique's hybrid map, if it has one, for reading back.
+    pub fn hybrid(&self) -> Option<&HybridMap> {
+        self.readable()?.downcast_ref()
     }
 }
 
@@ -245,7 +256,7 @@ impl Technique for HybridMap {
         }
         self.built = Some(place);
         self.params.layer = fit.layer(input.anchor_world);
-        self.params.slope[0] = self.units.slope;
+        self.params.slope_unit = self.units.slope;
         input.gpu.queue.write_buffer(&self.uniform, 0, &self.params.bytes());
         Ok(())
     }
@@ -274,7 +285,8 @@ impl Technique for HybridMap {
             HybridLayout::Compact => source::HYBRID_COMPACT,
             HybridLayout::Paper => source::HYBRID_PAPER,
         };
-        let mut files = vec![source::MAPS, self.settings.test.leaf(), access, source::HYBRID];
+        let mut files =
+            vec![source::MAP_LAYER, source::MAPS, self.settings.test.leaf(), access, source::HYBRID];
         match (answer, &self.settings.filter) {
             (Answer::Cascade | Answer::Voxel, _) => return None,
             (Answer::Level, _) => files.push(source::HYBRID_LEVELS),
@@ -297,7 +309,7 @@ impl Technique for HybridMap {
     }
 
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
-        Some(f64::from(self.params.layer.scale[0]))
+        Some(f64::from(self.params.layer.texel_world))
     }
 
     fn bytes(&self) -> u64 {
@@ -308,7 +320,7 @@ impl Technique for HybridMap {
         held + self.layer.bytes() + self.uniform.size()
     }
 
-    fn hybrid(&self) -> Option<&HybridMap> {
+    fn readable(&self) -> Option<&dyn Any> {
         Some(self)
     }
 
@@ -332,22 +344,16 @@ fn look_up_group(
     gpu.bind("hybrid", layout, vec![uniform.as_entire_binding(), first, second])
 }
 
-/// What does not change from frame to frame.
+/// Returns the parameters. Those that change from frame to frame get placeholders.
 fn params(settings: &HybridSettings) -> HybridParams {
-    let bias = &settings.bias;
-    let widening = 1.0 + bias.filter_factor * (settings.filter.bias_width() - 1.0);
-    let halves = u32::from(settings.depth == DepthPrecision::Bits16);
-    let bias = [bias.constant_texels, bias.slope_texels, bias.normal_offset_texels, widening];
     HybridParams {
-        layer: MapLayer {
-            u_from_relative: [0.0; 4],
-            v_from_relative: [0.0; 4],
-            depth_from_relative: [0.0; 4],
-            scale: [1.0, 1.0, 0.0, 0.0],
-        },
-        bias: bias.map(|c| c as f32),
-        counts: [settings.start, settings.merges(), settings.width(), halves],
-        slope: [1, 0, 0, 0],
-        least_bias: [settings.depth.least_bias() as f32, 0.0, 0.0, 0.0],
+        layer: MapLayer::EMPTY,
+        bias: settings.bias.uniform(&settings.filter),
+        start_texels: settings.start,
+        merges: settings.merges(),
+        filter_width: settings.width(),
+        has_16_bit_depth: u32::from(settings.depth == DepthPrecision::Bits16),
+        slope_unit: 1,
+        min_bias_depth: settings.depth.min_bias_depth() as f32,
     }
 }

@@ -1,4 +1,5 @@
-//! The pass that puts texels to their places in a map. Same stems as passes/hybrid_place.wgsl and hybrid_place_paper.wgsl.
+//! The pass that writes texels to their offsets in the map. Counterpart of passes/hybrid_place.wgsl and
+//! hybrid_place_paper.wgsl.
 
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindingResource, ShaderStages};
@@ -8,7 +9,7 @@ use super::stored::{Stored, buffer};
 use crate::error::{RenderError, Result};
 use crate::gpu::{Gpu, binding};
 
-/// The pipeline, and the layout of its bind group 1, which depend on the map's layout.
+/// The pipeline and the layout of its bind group 1. Both depend on the map's layout.
 #[derive(Clone)]
 pub(super) struct PlacePipeline {
     pub(super) pipeline: wgpu::ComputePipeline,
@@ -18,12 +19,12 @@ pub(super) struct PlacePipeline {
 /// Bind group 1 of one map.
 pub(super) struct PlaceGroup {
     pub(super) group: wgpu::BindGroup,
-    /// Packed normals of all levels but the finest, where the layout has normals.
+    /// Packed normals of all levels but the finest, if the layout has normals.
     normals: Option<wgpu::Buffer>,
 }
 
 impl PlacePipeline {
-    /// `build` is the layout of bind group 0.
+    /// Creates the pipeline. `build` is the layout of bind group 0.
     pub(super) fn new(gpu: &Gpu, settings: &HybridSettings, build: &wgpu::BindGroupLayout) -> Self {
         let out = binding::STORAGE_OUT;
         let (entry, files, kinds) = match settings.layout {
@@ -47,11 +48,12 @@ impl PlacePipeline {
         Self { pipeline, layout }
     }
 
-    /// For a map in `stored`. `blocks` are the texels of all levels but the finest, `start_normals` those of the shadow map: a
-    /// `texture_2d_array` of one layer, which the paper's layout alone reads.
+    /// Creates the bind group of a map in `stored`. `blocks` is the number of texels of all levels but the finest.
+    /// `start_normals` are the normals of the shadow map, a `texture_2d_array` of one layer; only the paper's layout
+    /// reads them.
     ///
     /// # Errors
-    /// [`RenderError::DepthImage`] where that layout is to be made without normals.
+    /// Returns [`RenderError::DepthImage`] if the layout is the paper's and there are no normals.
     pub(super) fn group(
         &self,
         gpu: &Gpu,
@@ -83,7 +85,7 @@ impl PlacePipeline {
 }
 
 impl PlaceGroup {
-    /// On the GPU.
+    /// Bytes on the GPU.
     pub(super) fn bytes(&self) -> u64 {
         self.normals.as_ref().map_or(0, wgpu::Buffer::size)
     }

@@ -1,4 +1,4 @@
-//! What a hybrid map is made of, and from a technique's text to it: `hrsm:4096-1024:test=paper:filter=5`.
+//! Settings of a hybrid map, and their parsing from a technique's text, such as `hrsm:4096-1024:test=paper:filter=5`.
 
 use adumbra_shaders::constants::{HYBRID_LAST_SLOPE, HYBRID_ONE, HYBRID_SLOPE_BITS, MAX_SLOPE};
 use adumbra_shaders::{Source, source};
@@ -7,9 +7,9 @@ use crate::error::{RenderError, Result};
 use crate::maps::{DepthPrecision, MapBias, MapFilter, cache_static};
 use crate::technique::{SpecReader, TechniqueSpec};
 
-/// Finest resolutions, texels a side.
+/// Finest resolutions, texels per side.
 const STARTS: [u32; 6] = [256, 512, 1024, 2048, 4096, 8192];
-/// Of each its half, quarter and eighth.
+/// Pairs START-TARGET: each entry of [`STARTS`] with its half, quarter and eighth.
 const SIZES: [&str; 18] = [
     "256-128",
     "256-64",
@@ -30,27 +30,28 @@ const SIZES: [&str; 18] = [
     "8192-2048",
     "8192-1024",
 ];
-/// 4096-1024.
+/// Index of 4096-1024 in [`SIZES`].
 const DEFAULT_SIZES: usize = 13;
-/// The paper advises against finer levels below this.
+/// The smallest START that the paper advises, texels per side.
 const ADVISED_START: u32 = 1024;
-/// How far a merged plane may lie behind its texels unless told otherwise, texels.
+/// Default tolerance of [`MergeTest::Plane`]: how far a merged plane may lie behind its texels, texels.
 const TOLERANCE_TEXELS: f64 = 0.5;
 
-/// When four texels become one.
+/// The test that decides whether four texels merge into one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MergeTest {
-    /// A plane fits: no finest texel lies behind it, and none further before it than this, measured in finest texels' edges.
+    /// Texels merge if a plane fits: no finest texel lies behind it, and none lies further in front of it than the
+    /// tolerance.
     Plane {
-        /// At least 0.
+        /// In edge lengths of a finest texel, at least 0.
         tolerance_texels: f64,
     },
-    /// The paper's equation 1: no depth differs from the mean of the four by more than a quarter of itself.
+    /// The paper's equation 1: each of the four depths differs from their mean by at most a quarter of itself.
     Paper,
 }
 
 impl MergeTest {
-    /// The file that says what texels that merged hold.
+    /// The WGSL file that decodes merged texels.
     pub(super) fn leaf(self) -> Source {
         match self {
             Self::Plane { .. } => source::HYBRID_PLANE,
@@ -59,68 +60,65 @@ impl MergeTest {
     }
 }
 
-/// How a map's texels are stored.
+/// The memory layout of a map's texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HybridLayout {
-    /// 32 bits a texel.
+    /// 32 bits per texel.
     Compact,
-    /// The paper's: 128 bits a texel, with its coordinate and normal, and a list that leads to finer ones.
+    /// The paper's: 128 bits per texel, with its coordinates and normal, and lists of links to finer texels.
     Paper,
 }
 
-/// Which pass merges.
+/// The pass that merges texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuildKind {
-    /// A thread a strip of blocks, as in the paper.
+    /// One thread per strip of blocks, as in the paper.
     Sweep,
-    /// A thread a block.
+    /// One thread per block.
     Blocks,
 }
 
-/// A hybrid map.
+/// Settings of a hybrid map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HybridSettings {
-    /// Finest texels a side, a power of two.
+    /// Finest resolution, texels per side, a power of two.
     pub start: u32,
-    /// Coarsest texels a side: an eighth to a half of `start`.
+    /// Coarsest resolution, texels per side: an eighth to a half of `start`.
     pub target: u32,
-    /// When texels merge.
+    /// The test that decides which texels merge.
     pub test: MergeTest,
-    /// Of the shadow map that it is made from, and of its finest texels.
+    /// Depth precision of the source shadow map and of the finest texels.
     pub depth: DepthPrecision,
-    /// How it is stored.
+    /// The memory layout.
     pub layout: HybridLayout,
-    /// How it is built.
+    /// The pass that merges texels.
     pub build: BuildKind,
-    /// Nearest, or percentage closer over 3, 5 or 7 finest texels.
+    /// Nearest, or percentage-closer filtering over 3, 5 or 7 finest texels.
     pub filter: MapFilter,
-    /// How the receiver is moved, in finest texels.
+    /// The receiver's bias, in finest texels.
     pub bias: MapBias,
-    /// Keep the map, in no more memory than it needs, until light or casters change.
+    /// Whether to keep the map, in no more memory than it needs, until the light or the casters change.
     pub cache_static: bool,
 }
 
 impl HybridSettings {
-    /// The settings that a technique's text asks for.
+    /// Parses the settings from a technique's text.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for a value out of range, or an unknown key.
+    /// Returns [`crate::RenderError::Technique`] if a value is out of range or a key is unknown.
     pub fn from_spec(spec: &TechniqueSpec) -> Result<Self> {
-        let mut reader = spec.reader();
-        let settings = Self::from_reader(&mut reader)?;
-        reader.finish()?;
-        Ok(settings)
+        spec.read(Self::from_reader)
     }
 
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
-        let sizes = "START-TARGET: finest and coarsest texels a side; TARGET is a half, quarter or eighth";
+        let sizes = "START-TARGET: texels per side of the finest and the coarsest level; TARGET is a half, quarter or eighth of START";
         let place = reader.place("sizes", sizes, DEFAULT_SIZES, &SIZES)?;
         let start = STARTS[place / 3];
-        let what = "finest texels a side that are compared";
+        let what = "finest texels per side that are compared";
         let width = reader.integer("filter", what, 5, &[1, 3, 5, 7])?;
         let filter = if width == 1 { MapFilter::Nearest } else { MapFilter::Pcf { width } };
-        let test = "what merges: texels on a plane, or by the paper's equation 1";
-        let tolerance = "of test=plane: how far a texel may lie behind the plane, texels";
+        let test = "which texels merge: those that a plane fits, or those that meet the paper's equation 1";
+        let tolerance = "with test=plane: how far the plane may be behind a texel, texels";
         let test = match reader.choice("test", test, &["plane", "paper"])? {
             "paper" => MergeTest::Paper,
             _ => MergeTest::Plane {
@@ -134,7 +132,7 @@ impl HybridSettings {
             depth: DepthPrecision::from_reader(reader)?,
             layout: match reader.choice(
                 "layout",
-                "texels of 32 bits, or the paper's of 128",
+                "32-bit texels, or the paper's of 128 bits",
                 &["compact", "paper"],
             )? {
                 "paper" => HybridLayout::Paper,
@@ -142,7 +140,7 @@ impl HybridSettings {
             },
             build: match reader.choice(
                 "build",
-                "a thread a block, or a strip of them",
+                "one thread per block, or per strip of blocks",
                 &["blocks", "sweep"],
             )? {
                 "sweep" => BuildKind::Sweep,
@@ -154,11 +152,12 @@ impl HybridSettings {
         })
     }
 
-    /// Whether a map can be built of these settings.
+    /// Checks that a map can be built with these settings.
     ///
     /// # Errors
-    /// [`RenderError::Technique`] where START is no power of two up to 16,384, TARGET not its half, quarter or eighth and at least 2,
-    /// the filter neither nearest nor percentage closer over 3, 5 or 7 texels, the tolerance negative or no number.
+    /// Returns [`RenderError::Technique`] if START is not a power of two up to 16,384, if TARGET is not its half,
+    /// quarter or eighth or is less than 2, if the filter is neither nearest nor percentage-closer over 3, 5 or 7
+    /// texels, or if the tolerance is negative or not finite.
     pub fn check(&self) -> Result<()> {
         let wrong = |reason: String| Err(RenderError::Technique { name: "hrsm".to_owned(), reason });
         let Self { start, target, .. } = *self;
@@ -167,22 +166,22 @@ impl HybridSettings {
             return wrong(format!("{start}-{target}: TARGET is a half, quarter or eighth of START"));
         }
         if !matches!(self.filter, MapFilter::Nearest | MapFilter::Pcf { width: 3 | 5 | 7 }) {
-            return wrong(format!("it has no filter {:?}", self.filter));
+            return wrong(format!("filter {:?} is not supported", self.filter));
         }
         match self.test {
             MergeTest::Plane { tolerance_texels: t } if !(t >= 0.0 && t.is_finite()) => {
-                wrong(format!("a tolerance of {t} texels"))
+                wrong(format!("a tolerance of {t} texels; it must be finite and at least 0"))
             }
             _ => Ok(()),
         }
     }
 
-    /// Levels above the finest.
+    /// Number of levels above the finest.
     pub fn merges(&self) -> u32 {
         (self.start / self.target).ilog2()
     }
 
-    /// Width of the filter in finest texels.
+    /// Width of the filter, in finest texels.
     pub fn width(&self) -> u32 {
         match self.filter {
             MapFilter::Pcf { width } => width,
@@ -190,7 +189,7 @@ impl HybridSettings {
         }
     }
 
-    /// What the user should know of these settings.
+    /// Advice to the user about these settings.
     pub(super) fn notes(&self) -> Vec<String> {
         if self.start >= ADVISED_START {
             return Vec::new();
@@ -202,17 +201,17 @@ impl HybridSettings {
     }
 }
 
-/// What planes are measured in, in whole-number depth: slope of code 1 and tolerance.
+/// Units of merged planes in fixed-point depth, whose step is 1 / `HYBRID_ONE`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlaneUnits {
-    /// Depth of slope code 1, in 4096ths of a step a texel.
+    /// Slope of code 1, in 4096ths of a step per texel.
     pub slope: i32,
-    /// Twice the tolerance, steps.
+    /// Twice the tolerance, in steps.
     pub tolerance: i32,
 }
 
 impl PlaneUnits {
-    /// For texels whose edge is `texel_depth` of the depth range.
+    /// Returns the units for texels whose edge is `texel_depth` of the depth range.
     pub fn new(test: MergeTest, texel_depth: f64) -> Self {
         let texel_steps = texel_depth * f64::from(HYBRID_ONE);
         let last = f64::from(HYBRID_LAST_SLOPE * HYBRID_LAST_SLOPE);
@@ -222,7 +221,7 @@ impl PlaneUnits {
             MergeTest::Paper => 0.0,
         };
         Self {
-            // Squares of codes times this stay within 31 bits.
+            // Keeps the square of a code times this within 31 bits.
             slope: slope.round().clamp(1.0, f64::from(1 << 19)) as i32,
             tolerance: tolerance.min(f64::from(1 << 24)) as i32,
         }

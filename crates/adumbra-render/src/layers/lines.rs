@@ -1,4 +1,4 @@
-//! Lines in the world over a shown picture.
+//! Draws world-space lines over a displayed picture.
 
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindingResource, BufferUsages, ShaderStages, VertexFormat};
@@ -8,16 +8,16 @@ use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::renderer::Renderer;
 
-/// A straight line in the world.
+/// A line segment in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldLine {
-    /// World positions.
+    /// End points, world positions.
     pub ends_world: [[f64; 3]; 2],
-    /// Display-encoded.
+    /// Colour, display-encoded.
     pub color: [f32; 3],
 }
 
-/// The pass.
+/// The pass that draws lines.
 pub struct LinePass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
@@ -32,7 +32,7 @@ impl LinePass {
     /// Builds the pipeline.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let bindings = [binding::UNIFORM, binding::DEPTH, binding::UNIFORM];
         let layout = gpu.layout("lines", ShaderStages::VERTEX_FRAGMENT, &bindings);
@@ -75,10 +75,10 @@ impl LinePass {
 }
 
 impl Renderer {
-    /// Draws lines over the picture of the frame drawn last, whose eye is `anchor_world`.
+    /// Draws lines over a picture of the last frame, whose eye is `anchor_world`.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn draw_lines(
         &self,
         pass: &LinePass,

@@ -1,7 +1,8 @@
-//! What is shown of a frame: its layers as pictures on the device, two of them on a window, lines over them.
+//! Displays a frame: its layers as pictures on the device, one or two of them in a window, lines over them.
 //!
-//! [`LayerPass`] turns a layer into a display-encoded picture, with antialiasing by the mean of samples; [`PresentPass`] shows one or two
-//! such pictures; [`LinePass`] draws boxes over one. The CPU twin of a layer's arithmetic is the program's own (`adumbra render --layer`).
+//! [`LayerPass`] turns a layer into a display-encoded picture, antialiased by averaging samples. [`PresentPass`] shows
+//! one or two such pictures. [`LinePass`] draws lines over one. The CPU twin of the layers' arithmetic is in the
+//! command-line program (`adumbra render --layer`).
 
 mod lines;
 mod pass;
@@ -14,7 +15,7 @@ pub use present::{PresentKind, PresentPass};
 use crate::technique::Answer;
 use crate::voxel::VOXEL_LEVEL_COLORS;
 
-/// What of a frame is shown.
+/// The part of a frame that is displayed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Layer {
     /// The finished picture.
@@ -26,17 +27,17 @@ pub enum Layer {
     Ambient,
     /// World normals.
     Normal,
-    /// Distance along the view: the nearest is white.
+    /// View depth: the nearest is white.
     Depth,
-    /// The picture, coloured by cascade.
+    /// The picture, tinted by cascade.
     Cascades,
-    /// The picture, coloured by the level of a hybrid map that answers.
+    /// The picture, tinted by the level of a hybrid map at which the look-up ends.
     HybridLevels,
-    /// The picture, coloured by the block of a baked file in which the look-up ends.
+    /// The picture, tinted by the size of the block of a baked file in which the look-up ends.
     VoxelSize,
 }
 
-/// Linear colours of cascades, the nearest first.
+/// Colours of cascades, linear, nearest first.
 pub const CASCADE_COLORS: [[f32; 3]; 8] = [
     [0.90, 0.25, 0.20],
     [0.95, 0.65, 0.15],
@@ -48,7 +49,7 @@ pub const CASCADE_COLORS: [[f32; 3]; 8] = [
     [0.60, 0.60, 0.60],
 ];
 
-/// Linear colours of a hybrid map's levels, the finest first.
+/// Colours of a hybrid map's levels, linear, finest first.
 pub const LEVEL_COLORS: [[f32; 3]; 4] =
     [[0.90, 0.22, 0.18], [0.95, 0.65, 0.15], [0.40, 0.75, 0.20], [0.20, 0.40, 0.90]];
 
@@ -65,7 +66,7 @@ impl Layer {
         Self::VoxelSize,
     ];
 
-    /// As `adumbra render --layer` calls it.
+    /// The layer's name, as used by `adumbra render --layer`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Color => "color",
@@ -79,7 +80,8 @@ impl Layer {
         }
     }
 
-    /// What a technique must answer for it besides visibility, and the colours that its answers stand for.
+    /// The answer that this layer needs from a technique besides visibility, and the colours of its values. `None` if
+    /// visibility is enough.
     pub fn tint(self) -> Option<(Answer, &'static [[f32; 3]])> {
         match self {
             Self::Cascades => Some((Answer::Cascade, &CASCADE_COLORS)),

@@ -1,4 +1,4 @@
-//! From a frame to a picture of one of its layers.
+//! Turns a frame into a picture of one of its layers.
 
 use adumbra_shaders::constants::{
     LAYER_COLOR, LAYER_DEPTH, LAYER_NORMAL, LAYER_TINT, LAYER_VALUE, MAX_TINTS, PIXEL_GROUP,
@@ -16,54 +16,54 @@ use crate::renderer::{Prepared, Renderer, Shot};
 use crate::technique::Answer;
 use crate::timing::FrameTimes;
 
-/// Of pictures shown; display-encoded.
+/// Format of displayed pictures, which are display-encoded.
 pub const SHOWN_FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 
-/// The passes.
+/// The passes that turn a layer into a picture.
 pub struct LayerPass {
     layout: wgpu::BindGroupLayout,
     nearest: wgpu::ComputePipeline,
     show: wgpu::ComputePipeline,
-    /// Where there is no value a pixel: unoccluded.
+    /// A single texel of 1, unoccluded, used if there are no values per pixel.
     one: wgpu::TextureView,
 }
 
-/// A layer of a frame, ready to be shown.
+/// A layer of a frame, ready to be displayed.
 pub struct ShownPicture {
     pub(super) size: [u32; 2],
     pub(super) target: Target,
     pub(super) params: wgpu::Buffer,
     nearest: wgpu::Buffer,
-    /// What a tint stands for, kept while the frame is drawn a second time.
+    /// The values that select the tint, kept while the frame is drawn a second time.
     tint: Option<Target>,
 }
 
 impl ShownPicture {
-    /// A picture of `size` pixels.
+    /// Creates a picture of `size` pixels.
     ///
     /// # Errors
-    /// What the device cannot hold.
+    /// Returns an error if the device cannot hold it.
     pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self> {
         let usage = TextureUsages::STORAGE_BINDING
             | TextureUsages::RENDER_ATTACHMENT
             | TextureUsages::TEXTURE_BINDING
             | TextureUsages::COPY_SRC;
-        let target = target(gpu, "layer::shown", size, SHOWN_FORMAT, usage);
+        let target = Target::new(gpu, "layer::shown", size, SHOWN_FORMAT, usage);
         let params = gpu.uniform("layer::params", &params(size, 1, Layer::Color).bytes());
         let nearest = gpu.buffer("layer::nearest", &[0; 4], BufferUsages::STORAGE);
         gpu.check()?;
         Ok(Self { size, target, params, nearest, tint: None })
     }
 
-    /// Pixels.
+    /// Width and height, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// RGBA, display-encoded, row 0 at the top.
+    /// Reads the picture back: RGBA, display-encoded, row 0 at the top.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>> {
         read_texture(gpu, &self.target.texture, 0, 0)
     }
@@ -73,7 +73,7 @@ impl LayerPass {
     /// Builds the pipelines.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let bindings = [
             binding::UNIFORM,
@@ -86,7 +86,8 @@ impl LayerPass {
             binding::written(SHOWN_FORMAT),
         ];
         let layout = gpu.layout("layer", ShaderStages::COMPUTE, &bindings);
-        let text = assemble(&[source::SURFACE, source::FRAME, source::SRGB, source::LAYER]);
+        let text =
+            assemble(&[source::SURFACE, source::VIEW_DEPTH, source::FRAME, source::SRGB, source::LAYER]);
         let pipeline = |entry| gpu.compute("layer", text.clone(), entry, &[Some(&layout)]);
         let one = gpu.float_texture("layer::one", [1, 1], &[1.0]).create_view(&Default::default());
         let (nearest, show) = (pipeline("layer_find_nearest"), pipeline("layer_show"));
@@ -96,12 +97,13 @@ impl LayerPass {
 }
 
 impl Renderer {
-    /// Draws a frame and a layer of it into `picture`, each of whose pixels is the mean of `samples` × `samples`; `shot`'s camera has
-    /// the picture's size. Cost: a frame of all samples, a tint's look-up besides; G-buffer and ambient occlusion once for all layers and
-    /// techniques of one `shot`, as [`Renderer::draw_again`] has it.
+    /// Draws a frame, and a layer of it into `picture`. Each pixel of the picture is the mean of `samples` × `samples`
+    /// samples. The camera of `shot` must have the picture's size. Cost: a frame with one pixel per sample, plus a
+    /// second look-up for layers with a tint. G-buffer and ambient occlusion are drawn once for all layers and
+    /// techniques of one `shot`: see [`Renderer::draw_again`].
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// Returns the errors of [`Renderer::draw`].
     pub fn draw_layer(
         &mut self,
         shot: &Shot,
@@ -160,7 +162,7 @@ impl Renderer {
         Ok(times)
     }
 
-    /// Copies the factors of the frame drawn last.
+    /// Copies the answers of the last frame to the picture's tint.
     fn keep_tint(&self, picture: &mut ShownPicture) -> Result<()> {
         let Some(Targets { size, factor, .. }) = self.targets() else { return Ok(()) };
         let gpu = self.gpu();
@@ -168,7 +170,7 @@ impl Renderer {
             Some(kept) if [kept.texture.width(), kept.texture.height()] == *size => kept,
             _ => {
                 let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
-                target(gpu, "layer::tint", *size, FACTOR_FORMAT, usage)
+                Target::new(gpu, "layer::tint", *size, FACTOR_FORMAT, usage)
             }
         };
         let mut encoder = gpu.encoder("layer::tint");
@@ -183,7 +185,7 @@ impl Renderer {
     }
 }
 
-fn params([width, height]: [u32; 2], samples: u32, layer: Layer) -> LayerParams {
+fn params(size: [u32; 2], samples: u32, layer: Layer) -> LayerParams {
     let kind = match layer {
         Layer::Color => LAYER_COLOR,
         Layer::Shadow | Layer::Ambient => LAYER_VALUE,
@@ -191,34 +193,9 @@ fn params([width, height]: [u32; 2], samples: u32, layer: Layer) -> LayerParams 
         Layer::Normal => LAYER_NORMAL,
         Layer::Cascades | Layer::HybridLevels | Layer::VoxelSize => LAYER_TINT,
     };
-    let mut palette = [[0.0; 4]; MAX_TINTS as usize];
+    let mut palette = [[0.0; 3]; MAX_TINTS as usize];
     let colors = layer.tint().map_or(&[][..], |(_, colors)| colors);
-    for (slot, [r, g, b]) in palette.iter_mut().zip(colors) {
-        *slot = [*r, *g, *b, 0.0];
-    }
-    LayerParams {
-        shape: [width, height, samples, kind],
-        counts: [colors.len().max(1) as u32, 0, 0, 0],
-        palette: Array(palette),
-    }
-}
-
-fn target(
-    gpu: &Gpu,
-    label: &str,
-    [width, height]: [u32; 2],
-    format: TextureFormat,
-    usage: TextureUsages,
-) -> Target {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    });
-    Target { view: texture.create_view(&Default::default()), texture }
+    palette.iter_mut().zip(colors).for_each(|(slot, color)| *slot = *color);
+    let tint_count = colors.len().max(1) as u32;
+    LayerParams { palette: Array(palette), size, samples, kind, tint_count }
 }

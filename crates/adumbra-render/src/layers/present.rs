@@ -1,4 +1,4 @@
-//! One or two shown pictures onto a window's texture, or onto one that is read back.
+//! Draws one or two displayed pictures to a window's texture, or to one that is read back.
 
 use adumbra_shaders::constants::{PRESENT_DIFFERENCE, PRESENT_FIRST, PRESENT_SPLIT};
 use adumbra_shaders::layout::PresentParams;
@@ -9,34 +9,34 @@ use super::pass::ShownPicture;
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 
-/// Where the second picture is darker than the first, display-encoded; as the comparison's sheets mark it.
+/// Colour where the second picture is darker than the first, display-encoded, as in the comparison sheets.
 const TOO_DARK: [f32; 3] = [0.95, 0.10, 0.08];
-/// Where it is brighter.
+/// Colour where the second picture is brighter than the first, display-encoded.
 const TOO_BRIGHT: [f32; 3] = [0.10, 0.30, 1.00];
 
-/// How two pictures are shown.
+/// How two pictures are displayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PresentKind {
-    /// The first alone.
+    /// The first picture alone.
     First,
-    /// The first left of a column, the second from it on.
+    /// The first picture left of the divider, the second from there on.
     Split {
-        /// The column of the divider, pixels.
+        /// Column of the divider, pixels.
         divider: u32,
     },
-    /// The first in grey; red where the second is darker, blue where it is brighter.
+    /// The first picture in grey; red where the second is darker, blue where it is brighter.
     Difference {
-        /// What a difference in brightness is multiplied with; 1 shows black against white in full colour.
+        /// Factor applied to the difference in brightness. With 1, black against white gives the full colour.
         gain: f32,
     },
 }
 
-/// The pass, for targets of one format.
+/// The pass that displays pictures, for targets of one format.
 pub struct PresentPass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
     params: wgpu::Buffer,
-    /// The target encodes what it is given.
+    /// Whether the target's format encodes to sRGB on write.
     encodes: bool,
 }
 
@@ -44,7 +44,7 @@ impl PresentPass {
     /// Builds the pipeline.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns whatever error the device reports.
     pub fn new(gpu: &Gpu, format: TextureFormat) -> Result<Self> {
         let bindings = [binding::UNIFORM, binding::LOADED, binding::LOADED];
         let layout = gpu.layout("present", ShaderStages::FRAGMENT, &bindings);
@@ -76,7 +76,7 @@ impl PresentPass {
         Ok(Self { layout, pipeline, params, encodes })
     }
 
-    /// Draws over all of `target`, which is as large as the pictures.
+    /// Draws over the whole of `target`, which must be as large as the pictures.
     pub fn encode(
         &self,
         gpu: &Gpu,
@@ -113,10 +113,12 @@ fn params(kind: PresentKind, encodes: bool) -> PresentParams {
         PresentKind::Split { divider } => (PRESENT_SPLIT, divider, 0.0),
         PresentKind::Difference { gain } => (PRESENT_DIFFERENCE, 0, gain),
     };
-    let wide = |c: [f32; 3], w| [c[0], c[1], c[2], w];
     PresentParams {
-        shape: [number, divider, u32::from(encodes), 0],
-        too_dark: wide(TOO_DARK, gain),
-        too_bright: wide(TOO_BRIGHT, 0.0),
+        too_dark: TOO_DARK,
+        gain,
+        too_bright: TOO_BRIGHT,
+        kind: number,
+        divider,
+        window_encodes: u32::from(encodes),
     }
 }

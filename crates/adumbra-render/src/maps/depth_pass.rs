@@ -1,9 +1,9 @@
-//! Draws casters into a layer: depth alone, by position, and masked ones cut by their alpha. Same stem as passes/map_depth.wgsl.
-//! With normals beside it, everything by its corners: passes/map_normals.wgsl.
+//! Draws casters into a layer. Depth alone needs only positions, except that masked casters are cut by their alpha:
+//! passes/map_depth.wgsl. With normals, all casters are drawn by their corners: passes/map_normals.wgsl.
 //!
-//! Reads a layer's uniform and an instance list, writes one layer; both sides of every triangle cast. No depth bias: receivers are
-//! moved instead. Where the device lacks depth clip control the fit has its near plane before every caster
-//! ([`super::cascades::depth_range`]).
+//! Reads a layer's uniform and an instance list, and writes one layer. Both sides of every triangle cast. There is no
+//! depth bias: receivers are moved instead. On devices without depth clip control, the fit places its near plane in
+//! front of every caster ([`super::cascades::depth_range`]).
 
 use adumbra_shaders::layout::{GpuType, MapLayer};
 use adumbra_shaders::{assemble, source};
@@ -12,25 +12,26 @@ use wgpu::{CompareFunction, Features, LoadOp, ShaderStages, TextureFormat};
 use crate::gpu::{Gpu, binding};
 use crate::scene::{CASTER_LAYOUT, CORNER_LAYOUT, InstanceList, SceneBuffers, material_layout};
 
-/// Of normals: the two bytes of core/octahedral.wgsl, world space, turned towards the sun before they are packed; one that is
-/// edge-on to the light may come back up to a degree beyond. (0, 0), which no normal is, where there is no caster.
+/// Format of normals: the two bytes of core/octahedral.wgsl, in world space, flipped towards the sun before they are
+/// packed. A normal that is edge-on to the light may decode to up to a degree beyond edge-on. Texels without a caster
+/// hold (0, 0), which encodes no normal.
 pub(crate) const NORMAL_FORMAT: TextureFormat = TextureFormat::Rg8Unorm;
 
-/// What the pass writes.
+/// The outputs of the pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct DepthPassOptions {
-    /// Of depth: a [`DepthPrecision`](super::DepthPrecision)'s.
+    /// Depth format, from a [`DepthPrecision`](super::DepthPrecision).
     pub(crate) format: TextureFormat,
-    /// Beside depth, the nearest caster's geometric normal, in [`NORMAL_FORMAT`].
+    /// Whether to also write the nearest caster's geometric normal, in [`NORMAL_FORMAT`].
     pub(crate) normals: bool,
 }
 
-/// What a layer is drawn into.
+/// The attachments that a layer is drawn into.
 #[derive(Clone, Copy)]
 pub(crate) struct LayerTarget<'a> {
     /// One layer of depth.
     pub(crate) depth: &'a wgpu::TextureView,
-    /// One layer of normals, exactly where the pass writes them.
+    /// One layer of normals, if and only if the pass writes them.
     pub(crate) normals: Option<&'a wgpu::TextureView>,
 }
 
@@ -42,14 +43,14 @@ pub(crate) struct DepthPass {
     normals: bool,
 }
 
-/// Where a layer lies, on the GPU.
+/// Uniform and bind group with a layer's placement.
 pub(crate) struct LayerUniform {
     buffer: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
 impl LayerUniform {
-    /// For the layer as shaders take it, relative to the anchor of the instance lists that are drawn into it.
+    /// Writes the layer as shaders take it, relative to the anchor of the instance lists drawn into it.
     pub(crate) fn write(&self, gpu: &Gpu, layer: &MapLayer) {
         gpu.queue.write_buffer(&self.buffer, 0, &layer.bytes());
     }
@@ -61,9 +62,17 @@ impl DepthPass {
         let material = material_layout(gpu);
         let (files, targets): (&[_], &[_]) = if options.normals {
             let target = wgpu::ColorTargetState::from(NORMAL_FORMAT);
-            (&[source::OCTAHEDRAL, source::INSTANCE, source::MAP_DEPTH, source::MAP_NORMALS], &[Some(target)])
+            let files = &[
+                source::OCTAHEDRAL,
+                source::INSTANCE,
+                source::SCENE_CORNER,
+                source::MAP_LAYER,
+                source::MAP_DEPTH,
+                source::MAP_NORMALS,
+            ];
+            (files, &[Some(target)])
         } else {
-            (&[source::INSTANCE, source::MAP_DEPTH], &[])
+            (&[source::INSTANCE, source::SCENE_CORNER, source::MAP_LAYER, source::MAP_DEPTH], &[])
         };
         let module = gpu.shader("map_depth", assemble(files));
         let pipeline =
@@ -117,7 +126,7 @@ impl DepthPass {
         LayerUniform { buffer, group }
     }
 
-    /// Draws the casters of `parts` into `target`, over what is there if `keep`.
+    /// Draws the casters of `parts` into `target`, over its contents if `keep`.
     pub(crate) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,

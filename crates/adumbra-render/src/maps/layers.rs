@@ -1,4 +1,4 @@
-//! The layers of a map from frame to frame: where each lies, what is drawn into it, what of it is kept.
+//! The layers of a map from frame to frame: their placement, the casters drawn into them, and what is cached.
 
 use super::cascades::LayerFit;
 use super::depth_pass::{DepthPass, LayerUniform};
@@ -7,7 +7,7 @@ use crate::gpu::Gpu;
 use crate::scene::InstanceList;
 use crate::technique::FrameInput;
 
-/// What a layer's static casters depend on.
+/// The state that a layer's static casters depend on.
 #[derive(Clone, Copy)]
 struct Place {
     fit: LayerFit,
@@ -20,13 +20,13 @@ pub(crate) struct Layer {
     uniform: LayerUniform,
     still: Option<InstanceList>,
     moving: Option<InstanceList>,
-    /// Where it lies.
+    /// Current placement.
     place: Option<Place>,
-    /// The same when its static casters were last drawn.
+    /// Placement when the static casters were last drawn.
     drawn: Option<Place>,
-    /// Static casters are to be drawn in this frame.
+    /// Whether static casters must be drawn in this frame.
     stale: bool,
-    /// Movers stand in it: it must be made anew even if nothing else changed.
+    /// Whether the layer contains movers. If so, it must be redrawn even if nothing else changed.
     had_movers: bool,
 }
 
@@ -36,7 +36,8 @@ impl Layer {
         Self { uniform, still: None, moving: None, place: None, drawn: None, stale: true, had_movers: false }
     }
 
-    /// Lists what casts into the layer at `fit`. With `keep`, static casters are listed only where the layer has moved.
+    /// Lists the casters of the layer at `fit`. With `keep`, static casters are listed only if the layer has moved or
+    /// the scene has changed.
     pub(crate) fn prepare(
         &mut self,
         input: &FrameInput<'_>,
@@ -63,7 +64,8 @@ impl Layer {
         }
     }
 
-    /// Draws the layer; whether it changed. With `kept`, static casters are drawn there, copied, and movers drawn over the copy.
+    /// Draws the layer and returns whether it changed. With `kept`, static casters are drawn there and copied, and
+    /// movers are drawn over the copy.
     pub(crate) fn encode(
         &mut self,
         input: &FrameInput<'_>,

@@ -1,6 +1,7 @@
-//! Moments of a layer's depth: blurred along rows, then columns, then mip levels. Same stems as passes/moments_*.wgsl.
+//! Moments of a layer's depth: blurred along rows, then along columns, then reduced to mip levels. Counterpart of
+//! passes/moments_*.wgsl.
 //!
-//! Each layer is filtered apart, with its border repeated: nothing of one cascade reaches another.
+//! Each layer is filtered separately with its border repeated, so no cascade bleeds into another.
 
 use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::layout::{Array, MomentBlurParams};
@@ -12,17 +13,17 @@ use super::textures::{DepthTextures, MomentTextures};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 
-/// The passes, with the textures that they fill.
+/// The passes and the textures that they fill.
 pub(super) struct MomentsPass {
     pub(super) textures: MomentTextures,
     rows: wgpu::ComputePipeline,
     columns: wgpu::ComputePipeline,
     mip: wgpu::ComputePipeline,
-    /// By layer: rows, columns, then one for each further level.
+    /// By layer: rows, columns, then one group per further mip level.
     groups: Vec<Vec<wgpu::BindGroup>>,
 }
 
-/// The file that defines this kind of moments.
+/// The WGSL file that defines this kind of moments.
 pub(super) fn kind_source(kind: MomentKind) -> Source {
     match kind {
         MomentKind::Variance => source::VSM,
@@ -39,7 +40,7 @@ fn kind_format(kind: MomentKind) -> TextureFormat {
     }
 }
 
-/// Weights of a Gaussian `width` texels wide, from the middle outwards; its deviation is a fifth of the width.
+/// Weights of a Gaussian `width` texels wide, from the middle outwards. Its standard deviation is a fifth of the width.
 pub fn gaussian(width: u32) -> Vec<f32> {
     let deviation = 0.2 * f64::from(width);
     let weight = |i: u32| libm::exp(-0.5 * (f64::from(i) / deviation) * (f64::from(i) / deviation));
@@ -58,9 +59,8 @@ impl MomentsPass {
         let format = kind_format(settings.kind);
         let layer_count = depth.layers.len() as u32;
         let textures = MomentTextures::new(gpu, format, size, layer_count)?;
-        let files = |pass| {
-            assemble(&[source::SURFACE, source::MAPS, source::MOMENTS, kind_source(settings.kind), pass])
-        };
+        let kind = kind_source(settings.kind);
+        let common = [source::SURFACE, source::MAP_LAYER, source::MAPS, source::MOMENTS, kind];
         let stage = ShaderStages::COMPUTE;
         let written = binding::written(format);
         let rows_layout =
@@ -68,7 +68,9 @@ impl MomentsPass {
         let columns_layout =
             gpu.layout("moments_columns", stage, &[binding::UNIFORM, binding::LOADED, written]);
         let mip_layout = gpu.layout("moments_mip", stage, &[binding::LOADED, written]);
-        let pipeline = |pass: Source, entry, layout| gpu.compute(entry, files(pass), entry, &[Some(layout)]);
+        let pipeline = |passes: &[Source], entry, layout| {
+            gpu.compute(entry, assemble(&[&common[..], passes].concat()), entry, &[Some(layout)])
+        };
         let weights = gaussian(settings.blur);
         let groups = (0..layer_count).map(|layer| {
             let uniform = gpu.uniform("moments", &blur_params(settings, &weights, layer, size).bytes());
@@ -88,19 +90,23 @@ impl MomentsPass {
         });
         Ok(Self {
             groups: groups.collect(),
-            rows: pipeline(source::MOMENTS_ROWS, "moments_rows", &rows_layout),
-            columns: pipeline(source::MOMENTS_COLUMNS, "moments_columns", &columns_layout),
-            mip: pipeline(source::MOMENTS_MIP, "moments_mip", &mip_layout),
+            rows: pipeline(&[source::MOMENTS_LINE, source::MOMENTS_ROWS], "moments_rows", &rows_layout),
+            columns: pipeline(
+                &[source::MOMENTS_LINE, source::MOMENTS_COLUMNS],
+                "moments_columns",
+                &columns_layout,
+            ),
+            mip: pipeline(&[source::MOMENTS_MIP], "moments_mip", &mip_layout),
             textures,
         })
     }
 
-    /// Mip levels.
+    /// Number of mip levels.
     pub(super) fn levels(&self) -> u32 {
         self.textures.all.texture.mip_level_count()
     }
 
-    /// Fills one layer from its depth.
+    /// Encodes the passes that fill one layer from its depth.
     pub(super) fn encode(&self, encoder: &mut wgpu::CommandEncoder, layer: usize) {
         let size = self.textures.all.texture.width();
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -119,10 +125,11 @@ impl MomentsPass {
 
 fn blur_params(settings: &MomentSettings, weights: &[f32], layer: u32, size: u32) -> MomentBlurParams {
     let weight = |i: usize| weights.get(i).copied().unwrap_or(0.0);
-    let exponents = settings.exponents.map(|e| e as f32);
     MomentBlurParams {
-        counts: [layer, size, weights.len() as u32 - 1, 0],
-        exponents: [exponents[0], exponents[1], 0.0, 0.0],
         weights: Array(std::array::from_fn(|row| std::array::from_fn(|c| weight(4 * row + c)))),
+        exponents: settings.exponents.map(|e| e as f32),
+        layer,
+        side_texels: size,
+        taps_per_side: weights.len() as u32 - 1,
     }
 }

@@ -1,8 +1,9 @@
-//! What a shadow-map technique is made of: plain settings, each with a default.
+//! Plain settings of shadow-map techniques, with their defaults.
 
+use adumbra_shaders::layout::ReceiverBias;
 use wgpu::TextureFormat;
 
-/// How a view's depth is shared between cascades.
+/// How a view's depth range is divided between cascades.
 ///
 /// Source: Zhang, Sun, Xu, Lun, *Parallel-Split Shadow Maps for Large-Scale Virtual Environments*, 2006.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,13 +22,15 @@ pub enum Split {
 /// The settings of cascades.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CascadeSettings {
-    /// Layers, 1 to 8.
+    /// Number of layers, 1 to 8.
     pub cascades: u32,
-    /// How depth is shared between them.
+    /// How the depth range is divided between them.
     pub split: Split,
-    /// View depth where shadows end, world units; none = where the camera's sight of the scene ends (see [`super::cascades::reach`]).
+    /// View depth at which shadows end, world units. `None` = where the scene in view ends (see
+    /// [`super::cascades::reach`]).
     pub far_world: Option<f64>,
-    /// Share of a slice's depth in which it blends into the next, and of the last one in which shadows fade to lit; 0 to 0.5.
+    /// Share of a slice's depth over which it blends into the next, 0 to 0.5. In the last slice, shadows fade to lit
+    /// over it.
     pub blend: f64,
 }
 
@@ -37,7 +40,7 @@ impl Default for CascadeSettings {
     }
 }
 
-/// Where the layers lie.
+/// Placement of the layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MapFit {
     /// One layer over the whole scene.
@@ -46,18 +49,18 @@ pub enum MapFit {
     Cascades(CascadeSettings),
 }
 
-/// How a comparison with the map becomes a visibility.
+/// How comparisons with the map become a visibility.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MapFilter {
-    /// The texel that the point lies in, compared.
+    /// Compares the one texel that contains the point.
     Nearest,
-    /// Percentage closer: texels in a square of this width compared, and the answers weighted. Width 2 is the sampler's own
-    /// 2 × 2; 3, 5 and 7 compare each texel with the receiver's plane.
+    /// Percentage-closer filtering: compares the texels of a square of this width and weights the results. Width 2 is
+    /// the sampler's built-in 2 × 2 comparison; 3, 5 and 7 compare each texel with the receiver's plane.
     Pcf {
         /// 2, 3, 5 or 7 texels.
         width: u32,
     },
-    /// 16 taps of a Poisson disc, turned from pixel to pixel.
+    /// 16 taps of a Poisson disc, rotated per pixel.
     Poisson {
         /// Texels.
         radius: f64,
@@ -66,19 +69,19 @@ pub enum MapFilter {
     Pcss {
         /// Diameter of the sun, degrees.
         angle_degrees: f64,
-        /// Penumbrae are not made wider than this many texels, from middle to edge.
+        /// Largest radius of a penumbra, from its middle to its edge, texels.
         max_radius: f64,
     },
     /// Statistics of blurred depth.
     Moments(MomentSettings),
 }
 
-/// Which statistics are kept.
+/// The statistics that a moment filter stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MomentKind {
     /// Mean and mean square of depth: variance shadow maps.
     Variance,
-    /// The same of two exponentials of depth: exponential variance shadow maps.
+    /// Mean and mean square of two exponentials of depth: exponential variance shadow maps.
     ExponentialVariance,
     /// The first four moments of depth: moment shadow maps.
     FourMoments,
@@ -87,30 +90,30 @@ pub enum MomentKind {
 /// The settings of filters that blur statistics of depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MomentSettings {
-    /// Which statistics.
+    /// The statistics stored.
     pub kind: MomentKind,
     /// Width of the Gaussian, odd, 1 (none) to 31 texels.
     pub blur: u32,
-    /// Share of the upper bound's tail that counts as shadow, 0 to 0.9: more means less light bleeding and harder edges.
+    /// Share of the upper bound's tail that counts as shadow, 0 to 0.9. More reduces light bleeding but hardens edges.
     pub bleed: f64,
-    /// Least standard deviation of depth, in texels.
-    pub least_deviation_texels: f64,
-    /// Exponents of the two warps, positive and negative; at most 42 in 32-bit floats.
+    /// Smallest standard deviation of depth, texels.
+    pub min_deviation_texels: f64,
+    /// Exponents of the positive and the negative warp. At most 42, the limit of 32-bit floats.
     pub exponents: [f64; 2],
 }
 
 impl MomentSettings {
-    /// Defaults of this kind: what errs least by rays on four scenes.
+    /// Defaults of this kind: the values with the least error against ray-traced truth on four scenes.
     pub fn new(kind: MomentKind) -> Self {
         let bleed = if kind == MomentKind::Variance { 0.3 } else { 0.1 };
-        Self { kind, blur: 3, bleed, least_deviation_texels: 0.5, exponents: [40.0, 5.0] }
+        Self { kind, blur: 3, bleed, min_deviation_texels: 0.5, exponents: [40.0, 5.0] }
     }
 }
 
-/// How far a look-up moves its point towards the light: the form of `adumbra::settings::Bias`, for shadow maps.
+/// How far a look-up moves its point towards the light: `adumbra::Bias` in a form for shadow maps.
 ///
-/// All in texels of the layer, times `1 + filter_factor · (width - 1)` for a filter of that width: neither another resolution nor
-/// another filter needs other numbers.
+/// All values are in texels of the layer, times `1 + filter_factor · (width - 1)` for a filter of that width. So a
+/// change of resolution or filter needs no other values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapBias {
     /// Along the light, everywhere.
@@ -119,32 +122,43 @@ pub struct MapBias {
     pub slope_texels: f64,
     /// Along the normal.
     pub normal_offset_texels: f64,
-    /// How the filter's width widens all three.
+    /// How much the filter's width increases all three.
     pub filter_factor: f64,
 }
 
 impl MapBias {
-    /// The usual bias of this filter: what errs least by rays on four scenes, with no acne to speak of.
-    pub fn of(filter: &MapFilter) -> Self {
-        // The sampler's own comparison makes room for the slope itself.
+    /// The default bias of this filter: the values with the least error against ray-traced truth on four scenes, with
+    /// no noticeable acne.
+    pub fn for_filter(filter: &MapFilter) -> Self {
+        // The 2 × 2 hardware comparison allows for the slope itself.
         let (constant_texels, slope_texels) =
             if *filter == (MapFilter::Pcf { width: 2 }) { (0.25, 0.0) } else { (0.5, 0.05) };
         Self { constant_texels, slope_texels, normal_offset_texels: 0.0, filter_factor: 0.1 }
     }
+
+    /// Returns the bias as shaders take it, for this filter.
+    pub(crate) fn uniform(&self, filter: &MapFilter) -> ReceiverBias {
+        ReceiverBias {
+            constant_texels: self.constant_texels as f32,
+            slope_texels: self.slope_texels as f32,
+            normal_offset_texels: self.normal_offset_texels as f32,
+            width_factor: (1.0 + self.filter_factor * (filter.bias_width() - 1.0)) as f32,
+        }
+    }
 }
 
-/// How exactly a map holds the depth of a layer.
+/// Precision of a map's depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DepthPrecision {
-    /// A float: 24 bits or better, four bytes a texel.
+    /// 32-bit float: 24 bits of precision or better, four bytes per texel.
     #[default]
     Bits32,
-    /// The nearest of 65,536 depths, two bytes a texel.
+    /// The nearest of 65,536 values, two bytes per texel.
     Bits16,
 }
 
 impl DepthPrecision {
-    /// Of the textures.
+    /// Format of the depth textures.
     pub fn format(self) -> TextureFormat {
         match self {
             Self::Bits32 => TextureFormat::Depth32Float,
@@ -152,10 +166,11 @@ impl DepthPrecision {
         }
     }
 
-    /// The least bias along the light, as a share of the layer's range: what rounding may move a caster and a receiver apart. With 16 bits a
-    /// step of stored depth, of which rounding takes half at most; with 32 bits some units in the last place of 1, because light depth is
-    /// computed in floats, by sums of four terms on either side.
-    pub fn least_bias(self) -> f64 {
+    /// The smallest bias along the light, as a share of the layer's range: the most by which rounding may separate a
+    /// caster from a receiver on it. With 16 bits this is one step of stored depth, of which rounding takes at most
+    /// half. With 32 bits it is a few units in the last place of 1, because both sides compute light depth in floats,
+    /// as sums of four terms.
+    pub fn min_bias_depth(self) -> f64 {
         match self {
             Self::Bits32 => 8.0 / 16_777_216.0,
             Self::Bits16 => 1.0 / 65535.0,
@@ -163,22 +178,22 @@ impl DepthPrecision {
     }
 }
 
-/// A shadow-map technique.
+/// Settings of a shadow-map technique.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSettings {
-    /// Texels a side of each layer, a power of two.
+    /// Texels per side of each layer, a power of two.
     pub size: u32,
-    /// How exactly depth is held.
+    /// Precision of the depth.
     pub depth: DepthPrecision,
-    /// Where the layers lie.
+    /// Placement of the layers.
     pub fit: MapFit,
-    /// How they are read.
+    /// The filter of the look-up.
     pub filter: MapFilter,
-    /// How the receiver is moved.
+    /// The receiver's bias.
     pub bias: MapBias,
-    /// Keep each layer's static casters, and draw only movers while the layer stays where it is.
+    /// Whether to cache each layer's static casters and draw only movers while the layer does not move.
     pub cache_static: bool,
-    /// What is drawn into it.
+    /// The casters that are drawn.
     pub casters: MapCasters,
 }
 
@@ -187,19 +202,19 @@ pub struct MapSettings {
 pub enum MapCasters {
     /// Everything.
     All,
-    /// What moves; something else answers for the rest.
+    /// Only moving casters; another technique handles the static ones.
     Movers,
 }
 
 impl MapSettings {
-    /// Default settings of this fit and filter: 2048 texels a side, 32-bit depth.
+    /// Default settings for this fit and filter: 2048 texels per side, 32-bit depth.
     pub fn new(fit: MapFit, filter: MapFilter) -> Self {
-        let bias = MapBias::of(&filter);
+        let bias = MapBias::for_filter(&filter);
         let (depth, casters) = (DepthPrecision::default(), MapCasters::All);
         Self { size: 2048, depth, fit, filter, bias, cache_static: false, casters }
     }
 
-    /// Layers.
+    /// Number of layers.
     pub fn layers(&self) -> u32 {
         match self.fit {
             MapFit::Scene => 1,
@@ -209,7 +224,7 @@ impl MapSettings {
 }
 
 impl MapFilter {
-    /// How far from a point the filter reads, texels.
+    /// Distance from a point within which the filter reads, texels.
     pub fn reach_texels(&self) -> f64 {
         match *self {
             Self::Nearest => 1.0,
@@ -220,8 +235,8 @@ impl MapFilter {
         }
     }
 
-    /// The width that the bias grows with, texels. Penumbrae of soft shadows are left out of it: their taps are compared with the
-    /// receiver's plane, and near their casters they are narrow.
+    /// The filter width that scales the bias, texels. Penumbrae of soft shadows do not count: their taps are compared
+    /// with the receiver's plane, and they are narrow near their casters.
     pub fn bias_width(&self) -> f64 {
         match *self {
             Self::Nearest => 1.0,

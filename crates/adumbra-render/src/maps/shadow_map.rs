@@ -1,10 +1,12 @@
 //! The shadow-map technique: every fit with every filter.
 //!
-//! Bind group 2 holds, for filters that compare: parameters, depth, a comparing sampler, a gathering one; for moments: parameters,
-//! moments, a filtering sampler where the device filters 32-bit floats.
+//! Bind group 2, for filters that compare: parameters, depth, a comparison sampler, a gather sampler. For moments:
+//! parameters, moments, and a filtering sampler if the device filters 32-bit floats.
 
-use adumbra::light::{LightExtent, Sun};
-use adumbra_shaders::layout::{Array, MapLayer, MapParams};
+use std::any::Any;
+
+use adumbra::{LightExtent, Sun};
+use adumbra_shaders::layout::{Array, MapLayer, MapParams, MomentParams};
 use adumbra_shaders::{Source, source};
 use wgpu::{BindingResource, BindingType, Features, FilterMode, SamplerBindingType, ShaderStages};
 
@@ -35,10 +37,10 @@ pub struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// Makes the textures and pipelines of these settings, which are taken to be in range.
+    /// Creates the textures and pipelines for these settings, which are assumed to be in range.
     ///
     /// # Errors
-    /// [`crate::RenderError::TooLarge`] for a size that the device does not take.
+    /// Returns [`crate::RenderError::TooLarge`] if the device does not support the size.
     pub fn new(gpu: &Gpu, name: &str, settings: MapSettings) -> Result<Self> {
         let (size, count) = (settings.size, settings.layers());
         let options = DepthPassOptions { format: settings.depth.format(), normals: false };
@@ -52,14 +54,8 @@ impl ShadowMap {
         };
         let filtering = gpu.has(Features::FLOAT32_FILTERABLE);
         let pass = DepthPass::new(gpu, options);
-        let empty = MapLayer {
-            u_from_relative: [0.0; 4],
-            v_from_relative: [0.0; 4],
-            depth_from_relative: [0.0; 4],
-            scale: [1.0, 1.0, 0.0, 0.0],
-        };
-        let mut params = filter_params(&settings, empty);
-        params.pixel[2] = moments.as_ref().map_or(1.0, |m| m.levels() as f32);
+        let mut params = filter_params(&settings);
+        params.mip_levels = moments.as_ref().map_or(1.0, |m| m.levels() as f32);
         let uniform = gpu.uniform("map::params", &params.bytes());
         let (layout, group) = look_up_group(gpu, &uniform, &depth, moments.as_ref(), filtering);
         let layers = (0..count).map(|_| Layer::new(gpu, &pass)).collect();
@@ -85,17 +81,17 @@ impl ShadowMap {
         &self.params
     }
 
-    /// What it was made from.
+    /// The settings that the map was created with.
     pub fn settings(&self) -> &MapSettings {
         &self.settings
     }
 
-    /// Depth, a layer each.
+    /// The depth texture, with one array layer per map layer.
     pub fn depth_texture(&self) -> &wgpu::Texture {
         &self.depth.all.texture
     }
 
-    /// Moments, a layer each, with mip levels.
+    /// The moments texture, with one array layer per map layer and with mip levels. `None` for other filters.
     pub fn moments_texture(&self) -> Option<&wgpu::Texture> {
         self.moments.as_ref().map(|m| &m.textures.all.texture)
     }
@@ -105,9 +101,10 @@ impl ShadowMap {
         self.filtering
     }
 
-    /// The WGSL files that define `map_visibility`, with what they need but core/surface.wgsl; bind group 2.
+    /// The WGSL files that define `map_visibility` for bind group 2, with everything they need except
+    /// core/surface.wgsl.
     pub fn visibility_sources(&self) -> Vec<Source> {
-        let mut files = vec![source::MAPS];
+        let mut files = vec![source::MAP_LAYER, source::MAPS];
         match &self.settings.filter {
             MapFilter::Nearest => files.extend([source::DISC, source::PCF, source::MAP_NEAREST]),
             MapFilter::Pcf { width: 2 } => files.extend([source::DISC, source::PCF, source::MAP_HARDWARE]),
@@ -125,23 +122,30 @@ impl ShadowMap {
         files
     }
 
-    /// Where the layers lie for this frame, and the view depths between which shadows fade.
+    /// Returns this frame's layers, and the view depths between which shadows fade to lit.
     fn fit(&self, input: &FrameInput<'_>) -> Result<(Vec<LayerFit>, [f64; 2])> {
         let margin = self.settings.filter.reach_texels() + self.settings.bias.normal_offset_texels;
         let scene = scene_fit(input, self.settings.size, margin)?;
         let MapFit::Cascades(cascades) = &self.settings.fit else {
             return Ok((vec![scene], [ENDLESS; 2]));
         };
-        // Of what stands still: splits do not follow movers, unless there is nothing else.
+        // Bounds of the static scene: splits do not follow movers unless there is nothing else.
         let still = input.scene.bounds();
         let bounds = if still.min[0] <= still.max[0] { still } else { input.bounds };
         let far = reach(input.view, &bounds, cascades.far_world);
-        // Penumbrae depend on how far away a caster is.
+        // Penumbrae depend on a caster's distance, so PCSS cannot clamp casters onto the near plane.
         let presses = input.gpu.has(Features::DEPTH_CLIP_CONTROL)
             && !matches!(self.settings.filter, MapFilter::Pcss { .. });
         let layers = cascade_layers(input.view, &scene, cascades, far, margin, presses);
         let last = layers.last().map_or([ENDLESS; 2], |l| l.end);
         Ok((layers, [last[1], last[0]]))
+    }
+}
+
+impl dyn Technique + '_ {
+    /// Returns the technique's shadow map, if it has one, for reading back.
+    pub fn map(&self) -> Option<&ShadowMap> {
+        self.readable()?.downcast_ref()
     }
 }
 
@@ -152,7 +156,7 @@ impl Technique for ShadowMap {
 
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
         let (fits, fade) = self.fit(input)?;
-        self.params.counts[0] = fits.len() as u32;
+        self.params.layer_count = fits.len() as u32;
         let static_casters = self.settings.casters == MapCasters::All;
         for (layer, fit) in self.layers.iter_mut().zip(&fits) {
             layer.prepare(input, fit, static_casters, self.kept.is_some());
@@ -160,18 +164,18 @@ impl Technique for ShadowMap {
         for (layer, fit) in self.params.layers.0.iter_mut().zip(&fits) {
             *layer = fit.layer(input.anchor_world);
         }
-        self.params.reach[0] = fade[0] as f32;
-        self.params.reach[1] = fade[1] as f32;
+        self.params.fade_view_depth = fade[0] as f32;
+        self.params.fade_end_view_depth = fade[1] as f32;
         let pixel = 2.0 * input.view.half[1] / f64::from(input.camera.height);
         let [fixed, growing] = if input.view.orthographic { [pixel, 0.0] } else { [0.0, pixel] };
-        self.params.pixel[0] = fixed as f32;
-        self.params.pixel[1] = growing as f32;
+        self.params.pixel_world = fixed as f32;
+        self.params.pixel_world_per_depth = growing as f32;
         input.gpu.queue.write_buffer(&self.uniform, 0, &self.params.bytes());
         Ok(())
     }
 
     fn encode_depth(&mut self, input: &FrameInput<'_>, encoder: &mut wgpu::CommandEncoder) {
-        let used = self.params.counts[0] as usize;
+        let used = self.params.layer_count as usize;
         for (index, layer) in self.layers[..used].iter_mut().enumerate() {
             let changed = layer.encode(input, &self.pass, encoder, index, &self.depth, self.kept.as_ref());
             if let (true, Some(moments)) = (changed, &self.moments) {
@@ -197,9 +201,9 @@ impl Technique for ShadowMap {
     }
 
     fn texel_world(&self, view_depth: f32) -> Option<f64> {
-        let layers = &self.params.layers.0[..self.params.counts[0] as usize];
-        let layer = layers.iter().find(|l| view_depth < l.scale[2]).or(layers.last());
-        layer.map(|l| f64::from(l.scale[0]))
+        let layers = &self.params.layers.0[..self.params.layer_count as usize];
+        let layer = layers.iter().find(|l| view_depth < l.end_view_depth).or(layers.last());
+        layer.map(|l| f64::from(l.texel_world))
     }
 
     fn bytes(&self) -> u64 {
@@ -209,22 +213,25 @@ impl Technique for ShadowMap {
         self.depth.bytes() + kept + moments + lists + self.uniform.size()
     }
 
-    fn map(&self) -> Option<&ShadowMap> {
+    fn readable(&self) -> Option<&dyn Any> {
         Some(self)
     }
 
     fn notes(&self) -> Vec<String> {
         if self.moments.is_some() && !self.filtering {
-            return vec![format!("{}: moments are blended in the shader, without mip levels", self.name)];
+            return vec![format!(
+                "{}: moments are interpolated in the shader, without mip levels",
+                self.name
+            )];
         }
         Vec::new()
     }
 }
 
-/// One layer over everything that stands still, with `margin` texels on every side.
+/// Fits one layer over all static casters, with `margin` texels on every side.
 ///
 /// # Errors
-/// A direction towards the sun that is none.
+/// Returns an error if the direction towards the sun is invalid.
 pub(crate) fn scene_fit(input: &FrameInput<'_>, size: u32, margin: f64) -> Result<LayerFit> {
     let sun = Sun::from_direction(input.towards_sun)?;
     let (still, all) = extents(input, &sun);
@@ -233,7 +240,8 @@ pub(crate) fn scene_fit(input: &FrameInput<'_>, size: u32, margin: f64) -> Resul
     Ok(scene_layer(&still, depth, input.scene.lattice_world(), size, margin))
 }
 
-/// What stands still, and everything, along the light. Where nothing stands still both are everything; where nothing is at all, a point.
+/// Extents of the static casters and of everything, in light space. Without static casters, both cover everything. In
+/// an empty scene, both are a point.
 fn extents(input: &FrameInput<'_>, sun: &Sun) -> (LightExtent, LightExtent) {
     let is_empty = |e: &LightExtent| !(e.min[0] <= e.max[0]);
     let still = input.scene.light_extent(sun);
@@ -247,12 +255,10 @@ fn extents(input: &FrameInput<'_>, sun: &Sun) -> (LightExtent, LightExtent) {
     (if is_empty(&still) { all } else { still }, all)
 }
 
-/// What does not change from frame to frame.
-fn filter_params(settings: &MapSettings, empty: MapLayer) -> MapParams {
-    let bias = &settings.bias;
-    let widening = 1.0 + bias.filter_factor * (settings.filter.bias_width() - 1.0);
+/// Returns the parameters. Those that change from frame to frame get placeholders.
+fn filter_params(settings: &MapSettings) -> MapParams {
     let (mut width, mut taps, mut half_tangent, mut radius) = (1, 1, 0.0, 0.0);
-    let mut moments = [0.0; 4];
+    let mut moments = MomentParams { exponents: [0.0; 2], min_deviation_texels: 0.0, bleed: 0.0 };
     match settings.filter {
         MapFilter::Nearest => {}
         MapFilter::Pcf { width: w } => width = w,
@@ -263,17 +269,29 @@ fn filter_params(settings: &MapSettings, empty: MapLayer) -> MapParams {
         }
         MapFilter::Moments(m) => {
             width = m.blur;
-            moments = [m.least_deviation_texels, m.bleed, m.exponents[0], m.exponents[1]];
+            moments = MomentParams {
+                exponents: m.exponents.map(|e| e as f32),
+                min_deviation_texels: m.min_deviation_texels as f32,
+                bleed: m.bleed as f32,
+            };
         }
     }
-    let wide = |v: [f64; 4]| v.map(|c| c as f32);
     MapParams {
-        layers: Array([empty; 8]),
-        bias: wide([bias.constant_texels, bias.slope_texels, bias.normal_offset_texels, widening]),
-        counts: [settings.layers(), settings.size, width, taps],
-        reach: wide([0.0, 0.0, half_tangent, radius]),
-        moments: wide(moments),
-        pixel: wide([0.0, 0.0, 0.0, settings.depth.least_bias()]),
+        layers: Array([MapLayer::EMPTY; 8]),
+        bias: settings.bias.uniform(&settings.filter),
+        moments,
+        layer_count: settings.layers(),
+        side_texels: settings.size,
+        filter_width: width,
+        tap_count: taps,
+        max_radius_texels: radius as f32,
+        sun_tangent: half_tangent as f32,
+        fade_view_depth: 0.0,
+        fade_end_view_depth: 0.0,
+        min_bias_depth: settings.depth.min_bias_depth() as f32,
+        pixel_world: 0.0,
+        pixel_world_per_depth: 0.0,
+        mip_levels: 0.0,
     }
 }
 

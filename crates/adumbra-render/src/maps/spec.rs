@@ -1,67 +1,101 @@
-//! From a technique's text to settings: `csm:cascades=4:size=2048:filter=5:split=practical:lambda=0.5:static=cached`.
+//! Parsing of settings from a technique's text:
+//! `csm:cascades=4:size=2048:filter=5:split=practical:lambda=0.5:static=cached`.
 
+use super::help;
 use super::params::{
     CascadeSettings, DepthPrecision, MapBias, MapCasters, MapFilter, MapFit, MapSettings, MomentKind,
     MomentSettings, Split,
 };
-use super::told;
 use crate::error::Result;
 use crate::technique::{SpecReader, TechniqueSpec};
 
 const SIZES: &[u32] = &[128, 256, 512, 1024, 2048, 4096, 8192, 16384];
 
-impl MapSettings {
-    /// The settings that a technique's text asks for; none where its name is not a shadow map's.
-    ///
-    /// # Errors
-    /// [`crate::RenderError::Technique`] for a value out of range, or an unknown key.
-    pub fn from_spec(spec: &TechniqueSpec) -> Result<Option<Self>> {
-        let mut reader = spec.reader();
-        let Some(settings) = Self::from_reader(&mut reader)? else { return Ok(None) };
-        reader.finish()?;
-        Ok(Some(settings))
+/// A shadow-map technique: the placement of its layers and its kind of look-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct MapKind {
+    cascades: bool,
+    look_up: MapLookUp,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MapLookUp {
+    Nearest,
+    Comparisons,
+    Penumbrae,
+    Moments(MomentKind),
+}
+
+impl MapKind {
+    pub(crate) const NEAREST: Self = Self::whole(MapLookUp::Nearest);
+    pub(crate) const PCF: Self = Self::whole(MapLookUp::Comparisons);
+    pub(crate) const PCSS: Self = Self::whole(MapLookUp::Penumbrae);
+    pub(crate) const VSM: Self = Self::whole(MapLookUp::Moments(MomentKind::Variance));
+    pub(crate) const EVSM: Self = Self::whole(MapLookUp::Moments(MomentKind::ExponentialVariance));
+    pub(crate) const MSM: Self = Self::whole(MapLookUp::Moments(MomentKind::FourMoments));
+    pub(crate) const CSM: Self = Self::cascades(MapLookUp::Comparisons);
+    pub(crate) const CSM_VSM: Self = Self::cascades(MapLookUp::Moments(MomentKind::Variance));
+    pub(crate) const CSM_EVSM: Self = Self::cascades(MapLookUp::Moments(MomentKind::ExponentialVariance));
+
+    /// One layer over the whole scene.
+    const fn whole(look_up: MapLookUp) -> Self {
+        Self { cascades: false, look_up }
     }
 
-    pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Option<Self>> {
-        let name = reader.spec().name();
-        let fit = match name {
-            "csm" | "csm-vsm" | "csm-evsm" => MapFit::Cascades(cascades(reader)?),
-            _ => MapFit::Scene,
-        };
-        let filter = match name {
-            "sm" => MapFilter::Nearest,
-            "pcf" => comparisons(reader, &["5", "2", "3", "7", "poisson"])?,
-            "csm" => comparisons(reader, &["5", "1", "2", "3", "7", "poisson"])?,
-            "pcss" => MapFilter::Pcss {
-                angle_degrees: reader.number("angle", told::SUN_ANGLE, 0.53, 0.01..=20.0)?,
-                max_radius: reader.number("radius", told::PENUMBRA_RADIUS, 32.0, 1.0..=256.0)?,
+    const fn cascades(look_up: MapLookUp) -> Self {
+        Self { cascades: true, look_up }
+    }
+
+    pub(crate) fn has_cascades(self) -> bool {
+        self.cascades
+    }
+}
+
+impl MapSettings {
+    /// Parses the settings of a technique of this kind.
+    ///
+    /// # Errors
+    /// Returns [`crate::RenderError::Technique`] if a value is out of range or a key is unknown.
+    pub(crate) fn from_spec(spec: &TechniqueSpec, kind: MapKind) -> Result<Self> {
+        spec.read(|reader| Self::from_reader(reader, kind))
+    }
+
+    pub(crate) fn from_reader(reader: &mut SpecReader<'_>, kind: MapKind) -> Result<Self> {
+        let fit = if kind.cascades { MapFit::Cascades(cascades(reader)?) } else { MapFit::Scene };
+        let filter = match kind.look_up {
+            MapLookUp::Nearest => MapFilter::Nearest,
+            // Cascades offer the nearest texel as a filter. For a single map that is a technique of its own.
+            MapLookUp::Comparisons if kind.cascades => {
+                comparisons(reader, &["5", "1", "2", "3", "7", "poisson"])?
+            }
+            MapLookUp::Comparisons => comparisons(reader, &["5", "2", "3", "7", "poisson"])?,
+            MapLookUp::Penumbrae => MapFilter::Pcss {
+                angle_degrees: reader.number("angle", help::SUN_ANGLE, 0.53, 0.01..=20.0)?,
+                max_radius: reader.number("radius", help::PENUMBRA_RADIUS, 32.0, 1.0..=256.0)?,
             },
-            "vsm" | "csm-vsm" => moments(reader, MomentKind::Variance)?,
-            "evsm" | "csm-evsm" => moments(reader, MomentKind::ExponentialVariance)?,
-            "msm" => moments(reader, MomentKind::FourMoments)?,
-            _ => return Ok(None),
+            MapLookUp::Moments(kind) => moments(reader, kind)?,
         };
-        Ok(Some(Self {
-            size: reader.integer("size", "of a layer, texels a side", 2048, SIZES)?,
+        Ok(Self {
+            size: reader.integer("size", "texels per side of a layer", 2048, SIZES)?,
             depth: DepthPrecision::from_reader(reader)?,
             fit,
             filter,
             bias: MapBias::from_reader(reader, &filter)?,
             cache_static: cache_static(reader)?,
             casters: MapCasters::All,
-        }))
+        })
     }
 }
 
-/// `static`, which hybrid maps have too.
+/// Reads the key `static`, which hybrid maps have too.
 pub(crate) fn cache_static(reader: &mut SpecReader<'_>) -> Result<bool> {
-    let what = "static casters: drawn anew in every frame, or kept until light or layer move";
+    let what = "static casters: redrawn every frame, or kept until the light or the layer moves";
     Ok(reader.choice("static", what, &["redrawn", "cached"])? == "cached")
 }
 
 impl DepthPrecision {
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
-        Ok(match reader.choice("depth", "bits of a depth", &["32", "16"])? {
+        Ok(match reader.choice("depth", "bits per depth", &["32", "16"])? {
             "16" => Self::Bits16,
             _ => Self::Bits32,
         })
@@ -69,15 +103,15 @@ impl DepthPrecision {
 }
 
 impl MapBias {
-    /// What is said of it, and the filter's usual bias for the rest.
+    /// Reads the bias. Keys that are not given take the filter's default.
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>, filter: &MapFilter) -> Result<Self> {
-        let usual = Self::of(filter);
+        let usual = Self::for_filter(filter);
         Ok(Self {
-            constant_texels: reader.number("bias", told::BIAS, usual.constant_texels, 0.0..=16.0)?,
-            slope_texels: reader.number("slope", told::SLOPE, usual.slope_texels, 0.0..=16.0)?,
+            constant_texels: reader.number("bias", help::BIAS, usual.constant_texels, 0.0..=16.0)?,
+            slope_texels: reader.number("slope", help::SLOPE, usual.slope_texels, 0.0..=16.0)?,
             normal_offset_texels: reader.number(
                 "normal",
-                told::NORMAL,
+                help::NORMAL,
                 usual.normal_offset_texels,
                 0.0..=16.0,
             )?,
@@ -88,11 +122,15 @@ impl MapBias {
 
 fn cascades(reader: &mut SpecReader<'_>) -> Result<CascadeSettings> {
     let usual = CascadeSettings::default();
-    let lambda = "of split=practical: its share of the logarithmic one";
-    let far = "view depth where shadows end, world units; without it as far as the scene is in view, to the next power of two";
+    let lambda = "with split=practical: share of the logarithmic split";
+    let far = "view depth where shadows end, world units; by default the farthest depth of the scene in view, rounded up to a power of two";
     Ok(CascadeSettings {
-        cascades: reader.count("cascades", "layers", usual.cascades, 1..=8)?,
-        split: match reader.choice("split", "of the view's depth", &["practical", "uniform", "log"])? {
+        cascades: reader.count("cascades", "number of layers", usual.cascades, 1..=8)?,
+        split: match reader.choice(
+            "split",
+            "how cascades divide the view depth",
+            &["practical", "uniform", "log"],
+        )? {
             "uniform" => Split::Uniform,
             "log" => Split::Logarithmic,
             _ => Split::Practical { lambda: reader.number("lambda", lambda, 0.5, 0.0..=1.0)? },
@@ -109,13 +147,13 @@ fn cascades(reader: &mut SpecReader<'_>) -> Result<CascadeSettings> {
 
 fn comparisons(reader: &mut SpecReader<'_>, choices: &[&'static str]) -> Result<MapFilter> {
     let filter =
-        reader.choice("filter", "texels a side that are compared; poisson: 16 of a disc", choices)?;
+        reader.choice("filter", "texels per side that are compared; poisson: 16 of a disc", choices)?;
     Ok(match filter.parse() {
         Ok(1) => MapFilter::Nearest,
         Ok(width) => MapFilter::Pcf { width },
-        Err(_) => {
-            MapFilter::Poisson { radius: reader.number("radius", "of the disc, texels", 2.0, 0.5..=32.0)? }
-        }
+        Err(_) => MapFilter::Poisson {
+            radius: reader.number("radius", "radius of the disc, texels", 2.0, 0.5..=32.0)?,
+        },
     })
 }
 
@@ -124,21 +162,26 @@ fn moments(reader: &mut SpecReader<'_>, kind: MomentKind) -> Result<MapFilter> {
     let odd: Vec<u32> = (0..16).map(|i| 2 * i + 1).collect();
     let exponents = if kind == MomentKind::ExponentialVariance {
         [
-            reader.number("positive", "exponent of the warp of depth", 40.0, 1.0..=42.0)?,
-            reader.number("negative", "exponent of the warp of depth turned round", 5.0, 1.0..=42.0)?,
+            reader.number("positive", "exponent of the positive depth warp", 40.0, 1.0..=42.0)?,
+            reader.number("negative", "exponent of the negative depth warp", 5.0, 1.0..=42.0)?,
         ]
     } else {
         usual.exponents
     };
-    let bleed = "share of the tail that counts as shadow: less light bleeds through, edges are harder";
-    let deviation = "least standard deviation of depth, texels";
+    let bleed = "share of the tail that counts as shadow; more reduces light bleeding but hardens edges";
+    let deviation = "minimum standard deviation of depth, texels";
     Ok(MapFilter::Moments(MomentSettings {
-        blur: reader.integer("blur", "width of the Gaussian over depth, texels, odd", usual.blur, &odd)?,
+        blur: reader.integer(
+            "blur",
+            "width of the Gaussian blur of the map, texels, odd",
+            usual.blur,
+            &odd,
+        )?,
         bleed: reader.number("bleed", bleed, usual.bleed, 0.0..=0.9)?,
-        least_deviation_texels: reader.number(
+        min_deviation_texels: reader.number(
             "deviation",
             deviation,
-            usual.least_deviation_texels,
+            usual.min_deviation_texels,
             0.0..=16.0,
         )?,
         exponents,
@@ -149,32 +192,30 @@ fn moments(reader: &mut SpecReader<'_>, kind: MomentKind) -> Result<MapFilter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::technique::TECHNIQUES;
 
-    fn settings(text: &str) -> Result<Option<MapSettings>> {
-        MapSettings::from_spec(&text.parse()?)
+    fn settings(kind: MapKind, text: &str) -> Result<MapSettings> {
+        MapSettings::from_spec(&text.parse()?, kind)
     }
 
     #[test]
-    fn spec_gives_settings_for_every_name() {
-        let known = TECHNIQUES.iter().filter_map(|(name, _)| Some((name, settings(name).unwrap()?)));
-        let known: Vec<_> = known.collect();
-        assert!(known.len() >= 9);
-        for (name, found) in known {
-            assert_eq!((found.size, found.cache_static), (2048, false), "{name}");
-            assert_eq!(found.depth, DepthPrecision::Bits32, "{name}");
-            let halved = settings(&format!("{name}:depth=16")).unwrap().unwrap();
+    fn spec_gives_settings_for_every_kind() {
+        let whole =
+            [MapKind::NEAREST, MapKind::PCF, MapKind::PCSS, MapKind::VSM, MapKind::EVSM, MapKind::MSM];
+        for kind in [&whole[..], &[MapKind::CSM, MapKind::CSM_VSM, MapKind::CSM_EVSM]].concat() {
+            let found = settings(kind, "map").unwrap();
+            assert_eq!((found.size, found.cache_static), (2048, false), "{kind:?}");
+            assert_eq!(found.depth, DepthPrecision::Bits32, "{kind:?}");
+            let halved = settings(kind, "map:depth=16").unwrap();
             assert_eq!(halved, MapSettings { depth: DepthPrecision::Bits16, ..found });
-            assert_eq!(found.layers(), if name.starts_with("csm") { 4 } else { 1 });
+            assert_eq!(found.layers(), if whole.contains(&kind) { 1 } else { 4 });
         }
-        assert_eq!(settings("voxel").unwrap(), None);
     }
 
     #[test]
     fn spec_reads_every_key_of_cascades() {
         let text =
             "csm:cascades=3:size=1024:filter=7:split=log:far=90:blend=0.2:static=cached:bias=2:slope=0.25";
-        let found = settings(text).unwrap().unwrap();
+        let found = settings(MapKind::CSM, text).unwrap();
         let MapFit::Cascades(c) = found.fit else { panic!("{found:?}") };
         assert_eq!((c.cascades, c.split, c.far_world, c.blend), (3, Split::Logarithmic, Some(90.0), 0.2));
         assert_eq!(found.filter, MapFilter::Pcf { width: 7 });
@@ -184,17 +225,17 @@ mod tests {
 
     #[test]
     fn spec_refuses_what_does_not_fit() {
-        for text in [
-            "sm:filter=3",
-            "csm:cascades=9",
-            "vsm:blur=4",
-            "evsm:positive=43",
-            "pcf:size=1000",
-            "sm:depth=24",
-            "pcf:filter=4",
-            "csm:far=1e-300",
+        for (kind, text) in [
+            (MapKind::NEAREST, "sm:filter=3"),
+            (MapKind::CSM, "csm:cascades=9"),
+            (MapKind::VSM, "vsm:blur=4"),
+            (MapKind::EVSM, "evsm:positive=43"),
+            (MapKind::PCF, "pcf:size=1000"),
+            (MapKind::NEAREST, "sm:depth=24"),
+            (MapKind::PCF, "pcf:filter=4"),
+            (MapKind::CSM, "csm:far=1e-300"),
         ] {
-            assert!(settings(text).is_err(), "{text}");
+            assert!(settings(kind, text).is_err(), "{text}");
         }
     }
 }

@@ -1,32 +1,32 @@
-//! The textures of a shadow map: depth, normals beside it, and what is kept or made of them.
+//! The textures of a shadow map: depth, optional normals, and moments.
 
 use wgpu::{Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView};
 
 use super::depth_pass::{DepthPassOptions, LayerTarget, NORMAL_FORMAT};
-use crate::error::{RenderError, Result};
+use crate::error::{Fix, RenderError, Result};
 use crate::frame::Target;
 use crate::gpu::Gpu;
 
-/// Mip levels of moments, at most.
-const MOST_LEVELS: u32 = 6;
+/// Largest number of mip levels of moments.
+const MAX_LEVELS: u32 = 6;
 
-/// Depth of up to 8 layers, and normals where they are drawn too.
+/// Depth of up to 8 layers, and normals if they are drawn too.
 pub(crate) struct DepthTextures {
     /// All layers, as look-ups read them.
     pub(crate) all: Target,
-    /// Each layer, to be drawn into.
+    /// Each layer as a render target.
     pub(crate) layers: Vec<TextureView>,
-    /// Of [`NORMAL_FORMAT`], all layers and each.
+    /// Normals in [`NORMAL_FORMAT`]: all layers, and each layer as a render target.
     pub(crate) normals: Option<(Target, Vec<TextureView>)>,
 }
 
-/// Moments of up to 8 layers, and the rows' blur of one.
+/// Moments of up to 8 layers, and the row-blurred moments of one.
 pub(super) struct MomentTextures {
     /// All layers and mip levels.
     pub(super) all: Target,
     /// By layer, then by mip level.
     pub(super) levels: Vec<Vec<TextureView>>,
-    /// One layer between its two passes.
+    /// One layer between the row pass and the column pass.
     pub(super) rows: Target,
 }
 
@@ -49,13 +49,13 @@ impl DepthTextures {
         Ok(Self { all, layers: each, normals })
     }
 
-    /// A layer, to be drawn into.
+    /// Returns a layer as a render target.
     pub(crate) fn target(&self, layer: usize) -> LayerTarget<'_> {
         let normals = self.normals.as_ref().map(|(_, layers)| &layers[layer]);
         LayerTarget { depth: &self.layers[layer], normals }
     }
 
-    /// Copies a layer from textures of the same options.
+    /// Copies a layer from textures with the same options.
     pub(crate) fn copy_layer(&self, encoder: &mut wgpu::CommandEncoder, source: &Self, layer: u32) {
         copy_layer(encoder, &source.all.texture, &self.all.texture, layer);
         if let (Some((from, _)), Some((to, _))) = (&source.normals, &self.normals) {
@@ -70,7 +70,7 @@ impl DepthTextures {
 
 impl MomentTextures {
     pub(super) fn new(gpu: &Gpu, format: TextureFormat, size: u32, layers: u32) -> Result<Self> {
-        let count = (size.ilog2() + 1).min(MOST_LEVELS);
+        let count = (size.ilog2() + 1).min(MAX_LEVELS);
         let usage = TextureUsages::STORAGE_BINDING;
         let all = array(gpu, "map::moments", size, layers, count, format, usage)?;
         let mut rows = array(gpu, "map::moment_rows", size, 1, 1, format, usage)?;
@@ -100,7 +100,7 @@ fn array(
             what: format!("a shadow map of {size} x {size} texels"),
             bytes: u64::from(size) * u64::from(size) * texel * u64::from(layers),
             limit: u64::from(limit) * u64::from(limit) * texel,
-            mend: "give a smaller size=",
+            fix: Fix::Other("give a smaller size="),
         });
     }
     let texture = gpu.device.create_texture(&TextureDescriptor {

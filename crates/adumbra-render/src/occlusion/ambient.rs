@@ -1,4 +1,4 @@
-//! Where a frame's ambient visibility comes from: passes on the screen, or a picture made elsewhere, such as traced truth.
+//! The source of a frame's ambient visibility: screen-space passes, or a given picture such as ray-traced truth.
 
 use super::passes::OcclusionPasses;
 use crate::error::{RenderError, Result};
@@ -8,9 +8,9 @@ use crate::readback::read_floats;
 
 /// Ambient visibility of frames, 1 = unoccluded.
 pub enum AmbientSource {
-    /// Estimated on the screen, anew in every frame.
+    /// Estimated in screen space, in every frame.
     Estimated(Box<OcclusionPasses>),
-    /// Made elsewhere, for frames of one size.
+    /// A given picture, for frames of one size.
     Given(GivenAmbient),
 }
 
@@ -27,14 +27,14 @@ impl From<GivenAmbient> for AmbientSource {
 }
 
 impl AmbientSource {
-    /// Drops what is known of the frames before; what was given stays.
+    /// Discards the history of previous frames. A given picture stays.
     pub fn forget(&mut self) {
         if let Self::Estimated(passes) = self {
             passes.forget();
         }
     }
 
-    /// Bytes that it holds on the device.
+    /// Bytes on the device.
     pub fn bytes(&self) -> u64 {
         match self {
             Self::Estimated(passes) => passes.bytes(),
@@ -42,11 +42,11 @@ impl AmbientSource {
         }
     }
 
-    /// Ambient visibility, 1 = unoccluded and where nothing is, row 0 at the top; of passes that of the last frame, empty
-    /// before the first.
+    /// Reads back the ambient visibility, row 0 at the top. 1 = unoccluded, and also where there is no surface. Passes
+    /// return the last frame's, which is empty before the first frame.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<f32>> {
         match self {
             Self::Estimated(passes) => passes.read(gpu),
@@ -54,7 +54,7 @@ impl AmbientSource {
         }
     }
 
-    /// What the composite reads, its first channel; none before the first frame.
+    /// The texture whose first channel the composite reads. `None` before the first frame.
     pub(crate) fn target(&self) -> Option<&Target> {
         match self {
             Self::Estimated(passes) => passes.result(),
@@ -62,7 +62,7 @@ impl AmbientSource {
         }
     }
 
-    /// Whether it serves frames of `size`.
+    /// Checks that this source supports frames of `size`.
     pub(crate) fn check(&self, size: [u32; 2]) -> Result<()> {
         match self {
             Self::Given(given) if given.size != size => Err(RenderError::Ambient {
@@ -73,7 +73,7 @@ impl AmbientSource {
     }
 }
 
-/// One visibility a pixel. It serves frames of its own size alone.
+/// One visibility per pixel, for frames of its own size only.
 pub struct GivenAmbient {
     size: [u32; 2],
     target: Target,
@@ -83,7 +83,8 @@ impl GivenAmbient {
     /// Uploads `visibility`, row 0 at the top; 1 = unoccluded.
     ///
     /// # Errors
-    /// [`RenderError::Ambient`] where `visibility` are not `size`'s pixels; what the device reports.
+    /// Returns [`RenderError::Ambient`] if the length of `visibility` is not the number of pixels, and any error that
+    /// the device reports.
     pub fn new(gpu: &Gpu, size: [u32; 2], visibility: &[f32]) -> Result<Self> {
         let [width, height] = size;
         if visibility.is_empty() || visibility.len() as u64 != u64::from(width) * u64::from(height) {

@@ -1,41 +1,36 @@
-//! From a frame's camera to that of the frame before, for the mean over frames.
+//! Transforms from a frame's camera to the previous frame's, for the mean over frames.
 
 use adumbra_shaders::layout::{Frame, OcclusionHistoryParams};
 
 use super::settings::OcclusionSettings;
 
-/// How far off a point's plane its own surface may have been, of half of what is seen at its depth: what interpolation and
-/// rounding come to, and little beside things worth seeing.
+/// Distance from a point's plane up to which its surface in the previous frame counts in full, as a share of half the
+/// view's height at its depth. It covers interpolation and rounding errors, and is small compared with visible detail.
 const TOLERANCE: f32 = 0.002;
 
 impl OcclusionSettings {
-    /// The uniform of the mean over frames; `before` none where nothing is known of a frame before.
+    /// Returns the uniform of the mean over frames. `before` is `None` if there is no previous frame.
     pub fn history_params(&self, now: &Frame, before: Option<&Frame>) -> OcclusionHistoryParams {
         let old = before.unwrap_or(now);
         let (to, from) = (self.params(old), self.params(now));
-        let anchor = |f: &Frame, a: usize| f64::from(f.anchor_world[a]) + f64::from(f.anchor_rest[a]);
+        let anchor = |f: &Frame, a: usize| f64::from(f.anchor_world[a]) + f64::from(f.anchor_rest_world[a]);
         let moved: [f64; 3] = std::array::from_fn(|a| anchor(now, a) - anchor(old, a));
-        let dot = |a: [f32; 4], b: [f64; 3]| (0..3).map(|i| f64::from(a[i]) * b[i]).sum::<f64>() as f32;
-        let wide = |a: [f32; 4]| [0, 1, 2].map(|i| f64::from(a[i]));
-        let row = |axis: [f32; 4]| {
-            let [x, y, z] = [from.right, from.up, from.forward].map(|a| dot(axis, wide(a)));
+        let dot = |a: [f32; 3], b: [f64; 3]| (0..3).map(|i| f64::from(a[i]) * b[i]).sum::<f64>() as f32;
+        let double = |a: [f32; 3]| a.map(f64::from);
+        let (to_view, from_view) = (to.view, from.view);
+        let row = |axis: [f32; 3]| {
+            let [x, y, z] = [from_view.right, from_view.up, from_view.forward].map(|a| dot(axis, double(a)));
             [x, y, z, dot(axis, moved)]
         };
         OcclusionHistoryParams {
-            before_x: row(to.right),
-            before_y: row(to.up),
-            before_z: row(to.forward),
-            ndc_from_texel: to.ndc_from_texel,
-            half_view: to.half_view,
-            right: to.right,
-            up: to.up,
-            forward: to.forward,
-            limits: [
-                TOLERANCE * to.half_view[1],
-                TOLERANCE * to.half_view[3],
-                self.frames as f32,
-                if before.is_some() { 1.0 } else { 0.0 },
-            ],
+            x_from_now: row(to_view.right),
+            y_from_now: row(to_view.up),
+            z_from_now: row(to_view.forward),
+            view: to_view,
+            tolerance_world: TOLERANCE * to_view.half_view[1],
+            tolerance_world_per_depth: TOLERANCE * to_view.half_view_per_depth[1],
+            max_frames: self.frames as f32,
+            has_before: before.is_some().into(),
         }
     }
 }

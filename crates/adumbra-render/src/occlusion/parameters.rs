@@ -1,35 +1,35 @@
-//! What ambient occlusion can be told, as help shows it: written from what reading asks for.
+//! Help for the parameters of ambient occlusion, generated from the keys that parsing requests.
 
 use super::describe;
 use super::estimator::Estimator;
 use super::settings::DEFAULT_RADIUS_SHARE;
 use crate::technique::Parameter;
 
-/// Every name that ambient occlusion goes by, and what it is.
+/// All names of ambient occlusion, each with a description.
 pub const OCCLUSIONS: [(&str, &str); 7] = [
-    ("ssao", "points in a hemisphere that lie behind what is seen (Mittring 2007)"),
+    ("ssao", "points in a hemisphere that are behind the visible surface (Mittring 2007)"),
     ("hbao", "horizons along a few directions (Bavoil, Sainz, Dimitrov 2008)"),
-    ("alchemy", "what rises over the tangent plane, by its distance (McGuire et al. 2011)"),
-    ("issao", "the same with an attenuation and a denser middle (Qiu et al. 2014)"),
-    ("gtao", "horizons of slices, their arcs integrated (Jimenez et al. 2016)"),
+    ("alchemy", "occluders above the tangent plane, weighted by distance (McGuire et al. 2011)"),
+    ("issao", "like alchemy, with an attenuation and denser samples near the point (Qiu et al. 2014)"),
+    ("gtao", "horizons of slices, with their arcs integrated (Jimenez et al. 2016)"),
     ("truth", "rays on the CPU"),
     ("none", "open sky everywhere"),
 ];
 
-/// Parameters of an estimator alone, one an entry: `key=default (range or words): what it is`; of `truth` all that it has. Empty for any other
-/// name.
+/// Parameters specific to an estimator, one per entry: `key=default (range or words): description`. For `truth`, all of
+/// its parameters. Empty for any other name.
 pub fn occlusion_parameters(name: &str) -> Vec<String> {
     let common = common();
     lines(described(name).iter().filter(|p| name == "truth" || !common.contains(&p.key)))
 }
 
-/// Parameters that every estimator has, as [`occlusion_parameters`].
+/// Parameters common to all estimators, in the format of [`occlusion_parameters`].
 pub fn occlusion_options() -> Vec<String> {
     let common = common();
     lines(described(Estimator::ALL[0].name()).iter().filter(|p| common.contains(&p.key)))
 }
 
-/// What every estimator asks for.
+/// Keys that every estimator requests.
 fn common() -> Vec<&'static str> {
     let of = |e: &Estimator| -> Vec<&str> { described(e.name()).iter().map(|p| p.key).collect() };
     let [first, others @ ..] = &Estimator::ALL;
@@ -81,6 +81,6 @@ mod tests {
         assert!(
             occlusion_parameters("issao").iter().any(|l| l.starts_with("preset=none, fig3, fig4 or fig5: "))
         );
-        assert!(occlusion_options().iter().any(|l| l == "samples=12 (1 to 64): taps a pixel"));
+        assert!(occlusion_options().iter().any(|l| l == "samples=12 (1 to 64): taps per pixel"));
     }
 }

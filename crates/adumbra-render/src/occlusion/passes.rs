@@ -1,4 +1,4 @@
-//! The passes on a device.
+//! The GPU passes of ambient occlusion.
 
 use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::layout::{
@@ -8,7 +8,7 @@ use adumbra_shaders::{Source, assemble, source};
 use wgpu::{BindGroupLayout, BindingResource, ComputePipeline, ShaderStages, TextureFormat};
 
 use super::estimator::Estimator;
-use super::pictures::{HISTORY_FORMAT, NORMAL_FORMAT, Pictures};
+use super::pictures::{AMBIENT_FORMAT, HISTORY_FORMAT, NORMAL_FORMAT, Pictures};
 use super::settings::{Filter, Normals, OcclusionSettings, Term};
 use super::taps::taps;
 use crate::error::Result;
@@ -16,13 +16,10 @@ use crate::frame::Target;
 use crate::gpu::{Gpu, binding};
 use crate::readback::read_texture;
 
-/// Ambient visibility and view depth.
-pub const AMBIENT_FORMAT: TextureFormat = TextureFormat::Rg32Float;
-
-/// What the passes read.
+/// The inputs of the passes.
 #[derive(Clone, Copy)]
 pub struct OcclusionInput<'a> {
-    /// The frame's uniform, as it is on the device too.
+    /// The frame's uniform, equal to the one on the device.
     pub frame: &'a Frame,
     /// The camera's depth.
     pub depth: &'a wgpu::TextureView,
@@ -30,7 +27,7 @@ pub struct OcclusionInput<'a> {
     pub normal: &'a wgpu::TextureView,
 }
 
-/// The pipelines of one ambient occlusion, with its pictures.
+/// The pipelines of one ambient occlusion, with its textures.
 pub struct OcclusionPasses {
     settings: OcclusionSettings,
     surface: Pass,
@@ -44,21 +41,22 @@ pub struct OcclusionPasses {
     history_params: wgpu::Buffer,
     filter_params: [wgpu::Buffer; 2],
     pictures: Option<Pictures>,
-    /// The frame being made.
+    /// The current frame.
     now: Option<Frame>,
-    /// The frame that the history is of, and which of the two holds it.
+    /// The frame that the history belongs to.
     before: Option<Frame>,
+    /// Index of the history texture that holds it.
     held: usize,
 }
 
-/// One pipeline.
+/// One compute pass.
 struct Pass {
     layout: BindGroupLayout,
     pipeline: ComputePipeline,
 }
 
 impl OcclusionPasses {
-    /// Builds the pipelines.
+    /// Creates the pipelines.
     pub fn new(gpu: &Gpu, settings: OcclusionSettings) -> Self {
         use binding::{DEPTH, LOADED, UNIFORM, written};
         let mut estimate = vec![source::OCCLUSION, source::OCCLUSION_PASS];
@@ -72,7 +70,7 @@ impl OcclusionPasses {
         let ambient = written(AMBIENT_FORMAT);
         let normals = || {
             let bindings = [UNIFORM, DEPTH, written(NORMAL_FORMAT)];
-            Pass::new(gpu, "occlusion_normals", &[source::OCCLUSION_NORMALS], &bindings)
+            Pass::new(gpu, "occlusion_normals", &[source::OCCLUSION, source::OCCLUSION_NORMALS], &bindings)
         };
         let history = || {
             let files = [source::OCCLUSION, source::OCCLUSION_HISTORY];
@@ -80,7 +78,7 @@ impl OcclusionPasses {
             Pass::new(gpu, "occlusion_history", &files, &bindings)
         };
         let up = || {
-            let files = [source::OCCLUSION_PLANE, source::OCCLUSION_UP];
+            let files = [source::VIEW_DEPTH, source::OCCLUSION_PLANE, source::OCCLUSION_UP];
             Pass::new(gpu, "occlusion_up", &files, &[UNIFORM, UNIFORM, DEPTH, LOADED, ambient])
         };
         let uniform = |label, bytes| gpu.uniform(label, &vec![0; bytes]);
@@ -88,7 +86,7 @@ impl OcclusionPasses {
             surface: Pass::new(
                 gpu,
                 "occlusion_surface",
-                &[source::OCCLUSION_SURFACE],
+                &[source::VIEW_DEPTH, source::OCCLUSION_SURFACE],
                 &[UNIFORM, DEPTH, written(TextureFormat::R32Float)],
             ),
             normals: (settings.normals == Normals::Depth).then(normals),
@@ -111,13 +109,13 @@ impl OcclusionPasses {
         }
     }
 
-    /// What it was made for.
+    /// The settings that the passes were created with.
     pub fn settings(&self) -> &OcclusionSettings {
         &self.settings
     }
 
-    /// Other numbers for the same estimator and the same passes, without what is known of frames before; false, and nothing
-    /// done, where passes would differ.
+    /// Changes the numeric parameters for the same estimator and passes, and discards the history. Returns false, and
+    /// does nothing, if the passes would differ.
     pub fn reshape(&mut self, gpu: &Gpu, settings: &OcclusionSettings) -> bool {
         let same = OcclusionSettings {
             shape: self.settings.shape,
@@ -133,20 +131,20 @@ impl OcclusionPasses {
         true
     }
 
-    /// Bytes that it holds on the device.
+    /// Bytes on the device.
     pub fn bytes(&self) -> u64 {
         self.pictures.as_ref().map_or(0, |p| p.bytes)
     }
 
-    /// Drops what is known of the frames before, as after a cut to another camera.
+    /// Discards the history of previous frames, as after a camera cut.
     pub fn forget(&mut self) {
         self.before = None;
     }
 
-    /// Writes uniforms and makes room. Called before every other method of a frame; those follow in the order in which they
-    /// stand here.
+    /// Writes uniforms and allocates textures. Call it before every other method of a frame. The others follow in the
+    /// order in which they are declared here.
     pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame) {
-        let size = [frame.size[0], frame.size[1]];
+        let size = frame.size;
         if self.pictures.as_ref().is_none_or(|p| p.frame_size != size) {
             self.pictures = Some(Pictures::new(gpu, &self.settings, size));
             self.forget();
@@ -162,7 +160,7 @@ impl OcclusionPasses {
         self.now = Some(*frame);
     }
 
-    /// View depth, and normals where they are made from it.
+    /// Encodes view depth, and normals if they are computed from depth.
     pub fn encode_surfaces(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, input: &OcclusionInput<'_>) {
         let Some(p) = &self.pictures else { return };
         let view = BindingResource::TextureView;
@@ -174,7 +172,7 @@ impl OcclusionPasses {
         }
     }
 
-    /// The estimator.
+    /// Encodes the estimator.
     pub fn encode_estimate(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, input: &OcclusionInput<'_>) {
         let Some(p) = &self.pictures else { return };
         let view = BindingResource::TextureView;
@@ -188,12 +186,12 @@ impl OcclusionPasses {
         self.estimate.encode(gpu, encoder, resources, self.size(p));
     }
 
-    /// Whether frames before count.
+    /// Whether previous frames are reused.
     pub fn has_history(&self) -> bool {
         self.history.is_some()
     }
 
-    /// The mean with the frames before.
+    /// Encodes the mean with previous frames.
     pub fn encode_history(
         &mut self,
         gpu: &Gpu,
@@ -217,7 +215,7 @@ impl OcclusionPasses {
         self.before = self.now;
     }
 
-    /// What smooths the estimate, and brings it to the frame's size.
+    /// Encodes the filter, and the upsampling to the frame's size.
     pub fn encode_filter(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, input: &OcclusionInput<'_>) {
         let Some(p) = &self.pictures else { return };
         let view = BindingResource::TextureView;
@@ -245,27 +243,28 @@ impl OcclusionPasses {
         }
     }
 
-    /// Ambient visibility and view depth, of the frame's size; none before the first frame.
+    /// Ambient visibility and view depth, at the frame's size. `None` before the first frame.
     pub fn result(&self) -> Option<&Target> {
         self.pictures.as_ref().map(|p| p.whole.as_ref().unwrap_or(&p.ambient[self.last()]))
     }
 
-    /// Ambient visibility, 1 = unoccluded and where nothing is, row 0 at the top; empty before the first frame.
+    /// Reads back the ambient visibility, row 0 at the top. 1 = unoccluded, and also where there is no surface. Empty
+    /// before the first frame.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<f32>> {
         let Some(target) = self.result() else { return Ok(Vec::new()) };
         let bytes = read_texture(gpu, &target.texture, 0, 0)?;
         Ok(bytes.as_chunks::<8>().0.iter().map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
     }
 
-    /// Which picture the filter begins with.
+    /// Index of the texture that the filter begins with.
     fn first(&self) -> usize {
         usize::from(self.history.is_some())
     }
 
-    /// Which picture it ends with.
+    /// Index of the texture that the filter ends with.
     fn last(&self) -> usize {
         (self.first() + self.settings.filter_passes() as usize) % 2
     }
@@ -282,7 +281,7 @@ impl Pass {
         Self { layout, pipeline }
     }
 
-    /// A thread a texel.
+    /// Encodes one thread per texel.
     fn encode(
         &self,
         gpu: &Gpu,
@@ -298,7 +297,7 @@ impl Pass {
     }
 }
 
-/// The files that say what the pass asks.
+/// The WGSL files of the estimator.
 fn estimator(settings: &OcclusionSettings) -> &'static [Source] {
     match settings.estimator {
         Estimator::Ssao => &[source::OCCLUSION_SSAO],

@@ -1,27 +1,28 @@
-//! What the passes write: made for one size of frame.
+//! The textures that the passes write, for one frame size.
 
 use wgpu::{TextureFormat, TextureUsages};
 
-use super::passes::AMBIENT_FORMAT;
 use super::settings::{Normals, OcclusionSettings};
 use crate::frame::Target;
 use crate::gpu::Gpu;
 
-/// World normals made from depth: whole floats, of which no rounding differs from device to device.
+/// Ambient visibility and view depth.
+pub const AMBIENT_FORMAT: TextureFormat = TextureFormat::Rg32Float;
+/// World normals computed from depth: 32-bit floats, so that no rounding differs between devices.
 pub(super) const NORMAL_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
-/// Visibility, view depth, frames, 0.
+/// Visibility, view depth, number of frames, 0.
 pub(super) const HISTORY_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 
 pub(super) struct Pictures {
     pub(super) frame_size: [u32; 2],
     pub(super) view_depth: Target,
-    /// Where they are made from depth.
+    /// World normals, if they are computed from depth.
     pub(super) normals: Option<Target>,
-    /// The estimate, and what is made of it; two take turns.
+    /// The estimate and the results of later passes, which alternate between the two.
     pub(super) ambient: [Target; 2],
-    /// Two take turns from frame to frame.
+    /// History, which alternates between the two from frame to frame.
     pub(super) history: Option<[Target; 2]>,
-    /// Of the frame's size, where the others are half of it.
+    /// Result at the frame's size, if the others are half of it.
     pub(super) whole: Option<Target>,
     pub(super) bytes: u64,
 }
@@ -32,19 +33,9 @@ impl Pictures {
         let mut picture = |format: TextureFormat, [width, height]: [u32; 2]| {
             let texel = u64::from(format.block_copy_size(None).unwrap_or(4));
             bytes += u64::from(width) * u64::from(height) * texel;
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("occlusion::picture"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: TextureUsages::STORAGE_BINDING
-                    | TextureUsages::TEXTURE_BINDING
-                    | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            Target { view: texture.create_view(&Default::default()), texture }
+            let usage =
+                TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+            Target::new(gpu, "occlusion::picture", [width, height], format, usage)
         };
         let size = settings.size(frame_size);
         let view_depth = picture(TextureFormat::R32Float, size);

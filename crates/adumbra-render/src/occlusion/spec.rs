@@ -1,25 +1,22 @@
-//! From an ambient occlusion's text to its settings: `issao:radius=4:half=on`.
+//! Parsing of ambient-occlusion settings from text: `issao:radius=4:half=on`.
 
 use adumbra_shaders::constants::{OCCLUSION_MAX_SIDE, OCCLUSION_MAX_TAPS};
 
 use super::estimator::Estimator;
 use super::settings::{Filter, Normals, OcclusionSettings};
 use crate::error::Result;
-use crate::technique::{self, Parameter, SpecReader, TechniqueSpec};
+use crate::technique::{Parameter, SpecReader, TechniqueSpec, changed};
 
-/// Most rays a pixel of `truth`.
+/// Largest number of rays per pixel of `truth`.
 const MAX_RAYS: u32 = 65_536;
 
 impl OcclusionSettings {
-    /// Reads `NAME[:key=value…]`; `default_radius_world` where it has no `radius`.
+    /// Parses `NAME[:key=value…]`. `default_radius_world` applies if there is no `radius`.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for a name or values that do not exist.
+    /// Returns [`crate::RenderError::Technique`] if a name, a parameter or a value does not exist.
     pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
-        let mut reader = spec.reader();
-        let settings = Self::from_reader(&mut reader, default_radius_world)?;
-        reader.finish()?;
-        Ok(settings)
+        spec.read(|reader| Self::from_reader(reader, default_radius_world))
     }
 
     fn from_reader(r: &mut SpecReader<'_>, default_radius_world: f64) -> Result<Self> {
@@ -27,39 +24,44 @@ impl OcclusionSettings {
         let Some(estimator) = Estimator::ALL.into_iter().find(|e| e.name() == spec.name()) else {
             let names: Vec<&str> = Estimator::ALL.iter().map(|e| e.name()).collect();
             let names = names.join(", ");
-            return Err(spec.wrong(format!("there is no such occlusion; there are: {names}, truth, none")));
+            return Err(spec.wrong(format!("unknown ambient occlusion; choose one of: {names}, truth, none")));
         };
         let mut s = Self::new(estimator, default_radius_world);
         s.radius_world = radius(r, s.radius_world)?;
-        s.samples = r.count("samples", "taps a pixel", s.samples, 1..=OCCLUSION_MAX_TAPS)?;
-        s.cap_texels =
-            r.number("cap", "a radius that covers more pixels shrinks to this", s.cap_texels, 1.0..=4096.0)?;
+        s.samples = r.count("samples", "taps per pixel", s.samples, 1..=OCCLUSION_MAX_TAPS)?;
+        s.cap_texels = r.number("cap", "largest radius on the screen, texels", s.cap_texels, 1.0..=4096.0)?;
         let what = "fewer taps where the radius covers few pixels (issao)";
         s.levels = r.choice("levels", what, &["on", "off"])? == "on";
-        let what = "whose normals, the G-buffer's or made of depth";
+        let what = "normals of the G-buffer, or computed from depth";
         s.normals = match r.choice("normals", what, &["gbuffer", "depth"])? {
             "gbuffer" => Normals::GBuffer,
             _ => Normals::Depth,
         };
-        let what = "two lines that see depth, the square, two lines that do not, or nothing";
+        let what = "two passes that respect depth, the square, two passes that ignore depth, or none";
         s.filter = match r.choice("filter", what, &["bilateral", "square", "gauss", "none"])? {
             "bilateral" => Filter::Bilateral,
             "square" => Filter::BilateralSquare,
             "gauss" => Filter::Gauss,
             _ => Filter::None,
         };
-        let what = "neighbours on either side that the filter takes";
+        let what = "neighbours on either side that the filter reads";
         s.filter_side = r.count("side", what, s.filter_side, 1..=OCCLUSION_MAX_SIDE)?;
         s.sigma_texels =
             r.number("blur", "the filter's standard deviation, texels", s.sigma_texels, 0.1..=16.0)?;
-        s.sigma_depth = r.number("sharpness", "the same in depth, radii", s.sigma_depth, 1e-4..=100.0)?;
-        let what = "how far depth is off, from the surface drawn on or from the pixel's";
+        s.sigma_depth = r.number(
+            "sharpness",
+            "the filter's standard deviation of view depth, radii",
+            s.sigma_depth,
+            1e-4..=100.0,
+        )?;
+        let what = "what the filter compares depth with: the pixel's surface, extrapolated, or its depth";
         s.planes = r.choice("depth", what, &["plane", "plain"])? == "plane";
-        s.edge_test = r.choice("edges", "leave pixels that need no filter", &["off", "on"])? == "on";
-        s.half = r.choice("half", "at half of width and height", &["off", "on"])? == "on";
-        let what = "with what is still valid of the frames before";
+        s.edge_test = r.choice("edges", "skip pixels that need no filter", &["off", "on"])? == "on";
+        s.half = r.choice("half", "estimate at half the width and height", &["off", "on"])? == "on";
+        let what = "reuse what is still valid of earlier frames";
         s.reuse = r.choice("reuse", what, &["off", "on"])? == "on";
-        s.frames = r.count("frames", "how many of them count", s.frames, 1..=64)?;
+        s.frames =
+            r.count("frames", "with reuse=on: largest number of frames in the mean", s.frames, 1..=64)?;
         let preset = if estimator == Estimator::Issao { preset(r)? } else { &[] };
         for (value, p) in s.shape.iter_mut().zip(estimator.parameters()) {
             let default = preset.iter().find(|(name, _)| *name == p.name).map_or(p.default, |(_, v)| *v);
@@ -73,72 +75,94 @@ impl OcclusionSettings {
     }
 }
 
-/// Ambient visibility by rays: `truth`.
+/// Settings of ray-traced ambient visibility: `truth`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracedSettings {
-    /// Nothing further than this occludes, world units.
+    /// Distance beyond which nothing occludes, world units.
     pub radius_world: f64,
-    /// Rays a pixel, 1 to 65,536.
+    /// Rays per pixel, 1 to 65,536.
     pub rays: u32,
 }
 
 impl TracedSettings {
-    /// Reads `truth[:radius=R][:rays=N]`; `default_radius_world` where it has no `radius`.
+    /// Parses `truth[:radius=R][:rays=N]`. `default_radius_world` applies if there is no `radius`.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for values that do not exist.
+    /// Returns [`crate::RenderError::Technique`] if a parameter or a value does not exist.
     pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
-        let mut reader = spec.reader();
-        let settings = Self::from_reader(&mut reader, default_radius_world)?;
-        reader.finish()?;
-        Ok(settings)
+        spec.read(|reader| Self::from_reader(reader, default_radius_world))
     }
 
     fn from_reader(r: &mut SpecReader<'_>, default_radius_world: f64) -> Result<Self> {
         let radius_world = radius(r, default_radius_world)?;
-        Ok(Self { radius_world, rays: r.count("rays", "a pixel", 256, 1..=MAX_RAYS)? })
+        Ok(Self { radius_world, rays: r.count("rays", "rays per pixel", 256, 1..=MAX_RAYS)? })
+    }
+}
+
+/// Settings of ambient occlusion, for any name of [`super::OCCLUSIONS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AmbientSettings {
+    /// `none`: open sky.
+    Open,
+    /// `truth`: rays on the CPU.
+    Traced(TracedSettings),
+    /// A screen-space estimator.
+    Estimated(OcclusionSettings),
+}
+
+impl AmbientSettings {
+    /// Parses `NAME[:key=value…]`. `default_radius_world` applies if there is no `radius`.
+    ///
+    /// # Errors
+    /// Returns [`crate::RenderError::Technique`] if a name, a parameter or a value does not exist.
+    pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
+        spec.read(|reader| Self::from_reader(reader, default_radius_world))
+    }
+
+    fn from_reader(reader: &mut SpecReader<'_>, default_radius_world: f64) -> Result<Self> {
+        Ok(match reader.spec().name() {
+            "none" => Self::Open,
+            "truth" => Self::Traced(TracedSettings::from_reader(reader, default_radius_world)?),
+            _ => Self::Estimated(OcclusionSettings::from_reader(reader, default_radius_world)?),
+        })
     }
 }
 
 fn radius(r: &mut SpecReader<'_>, default_world: f64) -> Result<f64> {
-    r.number("radius", "nothing further than this occludes, world units", default_world, 0.0..=1e9)
+    r.number("radius", "nothing farther away than this occludes, world units", default_world, 0.0..=1e9)
 }
 
-/// The parameters of an ambient occlusion of [`super::OCCLUSIONS`] as it was called for; `default_radius_world` as in
-/// [`OcclusionSettings::from_spec`].
+/// Returns the parameters of an ambient occlusion of [`super::OCCLUSIONS`] with their values in `spec`.
+/// `default_radius_world` is as in [`OcclusionSettings::from_spec`].
 ///
 /// # Errors
-/// [`crate::RenderError::Technique`] for a name, a parameter or a value that does not exist.
+/// Returns [`crate::RenderError::Technique`] if a name, a parameter or a value does not exist.
 pub fn describe(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Vec<Parameter>> {
     let mut reader = spec.reader();
     read(&mut reader, default_radius_world)?;
     reader.finish()
 }
 
-/// [`technique::change`] for ambient occlusion.
+/// [`crate::techniques::change`] for ambient occlusion.
 ///
 /// # Errors
-/// As [`describe`].
+/// Returns the errors of [`describe`].
 pub fn change(
     spec: &TechniqueSpec,
     default_radius_world: f64,
     key: &str,
     value: &str,
 ) -> Result<TechniqueSpec> {
-    technique::changed(spec, key, value, |reader| read(reader, default_radius_world))
+    changed(spec, key, value, |reader| read(reader, default_radius_world))
 }
 
 fn read(reader: &mut SpecReader<'_>, default_radius_world: f64) -> Result<()> {
-    match reader.spec().name() {
-        "none" => {}
-        "truth" => drop(TracedSettings::from_reader(reader, default_radius_world)?),
-        _ => drop(OcclusionSettings::from_reader(reader, default_radius_world)?),
-    }
-    Ok(())
+    AmbientSettings::from_reader(reader, default_radius_world).map(drop)
 }
 
-/// The paper's published settings for its figures 3, 4 and 5 as numbers in radii: with v = R w its equation has λ / R, σ / R², and φ and ψ as
-/// they are. R itself stays the radius asked for: it is in units of scenes that were not published.
+/// The settings that the paper published for its figures 3, 4 and 5, converted to radii. With v = R w its equation
+/// takes λ / R and σ / R², while φ and ψ are unchanged. The radius itself is not preset, because the paper's R is in
+/// the units of unpublished scenes.
 fn preset(r: &mut SpecReader<'_>) -> Result<&'static [(&'static str, f64)]> {
     Ok(
         match r.choice(

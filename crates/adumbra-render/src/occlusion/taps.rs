@@ -1,9 +1,10 @@
-//! The random texture of ambient occlusion: for each place of a 4 × 4 tile its own taps, the same on GPU and CPU.
+//! The noise of ambient occlusion: a separate set of taps for each texel of a 4 × 4 tile, the same on GPU and CPU.
 //!
-//! Numbers come from one sequence of points that fill the unit square evenly from any start on: multiples of 1/p and 1/p², p the plastic
-//! number (M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018). Place k takes the k-th run of it, so that the
-//! taps of a tile, which the filter averages, are as even as those of a texel. Marches turn with the place instead, a 16th of what lies
-//! between two directions at a time, and start at multiples of the golden ratio.
+//! Values come from one sequence of points that fills the unit square evenly from any start: multiples of 1/p and 1/p²,
+//! where p is the plastic number (M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018). Texel k
+//! of the tile takes the k-th run of the sequence, so that the taps of a whole tile, which the filter averages, are as
+//! even as those of a texel. Marches instead rotate from texel to texel by a 16th of the angle between two directions,
+//! and their start offsets are multiples of the golden ratio.
 
 use std::f64::consts::TAU;
 
@@ -15,11 +16,11 @@ use super::settings::{OcclusionSettings, march};
 
 const GOLDEN: f64 = 1.618_033_988_749_895;
 const PLASTIC: f64 = 1.324_717_957_244_746;
-/// Places of the tile.
+/// Texels of the tile.
 const PLACES: usize = 16;
 const MAX_TAPS: usize = OCCLUSION_MAX_TAPS as usize;
 
-/// The taps of an estimator.
+/// Returns the taps of an estimator.
 pub fn taps(settings: &OcclusionSettings) -> OcclusionTaps {
     let mut taps = [[0.0_f32; 4]; PLACES * MAX_TAPS];
     let samples = settings.samples as usize;
@@ -64,30 +65,33 @@ fn disc_tap([e1, e2]: [f64; 2]) -> [f64; 2] {
     [e1 * libm::sin(TAU * e2), e2 * libm::cos(TAU * e1)]
 }
 
-/// The same where the relation of e1 and e2, lost in print, is that they are equal: a spiral of one turn, whose density falls with the distance from the
-/// middle, and which ends at the rim (free of each other they reach 1.255, and what is beyond 1 is passed over). Each place turns its
-/// spiral by a 16th of a circle more.
+/// [`disc_tap`] with e1 = e2, on the assumption that this is the relation that was lost in print. It gives a spiral of
+/// one turn whose density falls with the distance from the middle and which ends at the rim. Independent e1 and e2
+/// reach a distance of 1.255, and points beyond 1 are skipped. Each texel of the tile rotates its spiral by a further
+/// 16th of a circle.
 fn spiral_tap(e: f64, place: usize) -> [f32; 4] {
     let [x, y] = disc_tap([e, e]);
     let (sin, cos) = libm::sincos(TAU * place as f64 / PLACES as f64);
     [cos * x - sin * y, sin * x + cos * y, 0.0, 0.0].map(|v| v as f32)
 }
 
-/// Where a place of the tile falls in each of the parts that taps divide something into.
+/// Offset of a tile texel within each interval that taps divide a range into, 0 to 1.
 fn within_tile(place: usize) -> f64 {
     (place as f64 + 0.5) / PLACES as f64
 }
 
-/// A point in the unit ball, denser towards the middle: the share `at` of the way from the first tap to the last, at lerp(0.1, 1, at²).
+/// A point in the unit ball, denser towards the middle. `at` is the tap's position from the first to the last, 0 to 1;
+/// its distance is lerp(0.1, 1, at²).
 fn ball_tap([e1, e2]: [f64; 2], at: f64) -> [f32; 4] {
     let (z, length) = (1.0 - 2.0 * e1, 0.1 + 0.9 * at * at);
     let r = (1.0 - z * z).sqrt();
     [r * libm::cos(TAU * e2), r * libm::sin(TAU * e2), z, 0.0].map(|v| (v * length) as f32)
 }
 
-/// Taps of a march: by direction, then by step; of `paired` directions only the first half, which the others are opposite to. x and y are
-/// the direction, y up; z how far the step is, of the radius, and w the same of the opposite direction. The tile turns directions by
-/// what lies between two of them, and moves the steps of each by one.
+/// Writes the taps of a march, by direction, then by step. With `paired`, only the first half of the directions is
+/// written, because the others are their opposites. x and y are the direction, y up. z is the distance of the step as a
+/// share of the radius, and w that of the opposite direction. Over the tile, directions rotate by the angle between two
+/// of them, and each direction's steps shift by one step.
 fn march_taps(
     place: &mut [[f32; 4]],
     number: usize,
@@ -116,7 +120,7 @@ fn march_taps(
 mod tests {
     use super::*;
 
-    fn of(estimator: Estimator, samples: u32) -> Vec<[f32; 4]> {
+    fn taps_for(estimator: Estimator, samples: u32) -> Vec<[f32; 4]> {
         let settings = OcclusionSettings { samples, ..OcclusionSettings::new(estimator, 1.0) };
         taps(&settings).taps.0.chunks_exact(MAX_TAPS).flat_map(|p| p[..samples as usize].to_vec()).collect()
     }
@@ -127,7 +131,7 @@ mod tests {
 
     #[test]
     fn taps_of_a_disc_are_even() {
-        let taps = of(Estimator::Alchemy, 12);
+        let taps = taps_for(Estimator::Alchemy, 12);
         assert!(taps.iter().all(|t| t[0].hypot(t[1]) < 1.0));
         assert!((mean(&taps, |t| t[0] * t[0] + t[1] * t[1]) - 0.5).abs() < 0.02);
         assert!(mean(&taps, |t| t[0]).hypot(mean(&taps, |t| t[1])) < 0.02);
@@ -136,9 +140,9 @@ mod tests {
     #[test]
     fn taps_of_a_ball_are_even_in_direction_and_denser_inside() {
         let length = |t: &[f32; 4]| (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
-        let taps = of(Estimator::Ssao, 12);
+        let taps = taps_for(Estimator::Ssao, 12);
         assert!(taps.iter().all(|t| (0.1..1.0).contains(&length(t))));
-        // Of 0.1 + 0.9 t², t even.
+        // The mean of 0.1 + 0.9 t² over uniform t is 0.4.
         assert!((mean(&taps, length) - 0.4).abs() < 0.01);
         for axis in 0..3 {
             assert!((mean(&taps, |t| (t[axis] / length(t)).powi(2)) - 1.0 / 3.0).abs() < 0.02, "{axis}");
@@ -152,7 +156,7 @@ mod tests {
             for (estimator, slices) in
                 [(Estimator::Hbao, directions), (Estimator::Gtao, directions.div_ceil(2))]
             {
-                let taps = of(estimator, samples);
+                let taps = taps_for(estimator, samples);
                 for place in taps.chunks_exact(samples as usize) {
                     let (used, rest) = place.split_at((slices * steps) as usize);
                     assert!(used.iter().all(|t| (t[0].hypot(t[1]) - 1.0).abs() < 1e-6));
@@ -162,12 +166,14 @@ mod tests {
                     assert!(used.chunks_exact(steps as usize).all(outwards));
                 }
             }
-            // A whole turn, or half of one where each direction has its opposite.
+            // HBAO directions cover a whole turn. GTAO directions cover half a turn, because each also represents its
+            // opposite.
             let turns = |estimator| {
-                mean(&of(estimator, samples), |t| t[0]).hypot(mean(&of(estimator, samples), |t| t[1]))
+                mean(&taps_for(estimator, samples), |t| t[0])
+                    .hypot(mean(&taps_for(estimator, samples), |t| t[1]))
             };
             assert!(turns(Estimator::Hbao) < 1e-3, "{samples}");
         }
-        assert!(of(Estimator::Gtao, 12).iter().take(6).all(|t| t[1] >= 0.0));
+        assert!(taps_for(Estimator::Gtao, 12).iter().take(6).all(|t| t[1] >= 0.0));
     }
 }

@@ -1,22 +1,24 @@
-//! Where meshes stand, and which of them a view sees.
+//! Placement of instances, and culling to what a view sees.
 
-use adumbra::scene::{Bounds, Scene};
+use adumbra::Bounds;
+use adumbra_scene::Scene;
 
 use super::SceneBuffers;
 use crate::gpu::Gpu;
 
-/// Three rows of four floats.
+/// Bytes of an instance: three rows of four floats.
 pub(super) const INSTANCE_BYTES: u64 = 48;
 
 /// A convex volume: points with `xyz · p + w >= 0` for each plane, world space.
 #[derive(Clone, Debug, Default)]
 pub struct Volume {
-    /// The planes; none means everything.
+    /// The planes. An empty list means all of space.
     pub planes: Vec<[f64; 4]>,
 }
 
 impl Volume {
-    /// Whether a box may reach into the volume; errs towards yes.
+    /// Whether a box may intersect the volume. Conservative: it may return true for a box outside, never false for one
+    /// that intersects.
     pub fn may_touch(&self, center: [f64; 3], half: [f64; 3]) -> bool {
         self.planes.iter().all(|p| {
             let distance: f64 = (0..3).map(|a| p[a] * center[a]).sum::<f64>() + p[3];
@@ -27,17 +29,17 @@ impl Volume {
 }
 
 struct Instance {
-    /// World from the mesh as it is uploaded: its positions count from [`mesh_origin`].
+    /// Transform from the uploaded mesh to the world. Uploaded positions are relative to [`mesh_origin`].
     world: [[f64; 4]; 3],
     center: [f64; 3],
     half: [f64; 3],
     casts: bool,
 }
 
-/// Instances sorted by mesh, with their boxes.
+/// Instances sorted by mesh, with their bounding boxes.
 pub(super) struct Placed {
     instances: Vec<Instance>,
-    /// Where each mesh's instances begin, and the end.
+    /// Index of each mesh's first instance, then the number of instances.
     starts: Vec<usize>,
     first_world: [f64; 3],
 }
@@ -73,7 +75,7 @@ impl Placed {
         Self { instances: instances.collect(), starts, first_world }
     }
 
-    /// World boxes of the instances.
+    /// Bounding boxes of the instances, world space.
     pub(super) fn boxes(&self) -> impl Iterator<Item = Bounds> {
         self.instances.iter().map(|i| Bounds {
             min: std::array::from_fn(|a| i.center[a] - i.half[a]),
@@ -81,7 +83,7 @@ impl Placed {
         })
     }
 
-    /// Where the first instance in the scene's order stands.
+    /// World position of the first instance in the scene's order.
     pub(super) fn first_world(&self) -> [f64; 3] {
         self.first_world
     }
@@ -91,12 +93,12 @@ impl Placed {
     }
 }
 
-/// Whether an instance stands anywhere: one that does not is neither drawn nor part of any box.
-fn has_place(instance: &adumbra::scene::Instance) -> bool {
+/// Whether an instance has a finite transform. One that has not is neither drawn nor part of any bounding box.
+fn has_place(instance: &adumbra_scene::Instance) -> bool {
     instance.world_from_mesh.iter().flatten().all(|&c| (c as f32).is_finite())
 }
 
-/// Box of everything placed. Cost: the instanced vertices.
+/// Returns the bounding box of all instances. Cost: one pass over the instanced vertices.
 pub(super) fn bounds(scene: &Scene) -> Bounds {
     if scene.instances.iter().all(has_place) {
         return scene.bounds();
@@ -114,13 +116,13 @@ pub(super) fn bounds(scene: &Scene) -> Bounds {
     b
 }
 
-/// Where a mesh's positions count from on the GPU: the point of its box nearest to zero, so that a mesh far from its own zero is held as
-/// exactly as one about it.
+/// Returns the origin of a mesh's positions on the GPU: the point of its bounding box nearest to zero. A mesh far from
+/// its own zero thus keeps as much precision as one around it.
 pub(super) fn mesh_origin(positions: &[[f32; 3]]) -> [f64; 3] {
     nearest_to_zero(mesh_extent(positions))
 }
 
-/// Least and greatest corner of a mesh's box; zero for a mesh without positions.
+/// Returns the least and greatest corner of a mesh's bounding box; zero for a mesh without positions.
 fn mesh_extent(positions: &[[f32; 3]]) -> [[f64; 3]; 2] {
     if positions.is_empty() {
         return [[0.0; 3]; 2];
@@ -156,14 +158,15 @@ pub struct InstanceList {
 }
 
 impl InstanceList {
-    /// A list with room for every instance of `scene`; nothing is in it yet.
+    /// Creates an empty list with room for every instance of `scene`.
     pub fn new(gpu: &Gpu, label: &str, scene: &SceneBuffers) -> Self {
         let buffer = rows_buffer(gpu, label, scene.placed.len() as u64);
         Self { label: label.to_owned(), buffer, ranges: Vec::new(), count: 0 }
     }
 
-    /// Lists the instances that may reach into `volume`, relative to `anchor_world`; only those that cast, if `casters_only`. Cost: one
-    /// test an instance, and 48 bytes sent for each one listed; a new buffer where there are more than there was room for.
+    /// Lists the instances that may intersect `volume`, with transforms relative to `anchor_world`; only shadow casters
+    /// if `casters_only`. Cost: one test per instance, and 48 bytes uploaded per listed instance. Allocates a new
+    /// buffer if the list outgrows the present one.
     pub fn update(
         &mut self,
         gpu: &Gpu,
@@ -172,7 +175,7 @@ impl InstanceList {
         volume: &Volume,
         casters_only: bool,
     ) {
-        // In doubles until here: floats step by half a metre at map coordinates.
+        // Double precision up to here: at map coordinates, the spacing of floats is half a metre.
         let rows_of = |i: &Instance| -> [[f32; 4]; 3] {
             std::array::from_fn(|a| {
                 let [x, y, z, w] = i.world[a];
@@ -194,7 +197,7 @@ impl InstanceList {
         }
         self.count = rows.len() as u32;
         if rows.len() as u64 * INSTANCE_BYTES > self.buffer.size() {
-            // Made for another scene, which had fewer.
+            // The buffer was made for another scene with fewer instances.
             self.buffer = rows_buffer(gpu, &self.label, placed.len() as u64);
         }
         if !rows.is_empty() {
@@ -202,12 +205,12 @@ impl InstanceList {
         }
     }
 
-    /// Instances listed.
+    /// Number of instances listed.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Bytes on the GPU.
+    /// Size on the GPU, bytes.
     pub fn bytes(&self) -> u64 {
         self.buffer.size()
     }
@@ -233,7 +236,7 @@ fn rows_buffer(gpu: &Gpu, label: &str, count: u64) -> wgpu::Buffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use adumbra::scene::{GeneratedKind, generate};
+    use adumbra_scene::{GeneratedKind, generate};
 
     #[test]
     fn instances_without_a_place_are_left_out() {

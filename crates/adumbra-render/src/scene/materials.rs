@@ -1,13 +1,13 @@
-//! Materials: a small uniform, the base-colour texture with mip levels, a sampler.
+//! Materials: a small uniform, the base-colour texture with mip levels, and a sampler.
 
-use adumbra::scene::{AlphaMode, MipLevel, Pixels, Scene, Texture, Wrap};
+use adumbra_scene::{AlphaMode, MipLevel, Pixels, Scene, Texture, Wrap};
 use adumbra_shaders::layout::MaterialParams;
 use wgpu::{AddressMode, BindingResource, FilterMode, ShaderStages, TextureFormat};
 
-use crate::error::{RenderError, Result};
+use crate::error::{Fix, RenderError, Result};
 use crate::gpu::{Gpu, binding};
 
-/// Bind groups by material.
+/// Bind groups, indexed by material.
 pub(super) struct Materials {
     groups: Vec<wgpu::BindGroup>,
     pub(super) bytes: u64,
@@ -40,7 +40,8 @@ impl Materials {
                 AlphaMode::Opaque => 0.0,
                 AlphaMode::Mask { cutoff } => cutoff,
             };
-            let params = MaterialParams { base_color: material.base_color, alpha: [cutoff, 0.0, 0.0, 0.0] };
+            let [r, g, b, alpha] = material.base_color;
+            let params = MaterialParams { base_color: [r, g, b], alpha, alpha_cutoff: cutoff };
             let uniform = gpu.uniform("material", &params.bytes());
             let (view, sampler) = material.texture.map_or(&plain, |t| &textures[t as usize]);
             gpu.bind(
@@ -86,7 +87,7 @@ fn upload(gpu: &Gpu, texture: &Texture, bytes: &mut u64) -> Result<wgpu::Texture
             what: format!("the texture {:?} of {} x {} texels", texture.name, texture.width, texture.height),
             bytes: u64::from(texture.width) * u64::from(texture.height) * 4,
             limit: u64::from(limit) * u64::from(limit) * 4,
-            mend: "make it smaller",
+            fix: Fix::Other("make it smaller"),
         });
     }
     let levels = texture.mip_levels();

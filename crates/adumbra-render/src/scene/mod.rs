@@ -1,12 +1,12 @@
-//! A scene on the GPU: meshes once, instances by mesh, materials with their textures.
+//! A scene on the GPU: each mesh once, instances sorted by mesh, and materials with their textures.
 //!
 //! | buffer | holds | read by |
 //! |---|---|---|
-//! | corners | three a triangle: position, the triangle's normal, texture coordinates, colour; by mesh, then opaque before masked, then material | G-buffer, masked casters |
-//! | positions, indices | welded as in the file, opaque casters only | depth from the light |
-//! | instances | rows of relative from mesh, sorted by mesh; one list a view, see [`InstanceList`] | both |
+//! | corners | three per triangle: position, the triangle's normal, texture coordinates, colour; sorted by mesh, then opaque before masked, then material | G-buffer, masked casters |
+//! | positions, indices | shared vertices as in the file, indexed; opaque casters only | depth from the light |
+//! | instances | rows of the transform from mesh to relative positions, sorted by mesh; one list per view, see [`InstanceList`] | both |
 //!
-//! Cost on the GPU: 32 bytes a corner, 12 a position, 4 an index, 48 an instance and view.
+//! Cost on the GPU: 32 bytes per corner, 12 per position, 4 per index, 48 per instance and view.
 
 mod instances;
 mod materials;
@@ -16,11 +16,11 @@ pub use instances::{InstanceList, Volume};
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use adumbra::light::{LightExtent, Sun};
-use adumbra::scene::{AlphaMode, Bounds, Mesh, Scene};
+use adumbra::{Bounds, LightExtent, Sun};
+use adumbra_scene::{AlphaMode, Mesh, Scene};
 use wgpu::BufferUsages;
 
-use crate::error::{RenderError, Result};
+use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
 use instances::{Placed, mesh_origin};
 use materials::Materials;
@@ -33,7 +33,7 @@ fn next_id() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// Corners of one material, one behind the other.
+/// A contiguous range of corners of one material.
 #[derive(Clone, Debug)]
 struct Run {
     material: u32,
@@ -48,10 +48,10 @@ struct MeshRuns {
     base_vertex: i32,
 }
 
-/// What to make of a scene.
+/// Options for uploading a scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SceneOptions {
-    /// Take every material as opaque.
+    /// Whether to treat every material as opaque.
     pub ignore_alpha: bool,
 }
 
@@ -68,11 +68,11 @@ pub struct SceneBuffers {
 }
 
 impl SceneBuffers {
-    /// Uploads a scene, valid as [`adumbra::scene::load`] leaves it. Cost: one pass over stored triangles, and over the
-    /// instanced vertices for the bounds.
+    /// Uploads a scene, which must be valid, as those from [`adumbra_scene::load`] are. Cost: one pass over the stored
+    /// triangles, and one over the instanced vertices for the bounds.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] where a buffer or a texture is larger than the device takes.
+    /// Returns [`RenderError::TooLarge`] if a buffer or a texture is larger than the device allows.
     pub fn new(gpu: &Gpu, scene: &Scene, options: SceneOptions) -> Result<Self> {
         let mut corners = Vec::new();
         let mut positions: Vec<f32> = Vec::new();
@@ -89,12 +89,12 @@ impl SceneBuffers {
             if bytes as u64 <= limit {
                 return Ok(());
             }
-            let mend = "leave parts of the scene out with --exclude, or split it";
-            Err(RenderError::TooLarge { what: what.to_owned(), bytes: bytes as u64, limit, mend })
+            let fix = Fix::SmallerScene;
+            Err(RenderError::TooLarge { what: what.to_owned(), bytes: bytes as u64, limit, fix })
         };
-        check("the scene's corners", corners.len())?;
-        check("the scene's positions", positions.len() * 4)?;
-        check("the scene's indices", indices.len() * 4)?;
+        check("the scene's corner buffer", corners.len())?;
+        check("the scene's position buffer", positions.len() * 4)?;
+        check("the scene's index buffer", indices.len() * 4)?;
         let bounds = instances::bounds(scene);
         Ok(Self {
             corners: gpu.buffer("scene::corners", &corners, BufferUsages::VERTEX),
@@ -108,47 +108,48 @@ impl SceneBuffers {
         })
     }
 
-    /// A number that no other content has in this process: another after [`SceneBuffers::move_instances`].
+    /// A number that identifies this content within the process. It changes with [`SceneBuffers::move_instances`].
     pub fn id(&self) -> u64 {
         self.id
     }
 
-    /// Box of everything placed, as it was when uploaded.
+    /// Bounding box of all instances, as last uploaded or moved.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// Where the scene's first instance stands: a point that moves with the scene, whatever else is in it. Zero where there is none.
+    /// World position of the scene's first instance: a point that moves with the scene, whatever else is in it. Zero if
+    /// there are no instances.
     pub fn lattice_world(&self) -> [f64; 3] {
         self.placed.first_world()
     }
 
-    /// What the boxes of everything placed cover along the light's axes. Cost: eight corners an instance.
+    /// Returns the extent of all instances' bounding boxes along the light's axes. Cost: eight corners per instance.
     pub fn light_extent(&self, sun: &Sun) -> LightExtent {
         let mut extent = LightExtent::empty(sun);
         self.placed.boxes().for_each(|b| extent.add_box(&b));
         extent
     }
 
-    /// Instances.
+    /// Number of instances.
     pub fn instance_count(&self) -> usize {
         self.placed.len()
     }
 
-    /// Bytes on the GPU, textures included.
+    /// Size on the GPU, textures included, bytes.
     pub fn bytes(&self) -> u64 {
         self.corners.size() + self.positions.size() + self.indices.size() + self.materials.bytes
     }
 
-    /// Places the instances anew; `scene` has the meshes and instances that this was made from.
+    /// Updates the transforms of the instances. `scene` must have the meshes and instances that this was created from.
     pub fn move_instances(&mut self, scene: &Scene) {
         self.placed = Placed::new(scene);
         self.bounds = instances::bounds(scene);
         self.id = next_id();
     }
 
-    /// Draws every material of the listed instances; `bind` sets the pipeline for opaque or masked corners before they are
-    /// drawn. Bind group 1 is the material's: [`material_layout`].
+    /// Draws every material of the listed instances. `bind` is called before opaque and before masked corners, with
+    /// whether they are masked, to set the pipeline. Bind group 1 is the material's: [`material_layout`].
     pub fn draw_surfaces(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -158,7 +159,8 @@ impl SceneBuffers {
         self.draw_runs(pass, list, bind, |_| true);
     }
 
-    /// Draws the opaque casters of the listed instances, by position alone: vertex buffer 0 holds positions, 1 instances.
+    /// Draws the opaque casters of the listed instances with positions only: vertex buffer 0 holds positions, 1
+    /// instances.
     pub fn draw_opaque_casters(&self, pass: &mut wgpu::RenderPass<'_>, list: &InstanceList) {
         if self.indices.size() <= 4 {
             return;
@@ -173,8 +175,8 @@ impl SceneBuffers {
         }
     }
 
-    /// Draws the masked casters of the listed instances: corners and instances, bind group 1 the material's. `bind` is
-    /// called once before the first, and not at all where there are none.
+    /// Draws the masked casters of the listed instances. The vertex buffers are corners and instances, and bind group 1
+    /// is the material's. `bind` is called once before the first draw, and not at all if there is none.
     pub fn draw_masked_casters(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -184,7 +186,8 @@ impl SceneBuffers {
         self.draw_runs(pass, list, |pass, _| bind(pass), |run| run.masked && run.casts);
     }
 
-    /// Draws all casters of the listed instances by their corners, as [`SceneBuffers::draw_surfaces`] does with every surface.
+    /// Draws the corners of all casters of the listed instances, as [`SceneBuffers::draw_surfaces`] does for all
+    /// surfaces.
     pub fn draw_caster_corners(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -226,13 +229,13 @@ impl SceneBuffers {
     }
 }
 
-/// The layout of a material's bind group: parameters, colour texture, sampler.
+/// Creates the layout of a material's bind group: parameters, colour texture, sampler.
 pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     materials::layout(gpu)
 }
 
-/// Vertex buffers of a pipeline that draws corners: position, normal, uv at locations 0 to 2, instance rows at 3 to 5, colour (sRGB and linear
-/// alpha) at 6.
+/// Vertex buffers of a pipeline that draws corners: position, normal and texture coordinates at locations 0 to 2,
+/// instance rows at 3 to 5, colour (sRGB with linear alpha) at 6.
 pub const CORNER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: CORNER_BYTES,
@@ -307,7 +310,7 @@ fn push_corners(
 ) {
     let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
     let edge = |to: [f64; 3]| glam::DVec3::from(std::array::from_fn::<f64, 3, _>(|k| to[k] - a[k]));
-    // Edges of length one, so that the cross product of very small triangles does not vanish.
+    // Edges are normalised first, so that the cross product of a very small triangle does not underflow.
     let normal = edge(b).normalize_or_zero().cross(edge(c).normalize_or_zero()).normalize_or_zero();
     let packed = [normal.x, normal.y, normal.z].map(|c| (c * 32767.0).round() as i16);
     for i in triangle {

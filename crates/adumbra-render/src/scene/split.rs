@@ -1,22 +1,24 @@
-//! Triangles far larger than the rest in parts, for the GPU: corners far behind the camera are clipped in floats, which puts what is near
-//! off its plane, by centimetres on a quad of 1000 km. Pure arithmetic.
+//! Splits triangles that are far larger than the rest, for the GPU. Vertices far behind the camera are clipped in
+//! `f32`, which moves nearby parts off their plane, by centimetres on a quad of 1000 km. Pure arithmetic, without the
+//! GPU.
 //!
-//! An edge is halved while it is longer than [`LONGEST_EDGES`] of the scene's usual edges, whatever triangle asks, so triangles that share it
-//! still meet. The usual edge is the median, which neither a stray triangle nor the scene's unit changes.
+//! An edge is halved while it is longer than [`LONGEST_EDGES`] times the scene's median edge. Every triangle that
+//! shares an edge splits it alike, so they leave no cracks. The median changes neither with a stray triangle nor with
+//! the scene's unit.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use adumbra::scene::{Mesh, Scene};
+use adumbra_scene::{Mesh, Scene};
 
-/// Longest edge, in the scene's median edges.
+/// Longest edge that is not split, in multiples of the scene's median edge.
 const LONGEST_EDGES: f64 = 2048.0;
-/// The median is taken of about so many triangles.
+/// Approximate number of triangles that the median is taken over.
 const SAMPLE: usize = 1 << 16;
-/// A mesh that would have more triangles stays as it was last.
-const MOST_TRIANGLES: usize = 1 << 20;
+/// A mesh is not split any further if it would have more triangles than this.
+const MAX_TRIANGLES: usize = 1 << 20;
 
-/// For each mesh how much the largest of its instances scales it, along the most scaled of its axes; 0 without instances.
+/// Returns for each mesh the scale of its largest instance, along the axis scaled most; 0 without instances.
 pub(super) fn largest_scales(scene: &Scene) -> Vec<f64> {
     let mut scales = vec![0.0_f64; scene.meshes.len()];
     for instance in &scene.instances {
@@ -32,7 +34,8 @@ pub(super) fn largest_scales(scene: &Scene) -> Vec<f64> {
     scales
 }
 
-/// Longest edge that is drawn as it is, world units; `scales` are those of [`largest_scales`]. Infinite of a scene without edges.
+/// Returns the length of the longest edge that is drawn unsplit, world units; infinite for a scene without edges.
+/// `scales` are those of [`largest_scales`].
 pub(super) fn longest_edge(scene: &Scene, scales: &[f64]) -> f64 {
     let step = (scene.stored_triangles() as usize).div_ceil(SAMPLE).max(1);
     let placed = scene.meshes.iter().zip(scales).filter(|(_, scale)| **scale > 0.0);
@@ -46,13 +49,14 @@ pub(super) fn longest_edge(scene: &Scene, scales: &[f64]) -> f64 {
     lengths.get(lengths.len() / 2).map_or(f64::INFINITY, |median| LONGEST_EDGES * median)
 }
 
-/// The squared length of an edge, in the mesh's own units.
+/// Returns the squared length of an edge, in the mesh's own units.
 fn square(mesh: &Mesh, a: u32, b: u32) -> f64 {
     let [p, q] = [a, b].map(|i| mesh.positions[i as usize]);
     (0..3).map(|k| (f64::from(p[k]) - f64::from(q[k])).powi(2)).sum()
 }
 
-/// The mesh with its edges of more than `longest`, in its own units, halved, where it has any.
+/// Returns the mesh with edges longer than `longest` halved until none is left, as far as [`MAX_TRIANGLES`] allows.
+/// `longest` is in the mesh's own units.
 pub(super) fn split_long_edges(mesh: &Mesh, longest: f64) -> Cow<'_, Mesh> {
     let mut split = Cow::Borrowed(mesh);
     while let Some(next) = halved(&split, longest) {
@@ -61,12 +65,12 @@ pub(super) fn split_long_edges(mesh: &Mesh, longest: f64) -> Cow<'_, Mesh> {
     split
 }
 
-/// Each edge that is too long halved once; none where none is, or too many triangles would come of it.
+/// Halves each edge that is too long once. Returns `None` if there is none, or if too many triangles would result.
 fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
     let is_long = |a: u32, b: u32| square(mesh, a, b) > longest * longest;
     let sides = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
     let more = mesh.triangles.iter().flat_map(|&t| sides(t)).filter(|&(a, b)| is_long(a, b)).count();
-    if more == 0 || mesh.triangles.len() + more > MOST_TRIANGLES {
+    if more == 0 || mesh.triangles.len() + more > MAX_TRIANGLES {
         return None;
     }
     let mut out = Mesh {
@@ -83,7 +87,7 @@ fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
                 .then(|| *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| out.add_middle([a, b])))
         };
         let found = sides(triangle).map(&mut middle);
-        // Turned so that what is split comes first.
+        // Rotate the triangle so that its split edges come first.
         let turn = (0..3).max_by_key(|&t| {
             let at = |i: usize| usize::from(found[(t + i) % 3].is_some());
             4 * at(0) + 2 * at(1) + at(2)
@@ -106,7 +110,7 @@ fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
 mod tests {
     use std::collections::HashMap;
 
-    use adumbra::scene::{GeneratedKind, Mesh, generate};
+    use adumbra_scene::{GeneratedKind, Mesh, generate};
 
     use super::*;
 
@@ -126,7 +130,7 @@ mod tests {
         triangle.map(|i| mesh.positions[i as usize].map(f64::from))
     }
 
-    /// Twice the area, seen from above.
+    /// Returns twice the signed area, seen from above.
     fn area([a, b, c]: [[f64; 3]; 3]) -> f64 {
         (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2])
     }
@@ -149,7 +153,7 @@ mod tests {
                     assert!(f64::from(length) <= LONGEST, "{length}");
                 }
             }
-            // Inner edges are shared by two; the others lie on the quad's outline.
+            // Inner edges are shared by two triangles. The others are on the quad's outline.
             for ([a, b], count) in edges {
                 let [p, q] = [a, b].map(|i| split.positions[i as usize]);
                 let outer = [0, 2].iter().any(|&k| p[k].abs() == half && p[k] == q[k]);
@@ -171,7 +175,7 @@ mod tests {
         assert!(matches!(split_long_edges(&quad(1e6), f64::INFINITY), Cow::Borrowed(_)));
         let mesh = quad(1e30);
         let far_too_large = split_long_edges(&mesh, LONGEST);
-        assert!(far_too_large.triangles.len() <= MOST_TRIANGLES);
+        assert!(far_too_large.triangles.len() <= MAX_TRIANGLES);
     }
 
     #[test]

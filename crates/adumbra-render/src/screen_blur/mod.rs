@@ -1,10 +1,10 @@
-//! Shadows blurred on the screen: the shade factor stands in a target of its own, is blurred there, and then goes into the picture.
+//! Shadows blurred in screen space: the shadow factor is written to its own target, blurred there, and then composited.
 //!
-//! Source: ZwqXin, notes on soft shadows, 2009 (MRT, separable Gaussian, dilation). They report a halo where shade crosses a
-//! silhouette, a gap that no dilation closes, and a cost that grows with samples and with weights computed in the shader.
-//! `blur` and `blur-dilate` show that. `blur-bilateral` mends it: weights see depth and normal, as in J. Gumbau, M. Chover,
-//! M. Sbert, *Screen Space Soft Shadows*, GPU Pro, 2010; but the width is one in pixels, not that of the penumbra. Departures: a
-//! line has an odd number of texels, so that nothing shifts.
+//! Source: ZwqXin, notes on soft shadows, 2009 (MRT, separable Gaussian, dilation). They report a halo where a shadow
+//! crosses a silhouette, a gap that no dilation closes, and a cost that grows with samples and with weights computed in
+//! the shader. `blur` and `blur-dilate` reproduce that. `blur-bilateral` fixes it: its weights depend on depth and
+//! normal, as in J. Gumbau, M. Chover, M. Sbert, *Screen Space Soft Shadows*, GPU Pro, 2010. But its width is fixed in
+//! pixels instead of following the penumbra. Departure: a line has an odd number of texels, so that nothing shifts.
 
 mod passes;
 mod settings;
@@ -12,6 +12,7 @@ pub mod twin;
 
 pub use passes::{BlurInput, BlurPasses};
 pub use settings::{BlurKind, BlurPass, BlurSettings, BlurStep, BlurWeights};
+pub(crate) use settings::{BlurName, DEFAULT_BASE};
 
 use adumbra_shaders::Source;
 
@@ -20,7 +21,7 @@ use crate::frame::Targets;
 use crate::gpu::Gpu;
 use crate::technique::{Answer, FrameInput, Technique};
 
-/// A technique whose factor is blurred on the screen.
+/// A technique whose factor is blurred in screen space.
 pub struct ScreenBlur {
     name: String,
     base: Box<dyn Technique>,
@@ -29,7 +30,7 @@ pub struct ScreenBlur {
 }
 
 impl ScreenBlur {
-    /// Puts a blur over `base`; `name` is what the whole is called for.
+    /// Puts a blur over `base`. `name` is the name of the combined technique.
     pub fn new(gpu: &Gpu, name: String, base: Box<dyn Technique>, settings: BlurSettings) -> Self {
         Self { name, base, asked: settings, passes: BlurPasses::new(gpu, settings) }
     }
@@ -105,7 +106,7 @@ impl Technique for ScreenBlur {
     fn notes(&self) -> Vec<String> {
         let mut notes = self.base.notes();
         if self.asked.pairs && !self.passes.settings().pairs {
-            notes.push("pairs=on is left out: this device does not filter 32-bit floats".to_owned());
+            notes.push("pairs=on is ignored: this device does not filter 32-bit floats".to_owned());
         }
         notes
     }

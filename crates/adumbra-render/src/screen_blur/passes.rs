@@ -1,17 +1,17 @@
-//! The blur's passes on a device.
+//! The GPU passes of the blur.
 
 use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::{Source, assemble, source};
 use wgpu::{BindGroupLayout, BindingResource, ComputePipeline, Features, ShaderStages, TextureUsages};
 
 use super::settings::{BlurPass, BlurSettings, BlurStep};
-use crate::frame::FACTOR_FORMAT;
+use crate::frame::{FACTOR_FORMAT, Target};
 use crate::gpu::{Gpu, binding};
 
-/// What the passes read and write.
+/// Inputs and output of the passes.
 #[derive(Clone, Copy)]
 pub struct BlurInput<'a> {
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
     /// The frame's uniform.
     pub frame: &'a wgpu::Buffer,
@@ -19,13 +19,13 @@ pub struct BlurInput<'a> {
     pub depth: &'a wgpu::TextureView,
     /// World normals.
     pub normal: &'a wgpu::TextureView,
-    /// The factor as looked up.
+    /// The unblurred factor.
     pub factor: &'a wgpu::TextureView,
-    /// Where the result goes.
+    /// The target of the result.
     pub filtered: &'a wgpu::TextureView,
 }
 
-/// The pipelines of one blur, with its intermediate pictures.
+/// The pipelines of one blur, with its intermediate textures.
 pub struct BlurPasses {
     settings: BlurSettings,
     steps: Vec<Built>,
@@ -39,18 +39,19 @@ struct Built {
     pipeline: ComputePipeline,
 }
 
-/// Made for one size of picture.
+/// Resources for one picture size.
 struct Scratch {
     size: [u32; 2],
-    /// Of each step.
+    /// Uniform of each step.
     uniforms: Vec<wgpu::Buffer>,
-    /// What each step but the last writes: two pictures of a size take turns.
+    /// Output of each step but the last. Steps alternate between two textures per size.
     written: Vec<wgpu::TextureView>,
     bytes: u64,
 }
 
 impl BlurPasses {
-    /// Builds the pipelines. Without filtering of 32-bit floats, pairs are left out: the technique's notes say so.
+    /// Creates the pipelines. If the device does not filter 32-bit floats, pairs are disabled, and the technique's
+    /// notes say so.
     pub fn new(gpu: &Gpu, mut settings: BlurSettings) -> Self {
         settings.pairs &= gpu.has(Features::FLOAT32_FILTERABLE);
         let steps = settings.steps().into_iter().map(|step| {
@@ -68,12 +69,12 @@ impl BlurPasses {
         Self { settings, steps: steps.collect(), sampler, scratch: None }
     }
 
-    /// What is done, which may be less than was asked for.
+    /// The settings in effect, which may be fewer than requested.
     pub fn settings(&self) -> &BlurSettings {
         &self.settings
     }
 
-    /// Bytes of the intermediate pictures.
+    /// Bytes of the intermediate textures.
     pub fn bytes(&self) -> u64 {
         self.scratch.as_ref().map_or(0, |s| s.bytes)
     }
@@ -117,19 +118,10 @@ impl Scratch {
         let mut bytes = 0;
         let mut picture = |[width, height]: [u32; 2]| {
             bytes += u64::from(width) * u64::from(height) * 4;
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("blur::scratch"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: FACTOR_FORMAT,
-                usage: TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            });
-            texture.create_view(&Default::default())
+            let usage = TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING;
+            Target::new(gpu, "blur::scratch", [width, height], FACTOR_FORMAT, usage).view
         };
-        // By size, then by turn; a step never reads what it writes.
+        // By size, then alternating. A step never reads the texture that it writes.
         let mut made: [[Option<wgpu::TextureView>; 2]; 2] = Default::default();
         let mut written = Vec::new();
         for (i, step) in steps.iter().enumerate().take(steps.len() - 1) {
@@ -163,23 +155,42 @@ fn bindings(pass: BlurPass) -> Vec<wgpu::BindingType> {
     all
 }
 
-/// The entry point and the files of its module.
+/// The entry point and the files of its shader module.
 fn shader(pass: BlurPass) -> (&'static str, &'static [Source]) {
-    const BLIND: &[Source] = &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_PASS];
-    const EDGES: &[Source] = &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_EDGES];
-    const HALF_EDGES: &[Source] = &[source::SURFACE, source::FRAME, source::BLUR, source::BLUR_HALF_EDGES];
+    const BLIND: &[Source] = &[
+        source::SURFACE,
+        source::VIEW_DEPTH,
+        source::FRAME,
+        source::BLUR,
+        source::BLUR_FACTOR,
+        source::BLUR_PASS,
+    ];
+    const HALF: &[Source] = &[source::BLUR_FACTOR, source::BLUR_HALF];
+    const EDGES: &[Source] = &edges(source::BLUR_EDGES);
+    const HALF_EDGES: &[Source] = &edges(source::BLUR_HALF_EDGES);
+    const fn edges(pass: Source) -> [Source; 7] {
+        [
+            source::SURFACE,
+            source::VIEW_DEPTH,
+            source::FRAME,
+            source::BLUR,
+            source::BLUR_FACTOR,
+            source::BLUR_SURFACES,
+            pass,
+        ]
+    }
     match pass {
         BlurPass::Dilate => ("dilate_line", BLIND),
-        BlurPass::HalfDown => ("half_down", &[source::BLUR_HALF]),
+        BlurPass::HalfDown => ("half_down", HALF),
         BlurPass::HalfDownEdges => ("half_down_edges", HALF_EDGES),
         BlurPass::LineTable => ("blur_line_table", BLIND),
         BlurPass::LineShader => ("blur_line_shader", BLIND),
-        BlurPass::LinePairs => ("blur_line_pairs", &[source::BLUR_PAIRS]),
+        BlurPass::LinePairs => ("blur_line_pairs", &[source::BLUR_FACTOR, source::BLUR_PAIRS]),
         BlurPass::LineEdges => ("blur_line_edges", EDGES),
         BlurPass::SquareTable => ("blur_square_table", BLIND),
         BlurPass::SquareShader => ("blur_square_shader", BLIND),
         BlurPass::SquareEdges => ("blur_square_edges", EDGES),
-        BlurPass::HalfUp => ("half_up", &[source::BLUR_HALF]),
+        BlurPass::HalfUp => ("half_up", HALF),
         BlurPass::HalfUpEdges => ("half_up_edges", HALF_EDGES),
     }
 }

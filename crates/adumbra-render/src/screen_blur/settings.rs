@@ -1,53 +1,65 @@
-//! What a screen-space blur is asked for, and the passes that it comes to.
+//! Settings of screen-space blurs, and the passes that they require.
 
 use adumbra_shaders::constants::MAX_BLUR_SIDE;
-use adumbra_shaders::layout::{Array, BlurParams};
+use adumbra_shaders::layout::{Array, BlurParams, BlurTap};
 
 use crate::error::Result;
 use crate::technique::{SpecReader, TechniqueSpec};
 
-/// What the blur sees beside the factor.
+/// The technique that is blurred if none is named.
+pub(crate) const DEFAULT_BASE: &str = "pcf/filter=2";
+
+/// The three blur techniques.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BlurName {
+    Plain,
+    Dilated,
+    Bilateral,
+}
+
+/// The inputs of a blur besides the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlurKind {
-    /// Nothing: the notes' blur, with its halo.
+    /// No other input: the notes' blur, with its halo.
     Plain,
-    /// Nothing, and the shade is dilated first: the notes' attempt at the halo.
+    /// No other input, but the shadow is dilated first: the notes' attempt to remove the halo.
     Dilated {
-        /// Texels.
+        /// Radius of the dilation, pixels.
         radius: u32,
     },
     /// Depth and normal: texels off the pixel's own surface do not count.
     WithinSurfaces {
-        /// How far off a pixel's plane its surface may lie, in widths of a pixel there.
+        /// Largest distance of a surface from a pixel's plane, in widths of a pixel there.
         tolerance_pixels: f64,
     },
 }
 
-/// Where the Gaussian's weights come from.
+/// The source of the Gaussian's weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlurWeights {
     /// Computed once, on the CPU.
     Table,
-    /// Computed for every texel of every pixel, as the notes have it.
+    /// Computed for every texel of every pixel, as in the notes.
     Shader,
 }
 
-/// A screen-space blur.
+/// Settings of a screen-space blur.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlurSettings {
-    /// What it sees.
+    /// The inputs besides the factor.
     pub kind: BlurKind,
-    /// Neighbours of a pixel along a line, on both sides together: even, 8 to 64.
+    /// Number of a pixel's neighbours along a line, both sides together: even, 8 to 64.
     pub samples: u32,
-    /// Standard deviation in pixels.
+    /// Standard deviation, pixels.
     pub sigma_pixels: f64,
-    /// Two lines, one after the other, in place of one square. Within surfaces that is an approximation.
+    /// Whether to blur along two lines, one after the other, instead of over one square. Within surfaces this is an
+    /// approximation.
     pub separable: bool,
-    /// Where weights come from.
+    /// The source of the weights.
     pub weights: BlurWeights,
-    /// Two neighbours a sample, by linear filtering.
+    /// Whether each sample covers two neighbours by linear filtering.
     pub pairs: bool,
-    /// Blurred at half the width and height.
+    /// Whether to blur at half the width and height.
     pub half: bool,
 }
 
@@ -80,17 +92,17 @@ pub enum BlurPass {
     HalfUpEdges,
 }
 
-/// One pass, and the axis that it runs along (0 or 1), where it does.
+/// One pass, and the axis of passes that run along a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlurStep {
-    /// Which.
+    /// The pass.
     pub pass: BlurPass,
     /// 0 along x, 1 along y.
     pub axis: u32,
 }
 
 impl BlurStep {
-    /// Whether it reads, and whether it writes the half-size picture.
+    /// Whether the step reads and whether it writes a half-size picture.
     pub fn is_half(&self, settings: &BlurSettings) -> [bool; 2] {
         match self.pass {
             BlurPass::Dilate => [false, false],
@@ -102,50 +114,39 @@ impl BlurStep {
 }
 
 impl BlurSettings {
-    /// Reads `samples`, `sigma`, `passes`, `weights`, `pairs`, `half`, and of `blur-dilate` `radius`, of `blur-bilateral`
-    /// `tolerance`; and the technique under it, `base`, with `/` between its parameters (`base=pcf/filter=3`).
+    /// Parses the settings of a blur of this name, and the technique that it blurs.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for values that do not exist or do not go together.
-    pub fn read(spec: &TechniqueSpec) -> Result<(Self, TechniqueSpec)> {
-        let mut reader = spec.reader();
-        let read = Self::from_reader(&mut reader)?;
-        reader.finish()?;
-        Ok(read)
-    }
-
-    pub(crate) fn from_reader(r: &mut SpecReader<'_>) -> Result<(Self, TechniqueSpec)> {
-        let name = r.spec().name();
-        let base = r.technique("base", "whose factor is blurred", None, "pcf/filter=2")?;
-        if base.name().starts_with("blur") {
-            return Err(r.spec().wrong("base: a blur over a blur".to_owned()));
-        }
-        let dilation = "of the dilation, pixels";
-        let tolerance = "how far off a pixel's plane its surface may lie, widths of a pixel there";
+    /// Returns [`crate::RenderError::Technique`] if a value does not exist or values are incompatible.
+    pub(crate) fn from_reader(r: &mut SpecReader<'_>, name: BlurName) -> Result<(Self, TechniqueSpec)> {
+        let base = r.technique("base", "the technique whose factor is blurred", None, DEFAULT_BASE)?;
+        let dilation = "radius of the dilation, pixels";
+        let tolerance = "largest distance of a surface from a pixel's plane, widths of a pixel there";
         let kind = match name {
-            "blur-dilate" => BlurKind::Dilated { radius: r.count("radius", dilation, 2, 1..=16)? },
-            "blur-bilateral" => BlurKind::WithinSurfaces {
+            BlurName::Dilated => BlurKind::Dilated { radius: r.count("radius", dilation, 2, 1..=16)? },
+            BlurName::Bilateral => BlurKind::WithinSurfaces {
                 tolerance_pixels: r.number("tolerance", tolerance, 1.5, 0.1..=100.0)?,
             },
-            _ => BlurKind::Plain,
+            BlurName::Plain => BlurKind::Plain,
         };
-        let samples = r.count("samples", "neighbours along a line, made even", 16, 8..=2 * MAX_BLUR_SIDE)?;
+        let samples =
+            r.count("samples", "neighbours along a line, rounded up to even", 16, 8..=2 * MAX_BLUR_SIDE)?;
         let sigma = "standard deviation, pixels; a quarter of samples by default";
         let sigma_pixels = r.number("sigma", sigma, f64::from(samples) / 4.0, 0.1..=64.0)?;
         let separable = r.choice("passes", "two lines, or one square", &["2", "1"])? == "2";
         let mut weights = BlurWeights::Table;
         let mut pairs = false;
-        // What sees surfaces weighs every texel by itself.
+        // A blur that depends on surfaces weights each texel individually.
         if !matches!(kind, BlurKind::WithinSurfaces { .. }) {
-            let what = "where they are computed: once, or for every texel";
+            let what = "how weights are computed: once, or for every texel";
             if r.choice("weights", what, &["table", "shader"])? == "shader" {
                 weights = BlurWeights::Shader;
             } else if separable {
-                let what = "of passes=2, weights=table: two neighbours a sample, by linear filtering";
+                let what = "with passes=2, weights=table: two neighbours per sample, by linear filtering";
                 pairs = r.choice("pairs", what, &["off", "on"])? == "on";
             }
         }
-        let half = r.choice("half", "blurred at half the width and height", &["off", "on"])? == "on";
+        let half = r.choice("half", "blur at half the width and height", &["off", "on"])? == "on";
         let samples = samples.next_multiple_of(2);
         Ok((Self { kind, samples, sigma_pixels, separable, weights, pairs, half }, base))
     }
@@ -178,12 +179,12 @@ impl BlurSettings {
         steps
     }
 
-    /// Width and height of the picture that is blurred.
+    /// Width and height of the blurred picture.
     pub fn size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         if self.half { [width.div_ceil(2), height.div_ceil(2)] } else { [width, height] }
     }
 
-    /// A step's uniform in a frame of this size.
+    /// Returns a step's uniform for a frame of this size.
     pub fn params(&self, step: BlurStep, frame: [u32; 2]) -> BlurParams {
         let scale = if self.half { 2 } else { 1 };
         let side = self.samples / 2 / scale;
@@ -191,32 +192,39 @@ impl BlurSettings {
         let gauss: Vec<f64> = (0..=side).map(|i| (-0.5 * (f64::from(i) / sigma).powi(2)).exp()).collect();
         let sum = 2.0 * gauss.iter().sum::<f64>() - gauss[0];
         let weights: Vec<f64> = gauss.iter().map(|g| g / sum).collect();
-        let mut taps = [[0.0; 4]; MAX_BLUR_SIDE as usize + 1];
+        let none = BlurTap { weight: 0.0, pair_offset_texels: 0.0, pair_weight: 0.0 };
+        let mut taps = [none; MAX_BLUR_SIDE as usize + 1];
         for (tap, weight) in taps.iter_mut().zip(&weights) {
-            tap[0] = *weight as f32;
+            tap.weight = *weight as f32;
         }
         let pairs = weights[1..].chunks(2);
         let pair_count = pairs.len() as u32;
         for (i, pair) in pairs.enumerate() {
             let weight: f64 = pair.iter().sum();
             let near = (2 * i + 1) as f64;
-            // Weights may be so small that they are 0.
+            // Very small weights may underflow to 0.
             let beyond = if weight > 0.0 { pair.get(1).map_or(0.0, |w| w / weight) } else { 0.0 };
-            (taps[i][1], taps[i][2]) = ((near + beyond) as f32, weight as f32);
+            taps[i].pair_offset_texels = (near + beyond) as f32;
+            taps[i].pair_weight = weight as f32;
         }
         let (radius, tolerance) = match self.kind {
             BlurKind::Plain => (0, 0.0),
             BlurKind::Dilated { radius } => (radius, 0.0),
             BlurKind::WithinSurfaces { tolerance_pixels } => (0, tolerance_pixels),
         };
-        // A dilation comes before the half size.
+        // A dilation runs before the picture is halved.
         let size = if step.pass == BlurPass::Dilate { frame } else { self.size(frame) };
         BlurParams {
-            counts: [side, scale, step.axis, radius],
-            size: [size[0], size[1], frame[0], frame[1]],
-            shape: [sigma as f32, tolerance as f32, 0.0, 0.0],
-            pairs: [pair_count, 0, 0, 0],
             taps: Array(taps),
+            size,
+            frame_size: frame,
+            taps_per_side: side,
+            pair_count,
+            pixels_per_texel: scale,
+            axis: step.axis,
+            dilation_texels: radius,
+            sigma_texels: sigma as f32,
+            tolerance_pixels: tolerance as f32,
         }
     }
 }
@@ -225,28 +233,35 @@ impl BlurSettings {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<(BlurSettings, TechniqueSpec)> {
-        BlurSettings::read(&text.parse()?)
+    fn read(name: BlurName, text: &str) -> Result<(BlurSettings, TechniqueSpec)> {
+        let spec: TechniqueSpec = text.parse()?;
+        spec.read(|reader| BlurSettings::from_reader(reader, name))
     }
 
     #[test]
     fn blur_weights_add_to_one_and_pairs_hold_the_same() {
         for samples in (8..=64).step_by(2) {
             for half in ["off", "on"] {
-                let (settings, _) = read(&format!("blur:samples={samples}:half={half}:pairs=on")).unwrap();
+                let text = format!("blur:samples={samples}:half={half}:pairs=on");
+                let (settings, _) = read(BlurName::Plain, &text).unwrap();
                 let params = settings.params(settings.steps()[0], [64, 64]);
-                let side = params.counts[0] as usize;
-                let weights: Vec<f64> = params.taps.0.iter().map(|t| t[0].into()).collect();
+                let side = params.taps_per_side as usize;
+                let weights: Vec<f64> = params.taps.0.iter().map(|t| t.weight.into()).collect();
                 let sum = weights[0] + 2.0 * weights[1..].iter().sum::<f64>();
                 assert!((sum - 1.0).abs() < 1e-6, "{samples}: {sum}");
-                assert_eq!(params.taps.0.iter().filter(|t| t[0] > 0.0).count(), side + 1);
-                // A pair at its offset weighs and pulls as its two texels do.
-                let pairs = params.pairs[0] as usize;
+                assert_eq!(params.taps.0.iter().filter(|t| t.weight > 0.0).count(), side + 1);
+                // A pair at its offset has the zeroth and first moments of its two texels.
+                let pairs = params.pair_count as usize;
                 assert_eq!(pairs, side.div_ceil(2));
                 let moment = |power: i32| -> (f64, f64) {
                     let single = (1..=side).map(|i| weights[i] * (i as f64).powi(power)).sum();
                     let paired = params.taps.0[..pairs].iter();
-                    (single, paired.map(|t| f64::from(t[2]) * f64::from(t[1]).powi(power)).sum())
+                    (
+                        single,
+                        paired
+                            .map(|t| f64::from(t.pair_weight) * f64::from(t.pair_offset_texels).powi(power))
+                            .sum(),
+                    )
                 };
                 for (single, paired) in [moment(0), moment(1)] {
                     assert!((single - paired).abs() < 1e-5, "{samples}: {single} {paired}");
@@ -257,14 +272,19 @@ mod tests {
 
     #[test]
     fn blur_reads_its_parameters() {
-        let (settings, base) = read("blur:samples=8:sigma=3:passes=1:base=csm/cascades=2/filter=3").unwrap();
+        let text = "blur:samples=8:sigma=3:passes=1:base=csm/cascades=2/filter=3";
+        let (settings, base) = read(BlurName::Plain, text).unwrap();
         assert_eq!((settings.samples, settings.sigma_pixels, settings.separable), (8, 3.0, false));
         assert_eq!(base.to_string(), "csm:cascades=2:filter=3");
-        assert_eq!(read("blur-dilate:radius=3").unwrap().0.kind, BlurKind::Dilated { radius: 3 });
-        for wrong in
-            ["blur:samples=7", "blur:passes=1:pairs=on", "blur:radius=2", "blur-bilateral:weights=shader"]
-        {
-            assert!(read(wrong).is_err(), "{wrong}");
+        let (dilated, _) = read(BlurName::Dilated, "blur-dilate:radius=3").unwrap();
+        assert_eq!(dilated.kind, BlurKind::Dilated { radius: 3 });
+        for (name, wrong) in [
+            (BlurName::Plain, "blur:samples=7"),
+            (BlurName::Plain, "blur:passes=1:pairs=on"),
+            (BlurName::Plain, "blur:radius=2"),
+            (BlurName::Bilateral, "blur-bilateral:weights=shader"),
+        ] {
+            assert!(read(name, wrong).is_err(), "{wrong}");
         }
     }
 }

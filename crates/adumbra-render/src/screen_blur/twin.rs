@@ -1,22 +1,22 @@
-//! The blur on the CPU: the same passes on pictures in memory.
+//! The blur on the CPU: its passes on pictures in memory.
 
 use adumbra_shaders::layout::{BlurParams, Frame};
 
 use super::settings::{BlurKind, BlurPass, BlurSettings, BlurWeights};
 
-/// What the camera sees, as the G-buffer holds it; row 0 at the top.
+/// The camera's view as the G-buffer holds it, row 0 at the top.
 pub struct Surfaces<'a> {
     /// The frame's uniform.
     pub frame: Frame,
-    /// Stored depth, 0 where nothing is.
+    /// Stored depth, 0 where there is no surface.
     pub depth: &'a [f32],
-    /// World normals, zero where nothing is.
+    /// World normals, zero where there is no surface.
     pub normal: &'a [[f32; 3]],
 }
 
-/// Blurs a factor as the GPU does. Cost: as many operations as the GPU's, on one thread.
+/// Blurs a factor as on the GPU. Cost: as many operations as on the GPU, on one thread.
 pub fn blur(settings: &BlurSettings, factor: &[f32], surfaces: &Surfaces<'_>) -> Vec<f32> {
-    let frame = [surfaces.frame.size[0], surfaces.frame.size[1]];
+    let frame = surfaces.frame.size;
     let mut picture = factor.to_vec();
     for step in settings.steps() {
         let twin = Twin { params: settings.params(step, frame), from: &picture, whole: factor, surfaces };
@@ -28,22 +28,24 @@ pub fn blur(settings: &BlurSettings, factor: &[f32], surfaces: &Surfaces<'_>) ->
     picture
 }
 
-/// What a blur spoils: pixels that it changes by more than 0.02 though no pixel within reach on their own surface has another factor.
+/// Errors of a blur: pixels of factor 0 or 1 that it changes by more than 0.02 although no pixel within reach on their
+/// own surface has a different factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bleeding {
-    /// Lit pixels made darker: a halo about shade on another surface.
+    /// Lit pixels that became darker: a halo around a shadow on another surface.
     pub halo: u32,
-    /// Shadowed pixels made lighter: a gap between an object and its shadow.
+    /// Shadowed pixels that became lighter: a gap between an object and its shadow.
     pub gap: u32,
-    /// The largest change of such a pixel.
+    /// The largest change of a pixel without such a neighbour, also if it is 0.02 or less.
     pub largest: f32,
 }
 
-/// Counts what a blur of `factor`, which is 0 or 1 but for soft borders, has spoilt. A pixel's own surface is what lies within five
-/// pixels' width of its plane and faces about the same way; `reach` is how far the blur sees, pixels. Cost: `reach²` a pixel.
+/// Counts the errors of a blur of `factor`, which is 0 or 1 except at soft borders. A pixel's own surface is everything
+/// within five pixels' width of its plane that faces about the same way. `reach` is the blur's reach in pixels. Cost:
+/// `reach²` per pixel.
 pub fn bleeding(factor: &[f32], blurred: &[f32], surfaces: &Surfaces<'_>, reach: u32) -> Bleeding {
     const TOLERANCE_PIXELS: f64 = 5.0;
-    let frame = [surfaces.frame.size[0], surfaces.frame.size[1]];
+    let frame = surfaces.frame.size;
     let settings = BlurSettings {
         kind: BlurKind::WithinSurfaces { tolerance_pixels: TOLERANCE_PIXELS },
         samples: 8,
@@ -88,13 +90,13 @@ struct Twin<'a> {
 
 impl Twin<'_> {
     fn answer(&self, pass: BlurPass, texel: [i32; 2]) -> f32 {
-        let side = self.params.counts[0] as i32;
+        let side = self.params.taps_per_side as i32;
         let square = || (-side..=side).flat_map(|y| (-side..=side).map(move |x| [x, y]));
-        let table = |d: i32| self.params.taps.0[d.unsigned_abs() as usize][0];
-        let gauss = |d: f32| (-0.5 * (d / self.params.shape[0]).powi(2)).exp();
+        let table = |d: i32| self.params.taps.0[d.unsigned_abs() as usize].weight;
+        let gauss = |d: f32| (-0.5 * (d / self.params.sigma_texels).powi(2)).exp();
         match pass {
             BlurPass::Dilate => {
-                let radius = self.params.counts[3] as i32;
+                let radius = self.params.dilation_texels as i32;
                 self.line(radius).map(|(_, d)| self.at(add(texel, d))).fold(f32::INFINITY, f32::min)
             }
             BlurPass::HalfDown => self.half_down(texel),
@@ -118,37 +120,29 @@ impl Twin<'_> {
         }
     }
 
-    /// Distances of a line with the steps to them.
+    /// The texels of a line: distance, and offset in x and y.
     fn line(&self, side: i32) -> impl Iterator<Item = (i32, [i32; 2])> {
-        let along_y = self.params.counts[2] == 1;
+        let along_y = self.params.axis == 1;
         (-side..=side).map(move |i| (i, if along_y { [0, i] } else { [i, 0] }))
     }
 
     fn blind(&self, texel: [i32; 2], taps: impl Iterator<Item = (f32, [i32; 2])>, normalise: bool) -> f32 {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for (weight, step) in taps {
-            sum += weight * self.at(add(texel, step));
-            weights += weight;
-        }
+        let (sum, weights) = weighted(taps.map(|(weight, step)| (weight, self.at(add(texel, step)))));
         if normalise { sum / weights } else { sum }
     }
 
     fn seeing(&self, texel: [i32; 2], taps: impl Iterator<Item = (f32, [i32; 2])>) -> f32 {
-        let scale = self.params.counts[1] as i32;
+        let scale = self.params.pixels_per_texel as i32;
         let pixel = |t: [i32; 2]| t.map(|c| c * scale);
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for (weight, step) in taps {
+        let (sum, weights) = weighted(taps.map(|(weight, step)| {
             let other = add(texel, step);
             let share = match step {
                 [0, 0] => 1.0,
                 _ if !self.is_inside(other) => 0.0,
                 _ => self.share(pixel(texel), pixel(other), 1.0),
             };
-            if share > 0.0 {
-                sum += weight * share * self.at(other);
-                weights += weight * share;
-            }
-        }
+            (weight * share, self.at(other))
+        }));
         sum / weights
     }
 
@@ -159,8 +153,7 @@ impl Twin<'_> {
 
     fn half_down_edges(&self, [x, y]: [i32; 2]) -> f32 {
         let first = [2 * x, 2 * y];
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for step in CORNERS {
+        let (sum, weights) = weighted(CORNERS.into_iter().map(|step| {
             let other = add(first, step);
             let inside = (0..2).all(|a| other[a] < self.frame_size()[a]);
             let weight = match step {
@@ -168,9 +161,8 @@ impl Twin<'_> {
                 _ if inside => self.share(first, other, 2.0),
                 _ => 0.0,
             };
-            sum += weight * self.at_of(other, self.frame_size());
-            weights += weight;
-        }
+            (weight, self.at_of(other, self.frame_size()))
+        }));
         sum / weights
     }
 
@@ -179,17 +171,14 @@ impl Twin<'_> {
     }
 
     fn half_up_edges(&self, texel: [i32; 2]) -> f32 {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for (other, linear) in self.between(texel) {
+        let (sum, weights) = weighted(self.between(texel).map(|(other, linear)| {
             let clamped = clamp(other, self.size());
-            let weight = linear * self.share(texel, clamped.map(|c| 2 * c), 2.0);
-            sum += weight * self.at(other);
-            weights += weight;
-        }
+            (linear * self.share(texel, clamped.map(|c| 2 * c), 2.0), self.at(other))
+        }));
         if weights > 0.01 { sum / weights } else { self.whole[index(texel, self.frame_size())] }
     }
 
-    /// The four texels about a pixel of twice the size, with their linear weights.
+    /// The four texels around a pixel of twice the size, with their linear weights.
     fn between(&self, [x, y]: [i32; 2]) -> impl Iterator<Item = ([i32; 2], f32)> {
         let at = [0.5 * (x as f32 - 0.5), 0.5 * (y as f32 - 0.5)];
         let first = at.map(f32::floor);
@@ -202,16 +191,16 @@ impl Twin<'_> {
         })
     }
 
-    /// `blur_same_surface` of two pixels, 0 where either is sky.
+    /// Twin of `adumbra_blur_same_surface` for two pixels. 0 if either is sky.
     fn share(&self, pixel: [i32; 2], other: [i32; 2], tolerance: f32) -> f32 {
         let (Some(a), Some(b)) = (self.surface(pixel), self.surface(other)) else { return 0.0 };
         let f = &self.surfaces.frame;
-        let length = |v: [f32; 4]| dot([v[0], v[1], v[2]], [v[0], v[1], v[2]]).sqrt();
+        let length = |v: [f32; 3]| dot(v, v).sqrt();
         let pixel_world = 2.0 * (a.view_depth * length(f.ray_y) + length(f.origin_y)) / f.size[1] as f32;
         let between = std::array::from_fn(|i| b.p_relative[i] - a.p_relative[i]);
         let off = dot(a.normal, between).abs().max(dot(b.normal, between).abs());
         let cosine = dot(a.normal, b.normal).max(0.0);
-        (1.0 - off / (tolerance * self.params.shape[1] * pixel_world)).max(0.0) * cosine.powi(8)
+        (1.0 - off / (tolerance * self.params.tolerance_pixels * pixel_world)).max(0.0) * cosine.powi(8)
     }
 
     fn surface(&self, pixel: [i32; 2]) -> Option<Surface> {
@@ -221,8 +210,7 @@ impl Twin<'_> {
         if depth == 0.0 {
             return None;
         }
-        let k = f.depth_to_z;
-        let z = (k[0] + k[1] * depth) / (k[2] + k[3] * depth);
+        let z = f.depth_to_z.view_depth(depth);
         let uv: [f32; 2] = std::array::from_fn(|a| (pixel[a] as f32 + 0.5) / f.size[a] as f32);
         let ndc = [2.0 * uv[0] - 1.0, 1.0 - 2.0 * uv[1]];
         let p_relative = std::array::from_fn(|i| {
@@ -247,11 +235,11 @@ impl Twin<'_> {
     }
 
     fn size(&self) -> [i32; 2] {
-        [self.params.size[0] as i32, self.params.size[1] as i32]
+        self.params.size.map(|s| s as i32)
     }
 
     fn frame_size(&self) -> [i32; 2] {
-        [self.params.size[2] as i32, self.params.size[3] as i32]
+        self.params.frame_size.map(|s| s as i32)
     }
 }
 
@@ -261,6 +249,11 @@ struct Surface {
     p_relative: [f32; 3],
     normal: [f32; 3],
     view_depth: f32,
+}
+
+/// The sum of weighted values, and the sum of the weights.
+fn weighted(taps: impl Iterator<Item = (f32, f32)>) -> (f32, f32) {
+    taps.fold((0.0, 0.0), |(sum, weights), (weight, value)| (sum + weight * value, weights + weight))
 }
 
 fn add(a: [i32; 2], b: [i32; 2]) -> [i32; 2] {

@@ -1,4 +1,4 @@
-//! Factors made elsewhere, such as traced truth, composited like any technique's.
+//! Factors computed elsewhere, such as ray-traced truth, composited like those of any technique.
 
 use adumbra_shaders::{Source, source};
 use wgpu::ShaderStages;
@@ -7,7 +7,7 @@ use super::{Answer, FrameInput, Technique};
 use crate::error::{RenderError, Result};
 use crate::gpu::{Gpu, binding};
 
-/// One factor a pixel. It answers frames of its own size, not lists of points.
+/// A technique that returns one given factor per pixel. It supports frames of its own size, not lists of points.
 pub struct Given {
     name: String,
     size: [u32; 2],
@@ -19,7 +19,7 @@ impl Given {
     /// Uploads `factors`, row 0 at the top; 1 = lit.
     ///
     /// # Errors
-    /// [`RenderError::Technique`] where `factors` are not `size`'s pixels.
+    /// Returns [`RenderError::Technique`] if there is not exactly one factor per pixel of `size`.
     pub fn new(gpu: &Gpu, name: &str, size: [u32; 2], factors: &[f32]) -> Result<Self> {
         let [width, height] = size;
         if factors.len() != width as usize * height as usize {
@@ -53,7 +53,7 @@ impl Technique for Given {
         (answer == Answer::Visibility).then(|| vec![source::GIVEN])
     }
 
-    fn answers_points(&self) -> bool {
+    fn supports_points(&self) -> bool {
         false
     }
 

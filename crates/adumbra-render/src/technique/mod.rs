@@ -1,100 +1,98 @@
-//! What every shadow technique is: buffers of its own, passes before the look-up, the look-up, and passes on the screen after it.
+//! The interface of shadow techniques: their own buffers, passes before the look-up, the look-up, and screen-space
+//! passes after it. This module also reads a technique's text, a name and parameters ([`TechniqueSpec`],
+//! [`SpecReader`]). The list of techniques is in [`crate::techniques`].
 
-mod build;
-mod describe;
+mod changed;
 mod given;
 pub(crate) mod parameter;
-mod parameters;
 mod reader;
 mod resolve;
-pub mod spec;
+mod spec;
 
-pub use build::{Baked, TECHNIQUES, build};
-pub(crate) use describe::changed;
-pub use describe::{change, describe};
+pub(crate) use changed::changed;
 pub use given::Given;
 pub use parameter::{Parameter, ParameterKind};
-pub use parameters::{parameter_texts, parameters};
 pub use reader::SpecReader;
 pub use resolve::{Lookup, Resolver};
 pub use spec::TechniqueSpec;
 
-use adumbra::camera::{Camera, View};
-use adumbra::scene::Bounds;
-use adumbra_shaders::{Source, source};
+use std::any::Any;
+
+use adumbra::Bounds;
+use adumbra_scene::{Camera, View};
+use adumbra_shaders::Source;
 
 use crate::error::Result;
 use crate::frame::Targets;
 use crate::gpu::Gpu;
-use crate::hybrid::HybridMap;
-use crate::maps::ShadowMap;
 use crate::scene::SceneBuffers;
 
-/// What a frame is drawn from.
+/// The input of a frame.
 #[derive(Clone, Copy)]
 pub struct FrameInput<'a> {
     /// The device.
     pub gpu: &'a Gpu,
-    /// Pixels and projection.
+    /// The camera: picture size and projection.
     pub camera: &'a Camera,
-    /// The same, with axes.
+    /// The camera's position and axes.
     pub view: &'a View,
-    /// World position that relative positions count from.
+    /// World position that is the origin of relative positions.
     pub anchor_world: [f64; 3],
-    /// Unit vector.
+    /// Unit vector towards the sun.
     pub towards_sun: [f64; 3],
-    /// What stands still.
+    /// The static scene.
     pub scene: &'a SceneBuffers,
-    /// What moves, placed as in this frame.
+    /// The movers, if any, placed as in this frame.
     pub movers: Option<&'a SceneBuffers>,
-    /// Box of everything, movers included.
+    /// Bounding box of everything, movers included.
     pub bounds: Bounds,
-    /// Number of the frame, for the caller's use: nothing is kept or dropped because of it.
+    /// Frame number, for the caller's use. Caches do not depend on it.
     pub number: u32,
 }
 
-/// What a look-up answers.
+/// The quantity that a look-up returns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// Visibility of the sun, 1 = lit.
     Visibility,
-    /// The cascade that a point falls in, from 0; -1 beyond the last, and where nothing is.
+    /// The cascade that contains the point, from 0; -1 beyond the last cascade and for the background.
     Cascade,
-    /// The level that a look-up in a hybrid map ends at, 0 the finest; -1 beside the map, and where nothing is.
+    /// The level at which a look-up in a hybrid map ends, 0 = finest; -1 outside the map and for the background.
     Level,
-    /// Log2 of the edge, in voxels ([`Technique::voxel_world`]), of the block or cube of a baked file in which the look-up of the unfiltered
-    /// point ends, which is all lit or all shadowed: 0 = a single voxel or column, up to the root; -1 beside the file, and where nothing is.
+    /// The size of the block or cube of a baked file in which the unfiltered look-up of the point ends. Such a block is
+    /// entirely lit or entirely shadowed. The value is log2 of its edge in voxels ([`Technique::voxel_world`]): 0 = a
+    /// single voxel or column, up to the root; -1 outside the file and for the background.
     Voxel,
 }
 
 /// A shadow technique on one device.
 pub trait Technique {
-    /// Its name and parameters, as it is called for.
+    /// The technique's name and parameters, as given in text.
     fn name(&self) -> String;
 
-    /// Fills uniforms and lists for a frame. Called before every other method of that frame.
+    /// Fills uniforms and lists for a frame. Called before any other method that concerns the frame.
     ///
     /// # Errors
-    /// Whatever the technique cannot do.
+    /// Returns an error if the technique cannot draw this frame.
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()>;
 
-    /// Depth passes.
+    /// Encodes the depth passes.
     fn encode_depth(&mut self, _input: &FrameInput<'_>, _encoder: &mut wgpu::CommandEncoder) {}
 
-    /// What is made of depth before the look-up.
+    /// Encodes the passes between the depth passes and the look-up.
     fn encode_build(&mut self, _input: &FrameInput<'_>, _encoder: &mut wgpu::CommandEncoder) {}
 
-    /// After a frame's commands were submitted: what went wrong in them that only the device knew. Waits for it only where something may
-    /// have.
+    /// Reports errors that only the device could detect. Called after a frame's commands were submitted. Waits for the
+    /// device only if something may have gone wrong.
     ///
     /// # Errors
-    /// What the technique could not do.
+    /// Returns what the technique failed to do.
     fn check(&self, _gpu: &Gpu) -> Result<()> {
         Ok(())
     }
 
-    /// The WGSL files that define `shadow_factor`, with what they need but core/surface.wgsl; none where the technique has
-    /// no such answer.
+    /// The WGSL files that define `adumbra_shadow_factor` and everything that they need except core/surface.wgsl.
+    /// `None` if the technique does not support this answer.
     fn sources(&self, answer: Answer) -> Option<Vec<Source>>;
 
     /// Layouts of bind groups 1 and 2.
@@ -107,17 +105,17 @@ pub trait Technique {
         [None, None]
     }
 
-    /// Whether [`Technique::encode_screen`] does something.
+    /// Whether [`Technique::encode_screen`] does anything.
     fn has_screen_passes(&self) -> bool {
         false
     }
 
-    /// Whether it answers points apart from a picture of them.
-    fn answers_points(&self) -> bool {
+    /// Whether the technique can look up points that are not part of a picture.
+    fn supports_points(&self) -> bool {
         !self.has_screen_passes()
     }
 
-    /// Passes on the factor after the look-up, from `targets.factor` to `targets.filtered`.
+    /// Encodes screen-space passes after the look-up, from `targets.factor` to `targets.filtered`.
     fn encode_screen(
         &mut self,
         _input: &FrameInput<'_>,
@@ -127,52 +125,30 @@ pub trait Technique {
     ) {
     }
 
-    /// Bytes that the technique holds on the GPU for its shadows.
+    /// GPU memory that the technique holds for its shadows, bytes.
     fn bytes(&self) -> u64 {
         0
     }
 
-    /// Its shadow map, where it has one, for those who read it back.
-    fn map(&self) -> Option<&ShadowMap> {
+    /// The part that can be read back, such as a shadow map, to be downcast to its type.
+    fn readable(&self) -> Option<&dyn Any> {
         None
     }
 
-    /// Edge of what it compares with, a texel or a voxel, at a view depth, world units; as of the frame prepared last. None where it
-    /// compares with nothing.
+    /// Edge of the texel or voxel that the look-up compares with at a view depth, world units, as of the last prepared
+    /// frame. `None` if there is none.
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
         None
     }
 
-    /// Edge of the finest voxels of its baked file, world units: a block of level n ([`Answer::Voxel`]) spans 2^n of them a side. None
-    /// where it has no file.
+    /// Edge of the finest voxels of the baked file, world units. A block of level n ([`Answer::Voxel`]) spans 2^n of
+    /// them per side. `None` if there is no file.
     fn voxel_world(&self) -> Option<f64> {
         None
     }
 
-    /// Its hybrid map, where it has one, for those who read it back.
-    fn hybrid(&self) -> Option<&HybridMap> {
-        None
-    }
-
-    /// What it had to leave out on this device, or changed of what was asked.
+    /// What the technique had to omit on this device, or to change of what was requested.
     fn notes(&self) -> Vec<String> {
         Vec::new()
-    }
-}
-
-/// No shadows: what faces the sun is lit.
-pub struct NoShadows;
-
-impl Technique for NoShadows {
-    fn name(&self) -> String {
-        "none".to_owned()
-    }
-
-    fn prepare(&mut self, _input: &FrameInput<'_>) -> Result<()> {
-        Ok(())
-    }
-
-    fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        (answer == Answer::Visibility).then(|| vec![source::NONE])
     }
 }

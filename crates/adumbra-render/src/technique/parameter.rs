@@ -1,62 +1,63 @@
-//! One parameter of a technique as data, recorded while settings are read ([`super::SpecReader`]): for help, sliders and tests.
+//! A parameter of a technique as data, for help, sliders and tests. Recorded while settings are read
+//! ([`super::SpecReader`]).
 
 use std::ops::RangeInclusive;
 
 use super::TechniqueSpec;
 use crate::error::Result;
 
-/// Lists longer than this are shown by their ends.
-const MOST_LISTED: usize = 6;
-/// How far from its default a number is usually looked for, where its range is wider than that.
+/// Lists of choices longer than this are abbreviated in help.
+const MAX_LISTED: usize = 6;
+/// Largest factor by which a slider departs from a number's default, if the range is wider than that.
 const USUAL_FACTOR: f64 = 100.0;
 
-/// What a parameter takes.
+/// The values that a parameter accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterKind {
     /// A number.
     Number {
-        /// Least and largest.
+        /// Least and greatest value.
         range: RangeInclusive<f64>,
     },
     /// A whole number.
     Count {
-        /// Least and largest.
+        /// Least and greatest value.
         range: RangeInclusive<u32>,
     },
-    /// One of some whole numbers.
+    /// One of several whole numbers.
     Integer {
-        /// In the order in which they are shown.
+        /// The choices, in display order.
         choices: Vec<u32>,
     },
-    /// One of some words.
+    /// One of several words.
     Word {
-        /// In the order in which they are shown.
+        /// The choices, in display order.
         choices: Vec<&'static str>,
     },
-    /// Another technique, with `/` for `:`.
+    /// Another technique, written with `/` for `:`.
     Technique {
-        /// The technique whose parameters the value is; none where the value begins with a name of its own.
+        /// The technique whose parameters the value lists. `None` if the value starts with a technique's name.
         of: Option<&'static str>,
     },
 }
 
-/// A parameter that applies to a technique as it was called for.
+/// A parameter that applies to a technique with its present parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// As it is called for.
+    /// Key by which the parameter is set.
     pub key: &'static str,
-    /// What it is, with its unit, in one line.
+    /// Description with unit, in one line.
     pub what: &'static str,
-    /// What it takes.
+    /// The values that it accepts.
     pub kind: ParameterKind,
-    /// As it is now.
+    /// Present value.
     pub value: String,
-    /// As it is where nothing is said, which may depend on other parameters; empty where that is no value of its own.
+    /// Value if none is given, which may depend on other parameters. Empty if no value expresses it.
     pub default: String,
 }
 
 impl Parameter {
-    /// Whether it is as where nothing is said: the same number, or the same text.
+    /// Whether the value equals the default: the same number, or the same text.
     pub fn is_default(&self) -> bool {
         match (self.value.parse::<f64>(), self.default.parse::<f64>()) {
             (Ok(value), Ok(default)) => value == default,
@@ -64,8 +65,9 @@ impl Parameter {
         }
     }
 
-    /// Ends of a slider for a number, and whether it should go by factors: the whole range, but no further than a factor of 100 from a
-    /// default that has one. None for what is no number.
+    /// Returns the range of a slider for a number, and whether the slider should be logarithmic. A
+    /// [`ParameterKind::Number`] whose range extends beyond 100 times a positive default gets at most a factor of 100
+    /// to either side of the default. Everything else gets its whole range. `None` if the parameter is not a number.
     pub fn slider(&self) -> Option<(RangeInclusive<f64>, bool)> {
         let (from, to) = match &self.kind {
             ParameterKind::Number { range } => (*range.start(), *range.end()),
@@ -81,16 +83,16 @@ impl Parameter {
         Some((from..=to, from > 0.0 && to > USUAL_FACTOR * from))
     }
 
-    /// The technique that its value is; none where it is none, or empty.
+    /// Returns the technique that the value describes. `None` if the parameter does not take a technique.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for a value that is not written as a technique is.
+    /// Returns [`crate::RenderError::Technique`] if the value does not parse as a technique.
     pub fn nested(&self) -> Result<Option<TechniqueSpec>> {
         let ParameterKind::Technique { of } = self.kind else { return Ok(None) };
         nested(of, &self.value).map(Some)
     }
 
-    /// `spec`, a technique, as a value of this parameter: the other way of [`Parameter::nested`].
+    /// Writes the technique `spec` as a value of this parameter: the inverse of [`Parameter::nested`].
     pub fn nest(&self, spec: &TechniqueSpec) -> String {
         let text = spec.to_string().replace(':', "/");
         match self.kind {
@@ -101,7 +103,7 @@ impl Parameter {
         }
     }
 
-    /// `key=default` and what else it may be, as help shows it.
+    /// Returns `key=default` and the other accepted values, as shown in help.
     pub(crate) fn help(&self) -> String {
         let Self { key, default, .. } = self;
         match &self.kind {
@@ -127,7 +129,7 @@ impl Parameter {
     fn listed(&self, choices: &[String]) -> String {
         let Self { key, default, .. } = self;
         match choices {
-            [first, second, .., last] if choices.len() > MOST_LISTED => {
+            [first, second, .., last] if choices.len() > MAX_LISTED => {
                 format!("{key}={default} (one of {first}, {second} .. {last})")
             }
             _ => {
@@ -142,7 +144,8 @@ impl Parameter {
     }
 }
 
-/// The technique that stands in `value`, with `/` for `:`; `of` is its name, where the value has none.
+/// Parses `value` as a technique written with `/` for `:`. `of` is the technique's name if the value does not contain
+/// it.
 pub(super) fn nested(of: Option<&str>, value: &str) -> Result<TechniqueSpec> {
     let text = value.replace('/', ":");
     match of {
@@ -152,7 +155,7 @@ pub(super) fn nested(of: Option<&str>, value: &str) -> Result<TechniqueSpec> {
     }
 }
 
-/// Powers of ten as such where they are long.
+/// Formats a number, in scientific notation if that is much shorter.
 fn short(value: f64) -> String {
     let (plain, power) = (value.to_string(), format!("{value:e}"));
     if power.len() + 2 < plain.len() { power } else { plain }
@@ -162,8 +165,8 @@ fn short(value: f64) -> String {
 pub(crate) mod tests {
     use super::*;
 
-    /// That a technique takes the defaults and the ends of the ranges of what it is said to have, and refuses what lies beyond; and that every
-    /// one has its line of help.
+    /// Asserts that a technique accepts the defaults and range ends of its described parameters and rejects values
+    /// beyond them, and that each parameter has a line of help.
     pub(crate) fn holds(spec: &TechniqueSpec, describe: impl Fn(&TechniqueSpec) -> Result<Vec<Parameter>>) {
         let plain = describe(spec).unwrap();
         for p in &plain {

@@ -1,5 +1,5 @@
-//! From a technique's text to its settings, one parameter after the other. What is asked for is recorded with its default and range, so
-//! that what help and sliders show is what reading takes.
+//! Reads a technique's settings from its text, parameter by parameter. Each parameter read is recorded with its default
+//! and range, so help and sliders show exactly what is accepted.
 
 use std::ops::RangeInclusive;
 
@@ -7,26 +7,40 @@ use super::parameter::nested;
 use super::{Parameter, ParameterKind, TechniqueSpec};
 use crate::error::Result;
 
-/// Reads parameters and remembers what was asked for.
+/// Reads parameters and records those that were read.
 pub struct SpecReader<'s> {
     spec: &'s TechniqueSpec,
     asked: Vec<Parameter>,
 }
 
-impl<'s> SpecReader<'s> {
-    pub(super) fn new(spec: &'s TechniqueSpec) -> Self {
-        Self { spec, asked: Vec::new() }
+impl TechniqueSpec {
+    /// Returns a reader of the parameters.
+    pub fn reader(&self) -> SpecReader<'_> {
+        SpecReader { spec: self, asked: Vec::new() }
     }
 
-    /// What is read.
+    /// Reads all parameters with `read`.
+    ///
+    /// # Errors
+    /// Returns the errors of `read` and of [`SpecReader::finish`].
+    pub(crate) fn read<T>(&self, read: impl FnOnce(&mut SpecReader<'_>) -> Result<T>) -> Result<T> {
+        let mut reader = self.reader();
+        let value = read(&mut reader)?;
+        reader.finish()?;
+        Ok(value)
+    }
+}
+
+impl<'s> SpecReader<'s> {
+    /// The technique whose parameters are read.
     pub fn spec(&self) -> &'s TechniqueSpec {
         self.spec
     }
 
-    /// A word among `choices`; the first is the default.
+    /// Reads a word, one of `choices`. The first is the default.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for any other.
+    /// Returns [`crate::RenderError::Technique`] for any other word.
     pub fn choice(
         &mut self,
         key: &'static str,
@@ -37,13 +51,13 @@ impl<'s> SpecReader<'s> {
         let kind = ParameterKind::Word { choices: choices.into() };
         let Some(value) = self.ask(key, what, kind, default.to_owned()) else { return Ok(default) };
         let found = choices.iter().copied().find(|c| *c == value);
-        found.ok_or_else(|| self.spec.wrong(format!("{key}={value}: give {}", choices.join(", "))))
+        found.ok_or_else(|| self.spec.wrong(format!("{key}={value}: choose one of: {}", choices.join(", "))))
     }
 
-    /// A number within `range`.
+    /// Reads a number within `range`.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for one outside, or no number.
+    /// Returns [`crate::RenderError::Technique`] if the value is not a number or is out of range.
     pub fn number(
         &mut self,
         key: &'static str,
@@ -54,10 +68,10 @@ impl<'s> SpecReader<'s> {
         Ok(self.number_or(key, what, default.to_string(), range)?.unwrap_or(default))
     }
 
-    /// A number within `range`, or none, which is something else than every number.
+    /// Reads a number within `range`, or `None` if none is given, which differs from every number.
     ///
     /// # Errors
-    /// As [`SpecReader::number`].
+    /// Returns the errors of [`SpecReader::number`].
     pub fn optional_number(
         &mut self,
         key: &'static str,
@@ -83,10 +97,10 @@ impl<'s> SpecReader<'s> {
         value.parse().ok().filter(|n| range.contains(n)).map(Some).ok_or_else(wrong)
     }
 
-    /// One of `words`, as its place among them.
+    /// Reads one of `words` and returns its index. `default` is an index too.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for any other.
+    /// Returns [`crate::RenderError::Technique`] for any other word.
     pub fn place(
         &mut self,
         key: &'static str,
@@ -98,13 +112,13 @@ impl<'s> SpecReader<'s> {
         let word = words.get(default).copied().unwrap_or_default();
         let Some(value) = self.ask(key, what, kind, word.to_owned()) else { return Ok(default) };
         let place = words.iter().position(|w| *w == value);
-        place.ok_or_else(|| self.spec.wrong(format!("{key}={value}: give {}", words.join(", "))))
+        place.ok_or_else(|| self.spec.wrong(format!("{key}={value}: choose one of: {}", words.join(", "))))
     }
 
-    /// A whole number among `choices`.
+    /// Reads a whole number, one of `choices`.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for any other.
+    /// Returns [`crate::RenderError::Technique`] for anything else.
     pub fn integer(
         &mut self,
         key: &'static str,
@@ -118,10 +132,10 @@ impl<'s> SpecReader<'s> {
         value.parse().ok().filter(|n| choices.contains(n)).ok_or_else(wrong)
     }
 
-    /// A whole number within `range`.
+    /// Reads a whole number within `range`.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for one outside, or no number.
+    /// Returns [`crate::RenderError::Technique`] if the value is not a whole number or is out of range.
     pub fn count(
         &mut self,
         key: &'static str,
@@ -138,10 +152,12 @@ impl<'s> SpecReader<'s> {
         value.parse().ok().filter(|n| range.contains(n)).ok_or_else(wrong)
     }
 
-    /// Another technique, with `/` for `:`: the parameters of technique `of`, or, where that is none, name and parameters.
+    /// Reads another technique, written with `/` for `:`: only the parameters of technique `of`, or name and parameters
+    /// if `of` is `None`.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] for what is not written so; what it says is not read.
+    /// Returns [`crate::RenderError::Technique`] if the value does not parse as a technique. The parameters within it
+    /// are not validated.
     pub fn technique(
         &mut self,
         key: &'static str,
@@ -166,22 +182,27 @@ impl<'s> SpecReader<'s> {
         given
     }
 
-    /// What was asked for so far.
+    /// The parameters read so far.
     pub fn asked(&self) -> &[Parameter] {
         &self.asked
     }
 
-    /// Whether every parameter given was asked for: all that were.
+    /// Checks that every given parameter was read, and returns all parameters that were read.
     ///
     /// # Errors
-    /// [`crate::RenderError::Technique`] with the first that was not, and those that are.
+    /// Returns [`crate::RenderError::Technique`] with the first parameter that was not read and a list of those that
+    /// exist.
     pub fn finish(self) -> Result<Vec<Parameter>> {
         let Some(unknown) = self.spec.keys().find(|k| self.asked.iter().all(|p| p.key != *k)) else {
             return Ok(self.asked);
         };
         let known: Vec<&str> = self.asked.iter().map(|p| p.key).collect();
-        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        Err(self.spec.wrong(format!("it has no parameter {unknown:?}; it has: {known}")))
+        let known = if known.is_empty() {
+            "there are none".to_owned()
+        } else {
+            format!("choose one of: {}", known.join(", "))
+        };
+        Err(self.spec.wrong(format!("unknown parameter {unknown:?}; {known}")))
     }
 }
 

@@ -1,7 +1,7 @@
-//! The look-up: a technique's `shadow_factor` for every pixel, or for every point of a list.
+//! The look-up: runs a technique's `adumbra_shadow_factor` for every pixel or for every point of a list.
 
 use adumbra_shaders::constants::{LIST_GROUP, PIXEL_GROUP};
-use adumbra_shaders::layout::PointQuery;
+use adumbra_shaders::layout::{GpuType, PointQuery};
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindGroupLayout, BufferUsages, ShaderStages};
 
@@ -11,13 +11,18 @@ use crate::frame::{FACTOR_FORMAT, Targets};
 use crate::gpu::{Gpu, binding};
 use crate::readback::read_buffer;
 
-/// Layouts that look-ups share.
+/// Maximum bytes of points in one dispatch.
+const MAX_BYTES: u64 = 1 << 27;
+/// Maximum number of workgroups in one dispatch.
+const MAX_GROUPS: usize = 65535;
+
+/// Bind group layouts that all look-ups share.
 pub struct Resolver {
     pixels: BindGroupLayout,
     points: BindGroupLayout,
 }
 
-/// Pipelines of one technique.
+/// Look-up pipelines of one technique.
 pub struct Lookup {
     pixels: Option<wgpu::ComputePipeline>,
     cascades: Option<wgpu::ComputePipeline>,
@@ -36,14 +41,14 @@ impl Lookup {
         }
     }
 
-    /// Whether the technique has such an answer for pixels.
+    /// Whether the technique supports this answer for pixels.
     pub fn answers(&self, answer: Answer) -> bool {
         self.pipeline(answer).is_some()
     }
 }
 
 impl Resolver {
-    /// Makes the layouts.
+    /// Creates the layouts.
     pub fn new(gpu: &Gpu) -> Self {
         let pixels = [binding::UNIFORM, binding::DEPTH, binding::LOADED, binding::written(FACTOR_FORMAT)];
         let points = [binding::UNIFORM, binding::STORAGE, binding::STORAGE_OUT];
@@ -58,8 +63,11 @@ impl Resolver {
         let [first, second] = technique.layouts();
         let pipeline = |layout, answer, pass, entry| {
             let files = technique.sources(answer)?;
-            let all: Vec<_> =
-                [source::SURFACE, source::FRAME].into_iter().chain(files).chain([pass]).collect();
+            let all: Vec<_> = [source::SURFACE, source::VIEW_DEPTH, source::FRAME]
+                .into_iter()
+                .chain(files)
+                .chain([pass])
+                .collect();
             let label = format!("{entry}::{}", technique.name());
             Some(gpu.compute(&label, assemble(&all), entry, &[Some(layout), first, second]))
         };
@@ -72,7 +80,8 @@ impl Resolver {
         }
     }
 
-    /// Answers every pixel into `targets.factor`; nothing where the technique has no such answer, see [`Lookup::answers`].
+    /// Looks up every pixel and writes the answers to `targets.factor`. Does nothing if the technique does not support
+    /// this answer: see [`Lookup::answers`].
     pub fn encode(
         &self,
         gpu: &Gpu,
@@ -101,10 +110,11 @@ impl Resolver {
         pass.dispatch_workgroups(w.div_ceil(PIXEL_GROUP), h.div_ceil(PIXEL_GROUP), 1);
     }
 
-    /// Answers a list of points; the technique is prepared and its depth passes are drawn.
+    /// Looks up a list of points. The technique must be prepared and its depth passes must be done.
     ///
     /// # Errors
-    /// What the device reports; [`RenderError::Technique`] for one that answers no points.
+    /// Returns [`RenderError::Technique`] if the technique cannot look up points, and whatever error the device
+    /// reports.
     pub fn answer(
         &self,
         gpu: &Gpu,
@@ -113,13 +123,12 @@ impl Resolver {
         lookup: &Lookup,
         points: &[PointQuery],
     ) -> Result<Vec<f32>> {
-        let Some(pipeline) = lookup.points.as_ref().filter(|_| technique.answers_points()) else {
-            let reason = "it answers pictures, not lists of points".to_owned();
+        let Some(pipeline) = lookup.points.as_ref().filter(|_| technique.supports_points()) else {
+            let reason = "it can look up pictures, but not lists of points".to_owned();
             return Err(RenderError::Technique { name: technique.name(), reason });
         };
-        let most = gpu.max_binding_bytes.min(1 << 27) as usize / 32;
         let mut factors = Vec::with_capacity(points.len());
-        for chunk in points.chunks(most.clamp(1, 65535 * LIST_GROUP as usize)) {
+        for chunk in points.chunks(most_points(gpu.max_binding_bytes)) {
             let bytes: Vec<u8> = chunk.iter().flat_map(PointQuery::bytes).collect();
             let asked = gpu.buffer("points", &bytes, BufferUsages::STORAGE);
             let answered = gpu.buffer(
@@ -147,10 +156,31 @@ impl Resolver {
     }
 }
 
+/// Returns the maximum number of points in one dispatch, such that they fit into one binding of `max_binding_bytes`.
+fn most_points(max_binding_bytes: u64) -> usize {
+    let fitting = max_binding_bytes.min(MAX_BYTES) as usize / PointQuery::SIZE;
+    fitting.clamp(1, MAX_GROUPS * LIST_GROUP as usize)
+}
+
 fn bind_technique(pass: &mut wgpu::ComputePass<'_>, technique: &dyn Technique) {
     for (index, group) in (1..).zip(technique.groups()) {
         if let Some(group) = group {
             pass.set_bind_group(index, group, &[]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_one_dispatch_fit_the_binding() {
+        for bytes in [96, 100, 1 << 16, 1 << 27, 1 << 31] {
+            let points = most_points(bytes);
+            assert!((points * PointQuery::SIZE) as u64 <= bytes, "{bytes}");
+            assert!(points.div_ceil(LIST_GROUP as usize) <= MAX_GROUPS, "{bytes}");
+        }
+        assert_eq!((most_points(100), most_points(0)), (2, 1));
     }
 }

@@ -1,4 +1,4 @@
-//! Bind group 1 of a look-up in baked voxels: binding 0 its uniform, from 1 on its words.
+//! Bind group 1 of a look-up in baked voxels: its uniform at binding 0, its words from binding 1 on.
 
 use adumbra_shaders::Source;
 use wgpu::{BindingType, ShaderStages};
@@ -6,7 +6,7 @@ use wgpu::{BindingType, ShaderStages};
 use super::{PageTexture, WordBuffers};
 use crate::gpu::{Gpu, binding};
 
-/// The group with its layout, and the WGSL file that reads its words.
+/// The group, its layout, and the WGSL file that reads its words.
 pub struct VoxelBindings {
     uniform: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
@@ -16,14 +16,14 @@ pub struct VoxelBindings {
 }
 
 impl VoxelBindings {
-    /// Words from storage buffers: 1 or 6 bindings of them.
-    pub fn of_words(gpu: &Gpu, label: &str, uniform: &[u8], words: &WordBuffers) -> Self {
+    /// Creates the group for words in storage buffers, which take 1 or 6 bindings.
+    pub fn from_words(gpu: &Gpu, label: &str, uniform: &[u8], words: &WordBuffers) -> Self {
         let storage = vec![binding::STORAGE; words.buffers().len()];
         Self::new(gpu, label, uniform, (words.access(), words.bytes()), (&storage, words.resources()))
     }
 
-    /// Words from a texture: 1 binding.
-    pub fn of_texture(gpu: &Gpu, label: &str, uniform: &[u8], pages: &PageTexture) -> Self {
+    /// Creates the group for words in a texture, which takes 1 binding.
+    pub fn from_texture(gpu: &Gpu, label: &str, uniform: &[u8], pages: &PageTexture) -> Self {
         let resource = wgpu::BindingResource::TextureView(pages.view());
         Self::new(
             gpu,
@@ -49,7 +49,7 @@ impl VoxelBindings {
         Self { uniform, layout, group, access, bytes }
     }
 
-    /// Writes the uniform anew.
+    /// Rewrites the uniform.
     pub fn write(&self, gpu: &Gpu, uniform: &[u8]) {
         gpu.queue.write_buffer(&self.uniform, 0, uniform);
     }
@@ -64,7 +64,7 @@ impl VoxelBindings {
         &self.group
     }
 
-    /// The WGSL file that defines `voxel_word`.
+    /// The WGSL file that defines `adumbra_voxel_word`.
     pub fn access(&self) -> Source {
         self.access
     }

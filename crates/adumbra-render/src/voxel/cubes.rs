@@ -1,60 +1,16 @@
 //! The techniques `voxel-cubes` and `voxel-texture`: a world-aligned tree, filtered over 1, 3³ or 5³ cells.
 
-use adumbra::format::{TreeBody, TreeFile};
-use adumbra::query::{PlanLevels, TreeQuery, TreeReceiver, Weights};
-use adumbra::settings::Bias;
-use adumbra::tree::{TreeSpace, VoxelTree};
 use adumbra_shaders::constants::MAX_PLAN_REGIONS;
-use adumbra_shaders::layout::{Array, CubesParams, CubesPlan, CubesQuery, CubesUniform};
+use adumbra_shaders::layout::{Array, CubesParams, CubesPlan, CubesQuery, CubesUniform, GridTransform};
 use adumbra_shaders::{Source, source};
+use adumbra_tree::query::{PlanLevels, TreeQuery, TreeReceiver};
+use adumbra_tree::{TreeBody, TreeFile, TreeSpace, VoxelTree};
 
+use super::cubes_options::{CubesOptions, CubesStore};
 use super::{PageTexture, VoxelBindings, WordBuffers, bias_uniform, fixed, grid_transform};
-use crate::error::{RenderError, Result};
+use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
 use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
-
-/// Where the words are read from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CubesStore {
-    /// Storage buffers.
-    Words,
-    /// The texels of an RGBA8 texture.
-    Texels,
-    /// Storage buffers that were decoded from such a texture at load.
-    Decoded,
-}
-
-/// How a tree is looked up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CubesOptions {
-    /// In cells.
-    pub bias: Bias,
-    /// One of [`adumbra::query::KERNEL_SIDES`].
-    pub filter: u32,
-    /// Of the taps.
-    pub weights: Weights,
-    /// Taps behind the receiver's plane count too.
-    pub all_taps: bool,
-    /// Where the words are read from.
-    pub store: CubesStore,
-}
-
-impl CubesOptions {
-    /// As a technique is called for with these options, but for the bias.
-    fn name(&self) -> String {
-        let weights = match self.weights {
-            Weights::Mean => "mean",
-            Weights::Poisson => "poisson",
-        };
-        let (name, read) = match self.store {
-            CubesStore::Words => ("voxel-cubes", ""),
-            CubesStore::Texels => ("voxel-texture", ""),
-            CubesStore::Decoded => ("voxel-texture", ":read=buffer"),
-        };
-        let taps = if self.all_taps { ":taps=all" } else { "" };
-        format!("{name}:filter={}:weights={weights}{taps}{read}", self.filter)
-    }
-}
 
 /// A tree on the GPU.
 pub struct Cubes {
@@ -67,11 +23,12 @@ pub struct Cubes {
 }
 
 impl Cubes {
-    /// Uploads a file's tree; a symmetric one as the words that it stands for. Cost: the bytes of the words.
+    /// Uploads a file's tree. A symmetric tree is expanded to plain words first. Cost: the bytes of the words.
     ///
     /// # Errors
-    /// [`RenderError::VoxelLimit`] for more than [`MAX_PLAN_REGIONS`] regions; [`RenderError::TooLarge`], [`RenderError::Pages`];
-    /// [`RenderError::Library`] for another kernel.
+    /// Returns [`RenderError::VoxelLimit`] if there are more than [`MAX_PLAN_REGIONS`] regions,
+    /// [`RenderError::TooLarge`] or [`RenderError::Pages`] if the words cannot be stored, and [`RenderError::Library`]
+    /// if the kernel does not exist.
     pub fn new(gpu: &Gpu, file: &TreeFile, options: CubesOptions) -> Result<Self> {
         let decoded;
         let tree: &VoxelTree = match &file.body {
@@ -84,16 +41,18 @@ impl Cubes {
         let CubesOptions { bias, filter, weights, .. } = options;
         TreeQuery::new(&file.space, &file.regions, &file.sun, tree, bias, filter, weights)?;
         let sun = file.sun.towards();
-        let levels = [file.space.depth, file.space.depth - file.regions.base_depth];
-        let packed = (0..3).map(|d| weights.along_axis(d) << (4 * d)).sum();
+        let tap_weights = (0..3).map(|d| weights.along_axis(d) << (4 * d)).sum();
         let plan_levels = PlanLevels::new(&file.space, &file.regions);
         let uniform = CubesUniform {
             params: CubesParams {
                 grid: transform(&file.space, file.space.p_min)?,
-                towards_sun: [sun[0] as f32, sun[1] as f32, sun[2] as f32, 0.0],
+                towards_sun: sun.map(|c| c as f32),
                 bias: bias_uniform(bias),
-                kernel: [levels[0], levels[1], filter / 2, packed],
-                taps: [options.all_taps.into(), 0, 0, 0],
+                depth: file.space.depth,
+                base_level: file.space.depth - file.regions.base_depth,
+                reach: filter / 2,
+                tap_weights,
+                counts_all_taps: options.all_taps.into(),
             },
             plan: plan(&plan_levels)?,
         };
@@ -101,16 +60,16 @@ impl Cubes {
         let bindings = match options.store {
             CubesStore::Words => {
                 let words = WordBuffers::new(gpu, "voxel-cubes::words", &[tree.words()])?;
-                VoxelBindings::of_words(gpu, "voxel-cubes", &bytes, &words)
+                VoxelBindings::from_words(gpu, "voxel-cubes", &bytes, &words)
             }
             CubesStore::Texels => {
-                let pages = PageTexture::of_words(gpu, tree.words())?;
-                VoxelBindings::of_texture(gpu, "voxel-texture", &bytes, &pages)
+                let pages = PageTexture::from_words(gpu, tree.words())?;
+                VoxelBindings::from_texture(gpu, "voxel-texture", &bytes, &pages)
             }
             CubesStore::Decoded => {
-                let pages = PageTexture::of_words(gpu, tree.words())?;
+                let pages = PageTexture::from_words(gpu, tree.words())?;
                 let words = pages.decode(gpu, tree.words().len() as u64)?;
-                VoxelBindings::of_words(gpu, "voxel-texture", &bytes, &words)
+                VoxelBindings::from_words(gpu, "voxel-texture", &bytes, &words)
             }
         };
         let coarsest = plan_levels.levels().iter().copied().max().unwrap_or(0);
@@ -118,18 +77,23 @@ impl Cubes {
         Ok(Self { space: file.space, uniform, bindings, name: options.name(), cell_world })
     }
 
-    /// The technique `voxel-cubes` or `voxel-texture`, as [`CubesOptions::from_spec`] reads it.
+    /// Creates the technique `voxel-cubes`, or `voxel-texture` with `from_texture`.
     ///
     /// # Errors
-    /// As [`Cubes::new`]; [`RenderError::Technique`] for other parameters.
-    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&TreeFile>) -> Result<Self> {
-        let file =
-            file.ok_or_else(|| spec.wrong("it needs a world-aligned shadow file: --shadow-file".to_owned()))?;
-        let options = CubesOptions::from_spec(spec, Some(file))?;
+    /// Returns the errors of [`Cubes::new`], and [`RenderError::Technique`] if a parameter is unknown or there is no
+    /// file.
+    pub(crate) fn from_spec(
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        file: Option<&TreeFile>,
+        from_texture: bool,
+    ) -> Result<Self> {
+        let file = file.ok_or_else(|| spec.wrong("it needs a world-aligned shadow file".to_owned()))?;
+        let options = spec.read(|reader| CubesOptions::from_reader(reader, Some(file), from_texture))?;
         Ok(Self { name: spec.to_string(), ..Self::new(gpu, file, options)? })
     }
 
-    /// Group 1, for techniques that look up a tree beside other things.
+    /// Bind group 1, for techniques that combine a tree with other look-ups.
     pub fn bindings(&self) -> &VoxelBindings {
         &self.bindings
     }
@@ -137,25 +101,23 @@ impl Cubes {
     /// Writes the uniform for positions relative to `anchor_world`.
     ///
     /// # Errors
-    /// None that [`Cubes::new`] has not given.
+    /// Returns no error that [`Cubes::new`] would not have returned.
     pub fn set_anchor(&mut self, gpu: &Gpu, anchor_world: [f64; 3]) -> Result<()> {
         self.uniform.params.grid = transform(&self.space, anchor_world)?;
         self.bindings.write(gpu, &self.uniform.bytes());
         Ok(())
     }
 
-    /// Weights of the lit taps and of all that count, for receivers in fixed point: the quotients are exactly those of
-    /// `TreeQuery::lit_weights` on the CPU. Where the kernel lies in one leaf both are divided by the weights: 0 or 1, and 1.
+    /// Returns the weights of the lit taps and of all counted taps, for receivers in fixed point. Their quotients are
+    /// exactly those of `TreeQuery::lit_weights` on the CPU. If the kernel is within one leaf, the result is 0 or 1 of
+    /// a total of 1.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn lit_weights(&self, gpu: &Gpu, receivers: &[TreeReceiver]) -> Result<Vec<[u32; 2]>> {
         let queries: Vec<CubesQuery> = receivers
             .iter()
-            .map(|r| {
-                let ([x, y, z], [nx, ny, nz]) = (r.p_fixed, r.normal);
-                CubesQuery { p_fixed: [x, y, z, r.level as i32], normal: [nx, ny, nz, r.height] }
-            })
+            .map(|r| CubesQuery { p_fixed: r.p_fixed, level: r.level, normal: r.normal, height: r.height })
             .collect();
         let mut files = vec![source::SURFACE];
         files.extend(self.look_up());
@@ -178,22 +140,22 @@ impl Cubes {
     }
 }
 
-fn transform(space: &TreeSpace, anchor_world: [f64; 3]) -> Result<adumbra_shaders::layout::GridTransform> {
+fn transform(space: &TreeSpace, anchor_world: [f64; 3]) -> Result<GridTransform> {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     grid_transform(space.p_min, axes, space.voxel_size, [space.side_voxels(); 3], anchor_world)
 }
 
 fn plan(plan: &PlanLevels) -> Result<CubesPlan> {
     let edges = plan.edges();
-    let most = 2 * MAX_PLAN_REGIONS as usize;
+    let max_edges = 2 * MAX_PLAN_REGIONS as usize;
     let longest = edges[0].len().max(edges[1].len());
-    if longest > most {
+    if longest > max_edges {
         return Err(RenderError::VoxelLimit {
             what: "the number of regions",
-            // Two edges a region.
+            // Two edges per region.
             value: longest.div_ceil(2) as u64,
             limit: MAX_PLAN_REGIONS.into(),
-            mend: "bake with fewer regions",
+            fix: Fix::Other("bake with fewer regions"),
         });
     }
     let at = |edges: &[u32], i: usize| edges.get(i).map_or(0, |&e| e as i32);
@@ -203,10 +165,11 @@ fn plan(plan: &PlanLevels) -> Result<CubesPlan> {
         levels.zip(0..).map(|(&level, k)| u32::from(level) << (4 * k)).sum::<u32>()
     };
     Ok(CubesPlan {
-        counts: [edges[0].len() as u32, edges[1].len() as u32, 0, 0],
         edges_x: pack(edges[0]),
         edges_z: pack(edges[1]),
         levels: Array(std::array::from_fn(|i| std::array::from_fn(|k| word(4 * i + k)))),
+        edge_count_x: edges[0].len() as u32,
+        edge_count_z: edges[1].len() as u32,
     })
 }
 

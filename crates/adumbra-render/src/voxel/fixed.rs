@@ -1,4 +1,5 @@
-//! Lists of receivers in fixed point, answered by the passes `voxel_fixed` and `voxel_cubes_fixed`: the twin's exact test.
+//! Runs the passes `voxel_fixed`, `depths_fixed` and `voxel_cubes_fixed` on lists of receivers in fixed point, for the
+//! exact tests of the twins.
 
 use adumbra_shaders::constants::LIST_GROUP;
 use adumbra_shaders::layout::GpuType;
@@ -10,12 +11,12 @@ use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::readback::read_buffer;
 
-/// Threads of a workgroup.
+/// Threads per workgroup.
 const GROUP: usize = LIST_GROUP as usize;
-/// Receivers a dispatch: one row of workgroups, and 32 bytes each within the least binding that devices offer.
+/// Largest number of receivers per dispatch: one row of workgroups.
 const CHUNK: usize = 65535 * GROUP;
 
-/// An answer of `BYTES` bytes for each query, from the entry point `count_taps` of the last of `files`.
+/// Returns an answer of `BYTES` bytes per query, from the entry point `count_taps` of the last of `files`.
 pub(super) fn answer<Q: GpuType, const BYTES: usize>(
     gpu: &Gpu,
     bindings: &VoxelBindings,
@@ -25,9 +26,9 @@ pub(super) fn answer<Q: GpuType, const BYTES: usize>(
     let layout = gpu.layout("count_taps", ShaderStages::COMPUTE, &[binding::STORAGE, binding::STORAGE_OUT]);
     let layouts = [Some(&layout), Some(bindings.layout())];
     let pipeline = gpu.compute("count_taps", assemble(files), "count_taps", &layouts);
-    let most = gpu.device.limits().max_storage_buffer_binding_size as usize / Q::SIZE;
+    let max_queries = gpu.device.limits().max_storage_buffer_binding_size as usize / Q::SIZE;
     let mut answers = Vec::with_capacity(queries.len());
-    for chunk in queries.chunks(most.clamp(1, CHUNK)) {
+    for chunk in queries.chunks(max_queries.clamp(1, CHUNK)) {
         let mut bytes = Vec::with_capacity(chunk.len() * Q::SIZE);
         chunk.iter().for_each(|q| q.put(&mut bytes));
         let asked = gpu.buffer("count_taps::receivers", &bytes, BufferUsages::STORAGE);

@@ -1,223 +1,135 @@
-//! The technique `voxel`: a light-aligned file, filtered over K × K texels.
+//! A light-aligned file on the GPU. Its words are those of the file, whatever its layout. The techniques `voxel`,
+//! `voxel:soft` and `voxel+csm` use it.
 
-use adumbra::dag::Dag;
-use adumbra::dag::packed::PackedDag;
-use adumbra::format::{LightBody, ShadowFile};
-use adumbra::light::LightGrid;
-use adumbra::query::{FixedReceiver, TapLayers};
-use adumbra::settings::Bias;
-use adumbra_shaders::layout::{VoxelParams, VoxelQuery};
+use adumbra::gpu::{Parameters, Words};
+use adumbra::query::FixedReceiver;
+use adumbra::{Layout, LightBody, LightGrid, ShadowFile};
+use adumbra_shaders::layout::VoxelQuery;
 use adumbra_shaders::{Source, source};
 
-use super::{
-    HierarchyFilter, VoxelBindings, VoxelSettings, WordBuffers, bias_uniform, fixed, grid_transform,
-    layers_word,
-};
+use super::filter::VoxelFilter;
+use super::soft::cone;
+use super::{VoxelBindings, VoxelSettings, WordBuffers, fixed};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
 
-/// A light-aligned graph on the GPU.
-pub struct Voxel {
+/// A light-aligned file on the GPU with its look-up settings: bind group 1, and the WGSL that reads it.
+pub struct BakedLight {
     grid: LightGrid,
-    params: VoxelParams,
+    layout: Layout,
+    filter: VoxelFilter,
+    parameters: Parameters,
     bindings: VoxelBindings,
-    /// core/voxel_plain.wgsl or core/voxel_packed.wgsl.
-    nodes: Source,
-    name: String,
 }
 
-/// What a layout has in its words.
-struct GraphWords<'d> {
-    /// Top, nodes or units, slabs.
-    parts: [&'d [u32]; 3],
-    size: [u32; 3],
-    top_dims: [u32; 3],
-    root_level: u32,
-    nodes: Source,
-}
-
-impl Voxel {
-    /// Uploads a valid file's graph as it is, plain or packed; of a hierarchy its graph, made first. `filter` is one of
-    /// [`adumbra::query::FILTER_WIDTHS`].
+impl BakedLight {
+    /// Uploads a valid file. Cost: the bytes of its sections.
     ///
     /// # Errors
-    /// As [`Voxel::new`].
-    pub fn of_file(gpu: &Gpu, file: &ShadowFile, bias: Bias, filter: u32) -> Result<Self> {
-        match &file.body {
-            LightBody::Plain(dag) => Self::new(gpu, &file.grid, dag, bias, filter),
-            LightBody::Packed(packed) => Self::packed(gpu, &file.grid, packed, bias, filter),
-            LightBody::Hierarchy(hierarchy) => {
-                let grid = &file.grid;
-                // Before a graph is made of it, which for a grid that no shader takes could be of any size.
-                grid_transform(grid.origin, grid.axes, grid.voxel_size, hierarchy.size, grid.origin)?;
-                Self::new(gpu, grid, &hierarchy.to_dag()?, bias, filter)
+    /// Returns [`crate::RenderError::TooLarge`] or [`crate::RenderError::VoxelLimit`] if the file exceeds the device's
+    /// limits, and [`crate::RenderError::Library`] if a setting does not exist or penumbrae are requested of a layout
+    /// other than depths.
+    pub fn from_file(gpu: &Gpu, file: &ShadowFile, settings: VoxelSettings) -> Result<Self> {
+        Self::new(gpu, &file.grid, &file.body, settings)
+    }
+
+    /// Uploads a valid body over a grid, like [`BakedLight::from_file`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`BakedLight::from_file`].
+    pub fn new(gpu: &Gpu, grid: &LightGrid, body: &LightBody, settings: VoxelSettings) -> Result<Self> {
+        let VoxelSettings { filter, layers, bias } = settings;
+        let layout = body.layout();
+        filter.check(layout)?;
+        let (filter_width, sun_cone, max_radius_texels) = match filter {
+            VoxelFilter::Taps(width) => (width, 0.0, 0.0),
+            VoxelFilter::Soft { angle_degrees, max_radius_texels } => {
+                (1, cone(angle_degrees), max_radius_texels as f32)
             }
-        }
-    }
-
-    /// Uploads a valid graph in the plain layout. `filter` is one of [`adumbra::query::FILTER_WIDTHS`]. Cost: the bytes of top, nodes and slabs.
-    ///
-    /// # Errors
-    /// [`crate::RenderError::TooLarge`], [`crate::RenderError::VoxelLimit`]; [`crate::RenderError::Library`] for another width.
-    pub fn new(gpu: &Gpu, grid: &LightGrid, dag: &Dag, bias: Bias, filter: u32) -> Result<Self> {
-        adumbra::query::Query::new(grid, dag, bias, filter)?;
-        // A slab is its low word, then its high word.
-        let words = GraphWords {
-            parts: [&dag.top, &dag.nodes, bytemuck::cast_slice(&dag.slabs)],
-            size: dag.size,
-            top_dims: dag.top_dims,
-            root_level: dag.root_level,
-            nodes: source::VOXEL_PLAIN,
         };
-        Self::of_words(gpu, grid, &words, bias, filter)
-    }
-
-    /// Uploads a valid graph in the packed layout, as it is. Cost: the bytes of top, units and slabs.
-    ///
-    /// # Errors
-    /// As [`Voxel::new`].
-    pub fn packed(gpu: &Gpu, grid: &LightGrid, packed: &PackedDag, bias: Bias, filter: u32) -> Result<Self> {
-        adumbra::query::Query::new(grid, packed, bias, filter)?;
-        let two = |[low, high]: &[u16; 2]| u32::from(*low) | u32::from(*high) << 16;
-        let units: Vec<u32> = packed.units.as_chunks().0.iter().map(two).collect();
-        let words = GraphWords {
-            parts: [&packed.top, &units, bytemuck::cast_slice(&packed.slabs)],
-            size: packed.size,
-            top_dims: packed.top_dims,
-            root_level: packed.root_level,
-            nodes: source::VOXEL_PACKED,
+        let parameters = Parameters {
+            layers,
+            sun_cone,
+            max_radius_texels,
+            ..Parameters::new(grid, body, bias, filter_width, grid.origin)?
         };
-        Self::of_words(gpu, grid, &words, bias, filter)
+        let words = WordBuffers::new(gpu, "voxel::words", &Words::new(body).parts())?;
+        let bindings = VoxelBindings::from_words(gpu, "voxel", &parameters.to_bytes(), &words);
+        Ok(Self { grid: *grid, layout, filter, parameters, bindings })
     }
 
-    fn of_words(
-        gpu: &Gpu,
-        grid: &LightGrid,
-        graph: &GraphWords<'_>,
-        bias: Bias,
-        filter: u32,
-    ) -> Result<Self> {
-        let nodes = graph.parts[0].len() as u32;
-        let [nx, ny, nz] = graph.top_dims;
-        let params = VoxelParams {
-            grid: grid_transform(grid.origin, grid.axes, grid.voxel_size, graph.size, grid.origin)?,
-            top_dims: [nx, ny, nz, graph.root_level],
-            places: [nodes, nodes + graph.parts[1].len() as u32, filter, 0],
-            bias: bias_uniform(bias),
-        };
-        let words = WordBuffers::new(gpu, "voxel::words", &graph.parts)?;
-        let bindings = VoxelBindings::of_words(gpu, "voxel", &params.bytes(), &words);
-        Ok(Self { grid: *grid, params, bindings, nodes: graph.nodes, name: format!("voxel:filter={filter}") })
-    }
-
-    /// The same with other layers for its filter's taps.
-    #[must_use]
-    pub fn with_layers(mut self, gpu: &Gpu, layers: TapLayers) -> Self {
-        self.params.places[3] = layers_word(layers);
-        if layers == TapLayers::Block {
-            self.name.push_str(":layers=block");
-        }
-        self.bindings.write(gpu, &self.params.bytes());
-        self
-    }
-
-    /// The technique `voxel`, as [`VoxelSettings::from_spec`] reads it, but without penumbrae.
-    ///
-    /// # Errors
-    /// As [`Voxel::of_file`]; [`crate::RenderError::Technique`] for other parameters.
-    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
-        let file =
-            file.ok_or_else(|| spec.wrong("it needs a light-aligned shadow file: --shadow-file".to_owned()))?;
-        let VoxelSettings { filter: HierarchyFilter::Taps(filter), layers, bias } =
-            VoxelSettings::from_spec(spec, Some(file))?
-        else {
-            return Err(spec.wrong("penumbrae need the hierarchy itself, not its graph".to_owned()));
-        };
-        Ok(Self {
-            name: spec.to_string(),
-            ..Self::of_file(gpu, file, bias, filter)?.with_layers(gpu, layers)
-        })
-    }
-
-    /// Group 1, for techniques that look up voxels beside other things.
+    /// Bind group 1: the uniform, then the words.
     pub fn bindings(&self) -> &VoxelBindings {
         &self.bindings
     }
 
-    /// The WGSL files that define `voxel_factor`, for this layout and these bindings; core/surface.wgsl goes before them.
-    pub fn look_up(&self) -> [Source; 5] {
-        [source::GRID, source::VOXEL, source::VOXEL_GRAPH, self.nodes, self.bindings.access()]
+    /// The WGSL files that define `adumbra_voxel_factor` for this layout and these bindings. They must follow
+    /// core/surface.wgsl.
+    pub fn look_up(&self) -> Vec<Source> {
+        let layout: &[Source] = match self.layout {
+            Layout::Plain => &[source::VOXEL_GRAPH, source::VOXEL_PLAIN],
+            Layout::Packed => &[source::VOXEL_GRAPH, source::VOXEL_PACKED],
+            Layout::Depths => &[source::DEPTHS, source::DEPTHS_LEAF],
+        };
+        [&[source::GRID, source::VOXEL], layout, &[self.bindings.access()]].concat()
+    }
+
+    /// The WGSL files of the technique `voxel` or `voxel:soft`, depending on the filter.
+    pub fn visibility_sources(&self) -> Vec<Source> {
+        match self.filter {
+            VoxelFilter::Taps(_) => [self.look_up(), vec![source::VOXEL_PASS]].concat(),
+            VoxelFilter::Soft { .. } => self.soft_sources(),
+        }
+    }
+
+    pub(super) fn soft_sources(&self) -> Vec<Source> {
+        let soft = [source::DISC, source::DEPTHS_SOFT, source::VOXEL_SOFT_PASS];
+        [self.look_up(), soft.to_vec()].concat()
+    }
+
+    /// The WGSL files that return the level at which a look-up ends.
+    pub fn level_sources(&self) -> Vec<Source> {
+        let level = if self.layout == Layout::Depths { source::DEPTHS_LEVEL } else { source::VOXEL_LEVEL };
+        [self.look_up(), vec![level, source::VOXEL_LEVEL_PASS]].concat()
     }
 
     /// Writes the uniform for positions relative to `anchor_world`.
     ///
     /// # Errors
-    /// None that [`Voxel::new`] has not given.
+    /// Returns no error that [`BakedLight::new`] would not have returned.
     pub fn set_anchor(&mut self, gpu: &Gpu, anchor_world: [f64; 3]) -> Result<()> {
-        let g = &self.grid;
-        let size = self.params.grid.size;
-        let size = [size[0] as u32, size[1] as u32, size[2] as u32];
-        self.params.grid = grid_transform(g.origin, g.axes, g.voxel_size, size, anchor_world)?;
-        self.bindings.write(gpu, &self.params.bytes());
+        self.parameters.set_anchor(&self.grid, anchor_world)?;
+        self.bindings.write(gpu, &self.parameters.to_bytes());
         Ok(())
     }
 
-    /// Lit taps for receivers in fixed point: what `Query::lit_taps` answers on the CPU.
+    /// Returns the number of lit taps for receivers in fixed point, equal to `Query::lit_taps` on the CPU.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn lit_taps(&self, gpu: &Gpu, receivers: &[FixedReceiver]) -> Result<Vec<u32>> {
-        let queries: Vec<VoxelQuery> = receivers
-            .iter()
-            .map(|r| {
-                let [x, y, z] = r.p_fixed.map(|c| c as i32);
-                VoxelQuery { p_fixed: [x, y, z, 0], gradient: [r.gradient[0], r.gradient[1], 0, 0] }
-            })
-            .collect();
-        let mut files = vec![source::SURFACE];
-        files.extend(self.look_up());
-        files.extend([source::VOXEL_PASS, source::VOXEL_FIXED]);
-        let answers = fixed::answer::<_, 4>(gpu, &self.bindings, &files, &queries)?;
+        let passes = vec![source::VOXEL_PASS, source::VOXEL_FIXED];
+        let files = [vec![source::SURFACE], self.look_up(), passes].concat();
+        let answers = fixed::answer::<_, 4>(gpu, &self.bindings, &files, &queries(receivers))?;
         Ok(answers.into_iter().map(u32::from_le_bytes).collect())
+    }
+
+    /// Edge of a voxel, world units.
+    pub fn voxel_world(&self) -> f64 {
+        self.grid.voxel_size
+    }
+
+    /// Bytes of the file's sections on the device.
+    pub fn bytes(&self) -> u64 {
+        self.bindings.bytes()
+    }
+
+    pub(super) fn layout(&self) -> Layout {
+        self.layout
     }
 }
 
-impl Technique for Voxel {
-    fn name(&self) -> String {
-        self.name.clone()
-    }
-
-    fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
-        self.set_anchor(input.gpu, input.anchor_world)
-    }
-
-    fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
-        let pass = match answer {
-            Answer::Visibility => &[source::VOXEL_PASS][..],
-            Answer::Voxel => &[source::VOXEL_LEVEL, source::VOXEL_LEVEL_PASS],
-            Answer::Cascade | Answer::Level => return None,
-        };
-        Some([&self.look_up()[..], pass].concat())
-    }
-
-    fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
-        [Some(self.bindings.layout()), None]
-    }
-
-    fn groups(&self) -> [Option<&wgpu::BindGroup>; 2] {
-        [Some(self.bindings.group()), None]
-    }
-
-    fn texel_world(&self, _view_depth: f32) -> Option<f64> {
-        Some(self.grid.voxel_size)
-    }
-
-    fn voxel_world(&self) -> Option<f64> {
-        Some(self.grid.voxel_size)
-    }
-
-    fn bytes(&self) -> u64 {
-        self.bindings.bytes()
-    }
+pub(super) fn queries(receivers: &[FixedReceiver]) -> Vec<VoxelQuery> {
+    let query = |r: &FixedReceiver| VoxelQuery { p_fixed: r.p_fixed.map(|c| c as i32), gradient: r.gradient };
+    receivers.iter().map(query).collect()
 }

@@ -1,42 +1,50 @@
 //! Baked voxels on the GPU: the techniques `voxel`, `voxel-cubes` and `voxel-texture`.
 //!
-//! A file's words → [`WordBuffers`] or [`PageTexture`] → [`VoxelBindings`] (group 1) → [`Voxel`], [`VoxelHierarchy`] or [`Cubes`]. The words of a
-//! light-aligned file are its sections as they are, plain, packed or hierarchy, and its layout says which core/ file reads them. What an engine binds:
-//! binding 0 a uniform, then either one storage buffer, or six for what is larger than one may be, or one texture. The CPU twins are
-//! `adumbra::query::Query` and `TreeQuery`; receivers in fixed point get the very same counts from both.
+//! A file's words → [`WordBuffers`] or [`PageTexture`] → [`VoxelBindings`] (group 1) → [`BakedLight`] or [`Cubes`]. The
+//! words of a light-aligned file are its unchanged sections, in the layout plain, packed or depths. The layout
+//! determines which core/ file reads them. An engine binds a uniform at binding 0, then one storage buffer, or six if
+//! the words exceed one binding, or one texture. The CPU twins are `adumbra::Query` and `TreeQuery`; receivers in fixed
+//! point get equal counts from the GPU and the CPU.
 
 mod bindings;
 mod cubes;
+mod cubes_options;
+mod depths;
+mod filter;
 mod fixed;
 mod grid;
-mod hierarchy;
 mod light;
 mod palette;
 mod settings;
 mod soft;
+mod technique;
 mod texture;
 mod words;
 
 pub use bindings::VoxelBindings;
-pub use cubes::{Cubes, CubesOptions, CubesStore};
+pub use cubes::Cubes;
+pub use cubes_options::{CubesOptions, CubesStore};
+pub use depths::DepthsAnswer;
+pub use filter::VoxelFilter;
 pub use grid::grid_transform;
-pub use hierarchy::{HierarchyAnswer, HierarchyFilter, VoxelHierarchy};
-pub use light::Voxel;
+pub use light::BakedLight;
 pub use palette::{VOXEL_LEVEL_COLORS, voxel_level_color};
 pub use settings::VoxelSettings;
 pub(crate) use settings::{read_layers, read_width};
 pub use soft::SoftTwin;
+pub(crate) use technique::NO_FILE;
+pub use technique::Voxel;
 pub use texture::PageTexture;
 pub use words::{MAX_WORD_BINDINGS, WordBuffers};
 
-use adumbra::query::TapLayers;
-use adumbra::settings::Bias;
+use adumbra::Bias;
+use adumbra_shaders::layout::ReceiverBias;
 
-/// As `places` has it.
-fn layers_word(layers: TapLayers) -> u32 {
-    u32::from(layers == TapLayers::Block)
-}
-
-fn bias_uniform(bias: Bias) -> [f32; 4] {
-    [bias.constant_texels as f32, bias.slope_texels as f32, bias.normal_offset_texels as f32, 0.0]
+fn bias_uniform(bias: Bias) -> ReceiverBias {
+    ReceiverBias {
+        constant_texels: bias.constant_texels as f32,
+        slope_texels: bias.slope_texels as f32,
+        normal_offset_texels: bias.normal_offset_texels as f32,
+        width_factor: 1.0,
+    }
 }

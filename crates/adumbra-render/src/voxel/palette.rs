@@ -1,8 +1,8 @@
 //! Colours of [`crate::Answer::Voxel`].
 
-/// Linear colours of levels, from 0, purple, over blue, green and yellow to 11, peach: each is lighter than the one before by the same step, and
-/// has a hue of its own, the first eight furthest apart, since most pixels have those (Oklab: Björn Ottosson, *A perceptual color space
-/// for image processing*, 2020).
+/// Linear colours of the levels: from 0, purple, over blue, green and yellow to 11, peach. Each is lighter than the
+/// previous one by the same step and has a distinct hue. The first eight are furthest apart, since most pixels have
+/// those levels (Oklab: Björn Ottosson, *A perceptual color space for image processing*, 2020).
 pub const VOXEL_LEVEL_COLORS: [[f32; 3]; 12] = [
     [0.326, 0.000, 0.103],
     [0.319, 0.000, 0.417],
@@ -18,7 +18,7 @@ pub const VOXEL_LEVEL_COLORS: [[f32; 3]; 12] = [
     [0.999, 0.733, 0.585],
 ];
 
-/// The colour of a level; those beyond the last have the last's.
+/// Returns the colour of a level. Levels beyond the last have the last one's.
 pub fn voxel_level_color(level: u32) -> [f32; 3] {
     VOXEL_LEVEL_COLORS[(level as usize).min(VOXEL_LEVEL_COLORS.len() - 1)]
 }
@@ -27,7 +27,7 @@ pub fn voxel_level_color(level: u32) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    /// Oklab of a linear colour.
+    /// Oklab coordinates of a linear colour.
     fn oklab([r, g, b]: [f32; 3]) -> [f32; 3] {
         let l = (0.412_221_5 * r + 0.536_332_5 * g + 0.051_446 * b).cbrt();
         let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_397 * b).cbrt();

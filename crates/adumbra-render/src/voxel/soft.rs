@@ -1,26 +1,27 @@
-//! Penumbrae from the depths of a hierarchy, on the CPU: twin of core/hierarchy_soft.wgsl.
+//! Penumbrae from switch depths, on the CPU. Twin of core/depths_soft.wgsl.
 
-use adumbra::hierarchy::Hierarchy;
+use adumbra::layout::depths::DepthTree;
 use adumbra::query::{FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS};
 use adumbra_shaders::constants::POISSON_DISC;
 
 use crate::maps::twin::{turn, turned};
 
-/// A look-up of penumbrae of a sun of a given size.
-pub struct SoftTwin<'h> {
-    hierarchy: &'h Hierarchy,
-    /// Texels that the sun's cone widens by a voxel of depth.
+/// A look-up of the penumbrae of a sun of a given size.
+pub struct SoftTwin<'d> {
+    depths: &'d DepthTree,
+    /// Growth of the radius of the sun's cone, texels per voxel of depth.
     cone: f32,
     max_radius: f32,
 }
 
-impl<'h> SoftTwin<'h> {
-    /// For a sun of `angle_degrees` and penumbrae of at most `max_radius_texels` around their middle.
-    pub fn new(hierarchy: &'h Hierarchy, angle_degrees: f64, max_radius_texels: f64) -> Self {
-        Self { hierarchy, cone: cone(angle_degrees), max_radius: max_radius_texels as f32 }
+impl<'d> SoftTwin<'d> {
+    /// Creates the look-up for a sun of `angle_degrees`. A penumbra's radius, from its middle to its edge, is at most
+    /// `max_radius_texels`.
+    pub fn new(depths: &'d DepthTree, angle_degrees: f64, max_radius_texels: f64) -> Self {
+        Self { depths, cone: cone(angle_degrees), max_radius: max_radius_texels as f32 }
     }
 
-    /// Visibility of the sun's disc at a receiver, 1 = all of it; `pixel` turns the taps.
+    /// Visible share of the sun's disc at a receiver, 1 = all of it. `pixel` determines the rotation of the taps.
     pub fn visibility(&self, r: &FixedReceiver, pixel: [u32; 2]) -> f32 {
         let turn = turn(pixel);
         let Some(distance) = self.blocker_distance(r, turn) else { return 1.0 };
@@ -32,7 +33,7 @@ impl<'h> SoftTwin<'h> {
         taps.sum::<f32>() / POISSON_DISC.len() as f32
     }
 
-    /// `hierarchy_blocker_distance`.
+    /// Twin of `adumbra_depths_blocker_distance`.
     fn blocker_distance(&self, r: &FixedReceiver, turn: [f32; 2]) -> Option<f32> {
         let search = (self.cone * r.p_fixed[2] as f32 / FIXED_ONE as f32).clamp(1.0, self.max_radius);
         let length = |v: [f32; 2]| (v[0] * v[0] + v[1] * v[1]).sqrt();
@@ -50,23 +51,23 @@ impl<'h> SoftTwin<'h> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// `hierarchy_blocker`.
+    /// Twin of `adumbra_depths_blocker`.
     fn blocker(&self, r: &FixedReceiver, texel: [i64; 2]) -> Option<i64> {
         let one = i64::from(FIXED_ONE);
         let along: i64 =
             (0..2).map(|a| i64::from(r.gradient[a]) * (texel[a] * one + one / 2 - r.p_fixed[a])).sum();
         let layer = (r.p_fixed[2] + (along >> GRADIENT_BITS)).min(r.p_fixed[2]) >> FIXED_BITS;
-        let size = self.hierarchy.size.map(i64::from);
+        let size = self.depths.size.map(i64::from);
         if (0..2).any(|a| texel[a] < 0 || texel[a] >= size[a]) || layer < 0 {
             return None;
         }
-        let value = i64::from(self.hierarchy.value(texel[0] as u32, texel[1] as u32));
+        let value = i64::from(self.depths.value(texel[0] as u32, texel[1] as u32));
         (layer.min(size[2] - 1) >= value).then(|| (r.p_fixed[2] - value * one).max(0))
     }
 
-    /// `hierarchy_bilinear`.
-    fn bilinear(&self, r: &FixedReceiver, place: [i64; 2]) -> f32 {
-        let from = place.map(|c| c - i64::from(FIXED_ONE / 2));
+    /// Twin of `adumbra_depths_bilinear`.
+    fn bilinear(&self, r: &FixedReceiver, p_fixed: [i64; 2]) -> f32 {
+        let from = p_fixed.map(|c| c - i64::from(FIXED_ONE / 2));
         let corner = from.map(|c| c >> FIXED_BITS);
         let [u, v] = from.map(|c| (c & i64::from(FIXED_ONE - 1)) as f32 / FIXED_ONE as f32);
         let lit = |x, y| f32::from(u8::from(self.blocker(r, [corner[0] + x, corner[1] + y]).is_none()));
@@ -75,7 +76,7 @@ impl<'h> SoftTwin<'h> {
     }
 }
 
-/// Texels that the cone of a sun of this full angle widens by a voxel of depth, to either side.
+/// Growth of the cone's radius for a sun of this full angle, texels per voxel of depth.
 pub(super) fn cone(angle_degrees: f64) -> f32 {
     (0.5 * angle_degrees).to_radians().tan() as f32
 }

@@ -1,43 +1,46 @@
-//! Words as an RGBA8 texture, read texel by texel or decoded into a storage buffer at load. Source: *The Optimization and realization of
-//! Compact Precomputed Voxelized Shadows Algorithm* (2021), §3.3.2. The pages are those of `adumbra::texture`, one a layer, as they are in
-//! their files.
+//! Words in an RGBA8 texture, read texel by texel or decoded into a storage buffer at load. Source: *The Optimization
+//! and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021), §3.3.2. The pages are those of
+//! `adumbra_tree::texture`, unchanged from their files, one per array layer.
 
-use adumbra::texture::{self, Page};
 use adumbra_shaders::constants::LIST_GROUP;
+use adumbra_shaders::layout::DecodeParams;
 use adumbra_shaders::{Source, assemble, source};
+use adumbra_tree::texture;
+use adumbra_tree::texture::Page;
 use wgpu::{BindingType, ShaderStages, TextureSampleType, TextureUsages, TextureViewDimension};
 
 use super::WordBuffers;
-use crate::error::{RenderError, Result};
+use crate::error::{Fix, RenderError, Result};
 use crate::gpu::{Gpu, binding};
 
-/// Most workgroups in a row.
+/// Largest number of workgroups per row.
 const MAX_ROW: u64 = 65535;
 
-/// Pages on the GPU, as wgsl/access/words_texture.wgsl reads them.
+/// Pages on the GPU, in the format that wgsl/access/words_texture.wgsl reads.
 pub struct PageTexture {
     texture: wgpu::Texture,
     view: wgpu::TextureView,
 }
 
 impl PageTexture {
-    /// How it is bound.
+    /// Its binding type.
     pub const BINDING: BindingType = binding::texture(TextureSampleType::Uint, TextureViewDimension::D2Array);
 
-    /// Encodes words into pages as large as the device takes, and uploads them.
+    /// Encodes words into pages as large as the device supports, and uploads them.
     ///
     /// # Errors
-    /// As [`PageTexture::new`].
-    pub fn of_words(gpu: &Gpu, words: &[u32]) -> Result<Self> {
+    /// Returns the errors of [`PageTexture::new`].
+    pub fn from_words(gpu: &Gpu, words: &[u32]) -> Result<Self> {
         let side = gpu.max_texture_side().min(texture::MAX_SIDE);
         let pages = texture::encode(words, &[], side).map_err(|e| RenderError::Pages { source: e })?;
         Self::upload(gpu, &pages)
     }
 
-    /// Checks that these are the pages of one export, and uploads them as they are.
+    /// Checks that the pages belong to one export, and uploads them unchanged.
     ///
     /// # Errors
-    /// [`RenderError::Pages`] where they are not; [`RenderError::TooLarge`] and [`RenderError::VoxelLimit`] for what the device cannot hold.
+    /// Returns [`RenderError::Pages`] if they do not, and [`RenderError::TooLarge`] or [`RenderError::VoxelLimit`] if
+    /// the device cannot hold them.
     pub fn new(gpu: &Gpu, pages: &[Page]) -> Result<Self> {
         texture::decode(pages).map_err(|e| RenderError::Pages { source: e })?;
         Self::upload(gpu, pages)
@@ -51,7 +54,7 @@ impl PageTexture {
                 what: "a page's side in pixels",
                 value: width.max(height).into(),
                 limit: limits.max_texture_dimension_2d.into(),
-                mend: "export again with a smaller --max-side",
+                fix: Fix::SmallerPages,
             });
         }
         if pages.len() as u64 > u64::from(limits.max_texture_array_layers) {
@@ -59,7 +62,7 @@ impl PageTexture {
                 what: "the number of pages",
                 value: pages.len() as u64,
                 limit: limits.max_texture_array_layers.into(),
-                mend: "export again with a larger --max-side, or bake at a lower --resolution",
+                fix: Fix::LargerPages,
             });
         }
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -68,7 +71,7 @@ impl PageTexture {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            // Whole numbers: no filtering, no colour space, every bit as it is.
+            // Integer format: no filtering, no colour space, every bit preserved.
             format: wgpu::TextureFormat::Rgba8Uint,
             usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::COPY_SRC,
             view_formats: &[],
@@ -98,12 +101,12 @@ impl PageTexture {
         Ok(Self { texture, view })
     }
 
-    /// All pages.
+    /// View of all pages.
     pub fn view(&self) -> &wgpu::TextureView {
         &self.view
     }
 
-    /// The WGSL file that reads them.
+    /// The WGSL file that reads the texture.
     pub fn access(&self) -> Source {
         source::WORDS_TEXTURE
     }
@@ -114,10 +117,10 @@ impl PageTexture {
         4 * u64::from(t.width()) * u64::from(t.height()) * u64::from(t.depth_or_array_layers())
     }
 
-    /// The first `words` words in storage buffers, decoded by the device.
+    /// Decodes the first `words` words into storage buffers on the device.
     ///
     /// # Errors
-    /// As [`WordBuffers::empty`]; what the device reports.
+    /// Returns the errors of [`WordBuffers::empty`], and any error that the device reports.
     pub fn decode(&self, gpu: &Gpu, words: u64) -> Result<WordBuffers> {
         let decoded = WordBuffers::empty(gpu, "voxel-texture::words", words)?;
         let outputs =
@@ -128,7 +131,8 @@ impl PageTexture {
             gpu.compute("decode_texture", text, "decode_texture", &[Some(&outputs), Some(&inputs)]);
         let mut from = 0_u64;
         for buffer in decoded.buffers() {
-            let uniform = gpu.uniform("decode_texture", bytemuck::bytes_of(&[from as u32, 0, 0, 0]));
+            let params = DecodeParams { first_word: from as u32 };
+            let uniform = gpu.uniform("decode_texture", &params.bytes());
             let output = gpu.bind(
                 "decode_texture",
                 &outputs,

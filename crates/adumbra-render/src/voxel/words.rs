@@ -1,25 +1,27 @@
-//! Words in storage buffers: one, or six where one binding cannot hold them.
+//! Words in storage buffers: one buffer, or six if one binding cannot hold them.
 
 use adumbra_shaders::{Source, source};
 use wgpu::{BindingResource, BufferUsages};
 
-use crate::error::{RenderError, Result};
+use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
 
-/// Most bindings that words are split over. With a binding of 128 MiB, the least that devices offer, that is 768 MiB.
+/// Largest number of bindings that words are split over. With bindings of 128 MiB, the smallest limit of any device,
+/// they hold 768 MiB.
 pub const MAX_WORD_BINDINGS: usize = 6;
 
-/// Words on the GPU, as wgsl/access/words_1.wgsl or words_6.wgsl reads them.
+/// Words on the GPU, in the form that wgsl/access/words_1.wgsl or words_6.wgsl reads.
 pub struct WordBuffers {
     buffers: Vec<wgpu::Buffer>,
     words: u64,
 }
 
 impl WordBuffers {
-    /// Uploads `parts` one behind the other. Cost: a copy of them in the device's memory and, until it is done, in the queue's.
+    /// Uploads `parts` one after the other. Cost: one copy in device memory and, until the upload is done, one in the
+    /// queue's.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] for more than [`MAX_WORD_BINDINGS`] bindings hold.
+    /// Returns [`RenderError::TooLarge`] if [`MAX_WORD_BINDINGS`] bindings cannot hold them.
     pub fn new(gpu: &Gpu, label: &str, parts: &[&[u32]]) -> Result<Self> {
         let words = parts.iter().map(|p| p.len() as u64).sum();
         let found = Self::empty(gpu, label, words)?;
@@ -40,20 +42,20 @@ impl WordBuffers {
         Ok(found)
     }
 
-    /// Buffers for `words` words, all zero.
+    /// Creates buffers for `words` words, all zero.
     ///
     /// # Errors
-    /// As [`WordBuffers::new`].
+    /// Returns the errors of [`WordBuffers::new`].
     pub fn empty(gpu: &Gpu, label: &str, words: u64) -> Result<Self> {
         let limits = gpu.device.limits();
-        let most_bytes = gpu.max_binding_bytes.min(limits.max_buffer_size);
-        let most_bindings =
+        let max_bytes = gpu.max_binding_bytes.min(limits.max_buffer_size);
+        let max_bindings =
             if limits.max_storage_buffers_per_shader_stage < 8 { 1 } else { MAX_WORD_BINDINGS as u64 };
-        let sizes = split(words, most_bytes, most_bindings).ok_or(RenderError::TooLarge {
+        let sizes = split(words, max_bytes, max_bindings).ok_or(RenderError::TooLarge {
             what: label.to_owned(),
             bytes: words * 4,
-            limit: capacity(most_bytes) * 4 * most_bindings,
-            mend: "bake at a lower --resolution",
+            limit: capacity(max_bytes) * 4 * max_bindings,
+            fix: Fix::LowerResolution,
         })?;
         let buffer = |words: &u64| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -66,7 +68,7 @@ impl WordBuffers {
         Ok(Self { buffers: sizes.iter().map(buffer).collect(), words })
     }
 
-    /// The WGSL file that reads them.
+    /// The WGSL file that reads the buffers.
     pub fn access(&self) -> Source {
         if self.buffers.len() == 1 { source::WORDS_1 } else { source::WORDS_6 }
     }
@@ -86,18 +88,19 @@ impl WordBuffers {
     }
 }
 
-/// Words that a binding holds where there are several: a power of two.
-fn capacity(most_bytes: u64) -> u64 {
-    1 << (most_bytes / 4).max(1).ilog2()
+/// Words per binding if there are several bindings: a power of two.
+fn capacity(max_bytes: u64) -> u64 {
+    1 << (max_bytes / 4).max(1).ilog2()
 }
 
-/// Words of each buffer: one, or [`MAX_WORD_BINDINGS`] with the unused ones a word each. None where they do not fit.
-fn split(words: u64, most_bytes: u64, most_bindings: u64) -> Option<Vec<u64>> {
-    if words * 4 <= most_bytes {
+/// Words of each buffer: one buffer, or [`MAX_WORD_BINDINGS`] with one word in each unused one. `None` if the words do
+/// not fit.
+fn split(words: u64, max_bytes: u64, max_bindings: u64) -> Option<Vec<u64>> {
+    if words * 4 <= max_bytes {
         return Some(vec![words]);
     }
-    let capacity = capacity(most_bytes);
-    if words > capacity * most_bindings {
+    let capacity = capacity(max_bytes);
+    if words > capacity * max_bindings {
         return None;
     }
     let size = |i| words.saturating_sub(i * capacity).clamp(1, capacity);

@@ -1,16 +1,16 @@
-//! What ambient occlusion reads, drawn or made up, and its answers on GPU and CPU.
+//! Input of ambient occlusion, drawn or synthetic, and its results on GPU and CPU.
 
-use adumbra::camera::Camera;
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Ambient, Surfaces, Twin, estimate};
 use adumbra_render::occlusion::{OcclusionInput, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Gpu, Renderer, Shot, build};
-use adumbra_shaders::layout::Frame;
+use adumbra_scene::Camera;
+use adumbra_shaders::layout::{DepthToZ, Frame};
 
 use super::buffers::Buffers;
 
-/// What a camera sees.
+/// The G-buffer of a frame.
 pub(crate) struct Seen {
     pub(crate) frame: Frame,
     pub(crate) depth: Vec<f32>,
@@ -19,18 +19,19 @@ pub(crate) struct Seen {
     normal_view: wgpu::TextureView,
 }
 
-/// `issao` with numbers that no tuning moves: what surrounds an estimator is tested on the same noise for ever.
+/// `issao` with fixed numbers, independent of tuned defaults, so that tests of the passes around the estimator always
+/// see the same noise.
 const ISSAO: &str =
     "issao:reading=1:lambda=1:phi=0.5:psi=0.01:zcap=5:sigma=0.01:before=nothing:relation=equal";
 
-/// Settings by their text, with a radius in world units; `issao` stands for [`ISSAO`].
+/// Parses settings, with a radius in world units. `issao` is replaced by [`ISSAO`].
 pub(crate) fn settings(text: &str, radius_world: f64) -> OcclusionSettings {
     let text = text.replacen("issao", ISSAO, 1);
     OcclusionSettings::from_spec(&text.parse().unwrap(), radius_world).unwrap()
 }
 
 impl Seen {
-    /// A frame of a scene.
+    /// Draws a frame of a scene.
     pub(crate) fn drawn(renderer: &mut Renderer, camera: Camera, number: u32) -> Self {
         let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
         let mut none = renderer.prepare(none).unwrap();
@@ -39,7 +40,7 @@ impl Seen {
         Self::now(renderer, &shot)
     }
 
-    /// The frame that was drawn last. On the GPU it is there until the next is drawn.
+    /// The frame drawn last. Its content on the GPU is valid until the next frame is drawn.
     pub(crate) fn now(renderer: &Renderer, shot: &Shot) -> Self {
         let targets = renderer.targets().unwrap();
         Self {
@@ -51,22 +52,22 @@ impl Seen {
         }
     }
 
-    /// Any depths from `near_world` to `far_world`, a part of them sky, with any normals, as `frame` sees them.
+    /// Random view depths from `near_world` to `far_world`, a tenth of them sky, and random normals, as seen by
+    /// `frame`.
     pub(crate) fn random(gpu: &Gpu, frame: Frame, [near_world, far_world]: [f32; 2], mut seed: u32) -> Self {
         let mut next = || {
             seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             let word = (seed >> ((seed >> 28) + 4) ^ seed).wrapping_mul(277_803_737);
             (word >> 22 ^ word) as f32 / 4_294_967_296.0
         };
-        let size = [frame.size[0], frame.size[1]];
+        let size = frame.size;
         let pixels = 0..size[0] * size[1];
         let k = frame.depth_to_z;
         let depth: Vec<f32> = pixels
             .clone()
             .map(|_| {
                 let z = near_world + (far_world - near_world) * next();
-                // From z (c + e d) = a + b d.
-                if next() < 0.1 { 0.0 } else { (k[0] - k[2] * z) / (k[3] * z - k[1]) }
+                if next() < 0.1 { 0.0 } else { stored_depth(k, z) }
             })
             .collect();
         let normal: Vec<[f32; 3]> = pixels
@@ -84,18 +85,18 @@ impl Seen {
         Surfaces { frame: self.frame, depth: &self.depth, normal: &self.normal }
     }
 
-    /// Pixels.
+    /// Width and height, pixels.
     pub(crate) fn size(&self) -> [usize; 2] {
-        [self.frame.size[0], self.frame.size[1]].map(|s| s as usize)
+        self.frame.size.map(|s| s as usize)
     }
 
-    /// Distance along the camera's forward direction; none for the sky.
+    /// Distance along the camera's forward direction; `None` for the sky.
     pub(crate) fn view_depth(&self, at: usize) -> Option<f32> {
         let (k, d) = (self.frame.depth_to_z, self.depth[at]);
-        (d > 0.0).then(|| (k[0] + k[1] * d) / (k[2] + k[3] * d))
+        (d > 0.0).then(|| k.view_depth(d))
     }
 
-    /// The next frame of ambient visibility on the GPU.
+    /// Computes the next frame of ambient visibility on the GPU.
     pub(crate) fn on_gpu(&self, gpu: &Gpu, passes: &mut OcclusionPasses) -> Vec<f32> {
         let input = OcclusionInput { frame: &self.frame, depth: &self.depth_view, normal: &self.normal_view };
         passes.prepare(gpu, &self.frame);
@@ -108,43 +109,60 @@ impl Seen {
         passes.read(gpu).unwrap()
     }
 
-    /// A first frame of it on the CPU.
+    /// Computes a first frame of ambient visibility on the CPU.
     pub(crate) fn on_cpu(&self, settings: &OcclusionSettings) -> Vec<f32> {
         visibility(&Twin::new(*settings).ambient(&self.surfaces()))
     }
 
-    /// What the estimator would give with a great many taps: its mean over every turn of the noise.
+    /// The estimate with a great many taps: the mean over every rotation of the noise.
     pub(crate) fn without_noise(&self, settings: &OcclusionSettings) -> Vec<f32> {
         let many = OcclusionSettings { reuse: true, samples: 64, ..*settings };
         let mut sum = vec![0.0; self.depth.len()];
         for turn in 0..16 {
             let [width, height, ..] = self.frame.size;
-            let frame = Frame { size: [width, height, turn, 0], ..self.frame };
+            let frame = Frame { size: [width, height], number: turn, ..self.frame };
             let turned = estimate(&many, &Surfaces { frame, ..self.surfaces() });
             sum.iter_mut().zip(turned).for_each(|(s, a)| *s += a[0] / 16.0);
         }
         sum
     }
 
-    /// Largest difference of a first frame's visibility, GPU from CPU.
+    /// Largest difference between GPU and CPU in a first frame's visibility.
     pub(crate) fn difference(&self, gpu: &Gpu, settings: &OcclusionSettings) -> f32 {
         let found = self.on_gpu(gpu, &mut OcclusionPasses::new(gpu, *settings));
         largest(&found, &self.on_cpu(settings))
     }
 }
 
+/// Variants of estimators that their names alone do not cover.
+pub(crate) const VARIANTS: [&str; 8] = [
+    "ssao:tangent=0",
+    "issao:lambda=1:phi=0.5:levels=off",
+    "issao:lambda=1:phi=0.5:reading=1",
+    "issao:lambda=1:phi=0.5:reading=2",
+    "issao:lambda=1:phi=0.5:attenuation=off",
+    "issao:lambda=1:phi=0.5:before=nothing",
+    "issao:lambda=1:phi=0.5:relation=free",
+    "issao:preset=fig3",
+];
+
+/// Returns the stored depth for a view depth.
+pub(crate) fn stored_depth(k: DepthToZ, z: f32) -> f32 {
+    (k.numerator - k.denominator * z) / (k.denominator_slope * z - k.numerator_slope)
+}
+
 pub(crate) fn visibility(ambient: &[Ambient]) -> Vec<f32> {
     ambient.iter().map(|a| a[0]).collect()
 }
 
-/// Largest difference.
+/// Returns the largest absolute difference.
 pub(crate) fn largest(a: &[f32], b: &[f32]) -> f32 {
     assert_eq!(a.len(), b.len());
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     differences.inspect(|d| assert!(d.is_finite())).fold(0.0, f32::max)
 }
 
-/// Root mean square difference.
+/// Returns the root mean square difference.
 pub(crate) fn rms(a: &[f32], b: &[f32]) -> f64 {
     assert_eq!(a.len(), b.len());
     let sum: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2)).sum();

@@ -1,8 +1,8 @@
-//! Scenes of boxes.
+//! Scenes made of boxes.
 
-use adumbra::scene::{Instance, Material, Mesh, Scene};
+use adumbra_scene::{Instance, Material, Mesh, Scene};
 
-/// Closed boxes from corner to corner.
+/// Builds a scene of closed boxes, each given by its least and greatest corner.
 pub(crate) fn boxes(corners: &[([f32; 3], [f32; 3])]) -> Scene {
     let mut mesh = Mesh { name: "boxes".to_owned(), ..Default::default() };
     for (min, max) in corners {

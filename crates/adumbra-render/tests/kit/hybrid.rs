@@ -1,36 +1,35 @@
-//! Frames with hybrid maps, and what their levels hold.
+//! Frames with hybrid maps, and checks of the maps' levels.
 
-use adumbra::camera::Camera;
-use adumbra::scene::Scene;
 use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::HybridTree;
 use adumbra_render::{Baked, Prepared, Renderer, SceneOptions, Shot, build};
+use adumbra_scene::{Camera, Scene};
 
-/// Pixels of these frames.
+/// Width and height of these frames, pixels.
 pub(crate) const SIZE: [u32; 2] = [160, 90];
 
-/// Draws a scene on [`super::gpu`].
+/// Creates a renderer of a scene on [`super::gpu`].
 pub(crate) fn renderer(scene: &Scene) -> Renderer {
     Renderer::new(super::gpu(), scene, SceneOptions::default()).unwrap()
 }
 
-/// A technique by its text, which needs nothing baked.
+/// Builds a technique that needs no baked file from its text.
 pub(crate) fn prepare(renderer: &Renderer, name: &str) -> Prepared {
     let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
     renderer.prepare(technique).unwrap()
 }
 
-/// The hybrid map of a technique that has one.
+/// Returns the hybrid map of a technique that has one.
 pub(crate) fn hybrid(technique: &Prepared) -> &HybridMap {
     technique.technique().hybrid().unwrap()
 }
 
-/// The first shot in the kit's sun.
+/// Returns shot number 0 under the test kit's sun.
 pub(crate) fn shot(camera: Camera) -> Shot {
     Shot { camera, towards_sun: super::sun(), number: 0 }
 }
 
-/// Finest texels that each level answers for, the finest first, counted one by one.
+/// Counts the finest texels that each level covers, one by one; finest level first.
 pub(crate) fn level_counts(tree: &HybridTree) -> [u64; 4] {
     let side = i64::from(tree.start);
     let mut counts = [0; 4];
@@ -40,12 +39,12 @@ pub(crate) fn level_counts(tree: &HybridTree) -> [u64; 4] {
     counts
 }
 
-/// Holds the tree's shares, which come from the blocks that did not merge, against its texels.
+/// Checks the tree's shares, which are derived from the blocks that did not merge, against a count of its texels.
 pub(crate) fn check_shares(tree: &HybridTree, what: &str) {
     let cells = f64::from(tree.start).powi(2);
     let (shares, counts) = (tree.shares(), level_counts(tree));
     for (level, (&share, &count)) in shares.iter().zip(&counts).enumerate() {
-        // Both are whole numbers by a power of two, and so exact.
+        // Both are whole numbers divided by a power of two, so they are exact.
         assert!((0.0..=1.0).contains(&share), "{what}, level {level}: {share}");
         assert_eq!(share, count as f64 / cells, "{what}, level {level}");
     }

@@ -1,4 +1,4 @@
-//! What GPU tests share.
+//! Code shared by the GPU tests.
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
@@ -6,14 +6,14 @@ pub(crate) mod ambient;
 pub(crate) mod boxes;
 pub(crate) mod buffers;
 pub(crate) mod hybrid;
+pub(crate) mod lists;
 pub(crate) mod penumbra;
 pub(crate) mod surfaces;
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::{GeneratedKind, Scene, generate};
 use adumbra_render::{Gpu, GpuOptions};
+use adumbra_scene::{Camera, GeneratedKind, Projection, Scene, generate};
 
-/// A device. There is always one to be had: the message says how.
+/// Opens a device. If there is none, the panic message explains how to get one.
 pub(crate) fn gpu() -> Gpu {
     Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -23,7 +23,7 @@ pub(crate) fn city() -> Scene {
     generate(GeneratedKind::City, 7)
 }
 
-/// A camera over it.
+/// A camera over the city.
 pub(crate) fn camera(width: u32, height: u32) -> Camera {
     let projection = Projection::Perspective { fov_degrees: 45.0 };
     Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], projection, width, height }
@@ -31,13 +31,13 @@ pub(crate) fn camera(width: u32, height: u32) -> Camera {
 
 /// A unit vector towards the sun.
 pub(crate) fn sun() -> [f64; 3] {
-    adumbra::light::Sun::from_direction([0.5, 0.8, 0.35]).unwrap().towards()
+    adumbra::Sun::from_direction([0.5, 0.8, 0.35]).unwrap().towards()
 }
 
-/// What a technique called `none` says.
+/// Visibility as of the technique `none`: everything is lit.
 pub(crate) struct AllLit;
 
-impl adumbra::query::PointVisibility for AllLit {
+impl adumbra::PointVisibility for AllLit {
     fn visibility(&self, _p_world: [f64; 3], _normal: Option<[f64; 3]>) -> f32 {
         1.0
     }

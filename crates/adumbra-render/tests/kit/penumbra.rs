@@ -1,9 +1,9 @@
-//! A plate in the air and a post over flat ground, their ground's points, and how much of a sun's disc each sees.
+//! A raised plate and a post over flat ground, with points of the ground and the part of a sun's disc that each of them
+//! sees.
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::scene::Scene;
-use adumbra::trace::{TraceOptions, Tracer};
 use adumbra_render::{Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
+use adumbra_scene::{Camera, Projection, Scene};
+use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use super::boxes::boxes;
 
@@ -16,7 +16,7 @@ pub(crate) struct Penumbra {
 }
 
 impl Penumbra {
-    /// Under a sun whose disc is `angle_degrees` wide.
+    /// Traces the ground under a sun whose disc is `angle_degrees` wide.
     pub(crate) fn new(angle_degrees: f64) -> Self {
         let scene = boxes(&[
             ([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]),
@@ -43,7 +43,7 @@ impl Penumbra {
         Self { scene, renderer, shot: Shot { camera, towards_sun, number: 0 }, points, disc }
     }
 
-    /// Root mean square of a technique's difference from the disc.
+    /// Returns the root mean square difference between a technique and the disc.
     pub(crate) fn error(&mut self, mut technique: Prepared) -> f64 {
         let factors = self.renderer.answer(&self.shot, &mut technique, &self.points).unwrap();
         let squares: f64 = factors.iter().zip(&self.disc).map(|(a, b)| f64::from(a - b).powi(2)).sum();

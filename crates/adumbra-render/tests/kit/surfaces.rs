@@ -1,9 +1,10 @@
-//! What a look-up sees in each pixel of a frame.
+//! The surface that a look-up receives for each pixel of a frame.
 
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::{Renderer, Shot};
 
-/// The surfaces of the frame drawn last, as the shader has them; none where the sun does not shine on one, or nothing is.
+/// Returns the surfaces of the frame drawn last, as the shader receives them. `None` for surfaces that face away from
+/// the sun and for the background.
 pub(crate) fn surfaces(renderer: &Renderer, shot: &Shot) -> Vec<Option<Surface>> {
     let image = renderer.read_surface(shot).unwrap();
     let view = shot.camera.view();

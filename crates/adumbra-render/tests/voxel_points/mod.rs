@@ -1,23 +1,24 @@
-//! Scenes baked both ways, points on, above, beside and behind them, and the twins' answers held against each other.
+//! Scenes baked into light-aligned and world-aligned files, points on and around them, and comparisons with the CPU
+//! twins.
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
-use std::sync::atomic::AtomicBool;
-
-use adumbra::bake::{Options, Size, bake};
-use adumbra::format::{Layout, ShadowFile, TreeBody, TreeFile};
-use adumbra::light::Sun;
-use adumbra::query::{FixedReceiver, Query, Receiver, TreeQuery, Weights, receiver};
-use adumbra::scene::Scene;
-use adumbra::settings::Bias;
-use adumbra::tree::{Detail, TreeOptions, VoxelTree, bake_tree};
-use adumbra::verify::{Random, Solids, SurfaceSampler};
+use adumbra::query::{FixedReceiver, Receiver, receiver};
+use adumbra::{Bias, Layout, Query, ShadowFile, Sun};
+use adumbra_bake::convert::{body_in, graph_of};
+use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch};
 use adumbra_render::technique::{Resolver, Technique};
-use adumbra_render::voxel::{Cubes, CubesOptions, CubesStore, Voxel};
+use adumbra_render::voxel::{BakedLight, Cubes, CubesOptions, CubesStore, Voxel, VoxelSettings};
 use adumbra_render::{Gpu, Result};
+use adumbra_scene::Scene;
+use adumbra_scene::random::Random;
 use adumbra_shaders::layout::{Frame, GpuType, PointQuery};
+use adumbra_testing::bake_file;
+use adumbra_tree::query::{TreeQuery, Weights};
+use adumbra_tree::{Detail, TreeBody, TreeFile, TreeOptions, VoxelTree, bake_tree};
+use adumbra_truth::verify::{Solids, SurfaceSampler};
 
-/// A scene with its shadows.
+/// A scene with its baked files.
 pub(crate) struct BakedScene {
     pub(crate) scene: Scene,
     pub(crate) light: ShadowFile,
@@ -37,28 +38,18 @@ impl BakedScene {
         detail: Detail,
     ) -> Self {
         let sun = Sun::from_direction(sun).unwrap();
-        let never = AtomicBool::new(false);
-        let baked = bake(&scene, &Options::new(sun, Size::Resolution(resolution)), &|_| {}, &never).unwrap();
-        let light = ShadowFile::plain(baked.grid, baked.settings, baked.dag);
+        let options = BakeOptions::new(sun, Size::Resolution(resolution));
+        let light = bake_file(&scene, &options, LayoutChoice::Plain).unwrap();
         let options = TreeOptions { detail, ..TreeOptions::new(sun, Size::Resolution(side)) };
-        let baked = bake_tree(&scene, &options, &|_| {}, &never).unwrap();
-        let tree = TreeFile {
-            space: baked.space,
-            sun,
-            settings: baked.settings,
-            regions: baked.regions,
-            body: TreeBody::Words(baked.tree),
-            attribute: Vec::new(),
-            attribute_kind: None,
-        };
+        let tree = TreeFile::from(bake_tree(&scene, &options, Watch::none()).unwrap());
         Self { scene, light, tree }
     }
 
-    /// The same with its light-aligned file in another layout.
+    /// Returns a copy with the light-aligned file in another layout.
     pub(crate) fn in_layout(&self, layout: Layout) -> Self {
         let light = &self.light;
-        let graph = light.graph().unwrap().into_owned();
-        let light = ShadowFile::of_dag(light.grid, light.settings, graph, layout).unwrap();
+        let body = body_in(layout, graph_of(&light.body).unwrap().into_owned()).unwrap();
+        let light = ShadowFile { grid: light.grid, settings: light.settings, body };
         Self { scene: self.scene.clone(), light, tree: self.tree.clone() }
     }
 
@@ -74,7 +65,7 @@ impl BakedScene {
     }
 
     fn query(&self, filter: u32) -> Query<'_> {
-        Query::new(&self.light.grid, self.light.slabs(), self.light.settings.bias, filter).unwrap()
+        Query::new(&self.light.grid, self.light.leaf_masks(), self.light.settings.bias, filter).unwrap()
     }
 
     fn tree_query(&self, (side, weights): (u32, Weights)) -> TreeQuery<'_, VoxelTree> {
@@ -82,12 +73,13 @@ impl BakedScene {
         TreeQuery::new(&t.space, &t.regions, &t.sun, self.voxels(), t.settings.bias, side, weights).unwrap()
     }
 
-    /// Half on surfaces, a quarter in the scene's box, a quarter beside, above and below it; a third of the latter two with a normal.
+    /// Returns random points: half on surfaces, a quarter in the scene's bounding box, a quarter in that box enlarged
+    /// to all sides. Of the latter two, a third have a normal.
     pub(crate) fn points(&self, count: usize) -> Vec<([f64; 3], Option<[f64; 3]>)> {
         let solids = Solids::of(&self.scene);
         let sampler = SurfaceSampler::new(&self.scene, &solids, self.light.grid.sun.towards(), false);
         let bounds = self.scene.bounds();
-        let mut random = Random::new(17, 0);
+        let mut random = Random::for_batch(17, 0);
         let point = |i: usize| {
             if i.is_multiple_of(2) {
                 let s = sampler.sample(&mut random);
@@ -105,14 +97,15 @@ impl BakedScene {
         (0..count).map(point).collect()
     }
 
-    /// The points as a shader gets them, and the same as the CPU does: f32 positions relative to the middle of the scene.
+    /// Returns an anchor at the middle of the scene, and the points as a shader receives them: f32 positions relative
+    /// to it.
     fn float_points(&self, count: usize) -> ([f64; 3], Vec<PointQuery>) {
         let b = self.scene.bounds();
         let anchor: [f64; 3] = std::array::from_fn(|a| f64::from((0.5 * (b.min[a] + b.max[a])) as f32));
         let asked = self.points(count).into_iter().map(|(p, n)| {
             let r: [f32; 3] = std::array::from_fn(|a| (p[a] - anchor[a]) as f32);
             let n = n.unwrap_or_default().map(|c| c as f32);
-            PointQuery { p_relative: [r[0], r[1], r[2], 0.0], normal: [n[0], n[1], n[2], 0.0], pixel: [0; 4] }
+            PointQuery { p_relative: r, view_depth: 0.0, normal: n, pixel: [0; 2] }
         });
         (anchor, asked.collect())
     }
@@ -126,14 +119,14 @@ fn as_cpu(anchor: [f64; 3], q: &PointQuery) -> ([f64; 3], Option<[f64; 3]>) {
 
 pub(crate) fn exact_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
     let (grid, settings) = (&baked.light.grid, &baked.light.settings);
-    let voxel = Voxel::of_file(gpu, &baked.light, settings.bias, filter).unwrap();
+    let light = BakedLight::from_file(gpu, &baked.light, VoxelSettings::taps(filter, settings.bias)).unwrap();
     let query = baked.query(filter);
     let receivers: Vec<FixedReceiver> = baked
         .points(count)
         .into_iter()
         .map(|(p, n)| FixedReceiver::new(&receiver(grid, &settings.bias, p, n), baked.light.grid.size))
         .collect();
-    let counts = voxel.lit_taps(gpu, &receivers).unwrap();
+    let counts = light.lit_taps(gpu, &receivers).unwrap();
     let mut partly = 0;
     for (r, found) in receivers.iter().zip(&counts) {
         let expected = query.lit_taps(r);
@@ -168,7 +161,7 @@ pub(crate) fn exact_cubes(
     let mut partly = 0;
     for (r, found) in receivers.iter().zip(&found) {
         let expected = query.lit_weights(r);
-        // Equal quotients of whole numbers.
+        // The quotients of whole numbers must be equal.
         assert!(
             found[1] > 0 && found[0] * expected[1] == expected[0] * found[1],
             "{kernel:?}: {r:?} {found:?} {expected:?}"
@@ -178,21 +171,22 @@ pub(crate) fn exact_cubes(
     assert!(found.len() * 2 > count && (kernel.0 == 1 || partly * 200 > count), "{partly} partly lit");
 }
 
-/// A technique's answers for points relative to an anchor that it was told.
+/// Looks up points with a technique whose anchor they are relative to.
 fn answer(gpu: &Gpu, technique: &dyn Technique, points: &[PointQuery]) -> Vec<f32> {
     let resolver = Resolver::new(gpu);
     let lookup = resolver.lookup(gpu, technique);
-    // Voxels need of the frame nothing but its layout: anchor and sun are in their own uniform.
+    // Voxel techniques need the frame's binding but not its content: anchor and sun are in their own uniform.
     let frame = gpu.uniform("frame", &vec![0; Frame::SIZE]);
     resolver.answer(gpu, &frame, technique, &lookup, points).unwrap()
 }
 
-/// Offsets of 0.02 voxels towards faces, edges and corners.
+/// Offsets of 0, 0.02 or -0.02 voxels along each axis.
 fn nearby() -> impl Iterator<Item = [f64; 3]> {
     (0..27).map(|i| [i / 9, i / 3 % 3, i % 3].map(|c| 0.02 * (f64::from(c) - 1.0)))
 }
 
-/// At most 1 in 10,000 answers differ from the CPU's, and each of them is the CPU's at most 0.02 voxels away.
+/// Asserts that at most 1 in 10,000 answers differs from the CPU's, and that each of those equals the CPU's answer at
+/// most 0.02 voxels away along each axis.
 fn compare(
     name: &str,
     found: &[f32],
@@ -214,8 +208,9 @@ fn compare(
 pub(crate) fn float_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
     let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
     let (anchor, points) = baked.float_points(count);
-    let mut voxel = Voxel::of_file(gpu, &baked.light, bias, filter).unwrap();
-    voxel.set_anchor(gpu, anchor).unwrap();
+    let mut light = BakedLight::from_file(gpu, &baked.light, VoxelSettings::taps(filter, bias)).unwrap();
+    light.set_anchor(gpu, anchor).unwrap();
+    let voxel = Voxel::new(format!("voxel:filter={filter}"), light);
     let found = answer(gpu, &voxel, &points);
     let query = baked.query(filter);
     let receiver_of = |i: usize| {

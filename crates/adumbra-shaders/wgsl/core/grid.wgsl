@@ -1,40 +1,41 @@
-// From relative positions to a grid of voxels: whole numbers for the coarse part, floats for the few voxels left over, so that
-// f32 positions lose nothing on grids of 2^18 voxels a side. Filled in by adumbra-render's voxel/grid.rs.
+// Transforms relative positions to a voxel grid: integers for the coarse part, floats for the remaining few voxels, so
+// that f32 positions lose no precision on grids of 2^18 voxels a side. adumbra::gpu::GridParameters computes the
+// coefficients.
 
-struct GridPosition {
+struct AdumbraGridPosition {
     // Fixed point; wraps far beyond the grid.
     whole: vec3i,
-    // What it leaves over, a few voxels either way.
+    // Remainder, a few voxels in either direction.
     rest: vec3f,
-    // Both together in voxels, rounded.
+    // Sum of both in voxels, rounded.
     voxels: vec3f,
 }
 
-fn grid_direction(t: GridTransform, d: vec3f) -> vec3f {
-    return vec3f(dot(t.axis_x.xyz, d), dot(t.axis_y.xyz, d), dot(t.axis_z.xyz, d));
+fn adumbra_grid_direction(t: AdumbraGridTransform, d: vec3f) -> vec3f {
+    return vec3f(dot(t.axis_x, d), dot(t.axis_y, d), dot(t.axis_z, d));
 }
 
-fn grid_position(t: GridTransform, p_relative: vec3f) -> GridPosition {
-    let steps = round(p_relative * t.scale.z);
+fn adumbra_grid_position(t: AdumbraGridTransform, p_relative: vec3f) -> AdumbraGridPosition {
+    let steps = round(p_relative * t.steps_per_world);
     // Exact: the step is a power of two.
-    let below = p_relative - steps * t.scale.y;
+    let below = p_relative - steps * t.step_world;
     let n = vec3i(steps);
-    var g: GridPosition;
-    g.whole = t.anchor_fixed.xyz + n.x * t.step_x.xyz + n.y * t.step_y.xyz + n.z * t.step_z.xyz;
-    let left_over = steps.x * t.rest_x.xyz + steps.y * t.rest_y.xyz + steps.z * t.rest_z.xyz;
-    let anchor_rest = vec3f(t.axis_x.w, t.axis_y.w, t.axis_z.w);
-    g.rest = anchor_rest + left_over + t.scale.x * grid_direction(t, below);
-    g.voxels = t.anchor_voxels.xyz + t.scale.x * grid_direction(t, p_relative);
+    var g: AdumbraGridPosition;
+    g.whole = t.anchor_fixed + n.x * t.step_x + n.y * t.step_y + n.z * t.step_z;
+    let left_over = steps.x * t.rest_x + steps.y * t.rest_y + steps.z * t.rest_z;
+    g.rest = t.anchor_remainder + left_over + t.voxels_per_world * adumbra_grid_direction(t, below);
+    g.voxels = t.anchor_voxels + t.voxels_per_world * adumbra_grid_direction(t, p_relative);
     return g;
 }
 
-// Fixed point, rounded down, of a position moved by some voxels. Far beyond the grid it stands MARGIN_VOXELS beyond it.
-fn grid_fixed(t: GridTransform, g: GridPosition, move_voxels: vec3f) -> vec3i {
-    let exact = g.whole + vec3i(floor((g.rest + move_voxels) * f32(FIXED_ONE)));
+// Returns the position, moved by some voxels, in fixed point, rounded down. A position far beyond the grid is clamped
+// to ADUMBRA_MARGIN_VOXELS beyond it.
+fn adumbra_grid_fixed(t: AdumbraGridTransform, g: AdumbraGridPosition, move_voxels: vec3f) -> vec3i {
+    let exact = g.whole + vec3i(floor((g.rest + move_voxels) * f32(ADUMBRA_FIXED_ONE)));
     let at = g.voxels + move_voxels;
-    let half_margin = vec3f(f32(MARGIN_VOXELS / 2));
-    let low = vec3i(-MARGIN_VOXELS * FIXED_ONE);
-    let high = (t.size.xyz + MARGIN_VOXELS) * FIXED_ONE;
+    let half_margin = vec3f(f32(ADUMBRA_MARGIN_VOXELS / 2));
+    let low = vec3i(-ADUMBRA_MARGIN_VOXELS * ADUMBRA_FIXED_ONE);
+    let high = (t.size + ADUMBRA_MARGIN_VOXELS) * ADUMBRA_FIXED_ONE;
     let near = select(exact, low, at < -half_margin);
-    return select(near, high, at > vec3f(t.size.xyz) + half_margin);
+    return select(near, high, at > vec3f(t.size) + half_margin);
 }

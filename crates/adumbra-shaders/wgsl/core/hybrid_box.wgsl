@@ -1,11 +1,13 @@
-// The mean of comparisons over a square of a hybrid map: what core/pcf.wgsl's pcf_box is for a shadow map, over the same finest texels with
-// the same weights.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, of which this is the filter: the coarsest texels under the
-// square are asked first, as whole planes, and only where one of them leads further down, or they disagree, finest texels are.
+// The mean of comparisons over a square of a hybrid map: the counterpart of adumbra_pcf_box in core/pcf.wgsl, over the
+// same texels with the same weights.
+// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, whose filter this is. The coarsest
+// texels under the square are compared first, as whole planes. Finest texels are read only if one of the coarsest leads
+// further down or if they disagree.
 
-// What the coarsest texels under the square `low` to `high` agree on, 0 or 1; 0.5 where they do not. The square is no wider than one of
-// them, so it touches at most 2 × 2. Answers are exact: planes less planes are largest and smallest at corners. A square that reaches beyond the map has no answer here.
-fn hybrid_agreed(shape: HybridShape, r: MapReceiver, low: vec2f, high: vec2f) -> f32 {
+// Returns the comparison result that all coarsest texels under the square `low` to `high` share, 0 or 1; 0.5 if they
+// differ. The square is no wider than a coarsest texel, so it touches at most 2 × 2 of them. Results are exact: the
+// difference of two planes has its extremes at corners. The result is 0.5 for a square that extends beyond the map.
+fn adumbra_hybrid_agreed(shape: AdumbraHybridShape, r: AdumbraMapReceiver, low: vec2f, high: vec2f) -> f32 {
     if (any(low < vec2f(0.0)) || any(high > vec2f(f32(shape.start)))) {
         return 0.5;
     }
@@ -14,27 +16,28 @@ fn hybrid_agreed(shape: HybridShape, r: MapReceiver, low: vec2f, high: vec2f) ->
     let last_cell = vec2i(i32(side) - 1);
     let first = floor(low / size);
     let split = (first + 1.0) * size;
-    // A column or row that the square does not reach is the first one again.
+    // A column or row that the square does not reach repeats the first one.
     let one = high <= split;
     let second = select(first + 1.0, first, one);
     let near = clamp(vec2i(first), vec2i(0), last_cell);
     let far = clamp(vec2i(second), vec2i(0), last_cell);
     let words = vec4u(
-        hybrid_root(vec2u(near), side),
-        hybrid_root(vec2u(vec2i(far.x, near.y)), side),
-        hybrid_root(vec2u(vec2i(near.x, far.y)), side),
-        hybrid_root(vec2u(far), side),
+        adumbra_hybrid_root(vec2u(near), side),
+        adumbra_hybrid_root(vec2u(vec2i(far.x, near.y)), side),
+        adumbra_hybrid_root(vec2u(vec2i(near.x, far.y)), side),
+        adumbra_hybrid_root(vec2u(far), side),
     );
-    if (any((words & vec4u(HYBRID_INDEX)) != vec4u(0u))) {
+    if (any((words & vec4u(ADUMBRA_HYBRID_INDEX)) != vec4u(0u))) {
         return 0.5;
     }
-    let a = hybrid_leaf(words.x, shape.slope);
-    let b = hybrid_leaf(words.y, shape.slope);
-    let c = hybrid_leaf(words.z, shape.slope);
-    let d = hybrid_leaf(words.w, shape.slope);
+    let a = adumbra_hybrid_leaf(words.x, shape.slope);
+    let b = adumbra_hybrid_leaf(words.y, shape.slope);
+    let c = adumbra_hybrid_leaf(words.z, shape.slope);
+    let d = adumbra_hybrid_leaf(words.w, shape.slope);
     let slope_x = vec4f(a.y, b.y, c.y, d.y);
     let slope_y = vec4f(a.z, b.z, c.z, d.z);
-    // Centres of the finest texels that square and texel share: their middle, and how far they reach.
+    // Centres of the finest texels that the square and each coarsest texel share: the middle of their range, and its
+    // half extent.
     let begin = floor(low) + 0.5;
     let end = ceil(high) - 0.5;
     let near_end = min(end, split - 0.5);
@@ -56,14 +59,14 @@ fn hybrid_agreed(shape: HybridShape, r: MapReceiver, low: vec2f, high: vec2f) ->
     return select(0.5, 0.0, all(min(plane - plane_reach, flat - flat_reach) > vec4f(0.0)));
 }
 
-// The mean over a square of `width` - 1 finest texels around the receiver. Beyond the map is lit.
-fn hybrid_box(shape: HybridShape, r: MapReceiver, width: u32) -> f32 {
+// Returns the mean over a square of `width` - 1 finest texels around the receiver. Everything beyond the map is lit.
+fn adumbra_hybrid_box(shape: AdumbraHybridShape, r: AdumbraMapReceiver, width: u32) -> f32 {
     let half_side = 0.5 * (f32(width) - 1.0);
     let low = r.p_texels - half_side;
     let high = r.p_texels + half_side;
-    // A wider square touches as many of the coarsest texels as there are blocks to be read.
+    // A wider square would touch as many coarsest texels as there are blocks to read.
     if (width <= (1u << shape.merges) + 1u) {
-        let agreed = hybrid_agreed(shape, r, low, high);
+        let agreed = adumbra_hybrid_agreed(shape, r, low, high);
         if (agreed != 0.5) {
             return agreed;
         }
@@ -78,7 +81,7 @@ fn hybrid_box(shape: HybridShape, r: MapReceiver, width: u32) -> f32 {
             let inside = clamp(block, vec2i(0), last_block);
             var stored = vec4f(1.0);
             if (all(inside == block)) {
-                stored = hybrid_block(shape, vec2u(block));
+                stored = adumbra_hybrid_block(shape, vec2u(block));
             }
             let corner = 2.0 * vec2f(block) + 1.0;
             let middle = r.depth + dot(r.gradient, corner - r.p_texels);
@@ -86,8 +89,8 @@ fn hybrid_box(shape: HybridShape, r: MapReceiver, width: u32) -> f32 {
             let down = 0.5 * r.gradient.y;
             let plane = vec4f(middle - right - down, middle + right - down, middle - right + down, middle + right + down);
             let passed = select(vec4f(0.0), vec4f(1.0), min(plane, vec4f(r.deepest)) <= stored);
-            let columns = map_overlap(vec2f(corner.x - 1.0, corner.x), vec2f(low.x, high.x));
-            let rows = map_overlap(vec2f(corner.y - 1.0, corner.y), vec2f(low.y, high.y));
+            let columns = adumbra_map_overlap(vec2f(corner.x - 1.0, corner.x), vec2f(low.x, high.x));
+            let rows = adumbra_map_overlap(vec2f(corner.y - 1.0, corner.y), vec2f(low.y, high.y));
             lit += dot(passed, columns.xyxy * rows.xxyy);
         }
     }

@@ -1,16 +1,17 @@
-// Depth along an axis of the screen: how it would run on over a texel's own surface, so that a plane seen at a grazing
-// angle is one surface. Over a plane, inverse view depth changes evenly from texel to texel in perspective, view depth
-// itself in an orthographic picture.
+// Extrapolates depth along an axis of the screen over a texel's own surface, so that a plane seen at a grazing angle
+// counts as one surface. Over a plane, inverse view depth is linear in the texel position in perspective; in an
+// orthographic picture, view depth itself is.
 
-// (s, t): a tap i texels on, of view depth z, lies z (1 + s i) - (own + t i) off the surface. In perspective that is
-// measured at the texel's own view depth: both sides times own / (what the surface has there), which spares a division a
-// tap. 0, 0 for plain differences.
+// Returns (s, t) such that a tap i texels away with view depth z is z (1 + s i) - (own + t i) off the surface. In
+// perspective that distance is measured at the texel's own view depth: both terms are multiplied by own / (the
+// surface's depth at the tap), which saves one division per tap. (0, 0) yields plain depth differences.
 //
-// From the nearer of the two neighbours in depth; a view depth of 0 is nothing. kind: 1 for each of perspective,
-// orthographic; inverse_width: of what still counts as the same surface. A neighbour further off is taken only where the
-// other lies on the far side of the texel, as on steep planes: a thing one texel wide must not take its background for its
-// surface.
-fn occlusion_run(before: f32, own: f32, after: f32, kind: vec2f, inverse_width: f32) -> vec2f {
+// The slope comes from whichever of the two neighbours is nearer in depth. A view depth of 0 means that there is no
+// surface. `kind` is 1 in x for perspective or in y for orthographic. `inverse_width` is the reciprocal of the depth
+// difference that still counts as the same surface. A neighbour further away than that is used only if the other
+// neighbour is on the opposite side of the texel in depth, as on steep planes. Otherwise an object one texel wide would
+// take its background for its own surface.
+fn adumbra_occlusion_run(before: f32, own: f32, after: f32, kind: vec2f, inverse_width: f32) -> vec2f {
     let back = before - own;
     let on = after - own;
     let is_before = before > 0.0 && (after <= 0.0 || abs(back) < abs(on));

@@ -1,20 +1,21 @@
-// Level of the block in which an unfiltered look-up in a light-aligned graph ends: all of it is lit or shadowed, and it spans 2^level
-// voxels a side, at level 3 also a slab of 8 × 8 × 1; 0 = a single voxel, -1 beside the grid and before it. The twin of
-// adumbra::query::Query::end_level. core/voxel_graph.wgsl and a layout's file go before it.
+// Level of the block in which an unfiltered look-up in a light-aligned graph ends. The whole block is lit or shadowed,
+// and it spans 2^level voxels a side; at level 3 it may also be a leaf mask of 8 × 8 × 1. 0 is a single voxel. -1 means
+// that the receiver is beside or in front of the grid. This is the counterpart of adumbra::query::Query::end_level.
+// core/voxel_graph.wgsl and a layout's file must precede this file.
 
-fn voxel_end_level(v: VoxelParams, r: VoxelReceiver) -> i32 {
-    let asked = voxel_of(v, r);
+fn adumbra_voxel_end_level(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> i32 {
+    let asked = adumbra_voxel_of(v, r);
     if (asked.z < 0) {
         return -1;
     }
     let voxel = vec3u(asked);
-    var node = voxel_root(v, voxel);
-    while (node.state == VOXEL_MIXED && node.level > 3u) {
-        node = voxel_descend(v, node, voxel);
+    var node = adumbra_voxel_root(v, voxel);
+    while (node.state == ADUMBRA_VOXEL_MIXED && node.level > 3u) {
+        node = adumbra_voxel_descend(v, node, voxel);
     }
-    if (node.state != VOXEL_MIXED) {
+    if (node.state != ADUMBRA_VOXEL_MIXED) {
         return i32(node.level);
     }
-    let lit = voxel_slab_bits(v, node, voxel.z & 7u, vec2u(0xffffffffu));
+    let lit = adumbra_voxel_look_up(v, node, voxel.z & 7u, vec2u(0xffffffffu));
     return select(0, 3, all(lit == vec2u(0u)) || all(lit == vec2u(0xffffffffu)));
 }

@@ -1,97 +1,85 @@
-// The notes' blur of the shadow factor: a Gaussian over the picture that sees nothing but the factor. One thread a texel. A line is one
-// of two passes (counts.z says along which axis), the square does both at once. *_table takes weights computed once on the CPU,
-// *_shader computes each where it is used, as the notes have it. Beyond the picture's border its last texel goes on.
-
-@group(0) @binding(0) var<uniform> blur: BlurParams;
-@group(0) @binding(1) var factor_in: texture_2d<f32>;
-@group(0) @binding(2) var factor_out: texture_storage_2d<r32float, write>;
+// Blur of the shadow factor: a Gaussian in screen space that reads only the factor. Source: ZwqXin, notes on soft
+// shadows, 2009. One thread per texel. The line variants are one of two separable passes, along `axis`; the square
+// variants do both at once. *_table uses weights computed once on the CPU, *_shader computes each weight where it is
+// used, as in the notes. Texels beyond the border repeat the last texel.
 
 fn factor_at(texel: vec2i) -> f32 {
-    return textureLoad(factor_in, clamp(texel, vec2i(0), vec2i(blur.size.xy) - 1), 0).x;
+    return factor_within(texel, blur.size);
 }
 
-fn along(distance: i32) -> vec2i {
-    return select(vec2i(distance, 0), vec2i(0, distance), blur.counts.z == 1u);
-}
-
-fn write_factor(texel: vec2u, factor: f32) {
-    textureStore(factor_out, texel, vec4f(factor, 0.0, 0.0, 0.0));
-}
-
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn blur_line_table(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.size.xy)) {
+    if (any(id.xy >= blur.size)) {
         return;
     }
     let texel = vec2i(id.xy);
-    var sum = blur.taps[0].x * factor_at(texel);
-    for (var i = 1; i <= i32(blur.counts.x); i++) {
-        sum += blur.taps[i].x * (factor_at(texel - along(i)) + factor_at(texel + along(i)));
+    var sum = blur.taps[0].weight * factor_at(texel);
+    for (var i = 1; i <= i32(blur.taps_per_side); i++) {
+        sum += blur.taps[i].weight * (factor_at(texel - along(i)) + factor_at(texel + along(i)));
     }
     write_factor(id.xy, sum);
 }
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn blur_line_shader(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.size.xy)) {
+    if (any(id.xy >= blur.size)) {
         return;
     }
     let texel = vec2i(id.xy);
-    let side = i32(blur.counts.x);
+    let side = i32(blur.taps_per_side);
     var sum = 0.0;
     var weights = 0.0;
     for (var i = -side; i <= side; i++) {
-        let weight = blur_gauss(f32(i), blur.shape.x);
+        let weight = adumbra_blur_gauss(f32(i), blur.sigma_texels);
         sum += weight * factor_at(texel + along(i));
         weights += weight;
     }
     write_factor(id.xy, sum / weights);
 }
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+// Returns the weighted sum over a square, and the sum of the weights.
+fn square_sum(texel: vec2i, from_table: bool) -> vec2f {
+    let side = i32(blur.taps_per_side);
+    var sum = vec2f(0.0);
+    for (var y = -side; y <= side; y++) {
+        for (var x = -side; x <= side; x++) {
+            var weight: f32;
+            if (from_table) {
+                weight = blur.taps[abs(x)].weight * blur.taps[abs(y)].weight;
+            } else {
+                weight = adumbra_blur_gauss(length(vec2f(f32(x), f32(y))), blur.sigma_texels);
+            }
+            sum += weight * vec2f(factor_at(texel + vec2i(x, y)), 1.0);
+        }
+    }
+    return sum;
+}
+
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn blur_square_table(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.size.xy)) {
-        return;
+    if (all(id.xy < blur.size)) {
+        // These weights add up to 1.
+        write_factor(id.xy, square_sum(vec2i(id.xy), true).x);
     }
-    let texel = vec2i(id.xy);
-    let side = i32(blur.counts.x);
-    var sum = 0.0;
-    for (var y = -side; y <= side; y++) {
-        for (var x = -side; x <= side; x++) {
-            sum += blur.taps[abs(x)].x * blur.taps[abs(y)].x * factor_at(texel + vec2i(x, y));
-        }
-    }
-    write_factor(id.xy, sum);
 }
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn blur_square_shader(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.size.xy)) {
-        return;
+    if (all(id.xy < blur.size)) {
+        let sum = square_sum(vec2i(id.xy), false);
+        write_factor(id.xy, sum.x / sum.y);
     }
-    let texel = vec2i(id.xy);
-    let side = i32(blur.counts.x);
-    var sum = 0.0;
-    var weights = 0.0;
-    for (var y = -side; y <= side; y++) {
-        for (var x = -side; x <= side; x++) {
-            let weight = blur_gauss(length(vec2f(f32(x), f32(y))), blur.shape.x);
-            sum += weight * factor_at(texel + vec2i(x, y));
-            weights += weight;
-        }
-    }
-    write_factor(id.xy, sum / weights);
 }
 
-// Morphological dilation of the shade by counts.w texels, one axis a pass: the darkest of the line.
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+// Morphological dilation of the shadow by `dilation_texels`, one axis per pass: the darkest texel of the line.
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn dilate_line(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.size.xy)) {
+    if (any(id.xy >= blur.size)) {
         return;
     }
     let texel = vec2i(id.xy);
     var darkest = factor_at(texel);
-    for (var i = 1; i <= i32(blur.counts.w); i++) {
+    for (var i = 1; i <= i32(blur.dilation_texels); i++) {
         darkest = min(darkest, min(factor_at(texel - along(i)), factor_at(texel + along(i))));
     }
     write_factor(id.xy, darkest);

@@ -1,13 +1,8 @@
-// To half of the picture's width and height and back within one surface: texel q has the surface of pixel 2q, and mixes only what lies on
-// it. One thread a texel written. size.xy: the half picture; size.zw: the whole one.
+// Scales to half of the picture's width and height and back within surfaces. Texel q has the surface of pixel 2q, and
+// only values on that surface are mixed. One thread per texel written. `size` is that of the half picture, `frame_size`
+// that of the full one.
 
-@group(0) @binding(0) var<uniform> blur: BlurParams;
-@group(0) @binding(1) var factor_in: texture_2d<f32>;
-@group(0) @binding(2) var factor_out: texture_storage_2d<r32float, write>;
-@group(0) @binding(3) var<uniform> frame: Frame;
-@group(0) @binding(4) var gbuffer_depth: texture_depth_2d;
-@group(0) @binding(5) var gbuffer_normal: texture_2d<f32>;
-// The factor before the blur, at full size: for pixels that no texel near them speaks for.
+// The factor before the blur, at full size, for pixels whose surface none of the nearby texels has.
 @group(0) @binding(6) var factor_whole: texture_2d<f32>;
 
 fn share(pixel: vec2u, other: vec2u) -> f32 {
@@ -16,15 +11,15 @@ fn share(pixel: vec2u, other: vec2u) -> f32 {
     if (depth == 0.0 || other_depth == 0.0) {
         return 0.0;
     }
-    let a = frame_surface(frame, pixel, depth, textureLoad(gbuffer_normal, pixel, 0).xyz);
-    let b = frame_surface(frame, other, other_depth, textureLoad(gbuffer_normal, other, 0).xyz);
+    let a = surface_at(pixel, depth);
+    let b = surface_at(other, other_depth);
     // Texels are twice as far apart as pixels.
-    return blur_same_surface(a, b, 2.0 * blur.shape.y * blur_pixel_world(frame, a.view_depth));
+    return adumbra_blur_same_surface(a, b, 2.0 * blur.tolerance_pixels * adumbra_blur_pixel_world(frame, a.view_depth));
 }
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn half_down_edges(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.size.xy)) {
+    if (any(id.xy >= blur.size)) {
         return;
     }
     let first = 2u * id.xy;
@@ -32,18 +27,18 @@ fn half_down_edges(@builtin(global_invocation_id) id: vec3u) {
     var weights = 1.0;
     for (var i = 1u; i < 4u; i++) {
         let other = first + vec2u(i & 1u, i >> 1u);
-        if (all(other < blur.size.zw)) {
+        if (all(other < blur.frame_size)) {
             let weight = share(first, other);
             sum += weight * textureLoad(factor_in, other, 0).x;
             weights += weight;
         }
     }
-    textureStore(factor_out, id.xy, vec4f(sum / weights, 0.0, 0.0, 0.0));
+    write_factor(id.xy, sum / weights);
 }
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn half_up_edges(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.size.zw)) {
+    if (any(id.xy >= blur.frame_size)) {
         return;
     }
     let at = (vec2f(id.xy) - 0.5) * 0.5;
@@ -53,7 +48,7 @@ fn half_up_edges(@builtin(global_invocation_id) id: vec3u) {
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
         let step = vec2i(i & 1, i >> 1u);
-        let texel = clamp(first + step, vec2i(0), vec2i(blur.size.xy) - 1);
+        let texel = clamp(first + step, vec2i(0), vec2i(blur.size) - 1);
         let linear = select(1.0 - part, part, step == vec2i(1));
         let weight = linear.x * linear.y * share(id.xy, 2u * vec2u(texel));
         sum += weight * textureLoad(factor_in, texel, 0).x;
@@ -63,5 +58,5 @@ fn half_up_edges(@builtin(global_invocation_id) id: vec3u) {
     if (weights > 0.01) {
         factor = sum / weights;
     }
-    textureStore(factor_out, id.xy, vec4f(factor, 0.0, 0.0, 0.0));
+    write_factor(id.xy, factor);
 }

@@ -1,4 +1,5 @@
-// A depth image into a layer of a shadow map, as if casters had been drawn: one triangle over all texels.
+// Writes a depth image into a layer of a shadow map, as if the casters had been drawn, with one triangle over all
+// texels.
 
 @group(0) @binding(0) var depth_image: texture_2d<f32>;
 

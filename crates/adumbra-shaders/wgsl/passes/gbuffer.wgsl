@@ -1,23 +1,8 @@
-// Depth, normal and base colour of the scene; vertices are three a triangle, each with the triangle's own normal. Masked materials
-// are cut by their alpha at full resolution, as the bake and the rays do it; colour is sampled with mip levels. The CPU's twin is
-// adumbra::picture::BaseColors.
+// Depth, normal and base colour of the scene. There are three vertices per triangle, each with the triangle's own
+// normal. Masked materials are cut by their alpha at full resolution, as in the bake and in ray tracing. Colour is
+// sampled with mip levels. The CPU counterpart is adumbra_truth::picture::BaseColors.
 
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<uniform> material: MaterialParams;
-@group(1) @binding(1) var color_texture: texture_2d<f32>;
-@group(1) @binding(2) var color_sampler: sampler;
-
-struct Corner {
-    @location(0) position: vec3f,
-    @location(1) normal: vec3f,
-    @location(2) uv: vec2f,
-    // Rows of relative from mesh.
-    @location(3) row_x: vec4f,
-    @location(4) row_y: vec4f,
-    @location(5) row_z: vec4f,
-    // sRGB, and linear alpha.
-    @location(6) color: vec4f,
-}
+@group(0) @binding(0) var<uniform> frame: AdumbraFrame;
 
 struct Fragment {
     @builtin(position) position: vec4f,
@@ -36,16 +21,16 @@ struct Targets {
 @vertex
 fn gbuffer_vertex(c: Corner) -> Fragment {
     var f: Fragment;
-    f.p_relative = instance_relative(c.row_x, c.row_y, c.row_z, c.position);
-    f.normal = instance_normal(c.row_x, c.row_y, c.row_z, c.normal);
+    f.p_relative = adumbra_instance_relative(c.row_x, c.row_y, c.row_z, c.position);
+    f.normal = adumbra_instance_normal(c.row_x, c.row_y, c.row_z, c.normal);
     f.position = frame.clip_from_relative * vec4f(f.p_relative, 1.0);
     f.uv = c.uv;
-    f.color = vec4f(srgb_decoded(c.color.rgb), c.color.a);
+    f.color = vec4f(adumbra_srgb_decoded(c.color.rgb), c.color.a);
     return f;
 }
 
-// The mip level at which no texel is skipped between two pixels of the quad: OpenGL 4.6, section 8.14. Devices differ in how nearly they take
-// the length and the logarithm when they find the level themselves.
+// Returns the mip level at which no texel is skipped between two pixels of the quad (OpenGL 4.6, section 8.14). It is
+// computed here because devices differ in how precisely they approximate the length and the logarithm.
 fn color_level(uv: vec2f) -> f32 {
     let size = vec2f(textureDimensions(color_texture));
     let x = dpdxFine(uv) * size;
@@ -54,15 +39,15 @@ fn color_level(uv: vec2f) -> f32 {
 }
 
 fn targets(f: Fragment, alpha: f32) -> Targets {
-    // From the viewer: the ray of an orthographic camera is the same everywhere.
-    let to_viewer = frame.origin.xyz - f.p_relative;
-    let orthographic = frame.depth_to_z.w == 0.0;
-    let towards = select(to_viewer, -frame.forward.xyz, orthographic);
+    // Direction used to orient the normal: the rays of an orthographic camera are parallel.
+    let to_viewer = frame.origin - f.p_relative;
+    let orthographic = frame.depth_to_z.denominator_slope == 0.0;
+    let towards = select(to_viewer, -frame.forward, orthographic);
     let normal = normalize(f.normal);
     var t: Targets;
     t.normal = vec4f(select(normal, -normal, dot(normal, towards) < 0.0), 1.0);
     let texel = textureSampleLevel(color_texture, color_sampler, f.uv, color_level(f.uv)).rgb;
-    t.color = vec4f(material.base_color.rgb * texel * f.color.rgb, alpha);
+    t.color = vec4f(material.base_color * texel * f.color.rgb, alpha);
     return t;
 }
 
@@ -74,9 +59,7 @@ fn gbuffer_opaque(f: Fragment) -> Targets {
 @fragment
 fn gbuffer_masked(f: Fragment) -> Targets {
     let t = targets(f, 1.0);
-    let texel_alpha = textureSampleLevel(color_texture, color_sampler, f.uv, 0.0).a;
-    let alpha = material.base_color.a * texel_alpha * vertex_alpha(f.color.a);
-    if (alpha < material.alpha.x) {
+    if (is_cut(f.uv, f.color.a)) {
         discard;
     }
     return t;

@@ -1,8 +1,8 @@
-// Factors made elsewhere, one a pixel: the truth, composited like every other technique. Lists of points have no pixels, so they are
-// not to be asked of it.
+// The technique that reads precomputed factors, one per pixel: ray-traced truth, composited like any other technique.
+// Do not use it with lists of points, which have no pixels.
 
 @group(1) @binding(0) var given_factors: texture_2d<f32>;
 
-fn shadow_factor(s: Surface) -> f32 {
+fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
     return textureLoad(given_factors, s.pixel, 0).x;
 }

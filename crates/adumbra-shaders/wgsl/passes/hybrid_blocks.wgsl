@@ -1,16 +1,16 @@
-// Merging with a thread a block and a workgroup a section; the words are those of the sweep.
+// Merging with one thread per block and one workgroup per section. The resulting words equal those of the sweep.
 
 var<workgroup> section_split: array<atomic<u32>, 2>;
 
-@compute @workgroup_size(HYBRID_SECTION)
+@compute @workgroup_size(ADUMBRA_HYBRID_SECTION)
 fn hybrid_blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     let block = id.xy;
-    let inside = block.x < level.counts.z;
+    let inside = block.x < level.side_texels;
     var word = 0u;
     if (inside) {
         word = block_merged(block);
     }
-    let splits = word == HYBRID_INDEX;
+    let splits = word == ADUMBRA_HYBRID_INDEX;
     if (splits) {
         atomicOr(&section_split[local / 32u], 1u << (local % 32u));
     }
@@ -20,10 +20,10 @@ fn hybrid_blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
     let before = (1u << (local % 32u)) - 1u;
     let rank = select(countOneBits(low & before), countOneBits(low) + countOneBits(high & before), local >= 32u);
     if (inside) {
-        hybrid_levels[block_place(block)] = select(word, HYBRID_INDEX | rank, splits);
+        hybrid_levels[block_offset(block)] = select(word, ADUMBRA_HYBRID_INDEX | rank, splits);
     }
     if (local == 0u) {
-        let section = block.y * level_sections() + block.x / HYBRID_SECTION;
-        hybrid_counts[HYBRID_FIRST_SECTION + section] = countOneBits(low) + countOneBits(high);
+        let section = block.y * level_sections() + block.x / ADUMBRA_HYBRID_SECTION;
+        hybrid_counts[ADUMBRA_HYBRID_FIRST_SECTION + section] = countOneBits(low) + countOneBits(high);
     }
 }

@@ -1,11 +1,11 @@
 // The technique `hrsm`: a hybrid-resolution shadow map. A filter is a file that defines
-//     fn hybrid_filter(r: MapReceiver) -> f32
+//     fn hybrid_filter(r: AdumbraMapReceiver) -> f32
 
-@group(2) @binding(0) var<uniform> hybrid: HybridParams;
+@group(2) @binding(0) var<uniform> hybrid: AdumbraHybridParams;
 
-fn shadow_factor(s: Surface) -> f32 {
-    let r = map_receiver(hybrid.layer, 0u, hybrid.counts.x, hybrid.bias, hybrid.least_bias.x, s);
-    if (any(r.p_texels < vec2f(0.0)) || any(r.p_texels > vec2f(f32(hybrid.counts.x)))) {
+fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
+    let r = adumbra_map_receiver(hybrid.layer, 0u, hybrid.start_texels, hybrid.bias, hybrid.min_bias_depth, s);
+    if (any(r.p_texels < vec2f(0.0)) || any(r.p_texels > vec2f(f32(hybrid.start_texels)))) {
         return 1.0;
     }
     return hybrid_filter(r);

@@ -1,5 +1,5 @@
-// Hybrid maps: the texel that a point lies in, compared.
+// Hybrid maps: compares the texel that contains the point.
 
-fn hybrid_filter(r: MapReceiver) -> f32 {
-    return hybrid_nearest(hybrid_shape(hybrid), r);
+fn hybrid_filter(r: AdumbraMapReceiver) -> f32 {
+    return adumbra_hybrid_nearest(adumbra_hybrid_shape(hybrid), r);
 }

@@ -1,5 +1,5 @@
 // Hybrid maps: the mean of comparisons over a square.
 
-fn hybrid_filter(r: MapReceiver) -> f32 {
-    return hybrid_box(hybrid_shape(hybrid), r, hybrid.counts.z);
+fn hybrid_filter(r: AdumbraMapReceiver) -> f32 {
+    return adumbra_hybrid_box(adumbra_hybrid_shape(hybrid), r, hybrid.filter_width);
 }

@@ -1,4 +1,4 @@
-// From the number of blocks in each section that did not merge to the word at which their children begin; one workgroup.
+// Turns each section's number of unmerged blocks into the word at which their children begin. One workgroup.
 
 const SCAN_GROUP: u32 = 256u;
 
@@ -6,10 +6,10 @@ var<workgroup> scan_sums: array<u32, SCAN_GROUP>;
 
 @compute @workgroup_size(SCAN_GROUP)
 fn hybrid_scan(@builtin(local_invocation_index) local: u32) {
-    let sections = level.counts.z * level_sections();
+    let sections = level.side_texels * level_sections();
     let share = (sections + SCAN_GROUP - 1u) / SCAN_GROUP;
-    let first = HYBRID_FIRST_SECTION + min(local * share, sections);
-    let last = HYBRID_FIRST_SECTION + min((local + 1u) * share, sections);
+    let first = ADUMBRA_HYBRID_FIRST_SECTION + min(local * share, sections);
+    let last = ADUMBRA_HYBRID_FIRST_SECTION + min((local + 1u) * share, sections);
     var sum = 0u;
     for (var i = first; i < last; i++) {
         sum += hybrid_counts[i];
@@ -18,23 +18,23 @@ fn hybrid_scan(@builtin(local_invocation_index) local: u32) {
     workgroupBarrier();
     if (local == 0u) {
         // The coarsest level comes first in the map, and each level begins at a multiple of four words.
-        let coarsest = level.counts.x >> level.counts.w;
-        let free = select(hybrid_counts[0], coarsest * coarsest, level.counts.y == 1u);
+        let coarsest = level.start_texels >> level.merges;
+        let free = select(hybrid_counts[0], coarsest * coarsest, level.number == 1u);
         let begin = (free + 3u) & ~3u;
         var blocks = 0u;
         for (var i = 0u; i < SCAN_GROUP; i++) {
             let next = blocks + scan_sums[i];
-            scan_sums[i] = begin + blocks * level.places.z;
+            scan_sums[i] = begin + blocks * level.split_size;
             blocks = next;
         }
-        hybrid_counts[0] = begin + blocks * level.places.z;
-        hybrid_counts[level.counts.y] = blocks;
+        hybrid_counts[0] = begin + blocks * level.split_size;
+        hybrid_counts[level.number] = blocks;
     }
     workgroupBarrier();
     var word = scan_sums[local];
     for (var i = first; i < last; i++) {
         let blocks = hybrid_counts[i];
         hybrid_counts[i] = word;
-        word += blocks * level.places.z;
+        word += blocks * level.split_size;
     }
 }

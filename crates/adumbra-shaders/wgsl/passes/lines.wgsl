@@ -1,8 +1,8 @@
-// Lines in the world over a picture of it; what stands behind a surface is faint.
+// Draws world-space lines over a picture; parts behind a surface are faint.
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame: AdumbraFrame;
 @group(0) @binding(1) var lines_depth: texture_depth_2d;
-@group(0) @binding(2) var<uniform> layer: LayerParams;
+@group(0) @binding(2) var<uniform> layer: AdumbraLayerParams;
 
 struct LinePoint {
     @builtin(position) position: vec4f,
@@ -19,7 +19,7 @@ fn lines_vertex(@location(0) p_relative: vec4f, @location(1) color: vec4f) -> Li
 
 @fragment
 fn lines_fragment(point: LinePoint) -> @location(0) vec4f {
-    let pixel = min(vec2u(point.position.xy) * layer.shape.z, textureDimensions(lines_depth) - 1u);
+    let pixel = min(vec2u(point.position.xy) * layer.samples, textureDimensions(lines_depth) - 1u);
     let behind = point.position.z < textureLoad(lines_depth, pixel, 0);
     return vec4f(point.color, select(0.9, 0.2, behind));
 }

@@ -1,17 +1,11 @@
-// Depth from the light, one layer a pass: linear, 0 near the sun, 1 far. Casters before the near plane are pressed onto it.
-// map_vertex serves opaque casters by position alone; map_masked_* cut by alpha.
+// Depth from the light, one layer per pass: linear, 0 near the sun, 1 far. Casters in front of the near plane are
+// clamped to it. map_vertex draws opaque casters from positions alone; map_masked_* also applies the alpha test.
 
-@group(0) @binding(0) var<uniform> layer: MapLayer;
-@group(1) @binding(0) var<uniform> material: MaterialParams;
-@group(1) @binding(1) var color_texture: texture_2d<f32>;
-@group(1) @binding(2) var color_sampler: sampler;
+@group(0) @binding(0) var<uniform> layer: AdumbraMapLayer;
 
 fn map_position(position: vec3f, row_x: vec4f, row_y: vec4f, row_z: vec4f) -> vec4f {
-    let p = instance_relative(row_x, row_y, row_z, position);
-    let u = dot(layer.u_from_relative.xyz, p) + layer.u_from_relative.w;
-    let v = dot(layer.v_from_relative.xyz, p) + layer.v_from_relative.w;
-    let depth = dot(layer.depth_from_relative.xyz, p) + layer.depth_from_relative.w;
-    return vec4f(2.0 * u - 1.0, 1.0 - 2.0 * v, depth, 1.0);
+    let p = adumbra_map_layer_position(layer, adumbra_instance_relative(row_x, row_y, row_z, position));
+    return vec4f(2.0 * p.x - 1.0, 1.0 - 2.0 * p.y, p.z, 1.0);
 }
 
 @vertex
@@ -31,25 +25,13 @@ struct MaskedFragment {
 }
 
 @vertex
-fn map_masked_vertex(
-    @location(0) position: vec3f,
-    @location(2) uv: vec2f,
-    @location(3) row_x: vec4f,
-    @location(4) row_y: vec4f,
-    @location(5) row_z: vec4f,
-    @location(6) color: vec4f,
-) -> MaskedFragment {
-    return MaskedFragment(map_position(position, row_x, row_y, row_z), uv, color.a);
-}
-
-fn map_is_cut(uv: vec2f, interpolated_alpha: f32) -> bool {
-    let texel_alpha = textureSampleLevel(color_texture, color_sampler, uv, 0.0).a;
-    return material.base_color.a * texel_alpha * vertex_alpha(interpolated_alpha) < material.alpha.x;
+fn map_masked_vertex(c: Corner) -> MaskedFragment {
+    return MaskedFragment(map_position(c.position, c.row_x, c.row_y, c.row_z), c.uv, c.color.a);
 }
 
 @fragment
 fn map_masked_fragment(f: MaskedFragment) {
-    if (map_is_cut(f.uv, f.alpha)) {
+    if (is_cut(f.uv, f.alpha)) {
         discard;
     }
 }

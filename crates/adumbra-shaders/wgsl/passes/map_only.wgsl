@@ -1,5 +1,5 @@
-// The technique that is a shadow map and nothing else.
+// The technique that is a shadow map alone.
 
-fn shadow_factor(s: Surface) -> f32 {
+fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
     return map_visibility(s);
 }

@@ -1,23 +1,14 @@
-// Moments of one layer, blurred along columns by a Gaussian; one thread a texel.
+// Blurs the moments of one layer along columns with a Gaussian. One thread per texel.
 
-@group(0) @binding(0) var<uniform> blur: MomentBlurParams;
 @group(0) @binding(1) var moments_in: texture_2d<f32>;
-@group(0) @binding(2) var moments_out: MomentsOut;
 
-fn moments_at(x: i32, y: i32) -> vec4f {
-    return textureLoad(moments_in, vec2i(x, clamp(y, 0, i32(blur.counts.y) - 1)), 0);
+fn moments_at(texel: vec2i) -> vec4f {
+    return textureLoad(moments_in, vec2i(texel.x, clamp(texel.y, 0, i32(blur.side_texels) - 1)), 0);
 }
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn moments_columns(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= blur.counts.yy)) {
-        return;
+    if (all(id.xy < vec2u(blur.side_texels))) {
+        blur_moments(vec2i(id.xy), vec2i(0, 1));
     }
-    let texel = vec2i(id.xy);
-    var sum = blur.weights[0].x * moments_at(texel.x, texel.y);
-    for (var i = 1; i <= i32(blur.counts.z); i++) {
-        let weight = blur.weights[i / 4][i % 4];
-        sum += weight * (moments_at(texel.x, texel.y - i) + moments_at(texel.x, texel.y + i));
-    }
-    textureStore(moments_out, texel, sum);
 }

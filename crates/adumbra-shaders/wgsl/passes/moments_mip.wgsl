@@ -1,9 +1,9 @@
-// The next mip level of one layer's moments: the mean of 2 × 2 texels; one thread a texel.
+// The next mip level of one layer's moments: the mean of 2 × 2 texels. One thread per texel.
 
 @group(0) @binding(0) var moments_in: texture_2d<f32>;
-@group(0) @binding(1) var moments_out: MomentsOut;
+@group(0) @binding(1) var moments_out: AdumbraMomentsOut;
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn moments_mip(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= textureDimensions(moments_out))) {
         return;

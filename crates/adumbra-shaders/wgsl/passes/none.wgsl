@@ -1,5 +1,5 @@
-// No shadows: what faces the sun is lit.
+// No shadows: everything that faces the sun is lit.
 
-fn shadow_factor(s: Surface) -> f32 {
+fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
     return 1.0;
 }

@@ -1,23 +1,24 @@
-// Jimenez, Wu, Pesce, Jarabo, Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016, as XeGTAO (Intel, 2021)
-// runs it: in slices that hold the line of sight the horizon on either side, and between the two the cosine-weighted part of
-// the hemisphere. Horizons fall to the tangent plane from a share of the radius to its end; distances count more along the
-// view, so that thin things fade.
-// Departures: the sum over slices is divided by what it would be with nothing in the way, which for few slices is not 1; a
-// side counts for as many steps of it as lie in the picture; horizons rise over the tangent of each tap's own slice
-// (rise_over_tangent). No depth mips.
-// shape: 1 / (1 - falloff), 1 + thin, exponent of the visibility, 0. Taps as in passes/occlusion_march.wgsl; their distances
-// are already raised to the power that gathers them near P.
+// Jimenez, Wu, Pesce, Jarabo, Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016, as implemented by
+// XeGTAO (Intel, 2021). In slices that contain the line of sight, finds the horizon on either side, and integrates the
+// cosine-weighted part of the hemisphere between the two. From a fraction of the radius to its end, horizons fall off
+// to the tangent plane. Distances along the view are scaled up, so that thin objects fade.
+// Departures: the sum over slices is divided by its value without occluders, which is not 1 for few slices. A side is
+// weighted by the number of its steps that are inside the picture. Horizons are measured from the tangent of each tap's
+// own slice (rise_over_tangent). There are no depth mips.
+// Parameters: falloff_slope = 1 / (1 - falloff), depth_stretch = 1 + thin, exponent. Taps are as in
+// passes/occlusion_march.wgsl. Their distances are already raised to the power that concentrates them near P.
 
-// Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.45; off by less than 7e-5.
+// Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.45; the error is below 7e-5.
 fn acos_near(x: f32) -> f32 {
     let y = abs(x);
     let angle = sqrt(max(1.0 - y, 0.0)) * (((-0.0187293 * y + 0.0742610) * y - 0.2121144) * y + 1.5707288);
     return select(angle, 3.14159265 - angle, x < 0.0);
 }
 
-// The paper's inner integral, from the eye's direction to a horizon, ∫ cos(θ - γ) sin θ dθ, times the length of the normal's
-// projection into the slice: that projection is n_slice, along the eye's direction and across it towards this side. In terms
-// of the horizon's angle h 1/4 (cos γ + 2 h sin γ - cos(2 h - γ)) becomes 1/2 (cos γ sin² h + sin γ (h - sin h cos h)).
+// The paper's inner integral ∫ cos(θ - γ) sin θ dθ from the direction to the eye to a horizon, times the length of the
+// normal's projection into the slice. n_slice is that projection: its components along the direction to the eye, and
+// across it towards this side. In terms of the horizon's angle h, 1/4 (cos γ + 2 h sin γ - cos(2 h - γ)) becomes 1/2
+// (cos γ sin² h + sin γ (h - sin h cos h)).
 fn arc(n_slice: vec2f, cos_h: f32) -> f32 {
     let sin_h_2 = max(1.0 - cos_h * cos_h, 0.0);
     return 0.5 * (n_slice.x * sin_h_2 + n_slice.y * (acos_near(cos_h) - sqrt(sin_h_2) * cos_h));
@@ -27,11 +28,11 @@ fn ambient_visibility(c: OcclusionCenter) -> f32 {
     let inverse_radius = 1.0 / c.radius_world;
     let to_eye = towards_eye(c);
     let facing = max(dot(c.n, to_eye), 0.0);
-    let steps = occlusion.counts.y;
-    let sides = min(occlusion.counts.x / steps, 2u);
+    let steps = occlusion.step_count;
+    let sides = min(occlusion.tap_count / steps, 2u);
     var seen = 0.0;
     var open = 0.0;
-    for (var first = 0u; first * sides < occlusion.counts.x; first += steps) {
+    for (var first = 0u; first * sides < occlusion.tap_count; first += steps) {
         let along = noise.taps[c.first_tap + first].xy;
         let across = normalize(vec3f(along, 0.0) - to_eye * dot(vec3f(along, 0.0), to_eye));
         let n_across = dot(c.n, across);
@@ -52,9 +53,9 @@ fn ambient_visibility(c: OcclusionCenter) -> f32 {
                     continue;
                 }
                 let w = (point_at(texel, z) - c.p) * inverse_radius;
-                let far = length(w * vec3f(1.0, 1.0, occlusion.shape.y));
+                let far = length(w * vec3f(1.0, 1.0, occlusion.shape.depth_stretch));
                 if (far < 1.0) {
-                    let weight = min((1.0 - far) * occlusion.shape.x, 1.0);
+                    let weight = min((1.0 - far) * occlusion.shape.falloff_slope, 1.0);
                     rise = max(rise, weight * rise_over_tangent(w, dot(w, w), c.n, to_eye, facing));
                 }
             }
@@ -65,5 +66,5 @@ fn ambient_visibility(c: OcclusionCenter) -> f32 {
         }
     }
     let visibility = select(1.0, seen / open, open > 1e-6);
-    return pow(clamp(visibility, 0.0, 1.0), occlusion.shape.z);
+    return pow(clamp(visibility, 0.0, 1.0), occlusion.shape.exponent);
 }

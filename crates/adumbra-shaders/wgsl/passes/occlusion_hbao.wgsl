@@ -1,23 +1,24 @@
-// Bavoil, Sainz, Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008: in each direction the sine of the horizon's
-// elevation less that of the tangent plane's, gathered step by step: what a step adds to the horizon counts for 1 -
-// r^falloff, r its distance in radii, and steps out of reach do not raise it. The mean over directions is the occlusion.
-// Departures: elevations are over the plane across the line of sight, not across the camera's axis; the tangent is that of
-// each tap's own slice (rise_over_tangent) instead of the direction's, so that no bias is needed against slopes.
-// shape: strength, exponent of the visibility, bias (a horizon counts from where it rises that much over the tangent),
+// Bavoil, Sainz, Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008. For each direction, the occlusion is the
+// sine of the horizon's elevation minus that of the tangent plane's, accumulated step by step: each increase of the
+// horizon is weighted by 1 - r^falloff, where r is the step's distance in radii. Steps beyond the radius do not raise
+// the horizon. The mean over all directions is the occlusion.
+// Departures: elevations are relative to the plane perpendicular to the line of sight, not to the camera's axis. The
+// tangent is that of each tap's own slice (rise_over_tangent) instead of the direction's, so that slopes need no bias.
+// Parameters: strength, exponent, bias (rise over the tangent at which a horizon begins to count), falloff_exponent =
 // falloff / 2.
-// Taps as in passes/occlusion_march.wgsl.
+// Taps are as in passes/occlusion_march.wgsl.
 
 fn ambient_visibility(c: OcclusionCenter) -> f32 {
     let inverse_radius = 1.0 / c.radius_world;
     let to_eye = towards_eye(c);
     let facing = max(dot(c.n, to_eye), 0.0);
-    let steps = occlusion.counts.y;
+    let steps = occlusion.step_count;
     var sum = 0.0;
     var count = 0.0;
-    for (var first = 0u; first < occlusion.counts.x; first += steps) {
-        var horizon = occlusion.shape.z;
+    for (var first = 0u; first < occlusion.tap_count; first += steps) {
+        var horizon = occlusion.shape.bias;
         var occluded = 0.0;
-        // A direction counts for as many steps of it as lie in the picture.
+        // A direction is weighted by the number of its steps that are inside the picture.
         var inside = 0.0;
         for (var step = 0u; step < steps; step++) {
             let tap = noise.taps[c.first_tap + first + step];
@@ -35,7 +36,7 @@ fn ambient_visibility(c: OcclusionCenter) -> f32 {
             if (ww < 1.0) {
                 let rise = rise_over_tangent(w, ww, c.n, to_eye, facing);
                 if (rise > horizon) {
-                    occluded += (rise - horizon) * (1.0 - pow(ww, occlusion.shape.w));
+                    occluded += (rise - horizon) * (1.0 - pow(ww, occlusion.shape.falloff_exponent));
                     horizon = rise;
                 }
             }
@@ -43,5 +44,5 @@ fn ambient_visibility(c: OcclusionCenter) -> f32 {
         sum += occluded * inside;
         count += inside;
     }
-    return pow(clamp(1.0 - occlusion.shape.x * sum / max(count, 1.0), 0.0, 1.0), occlusion.shape.y);
+    return pow(clamp(1.0 - occlusion.shape.strength * sum / max(count, 1.0), 0.0, 1.0), occlusion.shape.exponent);
 }

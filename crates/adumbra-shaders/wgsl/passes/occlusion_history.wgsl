@@ -1,60 +1,58 @@
-// The mean of the frames so far: each texel's point is carried into the frame before and meets what that frame, and those
-// before it, knew of it: the four texels about it, less those that lie off its plane. What has no such texel was not seen,
-// and begins anew. The camera moves; of what moves in the scene nothing is known: it counts as seen where it lies in the
-// plane of what was there. After D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk, J. R. Isidoro, Accelerating Real-Time
-// Shading with Reverse Reprojection Caching, 2007. One thread a texel.
+// Temporal accumulation: the mean over all frames so far. Each texel's point is reprojected into the previous frame,
+// where the accumulated values of the four texels around it are interpolated, without those that are off its plane. A
+// point without any such texel was not visible and starts anew. Only the camera's motion is known. A moving object
+// counts as previously visible if it lies in the plane of what was there.
+// Source: D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk, J. R. Isidoro, Accelerating Real-Time Shading with Reverse
+// Reprojection Caching, 2007.
+// One thread per texel.
 
-@group(0) @binding(0) var<uniform> occlusion: OcclusionParams;
-@group(0) @binding(1) var<uniform> history: OcclusionHistoryParams;
+@group(0) @binding(0) var<uniform> occlusion: AdumbraOcclusionParams;
+@group(0) @binding(1) var<uniform> history: AdumbraOcclusionHistoryParams;
 @group(0) @binding(2) var ambient_in: texture_2d<f32>;
 @group(0) @binding(3) var normals: texture_2d<f32>;
 @group(0) @binding(4) var history_in: texture_2d<f32>;
 @group(0) @binding(5) var ambient_out: texture_storage_2d<rg32float, write>;
-// Visibility, view depth, frames, 0.
+// Visibility, view depth, number of frames, 0.
 @group(0) @binding(6) var history_out: texture_storage_2d<rgba32float, write>;
 
-// Share of the four texels, by their distance, below which what is known of a point counts as fewer frames.
+// Total bilinear weight of the four texels below which a point's history counts as fewer frames.
 const WHOLE_WEIGHT: f32 = 0.25;
 
-// A point of this frame's view space in that of the frame before.
+// Transforms a point from this frame's view space to the previous frame's.
 fn carried(p: vec3f) -> vec3f {
     let q = vec4f(p, 1.0);
-    return vec3f(dot(history.before_x, q), dot(history.before_y, q), dot(history.before_z, q));
+    return vec3f(dot(history.x_from_now, q), dot(history.y_from_now, q), dot(history.z_from_now, q));
 }
 
-// Visibility and frames of the frame before; no frames where it did not see the point.
+// Returns the visibility and number of frames in the previous frame; no frames if the point was not visible there.
 fn seen_before(texel: vec2i, z: f32) -> vec2f {
-    let p = occlusion_point(occlusion.ndc_from_texel, occlusion.half_view, texel, z);
+    let p = adumbra_occlusion_point(occlusion.view, texel, z);
     let p_before = carried(p);
-    if (history.limits.w == 0.0 || p_before.z <= 0.0) {
+    if (history.has_before == 0u || p_before.z <= 0.0) {
         return vec2f(0.0);
     }
-    let at = occlusion_texel(history.ndc_from_texel, history.half_view, p_before);
-    let n_world = textureLoad(normals, texel * i32(occlusion.size.w), 0).xyz;
-    let n = vec3f(
-        dot(n_world, history.right.xyz),
-        dot(n_world, history.up.xyz),
-        dot(n_world, history.forward.xyz),
-    );
-    // Too far for whole numbers, which the test against the picture would then see wrapped.
+    let at = adumbra_occlusion_texel(history.view, p_before);
+    let n_world = textureLoad(normals, texel * i32(occlusion.pixels_per_normal), 0).xyz;
+    let n = adumbra_occlusion_direction(history.view, n_world);
+    // Too far for integers: the conversion would wrap before the test against the picture's bounds.
     if (any(abs(at) > vec2f(65536.0))) {
         return vec2f(0.0);
     }
     let first = vec2i(floor(at));
     let part = at - floor(at);
-    let limit = history.limits.x + history.limits.y * p_before.z;
+    let limit = history.tolerance_world + history.tolerance_world_per_depth * p_before.z;
     var sum = vec2f(0.0);
     var weights = 0.0;
     for (var corner = 0; corner < 4; corner++) {
         let step = vec2i(corner & 1, corner >> 1u);
         let other = first + step;
-        if (any(other < vec2i(0)) || any(other >= vec2i(occlusion.size.xy))) {
+        if (any(other < vec2i(0)) || any(other >= vec2i(occlusion.size))) {
             continue;
         }
         let old = textureLoad(history_in, other, 0);
-        let q = occlusion_point(history.ndc_from_texel, history.half_view, other, old.y);
+        let q = adumbra_occlusion_point(history.view, other, old.y);
         if (old.y > 0.0) {
-            // Falls from one at the limit to none at twice the limit, so that rounding decides nothing.
+            // Falls from 1 at the limit to 0 at twice the limit, so that rounding never decides.
             let share = saturate(2.0 - abs(dot(q - p_before, n)) / limit);
             let near = select(1.0 - part, part, step == vec2i(1));
             let weight = near.x * near.y * share;
@@ -68,9 +66,9 @@ fn seen_before(texel: vec2i, z: f32) -> vec2f {
     return vec2f(sum.x / weights, sum.y / max(weights, WHOLE_WEIGHT));
 }
 
-@compute @workgroup_size(PIXEL_GROUP, PIXEL_GROUP)
+@compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn occlusion_history(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= occlusion.size.xy)) {
+    if (any(id.xy >= occlusion.size)) {
         return;
     }
     let now = textureLoad(ambient_in, id.xy, 0).xy;
@@ -78,7 +76,7 @@ fn occlusion_history(@builtin(global_invocation_id) id: vec3u) {
     var frames = 0.0;
     if (now.y > 0.0) {
         let before = seen_before(vec2i(id.xy), now.y);
-        frames = min(before.y + 1.0, history.limits.z);
+        frames = min(before.y + 1.0, history.max_frames);
         if (before.y > 0.0) {
             visibility = before.x + (now.x - before.x) / frames;
         }

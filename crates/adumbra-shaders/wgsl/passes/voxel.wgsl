@@ -1,7 +1,7 @@
-// The technique `voxel`: a light-aligned file, filtered over K × K texels.
+// The technique `voxel`: a light-aligned file of any layout, filtered over K × K texels.
 
-@group(1) @binding(0) var<uniform> voxel: VoxelParams;
+@group(1) @binding(0) var<uniform> voxel_params: AdumbraVoxelParams;
 
-fn shadow_factor(s: Surface) -> f32 {
-    return voxel_factor(voxel, s);
+fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
+    return adumbra_voxel_factor(voxel_params, s);
 }

@@ -1,5 +1,5 @@
-// The level at which a look-up in a tree ends; -1 beside the file.
+// The level at which a look-up in a tree ends; -1 outside the file.
 
-fn shadow_factor(s: Surface) -> f32 {
-    return f32(cubes_end_level(cubes.params, s));
+fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
+    return f32(adumbra_cubes_end_level(cubes.params, s));
 }

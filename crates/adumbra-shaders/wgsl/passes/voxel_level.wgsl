@@ -1,7 +1,7 @@
-// The level at which a look-up in a light-aligned graph ends; -1 beside the file.
+// The level at which a look-up in a light-aligned file of any layout ends; -1 outside the file.
 
-@group(1) @binding(0) var<uniform> voxel: VoxelParams;
+@group(1) @binding(0) var<uniform> voxel_params: AdumbraVoxelParams;
 
-fn shadow_factor(s: Surface) -> f32 {
-    return f32(voxel_end_level(voxel, voxel_receiver(voxel, s)));
+fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
+    return f32(adumbra_voxel_end_level(voxel_params, adumbra_voxel_receiver(voxel_params, s)));
 }

@@ -1,4 +1,4 @@
-//! The view's script: its next steps, what they wait for, and what ends it.
+//! The view's script: its next steps, the conditions they wait for, and how it ends.
 
 use super::{App, BallState};
 use crate::command::Command;
@@ -6,12 +6,12 @@ use crate::error::{Result, ViewError};
 use crate::player::{Player, Progress};
 
 impl App {
-    /// Plays the script as far as it goes now.
+    /// Plays the script as far as it can proceed now.
     pub(super) fn play(&mut self) -> Result<()> {
         let Some(mut player) = self.player.take() else { return Ok(()) };
         loop {
             if self.window_shot.is_some() {
-                // It is drawn next.
+                // The picture is written with the next frame.
                 player.check_patience()?;
                 break;
             }
@@ -24,7 +24,7 @@ impl App {
                 None => break,
                 Some(command) => {
                     match self.try_command(&command) {
-                        // A file that is dropped is shown or refused in the window, whoever drops it.
+                        // The window shows or refuses a dropped file, even if a script dropped it.
                         Err(what) if matches!(command, Command::Drop(_)) => self.messages.error(what),
                         Err(what) => return Err(player.fault(what)),
                         Ok(()) => {}
@@ -41,19 +41,19 @@ impl App {
                 }
             }
         }
-        // What waits for frames has them drawn.
+        // A step that waits for frames causes them to be drawn.
         self.dirty |= player.waits_for_frames() || self.window_shot.is_some();
         self.player = (!player.is_done()).then_some(player);
         Ok(())
     }
 
-    /// A picture of a technique that cannot be drawn is none of it.
+    /// Returns an error if a visible technique cannot be drawn, because the screenshot would not show it.
     fn check_shot(&self, player: &Player) -> Result<()> {
         let failure = self.stage.as_ref().and_then(|stage| stage.failure(&self.settings));
         failure.map_or(Ok(()), |what| Err(player.fault(what.to_owned())))
     }
 
-    /// What is wrong with ending now: a script that is not done.
+    /// Returns an error if the view ends now although the script is unfinished.
     pub(crate) fn unfinished(&self) -> Option<ViewError> {
         self.player.as_ref().map(|player| player.fault("the window was closed".to_owned()))
     }

@@ -1,17 +1,18 @@
-//! A side of the view: its technique, built when it changes, and its picture.
+//! One side of the view: its technique, rebuilt when it changes, and its picture.
 
 use std::sync::Arc;
 
-use adumbra::format::{AnyFile, ShadowFile, TreeFile};
+use adumbra::ShadowFile;
 use adumbra_render::layers::{Layer, LayerPass, ShownPicture};
 use adumbra_render::{
-    Baked, FrameTimes, Given, Gpu, Prepared, RenderError, Renderer, Result, Shot, TechniqueSpec, build,
+    Baked, FrameTimes, Given, Gpu, Prepared, Reads, RenderError, Renderer, Result, Shot, TechniqueSpec, build,
 };
+use adumbra_tree::{AnyFile, TreeFile};
 
 use crate::shadow_file::lacks_penumbrae;
-use crate::tracing::{TraceKey, Traced};
+use crate::traced::{TraceKey, Traced};
 
-/// At most one shadow file of each kind.
+/// Shadow files, at most one of each kind.
 #[derive(Clone, Default)]
 pub(crate) struct Files {
     pub(crate) light: Option<Arc<AnyFile>>,
@@ -19,7 +20,7 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// As techniques take them.
+    /// Returns the files in the form that techniques use.
     pub(crate) fn baked(&self) -> Baked<'_> {
         Baked { light: self.light_file(), tree: self.tree_file() }
     }
@@ -38,38 +39,37 @@ impl Files {
         }
     }
 
-    /// The file that a technique looks up in; none that lacks what it asks for.
+    /// Returns the file that a technique reads; `None` if that file lacks what the technique needs.
     pub(crate) fn of(&self, spec: &TechniqueSpec) -> Option<&AnyFile> {
-        match spec.innermost().name() {
-            "voxel" | "voxel+csm" => {
-                self.light.as_deref().filter(|file| !spec.needs_hierarchy() || !lacks_penumbrae(file))
-            }
-            "voxel-cubes" | "voxel-texture" => self.tree.as_deref(),
-            _ => None,
+        match spec.reads() {
+            Reads::LightFile => self.light.as_deref(),
+            Reads::LightDepths => self.light.as_deref().filter(|file| !lacks_penumbrae(file)),
+            Reads::TreeFile => self.tree.as_deref(),
+            Reads::Nothing => None,
         }
     }
 }
 
-/// Whether a technique looks up in a file.
+/// Whether a technique reads a file.
 pub(crate) fn needs_file(spec: &TechniqueSpec) -> bool {
-    spec.innermost().name().starts_with("voxel")
+    spec.reads() != Reads::Nothing
 }
 
-/// A side.
+/// One side of the view.
 pub(crate) struct SideView {
     gpu: Gpu,
     picture: ShownPicture,
-    /// What `prepared` is of.
+    /// The technique from which `prepared` was built.
     built: Option<TechniqueSpec>,
     given: Option<TraceKey>,
     prepared: Option<Prepared>,
-    /// Drawn in place of what is not there.
+    /// Drawn if the technique is unavailable.
     nothing: Option<Prepared>,
-    /// What is to be said of it: why it is not there, or what it had to leave out.
+    /// Note on the technique: why it is unavailable, or what it had to omit.
     note: Option<String>,
-    /// Why it is not there, until it was told.
+    /// Why it is unavailable, until that was reported.
     fault: Option<String>,
-    /// Pixels of the frame that it failed at: at others it is tried again.
+    /// Frame size in pixels at which it failed. It is tried again at other sizes.
     failed_at: Option<[u32; 2]>,
     times: FrameTimes,
 }
@@ -94,17 +94,17 @@ impl SideView {
         &self.picture
     }
 
-    /// Times of the frame drawn last.
+    /// Returns the times of the last frame.
     pub(crate) fn times(&self) -> &FrameTimes {
         &self.times
     }
 
-    /// Bytes that the technique holds on the device.
+    /// Returns the bytes that the technique occupies on the device.
     pub(crate) fn bytes(&self) -> u64 {
         self.prepared.as_ref().map_or(0, |p| p.technique().bytes())
     }
 
-    /// Edge of the finest voxels that it looks up in, world units.
+    /// Side length of the finest voxels that the technique reads, in world units.
     pub(crate) fn voxel_world(&self) -> Option<f64> {
         self.prepared.as_ref().and_then(|p| p.technique().voxel_world())
     }
@@ -113,7 +113,7 @@ impl SideView {
         self.note.as_deref()
     }
 
-    /// Why it cannot be drawn, where it cannot.
+    /// Returns why the technique cannot be drawn, if it cannot.
     pub(super) fn failure(&self) -> Option<&str> {
         self.failed_at.and(self.note.as_deref())
     }
@@ -124,7 +124,7 @@ impl SideView {
         }
     }
 
-    /// Builds what is not built, of the size that is shown.
+    /// Builds whatever is missing, for the size that is shown.
     pub(super) fn prepare(
         &mut self,
         renderer: &Renderer,
@@ -141,7 +141,7 @@ impl SideView {
         if self.nothing.is_none() {
             self.nothing = Some(renderer.prepare(build(&self.gpu, &"none".parse()?, Baked::default())?)?);
         }
-        if spec.name() == "truth" {
+        if spec.is_traced() {
             return self.prepare_truth(renderer, spec, traced);
         }
         if self.built.as_ref() == Some(spec) && (self.failed_at.is_none() || self.failed_at == Some(fine)) {
@@ -150,7 +150,7 @@ impl SideView {
         (self.prepared, self.given, self.note, self.failed_at) = (None, None, None, None);
         self.built = Some(spec.clone());
         if needs_file(spec) && files.of(spec).is_none() {
-            self.note = Some("its shadow file is not there yet".to_owned());
+            self.note = Some("its shadow file is not ready yet".to_owned());
             return Ok(());
         }
         match build(&self.gpu, spec, files.baked()).and_then(|t| renderer.prepare(t)) {
@@ -179,7 +179,7 @@ impl SideView {
         self.given = key;
         (self.prepared, self.note) = (None, None);
         let Some((key, factors)) = found else {
-            self.note = Some("rays are traced".to_owned());
+            self.note = Some("tracing rays".to_owned());
             return Ok(());
         };
         let given = Given::new(&self.gpu, "truth", [key.camera.width, key.camera.height], factors)?;
@@ -187,7 +187,7 @@ impl SideView {
         Ok(())
     }
 
-    /// Goes on without the technique in frames of this size; a device that is gone is passed on.
+    /// Continues without the technique in frames of this size. The loss of the device is returned as an error.
     fn without(&mut self, error: RenderError, fine: [u32; 2]) -> Result<()> {
         if super::is_fatal(&error) {
             return Err(error);
@@ -199,12 +199,12 @@ impl SideView {
         Ok(())
     }
 
-    /// What went wrong since this was asked last.
+    /// Returns the fault that occurred since the last call.
     pub(crate) fn take_fault(&mut self) -> Option<String> {
         self.fault.take()
     }
 
-    /// Draws a layer of it; the finished picture where it does not have that layer.
+    /// Draws a layer of the side, or the finished picture if the side does not have that layer.
     pub(super) fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -228,7 +228,7 @@ impl SideView {
         Ok(())
     }
 
-    /// Why it has no such layer, where it has none.
+    /// Returns why the side lacks a layer, if it does.
     pub(super) fn missing(&self, layer: Layer) -> Option<String> {
         let (answer, _) = layer.tint()?;
         let prepared = self.prepared.as_ref()?;

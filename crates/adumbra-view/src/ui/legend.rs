@@ -1,7 +1,7 @@
-//! What the colours of a tinted layer stand for.
+//! The meaning of the colours of a tinted layer.
 
 use adumbra_render::layers::Layer;
-use adumbra_render::technique;
+use adumbra_render::techniques;
 use egui::{Color32, Sense, Ui, Vec2};
 
 use crate::app::App;
@@ -30,14 +30,14 @@ pub(super) fn show(ui: &mut Ui, app: &App) {
     });
 }
 
-/// Cascades of the first side's technique.
+/// Returns the number of cascades of the first side's technique.
 fn cascades(app: &App) -> usize {
-    let parameters = technique::describe(app.settings.shadow(Side::First), app.shadows.files.baked());
+    let parameters = techniques::describe(app.settings.shadow(Side::First), app.shadows.files.baked());
     let found = parameters.ok().and_then(|list| list.into_iter().find(|p| p.key == "cascades"));
     found.and_then(|p| p.value.parse().ok()).unwrap_or(0)
 }
 
-/// Two digits that count.
+/// Formats a value with two significant digits.
 fn short(value: f64) -> String {
     let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
     format!("{value:.decimals$}")

@@ -1,4 +1,5 @@
-//! Everything over the picture: the panel, messages, the help. It reads the view and gives commands; it changes nothing itself.
+//! Everything over the picture: the panel, messages, the help. It reads the view and returns commands, but changes
+//! nothing itself.
 
 mod help;
 mod legend;
@@ -13,10 +14,10 @@ use crate::app::App;
 use crate::command::Command;
 use crate::settings::Shown;
 
-/// Half the width of the divider that the mouse takes hold of, points.
+/// Half the width of the area around the divider in which the mouse grabs it, in points.
 pub(crate) const GRIP_POINTS: f32 = 6.0;
 
-/// Draws everything; what the user asked for is in the result.
+/// Draws everything and returns the user's commands.
 pub(crate) fn show(ui: &mut egui::Ui, app: &App) -> Vec<Command> {
     let mut commands = Vec::new();
     let ctx = ui.ctx().clone();
@@ -40,7 +41,7 @@ pub(crate) fn show(ui: &mut egui::Ui, app: &App) -> Vec<Command> {
     commands
 }
 
-/// Lines of text over the picture.
+/// Draws lines of text over the picture.
 fn label(ctx: &egui::Context, id: &str, align: Align2, lines: &[(String, Color32)]) {
     if lines.is_empty() {
         return;
@@ -54,7 +55,7 @@ fn label(ctx: &egui::Context, id: &str, align: Align2, lines: &[(String, Color32
     });
 }
 
-/// What is seen on which side.
+/// Labels the sides with their techniques.
 fn names(ctx: &egui::Context, app: &App) {
     let [first, second] = &app.settings.shadows;
     let text = match app.settings.shown {

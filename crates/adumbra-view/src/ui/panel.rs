@@ -1,4 +1,4 @@
-//! The panel: what is shown, and how.
+//! The panel: controls for what is shown, and how.
 
 use adumbra_lab::report::grouped;
 use adumbra_render::TechniqueSpec;
@@ -40,11 +40,11 @@ pub(super) fn show(ctx: &egui::Context, app: &App, commands: &mut Vec<Command>) 
 }
 
 fn section(ui: &mut egui::Ui, title: &str, open: bool, add: impl FnOnce(&mut egui::Ui)) {
-    // What begins to be seen opens, and is as it was left from then on.
+    // A section opens when it first becomes relevant, and keeps the user's choice from then on.
     egui::CollapsingHeader::new(title).id_salt((title, open)).default_open(open).show(ui, add);
 }
 
-/// A path to open: not every desktop drops files on windows.
+/// A path to open, because not every desktop supports dropping files on windows.
 fn open(ui: &mut egui::Ui, commands: &mut Vec<Command>) {
     let id = ui.scope_id().with("open");
     let mut path: String = ui.data(|d| d.get_temp(id)).unwrap_or_default();
@@ -100,15 +100,15 @@ fn shown(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
         }
         Shown::Difference(gain) => {
             let mut moved = gain;
-            if slid(ui, egui::Slider::new(&mut moved, 1.0..=20.0).logarithmic(true).text("times")) {
+            if slid(ui, egui::Slider::new(&mut moved, 1.0..=20.0).logarithmic(true).text("gain")) {
                 commands.push(Command::Difference(moved));
             }
         }
     }
     ui.horizontal(|ui| {
-        switch(ui, "file's space", s.show_box, commands, Command::Box);
+        switch(ui, "file bounds", s.show_box, commands, Command::Box);
         switch(ui, "4 samples", s.antialias > 1, commands, |on| Command::Antialias(if on { 2 } else { 1 }));
-        switch(ui, "draw on", s.continuous, commands, Command::Continuous);
+        switch(ui, "continuous", s.continuous, commands, Command::Continuous);
     });
 }
 
@@ -154,7 +154,7 @@ fn sun(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
     if turned || raised {
         commands.push(Command::Sun { azimuth, elevation });
     }
-    if ui.button("as at the beginning").clicked() {
+    if ui.button("reset").clicked() {
         commands.push(Command::ResetSun);
     }
 }
@@ -163,7 +163,7 @@ fn angle<'v>(degrees: &'v mut f64, range: std::ops::RangeInclusive<f64>, text: &
     egui::Slider::new(degrees, range).suffix("°").text(text.to_owned()).max_decimals(1)
 }
 
-/// Adds a slider; whether the user moved it. What lies beyond its ends stays as it is until then.
+/// Adds a slider and returns whether the user moved it. A value outside its range stays unchanged until then.
 fn slid(ui: &mut egui::Ui, slider: egui::Slider<'_>) -> bool {
     ui.add(slider.clamping(egui::SliderClamping::Edits)).changed()
 }
@@ -178,7 +178,7 @@ fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
             }
         });
         ui.label("texels");
-        let bake = ui.button("bake").on_hover_text("anew, to as many texels on the longest side");
+        let bake = ui.button("bake").on_hover_text("bake again with this many texels on the longest side");
         if bake.clicked() || resolution != s.resolution {
             commands.push(Command::Bake(resolution));
         }
@@ -208,22 +208,22 @@ fn camera(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
         if ui.button("reset").clicked() {
             commands.push(Command::ResetCamera);
         }
-        if ui.button("save").on_hover_text("JSON that compare --camera takes").clicked() {
+        if ui.button("save").on_hover_text("as JSON for compare --camera").clicked() {
             commands.push(Command::SaveCamera(crate::keys::CAMERA.into()));
         }
         if ui.button("screenshot").clicked() {
             commands.push(Command::Screenshot(crate::keys::SCREENSHOT.into()));
         }
-        if ui.button("command").on_hover_text("says the command that shows this view again").clicked() {
+        if ui.button("command").on_hover_text("show the command line that reproduces this view").clicked() {
             commands.push(Command::SayLine);
         }
     });
     ui.horizontal(|ui| {
         switch(ui, "ball", app.settings.ball, commands, Command::Ball);
-        if ui.button("watch it").clicked() {
+        if ui.button("look at it").clicked() {
             commands.push(Command::WatchBall);
         }
-        switch(ui, "time goes on", app.settings.playing, commands, Command::Play);
+        switch(ui, "run time", app.settings.playing, commands, Command::Play);
     });
     if let Some(end) = app.stage.as_ref().and_then(crate::stage::Stage::end_seconds) {
         let mut seconds = app.settings.seconds;
@@ -231,7 +231,7 @@ fn camera(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
             commands.push(Command::Time(seconds));
         }
     }
-    if ui.button("everything as at the beginning").clicked() {
+    if ui.button("reset everything").clicked() {
         commands.push(Command::ResetAll);
     }
 }

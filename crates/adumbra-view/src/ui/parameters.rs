@@ -1,10 +1,10 @@
-//! Parameters of a technique as sliders and lists: what applies, with its default, and back to it.
+//! Parameters of a technique as sliders and lists, with their current values, defaults and a reset button.
 
 use adumbra_render::technique::{Parameter, ParameterKind};
 use adumbra_render::{RenderError, TECHNIQUES, TechniqueSpec};
 use egui::{ComboBox, Slider, SliderClamping, Ui};
 
-/// What the user made of one of a technique's parameters: a value, or none for what it is by default.
+/// A change of one of a technique's parameters: a new value, or `None` to reset it to the default.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Changed {
     pub(super) key: &'static str,
@@ -12,8 +12,8 @@ pub(super) struct Changed {
 }
 
 impl Changed {
-    /// What a technique becomes by it; `change` says no more of it than it must. What cannot be is said in full, and refused where it is
-    /// taken.
+    /// Returns the technique with this change. `change` writes it as briefly as possible. If `change` fails, the value
+    /// is written out in full, and is rejected when it is used.
     pub(super) fn of(
         &self,
         spec: &TechniqueSpec,
@@ -24,10 +24,10 @@ impl Changed {
     }
 }
 
-/// Where a slider begins that has no value by default.
+/// Initial value of a slider without a default.
 const USUAL: f64 = 100.0;
 
-/// Shows them; gives the one that was changed. `describe` tells the parameters of a technique within one.
+/// Shows the parameters and returns the one that was changed. `describe` returns the parameters of a nested technique.
 pub(super) fn show(
     ui: &mut Ui,
     salt: &str,
@@ -39,7 +39,7 @@ pub(super) fn show(
         for p in parameters {
             ui.label(p.key).on_hover_text(p.what);
             let value = edit(ui, salt, p, describe);
-            let default = if p.default.is_empty() { "what it is by itself" } else { &p.default };
+            let default = if p.default.is_empty() { "automatic" } else { &p.default };
             let reset = !p.is_default()
                 && ui.small_button("reset").on_hover_text(format!("back to {default}")).clicked();
             if reset {
@@ -53,7 +53,7 @@ pub(super) fn show(
     changed
 }
 
-/// One of them; gives its new value where it has one.
+/// Shows one parameter and returns its new value, if it has one.
 fn edit(
     ui: &mut Ui,
     salt: &str,
@@ -63,14 +63,14 @@ fn edit(
     match &p.kind {
         ParameterKind::Number { range } if p.value.is_empty() => {
             let usual = USUAL.clamp(*range.start(), *range.end());
-            ui.small_button("by itself").on_hover_text(p.what).clicked().then(|| rounded(usual))
+            ui.small_button("automatic").on_hover_text(p.what).clicked().then(|| rounded(usual))
         }
         ParameterKind::Number { .. } => {
             let (range, by_factors) = p.slider()?;
             let mut value: f64 = p.value.parse().unwrap_or(*range.start());
             let slider =
                 Slider::new(&mut value, range).logarithmic(by_factors).clamping(SliderClamping::Edits);
-            // A value beyond the slider's ends stays until it is moved.
+            // A value outside the slider's range stays unchanged until the slider is moved.
             ui.add(slider).on_hover_text(p.what).changed().then(|| rounded(value))
         }
         ParameterKind::Count { range } => {
@@ -92,7 +92,7 @@ fn edit(
     }
 }
 
-/// A technique within another: its name, where it may have another, and its parameters.
+/// Shows a nested technique: its name, if that can be changed, and its parameters.
 fn nested(
     ui: &mut Ui,
     salt: &str,
@@ -101,7 +101,7 @@ fn nested(
     describe: &dyn Fn(&TechniqueSpec) -> Vec<Parameter>,
 ) -> Option<TechniqueSpec> {
     let other = if has_name {
-        let names = TECHNIQUES.iter().map(|(name, _)| *name).filter(|name| !name.starts_with("blur"));
+        let names = TECHNIQUES.iter().filter(|t| t.can_be_blurred()).map(|t| t.name);
         chosen(ui, (salt, "name"), spec.name(), names)
     } else {
         None
@@ -135,7 +135,7 @@ fn chosen<'c>(
     (value != now).then_some(value)
 }
 
-/// Three digits that count are what a slider is worth.
+/// Formats a slider's value with three significant digits.
 fn rounded(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

@@ -1,18 +1,18 @@
-//! A technique of one side: its name, its parameters, what it says.
+//! The technique of one side: its name, its parameters, and its notes.
 
-use adumbra_render::technique::{self, Parameter, ParameterKind};
-use adumbra_render::{Baked, TECHNIQUES, TechniqueSpec};
+use adumbra_render::technique::{Parameter, ParameterKind};
+use adumbra_render::{Baked, TECHNIQUES, TechniqueSpec, techniques};
 
 use super::parameters;
 use crate::app::App;
 use crate::command::{Command, Side};
-use crate::settings::shadow_names;
 use crate::shadow_file::{is_same_sun, sun_of};
 
-/// Its parameters: of a file that has no penumbrae too, for another is baked where they are asked for.
+/// Returns the technique's parameters. They include those that the current file does not support, such as penumbrae,
+/// because another file is baked if they are requested.
 fn describe(spec: &TechniqueSpec, baked: Baked<'_>) -> Vec<Parameter> {
-    let of_any = technique::describe(spec, Baked::default()).unwrap_or_default();
-    let Ok(mut of_file) = technique::describe(spec, baked) else { return of_any };
+    let of_any = techniques::describe(spec, Baked::default()).unwrap_or_default();
+    let Ok(mut of_file) = techniques::describe(spec, baked) else { return of_any };
     for p in &mut of_file {
         if let (ParameterKind::Word { .. }, Some(any)) = (&p.kind, of_any.iter().find(|any| any.key == p.key))
         {
@@ -30,10 +30,8 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
     egui::ComboBox::from_id_salt(("technique", side as u8)).selected_text(&chosen).width(160.0).show_ui(
         ui,
         |ui| {
-            for name in shadow_names() {
-                let what =
-                    TECHNIQUES.iter().find(|(n, _)| *n == name).map_or("rays, on the CPU", |(_, what)| *what);
-                ui.selectable_value(&mut chosen, name.to_owned(), name).on_hover_text(what);
+            for t in TECHNIQUES {
+                ui.selectable_value(&mut chosen, t.name.to_owned(), t.name).on_hover_text(t.summary);
             }
         },
     );
@@ -44,8 +42,8 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
     let describe = |spec: &TechniqueSpec| describe(spec, baked);
     if let Some(changed) = parameters::show(ui, &format!("{side:?}"), &describe(spec), &describe) {
         let next = changed.of(spec, |key, value| {
-            technique::change(spec, baked, key, value)
-                .or_else(|_| technique::change(spec, Baked::default(), key, value))
+            techniques::change(spec, baked, key, value)
+                .or_else(|_| techniques::change(spec, Baked::default(), key, value))
         });
         commands.push(Command::Shadow { side, technique: next.to_string() });
     }
@@ -55,7 +53,7 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
             ui.small(format!("{:.1} MB on the device", view.bytes() as f64 * 1e-6));
         }
         if app.shadows.files.of(spec).is_some_and(|f| !is_same_sun(&sun_of(f), &app.settings.sun)) {
-            ui.small(egui::RichText::new("its shadows are of another sun").color(WARNING));
+            ui.small(egui::RichText::new("its shadows are for another sun").color(WARNING));
         }
         let missing = stage.missing(side, app.settings.layer);
         for note in view.note().map(str::to_owned).into_iter().chain(missing) {

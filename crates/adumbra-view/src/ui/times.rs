@@ -1,11 +1,11 @@
-//! Milliseconds of a frame by pass, live.
+//! Live times of a frame by pass, in milliseconds.
 
 use adumbra_render::{FrameTimes, Stage};
 use egui_plot::{Legend, Line, Plot, PlotPoints};
 
 use crate::app::App;
 
-/// Stages as they are shown.
+/// Stages and their displayed names.
 const STAGES: [(&str, Stage); 10] = [
     ("G-buffer", Stage::GBuffer),
     ("depth", Stage::Depth),
@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App) {
     let Some(latest) = app.times.back() else { return };
     let both = app.settings.shows_both();
     if latest[0].wall_time {
-        ui.small("wall times: the device has no timestamps, or is a program");
+        ui.small("wall times: the device has no timestamps, or is a software renderer");
     }
     egui::Grid::new("times").num_columns(3).striped(true).show(ui, |ui| {
         for (name, stage) in STAGES {
@@ -38,7 +38,7 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App) {
             }
             ui.end_row();
         }
-        ui.strong("ms in all");
+        ui.strong("total ms");
         let sum = |times: FrameTimes| times.milliseconds.iter().sum::<f64>();
         ui.monospace(format!("{:8.2}", sum(latest[0])));
         if both {

@@ -1,4 +1,4 @@
-//! Keys and the mouse, where the panel does not take them.
+//! Keys and the mouse, unless the panel uses them.
 
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::keyboard::{Key, NamedKey};
@@ -8,7 +8,7 @@ use crate::command::Command;
 use crate::settings::Shown;
 use crate::{keys, ui};
 
-/// Degrees that a drag over the whole height is worth.
+/// Degrees of rotation for a drag over the whole height.
 const DRAG_DEGREES: f64 = 180.0;
 
 #[derive(Default)]
@@ -27,7 +27,7 @@ pub(super) enum Drag {
 }
 
 impl Open {
-    /// A key, unless the panel wants it.
+    /// Handles a key that the panel does not use.
     fn key(&mut self, key: &Key, pressed: bool, repeats: bool) {
         let name = match key {
             Key::Character(text) => text.to_string(),
@@ -39,11 +39,11 @@ impl Open {
             self.held.remove(&name.to_lowercase());
             return;
         }
-        // AltGr is Control with Alt on some systems, and a part of the key's name already.
+        // On some systems AltGr is reported as Control with Alt, and is already part of the key's name.
         let has_control = self.modifiers.control_key() && !self.modifiers.alt_key();
         let name = if has_control { format!("Ctrl+{}", name.to_lowercase()) } else { name };
         if keys::flight(&name.to_lowercase()).is_some() {
-            // Once at least, however soon it is let go.
+            // Flies at least once, however briefly the key is pressed.
             if self.held.insert(name.to_lowercase()) {
                 self.app.command(&Command::Key(name.to_lowercase()));
             }
@@ -59,7 +59,7 @@ impl Open {
         }
     }
 
-    /// Where the held keys fly: right, up, ahead.
+    /// Returns the direction in which the held keys fly: right, up, ahead.
     pub(super) fn flight(&self) -> [f64; 3] {
         let ways = self.held.iter().filter_map(|key| keys::flight(key));
         ways.fold([0.0; 3], |sum, way| std::array::from_fn(|a| sum[a] + way[a]))
@@ -104,7 +104,7 @@ impl Open {
         self.app.command(&command);
     }
 
-    /// An event that the panel did not take.
+    /// Handles an event; `taken` is whether the panel used it.
     pub(super) fn event(&mut self, event: &WindowEvent, taken: bool) {
         match event {
             WindowEvent::Resized(size) => self.resized(*size),

@@ -1,50 +1,54 @@
-//! Receivers in fixed point: from here on a look-up is whole numbers, so that CPU, GPU and any other reader agree to the last
-//! tap. `spec/adumbra-file.md`, "Bias and filters", has the rule.
+//! Receivers in fixed point. From here on a look-up uses only integers, so that the CPU, the GPU and any other reader
+//! agree on every tap. The rule is in `spec/adumbra-file.md`, "Look-up bias and filters".
 //!
-//! | number | bits behind the point | from | to |
+//! | number | fraction bits | minimum | maximum |
 //! |---|---|---|---|
-//! | grid position p | 12 | −4096 voxels | side + 4096 voxels: below 2^31 where a side has at most [`MAX_FIXED_SIDE`] voxels |
-//! | gradient g | 8 | −30,720 | 30,720 (120) |
+//! | grid position p | 12 | −4096 voxels | side + 4096 voxels: below 2^31 for sides of at most [`MAX_FIXED_SIDE`] |
+//! | gradient g | 8 | −30,720 | 30,720 (a slope of 120) |
 //! | centre of a tap − p | 12 | −8.5 voxels | 8.5 voxels: ±34,816 |
 //! | g · (centre − p), one axis | 20 | −1,069,547,520 | 1,069,547,520 |
 //! | sum s of both axes | 20 | −2,139,095,040 | 2,139,095,040: within 2^31 |
-//! | s >> 8, what the plane adds | 12 | −2040 voxels | 2040 voxels: less than half the margin |
+//! | s >> 8, the plane's depth offset | 12 | −2040 voxels | 2040 voxels: less than half the margin |
 //!
-//! Worked value: g = (128, 0) is a slope of 1/2, p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). The tap x = 6 has its centre at
-//! 26624: s = 128 · (−4096) = −524,288; depth = 82944 − 2048 = 80896 = 19.75, layer 19.
+//! Worked value: g = (128, 0) is a slope of 1/2, and p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). The centre of the
+//! tap x = 6 is at 26624. So s = 128 · (−4096) = −524,288, and the depth is 82944 − 2048 = 80896 = 19.75, which is in
+//! layer 19.
 
-use super::Receiver;
+use crate::query::Receiver;
 use crate::settings::MAX_PLANE_SLOPE;
 
-/// Bits behind the point of a grid position.
+/// Number of fraction bits of a grid position.
 pub const FIXED_BITS: u32 = 12;
-/// A voxel in grid positions.
+/// One voxel in units of a fixed-point grid position.
 pub const FIXED_ONE: i32 = 1 << FIXED_BITS;
-/// Bits behind the point of a gradient.
+/// Number of fraction bits of a gradient.
 pub const GRADIENT_BITS: u32 = 8;
-/// Slope 1 in gradients.
+/// A slope of 1 in units of a fixed-point gradient.
 pub const GRADIENT_ONE: i32 = 1 << GRADIENT_BITS;
-/// Voxels beyond the grid that positions are clamped to: every tap there is outside, however steep the plane.
+/// Positions are clamped to this many voxels beyond the grid. All taps of a point that far away are outside the grid,
+/// however steep the plane.
 pub const MARGIN_VOXELS: i32 = 4096;
-/// Most voxels along a side of a grid whose positions, and the depths made of them, fit 32 bits.
+/// Largest number of voxels along a side of a grid for which positions, and the depths computed from them, fit 32 bits.
 pub const MAX_FIXED_SIDE: u32 = (1 << 19) - (1 << 13);
 
-/// Largest number of a gradient.
+/// Largest absolute value of a fixed-point gradient.
 pub const MAX_GRADIENT: i32 = (MAX_PLANE_SLOPE * GRADIENT_ONE as f64) as i32;
 
 /// A [`Receiver`] in fixed point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FixedReceiver {
-    /// Grid position after the bias, [`FIXED_ONE`] to a voxel; fits 32 bits where the grid's sides are at most
+    /// Grid position after the bias, [`FIXED_ONE`] per voxel. It fits 32 bits if the grid's sides are at most
     /// [`MAX_FIXED_SIDE`].
     pub p_fixed: [i64; 3],
-    /// dz/dx and dz/dy, [`GRADIENT_ONE`] to a slope of 1.
+    /// dz/dx and dz/dy, [`GRADIENT_ONE`] for a slope of 1.
     pub gradient: [i32; 2],
 }
 
 impl FixedReceiver {
-    /// Positions rounded down, gradients to the nearest. A point far beyond a grid of `size` voxels stands
-    /// [`MARGIN_VOXELS`] beyond it; one that is not finite, before it, where everything is lit.
+    /// Converts a receiver to fixed point. Positions are rounded down, gradients to the nearest value.
+    ///
+    /// A point far outside a grid of `size` voxels is clamped to [`MARGIN_VOXELS`] beyond it. A point that is not
+    /// finite is placed before the grid, where everything is lit.
     pub fn new(r: &Receiver, size: [u32; 3]) -> Self {
         let finite = r.p_grid.iter().all(|c| c.is_finite());
         let p_fixed = std::array::from_fn(|a| {
@@ -60,13 +64,13 @@ impl FixedReceiver {
         Self { p_fixed, gradient }
     }
 
-    /// The texel that the point lies in.
+    /// Returns the texel that contains the point.
     pub(super) fn texel(&self) -> [i64; 2] {
         [0, 1].map(|a| self.p_fixed[a] >> FIXED_BITS)
     }
 
-    /// Depth of the receiver's plane at the centre of a texel, in 2^-20 voxels: its layer's number stands above [`FIXED_BITS`] +
-    /// [`GRADIENT_BITS`], and is below 0 before the grid.
+    /// Returns the depth of the receiver's plane at the centre of a texel, in 2^-20 voxels. The layer index is in the
+    /// bits above [`FIXED_BITS`] + [`GRADIENT_BITS`]. It is negative before the grid.
     pub(super) fn depth(&self, [x, y]: [i64; 2]) -> i64 {
         let half = i64::from(FIXED_ONE / 2);
         let along = |a: usize, texel: i64| {
@@ -104,7 +108,7 @@ mod tests {
 
     #[test]
     fn fixed_depths_never_leave_the_documented_range() {
-        // The farthest that taps of a 17 × 17 filter lie, along both axes.
+        // The farthest taps of a 17 × 17 filter, along both axes.
         let depths = [-MAX_GRADIENT, MAX_GRADIENT].into_iter().flat_map(|g| {
             [-8, 8].into_iter().flat_map(move |tap| {
                 [0, i64::from(FIXED_ONE) - 1].map(|fraction| {

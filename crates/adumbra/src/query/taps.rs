@@ -1,17 +1,17 @@
-//! The taps of a filter, block by block of 8 × 8 texels, whose slabs are fetched cube by cube of eight layers.
+//! The taps of a filter, one block of 8 × 8 texels at a time. Leaf masks are fetched by cubes of eight layers.
 //!
-//! A tap is answered by the voxel in its texel that the receiver's plane passes there. The grid's x is level, so on level ground a row of taps
-//! lies in one layer and is counted at once.
+//! A tap is answered by the voxel in its texel that the receiver's plane passes there. The grid's x axis is horizontal,
+//! so on level ground a row of taps is in one layer and is counted at once.
 
-use super::fixed::{FIXED_BITS, GRADIENT_BITS};
-use super::{FixedReceiver, TapLayers};
-use crate::dag::{Slabs, Trail};
+use crate::layout::{LeafMasks, Trail};
+use crate::query::fixed::{FIXED_BITS, GRADIENT_BITS};
+use crate::query::{FixedReceiver, TapLayers};
 
-/// Depths that the taps of a block ask, in 2^-20 voxels.
+/// Depths of the receiver's plane at the taps of a block, in 2^-20 voxels.
 struct Plane {
-    /// At the first tap.
+    /// Depth at the first tap.
     depth: i64,
-    /// From tap to tap along x and y.
+    /// Change of depth from tap to tap along x and y.
     steps: [i64; 2],
 }
 
@@ -29,34 +29,35 @@ impl Plane {
     }
 }
 
-/// Cubes of 8 × 8 × 8 voxels that were looked up last: eight by their place along z, and where there are 32 `PLACES` by the parity of the
-/// block too.
+/// Cache of the most recently used cubes of 8 × 8 × 8 voxels. The slot is the cube's index along z modulo 8. With 32
+/// `PLACES` it also depends on the parity of the block.
 pub(super) struct Cubes<'d, const PLACES: usize> {
-    slabs: &'d dyn Slabs,
+    leaf_masks: &'d dyn LeafMasks,
     trail: Trail,
     kept: [Cube; PLACES],
 }
 
-/// What is known of a cube.
+/// A cached cube.
 #[derive(Clone, Copy)]
 struct Cube {
-    /// In cubes.
+    /// Index of the cube, in cubes.
     place: [u32; 3],
-    /// The nearest first: bit y·8 + x, 1 = lit.
-    slabs: [u64; 8],
-    /// Bit z: that slab is known.
+    /// Leaf masks, nearest to the sun first: bit y·8 + x, 1 = lit.
+    leaf_masks: [u64; 8],
+    /// Bit z: leaf mask z is known.
     known: u8,
 }
 
 impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
-    pub(super) fn new(slabs: &'d dyn Slabs) -> Self {
-        let nowhere = Cube { place: [u32::MAX; 3], slabs: [0; 8], known: 0 };
-        Self { slabs, trail: Trail::new(), kept: [nowhere; PLACES] }
+    pub(super) fn new(leaf_masks: &'d dyn LeafMasks) -> Self {
+        let nowhere = Cube { place: [u32::MAX; 3], leaf_masks: [0; 8], known: 0 };
+        Self { leaf_masks, trail: Trail::new(), kept: [nowhere; PLACES] }
     }
 
-    /// Lit taps of `filter` × `filter` texels round a receiver. Beside the grid and before it all is lit; behind its last layer that one answers.
+    /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the grid and
+    /// points before it are lit. Behind its last layer, the last layer is sampled.
     pub(super) fn lit_taps(&mut self, filter: u32, layers: TapLayers, r: &FixedReceiver) -> u32 {
-        let [nx, ny, nz] = self.slabs.size().map(i64::from);
+        let [nx, ny, nz] = self.leaf_masks.size().map(i64::from);
         let reach = i64::from(filter / 2);
         let texel = r.texel();
         let low = texel.map(|t| (t - reach).max(0));
@@ -81,7 +82,7 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
         lit
     }
 
-    /// Lit taps among texels that lie in one block and in the grid, ends counted in.
+    /// Returns the number of lit taps among texels of one block, all inside the grid. The ranges are inclusive.
     fn block(&mut self, plane: &Plane, x: [i64; 2], y: [i64; 2], last_layer: i64) -> u32 {
         let [step_x, step_y] = plane.steps;
         let span = step_x * (x[1] - x[0]);
@@ -107,7 +108,7 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
         lit.count_ones()
     }
 
-    /// Slabs of a block by their layer, all lit before the grid.
+    /// Returns the leaf masks of a block by layer; all lit before the grid.
     fn layers(&mut self, [x, y]: [i64; 2]) -> impl FnMut(i64) -> u64 {
         let block = [x, y].map(|c| (c >> 3) as u32);
         move |layer| {
@@ -123,9 +124,9 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
             let z = (layer & 7) as usize;
             if cube.known >> z & 1 == 0 {
                 let voxel = [place[0] << 3, place[1] << 3, layer as u32];
-                cube.known |= self.slabs.fill_along(&mut self.trail, voxel, &mut cube.slabs);
+                cube.known |= self.leaf_masks.fill(&mut self.trail, voxel, &mut cube.leaf_masks);
             }
-            cube.slabs[z]
+            cube.leaf_masks[z]
         }
     }
 }

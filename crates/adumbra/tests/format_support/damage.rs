@@ -1,64 +1,67 @@
-//! Damage to files of a header with a table of three sections, and checksums made right again.
+//! Damages files that have a header with a table of three sections, and repairs their checksums.
 
-/// Where a kind of file has what.
-#[derive(Clone, Copy)]
+/// Offsets and sizes of a kind of file.
 pub(crate) struct Layout {
-    /// The checksum is the last word.
+    /// Size of the header in bytes. The checksum is its last word.
     pub(crate) header_bytes: usize,
-    /// Byte at which the section table begins.
+    /// Offset of the section table in bytes.
     pub(crate) table: usize,
-    /// Sections that elements may be put into or taken from, and the bytes of an element.
+    /// Sections in which elements may be inserted or removed, each with the size of an element in bytes.
     pub(crate) resizable: [(usize, usize); 2],
-    /// Words that mean something somewhere.
+    /// Words that have a special meaning somewhere in the file.
     pub(crate) values: &'static [u32],
-    /// How far apart neighbours that a word may name are.
+    /// Distance between neighbouring items that a word may refer to.
     pub(crate) step: u32,
 }
 
-/// Bytes of a row of the section table.
+/// Size of an entry of the section table in bytes.
 const ROW: usize = 24;
 
-/// The bytes that a fuzzer's input stands for. An odd first byte (as `A`): the input is the file, as it is. An even
-/// one (as `@`): the file begins with `A` instead, and its checksums are made right.
-pub(crate) fn interpret(input: &[u8], layout: &Layout) -> Vec<u8> {
-    let mut bytes = input.to_vec();
-    if let Some(first) = bytes.first_mut()
-        && *first & 1 == 0
-    {
-        *first = b'A';
-        repair(&mut bytes, layout);
-    }
-    bytes
-}
-
-/// Makes the checksums right where the sections lie within the file.
-fn repair(bytes: &mut [u8], layout: &Layout) {
-    if bytes.len() < layout.header_bytes {
-        return;
-    }
-    for row in [0, 1, 2].map(|i| layout.table + i * ROW) {
-        let (from, length) = (u64_at(bytes, row), u64_at(bytes, row + 8));
-        let end = from.saturating_add(length).min(usize::MAX as u64);
-        if let Some(section) = bytes.get(from as usize..end as usize) {
-            let checksum = crc32fast::hash(section);
-            put_u32(bytes, row + 16, checksum);
+impl Layout {
+    /// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is the file
+    /// as it is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are repaired.
+    pub(crate) fn interpret(&self, input: &[u8]) -> Vec<u8> {
+        let mut bytes = input.to_vec();
+        if let Some(first) = bytes.first_mut()
+            && *first & 1 == 0
+        {
+            *first = b'A';
+            self.repair(&mut bytes);
         }
+        bytes
     }
-    let checksum = crc32fast::hash(&bytes[..layout.header_bytes - 4]);
-    put_u32(bytes, layout.header_bytes - 4, checksum);
+
+    /// Returns `valid` with one to four faults that follow from `seed`. In most cases the checksums are repaired, in
+    /// some the sections are resized.
+    pub(crate) fn mutate(&self, valid: &[u8], seed: u64) -> Vec<u8> {
+        Mutator { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1, layout: self }.mutate(valid)
+    }
+
+    /// Repairs the checksums of the header and of the sections that are within the file.
+    fn repair(&self, bytes: &mut [u8]) {
+        if bytes.len() < self.header_bytes {
+            return;
+        }
+        for row in [0, 1, 2].map(|i| self.table + i * ROW) {
+            let (from, length) = (u64_at(bytes, row), u64_at(bytes, row + 8));
+            let end = from.saturating_add(length).min(usize::MAX as u64);
+            if let Some(section) = bytes.get(from as usize..end as usize) {
+                let checksum = crc32fast::hash(section);
+                put_u32(bytes, row + 16, checksum);
+            }
+        }
+        let checksum = crc32fast::hash(&bytes[..self.header_bytes - 4]);
+        put_u32(bytes, self.header_bytes - 4, checksum);
+    }
 }
 
 /// A deterministic source of mutations.
-pub(crate) struct Mutator {
+struct Mutator<'l> {
     state: u64,
-    layout: Layout,
+    layout: &'l Layout,
 }
 
-impl Mutator {
-    pub(crate) fn new(seed: u64, layout: Layout) -> Self {
-        Self { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1, layout }
-    }
-
+impl Mutator<'_> {
     fn random(&mut self) -> u64 {
         self.state ^= self.state << 13;
         self.state ^= self.state >> 7;
@@ -70,8 +73,7 @@ impl Mutator {
         (self.random() % n.max(1) as u64) as usize
     }
 
-    /// `valid` with one to four faults, in most cases with checksums made right, in some with sections resized.
-    pub(crate) fn mutate(&mut self, valid: &[u8]) -> Vec<u8> {
+    fn mutate(&mut self, valid: &[u8]) -> Vec<u8> {
         let mut bytes = valid.to_vec();
         if self.below(3) == 0 {
             bytes = self.resized(&bytes);
@@ -80,13 +82,13 @@ impl Mutator {
             self.one(&mut bytes);
         }
         if self.below(8) != 0 {
-            repair(&mut bytes, &self.layout);
+            self.layout.repair(&mut bytes);
         }
         bytes
     }
 
     fn one(&mut self, bytes: &mut Vec<u8>) {
-        // Three of four faults go into the sections: the header is the smaller part of what can go wrong.
+        // Three of four faults go into the sections, because less can go wrong in the header.
         let from = if self.below(4) == 0 { 0 } else { self.layout.header_bytes.min(bytes.len()) };
         let at = from + self.below(bytes.len() - from);
         let word = at & !3;
@@ -98,7 +100,7 @@ impl Mutator {
             4..7 => bytes[at] = self.random() as u8,
             7..11 => {
                 let near = u32_at(bytes, word);
-                let Layout { values, step, .. } = self.layout;
+                let Layout { values, step, .. } = *self.layout;
                 let beside = [near.wrapping_add(step), near.wrapping_sub(step)];
                 let pick = self.below(values.len() + 2);
                 let value = values.get(pick).copied().unwrap_or_else(|| beside[pick - values.len()]);
@@ -121,7 +123,7 @@ impl Mutator {
         }
     }
 
-    /// Inserts or removes an element of some section and lays the file out anew, so that only what is in it is wrong.
+    /// Inserts or removes an element of one section and lays the file out again, so that only the contents are wrong.
     fn resized(&mut self, bytes: &[u8]) -> Vec<u8> {
         let table = self.layout.table;
         let mut sections = [0, 1, 2].map(|i| {
@@ -146,7 +148,7 @@ impl Mutator {
             out[table + i * ROW + 8..][..8].copy_from_slice(&length.to_le_bytes());
             out.extend_from_slice(section);
         }
-        repair(&mut out, &self.layout);
+        self.layout.repair(&mut out);
         out
     }
 }

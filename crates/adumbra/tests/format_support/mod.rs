@@ -1,14 +1,17 @@
-//! What the quick test and the fuzz target do to a file: break it, make the checksums right again, and see that the
-//! reader either refuses it or gives a graph that answers everywhere.
+//! Shared code of the quick test and the fuzz target. It damages a file, repairs the checksums, and checks that the
+//! reader either refuses the file or returns a graph in which every voxel can be looked up.
 
 mod damage;
 
-use adumbra::dag::{Dag, LIT, SHADOWED, SLAB_NODE_LEVEL, STATE_LIT, STATE_MIXED, STATE_SHADOWED, Trail};
-use adumbra::format::{FormatError, HEADER_BYTES, LightBody, ShadowFile};
+use adumbra::file::HEADER_BYTES;
+use adumbra::layout::LEAF_NODE_LEVEL;
+use adumbra::layout::Trail;
+use adumbra::layout::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
+use adumbra::{FormatError, LightBody, ShadowFile};
 use damage::Layout;
 
-/// The light-aligned file: nodes are words, slabs eight bytes.
-const LAYOUT: Layout = Layout {
+/// Offsets and sizes of the light-aligned file. Its nodes are words, and its leaf masks have eight bytes.
+pub(crate) const LAYOUT: Layout = Layout {
     header_bytes: HEADER_BYTES,
     table: 280,
     resizable: [(1, 4), (2, 8)],
@@ -16,42 +19,25 @@ const LAYOUT: Layout = Layout {
     step: 1,
 };
 
-/// The bytes that a fuzzer's input stands for, see [`damage::interpret`].
-pub(crate) fn interpret(input: &[u8]) -> Vec<u8> {
-    damage::interpret(input, &LAYOUT)
-}
-
-/// A deterministic source of mutations.
-pub(crate) struct Mutator(damage::Mutator);
-
-impl Mutator {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(damage::Mutator::new(seed, LAYOUT))
-    }
-
-    pub(crate) fn mutate(&mut self, valid: &[u8]) -> Vec<u8> {
-        self.0.mutate(valid)
-    }
-}
-
-/// Reads `bytes`; a file that is accepted must be written as the very same bytes, and must answer.
+/// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes and that its voxels can
+/// be looked up.
 ///
 /// # Panics
-/// When the library is wrong.
+/// If the library is wrong.
 pub(crate) fn exercise(bytes: &[u8]) -> Result<ShadowFile, FormatError> {
     let file = ShadowFile::from_bytes(bytes);
     match &file {
         Ok(file) => {
             let again = encode(file);
             if bytes[8] == 1 {
-                // Version 2 is written of what version 1 has said.
+                // A file of version 1 is written as version 2.
                 assert_eq!(ShadowFile::from_bytes(&again).as_ref(), Ok(file));
             } else {
                 assert_eq!(again, bytes, "an accepted file is the only one with its contents");
             }
             sweep(file, 512);
         }
-        // A message must not fail either.
+        // Formatting the message must not fail either.
         Err(error) => assert!(!error.to_string().is_empty() && !error.kind().is_empty()),
     }
     file
@@ -64,10 +50,10 @@ pub(crate) fn encode(file: &ShadowFile) -> Vec<u8> {
     bytes
 }
 
-/// Looks up to about `most` voxels up, every one where there are so few, in every way there is; returns how many are lit.
+/// Looks up about `most` voxels, or all if there are fewer, in every available way. Returns how many are lit.
 ///
 /// # Panics
-/// Where two ways give two answers.
+/// If two ways give different results.
 pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
     let mut trail = Trail::new();
     let size = file.grid.size;
@@ -85,29 +71,30 @@ pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
     lit
 }
 
-/// The answer of a voxel: by itself, of its slab, and of the slabs that a walk along the light finds together.
+/// Returns whether a voxel is lit. Checks that its own look-up, its leaf mask, and the leaf masks that a walk along the
+/// light finds together agree.
 fn is_lit_in_every_way(file: &ShadowFile, trail: &mut Trail, [i, j, k]: [u32; 3]) -> bool {
     let lit = is_lit(file, [i, j, k]);
-    let slab = file.slabs().slab(i, j, k);
-    assert_eq!(slab >> ((j & 7) * 8 + (i & 7)) & 1 == 1, lit, "slab of ({i}, {j}, {k})");
-    let mut slabs = [0; 8];
-    let known = file.slabs().fill_along(trail, [i, j, k], &mut slabs);
-    assert_eq!((known >> (k & 7) & 1, slabs[k as usize & 7]), (1, slab), "walk to ({i}, {j}, {k})");
-    for (other, &slab) in slabs.iter().enumerate().filter(|(other, _)| known >> other & 1 == 1) {
+    let leaf_mask = file.leaf_masks().look_up(i, j, k);
+    assert_eq!(leaf_mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1, lit, "leaf mask of ({i}, {j}, {k})");
+    let mut leaf_masks = [0; 8];
+    let known = file.leaf_masks().fill(trail, [i, j, k], &mut leaf_masks);
+    assert_eq!((known >> (k & 7) & 1, leaf_masks[k as usize & 7]), (1, leaf_mask), "walk to ({i}, {j}, {k})");
+    for (other, &leaf_mask) in leaf_masks.iter().enumerate().filter(|(other, _)| known >> other & 1 == 1) {
         let beside = k & !7 | other as u32;
         if beside < file.grid.size[2] {
-            assert_eq!(file.slabs().slab(i, j, beside), slab, "({i}, {j}, {beside}) beside {k}");
+            assert_eq!(file.leaf_masks().look_up(i, j, beside), leaf_mask, "({i}, {j}, {beside}) beside {k}");
         }
     }
     lit
 }
 
-/// The answer of a voxel; every index is checked by Rust, and the steps are counted.
+/// Returns whether a voxel is lit. All accesses are bounds-checked, and the number of steps is limited.
 pub(crate) fn is_lit(file: &ShadowFile, v: [u32; 3]) -> bool {
     match &file.body {
         LightBody::Plain(dag) => is_lit_in(dag, v),
         LightBody::Packed(packed) => packed.voxel(v[0], v[1], v[2]),
-        LightBody::Hierarchy(hierarchy) => v[2] < hierarchy.value(v[0], v[1]),
+        LightBody::Depths(depths) => v[2] < depths.value(v[0], v[1]),
     }
 }
 
@@ -119,9 +106,9 @@ fn is_lit_in(dag: &Dag, [x, y, z]: [u32; 3]) -> bool {
         SHADOWED => return false,
         root => root as usize,
     };
-    for level in (SLAB_NODE_LEVEL..=dag.root_level).rev() {
+    for level in (LEAF_NODE_LEVEL..=dag.root_level).rev() {
         let bit = |c: u32| c >> (level - 1) & 1;
-        let child = if level == SLAB_NODE_LEVEL { z & 7 } else { bit(x) << 2 | bit(y) << 1 | bit(z) };
+        let child = if level == LEAF_NODE_LEVEL { z & 7 } else { bit(x) << 2 | bit(y) << 1 | bit(z) };
         let header = dag.nodes[at];
         match header >> (2 * child) & 3 {
             STATE_SHADOWED => return false,
@@ -131,5 +118,5 @@ fn is_lit_in(dag: &Dag, [x, y, z]: [u32; 3]) -> bool {
         let before = (header & ((1 << (2 * child)) - 1) & 0xAAAA).count_ones() as usize;
         at = dag.nodes[at + 1 + before] as usize;
     }
-    dag.slabs[at] >> ((y & 7) * 8 + (x & 7)) & 1 == 1
+    dag.leaf_masks[at] >> ((y & 7) * 8 + (x & 7)) & 1 == 1
 }

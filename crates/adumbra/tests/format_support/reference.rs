@@ -1,20 +1,9 @@
-//! A slow reader of the point look-up, K = 1, written from `spec/adumbra-file.md` alone: it works on the file's bytes
-//! and shares nothing with the library. It checks nothing; give it valid files.
+//! A slow reader of the point look-up, K = 1, written from `spec/adumbra-file.md` alone. It works on the file's bytes
+//! and shares no code with the library. It checks nothing, so it must only be given valid files.
 
-fn u32_at(file: &[u8], at: u64) -> u32 {
-    let at = at as usize;
-    u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]])
-}
+use adumbra_testing::{f64_at, u32_at, u64_at};
 
-fn u64_at(file: &[u8], at: u64) -> u64 {
-    u64::from(u32_at(file, at)) | u64::from(u32_at(file, at + 4)) << 32
-}
-
-fn f64_at(file: &[u8], at: u64) -> f64 {
-    f64::from_bits(u64_at(file, at))
-}
-
-/// Visibility of a world point: 1 = lit, 0 = shadowed.
+/// Returns the visibility of a world point: 1 = lit, 0 = shadowed.
 pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
     let mut grid = [0.0; 3];
     for (r, g) in (0_u64..).zip(&mut grid) {
@@ -35,18 +24,18 @@ pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
     voxel(file, [grid[0].floor() as u32, grid[1].floor() as u32, z.floor() as u32])
 }
 
-/// Visibility of a voxel of the grid.
+/// Returns the visibility of a voxel of the grid: 1 = lit, 0 = shadowed.
 pub(crate) fn voxel(file: &[u8], v: [u32; 3]) -> u8 {
-    // Version 1 has no other.
+    // Version 1 has only the plain layout.
     match u32_at(file, 52) {
         0 => plain_voxel(file, v),
         1 => packed_voxel(file, v),
-        _ => hierarchy_voxel(file, v),
+        _ => depths_voxel(file, v),
     }
 }
 
 fn plain_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
-    let (top, nodes, slabs) = (u64_at(file, 280), u64_at(file, 304), u64_at(file, 328));
+    let (top, nodes, leaf_masks) = (u64_at(file, 280), u64_at(file, 304), u64_at(file, 328));
     let root_level = u32_at(file, 36);
     let (dx, dy) = (u64::from(u32_at(file, 40)), u64::from(u32_at(file, 44)));
     let (gx, gy, gz) = (u64::from(x >> root_level), u64::from(y >> root_level), u64::from(z >> root_level));
@@ -73,7 +62,7 @@ fn plain_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
         let earlier = (0..child).filter(|&c| state(c) == 2).count() as u64;
         pointer = u32_at(file, nodes + 4 * (u64::from(pointer) + 1 + earlier));
         if level == 3 {
-            let mask = u64_at(file, slabs + 8 * u64::from(pointer));
+            let mask = u64_at(file, leaf_masks + 8 * u64::from(pointer));
             return (mask >> (y % 8 * 8 + x % 8) & 1) as u8;
         }
         level -= 1;
@@ -81,7 +70,7 @@ fn plain_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
 }
 
 fn packed_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
-    let (top, nodes, slabs) = (u64_at(file, 280), u64_at(file, 304), u64_at(file, 328));
+    let (top, nodes, leaf_masks) = (u64_at(file, 280), u64_at(file, 304), u64_at(file, 328));
     let word = |i: u64| u64::from(u32_at(file, top + 4 * i));
     let unit = |u: u64| u64::from(u32_at(file, nodes + u / 2 * 4) >> (u % 2 * 16) & 0xFFFF);
     let four = |u: u64| (0..4).map(|i| unit(u + i) << (16 * i)).sum::<u64>();
@@ -101,7 +90,8 @@ fn packed_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
     let mut at = word(level - 3) + root;
     while level > 3 {
         let header = unit(at);
-        // Whether each of the eight halves of quarters is mixed, and by which pointer.
+        // For each of the two children of each quarter, `Ok` with its pointer if it is mixed, or `Err` with its
+        // visibility.
         let mut pointers = 0;
         let mut states = Vec::new();
         for q in 0..4 {
@@ -123,7 +113,7 @@ fn packed_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
             Err(answer) => return answer,
             Ok(pointer) => pointer,
         };
-        // The string of high parts, bit by bit.
+        // The string of high parts is read bit by bit.
         let pool = word(level - 3) - word(level - 4);
         let width = if pool <= 1 << 20 {
             4
@@ -178,7 +168,7 @@ fn packed_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
     for mask in 1.. {
         let here = header >> (8 + mask.min(6)) & 1 == 1;
         if mask == passed {
-            let bits = if here { four(from) } else { u64_at(file, slabs + 8 * unit(from)) };
+            let bits = if here { four(from) } else { u64_at(file, leaf_masks + 8 * unit(from)) };
             return (bits >> place & 1) as u8;
         }
         from += if here { 4 } else { 1 };
@@ -186,7 +176,7 @@ fn packed_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
     unreachable!("the masks have an end")
 }
 
-fn hierarchy_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
+fn depths_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
     const NONE: u32 = 0xFFFF_FFFF;
     let (top, code, entries) = (u64_at(file, 280), u64_at(file, 304), u64_at(file, 328));
     let byte = |b: u32| u32::from(file[code as usize + b as usize]);
@@ -201,7 +191,7 @@ fn hierarchy_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
         let size = |c: u32| (half(at) >> c & 1) + 2 * (half(at + 1) >> c & 1);
         let field = at + 3 + (0..child).map(size).sum::<u32>();
         let near = |h: u32| if half(h) < 32768 { half(h) } else { at - (half(h) - 32768) };
-        // A half-word of 32768 and more stands for itself less 65536.
+        // A half-word of 32768 or more represents its value less 65536.
         let moved = |h: u32| base.wrapping_add(half(h)).wrapping_sub(if half(h) < 32768 { 0 } else { 65536 });
         (at, base) = match (size(child), half(at + 2) >> child & 1) {
             (0, 0) => (NONE, base),

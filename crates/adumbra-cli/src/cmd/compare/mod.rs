@@ -1,64 +1,62 @@
-//! `adumbra compare`: techniques beside the truth, as tables and pictures.
+//! `adumbra compare`: compares techniques with ray-traced truth, as tables and pictures.
 
 mod output;
 
 use std::path::Path;
 
-use adumbra::camera::Camera;
-use adumbra::light::Sun;
-use adumbra::picture::BaseColors;
-use adumbra::trace::Ray;
+use adumbra::Sun;
+use adumbra_lab::Result;
+use adumbra_lab::args::DeviceArg;
+use adumbra_lab::baked::{BakeOnDemand, BakedFiles};
 use adumbra_lab::camera_file::CameraFile;
-use adumbra_lab::compare::{Comparison, Contender, Judge, camera_figures, compare, truth_for, walk};
+use adumbra_lab::compare::{Comparison, Reference, camera_figures, compare, walk};
+use adumbra_lab::contenders::{contenders, parse};
 use adumbra_lab::paths::CameraPath;
-use adumbra_lab::report::{MOST_EXCLUDED, Report, TruthKind, figure, percent};
+use adumbra_lab::report::{MAX_EXCLUDED, Report, figure, percent};
 use adumbra_lab::truth::{StreetOptions, TruthTracer, scene_key, street_camera, truth_camera};
-use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec, build};
+use adumbra_program::exit::{Code, Failure};
+use adumbra_program::output::{make_folder, note_input, print_json};
+use adumbra_program::say;
+use adumbra_program::scene::load_scene;
+use adumbra_program::threads::with_threads;
+use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec};
+use adumbra_scene::Camera;
+use adumbra_truth::picture::BaseColors;
+use adumbra_truth::trace::Ray;
 
-use super::baked::{BakeOnTheWay, BakedFiles};
-use super::{load_scene, print_json, with_threads};
-use crate::args::{Compare, DeviceArg, JudgeArg};
-use crate::exit::{Code, Failure, Outcome};
-use crate::output::{make_folder, note_input};
+use crate::args::Compare;
 
-/// Frames of a path that is made.
+/// Default number of frames of a generated path.
 const PATH_FRAMES: u32 = 60;
 
-pub(crate) fn run(args: &Compare) -> Outcome {
+pub(crate) fn run(args: &Compare) -> Result<Code> {
     args.check()?;
-    // A technique that shows a disc gets the one that judges it, unless it names its own.
-    let disc = |spec: TechniqueSpec| Ok(spec.for_sun_angle(args.sun_angle)?);
-    let specs = parse(&args.shadow)?.into_iter().map(disc).collect::<Result<Vec<_>, Failure>>()?;
+    // A technique that takes a sun's angle gets that of the disc that it is compared with, unless it names its own.
+    let specs: Vec<TechniqueSpec> =
+        parse(&args.shadow)?.iter().map(|spec| spec.with_sun_angle(args.sun_angle)).collect();
     if args.device.device == DeviceArg::Cpu {
         return Err(Failure::Usage(
-            "--device cpu: compare draws on a GPU adapter; a software one will do".to_owned(),
-        ));
+            "--device cpu: compare needs a GPU adapter; a software adapter is enough".to_owned(),
+        )
+        .into());
     }
     let files = BakedFiles::read(&args.baked.shadow_file)?;
-    with_threads(args.work.threads, || draw(args, &specs, files))
+    with_threads(args.run.threads, || draw(args, &specs, files))?
 }
 
-/// Techniques, each asked for once.
-pub(super) fn parse(names: &[String]) -> Result<Vec<TechniqueSpec>, Failure> {
-    let specs: Vec<TechniqueSpec> = names.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
-    for (i, spec) in specs.iter().enumerate() {
-        if specs[..i].contains(spec) {
-            return Err(Failure::Usage(format!("--shadow {spec}: it is asked for twice")));
-        }
-    }
-    Ok(specs)
-}
-
-fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outcome {
-    let mut load = args.load.load_options(args.work.max_memory)?;
+fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Result<Code> {
+    let mut load = args.load.load_options(args.run.max_memory)?;
     load.color_textures = true;
     load.ignore_alpha |= files.ignore_alpha();
     let scene = load_scene(&args.scene, &load)?;
     let truth = TruthTracer::build(&scene, load.ignore_alpha);
     let held = scene.memory_bytes() + truth.tracer().memory_bytes() + BaseColors::bytes_of(&scene);
-    args.work.check_memory("the scene, its rays' trees and its mip levels", held)?;
+    args.run.check_memory("the scene, its acceleration structure and its mip levels", held)?;
     if files.sun().is_some() && args.sun.is_given() {
-        return Err(Failure::Usage("--sun: the shadow file was baked for a sun of its own".to_owned()));
+        return Err(Failure::Usage(
+            "--sun: the shadow file determines the sun; remove the option".to_owned(),
+        )
+        .into());
     }
     let from_file = args.camera.as_deref().map(camera_file).transpose()?.flatten();
     let sun = match (files.sun(), from_file.and_then(|f| f.sun)) {
@@ -69,27 +67,26 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
     let (name, camera) = camera_of(args, &truth, sun, from_file.map(|f| f.camera))?;
     let gpu = Gpu::request(&args.device.gpu_options())?;
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions { ignore_alpha: load.ignore_alpha })?;
-    files.complete(
-        specs,
-        &BakeOnTheWay {
-            scene: &scene,
-            sun,
-            ignore_alpha: load.ignore_alpha,
-            resolution: args.baked.resolution,
-            cube_resolution: args.baked.cube_resolution,
-            max_memory_bytes: args.work.max_memory,
-        },
-    )?;
+    let how = BakeOnDemand {
+        scene: &scene,
+        sun,
+        ignore_alpha: load.ignore_alpha,
+        resolution: args.baked.resolution,
+        cube_resolution: args.baked.cube_resolution,
+        max_memory_bytes: args.run.max_memory,
+    };
+    files.announce(specs, &how);
+    files.complete(specs, &how)?;
     make_folder(&args.output)?;
-    let mut contenders = contenders(&renderer, specs, &files, args.judge)?;
+    let mut contenders = contenders(&renderer, specs, &files, args.reference)?;
     let (cache, key) = (args.cache.cache(&args.output), scene_key(&scene, load.ignore_alpha));
     let disc = (args.sun_angle, args.sun_samples);
-    let judge = Judge { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc };
-    let comparison = compare(&mut renderer, &judge, &camera, &mut contenders, args.frames)?;
+    let reference = Reference { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc };
+    let comparison = compare(&mut renderer, &reference, &camera, &mut contenders, args.frames)?;
     let path = match &args.path {
         Some(path) => {
             let path = path_of(path, args.path_frames, &truth, &camera)?;
-            Some(walk(&mut renderer, &judge, &path, args.view.size, &mut contenders)?)
+            Some(walk(&mut renderer, &reference, &path, args.view.size, &mut contenders)?)
         }
         None => None,
     };
@@ -104,33 +101,35 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Outco
         frames: args.frames,
         pixels: comparison.pixels,
         baked: files.figures(),
-        left_out: renderer.gpu().left_out().into_iter().map(str::to_owned).collect(),
+        missing_features: renderer.gpu().missing_features().into_iter().map(str::to_owned).collect(),
         techniques: comparison.compared.iter().map(|c| c.row.clone()).collect(),
         path,
     };
     finish(args, &report, &comparison)
 }
 
-fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Outcome {
+fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Result<Code> {
     let document = serde_json::to_value(report).map_err(|e| Failure::BadInput(e.to_string()))?;
     output::write(&args.output, report, comparison, &document)?;
     for t in &report.techniques {
         t.notes.iter().for_each(|note| eprintln!("note: {}: {note}", t.name));
     }
     let excluded = report.pixels.excluded_share();
-    let code = if args.strict && excluded > MOST_EXCLUDED { Code::CheckFailed } else { Code::Fine };
-    if excluded > MOST_EXCLUDED {
+    let code = if args.strict && excluded > MAX_EXCLUDED { Code::CheckFailed } else { Code::Fine };
+    if excluded > MAX_EXCLUDED {
         eprintln!(
-            "warning: {} of the pixels with a surface are excluded, {:.1} %: GPU and rays see different surfaces there, and no figure counts them",
+            "warning: {} of the pixels with a surface are excluded ({:.1} %): GPU and rays see different surfaces there, and no figure counts them",
             report.pixels.excluded,
             100.0 * excluded
         );
     }
     if report.pixels.compared == 0 {
-        eprintln!("warning: no pixel is compared, so there are no figures: no surface in view faces the sun");
+        eprintln!(
+            "warning: no pixels were compared because no surface in view faces the sun; there are no figures"
+        );
     }
-    if args.json {
-        print_json(&document);
+    if args.run.json {
+        print_json(&document)?;
         return Ok(code);
     }
     say!("{}", args.output.join("report.md").display());
@@ -150,8 +149,8 @@ fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Outcome {
     Ok(code)
 }
 
-/// The camera of a file; none where the name is not a file's.
-fn camera_file(name: &str) -> Result<Option<CameraFile>, Failure> {
+/// Reads the camera of a file. `None` if the name is not a file's.
+fn camera_file(name: &str) -> Result<Option<CameraFile>> {
     let path = Path::new(name);
     Ok(match path.extension().and_then(|e| e.to_str()) {
         Some("json") => {
@@ -167,7 +166,7 @@ fn camera_file(name: &str) -> Result<Option<CameraFile>, Failure> {
     })
 }
 
-/// The camera, and what it is called.
+/// Returns the camera and its name.
 fn camera_of(
     args: &Compare,
     truth: &TruthTracer<'_>,
@@ -189,25 +188,20 @@ fn camera_of(
         }
         Some("overview") => Ok(("overview".to_owned(), plain)),
         Some(other) => Err(Failure::Usage(format!(
-            "--camera {other}: give street, overview, a camera (.json) that the viewer saved, or a truth file (.npz)"
+            "--camera {other}: give street, overview, a camera (.json) saved by the viewer, or a truth file (.npz)"
         ))),
         None if args.view.eye.is_none() && args.view.target.is_none() => Ok(("overview".to_owned(), plain)),
         None => Ok(("given".to_owned(), plain)),
     }
 }
 
-fn path_of(
-    path: &str,
-    frames: Option<u32>,
-    truth: &TruthTracer<'_>,
-    camera: &Camera,
-) -> Result<CameraPath, Failure> {
+fn path_of(path: &str, frames: Option<u32>, truth: &TruthTracer<'_>, camera: &Camera) -> Result<CameraPath> {
     let made = frames.unwrap_or(PATH_FRAMES);
     let diagonal = truth.bounds().diagonal();
     Ok(match path {
         "orbit" => CameraPath::orbit(truth.bounds(), made),
         "fly" => {
-            // Not into what stands ahead.
+            // Not into whatever is ahead.
             let forward = camera.view().forward;
             let direction = [forward[0], 0.0, forward[2]];
             let ray = Ray { origin: camera.eye, direction, t_min: 0.0, t_max: f64::INFINITY };
@@ -225,27 +219,4 @@ fn path_of(
             }
         }
     })
-}
-
-pub(super) fn contenders(
-    renderer: &Renderer,
-    specs: &[TechniqueSpec],
-    files: &BakedFiles,
-    judge: JudgeArg,
-) -> Result<Vec<Contender>, Failure> {
-    let contender = |spec: &TechniqueSpec| {
-        let prepared = if spec.name() == "truth" {
-            spec.reader().finish()?;
-            None
-        } else {
-            Some(renderer.prepare(build(renderer.gpu(), spec, files.baked())?)?)
-        };
-        let truth = match judge {
-            JudgeArg::Technique => truth_for(spec),
-            JudgeArg::Hard => TruthKind::Hard,
-            JudgeArg::Disc => TruthKind::Disc,
-        };
-        Ok(Contender { spec: spec.clone(), prepared, truth })
-    };
-    specs.iter().map(contender).collect()
 }

@@ -1,28 +1,23 @@
-//! What `compare` leaves in its folder.
+//! The files that `compare` writes into its folder.
 
 use std::path::Path;
 
-use adumbra::picture::Picture;
+use adumbra_lab::Result;
 use adumbra_lab::compare::{Compared, Comparison};
 use adumbra_lab::pictures::{Cell, sheet};
+use adumbra_lab::plot::{Along, Legend, Panel, Series, draw_svg};
 use adumbra_lab::report::{PathReport, Report, TruthKind, figure, percent};
+use adumbra_program::output::Outputs;
+use adumbra_truth::picture::Picture;
 use serde_json::Value;
 
 use super::super::render::name_in_paths;
-use crate::exit::Failure;
-use crate::output::Outputs;
-use crate::plot::{Along, Legend, Panel, Series, draw_svg};
 
-/// Widest picture of the sheet, pixels.
+/// Largest width of a picture on the sheet, pixels.
 const WIDEST: u32 = 640;
 
-/// Writes tables, pictures, the sheet, and what a path gave.
-pub(super) fn write(
-    folder: &Path,
-    report: &Report,
-    comparison: &Comparison,
-    document: &Value,
-) -> Result<(), Failure> {
+/// Writes the tables, the pictures, the sheet, and the files of a path.
+pub(super) fn write(folder: &Path, report: &Report, comparison: &Comparison, document: &Value) -> Result<()> {
     let mut outputs = Outputs::default();
     outputs.add(&folder.join("report.json"), format!("{document:#}\n").as_bytes())?;
     outputs.add(&folder.join("report.md"), report.markdown().as_bytes())?;
@@ -40,7 +35,7 @@ pub(super) fn write(
         let svg = folder.join("path.svg");
         outputs.add(&svg, draw_svg(&svg, &[panel(path, report)])?.as_bytes())?;
     }
-    outputs.place()
+    Ok(outputs.place()?)
 }
 
 fn kind_name(kind: TruthKind) -> &'static str {
@@ -50,7 +45,7 @@ fn kind_name(kind: TruthKind) -> &'static str {
     }
 }
 
-/// A row a technique: its picture and where it is wrong; the truths first.
+/// Draws the sheet: one row per technique, with the truth, its picture, and where it is wrong.
 fn whole_sheet(comparison: &Comparison) -> Picture {
     let mut cells = Vec::new();
     for compared in &comparison.compared {

@@ -1,16 +1,40 @@
-//! Ambient occlusion of pictures: what `--ao` asks for.
+//! Ambient occlusion of pictures, as `--ao` asks for.
 
+use adumbra_lab::Result;
 use adumbra_lab::truth::TruthTracer;
+use adumbra_program::exit::Failure;
 use adumbra_render::occlusion::{
-    AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings, TracedSettings,
+    AmbientSettings, AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings,
+    TracedSettings,
 };
 use adumbra_render::{FrameTimes, RenderError, Renderer, Shot, Stage, TechniqueSpec};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::Job;
-use crate::exit::Failure;
 
-/// Ambient occlusion as it was asked for.
+/// Figures of a picture's ambient occlusion. The milliseconds are null for `truth`.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct AmbientFigures {
+    /// The ambient occlusion, as `--ao` named it.
+    name: String,
+    /// Largest distance of an occluder, world units.
+    radius_world: f64,
+    /// Bytes on the GPU for the ambient occlusion.
+    bytes: u64,
+    /// Milliseconds of the pass for view depths and normals.
+    surface_ms: Option<f64>,
+    /// Milliseconds of the estimate.
+    estimate_ms: Option<f64>,
+    /// Milliseconds of the reuse of earlier frames. 0 without `reuse=on`.
+    history_ms: Option<f64>,
+    /// Milliseconds of the filter.
+    filter_ms: Option<f64>,
+    /// Milliseconds of all passes of the ambient occlusion.
+    ms: Option<f64>,
+}
+
+/// The ambient occlusion that was asked for.
 pub(super) struct Ambient {
     spec: TechniqueSpec,
     has_radius: bool,
@@ -23,32 +47,31 @@ enum Kind {
 }
 
 impl Ambient {
-    /// Reads `NAME[:key=value…]`; none for open sky. Without a radius it has none yet.
-    pub(super) fn read(text: &str) -> Result<Option<Self>, Failure> {
+    /// Parses `NAME[:key=value…]`. `None` for an open sky. Without a given radius, [`Self::set_radius`] must set it.
+    pub(super) fn read(text: &str) -> Result<Option<Self>> {
         let read = || -> Result<Option<Self>, RenderError> {
             let spec: TechniqueSpec = text.parse()?;
-            let kind = match spec.name() {
-                "none" => {
-                    spec.reader().finish()?;
-                    return Ok(None);
-                }
-                "truth" => Kind::Traced(TracedSettings::from_spec(&spec, 0.0)?),
-                _ => Kind::Estimated(OcclusionSettings::from_spec(&spec, 0.0)?),
+            let kind = match AmbientSettings::from_spec(&spec, 0.0)? {
+                AmbientSettings::Open => return Ok(None),
+                AmbientSettings::Traced(settings) => Kind::Traced(settings),
+                AmbientSettings::Estimated(settings) => Kind::Estimated(settings),
             };
             Ok(Some(Self { has_radius: spec.value("radius").is_some(), spec, kind }))
         };
         read().map_err(|error| match error {
-            RenderError::Technique { name, reason } => Failure::Usage(format!("--ao {name}: {reason}")),
+            RenderError::Technique { name, reason } => {
+                Failure::Usage(format!("--ao {name}: {reason}")).into()
+            }
             other => other.into(),
         })
     }
 
-    /// As it was called for.
+    /// Returns the name and the parameters as they were given.
     pub(super) fn name(&self) -> String {
         self.spec.to_string()
     }
 
-    /// Gives it the scene's radius, and says so, where it was asked for without one.
+    /// Sets the radius to the scene's default and prints it, if none was given.
     pub(super) fn set_radius(&mut self, usual_diagonal_world: f64) {
         if self.has_radius {
             return;
@@ -56,7 +79,7 @@ impl Ambient {
         let radius = DEFAULT_RADIUS_SHARE * usual_diagonal_world;
         let percent = 100.0 * DEFAULT_RADIUS_SHARE;
         eprintln!(
-            "note: --ao {}: the radius is {} in world units, {percent} % of the scene's usual diagonal; radius= sets another",
+            "note: --ao {}: the radius is {} world units, {percent} % of the scene's usual diagonal; set another with radius=",
             self.spec,
             three_digits(radius)
         );
@@ -66,8 +89,8 @@ impl Ambient {
         }
     }
 
-    /// Makes a renderer's ambient occlusion, before the first frame of a technique.
-    pub(super) fn begin(&self, renderer: &mut Renderer) -> Result<(), Failure> {
+    /// Sets up a renderer's ambient occlusion, before the first frame of a technique.
+    pub(super) fn begin(&self, renderer: &mut Renderer) -> Result<()> {
         let Kind::Estimated(settings) = self.kind else { return Ok(()) };
         let passes = OcclusionPasses::new(renderer.gpu(), settings);
         renderer.gpu().check()?;
@@ -75,7 +98,8 @@ impl Ambient {
         Ok(())
     }
 
-    /// Traces a frame's, where it is traced and not the renderer's yet. `held` is the frame that the renderer's is of.
+    /// Traces a frame's ambient occlusion, if it is traced and the renderer does not have it yet. `held` is the number
+    /// of the frame that the renderer has.
     pub(super) fn trace(
         &self,
         job: &Job<'_>,
@@ -83,7 +107,7 @@ impl Ambient {
         shot: &Shot,
         seconds: f64,
         held: &mut Option<u32>,
-    ) -> Result<(), Failure> {
+    ) -> Result<()> {
         let Kind::Traced(TracedSettings { radius_world, rays }) = self.kind else { return Ok(()) };
         if *held == Some(shot.number) {
             return Ok(());
@@ -91,7 +115,7 @@ impl Ambient {
         let scene = job.scene_at(seconds);
         let truth = TruthTracer::build(&scene, job.ignore_alpha);
         let bytes = scene.memory_bytes() + truth.tracer().memory_bytes();
-        job.args.work.check_memory("the scene and its rays' trees", bytes)?;
+        job.args.run.check_memory("the scene and its acceleration structure", bytes)?;
         let visibility = truth.ambient(&truth.surfaces(&shot.camera), radius_world, rays);
         let size = [shot.camera.width, shot.camera.height];
         renderer.set_ambient(Some(GivenAmbient::new(renderer.gpu(), size, &visibility)?.into()));
@@ -99,27 +123,27 @@ impl Ambient {
         Ok(())
     }
 
-    /// For `--json`.
-    pub(super) fn figures(&self, renderer: &Renderer, times: &FrameTimes) -> Value {
+    /// Returns the figures for `--json`.
+    pub(super) fn figures(&self, renderer: &Renderer, times: &FrameTimes) -> AmbientFigures {
         let (radius_world, is_timed) = match self.kind {
             Kind::Estimated(settings) => (settings.radius_world, true),
             Kind::Traced(settings) => (settings.radius_world, false),
         };
         let ms = |stage| is_timed.then(|| times.of(stage));
-        json!({
-            "name": self.name(),
-            "radius_world": radius_world,
-            "bytes": renderer.ambient().map_or(0, AmbientSource::bytes),
-            "surface_ms": ms(Stage::AmbientSurface),
-            "estimate_ms": ms(Stage::AmbientEstimate),
-            "history_ms": ms(Stage::AmbientHistory),
-            "filter_ms": ms(Stage::AmbientFilter),
-            "ms": is_timed.then(|| times.ambient()),
-        })
+        AmbientFigures {
+            name: self.name(),
+            radius_world,
+            bytes: renderer.ambient().map_or(0, AmbientSource::bytes),
+            surface_ms: ms(Stage::AmbientSurface),
+            estimate_ms: ms(Stage::AmbientEstimate),
+            history_ms: ms(Stage::AmbientHistory),
+            filter_ms: ms(Stage::AmbientFilter),
+            ms: is_timed.then(|| times.ambient()),
+        }
     }
 }
 
-/// A number with three digits that count, or all before its point.
+/// Formats a number with three significant digits, or with all digits before its decimal point.
 fn three_digits(value: f64) -> String {
     let decimals = if value > 0.0 { (2.0 - value.log10().floor()).clamp(0.0, 12.0) } else { 0.0 };
     format!("{value:.*}", decimals as usize)

@@ -1,31 +1,41 @@
-//! Pictures on the CPU: a file's shadows, rays, or where they differ.
+//! Pictures drawn on the CPU: a file's shadows, traced shadows, or where they differ.
 
 use std::path::Path;
 
-use adumbra::picture::{self, BaseColors, Shadows};
-use adumbra::trace::{TraceOptions, Tracer};
-use serde_json::json;
+use adumbra_lab::Result;
+use adumbra_program::output::write_png;
+use adumbra_program::say;
+use adumbra_truth::picture;
+use adumbra_truth::picture::{BaseColors, Shadows};
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use serde::Serialize;
 
-use super::Job;
 use super::movers::numbered;
-use crate::cmd::lookup::Asking;
-use crate::exit::Failure;
-use crate::output::write_png;
+use super::{Figures, Job};
+use crate::cmd::lookup::LookupOptions;
 
-/// Every frame.
-pub(super) fn draw(job: &Job<'_>, truth: bool, output: &Path) -> Result<(), Failure> {
+/// Figures of a picture that was drawn on the CPU.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct CpuFigures {
+    /// On the CPU: share of the samples where file and rays differ. Null without `--diff`.
+    difference_share: Option<f64>,
+}
+
+/// Draws every frame.
+pub(super) fn draw(job: &Job<'_>, truth: bool, output: &Path) -> Result<()> {
     job.moments
         .iter()
         .try_for_each(|&(seconds, number)| draw_one(job, truth, seconds, &numbered(output, number)))
 }
 
-fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<(), Failure> {
+fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<()> {
     let args = job.args;
     let scene = job.scene_at(seconds);
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: job.ignore_alpha });
     let held = scene.memory_bytes() + tracer.memory_bytes() + BaseColors::bytes_of(&scene);
-    args.work.check_memory("the scene, its rays' trees and its mip levels", held)?;
-    let asking = Asking { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+    args.run.check_memory("the scene, its acceleration structure and its mip levels", held)?;
+    let asking = LookupOptions { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
     let lookup = job.file.as_ref().map(|f| asking.lookup(f)).transpose()?;
     let shadows = match &lookup {
         Some(lookup) if args.diff => Shadows::Difference(&**lookup),
@@ -35,12 +45,12 @@ fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<(
     let picture = picture::draw(&scene, &tracer, &job.camera, job.sun.towards(), &shadows, args.antialias);
     write_png(output, &picture)?;
     match picture.difference_share {
-        Some(share) if !args.json => {
+        Some(share) if !args.run.json => {
             say!("{}: file and rays differ on {:.3} % of the samples", output.display(), 100.0 * share);
         }
         share => {
-            let figures = json!({ "device": "cpu", "difference_share": share });
-            job.report(output, [picture.width, picture.height], figures);
+            let size = [picture.width, picture.height];
+            job.report(output, size, "cpu".to_owned(), Figures::Cpu(CpuFigures { difference_share: share }));
         }
     }
     Ok(())

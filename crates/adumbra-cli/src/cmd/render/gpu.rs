@@ -1,29 +1,32 @@
-//! Pictures on the GPU.
+//! Pictures drawn on the GPU.
 
 use std::borrow::Cow;
 use std::path::Path;
 
-use adumbra::format::AnyFile;
-use adumbra::scene::Scene;
+use adumbra_lab::Result;
+use adumbra_lab::baked::{BakeOnDemand, BakedFiles};
+use adumbra_lab::layers::{self, Layer};
 use adumbra_lab::truth::{SunShape, TruthTracer};
+use adumbra_program::exit::Failure;
 use adumbra_render::layers::{CASCADE_COLORS, LEVEL_COLORS};
 use adumbra_render::voxel::VOXEL_LEVEL_COLORS;
 use adumbra_render::{
-    Answer, Baked, FrameTimes, Given, Gpu, Prepared, RenderError, Renderer, SceneOptions, Shot, Stage,
+    Answer, Baked, FrameTimes, Given, Gpu, Prepared, Reads, RenderError, Renderer, SceneOptions, Shot, Stage,
     TechniqueSpec, build,
 };
-use serde_json::{Value, json};
+use adumbra_scene::Scene;
+use adumbra_tree::AnyFile;
+use serde::Serialize;
 
-use super::layers::{self, Layer};
-use super::legend::Legend;
+use super::ambient::AmbientFigures;
+use super::legend::{Legend, Row};
 use super::movers::numbered;
-use super::{Job, output_of};
+use super::{Figures, Job, output_of};
 use crate::args::LayerArg;
-use crate::exit::Failure;
 
-pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(), Failure> {
+pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<()> {
     let args = job.args;
-    for note in gpu.left_out() {
+    for note in gpu.missing_features() {
         eprintln!("note: {}: {note}", gpu.name());
     }
     let asked = if specs.is_empty() { vec![file_technique(job)?] } else { specs.to_vec() };
@@ -33,19 +36,33 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
     if !job.scene.movers.is_empty() {
         moving = still.to_mut().take_movers();
     }
+    let mut on_demand = BakedFiles::default();
+    let given = given(job.file.as_ref());
+    let unserved: Vec<TechniqueSpec> = asked.iter().filter(|spec| !serves(given, spec)).cloned().collect();
+    let how = BakeOnDemand {
+        scene: &still,
+        sun: job.sun,
+        ignore_alpha: job.ignore_alpha,
+        resolution: args.resolution,
+        cube_resolution: args.cube_resolution,
+        max_memory_bytes: args.run.max_memory,
+    };
+    on_demand.announce(&unserved, &how);
+    on_demand.complete(&unserved, &how)?;
+    let made = on_demand.baked();
+    let baked = Baked { light: given.light.or(made.light), tree: given.tree.or(made.tree) };
     let mut renderer = Renderer::new(gpu, &still, options)?;
     drop(still);
     if !moving.movers.is_empty() {
         renderer.set_movers(&moving, options)?;
     }
-    let baked = baked(job.file.as_ref());
     let mut traced = None;
     for spec in &asked {
         if let Some(ambient) = &job.ambient {
             ambient.begin(&mut renderer)?;
         }
         let output = output_of(&args.output, spec, asked.len() > 1);
-        if spec.name() == "truth" {
+        if spec.is_traced() {
             spec.reader().finish()?;
             draw_truth(job, &mut renderer, &mut moving, &output, &mut traced)?;
             continue;
@@ -54,8 +71,8 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
         for note in technique.technique().notes() {
             eprintln!("note: {spec}: {note}");
         }
-        if !moving.movers.is_empty() && spec.name().starts_with("voxel") && !spec.name().contains('+') {
-            eprintln!("note: {spec}: movers take its shadows but cast none; voxel+csm draws theirs too");
+        if !moving.movers.is_empty() && !spec.shows_movers() {
+            eprintln!("note: {spec}: movers receive its shadows but cast none; voxel+csm draws theirs too");
         }
         for (frame, &(seconds, number)) in (0..).zip(&job.moments) {
             moving.pose(seconds);
@@ -72,14 +89,14 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
     Ok(())
 }
 
-/// Frames of traced shadows, composited as a technique's are.
+/// Draws the frames with traced shadows, composited like those of a technique.
 fn draw_truth(
     job: &Job<'_>,
     renderer: &mut Renderer,
     moving: &mut Scene,
     output: &Path,
     traced: &mut Option<u32>,
-) -> Result<(), Failure> {
+) -> Result<()> {
     for (frame, &(seconds, number)) in (0..).zip(&job.moments) {
         moving.pose(seconds);
         renderer.move_movers(moving);
@@ -91,7 +108,7 @@ fn draw_truth(
         let scene = job.scene_at(seconds);
         let truth = TruthTracer::build(&scene, job.ignore_alpha);
         let held = scene.memory_bytes() + truth.tracer().memory_bytes();
-        job.args.work.check_memory("the scene and its rays' trees", held)?;
+        job.args.run.check_memory("the scene and its acceleration structure", held)?;
         let factors = truth.factors(&truth.surfaces(&shot.camera), shot.towards_sun, SunShape::Hard);
         let size = [shot.camera.width, shot.camera.height];
         let given = Given::new(renderer.gpu(), "truth", size, &factors)?;
@@ -102,7 +119,7 @@ fn draw_truth(
     Ok(())
 }
 
-/// What a shadow file is looked up with where no technique is named.
+/// Returns the technique that looks up the shadow file if none is named.
 fn file_technique(job: &Job<'_>) -> Result<TechniqueSpec, RenderError> {
     let (filter, bias) = (job.args.filter, job.args.bias.parameters());
     match &job.file {
@@ -113,7 +130,7 @@ fn file_technique(job: &Job<'_>) -> Result<TechniqueSpec, RenderError> {
     }
 }
 
-fn baked(file: Option<&AnyFile>) -> Baked<'_> {
+fn given(file: Option<&AnyFile>) -> Baked<'_> {
     match file {
         Some(AnyFile::Light(file)) => Baked { light: Some(file), ..Baked::default() },
         Some(AnyFile::Tree(file)) => Baked { tree: Some(file), ..Baked::default() },
@@ -121,10 +138,19 @@ fn baked(file: Option<&AnyFile>) -> Baked<'_> {
     }
 }
 
-/// A frame with all its samples as pixels, and how many of them a pixel has along each side.
+/// Whether a file of the kind that a technique reads was given, or the technique needs none.
+fn serves(given: Baked<'_>, spec: &TechniqueSpec) -> bool {
+    match spec.reads() {
+        Reads::Nothing => true,
+        Reads::LightFile | Reads::LightDepths => given.light.is_some(),
+        Reads::TreeFile => given.tree.is_some(),
+    }
+}
+
+/// Returns a frame with all samples as pixels, and the number of samples per pixel along each axis.
 fn shot(job: &Job<'_>, output: &Path, number: u32) -> (Shot, u32) {
     let mut camera = job.camera;
-    // Raw values are not blended.
+    // Raw values are not averaged.
     let samples = if layers::is_exr(output) { 1 } else { job.args.antialias };
     camera.width *= samples;
     camera.height *= samples;
@@ -137,21 +163,23 @@ fn draw_one(
     technique: &mut Prepared,
     output: &Path,
     number: u32,
-) -> Result<Drawn, Failure> {
+) -> Result<Drawn> {
     let (shot, samples) = shot(job, output, number);
     let size = [shot.camera.width, shot.camera.height];
     let layer = job.args.layer;
     let asked = match layer {
         LayerArg::Cascades => Some((Answer::Cascade, "cascades", "no cascades")),
         LayerArg::HrsmLevels => Some((Answer::Level, "hrsm-levels", "no levels; hrsm has them")),
-        LayerArg::VoxelSize => Some((Answer::Voxel, "voxel-size", "no voxels; baked files have them")),
+        LayerArg::VoxelSize => {
+            Some((Answer::Voxel, "voxel-size", "no voxels; techniques that read a baked file have them"))
+        }
         _ => None,
     };
     let mut indices = Vec::new();
     if let Some((answer, layer, missing)) = asked {
         if technique.technique().sources(answer).is_none() {
             let name = technique.technique().name();
-            return Err(Failure::Usage(format!("--layer {layer}: {name} has {missing}")));
+            return Err(Failure::Usage(format!("--layer {layer}: {name} has {missing}")).into());
         }
         renderer.draw(&shot, technique, answer)?;
         indices = renderer.read_factor(technique)?;
@@ -172,7 +200,7 @@ fn draw_one(
     Ok(Drawn { layer: layer.smaller(samples), times, legend })
 }
 
-/// A picture, and what is said of it.
+/// A picture, and the figures that are reported with it.
 struct Drawn {
     layer: Layer,
     times: FrameTimes,
@@ -180,37 +208,58 @@ struct Drawn {
 }
 
 impl Drawn {
-    fn write(
-        &self,
-        job: &Job<'_>,
-        renderer: &Renderer,
-        technique: &Prepared,
-        output: &Path,
-    ) -> Result<(), Failure> {
+    fn write(&self, job: &Job<'_>, renderer: &Renderer, technique: &Prepared, output: &Path) -> Result<()> {
         layers::write(output, &self.layer)?;
-        let mut more = figures(job, renderer, technique, &self.times);
-        if let Some(legend) = &self.legend {
-            more["voxel_levels"] = legend.json();
-        }
-        job.report(output, self.layer.size, more);
-        if let Some(legend) = self.legend.as_ref().filter(|_| !job.args.json) {
+        let device = renderer.gpu().name();
+        let figures = figures(job, renderer, technique, self);
+        job.report(output, self.layer.size, device, Figures::Gpu(Box::new(figures)));
+        if let Some(legend) = self.legend.as_ref().filter(|_| !job.args.run.json) {
             legend.print();
         }
         Ok(())
     }
 }
 
-fn figures(job: &Job<'_>, renderer: &Renderer, technique: &Prepared, times: &FrameTimes) -> Value {
-    json!({
-        "device": renderer.gpu().name(),
-        "technique": technique.technique().name(),
-        "bytes": technique.technique().bytes(),
-        "wall_time": times.wall_time,
-        "gbuffer_ms": times.of(Stage::GBuffer),
-        "depth_ms": times.of(Stage::Depth),
-        "build_ms": times.of(Stage::Build),
-        "lookup_ms": times.of(Stage::Lookup),
-        "screen_ms": times.of(Stage::Screen),
-        "ambient": job.ambient.as_ref().map(|a| a.figures(renderer, times)),
-    })
+/// Figures of a picture that was drawn on the GPU. Milliseconds are those of the frame, including all samples of
+/// `--antialias`.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct GpuFigures {
+    /// On the GPU: the technique, as it was given.
+    technique: String,
+    /// On the GPU: bytes on the GPU for the technique's shadows.
+    bytes: u64,
+    /// On the GPU: whether the times are wall times, because the device has no timestamps or is software.
+    wall_time: bool,
+    /// On the GPU: milliseconds of the G-buffer.
+    gbuffer_ms: f64,
+    /// On the GPU: milliseconds of the technique's depth passes.
+    depth_ms: f64,
+    /// On the GPU: milliseconds of what `hrsm` builds from depth. Close to 0 for other techniques.
+    build_ms: f64,
+    /// On the GPU: milliseconds of the look-up.
+    lookup_ms: f64,
+    /// On the GPU: milliseconds of the screen-space passes.
+    screen_ms: f64,
+    /// On the GPU: figures of the picture's ambient occlusion. Null without `--ao`.
+    ambient: Option<AmbientFigures>,
+    /// With `--layer voxel-size`: each level of the file that answers pixels, the finest first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    voxel_levels: Option<Vec<Row>>,
+}
+
+fn figures(job: &Job<'_>, renderer: &Renderer, technique: &Prepared, drawn: &Drawn) -> GpuFigures {
+    let times = &drawn.times;
+    GpuFigures {
+        technique: technique.technique().name(),
+        bytes: technique.technique().bytes(),
+        wall_time: times.wall_time,
+        gbuffer_ms: times.of(Stage::GBuffer),
+        depth_ms: times.of(Stage::Depth),
+        build_ms: times.of(Stage::Build),
+        lookup_ms: times.of(Stage::Lookup),
+        screen_ms: times.of(Stage::Screen),
+        ambient: job.ambient.as_ref().map(|a| a.figures(renderer, times)),
+        voxel_levels: drawn.legend.as_ref().map(Legend::rows),
+    }
 }

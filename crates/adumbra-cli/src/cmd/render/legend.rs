@@ -1,51 +1,50 @@
-//! What the colours of `--layer voxel-size` mean.
+//! The legend of the colours of `--layer voxel-size`.
 
+use adumbra_program::say;
 use adumbra_render::voxel::voxel_level_color;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// A level of a baked file that answers pixels.
-struct Row {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "VoxelLevel"))]
+pub(crate) struct Row {
+    /// The level. 0 is the finest.
     level: u32,
-    /// Edge of its blocks.
+    /// Edge of the level's blocks, world units.
     edge_world: f64,
-    /// Of all pixels.
+    /// Share of the pixels that the level answers.
     share: f64,
+    /// The level's colour in the picture: red, green and blue from 0 to 1, linear.
+    color: [f32; 3],
 }
 
-/// The levels that are in a picture, fine to coarse.
+/// The levels that occur in a picture, fine to coarse.
 pub(super) struct Legend(Vec<Row>);
 
 impl Legend {
-    /// Of levels by pixel, below 0 where nothing answers, and the edge of a voxel.
+    /// Builds the legend from the level of each pixel, which is below 0 if nothing answers, and the edge of a voxel.
     pub(super) fn new(levels: &[f32], voxel_world: f64) -> Self {
         let row = |level: u32| {
             let pixels = levels.iter().filter(|l| **l == level as f32).count();
             let edge_world = voxel_world * f64::from(level).exp2();
-            Row { level, edge_world, share: pixels as f64 / levels.len() as f64 }
+            let share = pixels as f64 / levels.len() as f64;
+            Row { level, edge_world, share, color: voxel_level_color(level) }
         };
         let coarsest = levels.iter().copied().fold(-1.0, f32::max);
         let rows = (0..64).take_while(|level| *level as f32 <= coarsest).map(row);
         Self(rows.filter(|row| row.share > 0.0).collect())
     }
 
-    /// A line a level.
+    /// Prints one line per level.
     pub(super) fn print(&self) {
-        for Row { level, edge_world, share } in &self.0 {
+        for Row { level, edge_world, share, .. } in &self.0 {
             say!("  level {level}: {edge_world:.4} m, {:.2} % of the pixels", 100.0 * share);
         }
     }
 
-    /// For `--json`; colours are linear.
-    pub(super) fn json(&self) -> Value {
-        let row = |Row { level, edge_world, share }: &Row| {
-            json!({
-                "level": level,
-                "edge_world": edge_world,
-                "share": share,
-                "color": voxel_level_color(*level),
-            })
-        };
-        self.0.iter().map(row).collect()
+    /// Returns the rows for `--json`.
+    pub(super) fn rows(&self) -> Vec<Row> {
+        self.0.clone()
     }
 }
 

@@ -1,33 +1,69 @@
-//! `adumbra render`: pictures on the GPU with any technique, or on the CPU with a file's shadows or rays.
+//! `adumbra render`: draws pictures on the GPU with any technique, or on the CPU with a file's shadows or traced
+//! shadows.
 
 mod ambient;
 mod cpu;
 mod gpu;
-pub(super) mod layers;
 mod legend;
 mod movers;
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-use adumbra::camera::Camera;
-use adumbra::format::AnyFile;
-use adumbra::light::Sun;
-use adumbra::scene::{MoverPolicy, Scene};
-use adumbra_render::{Gpu, RenderError, TechniqueSpec};
-use serde_json::{Value, json};
+use adumbra::Sun;
+use adumbra_lab::args::DeviceArg;
+use adumbra_lab::{Result, layers};
+use adumbra_program::exit::{Code, Failure};
+use adumbra_program::output::{note_input, print_json, refuse_inputs, refuse_read, refuse_same};
+use adumbra_program::say;
+use adumbra_program::scene::load_scene;
+use adumbra_program::threads::with_threads;
+use adumbra_render::{Baked, Gpu, RenderError, TechniqueSpec, techniques};
+use adumbra_scene::{Camera, MoverPolicy, Scene};
+use adumbra_tree::AnyFile;
+use serde::Serialize;
 
 use self::ambient::Ambient;
-use super::lookup::{ignored_alpha, sun_of};
-use super::{load_scene, print_json, with_threads};
-use crate::args::{DeviceArg, LayerArg, Render};
-use crate::exit::{Code, Failure, Outcome};
-use crate::output::{note_input, refuse_inputs, refuse_read, refuse_same};
+use crate::args::{LayerArg, Render};
 
-/// What every picture of a call is drawn from.
+/// One picture. Fields of the CPU are absent if the GPU drew it, and vice versa.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Picture {
+    /// The picture's file.
+    output: String,
+    /// Number of pixels per row.
+    width: u32,
+    /// Number of rows of pixels.
+    height: u32,
+    /// The device that drew the picture: `cpu`, or the adapter's name.
+    device: String,
+    /// Model of the processor.
+    #[serde(flatten)]
+    cpu: Option<cpu::CpuFigures>,
+    #[serde(flatten)]
+    gpu: Option<Box<gpu::GpuFigures>>,
+}
+
+/// The pictures of a call that draws more than one.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Pictures {
+    /// The pictures, in the order in which they were drawn.
+    pictures: Vec<Picture>,
+}
+
+/// Figures of a picture besides its size, by the device that drew it.
+enum Figures {
+    Cpu(cpu::CpuFigures),
+    Gpu(Box<gpu::GpuFigures>),
+}
+
+/// Everything that all pictures of a call share.
 struct Job<'a> {
     args: &'a Render,
-    /// Movers included.
+    /// The scene, including its movers.
     scene: Scene,
     camera: Camera,
     /// Seconds and number of each picture.
@@ -36,50 +72,63 @@ struct Job<'a> {
     ambient: Option<Ambient>,
     sun: Sun,
     ignore_alpha: bool,
+    /// With `--json`, one object for each picture that is written.
+    pictures: Mutex<Vec<Picture>>,
 }
 
-pub(crate) fn run(args: &Render) -> Outcome {
+pub(crate) fn run(args: &Render) -> Result<Code> {
     let mut specs: Vec<TechniqueSpec> = args.shadow.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
     if let Some((i, spec)) = specs.iter().enumerate().find(|(i, s)| specs[..*i].contains(s)) {
-        return Err(Failure::Usage(format!("--shadow {spec}: it is asked for twice (number {})", i + 1)));
+        return Err(Failure::Usage(format!("--shadow {spec}: it is given twice (number {})", i + 1)).into());
     }
+    // Checked before a scene is loaded and a file baked for a technique that does not exist.
+    specs.iter().try_for_each(|spec| techniques::describe(spec, Baked::default()).map(drop))?;
     let ending = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     if !["png", "exr"].contains(&ending.as_str()) {
         let output = args.output.display();
-        return Err(Failure::Usage(format!("--output {output}: give a path that ends in .png or .exr")));
+        return Err(
+            Failure::Usage(format!("--output {output}: give a path that ends in .png or .exr")).into()
+        );
     }
     let mut ambient = Ambient::read(&args.ao)?;
     if args.layer == LayerArg::Ao && ambient.is_none() {
-        return Err(Failure::Usage("--layer ao: say how it is made: --ao NAME, see --help".to_owned()));
+        return Err(Failure::Usage(
+            "--layer ao: choose the ambient occlusion with --ao NAME; see --help".to_owned(),
+        )
+        .into());
     }
     if let Some(path) = &args.shadow_file {
         note_input("the shadow file itself", path);
     }
     let file = args.shadow_file.as_deref().map(AnyFile::read).transpose()?;
     if file.is_some() && args.sun.is_given() {
-        return Err(Failure::Usage("--sun: the shadow file was baked for a sun of its own".to_owned()));
+        return Err(Failure::Usage(
+            "--sun: the shadow file determines the sun; remove the option".to_owned(),
+        )
+        .into());
     }
     if specs.is_empty() && file.is_none() && !args.truth {
         if args.layer == LayerArg::Ao {
-            // No shadow is seen in it.
+            // This layer shows no shadows.
             specs.push("none".parse()?);
         } else {
             return Err(Failure::Usage(
-                "say how shadows are made: --shadow-file FILE, --shadow NAME, or --truth".to_owned(),
-            ));
+                "choose the shadows with --shadow-file FILE, --shadow NAME or --truth".to_owned(),
+            )
+            .into());
         }
     }
-    let mut load = args.load.load_options(args.work.max_memory)?;
+    let mut load = args.load.load_options(args.run.max_memory)?;
     load.color_textures = true;
-    if load.movers == MoverPolicy::LeaveOut {
+    if load.movers == MoverPolicy::Skip {
         load.movers = MoverPolicy::Keep;
     }
-    load.ignore_alpha |= file.as_ref().is_some_and(ignored_alpha);
+    load.ignore_alpha |= file.as_ref().is_some_and(AnyFile::ignores_alpha);
     let sun = match &file {
-        Some(file) => sun_of(file),
+        Some(file) => file.sun(),
         None => args.sun.sun()?,
     };
-    with_threads(args.work.threads, || {
+    with_threads(args.run.threads, || {
         let mut scene = load_scene(&args.scene, &load)?;
         let ignore_alpha = load.ignore_alpha;
         let view = movers::add(args, &mut scene, sun.towards(), ignore_alpha)?;
@@ -88,16 +137,28 @@ pub(crate) fn run(args: &Render) -> Outcome {
         if let Some(ambient) = &mut ambient {
             ambient.set_radius(scene.usual_diagonal());
         }
-        let job = Job { args, scene, camera, moments, file, ambient, sun, ignore_alpha };
-        job.draw(&specs)
-    })
+        let job = Job {
+            args,
+            scene,
+            camera,
+            moments,
+            file,
+            ambient,
+            sun,
+            ignore_alpha,
+            pictures: Mutex::default(),
+        };
+        let code = job.draw(&specs)?;
+        job.print_pictures()?;
+        Ok(code)
+    })?
 }
 
 impl Job<'_> {
-    /// No picture goes where the scene or the shadow file lies.
-    fn check_outputs(&self, specs: &[TechniqueSpec]) -> Result<(), Failure> {
+    /// Refuses outputs that would replace the scene or the shadow file.
+    fn check_outputs(&self, specs: &[TechniqueSpec]) -> Result<()> {
         let output = &self.args.output;
-        // The path itself too: the CPU draws there where no GPU is found.
+        // Also the path itself: the CPU draws there if no GPU is found.
         let plain = (specs.len() != 1).then(|| output.clone());
         let each = specs.iter().map(|spec| output_of(output, spec, specs.len() > 1)).chain(plain);
         let numbered =
@@ -108,19 +169,20 @@ impl Job<'_> {
             refuse_inputs("--output", path, file)?;
             refuse_read("--output", path)?;
         }
-        refuse_same(all.iter().map(|path| &**path))
+        Ok(refuse_same(all.iter().map(|path| &**path))?)
     }
 
-    fn draw(&self, specs: &[TechniqueSpec]) -> Outcome {
+    fn draw(&self, specs: &[TechniqueSpec]) -> Result<Code> {
         self.check_outputs(specs)?;
-        let traced_only = self.args.truth || !specs.is_empty() && specs.iter().all(|s| s.name() == "truth");
+        let traced_only = self.args.truth || !specs.is_empty() && specs.iter().all(TechniqueSpec::is_traced);
         let is_color = self.args.layer == LayerArg::Color;
         let plain = is_color && !layers::is_exr(&self.args.output) && self.ambient.is_none();
         let device = &self.args.device;
         if self.args.diff && device.wants_gpu() {
             return Err(Failure::Usage(
-                "--diff: the CPU draws it; leave out --device gpu and --adapter".to_owned(),
-            ));
+                "--diff: it is drawn on the CPU; remove --device gpu and --adapter".to_owned(),
+            )
+            .into());
         }
         let by_rays_alone = self.args.diff || traced_only && plain && !device.wants_gpu();
         if by_rays_alone || device.device == DeviceArg::Cpu {
@@ -142,29 +204,30 @@ impl Job<'_> {
         Ok(Code::Fine)
     }
 
-    fn on_the_cpu(&self, specs: &[TechniqueSpec]) -> Result<(), Failure> {
-        if let Some(other) = specs.iter().find(|s| s.name() != "truth") {
+    fn on_the_cpu(&self, specs: &[TechniqueSpec]) -> Result<()> {
+        if let Some(other) = specs.iter().find(|s| !s.is_traced()) {
             return Err(Failure::Usage(format!(
-                "--shadow {other}: the CPU draws a file's shadows (--shadow-file alone) and truth"
-            )));
+                "--shadow {other}: the CPU draws only truth and, without --shadow, the shadows of --shadow-file"
+            ))
+            .into());
         }
         if let Some(ambient) = &self.ambient {
             return Err(Failure::Usage(format!(
-                "--ao {}: the CPU draws open sky alone; ambient occlusion needs a GPU adapter, a software one will do",
+                "--ao {}: the CPU does not draw ambient occlusion; it needs a GPU adapter, and a software adapter is enough",
                 ambient.name()
-            )));
+            )).into());
         }
         if self.args.layer != LayerArg::Color || layers::is_exr(&self.args.output) {
             return Err(Failure::Usage(
-                "the CPU draws color alone, as PNG; other layers and EXR need a GPU adapter, a software one will do"
+                "the CPU draws only the layer color, as PNG; other layers and EXR need a GPU adapter, and a software adapter is enough"
                     .to_owned(),
-            ));
+            ).into());
         }
         let truth = self.args.truth || !specs.is_empty() || self.file.is_none();
         cpu::draw(self, truth, &self.args.output)
     }
 
-    /// The scene with everything where it is at a time.
+    /// Returns the scene with all movers at their positions at a time.
     fn scene_at(&self, seconds: f64) -> Cow<'_, Scene> {
         if self.scene.movers.is_empty() {
             return Cow::Borrowed(&self.scene);
@@ -174,19 +237,32 @@ impl Job<'_> {
         Cow::Owned(scene)
     }
 
-    fn report(&self, output: &Path, size: [u32; 2], mut more: Value) {
+    fn report(&self, output: &Path, size: [u32; 2], device: String, figures: Figures) {
         let [width, height] = size;
-        if !self.args.json {
+        if !self.args.run.json {
             return say!("{}: {width} x {height}", output.display());
         }
-        more["output"] = json!(output.display().to_string());
-        more["width"] = json!(width);
-        more["height"] = json!(height);
-        print_json(&more);
+        let (cpu, gpu) = match figures {
+            Figures::Cpu(figures) => (Some(figures), None),
+            Figures::Gpu(figures) => (None, Some(figures)),
+        };
+        let picture = Picture { output: output.display().to_string(), width, height, device, cpu, gpu };
+        self.pictures.lock().unwrap_or_else(PoisonError::into_inner).push(picture);
+    }
+
+    /// Prints the object of a single picture, or one that lists the objects of several.
+    fn print_pictures(&self) -> Result<(), Failure> {
+        let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+        match pictures.as_slice() {
+            [] => Ok(()),
+            [picture] => print_json(picture),
+            _ => print_json(&Pictures { pictures: std::mem::take(&mut pictures) }),
+        }
     }
 }
 
-/// Where a technique's picture goes: the path given, or beside it with the technique's name where there are several.
+/// Returns the path of a technique's picture: the given path, or with several techniques one next to it with the
+/// technique's name.
 fn output_of(path: &Path, spec: &TechniqueSpec, several: bool) -> PathBuf {
     if !several {
         return path.to_owned();
@@ -197,7 +273,7 @@ fn output_of(path: &Path, spec: &TechniqueSpec, several: bool) -> PathBuf {
     path.with_file_name(format!("{stem}.{name}.{ending}"))
 }
 
-/// A technique's name, as a part of a file's.
+/// Returns a technique's name in a form that can be part of a file name.
 pub(super) fn name_in_paths(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || "-.+=".contains(c) { c } else { '_' }).collect()
 }

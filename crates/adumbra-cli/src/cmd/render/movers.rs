@@ -1,26 +1,28 @@
-//! What moves in a picture, and when it is drawn.
+//! The movers of a picture, and the times at which it is drawn.
 
 use std::path::{Path, PathBuf};
 
-use adumbra::scene::Scene;
-use adumbra::trace::{TraceOptions, Tracer};
+use adumbra_lab::Result;
+use adumbra_program::exit::Failure;
 use adumbra_render::movers::{BallPath, MoveSpec};
+use adumbra_scene::Scene;
+use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use crate::args::Render;
-use crate::exit::Failure;
 
-/// Adds the movers that `--move` asks for. Gives eye and target of a camera that sees the first, where there is one.
+/// Adds the movers that `--move` asks for. Returns the eye and the target of a camera that sees the first one, if there
+/// is one.
 pub(super) fn add(
     args: &Render,
     scene: &mut Scene,
     towards_sun: [f64; 3],
     ignore_alpha: bool,
-) -> Result<Option<[[f64; 3]; 2]>, Failure> {
+) -> Result<Option<[[f64; 3]; 2]>> {
     let specs: Vec<MoveSpec> = args.movers.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
     if specs.is_empty() {
         return Ok(None);
     }
-    // Ways are looked for among what stands still.
+    // Paths are searched for among static geometry only.
     let still = if scene.movers.is_empty() {
         None
     } else {
@@ -37,25 +39,28 @@ pub(super) fn add(
     Ok(view)
 }
 
-/// Seconds of each picture, and its number where there may be several.
-pub(super) fn moments(args: &Render, scene: &Scene) -> Result<Vec<(f64, Option<u32>)>, Failure> {
+/// Returns the time of each picture in seconds, and its number if there may be several.
+pub(super) fn moments(args: &Render, scene: &Scene) -> Result<Vec<(f64, Option<u32>)>> {
     let Some(frames) = args.frames else {
         if !args.time.is_finite() {
-            return Err(Failure::Usage(format!("--time {}: give seconds", args.time)));
+            return Err(
+                Failure::Usage(format!("--time {}: give a finite number of seconds", args.time)).into()
+            );
         }
         return Ok(vec![(args.time, None)]);
     };
     if scene.movers.is_empty() {
         return Err(Failure::Usage(
             "--frames: nothing moves; give --move sphere, or a glTF file with animated nodes".to_owned(),
-        ));
+        )
+        .into());
     }
     let last = f64::from((frames - 1).max(1));
     let end = scene.movers.end_seconds();
     Ok((0..frames).map(|i| (end * f64::from(i) / last, Some(i))).collect())
 }
 
-/// Where a frame's picture goes.
+/// Returns the path of a frame's picture.
 pub(super) fn numbered(path: &Path, number: Option<u32>) -> PathBuf {
     let Some(number) = number else { return path.to_owned() };
     let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("picture");

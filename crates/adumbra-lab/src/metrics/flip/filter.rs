@@ -1,14 +1,14 @@
-//! Separable filters on planes of `f32`, with the border's pixels repeated outwards.
+//! Separable filters on planes of `f32`, with border pixels repeated outwards.
 
 use rayon::prelude::*;
 
-/// One value a pixel, row 0 at the top.
+/// One value per pixel, with row 0 at the top.
 pub(super) struct Plane {
     pub(super) width: usize,
     pub(super) values: Vec<f32>,
 }
 
-/// Weights from -radius to radius.
+/// Filter weights at offsets from -radius to radius.
 pub(super) struct Kernel(Vec<f32>);
 
 impl Kernel {
@@ -23,7 +23,7 @@ impl Plane {
         Self { width, values }
     }
 
-    /// Filtered by `across` along rows, then by `down` along columns.
+    /// Returns the plane filtered by `across` along rows, then by `down` along columns.
     pub(super) fn filtered(&self, across: &Kernel, down: &Kernel) -> Self {
         let (width, height) = (self.width, self.values.len() / self.width);
         let mut middle = vec![0.0; self.values.len()];

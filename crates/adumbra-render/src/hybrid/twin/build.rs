@@ -1,4 +1,5 @@
-//! The build on the CPU: twin of passes/hybrid_merge_*.wgsl, hybrid_scan.wgsl and hybrid_place.wgsl, word for word.
+//! Builds the map on the CPU. Twin of passes/hybrid_merge_*.wgsl, hybrid_scan.wgsl and hybrid_place.wgsl, word for
+//! word.
 
 use adumbra_shaders::constants::{
     HYBRID_DEPTH_STEP, HYBRID_E0, HYBRID_INDEX, HYBRID_LAST_DEPTH, HYBRID_LAST_SLOPE, HYBRID_ONE,
@@ -11,14 +12,14 @@ use crate::hybrid::MergeTest;
 use crate::hybrid::settings::PlaneUnits;
 use crate::maps::DepthPrecision;
 
-/// One level: a word a texel.
+/// One level, with one word per texel.
 struct Level {
     side: usize,
     words: Vec<u32>,
 }
 
 impl Level {
-    /// Left above, right above, left below, right below of a block.
+    /// Words of a block: top left, top right, bottom left, bottom right.
     fn children(&self, x: usize, y: usize) -> [u32; 4] {
         [0, 1, 2, 3].map(|i| self.words[(2 * y + i / 2) * self.side + 2 * x + i % 2])
     }
@@ -33,7 +34,7 @@ pub(super) fn tree(
 ) -> HybridTree {
     let rounded;
     let image = if precision == DepthPrecision::Bits16 {
-        rounded = image.of_16_bits();
+        rounded = image.rounded_to_16_bits();
         &rounded
     } else {
         image
@@ -74,7 +75,7 @@ pub(super) fn tree(
     HybridTree { start: image.side() as u32, merges, test, precision, units, split, words: map }
 }
 
-/// `block_merged` of the paper's test.
+/// Twin of WGSL `block_merged` for the paper's test.
 fn mean(image: &DepthImage, children: Option<[u32; 4]>, x: usize, y: usize) -> Option<u32> {
     let depths = match children {
         None => image.block(x, y),
@@ -85,7 +86,7 @@ fn mean(image: &DepthImage, children: Option<[u32; 4]>, x: usize, y: usize) -> O
     depths.iter().all(|&d| (mean - d).abs() <= HYBRID_E0 * d).then(|| mean.to_bits())
 }
 
-/// `block_merged` of planes.
+/// Twin of WGSL `block_merged` for planes.
 fn plane(
     image: &DepthImage,
     children: Option<[u32; 4]>,
@@ -119,12 +120,12 @@ fn plane(
     Some((code as u32) << 14 | (codes[1] as u32 & 127) << 7 | codes[0] as u32 & 127)
 }
 
-/// `start_steps`.
+/// Twin of WGSL `start_steps`.
 fn steps(depth: f32) -> i32 {
     (depth * HYBRID_ONE).ceil() as i32
 }
 
-/// `slope_code`.
+/// Twin of WGSL `slope_code`.
 fn slope_code(wanted: i32, unit: i32) -> i32 {
     let size = wanted.abs();
     let about =

@@ -1,21 +1,22 @@
-//! Texels that merged: twin of core/hybrid_plane.wgsl and core/hybrid_mean.wgsl.
+//! Decodes merged texels. Twin of core/hybrid_plane.wgsl and core/hybrid_mean.wgsl.
 
 use adumbra_shaders::constants::{HYBRID_DEPTH_STEP, HYBRID_ONE, HYBRID_SLOPE_BITS};
 
 use crate::hybrid::MergeTest;
 
-/// `hybrid_slope`.
+/// Twin of `adumbra_hybrid_slope`.
 pub(super) fn slope(code: i32, unit: i32) -> i32 {
     let size = (code * code * unit) >> HYBRID_SLOPE_BITS;
     if code < 0 { -size } else { size }
 }
 
-/// `hybrid_middle`.
+/// Twin of `adumbra_hybrid_middle`.
 pub(super) fn middle(word: u32) -> i32 {
     ((word >> 14) as i32 + 1) * HYBRID_DEPTH_STEP
 }
 
-/// `hybrid_leaf`: depth at the middle, and its change a texel to the right and a texel down.
+/// Twin of `adumbra_hybrid_leaf`. Returns the depth at the texel's middle and its change per texel to the right and
+/// down.
 pub(super) fn leaf(test: MergeTest, word: u32, unit: i32) -> [f32; 3] {
     let code = |first: u32| (word << (25 - first)) as i32 >> 25;
     match test {

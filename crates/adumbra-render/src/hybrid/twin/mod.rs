@@ -1,4 +1,5 @@
-//! Hybrid maps on the CPU: the build, word for word as on the GPU, and the look-up, finest texel by finest texel.
+//! Hybrid maps on the CPU: the build, identical to the GPU's word for word, and the look-up, comparing every finest
+//! texel.
 
 mod build;
 mod leaf;
@@ -17,7 +18,7 @@ use crate::maps::DepthPrecision;
 use crate::maps::twin::{Receiver, Surface};
 use leaf::leaf;
 
-/// Light depth, a square of texels row by row: linear, 0 near the sun, 1 far and where no caster is.
+/// Light depth, a square of texels row by row: linear, 0 nearest the sun, 1 farthest or no caster.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthImage {
     side: usize,
@@ -25,22 +26,22 @@ pub struct DepthImage {
 }
 
 impl DepthImage {
-    /// Checks what may come from anywhere.
+    /// Validates `texels` and wraps them.
     ///
     /// # Errors
-    /// [`RenderError::DepthImage`] for a side that is no power of two from 2 to 16,384, for another number of texels than its square, and
-    /// for a depth that is not within 0 to 1, NaN among them.
+    /// Returns [`RenderError::DepthImage`] if `side` is not a power of two from 2 to 16,384, if the number of texels is
+    /// not its square, or if a depth is NaN or outside 0 to 1.
     pub fn new(side: usize, texels: Vec<f32>) -> Result<Self> {
         let wrong = |what: String| RenderError::DepthImage { what };
         if !side.is_power_of_two() || !(2..=16384).contains(&side) {
-            return Err(wrong(format!("a side of {side} texels is no power of two from 2 to 16384")));
+            return Err(wrong(format!("a side of {side} texels is not a power of two from 2 to 16384")));
         }
         if texels.len() != side * side {
             return Err(wrong(format!("{} texels are not {side} x {side}", texels.len())));
         }
         if let Some(at) = texels.iter().position(|d| !(0.0..=1.0).contains(d)) {
             return Err(wrong(format!(
-                "the depth {} at column {}, row {} is not within 0 to 1",
+                "the depth {} at column {}, row {} is not between 0 and 1",
                 texels[at],
                 at % side,
                 at / side
@@ -49,7 +50,7 @@ impl DepthImage {
         Ok(Self { side, texels })
     }
 
-    /// Texels a side.
+    /// Texels per side.
     pub fn side(&self) -> usize {
         self.side
     }
@@ -59,18 +60,18 @@ impl DepthImage {
         &self.texels
     }
 
-    /// `start_at` of a map of 16 bits.
-    fn of_16_bits(&self) -> Self {
+    /// Applies the rounding of the shader's `start_at` for 16-bit maps to the whole image.
+    fn rounded_to_16_bits(&self) -> Self {
         let texels = self.texels.iter().map(|d| (d.abs() * 65535.0 + 0.5).floor() * DEPTH_16_STEP).collect();
         Self { side: self.side, texels }
     }
 
     fn at(&self, x: usize, y: usize) -> f32 {
-        // What the shader's abs() does to a depth of -0.
+        // Matches the shader's abs(), which turns a depth of -0 into 0.
         self.texels[y * self.side + x].abs()
     }
 
-    /// Left above, right above, left below, right below.
+    /// Depths of a block: top left, top right, bottom left, bottom right.
     fn block(&self, x: usize, y: usize) -> [f32; 4] {
         [0, 1, 2, 3].map(|i| self.at(2 * x + i % 2, 2 * y + i / 2))
     }
@@ -79,27 +80,28 @@ impl DepthImage {
 /// A hybrid map in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HybridTree {
-    /// Finest texels a side.
+    /// Finest resolution, texels per side.
     pub start: u32,
-    /// Levels above the finest.
+    /// Number of levels above the finest.
     pub merges: u32,
-    /// When texels merged.
+    /// The merge test.
     pub test: MergeTest,
-    /// Of the finest texels.
+    /// Precision of the finest texels.
     pub precision: DepthPrecision,
-    /// What planes are measured in.
+    /// Units of merged planes.
     pub units: PlaneUnits,
-    /// Blocks of each level, from 1, that did not merge.
+    /// Blocks that did not merge, by level from 1.
     pub split: [u32; 3],
-    /// The map as core/hybrid.wgsl reads it: see access/hybrid_compact.wgsl.
+    /// The map as core/hybrid.wgsl reads it, in the layout of access/hybrid_compact.wgsl.
     pub words: Vec<u32>,
 }
 
 impl HybridTree {
-    /// Builds a map of 1 to 3 merges; with 16 bits, of the nearest of their depths. Cost: a read of the image a level.
+    /// Builds a map with 1 to 3 merges. With 16-bit precision, depths are rounded to it first. Cost: one read of the
+    /// image per level.
     ///
     /// # Errors
-    /// [`RenderError::DepthImage`] where the image cannot be merged so often.
+    /// Returns [`RenderError::DepthImage`] if `merges` is not 1 to 3 or the image is too small for it.
     pub fn build(
         image: &DepthImage,
         merges: u32,
@@ -111,7 +113,8 @@ impl HybridTree {
         Ok(build::tree(image, merges, test, precision, units))
     }
 
-    /// Depth that the map holds at a finest texel's centre, and the level that holds it. Clamped to the border.
+    /// Returns the depth that the map holds at a finest texel's centre, and the level that holds it. Coordinates are
+    /// clamped to the border.
     pub fn texel(&self, x: i64, y: i64) -> (f32, u32) {
         let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as usize);
         let mut level = self.merges;
@@ -136,7 +139,7 @@ impl HybridTree {
         }
     }
 
-    /// Share of the finest texels' area by level, the finest first; they sum to 1.
+    /// Share of the area that each level covers, the finest first. The shares sum to 1.
     pub fn shares(&self) -> [f64; 4] {
         level_shares(self.start, self.merges, self.split)
     }
@@ -146,11 +149,11 @@ fn merges_fit(image: &DepthImage, merges: u32) -> Result<()> {
     if (1..=3).contains(&merges) && image.side() >> merges > 0 {
         return Ok(());
     }
-    let what = format!("{merges} merges of {} texels; there are 1 to 3", image.side());
+    let what = format!("{merges} merges of {} texels per side; use 1 to 3", image.side());
     Err(RenderError::DepthImage { what })
 }
 
-/// Depth of a texel of `level` that merged at the centre of a finest texel.
+/// Depth of a merged texel of `level` at the centre of a finest texel.
 fn leaf_at(test: MergeTest, word: u32, slope: i32, level: u32, [x, y]: [usize; 2]) -> f32 {
     let [d, dx, dy] = leaf(test, word, slope);
     let size = (1_u32 << level) as f32;
@@ -158,12 +161,13 @@ fn leaf_at(test: MergeTest, word: u32, slope: i32, level: u32, [x, y]: [usize; 2
     d + (dx * offset(x) + dy * offset(y))
 }
 
-/// Share of the area that each level answers for, the finest first, from the blocks of each level that did not merge.
+/// Share of the area that each level covers, the finest first. `split` counts the blocks of each level that did not
+/// merge.
 pub fn level_shares(start: u32, merges: u32, split: [u32; 3]) -> [f64; 4] {
     let cells = f64::from(start).powi(2);
     let mut shares = [0.0; 4];
     for (level, share) in (0_u32..).zip(&mut shares).take(merges as usize + 1) {
-        // Texels of this level that were looked at, less those that lead further down.
+        // Texels of this level that a descent visits, less those that lead further down.
         let seen = if level == merges {
             f64::from(start >> merges).powi(2)
         } else {
@@ -175,18 +179,19 @@ pub fn level_shares(start: u32, merges: u32, split: [u32; 3]) -> [f64; 4] {
     shares
 }
 
-/// The look-up.
+/// The shadow look-up on the CPU.
 pub struct HybridTwin<'a> {
-    /// What the shader has.
+    /// The shader's parameters.
     pub params: &'a HybridParams,
     /// The map.
     pub tree: &'a HybridTree,
 }
 
 impl HybridTwin<'_> {
-    /// Visibility of the sun at a point, 1 = lit: `shadow_factor` of passes/hybrid_map.wgsl, every finest texel compared.
+    /// Visibility of the sun at a point, 1 = lit. Matches `adumbra_shadow_factor` of passes/hybrid_map.wgsl, but
+    /// compares every finest texel.
     pub fn visibility(&self, s: &Surface) -> f32 {
-        let [size, _, width, _] = self.params.counts;
+        let (size, width) = (self.params.start_texels, self.params.filter_width);
         let Some(r) = self.receiver(s) else { return 1.0 };
         if width == 1 {
             let [x, y] = r.p_texels.map(|c| (c.floor() as i64).clamp(0, i64::from(size) - 1));
@@ -209,7 +214,7 @@ impl HybridTwin<'_> {
         lit / (4.0 * half_side * half_side)
     }
 
-    /// The level that the look-up ends at, 0 the finest; none beside the map.
+    /// The level at which the look-up ends, 0 = finest. `None` outside the map.
     pub fn level(&self, s: &Surface) -> Option<u32> {
         let r = self.receiver(s)?;
         let [x, y] = r.p_texels.map(|c| c.floor() as i64);
@@ -217,9 +222,9 @@ impl HybridTwin<'_> {
     }
 
     fn receiver(&self, s: &Surface) -> Option<Receiver> {
-        let size = self.params.counts[0];
-        let least = self.params.least_bias[0];
-        let r = Receiver::new(&self.params.layer, size, self.params.bias, least, s);
+        let size = self.params.start_texels;
+        let min_bias = self.params.min_bias_depth;
+        let r = Receiver::new(&self.params.layer, size, &self.params.bias, min_bias, s);
         r.p_texels.iter().all(|c| (0.0..=size as f32).contains(c)).then_some(r)
     }
 }

@@ -1,8 +1,8 @@
-//! Means of packed normals: twin of core/hybrid_normals.wgsl, byte for byte.
+//! Means of packed normals. Twin of core/hybrid_normals.wgsl, byte for byte.
 
 use crate::octahedral::NONE;
 
-/// `hybrid_normal`: of length 2^14.
+/// Twin of `adumbra_hybrid_normal`. The vector has length 2^14.
 fn fixed(bytes: [u8; 2]) -> [i32; 3] {
     let e = bytes.map(|b| i32::from(b) - 128);
     let z = 127 - e[0].abs() - e[1].abs();
@@ -12,7 +12,7 @@ fn fixed(bytes: [u8; 2]) -> [i32; 3] {
     [x, y, z].map(|c| (c << 22) / root)
 }
 
-/// `hybrid_normal_mean`.
+/// Twin of `adumbra_hybrid_normal_mean`.
 pub(super) fn mean(normals: [[u8; 2]; 4]) -> [u8; 2] {
     let mut sum = [0; 3];
     for normal in normals.into_iter().filter(|n| *n != NONE) {
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
     use crate::octahedral::{decode, encode};
 
-    /// Every pair of bytes that a vector can have; two pairs on the rim may stand for one vector.
+    /// Tests every pair of bytes that encodes a vector. On the rim, two pairs may encode the same vector.
     #[test]
     fn mean_of_one_normal_is_that_normal() {
         let mut others = 0;

@@ -13,33 +13,33 @@ use crate::maps::DepthPrecision;
 /// A hybrid map of the paper's layout in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HybridPaper {
-    /// Finest texels a side.
+    /// Finest resolution, texels per side.
     pub start: u32,
-    /// Levels above the finest.
+    /// Number of levels above the finest.
     pub merges: u32,
-    /// When texels merged.
+    /// The merge test.
     pub test: MergeTest,
-    /// Of the finest texels.
+    /// Precision of the finest texels.
     pub precision: DepthPrecision,
-    /// What planes are measured in.
+    /// Units of merged planes.
     pub units: PlaneUnits,
-    /// Blocks of each level, from 1, that did not merge.
+    /// Blocks that did not merge, by level from 1.
     pub split: [u32; 3],
-    /// R, G, B and A of each: see access/hybrid_paper.wgsl.
+    /// Channels R, G, B and A of each texel, as in access/hybrid_paper.wgsl.
     pub texels: Vec<[u32; 4]>,
-    /// A texel's number, the next link's.
+    /// Links, each with the index of a texel and the index of the next link.
     pub links: Vec<[u32; 2]>,
 }
 
-/// Where a compact map has the children of its blocks, by the level of the block from 1.
+/// Offsets of the blocks' children in a compact map, by the block's level from 1.
 struct Blocks {
-    /// Words that the children of one take.
+    /// Words that the children of one block take.
     width: [u32; 3],
-    /// Where those of the level begin.
+    /// Offset of the first child of the level.
     begin: [u32; 3],
-    /// Blocks of the levels before.
+    /// Number of blocks of all previous levels.
     before: [u32; 3],
-    /// Words in all.
+    /// Total number of words.
     words: u32,
 }
 
@@ -61,32 +61,34 @@ impl Blocks {
         all
     }
 
-    /// First link of the list of a block whose children are at a word.
+    /// Index of the first link in the list of a block, from the offset of its children.
     fn link(&self, level: u32, place: u32) -> u32 {
         let k = level as usize - 1;
         4 * (self.before[k] + (place - self.begin[k]) / self.width[k])
     }
 
-    /// The inverse.
+    /// Offset of a block's children, the inverse of [`Blocks::link`].
     fn place(&self, level: u32, link: u32) -> u32 {
         let k = level as usize - 1;
         self.begin[k] + (link / 4 - self.before[k]) * self.width[k]
     }
 }
 
-/// What texels are filled from.
+/// The data that texels are filled from.
 struct Source {
     tree: HybridTree,
     blocks: Blocks,
-    /// By level, row by row.
+    /// Packed normals by level, row by row.
     normals: Vec<Vec<[u8; 2]>>,
 }
 
 impl HybridPaper {
-    /// Builds a map of 1 to 3 merges from depth and, as many, packed normals. Cost: a read of the image a level.
+    /// Builds a map with 1 to 3 merges from depth and one packed normal per texel. Cost: one read of the image per
+    /// level.
     ///
     /// # Errors
-    /// [`RenderError::DepthImage`] where the image cannot be merged so often, or has another number of normals than texels.
+    /// Returns [`RenderError::DepthImage`] if `merges` is not 1 to 3, if the image is too small for it, or if the
+    /// number of normals is not the number of texels.
     pub fn build(
         image: &DepthImage,
         normals: &[[u8; 2]],
@@ -97,7 +99,7 @@ impl HybridPaper {
     ) -> Result<Self> {
         merges_fit(image, merges)?;
         if normals.len() != image.texels().len() {
-            let what = format!("{} normals of {} texels", normals.len(), image.texels().len());
+            let what = format!("{} normals for {} texels", normals.len(), image.texels().len());
             return Err(RenderError::DepthImage { what });
         }
         let tree = build::tree(image, merges, test, precision, units);
@@ -132,7 +134,7 @@ impl HybridPaper {
         Ok(paper)
     }
 
-    /// Writes a texel of level 1 or coarser and all below it.
+    /// Writes a texel of level 1 or coarser and all texels below it.
     fn fill(&mut self, source: &Source, number: u32, level: u32, [x, y]: [u32; 2], word: u32) {
         if word & HYBRID_INDEX == 0 {
             let [depth, ..] = leaf(self.test, word, self.units.slope);
@@ -161,8 +163,8 @@ impl HybridPaper {
         }
     }
 
-    /// The texel that a finest texel's depth is in, and its level: from the coarsest level on, each list is followed to the
-    /// texel whose coordinate is the wanted one. Clamped to the border.
+    /// Returns the texel that holds a finest texel's depth, and its level. Follows each list, from the coarsest level
+    /// down, to the texel with the wanted coordinates. Coordinates are clamped to the border.
     pub fn found(&self, x: i64, y: i64) -> ([u32; 4], u32) {
         let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as u32);
         let mut level = self.merges;
@@ -184,7 +186,7 @@ impl HybridPaper {
         (texel, level)
     }
 
-    /// As [`HybridTree::texel`].
+    /// Returns the same as [`HybridTree::texel`].
     pub fn texel(&self, x: i64, y: i64) -> (f32, u32) {
         let (texel, level) = self.found(x, y);
         let depth = match (level, self.precision) {
@@ -198,7 +200,7 @@ impl HybridPaper {
         (depth, level)
     }
 
-    /// The same map in the compact layout, without normals.
+    /// Converts the map to the compact layout, without normals.
     pub fn compact(&self) -> HybridTree {
         let blocks = Blocks::new(self.start, self.merges, self.precision, self.split);
         let mut words = vec![0; blocks.words as usize];
@@ -216,7 +218,7 @@ impl HybridPaper {
         }
     }
 
-    /// A texel's compact word; those below it go to their places.
+    /// Returns a texel's compact word, and writes those of the texels below it to their offsets.
     fn word(&self, blocks: &Blocks, words: &mut [u32], number: u32, level: u32) -> u32 {
         let [_, depth, index, _] = self.texels[number as usize];
         if index & HYBRID_INDEX == 0 {
@@ -247,12 +249,12 @@ impl Source {
     }
 }
 
-/// Number of the first texel that a link leads to.
+/// Index of the first texel that a link leads to.
 fn first_listed(start: u32, merges: u32) -> u32 {
     (start >> merges).pow(2).next_multiple_of(4)
 }
 
-/// `depth_unorm16`.
+/// Twin of WGSL `depth_unorm16`.
 fn unorm16(depth: f32) -> u32 {
     let steps = (depth * HYBRID_ONE) as i32;
     ((steps + (((0.5 * HYBRID_ONE) as i32 - steps) >> 16)) >> 8) as u32

@@ -30,7 +30,7 @@ fn image_of_one_depth_merges_all_the_way() {
             let t = tree(32, 3, test, |_, _| depth);
             assert_eq!((t.words.len(), t.split, t.shares()), (16, [0; 3], [0.0, 0.0, 0.0, 1.0]));
             let (found, level) = t.texel(9, 30);
-            // No finer step than a plane's.
+            // A plane quantizes depth in steps of 2^-17.
             assert!(level == 3 && (f64::from(found) - depth).abs() <= 1.0 / 131_072.0, "{found}");
         }
     }
@@ -61,7 +61,7 @@ fn one_texel_keeps_its_depth_and_splits_its_parents_alone() {
 
 #[test]
 fn plane_merges_slopes_and_is_never_before_its_texels() {
-    // Steep, grazing and bent surfaces; texels are 1/1024 of the range.
+    // Steep, grazing and curved surfaces. A texel's edge is 1/1024 of the depth range.
     let shapes: [fn(f64, f64) -> f64; 4] = [
         |x, y| 0.3 + (0.7 * x - 0.2 * y) / 1024.0,
         |x, _| 0.1 + 5.0 * x / 1024.0,
@@ -73,7 +73,7 @@ fn plane_merges_slopes_and_is_never_before_its_texels() {
         assert!(t.shares()[2] > 0.3, "shape {i}: {:?}", t.shares());
         for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
             let behind = f64::from(t.texel(x, y).0) - shape(x as f64, y as f64);
-            // The tolerance is half a texel; 32-bit floats round.
+            // The tolerance is half a texel; 1e-6 allows for 32-bit rounding.
             assert!((-1e-6..0.5 / 1024.0 + 1e-6).contains(&behind), "shape {i} at {x}, {y}: {behind}");
         }
     }
@@ -81,7 +81,7 @@ fn plane_merges_slopes_and_is_never_before_its_texels() {
 
 #[test]
 fn paper_s_test_merges_what_differs_by_a_quarter() {
-    // The mean of 0.8, 0.8, 0.8 and d differs from d by a quarter of it at d = 0.6.
+    // With depths 0.8, 0.8, 0.8 and d, the mean differs from d by a quarter of d at d = 0.6.
     let of = |d: f64| tree(2, 1, MergeTest::Paper, |x, y| if x + y == 2 { d } else { 0.8 }).split[0];
     assert_eq!((of(0.61), of(0.59)), (0, 1));
     let t = tree(2, 1, MergeTest::Paper, |x, y| if x + y == 2 { 0.61 } else { 0.8 });

@@ -1,8 +1,7 @@
-//! Worked splits, spheres that hold their slices, and texels that stay where they are.
+//! Tests of worked splits, of spheres that hold their slices, and of texels that do not move.
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::light::{LightExtent, Sun};
-use adumbra::scene::Bounds;
+use adumbra::{Bounds, LightExtent, Sun};
+use adumbra_scene::{Camera, Projection};
 
 use super::*;
 
@@ -27,7 +26,7 @@ fn splits_have_worked_values() {
         |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
     assert!(near(&split_depths(Split::Uniform, 4, [0.0, 100.0]), &[25.0, 50.0, 75.0, 100.0]));
     assert!(near(&split_depths(Split::Logarithmic, 3, [1.0, 1000.0]), &[10.0, 100.0, 1000.0]));
-    // A start of 0 counts as a thousandth: 0.1, so slices end at 0.1 · 10^(3i/3).
+    // A start of 0 is replaced by a thousandth of the far depth, 0.1, so slices end at 0.1 · 10^(3i/3).
     assert!(near(&split_depths(Split::Logarithmic, 3, [0.0, 100.0]), &[1.0, 10.0, 100.0]));
     let practical = Split::Practical { lambda: 0.5 };
     assert!(near(&split_depths(practical, 3, [1.0, 1000.0]), &[172.0, 383.5, 1000.0]));
@@ -116,7 +115,7 @@ fn texels_stay_where_they_are_while_the_camera_moves_and_turns() {
         for (layer, before) in layers.iter().zip(&first) {
             assert_eq!(layer.texel_world, before.texel_world);
             moved += u32::from(layer.corner != before.corner);
-            // A fixed world point keeps its place in its texel, in the numbers that shaders use too.
+            // A fixed world point keeps its position in its texel, also in the 32-bit floats that shaders use.
             let p = [17.25, 1.5, -31.0];
             let phase = |l: &LayerFit, anchor: [f64; 3]| {
                 let rows = l.layer(anchor);
@@ -153,7 +152,7 @@ fn scene_layer_holds_the_scene_tightly() {
 
 #[test]
 fn reach_is_what_is_in_view_in_powers_of_two() {
-    // From the middle of the scene the box's far corners are some 400 away.
+    // From the middle of the scene, the box's far corners are about 400 away.
     let inside = camera([0.0, 10.0, 0.0], 1.0, PERSPECTIVE);
     assert_eq!(reach(&inside, &SCENE, None), [0.0, 512.0]);
     let far = Camera {
@@ -178,7 +177,7 @@ fn what_lies_beside_the_view_changes_no_cascade() {
         let mut extent = LightExtent::empty(&Sun::from_angles(310.0, 40.0).unwrap());
         extent.add_box(bounds);
         let scene = scene_layer(&extent, depth_range(&extent, None), [0.0; 3], 2048, 4.0);
-        // Towards the corner that both have.
+        // Looks towards the corner that both boxes share.
         let view = camera([-200.0, 8.0, -150.0], 3.9, PERSPECTIVE);
         cascade_layers(&view, &scene, &CascadeSettings::default(), reach(&view, bounds, None), 4.0, true)
     };

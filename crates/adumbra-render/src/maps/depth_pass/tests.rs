@@ -1,9 +1,8 @@
-//! Normals beside depth, against rays through the texels' centres; depth with them against depth alone.
+//! Compares normals with rays through the texels' centres, and depth drawn with normals with depth drawn alone.
 
-use adumbra::camera::{Camera, Projection};
-use adumbra::light::Sun;
-use adumbra::scene::{AlphaMode, GeneratedKind, Scene, generate};
-use adumbra::trace::{Ray, TraceOptions, Tracer};
+use adumbra::Sun;
+use adumbra_scene::{AlphaMode, Camera, GeneratedKind, Projection, Scene, generate};
+use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 use super::*;
 use crate::gpu::GpuOptions;
@@ -18,7 +17,7 @@ use crate::technique::FrameInput;
 
 const SIZE: u32 = 256;
 
-/// One layer over a scene, as it was drawn; normals are empty where they were not asked for.
+/// One layer drawn over a scene. `normals` is empty if they were not requested.
 struct Drawn {
     fit: LayerFit,
     depth: Vec<f32>,
@@ -26,7 +25,7 @@ struct Drawn {
     bytes: u64,
 }
 
-/// With `movers`, static casters are kept, copied, and the movers drawn over the copy.
+/// Draws a layer. With `movers`, static casters are cached and copied, and the movers are drawn over the copy.
 fn draw(gpu: &Gpu, scene: &Scene, movers: Option<&Scene>, sun: &Sun, options: DepthPassOptions) -> Drawn {
     let upload = |scene| SceneBuffers::new(gpu, scene, SceneOptions::default()).unwrap();
     let (buffers, movers) = (upload(scene), movers.map(upload));
@@ -68,7 +67,7 @@ fn with_normals(depth: DepthPrecision) -> DepthPassOptions {
     DepthPassOptions { format: depth.format(), normals: true }
 }
 
-/// The first caster's depth and its normal, turned towards the sun, on the ray through a place in texels.
+/// Depth of the first caster on the ray through a position in texels, and its normal flipped towards the sun.
 fn traced(tracer: &Tracer<'_>, fit: &LayerFit, p_texels: [f64; 2]) -> Option<(f64, [f64; 3])> {
     let [u, v] = [0, 1].map(|a| fit.first(a) + p_texels[a] * fit.texel_world);
     let [right, down, away] = fit.axes;
@@ -100,14 +99,14 @@ fn normals_are_those_of_the_nearest_caster() {
             let center = [at as u32 % SIZE, at as u32 / SIZE].map(|c| f64::from(c) + 0.5);
             let Some((truth, normal)) = traced(&tracer, &fit, center) else { continue };
             casters += 1;
-            // At a silhouette, rounding decides which of two surfaces is at the centre.
+            // At a silhouette, rounding decides which of two surfaces covers the centre.
             if (f64::from(depth) - truth).abs() > 1e-5 {
                 continue;
             }
             compared += 1;
             let mut degrees = degrees_apart(bytes, normal);
             if degrees > 1.0 {
-                // The same at a crease, where both are as deep.
+                // At a crease, rounding decides between two surfaces of equal depth.
                 at_edges += 1;
                 let beside = [[0.02, 0.0], [-0.02, 0.0], [0.0, 0.02], [0.0, -0.02]]
                     .map(|d| [center[0] + d[0], center[1] + d[1]]);

@@ -1,11 +1,11 @@
-//! A point as a layer sees it: twin of core/maps.wgsl.
+//! A receiver in a layer's space. Twin of core/maps.wgsl.
 
 use adumbra_shaders::constants::MAX_SLOPE;
-use adumbra_shaders::layout::MapLayer;
+use adumbra_shaders::layout::{MapLayer, ReceiverBias};
 
 use super::Surface;
 
-/// `MapReceiver`, but for the layer.
+/// Twin of `AdumbraMapReceiver`, without the layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receiver {
     pub(crate) p_texels: [f32; 2],
@@ -15,15 +15,23 @@ pub(crate) struct Receiver {
 }
 
 impl Receiver {
-    pub(crate) fn new(layer: &MapLayer, size: u32, bias: [f32; 4], least_bias: f32, s: &Surface) -> Self {
-        let unit_world = layer.scale[0] * bias[3];
-        let p: [f32; 3] = std::array::from_fn(|a| s.p_relative[a] + s.normal[a] * (bias[2] * unit_world));
+    pub(crate) fn new(
+        layer: &MapLayer,
+        size: u32,
+        bias: &ReceiverBias,
+        min_bias_depth: f32,
+        s: &Surface,
+    ) -> Self {
+        let unit_world = layer.texel_world * bias.width_factor;
+        let p: [f32; 3] =
+            std::array::from_fn(|a| s.p_relative[a] + s.normal[a] * (bias.normal_offset_texels * unit_world));
         let along = |row: [f32; 4]| dot([row[0], row[1], row[2]], p) + row[3];
         let n_dot_l = dot(s.normal, s.towards_sun);
         let aside: [f32; 3] = std::array::from_fn(|a| s.normal[a] - n_dot_l * s.towards_sun[a]);
         let tangent = dot(aside, aside).sqrt();
         let slope = if tangent == 0.0 { 0.0 } else { tangent / n_dot_l.max(tangent / MAX_SLOPE) };
-        let moved = ((bias[0] + bias[1] * slope) * unit_world / layer.scale[1]).max(least_bias);
+        let moved = ((bias.constant_texels + bias.slope_texels * slope) * unit_world / layer.depth_world)
+            .max(min_bias_depth);
         let side = size as f32;
         let depth = along(layer.depth_from_relative) - moved;
         Self {
@@ -49,18 +57,18 @@ impl Receiver {
 }
 
 fn gradient(layer: &MapLayer, side: f32, s: &Surface, n_dot_l: f32) -> [f32; 2] {
-    let edge_world = layer.scale[0] * side;
+    let edge_world = layer.texel_world * side;
     let n = [layer.u_from_relative, layer.v_from_relative]
         .map(|row| edge_world * dot([row[0], row[1], row[2]], s.normal));
     let tangent = (n[0] * n[0] + n[1] * n[1]).sqrt();
     if tangent == 0.0 {
         return [0.0; 2];
     }
-    let scale = layer.scale[0] / layer.scale[1] / n_dot_l.max(tangent / MAX_SLOPE);
+    let scale = layer.texel_world / layer.depth_world / n_dot_l.max(tangent / MAX_SLOPE);
     n.map(|c| c * scale)
 }
 
-/// `map_band`.
+/// Twin of `adumbra_map_band`.
 pub(super) fn band(begin: f32, end: f32, view_depth: f32) -> f32 {
     if view_depth <= begin { 0.0 } else { ((view_depth - begin) / (end - begin)).clamp(0.0, 1.0) }
 }

@@ -1,4 +1,4 @@
-//! The look-up on the CPU, step by step as in the shaders, on the textures that the GPU filled. Same stems as core/*.wgsl.
+//! The look-up on the CPU, step by step as in the shaders, on textures filled by the GPU. Counterpart of core/*.wgsl.
 
 mod maps;
 mod moments;
@@ -16,10 +16,10 @@ pub(crate) use maps::Receiver;
 use moments::MomentImage;
 pub(crate) use pcf::{turn, turned};
 
-/// A visible point, as the shaders' `Surface`.
+/// A visible point, like the shaders' `AdumbraSurface`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// World position less the frame's anchor.
+    /// World position minus the frame's anchor.
     pub p_relative: [f32; 3],
     /// Unit normal, or zero.
     pub normal: [f32; 3],
@@ -27,7 +27,7 @@ pub struct Surface {
     pub towards_sun: [f32; 3],
     /// Distance along the camera's forward direction.
     pub view_depth: f32,
-    /// Of the pixel, or the point's number in x.
+    /// Pixel coordinates, or the point's index in x.
     pub pixel: [u32; 2],
 }
 
@@ -41,10 +41,10 @@ pub struct MapTwin {
 }
 
 impl MapTwin {
-    /// Reads back what a map holds after a frame.
+    /// Reads back a map's contents after a frame.
     ///
     /// # Errors
-    /// What the device reports.
+    /// Returns any error that the device reports.
     pub fn read(gpu: &Gpu, map: &ShadowMap) -> Result<Self> {
         let layers = map.settings().layers();
         let depth = (0..layers).map(|l| read_depth(gpu, map.depth_texture(), l)).collect::<Result<_>>()?;
@@ -59,58 +59,58 @@ impl MapTwin {
 
     /// Visibility of the sun at a point, 1 = lit.
     pub fn visibility(&self, s: &Surface) -> f32 {
-        let [fade_begin, fade_end, ..] = self.params.reach;
-        if s.view_depth >= fade_end {
+        let params = &self.params;
+        if s.view_depth >= params.fade_end_view_depth {
             return 1.0;
         }
-        let count = self.params.counts[0] as usize;
-        let ends = self.params.layers.0[..count].iter().map(|l| l.scale[2]);
+        let count = params.layer_count as usize;
+        let ends = params.layers.0[..count].iter().map(|l| l.end_view_depth);
         let layer = ends.take(count - 1).take_while(|&end| s.view_depth >= end).count();
-        let scale = self.params.layers.0[layer].scale;
+        let own = &params.layers.0[layer];
         let mut lit = self.filtered(s, layer);
-        let next = maps::band(scale[3], scale[2], s.view_depth);
+        let next = maps::band(own.blend_view_depth, own.end_view_depth, s.view_depth);
         if next > 0.0 && layer + 1 < count {
             lit = mix(lit, self.filtered(s, layer + 1), next);
         }
-        mix(lit, 1.0, maps::band(fade_begin, fade_end, s.view_depth))
+        mix(lit, 1.0, maps::band(params.fade_view_depth, params.fade_end_view_depth, s.view_depth))
     }
 
-    /// Moments of the depth at a texel, unblurred; none for other filters.
+    /// Unblurred moments of the depth at a texel. `None` for other filters.
     pub fn moments_of_depth(&self, layer: usize, x: u32, y: u32) -> Option<[f32; 4]> {
         let MapFilter::Moments(m) = self.filter else { return None };
-        let depth = self.depth[layer][(y * self.params.counts[1] + x) as usize];
-        Some(moments::of_depth(m.kind, depth, [self.params.moments[2], self.params.moments[3]]))
+        let depth = self.depth[layer][(y * self.params.side_texels + x) as usize];
+        Some(moments::from_depth(m.kind, depth, self.params.moments.exponents))
     }
 
-    /// Blurred moments at a texel of a mip level, as the GPU stored them; none for other filters.
+    /// Blurred moments at a texel of a mip level, as the GPU stored them. `None` for other filters.
     pub fn moments_stored(&self, layer: usize, level: usize, x: u32, y: u32) -> Option<[f32; 4]> {
         self.moments.as_ref().map(|m| m.texel(layer, level, i64::from(x), i64::from(y)))
     }
 
     fn filtered(&self, s: &Surface, layer: usize) -> f32 {
-        let place = &self.params.layers.0[layer];
-        let size = self.params.counts[1];
-        let r = Receiver::new(place, size, self.params.bias, self.params.pixel[3], s);
+        let own = &self.params.layers.0[layer];
+        let size = self.params.side_texels;
+        let r = Receiver::new(own, size, &self.params.bias, self.params.min_bias_depth, s);
         if r.p_texels.iter().any(|c| !(0.0..=size as f32).contains(c)) {
             return 1.0;
         }
         let image = pcf::DepthImage { texels: &self.depth[layer], size: i64::from(size) };
-        let [_, _, half_tangent, radius] = self.params.reach;
+        let radius = self.params.max_radius_texels;
         match &self.filter {
             MapFilter::Nearest => image.nearest(&r),
             MapFilter::Pcf { width: 2 } => image.hardware(&r),
             MapFilter::Pcf { width } => image.mean(&r, *width),
-            MapFilter::Poisson { .. } => image.disc(&r, radius, self.params.counts[3], pcf::turn(s.pixel)),
+            MapFilter::Poisson { .. } => image.disc(&r, radius, self.params.tap_count, pcf::turn(s.pixel)),
             MapFilter::Pcss { .. } => {
-                let cone_texels = half_tangent * place.scale[1] / place.scale[0];
+                let cone_texels = self.params.sun_tangent * own.depth_world / own.texel_world;
                 pcss::visibility(&image, &r, cone_texels, radius, pcf::turn(s.pixel))
             }
             MapFilter::Moments(m) => {
                 let Some(image) = &self.moments else { return 1.0 };
-                let deviation = self.params.moments[0] * place.scale[0] / place.scale[1];
-                let level = moments::level(self.params.pixel, place, s.view_depth);
+                let deviation = self.params.moments.min_deviation_texels * own.texel_world / own.depth_world;
+                let level = moments::level(&self.params, own, s.view_depth);
                 let stored = image.sample(layer, r.p_texels, level);
-                moments::visibility(m.kind, stored, r.depth.clamp(0.0, 1.0), deviation, self.params.moments)
+                moments::visibility(m.kind, stored, r.depth.clamp(0.0, 1.0), deviation, &self.params.moments)
             }
         }
     }
@@ -120,7 +120,7 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
 
-/// Channels of a kind's texture.
+/// Number of channels in a kind's texture.
 fn channels(kind: MomentKind) -> usize {
     if kind == MomentKind::Variance { 2 } else { 4 }
 }

@@ -1,7 +1,7 @@
-//! Statistics of depth: twin of core/moments.wgsl, vsm.wgsl, evsm.wgsl and msm.wgsl.
+//! Statistics of depth. Twin of core/moments.wgsl, vsm.wgsl, evsm.wgsl and msm.wgsl.
 
 use adumbra_shaders::constants::MOMENT_BIAS;
-use adumbra_shaders::layout::MapLayer;
+use adumbra_shaders::layout::{MapLayer, MapParams, MomentParams};
 
 use super::channels;
 use crate::error::Result;
@@ -11,7 +11,7 @@ use crate::readback::read_floats;
 
 /// Moments of all layers.
 pub(super) struct MomentImage {
-    /// By layer, then by level; the first level alone where look-ups use no other.
+    /// By layer, then by mip level. Only the first level if look-ups use no other.
     levels: Vec<Vec<Vec<f32>>>,
     size: i64,
     channels: usize,
@@ -49,7 +49,7 @@ impl MomentImage {
         mix4(mix4(texel(0, 0), texel(1, 0), fx), mix4(texel(0, 1), texel(1, 1), fx), fy)
     }
 
-    /// Trilinear.
+    /// Samples with trilinear filtering.
     pub(super) fn sample(&self, layer: usize, p_texels: [f32; 2], level: f32) -> [f32; 4] {
         let last = self.levels[layer].len() - 1;
         let low = (level as usize).min(last);
@@ -63,14 +63,14 @@ fn mix4(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
     std::array::from_fn(|c| a[c] * (1.0 - t) + b[c] * t)
 }
 
-/// `moments_level`.
-pub(super) fn level(pixel: [f32; 4], layer: &MapLayer, view_depth: f32) -> f32 {
-    let pixel_world = pixel[0] + pixel[1] * view_depth.max(0.0);
-    (pixel_world / layer.scale[0]).max(1.0).log2().clamp(0.0, pixel[2] - 1.0)
+/// Twin of `adumbra_moments_level`.
+pub(super) fn level(params: &MapParams, layer: &MapLayer, view_depth: f32) -> f32 {
+    let pixel_world = params.pixel_world + params.pixel_world_per_depth * view_depth.max(0.0);
+    (pixel_world / layer.texel_world).max(1.0).log2().clamp(0.0, params.mip_levels - 1.0)
 }
 
-/// `moments_of`.
-pub(super) fn of_depth(kind: MomentKind, depth: f32, exponents: [f32; 2]) -> [f32; 4] {
+/// Twin of `adumbra_moments_of`.
+pub(super) fn from_depth(kind: MomentKind, depth: f32, exponents: [f32; 2]) -> [f32; 4] {
     match kind {
         MomentKind::Variance => {
             let t = depth - 0.5;
@@ -88,13 +88,19 @@ pub(super) fn of_depth(kind: MomentKind, depth: f32, exponents: [f32; 2]) -> [f3
     }
 }
 
-/// `moments_visibility`.
-pub(super) fn visibility(kind: MomentKind, m: [f32; 4], depth: f32, deviation: f32, params: [f32; 4]) -> f32 {
-    let bleed = params[1];
+/// Twin of `adumbra_moments_visibility`.
+pub(super) fn visibility(
+    kind: MomentKind,
+    m: [f32; 4],
+    depth: f32,
+    deviation: f32,
+    params: &MomentParams,
+) -> f32 {
+    let bleed = params.bleed;
     match kind {
         MomentKind::Variance => chebyshev([m[0], m[1]], depth - 0.5, deviation * deviation, bleed),
         MomentKind::ExponentialVariance => {
-            let exponents = [params[2], params[3]];
+            let exponents = params.exponents;
             let w = warp(depth, exponents);
             let bound = |a: usize| {
                 let stretched = 2.0 * deviation * exponents[a] * w[a];
@@ -111,11 +117,11 @@ fn warp(depth: f32, exponents: [f32; 2]) -> [f32; 2] {
     [(exponents[0] * t).exp(), -(-exponents[1] * t).exp()]
 }
 
-fn chebyshev(m: [f32; 2], t: f32, least_variance: f32, bleed: f32) -> f32 {
+fn chebyshev(m: [f32; 2], t: f32, min_variance: f32, bleed: f32) -> f32 {
     if t <= m[0] {
         return 1.0;
     }
-    let variance = (m[1] - m[0] * m[0]).max(least_variance.max(1e-12));
+    let variance = (m[1] - m[0] * m[0]).max(min_variance.max(1e-12));
     let behind = t - m[0];
     cut(variance / (variance + behind * behind), bleed)
 }
@@ -155,17 +161,18 @@ fn four_moments(m: [f32; 4], depth: f32, deviation: f32, bleed: f32) -> f32 {
 mod tests {
     use super::*;
 
-    const EXPONENTS: [f32; 4] = [0.0, 0.0, 40.0, 5.0];
+    const PARAMS: MomentParams =
+        MomentParams { exponents: [40.0, 5.0], min_deviation_texels: 0.0, bleed: 0.0 };
 
     #[test]
     fn bounds_are_met_where_two_depths_are_seen() {
-        // A share of 0.3 at depth 0.7, the rest at 0.2: a receiver at 0.7 is 0.3 lit.
+        // A share of 0.3 is at depth 0.7 and the rest at 0.2, so a receiver at 0.7 is 0.3 lit.
         for kind in [MomentKind::Variance, MomentKind::ExponentialVariance, MomentKind::FourMoments] {
-            let exponents = [EXPONENTS[2], EXPONENTS[3]];
-            let m = mix4(of_depth(kind, 0.2, exponents), of_depth(kind, 0.7, exponents), 0.3);
-            let lit = visibility(kind, m, 0.7, 1e-4, EXPONENTS);
+            let m =
+                mix4(from_depth(kind, 0.2, PARAMS.exponents), from_depth(kind, 0.7, PARAMS.exponents), 0.3);
+            let lit = visibility(kind, m, 0.7, 1e-4, &PARAMS);
             assert!((lit - 0.3).abs() < 0.02, "{kind:?} {lit}");
-            assert!(visibility(kind, m, 0.15, 1e-4, EXPONENTS) > 0.95, "{kind:?}");
+            assert!(visibility(kind, m, 0.15, 1e-4, &PARAMS) > 0.95, "{kind:?}");
         }
     }
 

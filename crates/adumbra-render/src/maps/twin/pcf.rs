@@ -1,4 +1,4 @@
-//! Comparisons and their means: twin of core/pcf.wgsl and core/disc.wgsl.
+//! Comparisons and their means. Twin of core/pcf.wgsl and core/disc.wgsl.
 
 use adumbra_shaders::constants::{HARDWARE_REACH, POISSON_DISC};
 
@@ -11,20 +11,20 @@ pub(super) struct DepthImage<'a> {
 }
 
 impl DepthImage<'_> {
-    /// The texel's depth; the border's beyond it.
+    /// The texel's depth. Coordinates are clamped to the border.
     pub(super) fn at(&self, x: i64, y: i64) -> f32 {
         let inside = |c: i64| c.clamp(0, self.size - 1);
         self.texels[(inside(y) * self.size + inside(x)) as usize]
     }
 
-    /// `pcf_nearest`.
+    /// Twin of `adumbra_pcf_nearest`.
     pub(super) fn nearest(&self, r: &Receiver) -> f32 {
         let [x, y] = r.p_texels.map(|c| (c.floor() as i64).clamp(0, self.size - 1));
         let plane = r.plane_depth([x as f32 + 0.5, y as f32 + 0.5]);
         f32::from(u8::from(plane <= self.at(x, y)))
     }
 
-    /// `pcf_hardware`.
+    /// Twin of `adumbra_pcf_hardware`.
     pub(super) fn hardware(&self, r: &Receiver) -> f32 {
         let depth = (r.depth - HARDWARE_REACH * (r.gradient[0].abs() + r.gradient[1].abs())).clamp(0.0, 1.0);
         let p = r.p_texels.map(|c| c - 0.5);
@@ -36,7 +36,7 @@ impl DepthImage<'_> {
         above * (1.0 - fy) + below * fy
     }
 
-    /// `pcf_box`.
+    /// Twin of `adumbra_pcf_box`.
     pub(super) fn mean(&self, r: &Receiver, width: u32) -> f32 {
         let half_side = 0.5 * (width as f32 - 1.0);
         let low = r.p_texels.map(|c| c - half_side);
@@ -54,7 +54,7 @@ impl DepthImage<'_> {
         lit / (4.0 * half_side * half_side)
     }
 
-    /// `pcf_disc`.
+    /// Twin of `adumbra_pcf_disc`.
     pub(super) fn disc(&self, r: &Receiver, radius: f32, taps: u32, turn: [f32; 2]) -> f32 {
         let taps = POISSON_DISC.iter().take(taps as usize);
         let count = taps.len() as f32;
@@ -62,18 +62,18 @@ impl DepthImage<'_> {
     }
 }
 
-/// `disc_tap`.
+/// Twin of `adumbra_disc_tap`.
 pub(crate) fn turned(tap: [f32; 2], turn: [f32; 2]) -> [f32; 2] {
     [turn[0] * tap[0] - turn[1] * tap[1], turn[1] * tap[0] + turn[0] * tap[1]]
 }
 
-/// `disc_turn`.
+/// Twin of `adumbra_disc_turn`.
 pub(crate) fn turn(pixel: [u32; 2]) -> [f32; 2] {
     let angle = std::f32::consts::TAU * noise(pixel);
     [angle.cos(), angle.sin()]
 }
 
-/// `interleaved_gradient_noise`.
+/// Twin of `adumbra_interleaved_gradient_noise`.
 fn noise([x, y]: [u32; 2]) -> f32 {
     let ramp = x.wrapping_mul(288_237_660).wrapping_add(y.wrapping_mul(25_070_368)) >> 16;
     (ramp.wrapping_mul(54_255) & 0x03ff_ffff) as f32 / 67_108_864.0

@@ -1,11 +1,11 @@
-//! Soft shadows by the distance of blockers: twin of core/pcss.wgsl.
+//! Soft shadows from the distance of blockers. Twin of core/pcss.wgsl.
 
 use adumbra_shaders::constants::POISSON_DISC;
 
 use super::maps::Receiver;
 use super::pcf::{DepthImage, turned};
 
-/// `pcss_blocker_distance`.
+/// Twin of `adumbra_pcss_blocker_distance`.
 fn blocker_distance(
     image: &DepthImage<'_>,
     r: &Receiver,
@@ -33,7 +33,7 @@ fn blocker_distance(
     (count > 0.0).then(|| sum / count)
 }
 
-/// `pcss_visibility`.
+/// Twin of `adumbra_pcss_visibility`.
 pub(super) fn visibility(
     image: &DepthImage<'_>,
     r: &Receiver,

@@ -1,11 +1,11 @@
-//! The filters.
+//! The filters on the CPU.
 
 use adumbra_shaders::layout::{Frame, OcclusionFilterParams};
 
 use super::{Ambient, index, texels};
 use crate::occlusion::settings::{Filter, OcclusionSettings};
 
-/// All passes of the filter on a picture.
+/// Runs all passes of the filter on a picture.
 pub(super) fn filter(settings: &OcclusionSettings, frame: &Frame, from: Vec<Ambient>) -> Vec<Ambient> {
     (0..settings.filter_passes()).fold(from, |from, axis| {
         let pass = Pass { params: settings.filter_params(frame, axis), from: &from };
@@ -19,8 +19,8 @@ pub(super) fn filter(settings: &OcclusionSettings, frame: &Frame, from: Vec<Ambi
     })
 }
 
-/// Share of the filter's work on surfaces that its edge test spares: texels left as they are, by all, over the filter's
-/// passes. `from` is the estimate.
+/// Share of the filter's work on surfaces that its edge test saves: skipped texels over all texels, summed over the
+/// filter's passes. `from` is the estimate.
 pub fn skipped(settings: &OcclusionSettings, frame: &Frame, from: &[Ambient]) -> f64 {
     let tested = OcclusionSettings { edge_test: true, ..*settings };
     let (mut left, mut all) = (0_u32, 0_u32);
@@ -44,7 +44,7 @@ pub fn skipped(settings: &OcclusionSettings, frame: &Frame, from: &[Ambient]) ->
     f64::from(left) / f64::from(all.max(1))
 }
 
-/// `occlusion_run` of the shaders.
+/// Twin of `adumbra_occlusion_run`.
 pub(super) fn run(before: f32, own: f32, after: f32, kind: [f32; 2], inverse_width: f32) -> [f32; 2] {
     let (back, on) = (before - own, after - own);
     let is_before = before > 0.0 && (after <= 0.0 || back.abs() < on.abs());
@@ -66,38 +66,37 @@ struct Pass<'a> {
 
 impl Pass<'_> {
     fn size(&self) -> [u32; 2] {
-        [self.params.counts[0], self.params.counts[1]]
+        self.params.size
     }
 
     fn side(&self) -> i32 {
-        self.params.counts[2] as i32
+        self.params.taps_per_side as i32
     }
 
-    /// The texel, or the last before it.
+    /// The texel, clamped to the border.
     fn at(&self, texel: [i32; 2]) -> Ambient {
         let [width, height] = self.size().map(|s| s as i32);
         self.from[(texel[1].clamp(0, height - 1) * width + texel[0].clamp(0, width - 1)) as usize]
     }
 
     fn axis(&self) -> [i32; 2] {
-        if self.params.counts[3] == 1 { [0, 1] } else { [1, 0] }
+        if self.params.axis == 1 { [0, 1] } else { [1, 0] }
     }
 
     fn weight_of(&self, squared: i32, z: f32, other_z: f32, run: [f32; 2]) -> f32 {
-        let d = (other_z * (1.0 + run[0]) - (z + run[1])) * self.params.shape[0];
-        if other_z > 0.0 { (-d * d - squared as f32 * self.params.near[0]).exp() } else { 0.0 }
+        let d = (other_z * (1.0 + run[0]) - (z + run[1])) * self.params.inverse_depth_width;
+        if other_z > 0.0 { (-d * d - squared as f32 * self.params.inverse_distance_width).exp() } else { 0.0 }
     }
 
     fn run(&self, texel: [i32; 2], axis: [i32; 2], z: f32) -> [f32; 2] {
         let depth_at = |texel| index(self.size(), texel).map_or(0.0, |i| self.from[i][1]);
         let [before, after] = [-1, 1].map(|side| depth_at(along(texel, axis, side)));
-        let s = self.params.shape;
-        run(before, z, after, [s[1], s[2]], s[0])
+        run(before, z, after, self.params.plane_kind, self.params.inverse_depth_width)
     }
 
     fn line(&self, texel: [i32; 2], sees_depth: bool) -> Ambient {
         let [own, z] = self.at(texel);
-        if z <= 0.0 || (self.params.shape[3] >= 0.0 && self.is_even_line(texel, own)) {
+        if z <= 0.0 || (self.params.edge_tolerance >= 0.0 && self.is_even_line(texel, own)) {
             return [own, z];
         }
         let axis = self.axis();
@@ -109,7 +108,7 @@ impl Pass<'_> {
             let weight = if sees_depth {
                 self.weight_of(i * i, z, other_z, run.map(|r| i as f32 * r))
             } else if other_z > 0.0 {
-                ((-i * i) as f32 * self.params.near[0]).exp()
+                ((-i * i) as f32 * self.params.inverse_distance_width).exp()
             } else {
                 0.0
             };
@@ -121,7 +120,7 @@ impl Pass<'_> {
 
     fn square(&self, texel: [i32; 2]) -> Ambient {
         let [own, z] = self.at(texel);
-        if z <= 0.0 || (self.params.shape[3] >= 0.0 && self.is_even_square(texel, own)) {
+        if z <= 0.0 || (self.params.edge_tolerance >= 0.0 && self.is_even_square(texel, own)) {
             return [own, z];
         }
         let (run_x, run_y) = (self.run(texel, [1, 0], z), self.run(texel, [0, 1], z));
@@ -140,7 +139,7 @@ impl Pass<'_> {
     }
 
     fn agrees(&self, texel: [i32; 2], visibility: f32) -> bool {
-        (self.at(texel)[0] - visibility).abs() <= self.params.shape[3]
+        (self.at(texel)[0] - visibility).abs() <= self.params.edge_tolerance
     }
 
     fn is_even_line(&self, texel: [i32; 2], visibility: f32) -> bool {
@@ -166,7 +165,8 @@ pub(super) fn along(texel: [i32; 2], axis: [i32; 2], i: i32) -> [i32; 2] {
 mod tests {
     use super::run;
 
-    /// How far the taps of a line lie off what a run says, over their view depth; `depth` is by texel.
+    /// Largest distance of a line's taps from the surface that `run` predicts, relative to the view depth. `depth` is a
+    /// function of the texel.
     fn miss(depth: impl Fn(f32) -> f32, kind: [f32; 2]) -> f32 {
         let own = depth(0.0);
         let [s, t] = run(depth(-1.0), own, depth(1.0), kind, 10.0);
@@ -177,18 +177,20 @@ mod tests {
     #[test]
     fn run_follows_planes_at_any_angle() {
         for slope in [-0.12, -0.01, 0.0, 0.003, 0.1] {
-            // In perspective the inverse is even: the steepest of these goes from half of the view depth to twice of it.
+            // In perspective, inverse view depth is linear. The steepest plane ranges from 0.68 to 1.92 times its view
+            // depth at the centre.
             assert!(miss(|i| 20.0 / (1.0 + slope * i), [1.0, 0.0]) < 1e-5, "{slope}");
             assert!(miss(|i| 20.0 + 30.0 * slope * i, [0.0, 1.0]) < 1e-5, "{slope}");
         }
-        // Without, the same planes are left.
+        // With plain differences, the taps miss the same plane.
         assert!(miss(|i| 20.0 / (1.0 + 0.1 * i), [0.0, 0.0]) > 0.1);
     }
 
     #[test]
     fn run_does_not_leave_a_surface_over_its_edge() {
         let kind = [1.0, 0.0];
-        // A thing one texel wide, before things and before the sky; the nearer neighbour at an edge; nothing about.
+        // In order: one texel wide in front of other surfaces; between the sky and a surface; at an edge, beside a
+        // neighbour of equal depth; surrounded by sky.
         assert_eq!(run(30.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
         assert_eq!(run(0.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
         assert_eq!(run(20.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);

@@ -1,15 +1,14 @@
-//! `passes/occlusion_gtao.wgsl` on the CPU.
+//! CPU twin of `passes/occlusion_gtao.wgsl`.
 
 use super::march::{march_texel, normalize, rise_over_tangent, towards_eye};
 use super::{Center, Pass, dot};
 
 pub(super) fn visibility(pass: &Pass<'_>, c: &Center) -> f32 {
     let o = &pass.params;
-    let [fade, along_view, power, _] = o.shape;
     let inverse_radius = 1.0 / c.radius_world;
     let to_eye = towards_eye(pass, c);
     let facing = dot(c.n, to_eye).max(0.0);
-    let [count, steps] = [o.counts[0], o.counts[1]];
+    let [count, steps] = [o.tap_count, o.step_count];
     let sides = (count / steps).min(2);
     let taps = &pass.taps.taps.0[c.first_tap..c.first_tap + (count / sides) as usize];
     let (mut seen, mut open) = (0.0, 0.0);
@@ -30,10 +29,10 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center) -> f32 {
                     continue;
                 }
                 let w = pass.reach(c, texel, z, inverse_radius);
-                let stretched = [w[0], w[1], w[2] * along_view];
+                let stretched = [w[0], w[1], w[2] * o.shape.depth_stretch];
                 let far = dot(stretched, stretched).sqrt();
                 if far < 1.0 {
-                    let weight = ((1.0 - far) * fade).min(1.0);
+                    let weight = ((1.0 - far) * o.shape.falloff_slope).min(1.0);
                     rise = rise.max(weight * rise_over_tangent(w, c.n, to_eye, facing));
                 }
             }
@@ -44,7 +43,7 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center) -> f32 {
         }
     }
     let visibility = if open > 1e-6 { seen / open } else { 1.0 };
-    visibility.clamp(0.0, 1.0).powf(power)
+    visibility.clamp(0.0, 1.0).powf(o.shape.exponent)
 }
 
 fn acos_near(x: f32) -> f32 {

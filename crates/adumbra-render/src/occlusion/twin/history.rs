@@ -1,11 +1,11 @@
-//! The mean of the frames so far.
+//! The mean over previous frames on the CPU.
 
 use adumbra_shaders::layout::Frame;
 
-use super::{Ambient, Surfaces, dot, index, made_normals, point_of, texels};
+use super::{Ambient, Surfaces, direction, dot, index, made_normals, point_at, texel_of, texels};
 use crate::occlusion::settings::OcclusionSettings;
 
-/// Visibility, view depth, frames.
+/// Visibility, view depth, number of frames.
 pub(super) type Seen = [f32; 3];
 
 const WHOLE_WEIGHT: f32 = 0.25;
@@ -17,36 +17,32 @@ pub(super) fn mean(
     before: Option<&(Frame, Vec<Seen>)>,
 ) -> Vec<Seen> {
     let frame = &surfaces.frame;
-    let before = before.filter(|(old, _)| old.size[..2] == frame.size[..2]);
+    let before = before.filter(|(old, _)| old.size == frame.size);
     let history = settings.history_params(frame, before.map(|(old, _)| old));
     let now = settings.params(frame);
-    let size = [now.size[0], now.size[1]];
+    let size = now.size;
     let made = made_normals(settings, surfaces);
     let normals = made.as_deref().unwrap_or(surfaces.normal);
     let normals_width = if made.is_some() { now.size[0] } else { frame.size[0] };
     let seen_before = |texel: [i32; 2], z: f32| -> Option<[f32; 2]> {
         let (_, old) = before?;
-        let p = point_of(now.ndc_from_texel, now.half_view, texel, z);
+        let p = point_at(&now.view, texel, z);
         let carried = |row: [f32; 4]| dot([row[0], row[1], row[2]], p) + row[3];
-        let p = [carried(history.before_x), carried(history.before_y), carried(history.before_z)];
-        let at = [0, 1].map(|a| {
-            let ndc = p[a] / (history.half_view[a] + history.half_view[a + 2] * p[2]);
-            (ndc - history.ndc_from_texel[a + 2]) / history.ndc_from_texel[a]
-        });
+        let p = [carried(history.x_from_now), carried(history.y_from_now), carried(history.z_from_now)];
+        let at = texel_of(&history.view, p);
         if p[2] <= 0.0 || at.iter().any(|c| c.abs() > 65536.0) {
             return None;
         }
-        let [x, y] = texel.map(|c| c as u32 * now.size[3]);
+        let [x, y] = texel.map(|c| c as u32 * now.pixels_per_normal);
         let n_world = normals[(y * normals_width + x) as usize];
-        let axis = |a: [f32; 4]| dot(n_world, [a[0], a[1], a[2]]);
-        let n = [axis(history.right), axis(history.up), axis(history.forward)];
-        let limit = history.limits[0] + history.limits[1] * p[2];
+        let n = direction(&history.view, n_world);
+        let limit = history.tolerance_world + history.tolerance_world_per_depth * p[2];
         let first = at.map(f32::floor);
         let (mut sum, mut weights) = ([0.0; 2], 0.0);
         for step in [[0, 0], [1, 0], [0, 1], [1, 1]] {
             let other = [0, 1].map(|a| first[a] as i32 + step[a]);
             let Some([visibility, old_z, frames]) = index(size, other).map(|i| old[i]) else { continue };
-            let q = point_of(history.ndc_from_texel, history.half_view, other, old_z);
+            let q = point_at(&history.view, other, old_z);
             if old_z <= 0.0 {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! `passes/occlusion_issao.wgsl` on the CPU.
+//! CPU twin of `passes/occlusion_issao.wgsl`.
 
 use super::{Center, Pass, dot};
 use crate::occlusion::settings::Term;
@@ -6,11 +6,11 @@ use crate::occlusion::settings::Term;
 pub(super) fn visibility(pass: &Pass<'_>, c: &Center, term: Term) -> f32 {
     let o = &pass.params;
     let inverse_radius = 1.0 / c.radius_world;
-    let bias = o.shape[1] * (c.p[2] * inverse_radius).min(o.shape[2]);
+    let bias = o.shape.bias * (c.p[2] * inverse_radius).min(o.shape.max_bias_depth);
     let (mut sum, mut count) = (0.0, 0.0_f32);
     let mut before = [0, 0];
-    let taps = taps_at(o.counts, c.radius_texels);
-    let stride = (o.counts[0] << 16) / taps;
+    let taps = taps_at([o.tap_count, o.min_quarters], c.radius_texels);
+    let stride = (o.tap_count << 16) / taps;
     for i in 0..taps {
         let tap = pass.taps.taps.0[c.first_tap + ((i * stride) >> 16) as usize];
         let offset = [tap[0], tap[1]].map(|t| (t * c.radius_texels).round_ties_even() as i32);
@@ -29,7 +29,7 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center, term: Term) -> f32 {
                 count += 1.0;
                 continue;
             }
-            if w[2] == 0.0 || o.shape_more[3] == 0.0 {
+            if w[2] == 0.0 || o.shape.hides_from_outside == 0 {
                 continue;
             }
             w[2] = -(1.0 - w[0] * w[0] - w[1] * w[1]).max(0.0).sqrt();
@@ -37,17 +37,19 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center, term: Term) -> f32 {
         count += 1.0;
         let (w_n, ww, over) = (dot(w, c.n), ww.min(1.0), ww.max(1.0).sqrt());
         sum += match term {
-            Term::Attenuated => (w_n - bias).max(0.0) / (ww + o.shape[3]),
-            Term::Falloff => (w_n - bias).max(0.0) / (ww + o.shape[3]) * (1.0 - ww).powf(o.shape_more[0]),
+            Term::Attenuated => (w_n - bias).max(0.0) / (ww + o.shape.epsilon),
+            Term::Falloff => {
+                (w_n - bias).max(0.0) / (ww + o.shape.epsilon) * (1.0 - ww).powf(o.shape.falloff_exponent)
+            }
             Term::Bare => w_n.max(0.0) / ww.max(1e-12).sqrt(),
         } / over;
     }
-    let a = (o.shape[0] * sum / count.max(1.0)).clamp(0.0, 1.0);
-    (1.0 - a).powf(o.shape_more[1])
+    let a = (o.shape.strength * sum / count.max(1.0)).clamp(0.0, 1.0);
+    (1.0 - a).powf(o.shape.exponent)
 }
 
-/// Taps that are left where the radius covers so many texels.
-fn taps_at(counts: [u32; 4], radius_texels: f32) -> u32 {
+/// Number of taps taken if the radius covers `radius_texels`.
+fn taps_at([tap_count, min_quarters]: [u32; 2], radius_texels: f32) -> u32 {
     let lost = [16.0, 8.0, 4.0].iter().filter(|&&limit| radius_texels < limit).count() as u32;
-    (counts[0] * (4 - lost).max(counts[3]) / 4).max(1)
+    (tap_count * (4 - lost).max(min_quarters) / 4).max(1)
 }

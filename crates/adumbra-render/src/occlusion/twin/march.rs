@@ -1,23 +1,23 @@
-//! `passes/occlusion_march.wgsl` on the CPU.
+//! CPU twin of `passes/occlusion_march.wgsl`.
 
-use super::{Center, Pass, dot};
+use super::{Center, Pass, dot, ndc};
 
-/// Unit.
+/// Unit vector towards the eye.
 pub(super) fn towards_eye(pass: &Pass<'_>, c: &Center) -> [f32; 3] {
-    let o = &pass.params;
-    let across =
-        |a: usize| (o.ndc_from_texel[a] * c.texel[a] as f32 + o.ndc_from_texel[a + 2]) * o.half_view[a + 2];
-    normalize([across(0), across(1), 1.0]).map(|v| -v)
+    let view = &pass.params.view;
+    let ndc = ndc(view, c.texel);
+    let [x, y] = [0, 1].map(|a| ndc[a] * view.half_view_per_depth[a]);
+    normalize([x, y, 1.0]).map(|v| -v)
 }
 
-/// The texel at a share of the radius along a direction, y up; never P's own.
+/// The texel at a share of the radius along a direction, y up. Never the centre's own texel.
 pub(super) fn march_texel(c: &Center, along: [f32; 2], share: f32) -> [i32; 2] {
     let texels = 1.0 + share * (c.radius_texels - 1.0).max(0.0);
     let offset = [along[0], -along[1]].map(|v| (v * texels).round_ties_even() as i32);
     [c.texel[0] + offset[0], c.texel[1] + offset[1]]
 }
 
-/// Cosine to the eye's direction of what is seen at `w`, less that of the tangent plane in the same slice.
+/// Cosine between the direction of `w` and the eye's, minus that of the tangent plane in the same slice.
 pub(super) fn rise_over_tangent(w: [f32; 3], n: [f32; 3], to_eye: [f32; 3], facing: f32) -> f32 {
     let ww = dot(w, w);
     let (a, h) = (dot(w, to_eye), dot(w, n));

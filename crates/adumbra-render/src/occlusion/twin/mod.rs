@@ -1,4 +1,4 @@
-//! Ambient occlusion on the CPU: the same passes on pictures in memory.
+//! Ambient occlusion on the CPU: the passes on pictures in memory.
 
 mod alchemy;
 mod filter;
@@ -14,43 +14,43 @@ mod ssao;
 pub use filter::skipped;
 
 use adumbra_shaders::constants::OCCLUSION_MAX_TAPS;
-use adumbra_shaders::layout::{Frame, OcclusionParams, OcclusionTaps};
+use adumbra_shaders::layout::{DepthToZ, Frame, OcclusionParams, OcclusionTaps, OcclusionView};
 
 use super::estimator::Estimator;
 use super::settings::{Normals, OcclusionSettings};
 use super::taps::taps;
 
-/// What the camera sees, as the G-buffer holds it; row 0 at the top.
+/// The camera's view as the G-buffer holds it, row 0 at the top.
 pub struct Surfaces<'a> {
     /// The frame's uniform.
     pub frame: Frame,
-    /// Stored depth, 0 where nothing is.
+    /// Stored depth, 0 where there is no surface.
     pub depth: &'a [f32],
-    /// World normals, zero where nothing is.
+    /// World normals, zero where there is no surface.
     pub normal: &'a [[f32; 3]],
 }
 
-/// Ambient visibility with view depth, 0 where nothing is.
+/// Ambient visibility and view depth. The depth is 0 where there is no surface.
 pub type Ambient = [f32; 2];
 
-/// Ambient visibility from frame to frame, as the GPU has it.
+/// Ambient visibility over successive frames, matching the GPU.
 pub struct Twin {
     settings: OcclusionSettings,
     before: Option<(Frame, Vec<history::Seen>)>,
 }
 
 impl Twin {
-    /// Before the first frame.
+    /// Creates a twin without history.
     pub fn new(settings: OcclusionSettings) -> Self {
         Self { settings, before: None }
     }
 
-    /// Drops what is known of the frames before.
+    /// Discards the history of previous frames.
     pub fn forget(&mut self) {
         self.before = None;
     }
 
-    /// Of the next frame. Cost: as many operations as the GPU's, on one thread.
+    /// Computes the next frame. Cost: as many operations as on the GPU, on one thread.
     pub fn ambient(&mut self, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
         let settings = &self.settings;
         let mut ambient = estimate(settings, surfaces);
@@ -64,12 +64,13 @@ impl Twin {
     }
 }
 
-/// Ambient visibility of a first frame as the GPU has it. Cost: as many operations as the GPU's, on one thread.
+/// Computes ambient visibility of a first frame, matching the GPU. Cost: as many operations as on the GPU, on one
+/// thread.
 pub fn ambient(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
     Twin::new(*settings).ambient(surfaces)
 }
 
-/// The estimator alone, of the size that it is estimated in.
+/// Runs only the estimator, at the size in which occlusion is estimated.
 pub fn estimate(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
     let params = settings.params(&surfaces.frame);
     let made = made_normals(settings, surfaces);
@@ -80,46 +81,60 @@ pub fn estimate(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Am
         normals: made.as_deref().unwrap_or(surfaces.normal),
         params,
     };
-    texels([params.size[0], params.size[1]])
-        .map(|texel| pass.occlude(settings, texel.map(|c| c as u32)))
-        .collect()
+    texels(params.size).map(|texel| pass.occlude(settings, texel.map(|c| c as u32))).collect()
 }
 
-/// World normals made from depth, of the size that occlusion is estimated in; none where the G-buffer's serve.
+/// World normals computed from depth, at the size in which occlusion is estimated. `None` if the G-buffer's are used.
 pub fn made_normals(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Option<Vec<[f32; 3]>> {
     (settings.normals == Normals::Depth)
         .then(|| normals::normals(&settings.params(&surfaces.frame), surfaces))
 }
 
-/// Row by row from the top.
+/// All texels, row by row from the top.
 fn texels([width, height]: [u32; 2]) -> impl Iterator<Item = [i32; 2]> {
     (0..height as i32).flat_map(move |y| (0..width as i32).map(move |x| [x, y]))
 }
 
-/// Where a texel stands among all; none beyond the picture.
+/// Index of a texel. `None` outside the picture.
 fn index([width, height]: [u32; 2], [x, y]: [i32; 2]) -> Option<usize> {
     let is_inside = (0..width as i32).contains(&x) && (0..height as i32).contains(&y);
     is_inside.then(|| (y * width as i32 + x) as usize)
 }
 
-/// View depth of a stored depth; 0 where nothing is.
-fn z_of(k: [f32; 4], depth: f32) -> f32 {
-    if depth == 0.0 { 0.0 } else { (k[0] + k[1] * depth) / (k[2] + k[3] * depth) }
+/// View depth of a stored depth, 0 where there is no surface.
+fn z_of(depth_to_z: DepthToZ, depth: f32) -> f32 {
+    if depth == 0.0 { 0.0 } else { depth_to_z.view_depth(depth) }
 }
 
-/// `occlusion_point` of the shaders.
-fn point_of(ndc_from_texel: [f32; 4], half_view: [f32; 4], texel: [i32; 2], z: f32) -> [f32; 3] {
-    let at = |a: usize| {
-        let ndc = ndc_from_texel[a] * texel[a] as f32 + ndc_from_texel[a + 2];
-        ndc * (half_view[a] + half_view[a + 2] * z)
-    };
+/// Twin of `adumbra_occlusion_ndc`.
+fn ndc(view: &OcclusionView, texel: [i32; 2]) -> [f32; 2] {
+    [0, 1].map(|a| view.ndc_per_texel[a] * texel[a] as f32 + view.ndc_of_first_texel[a])
+}
+
+/// Twin of `adumbra_occlusion_point`.
+fn point_at(view: &OcclusionView, texel: [i32; 2], z: f32) -> [f32; 3] {
+    let ndc = ndc(view, texel);
+    let at = |a: usize| ndc[a] * (view.half_view[a] + view.half_view_per_depth[a] * z);
     [at(0), at(1), z]
 }
 
+/// Twin of `adumbra_occlusion_texel`.
+fn texel_of(view: &OcclusionView, p: [f32; 3]) -> [f32; 2] {
+    [0, 1].map(|a| {
+        let ndc = p[a] / (view.half_view[a] + view.half_view_per_depth[a] * p[2]);
+        (ndc - view.ndc_of_first_texel[a]) / view.ndc_per_texel[a]
+    })
+}
+
+/// Twin of `adumbra_occlusion_direction`.
+fn direction(view: &OcclusionView, n_world: [f32; 3]) -> [f32; 3] {
+    [dot(n_world, view.right), dot(n_world, view.up), dot(n_world, view.forward)]
+}
+
 fn view_depth(params: &OcclusionParams, surfaces: &Surfaces<'_>) -> Vec<f32> {
-    let [width, height, scale, _] = params.size;
+    let scale = params.pixels_per_texel;
     let frame_width = surfaces.frame.size[0];
-    texels([width, height])
+    texels(params.size)
         .map(|[x, y]| {
             let pixel = (y as u32 * scale * frame_width + x as u32 * scale) as usize;
             z_of(params.depth_to_z, surfaces.depth[pixel])
@@ -136,7 +151,7 @@ struct Pass<'a> {
     normals: &'a [[f32; 3]],
 }
 
-/// `OcclusionCenter` of the shaders.
+/// Twin of `OcclusionCenter`.
 struct Center {
     texel: [i32; 2],
     p: [f32; 3],
@@ -166,27 +181,23 @@ impl Pass<'_> {
         [visibility, z]
     }
 
-    /// View depth, 0 where nothing is; none beyond the picture.
+    /// View depth, 0 where there is no surface. `None` outside the picture.
     fn z_at(&self, [x, y]: [i32; 2]) -> Option<f32> {
-        let [width, height] = [self.params.size[0] as i32, self.params.size[1] as i32];
+        let [width, height] = self.params.size.map(|s| s as i32);
         let inside = (0..width).contains(&x) && (0..height).contains(&y);
         inside.then(|| self.view_depth[(y * width + x) as usize])
     }
 
     fn point(&self, texel: [i32; 2], z: f32) -> [f32; 3] {
-        point_of(self.params.ndc_from_texel, self.params.half_view, texel, z)
+        point_at(&self.params.view, texel, z)
     }
 
-    /// Where a view-space point lies, in texels; whole numbers are centres.
+    /// Position of a view-space point in texels. Whole numbers are texel centres.
     fn texel(&self, p: [f32; 3]) -> [f32; 2] {
-        let o = &self.params;
-        [0, 1].map(|a| {
-            let ndc = p[a] / (o.half_view[a] + o.half_view[a + 2] * p[2]);
-            (ndc - o.ndc_from_texel[a + 2]) / o.ndc_from_texel[a]
-        })
+        texel_of(&self.params.view, p)
     }
 
-    /// From P to what is seen at a texel, in radii.
+    /// Vector from the centre to the surface at a texel, in radii.
     fn reach(&self, c: &Center, texel: [i32; 2], z: f32, inverse_radius: f32) -> [f32; 3] {
         let s = self.point(texel, z);
         std::array::from_fn(|a| (s[a] - c.p[a]) * inverse_radius)
@@ -194,28 +205,27 @@ impl Pass<'_> {
 
     fn center(&self, texel: [u32; 2], z: f32) -> Center {
         let o = &self.params;
-        let scale = o.size[3];
+        let scale = o.pixels_per_normal;
         let n = self.normals[(texel[1] * scale * self.frame_width + texel[0] * scale) as usize];
-        let axis = |a: [f32; 4]| dot(n, [a[0], a[1], a[2]]);
-        let n = [axis(o.right), axis(o.up), axis(o.forward)];
+        let n = direction(&o.view, n);
         let length = dot(n, n).sqrt();
-        let texels = o.region[0] / (o.region[2] + o.region[3] * z);
-        let share = (o.region[1] / texels).min(1.0);
-        let place = (place(texel) + o.counts[2]) & 15;
+        let texels = o.radius_world / (o.texel_world + o.texel_world_per_depth * z);
+        let share = (o.max_radius_texels / texels).min(1.0);
+        let tile = (tile_index(texel) + o.tile_offset) & 15;
         let texel = texel.map(|c| c as i32);
         Center {
             texel,
             p: self.point(texel, z),
             n: n.map(|c| c / length),
-            radius_world: o.region[0] * share,
+            radius_world: o.radius_world * share,
             radius_texels: texels * share,
-            first_tap: (place * OCCLUSION_MAX_TAPS) as usize,
+            first_tap: (tile * OCCLUSION_MAX_TAPS) as usize,
         }
     }
 }
 
-/// A texel's place in the tile of noise.
-fn place(texel: [u32; 2]) -> u32 {
+/// A texel's index in the noise tile: twin of `adumbra_occlusion_tile_index`.
+fn tile_index(texel: [u32; 2]) -> u32 {
     let [x, y] = texel.map(|c| c & 3);
     let d = x ^ y;
     (d & 1) << 3 | (y & 1) << 2 | d & 2 | y >> 1

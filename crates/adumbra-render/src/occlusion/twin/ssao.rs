@@ -1,13 +1,12 @@
-//! `passes/occlusion_ssao.wgsl` on the CPU.
+//! CPU twin of `passes/occlusion_ssao.wgsl`.
 
 use super::{Center, Pass, dot};
 
 pub(super) fn visibility(pass: &Pass<'_>, c: &Center) -> f32 {
     let o = &pass.params;
-    let [strength, power, bias, range] = o.shape;
     let inverse_radius = 1.0 / c.radius_world;
     let (mut sum, mut count) = (0.0, 0.0_f32);
-    for &[x, y, z, _] in &pass.taps.taps.0[c.first_tap..c.first_tap + o.counts[0] as usize] {
+    for &[x, y, z, _] in &pass.taps.taps.0[c.first_tap..c.first_tap + o.tap_count as usize] {
         let tap = [x, y, z];
         let side = if dot(tap, c.n) < 0.0 { -1.0 } else { 1.0 };
         let s: [f32; 3] = std::array::from_fn(|a| c.p[a] + c.radius_world * (side * tap[a]));
@@ -21,14 +20,14 @@ pub(super) fn visibility(pass: &Pass<'_>, c: &Center) -> f32 {
         count += 1.0;
         let texel = at.map(|c| c as i32);
         let z = pass.z_at(texel).unwrap_or(0.0);
-        if z <= 0.0 || (s[2] - z) * inverse_radius <= bias {
+        if z <= 0.0 || (s[2] - z) * inverse_radius <= o.shape.bias {
             continue;
         }
         let w = pass.reach(c, texel, z, inverse_radius);
-        if dot(w, c.n) > o.shape_more[0] {
-            let near = range / w[2].abs().max(range);
+        if dot(w, c.n) > o.shape.min_rise {
+            let near = o.shape.range / w[2].abs().max(o.shape.range);
             sum += near * near * (3.0 - 2.0 * near);
         }
     }
-    (1.0 - strength * sum / count.max(1.0)).clamp(0.0, 1.0).powf(power)
+    (1.0 - o.shape.strength * sum / count.max(1.0)).clamp(0.0, 1.0).powf(o.shape.exponent)
 }

@@ -3,7 +3,7 @@ use crate::octahedral::{NONE, encode};
 
 const PLANE: MergeTest = MergeTest::Plane { tolerance_texels: 0.5 };
 
-/// A step, a slope, a checkerboard and a place without casters, with normals.
+/// A scene with a step, a slope, a checkerboard and an area without casters, with normals.
 fn scene(side: usize) -> (DepthImage, Vec<[u8; 2]>) {
     let depth = |x: usize, y: usize| match (x < side / 2, y < side / 2) {
         (true, true) => 0.25 + (x as f32 * 0.3 + y as f32 * 0.1) / 4096.0,
@@ -28,10 +28,10 @@ fn texel_s_worked_value() {
     let map =
         HybridPaper::build(&image, &normals, 1, MergeTest::Paper, DepthPrecision::Bits32, units).unwrap();
     assert_eq!(map.found(5, 3), ([0x0003_0005, 0x3e80_0000, 0, 0x4000_ff80], 0));
-    // Its parent, column 2 and row 1 of the coarsest level, has the only list.
+    // Only its parent, column 2 and row 1 of the coarsest level, has a list.
     assert_eq!(map.texels[6], [0x0001_0002, 0, 0x8000_0000, 0]);
     assert_eq!(map.links, [[16, 1], [17, 2], [18, 3], [19, HYBRID_NO_LINK]]);
-    // A texel that merged keeps depth and normal twice over.
+    // A merged texel stores its depth twice, in G and in A.
     let [at, depth, index, rest] = map.texels[0];
     assert_eq!((at, index, rest), (0, 0, 49151 << 16 | 0x80ff));
     assert_eq!(f32::from_bits(depth), 0.75);
@@ -62,7 +62,7 @@ fn lists_lead_where_the_compact_tree_does() {
                     let ([at, _, _, rest], level) = map.found(x, y);
                     assert_eq!(i64::from(at & 0xffff), x >> level);
                     assert_eq!(i64::from(at >> 16), y >> level);
-                    // No normal exactly where there is no caster.
+                    // Finest texels have no normal exactly where there is no caster.
                     let is_empty = image.texels()[(y * 64 + x) as usize] == 1.0;
                     assert!(level > 0 || (rest & 0xffff == 0) == is_empty);
                 }
@@ -95,5 +95,5 @@ fn build_refuses_another_number_of_normals() {
     let (image, normals) = scene(32);
     let units = PlaneUnits::new(PLANE, 0.01);
     let built = |normals| HybridPaper::build(&image, normals, 2, PLANE, DepthPrecision::Bits32, units);
-    assert!(built(&normals[1..]).unwrap_err().to_string().contains("1023 normals of 1024 texels"));
+    assert!(built(&normals[1..]).unwrap_err().to_string().contains("1023 normals for 1024 texels"));
 }

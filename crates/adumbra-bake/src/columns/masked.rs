@@ -1,0 +1,133 @@
+//! Surfaces with holes: which part of a texel they cover, and when a texel counts as covered.
+//!
+//! Departure from the specification, which takes a single sample at the texel's centre: if a texture's holes are finer
+//! than a texel, the centre alone gives a random answer. A masked surface is sampled at 4 × 4 points of the texel.
+//! Coverage is accumulated over the layers from the light on, and the column begins where half of the points are
+//! covered. A texture that is coarser than the texels is sampled once.
+
+use crate::columns::rules::FirstSurface;
+use crate::triangles::project::{FixedDepth, Plane, Projected};
+use crate::triangles::surface::Surface;
+use adumbra::grid::LightGrid;
+use adumbra_scene::Scene;
+
+/// Sample points of a texel along each axis.
+const PLACES: u32 = 4;
+/// Number of sample points that must be covered: half.
+const COVERED_PLACES: u32 = PLACES * PLACES / 2;
+/// A texel that covers less than this many texels of the texture is sampled at its centre only.
+const COARSE_TEXTURE_TEXELS: f64 = 0.5;
+/// A texel that covers less than this many texels of the texture counts as uniform if its four corner points agree.
+const CORNERS_TELL_TEXELS: f64 = 4.0;
+/// Bits of the four corner points.
+const CORNERS: u16 = 0x9009;
+
+/// A masked surface over one texel.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct MaskedHit {
+    texel: u32,
+    first: FirstSurface,
+    covered: u16,
+}
+
+impl MaskedHit {
+    pub(crate) fn new(texel: usize, depth: FixedDepth, info: u32, covered: u16) -> Self {
+        Self { texel: texel as u32, first: FirstSurface::new(depth, info), covered }
+    }
+}
+
+/// Replaces the surfaces in `first` by the masked surface at which half of a texel is covered, if that is nearer.
+pub(crate) fn add_first_surfaces(hits: &mut [MaskedHit], first: &mut [FirstSurface]) {
+    hits.sort_unstable();
+    for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
+        let mut covered = 0_u16;
+        for hit in texel {
+            covered |= hit.covered;
+            if covered.count_ones() >= COVERED_PLACES {
+                let slot = &mut first[hit.texel as usize];
+                *slot = (*slot).min(hit.first);
+                break;
+            }
+        }
+    }
+}
+
+/// The opaque part of a masked triangle: texture coordinates and vertex alpha as planes over grid x and y.
+pub(crate) struct TriangleMask {
+    material: u32,
+    u: Plane,
+    v: Plane,
+    /// `None` if all corners are opaque.
+    vertex_alpha: Option<Plane>,
+    /// Number of texture texels that a texel of the light's plane covers, along the longer axis.
+    extent_texels: f64,
+}
+
+impl TriangleMask {
+    /// Returns `None` for a triangle that is edge-on to the light.
+    pub(crate) fn new(scene: &Scene, grid: &LightGrid, surface: &Surface) -> Option<Self> {
+        let instance = &scene.instances[surface.instance as usize];
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let corners = mesh.triangles[surface.triangle as usize];
+        let corners_grid = corners.map(|v| grid.to_grid(instance.to_world(mesh.positions[v as usize])));
+        let uv = mesh.corner_uvs(surface.triangle);
+        let plane = |a: usize| Projected::attribute_plane(&corners_grid, uv.map(|c| f64::from(c[a])));
+        let (u, v) = (plane(0)?, plane(1)?);
+        let alphas = mesh.corner_alphas(surface.triangle);
+        let vertex_alpha = match alphas == [1.0; 3] {
+            true => None,
+            false => Some(Projected::attribute_plane(&corners_grid, alphas.map(f64::from))?),
+        };
+        let material = mesh.triangle_materials[surface.triangle as usize];
+        let size = scene.materials[material as usize].texture.map_or([1, 1], |t| {
+            let texture = &scene.textures[t as usize];
+            [texture.width, texture.height]
+        });
+        let extent = |p: &Plane, texels: u32| (p.gradient[0].abs() + p.gradient[1].abs()) * f64::from(texels);
+        let extent_texels = extent(&u, size[0]).max(extent(&v, size[1]));
+        Some(Self { material, u, v, vertex_alpha, extent_texels })
+    }
+
+    /// Returns which sample points of the texel around (x, y) are opaque: bit = row · 4 + column.
+    pub(crate) fn coverage(&self, scene: &Scene, x: f64, y: f64) -> u16 {
+        if self.extent_texels < COARSE_TEXTURE_TEXELS {
+            return if self.opaque_at(scene, x, y) { u16::MAX } else { 0 };
+        }
+        let places = |wanted: u16| {
+            (0..PLACES * PLACES).filter(|place| wanted >> place & 1 == 1).fold(0, |bits, place| {
+                let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(PLACES) - 0.5;
+                let opaque = self.opaque_at(scene, x + offset(place % PLACES), y + offset(place / PLACES));
+                bits | u16::from(opaque) << place
+            })
+        };
+        match places(CORNERS) {
+            0 if self.extent_texels < CORNERS_TELL_TEXELS => 0,
+            CORNERS if self.extent_texels < CORNERS_TELL_TEXELS => u16::MAX,
+            corners => corners | places(!CORNERS),
+        }
+    }
+
+    fn opaque_at(&self, scene: &Scene, x: f64, y: f64) -> bool {
+        let vertex_alpha = self.vertex_alpha.as_ref().map_or(1.0, |plane| plane.at(x, y) as f32);
+        scene.is_opaque(self.material, [self.u.at(x, y) as f32, self.v.at(x, y) as f32], vertex_alpha)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masked_layers_count_together_from_the_light_on() {
+        let hit = |depth, covered| MaskedHit::new(0, depth, 1 << 31, covered);
+        let mut first = [FirstSurface::NONE];
+        // A quarter, the same quarter again, another quarter: half is reached at the third.
+        let mut hits = [hit(900, 0x0f00), hit(300, 0x000f), hit(600, 0x000f), hit(1200, u16::MAX)];
+        add_first_surfaces(&mut hits, &mut first);
+        assert_eq!(first[0].depth(), 900);
+        // An opaque surface that is nearer stays first.
+        let mut first = [FirstSurface::new(100, 0)];
+        add_first_surfaces(&mut hits, &mut first);
+        assert_eq!(first[0].depth(), 100);
+    }
+}

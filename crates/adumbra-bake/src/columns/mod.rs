@@ -1,0 +1,8 @@
+//! What each column allows: its first surface, and the interval in which it may switch from lit to shadowed.
+
+mod block;
+pub(crate) mod capture;
+pub(crate) mod masked;
+pub(crate) mod rules;
+
+pub(crate) use block::{BLOCK_SIDE, BlockColumns};

@@ -1,0 +1,461 @@
+//! What a column allows: §3 of the specification, one rule per function.
+//!
+//! A column has an *entry* (the first surface from the light) and an *exit*. It may switch from lit to shadowed
+//! anywhere between them. Voxel k is defined lit if k < e, defined shadowed if k >= x, and free otherwise, with
+//! `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column without a surface has e = the grid's depth. An
+//! x at or beyond the grid's end is [`FREE_TO_END`].
+
+use crate::triangles::project::{FixedDepth, Plane, Projected, SUBTEXEL, fixed_depth, floor_fixed_depth};
+use crate::triangles::surface::Surface;
+use adumbra::{Bias, MAX_PLANE_SLOPE, Receivers};
+
+/// Offset in depth steps that makes a depth an unsigned key.
+const KEY_OFFSET: i64 = 1 << 28;
+
+/// The nearest surface of a column, ordered by depth; then solids before open surfaces; then by increasing bias.
+///
+/// | bits | meaning |
+/// |---|---|
+/// | 63..32 | depth in 1/256 voxel plus 2^28 |
+/// | 31 | 1 = open, 0 = bounds a solid |
+/// | 15..0 | bias at the surface's slope, 1/256 voxel |
+///
+/// Worked value: an open surface at depth 2 with a bias of 1.5 voxels is `0x1000_0200_8000_0180`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct FirstSurface(u64);
+
+const OPEN_BIT: u64 = 1 << 31;
+
+impl FirstSurface {
+    /// No surface.
+    pub(crate) const NONE: Self = Self(u64::MAX);
+
+    pub(crate) fn new(depth: FixedDepth, info: u32) -> Self {
+        Self(((i64::from(depth) + KEY_OFFSET) as u64) << 32 | u64::from(info))
+    }
+
+    pub(crate) fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+
+    pub(crate) fn is_solid(self) -> bool {
+        self.0 & OPEN_BIT == 0
+    }
+
+    pub(crate) fn set_open(&mut self) {
+        self.0 |= OPEN_BIT;
+    }
+
+    /// Returns the depth, or [`FixedDepth::MAX`] if there is no surface.
+    pub(crate) fn depth(self) -> FixedDepth {
+        if self.is_none() { FixedDepth::MAX } else { ((self.0 >> 32) as i64 - KEY_OFFSET) as FixedDepth }
+    }
+
+    /// Returns the bias at the surface's slope, 1/256 voxel.
+    pub(crate) fn bias(self) -> FixedDepth {
+        (self.0 & 0xffff) as FixedDepth
+    }
+}
+
+/// A sunward surface of a solid that covers a texel's centre only when it is grown by the seam width.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct SeamHit {
+    texel: u32,
+    first: FirstSurface,
+    /// Instance and component.
+    body: [u32; 2],
+}
+
+impl SeamHit {
+    pub(crate) fn new(texel: usize, depth: FixedDepth, info: u32, surface: &Surface) -> Self {
+        let first = FirstSurface::new(depth, info | OPEN_BIT as u32);
+        Self { texel: texel as u32, first, body: [surface.instance, surface.component] }
+    }
+}
+
+/// Keeps only the hits at texels where hits of two solids meet. Returns whether any are left.
+pub(crate) fn keep_meeting_seams(hits: &mut Vec<SeamHit>) -> bool {
+    hits.sort_unstable();
+    let mut kept = 0;
+    let mut start = 0;
+    while start < hits.len() {
+        let texel = hits[start].texel;
+        let end = start + hits[start..].partition_point(|hit| hit.texel == texel);
+        if hits[start..end].iter().any(|hit| hit.body != hits[start].body) {
+            hits.copy_within(start..end, kept);
+            kept += end - start;
+        }
+        start = end;
+    }
+    hits.truncate(kept);
+    kept > 0
+}
+
+/// Removes the hits of a solid at texels that `surface`, another part of the solid's sunward side, covers itself. They
+/// are beside an edge within that side, where there is no seam.
+pub(crate) fn drop_covered_seams(hits: &mut Vec<SeamHit>, surface: &Surface, covers: impl Fn(usize) -> bool) {
+    if surface.casts && surface.solid && !surface.masked && surface.shape.faces_sun {
+        let body = [surface.instance, surface.component];
+        hits.retain(|hit| hit.body != body || !covers(hit.texel as usize));
+    }
+}
+
+/// Closes the seams between solids that touch. A centre that is within the seam width of two solids is covered from the
+/// depth at which both are. The inside is unknown there, so the covering surface is open. Calls `close(texel, surface)`
+/// at most once per texel.
+///
+/// Rays see no gap there, but snapping may have moved corners off the neighbour's edge on which they were.
+pub(crate) fn close_seams(hits: &[SeamHit], mut close: impl FnMut(usize, FirstSurface)) {
+    for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
+        if let Some(second) = texel.iter().find(|hit| hit.body != texel[0].body) {
+            close(second.texel as usize, second.first);
+        }
+    }
+}
+
+/// Encodes a solid's crossing as a sortable word: depth plus 2^28 in bits 31..1; bit 0 = 1 if the ray leaves the solid.
+pub(crate) fn crossing_key(depth: FixedDepth, exit_bit: u32) -> u32 {
+    ((i64::from(depth) + KEY_OFFSET) as u32) << 1 | exit_bit
+}
+
+/// Returns the depth of the first of the sorted crossings at which all solids that were entered have been left. Returns
+/// `None` if there is no such crossing; then the column is open.
+///
+/// A self-intersecting hull may be left before it is entered. Its column ends right there, so a column always ends
+/// where a solid is left.
+pub(crate) fn solid_end(sorted: &[u32]) -> Option<FixedDepth> {
+    let mut inside = 0_u32;
+    for &key in sorted {
+        if key & 1 == 0 {
+            inside += 1;
+        } else {
+            inside = inside.saturating_sub(1);
+            if inside == 0 {
+                return Some((i64::from(key >> 1) - KEY_OFFSET) as FixedDepth);
+            }
+        }
+    }
+    None
+}
+
+/// Calls `visit(from, to)` for every interval of positive winding in sorted crossings; `to` is where the winding is
+/// back at 0. Visits nothing if the count becomes negative; then the column is open. A solid that is entered but never
+/// left has no interval.
+pub(crate) fn for_each_inside(sorted: &[u32], mut visit: impl FnMut(FixedDepth, FixedDepth)) {
+    let depth = |key: u32| (i64::from(key >> 1) - KEY_OFFSET) as FixedDepth;
+    let step = |key: u32| if key & 1 == 0 { 1 } else { -1 };
+    let mut winding = 0;
+    for &key in sorted {
+        winding += step(key);
+        if winding < 0 {
+            return;
+        }
+    }
+    let (mut winding, mut from) = (0, 0);
+    for &key in sorted {
+        if winding == 0 {
+            from = depth(key);
+        }
+        winding += step(key);
+        if winding == 0 && depth(key) > from {
+            visit(from, depth(key));
+        }
+    }
+}
+
+/// The bake options that decide a column.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ColumnRules {
+    pub(crate) bias: Bias,
+    /// How far below an open surface a shadow may begin, voxels. The bias at the surface's slope applies instead if it
+    /// is larger.
+    pub(crate) thickness_voxels: f64,
+    pub(crate) assume_ground: bool,
+    pub(crate) receivers: Receivers,
+    /// Voxels along the light.
+    pub(crate) depth_voxels: u32,
+}
+
+/// The x of a column in which no voxel of the grid must be shadowed. [`BESIDE_GRID`] also has this meaning.
+pub(crate) const FREE_TO_END: u32 = u32::MAX - 1;
+/// The x of a column outside the grid, with e = 0. Nothing samples such a column.
+pub(crate) const BESIDE_GRID: u32 = u32::MAX;
+
+/// Half the side of a texel's footprint, with 1/256 for snapping.
+const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
+/// Distance in texels at which a filter around a static receiver may read: the reach of a 9 × 9 filter.
+const STATIC_FILTER_REACH: f64 = 4.0;
+/// Distance in texels between the outermost taps that share a depth: the eight texels of one block.
+const STATIC_FILTER_TAPS_REACH: f64 = 7.0;
+
+/// The reason why look-ups from a surface near a column sample the column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ReceiverKind {
+    /// Points of the surface are in the texel's footprint.
+    Footprint,
+    /// A filter around points of the surface reads the texel, at the depth of the surface's plane there.
+    Filtered,
+}
+
+/// What look-ups from one surface have in common, whichever column they sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReceiverPlane {
+    /// The plane on which they sample columns.
+    pub(crate) plane: Plane,
+    /// How far before the plane they sample, from the surface's own bias, voxels.
+    pub(crate) lift_voxels: f64,
+    /// How far fixed-point rounding may move the sampled depth, voxels: the gradient's rounding over half a texel, plus
+    /// the position's rounding times the gradient.
+    pub(crate) rounding_voxels: f64,
+}
+
+/// The depths at which look-ups from one surface sample one column, 1/256 voxel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sampled {
+    /// The surface's plane at the texel's centre.
+    pub(crate) plane: FixedDepth,
+    /// The nearest depth that the look-ups sample: the plane, lifted by the surface's own bias.
+    pub(crate) lifted: FixedDepth,
+}
+
+impl ReceiverPlane {
+    /// Returns where look-ups sample the column whose centre is (x, y).
+    pub(crate) fn sampled(&self, kind: ReceiverKind, x: f64, y: f64) -> Sampled {
+        let z = self.plane.at(x, y);
+        let before = match kind {
+            ReceiverKind::Footprint => 0.0,
+            ReceiverKind::Filtered => STATIC_FILTER_TAPS_REACH * self.plane.gradient_sum(),
+        };
+        let lifted = z - self.lift_voxels - before - self.rounding_voxels;
+        Sampled { plane: fixed_depth(z), lifted: floor_fixed_depth(lifted) }
+    }
+}
+
+impl ColumnRules {
+    /// Half the side of the square around a texel's centre from which surfaces of this kind sample the texel, texels.
+    pub(crate) fn footprint_half_texels(&self, kind: ReceiverKind) -> f64 {
+        // A normal offset also moves the point across the light's plane.
+        let half = FOOTPRINT_HALF + self.bias.normal_offset_texels;
+        match kind {
+            ReceiverKind::Footprint => half,
+            ReceiverKind::Filtered => half + STATIC_FILTER_REACH,
+        }
+    }
+
+    /// How far outside its outline a triangle may matter to a column, texels.
+    pub(crate) fn reach_texels(&self) -> f64 {
+        self.footprint_half_texels(match self.receivers {
+            Receivers::All => ReceiverKind::Footprint,
+            Receivers::Static => ReceiverKind::Filtered,
+        })
+    }
+
+    /// Returns the low word of a [`FirstSurface`].
+    pub(crate) fn surface_info(&self, slope: f64, solid: bool) -> u32 {
+        self.bias_fixed(slope) as u32 | if solid { 0 } else { OPEN_BIT as u32 }
+    }
+
+    /// Returns the bias along the light at this slope, 1/256 voxel, clamped to 16 bits.
+    pub(crate) fn bias_fixed(&self, slope: f64) -> FixedDepth {
+        (self.bias.along_light(slope) * SUBTEXEL as f64).min(65_535.0) as FixedDepth
+    }
+
+    /// Returns how far below an open surface a shadow may begin, 1/256 voxel.
+    pub(crate) fn thickness_fixed(&self) -> FixedDepth {
+        (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth
+    }
+
+    /// Returns how far before a surface of this slope its look-ups sample, voxels.
+    fn lift_voxels(&self, slope: f64) -> f64 {
+        let normal_offset = self.bias.normal_offset_texels;
+        let along_normal =
+            if normal_offset == 0.0 { 0.0 } else { normal_offset * (1.0 + slope * slope).sqrt() };
+        self.bias.along_light(slope) + along_normal
+    }
+
+    /// Returns the surface as a receiver. Returns `None` if it receives no sunlight because it is the far side of a
+    /// solid, or if it is steeper than look-ups support.
+    pub(crate) fn receiver(&self, surface: &Surface) -> Option<ReceiverPlane> {
+        if surface.casts && surface.solid && !surface.shape.faces_sun {
+            return None;
+        }
+        let plane = surface.shape.true_plane()?;
+        (plane.slope() <= MAX_PLANE_SLOPE).then(|| self.receiver_on(plane))
+    }
+
+    /// Returns what look-ups from a surface on this plane have in common.
+    pub(crate) fn receiver_on(&self, plane: Plane) -> ReceiverPlane {
+        ReceiverPlane {
+            lift_voxels: self.lift_voxels(plane.slope()),
+            rounding_voxels: 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0,
+            plane,
+        }
+    }
+
+    /// Returns the depth before which the shadow of column (i, j) must have begun for a receiver that touches the
+    /// column's footprint, or [`FixedDepth::MAX`] if the receiver requires none.
+    ///
+    /// A look-up from a receiver tests whether anything is before its lifted point. So if that point is behind the
+    /// column's first surface, the column must be shadowed there. There are two exceptions. If the receiver's plane is
+    /// before the base, the receiver is the first surface itself, or runs through the solid that begins there. If the
+    /// first surface is between the plane and the lifted point, it is nearer to the receiver than the bias, and no
+    /// look-up from the receiver can see it.
+    ///
+    /// A receiver that misses the texel's centre is sampled where its plane continues. It counts only if its own part
+    /// within the footprint is behind the base too; otherwise a wall's foot would require shadow under the ground on
+    /// which it stands. Within a footprint, the neighbours of an open first surface may be deeper by up to its bias
+    /// without counting as behind it.
+    pub(crate) fn receiver_behind(
+        &self,
+        kind: ReceiverKind,
+        (triangle, receiver): (&Projected, &ReceiverPlane),
+        [i, j]: [i64; 2],
+        base: FixedDepth,
+        first: FirstSurface,
+    ) -> FixedDepth {
+        let center = [i, j].map(|c| c as f64 + 0.5);
+        let sampled = receiver.sampled(kind, center[0], center[1]);
+        if first.is_none() || sampled.plane <= base || sampled.lifted <= first.depth() {
+            return FixedDepth::MAX;
+        }
+        let sinks = if first.is_solid() { 0 } else { first.bias() };
+        let is_behind = |depth: f64| fixed_depth(depth) > base.saturating_add(sinks);
+        let part_is_behind = || {
+            let half = self.footprint_half_texels(kind);
+            is_behind(triangle.z_max) && is_behind(triangle.deepest_within(&receiver.plane, center, half))
+        };
+        if triangle.covers(i, j) || part_is_behind() { sampled.lifted } else { FixedDepth::MAX }
+    }
+
+    /// Returns the largest x if only static receivers must be answered, from the nearest depth at which one requires
+    /// shadow.
+    pub(crate) fn static_end(&self, first: FirstSurface, next: FixedDepth) -> u32 {
+        if first.is_none() || next == FixedDepth::MAX {
+            return FREE_TO_END;
+        }
+        self.sampled_voxel(next)
+    }
+
+    /// Returns the voxel that answers a look-up at this depth. Behind the grid it is the last one.
+    pub(crate) fn sampled_voxel(&self, depth: FixedDepth) -> u32 {
+        let voxel = i64::from(depth).div_euclid(SUBTEXEL);
+        voxel.clamp(0, i64::from(self.depth_voxels) - 1) as u32
+    }
+
+    /// Returns the column's `[e, x]`: voxel k is defined lit if k < e and defined shadowed if k >= x.
+    ///
+    /// Points in space, whose look-ups have no slope, get the switch nearest to the first surface, and no later than
+    /// its exit. A receiver behind, at whose lifted point `next` shadow must have begun, takes precedence: e is reduced
+    /// for it. But e is not reduced below what points before the first surface need, whose look-ups sample at least the
+    /// constant bias before it.
+    pub(crate) fn column(&self, first: FirstSurface, base: FixedDepth, next: FixedDepth) -> [u32; 2] {
+        if first.is_none() {
+            return [self.depth_voxels, FREE_TO_END];
+        }
+        let e = self.quantize(first.depth());
+        let nothing_behind = next == FixedDepth::MAX;
+        let x = if nothing_behind && self.assume_ground {
+            FREE_TO_END
+        } else {
+            self.latest_switch(self.exit(first, base)).max(e)
+        };
+        if nothing_behind {
+            return [e, x];
+        }
+        let needed = self.sampled_voxel(next).max(self.least_switch(first));
+        [e.min(needed), x.min(needed)]
+    }
+
+    /// Returns where the shadow must have begun for points in space: at the solid's end, or an open surface's thickness
+    /// below it.
+    pub(crate) fn exit(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
+        if first.is_solid() { base } else { first.depth().saturating_add(self.open_thickness(first)) }
+    }
+
+    /// Returns how far below an open first surface its shadow may begin, 1/256 voxel.
+    fn open_thickness(&self, first: FirstSurface) -> FixedDepth {
+        self.thickness_fixed().max(first.bias())
+    }
+
+    /// Returns the first voxel that no look-up from the first surface, or from anything before it, samples.
+    fn least_switch(&self, first: FirstSurface) -> u32 {
+        let lift = ((self.bias.constant_texels + self.bias.normal_offset_texels) * SUBTEXEL as f64) as i64;
+        let voxel = (i64::from(first.depth()) - lift).div_euclid(SUBTEXEL) + 1;
+        voxel.clamp(0, i64::from(self.depth_voxels)) as u32
+    }
+
+    /// Returns x for an exit: [`FREE_TO_END`] at or beyond the grid's end.
+    pub(crate) fn latest_switch(&self, exit: FixedDepth) -> u32 {
+        let x = self.quantize(exit);
+        if x < self.depth_voxels { x } else { FREE_TO_END }
+    }
+
+    /// Returns `ceil(depth - 1/2)` in whole voxels, clamped to the grid.
+    pub(crate) fn quantize(&self, depth: FixedDepth) -> u32 {
+        let steps = i64::from(depth) - SUBTEXEL / 2;
+        let voxel = -(-steps).div_euclid(SUBTEXEL);
+        voxel.clamp(0, i64::from(self.depth_voxels)) as u32
+    }
+}
+
+/// `[e, x]` of every column of a tile.
+#[derive(Default)]
+pub(crate) struct Columns {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// End of the range that must be lit.
+    pub(crate) e: Vec<u32>,
+    /// Start of the range that must be shadowed.
+    pub(crate) x: Vec<u32>,
+}
+
+impl Columns {
+    pub(crate) fn reset(&mut self, width: u32, height: u32) {
+        self.width = width;
+        self.height = height;
+        for v in [&mut self.e, &mut self.x] {
+            v.clear();
+            v.resize((width * height) as usize, 0);
+        }
+    }
+
+    pub(crate) fn set(&mut self, texel: usize, [e, x]: [u32; 2]) {
+        self.e[texel] = e;
+        self.x[texel] = x;
+    }
+
+    /// Lets a column's shadow begin as late as `x`.
+    pub(crate) fn extend(&mut self, texel: usize, x: u32) {
+        self.x[texel] = self.x[texel].max(x);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the intervals of crossings that are given as (depth, is left).
+    fn insides(crossings: &[(FixedDepth, bool)]) -> Vec<(FixedDepth, FixedDepth)> {
+        let mut keys: Vec<_> = crossings.iter().map(|&(d, left)| crossing_key(d, u32::from(left))).collect();
+        keys.sort_unstable();
+        let mut found = Vec::new();
+        for_each_inside(&keys, |from, to| found.push((from, to)));
+        found
+    }
+
+    #[test]
+    fn columns_lie_inside_solids_from_entering_to_leaving() {
+        let (enters, leaves) = (|d| (d, false), |d| (d, true));
+        assert_eq!(insides(&[]), []);
+        assert_eq!(insides(&[enters(-5), leaves(9)]), [(-5, 9)]);
+        // Nested, and one behind the other.
+        let nested = [enters(10), enters(20), leaves(30), leaves(40), enters(50), leaves(60)];
+        assert_eq!(insides(&nested), [(10, 40), (50, 60)]);
+        // Abutting: at equal depth entering sorts before leaving, so there is no gap.
+        assert_eq!(insides(&[enters(1), leaves(5), enters(5), leaves(8)]), [(1, 8)]);
+        // Zero thickness; never left; left before it is entered.
+        assert_eq!(insides(&[enters(3), leaves(3)]), []);
+        assert_eq!(insides(&[enters(1), leaves(2), enters(7)]), [(1, 2)]);
+        assert_eq!(insides(&[leaves(0), enters(1), leaves(2)]), []);
+    }
+}

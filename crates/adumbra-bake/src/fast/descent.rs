@@ -1,0 +1,216 @@
+//! The block descent: a quadtree of blocks over the light's plane, each with the list of surfaces near it. Blocks that
+//! classification resolves are never sampled. Only blocks that contours cross are subdivided down to texels.
+//!
+//! Cost: each surface is visited once per block that it is near, unless an ancestor of the block was resolved. The
+//! number of texels drawn is about the contours' length in texels.
+
+use adumbra::layout::LEAF_NODE_LEVEL;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::columns::capture::{CaptureBuffers, TileRect, capture};
+use crate::columns::rules::{BESIDE_GRID, ColumnRules, Columns, FREE_TO_END};
+use crate::columns::{BLOCK_SIDE, BlockColumns};
+use crate::error::{Error, Result};
+use crate::fast::block::{Block, BlockSurface};
+use crate::fast::classify::{Classification, ClassifyBuffers, classify};
+use crate::fast::gather::gather;
+use crate::fast::leaf::{LeafBuffers, NearSurfaces, Setting, leaf_columns};
+use crate::sink::BlockSink;
+use crate::tiles::Tiles;
+use crate::triangles::casters::Casters;
+use crate::triangles::project::{FixedDepth, SUBTEXEL};
+use crate::triangles::surface::{Surface, Surfaces};
+use adumbra::Receivers;
+use adumbra::grid::LightGrid;
+use adumbra_scene::Scene;
+
+/// Buffers that a worker reuses from block to block.
+#[derive(Default)]
+pub(crate) struct DescentBuffers {
+    /// Lists of surfaces. A block's list follows that of its parent.
+    lists: Vec<u32>,
+    classify: ClassifyBuffers,
+    leaf: LeafBuffers,
+    capture: CaptureBuffers,
+    columns: Columns,
+    /// Texels that were evaluated one by one.
+    pub(crate) drawn_texels: u64,
+}
+
+impl DescentBuffers {
+    /// Removes the surfaces behind `resolved`, and their ranges, from the list that was classified last. Returns the
+    /// nearest depth that look-ups from them sample.
+    fn forget_behind(&mut self, from: usize, resolved: FixedDepth) -> FixedDepth {
+        let ranges = &mut self.classify.ranges;
+        let mut nearest = FixedDepth::MAX;
+        let mut kept = 0;
+        for i in 0..ranges.len() {
+            if ranges[i].is_behind(resolved) {
+                nearest = nearest.min(ranges[i].lifted());
+            } else {
+                self.lists[from + kept] = self.lists[from + i];
+                ranges[kept] = ranges[i];
+                kept += 1;
+            }
+        }
+        ranges.truncate(kept);
+        self.lists.truncate(from + kept);
+        nearest
+    }
+}
+
+/// Returns the bytes that a worker holds: the surfaces of the fullest root block, and their lists at every level.
+pub(crate) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
+    let fullest = (0..(tiles[0] * tiles[1]) as usize)
+        .map(|tile| casters.in_tile(tile).iter().map(|&p| casters.triangles(p).len() as u64).sum::<u64>())
+        .max()
+        .unwrap_or_default();
+    // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far shorter.
+    fullest * (2 * size_of::<BlockSurface>() as u64 + 32)
+}
+
+/// Builds root block `tile` of `tiles` into `sink`.
+///
+/// # Errors
+/// Returns [`Error::Interrupted`] soon after `cancel` is set.
+#[inline(never)] // Counted by `cargo xtask count`.
+pub(crate) fn build_root<S: BlockSink>(
+    tiles: &Tiles<'_>,
+    tile: usize,
+    sink: &S,
+    buffers: &mut DescentBuffers,
+    cancel: &AtomicBool,
+) -> Result<S::Block> {
+    let rect = tiles.rect(tile);
+    let block = Block { level: tiles.root_level, x: rect.x, y: rect.y };
+    let reach = reach_outside(&tiles.rules);
+    let surfaces = gather(&tiles.casters, tile, &block.snapped(reach), &tiles.grid, &tiles.rules);
+    let descent = Descent {
+        setting: Setting {
+            scene: tiles.casters.scene,
+            grid: &tiles.grid,
+            rules: &tiles.rules,
+            surfaces: &surfaces,
+        },
+        reach,
+        sink,
+        cancel,
+    };
+    buffers.lists.clear();
+    buffers.lists.extend(0..surfaces.len() as u32);
+    descent.build(block, 0, FixedDepth::MAX, buffers)
+}
+
+/// Returns how far outside a block a surface may matter to its columns, 1/256 texel.
+fn reach_outside(rules: &ColumnRules) -> i64 {
+    // The footprint of a texel at the border, plus the movement from snapping.
+    ((rules.reach_texels() - 0.5) * SUBTEXEL as f64).ceil() as i64 + 2
+}
+
+struct Descent<'a, S> {
+    setting: Setting<'a>,
+    reach: i64,
+    sink: &'a S,
+    cancel: &'a AtomicBool,
+}
+
+/// Blocks of this level and above check for cancellation.
+const CANCEL_LEVEL: u32 = 8;
+
+impl<S: BlockSink> Descent<'_, S> {
+    /// Builds a block whose surfaces are `buffers.lists[from..]`. Some surface behind everything resolved is sampled at
+    /// `known_behind`. Recursion depth: the number of levels.
+    fn build(
+        &self,
+        block: Block,
+        from: usize,
+        known_behind: FixedDepth,
+        buffers: &mut DescentBuffers,
+    ) -> Result<S::Block> {
+        let Setting { grid, rules, surfaces, .. } = self.setting;
+        let [width, height, depth] = grid.size;
+        if block.x >= width || block.y >= height {
+            return Ok(self.sink.uniform(block.level, [0, BESIDE_GRID]));
+        }
+        if buffers.lists.len() == from {
+            return Ok(self.sink.uniform(block.level, [depth, FREE_TO_END]));
+        }
+        if block.level >= CANCEL_LEVEL && self.cancel.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        let list = &buffers.lists[from..];
+        let resolved = match classify(&block, surfaces, list, known_behind, rules, &mut buffers.classify) {
+            Classification::Resolved(interval) => return Ok(self.sink.uniform(block.level, interval)),
+            // What static receivers require depends on all surfaces.
+            Classification::Unresolved { .. } if rules.receivers == Receivers::Static => FixedDepth::MAX,
+            Classification::Unresolved { resolved } => resolved,
+        };
+        let known_behind = buffers.forget_behind(from, resolved).min(known_behind);
+        if block.level == LEAF_NODE_LEVEL {
+            return Ok(self.leaf(block, from, known_behind, buffers));
+        }
+        let to = buffers.lists.len();
+        let mut build = |q| {
+            let quarter = block.quarter(q);
+            let rect = quarter.snapped(self.reach);
+            for place in from..to {
+                let s = buffers.lists[place];
+                if rect.touches(&surfaces[s as usize].surface.shape) {
+                    buffers.lists.push(s);
+                }
+            }
+            let built = self.build(quarter, to, known_behind, buffers);
+            buffers.lists.truncate(to);
+            built
+        };
+        let quarters = [build(0)?, build(1)?, build(2)?, build(3)?];
+        Ok(self.sink.join(block.level, quarters))
+    }
+
+    fn leaf(
+        &self,
+        block: Block,
+        from: usize,
+        known_behind: FixedDepth,
+        buffers: &mut DescentBuffers,
+    ) -> S::Block {
+        let side = BLOCK_SIDE as u32;
+        let width = side.min(self.setting.grid.size[0] - block.x);
+        let height = side.min(self.setting.grid.size[1] - block.y);
+        buffers.drawn_texels += u64::from(width * height);
+        let list = &buffers.lists[from..];
+        if self.setting.rules.receivers == Receivers::All {
+            let row = 0xff >> (side - width);
+            let inside = (0..height).fold(0_u64, |mask, y| mask | row << (8 * y));
+            let near = NearSurfaces { list, ranges: &buffers.classify.ranges };
+            let columns = leaf_columns(&block, inside, near, known_behind, self.setting, &mut buffers.leaf);
+            return self.sink.leaf(&columns);
+        }
+        let rect = TileRect { x: block.x, y: block.y, width, height };
+        let near = Near { descent: self, list };
+        capture(&near, self.setting.rules, rect, &mut buffers.capture, &mut buffers.columns);
+        self.sink.leaf(&BlockColumns::padded(&buffers.columns))
+    }
+}
+
+/// The surfaces near one block.
+struct Near<'a, S> {
+    descent: &'a Descent<'a, S>,
+    list: &'a [u32],
+}
+
+impl<S> Surfaces for Near<'_, S> {
+    fn scene(&self) -> &Scene {
+        self.descent.setting.scene
+    }
+
+    fn grid(&self) -> &LightGrid {
+        self.descent.setting.grid
+    }
+
+    fn for_each(&self, mut visit: impl FnMut(&Surface)) {
+        for &s in self.list {
+            visit(&self.descent.setting.surfaces[s as usize].surface);
+        }
+    }
+}

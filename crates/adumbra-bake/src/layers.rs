@@ -1,0 +1,99 @@
+//! First surfaces, and the insides of solids, for every texel of a light-aligned grid, tile by tile: the input for
+//! structures that voxelize depth themselves.
+
+use adumbra::{Bias, LightGrid, MAX_SLOPE, Receivers};
+use adumbra_scene::Scene;
+
+use crate::columns::capture::{self, CaptureBuffers, TileRect, capture_layers};
+use crate::columns::rules::{ColumnRules, for_each_inside};
+use crate::triangles::casters::{CasterOptions, Casters};
+pub use crate::triangles::project::FixedDepth;
+use crate::triangles::surface::TileSurfaces;
+
+/// How a scene is interpreted.
+#[derive(Clone, Copy, Debug)]
+pub struct LayerOptions {
+    /// Whether the insides of closed components are found.
+    pub closed_regions: bool,
+    /// Whether masked materials count as opaque.
+    pub ignore_alpha: bool,
+    /// Bias added to the depth of first surfaces. Its offset along the normal is ignored.
+    pub bias: Bias,
+}
+
+/// A scene, sorted into square tiles of a grid.
+pub struct LayerCapture<'s> {
+    casters: Casters<'s>,
+    rules: ColumnRules,
+    grid: LightGrid,
+    tile_side: u32,
+}
+
+/// Buffers that a worker reuses from tile to tile.
+#[derive(Default)]
+pub struct LayerBuffers(CaptureBuffers);
+
+/// One texel's surfaces.
+pub struct Layers<'a> {
+    /// Depth of the first surface, bias included; `None` if the texel has no surface.
+    pub first: Option<FixedDepth>,
+    crossings: &'a [u32],
+}
+
+impl Layers<'_> {
+    /// Calls `visit(from, to)` for each interval inside solids, nearest first.
+    pub fn for_each_inside(&self, visit: impl FnMut(FixedDepth, FixedDepth)) {
+        for_each_inside(self.crossings, visit);
+    }
+}
+
+impl<'s> LayerCapture<'s> {
+    /// Sorts `scene` into tiles of `tile_side` texels a side. Cost: one visit per cluster of triangles.
+    pub fn new(scene: &'s Scene, grid: &LightGrid, options: LayerOptions, tile_side: u32) -> Self {
+        let caster_options = CasterOptions {
+            closed_regions: options.closed_regions,
+            ignore_alpha: options.ignore_alpha,
+            outlines: false,
+        };
+        let tiles = [grid.size[0].div_ceil(tile_side), grid.size[1].div_ceil(tile_side)];
+        let casters = Casters::new(scene, caster_options, grid, tile_side, tiles, 1.0);
+        let rules = ColumnRules {
+            bias: Bias { normal_offset_texels: 0.0, ..options.bias },
+            thickness_voxels: 0.0,
+            assume_ground: false,
+            receivers: Receivers::All,
+            depth_voxels: 0,
+        };
+        Self { casters, rules, grid: *grid, tile_side }
+    }
+
+    /// Number of triangles that cast shadows, counted once per instance.
+    pub fn instanced_triangles(&self) -> u64 {
+        self.casters.instanced_triangles()
+    }
+
+    /// Upper bound on how far the bias moves any depth, in 1/256 voxel.
+    pub fn largest_bias(&self) -> FixedDepth {
+        self.rules.surface_info(MAX_SLOPE, true) as FixedDepth + 1
+    }
+
+    /// Calls `visit([column, row], layers)` once for each texel of a tile, in no particular order. Columns and rows are
+    /// counted from the tile's corner; tiles are numbered row by row.
+    pub fn tile(&self, tile: usize, buffers: &mut LayerBuffers, mut visit: impl FnMut([u32; 2], Layers<'_>)) {
+        let tiles_x = self.grid.size[0].div_ceil(self.tile_side);
+        let [x, y] = [tile as u32 % tiles_x, tile as u32 / tiles_x].map(|t| t * self.tile_side);
+        let width = self.tile_side.min(self.grid.size[0] - x);
+        let height = self.tile_side.min(self.grid.size[1] - y);
+        let rect = TileRect { x, y, width, height };
+        let surfaces = TileSurfaces { casters: &self.casters, tile, grid: &self.grid };
+        capture_layers(&surfaces, &self.rules, rect, &mut buffers.0, |texel, first, crossings| {
+            let first = (!first.is_none()).then(|| first.depth().saturating_add(first.bias()));
+            visit([texel as u32 % width, texel as u32 / width], Layers { first, crossings });
+        });
+    }
+}
+
+/// Bytes that a worker holds for a tile of this many texels.
+pub fn working_bytes(texels: u64) -> u64 {
+    capture::working_bytes(texels)
+}

@@ -1,0 +1,105 @@
+//! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in light space, one root block
+//! at a time per core. The depth image is never whole in memory, and [`Builder::Fast`] never draws most of it.
+//!
+//! Source: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014, for the light-aligned
+//! voxel graph; §3 of the specification for what a column allows. The result does not depend on the number of threads,
+//! the order of blocks or of triangles, or the memory limit.
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use adumbra_bake::{BakeOptions, Size, Watch, bake};
+//! use adumbra_scene::LoadOptions;
+//!
+//! let scene = adumbra_scene::load(Path::new("city.glb"), &LoadOptions::default())?;
+//! let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
+//! let baked = bake(&scene, &BakeOptions::new(sun, Size::Resolution(8192)), Watch::none())?;
+//! adumbra_files::replace_file(Path::new("city.adumbra"), |out| baked.file.write_to(out))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # A bake
+//!
+//! 1. `triangles/`: triangles are grouped into clusters of nearby ones, and clusters are binned by root block of the
+//!    light's plane. Instances stay instances. A triangle is projected with integer edge functions on coordinates
+//!    snapped to 1/256 texel; its depth comes from the unsnapped plane.
+//! 2. `columns/`: the column rules. A column's first surface, the end of its solid and the next receiver give `e` and
+//!    `x`: lit before `e`, shadowed from `x` on, free in between.
+//! 3. `tiles`, `plan`: workers take root blocks one after another. All of them write to one store, sharded with one
+//!    lock per shard. At the end the nodes are numbered in the order of first visit over the top grid, which does not
+//!    depend on which worker built what, or when.
+//! 4. `fast/`, [`Builder::Fast`]: the surfaces of a root block are gathered into connected components that face one
+//!    way, and edges that are a *contour* under this sun are marked. A component without a contour in a block covers
+//!    either all of its texels or none, and one sample decides which. This bounds the block's largest `e` and smallest
+//!    `x`; if `x >= e`, the block is *resolved*. A quadtree descent stops at resolved blocks. Blocks of 8 × 8 texels
+//!    that are still not resolved are drawn, front to back, in bit masks.
+//! 5. `plain/`, [`Builder::Plain`]: every texel is drawn, in two passes: surfaces and crossings of solids at texel
+//!    centres, then the nearest receiver behind each column's caster.
+//! 6. `sink/`: the interface between the builders and the structures that they fill. A sink takes resolved blocks and
+//!    leaves, and joins four into one: into runs of nodes along z, into a quadtree of depths, or both. Before that the
+//!    switch limit cuts the columns' freedom, for filters beside a wall's foot.
+//! 7. `store/`: hash-consing, canonical numbering, and paging. With a memory limit, words that were not used recently
+//!    go to unnamed temporary files. Hash tables stay in memory, and pages make room for them.
+//! 8. `pack/`: the encoders of the layouts. A graph is packed from its pages, so the plain graph is never whole in
+//!    memory.
+//!
+//! The tests compare the fast builder with the plain one (`plain/agreement.rs`), the plain one with every triangle at
+//! every column (`plain/reference.rs`), and all layouts of random scenes with columns and rays (`fuzz/`).
+//!
+//! Dependencies go one way: triangles → columns → tiles → store → pack → sink → fast and plain → plan → bake.
+//! [`convert`] makes one layout from another. [`layers`] provides first surfaces and insides of solids to structures
+//! that voxelize depth themselves.
+//!
+//! # Design decisions, and departures from the specification
+//!
+//! - *Shadow first.* A cube that may be either lit or shadowed is shadowed, so the switch stays at the first surface
+//!   wherever that costs nothing, and an object's foot has no gap.
+//! - *A receiver behind* a column's first surface is evaluated where look-ups sample it: on its own plane at the
+//!   texel's centre, lifted by its own bias. The column is shadowed there if that point is behind the first surface.
+//!   This replaced two rules, half the gap to the receiver and the bias at the first surface's slope, which lost the
+//!   shadows of layers nearer than twice the bias.
+//! - *Seams.* Corners are snapped to 1/256 texel, so a corner on a neighbour's edge may leave that edge. Open surfaces
+//!   are grown by one such step, and so are solids where two of them meet.
+//! - *Masked surfaces* are sampled over a texel's area, not at its centre: `docs/figures.md` has the measurement.
+//! - *Inside solids* the file may say either lit or shadowed, since no camera sees it; `verify` does not compare such
+//!   points.
+//! - *A node without leaf masks below it* may be shared by several levels. In the packed layout each level has its own.
+//! - *The packed layout* cannot hold a graph whose columns are not monotone along z, and packing one is an error. No
+//!   bake makes one.
+//! - Root cubes are 2^5 to 2^13 voxels a side (at most 2^10 with the plain builder), about 32 across the longer side of
+//!   the light's plane.
+//! - The grid has a margin of one voxel before the first surface and behind the last.
+//! - Static receivers are answered for filters up to 9 texels wide, with normals.
+
+mod bake;
+mod columns;
+pub mod convert;
+mod error;
+mod estimate;
+mod fast;
+#[cfg(test)]
+mod fuzz;
+pub mod layers;
+mod options;
+mod pack;
+mod plain;
+mod plan;
+mod progress;
+mod sink;
+pub mod store;
+mod tally;
+#[cfg(test)]
+mod test_bakes;
+mod texel_mask;
+mod tiles;
+mod triangles;
+
+pub use bake::{Bake, CandidateBytes, bake};
+pub use error::{Error, PackError, Result};
+pub use estimate::{Estimate, estimate};
+pub use options::{
+    BakeOptions, Builder, DEFAULT_SWITCH_WITHIN, LayoutChoice, MAX_RESOLUTION, MAX_SWITCH_WITHIN,
+    MIN_RESOLUTION, Preset, Size, check_bounds,
+};
+pub use pack::pack;
+pub use progress::{Progress, Report, Watch};

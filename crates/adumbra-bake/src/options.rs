@@ -1,0 +1,226 @@
+//! The options of a bake, with defaults, ranges and presets.
+
+use std::path::PathBuf;
+
+use adumbra::{Bias, Bounds, Layout, RangeError, Receivers, Sun};
+
+use crate::error::{Error, Result};
+
+/// Smallest resolution, texels on the longest side of the light's plane.
+pub const MIN_RESOLUTION: u32 = 8;
+/// Largest resolution, texels on the longest side of the light's plane.
+pub const MAX_RESOLUTION: u32 = 1 << 18;
+/// Default for [`BakeOptions::switch_within_voxels`], in voxels: the reach of a 9 × 9 filter at the
+/// steepest of the usual slopes.
+pub const DEFAULT_SWITCH_WITHIN: u32 = 8;
+/// Largest value of [`BakeOptions::switch_within_voxels`].
+pub const MAX_SWITCH_WITHIN: u32 = 65_535;
+
+/// The resolution of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// Texels on the longest side of the scene in the light's plane; a power of two.
+    Resolution(u64),
+    /// Edge length of a voxel in world units.
+    VoxelSize(f64),
+}
+
+/// The layout of the voxels in the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LayoutChoice {
+    /// A graph in units of 16 bits.
+    #[default]
+    Packed,
+    /// A quadtree of switch depths: the smallest file on most scenes.
+    Depths,
+    /// A graph in words of 32 bits.
+    Plain,
+    /// Packed or depths, whichever file is smaller. Both are built.
+    Auto,
+}
+
+impl LayoutChoice {
+    /// Whether the plain builder supports this layout.
+    fn has_plain_builder(self) -> bool {
+        matches!(self, Self::Packed | Self::Plain)
+    }
+}
+
+impl From<Layout> for LayoutChoice {
+    fn from(layout: Layout) -> Self {
+        match layout {
+            Layout::Plain => Self::Plain,
+            Layout::Packed => Self::Packed,
+            Layout::Depths => Self::Depths,
+        }
+    }
+}
+
+/// The method that finds the columns. Both give the same answer at every point that must be answered. Their files
+/// differ in voxels that nobody sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Builder {
+    /// Block descent: cost grows with the silhouettes.
+    #[default]
+    Fast,
+    /// Every texel is drawn: cost grows with the area. The reference for [`Builder::Fast`].
+    Plain,
+}
+
+/// The options of a bake.
+#[derive(Clone, Debug)]
+pub struct BakeOptions {
+    /// The sun.
+    pub sun: Sun,
+    /// The layout of the voxels in the file.
+    pub layout: LayoutChoice,
+    /// The resolution of the grid.
+    pub size: Size,
+    /// How far below an open surface a shadow may begin, in world units, at least 0. The bias at the surface's slope
+    /// applies instead if it is larger.
+    pub thickness_world: f64,
+    /// Whether to assume that no static surface is behind the last one of a column, so that its shadow may begin
+    /// anywhere there.
+    pub assume_ground: bool,
+    /// Whether voxels inside closed components may be either lit or shadowed.
+    pub closed_regions: bool,
+    /// Whether to treat masked materials as opaque.
+    pub ignore_alpha: bool,
+    /// Which points must be answered.
+    pub receivers: Receivers,
+    /// The region to cover instead of the scene's own extent. Casters outside it on the sunward side still cast into
+    /// it.
+    pub bounds: Option<Bounds>,
+    /// The look-up bias that the bake allows for.
+    pub bias: Bias,
+    /// Largest number of bytes that the bake may hold; `None` = no limit. What does not fit is kept in temporary files.
+    pub max_memory_bytes: Option<u64>,
+    /// Folder for the temporary files, which have no names; `None` = the system's folder.
+    pub spill_folder: Option<PathBuf>,
+    /// How far behind its first surface a column may switch to shadow, in voxels, at most [`MAX_SWITCH_WITHIN`]; 0 =
+    /// anywhere inside the solid. In a block that no contour crosses, the distance counts from the block's deepest
+    /// first surface for all of its columns. Smaller values give larger files, and filters that find shadow close to a
+    /// wall's foot.
+    pub switch_within_voxels: u32,
+    /// The method that finds the columns.
+    pub builder: Builder,
+}
+
+impl BakeOptions {
+    /// Creates default options for a sun and a size: ground assumed, closed regions used, every point answered.
+    pub fn new(sun: Sun, size: Size) -> Self {
+        Self {
+            sun,
+            layout: LayoutChoice::default(),
+            size,
+            thickness_world: 0.0,
+            assume_ground: true,
+            closed_regions: true,
+            ignore_alpha: false,
+            receivers: Receivers::All,
+            bounds: None,
+            bias: Bias::default(),
+            max_memory_bytes: None,
+            spill_folder: None,
+            switch_within_voxels: DEFAULT_SWITCH_WITHIN,
+            builder: Builder::Fast,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
+            let range = "a finite number of metres, 0 or more";
+            return Err(RangeError::new("the thickness", self.thickness_world, range).into());
+        }
+        if self.switch_within_voxels > MAX_SWITCH_WITHIN {
+            let range = "a number of voxels up to 65535";
+            return Err(RangeError::new("the switch limit", self.switch_within_voxels, range).into());
+        }
+        if self.builder == Builder::Plain && !self.layout.has_plain_builder() {
+            let range = "the fast one if the layout is depths, or the smaller of packed and depths";
+            return Err(RangeError::new("the builder", "plain", range).into());
+        }
+        self.bias.check()?;
+        self.bounds.as_ref().map_or(Ok(()), check_bounds)
+    }
+}
+
+/// Checks that the bounds of a bake are a valid box.
+///
+/// # Errors
+/// Returns [`Error::Range`] if the box has no extent or is not finite.
+pub fn check_bounds(b: &Bounds) -> Result<()> {
+    for a in 0..3 {
+        if !(b.min[a].is_finite() && b.max[a].is_finite() && b.min[a] < b.max[a]) {
+            let value = format!("{:?} to {:?}", b.min, b.max);
+            let range = "six finite numbers, each minimum below its maximum";
+            return Err(RangeError::new("the bounds", value, range).into());
+        }
+    }
+    Ok(())
+}
+
+impl Size {
+    /// Returns resolution and voxel size for a space whose longest side is `longest_side`.
+    ///
+    /// # Errors
+    /// Returns [`Error::Resolution`] or [`Error::Range`] if the size is out of range.
+    pub fn resolve(self, longest_side: f64) -> Result<(u32, f64)> {
+        match self {
+            Self::Resolution(resolution) => {
+                let nearest =
+                    resolution.clamp(MIN_RESOLUTION.into(), MAX_RESOLUTION.into()).next_power_of_two();
+                if nearest != resolution {
+                    return Err(Error::Resolution {
+                        resolution,
+                        min: MIN_RESOLUTION,
+                        max: MAX_RESOLUTION,
+                        suggestion: nearest as u32,
+                    });
+                }
+                Ok((nearest as u32, longest_side / nearest as f64))
+            }
+            Self::VoxelSize(size) => {
+                let refuse =
+                    |value: String, range| Err(RangeError::new("the voxel size", value, range).into());
+                if !(size.is_finite() && size > 0.0) {
+                    return refuse(size.to_string(), "a finite number of metres above 0");
+                }
+                let texels = (longest_side / size).ceil();
+                if texels > f64::from(MAX_RESOLUTION) {
+                    let value = format!("{size} ({texels} texels across)");
+                    return refuse(value, "coarse enough for at most 262144 texels across the scene");
+                }
+                Ok(((texels as u32).next_power_of_two().max(MIN_RESOLUTION), size))
+            }
+        }
+    }
+}
+
+/// Ready-made resolutions. An explicit resolution or voxel size takes precedence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// 2048: a preview within seconds.
+    Draft,
+    /// 4096.
+    Low,
+    /// 8192.
+    Medium,
+    /// 16384.
+    High,
+    /// 32768.
+    Ultra,
+}
+
+impl Preset {
+    /// Returns the number of texels on the longest side.
+    pub fn resolution(self) -> u32 {
+        match self {
+            Self::Draft => 2048,
+            Self::Low => 4096,
+            Self::Medium => 8192,
+            Self::High => 16384,
+            Self::Ultra => 32768,
+        }
+    }
+}

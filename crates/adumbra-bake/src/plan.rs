@@ -1,0 +1,170 @@
+//! What is known before the first block: tiles, settings and the memory budget.
+
+use std::sync::Arc;
+
+use crate::columns::capture;
+use crate::columns::rules::ColumnRules;
+use crate::error::{Error, Result};
+use crate::options::{BakeOptions, Builder};
+use crate::sink::limit::SwitchLimit;
+use crate::store::NodeState;
+use crate::store::paged::Spill;
+use crate::tiles::Tiles;
+use crate::triangles::casters::{CasterOptions, Casters};
+use crate::triangles::project;
+use adumbra::FileSettings;
+use adumbra::RangeError;
+use adumbra::grid::{LightExtent, LightGrid};
+use adumbra_scene::Scene;
+
+pub(crate) struct Plan<'s> {
+    pub(crate) tiles: Tiles<'s>,
+    pub(crate) settings: FileSettings,
+    pub(crate) workers: usize,
+    /// Bytes of the scene, the casters and the top grid.
+    pub(crate) scene_bytes: u64,
+    /// Bytes that each worker holds.
+    pub(crate) worker_bytes: u64,
+    limit_bytes: Option<u64>,
+    /// Storage for the pages of what is built, if there is a memory limit.
+    pub(crate) spill: Option<Arc<Spill>>,
+}
+
+/// Smallest level of the root cubes.
+const MIN_ROOT_LEVEL: u32 = 5;
+/// Largest root level for the plain builder, which holds all columns of a root block at once.
+const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
+/// log2 of the number of root cubes that the top grid aims at across the longer side.
+const TOP_GRID_LEVEL: u32 = 5;
+
+impl<'s> Plan<'s> {
+    pub(crate) fn new(scene: &'s Scene, options: &BakeOptions) -> Result<Self> {
+        options.check()?;
+        let mut extent = LightExtent::empty(&options.sun);
+        match &options.bounds {
+            Some(bounds) => extent.add_box(bounds),
+            None => add_casters(&mut extent, scene),
+        }
+        let (resolution, voxel_size) = options.size.resolve(extent.longest_side())?;
+        let grid = LightGrid::covering(options.sun, &extent, voxel_size);
+        if f64::from(grid.size[2]) > project::DEPTH_MAX_VOXELS {
+            return Err(RangeError::new(
+                "the resolution",
+                format!("{resolution} ({} voxels along the light)", grid.size[2]),
+                "coarse enough for at most 2097152 voxels along the light; lower it",
+            )
+            .into());
+        }
+        let aim = resolution.ilog2().saturating_sub(TOP_GRID_LEVEL).max(MIN_ROOT_LEVEL);
+        let root_level = match options.builder {
+            Builder::Fast => aim,
+            Builder::Plain => aim.min(MAX_PLAIN_ROOT_LEVEL),
+        };
+        let top_dims = grid.size.map(|s| s.div_ceil(1 << root_level));
+        let rules = ColumnRules {
+            bias: options.bias,
+            thickness_voxels: options.thickness_world / voxel_size,
+            assume_ground: options.assume_ground,
+            receivers: options.receivers,
+            depth_voxels: grid.size[2],
+        };
+        let caster_options = CasterOptions {
+            closed_regions: options.closed_regions,
+            ignore_alpha: options.ignore_alpha,
+            outlines: options.builder == Builder::Fast,
+        };
+        let reach = rules.reach_texels() + 1.0;
+        let casters =
+            Casters::new(scene, caster_options, &grid, 1 << root_level, [top_dims[0], top_dims[1]], reach);
+        let settings = FileSettings {
+            resolution,
+            thickness_world: options.thickness_world,
+            assume_ground: options.assume_ground,
+            closed_regions: options.closed_regions,
+            ignore_alpha: options.ignore_alpha,
+            receivers: options.receivers,
+            switch_within_voxels: options.switch_within_voxels,
+            bounds: options.bounds,
+            bias: options.bias,
+            triangles: casters.instanced_triangles(),
+            instances: scene.instances.iter().filter(|i| i.casts).count() as u64,
+        };
+        // Each root has a state while baking, and a word in the finished graph.
+        let roots: u64 = top_dims.iter().map(|&n| u64::from(n)).product();
+        let top_bytes = roots * (size_of::<NodeState>() as u64 + 4);
+        let scene_bytes = scene.memory_bytes() + casters.memory_bytes() + top_bytes;
+        let worker_bytes = match options.builder {
+            Builder::Fast => crate::fast::descent::working_bytes(&casters, top_dims),
+            Builder::Plain => capture::working_bytes(1 << (2 * root_level)),
+        };
+        let mut plan = Self {
+            tiles: Tiles { grid, rules, casters, root_level, top_dims },
+            settings,
+            workers: rayon::current_num_threads(),
+            scene_bytes,
+            worker_bytes,
+            limit_bytes: options.max_memory_bytes,
+            spill: None,
+        };
+        if let Some(limit) = plan.limit_bytes {
+            // At least one worker. Half of the remaining memory is for what is built.
+            let room = limit.saturating_sub(scene_bytes) / 2;
+            plan.workers = plan.workers.min((room / worker_bytes.max(1)) as usize).max(1);
+        }
+        plan.check_memory("the scene and one block", scene_bytes + worker_bytes)?;
+        if let Some(limit) = plan.limit_bytes {
+            let room = limit.saturating_sub(plan.baking_bytes());
+            let folder = options.spill_folder.clone().unwrap_or_else(std::env::temp_dir);
+            plan.spill = Some(Arc::new(Spill::new(room, folder)));
+        }
+        Ok(plan)
+    }
+
+    /// Returns the limit on how far behind its first surface a column may switch.
+    pub(crate) fn switch_limit(&self) -> SwitchLimit {
+        SwitchLimit {
+            within_voxels: self.settings.switch_within_voxels,
+            depth_voxels: self.tiles.grid.size[2],
+        }
+    }
+
+    /// Bytes of everything but what is built.
+    pub(crate) fn baking_bytes(&self) -> u64 {
+        self.scene_bytes + self.workers as u64 * self.worker_bytes
+    }
+
+    /// Returns the bytes of pages in memory.
+    ///
+    /// # Errors
+    /// Returns [`Error::Spill`] if reading or writing the disk failed.
+    pub(crate) fn paged_bytes(&self) -> Result<u64> {
+        let Some(spill) = &self.spill else { return Ok(0) };
+        spill.check()?;
+        Ok(spill.resident_bytes())
+    }
+
+    /// Shrinks the pages to make room for `held_bytes` besides the scene.
+    pub(crate) fn make_room(&self, held_bytes: u64) {
+        if let (Some(spill), Some(limit)) = (&self.spill, self.limit_bytes) {
+            spill.shrink_to(limit.saturating_sub(self.scene_bytes + held_bytes));
+        }
+    }
+
+    pub(crate) fn check_memory(&self, what: &'static str, needed_bytes: u64) -> Result<()> {
+        match self.limit_bytes {
+            Some(limit_bytes) if needed_bytes > limit_bytes => {
+                Err(Error::MemoryLimit { what, needed_bytes, limit_bytes })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn add_casters(extent: &mut LightExtent, scene: &Scene) {
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        for &v in mesh.triangles.iter().flatten() {
+            extent.add(instance.to_world(mesh.positions[v as usize]));
+        }
+    }
+}

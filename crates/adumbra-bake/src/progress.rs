@@ -1,0 +1,57 @@
+//! Progress and statistics of a bake, and how a caller watches it.
+
+use std::sync::atomic::AtomicBool;
+
+/// Progress of a bake.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Finished tiles.
+    pub done_tiles: usize,
+    /// Total number of tiles.
+    pub total_tiles: usize,
+    /// Texels per tile.
+    pub texels_per_tile: u64,
+    /// Bytes of the result so far.
+    pub graph_bytes: u64,
+}
+
+/// Statistics of a finished bake. They vary from run to run and are never written into the file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Report {
+    /// Wall-clock time in seconds.
+    pub seconds: f64,
+    /// Number of tiles drawn.
+    pub tiles: usize,
+    /// Number of worker threads.
+    pub threads: usize,
+    /// Texels that were evaluated one by one.
+    pub drawn_texels: u64,
+    /// Largest sum of the bytes that the bake accounted for: scene, tiles, graph.
+    pub accounted_bytes: u64,
+    /// Bytes that were written to disk because of the memory limit, counted each time they were written.
+    pub spilled_bytes: u64,
+}
+
+/// A caller's hooks into long-running work: progress reports and cancellation.
+#[derive(Clone, Copy)]
+pub struct Watch<'a, P = Progress> {
+    /// Called from worker threads.
+    pub progress: &'a (dyn Fn(P) + Sync),
+    /// Set to true to end the work early with an error.
+    pub cancel: &'a AtomicBool,
+}
+
+impl<P> Watch<'static, P> {
+    /// Returns a watch without progress reports or cancellation.
+    pub fn none() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { progress: &|_| {}, cancel: &NEVER }
+    }
+}
+
+impl<'a, P> Watch<'a, P> {
+    /// Creates a watch from a progress callback and a cancel flag.
+    pub fn new(progress: &'a (dyn Fn(P) + Sync), cancel: &'a AtomicBool) -> Self {
+        Self { progress, cancel }
+    }
+}

@@ -1,0 +1,33 @@
+//! The interface between scene traversal and the structures that a bake builds from columns, block by block, bottom up.
+//!
+//! A block is a square of 2^level × 2^level columns, aligned to its size; the smallest level is 3. A column's `[e, x]`
+//! means that it may switch from lit to shadowed anywhere in that interval: voxel k must be lit if k < e, and shadowed
+//! if k >= x. If x is [`FREE_TO_END`](crate::columns::rules::FREE_TO_END) or more, no voxel of the column must be
+//! shadowed.
+
+pub(crate) mod depths;
+#[cfg(test)]
+pub(crate) mod from_columns;
+pub(crate) mod limit;
+pub(crate) mod pair;
+pub(crate) mod runs;
+mod switches;
+
+use crate::columns::BlockColumns;
+
+/// A structure that is built from blocks. Calls come from many threads. Equal calls must return blocks of equal meaning
+/// in whatever order they come, because the finished bytes must not depend on it.
+pub(crate) trait BlockSink: Sync {
+    /// A finished block, held until its parent takes it.
+    type Block: Send;
+
+    /// Returns a block of 2^level columns a side, each of which may switch anywhere in `[e, x]`, e <= x. x may be
+    /// [`FREE_TO_END`](crate::columns::rules::FREE_TO_END) or more, and e may be the grid's depth.
+    fn uniform(&self, level: u32, interval: [u32; 2]) -> Self::Block;
+
+    /// Returns a block of level 3 with the given columns.
+    fn leaf(&self, columns: &BlockColumns) -> Self::Block;
+
+    /// Joins four quarters of the level below into a block of `level`; a quarter's index is `x_bit << 1 | y_bit`.
+    fn join(&self, level: u32, quarters: [Self::Block; 4]) -> Self::Block;
+}

@@ -1,0 +1,209 @@
+//! The scene in the form that the bake traverses: clusters of nearby triangles, and for every tile of the light's plane
+//! the clusters that may touch it.
+
+use crate::triangles::adjacency::adjacent_vertices;
+use crate::triangles::cluster::ClusterTriangle;
+use adumbra::grid::LightGrid;
+use adumbra_scene::topology::Topology;
+use adumbra_scene::{Mesh, Scene, topology};
+
+/// Largest number of triangles in a cluster.
+const CLUSTER_TRIANGLES: usize = 128;
+
+/// Triangles of one mesh, sorted so that nearby ones are adjacent.
+pub(crate) struct MeshClusters {
+    /// Triangles, cluster by cluster.
+    pub(crate) triangles: Vec<ClusterTriangle>,
+    /// [`adjacent_vertices`] of each triangle; empty if outlines are not requested.
+    pub(crate) adjacent_vertices: Vec<[u32; 3]>,
+    clusters: Vec<Cluster>,
+}
+
+struct Cluster {
+    end: u32,
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+/// One cluster of one instance.
+#[derive(Clone, Copy)]
+pub(crate) struct Placed {
+    pub(crate) instance: u32,
+    pub(crate) cluster: u32,
+}
+
+/// The casters of a scene, binned by tile.
+pub(crate) struct Casters<'s> {
+    pub(crate) scene: &'s Scene,
+    pub(crate) meshes: Vec<MeshClusters>,
+    tile_start: Vec<u32>,
+    placed: Vec<Placed>,
+}
+
+/// The options that decide which triangles are casters, and which of them bound solids.
+#[derive(Clone, Copy)]
+pub(crate) struct CasterOptions {
+    pub(crate) closed_regions: bool,
+    pub(crate) ignore_alpha: bool,
+    /// Whether to compute connected components and adjacent vertices.
+    pub(crate) outlines: bool,
+}
+
+impl<'s> Casters<'s> {
+    /// Clusters every mesh and bins every placed cluster into tiles of `tile_side` texels; `tiles` is their number
+    /// across and down. `reach_texels` is how far outside its outline a triangle still matters.
+    pub(crate) fn new(
+        scene: &'s Scene,
+        options: CasterOptions,
+        grid: &LightGrid,
+        tile_side: u32,
+        tiles: [u32; 2],
+        reach_texels: f64,
+    ) -> Self {
+        let meshes: Vec<_> = scene.meshes.iter().map(|m| cluster_mesh(scene, m, options)).collect();
+        let mut starts = vec![0_u32; (tiles[0] * tiles[1]) as usize + 1];
+        let mut placed = Vec::new();
+        for fill in [false, true] {
+            for (i, instance) in scene.instances.iter().enumerate() {
+                for (c, cluster) in meshes[instance.mesh as usize].clusters.iter().enumerate() {
+                    let mut low = [f64::INFINITY; 2];
+                    let mut high = [f64::NEG_INFINITY; 2];
+                    for corner in 0..8_usize {
+                        let pick =
+                            |a: usize| if corner >> a & 1 == 0 { cluster.min[a] } else { cluster.max[a] };
+                        let p = grid.to_grid(instance.to_world([pick(0), pick(1), pick(2)]));
+                        for a in 0..2 {
+                            low[a] = low[a].min(p[a] - reach_texels);
+                            high[a] = high[a].max(p[a] + reach_texels);
+                        }
+                    }
+                    let side = f64::from(tile_side);
+                    let first = [0, 1].map(|a| (low[a] / side).floor().max(0.0) as u32);
+                    let end = [0, 1]
+                        .map(|a| ((high[a] / side).floor() + 1.0).clamp(0.0, f64::from(tiles[a])) as u32);
+                    for ty in first[1]..end[1] {
+                        for tx in first[0]..end[0] {
+                            let tile = (ty * tiles[0] + tx) as usize;
+                            if fill {
+                                placed[starts[tile] as usize] =
+                                    Placed { instance: i as u32, cluster: c as u32 };
+                            }
+                            starts[tile] += 1;
+                        }
+                    }
+                }
+            }
+            if !fill {
+                let mut sum = 0;
+                for s in &mut starts {
+                    sum += std::mem::replace(s, sum);
+                }
+                placed = vec![Placed { instance: 0, cluster: 0 }; sum as usize];
+            }
+        }
+        // After filling, each start has moved to the end of its tile.
+        starts.rotate_right(1);
+        starts[0] = 0;
+        Self { scene, meshes, tile_start: starts, placed }
+    }
+
+    /// Returns the placed clusters that may touch `tile`.
+    pub(crate) fn in_tile(&self, tile: usize) -> &[Placed] {
+        &self.placed[self.tile_start[tile] as usize..self.tile_start[tile + 1] as usize]
+    }
+
+    /// Returns the triangles of a placed cluster.
+    pub(crate) fn triangles(&self, placed: Placed) -> &[ClusterTriangle] {
+        &self.mesh_of(placed).triangles[self.places(placed)]
+    }
+
+    /// Returns the adjacent vertices of each triangle of a placed cluster. Requires outlines.
+    pub(crate) fn adjacent_vertices(&self, placed: Placed) -> &[[u32; 3]] {
+        &self.mesh_of(placed).adjacent_vertices[self.places(placed)]
+    }
+
+    fn mesh_of(&self, placed: Placed) -> &MeshClusters {
+        &self.meshes[self.scene.instances[placed.instance as usize].mesh as usize]
+    }
+
+    fn places(&self, placed: Placed) -> std::ops::Range<usize> {
+        let clusters = &self.mesh_of(placed).clusters;
+        let c = placed.cluster as usize;
+        let start = if c == 0 { 0 } else { clusters[c - 1].end };
+        start as usize..clusters[c].end as usize
+    }
+
+    /// Returns the number of casting triangles, counted once per instance.
+    pub(crate) fn instanced_triangles(&self) -> u64 {
+        let casting = self.scene.instances.iter().filter(|i| i.casts);
+        casting
+            .map(|i| self.meshes[i.mesh as usize].triangles.iter().filter(|t| t.casts).count() as u64)
+            .sum()
+    }
+
+    /// Bytes held by this structure.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        let meshes: usize = self
+            .meshes
+            .iter()
+            .map(|m| {
+                m.triangles.capacity() * size_of::<ClusterTriangle>()
+                    + m.clusters.capacity() * size_of::<Cluster>()
+                    + m.adjacent_vertices.capacity() * size_of::<[u32; 3]>()
+            })
+            .sum();
+        (meshes + self.placed.capacity() * size_of::<Placed>() + self.tile_start.capacity() * 4) as u64
+    }
+}
+
+fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClusters {
+    let topology: Option<Topology> =
+        (options.closed_regions || options.outlines).then(|| topology::analyse(mesh, &scene.materials));
+    let mut order: Vec<(u64, u32)> = Vec::new();
+    let (min, max) = bounds(mesh.positions.iter());
+    let scale: [f32; 3] = std::array::from_fn(|a| 1023.0 / (max[a] - min[a]).max(f32::MIN_POSITIVE));
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        let p = mesh.positions[corners[0] as usize];
+        let cell: [u64; 3] = std::array::from_fn(|a| ((p[a] - min[a]) * scale[a]) as u64);
+        order.push((spread(cell[0]) << 2 | spread(cell[1]) << 1 | spread(cell[2]), t as u32));
+    }
+    order.sort_unstable();
+    let triangles: Vec<_> = order
+        .iter()
+        .map(|&(_, t)| {
+            let material = &scene.materials[mesh.triangle_materials[t as usize] as usize];
+            let masked = !options.ignore_alpha && material.alpha != adumbra_scene::AlphaMode::Opaque;
+            let solid = options.closed_regions && topology.as_ref().is_some_and(|s| s.is_solid(t as usize));
+            let component = topology.as_ref().map_or(0, |s| s.component_of_triangle[t as usize]);
+            ClusterTriangle { triangle: t, casts: material.casts, solid, masked, component }
+        })
+        .collect();
+    let clusters = triangles
+        .chunks(CLUSTER_TRIANGLES)
+        .enumerate()
+        .map(|(i, chunk)| {
+            let corners = chunk.iter().flat_map(|c| mesh.triangles[c.triangle as usize]);
+            let (min, max) = bounds(corners.map(|v| &mesh.positions[v as usize]));
+            Cluster { end: (i * CLUSTER_TRIANGLES + chunk.len()) as u32, min, max }
+        })
+        .collect();
+    let adjacent_vertices = if options.outlines { adjacent_vertices(mesh, &triangles) } else { Vec::new() };
+    MeshClusters { triangles, adjacent_vertices, clusters }
+}
+
+fn bounds<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> ([f32; 3], [f32; 3]) {
+    let mut min = [f32::INFINITY; 3];
+    let mut max = [f32::NEG_INFINITY; 3];
+    for p in points {
+        for a in 0..3 {
+            min[a] = min[a].min(p[a]);
+            max[a] = max[a].max(p[a]);
+        }
+    }
+    (min, max)
+}
+
+/// Spreads ten bits, with two zero bits after each.
+fn spread(v: u64) -> u64 {
+    (0..10).fold(0, |out, bit| out | (v >> bit & 1) << (3 * bit))
+}

@@ -1,0 +1,113 @@
+//! Tests shadows that no receiver in the same column requires: beside a wall's foot under a filter, and below casters
+//! sunward of the bounds.
+
+use adumbra::layout::LeafMasks;
+use adumbra::layout::depths::DepthTree;
+use adumbra::{Bounds, Query, Sun};
+use adumbra_bake::{BakeOptions, Size};
+use adumbra_scene::{Instance, Material, Mesh, Scene};
+use adumbra_testing::{BakedGraph, bake_depths, bake_graph};
+
+const UP: [f64; 3] = [0.0, 1.0, 0.0];
+
+/// Builds closed boxes from minimum and maximum corners.
+fn boxes(corners: &[([f32; 3], [f32; 3])]) -> Scene {
+    let mut mesh = Mesh { name: "boxes".to_owned(), ..Default::default() };
+    for (min, max) in corners {
+        let first = mesh.positions.len() as u32;
+        let corner = |c: usize| [0, 1, 2].map(|a| if c >> a & 1 == 0 { min[a] } else { max[a] });
+        mesh.positions.extend((0..8).map(corner));
+        // Anticlockwise from outside; bit 0 of a corner's number is x, bit 1 y, bit 2 z.
+        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6_u32]];
+        for [a, b, c, d] in faces.map(|face| face.map(|corner| first + corner)) {
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh.triangle_materials = vec![0; mesh.triangles.len()];
+    let world_from_mesh = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    Scene {
+        meshes: vec![mesh],
+        instances: vec![Instance { name: "boxes".to_owned(), mesh: 0, world_from_mesh, casts: true }],
+        materials: vec![Material::opaque("white", [1.0; 4])],
+        ..Default::default()
+    }
+}
+
+/// The graph and the depths.
+type Both = (BakedGraph, DepthTree);
+
+fn bake(scene: &Scene, sun: [f64; 3], change: impl Fn(BakeOptions) -> BakeOptions) -> Both {
+    let options = change(BakeOptions::new(Sun::from_direction(sun).unwrap(), Size::Resolution(512)));
+    (bake_graph(scene, &options).unwrap(), bake_depths(scene, &options).unwrap())
+}
+
+/// Returns the mean visibility of points with this normal under a 9 × 9 filter, in the graph and in the depths.
+fn means((baked, depths): &Both, points: &[[f64; 3]], normal: Option<[f64; 3]>) -> [f64; 2] {
+    let structures: [&dyn LeafMasks; 2] = [&baked.dag, depths];
+    structures.map(|leaf_masks| {
+        let query = Query::new(&baked.grid, leaf_masks, baked.settings.bias, 9).unwrap();
+        let sum: f64 = points.iter().map(|&p| f64::from(query.visibility(p, normal))).sum();
+        sum / points.len() as f64
+    })
+}
+
+/// A wall on flat ground: along its foot, on the side away from the sun, every tap of the filter finds wall or shadow.
+#[test]
+fn contact_shadows_reach_a_walls_foot_under_a_filter() {
+    let scene = boxes(&[([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]), ([-0.5, 0.0, -8.0], [0.5, 6.0, 8.0])]);
+    let sun = [0.6, 0.7, 0.2];
+    let of = |switch_within_voxels| {
+        let baked = bake(&scene, sun, |o| BakeOptions { switch_within_voxels, ..o });
+        let along = |i: u32| -5.0 + 0.1 * f64::from(i);
+        let from_foot = |d: u32| -0.5 - baked.0.grid.voxel_size * (0.25 + 0.5 * f64::from(d));
+        let points: Vec<_> = (0..100)
+            .flat_map(|i| (0..5).map(move |d| (i, d)))
+            .map(|(i, d)| [from_foot(d), 0.0, along(i)])
+            .collect();
+        means(&baked, &points, Some(UP))
+    };
+    let (near, anywhere) = (of(8), of(0));
+    println!("visibility along the foot: graph and depths {near:.4?}, switching anywhere {anywhere:.4?}");
+    assert!(near.iter().all(|v| *v < 0.02), "{near:?}");
+    assert!(near.iter().zip(anywhere).all(|(near, anywhere)| near + 0.05 < anywhere), "{anywhere:?}");
+}
+
+/// A ledge on a wall at grazing sun: below the ledge nearly every tap of the filter finds ledge or shadow, although the
+/// wall's plane rises by many voxels over a block of texels.
+#[test]
+fn contact_shadows_begin_at_a_ledge_under_a_filter() {
+    let scene = boxes(&[
+        ([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]),
+        ([-0.5, 0.0, -8.0], [0.5, 14.0, 8.0]),
+        ([0.4, 9.0, -8.0], [3.5, 10.9, 8.0]),
+    ]);
+    let baked = bake(&scene, [0.3, 0.9, 0.2], |o| o);
+    let points: Vec<_> = (0..120)
+        .flat_map(|i| (0..10).map(move |d| [0.5, 8.95 - 0.1 * f64::from(d), -6.0 + 0.1 * f64::from(i)]))
+        .collect();
+    let below = means(&baked, &points, Some([1.0, 0.0, 0.0]));
+    println!("visibility below the ledge: graph and depths {below:.4?}");
+    assert!(below.iter().all(|v| *v < 0.05), "{below:?}");
+}
+
+/// The bounds contain only air below a roof, so nothing is behind the first surfaces of their columns.
+#[test]
+fn bounds_below_a_roof_are_dark_in_both_structures() {
+    let scene = boxes(&[([-20.0, 10.0, -20.0], [20.0, 10.5, 20.0])]);
+    let bounds = Bounds { min: [-5.0, 0.0, -5.0], max: [5.0, 4.0, 5.0] };
+    let baked = bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), ..o });
+    let at = |i: u32| -4.0 + f64::from(i);
+    let points: Vec<_> = (0..9).flat_map(|x| (0..9).map(move |z| [at(x), 1.0, at(z)])).collect();
+    assert_eq!(means(&baked, &points, None), [0.0; 2]);
+}
+
+/// No caster is within the bounds, so no block has a surface. A memory limit must still be divided among workers.
+#[test]
+fn bounds_beside_the_scene_bake_within_a_limit() {
+    let scene = boxes(&[([-1.0, 0.0, -1.0], [1.0, 1.0, 1.0])]);
+    let bounds = Bounds { min: [100.0, 0.0, 100.0], max: [110.0, 10.0, 110.0] };
+    let max_memory_bytes = Some(64 << 20);
+    let baked =
+        bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), max_memory_bytes, ..o });
+    assert_eq!(means(&baked, &[[105.0, 1.0, 105.0]], None), [1.0; 2]);
+}

@@ -1,0 +1,113 @@
+//! Leaves of the layout of depths: a column's depth, leaf masks and cubes of leaf masks agree, and follow the
+//! specification.
+
+use adumbra::layout::depths::{DepthTree, DepthsError};
+use adumbra::layout::{LeafMasks, Trail};
+use adumbra_scene::random::Random;
+use adumbra_testing::{Leaf, every_gradient, from_leaves};
+
+/// Queries every column of a leaf at layers `layers` in each of the ways.
+fn check_leaf(found: &DepthTree, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layers: std::ops::Range<u32>) {
+    let depths: [u32; 64] = std::array::from_fn(|column| leaf.depth(base, column).unwrap_or(u32::MAX));
+    for (column, &depth) in depths.iter().enumerate() {
+        let column = column as u32;
+        assert_eq!(found.value(i + column % 8, j + column / 8), depth, "{leaf:?} of {base}: {column}");
+    }
+    let mut cube = [0; 8];
+    let mut cube_at = None;
+    for k in layers {
+        let expected =
+            depths.iter().enumerate().fold(0, |mask, (at, &depth)| mask | u64::from(k < depth) << at);
+        assert_eq!(found.look_up(i, j, k), expected, "{leaf:?} of {base} at {k}");
+        if cube_at != Some(k / 8) {
+            assert_eq!(found.fill(&mut Trail::new(), [i, j, k], &mut cube), u8::MAX);
+            cube_at = Some(k / 8);
+        }
+        assert_eq!(cube[k as usize % 8], expected, "cube of {leaf:?} of {base} at {k}");
+    }
+}
+
+#[test]
+fn every_gradient_gives_one_answer_in_every_way() {
+    let base = 452;
+    let leaves = every_gradient();
+    let found = from_leaves(&leaves, 256, base, 1024);
+    assert_eq!(found.validate(), Ok(()));
+    for (at, leaf) in leaves.iter().enumerate() {
+        let corner = [at % 256, at / 256].map(|c| 8 * c as u32);
+        let nearest = (0..64).filter_map(|c| leaf.depth(base, c)).min().expect("64 columns");
+        check_leaf(&found, leaf, base, corner, nearest - 2..base + 2);
+    }
+}
+
+/// Returns the layers in which a depth matters, in a grid of the greatest length.
+fn layers_about(depth: u32) -> std::ops::Range<u32> {
+    depth.saturating_sub(460)..depth.saturating_add(3).min(u32::MAX - 1)
+}
+
+#[test]
+fn any_ranks_and_bases_give_one_answer_in_every_way() {
+    let mut random = Random::for_batch(7, 0);
+    let mut below = |n: u32| (random.unit() * f64::from(n)) as u32;
+    for case in 0..400 {
+        let leaves: Vec<Leaf> = (0..16)
+            .map(|_| {
+                let width = 1 << below(3);
+                let largest = [0, 255, 65_535, 0, u32::MAX][width as usize];
+                let count = 1 + below(if case % 4 == 0 { 62 } else { 5 });
+                let never = below(2) == 1;
+                Leaf {
+                    slant: (below(3) > 0).then(|| [below(256) as u8 as i8, below(256) as u8 as i8]),
+                    width,
+                    differences: (0..count)
+                        .map(|_| below(if case % 3 == 0 { 40 } else { largest }))
+                        .collect(),
+                    never,
+                    ranks: (0..64).map(|_| below(count + 1 + u32::from(never))).collect(),
+                }
+            })
+            .collect();
+        let bases = [0, 1, 13, 448, 5000, 1 << 31, u32::MAX - 449, u32::MAX - 7, u32::MAX];
+        let base = bases[case % bases.len()];
+        let found = from_leaves(&leaves, 4, base, u32::MAX);
+        assert_eq!(found.validate(), Ok(()));
+        for (at, leaf) in leaves.iter().enumerate() {
+            let corner = [at % 4, at / 4].map(|c| 8 * c as u32);
+            check_leaf(&found, leaf, base, corner, layers_about(base));
+            let column = below(64) as usize;
+            if let Some(depth) = leaf.depth(base, column) {
+                check_leaf(&found, leaf, base, corner, layers_about(depth));
+            }
+        }
+    }
+}
+
+/// Returns the error for which depths of sixteen equal leaves are refused.
+fn fault(leaf: &Leaf) -> Option<DepthsError> {
+    from_leaves(&vec![leaf.clone(); 16], 4, 10, 64).validate().err()
+}
+
+#[test]
+fn rank_above_the_last_depth_is_refused() {
+    let mut leaf = Leaf { width: 1, differences: vec![5, 5], ranks: vec![0; 64], ..Leaf::default() };
+    assert_eq!(fault(&leaf), None);
+    leaf.ranks[9] = 3;
+    assert_eq!(fault(&leaf), Some(DepthsError::Ranks { at: 0, column: 9, last: 2 }));
+    // The last depth, which never switches, is a rank; the number after it is not.
+    leaf.never = true;
+    assert_eq!(fault(&leaf), None);
+    leaf.differences.push(1);
+    leaf.ranks[9] = 5;
+    assert_eq!(fault(&leaf), Some(DepthsError::Ranks { at: 0, column: 9, last: 4 }));
+}
+
+#[test]
+fn byte_behind_an_odd_number_of_differences_must_be_zero() {
+    let leaf = Leaf { width: 1, differences: vec![5; 3], ranks: vec![3; 64], ..Leaf::default() };
+    let mut found = from_leaves(&vec![leaf; 16], 4, 10, 64);
+    assert_eq!(found.validate(), Ok(()));
+    // Half-words 1 and 2 are the differences.
+    assert_eq!((found.code[0] >> 16, found.code[1] & 0xffff), (0x0505, 0x0005));
+    found.code[1] |= 0x0100;
+    assert_eq!(found.validate(), Err(DepthsError::Bits { at: 0, level: 3, half: 0x0105 }));
+}

@@ -1,0 +1,169 @@
+//! Look-ups compared tap by tap with the filter's definition, counted one voxel at a time.
+
+use adumbra::layout::LeafMasks;
+use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Receiver, TapLayers, receiver};
+use adumbra::{Bias, Cursor, PointVisibility, Query, Sun};
+use adumbra_bake::{BakeOptions, Size, pack};
+use adumbra_scene::random::Random;
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_testing::{BakedGraph, bake_graph};
+
+fn baked() -> BakedGraph {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(256));
+    bake_graph(&generate(GeneratedKind::Primitives, 1), &options).unwrap()
+}
+
+/// The definition. With `TapLayers::Tap`, each tap samples the voxel of its texel through which the receiver's plane
+/// passes there. With `TapLayers::Block`, it samples the layer in which the plane passes the block's tap nearest to the
+/// sun, among the taps inside the grid.
+fn by_definition(baked: &BakedGraph, r: &FixedReceiver, width: i64, layers: TapLayers) -> u32 {
+    let texel = [0, 1].map(|a| r.p_fixed[a].div_euclid(4096));
+    let reach = width / 2;
+    let [nx, ny, nz] = baked.dag.size.map(i64::from);
+    let mut lit = 0;
+    for y in texel[1] - reach..=texel[1] + reach {
+        for x in texel[0] - reach..=texel[0] + reach {
+            let asked = [0, 1].map(|a| match layers {
+                TapLayers::Tap => [x, y][a],
+                TapLayers::Block => {
+                    let first = (texel[a] - reach).max([x, y][a] & !7).max(0);
+                    let last = (texel[a] + reach).min([x, y][a] | 7).min([nx, ny][a] - 1);
+                    if r.gradient[a] >= 0 { first } else { last }
+                }
+            });
+            let along = |a: usize| i64::from(r.gradient[a]) * (4096 * asked[a] + 2048 - r.p_fixed[a]);
+            let layer = (r.p_fixed[2] + (along(0) + along(1)).div_euclid(256)).div_euclid(4096);
+            let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
+            let k = layer.min(nz - 1);
+            lit += u32::from(!inside || baked.dag.voxel(x as u32, y as u32, k as u32));
+        }
+    }
+    lit
+}
+
+#[test]
+fn query_counts_the_taps_that_the_definition_names() {
+    let baked = baked();
+    let mut random = Random::for_batch(11, 0);
+    let size = baked.dag.size.map(f64::from);
+    let mut partly_lit = 0;
+    for _ in 0..4000 {
+        // Slightly beyond the grid on every side.
+        let p_grid: [f64; 3] = std::array::from_fn(|a| (random.unit() * 1.2 - 0.1) * size[a]);
+        // Up to the steepest gradients allowed, with some along an axis and some flat.
+        let steep = [0.0, 0.5, 6.0, 20.0][(random.unit() * 4.0) as usize];
+        let gradient = [0, 1].map(|_| steep * (random.unit() - 0.5));
+        let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, baked.dag.size);
+        for width in FILTER_WIDTHS {
+            let query = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
+            let lit = query.lit_taps(&fixed);
+            assert_eq!(lit, by_definition(&baked, &fixed, width.into(), TapLayers::Tap), "{fixed:?} {width}");
+            let by_block = query.with_layers(TapLayers::Block);
+            let expected = by_definition(&baked, &fixed, width.into(), TapLayers::Block);
+            assert_eq!(by_block.lit_taps(&fixed), expected, "{fixed:?} {width}");
+            assert_eq!(Cursor::new(by_block).lit_taps(&fixed), expected);
+            let answer = query.receiver_visibility(&Receiver { p_grid, gradient });
+            assert_eq!(answer, lit as f32 / (width * width) as f32);
+            partly_lit += usize::from(answer > 0.0 && answer < 1.0);
+        }
+    }
+    assert!(partly_lit > 500, "{partly_lit}");
+}
+
+#[test]
+fn cursor_gives_the_queries_answers_in_any_order() {
+    let baked = baked();
+    let packed = pack(&baked.dag).unwrap();
+    let size = baked.dag.size.map(f64::from);
+    let layouts: [&dyn LeafMasks; 2] = [&baked.dag, &packed];
+    for (leaf_masks, width) in layouts.into_iter().flat_map(|s| FILTER_WIDTHS.map(|w| (s, w))) {
+        let query = Query::new(&baked.grid, leaf_masks, Bias::default(), width).unwrap();
+        let plain = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
+        let mut cursor = Cursor::new(query);
+        let mut random = Random::for_batch(12, u64::from(width));
+        let mut p_grid = size.map(|n| n / 2.0);
+        let mut partly_lit = 0;
+        for step in 0..6000 {
+            // Steps to neighbours, with occasional leaps, also beyond the grid.
+            for a in 0..3 {
+                p_grid[a] = match step % 20 {
+                    0 => (random.unit() * 1.2 - 0.1) * size[a],
+                    _ => p_grid[a] + random.unit() * 2.0 - 1.0,
+                };
+            }
+            let gradient = [random.unit() * 2.0 - 1.0, random.unit() * 2.0 - 1.0];
+            let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, baked.dag.size);
+            let lit = cursor.lit_taps(&fixed);
+            assert_eq!(lit, plain.lit_taps(&fixed), "{fixed:?} {width}");
+            partly_lit += u32::from(lit > 0 && lit < width * width);
+        }
+        assert!(width == 1 || partly_lit > 20, "{partly_lit} {width}");
+    }
+    // Compares a batch with single look-ups by world points, with and without normals.
+    let query = Query::new(&baked.grid, &packed, Bias::default(), 9).unwrap();
+    let points: Vec<_> = (0..2000).map(|i| [f64::from(i) * 0.01 - 10.0, 0.0, f64::from(i % 7)]).collect();
+    let normals = vec![[0.0, 1.0, 0.0]; points.len()];
+    for normals in [None, Some(&normals[..])] {
+        let one_by_one: Vec<_> =
+            (0..2000).map(|i| query.visibility(points[i], normals.map(|n| n[i]))).collect();
+        assert_eq!(query.visibilities(&points, normals), one_by_one);
+    }
+}
+
+#[test]
+fn query_refuses_other_widths_and_answers_any_point() {
+    let baked = baked();
+    for width in [0, 2, 4, 7, 33] {
+        assert!(Query::new(&baked.grid, &baked.dag, Bias::default(), width).is_err());
+    }
+    let query = Query::new(&baked.grid, &baked.dag, Bias::default(), 17).unwrap();
+    for p in [[f64::NAN; 3], [f64::INFINITY, 0.0, 0.0], [1e300; 3], [-1e12, 5.0, 0.0]] {
+        for normal in [None, Some([0.0; 3]), Some([f64::NAN; 3]), Some([0.0, -1.0, 0.0])] {
+            assert_eq!(query.visibility(p, normal), 1.0);
+        }
+    }
+}
+
+#[test]
+fn bias_moves_a_point_along_its_own_sun_ray() {
+    let baked = baked();
+    let bias = Bias { constant_texels: 1.5, slope_texels: 0.5, normal_offset_texels: 0.0 };
+    let towards = baked.grid.sun.towards();
+    let normal = [0.0, 1.0, 0.0];
+    let plain = baked.grid.to_grid([1.0, 0.0, 2.0]);
+    let lifted = receiver(&baked.grid, &bias, [1.0, 0.0, 2.0], Some(normal));
+    let slope = (1.0 - towards[1] * towards[1]).sqrt() / towards[1];
+    assert!((plain[0] - lifted.p_grid[0]).abs() < 1e-9 && (plain[1] - lifted.p_grid[1]).abs() < 1e-9);
+    assert!((plain[2] - lifted.p_grid[2] - 1.5 - 0.5 * slope).abs() < 1e-9);
+    let steepness = (lifted.gradient[0].powi(2) + lifted.gradient[1].powi(2)).sqrt();
+    assert!((steepness - slope).abs() < 1e-9);
+    // The plane is the receiver's: a step along it stays on the ground.
+    let beside = baked.grid.to_grid([1.4, 0.0, 1.1]);
+    let expected =
+        plain[2] + lifted.gradient[0] * (beside[0] - plain[0]) + lifted.gradient[1] * (beside[1] - plain[1]);
+    assert!((beside[2] - expected).abs() < 1e-9);
+}
+
+#[test]
+fn normal_that_is_not_finite_is_no_normal() {
+    let baked = baked();
+    let mut random = Random::for_batch(5, 0);
+    let bias = Bias { normal_offset_texels: 0.5, ..Bias::default() };
+    let size = baked.grid.size.map(f64::from);
+    let mut shadowed = 0;
+    for _ in 0..2000 {
+        let p = baked.grid.to_world(std::array::from_fn(|a| random.unit() * size[a]));
+        for filter in [1, 9] {
+            let query = Query::new(&baked.grid, &baked.dag, bias, filter).unwrap();
+            let without = query.visibility(p, None);
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                for normal in [[bad; 3], [bad, 1.0, 0.0], [0.0, 0.8, bad]] {
+                    assert_eq!(query.visibility(p, Some(normal)), without, "{normal:?} at {p:?}");
+                }
+            }
+            shadowed += usize::from(without < 0.5);
+        }
+    }
+    assert!(shadowed > 400, "{shadowed}");
+}

@@ -1,0 +1,1 @@
+../adumbra-program/revision.rs

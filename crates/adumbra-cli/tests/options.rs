@@ -1,0 +1,150 @@
+//! Options that all verbs share: values out of range are usage errors, every long verb takes `--threads`,
+//! `--max-memory` and `--json`, and files that techniques need are baked if none is given.
+
+use std::process::Command;
+
+use adumbra_testing::{Folder, adumbra, json, program, stderr};
+
+#[test]
+fn values_out_of_range_are_wrong_calls() {
+    let folder = Folder::new();
+    let (scene, out, picture) = (folder.generate("primitives"), folder.path("out"), folder.path("a.png"));
+    let bake = ["bake", &scene, "-o", &out];
+    let world = ["bake", &scene, "--frame", "world", "-o", &out];
+    let render = ["render", &scene, "--shadow", "voxel", "--size", "32x32", "-o", &picture];
+    let cubes = ["render", &scene, "--shadow", "voxel-cubes", "--size", "32x32", "-o", &picture];
+    let compare = ["compare", &scene, "--shadow", "voxel", "--size", "32x32", "-o", &out];
+    let demo = ["demo", "--out", &out];
+    let calls: &[(&[&str], &[&str])] = &[
+        (&bake, &["--sun", "0,0,0"]),
+        (&bake, &["--sun", "0,nan,0"]),
+        (&bake, &["--sun", "0,-1,0"]),
+        (&bake, &["--resolution", "1000"]),
+        (&world, &["--resolution", "1000"]),
+        (&render, &["--sun", "0,0,0"]),
+        (&render, &["--sun", "0,nan,0"]),
+        (&render, &["--resolution", "1000"]),
+        (&cubes, &["--cube-resolution", "1000"]),
+        (&compare, &["--sun", "0,0,0"]),
+        (&compare, &["--sun", "0,nan,0"]),
+        (&compare, &["--resolution", "1000"]),
+        (&demo, &["--resolution", "1000"]),
+    ];
+    for (call, wrong) in calls {
+        let (code, error) = adumbra(&[*call, *wrong].concat());
+        assert_eq!(code, 2, "{call:?} {wrong:?}: {error}");
+        assert!(error.contains("error: "), "{call:?} {wrong:?}: {error}");
+    }
+}
+
+#[test]
+fn threads_memory_and_json_go_with_every_long_verb() {
+    let folder = Folder::new();
+    let (scene, file, picture) = (folder.path("city.glb"), folder.path("a.adumbra"), folder.path("a.png"));
+    let (texture, back, out) = (folder.path("t.png"), folder.path("b.adumbra"), folder.path("out"));
+    let (points, answers) = (folder.write_f32("p.f32", &[0.0, 500.0, 0.0]), folder.path("v.f32"));
+    let calls: &[(&[&str], &str)] = &[
+        (&["generate", "city", "-o", &scene], "triangles"),
+        (&["inspect", &scene], "triangles"),
+        (&["bake", &scene, "--resolution", "256", "--frame", "world", "-o", &file], "file_bytes"),
+        (&["verify", &file, "--scene", &scene, "--samples", "10000", "--min-interior", "0"], "agreement"),
+        (&["query", &file, "--points", &points, "-o", &answers], "points"),
+        (&["export", &file, "--texture", &texture], "words"),
+        (&["import", &texture, "-o", &back], "words"),
+        (&["render", &scene, "--shadow-file", &file, "--size", "32x32", "-o", &picture], "width"),
+        (
+            &["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out],
+            "sun_samples",
+        ),
+        (&["demo", "--resolution", "512", "--out", &out], "interior_agreement"),
+    ];
+    for (call, field) in calls {
+        let said = json(&[*call, &["--threads", "2", "--max-memory", "2GiB", "--json"]].concat());
+        assert!(said[field].is_number(), "{call:?}: {said}");
+    }
+    assert_eq!(std::fs::read(&file).unwrap(), std::fs::read(&back).unwrap());
+    for (call, _) in calls {
+        let (code, error) = adumbra(&[*call, &["--max-memory", "1KiB"]].concat());
+        assert_eq!(code, 4, "{call:?}: {error}");
+        let (code, error) = adumbra(&[*call, &["--threads", "0"]].concat());
+        assert_eq!(code, 2, "{call:?}: {error}");
+    }
+}
+
+#[test]
+fn render_with_json_prints_one_object_for_several_pictures() {
+    let folder = Folder::new();
+    let (scene, picture) = (folder.generate("primitives"), folder.path("a.png"));
+    let said = json(&[
+        "render",
+        &scene,
+        "--shadow",
+        "none",
+        "--shadow",
+        "sm:size=256",
+        "--size",
+        "32x32",
+        "--json",
+        "-o",
+        &picture,
+    ]);
+    let pictures = said["pictures"].as_array().unwrap();
+    let techniques: Vec<_> = pictures.iter().map(|p| p["technique"].as_str().unwrap()).collect();
+    assert_eq!(techniques, ["none", "sm:size=256"]);
+}
+
+#[test]
+fn render_bakes_on_the_way_what_a_technique_reads() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let draw = |shadow: &str, more: &[&str], name: &str| {
+        let picture = folder.path(name);
+        let base =
+            ["render", &scene, "--shadow", shadow, "--size", "96x64", "--antialias", "1", "-o", &picture];
+        let (code, error) = adumbra(&[&base[..], more].concat());
+        assert_eq!(code, 0, "{error}");
+        (error, std::fs::read(&picture).unwrap())
+    };
+    for (shadow, frame, option, note) in [
+        (
+            "voxel:filter=3",
+            "light",
+            "--resolution",
+            "no light-aligned --shadow-file; baking one with 256 texels",
+        ),
+        ("voxel+csm:csm=size=256", "light", "--resolution", "baking one with 256 texels"),
+        ("blur:base=voxel", "light", "--resolution", "baking one with 256 texels"),
+        (
+            "voxel-cubes",
+            "world",
+            "--cube-resolution",
+            "no world-aligned --shadow-file; baking one with 256 voxels",
+        ),
+    ] {
+        let (said, on_demand) = draw(shadow, &[option, "256"], "on-the-way.png");
+        assert!(said.contains("note: ") && said.contains(note), "{shadow}: {said}");
+        let file = folder.path(&format!("{frame}.adumbra"));
+        let (code, error) = adumbra(&["bake", &scene, "--frame", frame, "--resolution", "256", "-o", &file]);
+        assert_eq!(code, 0, "{error}");
+        let (said, given) = draw(shadow, &["--shadow-file", &file], "given.png");
+        assert!(!said.contains("baking"), "{shadow}: {said}");
+        assert!(on_demand == given, "{shadow} draws another picture of a file that is baked on the way");
+    }
+    let (said, _) = draw("voxel:soft", &["--resolution", "256"], "soft.png");
+    assert!(said.contains("baking one with 256 texels"), "{said}");
+    let (said, _) = draw("csm:size=256", &[], "maps.png");
+    assert!(!said.contains("baking"), "{said}");
+}
+
+#[test]
+fn drivers_write_nothing_about_a_runtime_folder_that_is_not_set() {
+    let folder = Folder::new();
+    let (scene, picture) = (folder.generate("primitives"), folder.path("a.png"));
+    let output = Command::new(program())
+        .args(["render", &scene, "--shadow", "none", "--size", "32x32", "-o", &picture])
+        .env_remove("XDG_RUNTIME_DIR")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(stderr(&output), "");
+}

@@ -1,0 +1,62 @@
+//! Tests of shadow files on disk: a file is either complete or absent, and errors say what is wrong with the path.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use adumbra::layout::plain::LIT;
+use adumbra::{IoError, LightBody, ShadowFile};
+use adumbra_files::replace_file;
+
+fn example() -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../test_vectors/valid/example_8.adumbra");
+    fs::read(path).expect("the example")
+}
+
+fn write(file: &ShadowFile, path: &Path) -> Result<u64, IoError> {
+    replace_file(path, |out| file.write_to(out))
+}
+
+#[test]
+fn written_file_reads_back_and_replaces_the_earlier_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.adumbra");
+    fs::write(&path, "earlier").unwrap();
+    let file = ShadowFile::from_bytes(&example()).unwrap();
+    assert_eq!(write(&file, &path).unwrap(), example().len() as u64);
+    assert_eq!(fs::read(&path).unwrap(), example());
+    assert_eq!(ShadowFile::read(&path).unwrap(), file);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file is left");
+}
+
+#[test]
+fn refused_write_leaves_the_earlier_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.adumbra");
+    fs::write(&path, "earlier").unwrap();
+    let mut file = ShadowFile::from_bytes(&example()).unwrap();
+    let LightBody::Plain(dag) = &mut file.body else { panic!("another layout") };
+    dag.nodes.push(LIT);
+    let error = write(&file, &path).expect_err("the graph is not valid");
+    assert_eq!((error.action, error.source.kind()), ("write", ErrorKind::InvalidData));
+    assert_eq!(fs::read(&path).unwrap(), b"earlier");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn write_says_what_is_wrong_with_the_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let regular = folder.path().join("regular");
+    fs::write(&regular, "a file").unwrap();
+    let file = ShadowFile::from_bytes(&example()).unwrap();
+    let says = |path: PathBuf| write(&file, &path).expect_err("the path is not that of a file").to_string();
+    assert!(says(regular.join("a.adumbra")).contains("is a file, not a folder"));
+    assert!(says(regular.join("deeper/a.adumbra")).contains("is a file, not a folder"));
+    assert!(says(folder.path().join("missing/a.adumbra")).contains("does not exist; create it first"));
+    assert!(says(folder.path().to_owned()).contains("it is a folder"));
+    if cfg!(unix) {
+        assert!(says("/dev/null".into()).contains("device"));
+    }
+    assert_eq!(fs::read(&regular).unwrap(), b"a file");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}

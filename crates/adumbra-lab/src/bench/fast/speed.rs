@@ -1,0 +1,78 @@
+//! Look-ups per second on one core.
+
+use std::path::Path;
+use std::time::Instant;
+
+use adumbra::{Cursor, Query, ShadowFile};
+use adumbra_program::scene::load_scene;
+use adumbra_scene::LoadOptions;
+use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::Result;
+
+const FILTER: u32 = 9;
+/// Points per row, and number of rows.
+const POINTS: [u32; 2] = [2000, 1000];
+/// Spacing of the points in texels.
+const STEPS_TEXELS: [f64; 3] = [1.0, 4.0, 0.25];
+/// Number of timed runs, of which the median counts.
+const RUNS: usize = 3;
+
+/// The results for rows of points at one spacing.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Scan {
+    /// Distance between neighbouring points in texels.
+    pub(super) step_texels: f64,
+    /// Number of points.
+    pub(super) points: usize,
+    /// Look-ups per second, the median of the runs.
+    pub(super) points_per_second: f64,
+    /// Mean visibility of the points.
+    pub(super) mean_visibility: f64,
+}
+
+/// Times look-ups, with normals, at the surface points seen from straight above around the middle of the scene.
+///
+/// The points are visited row by row.
+pub(super) fn measure(file: &Path, scene: &Path) -> Result<Vec<Scan>> {
+    let scene = load_scene(scene, &LoadOptions::default())?;
+    let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
+    let bounds = scene.bounds();
+    let file = ShadowFile::read(file)?;
+    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, FILTER)?;
+    let middle = [0, 2].map(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
+    let scan = |step_texels: f64| {
+        let step = step_texels * file.grid.voxel_size;
+        let place = |n: u32, of: u32| (f64::from(n) - 0.5 * f64::from(of)) * step;
+        let [across, down] = POINTS;
+        let seen = |at: u32| {
+            let (x, z) = (place(at % across, across), place(at / across, down));
+            let origin = [middle[0] + x, bounds.max[1] + 1.0, middle[1] + z];
+            let ray = Ray { origin, direction: [0.0, -1.0, 0.0], t_min: 0.0, t_max: f64::INFINITY };
+            let hit = tracer.nearest_surface(&ray)?;
+            let normal = if hit.front { hit.normal } else { hit.normal.map(|c| -c) };
+            Some(([origin[0], origin[1] - hit.t, origin[2]], normal))
+        };
+        let points: Vec<_> = (0..across * down).into_par_iter().filter_map(seen).collect();
+        let mut seconds = Vec::with_capacity(RUNS);
+        let mut sum = 0.0;
+        for _ in 0..RUNS {
+            let start = Instant::now();
+            let mut cursor = Cursor::new(query);
+            sum = points.iter().map(|&(p, normal)| f64::from(cursor.visibility(p, Some(normal)))).sum();
+            seconds.push(start.elapsed().as_secs_f64());
+        }
+        seconds.sort_unstable_by(f64::total_cmp);
+        let count = points.len() as f64;
+        Scan {
+            step_texels,
+            points: points.len(),
+            points_per_second: count / seconds[RUNS / 2],
+            mean_visibility: sum / count,
+        }
+    };
+    Ok(STEPS_TEXELS.map(scan).into())
+}

@@ -1,0 +1,214 @@
+//! `adumbra-lab bench hrsm`: hybrid-resolution shadow maps compared with plain ones, in the paper's tables and figures.
+//!
+//! Source: Li, Yang, Zhao, Chen,
+//! *Hybrid-resolution Shadow Mapping Design and Hard Shadows Anti-aliasing in Special Effects Movies*,
+//! Chinese Optics 9 (1), 2016, tables 1 and 2, figures 4 to 7. Additions: errors against rays, and requirements with
+//! their outcome.
+
+mod checks;
+mod figures;
+mod measure;
+mod models;
+mod tables;
+mod why;
+
+use adumbra::Sun;
+use adumbra_program::exit::Code;
+use adumbra_program::output::{make_folder, write_whole};
+use adumbra_render::{Gpu, RenderError, Renderer, SceneOptions, Shot};
+use adumbra_truth::picture::Picture;
+use serde::{Deserialize, Serialize};
+
+use self::figures::{Levels, Stage};
+use self::measure::Group;
+use self::measure::Measure;
+pub(crate) use self::measure::Row;
+use self::models::{MODELS, Model, SUN, WIRES};
+use crate::args::BenchHrsm;
+use crate::compare::{Reference, camera_figures};
+use crate::pictures::png;
+use crate::report::{CameraFigures, PixelCounts};
+use crate::results::Check;
+use crate::truth::{TruthTracer, scene_key};
+use crate::{Error, Result};
+
+/// Side of the filter in texels: unfiltered, and PCF over 5 × 5 texels.
+const FILTERS: [u32; 2] = [1, 5];
+
+/// All results.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Document {
+    /// Command that measured.
+    pub(crate) command: String,
+    /// Adapter that drew, with its driver.
+    pub(crate) adapter: String,
+    /// Whether the adapter is a software renderer.
+    pub(crate) software: bool,
+    /// Whether times are wall times, because the device has no timestamps or is a software renderer.
+    pub(crate) wall_time: bool,
+    /// Number of frames that each median is taken over.
+    pub(crate) frames: u32,
+    /// Width and height in pixels.
+    pub(crate) size: [u32; 2],
+    /// Unit vector towards the sun.
+    pub(crate) sun: [f64; 3],
+    /// Texels per side of the finest levels that were measured.
+    pub(crate) starts: Vec<u32>,
+    /// The cases that the checks cover, and those that were not measured.
+    pub(crate) covers: String,
+    /// Requirements and their outcomes.
+    pub(crate) checks: Vec<Check>,
+    /// One entry per model.
+    pub(crate) models: Vec<ModelFigures>,
+    /// File and caption of each picture.
+    pub(crate) sheets: Vec<[String; 2]>,
+    /// Sheets, or parts of them, that exceed the device's limits, each with the reason.
+    pub(crate) skipped: Vec<[String; 2]>,
+}
+
+/// One model's results.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct ModelFigures {
+    /// Name.
+    pub(crate) name: String,
+    /// Title in tables.
+    pub(crate) title: String,
+    /// Whether the model is foliage.
+    pub(crate) foliage: bool,
+    /// Triangles without the ground.
+    pub(crate) triangles: u64,
+    /// The camera.
+    pub(crate) camera: CameraFigures,
+    /// Counts of compared and other pixels.
+    pub(crate) pixels: PixelCounts,
+    /// One entry per start and filter.
+    pub(crate) groups: Vec<Group>,
+    /// The paper's milliseconds with a shadow map and with a hybrid one, at 1024, 2048 and 4096.
+    pub(crate) paper: [Option<[f64; 2]>; 3],
+}
+
+impl ModelFigures {
+    pub(crate) fn group(&self, start: u32, filter: u32) -> Option<&Group> {
+        self.groups.iter().find(|g| (g.start, g.filter) == (start, filter))
+    }
+}
+
+pub(super) fn run(args: &BenchHrsm) -> Result<Code> {
+    make_folder(&args.common.output)?;
+    let asked = |model: &&Model| args.only.is_empty() || args.only.iter().any(|name| name == model.name);
+    let [width, height] = args.common.size;
+    let only = if args.only.is_empty() { String::new() } else { format!(" --only {}", args.only.join(",")) };
+    let starts: Vec<String> = args.starts.iter().map(u32::to_string).collect();
+    let mut document = Document {
+        command: format!(
+            "adumbra-lab bench hrsm --scenes DIR --starts {} --size {width}x{height} --frames {}{only} -o DIR",
+            starts.join(","),
+            args.common.frames
+        ),
+        adapter: String::new(),
+        software: false,
+        wall_time: false,
+        frames: args.common.frames,
+        size: args.common.size,
+        sun: Sun::from_direction(SUN)?.towards(),
+        starts: args.starts.clone(),
+        covers: String::new(),
+        checks: Vec::new(),
+        models: Vec::new(),
+        sheets: Vec::new(),
+        skipped: Vec::new(),
+    };
+    let mut levels = Levels::default();
+    for model in MODELS.iter().chain([&WIRES]).filter(asked) {
+        one(args, model, &mut document, &mut levels)?;
+        write(args, &document)?;
+    }
+    if let Some((sheet, caption)) = levels.sheet() {
+        keep(args, &mut document, "hrsm-levels", caption, &sheet)?;
+    }
+    write(args, &document)?;
+    super::say_tables(&args.common.output, "hrsm");
+    Ok(Code::Fine)
+}
+
+/// Measures a model and draws its figures.
+fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Levels) -> Result<()> {
+    let standing = model.stand(&args.scenes)?;
+    let truth = TruthTracer::build(&standing.scene, false);
+    let gpu = Gpu::request(&args.common.device.gpu_options())?;
+    document.adapter = gpu.name();
+    document.software = gpu.is_software();
+    let mut renderer = Renderer::new(gpu, &standing.scene, SceneOptions::default())?;
+    let (cache, key) = (args.common.cache.cache(&args.common.output), scene_key(&standing.scene, false));
+    let towards_sun = document.sun;
+    let reference = Reference { truth: &truth, cache: &cache, scene: &key, towards_sun, disc: (0.0, 1) };
+    let camera = standing.whole(towards_sun, args.common.size);
+    if model.name != WIRES.name {
+        let shot = Shot { camera, towards_sun, number: 0 };
+        let mut measure = Measure::new(&mut renderer, &reference, shot)?;
+        let largest = args.starts.iter().copied().max();
+        let mut groups = Vec::new();
+        for (&start, filter) in args.starts.iter().flat_map(|s| FILTERS.map(|f| (s, f))) {
+            eprintln!("{}, {start}, {filter} x {filter}:", model.title);
+            groups.push(measure.group(start, filter, Some(start) == largest, args.common.frames)?);
+        }
+        document.models.push(ModelFigures {
+            name: model.name.to_owned(),
+            title: model.title.to_owned(),
+            foliage: model.foliage,
+            triangles: standing.triangles,
+            camera: camera_figures(model.name, &camera),
+            pixels: measure.pixels,
+            groups,
+            paper: model.paper,
+        });
+        document.wall_time |= measure.wall_time;
+        document.checks = checks::all(document);
+        document.covers = checks::covers(document);
+        // Saved now, because drawing the pictures may still fail.
+        write(args, document)?;
+    }
+    let mut stage = Stage { renderer: &mut renderer, reference: &reference, standing: &standing };
+    for (name, figure) in stage.figures(model.name) {
+        if let Some((caption, sheet)) = fitting(figure, name.to_owned(), document)? {
+            keep(args, document, name, caption, &sheet)?;
+        }
+    }
+    if model.name != WIRES.name {
+        let added = levels.add(&mut stage, model.title, args.starts.iter().copied().max().unwrap_or(1024));
+        fitting(added, format!("hrsm-levels, {}", model.title), document)?;
+    }
+    Ok(())
+}
+
+/// Returns what was drawn. If it exceeds the device's limits, returns `None` and records `what` as skipped.
+fn fitting<T>(drawn: Result<T>, what: String, document: &mut Document) -> Result<Option<T>> {
+    match drawn {
+        Ok(drawn) => Ok(Some(drawn)),
+        Err(Error::Render(why)) if matches!(*why, RenderError::TooLarge { .. }) => {
+            document.skipped.push([what, why.to_string()]);
+            Ok(None)
+        }
+        Err(other) => Err(other),
+    }
+}
+
+fn keep(
+    args: &BenchHrsm,
+    document: &mut Document,
+    name: &str,
+    caption: String,
+    sheet: &Picture,
+) -> Result<()> {
+    let file = format!("{name}.png");
+    write_whole(&args.common.output.join(&file), &png(sheet)?)?;
+    document.sheets.push([file, caption]);
+    Ok(())
+}
+
+/// Writes the results measured so far.
+fn write(args: &BenchHrsm, document: &Document) -> Result<()> {
+    super::write(&args.common.output, "hrsm", &tables::markdown(document), document)
+}

@@ -1,0 +1,91 @@
+//! The benchmarks, one module each: measurements, checks, tables and pictures.
+//!
+//! A benchmark writes `NAME.md` and `NAME.json` into the output folder, with its plots and pictures next to them.
+
+pub(crate) mod ao;
+pub(crate) mod bake;
+pub(crate) mod blur;
+mod child;
+pub(crate) mod fast;
+pub(crate) mod hrsm;
+pub(crate) mod peers;
+mod shadows;
+pub(crate) mod tree;
+pub(crate) mod verify;
+
+use std::path::Path;
+
+use adumbra_program::exit::{Code, Failure};
+use adumbra_program::output::write_whole;
+use adumbra_program::say;
+use serde::Serialize;
+
+use crate::Result;
+use crate::args::{BenchVerb, SuiteArg};
+
+/// Direction towards the sun, for the tables with a single sun.
+const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
+
+/// Runs one benchmark.
+///
+/// # Errors
+///
+/// Returns an error if an input cannot be read, an output cannot be written, or the device fails.
+pub fn run(what: &BenchVerb) -> Result<Code> {
+    match what {
+        BenchVerb::Bake(a) if a.suite == SuiteArg::Fast => fast::run(a),
+        BenchVerb::Bake(a) => bake::run(a),
+        BenchVerb::Verify(a) => verify::run(a),
+        BenchVerb::Tree(a) => tree::run(a),
+        BenchVerb::Hrsm(a) => hrsm::run(a),
+        BenchVerb::Ao(a) => ao::run(a),
+        BenchVerb::Blur(a) => blur::run(a),
+        BenchVerb::Peers(a) => peers::run(a),
+        BenchVerb::Shadows(a) => shadows::run(a),
+    }
+}
+
+/// Writes a benchmark's tables and figures as far as they have been measured.
+fn write(folder: &Path, name: &str, markdown: &str, figures: &impl Serialize) -> Result<()> {
+    let json = serde_json::to_value(figures).map_err(|e| Failure::BadInput(e.to_string()))?;
+    write_whole(&folder.join(format!("{name}.md")), markdown.as_bytes())?;
+    write_whole(&folder.join(format!("{name}.json")), format!("{json:#}\n").as_bytes())?;
+    Ok(())
+}
+
+/// Prints the path of the tables.
+fn say_tables(folder: &Path, name: &str) {
+    say!("{}", folder.join(format!("{name}.md")).display());
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::de::DeserializeOwned;
+    use serde_json::Value;
+
+    use super::*;
+    use crate::report::Report;
+
+    /// Reads a result file as its type and checks that it survives a round trip unchanged.
+    fn read<T: DeserializeOwned + Serialize>(name: &str) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bench").join(name);
+        let text = std::fs::read_to_string(path).unwrap();
+        let results: T = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let known: Value = serde_json::from_str(&text).unwrap();
+        assert!(serde_json::to_value(&results).unwrap() == known, "{name} is read and written as it was");
+    }
+
+    #[test]
+    fn results_in_the_documents_are_read_as_their_types() {
+        read::<ao::Document>("ao.json");
+        read::<bake::Document>("bake.json");
+        read::<blur::Document>("blur.json");
+        read::<fast::Document>("fast.json");
+        read::<fast::Document>("hierarchy/fast.json");
+        read::<hrsm::Document>("hrsm.json");
+        read::<peers::Document>("peers.json");
+        read::<Vec<Report>>("shadows.json");
+        read::<tree::Document>("tree.json");
+        read::<verify::Document>("verify.json");
+    }
+}

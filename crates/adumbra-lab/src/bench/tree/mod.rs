@@ -1,0 +1,202 @@
+//! `adumbra-lab bench tree`: the paper's measurements of its tree, and the cost of each option added to it.
+//!
+//! Tables are written as Markdown and JSON, plots as SVG, pictures as PNG.
+
+mod builders;
+mod document;
+mod filters;
+mod frames;
+mod options;
+mod reductions;
+
+use adumbra::IoError;
+use adumbra_bake::Watch;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use self::document::Part;
+pub(crate) use self::document::{Document, FrameRow, OptionRow, ReductionRow};
+use adumbra::Sun;
+use adumbra_bake::Size;
+use adumbra_program::exit::{Code, Failure};
+use adumbra_program::output::make_folder;
+use adumbra_program::scene::load_scene;
+use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, write_glb};
+use adumbra_tree::{BakedTree, TreeOptions, bake_tree};
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use adumbra_truth::verify::{
+    Answers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
+};
+use serde_json::Value;
+
+use super::{child, say_tables, write};
+use crate::Result;
+use crate::args::BenchTree;
+
+/// Seed of the generated scenes.
+const SEED: u64 = 1;
+const SUN: [f64; 3] = [0.5, 0.8, 0.35];
+/// Smallest depth at which builders skip the cubes that the min/max pyramid decides.
+const FIRST_PRUNED_DEPTH: u32 = 11;
+
+/// A scene of the tables.
+struct BenchScene {
+    name: String,
+    /// Path that other processes load it from.
+    path: PathBuf,
+    /// Whether it may read files outside its folder.
+    allow_outside: bool,
+    scene: Scene,
+}
+
+pub(super) fn run(args: &BenchTree) -> Result<Code> {
+    make_folder(&args.output)?;
+    let made = tempfile::tempdir().map_err(IoError::at("create", std::env::temp_dir()))?;
+    let mut scenes = Vec::new();
+    for name in &args.names {
+        let kind = match name.as_str() {
+            "primitives" => Some(GeneratedKind::Primitives),
+            "landscape" => Some(GeneratedKind::Landscape),
+            _ => None,
+        };
+        let path = match kind {
+            Some(kind) => {
+                let path = made.path().join(format!("{name}.glb"));
+                write_glb(&generate(kind, SEED), &path)?;
+                path
+            }
+            None => args.folder.scenes.join(name),
+        };
+        let allow_outside = args.folder.allow_outside;
+        let load = LoadOptions { color_textures: true, allow_outside, ..LoadOptions::default() };
+        let scene = load_scene(&path, &load)?;
+        let name = name.rsplit_once('.').map_or(name.as_str(), |(stem, _)| stem).to_owned();
+        scenes.push(BenchScene { name, path, allow_outside, scene });
+    }
+    // Sections that this run does not measure keep their earlier results.
+    let mut document =
+        if args.only.is_empty() { Document::default() } else { earlier(&args.output.join("tree.json"))? };
+    let asked = |key: &str| args.only.is_empty() || args.only.iter().any(|only| only == key);
+    // Saved after every section, so that a failure loses only the section in progress.
+    if asked("builders") {
+        document.builders = Some(part(args, builders::measure(args, &scenes)?));
+        save(args, &document)?;
+    }
+    if asked("reductions") {
+        document.reductions = Some(part(args, reductions::measure(args, &scenes)?));
+        save(args, &document)?;
+    }
+    if asked("frames") {
+        document.frames = Some(part(args, frames::measure(args, &scenes)?));
+        save(args, &document)?;
+    }
+    if asked("options") {
+        document.options = Some(part(args, options::measure(args, &scenes)?));
+        save(args, &document)?;
+    }
+    if asked("filters") {
+        document.filters = Some(part(args, filters::measure(args, &scenes)?));
+        save(args, &document)?;
+    }
+    say_tables(&args.output, "tree");
+    Ok(Code::Fine)
+}
+
+fn part<R>(args: &BenchTree, rows: R) -> Part<R> {
+    Part { runs: args.runs, samples: args.samples, threads: rayon::current_num_threads(), rows }
+}
+
+/// Writes tables, figures and plots of the sections measured so far.
+fn save(args: &BenchTree, document: &Document) -> Result<()> {
+    write(&args.output, "tree", &markdown(document), document)?;
+    if let Some(part) = &document.builders {
+        builders::plots(&args.output, &part.rows)?;
+    }
+    if let Some(part) = &document.reductions {
+        reductions::plots(&args.output, &part.rows)?;
+    }
+    if let Some(part) = &document.options {
+        options::plots(&args.output, &part.rows)?;
+    }
+    Ok(())
+}
+
+/// Returns the scene names of a section's rows, in order and without adjacent repeats.
+fn scene_names<'r>(rows: impl Iterator<Item = &'r String>) -> Vec<String> {
+    let mut names: Vec<String> = rows.cloned().collect();
+    names.dedup();
+    names
+}
+
+/// Reads what an earlier run wrote. Returns an empty document if there is no such file.
+fn earlier(path: &Path) -> Result<Document> {
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Document::default()),
+        Err(e) => return Err(IoError::at("read", path)(e).into()),
+    };
+    let other = |e| {
+        Failure::BadInput(format!(
+            "{}: cannot be read as the results of an earlier run ({e}); remove it",
+            path.display()
+        ))
+    };
+    Ok(serde_json::from_slice(&bytes).map_err(other)?)
+}
+
+fn markdown(document: &Document) -> String {
+    let parts = [
+        document.builders.as_ref().map(builders::markdown),
+        document.reductions.as_ref().map(reductions::markdown),
+        document.frames.as_ref().map(frames::markdown),
+        document.options.as_ref().map(options::markdown),
+        document.filters.as_ref().map(filters::markdown),
+    ];
+    let parts: String = parts.into_iter().flatten().collect();
+    format!(
+        "# The voxel tree, measured\n\nWorld-aligned trees, sun towards (0.5, 0.8, 0.35). `primitives` and \
+        `landscape` are generated with seed {SEED}. Depth n means 2^n voxels along each side of the cube. 1 MB = 10^6 bytes.\n{parts}"
+    )
+}
+
+fn tree_options(depth: u32) -> Result<TreeOptions> {
+    Ok(TreeOptions::new(Sun::from_direction(SUN)?, Size::Resolution(1 << depth)))
+}
+
+fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree> {
+    Ok(bake_tree(&scene.scene, options, Watch::none())?)
+}
+
+/// Returns the median, or the upper of the two middle values if their number is even.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Returns the largest resident size of a bake in a process of its own, or `None` if the system does not report it.
+fn peak_bytes(scene: &BenchScene, options: &[&str]) -> Result<Option<u64>> {
+    let outside: &[&str] = if scene.allow_outside { &["--allow-outside"] } else { &[] };
+    let said: Value = child::bake(&scene.path, &[&["--frame", "world"], options, outside].concat())?;
+    Ok(said["peak_bytes"].as_u64())
+}
+
+/// Compares answers with rays at points on a scene's surfaces.
+struct Check<'a> {
+    tracer: Tracer<'a>,
+    solids: Solids,
+    scene: &'a Scene,
+    samples: u64,
+}
+
+impl<'a> Check<'a> {
+    fn new(scene: &'a Scene, samples: u64) -> Self {
+        let tracer = Tracer::build(scene, TraceOptions { ignore_alpha: false });
+        Self { tracer, solids: Solids::of(scene), scene, samples }
+    }
+
+    fn run(&self, answers: &impl Answers) -> Verification {
+        let surface = SurfaceSampler::new(self.scene, &self.solids, answers.towards_sun(), false);
+        let options = VerifyOptions { samples: self.samples, seed: 1 };
+        Verifier::new(answers, &self.tracer, &self.solids).run(&Sampler::Surface(surface), &options)
+    }
+}

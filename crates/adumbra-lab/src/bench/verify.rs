@@ -1,0 +1,160 @@
+//! `adumbra-lab bench verify`: compares files of several scenes under several suns with rays.
+
+use std::fmt::Write as _;
+
+use adumbra::{Query, Sun};
+use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch, bake};
+use adumbra_program::exit::Code;
+use adumbra_program::output::make_folder;
+use adumbra_program::scene::load_scene;
+use adumbra_scene::LoadOptions;
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use adumbra_truth::verify::{
+    Class, ClassResult, LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
+    VolumeSampler,
+};
+use serde::{Deserialize, Serialize};
+
+use super::{DEFAULT_SUN, say_tables, write};
+use crate::Result;
+use crate::args::BenchVerify;
+
+/// All results.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Document {
+    /// Voxels along the longer side of each grid.
+    resolution: u64,
+    /// One row per scene, sun, layout and filter.
+    rows: Vec<Row>,
+}
+
+/// One file looked up with one filter.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "VerifyRow"))]
+struct Row {
+    /// Name of the scene.
+    scene: String,
+    /// Elevation of the sun, or its direction.
+    sun: String,
+    /// Layout of the file.
+    layout: String,
+    /// Texels per side of the filter.
+    filter: u32,
+    /// Whether every class keeps its promise.
+    holds: bool,
+    /// What `verify` found.
+    figures: Verification,
+}
+
+/// Elevations of the other suns above the horizon in degrees, from overhead to nearly level.
+const ELEVATIONS_DEGREES: [f64; 6] = [90.0, 60.0, 10.0, 5.0, 3.0, 2.0];
+/// Azimuth of the other suns, degrees clockwise from -Z.
+const AZIMUTH_DEGREES: f64 = 55.0;
+
+fn suns() -> Result<Vec<(String, Sun)>> {
+    let mut suns = vec![("(0.5, 0.8, 0.35)".to_owned(), Sun::from_direction(DEFAULT_SUN)?)];
+    for elevation in ELEVATIONS_DEGREES {
+        suns.push((format!("elevation {elevation}°"), Sun::from_angles(AZIMUTH_DEGREES, elevation)?));
+    }
+    Ok(suns)
+}
+
+pub(super) fn run(args: &BenchVerify) -> Result<Code> {
+    make_folder(&args.output)?;
+    let mut rows = Vec::new();
+    let mut all_hold = true;
+    for name in &args.names {
+        let load = LoadOptions { allow_outside: args.folder.allow_outside, ..LoadOptions::default() };
+        let scene = load_scene(&args.folder.scenes.join(name), &load)?;
+        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
+        let solids = Solids::of(&scene);
+        for (sun_name, sun) in suns()? {
+            let options = BakeOptions {
+                assume_ground: !args.volume,
+                ..BakeOptions::new(sun, Size::Resolution(args.resolution))
+            };
+            let bake_as = |layout| bake(&scene, &BakeOptions { layout, ..options.clone() }, Watch::none());
+            let files = [bake_as(LayoutChoice::Packed)?.file, bake_as(LayoutChoice::Depths)?.file];
+            let sampler = if args.volume {
+                Sampler::Volume(VolumeSampler::new(&files[0].grid))
+            } else {
+                Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false))
+            };
+            for file in &files {
+                let layout = file.body.layout().name();
+                for &filter in &args.filter {
+                    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, filter)?;
+                    let answers = LightAnswers::new(&file.grid, &file.settings, query);
+                    let options = VerifyOptions { samples: args.samples, seed: 1 };
+                    let v = Verifier::new(&answers, &tracer, &solids).run(&sampler, &options);
+                    all_hold &= v.holds();
+                    eprintln!(
+                        "{name} {sun_name} {layout} K = {filter}: interior {:.5}, grazing {:.5}{}",
+                        v.interior_agreement,
+                        v.class(Class::Grazing).agreement,
+                        if v.holds() { "" } else { ", does not hold" }
+                    );
+                    rows.push(Row {
+                        scene: name.clone(),
+                        sun: sun_name.clone(),
+                        layout: layout.to_owned(),
+                        filter,
+                        holds: v.holds(),
+                        figures: v,
+                    });
+                }
+            }
+        }
+    }
+    let stem = if args.volume { "verify-volume" } else { "verify" };
+    let document = Document { resolution: args.resolution, rows };
+    write(&args.output, stem, &table(args, &document), &document)?;
+    say_tables(&args.output, stem);
+    Ok(if all_hold { Code::Fine } else { Code::CheckFailed })
+}
+
+fn table(args: &BenchVerify, document: &Document) -> String {
+    let mut text = format!(
+        "# Agreement with rays{}\n\nN = {}, {} random points per row. `adumbra_truth::verify` defines the \
+        classes. Agreement is in % of the points of a class; with a filter of K × K texels, it is 100 minus the \
+        mean difference from the rays' own mean. The share of the compared points that are in the class follows \
+        in brackets. For edges and narrow features, the figure is the share that is wrong by more than a texel.\n\n\
+        | scene | sun | layout | K | all | interior | grazing | edge: misplaced | narrow: misplaced | thin | edge-on | acne | leak | holds |\n\
+        |---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        if args.volume { ", points in free space" } else { "" },
+        document.resolution,
+        args.samples
+    );
+    for row in &document.rows {
+        let f = &row.figures;
+        let share = |class: &ClassResult| 100.0 * class.points as f64 / f.samples as f64;
+        let agreement = |class: Class| match f.class(class) {
+            c if c.points == 0 => "–".to_owned(),
+            c => format!("{:.4} ({:.1})", 100.0 * c.agreement, share(c)),
+        };
+        let misplaced = |class: Class| match f.class(class) {
+            c if c.points == 0 || row.filter != 1 => "–".to_owned(),
+            c => format!("{:.3} ({:.1})", 100.0 * c.misplaced_share(), share(c)),
+        };
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {:.3} | {} | {} | {} | {} | {} | {} | {:.3} | {:.3} | {} |",
+            row.scene,
+            row.sun,
+            row.layout,
+            row.filter,
+            100.0 * f.agreement,
+            agreement(Class::Interior),
+            agreement(Class::Grazing),
+            misplaced(Class::Edge),
+            misplaced(Class::Narrow),
+            agreement(Class::Thin),
+            agreement(Class::EdgeOn),
+            100.0 * f.acne,
+            100.0 * f.leak,
+            if row.holds { "yes" } else { "no" },
+        );
+    }
+    text
+}

@@ -1,0 +1,57 @@
+//! `bench peers` as users run it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use adumbra_testing::{Folder, lab};
+
+/// Returns the folder of scenes and truth files that are not part of the repository.
+fn shared() -> Option<PathBuf> {
+    let base = std::env::var_os("ADUMBRA_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
+    if !base.join("truth").is_dir() {
+        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", base.display());
+        return None;
+    }
+    Some(base)
+}
+
+#[test]
+fn shared_bench_peers_stands_beside_the_engines() {
+    let Some(shared) = shared() else { return };
+    let folder = Folder::new();
+    let (scenes, truth) = (shared.join("scenes"), shared.join("truth"));
+    let out = folder.path("out");
+    let (code, error) = lab(&[
+        "bench",
+        "peers",
+        "--scenes",
+        scenes.to_str().unwrap(),
+        "--truth",
+        truth.to_str().unwrap(),
+        "--shadow",
+        "none",
+        "-o",
+        &out,
+    ]);
+    assert_eq!(code, 0, "{error}");
+    let table: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path("out/peers.json")).unwrap()).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!((rows.len(), &rows[0]["name"], &rows[7]["source"]), (8, &"none".into(), &"aim".into()));
+    for scene in rows[0]["scenes"].as_array().unwrap() {
+        // Without shadows, exactly the shadowed pixels are wrong.
+        let (wrong, mean) =
+            (scene["wrong_percent"].as_f64().unwrap(), scene["mean_percent"].as_f64().unwrap());
+        assert!(wrong > 1.0 && (wrong - mean).abs() < 1e-3, "{scene}");
+    }
+}
+
+#[test]
+fn bench_peers_says_which_scene_is_missing() {
+    let folder = Folder::new();
+    let (scenes, out) = (folder.path(""), folder.path("out"));
+    let (code, error) = lab(&["bench", "peers", "--scenes", &scenes, "--truth", &scenes, "-o", &out]);
+    assert_eq!(code, 3);
+    assert!(error.contains("kaykit_city_21"), "{error}");
+}

@@ -1,0 +1,29 @@
+//! Techniques compared with ray-traced truth, for tests that compare one scene with another.
+
+use adumbra::{ShadowFile, Sun};
+use adumbra_lab::compare::{Comparison, Contender, Reference, compare, truth_for};
+use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
+use adumbra_render::{Baked, Renderer, TechniqueSpec, build};
+use adumbra_scene::{Camera, Scene};
+
+/// Compares the techniques called `names` with rays at each camera, one frame each.
+pub(crate) fn comparisons(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    file: Option<&ShadowFile>,
+    sun: Sun,
+    cameras: &[Camera],
+    names: &[&str],
+) -> Vec<Comparison> {
+    let truth = TruthTracer::build(scene, false);
+    let key = scene_key(scene, false);
+    let (cache, towards_sun) = (Cache::none(), sun.towards());
+    let reference = Reference { truth: &truth, cache: &cache, scene: &key, towards_sun, disc: (0.53, 16) };
+    let contender = |name: &&str| {
+        let spec: TechniqueSpec = name.parse().unwrap();
+        let technique = build(renderer.gpu(), &spec, Baked { light: file, tree: None }).unwrap();
+        Contender { prepared: Some(renderer.prepare(technique).unwrap()), truth: truth_for(&spec), spec }
+    };
+    let mut contenders: Vec<Contender> = names.iter().map(contender).collect();
+    cameras.iter().map(|c| compare(renderer, &reference, c, &mut contenders, 1).unwrap()).collect()
+}

@@ -1,0 +1,155 @@
+//! Groups of options that several verbs share and that need only the core library.
+
+mod values;
+
+use adumbra::Sun;
+use adumbra_bake::LayoutChoice;
+use adumbra_scene::{LoadOptions, MoverPolicy, NameFilter};
+use clap::ValueEnum;
+pub use values::{numbers, parse_bytes, parse_size, parse_triple};
+
+use crate::exit::Failure;
+
+/// Options that give the direction of the sun.
+#[derive(clap::Args)]
+pub struct SunArgs {
+    /// Direction towards the sun in world space, any length [default: 0.5,0.8,0.35]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple,
+        conflicts_with_all = ["azimuth", "elevation"])]
+    sun: Option<[f64; 3]>,
+    /// Azimuth of the sun in degrees, clockwise from -Z seen from above (90 is +X)
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, requires = "elevation")]
+    azimuth: Option<f64>,
+    /// Elevation of the sun in degrees above the horizon
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    elevation: Option<f64>,
+}
+
+impl SunArgs {
+    /// Whether any of these options was given.
+    pub fn is_given(&self) -> bool {
+        self.sun.is_some() || self.elevation.is_some()
+    }
+
+    /// Returns the sun that was given, or the default one.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure::Reader`] if the direction is not finite or has no length, or if the sun is below the horizon.
+    pub fn sun(&self) -> Result<Sun, Failure> {
+        Ok(match self.elevation {
+            Some(elevation) => Sun::from_angles(self.azimuth.unwrap_or(0.0), elevation)?,
+            None => Sun::from_direction(self.sun.unwrap_or([0.5, 0.8, 0.35]))?,
+        })
+    }
+}
+
+/// Options that choose what is loaded from a scene.
+#[derive(clap::Args)]
+pub struct SceneArgs {
+    /// Load only triangles whose node, mesh or material name matches the pattern; may be repeated
+    #[arg(long, value_name = "GLOB")]
+    only: Vec<String>,
+    /// Skip triangles whose node, mesh or material name matches the pattern; may be repeated
+    #[arg(long, value_name = "GLOB")]
+    exclude: Vec<String>,
+    /// Treat masked and blended materials as opaque
+    #[arg(long)]
+    pub ignore_alpha: bool,
+    /// Load animated instances as static geometry in their first pose; without it they are skipped because they move,
+    /// except that render and view animate them. Give it to verify if it was given to bake
+    #[arg(long)]
+    include_animated: bool,
+    /// Also read buffers, images and material libraries outside the scene's folder; only for scenes that you trust
+    #[arg(long)]
+    allow_outside: bool,
+}
+
+impl SceneArgs {
+    /// Returns the options that were given, as words of a command line.
+    pub fn words(&self) -> Vec<String> {
+        let named = |name: &str, list: &[String]| -> Vec<String> {
+            list.iter().map(|glob| format!("{name} '{}'", glob.replace('\'', "'\\''"))).collect()
+        };
+        let mut words = [named("--only", &self.only), named("--exclude", &self.exclude)].concat();
+        let switches = [
+            (self.ignore_alpha, "--ignore-alpha"),
+            (self.include_animated, "--include-animated"),
+            (self.allow_outside, "--allow-outside"),
+        ];
+        words.extend(switches.iter().filter(|(on, _)| *on).map(|(_, name)| (*name).to_owned()));
+        words
+    }
+
+    /// Returns the options of the loader, which may hold at most `max_memory_bytes`.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure::Scene`] if a pattern is not a valid glob.
+    pub fn load_options(&self, max_memory_bytes: Option<u64>) -> Result<LoadOptions, Failure> {
+        Ok(LoadOptions {
+            filter: NameFilter::new(&self.only, &self.exclude)?,
+            color_textures: false,
+            ignore_alpha: self.ignore_alpha,
+            movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
+            allow_outside: self.allow_outside,
+            max_memory_bytes,
+        })
+    }
+}
+
+/// Options of a run: its threads, its memory and the form of what it prints.
+#[derive(clap::Args)]
+pub struct RunArgs {
+    /// Number of threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Memory that may be held, such as 800MiB or 2GiB; a light-aligned bake that needs more continues with temporary
+    /// files next to the output [default: no limit, but for loading a scene 2 GiB plus 64 bytes for each byte of its
+    /// files]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    pub max_memory: Option<u64>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl RunArgs {
+    /// Checks a memory requirement against `--max-memory`.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure::Bake`] if `needed_bytes` exceeds the limit.
+    pub fn check_memory(&self, what: &'static str, needed_bytes: u64) -> Result<(), Failure> {
+        match self.max_memory {
+            Some(limit_bytes) if needed_bytes > limit_bytes => {
+                Err(Failure::memory(what, needed_bytes, limit_bytes))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How a file stores its voxels.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum LayoutArg {
+    /// About a third of the bytes of plain
+    Packed,
+    /// 32-bit words
+    Plain,
+    /// A quadtree of switch depths: about a quarter of the bytes of plain, and penumbrae (voxel:soft)
+    Depths,
+    /// Packed or depths, whichever is smaller; the bake builds both
+    Auto,
+}
+
+impl From<LayoutArg> for LayoutChoice {
+    fn from(layout: LayoutArg) -> Self {
+        match layout {
+            LayoutArg::Packed => Self::Packed,
+            LayoutArg::Plain => Self::Plain,
+            LayoutArg::Depths => Self::Depths,
+            LayoutArg::Auto => Self::Auto,
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Exit codes, and the code of each error.
+
+use std::io::ErrorKind;
+use std::process::ExitCode;
+
+use adumbra::{IoError, RangeError};
+
+use crate::advice::{options_of_bake, options_of_reader, options_of_scene, options_of_tree, shown};
+
+/// Exit code of a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Code {
+    /// Success.
+    Fine = 0,
+    /// A check failed: something was measured and does not hold.
+    CheckFailed = 1,
+    /// The arguments ask for something that does not exist, or they contradict each other.
+    Usage = 2,
+    /// A file cannot be read, or does not contain what was expected.
+    BadInput = 3,
+    /// Memory, disk space or device memory is insufficient.
+    OutOfRoom = 4,
+    /// The GPU was lost.
+    DeviceLost = 5,
+    /// A signal ended the work.
+    Interrupted = 130,
+}
+
+impl From<Code> for ExitCode {
+    fn from(code: Code) -> Self {
+        Self::from(code as u8)
+    }
+}
+
+/// An error that ends a verb early.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// Wrong arguments. The text says which, and what to give instead.
+    #[error("{0}")]
+    Usage(String),
+    /// A wrong input. The text says which, and what it should be.
+    #[error("{0}")]
+    BadInput(String),
+    /// An error of the operating system while reading or writing.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// An error of a shadow file, a look-up or a sun.
+    #[error("{0}{options}", options = shown(options_of_reader(.0)))]
+    Reader(#[from] adumbra::Error),
+    /// An error of a scene.
+    #[error("{0}{options}", options = shown(options_of_scene(.0)))]
+    Scene(#[from] adumbra_scene::Error),
+    /// An error of a bake.
+    #[error("{0}{options}", options = shown(options_of_bake(.0)))]
+    Bake(#[from] adumbra_bake::Error),
+    /// An error of a world-aligned tree.
+    #[error("{0}{options}", options = shown(options_of_tree(.0)))]
+    Tree(#[from] adumbra_tree::Error),
+    /// An error of a library that this crate does not depend on, with the exit code that the caller assigns to it.
+    #[error("{message}")]
+    Other {
+        /// The program's exit code.
+        code: Code,
+        /// The error message.
+        message: String,
+    },
+}
+
+impl From<RangeError> for Failure {
+    fn from(error: RangeError) -> Self {
+        Self::Reader(error.into())
+    }
+}
+
+impl Failure {
+    /// Returns the error that `what` needs more memory than the limit allows.
+    pub fn memory(what: &'static str, needed_bytes: u64, limit_bytes: u64) -> Self {
+        adumbra_bake::Error::MemoryLimit { what, needed_bytes, limit_bytes }.into()
+    }
+
+    /// Returns the program's exit code for this error.
+    pub fn code(&self) -> Code {
+        match self {
+            Self::Usage(_) => Code::Usage,
+            Self::BadInput(_) => Code::BadInput,
+            Self::Io(error) => code_of_io(error),
+            Self::Reader(error) => code_of_reader(error),
+            Self::Scene(error) => code_of_scene(error),
+            Self::Bake(error) => code_of_bake(error),
+            Self::Tree(error) => code_of_tree(error),
+            Self::Other { code, .. } => *code,
+        }
+    }
+}
+
+fn code_of_io(error: &IoError) -> Code {
+    match error.source.kind() {
+        ErrorKind::StorageFull
+        | ErrorKind::QuotaExceeded
+        | ErrorKind::FileTooLarge
+        | ErrorKind::OutOfMemory => Code::OutOfRoom,
+        _ => Code::BadInput,
+    }
+}
+
+fn code_of_reader(error: &adumbra::Error) -> Code {
+    use adumbra::Error as E;
+    match error {
+        E::Range(_) | E::SunDirection { .. } | E::SunBelowHorizon { .. } => Code::Usage,
+        E::Io(error) => code_of_io(error),
+        _ => Code::BadInput,
+    }
+}
+
+fn code_of_scene(error: &adumbra_scene::Error) -> Code {
+    use adumbra_scene::Error as E;
+    match error {
+        E::Range(_) | E::Pattern { .. } => Code::Usage,
+        E::SceneMemory { .. } => Code::OutOfRoom,
+        E::Io(error) => code_of_io(error),
+        _ => Code::BadInput,
+    }
+}
+
+fn code_of_bake(error: &adumbra_bake::Error) -> Code {
+    use adumbra_bake::Error as E;
+    match error {
+        E::Range(_) | E::Resolution { .. } => Code::Usage,
+        E::MemoryLimit { .. } | E::TooManyWords { .. } => Code::OutOfRoom,
+        E::Interrupted => Code::Interrupted,
+        E::Io(error) | E::Spill(error) => code_of_io(error),
+        E::File(error) => code_of_reader(error),
+        _ => Code::BadInput,
+    }
+}
+
+fn code_of_tree(error: &adumbra_tree::Error) -> Code {
+    use adumbra_tree::Error as E;
+    match error {
+        E::Range(_) => Code::Usage,
+        E::Io(error) => code_of_io(error),
+        E::Bake(error) => code_of_bake(error),
+        E::Sun(error) => code_of_reader(error),
+        _ => Code::BadInput,
+    }
+}
+
+/// Result of a verb.
+pub type Outcome = Result<Code, Failure>;
+
+#[cfg(test)]
+mod tests {
+    use adumbra_scene::EmptyReason;
+
+    use super::*;
+
+    #[test]
+    fn errors_have_their_codes_and_options() {
+        let range = |name| Failure::from(RangeError::new(name, "x", "y"));
+        let memory = Failure::memory("the bake", 2, 1);
+        let resolution: Failure =
+            adumbra_bake::Error::Resolution { resolution: 1000, min: 8, max: 16, suggestion: 16 }.into();
+        let interrupted: Failure = adumbra_bake::Error::Interrupted.into();
+        let empty =
+            |reason| -> Failure { adumbra_scene::Error::NoTriangles { path: "a.glb".into(), reason }.into() };
+        let full = std::io::Error::from(ErrorKind::StorageFull);
+        let spill: Failure = adumbra_bake::Error::Spill(IoError::at("write", "/tmp")(full)).into();
+        for (failure, code, options) in [
+            (range("the thickness"), Code::Usage, "(--thickness)"),
+            (range("something without an option"), Code::Usage, "must be y"),
+            (memory, Code::OutOfRoom, "(--max-memory, --resolution, --threads)"),
+            (resolution, Code::Usage, "(--resolution)"),
+            (interrupted, Code::Interrupted, "nothing was written"),
+            (empty(EmptyReason::AllAnimated { instances: 1 }), Code::BadInput, "(--include-animated)"),
+            (empty(EmptyReason::Filtered), Code::BadInput, "(--only, --exclude)"),
+            (spill, Code::OutOfRoom, "(--max-memory)"),
+            (Failure::Usage("no".to_owned()), Code::Usage, "no"),
+        ] {
+            assert_eq!(failure.code(), code, "{failure}");
+            assert!(failure.to_string().ends_with(options), "{failure}");
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Code shared by the programs `adumbra` and `adumbra-lab`. It depends only on the core crates, so that a program
+//! without GPU support links no graphics library.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`start`] | the course of a program, from its arguments to its exit code |
+//! | [`exit`] | exit codes, and the errors that lead to them |
+//! | [`args`] | groups of options that several verbs share |
+//! | [`scene`] | loading a scene, with its warnings |
+//! | [`output`] | files that are written completely or not at all, and never over an input |
+//! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
+
+mod advice;
+pub mod args;
+mod environment;
+pub mod exit;
+pub mod memory;
+pub mod output;
+pub mod progress;
+pub mod scene;
+pub mod signals;
+pub mod start;
+pub mod threads;
+
+/// Prints a line on stdout. Errors are ignored, so a closed pipe or a full disk behind stdout does not end the work.
+#[macro_export]
+macro_rules! say {
+    ($($words:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($words)*);
+    }};
+}

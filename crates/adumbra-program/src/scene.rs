@@ -1,0 +1,55 @@
+//! Loading a scene, with its warnings.
+
+use std::path::Path;
+
+use adumbra_scene as scene;
+use adumbra_scene::{LoadOptions, Scene};
+
+use crate::exit::Failure;
+use crate::output::note_scene;
+
+/// Loads a scene and prints the loader's warnings on stderr.
+///
+/// # Errors
+///
+/// Returns [`Failure::Scene`] if the scene, or a file that it names, cannot be read.
+pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
+    let scene = scene::load(path, options)?;
+    let notes = &scene.notes;
+    note_scene(path, notes);
+    for warning in &notes.warnings {
+        eprintln!("warning: {}: {warning}", path.display());
+    }
+    if notes.outside_textures > 0 {
+        eprintln!(
+            "note: {}: files outside the scene's folder are read only with --allow-outside; use it for scenes that you trust",
+            path.display()
+        );
+    }
+    if notes.degenerate_triangles > 0 {
+        eprintln!("warning: {}: {} degenerate triangles skipped", path.display(), notes.degenerate_triangles);
+    }
+    if notes.untriangulated_polygons > 0 {
+        eprintln!(
+            "warning: {}: {} polygons could not be triangulated properly: they intersect themselves, are far from flat or have more than 16384 corners; triangulate them in the \
+            program that made them",
+            path.display(),
+            notes.untriangulated_polygons
+        );
+    }
+    if notes.blended_materials > 0 {
+        eprintln!(
+            "note: {}: {} blended materials cast shadows where alpha >= 0.5",
+            path.display(),
+            notes.blended_materials
+        );
+    }
+    if notes.skipped_movers > 0 {
+        eprintln!(
+            "note: {}: {} animated instances are skipped because they move; --include-animated loads them in their first pose",
+            path.display(),
+            notes.skipped_movers
+        );
+    }
+    Ok(scene)
+}

@@ -1,0 +1,68 @@
+//! Signals: the first interrupt asks the work to stop, the second ends the program. Exceeding a file-size limit becomes
+//! an error instead of ending the program.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+#[cfg(unix)]
+use std::sync::atomic::Ordering;
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::exit::Code;
+
+/// Installs the handlers and returns a flag that the first interrupt sets. The second interrupt ends the program.
+pub fn install() -> Arc<AtomicBool> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    listen(Arc::clone(&cancel));
+    cancel
+}
+
+/// Makes the first interrupt end the program, for verbs that have nothing to finish.
+pub fn end_when_interrupted() {
+    listen(Arc::new(AtomicBool::new(true)));
+}
+
+/// Starts a thread that handles interrupts, because a signal handler must not remove files. If the flag is already set,
+/// an interrupt removes the temporary files and ends the program; otherwise it sets the flag. If signals cannot be
+/// received, they keep the system's default action.
+#[cfg(unix)]
+fn listen(flag: Arc<AtomicBool>) {
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
+    let each = move || {
+        for _ in signals.forever() {
+            if flag.swap(true, Ordering::Relaxed) {
+                adumbra_files::end_without_temporary_files(end);
+            }
+        }
+    };
+    // If no thread can be started, `signals` is closed when it is dropped with the closure.
+    let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(each);
+}
+
+#[cfg(unix)]
+fn end() -> ! {
+    signal_hook::low_level::exit(Code::Interrupted as i32)
+}
+
+/// Makes an interrupt end the program if the flag is already set, and set the flag otherwise.
+#[cfg(not(unix))]
+fn listen(flag: Arc<AtomicBool>) {
+    for signal in [SIGINT, SIGTERM] {
+        // If a handler cannot be set, the signal keeps the system's default action.
+        let _ = signal_hook::flag::register_conditional_shutdown(
+            signal,
+            Code::Interrupted as i32,
+            Arc::clone(&flag),
+        );
+        let _ = signal_hook::flag::register(signal, Arc::clone(&flag));
+    }
+}
+
+/// Turns writing past a file-size limit into an error (EFBIG). Without a handler the signal would end the program.
+pub fn survive_file_size_limit() {
+    #[cfg(unix)]
+    {
+        // If the handler cannot be set, the system's default action remains.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    }
+}

@@ -1,0 +1,52 @@
+//! Properties of a technique that are known without a device: the file that it reads, the truth that it is compared
+//! with, and whether it shows shadows of movers.
+
+/// The baked file that a technique reads besides the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reads {
+    /// No baked file.
+    Nothing,
+    /// A light-aligned file of any layout.
+    LightFile,
+    /// A light-aligned file of the layout `depths`, the only one that supports penumbrae.
+    LightDepths,
+    /// A world-aligned file.
+    TreeFile,
+}
+
+impl Reads {
+    /// Whether this is a light-aligned file, of any layout.
+    pub fn is_light_file(self) -> bool {
+        matches!(self, Self::LightFile | Self::LightDepths)
+    }
+}
+
+/// The ray-traced truth that a technique is compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truth {
+    /// Rays to the sun's centre. The technique's filter, if any, only smooths shadow edges.
+    HardSun,
+    /// Rays over the sun's disc. The technique shows penumbrae.
+    SunDisc,
+}
+
+/// Properties of a technique that are known from its name and parameters alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Traits {
+    /// The baked file that it reads.
+    pub(super) reads: Reads,
+    /// The truth that it is compared with.
+    pub(super) truth: Truth,
+    /// Whether it has a parameter `angle`, the sun's full angle in degrees.
+    pub(super) takes_sun_angle: bool,
+    /// Whether movers cast shadows, as static objects do.
+    pub(super) shows_movers: bool,
+}
+
+impl Traits {
+    /// Traits of a technique that is redrawn in every frame, for the sun's centre.
+    pub(super) const DRAWN: Self =
+        Self { reads: Reads::Nothing, truth: Truth::HardSun, takes_sun_angle: false, shows_movers: true };
+    pub(super) const CUBES: Self = Self { reads: Reads::TreeFile, shows_movers: false, ..Self::DRAWN };
+    pub(super) const SOFT: Self = Self { truth: Truth::SunDisc, takes_sun_angle: true, ..Self::DRAWN };
+}

@@ -1,0 +1,84 @@
+//! The techniques `voxel` (K × K texels) and `voxel:soft` (penumbrae), which use only a light-aligned file.
+
+use adumbra::ShadowFile;
+use adumbra_shaders::Source;
+
+use super::{BakedLight, VoxelSettings};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
+
+/// A light-aligned file as a technique.
+pub struct Voxel {
+    name: String,
+    light: BakedLight,
+}
+
+impl Voxel {
+    /// Wraps an uploaded file as a technique of this name.
+    pub fn new(name: String, light: BakedLight) -> Self {
+        Self { name, light }
+    }
+
+    /// Creates the technique `voxel` with the settings of [`VoxelSettings::from_spec`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`BakedLight::from_file`], and [`crate::RenderError::Technique`] if a parameter is unknown
+    /// or there is no file.
+    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
+        let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;
+        let settings = VoxelSettings::from_spec(spec, Some(file))?;
+        Ok(Self::new(spec.to_string(), BakedLight::from_file(gpu, file, settings)?))
+    }
+
+    /// The uploaded file.
+    pub fn light(&self) -> &BakedLight {
+        &self.light
+    }
+
+    /// The uploaded file, for writing its uniform.
+    pub fn light_mut(&mut self) -> &mut BakedLight {
+        &mut self.light
+    }
+}
+
+/// Error text of techniques that need a light-aligned file and have none.
+pub(crate) const NO_FILE: &str = "it needs a light-aligned shadow file";
+
+impl Technique for Voxel {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
+        self.light.set_anchor(input.gpu, input.anchor_world)
+    }
+
+    fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
+        match answer {
+            Answer::Visibility => Some(self.light.visibility_sources()),
+            Answer::Voxel => Some(self.light.level_sources()),
+            Answer::Cascade | Answer::Level => None,
+        }
+    }
+
+    fn layouts(&self) -> [Option<&wgpu::BindGroupLayout>; 2] {
+        [Some(self.light.bindings().layout()), None]
+    }
+
+    fn groups(&self) -> [Option<&wgpu::BindGroup>; 2] {
+        [Some(self.light.bindings().group()), None]
+    }
+
+    fn texel_world(&self, _view_depth: f32) -> Option<f64> {
+        Some(self.light.voxel_world())
+    }
+
+    fn voxel_world(&self) -> Option<f64> {
+        Some(self.light.voxel_world())
+    }
+
+    fn bytes(&self) -> u64 {
+        self.light.bytes()
+    }
+}

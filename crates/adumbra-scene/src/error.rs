@@ -1,0 +1,167 @@
+//! Errors from loading, generating or writing a scene.
+
+use std::path::PathBuf;
+
+use adumbra::{IoError, RangeError};
+
+/// Any error of this crate.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system refused to read or write something.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// A value is out of its range.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+    /// The file extension is not one of the supported ones.
+    #[error("{path:?}: unknown scene format; give a .glb, .gltf, .obj or .ply file", path = path.display())]
+    UnknownSceneFormat {
+        /// The scene file.
+        path: PathBuf,
+    },
+    /// The scene file does not parse.
+    #[error("{path:?}: not a valid {format} file: {what}; export it again or check that it is complete", path = path.display())]
+    SceneParse {
+        /// The scene file.
+        path: PathBuf,
+        /// "glTF", "OBJ" or "PLY".
+        format: &'static str,
+        /// What the parser found.
+        what: String,
+    },
+    /// The glTF file requires an extension that is not supported.
+    #[error("{path:?}: requires the glTF extension {extension}, which is not supported; export the scene without it", path = path.display())]
+    RequiredExtension {
+        /// The scene file.
+        path: PathBuf,
+        /// The extension's name.
+        extension: String,
+    },
+    /// A texture that decides where a material is opaque cannot be read.
+    #[error("{path:?}: material {material:?} needs the texture {texture}: {what}; provide a readable image, or load the scene with its alpha ignored", path = path.display())]
+    Texture {
+        /// The scene file.
+        path: PathBuf,
+        /// The material that uses it.
+        material: String,
+        /// The texture's file or index.
+        texture: String,
+        /// What went wrong.
+        what: String,
+    },
+    /// The scene references a file outside its own folder.
+    #[error(
+        "{path:?}: {place} references {named:?}, which is outside the scene's folder; copy it into that folder and reference it there, or allow files outside it if you trust the scene",
+        path = path.display()
+    )]
+    OutsideScene {
+        /// The scene file.
+        path: PathBuf,
+        /// The part of the scene that references it, such as "buffer 0".
+        place: String,
+        /// The file name as written in the scene.
+        named: String,
+    },
+    /// A device, a pipe or a socket was found where a scene file was expected.
+    #[error(
+        "{path:?} ({place}): not a regular file but a device, a pipe or a socket; copy the data into a file",
+        path = path.display()
+    )]
+    NotRegularFile {
+        /// The file.
+        path: PathBuf,
+        /// What references it: the scene itself, or a part of a scene.
+        place: String,
+    },
+    /// Loading the scene would hold more memory than is allowed.
+    #[error(
+        "{path:?}: loading needs about {} MiB with {what}, but {} MiB are allowed; raise the memory limit if you trust the scene, or make it smaller",
+        needed_bytes.div_ceil(1 << 20), limit_bytes >> 20, path = path.display()
+    )]
+    SceneMemory {
+        /// The scene file.
+        path: PathBuf,
+        /// What was about to be allocated: a texture, a mesh …
+        what: String,
+        /// Bytes that would be held, including everything so far.
+        needed_bytes: u64,
+        /// The limit in force.
+        limit_bytes: u64,
+    },
+    /// The scene holds no triangle that could cast a shadow.
+    #[error("{path:?}: contains no triangles{reason}", path = path.display())]
+    NoTriangles {
+        /// The scene file.
+        path: PathBuf,
+        /// Why there are none.
+        reason: EmptyReason,
+    },
+    /// A vertex or a node transform is NaN or infinite.
+    #[error("{path:?}: {what} is NaN or infinite; repair the mesh in the program that made it", path = path.display())]
+    NotFinite {
+        /// The scene file.
+        path: PathBuf,
+        /// Which mesh and vertex, or which node.
+        what: String,
+    },
+    /// All vertices are at one point.
+    #[error("{path:?}: the scene has zero extent: all its vertices are at one point; check the export's scale", path = path.display())]
+    ZeroExtent {
+        /// The scene file.
+        path: PathBuf,
+    },
+    /// A triangle references a vertex that does not exist.
+    #[error("{path:?}: mesh {mesh:?} uses vertex {index}, but has only {vertices}; export it again", path = path.display())]
+    IndexOutOfRange {
+        /// The scene file.
+        path: PathBuf,
+        /// The mesh's name.
+        mesh: String,
+        /// The requested vertex.
+        index: u64,
+        /// Number of vertices.
+        vertices: u64,
+    },
+    /// A name filter is not a valid glob.
+    #[error("the pattern {pattern:?} is not a valid glob: {what}")]
+    Pattern {
+        /// The pattern.
+        pattern: String,
+        /// What is wrong with it.
+        what: String,
+    },
+}
+
+/// Why a scene holds no triangle that could cast a shadow. Its text continues the sentence "contains no triangles".
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EmptyReason {
+    /// Everything is animated, and the policy is [`MoverPolicy::Skip`](crate::MoverPolicy::Skip).
+    #[error(" that are static: all {instances} instances are animated; load them frozen in their first pose")]
+    AllAnimated {
+        /// Number of animated instances.
+        instances: u64,
+    },
+    /// All triangles are degenerate.
+    #[error(" with an area: all {triangles} have zero area")]
+    ZeroArea {
+        /// Number of degenerate triangles.
+        triangles: u64,
+    },
+    /// The name filter keeps none.
+    #[error(" after the name filter; check its patterns against the names in the scene")]
+    Filtered,
+    /// Extras of nodes, meshes or materials mark everything as not casting.
+    #[error(" that cast a shadow: all are marked as not casting in their extras")]
+    NoneCasts,
+    /// The file holds only points.
+    #[error("; a point cloud casts no shadow: give a file with faces")]
+    PointCloud,
+    /// The file holds no triangles.
+    #[error("; check what was exported")]
+    NoneStored,
+}
+
+/// Result type used throughout the crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;

@@ -1,0 +1,361 @@
+//! Loads glTF 2.0 (Khronos): `.glb`, and `.gltf` with its buffers in separate files or in data URIs.
+//!
+//! The `gltf` crate parses the container and the JSON. Accessors are read here with bounds checks, so that no file can
+//! cause a panic and quantised positions work. A mesh is stored once, however many nodes use it. Node animations become
+//! movers; morph targets, cameras and lights are not read.
+
+mod accessor;
+mod animations;
+mod container;
+mod images;
+mod materials;
+mod meshes;
+mod nodes;
+mod skin;
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ::gltf::json::{Root, mesh::Primitive};
+use hashbrown::HashMap;
+
+use crate::affine::IDENTITY;
+use crate::filter::{Marks, NameFilter};
+use crate::movers::{Mover, MoverPolicy, Movers};
+use crate::sources::Sources;
+use crate::validate::{Sieve, finish};
+use crate::{Error, Instance, LoadNotes, LoadOptions, Result, Scene, affine};
+use animations::Animations;
+use container::{Buffers, bad};
+use meshes::{Builder, has_triangles, material_of};
+use nodes::{Nodes, Places};
+use skin::Skins;
+
+/// Required extensions that are supported, or that do not affect opacity.
+const KNOWN_EXTENSIONS: [&str; 22] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+];
+
+/// Memory per object of the file's JSON once parsed, bytes: that of an empty node, which takes three bytes in the file.
+const OBJECT_BYTES: u64 = 512;
+
+/// Memory per list item of the file's JSON once parsed, bytes: that of a number in an unknown extension, while its list
+/// grows.
+const ITEM_BYTES: u64 = 64;
+
+/// A mesh and the primitives of it that the filter keeps.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Selection {
+    mesh: usize,
+    kept: Vec<u32>,
+}
+
+/// A mesh to build for the scene.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Variant {
+    /// Index into [`Plan::selections`].
+    selection: u32,
+    /// The node, if it has a skin: skinned vertices are not shared between nodes.
+    skinned: Option<usize>,
+}
+
+/// Loads a `.glb` or `.gltf` file.
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let sources = Sources::new(path, "glTF", options);
+    let bytes = sources.read_scene()?;
+    let (json, bin) = container::split(path, &bytes)?;
+    let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
+    let items = json.iter().filter(|&&byte| byte == b',').count() as u64;
+    sources.budget.charge(objects * OBJECT_BYTES + items * ITEM_BYTES + json.len() as u64, || {
+        format!("the {objects} objects of its JSON")
+    })?;
+    let (root, places) = parse(path, &json)?;
+    note_named(&sources, &root)?;
+    let nodes = Nodes::load(path, &root, places)?;
+    let mut scene = Scene::default();
+    let mut sieve = Sieve::default();
+    let plan = choose(path, &root, &nodes, options, &mut sieve, &mut scene.notes)?;
+    let buffers = Buffers::load(&sources, &root, bin)?;
+
+    let mut used = vec![false; root.materials.len() + 1];
+    for primitive in plan.selections.iter().flat_map(|selection| selection.primitives(&root)) {
+        let material = material_of(&root, primitive);
+        match used.get_mut(material) {
+            Some(used) => *used = true,
+            None => {
+                return Err(bad(path, format!("a primitive has material {material}, which does not exist")));
+            }
+        }
+    }
+    let materials = materials::load(&root, &buffers, options, &used, &mut scene.notes)?;
+
+    let builder = Builder::new(path, &root, &buffers, &materials, options.color_textures);
+    // Memory for everything is counted before anything is built: a few bytes for a skinned node become a mesh of its
+    // own.
+    for ((selection, is_skinned), copies) in plan.copies() {
+        let selection = &plan.selections[selection as usize];
+        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
+        builder.charge(&mesh_name(&root, selection.mesh), &primitives, is_skinned, copies)?;
+    }
+    let mut skins = Skins::new(path, &root, &buffers, &nodes);
+    for variant in &plan.variants {
+        let skin = match variant.skinned.and_then(|node| Some((node, root.nodes.get(node)?.skin?))) {
+            Some((node, skin)) => Some(skins.load(skin.value(), node)?),
+            None => None,
+        };
+        let selection = &plan.selections[variant.selection as usize];
+        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
+        let name = mesh_name(&root, selection.mesh);
+        scene.meshes.push(builder.build(&name, &primitives, skin.as_ref(), &mut sieve)?);
+    }
+    drop(builder);
+    let animations = Animations::load(path, &root, &buffers, &nodes, &mut scene.notes)?;
+    let placer = Placer { path, root: &root, buffers: &buffers, nodes: &nodes, animations: &animations };
+    let mut movers = Vec::new();
+    for instance in &plan.instances {
+        placer.place(instance, &mut scene, &mut movers)?;
+    }
+    placer.note_moving_skins(&plan, &mut scene.notes);
+    scene.movers = Movers::new(movers, animations.moving);
+    scene.notes.named_files = sources.named_files();
+    (scene.materials, scene.textures) = (materials.list, materials.textures);
+    scene.pose(0.0);
+    match options.movers {
+        MoverPolicy::Keep => {}
+        MoverPolicy::Skip => scene.notes.skipped_movers = scene.remove_movers() as u64,
+        MoverPolicy::Freeze => scene.movers = Movers::default(),
+    }
+    finish(path, scene, &sieve, options)
+}
+
+/// Records the files of all buffers and images, whether they are needed or not.
+fn note_named(sources: &Sources<'_>, root: &Root) -> Result<()> {
+    let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
+    let images = root.images.iter().filter_map(|i| i.uri.as_deref());
+    let mut files = buffers.chain(images).filter(|uri| !uri.starts_with("data:"));
+    files.try_for_each(|uri| sources.note_named(&container::file_name(uri)))
+}
+
+fn parse(path: &Path, json: &[u8]) -> Result<(Root, Places)> {
+    /// Parsed first, because the rest of the file may be meaningless without a required extension.
+    #[derive(serde::Deserialize)]
+    struct Required {
+        #[serde(default, rename = "extensionsRequired")]
+        extensions: Vec<String>,
+    }
+    let invalid = |e: serde_json::Error| bad(path, format!("its JSON is broken: {e}"));
+    let required: Required = serde_json::from_slice(json).map_err(invalid)?;
+    for extension in required.extensions {
+        if !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
+            return Err(Error::RequiredExtension { path: path.to_owned(), extension });
+        }
+    }
+    Ok((serde_json::from_slice(json).map_err(invalid)?, serde_json::from_slice(json).map_err(invalid)?))
+}
+
+/// The meshes to build and their instances.
+#[derive(Default)]
+struct Plan {
+    /// The distinct selections.
+    selections: Vec<Selection>,
+    variants: Vec<Variant>,
+    instances: Vec<PlannedInstance>,
+}
+
+/// A variant, the node that places it, and whether it casts.
+struct PlannedInstance {
+    variant: u32,
+    node: usize,
+    casts: bool,
+}
+
+impl Selection {
+    /// The primitives of a mesh that the filter keeps, on nodes with these marks.
+    fn new(root: &Root, mesh: usize, filter: &NameFilter, node: Marks, sieve: &mut Sieve) -> Self {
+        let mesh_marks = filter.marks(&mesh_name(root, mesh));
+        let keeps = |p: &Primitive| {
+            filter.is_empty()
+                || filter.keeps_marked([
+                    node,
+                    mesh_marks,
+                    filter.marks(&materials::name(root, material_of(root, p))),
+                ])
+        };
+        let mut kept = Vec::new();
+        let primitives = root.meshes.get(mesh).map_or(&[][..], |m| &m.primitives);
+        for (i, primitive) in primitives.iter().enumerate().filter(|(_, p)| has_triangles(p)) {
+            if keeps(primitive) {
+                kept.push(i as u32);
+            } else {
+                sieve.filtered = true;
+            }
+        }
+        Self { mesh, kept }
+    }
+
+    fn primitives<'a>(&'a self, root: &'a Root) -> impl Iterator<Item = &'a Primitive> {
+        let primitives = root.meshes.get(self.mesh).map_or(&[][..], |m| &m.primitives);
+        self.kept.iter().filter_map(|&i| primitives.get(i as usize))
+    }
+}
+
+impl Plan {
+    /// The number of variants of each selection, separately without and with a skin.
+    fn copies(&self) -> impl Iterator<Item = ((u32, bool), u64)> {
+        let mut copies: BTreeMap<(u32, bool), u64> = BTreeMap::new();
+        for variant in &self.variants {
+            *copies.entry((variant.selection, variant.skinned.is_some())).or_default() += 1;
+        }
+        copies.into_iter()
+    }
+}
+
+/// Applies the filter and groups nodes that place the same mesh. A mesh is not scanned once per node, but only once per
+/// distinct value of the nodes' filter marks, of which there are few.
+fn choose(
+    path: &Path,
+    root: &Root,
+    nodes: &Nodes,
+    options: &LoadOptions,
+    sieve: &mut Sieve,
+    notes: &mut LoadNotes,
+) -> Result<Plan> {
+    let mut plan = Plan::default();
+    let mut variants: HashMap<Variant, u32> = HashMap::new();
+    let mut selections: HashMap<Selection, u32> = HashMap::new();
+    // The selection of a mesh on nodes with these marks; `None` if nothing is left.
+    let mut selected: HashMap<(usize, Marks), Option<u32>> = HashMap::new();
+    // For each mesh visited so far, whether it casts.
+    let mut seen: Vec<Option<bool>> = vec![None; root.meshes.len()];
+    let (mut skinned, mut morphed) = (0, 0);
+    for &(node, casts) in &nodes.drawn {
+        let json = &root.nodes[node];
+        let Some(index) = json.mesh.map(|m| m.value()) else { continue };
+        let (Some(mesh), Some(seen)) = (root.meshes.get(index), seen.get_mut(index)) else {
+            return Err(bad(path, format!("node {node} has mesh {index}, which does not exist")));
+        };
+        let mesh_casts = *seen.get_or_insert_with(|| {
+            notes.skipped_primitives += mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
+            morphed += u32::from(mesh.primitives.iter().any(|p| p.targets.is_some()));
+            nodes::casts(&mesh.extras)
+        });
+        let marks = options.filter.marks(&nodes::name(json, node));
+        let selection = *selected.entry((index, marks)).or_insert_with(|| {
+            let selection = Selection::new(root, index, &options.filter, marks, sieve);
+            let next = plan.selections.len() as u32;
+            (!selection.kept.is_empty()).then(|| {
+                let number = *selections.entry_ref(&selection).or_insert(next);
+                if number == next {
+                    plan.selections.push(selection);
+                }
+                number
+            })
+        });
+        let Some(selection) = selection else { continue };
+        skinned += u32::from(json.skin.is_some());
+        let variant = Variant { selection, skinned: json.skin.map(|_| node) };
+        let next = plan.variants.len() as u32;
+        let number = *variants.entry(variant).or_insert(next);
+        if number == next {
+            plan.variants.push(variant);
+        }
+        plan.instances.push(PlannedInstance { variant: number, node, casts: casts && mesh_casts });
+    }
+    if skinned > 0 {
+        notes.warnings.push(format!("{skinned} skinned meshes keep the pose of the file's nodes"));
+    }
+    if morphed > 0 {
+        notes.warnings.push(format!("{morphed} meshes have morph targets, which are ignored"));
+    }
+    Ok(plan)
+}
+
+/// The mesh's name, or `mesh 7`.
+fn mesh_name(root: &Root, index: usize) -> Cow<'_, str> {
+    match root.meshes.get(index).and_then(|m| m.name.as_deref()) {
+        Some(name) => Cow::Borrowed(name),
+        None => Cow::Owned(format!("mesh {index}")),
+    }
+}
+
+/// The data from which instances are built.
+struct Placer<'a> {
+    path: &'a Path,
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    nodes: &'a Nodes,
+    animations: &'a Animations,
+}
+
+impl Placer<'_> {
+    /// Adds the scene instances of a planned instance, and those of them that move to `movers`.
+    fn place(&self, instance: &PlannedInstance, scene: &mut Scene, movers: &mut Vec<Mover>) -> Result<()> {
+        let &PlannedInstance { variant, node, casts } = instance;
+        let json = &self.root.nodes[node];
+        let name = nodes::name(json, node);
+        let budget = &self.buffers.sources.budget;
+        let each = (size_of::<Instance>() + size_of::<Mover>() + name.len()) as u64;
+        let mut add = |world_from_mesh| {
+            let name = name.clone();
+            scene.instances.push(Instance { name, mesh: variant, world_from_mesh, casts });
+            scene.instances.len() as u32 - 1
+        };
+        if json.skin.is_some() {
+            budget.charge(each, || format!("the instances of node {node}"))?;
+            add(IDENTITY);
+            return Ok(());
+        }
+        let maps = nodes::gpu_instances(self.path, self.root, self.buffers, node)?;
+        let maps = maps.as_deref().unwrap_or(&[IDENTITY]);
+        budget.charge(each.saturating_mul(maps.len() as u64), || format!("the instances of node {node}"))?;
+        for map in maps {
+            let world_from_mesh = affine::multiply(&self.nodes.world[node], map);
+            if !affine::is_finite(&world_from_mesh) {
+                let what = format!("the transform of node {:?}", nodes::name(json, node));
+                return Err(Error::NotFinite { path: self.path.to_owned(), what });
+            }
+            let instance = add(world_from_mesh);
+            if let Some((on, moving_from_node)) = self.animations.of_node(node) {
+                let node_from_mesh = affine::multiply(&moving_from_node, map);
+                movers.push(Mover { instance, node: on, node_from_mesh });
+            }
+        }
+        Ok(())
+    }
+
+    /// Warns about skins with animated joints: skins keep the pose of the file's nodes, whatever their joints do.
+    fn note_moving_skins(&self, plan: &Plan, notes: &mut LoadNotes) {
+        let skins = plan.instances.iter().filter_map(|p| self.root.nodes[p.node].skin);
+        let mut moves: HashMap<usize, bool> = HashMap::new();
+        let mut moves =
+            |skin| *moves.entry(skin).or_insert_with(|| self.animations.moves_skin(self.root, skin));
+        let count = skins.filter(|s| moves(s.value())).count();
+        if count > 0 {
+            notes
+                .warnings
+                .push(format!("{count} skinned meshes have animated joints, but do not move with them"));
+        }
+    }
+}

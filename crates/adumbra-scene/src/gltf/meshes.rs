@@ -1,0 +1,340 @@
+//! Builds meshes: all kept primitives of a mesh in one triangle list, with only the vertices that they use.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+
+use ::gltf::json::Root;
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
+use ::gltf::json::validation::Checked;
+use hashbrown::HashMap;
+
+use crate::gltf::accessor::Accessor;
+use crate::gltf::container::{Buffers, bad};
+use crate::gltf::materials::{Coordinates, Materials};
+use crate::gltf::skin::Skin;
+use crate::validate::{Sieve, check_vertex};
+use crate::{AlphaMode, Error, Mesh, Result, linear_to_srgb};
+
+/// Builds meshes from primitives.
+pub(super) struct Builder<'a> {
+    path: &'a Path,
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    materials: &'a Materials,
+    /// Load all vertex colours. If false, only those whose alpha affects opacity are read.
+    colors: bool,
+    /// Accessors opened so far, by index; many primitives may use the same one.
+    opened: RefCell<HashMap<usize, Rc<Accessor<'a>>>>,
+}
+
+/// Vertex data of one primitive.
+struct Source<'a> {
+    positions: Rc<Accessor<'a>>,
+    uvs: Option<(Rc<Accessor<'a>>, Coordinates)>,
+    colors: Option<Rc<Accessor<'a>>>,
+    /// Joints and weights, one pair per set of four.
+    joints: Vec<[Rc<Accessor<'a>>; 2]>,
+}
+
+/// Identifies vertex data: primitives with equal keys share vertices.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct SourceKey {
+    /// Accessor indices, as in the next two fields.
+    positions: usize,
+    joints_and_weights: [Option<usize>; 2],
+    colors: Option<usize>,
+    /// The material, if it has a texture, since it determines the transform of the texture coordinates.
+    textured_material: Option<usize>,
+}
+
+/// Whether a primitive consists of triangles. False for lines and points, and for a primitive without positions.
+pub(super) fn has_triangles(primitive: &Primitive) -> bool {
+    let mode =
+        matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan));
+    mode && attribute(primitive, Semantic::Positions).is_some()
+}
+
+/// The index of a primitive's material. The default material comes after those of the file.
+pub(super) fn material_of(root: &Root, primitive: &Primitive) -> usize {
+    primitive.material.map_or(root.materials.len(), |m| m.value())
+}
+
+fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
+    primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value())
+}
+
+/// Bytes per mesh, without its triangles and vertices.
+const MESH_BYTES: u64 = size_of::<Mesh>() as u64;
+/// Bytes per triangle: its corners and its material.
+const TRIANGLE_BYTES: u64 = 16;
+/// Bytes per vertex: its position, texture coordinates and colour.
+const VERTEX_BYTES: u64 = 24;
+/// Bytes per vertex in the look-up table used while its mesh is built.
+const TABLE_BYTES: u64 = 28;
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(
+        path: &'a Path,
+        root: &'a Root,
+        buffers: &'a Buffers<'a>,
+        materials: &'a Materials,
+        colors: bool,
+    ) -> Self {
+        Self { path, root, buffers, materials, colors, opened: RefCell::default() }
+    }
+
+    /// Builds one mesh from the given primitives. A skin moves the vertices to the pose of its joints.
+    pub(super) fn build(
+        &self,
+        name: &str,
+        primitives: &[&Primitive],
+        skin: Option<&Skin>,
+        sieve: &mut Sieve,
+    ) -> Result<Mesh> {
+        let (_, vertices) = self.most(primitives, skin.is_some())?;
+        let passing = vertices.saturating_mul(TABLE_BYTES);
+        self.buffers.sources.budget.charge(passing, || format!("mesh {name:?} of {vertices} vertices"))?;
+        let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
+        let any_textured = primitives.iter().any(|p| self.texture(p).is_some());
+        let any_colored = primitives.iter().any(|p| self.vertex_colors(p).is_some());
+        let mut keys: HashMap<SourceKey, u32> = HashMap::new();
+        let mut vertices: HashMap<(u32, u32), u32> = HashMap::new();
+        for primitive in primitives {
+            let Some(key) = self.source_key(primitive, skin.is_some()) else { continue };
+            let coordinates = self.texture(primitive).map(|t| t.1);
+            let source = self.open(primitive, key, coordinates, skin.is_some())?;
+            let next = keys.len() as u32;
+            let key = *keys.entry(key).or_insert(next);
+            let material = material_of(self.root, primitive) as u32;
+            self.each_triangle(name, primitive, source.positions.count, |corners| {
+                let mut points = [[0.0; 3]; 3];
+                for (point, &corner) in points.iter_mut().zip(&corners) {
+                    *point = source.position(corner, skin);
+                    check_vertex(self.path, name, u64::from(corner), *point)?;
+                }
+                if !sieve.keeps(points) {
+                    return Ok(());
+                }
+                let mut triangle = [0; 3];
+                for i in 0..3 {
+                    let next = mesh.positions.len() as u32;
+                    triangle[i] = *vertices.entry((key, corners[i])).or_insert(next);
+                    if triangle[i] == next {
+                        mesh.positions.push(points[i]);
+                        if any_textured {
+                            mesh.uvs.push(source.uv(corners[i]));
+                        }
+                        if any_colored {
+                            mesh.colors.push(source.color(corners[i]));
+                        }
+                    }
+                }
+                mesh.triangles.push(triangle);
+                mesh.triangle_materials.push(material);
+                Ok(())
+            })?;
+        }
+        mesh.positions.shrink_to_fit();
+        mesh.uvs.shrink_to_fit();
+        mesh.colors.shrink_to_fit();
+        mesh.triangles.shrink_to_fit();
+        mesh.triangle_materials.shrink_to_fit();
+        self.buffers.sources.budget.release(passing);
+        Ok(mesh)
+    }
+
+    /// Charges the memory of `copies` copies of a mesh before any of it is allocated. The size is the largest that its
+    /// accessors allow.
+    pub(super) fn charge(
+        &self,
+        name: &str,
+        primitives: &[&Primitive],
+        skinned: bool,
+        copies: u64,
+    ) -> Result<()> {
+        let (triangles, vertices) = self.most(primitives, skinned)?;
+        let [triangles, vertices, names] =
+            [triangles, vertices, name.len() as u64 + MESH_BYTES].map(|n| n.saturating_mul(copies));
+        let bytes =
+            triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(vertices.saturating_mul(VERTEX_BYTES));
+        self.buffers.sources.budget.charge(bytes.saturating_add(names), || {
+            let what =
+                if copies == 1 { "mesh".to_owned() } else { format!("{copies} skinned copies of mesh") };
+            format!("{what} {name:?} of up to {triangles} triangles and {vertices} vertices")
+        })
+    }
+
+    /// Upper bounds on a mesh's triangle and vertex counts.
+    fn most(&self, primitives: &[&Primitive], skinned: bool) -> Result<(u64, u64)> {
+        let mut triangles = 0_u64;
+        let mut corners_of: HashMap<SourceKey, (u64, u64)> = HashMap::new();
+        for primitive in primitives {
+            let Some(key) = self.source_key(primitive, skinned) else { continue };
+            let positions = self.accessor(key.positions)?.count as u64;
+            let corners = match primitive.indices {
+                Some(index) => self.accessor(index.value())?.count as u64,
+                None => positions,
+            };
+            let made = match primitive.mode {
+                Checked::Valid(Mode::Triangles) => corners / 3,
+                _ => corners.saturating_sub(2),
+            };
+            triangles = triangles.saturating_add(made);
+            let named = corners_of.entry(key).or_insert((0, positions));
+            named.0 = named.0.saturating_add(made.saturating_mul(3));
+        }
+        let vertices = corners_of.values().map(|&(corners, positions)| corners.min(positions));
+        Ok((triangles, vertices.fold(0, u64::saturating_add)))
+    }
+
+    /// The key that decides whether a primitive shares its vertices with another one, or `None` without positions.
+    fn source_key(&self, primitive: &Primitive, skinned: bool) -> Option<SourceKey> {
+        let positions = attribute(primitive, Semantic::Positions)?;
+        let joints_and_weights = match skinned {
+            true => [Semantic::Joints(0), Semantic::Weights(0)].map(|s| attribute(primitive, s)),
+            false => [None; 2],
+        };
+        let colors = self.vertex_colors(primitive);
+        let textured_material = self.texture(primitive).map(|t| t.0);
+        Some(SourceKey { positions, joints_and_weights, colors, textured_material })
+    }
+
+    /// The accessor of a primitive's vertex colours, if they are needed.
+    fn vertex_colors(&self, primitive: &Primitive) -> Option<usize> {
+        let material = self.materials.list.get(material_of(self.root, primitive));
+        let cuts = material.is_some_and(|m| m.alpha != AlphaMode::Opaque);
+        (self.colors || cuts).then(|| attribute(primitive, Semantic::Colors(0))).flatten()
+    }
+
+    /// The primitive's material and the texture coordinates it uses, or `None` if it has no texture.
+    fn texture(&self, primitive: &Primitive) -> Option<(usize, Coordinates)> {
+        let material = material_of(self.root, primitive);
+        self.materials.coordinates.get(material).copied().flatten().map(|c| (material, c))
+    }
+
+    fn accessor(&self, index: usize) -> Result<Rc<Accessor<'a>>> {
+        if let Some(known) = self.opened.borrow().get(&index) {
+            return Ok(known.clone());
+        }
+        let accessor = Rc::new(Accessor::open(self.path, self.root, self.buffers, index)?);
+        self.opened.borrow_mut().insert(index, accessor.clone());
+        Ok(accessor)
+    }
+
+    fn open(
+        &self,
+        primitive: &Primitive,
+        key: SourceKey,
+        coordinates: Option<Coordinates>,
+        skinned: bool,
+    ) -> Result<Source<'a>> {
+        let open = |index| self.accessor(index);
+        let positions = open(key.positions)?;
+        if positions.components != 3 {
+            return Err(bad(self.path, "a POSITION attribute is not made of three components"));
+        }
+        let uvs = match coordinates {
+            None => None,
+            Some(c) => match attribute(primitive, Semantic::TexCoords(c.set)) {
+                Some(index) => Some((open(index)?, c)),
+                None => None,
+            },
+        };
+        let colors = key.colors.map(open).transpose()?;
+        if colors.as_ref().is_some_and(|c| !(3..=4).contains(&c.components)) {
+            return Err(bad(self.path, "a COLOR_0 attribute is not made of three or four components"));
+        }
+        let mut joints = Vec::new();
+        while skinned && let Ok(set) = u32::try_from(joints.len()) {
+            let pair =
+                (attribute(primitive, Semantic::Joints(set)), attribute(primitive, Semantic::Weights(set)));
+            let (Some(j), Some(w)) = pair else { break };
+            joints.push([open(j)?, open(w)?]);
+        }
+        Ok(Source { positions, uvs, colors, joints })
+    }
+
+    /// Calls `each` with the corners of every triangle, all less than `vertices`, wound as in glTF 2.0 section 3.7.2.1.
+    fn each_triangle(
+        &self,
+        mesh: &str,
+        primitive: &Primitive,
+        vertices: usize,
+        mut each: impl FnMut([u32; 3]) -> Result<()>,
+    ) -> Result<()> {
+        let indices = match primitive.indices {
+            Some(index) => Some(self.accessor(index.value())?),
+            None => None,
+        };
+        if indices.as_ref().is_some_and(|i| i.components != 1 || !i.is_unsigned()) {
+            return Err(bad(self.path, format!("the indices of mesh {mesh:?} are not unsigned integers")));
+        }
+        let corner = |at: usize| -> Result<u32> {
+            let index = match &indices {
+                Some(indices) => indices.integers::<1>(at).map_or(u32::MAX, |[i]| i),
+                None => at as u32,
+            };
+            if (index as usize) < vertices {
+                return Ok(index);
+            }
+            Err(Error::IndexOutOfRange {
+                path: self.path.to_owned(),
+                mesh: mesh.to_owned(),
+                index: u64::from(index),
+                vertices: vertices as u64,
+            })
+        };
+        let count = indices.as_ref().map_or(vertices, |i| i.count);
+        match primitive.mode {
+            Checked::Valid(Mode::Triangles) => {
+                for t in 0..count / 3 {
+                    each([corner(t * 3)?, corner(t * 3 + 1)?, corner(t * 3 + 2)?])?;
+                }
+            }
+            Checked::Valid(Mode::TriangleStrip) => {
+                for t in 0..count.saturating_sub(2) {
+                    each([corner(t)?, corner(t + 1 + t % 2)?, corner(t + 2 - t % 2)?])?;
+                }
+            }
+            Checked::Valid(Mode::TriangleFan) => {
+                for t in 0..count.saturating_sub(2) {
+                    each([corner(t + 1)?, corner(t + 2)?, corner(0)?])?;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+impl Source<'_> {
+    fn position(&self, index: u32, skin: Option<&Skin>) -> [f32; 3] {
+        let at = index as usize;
+        let p = self.positions.floats::<3>(at).unwrap_or([f32::NAN; 3]);
+        let Some(skin) = skin else { return p };
+        let influences = self.joints.iter().flat_map(|[joints, weights]| {
+            let joints = joints.integers::<4>(at).unwrap_or_default();
+            let weights = weights.floats::<4>(at).unwrap_or_default();
+            joints.into_iter().zip(weights)
+        });
+        skin.place(p, influences)
+    }
+
+    /// The colour of a vertex: white if the file has none. A NaN component becomes 1.
+    fn color(&self, index: u32) -> [u8; 4] {
+        let read = |accessor: &Rc<Accessor<'_>>| {
+            let [r, g, b, a] = accessor.floats(index as usize)?;
+            Some([r, g, b, if accessor.components == 4 { a } else { 1.0 }])
+        };
+        let linear = self.colors.as_ref().and_then(read).unwrap_or([1.0; 4]);
+        let [r, g, b, a] = linear.map(|c| if c.is_nan() { 1.0 } else { c.clamp(0.0, 1.0) });
+        let [r, g, b] = [r, g, b].map(linear_to_srgb);
+        [r, g, b, (a * 255.0 + 0.5) as u8]
+    }
+
+    fn uv(&self, index: u32) -> [f32; 2] {
+        let Some((accessor, coordinates)) = &self.uvs else { return [0.0; 2] };
+        coordinates.apply(accessor.floats(index as usize).unwrap_or_default())
+    }
+}

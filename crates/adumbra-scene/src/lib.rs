@@ -1,0 +1,333 @@
+//! The scene model shared by the bake, the ray tracer and the renderer: triangle meshes, their instances, and materials
+//! that define where a surface is opaque. Right-handed, Y up, metres, as in glTF 2.0.
+//!
+//! Loaders ([`load`]) validate: after loading, every vertex and transform is finite, every index is in range, and at
+//! least one triangle casts a shadow.
+
+mod affine;
+mod budget;
+mod camera;
+mod error;
+mod far_origin;
+mod filter;
+mod generate;
+mod glb;
+mod gltf;
+mod mips;
+mod movers;
+mod obj;
+mod ply;
+mod polygon;
+pub mod random;
+mod sources;
+mod srgb;
+mod subdivide;
+mod texture;
+pub mod topology;
+mod usual_size;
+mod validate;
+
+use std::path::{Path, PathBuf};
+
+use adumbra::Bounds;
+
+pub use camera::{Camera, Projection, View};
+pub use error::{EmptyReason, Error, Result};
+pub use filter::NameFilter;
+pub use generate::{GeneratedKind, generate};
+pub use glb::{to_glb, write_glb};
+pub use mips::{MipLevel, MippedTexture};
+pub use movers::{MoverPolicy, Movers};
+pub use srgb::{linear_to_srgb, srgb_to_linear};
+pub use texture::{Pixels, Texture, Wrap};
+
+/// A scene: meshes stored once, placed by instances.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Meshes, each stored once however often it is placed.
+    pub meshes: Vec<Mesh>,
+    /// Placements of the meshes.
+    pub instances: Vec<Instance>,
+    /// Materials, referenced by index from triangles; never empty if there are meshes.
+    pub materials: Vec<Material>,
+    /// Textures, referenced by index from materials.
+    pub textures: Vec<Texture>,
+    /// The instances that move, and how. Their `world_from_mesh` is their position at the time last passed to
+    /// [`Scene::pose`], initially 0. A bake treats every instance as static: call [`Scene::remove_movers`] first.
+    pub movers: Movers,
+    /// Counts and warnings from loading.
+    pub notes: LoadNotes,
+}
+
+/// Triangles in a mesh's own space.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// The mesh's name, or a generated one.
+    pub name: String,
+    /// Vertex positions in the mesh's own space, all finite.
+    pub positions: Vec<[f32; 3]>,
+    /// Texture coordinates used by the material's base-colour texture, already transformed (KHR_texture_transform);
+    /// empty, or one per vertex.
+    pub uvs: Vec<[f32; 2]>,
+    /// Vertex colours (glTF's COLOR_0), which multiply the material's base colour and alpha: red, green and blue as
+    /// sRGB bytes, to be interpolated in linear light, and linear alpha. Empty for white, or one per vertex.
+    pub colors: Vec<[u8; 4]>,
+    /// Three vertex indices per triangle, all in range; degenerate triangles are already removed.
+    pub triangles: Vec<[u32; 3]>,
+    /// The material of each triangle, an index into [`Scene::materials`].
+    pub triangle_materials: Vec<u32>,
+}
+
+/// One placement of a mesh in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The node's name.
+    pub name: String,
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Affine map, row major: `world[r] = m[r][0..3] · mesh + m[r][3]`.
+    pub world_from_mesh: [[f64; 4]; 3],
+    /// False if `extras: {"adumbra": {"cast": false}}` marks the instance as casting no shadow (it still receives
+    /// shadows).
+    pub casts: bool,
+}
+
+/// How a material treats alpha.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Opaque everywhere.
+    Opaque,
+    /// Opaque where alpha >= the cut-off. BLEND materials are loaded as `Mask` with cut-off 0.5 and `blended` set.
+    Mask {
+        /// Alpha at or above this is opaque.
+        cutoff: f32,
+    },
+}
+
+/// A surface material, reduced to what shadows and the CPU renderer need.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// The material's name.
+    pub name: String,
+    /// Linear base colour factor and alpha factor, 0 to 1.
+    pub base_color: [f32; 4],
+    /// Base-colour texture (alpha in its fourth channel), an index into [`Scene::textures`].
+    pub texture: Option<u32>,
+    /// Where the surface is opaque.
+    pub alpha: AlphaMode,
+    /// True if the material was glTF BLEND.
+    pub blended: bool,
+    /// True if the material has KHR_materials_transmission; such a material is never part of a solid.
+    pub transmissive: bool,
+    /// False if the extras mark the material as casting no shadow.
+    pub casts: bool,
+}
+
+/// Counts and warnings gathered while loading.
+#[derive(Clone, Debug, Default)]
+pub struct LoadNotes {
+    /// Degenerate triangles (a repeated vertex or zero area) that were skipped.
+    pub degenerate_triangles: u64,
+    /// Materials with glTF alpha mode BLEND, which cast where alpha >= 0.5.
+    pub blended_materials: u64,
+    /// Triangles of such materials (not multiplied by instances).
+    pub blended_triangles: u64,
+    /// Lines and points that were skipped.
+    pub skipped_primitives: u64,
+    /// Polygons of OBJ and PLY files that could not be triangulated because they self-intersect, are far from flat, or
+    /// are concave with more than 16,384 corners. Each was cut into a fan from its first corner, which may cover more
+    /// or less than the polygon.
+    pub untriangulated_polygons: u64,
+    /// Animated instances that were dropped by [`MoverPolicy::Skip`].
+    pub skipped_movers: u64,
+    /// Files that the scene references, each once and sorted, with paths relative to the scene's folder: buffers,
+    /// images, material libraries and their textures, whether they were read or not. A program that writes a file next
+    /// to a scene can check here what it must not overwrite.
+    pub named_files: Vec<PathBuf>,
+    /// Colour textures that were not read because they are outside the scene's folder; each has a warning that names
+    /// it.
+    pub outside_textures: u64,
+    /// Messages for the user: skins in bind pose, missing colour textures, and so on.
+    pub warnings: Vec<String>,
+}
+
+/// Options for loading a scene.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Which nodes, meshes and materials to keep.
+    pub filter: NameFilter,
+    /// Load colour textures too. If false, only textures that decide opacity are read.
+    pub color_textures: bool,
+    /// Treat every material as opaque; no texture is needed then.
+    pub ignore_alpha: bool,
+    /// How to treat animated instances.
+    pub movers: MoverPolicy,
+    /// Also read files outside the scene's folder. If false, an absolute path, a path that leaves the folder through
+    /// `..`, and a link that leads out of it are [`Error::OutsideScene`].
+    pub allow_outside: bool,
+    /// Limit on the memory that the load may hold: files, decoded textures, triangles, vertices and instances, counted
+    /// before they are allocated. Exceeding it is [`Error::SceneMemory`]. The default is 2 GiB plus 64 bytes for each
+    /// byte of the scene's files, so that a small file cannot exhaust memory while a large file still loads.
+    pub max_memory_bytes: Option<u64>,
+}
+
+impl Material {
+    /// An opaque material of one linear colour, 0 to 1.
+    pub fn opaque(name: &str, base_color: [f32; 4]) -> Self {
+        Self {
+            name: name.to_owned(),
+            base_color,
+            texture: None,
+            alpha: AlphaMode::Opaque,
+            blended: false,
+            transmissive: false,
+            casts: true,
+        }
+    }
+
+    /// Whether a surface of this material can bound a solid.
+    pub fn can_be_solid(&self) -> bool {
+        self.alpha == AlphaMode::Opaque && !self.transmissive
+    }
+}
+
+impl Mesh {
+    /// Texture coordinates of a triangle's corners; zero if the mesh has none.
+    pub fn corner_uvs(&self, triangle: u32) -> [[f32; 2]; 3] {
+        self.corners_of(triangle, &self.uvs).map(Option::unwrap_or_default)
+    }
+
+    /// Alpha of a triangle's corners, 0 to 1; 1 for a mesh without vertex colours.
+    pub fn corner_alphas(&self, triangle: u32) -> [f32; 3] {
+        self.corners_of(triangle, &self.colors).map(|c| c.map_or(1.0, |c| f32::from(c[3]) / 255.0))
+    }
+
+    /// Alpha of the vertex colours at a point in a triangle, given by barycentric `weights`; exactly 1 for a mesh
+    /// without vertex colours.
+    pub fn alpha_at(&self, triangle: u32, weights: [f64; 3]) -> f32 {
+        if self.colors.is_empty() {
+            return 1.0;
+        }
+        let alphas = self.corner_alphas(triangle).map(f64::from);
+        (0..3).map(|c| weights[c] * alphas[c]).sum::<f64>() as f32
+    }
+
+    /// Linear red, green and blue of a triangle's corners; white for a mesh without vertex colours.
+    pub fn corner_colors(&self, triangle: u32) -> [[f32; 3]; 3] {
+        let linear = |[r, g, b, _]: [u8; 4]| [r, g, b].map(srgb_to_linear);
+        self.corners_of(triangle, &self.colors).map(|c| c.map_or([1.0; 3], linear))
+    }
+
+    /// Adds the midpoint of two vertices and returns its index. The result does not depend on their order. Colours are
+    /// averaged in linear light.
+    pub fn add_middle(&mut self, [a, b]: [u32; 2]) -> u32 {
+        let [a, b] = [a as usize, b as usize];
+        // Exact in f64, so rounded only once.
+        let between = |x: f32, y: f32| ((f64::from(x) + f64::from(y)) / 2.0) as f32;
+        let (p, q) = (self.positions[a], self.positions[b]);
+        self.positions.push([0, 1, 2].map(|i| between(p[i], q[i])));
+        if !self.uvs.is_empty() {
+            let (s, t) = (self.uvs[a], self.uvs[b]);
+            self.uvs.push([0, 1].map(|i| between(s[i], t[i])));
+        }
+        if !self.colors.is_empty() {
+            let (c, d) = (self.colors[a], self.colors[b]);
+            let color = |i: usize| linear_to_srgb(between(srgb_to_linear(c[i]), srgb_to_linear(d[i])));
+            self.colors.push([color(0), color(1), color(2), c[3].midpoint(d[3])]);
+        }
+        self.positions.len() as u32 - 1
+    }
+
+    fn corners_of<T: Copy>(&self, triangle: u32, of: &[T]) -> [Option<T>; 3] {
+        self.triangles[triangle as usize].map(|vertex| of.get(vertex as usize).copied())
+    }
+}
+
+impl Instance {
+    /// The point `p_mesh` in world space.
+    pub fn to_world(&self, p_mesh: [f32; 3]) -> [f64; 3] {
+        let p = p_mesh.map(f64::from);
+        self.world_from_mesh.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
+    }
+
+    /// Determinant of the linear part; negative if the instance is mirrored.
+    pub fn determinant(&self) -> f64 {
+        let m = &self.world_from_mesh;
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    }
+}
+
+impl Scene {
+    /// Number of triangles, counting every instance.
+    pub fn instanced_triangles(&self) -> u64 {
+        self.instances.iter().map(|i| self.meshes[i.mesh as usize].triangles.len() as u64).sum()
+    }
+
+    /// Number of stored triangles, counting each mesh once.
+    pub fn stored_triangles(&self) -> u64 {
+        self.meshes.iter().map(|m| m.triangles.len() as u64).sum()
+    }
+
+    /// Bytes held by meshes, instances and textures.
+    pub fn memory_bytes(&self) -> u64 {
+        let meshes = self.meshes.iter().map(|m| {
+            m.positions.capacity() * 12
+                + m.uvs.capacity() * 8
+                + m.colors.capacity() * 4
+                + m.triangles.capacity() * 12
+                + m.triangle_materials.capacity() * 4
+        });
+        let textures = self.textures.iter().map(Texture::memory_bytes);
+        let instances = self.instances.iter().map(|i| size_of::<Instance>() + i.name.capacity());
+        meshes.chain(textures).chain(instances).sum::<usize>() as u64
+    }
+
+    /// Bounding box of the vertices of all placed triangles. Cost: one pass over the instanced vertices.
+    pub fn bounds(&self) -> Bounds {
+        let mut b = Bounds { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+        for instance in &self.instances {
+            let mesh = &self.meshes[instance.mesh as usize];
+            for &p in mesh.triangles.iter().flatten().map(|&i| &mesh.positions[i as usize]) {
+                let p_world = instance.to_world(p);
+                for (a, c) in p_world.into_iter().enumerate() {
+                    b.min[a] = b.min[a].min(c);
+                    b.max[a] = b.max[a].max(c);
+                }
+            }
+        }
+        b
+    }
+
+    /// Alpha of `material` at `uv`: factor × texture × `vertex_alpha`. Rays and the bake share this function.
+    pub fn alpha(&self, material: u32, uv: [f32; 2], vertex_alpha: f32) -> f32 {
+        let m = &self.materials[material as usize];
+        let texel = m.texture.map_or(1.0, |t| self.textures[t as usize].alpha(uv));
+        m.base_color[3] * texel * vertex_alpha
+    }
+
+    /// Whether `material` is opaque at `uv`, given the interpolated vertex alpha there. Cost: one bilinear texture
+    /// sample for masked materials.
+    pub fn is_opaque(&self, material: u32, uv: [f32; 2], vertex_alpha: f32) -> bool {
+        match self.materials[material as usize].alpha {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask { cutoff } => self.alpha(material, uv, vertex_alpha) >= cutoff,
+        }
+    }
+}
+
+/// Loads a scene. The file extension selects the format: `.glb`, `.gltf`, `.obj`, `.ply`.
+///
+/// # Errors
+/// Returns an [`Error`] if something is missing, unreadable, outside the scene's folder, too large or invalid. It names
+/// the file, the part of it and the remedy.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let scene = match ending.as_str() {
+        "glb" | "gltf" => gltf::load(path, options)?,
+        "obj" => obj::load(path, options)?,
+        "ply" => ply::load(path, options)?,
+        _ => return Err(Error::UnknownSceneFormat { path: path.to_owned() }),
+    };
+    Ok(scene)
+}

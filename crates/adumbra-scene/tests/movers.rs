@@ -1,0 +1,211 @@
+//! Movers: how the animations of a glTF file move instances, how a load treats movers, and balls on paths.
+
+#[path = "scene_loading/kit.rs"]
+#[allow(dead_code, reason = "shared with the other loading tests")]
+mod kit;
+
+use adumbra_scene::Error;
+use adumbra_scene::{GeneratedKind, LoadOptions, MoverPolicy, Scene, generate};
+use kit::{Glb, refused};
+use serde_json::json;
+
+fn policy(movers: MoverPolicy) -> LoadOptions {
+    LoadOptions { movers, ..LoadOptions::default() }
+}
+
+fn keep(glb: &Glb) -> Scene {
+    glb.load_with(&policy(MoverPolicy::Keep)).expect("loads")
+}
+
+/// Adds an animation with a single channel.
+fn animate(glb: &mut Glb, node: usize, property: &str, kind: &str, times: &[f32], values: &[f32]) {
+    let shape = if property == "rotation" { "VEC4" } else { "VEC3" };
+    let (input, output) = (glb.floats(times, "SCALAR"), glb.floats(values, shape));
+    glb.push(
+        "animations",
+        json!({
+            "samplers": [{"input": input, "output": output, "interpolation": kind}],
+            "channels": [{"sampler": 0, "target": {"node": node, "path": property}}],
+        }),
+    );
+}
+
+/// A static triangle, and one on a grandchild of an animated node.
+fn tower() -> Glb {
+    let mut glb = Glb::triangle();
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    glb.json["nodes"] = json!([
+        {"mesh": 0, "name": "still"},
+        {"translation": [100, 0, 0], "children": [2]},
+        {"name": "turning", "children": [3]},
+        {"translation": [0, 5, 0], "scale": [2, 2, 2], "children": [4]},
+        {"name": "rising", "mesh": 0, "translation": [7, 7, 7]},
+    ]);
+    glb.json["scenes"][0]["nodes"] = json!([0, 1]);
+    animate(&mut glb, 2, "rotation", "LINEAR", &[0.0, 2.0], &[0.0, 0.0, 0.0, 1.0, 0.0, half, 0.0, half]);
+    animate(&mut glb, 4, "translation", "LINEAR", &[1.0, 3.0], &[0.0, 0.0, 0.0, 0.0, 10.0, 0.0]);
+    glb
+}
+
+fn near(a: [f64; 3], b: [f64; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5)
+}
+
+#[test]
+fn movers_follow_their_parents() {
+    let mut scene = keep(&tower());
+    assert_eq!(scene.movers.instances().collect::<Vec<_>>(), [1]);
+    assert!(scene.movers.contains(1) && !scene.movers.contains(0));
+    assert_eq!(scene.movers.end_seconds(), 3.0);
+    let mut at = |seconds: f64, p: [f32; 3]| {
+        scene.pose(seconds);
+        scene.instances[1].to_world(p)
+    };
+    // Before its first key, too, the animation's value is used instead of the node's own.
+    assert!(near(at(0.0, [0.0; 3]), [100.0, 5.0, 0.0]));
+    assert!(near(at(0.0, [1.0, 0.0, 0.0]), [102.0, 5.0, 0.0]));
+    // Half way up, scaled by the node in between, rotated by a quarter turn.
+    assert!(near(at(2.0, [1.0, 0.0, 0.0]), [100.0, 15.0, -2.0]));
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    assert!(near(at(1.0, [1.0, 0.0, 0.0]), [100.0 + 2.0 * half, 5.0, -2.0 * half]));
+    assert!(near(at(99.0, [0.0; 3]), [100.0, 25.0, 0.0]));
+    assert_eq!(scene.instances[0].to_world([0.0; 3]), [0.0; 3]);
+}
+
+#[test]
+fn movers_step_and_bend_as_the_file_says() {
+    let mut glb = Glb::triangle();
+    animate(&mut glb, 0, "scale", "STEP", &[0.0, 1.0], &[1.0, 1.0, 1.0, 3.0, 3.0, 3.0]);
+    // Tangents along z: the spline bends although both keys have z = 0.
+    let values = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0, -4.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    animate(&mut glb, 0, "translation", "CUBICSPLINE", &[0.0, 1.0], &values);
+    let scene = keep(&glb);
+    let scale = |seconds: f64| scene.movers.pose(seconds)[0][0][0];
+    assert_eq!((scale(0.99), scale(1.0)), (1.0, 3.0));
+    let place = |seconds: f64| scene.movers.pose(seconds)[0].map(|row| row[3]);
+    assert_eq!((place(0.0), place(1.0)), ([0.0; 3], [2.0, 0.0, 0.0]));
+    assert!(near(place(0.5), [1.0, 0.0, 1.0]), "{:?}", place(0.5));
+}
+
+#[test]
+fn movers_are_left_out_unless_asked_for() {
+    let glb = tower();
+    let scene = glb.load().expect("loads");
+    assert_eq!((scene.instances.len(), scene.notes.skipped_movers), (1, 1));
+    assert!(scene.movers.is_empty());
+    let frozen = glb.load_with(&policy(MoverPolicy::Freeze)).expect("loads");
+    assert_eq!((frozen.instances.len(), frozen.movers.len()), (2, 0));
+    assert!(near(frozen.instances[1].to_world([0.0; 3]), [100.0, 5.0, 0.0]));
+    // A scene that contains only movers has nothing to bake.
+    let mut alone = Glb::triangle();
+    animate(&mut alone, 0, "translation", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let error = refused(alone.load());
+    assert!(error.to_string().contains("all 1 instances are animated; load them frozen"), "{error}");
+}
+
+#[test]
+fn movers_need_a_key_that_moves_them() {
+    let mut glb = Glb::triangle();
+    glb.json["nodes"][0]["translation"] = json!([1, 2, 3]);
+    animate(&mut glb, 0, "translation", "LINEAR", &[0.0, 1.0], &[1.0, 2.0, 3.0, 1.0, 2.0, 3.0]);
+    let scene = glb.load().expect("loads");
+    assert_eq!((scene.instances.len(), scene.notes.skipped_movers), (1, 0));
+}
+
+#[test]
+fn movers_of_one_node_with_many_places() {
+    let mut glb = Glb::triangle();
+    let moves = glb.floats(&[1.0, 0.0, 0.0, 2.0, 0.0, 0.0], "VEC3");
+    glb.json["nodes"][0] = json!({"mesh": 0,
+        "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": moves}}}});
+    animate(&mut glb, 0, "translation", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, 0.0, 8.0, 0.0]);
+    let scene = keep(&glb);
+    assert_eq!(scene.movers.len(), 2);
+    let poses = scene.movers.pose(0.5);
+    assert_eq!([0, 1].map(|i| poses[i].map(|row| row[3])), [[1.0, 4.0, 0.0], [2.0, 4.0, 0.0]]);
+}
+
+#[test]
+fn movers_with_the_same_property_twice_follow_the_first_with_a_warning() {
+    let mut glb = Glb::triangle();
+    for x in [1.0, 2.0] {
+        animate(&mut glb, 0, "translation", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, x, 0.0, 0.0]);
+    }
+    let scene = keep(&glb);
+    assert_eq!(scene.movers.pose(1.0)[0][0][3], 1.0);
+    assert!(scene.notes.warnings[0].contains("the first is used"), "{:?}", scene.notes.warnings);
+}
+
+#[test]
+fn movers_with_broken_keys_are_refused() {
+    let cases: [(&str, &[f32], &[f32]); 3] = [
+        ("LINEAR", &[1.0, 0.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+        ("LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0]),
+        ("CUBICSPLINE", &[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+    ];
+    for (kind, times, values) in cases {
+        let mut glb = Glb::triangle();
+        animate(&mut glb, 0, "translation", kind, times, values);
+        let error = refused(glb.load());
+        assert!(matches!(error, Error::SceneParse { .. }), "{error}");
+    }
+    let mut glb = Glb::triangle();
+    animate(&mut glb, 9, "translation", "LINEAR", &[0.0], &[0.0; 3]);
+    assert!(refused(glb.load()).to_string().contains("does not exist"));
+    let mut glb = Glb::triangle();
+    glb.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    animate(&mut glb, 0, "rotation", "LINEAR", &[0.0], &[0.0, 0.0, 0.0, 1.0]);
+    assert!(refused(glb.load()).to_string().contains("has a matrix"));
+}
+
+#[test]
+fn movers_meshes_go_with_them() {
+    let mut glb = tower();
+    let positions = glb.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0], "VEC3");
+    let mesh = glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": positions}}]}));
+    glb.json["nodes"][4]["mesh"] = json!(mesh);
+    assert_eq!(keep(&glb).meshes.len(), 2);
+    let mut scene = glb.load().expect("loads");
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 1));
+    assert_eq!(scene.remove_movers(), 0);
+}
+
+#[test]
+fn movers_split_off_go_where_they_went_before() {
+    let mut scene = keep(&tower());
+    scene.add_ball(0.5, [1.0; 4], &[(0.0, [0.0; 3]), (4.0, [8.0, 0.0, 0.0])]);
+    let mut whole = scene.clone();
+    let mut moving = scene.take_movers();
+    assert_eq!((scene.instances.len(), scene.meshes.len(), scene.movers.len()), (1, 1, 0));
+    assert_eq!((moving.instances.len(), moving.meshes.len(), moving.movers.len()), (2, 2, 2));
+    for seconds in [0.5, 2.5] {
+        whole.pose(seconds);
+        moving.pose(seconds);
+        for (a, b) in whole.instances[1..].iter().zip(&moving.instances) {
+            assert_eq!((&a.name, a.world_from_mesh), (&b.name, b.world_from_mesh));
+            assert_eq!(whole.meshes[a.mesh as usize].name, moving.meshes[b.mesh as usize].name);
+        }
+    }
+}
+
+#[test]
+fn a_ball_moves_along_its_path_and_goes_again() {
+    let mut scene = generate(GeneratedKind::Primitives, 1);
+    let (instances, meshes) = (scene.instances.len(), scene.meshes.len());
+    let path = [(0.0, [0.0, 9.0, 0.0]), (2.0, [4.0, 9.0, 0.0]), (3.0, [4.0, 9.0, 8.0])];
+    let ball = scene.add_ball(0.5, [1.0; 4], &path).expect("a path");
+    assert!(scene.movers.contains(ball) && scene.movers.end_seconds() == 3.0);
+    scene.pose(2.5);
+    let placed = &scene.instances[ball as usize];
+    assert_eq!(placed.to_world([0.0; 3]), [4.0, 9.0, 4.0]);
+    let mesh = &scene.meshes[placed.mesh as usize];
+    for p in &mesh.positions {
+        let q = placed.to_world(*p);
+        let radius = ((q[0] - 4.0).powi(2) + (q[1] - 9.0).powi(2) + (q[2] - 4.0).powi(2)).sqrt();
+        assert!((radius - 0.5).abs() < 1e-6);
+    }
+    assert_eq!(scene.add_ball(0.5, [1.0; 4], &[]), None);
+    assert_eq!(scene.add_ball(0.5, [1.0; 4], &[(1.0, [0.0; 3]), (0.0, [0.0; 3])]), None);
+    assert_eq!(scene.remove_movers(), 1);
+    assert_eq!((scene.instances.len(), scene.meshes.len()), (instances, meshes));
+}

@@ -1,0 +1,455 @@
+//! Loading scenes: the expected content of valid files, and the error for each kind of invalid one.
+
+#[path = "scene_loading/kit.rs"]
+mod kit;
+#[path = "scene_loading/memory.rs"]
+mod memory;
+#[path = "scene_loading/others.rs"]
+mod others;
+#[path = "scene_loading/polygons.rs"]
+mod polygons;
+#[path = "scene_loading/untrusted.rs"]
+mod untrusted;
+
+use adumbra::IoError;
+use adumbra_scene::{AlphaMode, EmptyReason, Error, LoadOptions, MippedTexture, load};
+use kit::{Glb, TRIANGLE, USHORT, load_bytes, only, refused, world_triangles};
+use serde_json::json;
+
+#[test]
+fn gltf_triangle_without_indices() {
+    let scene = Glb::triangle().load().expect("loads");
+    assert_eq!(scene.stored_triangles(), 1);
+    assert_eq!(world_triangles(&scene), [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]]);
+    assert_eq!(scene.instances[0].name, "node 0");
+    assert_eq!(scene.materials[scene.meshes[0].triangle_materials[0] as usize].name, "default");
+}
+
+#[test]
+fn gltf_transforms_nest_and_mirror() {
+    let mut glb = Glb::triangle();
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    glb.json["nodes"] = json!([
+        {"translation": [10, 0, 0], "rotation": [0, half, 0, half], "children": [1, 2]},
+        {"scale": [2, 2, 2], "mesh": 0, "name": "turned"},
+        {"matrix": [-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,5,0,1], "mesh": 0, "name": "mirrored"},
+    ]);
+    let scene = glb.load().expect("loads");
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 2));
+    let triangles = world_triangles(&scene);
+    // A quarter turn about y maps x to -z and z to x.
+    let near = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-6);
+    assert!(near(triangles[0][1], [10.0, 0.0, -2.0]) && near(triangles[0][2], [12.0, 0.0, 0.0]));
+    assert!(near(triangles[1][1], [10.0, 5.0, 1.0]) && near(triangles[1][2], [11.0, 5.0, 0.0]));
+    assert!(scene.instances[0].determinant() > 0.0 && scene.instances[1].determinant() < 0.0);
+}
+
+#[test]
+fn gltf_nodes_stand_where_the_file_says_at_map_coordinates() {
+    let mut glb = Glb::triangle();
+    glb.json["nodes"] = json!([
+        {"translation": [500_000.37, 0, 5_000_000.37], "children": [1, 2]},
+        {"translation": [0.125, 0, 1_000_000.1], "mesh": 0},
+        {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0.1,0,10_000_000.3,1], "mesh": 0},
+    ]);
+    let scene = glb.load().expect("loads");
+    let places = [[500_000.495, 0.0, 6_000_000.47], [500_000.47, 0.0, 15_000_000.67]];
+    for (instance, place) in scene.instances.iter().zip(places) {
+        let stands = instance.world_from_mesh.map(|row| row[3]);
+        assert!((0..3).all(|a| (stands[a] - place[a]).abs() < 1e-8), "{stands:?} {place:?}");
+    }
+}
+
+#[test]
+fn gltf_strips_and_fans_keep_their_winding() {
+    let square = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1.0];
+    for (mode, order) in [(5, [0, 1, 2, 3]), (6, [0, 1, 3, 2])] {
+        let mut glb = Glb::new();
+        let positions = glb.floats(&square, "VEC3");
+        let indices = glb.indices(&order);
+        glb.push(
+            "meshes",
+            json!({"primitives": [{"attributes": {"POSITION": positions}, "indices": indices, "mode": mode}]}),
+        );
+        let scene = glb.load().expect("loads");
+        assert_eq!(scene.meshes[0].positions.len(), 4);
+        let triangles = world_triangles(&scene);
+        assert_eq!(triangles.len(), 2);
+        for t in triangles {
+            let normal_y =
+                (t[1][2] - t[0][2]) * (t[2][0] - t[0][0]) - (t[1][0] - t[0][0]) * (t[2][2] - t[0][2]);
+            assert_eq!(normal_y, -1.0, "mode {mode}");
+        }
+    }
+}
+
+#[test]
+fn gltf_sparse_accessors_with_and_without_a_base() {
+    for with_base in [true, false] {
+        let mut glb = Glb::triangle();
+        let at = glb.view(&[1_u16, 2].map(u16::to_le_bytes).concat());
+        let to = glb.view(&[5.0_f32, 0.0, 0.0, 0.0, 0.0, 7.0].map(f32::to_le_bytes).concat());
+        glb.json["accessors"][0]["sparse"] = json!({
+            "count": 2, "indices": {"bufferView": at, "componentType": USHORT}, "values": {"bufferView": to}
+        });
+        if !with_base {
+            glb.json["accessors"][0].as_object_mut().expect("an object").remove("bufferView");
+        }
+        let triangles = world_triangles(&glb.load().expect("loads"));
+        assert_eq!(triangles, [[[0.0; 3], [5.0, 0.0, 0.0], [0.0, 0.0, 7.0]]]);
+    }
+}
+
+#[test]
+fn gltf_quantised_positions() {
+    let mut glb = Glb::new();
+    let bytes = [0_i16, 0, 0, 0, 32767, 0, 0, 0, 0, 0, -32767, 0].map(i16::to_le_bytes).concat();
+    let positions = glb.accessor(&bytes, 5122, "VEC3", 3);
+    glb.json["accessors"][positions]["normalized"] = json!(true);
+    glb.json["bufferViews"][0]["byteStride"] = json!(8);
+    glb.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": positions}}]}));
+    let triangles = world_triangles(&glb.load().expect("loads"));
+    assert_eq!(triangles, [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]]);
+}
+
+#[test]
+fn gltf_gpu_instancing_places_the_mesh_often() {
+    let mut glb = Glb::triangle();
+    let moves = glb.floats(&[1.0, 0.0, 0.0, 2.0, 0.0, 0.0], "VEC3");
+    glb.json["nodes"][0] = json!({"mesh": 0, "translation": [0, 3, 0],
+        "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": moves}}}});
+    glb.json["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
+    let scene = glb.load().expect("loads");
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 2));
+    assert_eq!(world_triangles(&scene)[1][0], [2.0, 3.0, 0.0]);
+}
+
+#[test]
+fn gltf_skin_stands_in_bind_pose_with_a_warning() {
+    let mut glb = Glb::new();
+    let positions = glb.floats(&TRIANGLE, "VEC3");
+    let joints = glb.accessor(&[0; 12], 5121, "VEC4", 3);
+    let weights = glb.floats(&[1.0, 0.0, 0.0, 0.0].repeat(3), "VEC4");
+    let bind = glb.floats(&[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., -1., 0., 1.], "MAT4");
+    glb.push(
+        "meshes",
+        json!({"primitives": [{"attributes": {"POSITION": positions, "JOINTS_0": joints, "WEIGHTS_0": weights}}]}),
+    );
+    glb.json["nodes"] =
+        json!([{"mesh": 0, "skin": 0, "translation": [99, 99, 99]}, {"translation": [0, 4, 0]}]);
+    glb.json["scenes"][0]["nodes"] = json!([0, 1]);
+    glb.push("skins", json!({"joints": [1], "inverseBindMatrices": bind}));
+    let scene = glb.load().expect("loads");
+    assert_eq!(world_triangles(&scene)[0], [[0.0, 3.0, 0.0], [1.0, 3.0, 0.0], [0.0, 3.0, 1.0]]);
+    assert!(scene.notes.warnings[0].contains("skinned"));
+}
+
+/// A triangle with one textured material; `image` is the image's JSON.
+fn textured(material: serde_json::Value, image: &serde_json::Value) -> Glb {
+    let mut glb = Glb::triangle();
+    let uvs = glb.floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0], "VEC2");
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(uvs);
+    glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    glb.json["images"] = json!([image]);
+    glb.json["textures"] = json!([{"source": 0}]);
+    glb.push("materials", material);
+    glb
+}
+
+fn add_primitive(glb: &mut Glb, primitive: serde_json::Value) {
+    glb.json["meshes"][0]["primitives"].as_array_mut().expect("a list").push(primitive);
+}
+
+#[test]
+fn gltf_mask_and_blend_load_their_alpha() {
+    let image = json!({"uri": "data:image/png;base64,"});
+    let texture = json!({"index": 0, "texCoord": 1});
+    let mut glb = textured(
+        json!({"alphaMode": "MASK", "alphaCutoff": 0.25, "pbrMetallicRoughness": {"baseColorTexture": texture}}),
+        &image,
+    );
+    let view = glb.view(&kit::png(&[0, 255]));
+    glb.json["images"][0] = json!({"bufferView": view, "mimeType": "image/png"});
+    let scene = glb.load().expect("loads");
+    assert_eq!(scene.materials[0].alpha, AlphaMode::Mask { cutoff: 0.25 });
+    assert_eq!(scene.meshes[0].uvs.len(), 3);
+    assert!(!scene.is_opaque(0, [0.25, 0.5], 1.0) && scene.is_opaque(0, [0.75, 0.5], 1.0));
+    assert_eq!(scene.notes.blended_materials, 0);
+    let colored = LoadOptions { color_textures: true, ..LoadOptions::default() };
+    let scene = glb.load_with(&colored).expect("loads");
+    assert_eq!(MippedTexture::new(&scene.textures[0]).color([0.75, 0.5], 0.0)[0], 1.0);
+    assert!(!scene.is_opaque(0, [0.25, 0.5], 1.0) && scene.is_opaque(0, [0.75, 0.5], 1.0));
+
+    glb.json["materials"][0]["alphaMode"] = json!("BLEND");
+    let scene = glb.load().expect("loads");
+    assert_eq!(scene.materials[0].alpha, AlphaMode::Mask { cutoff: 0.5 });
+    assert_eq!((scene.notes.blended_materials, scene.notes.blended_triangles), (1, 1));
+    let ignoring = LoadOptions { ignore_alpha: true, ..LoadOptions::default() };
+    let scene = glb.load_with(&ignoring).expect("loads");
+    assert!(scene.materials[0].alpha == AlphaMode::Opaque && scene.textures.is_empty());
+    assert_eq!(scene.notes.blended_materials, 0);
+}
+
+#[test]
+fn gltf_vertex_colours_are_read_where_they_count() {
+    let with_colors = |make: &dyn Fn(&mut Glb) -> usize, material: serde_json::Value| {
+        let mut glb = Glb::triangle();
+        let colors = make(&mut glb);
+        glb.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colors);
+        glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        glb.push("materials", material);
+        glb
+    };
+    let floats = |glb: &mut Glb| glb.floats(&[1.0, 0.5, 0.0, -1.0, 7.0, 0.214_041, 0.0, 0.0, 1.0], "VEC3");
+    let bytes = |glb: &mut Glb| {
+        let colors = glb.accessor(&[255, 128, 0, 255, 0, 0, 255, 128, 255, 255, 255, 0], 5121, "VEC4", 3);
+        glb.json["accessors"][colors]["normalized"] = json!(true);
+        colors
+    };
+    let colored = LoadOptions { color_textures: true, ..LoadOptions::default() };
+    let read =
+        |glb: Glb, options: &LoadOptions| glb.load_with(options).expect("loads").meshes[0].colors.clone();
+    // Colours are sRGB, with linear alpha.
+    let opaque = with_colors(&floats, json!({}));
+    assert_eq!(read(opaque, &colored), [[255, 188, 0, 255], [0, 255, 127, 255], [0, 0, 255, 255]]);
+    let expected = [[255, 188, 0, 255], [0, 0, 255, 128], [255, 255, 255, 0]];
+    assert_eq!(read(with_colors(&bytes, json!({})), &colored), expected);
+    // For a bake, vertex colours are loaded only if they cut.
+    assert!(read(with_colors(&bytes, json!({})), &LoadOptions::default()).is_empty());
+    let masked = with_colors(&bytes, json!({"alphaMode": "MASK"}));
+    let scene = masked.load().expect("loads");
+    assert_eq!(scene.meshes[0].colors, expected);
+    assert_eq!(scene.meshes[0].corner_alphas(0), [1.0, 128.0 / 255.0, 0.0]);
+    assert!(scene.is_opaque(0, [0.0; 2], 0.5) && !scene.is_opaque(0, [0.0; 2], 0.49));
+
+    let pairs = |glb: &mut Glb| glb.floats(&[0.0; 6], "VEC2");
+    let error = refused_any(with_colors(&pairs, json!({})).load_with(&colored));
+    assert!(error.to_string().contains("COLOR_0"), "{error}");
+    assert!(with_colors(&pairs, json!({})).load().is_ok());
+}
+
+#[test]
+fn gltf_texture_transform_moves_the_coordinates() {
+    let info = json!({"index": 0, "extensions": {"KHR_texture_transform":
+        {"offset": [0.5, 0.25], "scale": [2, 3], "rotation": std::f32::consts::FRAC_PI_2, "texCoord": 1}}});
+    let mut glb = textured(
+        json!({"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": info}}),
+        &json!({}),
+    );
+    let view = glb.view(&kit::png(&[0, 255]));
+    glb.json["images"][0] = json!({"bufferView": view});
+    let scene = glb.load().expect("loads");
+    let expected = [[0.5, 0.25], [0.5, -1.75], [3.5, 0.25]];
+    for (uv, want) in scene.meshes[0].uvs.iter().zip(expected) {
+        assert!((uv[0] - want[0]).abs() < 1e-6 && (uv[1] - want[1]).abs() < 1e-6, "{uv:?} {want:?}");
+    }
+}
+
+#[test]
+fn gltf_missing_texture_is_an_error_only_where_it_decides() {
+    let pbr = json!({"baseColorTexture": {"index": 0, "texCoord": 1}});
+    let mut glb = textured(
+        json!({"name": "leaf", "alphaMode": "MASK", "pbrMetallicRoughness": pbr}),
+        &json!({"uri": "no%20leaf.png"}),
+    );
+    let error = refused(glb.load());
+    assert!(matches!(&error, Error::Texture { material, texture, .. }
+        if material == "leaf" && texture == "no%20leaf.png"));
+    assert!(error.to_string().contains("with its alpha ignored"));
+    glb.load_with(&LoadOptions { ignore_alpha: true, ..LoadOptions::default() }).expect("loads");
+    glb.json["materials"][0]["alphaMode"] = json!("OPAQUE");
+    assert!(glb.load().expect("loads").notes.warnings.is_empty());
+    let scene =
+        glb.load_with(&LoadOptions { color_textures: true, ..LoadOptions::default() }).expect("loads");
+    assert!(scene.notes.warnings[0].contains("no%20leaf.png"));
+}
+
+#[test]
+fn gltf_extras_stop_casting() {
+    let no = json!({"adumbra": {"cast": false}});
+    let mut glb = Glb::triangle();
+    glb.json["nodes"] = json!([{"mesh": 0}, {"children": [2], "extras": no}, {"mesh": 0}]);
+    glb.json["scenes"][0]["nodes"] = json!([0, 1]);
+    let scene = glb.load().expect("loads");
+    assert_eq!(scene.instances.iter().map(|i| i.casts).collect::<Vec<_>>(), [true, false]);
+
+    glb.json["meshes"][0]["extras"] = no.clone();
+    assert!(matches!(refused(glb.load()), Error::NoTriangles { reason: EmptyReason::NoneCasts, .. }));
+
+    let mut glb = textured(json!({"extras": no}), &json!({}));
+    let rest = glb.json["meshes"][0]["primitives"][0]["attributes"].clone();
+    glb.push("materials", json!({}));
+    add_primitive(&mut glb, json!({"attributes": rest, "material": 1}));
+    let scene = glb.load().expect("loads");
+    assert_eq!(scene.materials.iter().map(|m| m.casts).collect::<Vec<_>>(), [false, true, true]);
+}
+
+#[test]
+fn gltf_filter_makes_variants_and_keeps_instances() {
+    let mut glb = textured(json!({"name": "bark"}), &json!({}));
+    let rest = glb.json["meshes"][0]["primitives"][0]["attributes"].clone();
+    glb.push("materials", json!({"name": "leaf"}));
+    glb.json["meshes"][0]["name"] = json!("tree");
+    add_primitive(&mut glb, json!({"attributes": rest, "material": 1}));
+    glb.json["nodes"] = json!([{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b"}, {"mesh": 0, "name": "c"}]);
+    glb.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let count = |only_these: &[&str], exclude: &[&str]| {
+        let scene = glb.load_with(&only(only_these, exclude)).expect("loads");
+        (scene.meshes.len(), scene.instances.len(), scene.instanced_triangles())
+    };
+    assert_eq!(count(&[], &[]), (1, 3, 6));
+    assert_eq!(count(&["a"], &[]), (1, 1, 2));
+    assert_eq!(count(&["a", "leaf"], &[]), (2, 3, 4));
+    assert_eq!(count(&[], &["lea?"]), (1, 3, 3));
+    assert_eq!(count(&["tree"], &["{a,b}"]), (1, 1, 2));
+    let error = refused(glb.load_with(&only(&["house*"], &[])));
+    assert!(matches!(error, Error::NoTriangles { reason: EmptyReason::Filtered, .. }));
+}
+
+#[test]
+fn gltf_beside_its_buffer_and_with_a_data_uri() {
+    let mut glb = Glb::triangle();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.gltf");
+    std::fs::write(folder.path().join("a b.bin"), &glb.bin).expect("writes");
+    glb.json["buffers"][0]["uri"] = json!("a%20b.bin");
+    std::fs::write(&path, glb.json.to_string()).expect("writes");
+    assert_eq!(load(&path, &LoadOptions::default()).expect("loads").stored_triangles(), 1);
+    std::fs::remove_file(folder.path().join("a b.bin")).expect("removes");
+    let error = refused_any(load(&path, &LoadOptions::default()));
+    assert!(matches!(error, Error::Io(IoError { path, .. }) if path.ends_with("a b.bin")));
+
+    // 36 bytes: nine floats, all 0 except for two of 1.0 (00 00 80 3f).
+    glb.json["buffers"][0]["uri"] = json!(
+        "data:application/octet-stream;base64,\
+        AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/"
+    );
+    std::fs::write(&path, glb.json.to_string()).expect("writes");
+    assert_eq!(load(&path, &LoadOptions::default()).expect("loads").stored_triangles(), 1);
+}
+
+fn refused_any(result: adumbra_scene::Result<adumbra_scene::Scene>) -> Error {
+    result.expect_err("the load fails")
+}
+
+#[test]
+fn gltf_required_extension_is_named() {
+    let mut glb = Glb::triangle();
+    glb.json["extensionsRequired"] = json!(["KHR_texture_transform", "KHR_draco_mesh_compression"]);
+    let error = refused(glb.load());
+    assert!(
+        matches!(error, Error::RequiredExtension { extension, .. } if extension == "KHR_draco_mesh_compression")
+    );
+}
+
+#[test]
+fn gltf_bad_vertices_transforms_and_indices() {
+    let mut glb = Glb::triangle();
+    glb.bin[..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(matches!(refused(glb.load()), Error::NotFinite { what, .. } if what.contains("vertex 0")));
+
+    let mut glb = Glb::triangle();
+    glb.json["nodes"][0] = json!({"mesh": 0, "name": "far", "translation": [1e39, 0, 0]});
+    assert!(matches!(refused(glb.load()), Error::NotFinite { what, .. } if what.contains("far")));
+
+    let mut glb = Glb::triangle();
+    let indices = glb.indices(&[0, 1, 3]);
+    glb.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    assert!(matches!(refused(glb.load()), Error::IndexOutOfRange { index: 3, vertices: 3, .. }));
+}
+
+#[test]
+fn gltf_degenerate_triangles_lines_and_empty_scenes() {
+    let mut glb = Glb::new();
+    let positions = glb.floats(&[TRIANGLE.as_slice(), &[0.5, 0.0, 0.0], &[0.0; 3]].concat(), "VEC3");
+    let indices = glb.indices(&[0, 1, 2, 0, 0, 1, 0, 1, 3, 0, 4, 1]);
+    let primitive = json!({"attributes": {"POSITION": positions}, "indices": indices});
+    glb.push(
+        "meshes",
+        json!({"primitives": [primitive, {"attributes": {"POSITION": positions}, "mode": 1}]}),
+    );
+    let scene = glb.load().expect("loads");
+    assert_eq!((scene.stored_triangles(), scene.notes.degenerate_triangles), (1, 3));
+    assert_eq!(scene.notes.skipped_primitives, 1);
+    assert_eq!(scene.meshes[0].positions.len(), 3);
+
+    glb.json["meshes"][0]["primitives"].as_array_mut().expect("a list").remove(0);
+    assert!(matches!(refused(glb.load()), Error::NoTriangles { .. }));
+    let mut glb = Glb::triangle();
+    glb.json["nodes"] = json!([{}]);
+    assert!(matches!(refused(glb.load()), Error::NoTriangles { .. }));
+    glb.json["nodes"] = json!([{"mesh": 0, "scale": [0, 0, 0]}]);
+    assert!(matches!(refused(glb.load()), Error::ZeroExtent { .. }));
+    let mut glb = Glb::triangle();
+    glb.bin.fill(0);
+    assert!(matches!(refused(glb.load()), Error::ZeroExtent { .. }));
+}
+
+#[test]
+fn gltf_broken_references_are_errors() {
+    let pointers = [
+        ("/scene", json!(7)),
+        ("/scenes/0/nodes/0", json!(7)),
+        ("/nodes/0/mesh", json!(7)),
+        ("/nodes/0/children", json!([0])),
+        ("/nodes/0/children", json!([9])),
+        ("/nodes/0/skin", json!(4)),
+        ("/meshes/0/primitives/0/material", json!(3)),
+        ("/meshes/0/primitives/0/indices", json!(99)),
+        ("/meshes/0/primitives/0/attributes/POSITION", json!(5)),
+        ("/accessors/0/bufferView", json!(5)),
+        ("/accessors/0/byteOffset", json!(u64::MAX)),
+        ("/accessors/0/count", json!(4)),
+        ("/accessors/0/count", json!(1_u64 << 60)),
+        ("/accessors/0/componentType", json!(1)),
+        ("/accessors/0/type", json!("VEC2")),
+        ("/bufferViews/0/buffer", json!(2)),
+        ("/bufferViews/0/byteOffset", json!(u64::MAX)),
+        ("/bufferViews/0/byteLength", json!(u64::MAX)),
+        ("/bufferViews/0/byteStride", json!(1)),
+        ("/buffers/0/byteLength", json!(1 << 20)),
+    ];
+    for (pointer, value) in pointers {
+        let mut glb = Glb::triangle();
+        let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
+        let parent = glb.json.pointer_mut(parent).expect("there");
+        match key.parse::<usize>() {
+            Ok(index) => parent[index] = value.clone(),
+            Err(_) => parent[key] = value.clone(),
+        }
+        let error = refused(glb.load());
+        assert!(matches!(error, Error::SceneParse { .. }), "{pointer} {value}: {error}");
+    }
+}
+
+#[test]
+fn glb_cut_at_every_length_is_an_error() {
+    let mut glb = textured(
+        json!({"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}),
+        &json!({}),
+    );
+    let view = glb.view(&kit::png(&[0, 255, 90]));
+    glb.json["images"][0] = json!({"bufferView": view});
+    let bytes = glb.bytes();
+    let (_folder, path) = kit::file("scene.glb", &bytes);
+    for length in 0..bytes.len() {
+        std::fs::write(&path, &bytes[..length]).expect("writes");
+        let error = refused(load(&path, &LoadOptions::default()));
+        assert!(matches!(error, Error::SceneParse { .. }), "{length}: {error}");
+    }
+    std::fs::write(&path, [&bytes[..], b"more"].concat()).expect("writes");
+    load(&path, &LoadOptions::default()).expect("loads");
+}
+
+#[test]
+fn glb_with_any_byte_changed_does_not_panic() {
+    let bytes = Glb::triangle().bytes();
+    for at in 0..bytes.len() {
+        for flip in [1, 0x80, 0xff] {
+            let mut changed = bytes.clone();
+            changed[at] ^= flip;
+            let _ = load_bytes("scene.glb", &changed, &LoadOptions::default());
+        }
+    }
+}

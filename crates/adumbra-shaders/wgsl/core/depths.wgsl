@@ -1,0 +1,153 @@
+// Look-up in a light-aligned file in the layout "depths", a quadtree of switch depths. This is the counterpart of
+// adumbra::layout::depths, which documents the words. Both give the same result for every tap.
+// Source: Scandolo, Bauszat, Eisemann, Merged Multiresolution Hierarchies for Shadow Map Compression, 2016.
+// Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file: top, wide entries and code are
+// concatenated, the latter two from `wide_offset` and `code_offset` on. Receivers, masks and layers are defined in
+// core/voxel.wgsl, leaves in core/depths_leaf.wgsl.
+
+// A block of columns and their switch depths: all at `base`, or given by the shape at half-word `at`.
+struct AdumbraDepthsNode {
+    // ADUMBRA_DEPTHS_UNIFORM if there is no shape.
+    at: u32,
+    base: u32,
+}
+
+fn adumbra_depths_half(v: AdumbraVoxelParams, at: u32) -> u32 {
+    return extractBits(adumbra_voxel_word(v.code_offset + (at >> 1u)), 16u * (at & 1u), 16u);
+}
+
+fn adumbra_depths_two_halves(v: AdumbraVoxelParams, at: u32) -> u32 {
+    let word = adumbra_voxel_word(v.code_offset + (at >> 1u));
+    if ((at & 1u) == 0u) {
+        return word;
+    }
+    return (word >> 16u) | (adumbra_voxel_word(v.code_offset + (at >> 1u) + 1u) << 16u);
+}
+
+// Returns a half-word in two's complement, sign-extended.
+fn adumbra_depths_delta(v: AdumbraVoxelParams, at: u32) -> u32 {
+    return u32(extractBits(i32(adumbra_depths_half(v, at)), 0u, 16u));
+}
+
+// Returns the address encoded by the near pointer at half-word `field` of a shape.
+fn adumbra_depths_near(v: AdumbraVoxelParams, shape: u32, field: u32) -> u32 {
+    let half = adumbra_depths_half(v, field);
+    return select(half, shape - (half & 0x7fffu), (half & 0x8000u) != 0u);
+}
+
+// Returns one of a node's sixteen children.
+fn adumbra_depths_child(v: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
+    let sizes = adumbra_depths_two_halves(v, node.at);
+    let kind = extractBits(adumbra_depths_half(v, node.at + 2u), child, 1u);
+    let below = (1u << child) - 1u;
+    let field = node.at + 3u + countOneBits(sizes & below) + 2u * countOneBits((sizes >> 16u) & below);
+    switch 4u * extractBits(sizes, 16u + child, 1u) + 2u * extractBits(sizes, child, 1u) + kind {
+        case 0u: {
+            return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base);
+        }
+        case 1u: {
+            return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, ADUMBRA_DEPTHS_NEVER);
+        }
+        case 2u: {
+            return AdumbraDepthsNode(adumbra_depths_near(v, node.at, field), node.base);
+        }
+        case 3u: {
+            return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base + adumbra_depths_delta(v, field));
+        }
+        case 4u: {
+            return AdumbraDepthsNode(adumbra_depths_two_halves(v, field), node.base);
+        }
+        case 5u: {
+            return AdumbraDepthsNode(adumbra_depths_near(v, node.at, field + 1u), node.base + adumbra_depths_delta(v, field));
+        }
+        case 6u: {
+            return AdumbraDepthsNode(adumbra_depths_two_halves(v, field + 1u), node.base + adumbra_depths_delta(v, field));
+        }
+        default: {
+            let entry = v.wide_offset + 2u * adumbra_depths_two_halves(v, field);
+            return AdumbraDepthsNode(adumbra_voxel_word(entry + 1u), node.base + adumbra_voxel_word(entry));
+        }
+    }
+}
+
+// Returns the leaf or the uniform block that contains a column of the grid.
+fn adumbra_depths_node(v: AdumbraVoxelParams, column: vec2u) -> AdumbraDepthsNode {
+    let root = column >> vec2u(v.root_level);
+    let entry = 2u * (root.y * v.root_count.x + root.x);
+    var node = AdumbraDepthsNode(adumbra_voxel_word(entry), adumbra_voxel_word(entry + 1u));
+    for (var level = v.root_level; level > 3u && node.at != ADUMBRA_DEPTHS_UNIFORM; level -= 2u) {
+        let bits = (column >> vec2u(level - 2u)) & vec2u(3u);
+        node = adumbra_depths_child(v, node, bits.y << 2u | bits.x);
+    }
+    return node;
+}
+
+// Returns the depth at which a column of the grid switches; ADUMBRA_DEPTHS_NEVER if the whole column is lit.
+fn adumbra_depths_value(v: AdumbraVoxelParams, column: vec2u) -> u32 {
+    let node = adumbra_depths_node(v, column);
+    if (node.at == ADUMBRA_DEPTHS_UNIFORM) {
+        return node.base;
+    }
+    let leaf = adumbra_depths_leaf(v, node);
+    let within = column & vec2u(7u);
+    var rank = 0u;
+    for (var plane = 0u; plane < leaf.plane_count; plane++) {
+        let half = adumbra_depths_half(v, leaf.planes + 4u * plane + (within.y >> 1u));
+        rank |= extractBits(half, (within.y & 1u) << 3u | within.x, 1u) << plane;
+    }
+    if (rank > leaf.differences) {
+        return ADUMBRA_DEPTHS_NEVER;
+    }
+    var depth = node.base;
+    for (var d = 0u; d < rank; d++) {
+        depth = adumbra_depths_deeper(depth, adumbra_depths_difference(v, leaf, d));
+    }
+    return depth - min(adumbra_depths_rise(leaf.slant, vec2i(within)), depth);
+}
+
+// Counts the lit taps among the columns low…high, which lie in one block.
+fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, low: vec2i, high: vec2i) -> u32 {
+    let taps = adumbra_voxel_taps(v, r, low, high);
+    if (taps.farthest < 0) {
+        return taps.beside;
+    }
+    let node = adumbra_depths_node(v, vec2u(taps.low));
+    if (node.at == ADUMBRA_DEPTHS_UNIFORM) {
+        // A base behind the grid is never reached.
+        let last_lit = min(node.base, u32(v.grid.size.z)) - 1u;
+        if (i32(last_lit) < taps.nearest) {
+            return taps.beside;
+        }
+        return taps.beside + adumbra_voxel_count(adumbra_voxel_taps_to(r, taps, i32(last_lit)));
+    }
+    let leaf = adumbra_depths_leaf(v, node);
+    // Taps counted so far. All taps in front of the grid are lit.
+    var counted = vec2u(0u);
+    if (taps.nearest < 0) {
+        counted = adumbra_voxel_taps_to(r, taps, -1);
+    }
+    var lit = taps.beside + adumbra_voxel_count(counted);
+    for (var layer = max(taps.nearest, 0); layer <= taps.farthest; layer++) {
+        let up_to = adumbra_voxel_taps_to(r, taps, layer);
+        let mask = up_to & ~counted;
+        if (any(mask != vec2u(0u))) {
+            lit += adumbra_voxel_count(adumbra_depths_look_up(v, leaf, u32(layer)) & mask);
+        }
+        counted = up_to;
+    }
+    return lit;
+}
+
+// Counts the lit taps of the K² filter.
+fn adumbra_voxel_lit_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> u32 {
+    let reach = i32(v.filter_width >> 1u);
+    let low = (r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS)) - reach;
+    let high = low + 2 * reach;
+    var lit = 0u;
+    for (var y = low.y; y <= high.y; y = (y | 7) + 1) {
+        for (var x = low.x; x <= high.x; x = (x | 7) + 1) {
+            lit += adumbra_depths_block(v, r, vec2i(x, y), min(vec2i(x, y) | vec2i(7), high));
+        }
+    }
+    return lit;
+}

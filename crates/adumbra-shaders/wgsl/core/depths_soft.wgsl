@@ -1,0 +1,71 @@
+// Penumbrae of an area sun from the switch depths of a light-aligned file. A penumbra is as wide as the sun's cone at
+// the mean distance of the blockers.
+// Source: Fernando, Percentage-Closer Soft Shadows, 2005; the cone for the sun as in core/pcss.wgsl.
+// Voxels are cubes, so a radius in texels is the cone's tangent times a distance in voxels. Positions are integers, so
+// that no precision is lost on large grids.
+
+// Returns how far in front of the receiver the column switches, fixed point; negative if the column is lit at the depth
+// of the receiver's plane. The compared depth is never behind the receiver's own: beyond a crease the plane continues
+// below the surface, which would then shadow it.
+fn adumbra_depths_blocker(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, texel: vec2i) -> i32 {
+    let own = r.p_fixed.z >> ADUMBRA_FIXED_BITS;
+    let layer = min(adumbra_voxel_layer(r, texel), own);
+    if (any(texel < vec2i(0)) || any(texel >= v.grid.size.xy) || layer < 0) {
+        return -1;
+    }
+    let value = adumbra_depths_value(v, vec2u(texel));
+    if (u32(min(layer, v.grid.size.z - 1)) < value) {
+        return -1;
+    }
+    return max(r.p_fixed.z - i32(value) * ADUMBRA_FIXED_ONE, 0);
+}
+
+// Returns the mean distance of the blockers in voxels; negative if there are none. Taps are denser towards the centre,
+// the only place where near blockers count.
+fn adumbra_depths_blocker_distance(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, turn: vec2f) -> f32 {
+    let cone = v.sun_cone;
+    // Nothing is in front of depth 0.
+    let search = clamp(cone * f32(r.p_fixed.z) / f32(ADUMBRA_FIXED_ONE), 1.0, v.max_radius_texels);
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0u; i < 32u; i++) {
+        let tap = adumbra_disc_tap(i, turn);
+        let offset = search * length(tap) * tap;
+        let tap_fixed = r.p_fixed.xy + vec2i(floor(offset * f32(ADUMBRA_FIXED_ONE)));
+        let distance = f32(adumbra_depths_blocker(v, r, tap_fixed >> vec2u(ADUMBRA_FIXED_BITS))) / f32(ADUMBRA_FIXED_ONE);
+        if (distance >= 0.0 && length(offset) <= max(cone * distance, 1.0)) {
+            sum += distance;
+            count += 1.0;
+        }
+    }
+    return select(-1.0, sum / max(count, 1.0), count > 0.0);
+}
+
+// Returns the bilinear mean over the four columns around a fixed-point position.
+fn adumbra_depths_bilinear(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, p_fixed: vec2i) -> f32 {
+    let low = p_fixed - ADUMBRA_FIXED_ONE / 2;
+    let corner = low >> vec2u(ADUMBRA_FIXED_BITS);
+    let share = vec2f(low & vec2i(ADUMBRA_FIXED_ONE - 1)) / f32(ADUMBRA_FIXED_ONE);
+    var lit = vec4f(0.0);
+    for (var i = 0; i < 4; i++) {
+        lit[i] = select(0.0, 1.0, adumbra_depths_blocker(v, r, corner + vec2i(i & 1, i >> 1u)) < 0);
+    }
+    let rows = mix(lit.xz, lit.yw, share.x);
+    return mix(rows.x, rows.y, share.y);
+}
+
+// Returns the visibility of the sun's disc.
+fn adumbra_depths_soft(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, turn: vec2f) -> f32 {
+    let distance = adumbra_depths_blocker_distance(v, r, turn);
+    if (distance < 0.0) {
+        return 1.0;
+    }
+    // The footprint of a bilinear tap is itself one texel wide.
+    let radius = clamp(v.sun_cone * distance, 0.5, v.max_radius_texels);
+    var lit = 0.0;
+    for (var i = 0u; i < 32u; i++) {
+        let offset = radius * adumbra_disc_tap(i, turn);
+        lit += adumbra_depths_bilinear(v, r, r.p_fixed.xy + vec2i(floor(offset * f32(ADUMBRA_FIXED_ONE))));
+    }
+    return lit / 32.0;
+}

@@ -1,0 +1,24 @@
+//! Code shared by the tests of several crates: folders next to the repository, bakes by layout, hand-made depths, runs
+//! of the programs, and test vectors.
+
+mod bakes;
+mod leaves;
+mod programs;
+mod shared_folder;
+mod vectors;
+
+pub use bakes::{BakedGraph, bake_depths, bake_file, bake_graph};
+pub use leaves::{Leaf, every_gradient, from_leaves};
+pub use programs::{
+    Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_program, program, read_f32, stderr,
+};
+pub use shared_folder::{full, scene_file, shared};
+pub use vectors::{
+    ExpectedPoint, FaultyVector, SpecifiedExample, assert_faults_found, expected_points, f64_at,
+    faulty_vectors, named_vectors, specified_example, u32_at, u64_at, vector_answers, vectors,
+};
+
+// Makes sure that the Rust code in the guide compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guides/use-the-file-in-my-engine.md")]
+mod guide {}

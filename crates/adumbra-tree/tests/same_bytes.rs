@@ -1,0 +1,90 @@
+//! Same input, same bytes: compares files with those that an earlier revision wrote, byte for byte. A change that is
+//! meant to alter them must rewrite the lists in `same_bytes/` and give the reason.
+
+use std::path::Path;
+
+use adumbra::Sun;
+use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch, bake};
+use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load, to_glb};
+use adumbra_testing::shared;
+use adumbra_tree::{TreeFile, TreeOptions, bake_tree};
+use sha2::{Digest, Sha256};
+
+/// Returns the entries of a list: digest, scene and kind of file.
+fn listed(text: &str) -> impl Iterator<Item = [&str; 3]> {
+    text.lines().filter(|line| !line.starts_with('#')).map(|line| {
+        let words: Vec<&str> = line.split(' ').collect();
+        words.try_into().expect("a digest, a scene and a kind")
+    })
+}
+
+/// Returns the digest of the file of this kind.
+fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) -> String {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let layout = match kind {
+        "packed" => LayoutChoice::Packed,
+        "plain" => LayoutChoice::Plain,
+        "depths" => LayoutChoice::Depths,
+        "tree" => {
+            let options = TreeOptions::new(sun, Size::Resolution(tree_resolution));
+            let mut bytes = Vec::new();
+            TreeFile::from(bake_tree(scene, &options, Watch::none()).unwrap()).write_to(&mut bytes).unwrap();
+            return hex(&bytes);
+        }
+        other => panic!("no kind of file is called {other}"),
+    };
+    let options = BakeOptions { layout, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    let mut bytes = Vec::new();
+    bake(scene, &options, Watch::none()).unwrap().file.write_to(&mut bytes).unwrap();
+    hex(&bytes)
+}
+
+fn hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// Compares each listed digest with that of the file baked from the scene of that name or, for the kind `glb`, with
+/// that of the scene's own bytes.
+fn check(list: &str, resolutions: [u64; 2], scene_of: impl Fn(&str) -> (Scene, Vec<u8>)) {
+    let mut loaded: Option<(&str, (Scene, Vec<u8>))> = None;
+    for [expected, name, kind] in listed(list) {
+        if loaded.as_ref().is_none_or(|(known, _)| *known != name) {
+            loaded = Some((name, scene_of(name)));
+        }
+        let (_, (scene, bytes)) = loaded.as_ref().unwrap();
+        let found = if kind == "glb" { hex(bytes) } else { digest(scene, kind, resolutions) };
+        assert_eq!(found, expected, "{name}, {kind}");
+    }
+}
+
+#[test]
+fn same_bytes_for_generated_scenes() {
+    check(include_str!("same_bytes/generated.txt"), [1024, 256], |name| {
+        let all = [
+            ("spheres", GeneratedKind::Spheres),
+            ("primitives", GeneratedKind::Primitives),
+            ("landscape", GeneratedKind::Landscape),
+            ("city", GeneratedKind::City),
+            ("ball", GeneratedKind::Ball),
+            ("sphere-grid", GeneratedKind::SphereGrid),
+            ("wires", GeneratedKind::Wires),
+            ("cornell", GeneratedKind::Cornell),
+        ];
+        let (_, kind) = all.into_iter().find(|(known, _)| *known == name).unwrap();
+        // Loaded from a file, as the program does.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.glb");
+        let bytes = to_glb(&generate(kind, 1));
+        std::fs::write(&path, &bytes).unwrap();
+        (load(&path, &LoadOptions::default()).unwrap(), bytes)
+    });
+}
+
+#[test]
+fn shared_scenes_give_the_same_bytes() {
+    let Some(scenes) = shared("scenes") else { return };
+    check(include_str!("same_bytes/shared.txt"), [2048, 1024], |name| {
+        let options = LoadOptions { allow_outside: true, ..LoadOptions::default() };
+        (load(&Path::new(&scenes).join(name), &options).unwrap(), Vec::new())
+    });
+}

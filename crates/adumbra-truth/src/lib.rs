@@ -1,0 +1,8 @@
+//! The reference for baked shadows: rays traced through the scene.
+//!
+//! [`trace`] finds hits and visibility. [`verify`] compares a file's answers with rays at random points. [`picture`]
+//! draws both on the CPU. One convention everywhere: *visibility*, 1 = unoccluded.
+
+pub mod picture;
+pub mod trace;
+pub mod verify;

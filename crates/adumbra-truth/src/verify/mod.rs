@@ -1,0 +1,247 @@
+//! Compares a file's answers with ray tracing.
+//!
+//! Random points are drawn on the scene's surfaces, uniformly by area, or in its space. They are lifted by the
+//! look-up's bias, and both the file and the rays answer them. Every point that the sun can shine on is compared. The
+//! points that are not compared are counted: faces turned away from the sun, points inside solids, which nobody sees,
+//! and points outside the file's bounds. Each compared point has a [`Class`], which depends on rays alone:
+//!
+//! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, moved along the
+//!   light onto the point's tangent plane (in space: at its depth), all lifted alike. In a world-aligned file a texel
+//!   is the side of a voxel.
+//! - *Acne*: a lit point answered as shadowed. *Leak*: a shadowed point answered as lit. *Misplaced*: a wrong answer
+//!   that is given neither by a ray from the centre of the point's texel nor by most of the rays spread over it, so the
+//!   resolution of the grid does not explain it.
+//! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the centre of
+//!   each tap, on the receiver's plane. The taps count as neighbours.
+//!
+//! [`Promises`] states what a file promises for each class.
+
+mod answers;
+mod classes;
+mod place;
+mod points;
+
+use adumbra_scene::random::Random;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+pub use answers::{Answers, LightAnswers, TreeAnswers};
+pub use classes::{Class, ClassResult, MIN_CHECKED_POINTS, Promises};
+pub use points::{Sample, Solids, SurfaceSampler, VolumeSampler};
+
+use crate::trace::Tracer;
+use adumbra::query::receiver;
+use classes::{ClassCounts, DIFFERENCE_STEPS};
+use place::Place;
+
+/// Options of a verification.
+#[derive(Clone, Copy, Debug)]
+pub struct VerifyOptions {
+    /// Number of points to draw.
+    pub samples: u64,
+    /// Seed of the random points.
+    pub seed: u64,
+}
+
+/// Result of a verification; shares are fractions of the samples, 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Verification {
+    /// Number of points compared.
+    pub samples: u64,
+    /// Number of points drawn that face away from the sun; not compared.
+    pub facing_away: u64,
+    /// Number of points drawn inside solids, which nobody sees and where the file may answer either way; not compared.
+    pub inside_solids: u64,
+    /// Number of points drawn outside the bounds given to the bake; not compared.
+    pub outside_bounds: u64,
+    /// Share of the samples that are shadowed according to rays.
+    pub shadowed_share: f64,
+    /// One minus the mean difference from the rays; without a filter, the share of correct answers.
+    pub agreement: f64,
+    /// `agreement` of [`Class::Interior`] alone; 1 if it has no points.
+    pub interior_agreement: f64,
+    /// Share of the samples that are [`Class::Interior`].
+    pub interior_share: f64,
+    /// Share of the samples whose answer is darker than the rays' value by more than half.
+    pub acne: f64,
+    /// Share of the samples whose answer is lighter than the rays' value by more than half.
+    pub leak: f64,
+    /// Results of all classes, in the order of [`Class::ALL`].
+    pub classes: Vec<ClassResult>,
+}
+
+impl Verification {
+    /// The result of one class.
+    pub fn class(&self, class: Class) -> &ClassResult {
+        let place = Class::ALL.iter().position(|c| *c == class).unwrap_or_default();
+        &self.classes[place]
+    }
+
+    /// Whether there are enough points to judge the file: in [`Class::Interior`], or under a low sun in
+    /// [`Class::Grazing`].
+    pub fn is_checked(&self) -> bool {
+        [Class::Interior, Class::Grazing].iter().any(|class| self.class(*class).checked)
+    }
+
+    /// Whether the file is checked and every class keeps its promises.
+    pub fn holds(&self) -> bool {
+        self.is_checked() && self.classes.iter().all(|c| c.holds)
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    facing_away: u64,
+    inside_solids: u64,
+    outside_bounds: u64,
+    shadowed: u64,
+    /// In the order of [`Class::ALL`].
+    classes: [ClassCounts; Class::ALL.len()],
+}
+
+/// Distances from a point to its inner and outer neighbours, texels.
+const NEIGHBOUR_TEXELS: [f64; 2] = [1.0, 2.0];
+/// Points with n·l at most this are close to the terminator, and are a class of their own.
+pub const MIN_N_DOT_L: f64 = 0.1;
+/// Points per batch. Each batch has its own random numbers, so the result does not depend on the threads.
+const BATCH: u64 = 4096;
+
+/// Compares one file with one scene.
+pub struct Verifier<'a, A> {
+    answers: &'a A,
+    tracer: &'a Tracer<'a>,
+    solids: &'a Solids,
+    promises: Promises,
+}
+
+impl<'a, A: Answers> Verifier<'a, A> {
+    /// Prepares a comparison of `answers` with rays of `tracer`. Both `tracer` and `solids` must be built from the
+    /// scene that was baked.
+    pub fn new(answers: &'a A, tracer: &'a Tracer<'a>, solids: &'a Solids) -> Self {
+        Self { answers, tracer, solids, promises: answers.promises() }
+    }
+
+    /// Replaces the least agreement required of the interior.
+    #[must_use]
+    pub fn with_interior_promise(self, least_agreement: f64) -> Self {
+        Self { promises: Promises { interior: least_agreement, ..self.promises }, ..self }
+    }
+
+    /// Draws the points and compares them. Runs on the current rayon pool. Cost: about 20 rays per point, and one more
+    /// per tap of a filter.
+    pub fn run(&self, sampler: &Sampler<'_>, options: &VerifyOptions) -> Verification {
+        let batches = options.samples.div_ceil(BATCH);
+        let counts = (0..batches)
+            .into_par_iter()
+            .map(|batch| {
+                let count = BATCH.min(options.samples - batch * BATCH);
+                let mut random = Random::for_batch(options.seed, batch);
+                let mut counts = Counts::default();
+                for _ in 0..count {
+                    let sample = match sampler {
+                        Sampler::Surface(s) => s.sample(&mut random),
+                        Sampler::Volume(s) => s.sample(&mut random),
+                    };
+                    self.compare(&sample, &mut counts);
+                }
+                counts
+            })
+            .reduce(Counts::default, Counts::add);
+        counts.finish(&self.promises)
+    }
+
+    fn compare(&self, sample: &Sample, c: &mut Counts) {
+        let answers = self.answers;
+        if sample.normal.is_some_and(|n| !(adumbra::grid::vec3::dot(n, answers.towards_sun()) > 0.0)) {
+            c.facing_away += 1;
+            return;
+        }
+        let grid = answers.grid_at(sample.p_world, sample.normal);
+        let place = Place {
+            grid,
+            tracer: self.tracer,
+            solids: self.solids,
+            p_world: sample.p_world,
+            normal: sample.normal,
+            receiver: receiver(&grid, &answers.bias(), sample.p_world, sample.normal),
+        };
+        if !answers.covers(grid.to_world(place.receiver.p_grid)) {
+            c.outside_bounds += 1;
+            return;
+        }
+        if answers.insides_are_free() && place.is_inside_solid() {
+            c.inside_solids += 1;
+            return;
+        }
+        let truth = place.truth();
+        c.shadowed += u64::from(!truth);
+        let value = f64::from(answers.visibility(sample.p_world, sample.normal));
+        let taps = answers.taps(&place.receiver);
+        let own = f64::from(u8::from(truth));
+        let expected = if taps.is_empty() { own } else { place.mean_lit(&taps) };
+        let class = match place.class(truth, &answers.baked_bias()) {
+            // The taps of a filter count as neighbours too.
+            Class::Interior | Class::Grazing if expected != own => Class::Edge,
+            class => class,
+        };
+        // A value outside 0 to 1 is wrong, whatever the rays say.
+        let value = if (0.0..=1.0).contains(&value) { value } else { 1.0 - own };
+        // A tree's filter has no taps to compare with, so its value is thresholded at one half.
+        let value = if taps.is_empty() { f64::from(u8::from(value > 0.5)) } else { value };
+        let counts = &mut c.classes[Class::ALL.iter().position(|a| *a == class).unwrap_or_default()];
+        counts.points += 1;
+        counts.difference_steps += ((value - expected).abs() * DIFFERENCE_STEPS).round() as u64;
+        counts.acne += u64::from(value < expected - 0.5);
+        counts.leak += u64::from(value > expected + 0.5);
+        if taps.is_empty() && (value - expected).abs() > 0.5 {
+            counts.misplaced += u64::from(!place.is_answer_of_its_texel(value > 0.5));
+        }
+    }
+}
+
+/// The source of the random points.
+pub enum Sampler<'s> {
+    /// Points on surfaces.
+    Surface(SurfaceSampler<'s>),
+    /// Points in the volume of the grid.
+    Volume(VolumeSampler),
+}
+
+impl Counts {
+    fn add(mut self, o: Self) -> Self {
+        self.facing_away += o.facing_away;
+        self.inside_solids += o.inside_solids;
+        self.outside_bounds += o.outside_bounds;
+        self.shadowed += o.shadowed;
+        for (counts, more) in self.classes.iter_mut().zip(&o.classes) {
+            counts.add(more);
+        }
+        self
+    }
+
+    fn finish(&self, promises: &Promises) -> Verification {
+        let mut all = ClassCounts::default();
+        self.classes.iter().for_each(|c| all.add(c));
+        let share = |part: u64| if all.points == 0 { 0.0 } else { part as f64 / all.points as f64 };
+        let classes: Vec<ClassResult> = Class::ALL
+            .iter()
+            .zip(&self.classes)
+            .map(|(class, counts)| counts.finish(*class, promises))
+            .collect();
+        let interior = classes[0];
+        Verification {
+            samples: all.points,
+            facing_away: self.facing_away,
+            inside_solids: self.inside_solids,
+            outside_bounds: self.outside_bounds,
+            shadowed_share: share(self.shadowed),
+            agreement: all.finish(Class::Thin, promises).agreement,
+            interior_agreement: interior.agreement,
+            interior_share: share(interior.points),
+            acne: share(all.acne),
+            leak: share(all.leak),
+            classes,
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! Tests of `verify` itself: whether it draws its points uniformly, omits none, and finds each kind of wrong answer.
+
+use adumbra::query::{Receiver, receiver};
+use adumbra::{Bias, LightGrid, Query, Sun};
+use adumbra_bake::{BakeOptions, Size};
+use adumbra_scene::{GeneratedKind, Instance, Material, Mesh, Scene, generate};
+use adumbra_testing::{BakedGraph, bake_graph};
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use adumbra_truth::verify::{
+    Answers, Class, LightAnswers, Promises, Sampler, Solids, SurfaceSampler, Verification, Verifier,
+    VerifyOptions,
+};
+
+fn bake_quietly(scene: &Scene, options: &BakeOptions) -> BakedGraph {
+    bake_graph(scene, options).expect("a small bake fits")
+}
+
+fn check(scene: &Scene, sun: Sun, answers: &impl Answers, samples: u64) -> Verification {
+    let tracer = Tracer::build(scene, TraceOptions::default());
+    let solids = Solids::of(scene);
+    let sampler = Sampler::Surface(SurfaceSampler::new(scene, &solids, sun.towards(), false));
+    Verifier::new(answers, &tracer, &solids).run(&sampler, &VerifyOptions { samples, seed: 5 })
+}
+
+fn verify(scene: &Scene, baked: &BakedGraph, filter: u32, samples: u64) -> Verification {
+    let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
+    check(scene, baked.grid.sun, &LightAnswers::new(&baked.grid, &baked.settings, query), samples)
+}
+
+/// A cube with a side of one metre about the origin.
+fn unit_cube() -> Mesh {
+    let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 1 { 0.5 } else { -0.5 });
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    Mesh {
+        positions: (0..8).map(corner).collect(),
+        triangles: faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        triangle_materials: vec![0; 12],
+        ..Mesh::default()
+    }
+}
+
+fn placed(scale: [f64; 3], at: [f64; 3]) -> Instance {
+    let row = |a: usize| {
+        std::array::from_fn(|b| {
+            if b == 3 {
+                at[a]
+            } else if a == b {
+                scale[a]
+            } else {
+                0.0
+            }
+        })
+    };
+    Instance { name: String::new(), mesh: 0, world_from_mesh: [row(0), row(1), row(2)], casts: true }
+}
+
+fn scene_of(instances: Vec<Instance>) -> Scene {
+    Scene {
+        meshes: vec![unit_cube()],
+        instances,
+        materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
+        ..Scene::default()
+    }
+}
+
+/// A floor of 100 m by 100 m, which is the unit cube scaled non-uniformly, below a hundred cubes that float three
+/// metres above it.
+fn cubes_over_a_scaled_floor() -> Scene {
+    let mut instances = vec![placed([100.0, 0.1, 100.0], [0.0, -0.05, 0.0])];
+    for i in 0..100 {
+        let at = [f64::from(i % 10) * 9.0 - 40.5, 3.0, f64::from(i / 10) * 9.0 - 40.5];
+        instances.push(placed([1.0; 3], at));
+    }
+    scene_of(instances)
+}
+
+#[test]
+fn points_are_spread_by_area_over_instances_of_any_scale() {
+    let scene = cubes_over_a_scaled_floor();
+    let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(1024)));
+    let samples = 100_000;
+    let v = verify(&scene, &baked, 1, samples);
+    // The floor has 20,000 m² and 40 m² of rim, each cube 6 m². The sun sees the top faces of the floor and the cubes.
+    let seen = (10_000.0 + 100.0) / (20_040.0 + 600.0);
+    let compared = v.samples as f64 / samples as f64;
+    assert!((compared - seen).abs() < 0.006, "{compared} of the points are compared, by area {seen}");
+    let shadowed = 100.0 / 10_100.0;
+    assert!(
+        (v.shadowed_share - shadowed).abs() < 0.002,
+        "{} are shadowed, truly {shadowed}",
+        v.shadowed_share
+    );
+    assert!(v.holds(), "{v:?}");
+}
+
+#[test]
+fn instances_without_volume_are_sampled_too() {
+    // The floor has no thickness, but the cube above it does.
+    let scene = scene_of(vec![placed([20.0, 0.0, 20.0], [0.0; 3]), placed([2.0; 3], [0.0, 4.0, 0.0])]);
+    let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(512)));
+    let v = verify(&scene, &baked, 1, 40_000);
+    // Points are on the floor's upper and lower sides; 4 m² of 400 m² are shadowed.
+    assert!(v.samples > 18_000 && (0.007..0.013).contains(&v.shadowed_share), "{v:?}");
+}
+
+#[test]
+fn every_point_that_the_sun_can_shine_on_is_in_one_class() {
+    let scene = generate(GeneratedKind::City, 1);
+    let sun = Sun::from_angles(37.0, 4.0).expect("above the horizon");
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(2048)));
+    let samples = 30_000;
+    let v = verify(&scene, &baked, 1, samples);
+    assert_eq!(v.samples + v.facing_away + v.inside_solids + v.outside_bounds, samples);
+    assert_eq!(v.classes.iter().map(|c| c.points).sum::<u64>(), v.samples);
+    // Level ground under a sun at 4° elevation.
+    assert!(v.class(Class::Grazing).points > 1_000, "{v:?}");
+    assert!(v.class(Class::Edge).points > 100 && v.class(Class::Narrow).points > 10, "{v:?}");
+    assert!(v.holds(), "{v:?}");
+}
+
+/// Falsifies an answer, given the point's grid position, its n·l and the filtered value.
+type Lie = fn([f64; 3], f64, f32) -> f32;
+
+/// A correct file whose visibility is replaced.
+struct Replaced<'a, F> {
+    honest: LightAnswers<'a>,
+    visibility: F,
+}
+
+impl<F: Fn(&LightAnswers<'_>, [f64; 3], Option<[f64; 3]>) -> f32 + Sync> Answers for Replaced<'_, F> {
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        (self.visibility)(&self.honest, p_world, normal)
+    }
+
+    fn towards_sun(&self) -> [f64; 3] {
+        self.honest.towards_sun()
+    }
+
+    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
+        self.honest.grid_at(p_world, normal)
+    }
+
+    fn bias(&self) -> Bias {
+        self.honest.bias()
+    }
+
+    fn baked_bias(&self) -> Bias {
+        self.honest.baked_bias()
+    }
+
+    fn covers(&self, p_world: [f64; 3]) -> bool {
+        self.honest.covers(p_world)
+    }
+
+    fn insides_are_free(&self) -> bool {
+        self.honest.insides_are_free()
+    }
+
+    fn taps(&self, receiver: &Receiver) -> Vec<[f64; 3]> {
+        self.honest.taps(receiver)
+    }
+
+    fn promises(&self) -> Promises {
+        self.honest.promises()
+    }
+}
+
+/// Verifies a correct file of a small city whose answers are shifted and falsified, and returns the classes that miss
+/// their promises.
+fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
+    let scene = generate(GeneratedKind::City, 2);
+    let sun = Sun::from_angles(37.0, 5.0).expect("above the horizon");
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(2048)));
+    let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
+    let honest = LightAnswers::new(&baked.grid, &baked.settings, query);
+    let grid = &baked.grid;
+    let visibility = |honest: &LightAnswers<'_>, p_world, normal: Option<[f64; 3]>| {
+        let p_grid = grid.to_grid(p_world);
+        let moved = grid.to_world([p_grid[0] + shift_texels, p_grid[1], p_grid[2]]);
+        let n_dot_l = normal.map_or(1.0, |n| (0..3).map(|a| n[a] * honest.towards_sun()[a]).sum());
+        lie(p_grid, n_dot_l, honest.visibility(moved, normal))
+    };
+    let liar = Replaced { honest, visibility };
+    let v = check(&scene, sun, &liar, 20_000);
+    v.classes.iter().filter(|c| !c.holds).map(|c| c.class).collect()
+}
+
+#[test]
+fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
+    let scene = cubes_over_a_scaled_floor();
+    for (elevation, filter, is_right) in [(6.0, 9, true), (3.0, 9, false), (2.0, 1, false), (2.0, 9, false)] {
+        let sun = Sun::from_angles(37.0, elevation).expect("above the horizon");
+        let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(1024)));
+        let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
+        let honest = || LightAnswers::new(&baked.grid, &baked.settings, query);
+        let v = check(&scene, sun, &honest(), 10_000);
+        assert!(
+            v.holds() && (is_right || v.class(Class::Grazing).points > 1_000),
+            "{elevation}° {filter}: {v:?}"
+        );
+        // The same look-ups, with the slope of their plane clamped to 9.95.
+        let clamped = |honest: &LightAnswers<'_>, p_world, normal| {
+            let r = receiver(&baked.grid, &honest.bias(), p_world, normal);
+            let slope = r.gradient[0].hypot(r.gradient[1]);
+            let gradient = r.gradient.map(|g| g * (9.95 / slope).min(1.0));
+            query.receiver_visibility(&Receiver { gradient, ..r })
+        };
+        let v = check(&scene, sun, &Replaced { honest: honest(), visibility: clamped }, 10_000);
+        assert_eq!(v.class(Class::Grazing).holds, is_right, "{elevation}° {filter}: {v:?}");
+    }
+}
+
+/// Whether a point belongs to one percent of the points, spread over the grid.
+fn is_one_of_a_hundred(p_grid: [f64; 3]) -> bool {
+    (p_grid[0] * 7.3 + p_grid[1] * 3.1).rem_euclid(1.0) < 0.01
+}
+
+#[test]
+fn right_answers_keep_every_promise() {
+    assert_eq!(caught(1, 0.0, |_, _, value| value), []);
+    assert_eq!(caught(5, 0.0, |_, _, value| value), []);
+    assert_eq!(caught(9, 0.0, |_, _, value| value), []);
+}
+
+#[test]
+fn one_wrong_answer_in_a_hundred_is_found_in_the_interior() {
+    let lie: Lie = |p, _, value| if is_one_of_a_hundred(p) { 1.0 - value } else { value };
+    assert!(caught(1, 0.0, lie).contains(&Class::Interior));
+}
+
+#[test]
+fn wrong_answers_where_the_sun_grazes_are_found() {
+    let lie: Lie = |p, n_dot_l, value| {
+        if n_dot_l <= 0.1 && (p[0] * 0.37).rem_euclid(1.0) < 0.03 { 1.0 - value } else { value }
+    };
+    assert!(caught(1, 0.0, lie).contains(&Class::Grazing));
+}
+
+#[test]
+fn shadows_half_a_texel_off_are_found_at_their_edges() {
+    let found = caught(1, 0.5, |_, _, value| value);
+    assert!(found.contains(&Class::Edge), "{found:?}");
+}
+
+#[test]
+fn a_filtered_value_that_is_a_little_too_dark_is_found() {
+    let found = caught(9, 0.0, |_, _, value| value * 0.95);
+    assert!(found.contains(&Class::Interior), "{found:?}");
+}
+
+#[test]
+fn an_unfiltered_answer_is_found_where_a_filtered_one_was_asked() {
+    let found = caught(9, 0.0, |_, _, value| if value > 0.5 { 1.0 } else { 0.0 });
+    assert!(found.contains(&Class::Edge), "{found:?}");
+}
+
+/// A floor with rows of posts, each two texels wide at a resolution of 1024.
+fn posts_on_a_floor() -> Scene {
+    let mut instances = vec![placed([100.0, 0.1, 100.0], [0.0, -0.05, 0.0])];
+    for i in 0..400 {
+        let at = [f64::from(i % 20) * 4.7 - 44.0, 1.5, f64::from(i / 20) * 4.7 - 44.0];
+        instances.push(placed([0.2, 3.0, 0.2], at));
+    }
+    scene_of(instances)
+}
+
+#[test]
+fn posts_without_shadows_are_found() {
+    let scene = posts_on_a_floor();
+    let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
+    let floor = scene_of(vec![scene.instances[0].clone()]);
+    let options = BakeOptions::new(sun, Size::Resolution(1024));
+    for filter in [1, 5, 9] {
+        let right = verify(&scene, &bake_quietly(&scene, &options), filter, 20_000);
+        assert!(right.holds() && right.class(Class::Narrow).checked, "{filter}: {right:?}");
+        let bare = verify(&scene, &bake_quietly(&floor, &options), filter, 20_000);
+        assert!(!bare.class(Class::Narrow).holds, "{filter}: {bare:?}");
+    }
+}
+
+#[test]
+fn what_is_no_visibility_is_wrong() {
+    for filter in [1, 9] {
+        for lie in [(|_, _, _| f32::NAN) as Lie, |_, _, _| f32::INFINITY, |_, _, _| -0.25] {
+            let found = caught(filter, 0.0, lie);
+            assert!(found.contains(&Class::Interior), "{filter}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_few_right_answers_are_no_proof() {
+    let scene = posts_on_a_floor();
+    let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(1024)));
+    let few = verify(&scene, &baked, 1, 300);
+    let interior = few.class(Class::Interior);
+    assert!(interior.points > 50 && interior.agreement == 1.0 && !interior.checked, "{few:?}");
+    assert!(!few.holds());
+    assert!(verify(&scene, &baked, 1, 3_000).holds());
+}

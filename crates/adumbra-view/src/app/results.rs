@@ -1,0 +1,205 @@
+//! Handles the results of other threads: scenes, files, levels of bakes, traced rays, and the ball's path.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use adumbra_render::movers::BallPath;
+use adumbra_scene::{Camera, Projection};
+use adumbra_tree::AnyFile;
+
+use super::{App, BallState};
+use crate::baking::FileKind;
+use crate::error::{OptionField, Result, ViewError};
+use crate::event::Event;
+use crate::loaded_scene::LoadedScene;
+use crate::loading::Loads;
+use crate::shadow_file::{self, ignored_alpha, sun_of};
+use crate::shadows::is_used;
+use crate::stage::{Stage, is_fatal};
+
+impl App {
+    /// Handles an event from another thread.
+    ///
+    /// # Errors
+    /// Returns an error if the view cannot continue: its first scene cannot be loaded, or the device is lost.
+    pub(crate) fn receive(&mut self, event: Event) -> Result<()> {
+        // Progress only changes the panel.
+        self.dirty |= !matches!(event, Event::Baking { .. });
+        match event {
+            Event::Scene { load, loaded: Ok(scene) } => {
+                if self.loads.came(load) {
+                    self.enter(load, &scene)?;
+                }
+            }
+            Event::Scene { load, loaded: Err(error) } => {
+                self.loads.failed(load);
+                if self.stage.is_none() && self.loads.are_done() {
+                    return Err(error);
+                }
+                self.messages.error(error.to_string());
+                self.enter_held()?;
+            }
+            Event::File { path, read } => {
+                self.reading -= 1;
+                match read {
+                    Ok(file) if !self.loads.are_done() => self.held_files.push((file, path)),
+                    Ok(file) => self.enter_file(file, path)?,
+                    Err(what) => self.messages.error(what),
+                }
+            }
+            Event::Baking { bake, resolution, share } => self.shadows.progress(bake, resolution, share),
+            Event::Baked { bake, file, last } => {
+                if self.shadows.landed(bake, file, last, &self.settings) {
+                    self.forget_files();
+                }
+            }
+            Event::BakeEnded { bake, error } => {
+                if let Some(error) = &error {
+                    self.messages.error(format!("the bake failed: {error}"));
+                }
+                self.shadows.ended(bake, error);
+            }
+            Event::Traced(traced) => {
+                if let Some(stage) = &mut self.stage {
+                    stage.set_traced(traced);
+                }
+            }
+            Event::NotTraced { error } => {
+                self.messages.error(format!("ray tracing failed: {error}"));
+                self.trace_fault = Some(error);
+            }
+            Event::Ball { scene, found, .. } => self.enter_ball(scene, found)?,
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, load: u64, scene: &Arc<LoadedScene>) -> Result<()> {
+        let is_only = self.stage.is_none() && self.loads.are_done();
+        let stage = match Stage::new(&self.gpu, scene.clone()) {
+            Ok(stage) => stage,
+            Err(error) if is_only || is_fatal(&error) => return Err(error.into()),
+            Err(error) => {
+                self.messages.error(error.to_string());
+                return self.enter_held();
+            }
+        };
+        self.options.inputs.extend_from_slice(&scene.named_files);
+        for note in &scene.notes {
+            self.messages.note(format!("{}: {note}", scene.path.display()));
+        }
+        let bounds = stage.bounds();
+        self.stage = Some(stage);
+        let fov = match self.options.projection {
+            Projection::Perspective { fov_degrees } => fov_degrees,
+            Projection::Orthographic { .. } => 45.0,
+        };
+        let whole = Camera::overview(&bounds, fov);
+        let Camera { width, height, .. } = self.settings.camera;
+        let is_first = load == Loads::FIRST;
+        let given = |place: Option<[f64; 3]>| place.filter(|_| is_first);
+        self.initial.camera = Camera {
+            eye: given(self.options.eye).unwrap_or(whole.eye),
+            target: given(self.options.target).unwrap_or(whole.target),
+            projection: self.options.projection,
+            width,
+            height,
+        };
+        if self.initial.camera.eye == self.initial.camera.target {
+            let what = "the camera's eye is at the scene's centre; give its target too".to_owned();
+            return Err(ViewError::Options { field: OptionField::Target, what });
+        }
+        let held = self.held_camera.take();
+        self.reset_camera();
+        self.held_camera = held;
+        if !is_first {
+            self.shadows.clear();
+            self.settings.ball = false;
+        }
+        (self.ball, self.viewpoint) = (BallState::None, None);
+        self.times.clear();
+        if let Err(what) = self.seek_ball() {
+            self.messages.error(what);
+        }
+        self.enter_held()
+    }
+
+    /// Applies the camera and the files that arrived while scenes were loading, once no scene is loading any more.
+    fn enter_held(&mut self) -> Result<()> {
+        if !self.loads.are_done() {
+            return Ok(());
+        }
+        if let Some(camera) = self.held_camera.take() {
+            let Camera { width, height, .. } = self.settings.camera;
+            self.settings.camera = Camera { width, height, ..camera };
+        }
+        std::mem::take(&mut self.held_files)
+            .into_iter()
+            .try_for_each(|(file, path)| self.enter_file(file, path))
+    }
+
+    fn enter_file(&mut self, file: AnyFile, path: PathBuf) -> Result<()> {
+        self.settings.sun = sun_of(&file);
+        if let Some(stage) = &self.stage {
+            let b = stage.bounds();
+            let middle = std::array::from_fn(|a| 0.5 * (b.min[a] + b.max[a]));
+            if !shadow_file::contains(&file, middle) {
+                let path = path.display();
+                self.messages.note(format!(
+                    "{path}: it does not contain this scene's centre; was it baked from another scene?"
+                ));
+            }
+            if ignored_alpha(&file) != stage.scene().ignore_alpha {
+                let path = path.display();
+                self.messages.note(format!(
+                    "{path}: it was baked with a different setting for ignoring alpha than this view uses"
+                ));
+            }
+        }
+        let (kind, name) = match &file {
+            AnyFile::Light(_) => (FileKind::Light, "voxel"),
+            AnyFile::Tree(_) => (FileKind::Tree, "voxel-cubes"),
+        };
+        if !is_used(kind, &self.settings) {
+            self.settings.shadows[0] = name.parse()?;
+        }
+        self.shadows.give(file, Some(path));
+        self.forget_files();
+        Ok(())
+    }
+
+    fn forget_files(&mut self) {
+        if let Some(stage) = &mut self.stage {
+            stage.forget_files();
+        }
+    }
+
+    fn enter_ball(&mut self, scene: u64, found: Result<(BallPath, [[f64; 3]; 2]), String>) -> Result<()> {
+        let Some(stage) = self.stage.as_mut().filter(|s| s.scene().number == scene) else { return Ok(()) };
+        if self.ball != BallState::Sought {
+            return Ok(());
+        }
+        self.ball = BallState::Known;
+        match found {
+            Ok((path, viewpoint)) => {
+                stage.set_ball(Some(path))?;
+                let Camera { width, height, .. } = self.initial.camera;
+                let untouched = Camera { width, height, ..self.settings.camera } == self.initial.camera;
+                if self.viewpoint.is_none() && self.options.ball.is_some() && untouched {
+                    // As in `render`: the camera looks at the ball unless the user placed it.
+                    let [eye, target] = viewpoint;
+                    let camera = &mut self.initial.camera;
+                    camera.eye = self.options.eye.unwrap_or(eye);
+                    camera.target = self.options.target.unwrap_or(target);
+                    self.reset_camera();
+                }
+                self.viewpoint = Some(viewpoint);
+            }
+            Err(what) => {
+                self.settings.ball = false;
+                self.ball = BallState::None;
+                self.messages.error(what);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,170 @@
+//! Faults of a shadow file, with the values found.
+
+use crate::layout::TooLarge;
+use crate::layout::depths::DepthsError;
+use crate::layout::packed::PackedError;
+use crate::layout::plain::GraphError;
+
+/// A fault of a shadow file. The message names the fault and its location, and says what to do about it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FormatError {
+    /// The file does not begin with the magic bytes of a shadow file.
+    #[error(
+        "not a shadow file: it begins with \"{}\" instead of {expected}; give a file that `bake` has written, and copy it as binary",
+        found.escape_ascii()
+    )]
+    Magic {
+        /// The first bytes of the file, at most eight.
+        found: Vec<u8>,
+        /// The expected bytes, as shown in the message.
+        expected: &'static str,
+    },
+    /// The file is one of this project's, but not of the kind that is needed.
+    #[error("this is a {found}, but a {needed} is needed here; give such a file, or bake the scene into one")]
+    OtherKind {
+        /// The kind of the file.
+        found: &'static str,
+        /// The kind that is needed.
+        needed: &'static str,
+    },
+    /// The file was written by a later version of the program.
+    #[error(
+        "format version {version}, but this program reads versions up to {supported}; update the program, or bake the scene again with this one"
+    )]
+    FutureVersion {
+        /// The format version of the file.
+        version: u32,
+        /// The latest version that this program reads.
+        supported: u32,
+    },
+    /// The file ends before its header or one of its sections does.
+    #[error(
+        "cut off in its {what}: {needed} bytes are needed, but the file has {have}; copy it again, or bake it again"
+    )]
+    Truncated {
+        /// "header", or the section's name.
+        what: &'static str,
+        /// Number of bytes that the file must have up to the end of this part.
+        needed: u64,
+        /// Number of bytes that the file has.
+        have: u64,
+    },
+    /// The file continues after its last section.
+    #[error("continues past its end at byte {end}; copy it again, or bake it again")]
+    TrailingBytes {
+        /// Offset in bytes at which the file should end.
+        end: u64,
+    },
+    /// The header's checksum does not match.
+    #[error(
+        "the header is damaged: its checksum is {computed:#010x} instead of {stored:#010x}; copy the file again, or bake it again"
+    )]
+    HeaderChecksum {
+        /// The stored checksum.
+        stored: u32,
+        /// The checksum of the bytes.
+        computed: u32,
+    },
+    /// A section's checksum does not match.
+    #[error(
+        "the section {section} is damaged: its checksum is {computed:#010x} instead of {stored:#010x}; copy the file again, or bake it again"
+    )]
+    SectionChecksum {
+        /// The section's name.
+        section: &'static str,
+        /// The stored checksum.
+        stored: u32,
+        /// The checksum of the bytes.
+        computed: u32,
+    },
+    /// A field of the header has a value that is not allowed.
+    #[error("the header's {field} is {value}, but must be {expected}; bake it again")]
+    HeaderField {
+        /// The field's name in the specification.
+        field: &'static str,
+        /// The value found.
+        value: String,
+        /// The values that are allowed, as text.
+        expected: String,
+    },
+    /// An entry of the section table contradicts the rest of the header.
+    #[error("the section {section} has {field} {value}, but must have {expected}; bake it again")]
+    SectionBounds {
+        /// The section's name.
+        section: &'static str,
+        /// "offset" or "length".
+        field: &'static str,
+        /// The value found.
+        value: u64,
+        /// The value that is allowed, as text.
+        expected: String,
+    },
+    /// A padding byte between two sections is not zero.
+    #[error(
+        "the padding byte {offset} between two sections is {value:#04x}, but must be 0; copy the file again, or bake it again"
+    )]
+    Padding {
+        /// The byte's offset in the file.
+        offset: u64,
+        /// The byte's value.
+        value: u8,
+    },
+    /// The graph cannot be traversed, or is not canonical.
+    #[error("the graph is not valid: {fault}; bake it again")]
+    Graph {
+        /// The fault in the graph.
+        #[from]
+        fault: GraphError,
+    },
+    /// The packed graph cannot be traversed.
+    #[error("the packed graph is not valid: {fault}; bake it again")]
+    Packed {
+        /// The fault in the graph.
+        #[from]
+        fault: PackedError,
+    },
+    /// The quadtree of depths cannot be looked up in.
+    #[error("the quadtree of depths is not valid: {fault}; bake it again")]
+    Depths {
+        /// The fault in the quadtree.
+        #[from]
+        fault: DepthsError,
+    },
+    /// The file is valid, but its conversion to another layout would be too large.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+}
+
+impl FormatError {
+    /// Returns the variant's name. It is stable across versions and is used by the test vectors.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Magic { .. } => "Magic",
+            Self::OtherKind { .. } => "OtherKind",
+            Self::FutureVersion { .. } => "FutureVersion",
+            Self::Truncated { .. } => "Truncated",
+            Self::TrailingBytes { .. } => "TrailingBytes",
+            Self::HeaderChecksum { .. } => "HeaderChecksum",
+            Self::SectionChecksum { .. } => "SectionChecksum",
+            Self::HeaderField { .. } => "HeaderField",
+            Self::SectionBounds { .. } => "SectionBounds",
+            Self::Padding { .. } => "Padding",
+            Self::Graph { .. } => "Graph",
+            Self::Packed { .. } => "Packed",
+            Self::Depths { .. } => "Depths",
+            Self::TooLarge(_) => "TooLarge",
+        }
+    }
+
+    /// Returns the name of the fault in the voxels, if that is where the fault is. It is stable across versions and is
+    /// used by the test vectors.
+    pub fn fault(&self) -> Option<&'static str> {
+        match self {
+            Self::Graph { fault } => Some(fault.kind()),
+            Self::Packed { fault } => Some(fault.kind()),
+            Self::Depths { fault } => Some(fault.kind()),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Errors of reading a file and of setting up a look-up.
+
+mod format;
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+pub use format::FormatError;
+
+/// Any error of this crate.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system failed to read a file.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// A shadow file is not valid.
+    #[error("{path:?}: {source}", path = path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// The fault in the file.
+        source: Box<FormatError>,
+    },
+    /// The sun's direction has zero length or is not finite.
+    #[error(
+        "the sun's direction ({0}, {1}, {2}) is not a direction; give three finite numbers, not all zero, that point towards the sun",
+        direction[0], direction[1], direction[2]
+    )]
+    SunDirection {
+        /// The direction that was given.
+        direction: [f64; 3],
+    },
+    /// The sun is at or below the horizon.
+    #[error(
+        "the sun is {elevation_degrees:.3}° above the horizon; it casts no shadows from below: give a direction with positive y, or an elevation above 0"
+    )]
+    SunBelowHorizon {
+        /// Elevation in degrees, zero or negative.
+        elevation_degrees: f64,
+    },
+    /// A value is out of range.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+}
+
+/// Result type of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// A value that is out of range.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{name}: {value} is out of range; it must be {range}")]
+pub struct RangeError {
+    /// The name of the field or parameter, as shown in the message.
+    pub name: &'static str,
+    /// The value that was given.
+    pub value: String,
+    /// The allowed range, as text.
+    pub range: &'static str,
+}
+
+impl RangeError {
+    /// Returns the error for `name` having the value `value`, which is not within `range`.
+    pub fn new(name: &'static str, value: impl Display, range: &'static str) -> Self {
+        Self { name, value: value.to_string(), range }
+    }
+}
+
+/// The operating system failed to read or write a file or folder.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {action} {path:?}: {source}", path = path.display())]
+pub struct IoError {
+    /// The attempted operation: "read", "create", "write" …
+    pub action: &'static str,
+    /// The file or folder.
+    pub path: PathBuf,
+    /// The error of the operating system.
+    pub source: std::io::Error,
+}
+
+impl IoError {
+    /// Returns a function that wraps an error of the operating system with `action` and `path`. For use with `map_err`.
+    pub fn at(action: &'static str, path: impl AsRef<Path>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.as_ref().to_owned();
+        move |source| {
+            let source = if action == "read" { with_reading_hint(source) } else { source };
+            Self { action, path, source }
+        }
+    }
+}
+
+/// Adds a hint to the message of the operating system. The error kind is kept.
+fn with_reading_hint(error: std::io::Error) -> std::io::Error {
+    use std::io::ErrorKind;
+    let hint = match error.kind() {
+        ErrorKind::NotFound => "check the name and the folder it is in",
+        ErrorKind::IsADirectory => "it is a folder; name a file in it",
+        ErrorKind::NotADirectory => "a part of the path is a file, not a folder; check the path",
+        ErrorKind::PermissionDenied => "change its permissions, or choose another file",
+        _ => return error,
+    };
+    std::io::Error::new(error.kind(), format!("{error}; {hint}"))
+}

@@ -1,0 +1,221 @@
+//! The 384 bytes before the sections. The offsets are in `spec/adumbra-file.md`. The fields are read and written here
+//! in file order.
+
+use crate::error::FormatError;
+use crate::file::fields::{
+    Encoder, LIGHT, UNIT_TOLERANCE, bounds, check_bounds, check_finite, check_voxel_size, field, identify,
+    reserved, sun,
+};
+use crate::file::layout::Layout;
+use crate::file::sections::{Section, check_sections};
+use crate::grid::vec3::{cross, dot};
+use crate::grid::{Bounds, LightGrid};
+use crate::layout::packed::POOL_WORDS;
+use crate::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL, top_dims};
+use crate::settings::{Bias, FileSettings, Receivers};
+
+/// The first eight bytes. The line break reveals files that were copied in text mode.
+pub const MAGIC: [u8; 8] = LIGHT.magic;
+/// The version that is written, and the latest that is read.
+pub const VERSION: u32 = LIGHT.version;
+/// Size of the header in bytes.
+pub const HEADER_BYTES: usize = 384;
+
+const ASSUME_GROUND: u32 = 1;
+const CLOSED_REGIONS: u32 = 1 << 1;
+const IGNORE_ALPHA: u32 = 1 << 2;
+const STATIC_RECEIVERS: u32 = 1 << 3;
+const HAS_BOUNDS: u32 = 1 << 4;
+const ALL_FLAGS: u32 = (1 << 5) - 1;
+
+/// Section names, in file order.
+pub(super) const SECTIONS: [&str; 3] = ["top", "nodes", "leaf_masks"];
+
+/// The header of a file, which can be read without its voxels. Every field has been checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Placement of the voxels in the world.
+    pub grid: LightGrid,
+    /// Settings of the bake.
+    pub settings: FileSettings,
+    /// A root cube spans 2^root_level voxels along each side.
+    pub root_level: u32,
+    /// Number of root cubes along x, y, z.
+    pub top_dims: [u32; 3],
+    /// Layout of the voxels.
+    pub layout: Layout,
+    /// Section table: top, nodes and leaf masks.
+    pub sections: [Section; 3],
+}
+
+impl Header {
+    /// Returns the exact length in bytes of a file with this header.
+    pub fn file_bytes(&self) -> u64 {
+        self.sections[2].end()
+    }
+
+    /// Encodes the header.
+    pub fn encode(&self) -> [u8; HEADER_BYTES] {
+        let (grid, settings) = (&self.grid, &self.settings);
+        let mut out = Encoder::new(&LIGHT);
+        out.u32s(&[flags(settings), settings.resolution]);
+        out.u32s(&grid.size);
+        out.u32s(&[self.root_level]);
+        out.u32s(&self.top_dims);
+        out.u32s(&[self.layout.number()]);
+        out.f64s(&[grid.voxel_size]);
+        out.f64s(&grid.sun.towards());
+        out.f64s(&grid.origin);
+        out.f64s(grid.axes.as_flattened());
+        out.f64s(&[settings.thickness_world]);
+        let bias = settings.bias;
+        out.f64s(&[bias.constant_texels, bias.slope_texels, bias.normal_offset_texels]);
+        out.bounds(settings.bounds);
+        out.u64s(&[settings.triangles, settings.instances]);
+        out.sections(&self.sections);
+        out.u32s(&[settings.switch_within_voxels]);
+        out.sealed()
+    }
+
+    /// Reads and checks the header at the start of `bytes`, which may continue after it.
+    ///
+    /// # Errors
+    /// Returns the fault with the values found.
+    pub fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
+        let (version, mut fields) = identify::<HEADER_BYTES>(bytes, &LIGHT)?;
+        let flags = fields.u32()?;
+        let resolution = fields.u32()?;
+        let size = fields.u32s()?;
+        let root_level = fields.u32()?;
+        let top_dims = fields.u32s()?;
+        let layout = fields.u32()?;
+        let voxel_size = fields.f64()?;
+        let towards = fields.f64s()?;
+        let origin = fields.f64s()?;
+        let axes = [fields.f64s()?, fields.f64s()?, fields.f64s()?];
+        let thickness_world = fields.f64()?;
+        let [constant_texels, slope_texels, normal_offset_texels] = fields.f64s()?;
+        let box_given = Bounds { min: fields.f64s()?, max: fields.f64s()? };
+        let (triangles, instances) = (fields.u64()?, fields.u64()?);
+        let sections = fields.sections()?;
+        let switch_within_voxels = fields.u32()?;
+        fields.end("reserved words 89 to 94")?;
+
+        if version == 1 {
+            reserved("reserved word 13", layout)?;
+            reserved("reserved word 88", switch_within_voxels)?;
+        }
+        let Some(layout) = Layout::from_number(layout) else {
+            return Err(field("layout", layout.to_string(), "0 (plain), 1 (packed) or 2 (depths)"));
+        };
+        if flags & !ALL_FLAGS != 0 {
+            return Err(field("flags", format!("{flags:#x}"), "limited to bits 0 to 4"));
+        }
+        let bounds = bounds(flags & HAS_BOUNDS != 0, "4", box_given)?;
+        let grid = LightGrid { sun: sun(towards)?, voxel_size, origin, axes, size };
+        let settings = FileSettings {
+            resolution,
+            thickness_world,
+            assume_ground: flags & ASSUME_GROUND != 0,
+            closed_regions: flags & CLOSED_REGIONS != 0,
+            ignore_alpha: flags & IGNORE_ALPHA != 0,
+            receivers: if flags & STATIC_RECEIVERS != 0 { Receivers::Static } else { Receivers::All },
+            switch_within_voxels,
+            bounds,
+            bias: Bias { constant_texels, slope_texels, normal_offset_texels },
+            triangles,
+            instances,
+        };
+        let header = Self { grid, settings, root_level, top_dims, layout, sections };
+        header.check()?;
+        Ok(header)
+    }
+
+    /// Checks every value. The writer calls it too, so that nothing is written that cannot be read.
+    pub(super) fn check(&self) -> Result<(), FormatError> {
+        check_settings(&self.settings)?;
+        check_grid(&self.grid)?;
+        let level = self.root_level;
+        if !(LEAF_NODE_LEVEL..=MAX_ROOT_LEVEL).contains(&level) {
+            return Err(field("root_level", level.to_string(), "from 3 to 20"));
+        }
+        let dims = top_dims(self.grid.size, level);
+        if self.top_dims != dims {
+            let expected =
+                format!("{dims:?}, as follows from size {:?} and root_level {level}", self.grid.size);
+            return Err(field("top_dims", format!("{:?}", self.top_dims), expected));
+        }
+        self.check_sections()
+    }
+
+    fn check_sections(&self) -> Result<(), FormatError> {
+        let product = |dims: &[u32]| dims.iter().try_fold(4_u64, |n, &d| n.checked_mul(u64::from(d)));
+        let too_much = || "more than a file can hold".to_owned();
+        check_sections(HEADER_BYTES, &SECTIONS, &self.sections, |i, length| {
+            let (element, limit) = self.layout.elements()[i];
+            match (i, self.layout) {
+                (0, Layout::Plain) => {
+                    let roots = product(&self.top_dims);
+                    return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
+                }
+                (0, Layout::Depths) => {
+                    let roots = product(&self.top_dims[..2]).and_then(|bytes| bytes.checked_mul(2));
+                    return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
+                }
+                (0, Layout::Packed) => {
+                    // Pools, columns and roots. The number of roots is stored in the section itself.
+                    let columns = product(&self.top_dims[..2]).and_then(|c| c.checked_mul(2));
+                    let least = columns.and_then(|c| c.checked_add(4 * (POOL_WORDS as u64 + 1)));
+                    let good = length % 4 == 0 && least.is_some_and(|least| length >= least);
+                    let at_least = |l| format!("a multiple of 4, at least {l}");
+                    return (!good).then(|| least.map_or_else(too_much, at_least));
+                }
+                _ => {}
+            }
+            let fits = length % element == 0 && length <= limit;
+            (!fits).then(|| format!("a multiple of {element} up to {limit}"))
+        })
+    }
+}
+
+fn check_settings(settings: &FileSettings) -> Result<(), FormatError> {
+    if settings.resolution == 0 {
+        return Err(field("resolution", "0", "at least 1"));
+    }
+    let thickness = settings.thickness_world;
+    if !(thickness.is_finite() && thickness >= 0.0) {
+        return Err(field("thickness", thickness.to_string(), "a finite number, zero or more"));
+    }
+    let bias = settings.bias;
+    check_finite("bias", &[bias.constant_texels, bias.slope_texels, bias.normal_offset_texels], bias)?;
+    check_bounds(&settings.bounds)
+}
+
+fn check_grid(grid: &LightGrid) -> Result<(), FormatError> {
+    if grid.size.contains(&0) {
+        return Err(field("size", format!("{:?}", grid.size), "at least 1 along each axis"));
+    }
+    check_voxel_size(grid.voxel_size)?;
+    check_finite("origin", &grid.origin, grid.origin)?;
+    let [x, y, z] = grid.axes;
+    let to_sun = grid.sun.towards();
+    // Written so that a NaN anywhere fails.
+    let unit = [x, y, z].iter().all(|a| (dot(*a, *a) - 1.0).abs() <= UNIT_TOLERANCE);
+    let square = [dot(x, y), dot(y, z), dot(z, x)].iter().all(|d| d.abs() <= UNIT_TOLERANCE);
+    let right_handed = dot(cross(x, y), z) > 0.0;
+    let along_light = (0..3).all(|a| (z[a] + to_sun[a]).abs() <= UNIT_TOLERANCE);
+    if !(unit && square && right_handed && along_light) {
+        let expected = "orthonormal and right-handed, the third away from the sun";
+        return Err(field("axes", format!("{:?}", grid.axes), expected));
+    }
+    Ok(())
+}
+
+fn flags(settings: &FileSettings) -> u32 {
+    let bit = |set: bool, flag: u32| if set { flag } else { 0 };
+    bit(settings.assume_ground, ASSUME_GROUND)
+        | bit(settings.closed_regions, CLOSED_REGIONS)
+        | bit(settings.ignore_alpha, IGNORE_ALPHA)
+        | bit(settings.receivers == Receivers::Static, STATIC_RECEIVERS)
+        | bit(settings.bounds.is_some(), HAS_BOUNDS)
+}

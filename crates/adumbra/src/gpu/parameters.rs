@@ -1,0 +1,116 @@
+//! The parameter block of a look-up: the placement of the grid, the location of the file's words, and the bias and
+//! filter.
+
+use super::grid::GridParameters;
+use super::words::Words;
+use crate::error::{RangeError, Result};
+use crate::file::LightBody;
+use crate::grid::LightGrid;
+use crate::query::{FILTER_WIDTHS, TapLayers};
+use crate::settings::Bias;
+
+/// The WGSL structure `AdumbraVoxelParams`.
+///
+/// | offset | bytes | field |
+/// |---|---|---|
+/// | 0 | 224 | grid |
+/// | 224 | 12 | root count |
+/// | 236 | 4 | root level |
+/// | 240 | 16 | bias: constant, slope, normal offset in texels; factor 1 |
+/// | 256 | 4 | first word of nodes (plain) or units (packed) |
+/// | 260 | 4 | first word of leaf masks (plain, packed) |
+/// | 264 | 4 | first word of wide entries (depths) |
+/// | 268 | 4 | first word of code (depths) |
+/// | 272 | 4 | filter width, texels |
+/// | 276 | 4 | 1 if the taps of a block share a layer, else 0 |
+/// | 280 | 4 | texels by which the sun's cone widens per voxel of depth; 0 without penumbrae |
+/// | 284 | 4 | largest radius of a penumbra, texels; 0 without penumbrae |
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Transform from world to grid.
+    pub grid: GridParameters,
+    /// Number of root cubes along x, y and z; 1 along z for the layout `depths`.
+    pub root_count: [u32; 3],
+    /// A root spans 2^root_level voxels along each side.
+    pub root_level: u32,
+    /// Look-up bias.
+    pub bias: Bias,
+    /// Index of the first word of the second and the third part of the words.
+    pub offsets: [u32; 2],
+    /// Whether the layout is `depths`, for which the offsets have separate fields.
+    pub is_depths: bool,
+    /// Width of the filter, texels.
+    pub filter_width: u32,
+    /// The layers that the filter's taps sample.
+    pub layers: TapLayers,
+    /// Texels by which the sun's cone widens per voxel of depth; 0 without penumbrae.
+    pub sun_cone: f32,
+    /// Largest radius of a penumbra, texels; 0 without penumbrae.
+    pub max_radius_texels: f32,
+}
+
+impl Parameters {
+    /// Size of the structure in bytes.
+    pub const BYTES: usize = 288;
+
+    /// Creates the parameters of a look-up in a file's voxels with a filter of `filter_width` × `filter_width` texels.
+    /// Positions in the shader are relative to `anchor_world`.
+    ///
+    /// # Errors
+    /// Returns [`Error::Range`](crate::Error::Range) if the width is not in [`FILTER_WIDTHS`], the bias is out of
+    /// range, or the grid is too large for look-ups on a GPU.
+    pub fn new(
+        grid: &LightGrid,
+        body: &LightBody,
+        bias: Bias,
+        filter_width: u32,
+        anchor_world: [f64; 3],
+    ) -> Result<Self> {
+        if !FILTER_WIDTHS.contains(&filter_width) {
+            return Err(RangeError::new("the filter's width", filter_width, "1, 3, 5, 9 or 17").into());
+        }
+        bias.check()?;
+        let (size, root_level, [nx, ny, nz]) = body.space();
+        let is_depths = matches!(body, LightBody::Depths(_));
+        Ok(Self {
+            grid: GridParameters::new(grid.origin, grid.axes, grid.voxel_size, size, anchor_world)?,
+            root_count: [nx, ny, if is_depths { 1 } else { nz }],
+            root_level,
+            bias,
+            offsets: Words::offsets(body),
+            is_depths,
+            filter_width,
+            layers: TapLayers::default(),
+            sun_cone: 0.0,
+            max_radius_texels: 0.0,
+        })
+    }
+
+    /// Sets the world position that positions in the shader are relative to.
+    ///
+    /// # Errors
+    /// Returns [`RangeError`] only if the grid itself is too large.
+    pub fn set_anchor(&mut self, grid: &LightGrid, anchor_world: [f64; 3]) -> Result<(), RangeError> {
+        self.grid = GridParameters::new(grid.origin, grid.axes, grid.voxel_size, grid.size, anchor_world)?;
+        Ok(())
+    }
+
+    /// Returns the structure's bytes, little-endian, as a uniform buffer holds them.
+    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+        let mut out = Vec::with_capacity(Self::BYTES);
+        self.grid.put(&mut out);
+        let Bias { constant_texels, slope_texels, normal_offset_texels } = self.bias;
+        let bias = [constant_texels as f32, slope_texels as f32, normal_offset_texels as f32, 1.0];
+        let [first, second] = self.offsets;
+        let offsets = if self.is_depths { [0, 0, first, second] } else { [first, second, 0, 0] };
+        let [nx, ny, nz] = self.root_count;
+        let words = [nx, ny, nz, self.root_level]
+            .into_iter()
+            .chain(bias.map(f32::to_bits))
+            .chain(offsets)
+            .chain([self.filter_width, u32::from(self.layers == TapLayers::Block)])
+            .chain([self.sun_cone.to_bits(), self.max_radius_texels.to_bits()]);
+        words.for_each(|word| out.extend(word.to_le_bytes()));
+        std::array::from_fn(|i| out[i])
+    }
+}

@@ -1,0 +1,174 @@
+//! The look-up texture, version 1: a file's words and its parameter block in rows of texels. `spec/look-up-texture.md`
+//! describes it.
+//!
+//! A texel is one little-endian word. With the format `R32Uint` it is the word itself, with `Rgba8Unorm` its bytes from
+//! the lowest (R) to the highest (A). Word w is in column `w % width` and row `w / width`, and the width is a power of
+//! two. The first [`HEADER_WORDS`] words are the header. The file's words follow.
+//!
+//! | words | meaning |
+//! |---|---|
+//! | 0 | [`TEXTURE_MAGIC`] |
+//! | 1 | [`TEXTURE_VERSION`] |
+//! | 2 | layout: 0 plain, 1 packed, 2 depths |
+//! | 3 | number of words after the header |
+//! | 4 to 6 | the anchor: world position that look-ups are relative to, `f32` |
+//! | 7 | zero |
+//! | 8 to 10 | unit vector towards the sun, `f32` |
+//! | 11 to 15 | zero |
+//! | 16 to 87 | the parameter block, [`Parameters`] |
+//! | 88 to 127 | zero |
+
+use super::parameters::Parameters;
+use super::words::Words;
+use crate::error::{RangeError, Result};
+use crate::file::{Layout, ShadowFile};
+use crate::settings::Bias;
+
+/// First word of a look-up texture: "ADUT" as bytes.
+pub const TEXTURE_MAGIC: u32 = u32::from_le_bytes(*b"ADUT");
+/// Version of the look-up texture that is written.
+pub const TEXTURE_VERSION: u32 = 1;
+/// Number of words of a look-up texture's header, which precede the file's words.
+pub const HEADER_WORDS: usize = 128;
+
+/// Index of the first word of the parameter block.
+const PARAMETERS_AT: usize = 16;
+/// Width of the narrowest texture. Its first row is the header.
+const MIN_WIDTH: u32 = HEADER_WORDS as u32;
+
+/// A file as a texture, with the parameters of look-ups in its header.
+///
+/// Positions in the shader are relative to [`LookUpTexture::anchor_world`], the middle of the file's grid, so nothing
+/// has to be uploaded per frame. If the filter or the bias changes, only the header's bytes change.
+#[derive(Clone, Debug)]
+pub struct LookUpTexture {
+    width: u32,
+    height: u32,
+    bytes: Vec<u8>,
+    parameters: Parameters,
+    anchor_world: [f32; 3],
+}
+
+impl LookUpTexture {
+    /// Creates a texture of at most `max_side` texels along each side. It is as square as a power-of-two width allows.
+    /// Devices support at least 4096 texels, most of them 8192 or 16384. Cost: one copy of the file's words.
+    ///
+    /// # Errors
+    /// Returns [`Error::Range`](crate::Error::Range) if the file needs more texels, and the errors of
+    /// [`Parameters::new`].
+    pub fn new(file: &ShadowFile, bias: Bias, filter_width: u32, max_side: u32) -> Result<Self> {
+        let anchor_world = middle(file);
+        let parameters =
+            Parameters::new(&file.grid, &file.body, bias, filter_width, anchor_world.map(f64::from))?;
+        let words = Words::new(&file.body);
+        let texels = HEADER_WORDS as u64 + words.count();
+        let Some((width, height)) = size(texels, max_side) else {
+            let range = "at most the square of the largest side in texels; bake at a lower resolution";
+            return Err(RangeError::new("the file's size in words", words.count(), range).into());
+        };
+        let mut bytes = Vec::with_capacity(4 * width as usize * height as usize);
+        bytes.resize(4 * HEADER_WORDS, 0);
+        words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
+        bytes.resize(4 * width as usize * height as usize, 0);
+        let layout = match file.body.layout() {
+            Layout::Plain => 0,
+            Layout::Packed => 1,
+            Layout::Depths => 2_u32,
+        };
+        let mut texture = Self { width, height, bytes, parameters, anchor_world };
+        // The number of words of a texture fits 32 bits.
+        texture.put(0, &[TEXTURE_MAGIC, TEXTURE_VERSION, layout, words.count() as u32]);
+        texture.put(4, &anchor_world.map(f32::to_bits));
+        texture.put(8, &file.sun().towards().map(|c| (c as f32).to_bits()));
+        texture.write_parameters();
+        Ok(texture)
+    }
+
+    /// Returns the number of texels per row, a power of two.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Returns the number of rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Returns all texels, rows in order, four bytes each. This is the upload for either format.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Returns the header's bytes, the first texels of the texture. This is the upload after
+    /// [`LookUpTexture::set_parameters`].
+    pub fn header(&self) -> &[u8] {
+        &self.bytes[..4 * HEADER_WORDS]
+    }
+
+    /// Returns the world position that positions in the shader are relative to. Each coordinate is representable as
+    /// `f32`, so that engines can subtract it exactly.
+    pub fn anchor_world(&self) -> [f32; 3] {
+        self.anchor_world
+    }
+
+    /// Returns the parameters of look-ups.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor, the roots
+    /// and the offsets are kept.
+    pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
+        let Parameters { grid, root_count, root_level, offsets, is_depths, .. } = self.parameters;
+        change(&mut self.parameters);
+        self.parameters = Parameters { grid, root_count, root_level, offsets, is_depths, ..self.parameters };
+        self.write_parameters();
+    }
+
+    fn write_parameters(&mut self) {
+        self.bytes[4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&self.parameters.to_bytes());
+    }
+
+    fn put(&mut self, at: usize, words: &[u32]) {
+        for (i, word) in words.iter().enumerate() {
+            self.bytes[4 * (at + i)..][..4].copy_from_slice(&word.to_le_bytes());
+        }
+    }
+}
+
+/// Returns the middle of the grid, rounded to `f32`.
+fn middle(file: &ShadowFile) -> [f32; 3] {
+    file.grid.to_world(file.grid.size.map(|n| 0.5 * f64::from(n))).map(|c| c as f32)
+}
+
+/// Returns width and height of the texture with the least area, and among equals the widest, whose width is a power of
+/// two. `None` if a side would be longer than `max_side`.
+fn size(texels: u64, max_side: u32) -> Option<(u32, u32)> {
+    let mut width = u64::from(MIN_WIDTH);
+    while width * width < texels {
+        width *= 2;
+    }
+    let height = texels.div_ceil(width);
+    let fits = width <= max_side.into() && height <= max_side.into();
+    // If the square is too wide, half the width with twice the rows may fit. Otherwise nothing does.
+    let (width, height) = if fits { (width, height) } else { (width / 2, texels.div_ceil(width / 2)) };
+    let fits = width >= MIN_WIDTH.into() && width <= max_side.into() && height <= max_side.into();
+    fits.then_some((width as u32, height as u32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texture_is_as_square_as_powers_of_two_allow() {
+        assert_eq!(size(129, 4096), Some((128, 2)));
+        assert_eq!(size(128 * 128 + 1, 4096), Some((256, 65)));
+        assert_eq!(size(1 << 24, 4096), Some((4096, 4096)));
+        assert_eq!(size((1 << 24) + 1, 4096), None);
+        // A `max_side` that is not a power of two is used in full by the rows.
+        assert_eq!(size(4000 * 2048, 4000), Some((2048, 4000)));
+        assert_eq!(size(4000 * 2048 + 1, 4000), None);
+        assert_eq!(size(129, 100), None);
+    }
+}

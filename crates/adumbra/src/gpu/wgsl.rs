@@ -1,0 +1,32 @@
+//! The WGSL files that a look-up needs.
+
+use crate::file::Layout;
+
+/// The source of a shader's words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WordSource {
+    /// One storage buffer, with the parameters in a uniform buffer.
+    Buffer,
+    /// A [`LookUpTexture`](super::LookUpTexture) of format `R32Uint`, which includes the parameters.
+    R32Uint,
+    /// A [`LookUpTexture`](super::LookUpTexture) of format `Rgba8Unorm`, which includes the parameters.
+    Rgba8Unorm,
+}
+
+/// Returns the paths, relative to `adumbra-shaders/wgsl`, of the files that define `adumbra_voxel_factor` for a layout,
+/// in the order in which they must be included. `adumbra_shaders::source::by_path` returns their texts, and
+/// `adumbra_shaders::assemble` puts the shared structures before them.
+pub fn wgsl_files(layout: Layout, words: WordSource) -> Vec<&'static str> {
+    let mut files = vec!["core/surface.wgsl", "core/grid.wgsl", "core/voxel.wgsl"];
+    files.extend(match layout {
+        Layout::Plain => &["core/voxel_graph.wgsl", "core/voxel_plain.wgsl"][..],
+        Layout::Packed => &["core/voxel_graph.wgsl", "core/voxel_packed.wgsl"],
+        Layout::Depths => &["core/depths.wgsl", "core/depths_leaf.wgsl"],
+    });
+    files.extend(match words {
+        WordSource::Buffer => &["access/words_1.wgsl"][..],
+        WordSource::R32Uint => &["access/texture_r32uint.wgsl", "access/look_up_texture.wgsl"],
+        WordSource::Rgba8Unorm => &["access/texture_rgba8unorm.wgsl", "access/look_up_texture.wgsl"],
+    });
+    files
+}

@@ -1,0 +1,13 @@
+//! The sun of a bake, and the placement of its grid in the world.
+//!
+//! All values are computed with additions, products, quotients and square roots of `f64`, and with `libm`'s sine and
+//! cosine, so that results are bit-identical on all machines.
+
+mod bounds;
+mod light_grid;
+mod sun;
+pub mod vec3;
+
+pub use bounds::Bounds;
+pub use light_grid::{LightExtent, LightGrid};
+pub use sun::Sun;

@@ -1,0 +1,89 @@
+//! Breakdown of the bytes of a quadtree of depths.
+
+use std::collections::HashSet;
+
+use crate::layout::Composition;
+use crate::layout::depths::code::{Child, LeafHead};
+use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
+
+/// Bytes of a quadtree of depths by kind, and the number of its shapes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Census {
+    /// Number of nodes above the leaves.
+    pub nodes: u64,
+    /// Number of leaves.
+    pub leaves: u64,
+    /// Number of children of nodes by encoding: size · 2 + kind of the table in [`crate::layout::depths`].
+    pub children: [u64; 8],
+    /// Number of leaves by their number of planes, from 0 on.
+    pub leaves_by_planes: [u64; 7],
+    /// Number of leaves with a gradient.
+    pub slanted_leaves: u64,
+    /// Bytes of the addresses and bases of roots.
+    pub top_bytes: u64,
+    /// Bytes of the wide entries.
+    pub wide_bytes: u64,
+    /// Bytes of the heads of nodes.
+    pub head_bytes: u64,
+    /// Bytes of the pointers and differences of nodes.
+    pub field_bytes: u64,
+    /// Bytes of the heads and differences of leaves.
+    pub depth_bytes: u64,
+    /// Bytes of the planes of leaves.
+    pub plane_bytes: u64,
+}
+
+impl DepthTree {
+    /// Returns the breakdown of the bytes in the terms of a graph: wide entries count as top grid, and contours and
+    /// depths of leaves as leaf masks. The words must be valid.
+    pub fn composition(&self) -> Composition {
+        let census = self.census();
+        Composition {
+            nodes: census.nodes,
+            leaf_masks: census.plane_bytes / 8,
+            top_bytes: census.top_bytes + census.wide_bytes,
+            header_bytes: census.head_bytes,
+            pointer_bytes: census.field_bytes,
+            leaf_mask_bytes: census.depth_bytes + census.plane_bytes,
+        }
+    }
+
+    /// Counts the shapes and their bytes. The words must be valid. Cost: one pass, and a set of all addresses.
+    pub fn census(&self) -> Census {
+        let mut census = Census {
+            top_bytes: 8 * self.top.len() as u64,
+            wide_bytes: 8 * self.wide.len() as u64,
+            ..Census::default()
+        };
+        let code = self.shapes();
+        let mut seen = HashSet::new();
+        let mut open: Vec<_> =
+            self.top.iter().filter(|r| r[0] != UNIFORM).map(|r| (r[0], self.root_level)).collect();
+        while let Some((at, level)) = open.pop() {
+            if !seen.insert(at) {
+                continue;
+            }
+            if level == LEAF_LEVEL {
+                let head = LeafHead::new(code.half(at));
+                census.leaves += 1;
+                census.leaves_by_planes[head.planes() as usize] += 1;
+                census.slanted_leaves += u64::from(head.slanted);
+                census.depth_bytes += 2 * u64::from(head.planes_at());
+                census.plane_bytes += 8 * u64::from(head.planes());
+                continue;
+            }
+            census.nodes += 1;
+            census.head_bytes += 6;
+            let [low, high, kind] = [0, 1, 2].map(|h| code.half(at + h));
+            census.field_bytes += 2 * u64::from(low.count_ones() + 2 * high.count_ones());
+            for c in 0..16 {
+                let [low, high, kind] = [low, high, kind].map(|half| half >> c & 1);
+                census.children[(4 * high + 2 * low + kind) as usize] += 1;
+                if let Child::Shape { at, .. } = code.child(at, c) {
+                    open.push((at, level - NODE_LEVELS));
+                }
+            }
+        }
+        census
+    }
+}

@@ -1,0 +1,290 @@
+//! Reads shapes from half-words. The words must be valid.
+
+use crate::layout::depths::slant::Slant;
+use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
+
+/// Near pointers below this value are absolute addresses. The others have this bit set and are relative.
+pub const NEAR: u32 = 1 << 15;
+
+/// Bit of a leaf's first half-word: the last depth is [`NEVER`].
+pub const LEAF_NEVER: u32 = 1 << 6;
+/// Lowest bit of the field of a leaf's first half-word that holds the width of the differences.
+pub const LEAF_WIDTH: u32 = 7;
+/// Bit of a leaf's first half-word: the leaf is slanted, and a gradient follows.
+pub const LEAF_SLANTED: u32 = 1 << 9;
+
+/// The part of the quadtree that contains a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A block of columns that all switch at this depth.
+    Uniform(u32),
+    /// A leaf.
+    Leaf {
+        /// The leaf's address.
+        at: u32,
+        /// The leaf's base.
+        base: u32,
+    },
+}
+
+/// A child as its node encodes it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Child {
+    /// No column of the child switches.
+    Never,
+    /// All columns switch at the base plus this difference.
+    Uniform(u32),
+    /// A shape.
+    Shape {
+        /// The shape's address.
+        at: u32,
+        /// Difference that is added to the base, wrapping.
+        delta: u32,
+    },
+}
+
+/// The first half-word of a leaf, which determines the sizes of its parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeafHead {
+    /// The last rank: the number of depths minus 1.
+    pub last: u32,
+    /// Whether the last depth is [`NEVER`].
+    pub never: bool,
+    /// Differences take 8 << width bits each.
+    pub width: u32,
+    /// Whether the leaf is slanted, so that a gradient follows.
+    pub slanted: bool,
+}
+
+impl LeafHead {
+    /// Decodes a leaf's first half-word.
+    pub fn new(half: u32) -> Self {
+        Self {
+            last: half & 63,
+            never: half & LEAF_NEVER != 0,
+            width: half >> LEAF_WIDTH & 3,
+            slanted: half & LEAF_SLANTED != 0,
+        }
+    }
+
+    /// Returns the number of depths stored as differences: all but the base and [`NEVER`].
+    pub fn differences(self) -> u32 {
+        self.last - u32::from(self.never)
+    }
+
+    /// Returns the number of half-words before the differences.
+    pub fn differences_at(self) -> u32 {
+        1 + u32::from(self.slanted)
+    }
+
+    /// Returns the number of half-words before the planes.
+    pub fn planes_at(self) -> u32 {
+        self.differences_at() + (self.differences() << self.width).div_ceil(2)
+    }
+
+    /// Returns the number of bit planes of the columns' ranks.
+    pub fn planes(self) -> u32 {
+        32 - self.last.leading_zeros()
+    }
+
+    /// Returns the leaf's total number of half-words.
+    pub fn length(self) -> u32 {
+        self.planes_at() + 4 * self.planes()
+    }
+}
+
+/// Words that contain shapes.
+#[derive(Clone, Copy)]
+pub struct Code<'c> {
+    /// Half-words, two per word.
+    pub words: &'c [u32],
+    /// Differences that need more than 16 bits, each with an address.
+    pub wide: &'c [[u32; 2]],
+}
+
+impl<'c> Code<'c> {
+    /// Returns the half-word at an address.
+    pub fn half(self, at: u32) -> u32 {
+        self.words[(at >> 1) as usize] >> (16 * (at & 1)) & 0xffff
+    }
+
+    /// Returns two half-words as one word, the lower first.
+    pub fn two_halves(self, at: u32) -> u32 {
+        self.half(at) | self.half(at + 1) << 16
+    }
+
+    fn four_halves(self, at: u32) -> u64 {
+        u64::from(self.two_halves(at)) | u64::from(self.two_halves(at + 2)) << 32
+    }
+
+    /// Decodes child `child` of the node at `at`.
+    pub fn child(self, at: u32, child: u32) -> Child {
+        let [low, high, kind] = [0, 1, 2].map(|h| self.half(at + h));
+        let below = (1 << child) - 1;
+        let field = at + 3 + (low & below).count_ones() + 2 * (high & below).count_ones();
+        let delta = |at| i32::from(self.half(at) as i16) as u32;
+        match (high >> child & 1, low >> child & 1, kind >> child & 1) {
+            (0, 0, 0) => Child::Uniform(0),
+            (0, 0, _) => Child::Never,
+            (0, _, 0) => Child::Shape { at: self.near(at, field), delta: 0 },
+            (0, ..) => Child::Uniform(delta(field)),
+            (_, 0, 0) => Child::Shape { at: self.two_halves(field), delta: 0 },
+            (_, 0, _) => Child::Shape { at: self.near(at, field + 1), delta: delta(field) },
+            (_, _, 0) => Child::Shape { at: self.two_halves(field + 1), delta: delta(field) },
+            _ => match self.wide[self.two_halves(field) as usize] {
+                [delta, UNIFORM] => Child::Uniform(delta),
+                [delta, at] => Child::Shape { at, delta },
+            },
+        }
+    }
+
+    fn near(self, from: u32, field: u32) -> u32 {
+        let half = self.half(field);
+        if half & NEAR == 0 { half } else { from.wrapping_sub(half & (NEAR - 1)) }
+    }
+
+    /// Descends from a root of `level` to the block or leaf that contains a column. Returns it with its level.
+    pub fn descend(self, mut at: u32, mut base: u32, mut level: u32, [i, j]: [u32; 2]) -> (Place, u32) {
+        if at == UNIFORM {
+            return (Place::Uniform(base), level);
+        }
+        while level > LEAF_LEVEL {
+            level -= NODE_LEVELS;
+            match self.child(at, (j >> level & 3) << 2 | i >> level & 3) {
+                Child::Never => return (Place::Uniform(NEVER), level),
+                Child::Uniform(delta) => return (Place::Uniform(base.wrapping_add(delta)), level),
+                Child::Shape { at: next, delta } => {
+                    at = next;
+                    base = base.wrapping_add(delta);
+                }
+            }
+        }
+        (Place::Leaf { at, base }, level)
+    }
+
+    /// Returns a reader of the leaf at `at`.
+    pub fn leaf(self, at: u32, base: u32) -> LeafCode<'c> {
+        let head = LeafHead::new(self.half(at));
+        let slant = if head.slanted { Slant::from_half(self.half(at + 1)) } else { Slant::default() };
+        LeafCode { code: self, at, base, head, slant }
+    }
+}
+
+/// A reader of one leaf.
+#[derive(Clone, Copy)]
+pub struct LeafCode<'c> {
+    code: Code<'c>,
+    at: u32,
+    base: u32,
+    head: LeafHead,
+    slant: Slant,
+}
+
+impl LeafCode<'_> {
+    fn difference(self, index: u32) -> u32 {
+        let first = self.at + self.head.differences_at();
+        match self.head.width {
+            0 => self.code.half(first + index / 2) >> (8 * (index & 1)) & 0xff,
+            1 => self.code.half(first + index),
+            _ => self.code.two_halves(first + 2 * index),
+        }
+    }
+
+    fn plane(self, p: u32) -> u64 {
+        self.code.four_halves(self.at + self.head.planes_at() + 4 * p)
+    }
+
+    /// Returns the last half-word of the differences if they do not fill it.
+    pub fn padding(self) -> Option<u32> {
+        let padded = self.head.width == 0 && self.head.differences() & 1 == 1;
+        padded.then(|| self.code.half(self.at + self.head.planes_at() - 1))
+    }
+
+    /// Returns the depth at which a column switches. Depths saturate at 0 and at [`NEVER`].
+    pub fn value(self, column: u32) -> u32 {
+        let bit = |p| u32::from(self.plane(p) >> column & 1 == 1);
+        let rank = (0..self.head.planes()).fold(0, |rank, p| rank | bit(p) << p);
+        if rank > self.head.differences() {
+            return NEVER;
+        }
+        let depth = (0..rank).fold(self.base, |depth, d| depth.saturating_add(self.difference(d)));
+        depth.saturating_sub(self.slant.rise(column))
+    }
+
+    /// Returns the columns that are lit at depth k.
+    pub fn leaf_mask(self, k: u32) -> u64 {
+        let largest_rise = self.slant.largest_rise();
+        // Number of ranks whose columns are all shadowed, and the shadowed columns of other ranks.
+        let (mut shadowed_ranks, mut dark) = (0, 0);
+        let mut depth = self.base;
+        for rank in 0..=self.head.differences() {
+            if rank > 0 {
+                depth = depth.saturating_add(self.difference(rank - 1));
+            }
+            if k.saturating_add(largest_rise) < depth {
+                break;
+            }
+            if depth <= k {
+                shadowed_ranks += 1;
+            } else {
+                dark |= self.of_rank(rank) & !self.slant.below(depth - k);
+            }
+        }
+        !dark & self.at_least(shadowed_ranks)
+    }
+
+    /// Returns [`LeafCode::leaf_mask`] of the eight depths from `first` on.
+    pub fn cube(self, first: u32) -> [u64; 8] {
+        let largest_rise = self.slant.largest_rise();
+        let mut lit = [0; 8];
+        let mut depth = self.base;
+        for rank in 0..=self.head.differences() {
+            if rank > 0 {
+                depth = depth.saturating_add(self.difference(rank - 1));
+            }
+            if first.saturating_add(7 + largest_rise) < depth {
+                let columns = self.at_least(rank);
+                return lit.map(|leaf_mask| leaf_mask | columns);
+            }
+            if depth > first {
+                let columns = self.of_rank(rank);
+                for (leaf_mask, k) in lit.iter_mut().zip(first..depth.min(first.saturating_add(8))) {
+                    let rise = depth - k;
+                    *leaf_mask |=
+                        if rise > largest_rise { columns } else { columns & self.slant.below(rise) };
+                }
+            }
+        }
+        let never = self.at_least(self.head.differences() + 1);
+        lit.map(|leaf_mask| leaf_mask | never)
+    }
+
+    /// Returns the columns whose rank is above the last one. A valid leaf has none.
+    pub fn without_depth(self) -> u64 {
+        self.at_least(self.head.last + 1)
+    }
+
+    /// Returns the columns of one rank.
+    fn of_rank(self, rank: u32) -> u64 {
+        (0..self.head.planes())
+            .fold(u64::MAX, |mask, p| mask & if rank >> p & 1 == 1 { self.plane(p) } else { !self.plane(p) })
+    }
+
+    /// Returns the columns of at least this rank. All 64 are compared at once, highest bit first.
+    fn at_least(self, rank: u32) -> u64 {
+        if rank >> self.head.planes() != 0 {
+            return 0;
+        }
+        let (mut more, mut equal) = (0, u64::MAX);
+        for p in (0..self.head.planes()).rev() {
+            let plane = self.plane(p);
+            if rank >> p & 1 == 0 {
+                more |= equal & plane;
+                equal &= !plane;
+            } else {
+                equal &= plane;
+            }
+        }
+        more | equal
+    }
+}

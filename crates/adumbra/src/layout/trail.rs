@@ -1,0 +1,152 @@
+//! Successive traversals of a graph: the part of the path that two neighbouring look-ups share is walked once.
+
+use crate::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL};
+
+/// The path of the most recent look-up in a graph, from which the next look-up starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Trail {
+    voxel: [u32; 3],
+    /// The visited node of each level, as far down as the path leads.
+    nodes: [u32; MAX_ROOT_LEVEL as usize + 1],
+    /// Level of the lowest visited node, or [`NOWHERE`] if there is none.
+    lowest: u32,
+    /// State of the cube of level `lowest - 1` at the end of the path, if it is all lit or all shadowed.
+    end: Option<bool>,
+}
+
+const NOWHERE: u32 = u32::MAX;
+
+impl Trail {
+    /// Creates an empty trail.
+    pub fn new() -> Self {
+        Self { voxel: [0; 3], nodes: [0; MAX_ROOT_LEVEL as usize + 1], lowest: NOWHERE, end: None }
+    }
+}
+
+impl Default for Trail {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Result of one step down a graph.
+#[derive(Clone, Copy)]
+pub(super) enum Step {
+    /// All lit (true) or all shadowed (false).
+    Uniform(bool),
+    /// A node; below level 3 of the plain layout, a leaf mask.
+    Into(u32),
+}
+
+/// A graph of cubes with leaf masks at the bottom, in the layout `plain` or `packed`.
+pub(super) trait Descend {
+    fn root_level(&self) -> u32;
+
+    /// Returns the root cube that contains a voxel.
+    fn root(&self, i: u32, j: u32, k: u32) -> Step;
+
+    /// Returns the child of a node above level 3 that contains a voxel.
+    fn child(&self, node: u32, level: u32, i: u32, j: u32, k: u32) -> Step;
+
+    /// Returns the leaf mask z = `k` of a node of level 3.
+    fn leaf_mask_of_cube(&self, node: u32, k: u32) -> u64;
+
+    /// Returns the leaf mask that contains a voxel.
+    fn descend(&self, i: u32, j: u32, k: u32) -> u64 {
+        let mut node = match self.root(i, j, k) {
+            Step::Uniform(lit) => return uniform(lit),
+            Step::Into(node) => node,
+        };
+        for level in (LEAF_NODE_LEVEL + 1..=self.root_level()).rev() {
+            match self.child(node, level, i, j, k) {
+                Step::Uniform(lit) => return uniform(lit),
+                Step::Into(next) => node = next,
+            }
+        }
+        self.leaf_mask_of_cube(node, k & 7)
+    }
+
+    /// Writes leaf mask z = `k` of a node of level 3, and those that are known with it. Returns which were written, as
+    /// bits.
+    fn fill_of_cube(&self, node: u32, k: u32, leaf_masks: &mut [u64; 8]) -> u8 {
+        leaf_masks[k as usize] = self.leaf_mask_of_cube(node, k);
+        1 << k
+    }
+
+    /// Returns the node of level 3 that contains a voxel, or the state of the larger cube if that is all lit or all
+    /// shadowed. Starts at the lowest node that the trail shares with the voxel.
+    fn follow(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> Step {
+        let apart = (i ^ trail.voxel[0]) | (j ^ trail.voxel[1]) | (k ^ trail.voxel[2]);
+        // The lowest level at which one cube contains both voxels.
+        let common = u32::BITS - apart.leading_zeros();
+        let mut level = common.max(trail.lowest).max(LEAF_NODE_LEVEL);
+        if trail.lowest == NOWHERE || common > self.root_level() {
+            trail.lowest = NOWHERE;
+            trail.end = None;
+            match self.root(i, j, k) {
+                Step::Uniform(lit) => return Step::Uniform(lit),
+                Step::Into(node) => {
+                    level = self.root_level();
+                    trail.nodes[level as usize] = node;
+                }
+            }
+        } else if let Some(lit) = trail.end
+            && common < trail.lowest
+        {
+            return Step::Uniform(lit);
+        }
+        trail.voxel = [i, j, k];
+        trail.end = None;
+        let mut node = trail.nodes[level as usize];
+        while level > LEAF_NODE_LEVEL {
+            match self.child(node, level, i, j, k) {
+                Step::Uniform(lit) => {
+                    (trail.lowest, trail.end) = (level, Some(lit));
+                    return Step::Uniform(lit);
+                }
+                Step::Into(next) => node = next,
+            }
+            level -= 1;
+            trail.nodes[level as usize] = node;
+        }
+        trail.lowest = level;
+        Step::Into(node)
+    }
+
+    /// Returns the same as [`Descend::descend`], starting from a trail.
+    fn leaf_mask_on(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+        match self.follow(trail, i, j, k) {
+            Step::Uniform(lit) => uniform(lit),
+            Step::Into(node) => self.leaf_mask_of_cube(node, k & 7),
+        }
+    }
+
+    /// Implements [`crate::layout::LeafMasks::fill`].
+    fn fill_on(&self, trail: &mut Trail, [i, j, k]: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {
+        match self.follow(trail, i, j, k) {
+            Step::Uniform(lit) => {
+                *leaf_masks = [uniform(lit); 8];
+                u8::MAX
+            }
+            Step::Into(node) => self.fill_of_cube(node, k & 7, leaf_masks),
+        }
+    }
+
+    /// Returns the level of the block that answers a voxel: that of a uniform cube, 3 for a uniform leaf mask, or 0 for
+    /// a mixed leaf mask.
+    fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {
+        let Step::Into(mut node) = self.root(i, j, k) else { return self.root_level() };
+        for level in (LEAF_NODE_LEVEL + 1..=self.root_level()).rev() {
+            match self.child(node, level, i, j, k) {
+                Step::Uniform(_) => return level - 1,
+                Step::Into(next) => node = next,
+            }
+        }
+        let is_uniform = matches!(self.leaf_mask_of_cube(node, k & 7), 0 | u64::MAX);
+        if is_uniform { LEAF_NODE_LEVEL } else { 0 }
+    }
+}
+
+pub(super) fn uniform(lit: bool) -> u64 {
+    if lit { u64::MAX } else { 0 }
+}
