@@ -274,7 +274,7 @@ impl Report {
     }
 
     /// Returns a table with one row per technique.
-    pub fn technique_table(&self) -> String {
+    pub(crate) fn technique_table(&self) -> String {
         let mut text = format!(
             "Times are medians of {} frames in milliseconds (*: wall time, because the device has no timestamps \
             or is a software renderer). Truth is traced towards the sun's centre (hard) or towards a disc of {}° \
@@ -319,7 +319,7 @@ impl Report {
     }
 
     /// Returns wrong pixels by distance, with one row per band and one column per technique.
-    pub fn band_table(&self) -> String {
+    pub(crate) fn band_table(&self) -> String {
         let mut ends: Vec<(f64, f64)> = Vec::new();
         for band in self.techniques.iter().flat_map(|t| &t.bands) {
             if !ends.contains(&(band.from_world, band.to_world)) {

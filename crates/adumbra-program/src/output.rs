@@ -137,7 +137,7 @@ pub fn note_input(what: &'static str, path: &Path) {
 }
 
 /// Records a scene like [`note_input`], and also the files that its loader found it to name.
-pub fn note_scene(path: &Path, notes: &LoadNotes) {
+pub(crate) fn note_scene(path: &Path, notes: &LoadNotes) {
     note(Read { what: SCENE, path: path.to_owned(), named_files: notes.named_files.clone() });
 }
 

@@ -28,15 +28,18 @@ pub fn end_when_interrupted() {
 #[cfg(unix)]
 fn listen(flag: Arc<AtomicBool>) {
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
+    let heard = Arc::clone(&flag);
     let each = move || {
         for _ in signals.forever() {
-            if flag.swap(true, Ordering::Relaxed) {
+            if heard.swap(true, Ordering::Relaxed) {
                 adumbra_files::end_without_temporary_files(end);
             }
         }
     };
-    // If no thread can be started, `signals` is closed when it is dropped with the closure.
-    let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(each);
+    if std::thread::Builder::new().name("signals".to_owned()).spawn(each).is_err() {
+        // Signals that were once received stay without effect until there is another handler.
+        listen_without_thread(&flag);
+    }
 }
 
 #[cfg(unix)]
@@ -44,22 +47,26 @@ fn end() -> ! {
     signal_hook::low_level::exit(Code::Interrupted as i32)
 }
 
-/// Makes an interrupt end the program if the flag is already set, and set the flag otherwise.
 #[cfg(not(unix))]
 fn listen(flag: Arc<AtomicBool>) {
+    listen_without_thread(&flag);
+}
+
+/// Makes an interrupt end the program if the flag is already set, and set the flag otherwise. Temporary files remain.
+fn listen_without_thread(flag: &Arc<AtomicBool>) {
     for signal in [SIGINT, SIGTERM] {
-        // If a handler cannot be set, the signal keeps the system's default action.
+        // If a handler cannot be set, the signal keeps the action that it has.
         let _ = signal_hook::flag::register_conditional_shutdown(
             signal,
             Code::Interrupted as i32,
-            Arc::clone(&flag),
+            Arc::clone(flag),
         );
-        let _ = signal_hook::flag::register(signal, Arc::clone(&flag));
+        let _ = signal_hook::flag::register(signal, Arc::clone(flag));
     }
 }
 
 /// Turns writing past a file-size limit into an error (EFBIG). Without a handler the signal would end the program.
-pub fn survive_file_size_limit() {
+pub(crate) fn survive_file_size_limit() {
     #[cfg(unix)]
     {
         // If the handler cannot be set, the system's default action remains.

@@ -257,7 +257,7 @@ impl Gpu {
     }
 
     /// Creates an R32Float texture to load from. `texels` are row-major and match its size.
-    pub fn float_texture(&self, label: &str, size: [u32; 2], texels: &[f32]) -> wgpu::Texture {
+    pub(crate) fn float_texture(&self, label: &str, size: [u32; 2], texels: &[f32]) -> wgpu::Texture {
         let usage = wgpu::TextureUsages::TEXTURE_BINDING
             | wgpu::TextureUsages::COPY_DST
             | wgpu::TextureUsages::COPY_SRC;
@@ -267,6 +267,23 @@ impl Gpu {
         let texels = bytemuck::cast_slice(texels);
         self.queue.write_texture(texture.as_image_copy(), texels, rows, texture.size());
         texture
+    }
+
+    /// Begins a render pass that draws to one colour target, without depth.
+    pub fn color_pass<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        label: &str,
+        view: &wgpu::TextureView,
+        load: wgpu::LoadOp<wgpu::Color>,
+    ) -> wgpu::RenderPass<'a> {
+        let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+        let color = wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops };
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[Some(color)],
+            ..Default::default()
+        })
     }
 
     /// Creates a shader module from WGSL.
@@ -333,7 +350,7 @@ impl Gpu {
     }
 
     /// Creates a pipeline layout with these bind group layouts.
-    pub fn pipeline_layout(
+    pub(crate) fn pipeline_layout(
         &self,
         label: &str,
         groups: &[Option<&wgpu::BindGroupLayout>],
@@ -397,23 +414,24 @@ pub mod binding {
     /// `texture_depth_2d`.
     pub const DEPTH: BindingType = texture(TextureSampleType::Depth, TextureViewDimension::D2);
     /// `texture_depth_2d_array`.
-    pub const DEPTH_ARRAY: BindingType = texture(TextureSampleType::Depth, TextureViewDimension::D2Array);
+    pub(crate) const DEPTH_ARRAY: BindingType =
+        texture(TextureSampleType::Depth, TextureViewDimension::D2Array);
     /// `texture_2d<f32>`, loaded.
-    pub const LOADED: BindingType =
+    pub(crate) const LOADED: BindingType =
         texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2);
     /// `texture_2d_array<f32>`, loaded.
-    pub const LOADED_ARRAY: BindingType =
+    pub(crate) const LOADED_ARRAY: BindingType =
         texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2Array);
     /// `texture_2d<f32>`, sampled.
-    pub const SAMPLED: BindingType =
+    pub(crate) const SAMPLED: BindingType =
         texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2);
     /// `texture_2d_array<f32>`, sampled.
-    pub const SAMPLED_ARRAY: BindingType =
+    pub(crate) const SAMPLED_ARRAY: BindingType =
         texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2Array);
     /// `sampler`.
-    pub const SAMPLER: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
+    pub(crate) const SAMPLER: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
     /// `sampler_comparison`.
-    pub const COMPARISON: BindingType = BindingType::Sampler(SamplerBindingType::Comparison);
+    pub(crate) const COMPARISON: BindingType = BindingType::Sampler(SamplerBindingType::Comparison);
 
     /// A texture that is read, not multisampled.
     pub const fn texture(

@@ -69,7 +69,7 @@ pub fn read_floats(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, layer: u3
 ///
 /// # Errors
 /// Returns whatever error the device reports.
-pub fn read_depth(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<Vec<f32>> {
+pub(crate) fn read_depth(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<Vec<f32>> {
     if texture.format() != TextureFormat::Depth16Unorm {
         return read_floats(gpu, texture, 0, layer);
     }

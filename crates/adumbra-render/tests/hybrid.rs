@@ -3,7 +3,7 @@
 mod kit;
 
 use adumbra_render::hybrid::build::Builder;
-use adumbra_render::hybrid::twin::{DepthImage, HybridTree};
+use adumbra_render::hybrid::twin::{DepthImage, HybridTree, MergeSettings};
 use adumbra_render::hybrid::upload::StartDepth;
 use adumbra_render::hybrid::{BuildKind, HybridSettings, MergeTest, PlaneUnits};
 use adumbra_render::maps::DepthPrecision;
@@ -125,7 +125,8 @@ fn check_images(gpu: &Gpu, (side, merges): (usize, u32), precision: DepthPrecisi
         for (name, image) in &images {
             start.write(gpu, image).unwrap();
             let held = start.read(gpu).unwrap();
-            let twin = HybridTree::build(&held, merges, merge, precision, units).unwrap();
+            let twin =
+                HybridTree::build(&held, MergeSettings { merges, test: merge, precision, units }).unwrap();
             check_shares(&twin, &format!("{name}, {side} texels, {merges} merges, {test}"));
             merged += usize::from(twin.shares()[0] < 1.0 && twin.split[0] > 0);
             for (kind, builder) in &builders {
@@ -193,7 +194,8 @@ fn plane_s_map_is_at_most_the_tolerance_behind_the_image() {
     let units = PlaneUnits::new(MergeTest::Plane { tolerance_texels: 0.5 }, 1.0 / 128.0);
     let image = piecewise(128, &mut Random(77));
     let plane = MergeTest::Plane { tolerance_texels: 0.5 };
-    let tree = HybridTree::build(&image, 3, plane, DepthPrecision::Bits32, units).unwrap();
+    let settings = MergeSettings { merges: 3, test: plane, precision: DepthPrecision::Bits32, units };
+    let tree = HybridTree::build(&image, settings).unwrap();
     assert!(tree.shares()[3] > 0.2 && tree.shares()[0] > 0.01, "{:?}", tree.shares());
     for (i, &depth) in image.texels().iter().enumerate() {
         let behind = tree.texel(i as i64 % 128, i as i64 / 128).0 - depth;

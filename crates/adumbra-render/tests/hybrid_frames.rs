@@ -20,7 +20,7 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
     let tree = map.read(renderer.gpu()).unwrap();
     let start = map.read_start(renderer.gpu()).unwrap().unwrap();
     let image = DepthImage::new(map.settings().start as usize, start).unwrap();
-    let built = HybridTree::build(&image, tree.merges, tree.test, tree.precision, tree.units).unwrap();
+    let built = HybridTree::build(&image, tree.settings).unwrap();
     assert_eq!(tree.split, built.split, "{name}");
     assert!(tree.words == built.words, "{name}: the map is not the one that its shadow map makes");
     check_shares(&tree, name);

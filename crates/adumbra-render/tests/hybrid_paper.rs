@@ -22,8 +22,7 @@ fn twin(gpu: &Gpu, map: &HybridMap) -> HybridPaper {
     let depth = map.read_start(gpu).unwrap().unwrap();
     let normals = map.read_start_normals(gpu).unwrap().unwrap();
     let image = DepthImage::new(settings.start as usize, depth).unwrap();
-    let units = map.read(gpu).unwrap().units;
-    HybridPaper::build(&image, &normals, settings.merges(), settings.test, settings.depth, units).unwrap()
+    HybridPaper::build(&image, &normals, map.read(gpu).unwrap().settings).unwrap()
 }
 
 #[test]

@@ -186,7 +186,7 @@ impl Material {
     }
 
     /// Whether a surface of this material can bound a solid.
-    pub fn can_be_solid(&self) -> bool {
+    pub(crate) fn can_be_solid(&self) -> bool {
         self.alpha == AlphaMode::Opaque && !self.transmissive
     }
 }

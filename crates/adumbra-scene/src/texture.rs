@@ -82,7 +82,7 @@ impl Texture {
     }
 
     /// Whether every texel has full alpha, so that the texture cannot cut anything out.
-    pub fn is_fully_opaque(&self) -> bool {
+    pub(crate) fn is_fully_opaque(&self) -> bool {
         match &self.pixels {
             Pixels::Alpha(bytes) => bytes.iter().all(|&a| a == 255),
             Pixels::Rgba(bytes) => bytes.chunks_exact(4).all(|texel| texel[3] == 255),

@@ -50,12 +50,12 @@ impl Topology {
     }
 
     /// Number of triangles in closed components.
-    pub fn closed_triangles(&self) -> u64 {
+    pub(crate) fn closed_triangles(&self) -> u64 {
         self.count(|c| c.closed)
     }
 
     /// Number of triangles in solid components.
-    pub fn solid_triangles(&self) -> u64 {
+    pub(crate) fn solid_triangles(&self) -> u64 {
         self.count(|c| c.solid)
     }
 

@@ -12,12 +12,12 @@ pub fn child(xyz: [u32; 3], child_level: u32) -> u32 {
 }
 
 /// Returns the bits of a child number: which half of its parent the child occupies along x, y and z.
-pub fn child_offset(child: u32) -> [u32; 3] {
+pub(crate) fn child_offset(child: u32) -> [u32; 3] {
     [child >> 2 & 1, child >> 1 & 1, child & 1]
 }
 
 /// Returns the lowest voxel of a child of the cube at `corner`, whose sides are 2^`level` voxels, at least two.
-pub fn child_corner(corner: [u32; 3], level: u32, child: u32) -> [u32; 3] {
+pub(crate) fn child_corner(corner: [u32; 3], level: u32, child: u32) -> [u32; 3] {
     let offset = child_offset(child);
     std::array::from_fn(|a| corner[a] + (offset[a] << (level - 1)))
 }
@@ -36,7 +36,7 @@ pub fn voxel(path: &[u32]) -> [u32; 3] {
 }
 
 /// Returns the share of the voxels of a tree that precede voxel (x, y, z) in Morton order.
-pub fn share_before(xyz: [u32; 3], depth: u32) -> f64 {
+pub(crate) fn share_before(xyz: [u32; 3], depth: u32) -> f64 {
     path(xyz, depth).iter().rev().fold(0.0, |share, &child| (share + f64::from(child)) / 8.0)
 }
 

@@ -77,7 +77,7 @@ impl Word {
 
     /// Returns an inner node with its index mapped by `index`; a leaf is unchanged.
     #[must_use]
-    pub fn map_inner(self, index: impl FnOnce(u32) -> u32) -> Self {
+    pub(crate) fn map_inner(self, index: impl FnOnce(u32) -> u32) -> Self {
         self.inner().map_or(self, |old| Self::new(Node::Inner(index(old))))
     }
 

@@ -65,17 +65,17 @@ impl Settings {
     }
 
     /// Whether both sides are visible.
-    pub fn shows_both(&self) -> bool {
+    pub(crate) fn shows_both(&self) -> bool {
         self.shown != Shown::Single
     }
 
     /// Whether a visible technique is ray-traced.
-    pub fn uses_traced(&self) -> bool {
+    pub(crate) fn uses_traced(&self) -> bool {
         self.seen().iter().any(TechniqueSpec::is_traced)
     }
 
     /// Whether a visible technique needs penumbrae, which only a file in the layout "depths" provides.
-    pub fn uses_penumbrae(&self) -> bool {
+    pub(crate) fn uses_penumbrae(&self) -> bool {
         self.seen().iter().any(|s| s.reads() == Reads::LightDepths)
     }
 

@@ -270,17 +270,7 @@ impl Open {
             None => wgpu::LoadOp::Clear(wgpu::Color::BLACK),
         };
         self.painter.update_buffers(&self.gpu.device, &self.gpu.queue, encoder, jobs, screen);
-        let color = wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-        };
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("view::panel"),
-            color_attachments: &[Some(color)],
-            ..Default::default()
-        });
+        let pass = self.gpu.color_pass(encoder, "view::panel", view, load);
         self.painter.render(&mut pass.forget_lifetime(), jobs, screen);
     }
 

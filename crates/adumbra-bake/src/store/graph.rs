@@ -126,7 +126,7 @@ impl NodeStore {
     }
 
     /// Whether more has been stored than references, or numbers, can address. The contents are then unusable.
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.full.load(Ordering::Relaxed)
     }
 

@@ -8,7 +8,7 @@ use crate::report::ClearErrors;
 use crate::truth::{EdgeProbe, Surfaces};
 
 /// Required distance from an edge, in texels of the technique.
-pub const CLEAR_TEXELS: f64 = 2.0;
+pub(crate) const CLEAR_TEXELS: f64 = 2.0;
 /// Largest number of pixels examined. Of more pixels, every second, third, … is examined.
 const MAX_PIXELS: usize = 1 << 16;
 
@@ -18,7 +18,7 @@ const MAX_PIXELS: usize = 1 << 16;
 /// is_compared pixel has no texel size.
 ///
 /// Cost: up to 17 rays per pixel, for at most 65,536 pixels.
-pub fn clear_errors(
+pub(crate) fn clear_errors(
     probe: &EdgeProbe<'_, '_>,
     surfaces: &Surfaces,
     (factors, truth): (&[f32], &[f32]),

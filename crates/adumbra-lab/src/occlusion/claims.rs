@@ -14,15 +14,15 @@ use crate::truth::Surfaces;
 use crate::vector::dot;
 
 /// Standard deviation of the Gaussian in pixels.
-pub const BLUR_PIXELS: f64 = 8.0;
+pub(crate) const BLUR_PIXELS: f64 = 8.0;
 /// Truth above this visibility is open: any occlusion there is self-occlusion or noise.
 pub const OPEN: f32 = 0.98;
 /// Distance in pixels up to which pixels near a discontinuity are its edge.
-pub const EDGE_PIXELS: usize = 3;
+pub(crate) const EDGE_PIXELS: usize = 3;
 /// Neighbouring pixels are discontinuous if one is further than this from the plane of the other, in radii...
-pub const EDGE_STEP: f64 = 0.1;
+pub(crate) const EDGE_STEP: f64 = 0.1;
 /// ...or if the cosine between their normals is smaller than this.
-pub const EDGE_COSINE: f64 = 0.7;
+pub(crate) const EDGE_COSINE: f64 = 0.7;
 /// Truth is flat where the root mean square of its high pass around the pixel is smaller than this.
 pub const FLAT: f64 = 0.02;
 

@@ -168,7 +168,7 @@ impl TracedView {
     }
 
     /// Returns a bound on the truth's standard error, see [`standard_error`].
-    pub fn error_bound(&self, rays: u32) -> f64 {
+    pub(crate) fn error_bound(&self, rays: u32) -> f64 {
         standard_error(&self.truth, rays, |i| self.counted[i])
     }
 }

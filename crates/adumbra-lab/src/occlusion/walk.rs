@@ -55,7 +55,10 @@ pub fn path_flicker(
 ///
 /// # Errors
 /// Returns the errors of [`FlickerCount::add`].
-pub fn truth_flicker(reference: &OcclusionReference<'_, '_>, cameras: &[Camera]) -> Result<Option<Flicker>> {
+pub(crate) fn truth_flicker(
+    reference: &OcclusionReference<'_, '_>,
+    cameras: &[Camera],
+) -> Result<Option<Flicker>> {
     let mut count = FlickerCount::default();
     let mut before: Option<(Frame, Vec<f32>)> = None;
     for camera in cameras {

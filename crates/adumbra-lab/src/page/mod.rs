@@ -101,7 +101,7 @@ impl Page {
 }
 
 /// Escapes plain text for HTML, quoted attributes included.
-pub fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

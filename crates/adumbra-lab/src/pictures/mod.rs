@@ -29,7 +29,7 @@ const SKIPPED_GREY: f32 = 0.08;
 ///
 /// # Errors
 /// Returns [`Error::Sizes`] if the sizes of factors, truth and picture do not match.
-pub fn difference_picture(
+pub(crate) fn difference_picture(
     [width, height]: [u32; 2],
     factors: &[f32],
     truth: &[f32],

@@ -8,7 +8,7 @@ use crate::error::{RenderError, Result};
 ///
 /// # Errors
 /// Returns [`RenderError::Camera`] if the camera has no pixels, is not finite, has no direction, or sees nothing.
-pub fn check_camera(camera: &Camera) -> Result<()> {
+pub(crate) fn check_camera(camera: &Camera) -> Result<()> {
     let wrong = |reason| Err(RenderError::Camera { reason });
     if camera.width == 0 || camera.height == 0 {
         return wrong("its picture has no pixels");

@@ -86,7 +86,7 @@ fn far_plane(view: &View, bounds: &Bounds) -> f64 {
 }
 
 /// Returns the view volume of a camera, without a far plane, in world space.
-pub fn visible_volume(view: &View) -> Volume {
+pub(crate) fn visible_volume(view: &View) -> Volume {
     let [x, y, z] = view.eye;
     let in_world = |[a, b, c, w]: [f64; 4]| [a, b, c, w - (a * x + b * y + c * z)];
     Volume { planes: sight::planes(view).map(in_world).into() }

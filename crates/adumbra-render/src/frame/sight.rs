@@ -9,7 +9,7 @@ use adumbra_scene::View;
 
 /// Returns the least and greatest view depth of the part of a box inside a view, world units, or `None` if they do not
 /// intersect. Every view starts at the eye, whether perspective or orthographic.
-pub fn depths_in_view(view: &View, bounds: &Bounds) -> Option<[f64; 2]> {
+pub(crate) fn depths_in_view(view: &View, bounds: &Bounds) -> Option<[f64; 2]> {
     let relative = |v: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|a| v[a] - view.eye[a]) };
     let [low, high] = [relative(&bounds.min), relative(&bounds.max)];
     if (0..3).any(|a| !(low[a] <= high[a] && low[a].is_finite() && high[a].is_finite())) {

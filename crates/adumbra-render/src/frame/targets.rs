@@ -8,7 +8,7 @@ use crate::gpu::Gpu;
 /// Format of a camera's depth.
 pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 /// Format of the shadow factor.
-pub const FACTOR_FORMAT: TextureFormat = TextureFormat::R32Float;
+pub(crate) const FACTOR_FORMAT: TextureFormat = TextureFormat::R32Float;
 
 /// A texture with its view.
 pub struct Target {

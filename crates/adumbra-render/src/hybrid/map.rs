@@ -13,7 +13,7 @@ use wgpu::ShaderStages;
 use super::build::{Builder, Pipelines};
 use super::settings::{HybridLayout, HybridSettings, PlaneUnits};
 use super::stored::{BuiltCounts, Stored};
-use super::twin::{HybridPaper, HybridTree};
+use super::twin::{HybridPaper, HybridTree, MergeSettings};
 use crate::error::Result;
 use crate::gpu::{Gpu, binding};
 use crate::maps::cascades::LayerFit;
@@ -132,6 +132,11 @@ impl HybridMap {
         }
     }
 
+    fn merge_settings(&self) -> MergeSettings {
+        let s = &self.settings;
+        MergeSettings { merges: s.merges(), test: s.test, precision: s.depth, units: self.units }
+    }
+
     /// Reads back the last frame's map. A map in the paper's layout is converted to the compact one.
     ///
     /// # Errors
@@ -145,10 +150,7 @@ impl HybridMap {
         words.truncate(counts.words as usize);
         Ok(HybridTree {
             start: self.settings.start,
-            merges: self.settings.merges(),
-            test: self.settings.test,
-            precision: self.settings.depth,
-            units: self.units,
+            settings: self.merge_settings(),
             split: counts.split,
             words,
         })
@@ -167,10 +169,7 @@ impl HybridMap {
         let listed = 4 * counts.split.iter().sum::<u32>() as usize;
         Ok(Some(HybridPaper {
             start: self.settings.start,
-            merges: self.settings.merges(),
-            test: self.settings.test,
-            precision: self.settings.depth,
-            units: self.units,
+            settings: self.merge_settings(),
             split: counts.split,
             texels: texels.as_chunks().0.iter().take(counts.texels as usize).copied().collect(),
             links: links.as_chunks().0.iter().take(listed).copied().collect(),

@@ -103,18 +103,8 @@ impl Renderer {
         let group = gpu.bind("lines", &pass.layout, resources);
         let mut encoder = gpu.encoder("lines");
         {
-            let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
-            let color = wgpu::RenderPassColorAttachment {
-                view: &picture.target.view,
-                depth_slice: None,
-                resolve_target: None,
-                ops,
-            };
-            let mut drawn = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("lines"),
-                color_attachments: &[Some(color)],
-                ..Default::default()
-            });
+            let target = &picture.target.view;
+            let mut drawn = gpu.color_pass(&mut encoder, "lines", target, wgpu::LoadOp::Load);
             drawn.set_pipeline(&pass.pipeline);
             drawn.set_bind_group(0, &group, &[]);
             drawn.set_vertex_buffer(0, buffer.slice(..));

@@ -92,15 +92,8 @@ impl PresentPass {
             BindingResource::TextureView(&second.target.view),
         ];
         let group = gpu.bind("present", &self.layout, resources);
-        let ops =
-            wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
-        let color =
-            wgpu::RenderPassColorAttachment { view: target, depth_slice: None, resolve_target: None, ops };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("present"),
-            color_attachments: &[Some(color)],
-            ..Default::default()
-        });
+        let black = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
+        let mut pass = gpu.color_pass(encoder, "present", target, black);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);

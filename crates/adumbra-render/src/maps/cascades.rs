@@ -75,7 +75,7 @@ impl LayerFit {
     }
 
     /// The volume of possible casters: everything within the layer's sides, including all that is sunward of it.
-    pub fn caster_volume(&self) -> Volume {
+    pub(crate) fn caster_volume(&self) -> Volume {
         let planes = (0..2).flat_map(|a| {
             let [x, y, z] = self.axes[a];
             let first = self.first(a);
@@ -91,7 +91,7 @@ impl LayerFit {
     }
 
     /// Whether both layers hold the same depths, that is, differ at most in their view depths.
-    pub fn same_place(&self, other: &Self) -> bool {
+    pub(crate) fn same_place(&self, other: &Self) -> bool {
         Self { end: other.end, ..*self } == *other
     }
 }
@@ -99,7 +99,7 @@ impl LayerFit {
 /// Fits one layer over everything in `extent`, with `margin` texels on every side.
 ///
 /// `depth_world` is the result of [`depth_range`], and `lattice_world` the lattice's origin.
-pub fn scene_layer(
+pub(crate) fn scene_layer(
     extent: &LightExtent,
     depth_world: [f64; 2],
     lattice_world: [f64; 3],
@@ -124,7 +124,7 @@ pub fn scene_layer(
 /// `scene` is the layer over the whole scene, `reach` the view depths from [`reach`], and `margin` as for
 /// [`scene_layer`]. With `presses`, casters sunward of a layer's range are clamped onto its near plane (pancaking), so
 /// the range need only hold the receivers of its slice. Otherwise it begins where the scene's does.
-pub fn cascade_layers(
+pub(crate) fn cascade_layers(
     view: &View,
     scene: &LayerFit,
     settings: &CascadeSettings,
@@ -196,7 +196,7 @@ pub fn reach(view: &View, scene: &adumbra::Bounds, far_world: Option<f64>) -> [f
 ///
 /// The logarithmic split needs a start above 0. It uses a thousandth of the far depth if the view starts nearer than
 /// that.
-pub fn split_depths(split: Split, count: u32, reach: [f64; 2]) -> Vec<f64> {
+pub(crate) fn split_depths(split: Split, count: u32, reach: [f64; 2]) -> Vec<f64> {
     let [near, far] = reach;
     let log_near = near.max(LOG_START * far);
     let slice = |i: u32| {
@@ -215,7 +215,7 @@ pub fn split_depths(split: Split, count: u32, reach: [f64; 2]) -> Vec<f64> {
 
 /// World centre and radius of the smallest sphere that holds a slice of the view and has its centre on the view axis.
 /// The radius does not depend on the camera's position or direction.
-pub fn slice_sphere(view: &View, slice: [f64; 2]) -> ([f64; 3], f64) {
+pub(crate) fn slice_sphere(view: &View, slice: [f64; 2]) -> ([f64; 3], f64) {
     let [a, b] = slice;
     let k2 = view.half[0] * view.half[0] + view.half[1] * view.half[1];
     let (along, radius) = if view.orthographic {
@@ -235,7 +235,7 @@ pub fn slice_sphere(view: &View, slice: [f64; 2]) -> ([f64; 3], f64) {
 ///
 /// On devices with depth clip control, casters sunward of the range are clamped onto its near plane, and `all` is not
 /// needed.
-pub fn depth_range(still: &LightExtent, all: Option<&LightExtent>) -> [f64; 2] {
+pub(crate) fn depth_range(still: &LightExtent, all: Option<&LightExtent>) -> [f64; 2] {
     let [near, far] = [still.min[2], still.max[2]];
     let length = (far - near).max(still.longest_side()).max(1e-6);
     let steps = |past: f64| 0.01 * length + 0.25 * length * libm::ceil((past / (0.25 * length)).max(0.0));

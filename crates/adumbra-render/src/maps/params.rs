@@ -129,7 +129,7 @@ pub struct MapBias {
 impl MapBias {
     /// The default bias of this filter: the values with the least error against ray-traced truth on four scenes, with
     /// no noticeable acne.
-    pub fn for_filter(filter: &MapFilter) -> Self {
+    pub(crate) fn for_filter(filter: &MapFilter) -> Self {
         // The 2 × 2 hardware comparison allows for the slope itself.
         let (constant_texels, slope_texels) =
             if *filter == (MapFilter::Pcf { width: 2 }) { (0.25, 0.0) } else { (0.5, 0.05) };
@@ -237,7 +237,7 @@ impl MapFilter {
 
     /// The filter width that scales the bias, texels. Penumbrae of soft shadows do not count: their taps are compared
     /// with the receiver's plane, and they are narrow near their casters.
-    pub fn bias_width(&self) -> f64 {
+    pub(crate) fn bias_width(&self) -> f64 {
         match *self {
             Self::Nearest => 1.0,
             Self::Pcf { width } => f64::from(width),

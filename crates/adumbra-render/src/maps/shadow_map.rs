@@ -92,12 +92,12 @@ impl ShadowMap {
     }
 
     /// The moments texture, with one array layer per map layer and with mip levels. `None` for other filters.
-    pub fn moments_texture(&self) -> Option<&wgpu::Texture> {
+    pub(crate) fn moments_texture(&self) -> Option<&wgpu::Texture> {
         self.moments.as_ref().map(|m| &m.textures.all.texture)
     }
 
     /// Whether look-ups of moments read mip levels through the sampler.
-    pub fn is_filtering(&self) -> bool {
+    pub(crate) fn is_filtering(&self) -> bool {
         self.filtering
     }
 

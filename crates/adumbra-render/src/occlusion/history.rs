@@ -10,7 +10,7 @@ const TOLERANCE: f32 = 0.002;
 
 impl OcclusionSettings {
     /// Returns the uniform of the mean over frames. `before` is `None` if there is no previous frame.
-    pub fn history_params(&self, now: &Frame, before: Option<&Frame>) -> OcclusionHistoryParams {
+    pub(crate) fn history_params(&self, now: &Frame, before: Option<&Frame>) -> OcclusionHistoryParams {
         let old = before.unwrap_or(now);
         let (to, from) = (self.params(old), self.params(now));
         let anchor = |f: &Frame, a: usize| f64::from(f.anchor_world[a]) + f64::from(f.anchor_rest_world[a]);

@@ -187,7 +187,7 @@ impl OcclusionPasses {
     }
 
     /// Whether previous frames are reused.
-    pub fn has_history(&self) -> bool {
+    pub(crate) fn has_history(&self) -> bool {
         self.history.is_some()
     }
 

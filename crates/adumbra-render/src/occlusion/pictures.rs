@@ -7,7 +7,7 @@ use crate::frame::Target;
 use crate::gpu::Gpu;
 
 /// Ambient visibility and view depth.
-pub const AMBIENT_FORMAT: TextureFormat = TextureFormat::Rg32Float;
+pub(crate) const AMBIENT_FORMAT: TextureFormat = TextureFormat::Rg32Float;
 /// World normals computed from depth: 32-bit floats, so that no rounding differs between devices.
 pub(super) const NORMAL_FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 /// Visibility, view depth, number of frames, 0.

@@ -261,7 +261,7 @@ impl OcclusionSettings {
     }
 
     /// Returns a filter pass's uniform along an axis (0 x, 1 y).
-    pub fn filter_params(&self, frame: &Frame, axis: u32) -> OcclusionFilterParams {
+    pub(crate) fn filter_params(&self, frame: &Frame, axis: u32) -> OcclusionFilterParams {
         let sigma_world = (self.sigma_depth * self.radius_world).max(MIN_SIGMA_WORLD);
         let is_perspective = frame.depth_to_z.is_perspective();
         let follows = |projection: bool| f32::from(u8::from(self.planes && projection));

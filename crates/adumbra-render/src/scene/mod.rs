@@ -120,19 +120,19 @@ impl SceneBuffers {
 
     /// World position of the scene's first instance: a point that moves with the scene, whatever else is in it. Zero if
     /// there are no instances.
-    pub fn lattice_world(&self) -> [f64; 3] {
+    pub(crate) fn lattice_world(&self) -> [f64; 3] {
         self.placed.first_world()
     }
 
     /// Returns the extent of all instances' bounding boxes along the light's axes. Cost: eight corners per instance.
-    pub fn light_extent(&self, sun: &Sun) -> LightExtent {
+    pub(crate) fn light_extent(&self, sun: &Sun) -> LightExtent {
         let mut extent = LightExtent::empty(sun);
         self.placed.boxes().for_each(|b| extent.add_box(&b));
         extent
     }
 
     /// Number of instances.
-    pub fn instance_count(&self) -> usize {
+    pub(crate) fn instance_count(&self) -> usize {
         self.placed.len()
     }
 
@@ -142,7 +142,7 @@ impl SceneBuffers {
     }
 
     /// Updates the transforms of the instances. `scene` must have the meshes and instances that this was created from.
-    pub fn move_instances(&mut self, scene: &Scene) {
+    pub(crate) fn move_instances(&mut self, scene: &Scene) {
         self.placed = Placed::new(scene);
         self.bounds = instances::bounds(scene);
         self.id = next_id();
@@ -150,7 +150,7 @@ impl SceneBuffers {
 
     /// Draws every material of the listed instances. `bind` is called before opaque and before masked corners, with
     /// whether they are masked, to set the pipeline. Bind group 1 is the material's: [`material_layout`].
-    pub fn draw_surfaces(
+    pub(crate) fn draw_surfaces(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         list: &InstanceList,
@@ -161,7 +161,7 @@ impl SceneBuffers {
 
     /// Draws the opaque casters of the listed instances with positions only: vertex buffer 0 holds positions, 1
     /// instances.
-    pub fn draw_opaque_casters(&self, pass: &mut wgpu::RenderPass<'_>, list: &InstanceList) {
+    pub(crate) fn draw_opaque_casters(&self, pass: &mut wgpu::RenderPass<'_>, list: &InstanceList) {
         if self.indices.size() <= 4 {
             return;
         }
@@ -177,7 +177,7 @@ impl SceneBuffers {
 
     /// Draws the masked casters of the listed instances. The vertex buffers are corners and instances, and bind group 1
     /// is the material's. `bind` is called once before the first draw, and not at all if there is none.
-    pub fn draw_masked_casters(
+    pub(crate) fn draw_masked_casters(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         list: &InstanceList,
@@ -188,7 +188,7 @@ impl SceneBuffers {
 
     /// Draws the corners of all casters of the listed instances, as [`SceneBuffers::draw_surfaces`] does for all
     /// surfaces.
-    pub fn draw_caster_corners(
+    pub(crate) fn draw_caster_corners(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         list: &InstanceList,
@@ -230,13 +230,13 @@ impl SceneBuffers {
 }
 
 /// Creates the layout of a material's bind group: parameters, colour texture, sampler.
-pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+pub(crate) fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     materials::layout(gpu)
 }
 
 /// Vertex buffers of a pipeline that draws corners: position, normal and texture coordinates at locations 0 to 2,
 /// instance rows at 3 to 5, colour (sRGB with linear alpha) at 6.
-pub const CORNER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+pub(crate) const CORNER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: CORNER_BYTES,
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -246,7 +246,7 @@ pub const CORNER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
 ];
 
 /// Vertex buffers of a pipeline that draws opaque casters: position at location 0, instance rows at 3 to 5.
-pub const CASTER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+pub(crate) const CASTER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: 12,
         step_mode: wgpu::VertexStepMode::Vertex,

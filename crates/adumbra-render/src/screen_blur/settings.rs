@@ -103,7 +103,7 @@ pub struct BlurStep {
 
 impl BlurStep {
     /// Whether the step reads and whether it writes a half-size picture.
-    pub fn is_half(&self, settings: &BlurSettings) -> [bool; 2] {
+    pub(crate) fn is_half(&self, settings: &BlurSettings) -> [bool; 2] {
         match self.pass {
             BlurPass::Dilate => [false, false],
             BlurPass::HalfDown | BlurPass::HalfDownEdges => [false, true],

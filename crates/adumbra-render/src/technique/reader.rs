@@ -72,7 +72,7 @@ impl<'s> SpecReader<'s> {
     ///
     /// # Errors
     /// Returns the errors of [`SpecReader::number`].
-    pub fn optional_number(
+    pub(crate) fn optional_number(
         &mut self,
         key: &'static str,
         what: &'static str,

@@ -23,7 +23,7 @@ impl VoxelBindings {
     }
 
     /// Creates the group for words in a texture, which takes 1 binding.
-    pub fn from_texture(gpu: &Gpu, label: &str, uniform: &[u8], pages: &PageTexture) -> Self {
+    pub(crate) fn from_texture(gpu: &Gpu, label: &str, uniform: &[u8], pages: &PageTexture) -> Self {
         let resource = wgpu::BindingResource::TextureView(pages.view());
         Self::new(
             gpu,

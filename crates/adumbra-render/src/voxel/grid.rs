@@ -10,7 +10,7 @@ use crate::error::Result;
 ///
 /// # Errors
 /// Returns [`crate::RenderError::Library`] if the grid is too large for look-ups on a GPU.
-pub fn grid_transform(
+pub(crate) fn grid_transform(
     origin: [f64; 3],
     axes: [[f64; 3]; 3],
     voxel_size: f64,

@@ -88,7 +88,7 @@ impl BakedLight {
     }
 
     /// The WGSL files that return the level at which a look-up ends.
-    pub fn level_sources(&self) -> Vec<Source> {
+    pub(crate) fn level_sources(&self) -> Vec<Source> {
         let level = if self.layout == Layout::Depths { source::DEPTHS_LEVEL } else { source::VOXEL_LEVEL };
         [self.look_up(), vec![level, source::VOXEL_LEVEL_PASS]].concat()
     }

@@ -37,7 +37,7 @@ impl Voxel {
     }
 
     /// The uploaded file, for writing its uniform.
-    pub fn light_mut(&mut self) -> &mut BakedLight {
+    pub(crate) fn light_mut(&mut self) -> &mut BakedLight {
         &mut self.light
     }
 }

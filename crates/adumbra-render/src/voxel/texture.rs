@@ -24,7 +24,8 @@ pub struct PageTexture {
 
 impl PageTexture {
     /// Its binding type.
-    pub const BINDING: BindingType = binding::texture(TextureSampleType::Uint, TextureViewDimension::D2Array);
+    pub(crate) const BINDING: BindingType =
+        binding::texture(TextureSampleType::Uint, TextureViewDimension::D2Array);
 
     /// Encodes words into pages as large as the device supports, and uploads them.
     ///

@@ -29,7 +29,7 @@ impl TreeBody {
     }
 
     /// Size of the section in bytes.
-    pub fn bytes_len(&self) -> u64 {
+    pub(crate) fn bytes_len(&self) -> u64 {
         match self {
             Self::Words(tree) => tree.bytes(),
             Self::Symmetric(tree) => tree.bytes().len() as u64,

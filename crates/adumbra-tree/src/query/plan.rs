@@ -52,7 +52,7 @@ impl PlanLevels {
 
     /// Returns the level of the coarsest cells that the range `x[0]..=x[1]`, `z[0]..=z[1]`, in voxels, touches. Outside
     /// the cube, the level at its border applies.
-    pub fn coarsest_over(&self, x: [f64; 2], z: [f64; 2]) -> u32 {
+    pub(crate) fn coarsest_over(&self, x: [f64; 2], z: [f64; 2]) -> u32 {
         let cells = |axis: usize, range: [f64; 2]| {
             let place = |c: f64| self.edges[axis].partition_point(|edge| f64::from(*edge) <= c);
             place(range[0])..=place(range[1])

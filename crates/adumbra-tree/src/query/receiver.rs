@@ -17,7 +17,7 @@
 use adumbra::query::FIXED_BITS;
 
 /// Fractional bits of a receiver's normal and height.
-pub const NORMAL_BITS: u32 = 10;
+pub(crate) const NORMAL_BITS: u32 = 10;
 /// The value 1 in the fixed point of normals and heights.
 pub const NORMAL_ONE: i32 = 1 << NORMAL_BITS;
 /// Limit that heights are clamped to, in cells: farther than any tap.

@@ -16,7 +16,7 @@ use crate::word::{Node, Word};
 use adumbra_scene::random::mix;
 
 /// The modulus m: hashes are from 0 to m - 1.
-pub const MODULUS: u64 = (1 << 61) - 1;
+pub(crate) const MODULUS: u64 = (1 << 61) - 1;
 /// c_i, one per child.
 const CHILD_PRIMES: [u64; 8] = [
     0x039a_d4f6_3532_abaf,
@@ -60,7 +60,7 @@ impl Default for TreeHashed {
 
 impl TreeHashed {
     /// Uses another m, from 2 to [`MODULUS`]; a small m collides often.
-    pub fn with_modulus(modulus: u64) -> Self {
+    pub(crate) fn with_modulus(modulus: u64) -> Self {
         Self {
             blocks: Vec::new(),
             sums: Vec::new(),

@@ -55,7 +55,7 @@ impl Layout {
     }
 
     /// Returns the number of words on a page, without the padding of its last row.
-    pub fn page_words(&self, page: u32) -> u64 {
+    pub(crate) fn page_words(&self, page: u32) -> u64 {
         let before = u64::from(page) * self.page_capacity();
         self.stream_words.saturating_sub(before).min(self.page_capacity())
     }

@@ -77,7 +77,7 @@ impl Promises {
         narrow_misplaced: Some(0.03),
     };
     /// Promises of a light-aligned file whose look-ups are filtered, compared with the mean of the rays.
-    pub const LIGHT_FILTERED: Self = Self {
+    pub(crate) const LIGHT_FILTERED: Self = Self {
         interior: 0.995,
         grazing: Some(0.99),
         edge: Some(0.9),
@@ -134,7 +134,7 @@ impl ClassResult {
     }
 
     /// Share of the points that are answered wrong, 0 to 1; 0 if there are no points.
-    pub fn wrong_share(&self) -> f64 {
+    pub(crate) fn wrong_share(&self) -> f64 {
         share(self.wrong(), self.points)
     }
 

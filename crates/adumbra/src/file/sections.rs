@@ -151,12 +151,12 @@ pub fn u32_chunks(words: &[u32]) -> impl Iterator<Item = Vec<u8>> {
 }
 
 /// Encodes `units` in little-endian, in pieces of 64 KiB.
-pub fn u16_chunks(units: &[u16]) -> impl Iterator<Item = Vec<u8>> {
+pub(crate) fn u16_chunks(units: &[u16]) -> impl Iterator<Item = Vec<u8>> {
     units.chunks(CHUNK_BYTES / 2).map(|c| c.iter().flat_map(|u| u.to_le_bytes()).collect())
 }
 
 /// Encodes `words` in little-endian, in pieces of 64 KiB.
-pub fn u64_chunks(words: &[u64]) -> impl Iterator<Item = Vec<u8>> {
+pub(crate) fn u64_chunks(words: &[u64]) -> impl Iterator<Item = Vec<u8>> {
     words.chunks(CHUNK_BYTES / 8).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
 }
 

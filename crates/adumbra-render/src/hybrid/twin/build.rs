@@ -7,7 +7,7 @@ use adumbra_shaders::constants::{
 };
 
 use super::leaf::{middle, slope};
-use super::{DepthImage, HybridTree};
+use super::{DepthImage, HybridTree, MergeSettings};
 use crate::hybrid::MergeTest;
 use crate::hybrid::settings::PlaneUnits;
 use crate::maps::DepthPrecision;
@@ -25,13 +25,8 @@ impl Level {
     }
 }
 
-pub(super) fn tree(
-    image: &DepthImage,
-    merges: u32,
-    test: MergeTest,
-    precision: DepthPrecision,
-    units: PlaneUnits,
-) -> HybridTree {
+pub(super) fn tree(image: &DepthImage, settings: MergeSettings) -> HybridTree {
+    let MergeSettings { merges, test, precision, units } = settings;
     let rounded;
     let image = if precision == DepthPrecision::Bits16 {
         rounded = image.rounded_to_16_bits();
@@ -72,7 +67,7 @@ pub(super) fn tree(
     if let Some(coarsest) = before {
         map[..side * side].copy_from_slice(&coarsest.words);
     }
-    HybridTree { start: image.side() as u32, merges, test, precision, units, split, words: map }
+    HybridTree { start: image.side() as u32, settings, split, words: map }
 }
 
 /// Twin of WGSL `block_merged` for the paper's test.

@@ -77,11 +77,9 @@ impl DepthImage {
     }
 }
 
-/// A hybrid map in memory.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HybridTree {
-    /// Finest resolution, texels per side.
-    pub start: u32,
+/// How a hybrid map merges texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MergeSettings {
     /// Number of levels above the finest.
     pub merges: u32,
     /// The merge test.
@@ -90,6 +88,15 @@ pub struct HybridTree {
     pub precision: DepthPrecision,
     /// Units of merged planes.
     pub units: PlaneUnits,
+}
+
+/// A hybrid map in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HybridTree {
+    /// Finest resolution, texels per side.
+    pub start: u32,
+    /// How the map was merged.
+    pub settings: MergeSettings,
     /// Blocks that did not merge, by level from 1.
     pub split: [u32; 3],
     /// The map as core/hybrid.wgsl reads it, in the layout of access/hybrid_compact.wgsl.
@@ -102,22 +109,16 @@ impl HybridTree {
     ///
     /// # Errors
     /// Returns [`RenderError::DepthImage`] if `merges` is not 1 to 3 or the image is too small for it.
-    pub fn build(
-        image: &DepthImage,
-        merges: u32,
-        test: MergeTest,
-        precision: DepthPrecision,
-        units: PlaneUnits,
-    ) -> Result<Self> {
-        merges_fit(image, merges)?;
-        Ok(build::tree(image, merges, test, precision, units))
+    pub fn build(image: &DepthImage, settings: MergeSettings) -> Result<Self> {
+        merges_fit(image, settings.merges)?;
+        Ok(build::tree(image, settings))
     }
 
     /// Returns the depth that the map holds at a finest texel's centre, and the level that holds it. Coordinates are
     /// clamped to the border.
     pub fn texel(&self, x: i64, y: i64) -> (f32, u32) {
         let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as usize);
-        let mut level = self.merges;
+        let mut level = self.settings.merges;
         let side = (self.start >> level) as usize;
         let mut word = self.words[(y >> level) * side + (x >> level)];
         while word & HYBRID_INDEX != 0 {
@@ -129,11 +130,11 @@ impl HybridTree {
             }
             word = self.words[place + right + 2 * below];
         }
-        (leaf_at(self.test, word, self.units.slope, level, [x, y]), level)
+        (leaf_at(self.settings.test, word, self.settings.units.slope, level, [x, y]), level)
     }
 
     fn finest(&self, place: usize, right: usize, below: usize) -> f32 {
-        match self.precision {
+        match self.settings.precision {
             DepthPrecision::Bits32 => f32::from_bits(self.words[place + right + 2 * below]),
             DepthPrecision::Bits16 => (self.words[place + below] >> (16 * right) & 0xffff) as f32 / 65535.0,
         }
@@ -141,7 +142,7 @@ impl HybridTree {
 
     /// Share of the area that each level covers, the finest first. The shares sum to 1.
     pub fn shares(&self) -> [f64; 4] {
-        level_shares(self.start, self.merges, self.split)
+        level_shares(self.start, self.settings.merges, self.split)
     }
 }
 

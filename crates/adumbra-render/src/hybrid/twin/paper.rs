@@ -4,10 +4,8 @@
 use adumbra_shaders::constants::{HYBRID_INDEX, HYBRID_NO_LINK, HYBRID_ONE};
 
 use super::leaf::leaf;
-use super::{DepthImage, HybridTree, build, leaf_at, merges_fit, normals};
+use super::{DepthImage, HybridTree, MergeSettings, build, leaf_at, merges_fit, normals};
 use crate::error::{RenderError, Result};
-use crate::hybrid::MergeTest;
-use crate::hybrid::settings::PlaneUnits;
 use crate::maps::DepthPrecision;
 
 /// A hybrid map of the paper's layout in memory.
@@ -15,14 +13,8 @@ use crate::maps::DepthPrecision;
 pub struct HybridPaper {
     /// Finest resolution, texels per side.
     pub start: u32,
-    /// Number of levels above the finest.
-    pub merges: u32,
-    /// The merge test.
-    pub test: MergeTest,
-    /// Precision of the finest texels.
-    pub precision: DepthPrecision,
-    /// Units of merged planes.
-    pub units: PlaneUnits,
+    /// How the map was merged.
+    pub settings: MergeSettings,
     /// Blocks that did not merge, by level from 1.
     pub split: [u32; 3],
     /// Channels R, G, B and A of each texel, as in access/hybrid_paper.wgsl.
@@ -44,7 +36,8 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn new(start: u32, merges: u32, precision: DepthPrecision, split: [u32; 3]) -> Self {
+    fn new(start: u32, settings: MergeSettings, split: [u32; 3]) -> Self {
+        let MergeSettings { merges, precision, .. } = settings;
         let mut words = (start >> merges).pow(2);
         let mut blocks = 0;
         let mut all = Self { width: [4; 3], begin: [0; 3], before: [0; 3], words };
@@ -89,20 +82,14 @@ impl HybridPaper {
     /// # Errors
     /// Returns [`RenderError::DepthImage`] if `merges` is not 1 to 3, if the image is too small for it, or if the
     /// number of normals is not the number of texels.
-    pub fn build(
-        image: &DepthImage,
-        normals: &[[u8; 2]],
-        merges: u32,
-        test: MergeTest,
-        precision: DepthPrecision,
-        units: PlaneUnits,
-    ) -> Result<Self> {
+    pub fn build(image: &DepthImage, normals: &[[u8; 2]], settings: MergeSettings) -> Result<Self> {
+        let merges = settings.merges;
         merges_fit(image, merges)?;
         if normals.len() != image.texels().len() {
             let what = format!("{} normals for {} texels", normals.len(), image.texels().len());
             return Err(RenderError::DepthImage { what });
         }
-        let tree = build::tree(image, merges, test, precision, units);
+        let tree = build::tree(image, settings);
         let mut levels = vec![normals.to_vec()];
         for made in 1..=merges as usize {
             let side = image.side() >> made;
@@ -113,15 +100,12 @@ impl HybridPaper {
             let means = means.collect();
             levels.push(means);
         }
-        let blocks = Blocks::new(tree.start, merges, precision, tree.split);
+        let blocks = Blocks::new(tree.start, settings, tree.split);
         let listed = 4 * tree.split.iter().sum::<u32>() as usize;
         let side = tree.start >> merges;
         let mut paper = Self {
             start: tree.start,
-            merges,
-            test,
-            precision,
-            units,
+            settings,
             split: tree.split,
             texels: vec![[0; 4]; first_listed(tree.start, merges) as usize + listed],
             links: vec![[0; 2]; listed],
@@ -137,7 +121,7 @@ impl HybridPaper {
     /// Writes a texel of level 1 or coarser and all texels below it.
     fn fill(&mut self, source: &Source, number: u32, level: u32, [x, y]: [u32; 2], word: u32) {
         if word & HYBRID_INDEX == 0 {
-            let [depth, ..] = leaf(self.test, word, self.units.slope);
+            let [depth, ..] = leaf(self.settings.test, word, self.settings.units.slope);
             self.texels[number as usize] =
                 [x | y << 16, word, 0, packed(unorm16(depth), source.normal(level, [x, y]))];
             return;
@@ -148,7 +132,7 @@ impl HybridPaper {
         for i in 0..4 {
             let [right, below] = [i % 2, i / 2];
             let at = [2 * x + right, 2 * y + below];
-            let child = first_listed(self.start, self.merges) + first + i;
+            let child = first_listed(self.start, self.settings.merges) + first + i;
             let next = if i < 3 { first + i + 1 } else { HYBRID_NO_LINK };
             self.links[(first + i) as usize] = [child, next];
             if level > 1 {
@@ -157,7 +141,8 @@ impl HybridPaper {
             }
             let depth = source.tree.finest(place as usize, right as usize, below as usize);
             let short = unorm16(depth);
-            let stored = if self.precision == DepthPrecision::Bits16 { short } else { depth.to_bits() };
+            let stored =
+                if self.settings.precision == DepthPrecision::Bits16 { short } else { depth.to_bits() };
             let normal = source.normal(0, at);
             self.texels[child as usize] = [at[0] | at[1] << 16, stored, 0, packed(short, normal)];
         }
@@ -167,7 +152,7 @@ impl HybridPaper {
     /// down, to the texel with the wanted coordinates. Coordinates are clamped to the border.
     pub fn found(&self, x: i64, y: i64) -> ([u32; 4], u32) {
         let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as u32);
-        let mut level = self.merges;
+        let mut level = self.settings.merges;
         let mut texel = self.texels[((y >> level) * (self.start >> level) + (x >> level)) as usize];
         while texel[2] & HYBRID_INDEX != 0 {
             level -= 1;
@@ -189,12 +174,12 @@ impl HybridPaper {
     /// Returns the same as [`HybridTree::texel`].
     pub fn texel(&self, x: i64, y: i64) -> (f32, u32) {
         let (texel, level) = self.found(x, y);
-        let depth = match (level, self.precision) {
+        let depth = match (level, self.settings.precision) {
             (0, DepthPrecision::Bits32) => f32::from_bits(texel[1]),
             (0, DepthPrecision::Bits16) => texel[1] as f32 / 65535.0,
             _ => {
                 let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as usize);
-                leaf_at(self.test, texel[1], self.units.slope, level, [x, y])
+                leaf_at(self.settings.test, texel[1], self.settings.units.slope, level, [x, y])
             }
         };
         (depth, level)
@@ -202,20 +187,12 @@ impl HybridPaper {
 
     /// Converts the map to the compact layout, without normals.
     pub fn compact(&self) -> HybridTree {
-        let blocks = Blocks::new(self.start, self.merges, self.precision, self.split);
+        let blocks = Blocks::new(self.start, self.settings, self.split);
         let mut words = vec![0; blocks.words as usize];
-        for cell in 0..(self.start >> self.merges).pow(2) {
-            words[cell as usize] = self.word(&blocks, &mut words, cell, self.merges);
+        for cell in 0..(self.start >> self.settings.merges).pow(2) {
+            words[cell as usize] = self.word(&blocks, &mut words, cell, self.settings.merges);
         }
-        HybridTree {
-            start: self.start,
-            merges: self.merges,
-            test: self.test,
-            precision: self.precision,
-            units: self.units,
-            split: self.split,
-            words,
-        }
+        HybridTree { start: self.start, settings: self.settings, split: self.split, words }
     }
 
     /// Returns a texel's compact word, and writes those of the texels below it to their offsets.
@@ -231,7 +208,7 @@ impl HybridPaper {
             let [right, below] =
                 [self.texels[child as usize][0] & 1, self.texels[child as usize][0] >> 16 & 1];
             let word = self.word(blocks, words, child, level - 1);
-            if level == 1 && self.precision == DepthPrecision::Bits16 {
+            if level == 1 && self.settings.precision == DepthPrecision::Bits16 {
                 words[(place + below) as usize] |= word << (16 * right);
             } else {
                 words[(place + right + 2 * below) as usize] = word;

@@ -6,7 +6,8 @@ fn tree(side: usize, merges: u32, test: MergeTest, depth: impl Fn(usize, usize) 
     let texels = (0..side * side).map(|i| depth(i % side, i / side) as f32).collect();
     let image = DepthImage::new(side, texels).unwrap();
     let units = PlaneUnits::new(test, 1.0 / 1024.0);
-    HybridTree::build(&image, merges, test, DepthPrecision::Bits32, units).unwrap()
+    let precision = DepthPrecision::Bits32;
+    HybridTree::build(&image, MergeSettings { merges, test, precision, units }).unwrap()
 }
 
 #[test]
@@ -20,7 +21,8 @@ fn image_refuses_what_is_no_depth() {
     assert!(wrong(4, vec![0.5; 15]).contains("15 texels"));
     let image = DepthImage::new(4, vec![0.5; 16]).unwrap();
     let units = PlaneUnits::new(PLANE, 0.01);
-    assert!(HybridTree::build(&image, 3, PLANE, DepthPrecision::Bits32, units).is_err());
+    let settings = MergeSettings { merges: 3, test: PLANE, precision: DepthPrecision::Bits32, units };
+    assert!(HybridTree::build(&image, settings).is_err());
 }
 
 #[test]
@@ -93,7 +95,8 @@ fn finest_halves_come_back() {
     let texels = (0..64).map(|i| ((i * 977) % 65536) as f32 / 65535.0).collect();
     let image = DepthImage::new(8, texels).unwrap();
     let units = PlaneUnits::new(PLANE, 1.0 / 4096.0);
-    let t = HybridTree::build(&image, 1, PLANE, DepthPrecision::Bits16, units).unwrap();
+    let settings = MergeSettings { merges: 1, test: PLANE, precision: DepthPrecision::Bits16, units };
+    let t = HybridTree::build(&image, settings).unwrap();
     assert!(t.split[0] > 8, "{:?}", t.split);
     for (i, &depth) in image.texels().iter().enumerate() {
         let (found, level) = t.texel(i as i64 % 8, i as i64 / 8);

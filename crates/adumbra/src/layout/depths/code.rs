@@ -73,12 +73,12 @@ impl LeafHead {
     }
 
     /// Returns the number of half-words before the differences.
-    pub fn differences_at(self) -> u32 {
+    pub(crate) fn differences_at(self) -> u32 {
         1 + u32::from(self.slanted)
     }
 
     /// Returns the number of half-words before the planes.
-    pub fn planes_at(self) -> u32 {
+    pub(crate) fn planes_at(self) -> u32 {
         self.differences_at() + (self.differences() << self.width).div_ceil(2)
     }
 
@@ -109,7 +109,7 @@ impl<'c> Code<'c> {
     }
 
     /// Returns two half-words as one word, the lower first.
-    pub fn two_halves(self, at: u32) -> u32 {
+    pub(crate) fn two_halves(self, at: u32) -> u32 {
         self.half(at) | self.half(at + 1) << 16
     }
 
@@ -260,7 +260,7 @@ impl LeafCode<'_> {
     }
 
     /// Returns the columns whose rank is above the last one. A valid leaf has none.
-    pub fn without_depth(self) -> u64 {
+    pub(crate) fn without_depth(self) -> u64 {
         self.at_least(self.head.last + 1)
     }
 

@@ -14,7 +14,7 @@ pub struct Slant {
 
 impl Slant {
     /// Decodes the second half-word of a slanted leaf.
-    pub fn from_half(half: u32) -> Self {
+    pub(crate) fn from_half(half: u32) -> Self {
         Self { x: half as u8 as i8, y: (half >> 8) as u8 as i8 }
     }
 
@@ -37,7 +37,7 @@ impl Slant {
     }
 
     /// Returns the largest rise of all columns, in voxels.
-    pub fn largest_rise(self) -> u32 {
+    pub(crate) fn largest_rise(self) -> u32 {
         let quarters = 7 * (u32::from(self.x.unsigned_abs()) + u32::from(self.y.unsigned_abs()));
         (quarters + (1 << SLANT_BITS) - 1) >> SLANT_BITS
     }

@@ -21,12 +21,12 @@ pub const MM: u32 = 6;
 pub const NO_FOLLOWER: u32 = 7;
 
 /// Returns a mask of the lowest `count` bits; `count` is at most 31.
-pub fn bits_below(count: u32) -> u32 {
+pub(crate) fn bits_below(count: u32) -> u32 {
     (1 << count) - 1
 }
 
 /// Returns the number of pointers of the quarters in `codes`, which have three bits each and are never 7.
-pub fn pointers_in(codes: u32) -> u32 {
+pub(crate) fn pointers_in(codes: u32) -> u32 {
     (codes & 0o4444).count_ones() + 2 * (codes & codes >> 1 & 0o1111).count_ones()
 }
 
@@ -40,12 +40,12 @@ pub fn high_bits(pool_units: u32) -> u32 {
 }
 
 /// Returns the number of bit planes for `masks` masks.
-pub fn plane_count(masks: u32) -> u32 {
+pub(crate) fn plane_count(masks: u32) -> u32 {
     u32::BITS - masks.leading_zeros()
 }
 
 /// Returns a mask of the inline masks of a level-3 node: bit i, mask i.
-pub fn inline_masks(unit: u32) -> u32 {
+pub(crate) fn inline_masks(unit: u32) -> u32 {
     let flags = unit >> 9 & 0x3f;
     flags | ((flags & 0x20) * 6)
 }
@@ -237,7 +237,7 @@ impl Cube {
     }
 
     /// Returns the number of different masks.
-    pub fn mask_count(&self) -> usize {
+    pub(crate) fn mask_count(&self) -> usize {
         ((self.changes & 0xff).count_ones() - (self.changes >> 8 & 1)) as usize
     }
 
@@ -248,7 +248,7 @@ impl Cube {
     }
 
     /// Whether bit planes take fewer units than masks.
-    pub fn in_planes(&self) -> bool {
+    pub(crate) fn in_planes(&self) -> bool {
         4 * plane_count(self.mask_count() as u32) < self.mask_units()
     }
 

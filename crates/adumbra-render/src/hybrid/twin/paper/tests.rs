@@ -25,8 +25,9 @@ fn texel_s_worked_value() {
     normals[3 * 8 + 5] = encode([0.0, 1.0, 0.0]);
     let image = DepthImage::new(8, texels).unwrap();
     let units = PlaneUnits::new(MergeTest::Paper, 0.01);
-    let map =
-        HybridPaper::build(&image, &normals, 1, MergeTest::Paper, DepthPrecision::Bits32, units).unwrap();
+    let settings =
+        MergeSettings { merges: 1, test: MergeTest::Paper, precision: DepthPrecision::Bits32, units };
+    let map = HybridPaper::build(&image, &normals, settings).unwrap();
     assert_eq!(map.found(5, 3), ([0x0003_0005, 0x3e80_0000, 0, 0x4000_ff80], 0));
     // Only its parent, column 2 and row 1 of the coarsest level, has a list.
     assert_eq!(map.texels[6], [0x0001_0002, 0, 0x8000_0000, 0]);
@@ -53,8 +54,9 @@ fn lists_lead_where_the_compact_tree_does() {
         for precision in [DepthPrecision::Bits32, DepthPrecision::Bits16] {
             for merges in 1..=3 {
                 let units = PlaneUnits::new(test, 1.0 / 4096.0);
-                let tree = HybridTree::build(&image, merges, test, precision, units).unwrap();
-                let map = HybridPaper::build(&image, &normals, merges, test, precision, units).unwrap();
+                let settings = MergeSettings { merges, test, precision, units };
+                let tree = HybridTree::build(&image, settings).unwrap();
+                let map = HybridPaper::build(&image, &normals, settings).unwrap();
                 assert!(tree.split[0] > 50, "{:?}", tree.split);
                 assert_eq!(map.compact(), tree, "{test:?} {precision:?} {merges}");
                 for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
@@ -75,7 +77,8 @@ fn lists_lead_where_the_compact_tree_does() {
 fn list_is_followed_in_whatever_order_it_is() {
     let (image, normals) = scene(32);
     let units = PlaneUnits::new(PLANE, 1.0 / 4096.0);
-    let map = HybridPaper::build(&image, &normals, 2, PLANE, DepthPrecision::Bits32, units).unwrap();
+    let settings = MergeSettings { merges: 2, test: PLANE, precision: DepthPrecision::Bits32, units };
+    let map = HybridPaper::build(&image, &normals, settings).unwrap();
     let mut turned = map.clone();
     for four in turned.links.as_chunks_mut::<4>().0 {
         let numbers = four.map(|[number, _]| number);
@@ -94,6 +97,7 @@ fn list_is_followed_in_whatever_order_it_is() {
 fn build_refuses_another_number_of_normals() {
     let (image, normals) = scene(32);
     let units = PlaneUnits::new(PLANE, 0.01);
-    let built = |normals| HybridPaper::build(&image, normals, 2, PLANE, DepthPrecision::Bits32, units);
+    let settings = MergeSettings { merges: 2, test: PLANE, precision: DepthPrecision::Bits32, units };
+    let built = |normals| HybridPaper::build(&image, normals, settings);
     assert!(built(&normals[1..]).unwrap_err().to_string().contains("1023 normals for 1024 texels"));
 }
