@@ -13,22 +13,22 @@ use crate::exit::Code;
 /// Installs the handlers and returns a flag that the first interrupt sets. The second interrupt ends the program.
 pub fn install() -> Arc<AtomicBool> {
     let cancel = Arc::new(AtomicBool::new(false));
-    listen(Arc::clone(&cancel));
+    listen(&cancel);
     cancel
 }
 
 /// Makes the first interrupt end the program, for verbs that have nothing to finish.
 pub fn end_when_interrupted() {
-    listen(Arc::new(AtomicBool::new(true)));
+    listen(&Arc::new(AtomicBool::new(true)));
 }
 
 /// Starts a thread that handles interrupts, because a signal handler must not remove files. If the flag is already set,
 /// an interrupt removes the temporary files and ends the program; otherwise it sets the flag. If signals cannot be
 /// received, they keep the system's default action.
 #[cfg(unix)]
-fn listen(flag: Arc<AtomicBool>) {
+fn listen(flag: &Arc<AtomicBool>) {
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
-    let heard = Arc::clone(&flag);
+    let heard = Arc::clone(flag);
     let each = move || {
         for _ in signals.forever() {
             if heard.swap(true, Ordering::Relaxed) {
@@ -38,7 +38,7 @@ fn listen(flag: Arc<AtomicBool>) {
     };
     if std::thread::Builder::new().name("signals".to_owned()).spawn(each).is_err() {
         // Signals that were once received stay without effect until there is another handler.
-        listen_without_thread(&flag);
+        listen_without_thread(flag);
     }
 }
 
@@ -48,8 +48,8 @@ fn end() -> ! {
 }
 
 #[cfg(not(unix))]
-fn listen(flag: Arc<AtomicBool>) {
-    listen_without_thread(&flag);
+fn listen(flag: &Arc<AtomicBool>) {
+    listen_without_thread(flag);
 }
 
 /// Makes an interrupt end the program if the flag is already set, and set the flag otherwise. Temporary files remain.

@@ -1,10 +1,11 @@
 //! Code shared by the tests of several crates: folders next to the repository, bakes by layout, hand-made depths, runs
-//! of the programs, and test vectors.
+//! of the programs, test vectors, and truth files.
 
 mod bakes;
 mod leaves;
 mod programs;
 mod shared_folder;
+mod truth_files;
 mod vectors;
 
 pub use bakes::{BakedGraph, bake_depths, bake_file, bake_graph};
@@ -13,6 +14,7 @@ pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_program, program, read_f32, stderr,
 };
 pub use shared_folder::{full, scene_file, shared};
+pub use truth_files::{npz_array, npz_camera};
 pub use vectors::{
     ExpectedPoint, FaultyVector, SpecifiedExample, assert_faults_found, expected_points, f64_at,
     faulty_vectors, named_vectors, specified_example, u32_at, u64_at, vector_answers, vectors,

@@ -23,7 +23,7 @@ pub struct LightCamera {
 
 impl LightCamera {
     /// Builds the camera whose image is the columns of the grid.
-    pub(crate) fn from_grid(grid: &LightGrid) -> Self {
+    pub fn from_grid(grid: &LightGrid) -> Self {
         let extent = grid.size.map(|n| f64::from(n) * grid.voxel_size);
         let middle = [0.5 * extent[0], 0.5 * extent[1], 0.0];
         let mut light_from_world = [[0.0; 4]; 4];
@@ -40,7 +40,7 @@ impl LightCamera {
     }
 
     /// Returns C · P · V.
-    pub(crate) fn texture_from_world(&self) -> Matrix {
+    pub fn texture_from_world(&self) -> Matrix {
         multiply(&self.texture_from_clip, &multiply(&self.clip_from_light, &self.light_from_world))
     }
 

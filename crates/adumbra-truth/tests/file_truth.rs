@@ -8,12 +8,11 @@ use adumbra_bake::{BakeOptions, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra_testing::{BakedGraph, bake_graph};
-use adumbra_testing::{full, shared};
+use adumbra_testing::{full, npz_array, npz_camera, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
 };
-use npyz::npz::NpzArchive;
 use std::path::Path;
 
 fn bake_quietly(scene: &Scene, options: &BakeOptions) -> BakedGraph {
@@ -45,16 +44,11 @@ fn shared_file_matches_another_renderers_images() {
         ["kaykit_city_21.glb", "box-city-5k.glb", "zdm2.glb", "alpine-2.glb", "auster.obj", "dragon_202k.ply"]
     {
         let view = truth.join(Path::new(file).with_extension("npz"));
-        let array = |name: &str| -> Vec<f32> {
-            NpzArchive::open(&view).unwrap().by_name(name).unwrap().unwrap().into_vec().unwrap()
-        };
-        let valid: Vec<bool> =
-            NpzArchive::open(&view).unwrap().by_name("valid").unwrap().unwrap().into_vec().unwrap();
-        let camera: Vec<String> =
-            NpzArchive::open(&view).unwrap().by_name("camera").unwrap().unwrap().into_vec().unwrap();
-        let camera: serde_json::Value = serde_json::from_str(camera[0].trim_end_matches('\0')).unwrap();
+        let valid: Vec<bool> = npz_array(&view, "valid");
+        let camera = npz_camera(&view);
         let sun = Sun::from_direction([0, 1, 2].map(|a| camera["sun"][a].as_f64().unwrap())).unwrap();
-        let [pos, normal, ndotl, truth_sun] = ["pos", "normal", "ndotl", "sun"].map(array);
+        let [pos, normal, ndotl, truth_sun] =
+            ["pos", "normal", "ndotl", "sun"].map(|name| npz_array::<f32>(&view, name));
         let scene = load(&scenes.join(file), &options).unwrap();
         let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(resolution)));
         let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, 1).unwrap();

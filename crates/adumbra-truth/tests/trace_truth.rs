@@ -7,9 +7,8 @@
 use std::path::{Path, PathBuf};
 
 use adumbra_scene::{LoadOptions, Scene, load};
-use adumbra_testing::{full, shared};
+use adumbra_testing::{full, npz_array, npz_camera, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
-use npyz::npz::NpzArchive;
 use rayon::prelude::*;
 
 /// Default step between tested pixels along x and y.
@@ -41,20 +40,14 @@ struct View {
 
 impl View {
     fn open(path: &Path) -> Self {
-        let array = |name: &str| {
-            let mut archive = NpzArchive::open(path).unwrap();
-            let array = archive.by_name(name).unwrap().unwrap_or_else(|| panic!("{name} is absent"));
-            (array.shape().to_vec(), array.into_vec::<f32>().unwrap())
-        };
-        let (shape, pos) = array("pos");
-        let mut archive = NpzArchive::open(path).unwrap();
-        let valid = archive.by_name("valid").unwrap().unwrap().into_vec().unwrap();
-        let text: Vec<String> = archive.by_name("camera").unwrap().unwrap().into_vec().unwrap();
-        let camera: serde_json::Value = serde_json::from_str(text[0].trim_end_matches('\0')).unwrap();
+        let [pos, normal, ndotl, sun, ao] =
+            ["pos", "normal", "ndotl", "sun", "ao"].map(|name| npz_array(path, name));
+        let valid = npz_array(path, "valid");
+        let camera = npz_camera(path);
         let towards = std::array::from_fn(|a| camera["sun"][a].as_f64().unwrap());
         let ao_radius = camera["ao_radius"].as_f64().unwrap();
-        let [normal, ndotl, sun, ao] = ["normal", "ndotl", "sun", "ao"].map(|name| array(name).1);
-        Self { width: shape[1] as usize, pos, normal, ndotl, sun, ao, valid, towards, ao_radius }
+        let width = camera["size"][0].as_u64().unwrap() as usize;
+        Self { width, pos, normal, ndotl, sun, ao, valid, towards, ao_radius }
     }
 
     /// The valid pixels, taking every `stride`-th one in x and y.

@@ -12,11 +12,13 @@ mod tune;
 mod views;
 mod walk;
 
-pub use claims::{BLUR_PIXELS, ClaimProbe, Claims, EDGE_COSINE, EDGE_PIXELS, EDGE_STEP, FLAT, OPEN};
+pub(crate) use claims::{BLUR_PIXELS, EDGE_COSINE, EDGE_PIXELS, EDGE_STEP};
+pub use claims::{ClaimProbe, Claims, FLAT, OPEN};
 pub use errors::{OcclusionErrors, grey_picture, occlusion_errors};
-pub use flicker::{CHANGE, Flicker, FlickerCount, FlickerFrame};
+pub use flicker::{Flicker, FlickerCount, FlickerFrame};
 pub use measure::{OcclusionReference, OcclusionStage, TracedView};
 pub use record::{Record, RecordEntry, RecordScene, TunedOn, tuned, with_tuned};
 pub use tune::{TuneOptions, TuneScene, tune};
 pub use views::{Fold, OcclusionScene, OcclusionView, PATH_FRAMES, SCENES, scene_named};
-pub use walk::{path_flicker, truth_flicker};
+pub use walk::path_flicker;
+pub(crate) use walk::truth_flicker;

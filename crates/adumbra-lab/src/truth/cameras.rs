@@ -4,12 +4,15 @@
 //! latter is JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height), `sun` (direction towards it)
 //! and `ao_radius` (world units).
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 use adumbra::Sun;
 use adumbra_scene::Camera;
-use npyz::npz::NpzArchive;
 use npyz::{Deserialize as NpyDeserialize, NpyFile};
+use zip::ZipArchive;
+use zip::result::ZipError;
 
 use crate::camera_file::{CameraFile, CameraText};
 use crate::error::{Error, Result};
@@ -100,8 +103,12 @@ fn refuse(path: &Path, what: String) -> Error {
 
 fn array<T: NpyDeserialize>(path: &Path, name: &str) -> Result<Vec<T>> {
     let read = || -> std::io::Result<Option<Vec<T>>> {
-        let mut archive = NpzArchive::open(path)?;
-        archive.by_name(name)?.map(|file: NpyFile<_>| file.into_vec()).transpose()
+        let mut archive = ZipArchive::new(BufReader::new(File::open(path)?))?;
+        match archive.by_name(&format!("{name}.npy")) {
+            Ok(array) => NpyFile::new(array)?.into_vec().map(Some),
+            Err(ZipError::FileNotFound) => Ok(None),
+            Err(e) => Err(e.into()),
+        }
     };
     match read() {
         Ok(Some(values)) => Ok(values),

@@ -19,10 +19,11 @@ mod gbuffer;
 mod sight;
 mod targets;
 
-pub use check::check_camera;
+pub(crate) use check::check_camera;
 pub use gbuffer::GBuffer;
-pub use sight::depths_in_view;
-pub use targets::{DEPTH_FORMAT, FACTOR_FORMAT, Target, Targets};
+pub(crate) use sight::depths_in_view;
+pub(crate) use targets::FACTOR_FORMAT;
+pub use targets::{DEPTH_FORMAT, Target, Targets};
 
 use adumbra::Bounds;
 use adumbra_scene::{Camera, View};

@@ -85,7 +85,6 @@ pub use ambient::{AmbientSource, GivenAmbient};
 pub use estimator::{Estimator, MAX_PARAMETERS, Search, ShapeParameter};
 pub use parameters::{OCCLUSIONS, occlusion_options, occlusion_parameters};
 pub use passes::{OcclusionInput, OcclusionPasses};
-pub use pictures::AMBIENT_FORMAT;
 pub use settings::{DEFAULT_RADIUS_SHARE, Filter, Normals, OcclusionSettings};
 pub use spec::{AmbientSettings, TracedSettings, change, describe};
 pub use taps::taps;

@@ -131,11 +131,6 @@ impl SceneBuffers {
         extent
     }
 
-    /// Number of instances.
-    pub(crate) fn instance_count(&self) -> usize {
-        self.placed.len()
-    }
-
     /// Size on the GPU, textures included, bytes.
     pub fn bytes(&self) -> u64 {
         self.corners.size() + self.positions.size() + self.indices.size() + self.materials.bytes

@@ -26,7 +26,7 @@ pub use cubes::Cubes;
 pub use cubes_options::{CubesOptions, CubesStore};
 pub use depths::DepthsAnswer;
 pub use filter::VoxelFilter;
-pub use grid::grid_transform;
+pub(crate) use grid::grid_transform;
 pub use light::BakedLight;
 pub use palette::{VOXEL_LEVEL_COLORS, voxel_level_color};
 pub use settings::VoxelSettings;

@@ -35,11 +35,6 @@ impl Voxel {
     pub fn light(&self) -> &BakedLight {
         &self.light
     }
-
-    /// The uploaded file, for writing its uniform.
-    pub(crate) fn light_mut(&mut self) -> &mut BakedLight {
-        &mut self.light
-    }
 }
 
 /// Error text of techniques that need a light-aligned file and have none.

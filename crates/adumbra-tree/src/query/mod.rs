@@ -7,5 +7,5 @@ mod tree;
 
 pub use penumbra::PenumbraQuery;
 pub use plan::PlanLevels;
-pub use receiver::{MAX_HEIGHT_CELLS, NORMAL_BITS, NORMAL_ONE, TreeReceiver};
+pub use receiver::{MAX_HEIGHT_CELLS, NORMAL_ONE, TreeReceiver};
 pub use tree::{KERNEL_SIDES, TreeQuery, Weights};

@@ -133,11 +133,6 @@ impl ClassResult {
         self.acne + self.leak
     }
 
-    /// Share of the points that are answered wrong, 0 to 1; 0 if there are no points.
-    pub(crate) fn wrong_share(&self) -> f64 {
-        share(self.wrong(), self.points)
-    }
-
     /// Share of the points that are misplaced, 0 to 1; 0 if there are no points.
     pub fn misplaced_share(&self) -> f64 {
         share(self.misplaced, self.points)

@@ -1,4 +1,6 @@
 use super::*;
+use crate::hybrid::MergeTest;
+use crate::hybrid::settings::PlaneUnits;
 use crate::octahedral::{NONE, encode};
 
 const PLANE: MergeTest = MergeTest::Plane { tolerance_texels: 0.5 };
