@@ -1,0 +1,130 @@
+//! Slanted leaves of the layout `depths` on the GPU against the specification, for every gradient that a file can
+//! store.
+
+use crate::kit;
+use adumbra::query::FixedReceiver;
+use adumbra::{Bias, Error, FileSettings, LightBody, LightGrid, Query, Receivers, ShadowFile, Sun};
+use adumbra_render::RenderError;
+use adumbra_render::voxel::{BakedLight, VoxelSettings};
+use adumbra_scene::random::Random;
+use adumbra_shaders::{Source, source};
+use adumbra_testing::{every_gradient, from_leaves};
+
+/// Base depth of the leaves. It exceeds the rise of any column, so every layer at which a column may switch is in the
+/// grid.
+const BASE: u32 = 450;
+
+/// Computes, with one thread per gradient, a hash of the leaf's masks at all layers up to its base, [`BASE`].
+const PASS: &str = "
+const BASE = 450u;
+
+@group(0) @binding(0) var<storage, read> words: array<u32>;
+@group(0) @binding(1) var<storage, read_write> hashes: array<u32>;
+
+fn adumbra_voxel_word(index: u32) -> u32 {
+    return words[index];
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    var v: AdumbraVoxelParams;
+    let leaf = adumbra_depths_leaf(v, AdumbraDepthsNode(2u * id.x, BASE));
+    var hash = 0u;
+    for (var layer = 0u; layer <= BASE; layer++) {
+        let mask = adumbra_depths_look_up(v, leaf, layer);
+        hash = ((hash ^ mask.x) * 16777619u ^ mask.y) * 16777619u;
+    }
+    hashes[id.x] = hash;
+}
+";
+
+#[test]
+fn leaf_masks_on_the_gpu_are_the_specification_s_for_every_gradient() {
+    let gpu = kit::gpu();
+    let leaves = every_gradient();
+    // A leaf of one depth is two half-words: the flag that it is slanted, and its gradient.
+    let words: Vec<u32> = (0..leaves.len() as u32).map(|gradient| 0x0200 | gradient << 16).collect();
+    let test = Source { name: "test", text: PASS };
+    let texts = [source::SURFACE, source::GRID, source::VOXEL, source::DEPTHS, source::DEPTHS_LEAF, test];
+    let found = kit::lists::run(&gpu, &texts, bytemuck::cast_slice(&words), leaves.len() as u32, 4);
+    let found: &[u32] = bytemuck::cast_slice(&found);
+    for (leaf, &found) in leaves.iter().zip(found) {
+        // For each layer, the mask of columns that switch there.
+        let mut switches = [0_u64; BASE as usize + 1];
+        for column in 0..64 {
+            let depth = leaf.depth(BASE, column).expect("a depth");
+            switches[depth as usize] |= 1 << column;
+        }
+        let mut lit = u64::MAX;
+        let expected = switches.iter().fold(0_u32, |hash, switching| {
+            lit &= !switching;
+            let hash = (hash ^ lit as u32).wrapping_mul(16_777_619);
+            (hash ^ (lit >> 32) as u32).wrapping_mul(16_777_619)
+        });
+        assert_eq!(lit, 0);
+        assert_eq!(found, expected, "{:?}", leaf.slant);
+    }
+}
+
+#[test]
+fn filters_over_every_gradient_count_what_the_cpu_counts() {
+    let gpu = kit::gpu();
+    let leaves = every_gradient();
+    let depths = from_leaves(&leaves, 256, BASE, 512);
+    let grid = unit_grid(depths.size);
+    let body = LightBody::Depths(depths.clone());
+    let mut random = Random::for_batch(3, 0);
+    let receivers: Vec<FixedReceiver> = (0..leaves.len())
+        .map(|at| {
+            let column = (random.unit() * 64.0) as usize;
+            let [x, y] = [at % 256 * 8 + column % 8, at / 256 * 8 + column / 8];
+            let depth = leaves[at].depth(BASE, column).expect("a depth");
+            // Alternately the last lit layer and the first shadowed one.
+            let z = depth as i64 - (at as i64 & 1);
+            FixedReceiver { p_fixed: [x as i64, y as i64, z].map(|c| c * 4096 + 2048), gradient: [0, 0] }
+        })
+        .collect();
+    for filter in [1, 9] {
+        let query = Query::new(&grid, &depths, Bias::default(), filter).unwrap();
+        let settings = VoxelSettings::taps(filter, Bias::default());
+        let light = BakedLight::new(&gpu, &grid, &body, settings).unwrap();
+        for (at, (r, found)) in receivers.iter().zip(light.lit_taps(&gpu, &receivers).unwrap()).enumerate() {
+            assert_eq!(found, query.lit_taps(r), "filter {filter} {:?}: {r:?}", leaves[at].slant);
+            if filter == 1 {
+                assert_eq!(found, at as u32 & 1, "{:?}: {r:?}", leaves[at].slant);
+            }
+        }
+    }
+}
+
+/// Even a tiny file may declare any grid size along the light.
+#[test]
+fn depths_of_a_grid_that_no_shader_takes_are_refused() {
+    let gpu = kit::gpu();
+    let depths = from_leaves(&vec![every_gradient()[5].clone(); 16], 4, BASE, u32::MAX);
+    let grid = unit_grid(depths.size);
+    let settings = FileSettings {
+        resolution: 32,
+        thickness_world: 0.0,
+        assume_ground: true,
+        closed_regions: true,
+        ignore_alpha: false,
+        receivers: Receivers::All,
+        switch_within_voxels: 0,
+        bounds: None,
+        bias: Bias::default(),
+        triangles: 1,
+        instances: 1,
+    };
+    let file = ShadowFile { grid, settings, body: LightBody::Depths(depths) };
+    let refused = BakedLight::from_file(&gpu, &file, VoxelSettings::taps(1, Bias::default())).map(|_| ());
+    let Err(RenderError::Library(Error::Range(range))) = refused else { panic!("{refused:?}") };
+    assert!(range.value == "4294967295" && range.range.contains("516096"), "{range}");
+}
+
+/// A grid of unit voxels with the sun overhead.
+fn unit_grid(size: [u32; 3]) -> LightGrid {
+    let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
+    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
+    LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size }
+}

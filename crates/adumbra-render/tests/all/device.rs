@@ -1,0 +1,59 @@
+//! Devices that lack optional features, are lost, or do not exist, and techniques that do not exist.
+
+use crate::kit;
+use adumbra_render::{
+    Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, build,
+};
+
+fn shot() -> Shot {
+    Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 }
+}
+
+#[test]
+fn device_without_timestamps_still_draws_and_says_so() {
+    let without = Features::all();
+    let gpu = Gpu::request(&GpuOptions { without, ..GpuOptions::default() }).unwrap();
+    assert_eq!(gpu.missing_features().len(), 3, "{:?}", gpu.missing_features());
+    let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
+    for name in ["none", "csm:size=512", "vsm:size=512"] {
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+        let mut technique = renderer.prepare(technique).unwrap();
+        let times = renderer.draw(&shot(), &mut technique, Answer::Visibility).unwrap();
+        assert!(times.wall_time);
+        let picture = renderer.read_picture().unwrap();
+        let spread = [0, 1, 2].map(|channel| {
+            let values = || picture.iter().skip(channel).step_by(4).copied();
+            values().max().unwrap() - values().min().unwrap()
+        });
+        assert!(spread.iter().all(|&s| s > 40), "{name}: {spread:?}");
+    }
+}
+
+#[test]
+fn lost_device_is_an_error_and_not_a_hang() {
+    let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let mut none = renderer.prepare(none).unwrap();
+    renderer.gpu().device.destroy();
+    let outcome = renderer
+        .draw(&shot(), &mut none, Answer::Visibility)
+        .and_then(|_| renderer.read_picture().map(|_| ()));
+    assert!(matches!(outcome, Err(RenderError::Lost { .. })), "{outcome:?}");
+}
+
+#[test]
+fn adapter_that_does_not_exist_is_named_with_what_is_there() {
+    let adapter = Some("no such adapter".to_owned());
+    let Err(error) = Gpu::request(&GpuOptions { adapter, ..GpuOptions::default() }) else {
+        panic!("there is such an adapter");
+    };
+    assert!(matches!(error, RenderError::NoAdapter { .. }), "{error}");
+    assert!(error.to_string().contains("no such adapter"), "{error}");
+}
+
+#[test]
+fn unknown_technique_is_named_with_those_that_exist() {
+    let gpu = kit::gpu();
+    let Err(error) = build(&gpu, &"cvs".parse().unwrap(), Baked::default()) else { panic!("it exists") };
+    assert!(error.to_string().contains("none"), "{error}");
+}

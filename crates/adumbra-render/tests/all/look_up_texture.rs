@@ -1,0 +1,88 @@
+//! The look-up texture against the CPU, in each layout and format, and the WGSL files that `adumbra::gpu` lists against
+//! those that the renderer includes.
+
+use crate::kit;
+use crate::shade;
+use crate::shade::shade;
+use adumbra::gpu::{LookUpTexture, WordSource, wgsl_files};
+use adumbra::{Layout, Query, Sun};
+use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_render::voxel::{BakedLight, VoxelSettings};
+use adumbra_scene::random::Random;
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_shaders::source;
+use adumbra_testing::bake_file;
+
+const LAYOUTS: [(LayoutChoice, Layout); 3] = [
+    (LayoutChoice::Plain, Layout::Plain),
+    (LayoutChoice::Packed, Layout::Packed),
+    (LayoutChoice::Depths, Layout::Depths),
+];
+
+/// Points in and around a box, with upward normals or none.
+fn points(min: [f64; 3], max: [f64; 3], anchor: [f32; 3], count: usize) -> Vec<shade::Point> {
+    let mut random = Random::for_batch(29, 0);
+    (0..count)
+        .map(|i| {
+            let p = [0, 1, 2].map(|a| min[a] + (1.2 * random.unit() - 0.1) * (max[a] - min[a]));
+            let [x, y, z] = [0, 1, 2].map(|a| (p[a] - f64::from(anchor[a])) as f32);
+            let up = if i % 2 == 0 { 1.0 } else { 0.0 };
+            [[x, y, z, 0.0], [0.0, up, 0.0, 0.0]]
+        })
+        .collect()
+}
+
+#[test]
+fn look_up_texture_answers_what_the_cpu_does_in_every_layout_and_format() {
+    const COUNT: usize = 20_000;
+    let gpu = kit::gpu();
+    let scene = generate(GeneratedKind::City, 3);
+    let bounds = scene.bounds();
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(1024));
+    for (choice, layout) in LAYOUTS {
+        let file = bake_file(&scene, &options, choice).unwrap();
+        assert_eq!(file.body.layout(), layout);
+        // Narrow rows, so that the words fill many of them.
+        let mut texture = LookUpTexture::new(&file, file.settings.bias, 1, 2048).unwrap();
+        assert!(texture.height() > 100, "{}", texture.height());
+        texture.set_parameters(|p| p.filter_width = 5);
+        let anchor = texture.anchor_world();
+        let points = points(bounds.min, bounds.max, anchor, COUNT);
+        let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 5).unwrap();
+        let mut first: Option<Vec<f32>> = None;
+        for words in [WordSource::R32Uint, WordSource::Rgba8Unorm] {
+            let found = shade(&gpu.device, &gpu.queue, (&texture, layout, words), &points).unwrap();
+            let off = points.iter().zip(&found).filter(|([p, n], found)| {
+                let p_world = [0, 1, 2].map(|a| f64::from(anchor[a]) + f64::from(p[a]));
+                let normal = (n[1] > 0.0).then_some([0.0, 1.0, 0.0]);
+                (query.visibility(p_world, normal) - **found).abs() > 1e-5
+            });
+            let off = off.count();
+            assert!(off * 2000 <= COUNT, "{layout:?} {words:?}: {off} of {COUNT} points differ");
+            let partly = found.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
+            assert!(partly * 100 > COUNT, "{layout:?} {words:?}: {partly} points are partly lit");
+            // Both formats give bit-identical answers.
+            assert!(*first.get_or_insert_with(|| found.clone()) == found, "{layout:?} {words:?}");
+        }
+    }
+}
+
+#[test]
+fn files_that_the_reader_names_are_those_that_the_renderer_includes() {
+    let gpu = kit::gpu();
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(256));
+    for (choice, layout) in LAYOUTS {
+        let file = bake_file(&generate(GeneratedKind::Primitives, 1), &options, choice).unwrap();
+        let light = BakedLight::from_file(&gpu, &file, VoxelSettings::taps(5, file.settings.bias)).unwrap();
+        let included = [vec![source::SURFACE], light.look_up()].concat();
+        let included: Vec<_> = included.iter().map(|file| file.name).collect();
+        assert_eq!(included, wgsl_files(layout, WordSource::Buffer), "{layout:?}");
+        for words in [WordSource::Buffer, WordSource::R32Uint, WordSource::Rgba8Unorm] {
+            for path in wgsl_files(layout, words) {
+                assert!(source::by_path(path).is_some_and(|file| file.name == path), "{path} is not a file");
+            }
+        }
+    }
+}

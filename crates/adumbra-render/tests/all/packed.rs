@@ -1,0 +1,217 @@
+//! Packed graphs on the GPU against their CPU twin: equal counts for every fixed-point receiver, whatever the width of
+//! the pointers.
+
+use crate::kit;
+use std::collections::HashSet;
+
+use crate::voxel_points::{BakedScene, exact_light, float_light};
+use adumbra::layout::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
+use adumbra::layout::plain::Dag;
+use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, TapLayers, receiver};
+use adumbra::{Bias, Layout, LightBody, LightGrid, Query, Sun};
+use adumbra_bake::pack;
+use adumbra_bake::store::{NodeState, NodeStore};
+use adumbra_render::voxel::{BakedLight, Voxel, VoxelSettings};
+use adumbra_render::{Gpu, GpuOptions};
+use adumbra_scene::random::Random;
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_shaders::source;
+
+const COUNT: usize = 100_000;
+
+fn generated() -> [BakedScene; 3] {
+    let kinds = [GeneratedKind::Primitives, GeneratedKind::City, GeneratedKind::Landscape];
+    kinds.map(|kind| BakedScene::new(generate(kind, 3), [0.5, 0.8, 0.35], 1024, 32).in_layout(Layout::Packed))
+}
+
+#[test]
+fn packed_voxel_counts_the_taps_that_the_cpu_counts() {
+    let gpu = kit::gpu();
+    for baked in generated() {
+        for filter in FILTER_WIDTHS {
+            exact_light(&gpu, &baked, filter, COUNT);
+        }
+        float_light(&gpu, &baked, 9, COUNT);
+    }
+}
+
+/// A graph of cubes of eight voxels per side: 20,000 different ones, each used about three times, so that their pool
+/// has wide slots.
+fn many_cubes() -> Dag {
+    let store = NodeStore::default();
+    let hash =
+        |v: u64| v.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mut nodes: Vec<NodeState> = (0..1_u64 << 16)
+        .map(|place| {
+            let cube = hash(place + 1) % 20_000;
+            let (once, twice) = (hash(cube ^ 1 << 40), hash(cube ^ 1 << 50));
+            let leaf_masks = [u64::MAX, once | twice, once, once & twice, 0, 0, 0, 0];
+            store.cube(&leaf_masks.map(|mask| store.leaf_mask(mask)))
+        })
+        .collect();
+    // Each inner node has four children side by side. The four beyond them are shadowed.
+    for _ in 4..=8 {
+        let row = nodes.len().isqrt();
+        nodes = (0..nodes.len() / 4)
+            .map(|i| {
+                let (x, y) = (2 * (i % (row / 2)), 2 * (i / (row / 2)));
+                store.inner(&std::array::from_fn(|c| match c & 1 {
+                    0 => nodes[(y + (c >> 1 & 1)) * row + x + (c >> 2)],
+                    _ => NodeState::Shadowed,
+                }))
+            })
+            .collect();
+    }
+    store.finish([2048, 2048, 8], 8, [8, 8, 1], &nodes)
+}
+
+#[test]
+fn packed_voxel_with_wide_slots_counts_the_taps_that_the_cpu_counts() {
+    let dag = many_cubes();
+    let packed = pack(&dag).unwrap();
+    assert!(packed.top[1] > (1 << 16) - NEAR_UNITS, "{}", packed.top[1]);
+    let body = LightBody::Packed(packed.clone());
+    let gpu = kit::gpu();
+    let grid = LightGrid { size: dag.size, ..unit_grid() };
+    let mut random = Random::for_batch(5, 0);
+    let receivers: Vec<_> = (0..COUNT)
+        .map(|at| FixedReceiver {
+            p_fixed: dag.size.map(|n| (random.unit() * f64::from(n) * f64::from(FIXED_ONE)) as i64),
+            gradient: match at % 8 {
+                // Gradients up to the maximum; rows without a gradient; gradients in whole steps; others.
+                0 => [0; 2].map(|_| (random.unit() * f64::from(2 * MAX_GRADIENT + 1)) as i32 - MAX_GRADIENT),
+                1 => [0, (random.unit() * 600.0) as i32 - 300],
+                2 => [0; 2].map(|_| 256 * ((random.unit() * 5.0) as i32 - 2)),
+                _ => [0; 2].map(|_| (random.unit() * 600.0) as i32 - 300),
+            },
+        })
+        .collect();
+    for (filter, layers) in
+        FILTER_WIDTHS.into_iter().flat_map(|f| [(f, TapLayers::Tap), (f, TapLayers::Block)])
+    {
+        let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap().with_layers(layers);
+        let plain = Query::new(&grid, &dag, Bias::default(), filter).unwrap().with_layers(layers);
+        let settings = VoxelSettings { layers, ..VoxelSettings::taps(filter, Bias::default()) };
+        let light = BakedLight::new(&gpu, &grid, &body, settings).unwrap();
+        let mut partly = 0;
+        for (r, found) in receivers.iter().zip(light.lit_taps(&gpu, &receivers).unwrap()) {
+            assert_eq!([found, found], [query.lit_taps(r), plain.lit_taps(r)], "{filter} {layers:?}: {r:?}");
+            partly += usize::from(found > 0 && found < filter * filter);
+        }
+        assert!(filter == 1 || partly * 4 > COUNT, "{partly} partly lit");
+    }
+}
+
+#[test]
+fn voxel_layers_are_chosen_by_name() {
+    let gpu = kit::gpu();
+    let baked = BakedScene::new(generate(GeneratedKind::City, 3), [0.5, 0.8, 0.35], 1024, 32);
+    let baked = baked.in_layout(Layout::Packed);
+    let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
+    let fixed = |(p, n)| FixedReceiver::new(&receiver(grid, &bias, p, n), grid.size);
+    let receivers: Vec<_> = baked.points(COUNT).into_iter().map(fixed).collect();
+    let query = Query::new(grid, baked.light.leaf_masks(), bias, 9).unwrap();
+    let lit = [("tap", TapLayers::Tap), ("block", TapLayers::Block)].map(|(name, layers)| {
+        let spec = format!("voxel:filter=9:layers={name}").parse().unwrap();
+        let voxel = Voxel::from_spec(&gpu, &spec, Some(&baked.light)).unwrap();
+        let lit = voxel.light().lit_taps(&gpu, &receivers).unwrap();
+        let twin: Vec<_> = receivers.iter().map(|r| query.with_layers(layers).lit_taps(r)).collect();
+        assert!(lit == twin, "{name}");
+        lit
+    });
+    let apart = lit[0].iter().zip(&lit[1]).filter(|(tap, block)| tap != block).count();
+    assert!(apart * 50 > COUNT, "{apart} differ");
+}
+
+/// A grid of unit voxels, sixteen per side, along the world axes.
+fn unit_grid() -> LightGrid {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size: [16; 3] }
+}
+
+#[test]
+fn packed_voxel_in_six_bindings_counts_the_same() {
+    let packed = &generated()[1];
+    let LightBody::Packed(graph) = &packed.light.body else { panic!("not packed") };
+    let words = graph.top.len() + graph.units.len() / 2 + 2 * graph.leaf_masks.len();
+    let bytes = 4 * (words as u64 / 4).next_power_of_two();
+    let options = GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() };
+    let gpu = Gpu::request(&options).unwrap();
+    let settings = VoxelSettings::taps(9, packed.light.settings.bias);
+    let light = BakedLight::from_file(&gpu, &packed.light, settings).unwrap();
+    assert_eq!((light.bytes(), light.bindings().access().name), (4 * words as u64, source::WORDS_6.name));
+    exact_light(&gpu, packed, 9, 20_000);
+}
+
+/// A graph of sixteen voxels per side made of eight cubes, each with one leaf mask. The pool has `pool_units` units,
+/// and pointers of every kind lead into it and past it.
+fn eight_cubes(pool_units: u32, high_bits: u32) -> PackedDag {
+    let mut units = vec![0; pool_units as usize];
+    let cube = |units: &mut [u16], p: u32| {
+        units[0] = 0x0201;
+        units[1..5].fill((0x9e37_79b9_u32.wrapping_mul(p + 1) >> 11) as u16);
+    };
+    // The cube of pointer 1 follows the slots, and pointer 3 is near. Four pointers are wide, the other two are narrow.
+    let wide = [0, 2, 5, 7];
+    let mut string = vec![0_u16; (high_bits.max(8) + 4 * high_bits).div_ceil(16) as usize];
+    let mut place = high_bits.max(8);
+    let mut slots = Vec::new();
+    let mut inside = [0; 10];
+    for p in 0..8 {
+        match p {
+            1 => cube(&mut inside, p),
+            3 => {
+                cube(&mut inside[5..], p);
+                slots.push(5);
+            }
+            _ => {
+                let is_wide = wide.contains(&p);
+                let target = if is_wide { pool_units - 5 * (p + 1) } else { 7 * p };
+                cube(&mut units[target as usize..], p);
+                if is_wide {
+                    string[0] |= 1 << p;
+                    string[(place >> 4) as usize] |= (target >> 16 << (place & 15)) as u16;
+                    place += high_bits;
+                }
+                slots.push(if is_wide { target } else { target + NEAR_UNITS } as u16);
+            }
+        }
+    }
+    units.push(0x96db);
+    units.extend(string.into_iter().chain(slots).chain(inside));
+    units.resize(units.len().next_multiple_of(2), 0);
+    let mut top = vec![units.len() as u32; POOL_WORDS];
+    top[..2].copy_from_slice(&[0, pool_units]);
+    top.extend([0, 0, 1, 0]);
+    PackedDag { size: [16; 3], root_level: 4, top_dims: [1; 3], top, units, leaf_masks: Vec::new() }
+}
+
+#[test]
+fn packed_voxel_follows_wide_slots_of_every_width() {
+    let gpu = kit::gpu();
+    let grid = unit_grid();
+    let centre = |c: i64| c * i64::from(FIXED_ONE) + i64::from(FIXED_ONE / 2);
+    let gradients = [[0, 0], [256, -100]];
+    let receivers: Vec<_> = (0..4096)
+        .flat_map(|i| {
+            let p_fixed = [i & 15, i >> 4 & 15, i >> 8].map(centre);
+            gradients.map(|gradient| FixedReceiver { p_fixed, gradient })
+        })
+        .collect();
+    for (pool_units, high_bits) in [(1 << 20, 4), ((1 << 20) + 2, 8), (1 << 24, 8), ((1 << 24) + 2, 16)] {
+        let packed = eight_cubes(pool_units, high_bits);
+        let body = LightBody::Packed(packed.clone());
+        for filter in [1, 9] {
+            let query = Query::new(&grid, &packed, Bias::default(), filter).unwrap();
+            let expected: Vec<_> = receivers.iter().map(|r| query.lit_taps(r)).collect();
+            let settings = VoxelSettings::taps(filter, Bias::default());
+            let light = BakedLight::new(&gpu, &grid, &body, settings).unwrap();
+            assert!(light.lit_taps(&gpu, &receivers).unwrap() == expected, "{pool_units} {filter}");
+            assert!(expected.contains(&0) || filter > 1);
+        }
+        let masks: HashSet<u64> =
+            (0..8).map(|c| packed.look_up(c >> 2 << 3, c >> 1 << 3 & 8, c << 3 & 8)).collect();
+        assert_eq!(masks.len(), 8, "{pool_units}");
+    }
+}
