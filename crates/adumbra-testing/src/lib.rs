@@ -1,10 +1,11 @@
 //! Code shared by the tests of several crates: folders next to the repository, bakes by layout, hand-made depths, runs
-//! of the programs, and test vectors.
+//! of the programs, scenes made by hand, and test vectors.
 
 mod bakes;
 mod leaves;
 mod programs;
 mod shared_folder;
+mod solids;
 mod vectors;
 
 pub use bakes::{BakedGraph, bake_depths, bake_file, bake_graph};
@@ -13,6 +14,7 @@ pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_program, program, read_f32, stderr,
 };
 pub use shared_folder::{full, scene_file, shared};
+pub use solids::{add_box, add_quad, cuboid, scene_of};
 pub use vectors::{
     ExpectedPoint, FaultyVector, SpecifiedExample, assert_faults_found, expected_points, f64_at,
     faulty_vectors, named_vectors, specified_example, u32_at, u64_at, vector_answers, vectors,
