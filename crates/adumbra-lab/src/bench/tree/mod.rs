@@ -79,34 +79,35 @@ pub(super) fn run(args: &BenchTree) -> Result<Code> {
     // Sections that this run does not measure keep their earlier results.
     let mut document =
         if args.only.is_empty() { Document::default() } else { earlier(&args.output.join("tree.json"))? };
-    let asked = |key: &str| args.only.is_empty() || args.only.iter().any(|only| only == key);
-    // Saved after every section, so that a failure loses only the section in progress.
-    if asked("builders") {
-        document.builders = Some(part(args, builders::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("reductions") {
-        document.reductions = Some(part(args, reductions::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("frames") {
-        document.frames = Some(part(args, frames::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("options") {
-        document.options = Some(part(args, options::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("filters") {
-        document.filters = Some(part(args, filters::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
+    document.measure(args, &scenes, "builders", builders::measure, |d| &mut d.builders)?;
+    document.measure(args, &scenes, "reductions", reductions::measure, |d| &mut d.reductions)?;
+    document.measure(args, &scenes, "frames", frames::measure, |d| &mut d.frames)?;
+    document.measure(args, &scenes, "options", options::measure, |d| &mut d.options)?;
+    document.measure(args, &scenes, "filters", filters::measure, |d| &mut d.filters)?;
     say_tables(&args.output, "tree");
     Ok(Code::Fine)
 }
 
-fn part<R>(args: &BenchTree, rows: R) -> Part<R> {
-    Part { runs: args.runs, samples: args.samples, threads: rayon::current_num_threads(), rows }
+impl Document {
+    /// Measures a section if the arguments ask for it.
+    ///
+    /// What was measured is saved after every section, so that a failure loses only the section in progress.
+    fn measure<R>(
+        &mut self,
+        args: &BenchTree,
+        scenes: &[BenchScene],
+        key: &str,
+        rows: fn(&BenchTree, &[BenchScene]) -> Result<R>,
+        section: fn(&mut Self) -> &mut Option<Part<R>>,
+    ) -> Result<()> {
+        if !args.only.is_empty() && args.only.iter().all(|only| only != key) {
+            return Ok(());
+        }
+        let rows = rows(args, scenes)?;
+        let (runs, samples, threads) = (args.runs, args.samples, rayon::current_num_threads());
+        *section(self) = Some(Part { runs, samples, threads, rows });
+        save(args, self)
+    }
 }
 
 /// Writes tables, figures and plots of the sections measured so far.
