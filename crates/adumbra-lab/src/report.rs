@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::Band;
+use crate::page::Table;
 use crate::shimmer::Shimmer;
 
 /// All results of one camera.
@@ -172,6 +173,12 @@ impl TechniqueRow {
     pub fn wrong(&self) -> Option<f64> {
         Some(self.wrong_lit? + self.wrong_shadowed?)
     }
+
+    /// Formats one of its times, with a star if it is a wall time.
+    fn milliseconds(&self, time: Option<f64>) -> String {
+        let star = if self.wall_time { "*" } else { "" };
+        time.map_or_else(|| "–".to_owned(), |ms| format!("{ms:.3}{star}"))
+    }
 }
 
 /// Results over a camera path.
@@ -275,47 +282,44 @@ impl Report {
 
     /// Returns a table with one row per technique.
     pub(crate) fn technique_table(&self) -> String {
-        let mut text = format!(
+        let table = Table::of(
+            "",
+            &self.techniques,
+            &[
+                ("technique", |t| format!("`{}`", t.name)),
+                ("all ms", |t| t.milliseconds(t.gpu_ms)),
+                ("depth", |t| t.milliseconds(t.depth_ms)),
+                ("look-up", |t| t.milliseconds(t.lookup_ms)),
+                ("screen", |t| t.milliseconds(t.screen_ms)),
+                ("MB", |t| megabytes(t.bytes, 2)),
+                ("truth", |t| match t.truth {
+                    TruthKind::Hard => "hard".to_owned(),
+                    TruthKind::Disc => "disc".to_owned(),
+                }),
+                ("RMSE", |t| figure(t.rmse, 4)),
+                ("SSIM", |t| figure(t.ssim, 4)),
+                ("FLIP", |t| figure(t.flip, 4)),
+                ("wrong lit %", |t| percent(t.wrong_lit, 3)),
+                ("wrong shadowed %", |t| percent(t.wrong_shadowed, 3)),
+                ("clear of edges %", |t| {
+                    let both =
+                        |c: ClearErrors| [c.wrong_lit, c.wrong_shadowed].map(|s| percent(s, 3)).join(" + ");
+                    t.clear.map_or_else(|| "–".to_owned(), both)
+                }),
+            ],
+        );
+        format!(
             "Times are medians of {} frames in milliseconds (*: wall time, because the device has no timestamps \
             or is a software renderer). Truth is traced towards the sun's centre (hard) or towards a disc of {}° \
             with {} rays per pixel (disc). RMSE and wrong shares are of the shadow factor, SSIM and FLIP (67 \
             pixels per degree) of the composited picture. Wrong lit: shadowed pixels called lit. Wrong shadowed: \
             lit pixels called shadowed. Clear of edges: the same two, counting only pixels more than two of the \
-            technique's texels away from any edge of the true shadow.\n\n\
-            | technique | all ms | depth | look-up | screen | MB | truth | RMSE | SSIM | FLIP | wrong lit % | wrong shadowed % | clear of edges % |\n\
-            |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-            self.frames, self.sun_angle_degrees, self.sun_samples
-        );
-        for t in &self.techniques {
-            let ms = |time: Option<f64>| {
-                let star = if t.wall_time { "*" } else { "" };
-                time.map_or_else(|| "–".to_owned(), |ms| format!("{ms:.3}{star}"))
-            };
-            let clear = t.clear.map_or_else(
-                || "–".to_owned(),
-                |c| format!("{:.3} + {:.3}", 100.0 * c.wrong_lit, 100.0 * c.wrong_shadowed),
-            );
-            let _ = writeln!(
-                text,
-                "| `{}` | {} | {} | {} | {} | {:.2} | {} | {} | {} | {} | {} | {} | {clear} |",
-                t.name,
-                ms(t.gpu_ms),
-                ms(t.depth_ms),
-                ms(t.lookup_ms),
-                ms(t.screen_ms),
-                t.bytes as f64 / 1e6,
-                match t.truth {
-                    TruthKind::Hard => "hard",
-                    TruthKind::Disc => "disc",
-                },
-                figure(t.rmse, 4),
-                figure(t.ssim, 4),
-                figure(t.flip, 4),
-                percent(t.wrong_lit, 3),
-                percent(t.wrong_shadowed, 3)
-            );
-        }
-        text + "\n"
+            technique's texels away from any edge of the true shadow.\n\n{}\n",
+            self.frames,
+            self.sun_angle_degrees,
+            self.sun_samples,
+            table.markdown()
+        )
     }
 
     /// Returns wrong pixels by distance, with one row per band and one column per technique.
@@ -361,30 +365,27 @@ impl Report {
 impl PathReport {
     /// Returns a table with one row per technique, and how often voxels are cheaper.
     pub fn markdown(&self) -> String {
-        let mut text = format!(
-            "## Along a path of {} frames\n\nShimmer: share of the points near an edge of the true shadow whose \
-            shadow factor changes by more than 0.05 from one frame to the next, and the mean change there.\n\n| \
-            technique | median ms | min | max | shimmer % | mean change |\n|---|---|---|---|---|---|\n",
-            self.frames
-        );
+        let head = ["technique", "median ms", "min", "max", "shimmer %", "mean change"];
+        let mut table = Table::new("", &head);
         for t in &self.techniques {
             let mut sorted = t.gpu_ms.clone();
             sorted.sort_by(f64::total_cmp);
-            let at = |i: usize| sorted.get(i).copied().unwrap_or(f64::NAN);
-            let shimmer = t.shimmer.map_or_else(
-                || "– | –".to_owned(),
-                |s| format!("{} | {}", percent(s.edge_share, 3), figure(s.edge_mean, 5)),
-            );
-            let _ = writeln!(
-                text,
-                "| `{}` | {:.3} | {:.3} | {:.3} | {shimmer} |",
-                t.name,
+            let at = |i: usize| figure(sorted.get(i).copied().unwrap_or(f64::NAN), 3);
+            table.row([
+                format!("`{}`", t.name),
                 at(sorted.len() / 2),
                 at(0),
-                at(sorted.len().saturating_sub(1))
-            );
+                at(sorted.len().saturating_sub(1)),
+                percent(t.shimmer.and_then(|s| s.edge_share), 3),
+                figure(t.shimmer.and_then(|s| s.edge_mean), 5),
+            ]);
         }
-        text.push('\n');
+        let mut text = format!(
+            "## Along a path of {} frames\n\nShimmer: share of the points near an edge of the true shadow whose \
+            shadow factor changes by more than 0.05 from one frame to the next, and the mean change there.\n\n{}\n",
+            self.frames,
+            table.markdown()
+        );
         for c in &self.cheaper {
             let _ = writeln!(
                 text,
@@ -434,13 +435,18 @@ pub fn escaped(name: &str) -> String {
 }
 
 /// Formats a value with `digits` digits after the point, or as a dash if there is none.
-pub fn figure(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
+pub fn figure(value: impl Into<Option<f64>>, digits: usize) -> String {
+    value.into().map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
 }
 
 /// Formats a share in percent, see [`figure`].
-pub fn percent(share: Option<f64>, digits: usize) -> String {
-    figure(share.map(|s| 100.0 * s), digits)
+pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
+    figure(share.into().map(|s| 100.0 * s), digits)
+}
+
+/// Formats a size in MB of 10^6 bytes, see [`figure`].
+pub(crate) fn megabytes(bytes: impl Into<Option<u64>>, digits: usize) -> String {
+    figure(bytes.into().map(|b| b as f64 / 1e6), digits)
 }
 
 fn triple(v: [f64; 3]) -> String {
@@ -484,8 +490,8 @@ mod tests {
 
     #[test]
     fn figures_of_nothing_are_dashes() {
-        assert_eq!((figure(None, 3), figure(Some(0.5), 3)), ("–".to_owned(), "0.500".to_owned()));
-        assert_eq!(percent(Some(0.01234), 2), "1.23");
+        assert_eq!((figure(None::<f64>, 3), figure(0.5, 3)), ("–".to_owned(), "0.500".to_owned()));
+        assert_eq!((percent(0.01234, 2), megabytes(1_500_000, 1)), ("1.23".to_owned(), "1.5".to_owned()));
         let counts = PixelCounts { compared: 97, sky: 900, facing_away: 1, excluded: 2 };
         assert_eq!(counts.excluded_share(), 0.02);
         assert_eq!(PixelCounts { sky: 5, ..PixelCounts::default() }.excluded_share(), 0.0);

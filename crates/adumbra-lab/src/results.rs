@@ -1,5 +1,7 @@
-//! Parts shared by the results of the benchmarks: requirements with their outcome, and numbers that JSON cannot hold.
+//! Parts shared by the results of the benchmarks: requirements with their outcome, what drew and timed, and numbers that
+//! JSON cannot hold.
 
+use adumbra_render::Gpu;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::page::Table;
@@ -30,6 +32,48 @@ impl Check {
     /// Returns the checks as Markdown.
     pub(crate) fn markdown(checks: &[Self]) -> String {
         Self::table(checks, "", "**does not hold**").markdown()
+    }
+}
+
+/// How the pictures of a benchmark are drawn and timed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(crate) struct Setup {
+    /// Command that measured.
+    pub(crate) command: String,
+    /// Adapter that drew, with its driver.
+    pub(crate) adapter: String,
+    /// Whether the adapter is a software renderer.
+    pub(crate) software: bool,
+    /// Whether times are wall times, because the device has no timestamps or is a software renderer.
+    pub(crate) wall_time: bool,
+    /// Number of frames that each median is taken over.
+    pub(crate) frames: u32,
+    /// Width and height in pixels.
+    pub(crate) size: [u32; 2],
+}
+
+impl Setup {
+    /// Returns the setup of a command that has not opened a device yet.
+    pub(crate) fn new(command: String, frames: u32, size: [u32; 2]) -> Self {
+        Self { command, adapter: String::new(), software: false, wall_time: false, frames, size }
+    }
+
+    /// Records the device that draws.
+    pub(crate) fn draw_on(&mut self, gpu: &Gpu) {
+        self.adapter = gpu.name();
+        self.software = gpu.is_software();
+    }
+
+    /// Returns the clock of the times, as the beginning of a sentence.
+    pub(crate) fn clock(&self) -> &'static str {
+        if self.software {
+            "The adapter is a software renderer: times are wall times of its passes"
+        } else if self.wall_time {
+            "The device has no timestamps: times are wall times of its passes"
+        } else {
+            "Times are GPU timestamps"
+        }
     }
 }
 

@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use adumbra_scene::{LoadOptions, Scene, load};
-use adumbra_testing::{full, npz_array, npz_camera, shared};
+use adumbra_testing::{full, npz_array, npz_camera, scene_file, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use rayon::prelude::*;
 
@@ -101,12 +101,6 @@ fn compare(scene: &Scene, view: &View, stride: usize) -> Figures {
         ao_bias: differences.iter().sum::<f64>() / pixels.len() as f64,
         ao_difference: differences.iter().map(|d| d.abs()).sum::<f64>() / pixels.len() as f64,
     }
-}
-
-/// The scene file with that name, with any supported extension.
-fn scene_file(scenes: &Path, name: &str) -> PathBuf {
-    let candidates = ["glb", "ply", "obj"].map(|e| scenes.join(format!("{name}.{e}")));
-    candidates.into_iter().find(|p| p.exists()).unwrap_or_else(|| panic!("no scene for {name}"))
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! Regions of several depths in one tree: the requested depth in each region, and no seams between them.
 
-use adumbra::{Bias, LightGrid, Sun};
+use adumbra::Sun;
 use adumbra_bake::{Size, Watch};
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_tree::query::{TreeQuery, Weights};
 use adumbra_tree::{BakedTree, Detail, Region, TreeOptions, VoxelTree, bake_tree};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
-    Answers, Promises, Sampler, Solids, SurfaceSampler, TreeAnswers, Verifier, VerifyOptions,
+    Answers, Replaced, Sampler, Solids, SurfaceSampler, TreeAnswers, Verifier, VerifyOptions,
 };
 
 const SUN: [f64; 3] = [0.5, 0.8, 0.35];
@@ -89,54 +89,16 @@ fn tree_refuses_regions_that_make_no_sense() {
     assert!(refused(Detail::Rings { center_xz: [900.0; 2], radii: vec![1.0] }, 6).contains("the rings"));
 }
 
-/// Restricts the comparison to points near the borders of regions.
-struct NearSeams<'a> {
-    answers: TreeAnswers<'a, VoxelTree>,
-    baked: &'a BakedTree,
-    coarse_voxels: f64,
-}
-
-impl Answers for NearSeams<'_> {
-    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        self.answers.visibility(p_world, normal)
-    }
-
-    fn towards_sun(&self) -> [f64; 3] {
-        self.answers.towards_sun()
-    }
-
-    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
-        self.answers.grid_at(p_world, normal)
-    }
-
-    fn bias(&self) -> Bias {
-        self.answers.bias()
-    }
-
-    fn baked_bias(&self) -> Bias {
-        self.answers.baked_bias()
-    }
-
-    fn covers(&self, p: [f64; 3]) -> bool {
-        self.baked.regions.list.iter().any(|r| {
-            let coarse = self.baked.space.voxel_size
-                * f64::from(1_u32 << (self.baked.space.depth + 1 - r.depth))
-                * self.coarse_voxels;
-            let [dx, dz] = [(p[0], r.x), (p[2], r.z)].map(|(c, [low, high])| {
-                // Distance to the range if outside, or minus the distance to its nearer end if inside.
-                (low - c).max(c - high)
-            });
-            dx.max(dz).abs() < coarse
-        })
-    }
-
-    fn insides_are_free(&self) -> bool {
-        self.answers.insides_are_free()
-    }
-
-    fn promises(&self) -> Promises {
-        Promises::TREE
-    }
+/// Whether a point is within `voxels` of a region's border, in voxels of the side that has the larger ones.
+fn is_near_a_seam(baked: &BakedTree, p: [f64; 3], voxels: f64) -> bool {
+    baked.regions.list.iter().any(|r| {
+        let coarse = baked.space.voxel_size * f64::from(1_u32 << (baked.space.depth + 1 - r.depth)) * voxels;
+        let [dx, dz] = [(p[0], r.x), (p[2], r.z)].map(|(c, [low, high])| {
+            // Distance to the range if outside, or minus the distance to its nearer end if inside.
+            (low - c).max(c - high)
+        });
+        dx.max(dz).abs() < coarse
+    })
 }
 
 #[test]
@@ -203,8 +165,11 @@ fn tree_regions_are_queried_without_seams() {
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun().towards(), false));
     for kernel_side in [1, 3, 5] {
-        let answers = TreeAnswers::new(&baked.settings, sun(), query(&baked, kernel_side));
-        let near = NearSeams { answers, baked: &baked, coarse_voxels: 6.0 };
+        let near = Replaced {
+            answers: TreeAnswers::new(&baked.settings, sun(), query(&baked, kernel_side)),
+            visibility: Answers::visibility,
+            covers: |_: &TreeAnswers<'_, VoxelTree>, p| is_near_a_seam(&baked, p, 6.0),
+        };
         let v = Verifier::new(&near, &tracer, &solids)
             .run(&sampler, &VerifyOptions { samples: 1_500_000, seed: 5 });
         println!("{kernel_side}: {v:?}");

@@ -1,13 +1,13 @@
 //! Tests of `verify` itself: whether it draws its points uniformly, omits none, and finds each kind of wrong answer.
 
 use adumbra::query::{Receiver, receiver};
-use adumbra::{Bias, LightGrid, Query, Sun};
+use adumbra::{Query, Sun};
 use adumbra_bake::{BakeOptions, Size};
-use adumbra_scene::{GeneratedKind, Instance, Material, Mesh, Scene, generate};
-use adumbra_testing::{BakedGraph, bake_graph};
+use adumbra_scene::{GeneratedKind, Instance, Scene, generate};
+use adumbra_testing::{BakedGraph, bake_graph, cuboid, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
-    Answers, Class, LightAnswers, Promises, Sampler, Solids, SurfaceSampler, Verification, Verifier,
+    Answers, Class, LightAnswers, Replaced, Sampler, Solids, SurfaceSampler, Verification, Verifier,
     VerifyOptions,
 };
 
@@ -27,18 +27,6 @@ fn verify(scene: &Scene, baked: &BakedGraph, filter: u32, samples: u64) -> Verif
     check(scene, baked.grid.sun, &LightAnswers::new(&baked.grid, &baked.settings, query), samples)
 }
 
-/// A cube with a side of one metre about the origin.
-fn unit_cube() -> Mesh {
-    let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 1 { 0.5 } else { -0.5 });
-    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    Mesh {
-        positions: (0..8).map(corner).collect(),
-        triangles: faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
-        triangle_materials: vec![0; 12],
-        ..Mesh::default()
-    }
-}
-
 fn placed(scale: [f64; 3], at: [f64; 3]) -> Instance {
     let row = |a: usize| {
         std::array::from_fn(|b| {
@@ -54,13 +42,9 @@ fn placed(scale: [f64; 3], at: [f64; 3]) -> Instance {
     Instance { name: String::new(), mesh: 0, world_from_mesh: [row(0), row(1), row(2)], casts: true }
 }
 
-fn scene_of(instances: Vec<Instance>) -> Scene {
-    Scene {
-        meshes: vec![unit_cube()],
-        instances,
-        materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
-        ..Scene::default()
-    }
+/// Returns a scene of instances of a cube with a side of one metre about the origin.
+fn cubes(instances: Vec<Instance>) -> Scene {
+    Scene { instances, ..scene_of(vec![cuboid([-0.5; 3], [0.5; 3])]) }
 }
 
 /// A floor of 100 m by 100 m, which is the unit cube scaled non-uniformly, below a hundred cubes that float three
@@ -71,7 +55,7 @@ fn cubes_over_a_scaled_floor() -> Scene {
         let at = [f64::from(i % 10) * 9.0 - 40.5, 3.0, f64::from(i / 10) * 9.0 - 40.5];
         instances.push(placed([1.0; 3], at));
     }
-    scene_of(instances)
+    cubes(instances)
 }
 
 #[test]
@@ -97,7 +81,7 @@ fn points_are_spread_by_area_over_instances_of_any_scale() {
 #[test]
 fn instances_without_volume_are_sampled_too() {
     // The floor has no thickness, but the cube above it does.
-    let scene = scene_of(vec![placed([20.0, 0.0, 20.0], [0.0; 3]), placed([2.0; 3], [0.0, 4.0, 0.0])]);
+    let scene = cubes(vec![placed([20.0, 0.0, 20.0], [0.0; 3]), placed([2.0; 3], [0.0, 4.0, 0.0])]);
     let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
     let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(512)));
     let v = verify(&scene, &baked, 1, 40_000);
@@ -123,50 +107,6 @@ fn every_point_that_the_sun_can_shine_on_is_in_one_class() {
 /// Falsifies an answer, given the point's grid position, its n·l and the filtered value.
 type Lie = fn([f64; 3], f64, f32) -> f32;
 
-/// A correct file whose visibility is replaced.
-struct Replaced<'a, F> {
-    honest: LightAnswers<'a>,
-    visibility: F,
-}
-
-impl<F: Fn(&LightAnswers<'_>, [f64; 3], Option<[f64; 3]>) -> f32 + Sync> Answers for Replaced<'_, F> {
-    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        (self.visibility)(&self.honest, p_world, normal)
-    }
-
-    fn towards_sun(&self) -> [f64; 3] {
-        self.honest.towards_sun()
-    }
-
-    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
-        self.honest.grid_at(p_world, normal)
-    }
-
-    fn bias(&self) -> Bias {
-        self.honest.bias()
-    }
-
-    fn baked_bias(&self) -> Bias {
-        self.honest.baked_bias()
-    }
-
-    fn covers(&self, p_world: [f64; 3]) -> bool {
-        self.honest.covers(p_world)
-    }
-
-    fn insides_are_free(&self) -> bool {
-        self.honest.insides_are_free()
-    }
-
-    fn taps(&self, receiver: &Receiver) -> Vec<[f64; 3]> {
-        self.honest.taps(receiver)
-    }
-
-    fn promises(&self) -> Promises {
-        self.honest.promises()
-    }
-}
-
 /// Verifies a correct file of a small city whose answers are shifted and falsified, and returns the classes that miss
 /// their promises.
 fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
@@ -182,7 +122,7 @@ fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
         let n_dot_l = normal.map_or(1.0, |n| (0..3).map(|a| n[a] * honest.towards_sun()[a]).sum());
         lie(p_grid, n_dot_l, honest.visibility(moved, normal))
     };
-    let liar = Replaced { honest, visibility };
+    let liar = Replaced { answers: honest, visibility, covers: Answers::covers };
     let v = check(&scene, sun, &liar, 20_000);
     v.classes.iter().filter(|c| !c.holds).map(|c| c.class).collect()
 }
@@ -207,7 +147,12 @@ fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
             let gradient = r.gradient.map(|g| g * (9.95 / slope).min(1.0));
             query.receiver_visibility(&Receiver { gradient, ..r })
         };
-        let v = check(&scene, sun, &Replaced { honest: honest(), visibility: clamped }, 10_000);
+        let v = check(
+            &scene,
+            sun,
+            &Replaced { answers: honest(), visibility: clamped, covers: Answers::covers },
+            10_000,
+        );
         assert_eq!(v.class(Class::Grazing).holds, is_right, "{elevation}° {filter}: {v:?}");
     }
 }
@@ -263,14 +208,14 @@ fn posts_on_a_floor() -> Scene {
         let at = [f64::from(i % 20) * 4.7 - 44.0, 1.5, f64::from(i / 20) * 4.7 - 44.0];
         instances.push(placed([0.2, 3.0, 0.2], at));
     }
-    scene_of(instances)
+    cubes(instances)
 }
 
 #[test]
 fn posts_without_shadows_are_found() {
     let scene = posts_on_a_floor();
     let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
-    let floor = scene_of(vec![scene.instances[0].clone()]);
+    let floor = cubes(vec![scene.instances[0].clone()]);
     let options = BakeOptions::new(sun, Size::Resolution(1024));
     for filter in [1, 5, 9] {
         let right = verify(&scene, &bake_quietly(&scene, &options), filter, 20_000);

@@ -3,9 +3,8 @@
 #![cfg(feature = "render")]
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use adumbra_testing::{Folder, adumbra, json};
+use adumbra_testing::{Folder, adumbra, json, shared};
 
 #[test]
 fn compare_leaves_tables_and_pictures() {
@@ -179,23 +178,11 @@ fn compare_refuses_what_makes_no_sense() {
     }
 }
 
-/// Returns the folder of scenes and truth that are not part of the repository. If it is absent, prints a note and
-/// returns `None`.
-fn shared() -> Option<PathBuf> {
-    let base = std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    if !base.join("truth").is_dir() {
-        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", base.display());
-        return None;
-    }
-    Some(base)
-}
-
 #[test]
 fn shared_compare_takes_camera_and_sun_of_a_truth_file() {
-    let Some(shared) = shared() else { return };
+    let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = Folder::new();
-    let (scene, camera) = (shared.join("scenes/zdm2.glb"), shared.join("truth/zdm2.npz"));
+    let (scene, camera) = (scenes.join("zdm2.glb"), truth.join("zdm2.npz"));
     let (scene, camera) = (scene.to_str().unwrap(), camera.to_str().unwrap());
     let out = folder.path("out");
     let base = [

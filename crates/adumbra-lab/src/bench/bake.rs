@@ -10,6 +10,7 @@ use super::{DEFAULT_SUN, child, say_tables, write};
 use crate::Result;
 use crate::args::BenchBake;
 use crate::page::Table;
+use crate::report::{figure, megabytes};
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -126,23 +127,21 @@ fn bake_row(args: &BenchBake, name: &str, resolution: u64, variant: &(&str, &[&s
 }
 
 fn table(rows: &[Row]) -> String {
-    let head =
-        ["scene", "N", "options", "s", "peak MB", "file MB", "bits/texel", "nodes", "leaf masks", "× raw"];
-    let mut table = Table::new("", &head);
-    for r in rows {
-        let peak = r.peak_bytes.map_or_else(|| "–".to_owned(), |bytes| format!("{:.0}", bytes as f64 / 1e6));
-        table.row([
-            r.scene.clone(),
-            r.resolution.to_string(),
-            r.option.clone(),
-            format!("{:.2}", r.seconds),
-            peak,
-            format!("{:.2}", r.file_bytes as f64 / 1e6),
-            format!("{:.3}", r.bits_per_texel),
-            r.nodes.to_string(),
-            r.leaf_masks.to_string(),
-            format!("{:.0}", r.times_smaller),
-        ]);
-    }
+    let table = Table::of(
+        "",
+        rows,
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("N", |r| r.resolution.to_string()),
+            ("options", |r| r.option.clone()),
+            ("s", |r| figure(r.seconds, 2)),
+            ("peak MB", |r| megabytes(r.peak_bytes, 0)),
+            ("file MB", |r| megabytes(r.file_bytes, 2)),
+            ("bits/texel", |r| figure(r.bits_per_texel, 3)),
+            ("nodes", |r| r.nodes.to_string()),
+            ("leaf masks", |r| r.leaf_masks.to_string()),
+            ("× raw", |r| figure(r.times_smaller, 0)),
+        ],
+    );
     table.markdown()
 }

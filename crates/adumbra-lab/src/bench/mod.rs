@@ -18,10 +18,12 @@ use std::path::Path;
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::write_whole;
 use adumbra_program::say;
+use adumbra_truth::picture::Picture;
 use serde::Serialize;
 
 use crate::Result;
 use crate::args::{BenchVerb, SuiteArg};
+use crate::pictures::png;
 
 /// Direction towards the sun, for the tables with a single sun.
 const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
@@ -50,6 +52,20 @@ fn write(folder: &Path, name: &str, markdown: &str, figures: &impl Serialize) ->
     let json = serde_json::to_value(figures).map_err(|e| Failure::BadInput(e.to_string()))?;
     write_whole(&folder.join(format!("{name}.md")), markdown.as_bytes())?;
     write_whole(&folder.join(format!("{name}.json")), format!("{json:#}\n").as_bytes())?;
+    Ok(())
+}
+
+/// Writes a sheet of pictures into a benchmark's folder as `NAME.png`, and adds its file and caption to `sheets`.
+fn keep_sheet(
+    folder: &Path,
+    sheets: &mut Vec<[String; 2]>,
+    name: &str,
+    caption: String,
+    sheet: &Picture,
+) -> Result<()> {
+    let file = format!("{name}.png");
+    write_whole(&folder.join(&file), &png(sheet)?)?;
+    sheets.push([file, caption]);
     Ok(())
 }
 

@@ -1,7 +1,5 @@
 //! `adumbra-lab bench verify`: compares files of several scenes under several suns with rays.
 
-use std::fmt::Write as _;
-
 use adumbra::{Query, Sun};
 use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch, bake};
 use adumbra_program::exit::Code;
@@ -18,6 +16,8 @@ use serde::{Deserialize, Serialize};
 use super::{DEFAULT_SUN, say_tables, write};
 use crate::Result;
 use crate::args::BenchVerify;
+use crate::page::Table;
+use crate::report::percent;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -115,46 +115,54 @@ pub(super) fn run(args: &BenchVerify) -> Result<Code> {
 }
 
 fn table(args: &BenchVerify, document: &Document) -> String {
-    let mut text = format!(
+    let table = Table::of(
+        "",
+        &document.rows,
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("sun", |r| r.sun.clone()),
+            ("layout", |r| r.layout.clone()),
+            ("K", |r| r.filter.to_string()),
+            ("all", |r| percent(r.figures.agreement, 3)),
+            ("interior", |r| r.agreement(Class::Interior)),
+            ("grazing", |r| r.agreement(Class::Grazing)),
+            ("edge: misplaced", |r| r.misplaced(Class::Edge)),
+            ("narrow: misplaced", |r| r.misplaced(Class::Narrow)),
+            ("thin", |r| r.agreement(Class::Thin)),
+            ("edge-on", |r| r.agreement(Class::EdgeOn)),
+            ("acne", |r| percent(r.figures.acne, 3)),
+            ("leak", |r| percent(r.figures.leak, 3)),
+            ("holds", |r| if r.holds { "yes" } else { "no" }.to_owned()),
+        ],
+    );
+    format!(
         "# Agreement with rays{}\n\nN = {}, {} random points per row. `adumbra_truth::verify` defines the \
         classes. Agreement is in % of the points of a class; with a filter of K × K texels, it is 100 minus the \
         mean difference from the rays' own mean. The share of the compared points that are in the class follows \
-        in brackets. For edges and narrow features, the figure is the share that is wrong by more than a texel.\n\n\
-        | scene | sun | layout | K | all | interior | grazing | edge: misplaced | narrow: misplaced | thin | edge-on | acne | leak | holds |\n\
-        |---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        in brackets. For edges and narrow features, the figure is the share that is wrong by more than a texel.\n\n{}",
         if args.volume { ", points in free space" } else { "" },
         document.resolution,
-        args.samples
-    );
-    for row in &document.rows {
-        let f = &row.figures;
-        let share = |class: &ClassResult| 100.0 * class.points as f64 / f.samples as f64;
-        let agreement = |class: Class| match f.class(class) {
+        args.samples,
+        table.markdown()
+    )
+}
+
+impl Row {
+    fn agreement(&self, class: Class) -> String {
+        match self.figures.class(class) {
             c if c.points == 0 => "–".to_owned(),
-            c => format!("{:.4} ({:.1})", 100.0 * c.agreement, share(c)),
-        };
-        let misplaced = |class: Class| match f.class(class) {
-            c if c.points == 0 || row.filter != 1 => "–".to_owned(),
-            c => format!("{:.3} ({:.1})", 100.0 * c.misplaced_share(), share(c)),
-        };
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {:.3} | {} | {} | {} | {} | {} | {} | {:.3} | {:.3} | {} |",
-            row.scene,
-            row.sun,
-            row.layout,
-            row.filter,
-            100.0 * f.agreement,
-            agreement(Class::Interior),
-            agreement(Class::Grazing),
-            misplaced(Class::Edge),
-            misplaced(Class::Narrow),
-            agreement(Class::Thin),
-            agreement(Class::EdgeOn),
-            100.0 * f.acne,
-            100.0 * f.leak,
-            if row.holds { "yes" } else { "no" },
-        );
+            c => format!("{:.4} ({:.1})", 100.0 * c.agreement, self.points_percent(c)),
+        }
     }
-    text
+
+    fn misplaced(&self, class: Class) -> String {
+        match self.figures.class(class) {
+            c if c.points == 0 || self.filter != 1 => "–".to_owned(),
+            c => format!("{:.3} ({:.1})", 100.0 * c.misplaced_share(), self.points_percent(c)),
+        }
+    }
+
+    fn points_percent(&self, class: &ClassResult) -> f64 {
+        100.0 * class.points as f64 / self.figures.samples as f64
+    }
 }

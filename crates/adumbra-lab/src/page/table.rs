@@ -18,7 +18,24 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+/// A column of a table: its header, and its cell in the row of an item.
+pub(crate) type Column<'a, R> = (&'a str, fn(&R) -> String);
+
 impl Table {
+    /// Creates a table with one row per item.
+    pub(crate) fn of<'r, R: 'r>(
+        caption: &str,
+        items: impl IntoIterator<Item = &'r R>,
+        columns: &[Column<'_, R>],
+    ) -> Self {
+        let head: Vec<&str> = columns.iter().map(|(head, _)| *head).collect();
+        let mut table = Self::new(caption, &head);
+        for item in items {
+            table.row(columns.iter().map(|(_, cell)| cell(item)));
+        }
+        table
+    }
+
     /// Creates an empty table with these columns.
     pub fn new(caption: &str, head: &[&str]) -> Self {
         Self {
@@ -120,6 +137,13 @@ fn looks_numeric(cell: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn table_has_a_row_per_item() {
+        let table =
+            Table::of("", &[1.25, 0.5], &[("ms", f64::to_string), ("%", |ms| format!("{:.0}", 100.0 * ms))]);
+        assert_eq!(table.markdown(), "| ms | % |\n|---|---|\n| 1.25 | 125 |\n| 0.5 | 50 |\n");
+    }
 
     #[test]
     fn table_has_heads_for_columns_and_rows() {

@@ -2,7 +2,7 @@
 
 use super::data::Data;
 use super::record::Record;
-use crate::page::{Body, Embedded, Pair};
+use crate::page::{Body, Embedded, Pair, Table};
 use crate::results::Check;
 
 /// The record and files that the page is made from.
@@ -45,6 +45,34 @@ impl Seen<'_> {
             Some(picture) => body.picture(&picture, alt, caption),
             None => self.missing(section, body),
         }
+    }
+
+    /// Adds a sheet of the paper's own model, which exists only if the benchmark had that model.
+    pub(super) fn sheet(&mut self, section: &str, path: &str, alt: &str, body: &mut Body) {
+        if let Some(picture) = self.data.picture(path, None) {
+            body.picture(&picture, alt, "Ours, on the paper's model");
+            self.made_by(section, section, body);
+        }
+    }
+
+    /// Adds a table with a remark, or a note that it is missing if it has no rows.
+    pub(super) fn table(
+        &self,
+        section: &str,
+        step: &str,
+        table: &Table,
+        remark: Option<&str>,
+        body: &mut Body,
+    ) {
+        if table.rows.is_empty() {
+            self.missing(section, body);
+            return;
+        }
+        body.table(table);
+        if let Some(remark) = remark {
+            body.paragraph(remark);
+        }
+        self.made_by(section, step, body);
     }
 
     /// Adds a pair of pictures, or a note that it is missing.

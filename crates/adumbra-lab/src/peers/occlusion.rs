@@ -4,11 +4,9 @@
 //! rows that say "radius matched", the technique had the truth's radius in world units. The errors are the RMSE of
 //! visibility and the mean of visibility minus truth; above 0 is too light.
 
-use std::fmt::Write as _;
-
 use serde::{Deserialize, Serialize};
 
-use super::RowSource;
+use super::{RowSource, table};
 use crate::error::Result;
 use crate::occlusion::occlusion_errors;
 use crate::truth::TruthView;
@@ -89,14 +87,8 @@ pub fn figures(visibility: &[f32], view: &TruthView) -> Result<OcclusionFigures>
 
 /// Returns the table as Markdown.
 pub fn markdown(rows: &[OcclusionRow]) -> String {
-    let mut text =
-        format!("| ambient occlusion | measured | {} |\n|---|---|---|---|---|\n", SCENES.join(" | "));
-    for row in rows {
-        let cells = row.scenes.map(|s| s.map_or_else(|| "–".to_owned(), |f| cell(&f)));
-        // Writing to a String does not fail.
-        let _ = writeln!(text, "| {} | {} | {} |", row.name, row.source.word(), cells.join(" | "));
-    }
-    text
+    let rows = rows.iter().map(|row| (&*row.name, row.source, row.scenes.map(|f| f.as_ref().map(cell))));
+    table("ambient occlusion", SCENES, rows)
 }
 
 fn cell(figures: &OcclusionFigures) -> String {
@@ -108,9 +100,7 @@ fn cell(figures: &OcclusionFigures) -> String {
 
 #[cfg(test)]
 mod tests {
-    use adumbra::Sun;
-    use adumbra_scene::{Camera, Projection};
-
+    use super::super::tests::four_pixels;
     use super::*;
 
     #[test]
@@ -130,18 +120,9 @@ mod tests {
 
     #[test]
     fn occlusion_peers_figures_leave_out_the_sky() {
-        let projection = Projection::Perspective { fov_degrees: 45.0 };
-        let view = TruthView {
-            camera: Camera { eye: [0.0; 3], target: [1.0; 3], projection, width: 2, height: 2 },
-            sun: Sun::from_direction([0.0, 1.0, 0.0]).unwrap(),
-            position: vec![[0.0; 3]; 4],
-            normal: vec![[0.0, 1.0, 0.0]; 4],
-            n_dot_l: vec![-0.5; 4],
-            visibility: vec![0.0; 4],
-            ambient: vec![0.5, 0.5, 0.5, 1.0],
-            ambient_radius_world: 1.0,
-            valid: vec![true, true, true, false],
-        };
+        // Neither the sun's side nor its shadows count.
+        let (n_dot_l, visibility, ambient) = (vec![-0.5; 4], vec![0.0; 4], vec![0.5, 0.5, 0.5, 1.0]);
+        let view = TruthView { n_dot_l, visibility, ambient, ..four_pixels() };
         let f = figures(&[0.75, 0.25, 1.0, 0.0], &view).unwrap();
         assert!((f.rmse - 0.125_f64.sqrt()).abs() < 1e-12, "{f:?}");
         assert!((f.mean_signed.unwrap() - 0.5 / 3.0).abs() < 1e-12, "{f:?}");

@@ -4,11 +4,9 @@
 //! count. The first error is the share of pixels on the wrong side of 1/2, the second the mean |shadow factor - truth|,
 //! both in %. Quote both: the first does not show acne at half strength.
 
-use std::fmt::Write as _;
-
 use serde::{Deserialize, Serialize};
 
-use super::RowSource;
+use super::{RowSource, table};
 use crate::error::Result;
 use crate::metrics::factor_errors;
 use crate::truth::TruthView;
@@ -90,22 +88,14 @@ pub fn figures(factors: &[f32], view: &TruthView) -> Result<Option<PeerFigures>>
 
 /// Returns the table as Markdown.
 pub fn markdown(rows: &[PeerRow]) -> String {
-    let mut text = format!("| sun shadow | measured | {} |\n|---|---|---|---|---|---|\n", SCENES.join(" | "));
-    for row in rows {
-        let cells = row.scenes.map(|s| {
-            s.map_or_else(|| "–".to_owned(), |f| format!("{:.2} ({:.1})", f.wrong_percent, f.mean_percent))
-        });
-        // Writing to a String does not fail.
-        let _ = writeln!(text, "| {} | {} | {} |", row.name, row.source.word(), cells.join(" | "));
-    }
-    text
+    let cell = |f: PeerFigures| format!("{:.2} ({:.1})", f.wrong_percent, f.mean_percent);
+    let rows = rows.iter().map(|row| (&*row.name, row.source, row.scenes.map(|f| f.map(cell))));
+    table("sun shadow", SCENES, rows)
 }
 
 #[cfg(test)]
 mod tests {
-    use adumbra::Sun;
-    use adumbra_scene::{Camera, Projection};
-
+    use super::super::tests::four_pixels;
     use super::*;
 
     #[test]
@@ -124,18 +114,8 @@ mod tests {
 
     #[test]
     fn peers_figures_leave_out_what_is_not_judged() {
-        let projection = Projection::Perspective { fov_degrees: 45.0 };
-        let view = TruthView {
-            camera: Camera { eye: [0.0; 3], target: [1.0; 3], projection, width: 2, height: 2 },
-            sun: Sun::from_direction([0.0, 1.0, 0.0]).unwrap(),
-            position: vec![[0.0; 3]; 4],
-            normal: vec![[0.0, 1.0, 0.0]; 4],
-            n_dot_l: vec![0.5, 0.5, 0.1, 0.5],
-            visibility: vec![1.0, 0.0, 1.0, 1.0],
-            ambient: vec![1.0; 4],
-            ambient_radius_world: 1.0,
-            valid: vec![true, true, true, false],
-        };
+        let (n_dot_l, visibility) = (vec![0.5, 0.5, 0.1, 0.5], vec![1.0, 0.0, 1.0, 1.0]);
+        let view = TruthView { n_dot_l, visibility, ..four_pixels() };
         let f = figures(&[0.25, 0.25, 0.0, 0.0], &view).unwrap().unwrap();
         assert_eq!((f.wrong_percent, f.mean_percent), (50.0, 50.0));
         assert!(figures(&[0.0; 3], &view).is_err());

@@ -157,13 +157,8 @@ impl Cache {
         towards_sun: [f64; 3],
         shape: SunShape,
     ) -> Vec<f32> {
-        let key = scene.clone().with(b"factors").with_camera(camera).with_sun(towards_sun, shape).finish();
-        if let Some(bytes) = self.read(&key, surfaces.pixels() * 4) {
-            return decode_singles(&bytes);
-        }
-        let factors = truth.factors(surfaces, towards_sun, shape);
-        self.keep(&key, &encode_singles(&factors));
-        factors
+        let key = scene.clone().with(b"factors").with_camera(camera).with_sun(towards_sun, shape);
+        self.singles(&key, surfaces.pixels(), || truth.factors(surfaces, towards_sun, shape))
     }
 
     /// Returns [`TruthTracer::ambient`] of the `surfaces` of the same camera, cached by `scene`, camera, radius and
@@ -178,13 +173,19 @@ impl Cache {
         rays: u32,
     ) -> Vec<f32> {
         let asked = [radius_world, f64::from(rays)];
-        let key = scene.clone().with(b"ambient").with_camera(camera).with_numbers(&asked).finish();
-        if let Some(bytes) = self.read(&key, surfaces.pixels() * 4) {
+        let key = scene.clone().with(b"ambient").with_camera(camera).with_numbers(&asked);
+        self.singles(&key, surfaces.pixels(), || truth.ambient(surfaces, radius_world, rays))
+    }
+
+    /// Returns the entry of `count` numbers, or what `trace` returns, which becomes the entry.
+    fn singles(&self, key: &Key, count: usize, trace: impl FnOnce() -> Vec<f32>) -> Vec<f32> {
+        let key = key.finish();
+        if let Some(bytes) = self.read(&key, count * 4) {
             return decode_singles(&bytes);
         }
-        let visibility = truth.ambient(surfaces, radius_world, rays);
-        self.keep(&key, &encode_singles(&visibility));
-        visibility
+        let traced = trace();
+        self.keep(&key, &encode_singles(&traced));
+        traced
     }
 
     fn path(&self, key: &[u8; 32]) -> Option<PathBuf> {

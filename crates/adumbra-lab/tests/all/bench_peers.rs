@@ -1,26 +1,13 @@
 //! `bench peers` as users run it.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use adumbra_testing::{Folder, lab};
-
-/// Returns the folder of scenes and truth files that are not part of the repository.
-fn shared() -> Option<PathBuf> {
-    let base = std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    if !base.join("truth").is_dir() {
-        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", base.display());
-        return None;
-    }
-    Some(base)
-}
+use adumbra_testing::{Folder, lab, shared};
 
 #[test]
 fn shared_bench_peers_stands_beside_the_engines() {
-    let Some(shared) = shared() else { return };
+    let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = Folder::new();
-    let (scenes, truth) = (shared.join("scenes"), shared.join("truth"));
     let out = folder.path("out");
     let (code, error) = lab(&[
         "bench",

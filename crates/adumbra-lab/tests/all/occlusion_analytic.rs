@@ -10,7 +10,8 @@ use adumbra_lab::occlusion::{OcclusionReference, OcclusionStage, path_flicker, s
 use adumbra_lab::truth::{Cache, Surfaces, TruthTracer, scene_key};
 use adumbra_render::occlusion::{Estimator, Filter, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Gpu, GpuOptions, SceneOptions};
-use adumbra_scene::{Camera, Instance, Material, Mesh, Projection, Scene};
+use adumbra_scene::{Camera, Mesh, Projection, Scene};
+use adumbra_testing::{add_quad, scene_of};
 
 const SIZE: [u32; 2] = [288, 162];
 /// Width in pixels of the picture's border that is ignored.
@@ -24,58 +25,24 @@ const RAYS: u32 = 1024;
 /// One in this many of the pixels with an integral is traced.
 const TRACED: usize = 7;
 
-#[derive(Default)]
-struct Shape {
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+/// Returns a square of ground around the origin.
+fn ground(side: f32) -> Mesh {
+    let s = 0.5 * side;
+    let mut mesh = Mesh::default();
+    add_quad(&mut mesh, [[-s, 0.0, s], [s, 0.0, s], [s, 0.0, -s], [-s, 0.0, -s]]);
+    mesh
 }
 
-impl Shape {
-    fn quad(&mut self, corners: [[f32; 3]; 4]) {
-        let first = self.positions.len() as u32;
-        self.positions.extend(corners);
-        self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    }
-
-    /// Adds a square of ground around the origin.
-    fn ground(mut self, side: f32) -> Self {
-        let s = 0.5 * side;
-        self.quad([[-s, 0.0, s], [s, 0.0, s], [s, 0.0, -s], [-s, 0.0, -s]]);
-        self
-    }
-
-    fn sphere(mut self, center: [f64; 3], radius: f64, rings: u32) -> Self {
-        let point = |ring: u32, step: u32| -> [f32; 3] {
-            let (polar, around) =
-                (PI * f64::from(ring) / f64::from(rings), PI * f64::from(step) / f64::from(rings));
-            let [x, y, z] = [polar.sin() * around.cos(), polar.cos(), -polar.sin() * around.sin()];
-            [(0, x), (1, y), (2, z)].map(|(a, c): (usize, f64)| (center[a] + radius * c) as f32)
-        };
-        for (ring, step) in (0..rings).flat_map(|r| (0..2 * rings).map(move |s| (r, s))) {
-            let [a, b] = [ring, ring + 1];
-            self.quad([point(a, step), point(b, step), point(b, step + 1), point(a, step + 1)]);
-        }
-        self
-    }
-
-    fn scene(self) -> Scene {
-        let Self { positions, triangles } = self;
-        let triangle_materials = vec![0; triangles.len()];
-        let mesh = Mesh {
-            name: "shape".to_owned(),
-            positions,
-            uvs: Vec::new(),
-            colors: Vec::new(),
-            triangles,
-            triangle_materials,
-        };
-        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        Scene {
-            meshes: vec![mesh],
-            instances: vec![Instance { name: "it".to_owned(), mesh: 0, world_from_mesh: rows, casts: true }],
-            materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
-            ..Scene::default()
-        }
+fn add_sphere(mesh: &mut Mesh, center: [f64; 3], radius: f64, rings: u32) {
+    let point = |ring: u32, step: u32| -> [f32; 3] {
+        let (polar, around) =
+            (PI * f64::from(ring) / f64::from(rings), PI * f64::from(step) / f64::from(rings));
+        let [x, y, z] = [polar.sin() * around.cos(), polar.cos(), -polar.sin() * around.sin()];
+        [(0, x), (1, y), (2, z)].map(|(a, c): (usize, f64)| (center[a] + radius * c) as f32)
+    };
+    for (ring, step) in (0..rings).flat_map(|r| (0..2 * rings).map(move |s| (r, s))) {
+        let [a, b] = [ring, ring + 1];
+        add_quad(mesh, [point(a, step), point(b, step), point(b, step + 1), point(a, step + 1)]);
     }
 }
 
@@ -152,7 +119,7 @@ fn check(
 
 #[test]
 fn occlusion_of_an_infinite_plane_is_none() {
-    let scene = Shape::default().ground(4000.0).scene();
+    let scene = scene_of(vec![ground(4000.0)]);
     for (name, eye) in [("steep", [0.0, 10.0, 6.0]), ("grazing", [0.0, 0.6, 14.0]), ("low", [0.0, 0.15, 8.0])]
     {
         let stage = stage(&scene, camera(eye, [0.0, 0.0, 0.0], 40.0));
@@ -183,11 +150,11 @@ fn wall(distance: f64, radius: f64) -> f64 {
 
 #[test]
 fn occlusion_of_an_inside_corner_is_its_integral() {
-    let mut shape = Shape::default().ground(200.0);
-    shape.quad([[-100.0, 0.0, 0.0], [100.0, 0.0, 0.0], [100.0, 100.0, 0.0], [-100.0, 100.0, 0.0]]);
+    let mut corner = ground(200.0);
+    add_quad(&mut corner, [[-100.0, 0.0, 0.0], [100.0, 0.0, 0.0], [100.0, 100.0, 0.0], [-100.0, 100.0, 0.0]]);
     let radius = 1.0;
     let view = camera([0.8, 2.4, 5.2], [0.0, 0.5, 0.3], 40.0);
-    check("corner", &shape.scene(), view, radius, |p, n| {
+    check("corner", &scene_of(vec![corner]), view, radius, |p, n| {
         let distance = if n[1] > 0.5 { p[2] } else { p[1] };
         (distance < radius).then(|| 1.0 - wall(distance, radius))
     });
@@ -217,7 +184,9 @@ fn beside_sphere(distance: f64, a: f64, radius: f64) -> f64 {
 #[test]
 fn occlusion_beside_a_sphere_is_its_integral() {
     let (a, radius) = (1.0, 1.0);
-    let scene = Shape::default().ground(200.0).sphere([0.0, a, 0.0], a, 96).scene();
+    let mut mesh = ground(200.0);
+    add_sphere(&mut mesh, [0.0, a, 0.0], a, 96);
+    let scene = scene_of(vec![mesh]);
     // Visibility by distance from the point where the sphere touches the ground.
     let known: Vec<f64> = (0..=200).map(|i| beside_sphere(f64::from(i) * 0.01, a, radius)).collect();
     let at = |distance: f64| {

@@ -9,42 +9,28 @@ use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_lab::compare::Comparison;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
-use adumbra_scene::{Camera, GeneratedKind, Instance, Material, Mesh, Projection, Scene, generate};
-use adumbra_testing::bake_file;
+use adumbra_scene::{Camera, GeneratedKind, Mesh, Projection, Scene, generate};
+use adumbra_testing::{add_box, add_quad, bake_file, scene_of};
 
 const SIZE: [u32; 2] = [160, 120];
 const SUN: [f64; 3] = [0.5, 0.8, 0.35];
-const STILL: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// Returns a scene of one mesh, as from an OBJ file without object names.
 ///
 /// It is a square ground with side 2 · `half`, boxes of 2 m on it, and the triangles `besides`.
 fn ground_and_boxes(half: f32, boxes: &[[f32; 2]], besides: &[[[f32; 3]; 3]]) -> Scene {
     let mut mesh = Mesh::default();
-    let mut quad = |corners: [[f32; 3]; 4]| {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(corners);
-        mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| first + i)));
-    };
-    quad([[-half, 0.0, -half], [-half, 0.0, half], [half, 0.0, half], [half, 0.0, -half]]);
+    add_quad(&mut mesh, [[-half, 0.0, -half], [-half, 0.0, half], [half, 0.0, half], [half, 0.0, -half]]);
     for &[x, z] in boxes {
-        let corner = |i: usize| [x + [-1.0, 1.0][i & 1], [0.0, 2.0][i >> 1 & 1], z + [-1.0, 1.0][i >> 2]];
-        for side in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
-            quad(side.map(corner));
-        }
+        add_box(&mut mesh, [x - 1.0, 0.0, z - 1.0], [x + 1.0, 2.0, z + 1.0]);
     }
     for triangle in besides {
         let first = mesh.positions.len() as u32;
         mesh.positions.extend(triangle);
         mesh.triangles.push([first, first + 1, first + 2]);
+        mesh.triangle_materials.push(0);
     }
-    mesh.triangle_materials = vec![0; mesh.triangles.len()];
-    Scene {
-        meshes: vec![mesh],
-        instances: vec![Instance { name: String::new(), mesh: 0, world_from_mesh: STILL, casts: true }],
-        materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
-        ..Scene::default()
-    }
+    scene_of(vec![mesh])
 }
 
 fn camera(eye: [f64; 3], target: [f64; 3]) -> Camera {

@@ -6,10 +6,8 @@ use adumbra_lab::truth::{
     Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, standard_error,
     street_camera,
 };
-use adumbra_scene::{
-    Camera, GeneratedKind, Instance, LoadOptions, Material, Mesh, Projection, Scene, generate, load,
-};
-use adumbra_testing::{scene_file, shared};
+use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
+use adumbra_testing::{add_quad, cuboid, scene_file, scene_of, shared};
 
 /// Minimum share of sun-facing pixels that agree with the other renderer.
 const SUN_AGREEMENT: f64 = 0.995;
@@ -76,39 +74,9 @@ fn shared_ambient_agrees_with_another_renderer_at_its_positions() {
 
 /// Returns a square ground with a box on it.
 fn plane_and_box() -> Scene {
-    let mut positions = Vec::new();
-    let mut triangles = Vec::new();
-    let mut quad = |corners: [[f32; 3]; 4]| {
-        let first = positions.len() as u32;
-        positions.extend(corners);
-        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    };
-    quad([[-20.0, 0.0, 20.0], [20.0, 0.0, 20.0], [20.0, 0.0, -20.0], [-20.0, 0.0, -20.0]]);
-    quad([[-1.0, 4.0, 1.0], [1.0, 4.0, 1.0], [1.0, 4.0, -1.0], [-1.0, 4.0, -1.0]]);
-    for (a, b) in [
-        ([-1.0, 1.0], [1.0, 1.0]),
-        ([1.0, 1.0], [1.0, -1.0]),
-        ([1.0, -1.0], [-1.0, -1.0]),
-        ([-1.0, -1.0], [-1.0, 1.0]),
-    ] {
-        quad([[a[0], 0.0, a[1]], [b[0], 0.0, b[1]], [b[0], 4.0, b[1]], [a[0], 4.0, a[1]]]);
-    }
-    let triangle_materials = vec![0; triangles.len()];
-    let mesh = Mesh {
-        name: "box".to_owned(),
-        positions,
-        uvs: Vec::new(),
-        colors: Vec::new(),
-        triangles,
-        triangle_materials,
-    };
-    let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    Scene {
-        meshes: vec![mesh],
-        instances: vec![Instance { name: "box".to_owned(), mesh: 0, world_from_mesh: rows, casts: true }],
-        materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
-        ..Scene::default()
-    }
+    let mut mesh = cuboid([-1.0, 0.0, -1.0], [1.0, 4.0, 1.0]);
+    add_quad(&mut mesh, [[-20.0, 0.0, 20.0], [20.0, 0.0, 20.0], [20.0, 0.0, -20.0], [-20.0, 0.0, -20.0]]);
+    scene_of(vec![mesh])
 }
 
 fn above(width: u32, height: u32) -> Camera {

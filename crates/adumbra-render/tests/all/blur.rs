@@ -10,38 +10,18 @@ use adumbra_render::screen_blur::{BlurInput, BlurPasses, BlurSettings};
 use adumbra_render::{
     Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, SurfacePoint, build,
 };
-use adumbra_scene::{Camera, Instance, Material, Mesh, Projection, Scene};
+use adumbra_scene::{Camera, Projection, Scene};
+use adumbra_testing::{cuboid, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
 const SIZE: [u32; 2] = [203, 151];
 
 /// A box of 4 × 8 × 4 on a ground of 400 × 400.
 fn scene() -> Scene {
-    let cuboid = |low: [f32; 3], high: [f32; 3]| {
-        let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 0 { low[a] } else { high[a] });
-        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-        Mesh {
-            positions: (0..8).map(corner).collect(),
-            triangles: faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
-            triangle_materials: vec![0; 12],
-            ..Mesh::default()
-        }
-    };
-    let place = |mesh| Instance {
-        name: String::new(),
-        mesh,
-        world_from_mesh: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
-        casts: true,
-    };
-    Scene {
-        meshes: vec![
-            cuboid([-200.0, -1.0, -200.0], [200.0, 0.0, 200.0]),
-            cuboid([-2.0, -0.5, -2.0], [2.0, 8.0, 2.0]),
-        ],
-        instances: vec![place(0), place(1)],
-        materials: vec![Material::opaque("grey", [0.5, 0.5, 0.5, 1.0])],
-        ..Scene::default()
-    }
+    scene_of(vec![
+        cuboid([-200.0, -1.0, -200.0], [200.0, 0.0, 200.0]),
+        cuboid([-2.0, -0.5, -2.0], [2.0, 8.0, 2.0]),
+    ])
 }
 
 /// What the camera sees, and the ray-traced factor.

@@ -161,3 +161,58 @@ impl<T: Voxels + Sync> Answers for TreeAnswers<'_, T> {
         Promises::TREE
     }
 }
+
+/// Answers with another visibility, or of another part of the world; all else stays as it is.
+///
+/// [`Answers::visibility`] and [`Answers::covers`] replace nothing.
+pub struct Replaced<A, V, C> {
+    /// The answers that all else is taken from.
+    pub answers: A,
+    /// Takes the place of [`Answers::visibility`].
+    pub visibility: V,
+    /// Takes the place of [`Answers::covers`].
+    pub covers: C,
+}
+
+impl<A, V, C> Answers for Replaced<A, V, C>
+where
+    A: Answers,
+    V: Fn(&A, [f64; 3], Option<[f64; 3]>) -> f32 + Sync,
+    C: Fn(&A, [f64; 3]) -> bool + Sync,
+{
+    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
+        (self.visibility)(&self.answers, p_world, normal)
+    }
+
+    fn towards_sun(&self) -> [f64; 3] {
+        self.answers.towards_sun()
+    }
+
+    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
+        self.answers.grid_at(p_world, normal)
+    }
+
+    fn bias(&self) -> Bias {
+        self.answers.bias()
+    }
+
+    fn baked_bias(&self) -> Bias {
+        self.answers.baked_bias()
+    }
+
+    fn covers(&self, p_world: [f64; 3]) -> bool {
+        (self.covers)(&self.answers, p_world)
+    }
+
+    fn insides_are_free(&self) -> bool {
+        self.answers.insides_are_free()
+    }
+
+    fn taps(&self, receiver: &Receiver) -> Vec<[f64; 3]> {
+        self.answers.taps(receiver)
+    }
+
+    fn promises(&self) -> Promises {
+        self.answers.promises()
+    }
+}

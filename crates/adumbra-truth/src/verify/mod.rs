@@ -25,7 +25,7 @@ use adumbra_scene::random::Random;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-pub use answers::{Answers, LightAnswers, TreeAnswers};
+pub use answers::{Answers, LightAnswers, Replaced, TreeAnswers};
 pub use classes::{Class, ClassResult, MIN_CHECKED_POINTS, Promises};
 pub use points::{Sample, Solids, SurfaceSampler, VolumeSampler};
 

@@ -16,16 +16,16 @@ mod tables;
 mod variants;
 
 use adumbra_program::exit::Code;
-use adumbra_program::output::{make_folder, write_whole};
+use adumbra_program::output::make_folder;
 use adumbra_render::occlusion::{Estimator, OcclusionSettings};
 use adumbra_render::{Gpu, SceneOptions};
-use adumbra_truth::picture::Picture;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 pub(crate) use self::measure::Row;
 use self::sweep::{EqualTime, Point};
 pub(crate) use self::variants::Variant;
+use super::keep_sheet;
 use crate::Result;
 use crate::args::BenchAo;
 use crate::compare::camera_figures;
@@ -34,9 +34,8 @@ use crate::occlusion::{
     Record, SCENES, TracedView, TunedOn, truth_flicker, with_tuned,
 };
 use crate::peers::occlusion::OcclusionRow;
-use crate::pictures::png;
 use crate::report::{CameraFigures, PixelCounts};
-use crate::results::Check;
+use crate::results::{Check, Setup};
 use crate::truth::{TruthTracer, scene_key};
 
 /// Number of the path's frames over which the truth's own flicker is measured.
@@ -48,18 +47,9 @@ const ERROR_STEP: usize = 37;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Document {
-    /// Command that measured.
-    pub(crate) command: String,
-    /// Adapter that drew, with its driver.
-    pub(crate) adapter: String,
-    /// Whether the adapter is a software renderer.
-    pub(crate) software: bool,
-    /// Whether times are wall times, because the device has no timestamps or is a software renderer.
-    pub(crate) wall_time: bool,
-    /// Number of frames that each median is taken over.
-    pub(crate) frames: u32,
-    /// Width and height in pixels.
-    pub(crate) size: [u32; 2],
+    /// How the pictures were drawn and timed.
+    #[serde(flatten)]
+    pub(crate) setup: Setup,
     /// Size of the path's pictures in pixels.
     pub(crate) path_size: [u32; 2],
     /// Rays per pixel of the truth.
@@ -174,16 +164,12 @@ impl Document {
             let varies = e.parameters().iter().any(|p| p.search.is_some());
             varies && TunedOn::ALL.iter().any(|on| Record::embedded().shape(*e, *on).is_none())
         };
+        let command = format!(
+            "adumbra-lab bench ao --scenes DIR{truth} --size {width}x{height} --frames {} --rays {}{only} -o DIR",
+            args.common.frames, args.rays
+        );
         Self {
-            command: format!(
-                "adumbra-lab bench ao --scenes DIR{truth} --size {width}x{height} --frames {} --rays {}{only} -o DIR",
-                args.common.frames, args.rays
-            ),
-            adapter: String::new(),
-            software: false,
-            wall_time: false,
-            frames: args.common.frames,
-            size: args.common.size,
+            setup: Setup::new(command, args.common.frames, args.common.size),
             path_size: path_size(args),
             rays: args.rays,
             samples: OcclusionSettings::new(Estimator::Issao, 1.0).samples,
@@ -208,8 +194,7 @@ fn one(args: &BenchAo, scene: &OcclusionScene, document: &mut Document) -> Resul
     let truth = TruthTracer::build(&view.scene, false);
     let (cache, key) = (args.common.cache.cache(&args.common.output), scene_key(&view.scene, false));
     let gpu = Gpu::request(&args.common.device.gpu_options())?;
-    document.adapter = gpu.name();
-    document.software = gpu.is_software();
+    document.setup.draw_on(&gpu);
     let camera = view.camera(args.common.size);
     let mut stage = OcclusionStage::new(gpu, &view.scene, SceneOptions::default(), camera)?;
     let radius_world = view.radius_world;
@@ -253,27 +238,14 @@ fn one(args: &BenchAo, scene: &OcclusionScene, document: &mut Document) -> Resul
     figures.sweep = bench.sweep()?;
     figures.equal_time = bench.equal_time(&figures.sweep)?;
     bench.flicker(&path, &mut figures)?;
-    document.wall_time |= bench.wall_time;
+    document.setup.wall_time |= bench.wall_time;
     document.scenes.push(figures);
     // Saved now, because drawing the pictures may still fail.
     write(args, document)?;
     let Some(figures) = document.scenes.last() else { return Ok(()) };
     for (name, caption, sheet) in sheets::all(figures, &traced_view, &pictures)? {
-        keep(args, &mut document.sheets, &name, caption, &sheet)?;
+        keep_sheet(&args.common.output, &mut document.sheets, &name, caption, &sheet)?;
     }
-    Ok(())
-}
-
-fn keep(
-    args: &BenchAo,
-    sheets: &mut Vec<[String; 2]>,
-    name: &str,
-    caption: String,
-    sheet: &Picture,
-) -> Result<()> {
-    let file = format!("{name}.png");
-    write_whole(&args.common.output.join(&file), &png(sheet)?)?;
-    sheets.push([file, caption]);
     Ok(())
 }
 

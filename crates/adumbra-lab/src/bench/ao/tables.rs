@@ -5,10 +5,13 @@ use std::fmt::Write as _;
 
 use adumbra_render::occlusion::Estimator;
 
-use super::measure::{PictureFigures, Row};
+use super::measure::Row;
 use super::sweep::{self, SAMPLES};
 use super::{Document, FLOOR_FRAMES, SceneFigures, claims};
+use crate::occlusion::{Flicker, OcclusionErrors};
+use crate::page::Table;
 use crate::peers::occlusion;
+use crate::report::{figure, percent};
 use crate::results::Check;
 
 // Writing to a `String` never fails, so the results of `write!` are discarded throughout.
@@ -54,18 +57,12 @@ fn is_of(file: &str, scene: &SceneFigures) -> bool {
 }
 
 fn head(document: &Document) -> String {
-    let [width, height] = document.size;
+    let setup = &document.setup;
+    let [width, height] = setup.size;
     let [path_width, path_height] = document.path_size;
-    let clock = if document.software {
-        "The adapter is a software renderer: times are wall times of its passes"
-    } else if document.wall_time {
-        "The device has no timestamps: times are wall times of its passes"
-    } else {
-        "Times are GPU timestamps"
-    };
     let mut text = format!(
         "# Ambient occlusion compared with rays\n\nDrawn by {} at {width} x {height}, {} samples per pixel. \
-        {clock}, medians of {} frames in milliseconds. Frame k of every estimator is drawn before frame k + 1 of \
+        {}, medians of {} frames in milliseconds. Frame k of every estimator is drawn before frame k + 1 of \
         any, each time in a different order, and ratios are medians of the ratios between frames of the same \
         number. Made by `{}`.\n\n\
         All estimators share depth, normals, samples, noise and filter (bilateral, two one-dimensional passes). \
@@ -77,7 +74,12 @@ fn head(document: &Document) -> String {
         the same points of the world, and changed is the share of these points that change by more than 0.05, \
         along a path of 16 frames at {path_width} x {path_height}. The truth's own flicker, over {FLOOR_FRAMES} \
         frames, comes from resampling and from the noise of its rays.\n\n",
-        document.adapter, document.samples, document.frames, document.command, document.rays
+        setup.adapter,
+        document.samples,
+        setup.clock(),
+        setup.frames,
+        setup.command,
+        document.rays
     );
     if !document.untuned.is_empty() {
         let _ = writeln!(
@@ -127,20 +129,25 @@ fn summary(document: &Document) -> String {
 }
 
 fn equal_time(document: &Document) -> String {
-    let mut text = String::from(
-        "## issao against gtao at equal time\n\nThe largest number of issao's samples, 4 to 64, that takes no \
-        longer than gtao with 12. Both run with filter and are timed in alternation.\n\n\
-        | scene | issao's samples | issao ms | gtao ms | ratio | issao RMSE | gtao RMSE |\n|---|---|---|---|---|---|---|\n",
+    let scenes = document.scenes.iter().filter_map(|s| Some((&*s.title, s.equal_time.as_ref()?)));
+    let table = Table::of(
+        "",
+        &scenes.collect::<Vec<_>>(),
+        &[
+            ("scene", |(title, _)| (*title).to_owned()),
+            ("issao's samples", |(_, e)| e.issao_samples.to_string()),
+            ("issao ms", |(_, e)| figure(e.issao_ms, 2)),
+            ("gtao ms", |(_, e)| figure(e.gtao_ms, 2)),
+            ("ratio", |(_, e)| figure(e.ratio, 3)),
+            ("issao RMSE", |(_, e)| figure(e.issao_rmse, 4)),
+            ("gtao RMSE", |(_, e)| figure(e.gtao_rmse, 4)),
+        ],
     );
-    for s in &document.scenes {
-        let Some(e) = &s.equal_time else { continue };
-        let _ = writeln!(
-            text,
-            "| {} | {} | {:.2} | {:.2} | {:.3} | {:.4} | {:.4} |",
-            s.title, e.issao_samples, e.issao_ms, e.gtao_ms, e.ratio, e.issao_rmse, e.gtao_rmse
-        );
-    }
-    text + "\n"
+    format!(
+        "## issao against gtao at equal time\n\nThe largest number of issao's samples, 4 to 64, that takes no \
+        longer than gtao with 12. Both run with filter and are timed in alternation.\n\n{}\n",
+        table.markdown()
+    )
 }
 
 fn against_time(document: &Document) -> String {
@@ -166,14 +173,11 @@ fn against_time(document: &Document) -> String {
 
 fn scene_table(s: &SceneFigures) -> String {
     let p = &s.pixels;
-    let error = s.standard_error.map_or_else(|| "–".to_owned(), |e| format!("{e:.4}"));
+    let error = figure(s.standard_error, 4);
     let mut text = format!(
         "## {}\n\nRadius {:.4}; settings tuned on {}. {} pixels are compared, {} are sky, and {} are excluded \
         because rays and G-buffer see different surfaces. The truth's measured standard error is {error}; its \
-        bound is {:.4}. Edges are {:.1} % of the compared pixels, flat regions {:.1} %.\n\n\
-        | estimator | surfaces ms | estimate ms | filter ms | all ms | RMSE | mean signed | SSIM | FLIP | flicker | \
-        changed % |\n\
-        |---|---|---|---|---|---|---|---|---|---|---|\n",
+        bound is {:.4}. Edges are {:.1} % of the compared pixels, flat regions {:.1} %.\n\n{}\n",
         s.title,
         s.radius_world,
         s.tuned_on.name(),
@@ -183,52 +187,51 @@ fn scene_table(s: &SceneFigures) -> String {
         s.standard_error_bound,
         100.0 * s.edge_share,
         100.0 * s.flat_share,
+        estimator_table(s).markdown(),
     );
-    let flicker = |f: Option<crate::occlusion::Flicker>| {
-        f.map_or_else(|| "– | –".to_owned(), |f| format!("{:.5} | {:.2}", f.mean, 100.0 * f.share))
-    };
-    let traced_view = |j: &PictureFigures| {
-        format!(
-            "{:.4} | {:+.4} | {:.4} | {:.4} | {}",
-            j.errors.rmse,
-            j.errors.mean_signed,
-            j.ssim,
-            j.flip,
-            flicker(j.flicker)
-        )
-    };
-    let dash = "– | – | – |";
-    let _ = writeln!(
-        text,
-        "| none | {dash} – | {:.4} | {:+.4} | – | – | – | – |",
-        s.none.rmse, s.none.mean_signed
-    );
-    let _ = writeln!(text, "| truth | {dash} – | 0 | 0 | 1 | 0 | {} |", flicker(s.truth_flicker));
-    for r in &s.rows {
-        let _ = writeln!(
-            text,
-            "| `{}` | {:.2} | {:.2} | {:.2} | {:.2} | {} |",
-            r.estimator,
-            r.surface_ms,
-            r.estimate_ms,
-            r.filter_ms,
-            r.ms,
-            traced_view(&r.filtered)
-        );
-        let _ = writeln!(
-            text,
-            "| `{}:filter=none` | {:.2} | {:.2} | – | {:.2} | {} |",
-            r.estimator,
-            r.surface_ms,
-            r.estimate_ms,
-            r.raw_ms,
-            traced_view(&r.raw)
-        );
-    }
-    text.push('\n');
     for r in &s.rows {
         let settings: Vec<String> = r.settings.iter().map(|(name, v)| format!("{name}={v}")).collect();
         let _ = writeln!(text, "- `{}`: {}", r.estimator, settings.join(", "));
     }
     text + "\n"
+}
+
+/// Returns a table of what was measured on a scene: open sky, the truth, and every estimator with and without filter.
+fn estimator_table(s: &SceneFigures) -> Table {
+    let head = [
+        "estimator",
+        "surfaces ms",
+        "estimate ms",
+        "filter ms",
+        "all ms",
+        "RMSE",
+        "mean signed",
+        "SSIM",
+        "FLIP",
+        "flicker",
+        "changed %",
+    ];
+    let mut table = Table::new("", &head);
+    let mut row = |name: &str, ms: [Option<f64>; 4], errors: [String; 4], flicker: Option<Flicker>| {
+        let flicker = [figure(flicker.map(|f| f.mean), 5), percent(flicker.map(|f| f.share), 2)];
+        let cells = ms.map(|ms| figure(ms, 2)).into_iter().chain(errors).chain(flicker);
+        table.row([name.to_owned()].into_iter().chain(cells));
+    };
+    let signed = |e: &OcclusionErrors| format!("{:+.4}", e.mean_signed);
+    let dash = || "–".to_owned();
+    row("none", [None; 4], [figure(s.none.rmse, 4), signed(&s.none), dash(), dash()], None);
+    row("truth", [None; 4], ["0", "0", "1", "0"].map(str::to_owned), s.truth_flicker);
+    for r in &s.rows {
+        let name = format!("`{}`", r.estimator);
+        let without = format!("`{}:filter=none`", r.estimator);
+        let [surface, estimate] = [r.surface_ms, r.estimate_ms].map(Some);
+        for (name, ms, p) in [
+            (name, [surface, estimate, Some(r.filter_ms), Some(r.ms)], &r.filtered),
+            (without, [surface, estimate, None, Some(r.raw_ms)], &r.raw),
+        ] {
+            let errors = [figure(p.errors.rmse, 4), signed(&p.errors), figure(p.ssim, 4), figure(p.flip, 4)];
+            row(&name, ms, errors, p.flicker);
+        }
+    }
+    table
 }

@@ -37,11 +37,6 @@ impl Case<'_> {
         self.hybrid.wrong() / self.coarse.wrong()
     }
 
-    /// Returns the acne of the hybrid map and of the shadow map at START.
-    pub(super) fn acne(&self) -> [f64; 2] {
-        [self.hybrid, self.fine].map(|r| r.clear.wrong_shadowed)
-    }
-
     fn name(&self) -> String {
         let Group { start, filter, .. } = self.group;
         format!("{} {start}, {filter} × {filter}", self.model.title)
@@ -97,7 +92,7 @@ pub(super) fn all(document: &Document) -> Vec<Check> {
     vec![
         worst(&cases, more, Bound::AtMost(MORE_WRONG), &|c| Some(c.more_wrong()), &points),
         worst(&cases, half, Bound::AtMost(OF_COARSE_WRONG), &|c| Some(c.of_coarse_wrong()), &plain),
-        worst(&cases, acne, Bound::Under(ACNE), &|c| Some(c.acne()[0]), &percent),
+        worst(&cases, acne, Bound::Under(ACNE), &|c| Some(c.hybrid.clear.wrong_shadowed), &percent),
         memory(&cases, 32, &|c| Some(c.hybrid)),
         memory(&cases, 16, &|c| c.hybrid_16),
         look_up(&cases),

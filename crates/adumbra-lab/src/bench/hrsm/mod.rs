@@ -14,9 +14,8 @@ mod why;
 
 use adumbra::Sun;
 use adumbra_program::exit::Code;
-use adumbra_program::output::{make_folder, write_whole};
+use adumbra_program::output::make_folder;
 use adumbra_render::{Gpu, RenderError, Renderer, SceneOptions, Shot};
-use adumbra_truth::picture::Picture;
 use serde::{Deserialize, Serialize};
 
 use self::figures::{Levels, Stage};
@@ -24,11 +23,11 @@ use self::measure::Group;
 use self::measure::Measure;
 pub(crate) use self::measure::Row;
 use self::models::{MODELS, Model, SUN, WIRES};
+use super::keep_sheet;
 use crate::args::BenchHrsm;
 use crate::compare::{Reference, camera_figures};
-use crate::pictures::png;
 use crate::report::{CameraFigures, PixelCounts};
-use crate::results::Check;
+use crate::results::{Check, Setup};
 use crate::truth::{TruthTracer, scene_key};
 use crate::{Error, Result};
 
@@ -39,18 +38,9 @@ const FILTERS: [u32; 2] = [1, 5];
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(crate) struct Document {
-    /// Command that measured.
-    pub(crate) command: String,
-    /// Adapter that drew, with its driver.
-    pub(crate) adapter: String,
-    /// Whether the adapter is a software renderer.
-    pub(crate) software: bool,
-    /// Whether times are wall times, because the device has no timestamps or is a software renderer.
-    pub(crate) wall_time: bool,
-    /// Number of frames that each median is taken over.
-    pub(crate) frames: u32,
-    /// Width and height in pixels.
-    pub(crate) size: [u32; 2],
+    /// How the pictures were drawn and timed.
+    #[serde(flatten)]
+    pub(crate) setup: Setup,
     /// Unit vector towards the sun.
     pub(crate) sun: [f64; 3],
     /// Texels per side of the finest levels that were measured.
@@ -101,17 +91,13 @@ pub(super) fn run(args: &BenchHrsm) -> Result<Code> {
     let [width, height] = args.common.size;
     let only = if args.only.is_empty() { String::new() } else { format!(" --only {}", args.only.join(",")) };
     let starts: Vec<String> = args.starts.iter().map(u32::to_string).collect();
+    let command = format!(
+        "adumbra-lab bench hrsm --scenes DIR --starts {} --size {width}x{height} --frames {}{only} -o DIR",
+        starts.join(","),
+        args.common.frames
+    );
     let mut document = Document {
-        command: format!(
-            "adumbra-lab bench hrsm --scenes DIR --starts {} --size {width}x{height} --frames {}{only} -o DIR",
-            starts.join(","),
-            args.common.frames
-        ),
-        adapter: String::new(),
-        software: false,
-        wall_time: false,
-        frames: args.common.frames,
-        size: args.common.size,
+        setup: Setup::new(command, args.common.frames, args.common.size),
         sun: Sun::from_direction(SUN)?.towards(),
         starts: args.starts.clone(),
         covers: String::new(),
@@ -126,7 +112,7 @@ pub(super) fn run(args: &BenchHrsm) -> Result<Code> {
         write(args, &document)?;
     }
     if let Some((sheet, caption)) = levels.sheet() {
-        keep(args, &mut document, "hrsm-levels", caption, &sheet)?;
+        keep_sheet(&args.common.output, &mut document.sheets, "hrsm-levels", caption, &sheet)?;
     }
     write(args, &document)?;
     super::say_tables(&args.common.output, "hrsm");
@@ -138,8 +124,7 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Le
     let standing = model.stand(&args.scenes)?;
     let truth = TruthTracer::build(&standing.scene, false);
     let gpu = Gpu::request(&args.common.device.gpu_options())?;
-    document.adapter = gpu.name();
-    document.software = gpu.is_software();
+    document.setup.draw_on(&gpu);
     let mut renderer = Renderer::new(gpu, &standing.scene, SceneOptions::default())?;
     let (cache, key) = (args.common.cache.cache(&args.common.output), scene_key(&standing.scene, false));
     let towards_sun = document.sun;
@@ -164,7 +149,7 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Le
             groups,
             paper: model.paper,
         });
-        document.wall_time |= measure.wall_time;
+        document.setup.wall_time |= measure.wall_time;
         document.checks = checks::all(document);
         document.covers = checks::covers(document);
         // Saved now, because drawing the pictures may still fail.
@@ -173,7 +158,7 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Le
     let mut stage = Stage { renderer: &mut renderer, reference: &reference, standing: &standing };
     for (name, figure) in stage.figures(model.name) {
         if let Some((caption, sheet)) = fitting(figure, name.to_owned(), document)? {
-            keep(args, document, name, caption, &sheet)?;
+            keep_sheet(&args.common.output, &mut document.sheets, name, caption, &sheet)?;
         }
     }
     if model.name != WIRES.name {
@@ -193,19 +178,6 @@ fn fitting<T>(drawn: Result<T>, what: String, document: &mut Document) -> Result
         }
         Err(other) => Err(other),
     }
-}
-
-fn keep(
-    args: &BenchHrsm,
-    document: &mut Document,
-    name: &str,
-    caption: String,
-    sheet: &Picture,
-) -> Result<()> {
-    let file = format!("{name}.png");
-    write_whole(&args.common.output.join(&file), &png(sheet)?)?;
-    document.sheets.push([file, caption]);
-    Ok(())
 }
 
 /// Writes the results measured so far.

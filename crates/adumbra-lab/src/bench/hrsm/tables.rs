@@ -7,6 +7,8 @@ use super::measure::{Group, Row, hybrid, plain};
 use super::models::PAPER_STARTS;
 use super::{Document, FILTERS, ModelFigures, why};
 use crate::compare::CLEAR_TEXELS;
+use crate::page::Table;
+use crate::report::{figure, megabytes, percent};
 use crate::results::Check;
 
 const LOADS: [(&str, &str); 2] = [("", "unfiltered"), ("PCF 5 × 5, ", "PCF 5 × 5")];
@@ -41,16 +43,10 @@ pub(super) fn markdown(document: &Document) -> String {
 }
 
 fn head(document: &Document) -> String {
-    let [width, height] = document.size;
-    let clock = if document.software {
-        "The adapter is a software renderer: times are wall times of its passes"
-    } else if document.wall_time {
-        "The device has no timestamps: times are wall times of its passes"
-    } else {
-        "Times are GPU timestamps"
-    };
+    let setup = &document.setup;
+    let [width, height] = setup.size;
     format!(
-        "# Hybrid-resolution shadow maps\n\nDrawn by {} at {width} x {height}. {clock}, medians of {} frames in \
+        "# Hybrid-resolution shadow maps\n\nDrawn by {} at {width} x {height}. {}, medians of {} frames in \
         milliseconds. Frame k of every technique is drawn before frame k + 1 of any, each time in a different \
         order, and ratios are medians of the ratios between frames of the same number, so that other load on the \
         machine affects both sides. Made by `{}`.\n\n\
@@ -67,9 +63,10 @@ fn head(document: &Document) -> String {
         one TARGET texel of an edge of the true shadow, in the light's plane, the mean of TARGET's texel size \
         divided by that of the level where the look-up ends, minus 1; and the share of these pixels whose \
         look-up ends at START's level.\n\n",
-        document.adapter,
-        document.frames,
-        document.command,
+        setup.adapter,
+        setup.clock(),
+        setup.frames,
+        setup.command,
         document.sun[0],
         document.sun[1],
         document.sun[2],
@@ -78,38 +75,34 @@ fn head(document: &Document) -> String {
 
 /// Compares START-START/4 with the shadow maps at both ends of its range.
 fn case_table(document: &Document) -> String {
-    let mut text = String::from(
+    let table = Table::of(
+        "",
+        &cases(document),
+        &[
+            ("model", |c| c.model.title.clone()),
+            ("START", |c| c.group.start.to_string()),
+            ("filter", |c| format!("{f} × {f}", f = c.group.filter)),
+            ("wrong SM", |c| percent(c.fine.wrong(), 3)),
+            ("wrong HRSM", |c| percent(c.hybrid.wrong(), 3)),
+            ("difference, points", |c| format!("{:+.3}", 100.0 * c.more_wrong())),
+            ("wrong SM START/4", |c| percent(c.coarse.wrong(), 3)),
+            ("HRSM / SM START/4", |c| figure(c.of_coarse_wrong(), 2)),
+            ("acne SM", |c| percent(c.fine.clear.wrong_shadowed, 3)),
+            ("acne HRSM", |c| percent(c.hybrid.clear.wrong_shadowed, 3)),
+            ("memory, moving", |c| figure(c.hybrid.moving_share, 2)),
+            ("memory, still", |c| figure(c.hybrid.still_share, 2)),
+            ("look-up", |c| figure(c.hybrid.lookup_ratio, 2)),
+            ("min to max", |c| c.hybrid.lookup_ratio_range.map(|ratio| figure(ratio, 2)).join(" to ")),
+            ("shadow, moving", |c| figure(c.hybrid.shadow_ratio, 2)),
+            ("shadow, still", |c| figure(c.hybrid.still_ratio, 2)),
+        ],
+    );
+    format!(
         "HRSM START-START/4 compared with SM at START and at START/4. Wrong and acne are in %. Memory, look-up \
         and shadow (depth, build and look-up) are relative to SM at START. For memory, that is the map that is \
-        redrawn every frame, because a cached one holds a second layer for moving casters.\n\n\
-        | model | START | filter | wrong SM | wrong HRSM | difference, points | wrong SM START/4 | HRSM / SM \
-        START/4 | acne SM | acne HRSM | memory, \
-        moving | memory, still | look-up | min to max | shadow, moving | shadow, still |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for c in cases(document) {
-        let [acne_hybrid, acne_plain] = c.acne().map(|a| 100.0 * a);
-        let _ = writeln!(
-            text,
-            "| {} | {} | {f} × {f} | {:.3} | {:.3} | {:+.3} | {:.3} | {:.2} | {acne_plain:.3} | {acne_hybrid:.3} | {:.2} | {:.2} | {:.2} | \
-            {:.2} to {:.2} | {:.2} | {:.2} |",
-            c.model.title,
-            c.group.start,
-            100.0 * c.fine.wrong(),
-            100.0 * c.hybrid.wrong(),
-            100.0 * c.more_wrong(),
-            100.0 * c.coarse.wrong(),
-            c.of_coarse_wrong(),
-            c.hybrid.moving_share,
-            c.hybrid.still_share,
-            c.hybrid.lookup_ratio,
-            c.hybrid.lookup_ratio_range[0],
-            c.hybrid.lookup_ratio_range[1],
-            c.hybrid.shadow_ratio,
-            c.hybrid.still_ratio,
-            f = c.group.filter,
-        );
-    }
-    text + "\n"
+        redrawn every frame, because a cached one holds a second layer for moving casters.\n\n{}\n",
+        table.markdown()
+    )
 }
 
 /// Compares the paper's tables 1 and 2 with our whole frames.
@@ -176,14 +169,32 @@ fn model_tables(model: &ModelFigures) -> String {
 
 fn group_table(group: &Group) -> String {
     let load = LOADS[usize::from(group.filter != 1)].1;
-    let mut text = format!(
-        "### START {}, {load}\n\n| technique | depth ms | build | look-up | shadow | frame | still | MB moving | share | MB still | share | \
-        area by level, finest first % | RMSE | wrong lit % | wrong shadowed % | leaks % | acne % | gained % | at START % |\n\
-        |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-        group.start
+    let table = Table::of(
+        "",
+        &group.rows,
+        &[
+            ("technique", |r| format!("`{}`", r.name)),
+            ("depth ms", |r| figure(r.depth_ms, 2)),
+            ("build", |r| figure(r.build_ms, 2)),
+            ("look-up", |r| figure(r.lookup_ms, 2)),
+            ("shadow", |r| figure(r.shadow_ms, 2)),
+            ("frame", |r| figure(r.frame_ms, 2)),
+            ("still", |r| figure(r.still_ms, 2)),
+            ("MB moving", |r| megabytes(r.moving_bytes, 2)),
+            ("share", |r| figure(r.moving_share, 2)),
+            ("MB still", |r| megabytes(r.still_bytes, 2)),
+            ("share", |r| figure(r.still_share, 2)),
+            ("area by level, finest first %", levels),
+            ("RMSE", |r| figure(r.rmse, 4)),
+            ("wrong lit %", |r| percent(r.wrong_lit, 3)),
+            ("wrong shadowed %", |r| percent(r.wrong_shadowed, 3)),
+            ("leaks %", |r| percent(r.clear.wrong_lit, 3)),
+            ("acne %", |r| percent(r.clear.wrong_shadowed, 3)),
+            ("gained %", |r| percent(r.boundary.map(|b| b.gain), 1)),
+            ("at START %", |r| percent(r.boundary.map(|b| b.at_finest), 1)),
+        ],
     );
-    group.rows.iter().for_each(|row| text.push_str(&row_text(row)));
-    text.push('\n');
+    let mut text = format!("### START {}, {load}\n\n{}\n", group.start, table.markdown());
     for [name, why] in &group.skipped {
         let _ = writeln!(text, "- `{name}` is skipped: {why}");
     }
@@ -193,34 +204,10 @@ fn group_table(group: &Group) -> String {
     text + if group.skipped.is_empty() { "" } else { "\n" }
 }
 
-fn row_text(r: &Row) -> String {
-    let two = |pair: Option<[f64; 2]>, digits: usize| {
-        pair.map_or_else(
-            || "– | –".to_owned(),
-            |[a, b]| format!("{:.digits$} | {:.digits$}", 100.0 * a, 100.0 * b),
-        )
-    };
-    let levels = r.levels.as_ref().map_or_else(
+/// Returns the share of the area by level, in %.
+fn levels(row: &Row) -> String {
+    row.levels.as_ref().map_or_else(
         || "–".to_owned(),
-        |shares| shares.iter().map(|s| format!("{:.1}", 100.0 * s)).collect::<Vec<_>>().join(" / "),
-    );
-    format!(
-        "| `{}` | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {levels} | {:.4} | {:.3} | {:.3} | {} | {} |\n",
-        r.name,
-        r.depth_ms,
-        r.build_ms,
-        r.lookup_ms,
-        r.shadow_ms,
-        r.frame_ms,
-        r.still_ms,
-        r.moving_bytes as f64 / 1e6,
-        r.moving_share,
-        r.still_bytes as f64 / 1e6,
-        r.still_share,
-        r.rmse,
-        100.0 * r.wrong_lit,
-        100.0 * r.wrong_shadowed,
-        two(Some([r.clear.wrong_lit, r.clear.wrong_shadowed]), 3),
-        two(r.boundary.map(|b| [b.gain, b.at_finest]), 1),
+        |shares| shares.iter().map(|s| percent(*s, 1)).collect::<Vec<_>>().join(" / "),
     )
 }

@@ -1,17 +1,18 @@
 //! The three builders compared with each other: the paper's Fig. 3-4.
 
-use adumbra_bake::Watch;
-use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use adumbra_tree::{Builder, PreparedTree, TreeOptions};
+use adumbra_tree::{Builder, TreeOptions};
 
 use super::document::{BuilderRow, ByBuilder, Part};
-use super::{BenchScene, FIRST_PRUNED_DEPTH, median, peak_bytes, scene_names, tree_options};
+use super::{
+    BenchScene, FIRST_PRUNED_DEPTH, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no,
+};
 use crate::Result;
 use crate::args::BenchTree;
+use crate::page::Table;
 use crate::plot::{Along, Legend, Panel, Series, write_svg};
+use crate::report::{figure, megabytes};
 
 const NAMES: [&str; 3] = ["recursive", "iterative", "pooled"];
 
@@ -30,19 +31,8 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Bui
 fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<BuilderRow> {
     let prune = depth >= FIRST_PRUNED_DEPTH;
     let base = TreeOptions { prune, ..tree_options(depth)? };
-    let never = AtomicBool::new(false);
-    let prepared = PreparedTree::new(&scene.scene, &base, &never)?;
-    let mut seconds: [Vec<f64>; 3] = Default::default();
-    let mut last = Vec::new();
-    for _ in 0..args.runs {
-        last.clear();
-        for (builder, seconds) in Builder::ALL.into_iter().zip(&mut seconds) {
-            let baked = prepared.build(&TreeOptions { builder, ..base.clone() }, Watch::none())?;
-            seconds.push(baked.report.build_seconds + baked.report.reduce_seconds);
-            last.push(baked);
-        }
-    }
-    let agree = last.windows(2).all(|w| w[0].tree == w[1].tree);
+    let variants = Builder::ALL.map(|builder| TreeOptions { builder, ..base.clone() });
+    let InTurn { seconds, agree, last } = build_in_turn(args, scene, &variants)?;
     let report = last[0].report;
     let resolution = (1_u64 << depth).to_string();
     let mut peaks = [None; 3];
@@ -53,7 +43,7 @@ fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<BuilderRow> {
         }
         *peak = peak_bytes(scene, &options)?;
     }
-    let [recursive, iterative, pooled] = seconds.map(median);
+    let [recursive, iterative, pooled] = seconds;
     let seconds = ByBuilder { recursive, iterative, pooled };
     let [recursive, iterative, pooled] = peaks;
     Ok(BuilderRow {
@@ -69,40 +59,39 @@ fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<BuilderRow> {
 }
 
 pub(super) fn markdown(part: &Part<Vec<BuilderRow>>) -> String {
-    let mut text = format!(
+    let table = Table::of(
+        "",
+        &part.rows,
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("depth", |r| r.depth.to_string()),
+            ("voxels tested", |r| if r.pruned { "undecided only" } else { "all" }.to_owned()),
+            ("recursive s", |r| figure(r.seconds.recursive, 3)),
+            ("iterative s", |r| figure(r.seconds.iterative, 3)),
+            ("pooled s", |r| figure(r.seconds.pooled, 3)),
+            ("rank of recursive", |r| rank_of_recursive(r.seconds).to_owned()),
+            ("pooled / iterative", |r| figure(r.seconds.pooled / r.seconds.iterative, 3)),
+            ("peak MB", |r| r.peak_bytes.list().map(|bytes| megabytes(bytes, 0)).join(" / ")),
+            ("same graph", |r| yes_or_no(r.agree).to_owned()),
+        ],
+    );
+    format!(
         "\n## Builders\n\nSeconds to build and to reduce by hashing, on one thread, medians of {} runs in which \
         the builders take turns. Up to depth 10, every voxel is tested; from depth {FIRST_PRUNED_DEPTH}, cubes \
         that the min/max pyramid decides are skipped. `peak MB` is the peak resident memory of a process that \
-        loads the scene, draws the depth image, builds the tree and writes it.\n\n\
-        | scene | depth | voxels tested | recursive s | iterative s | pooled s | rank of recursive | pooled / iterative | peak MB | same graph |\n\
-        |---|---|---|---|---|---|---|---|---|---|\n",
-        part.runs
-    );
-    for r in &part.rows {
-        let s = r.seconds.list();
-        let place = match 1 + s[1..].iter().filter(|other| **other < s[0]).count() {
-            1 => "first",
-            2 => "second",
-            _ => "last",
-        };
-        let peaks = r.peak_bytes.list();
-        let peaks =
-            peaks.map(|bytes| bytes.map_or_else(|| "–".to_owned(), |b| format!("{:.0}", b as f64 / 1e6)));
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {:.3} | {:.3} | {:.3} | {place} | {:.3} | {} | {} |",
-            r.scene,
-            r.depth,
-            if r.pruned { "undecided only" } else { "all" },
-            s[0],
-            s[1],
-            s[2],
-            s[2] / s[1],
-            peaks.join(" / "),
-            if r.agree { "yes" } else { "NO" },
-        );
+        loads the scene, draws the depth image, builds the tree and writes it.\n\n{}",
+        part.runs,
+        table.markdown()
+    )
+}
+
+fn rank_of_recursive(seconds: ByBuilder<f64>) -> &'static str {
+    let [recursive, others @ ..] = seconds.list();
+    match others.iter().filter(|other| **other < recursive).count() {
+        0 => "first",
+        1 => "second",
+        _ => "last",
     }
-    text
 }
 
 /// Plots seconds at the smallest depth, as in the figure, and pooled by recursive seconds at every depth.

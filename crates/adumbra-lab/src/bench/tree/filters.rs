@@ -1,8 +1,6 @@
 //! Bias and voxel PCF: acne and leak counts, and the paper's pictures (Fig. 4-1, 4-3, 4-5, 4-6, 5-1).
 
-use std::fmt::Write as _;
-
-use adumbra::{Bias, LightGrid, PointVisibility, Sun};
+use adumbra::{Bias, Sun};
 use adumbra_bake::Size;
 use adumbra_program::output::write_png;
 use adumbra_scene::Camera;
@@ -10,12 +8,14 @@ use adumbra_tree::query::{TreeQuery, Weights};
 use adumbra_tree::{BakedTree, TreeOptions, VoxelTree};
 use adumbra_truth::picture;
 use adumbra_truth::picture::{Picture, Shadows};
-use adumbra_truth::verify::{Answers, Class, Promises, TreeAnswers};
+use adumbra_truth::verify::{Answers, Class, Replaced, TreeAnswers};
 
 use super::document::{FilterRow, Part};
-use super::{BenchScene, Check, SUN, bake_quietly, tree_options};
+use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
 use crate::Result;
 use crate::args::BenchTree;
+use crate::page::Table;
+use crate::report::percent;
 
 const NO_BIAS: Bias = Bias { constant_texels: 0.0, slope_texels: 0.0, normal_offset_texels: 0.0 };
 /// Depth of the counts.
@@ -68,8 +68,11 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Fil
         let baked = bake_quietly(scene, &tree_options(DEPTH)?)?;
         let check = Check::new(&scene.scene, args.samples);
         for variant in &VARIANTS {
-            let answers = Ablated::new(&baked, sun, variant)?;
-            let v = check.run(&answers);
+            let query = variant.query(&baked, sun)?;
+            // Every variant is compared, and its points classified, where the usual bias moves the receivers.
+            let usual = TreeAnswers::new(&baked.settings, sun, unfiltered(&baked, sun)?);
+            let visibility = |_: &TreeAnswers<'_, _>, p, normal| query.visibility(p, normal);
+            let v = check.run(&Replaced { answers: usual, visibility, covers: Answers::covers });
             let interior = v.class(Class::Interior);
             rows.push(FilterRow {
                 scene: scene.name.clone(),
@@ -95,58 +98,12 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Fil
     Ok(rows)
 }
 
-/// A look-up of one kind, classified and compared at the points to which the usual bias moves the receivers.
-struct Ablated<'a> {
-    query: TreeQuery<'a, VoxelTree>,
-    usual: TreeAnswers<'a, VoxelTree>,
-}
-
-impl<'a> Ablated<'a> {
-    fn new(baked: &'a BakedTree, sun: Sun, variant: &Variant) -> Result<Self> {
-        let usual = baked.settings.bias;
-        let query = |bias, side, weights| {
-            TreeQuery::new(&baked.space, &baked.regions, &sun, &baked.tree, bias, side, weights)
-        };
-        let bias = if variant.biased { usual } else { NO_BIAS };
-        let asked = query(bias, variant.kernel_side, variant.weights)?;
-        Ok(Self {
-            query: if variant.all_taps { asked.with_all_taps() } else { asked },
-            usual: TreeAnswers::new(&baked.settings, sun, query(usual, 1, Weights::Mean)?),
-        })
-    }
-}
-
-impl Answers for Ablated<'_> {
-    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        self.query.visibility(p_world, normal)
-    }
-
-    fn towards_sun(&self) -> [f64; 3] {
-        self.usual.towards_sun()
-    }
-
-    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
-        self.usual.grid_at(p_world, normal)
-    }
-
-    fn bias(&self) -> Bias {
-        self.usual.bias()
-    }
-
-    fn baked_bias(&self) -> Bias {
-        self.usual.baked_bias()
-    }
-
-    fn covers(&self, p_world: [f64; 3]) -> bool {
-        self.usual.covers(p_world)
-    }
-
-    fn insides_are_free(&self) -> bool {
-        self.usual.insides_are_free()
-    }
-
-    fn promises(&self) -> Promises {
-        self.usual.promises()
+impl Variant {
+    fn query<'a>(&self, baked: &'a BakedTree, sun: Sun) -> Result<TreeQuery<'a, VoxelTree>> {
+        let bias = if self.biased { baked.settings.bias } else { NO_BIAS };
+        let (space, regions, tree) = (&baked.space, &baked.regions, &baked.tree);
+        let query = TreeQuery::new(space, regions, &sun, tree, bias, self.kernel_side, self.weights)?;
+        Ok(if self.all_taps { query.with_all_taps() } else { query })
     }
 }
 
@@ -165,9 +122,8 @@ fn sheet(
     camera.eye = std::array::from_fn(|a| camera.target[a] + 0.45 * (camera.eye[a] - camera.target[a]));
     let mut pictures = Vec::new();
     for variant in SHEET.map(|i| &VARIANTS[i]) {
-        let answers = Ablated::new(baked, sun, variant)?;
-        let lookup: &dyn PointVisibility = &answers.query;
-        let shadows = Shadows::File(lookup);
+        let query = variant.query(baked, sun)?;
+        let shadows = Shadows::File(&query);
         pictures.push(picture::draw(&scene.scene, &check.tracer, &camera, sun.towards(), &shadows, 2));
     }
     let truth = Shadows::Truth;
@@ -192,29 +148,28 @@ fn beside(pictures: &[Picture], columns: usize) -> Picture {
 }
 
 pub(super) fn markdown(part: &Part<Vec<FilterRow>>) -> String {
-    let mut text = format!(
+    let table = Table::of(
+        "",
+        &part.rows,
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("look-up", |r| r.look_up.clone()),
+            ("agreement %", |r| percent(r.agreement, 3)),
+            ("acne %", |r| percent(r.acne, 3)),
+            ("leak %", |r| percent(r.leak, 3)),
+            ("interior acne", |r| r.interior_acne.to_string()),
+            ("interior leak", |r| r.interior_leak.to_string()),
+            ("interior points", |r| r.interior.to_string()),
+        ],
+    );
+    format!(
         "\n## Bias and voxel PCF\n\nDepth {DEPTH}, {} points on surfaces. Acne: lit points called shadowed \
         (visibility at most one half). Leak: shadowed points called lit. Both are in % of all points, and \
         counted among interior points, which are two voxels away from any outline. *In front of the plane*: taps \
         behind the receiver's plane are skipped, as in `query` and `render`. The sheets `tree-sheet-*.png` \
         (depth 8 and 10) show no bias, bias, 3³ / 5³, bias with 5³ in front of the plane, and rays; in those \
-        named `-grazing`, the sun is at {GRAZING_ELEVATION}°.\n\n\
-        | scene | look-up | agreement % | acne % | leak % | interior acne | interior leak | interior points |\n|---|---|---|---|---|---|---|---|\n",
-        part.samples
-    );
-    for r in &part.rows {
-        let _ = writeln!(
-            text,
-            "| {} | {} | {:.3} | {:.3} | {:.3} | {} | {} | {} |",
-            r.scene,
-            r.look_up,
-            100.0 * r.agreement,
-            100.0 * r.acne,
-            100.0 * r.leak,
-            r.interior_acne,
-            r.interior_leak,
-            r.interior,
-        );
-    }
-    text
+        named `-grazing`, the sun is at {GRAZING_ELEVATION}°.\n\n{}",
+        part.samples,
+        table.markdown()
+    )
 }

@@ -1,21 +1,20 @@
 //! World-aligned against light-aligned at equal voxel size, and trees with and without closed regions (Fig. 3-3).
 
-use adumbra_bake::Watch;
-use std::fmt::Write as _;
-
 use adumbra::{Query, Sun};
 use adumbra_bake as bake;
+use adumbra_bake::Watch;
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_program::output::write_png;
-use adumbra_tree::query::{TreeQuery, Weights};
 use adumbra_tree::{Reduction, TreeOptions};
 use adumbra_truth::picture::nodes_by_size;
 use adumbra_truth::verify::{LightAnswers, TreeAnswers, Verification};
 
 use super::document::{ClosedRow, FrameRow, FrameRows, Part};
-use super::{BenchScene, Check, SUN, bake_quietly, median, tree_options};
+use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
 use crate::Result;
 use crate::args::BenchTree;
+use crate::page::Table;
+use crate::report::{figure, median, megabytes, percent};
 
 /// Depths at which the frames are compared.
 const DEPTHS: [u32; 3] = [9, 10, 11];
@@ -61,9 +60,7 @@ fn compare(args: &BenchTree, scene: &BenchScene, check: &Check<'_>, depth: u32) 
         baked = bake_quietly(scene, &options)?;
         seconds.push(baked.report.seconds);
     }
-    let bias = baked.settings.bias;
-    let query = TreeQuery::new(&baked.space, &baked.regions, &sun, &baked.tree, bias, 1, Weights::Mean)?;
-    let world = check.run(&TreeAnswers::new(&baked.settings, sun, query));
+    let world = check.run(&TreeAnswers::new(&baked.settings, sun, unfiltered(&baked, sun)?));
     let voxel_size = baked.space.voxel_size;
     let row = |frame: &str, seconds: Vec<f64>, bytes: u64, v: &Verification| FrameRow {
         scene: scene.name.clone(),
@@ -108,55 +105,45 @@ fn closed_row(scene: &BenchScene, closed_regions: bool) -> Result<ClosedRow> {
 pub(super) fn markdown(part: &Part<FrameRows>) -> String {
     let threads = part.threads;
     let runs = part.runs.min(MAX_RUNS);
-    let mut text = format!(
+    let frames = Table::of(
+        "",
+        &part.rows.frames,
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("depth", |r| r.depth.to_string()),
+            ("frame", |r| r.frame.clone()),
+            ("voxel m", |r| figure(r.voxel_size, 4)),
+            ("MB", |r| megabytes(r.bytes, 3)),
+            ("s", |r| figure(r.seconds, 2)),
+            ("agreement %", |r| percent(r.agreement, 3)),
+            ("interior %", |r| percent(r.interior_agreement, 4)),
+            ("acne %", |r| percent(r.acne, 3)),
+            ("leak %", |r| percent(r.leak, 3)),
+        ],
+    );
+    let head = ["scene", "merged without", "merged with", "%", "graph without", "graph with", "%"];
+    let mut closed = Table::new("", &head);
+    for pair in part.rows.closed_regions.chunks_exact(2) {
+        let compared = |bytes: fn(&ClosedRow) -> u64| {
+            let [without, with] = [&pair[0], &pair[1]].map(bytes);
+            [megabytes(without, 3), megabytes(with, 3), percent(with as f64 / without as f64, 1)]
+        };
+        let scene = [pair[0].scene.clone()];
+        closed.row(scene.into_iter().chain(compared(|r| r.merged_bytes)).chain(compared(|r| r.graph_bytes)));
+    }
+    format!(
         "\n## World-aligned against light-aligned\n\nEqual voxel size, default options. MB are of the tree's \
         words and of the light-aligned file. Seconds are of the whole bake, the median of {runs} runs after one \
         that is not timed; the two frames are timed one after the other. The light-aligned bake uses {threads} \
         threads; the world-aligned one uses {threads} for its depth image and one for its builder. Agreement \
-        with rays is at {} points on surfaces.\n\n\
-        | scene | depth | frame | voxel m | MB | s | agreement % | interior % | acne % | leak % |\n|---|---|---|---|---|---|---|---|---|---|\n",
-        part.samples
-    );
-    for r in &part.rows.frames {
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {:.4} | {:.3} | {:.2} | {:.3} | {:.4} | {:.3} | {:.3} |",
-            r.scene,
-            r.depth,
-            r.frame,
-            r.voxel_size,
-            r.bytes as f64 / 1e6,
-            r.seconds,
-            100.0 * r.agreement,
-            100.0 * r.interior_agreement,
-            100.0 * r.acne,
-            100.0 * r.leak,
-        );
-    }
-    let _ = write!(
-        text,
-        "\n## Closed regions\n\nDepth {CLOSED_DEPTH}, world frame: MB of the merged tree and of the graph. The pictures `tree-nodes-*.png` show, \
+        with rays is at {} points on surfaces.\n\n{}\n\
+        ## Closed regions\n\nDepth {CLOSED_DEPTH}, world frame: MB of the merged tree and of the graph. The pictures `tree-nodes-*.png` show, \
         from above, a layer at {:.0} % of the scene's height at depth {}, one square per leaf: red for one \
-        voxel, then orange, yellow, green and blue up to violet; dark if shadowed.\n\n\
-        | scene | merged without | merged with | % | graph without | graph with | % |\n|---|---|---|---|---|---|---|\n",
+        voxel, then orange, yellow, green and blue up to violet; dark if shadowed.\n\n{}",
+        part.samples,
+        frames.markdown(),
         100.0 * PICTURE_HEIGHT,
-        PICTURE.0
-    );
-    for pair in part.rows.closed_regions.chunks_exact(2) {
-        let (without, with) = (&pair[0], &pair[1]);
-        let both = |of: fn(&ClosedRow) -> u64| (of(without) as f64 / 1e6, of(with) as f64 / 1e6);
-        let (merged, graph) = (both(|r| r.merged_bytes), both(|r| r.graph_bytes));
-        let _ = writeln!(
-            text,
-            "| {} | {:.3} | {:.3} | {:.1} | {:.3} | {:.3} | {:.1} |",
-            without.scene,
-            merged.0,
-            merged.1,
-            100.0 * merged.1 / merged.0,
-            graph.0,
-            graph.1,
-            100.0 * graph.1 / graph.0
-        );
-    }
-    text
+        PICTURE.0,
+        closed.markdown()
+    )
 }

@@ -13,6 +13,7 @@ use adumbra::IoError;
 use adumbra_bake::Watch;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use self::document::Part;
 pub(crate) use self::document::{Document, FrameRow, OptionRow, ReductionRow};
@@ -22,7 +23,8 @@ use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::make_folder;
 use adumbra_program::scene::load_scene;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, write_glb};
-use adumbra_tree::{BakedTree, TreeOptions, bake_tree};
+use adumbra_tree::query::{TreeQuery, Weights};
+use adumbra_tree::{BakedTree, PreparedTree, TreeOptions, VoxelTree, bake_tree};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Answers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
@@ -32,6 +34,7 @@ use serde_json::Value;
 use super::{child, say_tables, write};
 use crate::Result;
 use crate::args::BenchTree;
+use crate::report::median;
 
 /// Seed of the generated scenes.
 const SEED: u64 = 1;
@@ -76,34 +79,35 @@ pub(super) fn run(args: &BenchTree) -> Result<Code> {
     // Sections that this run does not measure keep their earlier results.
     let mut document =
         if args.only.is_empty() { Document::default() } else { earlier(&args.output.join("tree.json"))? };
-    let asked = |key: &str| args.only.is_empty() || args.only.iter().any(|only| only == key);
-    // Saved after every section, so that a failure loses only the section in progress.
-    if asked("builders") {
-        document.builders = Some(part(args, builders::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("reductions") {
-        document.reductions = Some(part(args, reductions::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("frames") {
-        document.frames = Some(part(args, frames::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("options") {
-        document.options = Some(part(args, options::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
-    if asked("filters") {
-        document.filters = Some(part(args, filters::measure(args, &scenes)?));
-        save(args, &document)?;
-    }
+    document.measure(args, &scenes, "builders", builders::measure, |d| &mut d.builders)?;
+    document.measure(args, &scenes, "reductions", reductions::measure, |d| &mut d.reductions)?;
+    document.measure(args, &scenes, "frames", frames::measure, |d| &mut d.frames)?;
+    document.measure(args, &scenes, "options", options::measure, |d| &mut d.options)?;
+    document.measure(args, &scenes, "filters", filters::measure, |d| &mut d.filters)?;
     say_tables(&args.output, "tree");
     Ok(Code::Fine)
 }
 
-fn part<R>(args: &BenchTree, rows: R) -> Part<R> {
-    Part { runs: args.runs, samples: args.samples, threads: rayon::current_num_threads(), rows }
+impl Document {
+    /// Measures a section if the arguments ask for it.
+    ///
+    /// What was measured is saved after every section, so that a failure loses only the section in progress.
+    fn measure<R>(
+        &mut self,
+        args: &BenchTree,
+        scenes: &[BenchScene],
+        key: &str,
+        rows: fn(&BenchTree, &[BenchScene]) -> Result<R>,
+        section: fn(&mut Self) -> &mut Option<Part<R>>,
+    ) -> Result<()> {
+        if !args.only.is_empty() && args.only.iter().all(|only| only != key) {
+            return Ok(());
+        }
+        let rows = rows(args, scenes)?;
+        let (runs, samples, threads) = (args.runs, args.samples, rayon::current_num_threads());
+        *section(self) = Some(Part { runs, samples, threads, rows });
+        save(args, self)
+    }
 }
 
 /// Writes tables, figures and plots of the sections measured so far.
@@ -167,10 +171,42 @@ fn bake_quietly(scene: &BenchScene, options: &TreeOptions) -> Result<BakedTree> 
     Ok(bake_tree(&scene.scene, options, Watch::none())?)
 }
 
-/// Returns the median, or the upper of the two middle values if their number is even.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+/// Returns look-ups of a tree with its own bias and without a filter.
+fn unfiltered(baked: &BakedTree, sun: Sun) -> Result<TreeQuery<'_, VoxelTree>> {
+    let (space, regions, tree) = (&baked.space, &baked.regions, &baked.tree);
+    Ok(TreeQuery::new(space, regions, &sun, tree, baked.settings.bias, 1, Weights::Mean)?)
+}
+
+/// Three variants of a tree's options, built in turn.
+struct InTurn {
+    /// Seconds to build and to reduce, the medians of the runs.
+    seconds: [f64; 3],
+    /// Whether the last run made equal trees.
+    agree: bool,
+    /// What the last run made.
+    last: Vec<BakedTree>,
+}
+
+/// Builds trees of a scene with each of three options that draw the same depth image.
+fn build_in_turn(args: &BenchTree, scene: &BenchScene, variants: &[TreeOptions; 3]) -> Result<InTurn> {
+    let never = AtomicBool::new(false);
+    let prepared = PreparedTree::new(&scene.scene, &variants[0], &never)?;
+    let mut seconds: [Vec<f64>; 3] = Default::default();
+    let mut last = Vec::new();
+    for _ in 0..args.runs {
+        last.clear();
+        for (options, seconds) in variants.iter().zip(&mut seconds) {
+            let baked = prepared.build(options, Watch::none())?;
+            seconds.push(baked.report.build_seconds + baked.report.reduce_seconds);
+            last.push(baked);
+        }
+    }
+    let agree = last.windows(2).all(|w| w[0].tree == w[1].tree);
+    Ok(InTurn { seconds: seconds.map(median), agree, last })
+}
+
+fn yes_or_no(agree: bool) -> &'static str {
+    if agree { "yes" } else { "NO" }
 }
 
 /// Returns the largest resident size of a bake in a process of its own, or `None` if the system does not report it.

@@ -1,7 +1,6 @@
 //! Every option compared with the plain tree: bytes, seconds, changed voxels, nanoseconds per look-up.
 
 use adumbra_bake::Watch;
-use std::fmt::Write as _;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -11,16 +10,17 @@ use adumbra::Sun;
 use adumbra_scene::random::Random;
 use adumbra_tree::attribute::AttributeIndex;
 use adumbra_tree::lossy::merge_similar;
-use adumbra_tree::query::{TreeQuery, Weights};
 use adumbra_tree::symmetric::SymmetricTree;
 use adumbra_tree::{BakedTree, PreparedTree};
 use adumbra_truth::verify::{Solids, SurfaceSampler};
 
 use super::document::{OptionRow, Part};
-use super::{BenchScene, SUN, median, scene_names, tree_options};
+use super::{BenchScene, SUN, scene_names, tree_options, unfiltered};
 use crate::Result;
 use crate::args::BenchTree;
+use crate::page::Table;
 use crate::plot::{Along, Legend, Panel, Series, write_svg};
+use crate::report::{figure, median, megabytes, percent};
 
 /// Depth of the trees.
 const DEPTH: u32 = 11;
@@ -108,8 +108,7 @@ fn surface_voxels(scene: &BenchScene, baked: &BakedTree) -> Result<Vec<[u32; 3]>
     let sun = Sun::from_direction(SUN)?;
     let solids = Solids::of(&scene.scene);
     let sampler = SurfaceSampler::new(&scene.scene, &solids, sun.towards(), false);
-    let bias = baked.settings.bias;
-    let query = TreeQuery::new(&baked.space, &baked.regions, &sun, &baked.tree, bias, 1, Weights::Mean)?;
+    let query = unfiltered(baked, sun)?;
     let mut random = Random::new(1, 0);
     let mut voxels = Vec::with_capacity(LOOKUPS);
     while voxels.len() < LOOKUPS {
@@ -138,34 +137,39 @@ impl Timer<'_> {
 }
 
 pub(super) fn markdown(part: &Part<Vec<OptionRow>>) -> String {
-    let mut text = format!(
+    let table = Table::of(
+        "",
+        &part.rows,
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("option", |r| r.option.clone()),
+            ("MB", |r| megabytes(r.bytes, 3)),
+            ("× plain", |r| figure(r.times_plain, 3)),
+            ("s", |r| figure(r.seconds, 2)),
+            ("changed", |r| r.changed().map_or(0, |[changed, _]| changed).to_string()),
+            ("of border voxels %", |r| match r.changed() {
+                Some([changed, all]) => percent(changed as f64 / all.max(1) as f64, 4),
+                None => "0".to_owned(),
+            }),
+            ("ns", |r| figure(r.nanoseconds, 0)),
+        ],
+    );
+    format!(
         "\n## Options\n\nDepth {DEPTH}, world frame. Seconds are those that the option adds to the plain tree's, \
         timed once. `changed` counts the voxels that differ from the plain tree; its % is of the voxels at \
         shadow borders (cells of leaves of eight). `ns` is nanoseconds per look-up of one voxel, at {LOOKUPS} \
         random points on the scene's surfaces, on one thread, medians of {} runs, one after the other. The \
-        penumbra row includes the look-up of the byte.\n\n\
-        | scene | option | MB | × plain | s | changed | of border voxels % | ns |\n|---|---|---|---|---|---|---|---|\n",
-        part.runs
-    );
-    for r in &part.rows {
-        let changed = match (r.changed_voxels, r.leaf_voxels) {
-            (Some(changed), Some(all)) => {
-                format!("{changed} | {:.4}", 100.0 * changed as f64 / all.max(1) as f64)
-            }
-            _ => "0 | 0".to_owned(),
-        };
-        let _ = writeln!(
-            text,
-            "| {} | {} | {:.3} | {:.3} | {:.2} | {changed} | {:.0} |",
-            r.scene,
-            r.option,
-            r.bytes as f64 / 1e6,
-            r.times_plain,
-            r.seconds,
-            r.nanoseconds,
-        );
+        penumbra row includes the look-up of the byte.\n\n{}",
+        part.runs,
+        table.markdown()
+    )
+}
+
+impl OptionRow {
+    /// Returns the changed voxels and the voxels at shadow borders, if the option changes any.
+    fn changed(&self) -> Option<[u64; 2]> {
+        Some([self.changed_voxels?, self.leaf_voxels?])
     }
-    text
 }
 
 pub(super) fn plots(folder: &Path, rows: &[OptionRow]) -> Result<()> {

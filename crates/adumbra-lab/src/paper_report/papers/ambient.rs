@@ -29,9 +29,9 @@ pub(super) const PAPER: Realised = Realised {
             "figure 2",
             Show::Nothing("a drawing; as it requires, samples out of range contribute nothing here"),
         ),
-        ("figure 3", Show::Below(detail)),
-        ("figure 4", Show::Below(attenuation)),
-        ("figure 5", Show::Below(edges)),
+        ("figure 3", Show::Below(|seen, body| DETAIL.show(seen, body))),
+        ("figure 4", Show::Below(|seen, body| ATTENUATION.show(seen, body))),
+        ("figure 5", Show::Below(|seen, body| EDGES.show(seen, body))),
         ("figure 6", Show::Below(everything)),
     ],
     claims: &[
@@ -135,13 +135,8 @@ fn settings(seen: &mut Seen<'_>, body: &mut Body) {
             }
         }
     }
-    if table.rows.is_empty() {
-        seen.missing(SECTION, body);
-    } else {
-        body.table(&table);
-        body.paragraph("The paper prints these numbers in scene units that it does not specify. Taken as fractions of R, they make the picture too dark or too light by the mean signed error.");
-        seen.made_by(SECTION, SECTION, body);
-    }
+    let remark = "The paper prints these numbers in scene units that it does not specify. Taken as fractions of R, they make the picture too dark or too light by the mean signed error.";
+    seen.table(SECTION, SECTION, &table, Some(remark), body);
 }
 
 fn file(name: &str) -> String {
@@ -159,44 +154,37 @@ fn pair(seen: &mut Seen<'_>, left: &str, right: &str, body: &mut Body) {
     }
 }
 
-/// Adds a sheet of the Dragon, if it was measured.
-fn sheet(seen: &mut Seen<'_>, name: &str, alt: &str, body: &mut Body) {
-    if let Some(picture) = seen.data.picture(&file(name), None) {
-        body.picture(&picture, alt, "Ours, on the paper's model");
-        seen.made_by(SECTION, SECTION, body);
+/// A sheet of the Dragon, and pictures of the room next to issao's.
+struct Figure {
+    sheet: &'static str,
+    alt: &'static str,
+    /// What is left of the divider, with issao on its right.
+    left: &'static [&'static str],
+}
+
+const DETAIL: Figure = Figure {
+    sheet: "ao-figure-3",
+    alt: "The Dragon's head by rays, hbao, issao, and issao with the paper's settings",
+    left: &["hbao", "truth"],
+};
+const ATTENUATION: Figure = Figure {
+    sheet: "ao-figure-4",
+    alt: "The Dragon's flank by rays, and by issao with and without its attenuation, tuned and with the paper's settings",
+    left: &["issao:attenuation=off"],
+};
+const EDGES: Figure = Figure {
+    sheet: "ao-figure-5",
+    alt: "The Dragon's edges by rays, alchemy, issao, and issao with a Gaussian filter",
+    left: &["alchemy", "issao:filter=none"],
+};
+
+impl Figure {
+    fn show(&self, seen: &mut Seen<'_>, body: &mut Body) {
+        seen.sheet(SECTION, &file(self.sheet), self.alt, body);
+        for left in self.left {
+            pair(seen, left, "issao", body);
+        }
     }
-}
-
-fn detail(seen: &mut Seen<'_>, body: &mut Body) {
-    sheet(
-        seen,
-        "ao-figure-3",
-        "The Dragon's head by rays, hbao, issao, and issao with the paper's settings",
-        body,
-    );
-    pair(seen, "hbao", "issao", body);
-    pair(seen, "truth", "issao", body);
-}
-
-fn attenuation(seen: &mut Seen<'_>, body: &mut Body) {
-    sheet(
-        seen,
-        "ao-figure-4",
-        "The Dragon's flank by rays, and by issao with and without its attenuation, tuned and with the paper's settings",
-        body,
-    );
-    pair(seen, "issao:attenuation=off", "issao", body);
-}
-
-fn edges(seen: &mut Seen<'_>, body: &mut Body) {
-    sheet(
-        seen,
-        "ao-figure-5",
-        "The Dragon's edges by rays, alchemy, issao, and issao with a Gaussian filter",
-        body,
-    );
-    pair(seen, "alchemy", "issao", body);
-    pair(seen, "issao:filter=none", "issao", body);
 }
 
 fn everything(seen: &mut Seen<'_>, body: &mut Body) {

@@ -5,7 +5,7 @@ use super::super::seen::Seen;
 use super::{Realised, Show, Verdict};
 use crate::bench::blur::{Bleeding, Cost, Document};
 use crate::page::{Body, Table};
-use crate::report::{Report, TechniqueRow, figure, percent};
+use crate::report::{Report, TechniqueRow, figure, megabytes, percent};
 
 const FILE: &str = "blur/blur.json";
 
@@ -67,22 +67,20 @@ fn blur(seen: &mut Seen<'_>, body: &mut Body) {
 /// Adds a table of the errors and times of a comparison.
 fn techniques(seen: &mut Seen<'_>, file: &str, caption: &str, body: &mut Body) {
     let Some(report) = seen.data.results::<Report>(file) else { return };
-    let head =
-        ["technique", "ms", "MB", "RMSE", "FLIP", "SSIM", "lit called shadowed %", "shadowed called lit %"];
-    let mut table = Table::new(caption, &head);
-    for row in &report.techniques {
-        table.row([
-            format!("`{}`", row.name),
-            figure(row.gpu_ms, 2),
-            format!("{:.1}", row.bytes as f64 / 1e6),
-            figure(row.rmse, 4),
-            figure(row.flip, 4),
-            figure(row.ssim, 4),
-            percent(row.wrong_shadowed, 3),
-            percent(row.wrong_lit, 3),
-        ]);
-    }
-    body.table(&table);
+    body.table(&Table::of(
+        caption,
+        &report.techniques,
+        &[
+            ("technique", |t| format!("`{}`", t.name)),
+            ("ms", |t| figure(t.gpu_ms, 2)),
+            ("MB", |t| megabytes(t.bytes, 1)),
+            ("RMSE", |t| figure(t.rmse, 4)),
+            ("FLIP", |t| figure(t.flip, 4)),
+            ("SSIM", |t| figure(t.ssim, 4)),
+            ("lit called shadowed %", |t| percent(t.wrong_shadowed, 3)),
+            ("shadowed called lit %", |t| percent(t.wrong_lit, 3)),
+        ],
+    ));
 }
 
 /// Adds a pair of pictures of the city from afar.

@@ -79,17 +79,19 @@ fn percent_less(ratio: f64) -> String {
     if ratio.is_nan() { "–".to_owned() } else { format!("{:+.0} %", 100.0 * (ratio - 1.0)) }
 }
 
+/// Columns of the paper's times and of ours.
+const TIMES: [&str; 7] = [
+    "paper SM ms",
+    "paper HRSM ms",
+    "paper, change",
+    "our SM ms",
+    "our HRSM ms",
+    "ours, change",
+    "ours, static light",
+];
+
 fn dragon(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
-    let head = [
-        "START",
-        "paper SM ms",
-        "paper HRSM ms",
-        "paper, change",
-        "our SM ms",
-        "our HRSM ms",
-        "ours, change",
-        "ours, static light",
-    ];
+    let head = [&["START"][..], &TIMES].concat();
     let document = seen.data.results::<Document>(FILE);
     let measured = model(document.as_ref(), "Dragon");
     let mut table =
@@ -131,18 +133,7 @@ fn explain(seen: &Seen<'_>, measured: bool, why: &str, body: &mut Body) {
 
 fn models(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
     let document = seen.data.results::<Document>(FILE);
-    let head = [
-        "model",
-        "triangles",
-        "START",
-        "paper SM ms",
-        "paper HRSM ms",
-        "paper, change",
-        "our SM ms",
-        "our HRSM ms",
-        "ours, change",
-        "ours, static light",
-    ];
+    let head = [&["model", "triangles", "START"][..], &TIMES].concat();
     let mut table = Table::new("All models, paper and ours, as in table 1", &head);
     for printed in &printed.rows {
         let number = |i: usize| printed.get(i).and_then(Value::as_f64).unwrap_or(f64::NAN);
@@ -192,13 +183,8 @@ fn layout(seen: &mut Seen<'_>, body: &mut Body) {
             }
         }
     }
-    if table.rows.is_empty() {
-        seen.missing(SECTION, body);
-    } else {
-        body.table(&table);
-        body.paragraph("Sizes are for a static light. Both layouts give bit-identical results.");
-        seen.made_by(SECTION, SECTION, body);
-    }
+    let remark = "Sizes are for a static light. Both layouts give bit-identical results.";
+    seen.table(SECTION, SECTION, &table, Some(remark), body);
 }
 
 fn picture(name: &str) -> String {
@@ -212,8 +198,8 @@ fn beside(seen: &mut Seen<'_>, left: &str, right: &str, caption: &str, body: &mu
 }
 
 fn equal_targets(seen: &mut Seen<'_>, body: &mut Body) {
-    sheet(
-        seen,
+    seen.sheet(
+        SECTION,
         "hrsm/hrsm-figure-4.png",
         "The outline of the Dragon's shadow, shadow maps on the left, hybrid maps on the right",
         body,
@@ -229,24 +215,17 @@ fn equal_targets(seen: &mut Seen<'_>, body: &mut Body) {
     errors(seen, body);
 }
 
-/// Adds a sheet of the benchmark, which exists only if its model was available.
-fn sheet(seen: &mut Seen<'_>, path: &str, alt: &str, body: &mut Body) {
-    if let Some(picture) = seen.data.picture(path, None) {
-        body.picture(&picture, alt, "Ours, on the paper's model");
-        seen.made_by(SECTION, SECTION, body);
-    }
-}
-
 fn errors(seen: &mut Seen<'_>, body: &mut Body) {
     let Some(report) = seen.data.results::<Report>("hrsm/pictures/report.json") else { return };
-    let mut table = Table::new(
+    body.table(&Table::of(
         "Errors of these pictures, % of the compared pixels",
-        &["technique", "lit called shadowed", "shadowed called lit"],
-    );
-    for row in &report.techniques {
-        table.row([format!("`{}`", row.name), percent(row.wrong_shadowed, 3), percent(row.wrong_lit, 3)]);
-    }
-    body.table(&table);
+        &report.techniques,
+        &[
+            ("technique", |t| format!("`{}`", t.name)),
+            ("lit called shadowed", |t| percent(t.wrong_shadowed, 3)),
+            ("shadowed called lit", |t| percent(t.wrong_lit, 3)),
+        ],
+    ));
     seen.made_by(SECTION, "pictures", body);
 }
 
@@ -264,8 +243,8 @@ fn thin(seen: &mut Seen<'_>, body: &mut Body) {
 }
 
 fn self_shadow(seen: &mut Seen<'_>, body: &mut Body) {
-    sheet(
-        seen,
+    seen.sheet(
+        SECTION,
         "hrsm/hrsm-figure-6.png",
         "The Dragon's shadow on itself: hybrid map, rays, the paper's test, a shadow map",
         body,
@@ -294,8 +273,8 @@ fn self_shadow(seen: &mut Seen<'_>, body: &mut Body) {
 }
 
 fn finer_starts(seen: &mut Seen<'_>, body: &mut Body) {
-    sheet(
-        seen,
+    seen.sheet(
+        SECTION,
         "hrsm/hrsm-figure-7.png",
         "The outline of the Dragon's shadow, target 512, with finer and finer starts",
         body,

@@ -7,7 +7,7 @@ use super::{Realised, Show, Verdict};
 use crate::bench::tree::{Document, FrameRow, ReductionRow};
 use crate::page::{Body, Table};
 use crate::paper_report::data::Data;
-use crate::report::Report;
+use crate::report::{Report, figure, megabytes, percent};
 use adumbra_tree::morton;
 
 const SECTION: &str = "tree";
@@ -27,12 +27,12 @@ pub(super) const PAPER: Realised = Realised {
         ("figure 3-3", Show::Below(closed_regions)),
         ("figure 3-4", Show::Below(builders)),
         ("figure 3-5", Show::Below(hashing)),
-        ("figure 4-1", Show::Below(nothing_done)),
+        ("figure 4-1", Show::Below(|seen, body| pairs(seen, &NOTHING_DONE, body))),
         ("figure 4-2", Show::Below(acne)),
-        ("figure 4-3", Show::Below(bias)),
+        ("figure 4-3", Show::Below(|seen, body| pairs(seen, &BIAS, body))),
         ("figure 4-4", Show::Below(jags)),
-        ("figure 4-5", Show::Below(filters)),
-        ("figure 4-6", Show::Below(both)),
+        ("figure 4-5", Show::Below(|seen, body| pairs(seen, &FILTERS, body))),
+        ("figure 4-6", Show::Below(|seen, body| pairs(seen, &BIAS_AND_FILTER, body))),
         ("figure 5-1", Show::Below(result)),
         ("figure 5-2", Show::Below(frame_times)),
         ("figure 5-3", Show::Below(ball)),
@@ -90,61 +90,105 @@ fn octree_path(_: &mut Seen<'_>, body: &mut Body) {
 
 /// Size in pixels of one picture of the benchmark's sheets, which have two rows of three.
 const CELL: [u32; 2] = [480, 320];
-/// Indices of the pictures on a sheet.
-const NONE: u32 = 0;
-const BIAS: u32 = 1;
-const PCF_3: u32 = 2;
-const PCF_5: u32 = 3;
-const BOTH: u32 = 4;
-const RAYS: u32 = 5;
 
-fn place(i: u32) -> [u32; 4] {
-    [i % 3 * CELL[0], i / 3 * CELL[1], CELL[0], CELL[1]]
+/// The pictures of a sheet, row by row.
+#[derive(Clone, Copy)]
+enum Picture {
+    Plain,
+    Bias,
+    Pcf3,
+    Pcf5,
+    BiasAndPcf5,
+    Rays,
 }
 
-fn name(i: u32) -> &'static str {
-    ["no bias, no filter", "bias", "3 × 3 × 3", "5 × 5 × 5", "bias, 5 × 5 × 5", "rays"]
-        .get(i as usize)
-        .unwrap_or(&"")
-}
+impl Picture {
+    /// Returns its part of the sheet: `[x, y, width, height]` in pixels.
+    fn part(self) -> [u32; 4] {
+        let i = self as u32;
+        [i % 3 * CELL[0], i / 3 * CELL[1], CELL[0], CELL[1]]
+    }
 
-/// Adds a pair of pictures of a sheet.
-fn pair(seen: &mut Seen<'_>, sheet: &str, left: u32, right: u32, caption: &str, body: &mut Body) {
-    let path = format!("tree/tree-sheet-{sheet}.png");
-    let (a, b) = ((place(left), name(left)), (place(right), name(right)));
-    seen.pair_of_parts(SECTION, &path, a, b, caption, body);
-}
-
-fn one(seen: &mut Seen<'_>, sheet: &str, i: u32, part: Option<[u32; 4]>, caption: &str, body: &mut Body) {
-    let path = format!("tree/tree-sheet-{sheet}.png");
-    match seen.data.picture(&path, Some(part.unwrap_or_else(|| place(i)))) {
-        Some(picture) => body.picture(&picture, caption, caption),
-        None => seen.missing(SECTION, body),
+    fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "no bias, no filter",
+            Self::Bias => "bias",
+            Self::Pcf3 => "3 × 3 × 3",
+            Self::Pcf5 => "5 × 5 × 5",
+            Self::BiasAndPcf5 => "bias, 5 × 5 × 5",
+            Self::Rays => "rays",
+        }
     }
 }
 
-fn simple_scene(seen: &mut Seen<'_>, body: &mut Body) {
-    one(
-        seen,
+/// A sheet, the pictures left and right of the divider, and a caption.
+type SheetPair = (&'static str, Picture, Picture, &'static str);
+
+const NOTHING_DONE: [SheetPair; 1] = [(
+    "primitives",
+    Picture::Plain,
+    Picture::Rays,
+    "Ours: simple solids at depth 8, coarse enough to show the voxels",
+)];
+const BIAS: [SheetPair; 2] = [
+    ("primitives", Picture::Plain, Picture::Bias, "Ours: simple solids at depth 8"),
+    ("landscape", Picture::Plain, Picture::Bias, "Ours: the landscape at depth 10"),
+];
+const FILTERS: [SheetPair; 2] = [
+    ("primitives", Picture::Plain, Picture::Pcf3, "Ours: without bias"),
+    ("primitives", Picture::Plain, Picture::Pcf5, "Ours: without bias"),
+];
+const BIAS_AND_FILTER: [SheetPair; 1] =
+    [("primitives", Picture::Plain, Picture::BiasAndPcf5, "Ours: simple solids at depth 8")];
+const RESULT: [SheetPair; 3] = [
+    (
         "primitives",
-        RAYS,
-        None,
-        "Ours: simple solids, `adumbra generate primitives`, with ray-traced shadows",
-        body,
-    );
+        Picture::BiasAndPcf5,
+        Picture::Rays,
+        "Ours (a): simple solids, at depth 8 instead of 11, so that differences are visible",
+    ),
+    ("landscape", Picture::BiasAndPcf5, Picture::Rays, "Ours (b): the landscape at depth 10"),
+    (
+        "landscape-grazing",
+        Picture::BiasAndPcf5,
+        Picture::Rays,
+        "Ours: the landscape under a sun at 8°, a case in which the paper reports flaws",
+    ),
+];
+
+fn sheet(name: &str) -> String {
+    format!("tree/tree-sheet-{name}.png")
+}
+
+fn pair(seen: &mut Seen<'_>, (of, left, right, caption): SheetPair, body: &mut Body) {
+    let [left, right] = [left, right].map(|picture| (picture.part(), picture.name()));
+    seen.pair_of_parts(SECTION, &sheet(of), left, right, caption, body);
+}
+
+fn pairs(seen: &mut Seen<'_>, shown: &[SheetPair], body: &mut Body) {
+    for sheet_pair in shown {
+        pair(seen, *sheet_pair, body);
+    }
     seen.made_by(SECTION, "others", body);
 }
 
-fn landscape(seen: &mut Seen<'_>, body: &mut Body) {
-    one(
-        seen,
-        "landscape",
-        RAYS,
-        None,
-        "Ours: low-poly terrain with trees, rocks and houses, `adumbra generate landscape`, with ray-traced shadows",
-        body,
-    );
+/// Adds a part of a sheet.
+fn one(seen: &mut Seen<'_>, of: &str, part: [u32; 4], caption: &str, body: &mut Body) {
+    match seen.data.picture(&sheet(of), Some(part)) {
+        Some(picture) => body.picture(&picture, caption, caption),
+        None => seen.missing(SECTION, body),
+    }
     seen.made_by(SECTION, "others", body);
+}
+
+fn simple_scene(seen: &mut Seen<'_>, body: &mut Body) {
+    let caption = "Ours: simple solids, `adumbra generate primitives`, with ray-traced shadows";
+    one(seen, "primitives", Picture::Rays.part(), caption, body);
+}
+
+fn landscape(seen: &mut Seen<'_>, body: &mut Body) {
+    let caption = "Ours: low-poly terrain with trees, rocks and houses, `adumbra generate landscape`, with ray-traced shadows";
+    one(seen, "landscape", Picture::Rays.part(), caption, body);
 }
 
 /// Returns the benchmark's results, empty if there are none.
@@ -180,13 +224,8 @@ fn shares(document: &Document, caption: &str, of: fn(&ReductionRow) -> [f64; 2])
 
 fn merging(seen: &mut Seen<'_>, body: &mut Body) {
     let alt = "Size after upward merging in percent of the complete tree, and after sharing in percent of the merged tree, by depth, one line per scene";
-    seen.plot(
-        SECTION,
-        "tree/tree-merging.svg",
-        alt,
-        "Ours: percent left after upward merging and, for figure 3-5, after sharing by hash",
-        body,
-    );
+    let caption = "Ours: percent left after upward merging and, for figure 3-5, after sharing by hash";
+    seen.plot(SECTION, "tree/tree-merging.svg", alt, caption, body);
     let document = document(seen.data);
     body.table(&shares(
         &document,
@@ -213,18 +252,16 @@ fn closed_regions(seen: &mut Seen<'_>, body: &mut Body) {
     let caption = "Ours: a layer of the tree at depth 8 from above, one square per leaf, coloured by size, dark in shadow";
     let (open, closed) = (file("open"), file("closed"));
     seen.pair(SECTION, (&open, "all defined"), (&closed, "interiors free"), caption, body);
-    let document = document(seen.data);
-    let mut table =
-        Table::new("Ours: bytes at depth 10", &["scene", "all defined, MB", "interiors free, MB", "% left"]);
-    for (scene, open, closed) in closed_bytes(&document) {
-        table.row([
-            scene,
-            format!("{:.3}", open / 1e6),
-            format!("{:.3}", closed / 1e6),
-            format!("{:.0}", 100.0 * closed / open),
-        ]);
-    }
-    body.table(&table);
+    body.table(&Table::of(
+        "Ours: bytes at depth 10",
+        &closed_bytes(&document(seen.data)),
+        &[
+            ("scene", |(scene, ..)| scene.clone()),
+            ("all defined, MB", |(_, open, _)| figure(open / 1e6, 3)),
+            ("interiors free, MB", |(_, _, closed)| figure(closed / 1e6, 3)),
+            ("% left", |(_, open, closed)| percent(closed / open, 0)),
+        ],
+    ));
     body.paragraph("Closed regions are found by the winding of the triangles, not with colliders, which the paper itself calls the wrong approach.");
     seen.made_by(SECTION, "others", body);
 }
@@ -242,26 +279,21 @@ fn closed_bytes(document: &Document) -> Vec<(String, f64, f64)> {
 
 fn builders(seen: &mut Seen<'_>, body: &mut Body) {
     let alt = "Build times of the three builders in seconds, one group of bars per scene, and time of the pooled builder divided by that of recursion, by depth";
-    seen.plot(
-        SECTION,
-        "tree/tree-builders.svg",
-        alt,
-        "Ours: seconds at the smallest depth, and the pooled builder's time divided by that of recursion",
-        body,
-    );
-    let document = document(seen.data);
-    let mut table = Table::new(
+    let caption =
+        "Ours: seconds at the smallest depth, and the pooled builder's time divided by that of recursion";
+    seen.plot(SECTION, "tree/tree-builders.svg", alt, caption, body);
+    body.table(&Table::of(
         "Ours: seconds to build and reduce, one thread",
-        &["scene", "depth", "recursive", "iterative", "iterative, pooled", "pooled / recursive"],
-    );
-    for row in document.builders.iter().flat_map(|part| &part.rows) {
-        let seconds = row.seconds;
-        let cells = seconds.list().map(|s| format!("{s:.3}"));
-        let head = [row.scene.clone(), row.depth.to_string()];
-        let ratio = format!("{:.2}", seconds.pooled / seconds.recursive);
-        table.row(head.into_iter().chain(cells).chain([ratio]));
-    }
-    body.table(&table);
+        document(seen.data).builders.iter().flat_map(|part| &part.rows),
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("depth", |r| r.depth.to_string()),
+            ("recursive", |r| figure(r.seconds.recursive, 3)),
+            ("iterative", |r| figure(r.seconds.iterative, 3)),
+            ("iterative, pooled", |r| figure(r.seconds.pooled, 3)),
+            ("pooled / recursive", |r| figure(r.seconds.pooled / r.seconds.recursive, 2)),
+        ],
+    ));
     body.paragraph(
         "The paper's builders run in C#, where each frame on the heap is an object for the garbage collector. Here a frame \
          costs one allocation at most, so the three builders are close.",
@@ -269,105 +301,44 @@ fn builders(seen: &mut Seen<'_>, body: &mut Body) {
     seen.made_by(SECTION, "builders", body);
 }
 
-fn nothing_done(seen: &mut Seen<'_>, body: &mut Body) {
-    pair(
-        seen,
-        "primitives",
-        NONE,
-        RAYS,
-        "Ours: simple solids at depth 8, coarse enough to show the voxels",
-        body,
-    );
-    seen.made_by(SECTION, "others", body);
-}
-
 fn acne(seen: &mut Seen<'_>, body: &mut Body) {
-    pair(seen, "landscape", NONE, RAYS, "Ours: the landscape at depth 10", body);
-    counts(seen, body);
-}
-
-fn counts(seen: &mut Seen<'_>, body: &mut Body) {
-    let document = document(seen.data);
-    let mut table = Table::new(
+    let shown = ("landscape", Picture::Plain, Picture::Rays, "Ours: the landscape at depth 10");
+    pair(seen, shown, body);
+    let counts = Table::of(
         "Ours: wrong results at points on surfaces, depth 10, %",
-        &["scene", "look-up", "lit called shadowed", "shadowed called lit"],
+        document(seen.data).filters.iter().flat_map(|part| &part.rows),
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("look-up", |r| r.look_up.clone()),
+            ("lit called shadowed", |r| percent(r.acne, 3)),
+            ("shadowed called lit", |r| percent(r.leak, 3)),
+        ],
     );
-    for row in document.filters.iter().flat_map(|part| &part.rows) {
-        let [acne, leak] = [row.acne, row.leak].map(|share| format!("{:.3}", 100.0 * share));
-        table.row([row.scene.clone(), row.look_up.clone(), acne, leak]);
-    }
-    if table.rows.is_empty() {
-        seen.missing(SECTION, body);
-    } else {
-        body.table(&table);
-        seen.made_by(SECTION, "others", body);
-    }
-}
-
-fn bias(seen: &mut Seen<'_>, body: &mut Body) {
-    pair(seen, "primitives", NONE, BIAS, "Ours: simple solids at depth 8", body);
-    pair(seen, "landscape", NONE, BIAS, "Ours: the landscape at depth 10", body);
-    seen.made_by(SECTION, "others", body);
+    seen.table(SECTION, "others", &counts, None, body);
 }
 
 fn jags(seen: &mut Seen<'_>, body: &mut Body) {
-    let [x, y, width, height] = place(BIAS);
+    let [x, y, width, height] = Picture::Bias.part();
     let middle = [x + width / 4, y + height / 4, width / 2, height / 2];
-    one(
-        seen,
-        "primitives",
-        BIAS,
-        Some(middle),
-        "Ours: a detail of figure 4-3; each step of the shadow's outline is one voxel",
-        body,
-    );
-    seen.made_by(SECTION, "others", body);
-}
-
-fn filters(seen: &mut Seen<'_>, body: &mut Body) {
-    pair(seen, "primitives", NONE, PCF_3, "Ours: without bias", body);
-    pair(seen, "primitives", NONE, PCF_5, "Ours: without bias", body);
-    seen.made_by(SECTION, "others", body);
-}
-
-fn both(seen: &mut Seen<'_>, body: &mut Body) {
-    pair(seen, "primitives", NONE, BOTH, "Ours: simple solids at depth 8", body);
-    seen.made_by(SECTION, "others", body);
+    let caption = "Ours: a detail of figure 4-3; each step of the shadow's outline is one voxel";
+    one(seen, "primitives", middle, caption, body);
 }
 
 fn result(seen: &mut Seen<'_>, body: &mut Body) {
-    pair(
-        seen,
-        "primitives",
-        BOTH,
-        RAYS,
-        "Ours (a): simple solids, at depth 8 instead of 11, so that differences are visible",
-        body,
-    );
-    pair(seen, "landscape", BOTH, RAYS, "Ours (b): the landscape at depth 10", body);
-    pair(
-        seen,
-        "landscape-grazing",
-        BOTH,
-        RAYS,
-        "Ours: the landscape under a sun at 8°, a case in which the paper reports flaws",
-        body,
-    );
-    let document = document(seen.data);
-    let mut table = Table::new(
-        "Ours: agreement with rays, %",
-        &["scene", "depth", "all points", "two voxels from outlines", "MB"],
-    );
-    for row in document.frame_rows().iter().filter(|r| r.frame == "world") {
-        table.row([
-            row.scene.clone(),
-            row.depth.to_string(),
-            format!("{:.3}", 100.0 * row.agreement),
-            format!("{:.3}", 100.0 * row.interior_agreement),
-            format!("{:.2}", row.bytes as f64 / 1e6),
-        ]);
+    for shown in RESULT {
+        pair(seen, shown, body);
     }
-    body.table(&table);
+    body.table(&Table::of(
+        "Ours: agreement with rays, %",
+        document(seen.data).frame_rows().iter().filter(|r| r.frame == "world"),
+        &[
+            ("scene", |r| r.scene.clone()),
+            ("depth", |r| r.depth.to_string()),
+            ("all points", |r| percent(r.agreement, 3)),
+            ("two voxels from outlines", |r| percent(r.interior_agreement, 3)),
+            ("MB", |r| megabytes(r.bytes, 2)),
+        ],
+    ));
     seen.made_by(SECTION, "others", body);
 }
 

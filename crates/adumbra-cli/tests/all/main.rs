@@ -1,0 +1,15 @@
+//! Tests of the program, as a user runs it.
+
+mod compare;
+mod device;
+mod display;
+mod levels;
+mod movers;
+mod nothing_lost;
+mod occlusion;
+mod options;
+mod program;
+mod scenes;
+mod texture;
+mod tree;
+mod view;
