@@ -6,6 +6,7 @@ mod voxel_points;
 
 use std::collections::HashSet;
 
+use adumbra::layout::LeafMasks;
 use adumbra::layout::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
 use adumbra::layout::plain::Dag;
 use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, TapLayers, receiver};
