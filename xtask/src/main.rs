@@ -9,6 +9,7 @@ mod docs;
 mod tools;
 mod tree_vectors;
 mod vectors;
+mod voxels;
 
 use std::collections::BTreeSet;
 use std::env;

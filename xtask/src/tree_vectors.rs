@@ -15,7 +15,7 @@ use adumbra_tree::{
 use serde_json::{Value, json};
 
 use crate::broken::{self, Broken};
-use crate::vectors::noise;
+use crate::voxels::{Scatter, noise, point_in};
 
 /// Whether a cube, given by its lowest voxel and its level, is all lit or all shadowed; `None` if it is mixed. A single
 /// voxel is never mixed.
@@ -103,11 +103,7 @@ impl Vector {
     /// Returns points in and around the cube, with their visibility according to the function.
     fn answers(&self) -> String {
         let side = self.file.space.side_voxels();
-        let mut state = 0x9E37_79B9_u32;
-        let mut random = |_| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            ((u64::from(state) * u64::from(side)) >> 32) as u32
-        };
+        let mut scatter = Scatter::new();
         let mut rows = Vec::new();
         let mut add = |what: &str, at: [f64; 3], visibility: bool, attribute: Option<Value>| {
             let world = self.file.space.to_world(at);
@@ -117,13 +113,11 @@ impl Vector {
             }
             rows.push(format!("    {row}"));
         };
-        let voxels: Vec<[u32; 3]> =
-            self.shown.iter().copied().chain((0..24).map(|_| [0, 1, 2].map(&mut random))).collect();
+        let scattered = (0..24).map(|_| [side; 3].map(|n| scatter.below(n)));
+        let voxels: Vec<[u32; 3]> = self.shown.iter().copied().chain(scattered).collect();
         for v in voxels {
-            // A quarter off the centre, far from every voxel's boundary whatever the rounding.
-            let at = [f64::from(v[0]) + 0.25, f64::from(v[1]) + 0.5, f64::from(v[2]) + 0.75];
             let lit = (self.cubes)(v, 0).expect("a voxel is lit or not");
-            add("inside", at, lit, self.attribute(v));
+            add("inside", point_in(v), lit, self.attribute(v));
         }
         let (middle, end) = (f64::from(side) * 0.5, f64::from(side));
         for a in 0..3 {

@@ -15,14 +15,14 @@ use std::rc::Rc;
 use adumbra::file::HEADER_BYTES;
 use adumbra::layout::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
 use adumbra::layout::{LEAF_NODE_LEVEL, top_dims};
-use adumbra::{
-    Bias, Bounds, FileSettings, Layout, LightBody, LightExtent, LightGrid, Receivers, ShadowFile, Sun,
-};
+use adumbra::{Bounds, Layout, LightBody, LightExtent, LightGrid, Receivers, ShadowFile, Sun};
 use adumbra_bake::convert::{body_in, graph_of};
+use adumbra_testing::{overhead_grid, settings_for};
 use serde_json::json;
 
 use crate::broken::{self, Broken};
 use crate::tree_vectors;
+use crate::voxels::{Scatter, noise, point_in};
 
 /// Whether the voxel (x, y, z) is lit.
 type Voxels = dyn Fn(u32, u32, u32) -> bool;
@@ -54,11 +54,7 @@ impl Vector {
     fn answers(&self) -> String {
         let grid = &self.file.grid;
         let size = grid.size;
-        let mut state = 0x9E37_79B9_u32;
-        let mut random = |n: u32| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            ((u64::from(state) * u64::from(n)) >> 32) as u32
-        };
+        let mut scatter = Scatter::new();
         let mut rows = Vec::new();
         let mut add = |what: &str, at: [f64; 3], visibility: bool| {
             let world = grid.to_world(at);
@@ -68,12 +64,10 @@ impl Vector {
             ));
         };
         for _ in 0..24 {
-            let v = size.map(&mut random);
-            // A quarter off the centre, far from every voxel's boundary whatever the rounding.
-            let at = [f64::from(v[0]) + 0.25, f64::from(v[1]) + 0.5, f64::from(v[2]) + 0.75];
-            add("inside", at, (self.lit)(v[0], v[1], v[2]));
+            let v = size.map(|n| scatter.below(n));
+            add("inside", point_in(v), (self.lit)(v[0], v[1], v[2]));
         }
-        let [x, y] = [random(size[0]), random(size[1])];
+        let [x, y] = [size[0], size[1]].map(|n| scatter.below(n));
         let (cx, cy) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
         let [ex, ey, ez] = size.map(f64::from);
         add("outside, x below 0", [-0.5, cy, ez - 0.5], true);
@@ -196,9 +190,7 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
 
 /// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from y = 8.
 fn example_grid(size: [u32; 3]) -> LightGrid {
-    let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("straight up is a direction");
-    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
-    LightGrid { sun, voxel_size: 1.0, origin: [0.0, 8.0, 0.0], axes, size }
+    overhead_grid([0.0, 8.0, 0.0], size)
 }
 
 /// Lit unless inside or behind the sphere.
@@ -206,12 +198,6 @@ fn sphere(x: u32, y: u32, z: u32) -> bool {
     let [dx, dy, dz] = [x, y, z].map(|c| f64::from(c) - 31.5);
     let square = dx * dx + dy * dy;
     square > 400.0 || dz < -(400.0 - square).sqrt()
-}
-
-pub(crate) fn noise(x: u32, y: u32, z: u32) -> bool {
-    let mut h = (x << 20 ^ y << 10 ^ z).wrapping_mul(0x9E37_79B1);
-    h = (h ^ h >> 15).wrapping_mul(0x85EB_CA77);
-    (h ^ h >> 13) & 1 == 1
 }
 
 impl Vector {
@@ -222,19 +208,7 @@ impl Vector {
         root_level: u32,
         lit: impl Fn(u32, u32, u32) -> bool + 'static,
     ) -> Self {
-        let settings = FileSettings {
-            resolution: grid.size[0].max(grid.size[1]),
-            thickness_world: 0.0,
-            assume_ground: true,
-            closed_regions: true,
-            ignore_alpha: false,
-            receivers: Receivers::All,
-            switch_within_voxels: 0,
-            bounds: None,
-            bias: Bias::default(),
-            triangles: 12,
-            instances: 1,
-        };
+        let settings = settings_for(&grid);
         let file = ShadowFile { grid, settings, body: LightBody::Plain(build(grid.size, root_level, &lit)) };
         Self { name: name.to_owned(), what, file, lit: Rc::new(lit) }
     }
@@ -507,46 +481,60 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
         d().put_node(1, deep.word(deep.section(NODES) + 4) + 1).sealed(),
     );
     graph("node_past_all", "PointerRange", "node word 1", d().put_node(1, 0x7FFF_FFFF).sealed());
-    let packed = [encode("example_8_packed", &vectors)?, encode("sphere_packed", &vectors)?];
-    for (name, fault, names) in [
-        ("packed_top_length", "TopLength", "top of"),
-        ("packed_pools", "Pools", "pool begins"),
-        ("packed_filler", "Filler", "is padding"),
-        ("packed_column", "Column", "column of"),
-        ("packed_node_bits", "NodeBits", "invalid bits"),
-        ("packed_node_end", "NodeEnd", "past the end of its pool"),
-        ("packed_leaf_mask_range", "LeafMaskRange", "refers to leaf mask"),
-        ("packed_leaf_masks", "LeafMasks", "proper subset"),
-        ("packed_pointer", "Pointer", "no node begins"),
-        ("packed_order", "Order", "after its slots"),
-        ("packed_unreached", "Unreached", "not reachable"),
-    ] {
-        let bytes = packed.iter().find_map(|valid| flipped(valid, fault));
-        let bytes = bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?;
-        all.push(Broken { name, error: "Packed", fault: Some(fault), names, bytes });
-    }
-    let depths = [encode("sphere_depths", &vectors)?, encode("cliff_depths", &vectors)?];
-    let other_level = encode("example_8_depths", &vectors)?.put_word(36, 6).sealed();
-    let mut damaged = |name, fault, names, bytes| {
-        all.push(Broken { name, error: "Depths", fault: Some(fault), names, bytes });
-    };
-    damaged("depths_root_level", "RootLevel", "root level 6", other_level);
-    for (name, fault, names) in [
-        ("depths_order", "Order", "which is not before it"),
-        ("depths_end", "End", "past the end of the code"),
-        ("depths_wide", "Wide", "refers to wide entry"),
-        ("depths_bits", "Bits", "invalid bits"),
-        ("depths_ranks", "Ranks", "above its last"),
-    ] {
-        let bytes = depths.iter().find_map(|valid| flipped(valid, fault));
-        damaged(name, fault, names, bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?);
-    }
+    let valid = [encode("example_8_packed", &vectors)?, encode("sphere_packed", &vectors)?];
+    all.extend(flipped(
+        "Packed",
+        &valid,
+        &[
+            ("packed_top_length", "TopLength", "top of"),
+            ("packed_pools", "Pools", "pool begins"),
+            ("packed_filler", "Filler", "is padding"),
+            ("packed_column", "Column", "column of"),
+            ("packed_node_bits", "NodeBits", "invalid bits"),
+            ("packed_node_end", "NodeEnd", "past the end of its pool"),
+            ("packed_leaf_mask_range", "LeafMaskRange", "refers to leaf mask"),
+            ("packed_leaf_masks", "LeafMasks", "proper subset"),
+            ("packed_pointer", "Pointer", "no node begins"),
+            ("packed_order", "Order", "after its slots"),
+            ("packed_unreached", "Unreached", "not reachable"),
+        ],
+    )?);
+    let bytes = encode("example_8_depths", &vectors)?.put_word(36, 6).sealed();
+    let (name, fault) = ("depths_root_level", Some("RootLevel"));
+    all.push(Broken { name, error: "Depths", fault, names: "root level 6", bytes });
+    let valid = [encode("sphere_depths", &vectors)?, encode("cliff_depths", &vectors)?];
+    all.extend(flipped(
+        "Depths",
+        &valid,
+        &[
+            ("depths_order", "Order", "which is not before it"),
+            ("depths_end", "End", "past the end of the code"),
+            ("depths_wide", "Wide", "refers to wide entry"),
+            ("depths_bits", "Bits", "invalid bits"),
+            ("depths_ranks", "Ranks", "above its last"),
+        ],
+    )?);
     Ok(all)
+}
+
+/// Returns a broken file per entry of `faults`, which has its name, its fault and what the message names. Each is the
+/// first file of `valid` in which a flipped bit causes the fault.
+fn flipped(
+    error: &'static str,
+    valid: &[Bytes],
+    faults: &[(&'static str, &'static str, &'static str)],
+) -> Result<Vec<Broken>, String> {
+    let broken = |&(name, fault, names)| {
+        let bytes = valid.iter().find_map(|valid| with_bit_flipped(valid, fault));
+        let bytes = bytes.ok_or_else(|| format!("no bit flipped is {fault}"))?;
+        Ok(Broken { name, error, fault: Some(fault), names, bytes })
+    };
+    faults.iter().map(broken).collect()
 }
 
 /// Returns the file with one bit of its sections flipped, the first that causes this fault. `None` if there is no such
 /// bit.
-fn flipped(valid: &Bytes, fault: &str) -> Option<Vec<u8>> {
+fn with_bit_flipped(valid: &Bytes, fault: &str) -> Option<Vec<u8>> {
     let bits = (HEADER_BYTES..valid.0.len()).flat_map(|at| (0..8).map(move |bit| (at, bit)));
     bits.map(|(at, bit)| valid.clone().put(at, &[valid.0[at] ^ 1 << bit]).sealed())
         .find(|bytes| ShadowFile::from_bytes(bytes).is_err_and(|e| e.fault() == Some(fault)))

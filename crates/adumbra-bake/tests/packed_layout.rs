@@ -1,6 +1,7 @@
 //! Packed graphs of real bakes: always monotone, equal answers, a lossless round trip to the plain graph, at about a
 //! third of the bytes.
 
+use adumbra::layout::LeafMasks;
 use adumbra::{Receivers, Sun};
 use adumbra_bake::convert::unpack;
 use adumbra_bake::{BakeOptions, Size, pack};

@@ -3,6 +3,7 @@
 mod bake;
 #[cfg(feature = "render")]
 mod compare;
+mod lookup;
 mod query;
 #[cfg(feature = "render")]
 mod render;
@@ -12,19 +13,18 @@ mod view;
 
 use std::path::PathBuf;
 
-use adumbra::Bias;
 use adumbra_program::args::{RunArgs, SceneArgs};
-use adumbra_program::exit::Failure;
 use adumbra_scene::GeneratedKind;
 use adumbra_tree::texture::{MAX_SIDE, MIN_SIDE};
 pub(crate) use bake::Bake;
+use clap::builder::PossibleValue;
 use clap::{Parser, Subcommand, ValueEnum};
 #[cfg(feature = "render")]
 pub(crate) use compare::Compare;
+pub(crate) use lookup::{BiasArgs, LookupArgs};
 pub(crate) use query::Query;
 #[cfg(feature = "render")]
 pub(crate) use render::{LayerArg, Render};
-pub(crate) use tree::WeightsArg;
 #[cfg(feature = "view")]
 pub(crate) use view::View;
 
@@ -110,71 +110,42 @@ pub(crate) enum Verb {
     Demo(Demo),
 }
 
-/// The bias of look-ups, in texels. Values that are not given come from the file.
-#[derive(clap::Args)]
-pub(crate) struct BiasArgs {
-    /// Bias along the light, everywhere [default: the file's]
-    #[arg(long, value_name = "TEXELS")]
-    bias_constant: Option<f64>,
-    /// Bias along the light per unit of slope [default: the file's]
-    #[arg(long, value_name = "TEXELS")]
-    bias_slope: Option<f64>,
-    /// Offset along the normal [default: the file's]
-    #[arg(long, value_name = "TEXELS")]
-    bias_normal: Option<f64>,
-}
+/// The kind of scene to generate.
+#[derive(Clone, Copy)]
+pub(crate) struct KindArg(pub(crate) GeneratedKind);
 
-impl BiasArgs {
-    /// Returns the options that were given, as parameters of a technique.
-    #[cfg(feature = "render")]
-    pub(crate) fn parameters(&self) -> String {
-        let given = [("bias", self.bias_constant), ("slope", self.bias_slope), ("normal", self.bias_normal)];
-        given.iter().filter_map(|(key, value)| value.map(|v| format!(":{key}={v}"))).collect()
+impl ValueEnum for KindArg {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Self(GeneratedKind::Spheres),
+            Self(GeneratedKind::Primitives),
+            Self(GeneratedKind::Landscape),
+            Self(GeneratedKind::City),
+            Self(GeneratedKind::Ball),
+            Self(GeneratedKind::SphereGrid),
+            Self(GeneratedKind::Wires),
+            Self(GeneratedKind::Cornell),
+        ]
     }
 
-    pub(crate) fn over(&self, file: Bias) -> Result<Bias, Failure> {
-        let bias = Bias {
-            constant_texels: self.bias_constant.unwrap_or(file.constant_texels),
-            slope_texels: self.bias_slope.unwrap_or(file.slope_texels),
-            normal_offset_texels: self.bias_normal.unwrap_or(file.normal_offset_texels),
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self.0 {
+            GeneratedKind::Spheres => ("spheres", "A field of spheres over a ground square"),
+            GeneratedKind::Primitives => ("primitives", "A few simple solids"),
+            GeneratedKind::Landscape => ("landscape", "Low-poly terrain with trees, rocks and houses"),
+            GeneratedKind::City => ("city", "Closed boxes along streets"),
+            GeneratedKind::Ball => ("ball", "A ball with dimples, 268,800 triangles, without ground"),
+            GeneratedKind::SphereGrid => {
+                ("sphere-grid", "25 spheres in the air and on the ground, 12,000 triangles, without ground")
+            }
+            GeneratedKind::Wires => {
+                ("wires", "A pavilion of thin rods with railings, braces and a net, without ground")
+            }
+            GeneratedKind::Cornell => {
+                ("cornell", "A room that is open on one side, with coloured walls and two blocks")
+            }
         };
-        bias.check()?;
-        Ok(bias)
-    }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum KindArg {
-    /// A field of spheres over a ground square
-    Spheres,
-    /// A few simple solids
-    Primitives,
-    /// Low-poly terrain with trees, rocks and houses
-    Landscape,
-    /// Closed boxes along streets
-    City,
-    /// A ball with dimples, 268,800 triangles, without ground
-    Ball,
-    /// 25 spheres in the air and on the ground, 12,000 triangles, without ground
-    SphereGrid,
-    /// A pavilion of thin rods with railings, braces and a net, without ground
-    Wires,
-    /// A room that is open on one side, with coloured walls and two blocks
-    Cornell,
-}
-
-impl From<KindArg> for GeneratedKind {
-    fn from(kind: KindArg) -> Self {
-        match kind {
-            KindArg::Spheres => Self::Spheres,
-            KindArg::Primitives => Self::Primitives,
-            KindArg::Landscape => Self::Landscape,
-            KindArg::City => Self::City,
-            KindArg::Ball => Self::Ball,
-            KindArg::SphereGrid => Self::SphereGrid,
-            KindArg::Wires => Self::Wires,
-            KindArg::Cornell => Self::Cornell,
-        }
+        Some(PossibleValue::new(name).help(help))
     }
 }
 
@@ -212,6 +183,7 @@ pub(crate) struct Info {
 }
 
 #[derive(clap::Args)]
+#[command(mut_arg("filter", |filter| filter.help("Filter width, as for query")))]
 pub(crate) struct Verify {
     /// Shadow file
     pub(crate) file: PathBuf,
@@ -227,20 +199,14 @@ pub(crate) struct Verify {
     /// Sample points in free space instead of points on surfaces; for files baked with --no-assume-ground
     #[arg(long)]
     pub(crate) volume: bool,
-    /// Filter width, as for query
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    pub(crate) filter: u32,
-    /// How the taps of a world-aligned file are weighted
-    #[arg(long, value_enum, default_value = "mean")]
-    pub(crate) weights: WeightsArg,
+    #[command(flatten)]
+    pub(crate) lookup: LookupArgs<1>,
     /// Interior agreement below which the check fails, from 0 to 1 [default: 0.999, or 0.995 for a filtered
     /// light-aligned file]
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = parse_share)]
     pub(crate) min_interior: Option<f64>,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
-    #[command(flatten)]
-    pub(crate) bias: BiasArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }

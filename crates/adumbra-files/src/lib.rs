@@ -282,22 +282,21 @@ fn with_hint(error: io::Error) -> io::Error {
 mod tests {
     use std::io::Write;
 
+    use adumbra_testing::EarlierFile;
+
     use super::*;
 
     #[test]
     fn replace_file_leaves_the_earlier_one_when_the_disk_fills() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("out.adumbra");
-        fs::write(&path, "earlier").unwrap();
-        let result = replace_file(&path, |file| {
+        let output = EarlierFile::new();
+        let result = replace_file(output.path(), |file| {
             file.write_all(b"half")?;
             Err(ErrorKind::StorageFull.into())
         });
         let Err(IoError { action: "write", source, .. }) = result else { panic!("{result:?}") };
         assert_eq!(source.kind(), ErrorKind::StorageFull);
         assert!(source.to_string().contains("free some space"));
-        assert_eq!(fs::read(&path).unwrap(), b"earlier");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        output.assert_kept();
     }
 
     #[test]

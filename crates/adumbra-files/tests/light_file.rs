@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use adumbra::layout::plain::LIT;
 use adumbra::{IoError, LightBody, ShadowFile};
 use adumbra_files::replace_file;
+use adumbra_testing::{EarlierFile, vectors};
 
 fn example() -> Vec<u8> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../test_vectors/valid/example_8.adumbra");
-    fs::read(path).expect("the example")
+    fs::read(vectors("valid/example_8.adumbra")).expect("the example")
 }
 
 fn write(file: &ShadowFile, path: &Path) -> Result<u64, IoError> {
@@ -19,28 +19,22 @@ fn write(file: &ShadowFile, path: &Path) -> Result<u64, IoError> {
 
 #[test]
 fn written_file_reads_back_and_replaces_the_earlier_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.adumbra");
-    fs::write(&path, "earlier").unwrap();
+    let output = EarlierFile::new();
     let file = ShadowFile::from_bytes(&example()).unwrap();
-    assert_eq!(write(&file, &path).unwrap(), example().len() as u64);
-    assert_eq!(fs::read(&path).unwrap(), example());
-    assert_eq!(ShadowFile::read(&path).unwrap(), file);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file is left");
+    assert_eq!(write(&file, output.path()).unwrap(), example().len() as u64);
+    output.assert_replaced_by(&example());
+    assert_eq!(ShadowFile::read(output.path()).unwrap(), file);
 }
 
 #[test]
 fn refused_write_leaves_the_earlier_output() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.adumbra");
-    fs::write(&path, "earlier").unwrap();
+    let output = EarlierFile::new();
     let mut file = ShadowFile::from_bytes(&example()).unwrap();
     let LightBody::Plain(dag) = &mut file.body else { panic!("another layout") };
     dag.nodes.push(LIT);
-    let error = write(&file, &path).expect_err("the graph is not valid");
+    let error = write(&file, output.path()).expect_err("the graph is not valid");
     assert_eq!((error.action, error.source.kind()), ("write", ErrorKind::InvalidData));
-    assert_eq!(fs::read(&path).unwrap(), b"earlier");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    output.assert_kept();
 }
 
 #[test]

@@ -34,7 +34,7 @@ use adumbra::Bounds;
 pub use camera::{Camera, Projection, View};
 pub use error::{EmptyReason, Error, Result};
 pub use filter::NameFilter;
-pub use generate::{GeneratedKind, generate};
+pub use generate::{GeneratedKind, generate, icosphere};
 pub use glb::{to_glb, write_glb};
 pub use mips::{MipLevel, MippedTexture};
 pub use movers::{MoverPolicy, Movers};

@@ -1,25 +1,33 @@
-//! Code shared by the tests of several crates: folders next to the repository, bakes by layout, hand-made depths, runs
-//! of the programs, scenes made by hand, test vectors, and truth files.
+//! Code shared by the tests of several crates: folders next to the repository, bakes by layout, hand-made files, depths
+//! and solids, runs of the programs, test vectors, and truth files.
 
 mod bakes;
+mod by_hand;
+mod earlier;
+mod glb;
 mod leaves;
 mod programs;
 mod shared_folder;
 mod solids;
+mod teeth;
 mod truth_files;
 mod vectors;
 
 pub use bakes::{BakedGraph, bake_depths, bake_file, bake_graph};
+pub use by_hand::{overhead_grid, settings_for};
+pub use earlier::EarlierFile;
+pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
 pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_program, program, read_f32, stderr,
 };
 pub use shared_folder::{full, scene_file, shared};
 pub use solids::{add_box, add_quad, cuboid, scene_of};
+pub use teeth::toothed_bar;
 pub use truth_files::{npz_array, npz_camera};
 pub use vectors::{
-    ExpectedPoint, FaultyVector, SpecifiedExample, assert_faults_found, expected_points, f64_at,
-    faulty_vectors, named_vectors, specified_example, u32_at, u64_at, vector_answers, vectors,
+    ExpectedPoint, FaultyVector, SpecifiedExample, assert_faults_found, count_faults, expected_points,
+    f64_at, faulty_vectors, named_vectors, specified_example, u32_at, u64_at, vector_answers, vectors,
 };
 
 // Makes sure that the Rust code in the guide compiles.

@@ -98,6 +98,24 @@ pub fn faulty_vectors(folder: &str) -> Vec<FaultyVector> {
         .collect()
 }
 
+/// Reads `count` damaged files. `read` damages the bytes of a valid file according to a seed and reads them; its error is
+/// the name of the fault. Returns how many were accepted, and the number of each fault.
+pub fn count_faults(
+    valid: &[(String, Vec<u8>)],
+    count: u64,
+    read: impl Fn(&[u8], u64) -> Result<(), &'static str>,
+) -> (u32, BTreeMap<&'static str, u32>) {
+    let (mut accepted, mut faults) = (0, BTreeMap::new());
+    for seed in 0..count {
+        let (_, bytes) = &valid[seed as usize % valid.len()];
+        match read(bytes, seed) {
+            Ok(()) => accepted += 1,
+            Err(fault) => *faults.entry(fault).or_insert(0) += 1,
+        }
+    }
+    (accepted, faults)
+}
+
 /// Checks that damaged files had every fault of the header and every one of `others` at least ten times. `found` has
 /// the number of each.
 ///

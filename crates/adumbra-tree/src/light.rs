@@ -2,7 +2,7 @@
 //! the same words.
 //!
 //! The cube of the tree shares its lowest corner with the top grid and is the smallest with sides of 2^depth voxels
-//! that covers the grid. Voxels outside the grid are lit, as in [`Dag::voxel`]. The leaf masks of a level-3 node,
+//! that covers the grid. Voxels outside the grid are lit, as in [`Dag`]. The leaf masks of a level-3 node,
 //! 8 × 8 × 1 voxels each (bit y·8 + x), become two levels of octree nodes and leaves of eight voxels, child
 //! `(x << 2) | (y << 1) | z`. In both directions equal contents are stored once and the result is numbered in order of first visit, so
 //! each form depends on the voxels alone. The nodes of a graph have leaf masks at level 3 and octants above it, so a

@@ -44,10 +44,6 @@ fn voxels(depths: &DepthTree, count: usize) -> Vec<[u32; 3]> {
         .collect()
 }
 
-fn is_lit(leaf_masks: &dyn LeafMasks, [i, j, k]: [u32; 3]) -> bool {
-    leaf_masks.look_up(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1
-}
-
 /// Whether all voxels of the block of this level around a voxel have its visibility, as far as the block is inside the
 /// grid.
 fn is_uniform(leaf_masks: &dyn LeafMasks, voxel: [u32; 3], level: u32) -> bool {
@@ -56,8 +52,7 @@ fn is_uniform(leaf_masks: &dyn LeafMasks, voxel: [u32; 3], level: u32) -> bool {
         let from = voxel[a] >> level << level;
         from..(from + (1 << level)).min(size[a])
     };
-    let lit = is_lit(leaf_masks, voxel);
-    let leaf_mask = if lit { u64::MAX } else { 0 };
+    let leaf_mask = if leaf_masks.voxel(voxel[0], voxel[1], voxel[2]) { u64::MAX } else { 0 };
     range(2).all(|k| {
         range(1).step_by(8).all(|j| range(0).step_by(8).all(|i| leaf_masks.look_up(i, j, k) == leaf_mask))
     })

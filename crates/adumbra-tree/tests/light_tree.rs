@@ -5,7 +5,7 @@ use std::fs;
 use std::time::Instant;
 
 use adumbra::layout::plain::Dag;
-use adumbra::layout::top_dims;
+use adumbra::layout::{LeafMasks, top_dims};
 use adumbra::{FormatError, Layout, ShadowFile, Sun};
 use adumbra_bake::convert::{body_in, graph_of};
 use adumbra_bake::store::{NodeState, NodeStore};

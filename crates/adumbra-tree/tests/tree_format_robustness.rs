@@ -13,8 +13,8 @@ use std::io::ErrorKind;
 use adumbra::{Bounds, FormatError, IoError, ShadowFile};
 use adumbra_files::replace_file;
 use adumbra_testing::{
-    ExpectedPoint, assert_faults_found, expected_points, faulty_vectors, named_vectors, specified_example,
-    vector_answers, vectors,
+    EarlierFile, ExpectedPoint, assert_faults_found, count_faults, expected_points, faulty_vectors,
+    named_vectors, specified_example, vector_answers, vectors,
 };
 use adumbra_tree::symmetric::SymmetricTree;
 use adumbra_tree::{
@@ -190,18 +190,14 @@ fn tree_every_changed_byte_is_an_error() {
 #[test]
 fn tree_mutations_are_refused_or_answer_everywhere() {
     let seeds = [valid(), symmetric()].concat();
-    let (mut accepted, mut kinds) = (0, BTreeMap::new());
-    for seed in 0..100_000_u64 {
-        let (_, bytes) = &seeds[seed as usize % seeds.len()];
-        match exercise(&LAYOUT.mutate(bytes, seed)) {
-            Ok(_) => accepted += 1,
-            Err(error) => *kinds.entry(error.fault().unwrap_or(error.kind())).or_insert(0) += 1,
-        }
-    }
+    let (accepted, faults) = count_faults(&seeds, 100_000, |bytes, seed| {
+        let read = exercise(&LAYOUT.mutate(bytes, seed));
+        read.map(drop).map_err(|error| error.fault().unwrap_or(error.kind()))
+    });
     // The mutations reach every check, and some of the trees remain valid.
     assert!(accepted > 5_000, "{accepted} accepted");
     assert_faults_found(
-        &kinds,
+        &faults,
         &[
             "Region",
             "Length",
@@ -300,23 +296,19 @@ fn tree_and_light_files_are_told_apart() {
 
 #[test]
 fn tree_written_file_reads_back_and_replaces_the_earlier_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.adumbra");
-    fs::write(&path, "earlier").unwrap();
+    let output = EarlierFile::new();
     let file = file("penumbra");
-    assert_eq!(replace_file(&path, |out| file.write_to(out)).unwrap(), vector("penumbra").len() as u64);
-    assert_eq!(fs::read(&path).unwrap(), vector("penumbra"));
-    assert_eq!(TreeFile::read(&path).unwrap(), file);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file is left");
+    let written = replace_file(output.path(), |out| file.write_to(out)).unwrap();
+    assert_eq!(written, vector("penumbra").len() as u64);
+    output.assert_replaced_by(&vector("penumbra"));
+    assert_eq!(TreeFile::read(output.path()).unwrap(), file);
 }
 
 /// Tries to write invalid contents: the write is refused, the earlier output remains, and the reader refuses the
 /// encoded bytes too.
 #[test]
 fn tree_refused_write_leaves_the_earlier_output() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.adumbra");
-    fs::write(&path, "earlier").unwrap();
+    let output = EarlierFile::new();
     let region = Region { x: [0.0, 1.0], z: [0.0, f64::NAN], depth: 3 };
     let cycle = Blocks { root: Word::new(Node::Inner(0)), blocks: vec![[Word::new(Node::Inner(0)); 8]] };
     let breaks: [&dyn Fn(&mut TreeFile); 9] = [
@@ -330,7 +322,8 @@ fn tree_refused_write_leaves_the_earlier_output() {
         &|f| (f.attribute, f.attribute_kind) = (vec![1; 63], Some(AttributeKind::Penumbra)),
         &|f| f.body = TreeBody::Words(cycle.number(3)),
     ];
-    let refused = |file: &TreeFile| replace_file(&path, |out| file.write_to(out)).unwrap_err().source.kind();
+    let refused =
+        |file: &TreeFile| replace_file(output.path(), |out| file.write_to(out)).unwrap_err().source.kind();
     for (i, change) in breaks.into_iter().enumerate() {
         let mut file = file("example_8");
         change(&mut file);
@@ -341,8 +334,7 @@ fn tree_refused_write_leaves_the_earlier_output() {
     let mut file = file("all_lit");
     (file.space.depth, file.regions.base_depth) = (2, 2);
     assert_eq!(refused(&file), ErrorKind::InvalidData);
-    assert_eq!(fs::read(&path).unwrap(), b"earlier");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    output.assert_kept();
 }
 
 #[test]

@@ -3,36 +3,19 @@
 
 use std::time::{Duration, Instant};
 
-use adumbra::layout::TooLarge;
 use adumbra::layout::depths::{DepthTree, NEVER, UNIFORM};
 use adumbra::layout::packed::{PackedDag, PackedError};
 use adumbra::layout::plain::{Dag, LIT};
-use adumbra::{
-    Bias, FileSettings, FormatError, Layout, LightBody, LightGrid, Query, Receivers, ShadowFile, Sun,
-};
+use adumbra::layout::{LeafMasks, TooLarge};
+use adumbra::{Bias, FileSettings, FormatError, Layout, LightBody, Query, ShadowFile};
 use adumbra_bake::convert::{body_in, graph_of, graph_of_depths, unpack};
-use adumbra_testing::{Leaf, from_leaves};
+use adumbra_testing::{Leaf, from_leaves, overhead_grid, settings_for};
 use adumbra_tree::{LightTreeError, WordsError, words_of};
 
 /// Makes a file by way of its bytes, so that it is one that a reader accepts.
 fn file(body: LightBody) -> ShadowFile {
-    let size = body.leaf_masks().size();
-    let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
-    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
-    let grid = LightGrid { sun, voxel_size: 1.0, origin: [0.0, 8.0, 0.0], axes, size };
-    let settings = FileSettings {
-        resolution: 8,
-        thickness_world: 0.0,
-        assume_ground: true,
-        closed_regions: true,
-        ignore_alpha: false,
-        receivers: Receivers::All,
-        switch_within_voxels: 8,
-        bounds: None,
-        bias: Bias::default(),
-        triangles: 12,
-        instances: 1,
-    };
+    let grid = overhead_grid([0.0, 8.0, 0.0], body.leaf_masks().size());
+    let settings = FileSettings { resolution: 8, ..settings_for(&grid) };
     let mut bytes = Vec::new();
     ShadowFile { grid, settings, body }.write_to(&mut bytes).unwrap();
     assert!(bytes.len() < 100_000, "{} bytes", bytes.len());

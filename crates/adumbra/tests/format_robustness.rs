@@ -7,7 +7,6 @@ mod format_support;
 #[path = "format_support/reference.rs"]
 mod reference;
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, ErrorKind, Write};
 
@@ -15,8 +14,8 @@ use adumbra::file::VERSION;
 use adumbra::layout::plain::LIT;
 use adumbra::{Bounds, Error, IoError, Layout, LightBody, Receivers, ShadowFile};
 use adumbra_testing::{
-    assert_faults_found, expected_points, faulty_vectors, named_vectors, specified_example, vector_answers,
-    vectors,
+    assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors, specified_example,
+    vector_answers, vectors,
 };
 use format_support::{LAYOUT, encode, exercise, is_lit, sweep};
 
@@ -159,23 +158,16 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
 
 #[test]
 fn mutations_are_refused_or_answer_everywhere() {
-    let seeds = valid();
-    let (mut accepted, mut kinds) = (0, BTreeMap::new());
-    for seed in 0..200_000_u64 {
-        let (_, bytes) = &seeds[seed as usize % seeds.len()];
+    let (accepted, faults) = count_faults(&valid(), 200_000, |bytes, seed| {
         let mutated = LAYOUT.mutate(bytes, seed);
-        match exercise(&mutated) {
-            Ok(file) => {
-                accepted += 1;
-                agrees_with_the_reference(&file, &mutated, seed);
-            }
-            Err(error) => *kinds.entry(error.fault().unwrap_or(error.kind())).or_insert(0) += 1,
-        }
-    }
+        let file = exercise(&mutated).map_err(|error| error.fault().unwrap_or(error.kind()))?;
+        agrees_with_the_reference(&file, &mutated, seed);
+        Ok(())
+    });
     // The mutations reach every check, and also produce graphs that are still valid.
     assert!(accepted > 10_000, "{accepted} accepted");
     assert_faults_found(
-        &kinds,
+        &faults,
         &[
             "PointerRange",
             "Order",

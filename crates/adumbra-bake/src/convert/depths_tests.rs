@@ -69,8 +69,7 @@ fn check_column(found: &DepthTree, i: u32, j: u32, [e, x]: [u32; 2]) {
     assert!(e <= value && (value <= x || x == FREE_TO_END), "({i}, {j}): {value} is not in [{e}, {x}]");
     let depths = [value.wrapping_sub(1), value, e.wrapping_sub(1), x, 0].into_iter();
     for k in depths.filter(|&k| k < found.size[2]) {
-        let lit = found.look_up(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
-        assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");
+        assert_eq!(found.voxel(i, j, k), k < value, "({i}, {j}, {k}): {value}");
         let expected: [u64; 8] = std::array::from_fn(|z| found.look_up(i, j, k & !7 | z as u32));
         let mut leaf_masks = [0; 8];
         assert_eq!(found.fill(&mut Trail::new(), [i, j, k], &mut leaf_masks), u8::MAX);

@@ -116,7 +116,7 @@ impl Layouts {
         for k in near_ends.into_iter().filter(|&k| k < depth) {
             for (name, leaf_masks) in self.each() {
                 let leaf_mask = leaf_masks.look_up(i, j, k);
-                let lit = leaf_mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
+                let lit = leaf_masks.voxel(i, j, k);
                 if (k < e && !lit) || (k >= x && lit) {
                     return Err(format!("voxel {k} of the {name} has lit = {lit}: {column:?}"));
                 }
@@ -126,7 +126,7 @@ impl Layouts {
                     return Err(format!("cube and leaf mask of voxel {k} of the {name} differ: {column:?}"));
                 }
             }
-            if (self.depths.look_up(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1) != (k < switch) {
+            if self.depths.voxel(i, j, k) != (k < switch) {
                 return Err(format!("the depths' leaf mask at {k} is not its value {switch}: {column:?}"));
             }
             if self.packed.look_up(i, j, k) != self.fast.look_up(i, j, k) {

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use crate::fuzz::dice::Dice;
 use adumbra::grid::vec3::{cross, dot, normalize};
 use adumbra_scene::Mesh;
+use adumbra_testing::toothed_bar;
 
 type Point = [f64; 3];
 
@@ -284,22 +285,11 @@ impl Modeller<'_> {
             [0.3..3.0, 0.5..8.0, 0.3..8.0].map(|r| self.dice.scale(r) * self.voxel);
         let depth = self.dice.within(1.0..4.0);
         let [x, y, z] = center;
-        let column = |n: usize| {
-            let across = x + 0.5 * pitch * n as f64;
-            let top = y + thickness + if n % 2 == 1 { height } else { 0.0 };
-            [[across, top, z], [across, top, z + depth], [across, y, z], [across, y, z + depth]]
-        };
-        let last = 2 * count;
-        for n in 0..last {
-            let ([a, b, c, d], [e, f, g, h]) = (column(n), column(n + 1));
-            for face in [[a, b, f, e], [c, g, h, d], [a, e, g, c], [b, d, h, f]] {
-                self.quad(face);
-            }
+        let valleys = y + thickness;
+        for face in toothed_bar(x, count, pitch, [y, valleys, valleys + height], [z, z + depth]) {
+            self.quad(face);
         }
-        let ([a, b, c, d], [e, f, g, h]) = (column(0), column(last));
-        self.quad([a, c, d, b]);
-        self.quad([e, f, h, g]);
-        let (right, floor) = (x + 0.5 * pitch * last as f64 + 1.0, y - gap);
+        let (right, floor) = (x + 0.5 * pitch * (2 * count) as f64 + 1.0, y - gap);
         self.quad([
             [x - 1.0, floor, z - 1.0],
             [x - 1.0, floor, z + depth + 1.0],

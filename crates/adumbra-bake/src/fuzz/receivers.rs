@@ -235,5 +235,5 @@ fn tap(leaf_masks: &dyn LeafMasks, fixed: &FixedReceiver, texel: [i64; 2]) -> bo
     if !(0..nx).contains(&x) || !(0..ny).contains(&y) || layer < 0 {
         return true;
     }
-    leaf_masks.look_up(x as u32, y as u32, layer as u32) >> ((y & 7) * 8 + (x & 7)) & 1 == 1
+    leaf_masks.voxel(x as u32, y as u32, layer as u32)
 }

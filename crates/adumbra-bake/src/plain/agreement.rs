@@ -14,6 +14,7 @@ use crate::test_bakes::bake_graph;
 use crate::triangles::surface::TileSurfaces;
 use adumbra::Receivers;
 use adumbra::grid::Sun;
+use adumbra::layout::LeafMasks;
 use adumbra_scene::random::Random;
 use adumbra_scene::{LoadOptions, Scene, load};
 

@@ -11,6 +11,7 @@ use crate::triangles::project::{
     FixedDepth, Projected, SEAM_MARGIN, SUBTEXEL, fixed_depth, floor_fixed_depth,
 };
 use adumbra::grid::{Bounds, Sun};
+use adumbra::layout::LeafMasks;
 use adumbra::query::Query;
 use adumbra::{MAX_PLANE_SLOPE, Receivers};
 use adumbra_scene::{Instance, Material, Mesh, Scene, topology};

@@ -3,7 +3,7 @@
 use adumbra::Query;
 use adumbra_bake::BakeOptions;
 use adumbra_scene::{Instance, Material, Mesh, Scene};
-use adumbra_testing::{BakedGraph, bake_graph};
+use adumbra_testing::{BakedGraph, bake_graph, toothed_bar};
 
 pub(crate) type Point = [f64; 3];
 
@@ -47,20 +47,8 @@ impl Model {
     /// Adds a closed bar whose top is a row of teeth along x, each `pitch` wide. `y` has the heights of the bottom, the
     /// valleys and the tips.
     pub(crate) fn toothed_bar(&mut self, x: [f64; 2], y: [f64; 3], z: [f64; 2], pitch: f64) {
-        let last = 2 * ((x[1] - x[0]) / pitch) as usize;
-        let column = |n: usize| {
-            let (across, top) = (x[0] + 0.5 * pitch * n as f64, y[1 + n % 2]);
-            [[across, top, z[0]], [across, top, z[1]], [across, y[0], z[0]], [across, y[0], z[1]]]
-        };
-        for n in 0..last {
-            let ([a, b, c, d], [e, f, g, h]) = (column(n), column(n + 1));
-            for face in [[a, b, f, e], [c, g, h, d], [a, e, g, c], [b, d, h, f]] {
-                self.quad(face);
-            }
-        }
-        let ([a, b, c, d], [e, f, g, h]) = (column(0), column(last));
-        self.quad([a, c, d, b]);
-        self.quad([e, f, h, g]);
+        let teeth = ((x[1] - x[0]) / pitch) as usize;
+        toothed_bar(x[0], teeth, pitch, y, z).into_iter().for_each(|face| self.quad(face));
     }
 
     /// Adds a tiny triangle at this position, which shifts the grid along the light when the sun is high.

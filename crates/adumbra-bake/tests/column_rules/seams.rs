@@ -12,6 +12,11 @@ const SIDE: f64 = 20.0;
 const OBLIQUE: Point = [0.5, 0.8, 0.35];
 const OVERHEAD: Point = [0.0, 1.0, 0.0];
 
+/// Moves a point of a ceiling to where it is in the scene.
+type Place = fn(Point) -> Point;
+/// A ceiling, and the lines along which its parts meet.
+type Ceiling = (Model, Vec<[Point; 2]>);
+
 /// Rotates a ceiling about its centre and tilts it.
 fn turned([x, y, z]: Point) -> Point {
     let (sine, cosine) = 0.37_f64.sin_cos();
@@ -47,8 +52,17 @@ fn assert_no_pinholes(mut model: Model, seams: &[[Point; 2]], sun: Point, what: 
     }
 }
 
+/// Checks ceilings of `parts` along an axis and turned.
+fn assert_ceilings_have_no_pinholes(build: fn(Place) -> Ceiling, parts: &str) {
+    let (model, seams) = build(|p| p);
+    assert_no_pinholes(model, &seams, OBLIQUE, &format!("{parts} along an axis"));
+    let (model, seams) = build(turned);
+    assert_no_pinholes(model.clone(), &seams, OBLIQUE, &format!("turned {parts}"));
+    assert_no_pinholes(model, &seams, OVERHEAD, &format!("turned {parts} under an overhead sun"));
+}
+
 /// Builds strips cut at random positions: corners of one are on the next one's edge.
-fn strips(place: impl Fn(Point) -> Point) -> (Model, Vec<[Point; 2]>) {
+fn strips(place: Place) -> Ceiling {
     const STRIPS: u32 = 80;
     let mut random = Random::for_batch(4, 0);
     let (mut model, mut seams) = (Model::default(), Vec::new());
@@ -59,24 +73,20 @@ fn strips(place: impl Fn(Point) -> Point) -> (Model, Vec<[Point; 2]>) {
         cuts.sort_by(f64::total_cmp);
         for cut in cuts.windows(2) {
             let (a, b) = (cut[0], cut[1]);
-            model.quad([[x0, CEILING, a], [x0, CEILING, b], [x1, CEILING, b], [x1, CEILING, a]].map(&place));
+            model.quad([[x0, CEILING, a], [x0, CEILING, b], [x1, CEILING, b], [x1, CEILING, a]].map(place));
         }
-        seams.push([[x1, CEILING, 0.0], [x1, CEILING, SIDE]].map(&place));
+        seams.push([[x1, CEILING, 0.0], [x1, CEILING, SIDE]].map(place));
     }
     (model, seams)
 }
 
 #[test]
 fn ceilings_with_t_junctions_have_no_pinholes() {
-    let (model, seams) = strips(|p| p);
-    assert_no_pinholes(model, &seams, OBLIQUE, "strips along an axis");
-    let (model, seams) = strips(turned);
-    assert_no_pinholes(model.clone(), &seams, OBLIQUE, "turned strips");
-    assert_no_pinholes(model, &seams, OVERHEAD, "turned strips under an overhead sun");
+    assert_ceilings_have_no_pinholes(strips, "strips");
 }
 
 /// Builds solid boxes that touch, with every course offset from the one before.
-fn bricks(place: impl Fn(Point) -> Point) -> (Model, Vec<[Point; 2]>) {
+fn bricks(place: Place) -> Ceiling {
     const COURSES: u32 = 40;
     const LENGTH: f64 = 1.3;
     let (mut model, mut seams) = (Model::default(), Vec::new());
@@ -85,19 +95,15 @@ fn bricks(place: impl Fn(Point) -> Point) -> (Model, Vec<[Point; 2]>) {
         let shift = LENGTH * (f64::from(course) * 0.382).fract();
         for n in -1..16 {
             let [z0, z1] = [n, n + 1].map(|n| f64::from(n) * LENGTH + shift);
-            model.hexahedron(box_corners([x0, CEILING, z0], [x1, CEILING + 0.4, z1]).map(&place));
-            seams.push([[x0, CEILING, z1], [x1, CEILING, z1]].map(&place));
+            model.hexahedron(box_corners([x0, CEILING, z0], [x1, CEILING + 0.4, z1]).map(place));
+            seams.push([[x0, CEILING, z1], [x1, CEILING, z1]].map(place));
         }
-        seams.push([[x1, CEILING, 0.0], [x1, CEILING, SIDE]].map(&place));
+        seams.push([[x1, CEILING, 0.0], [x1, CEILING, SIDE]].map(place));
     }
     (model, seams)
 }
 
 #[test]
 fn abutting_boxes_have_no_pinholes() {
-    let (model, seams) = bricks(|p| p);
-    assert_no_pinholes(model, &seams, OBLIQUE, "bricks along an axis");
-    let (model, seams) = bricks(turned);
-    assert_no_pinholes(model.clone(), &seams, OBLIQUE, "turned bricks");
-    assert_no_pinholes(model, &seams, OVERHEAD, "turned bricks under an overhead sun");
+    assert_ceilings_have_no_pinholes(bricks, "bricks");
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use adumbra_lab::args::{CacheArgs, DeviceArgs, ReferenceArg};
+use adumbra_lab::args::{CacheArgs, DeviceArgs, ReferenceArg, ResolutionArgs};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs};
 use adumbra_program::exit::Failure;
 
@@ -39,8 +39,12 @@ pub(crate) struct Compare {
     /// Which truth the techniques are compared with
     #[arg(long, value_enum, default_value = "technique")]
     pub(crate) reference: ReferenceArg,
+    /// A shadow file for the voxel techniques; one light-aligned and one world-aligned file may be given [default:
+    /// baked as needed]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) shadow_file: Vec<PathBuf>,
     #[command(flatten)]
-    pub(crate) baked: BakedArgs,
+    pub(crate) resolutions: ResolutionArgs<16384>,
     /// Also walk a camera path: a JSON file, `orbit` (around the scene) or `fly` (ahead from the camera and up)
     #[arg(long, value_name = "PATH")]
     pub(crate) path: Option<String>,
@@ -61,21 +65,6 @@ pub(crate) struct Compare {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) run: RunArgs,
-}
-
-/// The files that voxel techniques look up.
-#[derive(clap::Args)]
-pub(crate) struct BakedArgs {
-    /// A shadow file for the voxel techniques; one light-aligned and one world-aligned file may be given [default:
-    /// baked as needed]
-    #[arg(long, value_name = "FILE")]
-    pub(crate) shadow_file: Vec<PathBuf>,
-    /// Resolution of a light-aligned file that is baked as needed: texels on the longest side
-    #[arg(long, value_name = "N", default_value_t = 16384)]
-    pub(crate) resolution: u64,
-    /// Resolution of a world-aligned file that is baked as needed: voxels along the cube's side
-    #[arg(long, value_name = "N", default_value_t = 2048)]
-    pub(crate) cube_resolution: u64,
 }
 
 impl Compare {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use adumbra_program::args::RunArgs;
 
-use super::{BiasArgs, WeightsArg};
+use super::LookupArgs;
 
 #[derive(clap::Args)]
 pub(crate) struct Query {
@@ -20,14 +20,8 @@ pub(crate) struct Query {
     /// Unit normals as little-endian float32 triples, one per point; the slope bias and the filter's plane need them
     #[arg(long, value_name = "FILE")]
     pub(crate) normals: Option<PathBuf>,
-    /// Filter width in texels: 1, 3, 5, 9 or 17; for a world-aligned file K × K × K voxels: 1, 3 or 5
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    pub(crate) filter: u32,
-    /// How the taps of a world-aligned file are weighted
-    #[arg(long, value_enum, default_value = "mean")]
-    pub(crate) weights: WeightsArg,
     #[command(flatten)]
-    pub(crate) bias: BiasArgs,
+    pub(crate) lookup: LookupArgs<1>,
     /// Also write the width of the sun's penumbra in metres: one little-endian float32 per point, NaN away from shadow
     /// borders; for files baked with --attribute penumbra
     #[arg(long, value_name = "FILE")]

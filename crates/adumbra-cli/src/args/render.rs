@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::Bounds;
-use adumbra_lab::args::DeviceArgs;
+use adumbra_lab::args::{DeviceArgs, ResolutionArgs};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_size, parse_triple};
 use adumbra_program::exit::Failure;
 use adumbra_render::occlusion::{OCCLUSIONS, occlusion_options, occlusion_parameters};
@@ -12,7 +12,7 @@ use adumbra_render::{TECHNIQUES, parameters};
 use adumbra_scene::{Camera, Projection};
 use clap::ValueEnum;
 
-use super::{BiasArgs, WeightsArg};
+use super::LookupArgs;
 
 /// Returns the text at the end of the help of `render`: the techniques and the kinds of ambient occlusion.
 pub(super) fn after_help() -> String {
@@ -41,7 +41,11 @@ pub(super) fn after_help() -> String {
 }
 
 #[derive(clap::Args)]
-#[command(mut_arg("json", |json| json.help("Print one JSON object; for several pictures, one that lists them")))]
+#[command(
+    mut_arg("filter", |filter| filter.conflicts_with("shadow")),
+    mut_arg("weights", |weights| weights.conflicts_with("shadow")),
+    mut_arg("json", |json| json.help("Print one JSON object; for several pictures, one that lists them"))
+)]
 pub(crate) struct Render {
     /// Scene: .glb, .gltf, .obj or .ply
     pub(crate) scene: PathBuf,
@@ -52,12 +56,8 @@ pub(crate) struct Render {
     /// The file whose shadows to draw [default: if a technique of --shadow needs one, it is baked]
     #[arg(long, value_name = "FILE")]
     pub(crate) shadow_file: Option<PathBuf>,
-    /// Resolution of a light-aligned file that is baked as needed: texels on the longest side
-    #[arg(long, value_name = "N", default_value_t = 4096)]
-    pub(crate) resolution: u64,
-    /// Resolution of a world-aligned file that is baked as needed: voxels along the cube's side
-    #[arg(long, value_name = "N", default_value_t = 2048)]
-    pub(crate) cube_resolution: u64,
+    #[command(flatten)]
+    pub(crate) resolutions: ResolutionArgs<4096>,
     /// Ambient occlusion, which affects only the light of the sky: ssao, hbao, alchemy, issao, gtao, truth or none, see
     /// below
     #[arg(long, value_name = "NAME[:KEY=VALUE...]", default_value = "none")]
@@ -88,19 +88,13 @@ pub(crate) struct Render {
     /// Draw this many pictures, from the beginning of all movements to their end: NAME.0000.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
     pub(crate) frames: Option<u32>,
-    /// Filter width in texels: 1, 3, 5, 9 or 17; for a world-aligned file K × K × K voxels: 1, 3 or 5
-    #[arg(long, value_name = "K", default_value_t = 5, conflicts_with = "shadow")]
-    pub(crate) filter: u32,
-    /// How the taps of a world-aligned file are weighted
-    #[arg(long, value_enum, default_value = "mean", conflicts_with = "shadow")]
-    pub(crate) weights: WeightsArg,
+    #[command(flatten)]
+    pub(crate) lookup: LookupArgs<5>,
     /// Samples per pixel along each axis
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub(crate) antialias: u32,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
-    #[command(flatten)]
-    pub(crate) bias: BiasArgs,
     /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibilities, cascade or level
     /// (for voxels log2 of the block's edge)
     #[arg(short, long, value_name = "FILE")]

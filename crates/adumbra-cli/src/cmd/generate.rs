@@ -25,7 +25,7 @@ pub(super) struct Generated {
 }
 
 pub(crate) fn run(args: &Generate) -> Outcome {
-    let scene = with_threads(args.run.threads, || generate(args.kind.into(), args.seed))?;
+    let scene = with_threads(args.run.threads, || generate(args.kind.0, args.seed))?;
     // The scene, and about as many bytes for the file.
     args.run.check_memory("the scene", 2 * scene.memory_bytes())?;
     write_glb(&scene, &args.output)?;

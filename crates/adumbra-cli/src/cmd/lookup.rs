@@ -5,7 +5,7 @@ use adumbra_program::exit::Failure;
 use adumbra_tree::query::{TreeQuery, Weights};
 use adumbra_tree::{AnyFile, TreeBody, TreeFile, Voxels};
 
-use crate::args::BiasArgs;
+use crate::args::{BiasArgs, LookupArgs};
 
 /// Parameters of a look-up.
 pub(super) struct LookupOptions<'a> {
@@ -13,6 +13,12 @@ pub(super) struct LookupOptions<'a> {
     /// Width in texels for a light-aligned file, voxels per side for a world-aligned file.
     pub(super) filter: u32,
     pub(super) weights: Weights,
+}
+
+impl<'a, const FILTER: u32> From<&'a LookupArgs<FILTER>> for LookupOptions<'a> {
+    fn from(args: &'a LookupArgs<FILTER>) -> Self {
+        Self { bias: &args.bias, filter: args.filter, weights: args.weights.into() }
+    }
 }
 
 impl LookupOptions<'_> {

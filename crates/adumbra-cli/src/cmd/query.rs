@@ -75,7 +75,7 @@ pub(crate) fn run(args: &Query) -> Outcome {
     // Bytes per point: the point (24), its normal (24), its answer in its batch (4) and in the whole (4), and the
     // answer's bytes (4).
     args.run.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4 + 4) + file.encoded_len())?;
-    let asking = LookupOptions { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+    let asking = LookupOptions::from(&args.lookup);
     let lookup = asking.lookup(&file)?;
     let penumbrae = args.penumbra.as_ref().map(|_| penumbra_query(args, &asking, &file)).transpose()?;
     let normal = |i: usize| normals.as_ref().map(|n| n[i]);

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &Verify) -> Outcome {
             options: VerifyOptions { samples: args.samples, seed: args.seed },
             min_interior: args.min_interior,
         };
-        let asking = LookupOptions { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+        let asking = LookupOptions::from(&args.lookup);
         Ok::<_, Failure>(match &file {
             AnyFile::Light(f) => check.run(&LightAnswers::new(&f.grid, &f.settings, asking.light(f)?)),
             AnyFile::Tree(f) => match &f.body {
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &Verify) -> Outcome {
     } else {
         say!("{} against {}", args.file.display(), args.scene.display());
         print_file(&file);
-        print_result(&result, args.filter);
+        print_result(&result, args.lookup.filter);
     }
     if !result.is_checked() {
         eprintln!(

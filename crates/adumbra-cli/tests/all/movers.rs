@@ -2,7 +2,7 @@
 
 #![cfg(feature = "render")]
 
-use adumbra_testing::{Folder, adumbra, json};
+use adumbra_testing::{Folder, adumbra, glb, json};
 
 /// Returns a GLB with a ground and a block above it that rises, from 1 m at the first key to 9 m at the second.
 fn rising_block() -> Vec<u8> {
@@ -42,17 +42,7 @@ fn rising_block() -> Vec<u8> {
             "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}],
         "buffers": [{"byteLength": bin.len()}], "bufferViews": views, "accessors": accessors,
     });
-    let mut text = document.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut glb = b"glTF".to_vec();
-    let length = 12 + 8 + text.len() + 8 + bin.len();
-    [2, length as u32, text.len() as u32].iter().for_each(|w: &u32| glb.extend(w.to_le_bytes()));
-    glb.extend(b"JSON");
-    glb.extend(text);
-    glb.extend((bin.len() as u32).to_le_bytes());
-    glb.extend(b"BIN\0");
-    glb.extend(bin);
-    glb
+    glb(&document, &bin)
 }
 
 #[test]

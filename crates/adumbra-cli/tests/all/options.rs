@@ -15,23 +15,17 @@ fn values_out_of_range_are_wrong_calls() {
     let cubes = ["render", &scene, "--shadow", "voxel-cubes", "--size", "32x32", "-o", &picture];
     let compare = ["compare", &scene, "--shadow", "voxel", "--size", "32x32", "-o", &out];
     let demo = ["demo", "--out", &out];
-    let calls: &[(&[&str], &[&str])] = &[
-        (&bake, &["--sun", "0,0,0"]),
-        (&bake, &["--sun", "0,nan,0"]),
-        (&bake, &["--sun", "0,-1,0"]),
-        (&bake, &["--resolution", "1000"]),
-        (&world, &["--resolution", "1000"]),
-        (&render, &["--sun", "0,0,0"]),
-        (&render, &["--sun", "0,nan,0"]),
-        (&render, &["--resolution", "1000"]),
-        (&cubes, &["--cube-resolution", "1000"]),
-        (&compare, &["--sun", "0,0,0"]),
-        (&compare, &["--sun", "0,nan,0"]),
-        (&compare, &["--resolution", "1000"]),
-        (&demo, &["--resolution", "1000"]),
+    let with_a_sun = [&bake[..], &render, &compare].into_iter().flat_map(|call| {
+        [["--sun", "0,0,0"], ["--sun", "0,nan,0"], ["--resolution", "1000"]].map(|wrong| (call, wrong))
+    });
+    let others = [
+        (&bake[..], ["--sun", "0,-1,0"]),
+        (&world, ["--resolution", "1000"]),
+        (&cubes, ["--cube-resolution", "1000"]),
+        (&demo, ["--resolution", "1000"]),
     ];
-    for (call, wrong) in calls {
-        let (code, error) = adumbra(&[*call, *wrong].concat());
+    for (call, wrong) in with_a_sun.chain(others) {
+        let (code, error) = adumbra(&[call, &wrong].concat());
         assert_eq!(code, 2, "{call:?} {wrong:?}: {error}");
         assert!(error.contains("error: "), "{call:?} {wrong:?}: {error}");
     }

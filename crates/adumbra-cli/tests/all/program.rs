@@ -232,8 +232,7 @@ fn damaged_shadow_files_exit_with_3() {
 fn too_little_memory_exits_with_4_and_leaves_the_earlier_file() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
-    let file = folder.path("p.adumbra");
-    fs::write(&file, b"earlier").unwrap();
+    let file = folder.write("p.adumbra", b"earlier");
     let (code, error) =
         adumbra(&["bake", &scene, "--resolution", "1024", "--max-memory", "1MiB", "-o", &file]);
     assert_eq!(code, 4, "{error}");
@@ -246,8 +245,7 @@ fn too_little_memory_exits_with_4_and_leaves_the_earlier_file() {
 fn full_disk_exits_with_4_and_leaves_the_earlier_file() {
     let folder = Folder::new();
     let scene = folder.generate("city");
-    let file = folder.path("p.adumbra");
-    fs::write(&file, b"earlier").unwrap();
+    let file = folder.write("p.adumbra", b"earlier");
     // A file-size limit simulates a full disk: 16 blocks are a few KiB, the bake is larger.
     let line = "ulimit -f 16; exec \"$0\" bake \"$1\" --resolution 1024 --progress none -o \"$2\"";
     let output = Command::new("sh").args(["-c", line]).arg(program()).args([&scene, &file]).output().unwrap();
@@ -262,8 +260,7 @@ fn full_disk_exits_with_4_and_leaves_the_earlier_file() {
 fn interrupt_exits_with_130_and_leaves_the_earlier_file() {
     let folder = Folder::new();
     let scene = folder.generate("city");
-    let file = folder.path("p.adumbra");
-    fs::write(&file, b"earlier").unwrap();
+    let file = folder.write("p.adumbra", b"earlier");
     let mut child = Command::new(program())
         .args(["bake", &scene, "--resolution", "32768", "--progress", "json", "-o", &file])
         .stderr(Stdio::piped())

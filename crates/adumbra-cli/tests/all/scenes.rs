@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use adumbra_testing::{Folder, adumbra, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, glb, json, program, stderr};
 
 const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0];
 const FACE: &str = "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n";
@@ -124,7 +124,7 @@ fn bomb(entries: usize, side: u32) -> Vec<u8> {
     image::GrayAlphaImage::new(side, side).write_to(&mut png, image::ImageFormat::Png).unwrap();
     let png = png.into_inner();
     let floats = TRIANGLE.iter().chain(&[0.0, 0.0, 0.0, 1.0, 1.0, 0.0]);
-    let mut bin: Vec<u8> = floats.flat_map(|c| c.to_le_bytes()).chain(png.iter().copied()).collect();
+    let bin: Vec<u8> = floats.flat_map(|c| c.to_le_bytes()).chain(png.iter().copied()).collect();
     let each = |of: fn(usize) -> Value| (0..entries).map(of).collect::<Vec<_>>();
     let json = json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
@@ -142,19 +142,7 @@ fn bomb(entries: usize, side: u32) -> Vec<u8> {
             {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
         ],
     });
-    let mut text = json.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    bin.resize(bin.len().next_multiple_of(4), 0);
-    let mut out = b"glTF".to_vec();
-    for word in [2, 28 + text.len() + bin.len(), text.len()] {
-        out.extend((word as u32).to_le_bytes());
-    }
-    out.extend(b"JSON");
-    out.extend(text);
-    out.extend((bin.len() as u32).to_le_bytes());
-    out.extend(b"BIN\0");
-    out.extend(bin);
-    out
+    glb(&json, &bin)
 }
 
 #[test]

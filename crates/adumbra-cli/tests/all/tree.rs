@@ -38,33 +38,10 @@ fn tree_verbs_work_together() {
     assert!(volume["interior_agreement"].as_f64().unwrap() >= 0.999, "{volume}");
 
     let picture = folder.path("tree.png");
-    let (code, error) = adumbra(&[
-        "render",
-        &scene,
-        "--shadow-file",
-        &file,
-        "--size",
-        "160x90",
-        "--weights",
-        "poisson",
-        "-o",
-        &picture,
-    ]);
+    let render = ["render", &scene, "--shadow-file", &file, "--size", "160x90", "-o", &picture];
+    let (code, error) = adumbra(&[&render[..], &["--weights", "poisson"]].concat());
     assert_eq!(code, 0, "{error}");
-    let difference = json(&[
-        "render",
-        &scene,
-        "--shadow-file",
-        &file,
-        "--size",
-        "160x90",
-        "--filter",
-        "1",
-        "--diff",
-        "-o",
-        &picture,
-        "--json",
-    ]);
+    let difference = json(&[&render[..], &["--filter", "1", "--diff", "--json"]].concat());
     assert!(difference["difference_share"].as_f64().unwrap() < 0.02, "{difference}");
     assert!(folder.no_temporary_files());
 }

@@ -13,8 +13,9 @@ use adumbra_lab::metrics::flip;
 use adumbra_truth::picture::Picture;
 use serde_json::{Value, json};
 
-use crate::display::{TIMEOUT, display, finish};
 use adumbra_testing::{Folder, adumbra, program};
+
+use crate::display::{TIMEOUT, display, finish};
 
 /// Largest mean FLIP difference between the pictures of the view and of `render`.
 const MAX_FLIP: f64 = 0.02;

@@ -2,7 +2,6 @@
 //!
 //! Each scene is compared from six cameras, with techniques of every kind.
 
-use crate::compared;
 use std::path::Path;
 
 use adumbra::Sun;
@@ -14,6 +13,8 @@ use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions};
 use adumbra_scene::{Camera, LoadOptions, Scene, load};
 use adumbra_testing::bake_file;
 use adumbra_testing::{full, scene_file, shared};
+
+use crate::compared;
 
 const SIZE: [u32; 2] = [320, 200];
 /// A city's position in UTM coordinates, and a position 10,000 km away along both axes.

@@ -4,9 +4,10 @@ use std::fs;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::browser::Browser;
 use adumbra_testing::{Folder, lab, lab_program};
 use serde_json::{Value, json};
+
+use crate::browser::Browser;
 
 /// Maximum size of the page in bytes.
 const MAX_BYTES: u64 = 25_000_000;

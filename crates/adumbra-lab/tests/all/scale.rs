@@ -3,7 +3,6 @@
 //! Compares pictures, shadows, ambient occlusion and errors against rays, of scenes that are wide, have a stray
 //! triangle, or are at map coordinates.
 
-use crate::compared;
 use adumbra::{ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_lab::compare::Comparison;
@@ -11,6 +10,8 @@ use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
 use adumbra_scene::{Camera, GeneratedKind, Mesh, Projection, Scene, generate};
 use adumbra_testing::{add_box, add_quad, bake_file, scene_of};
+
+use crate::compared;
 
 const SIZE: [u32; 2] = [160, 120];
 const SUN: [f64; 3] = [0.5, 0.8, 0.35];

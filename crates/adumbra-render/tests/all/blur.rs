@@ -1,7 +1,6 @@
 //! The screen-space blurs: GPU against CPU, and their known defects (halos and gaps), counted on a box in front of
 //! distant ground.
 
-use crate::kit;
 use adumbra::Sun;
 use adumbra_render::frame::frame;
 use adumbra_render::readback::read_floats;
@@ -13,6 +12,8 @@ use adumbra_render::{
 use adumbra_scene::{Camera, Projection, Scene};
 use adumbra_testing::{cuboid, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
+
+use crate::kit;
 
 const SIZE: [u32; 2] = [203, 151];
 

@@ -1,11 +1,12 @@
 //! Textures and vertex colours on the GPU against the CPU renderer, which filters with the same mip levels.
 
-use crate::kit;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{AlphaMode, Camera, Instance, Material, Mesh, Pixels, Projection, Scene, Texture, Wrap};
 use adumbra_truth::picture;
 use adumbra_truth::picture::Shadows;
 use adumbra_truth::trace::{TraceOptions, Tracer};
+
+use crate::kit;
 
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 

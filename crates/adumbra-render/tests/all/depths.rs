@@ -1,8 +1,5 @@
 //! The layout `depths` on the GPU against its CPU twins, and its penumbrae against a ray-traced sun disc.
 
-use crate::kit;
-use crate::kit::penumbra::Penumbra;
-use crate::voxel_points::BakedScene;
 use adumbra::layout::depths::DepthTree;
 use adumbra::query::{FILTER_WIDTHS, FixedReceiver, TapLayers, receiver};
 use adumbra::{LightBody, Query, ShadowFile};
@@ -14,6 +11,10 @@ use adumbra_render::voxel::{BakedLight, SoftTwin, Voxel, VoxelFilter, VoxelSetti
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::bake_depths;
+
+use crate::kit;
+use crate::kit::penumbra::Penumbra;
+use crate::voxel_points::BakedScene;
 
 const SOFT: VoxelFilter = VoxelFilter::Soft { angle_degrees: 2.0, max_radius_texels: 32.0 };
 

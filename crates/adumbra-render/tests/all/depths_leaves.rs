@@ -1,14 +1,15 @@
 //! Slanted leaves of the layout `depths` on the GPU against the specification, for every gradient that a file can
 //! store.
 
-use crate::kit;
 use adumbra::query::FixedReceiver;
-use adumbra::{Bias, Error, FileSettings, LightBody, LightGrid, Query, Receivers, ShadowFile, Sun};
+use adumbra::{Bias, Error, LightBody, Query, ShadowFile};
 use adumbra_render::RenderError;
 use adumbra_render::voxel::{BakedLight, VoxelSettings};
 use adumbra_scene::random::Random;
 use adumbra_shaders::{Source, source};
-use adumbra_testing::{every_gradient, from_leaves};
+use adumbra_testing::{every_gradient, from_leaves, overhead_grid, settings_for};
+
+use crate::kit;
 
 /// Base depth of the leaves. It exceeds the rise of any column, so every layer at which a column may switch is in the
 /// grid.
@@ -71,7 +72,7 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
     let gpu = kit::gpu();
     let leaves = every_gradient();
     let depths = from_leaves(&leaves, 256, BASE, 512);
-    let grid = unit_grid(depths.size);
+    let grid = overhead_grid([0.0; 3], depths.size);
     let body = LightBody::Depths(depths.clone());
     let mut random = Random::for_batch(3, 0);
     let receivers: Vec<FixedReceiver> = (0..leaves.len())
@@ -102,29 +103,9 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
 fn depths_of_a_grid_that_no_shader_takes_are_refused() {
     let gpu = kit::gpu();
     let depths = from_leaves(&vec![every_gradient()[5].clone(); 16], 4, BASE, u32::MAX);
-    let grid = unit_grid(depths.size);
-    let settings = FileSettings {
-        resolution: 32,
-        thickness_world: 0.0,
-        assume_ground: true,
-        closed_regions: true,
-        ignore_alpha: false,
-        receivers: Receivers::All,
-        switch_within_voxels: 0,
-        bounds: None,
-        bias: Bias::default(),
-        triangles: 1,
-        instances: 1,
-    };
-    let file = ShadowFile { grid, settings, body: LightBody::Depths(depths) };
+    let grid = overhead_grid([0.0; 3], depths.size);
+    let file = ShadowFile { grid, settings: settings_for(&grid), body: LightBody::Depths(depths) };
     let refused = BakedLight::from_file(&gpu, &file, VoxelSettings::taps(1, Bias::default())).map(|_| ());
     let Err(RenderError::Library(Error::Range(range))) = refused else { panic!("{refused:?}") };
     assert!(range.value == "4294967295" && range.range.contains("516096"), "{range}");
-}
-
-/// A grid of unit voxels with the sun overhead.
-fn unit_grid(size: [u32; 3]) -> LightGrid {
-    let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
-    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
-    LightGrid { sun, voxel_size: 1.0, origin: [0.0; 3], axes, size }
 }

@@ -1,9 +1,10 @@
 //! Devices that lack optional features, are lost, or do not exist, and techniques that do not exist.
 
-use crate::kit;
 use adumbra_render::{
     Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, build,
 };
+
+use crate::kit;
 
 fn shot() -> Shot {
     Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 }

@@ -1,12 +1,13 @@
 //! The G-buffer against rays, and the composite against the CPU renderer.
 
-use crate::kit;
 use adumbra::Sun;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{Camera, Projection};
 use adumbra_truth::picture;
 use adumbra_truth::picture::Shadows;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
+
+use crate::kit;
 
 const SIZE: [u32; 2] = [160, 90];
 

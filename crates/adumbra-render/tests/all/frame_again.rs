@@ -1,13 +1,14 @@
 //! A frame drawn again with another technique reuses G-buffer and ambient occlusion and gives the same picture as a
 //! frame drawn from scratch.
 
-use crate::kit;
-use crate::kit::ambient::settings;
 use adumbra_render::movers::MoveSpec;
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::{Answer, Baked, FrameTimes, Prepared, Renderer, SceneOptions, Shot, Stage, build};
 use adumbra_scene::Scene;
 use adumbra_truth::trace::{TraceOptions, Tracer};
+
+use crate::kit;
+use crate::kit::ambient::settings;
 
 const TEXT: &str = "issao:reuse=on";
 

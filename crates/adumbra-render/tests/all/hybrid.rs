@@ -1,7 +1,5 @@
 //! Hybrid maps built on the GPU from synthetic depth images against the build on the CPU: the words must be equal.
 
-use crate::kit;
-use crate::kit::hybrid::check_shares;
 use adumbra_render::hybrid::build::Builder;
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, MergeSettings};
 use adumbra_render::hybrid::upload::StartDepth;
@@ -9,6 +7,9 @@ use adumbra_render::hybrid::{BuildKind, HybridSettings, MergeTest, PlaneUnits};
 use adumbra_render::maps::DepthPrecision;
 use adumbra_render::readback::read_buffer;
 use adumbra_render::{Gpu, RenderError};
+
+use crate::kit;
+use crate::kit::hybrid::check_shares;
 
 /// Sides in texels and numbers of merges.
 const SIZES: [(usize, u32); 5] = [(64, 1), (64, 3), (128, 2), (256, 3), (512, 2)];

@@ -1,12 +1,13 @@
 //! Hybrid maps of drawn scenes: look-ups against their CPU twin on the tree read back, that tree against the shadow map
 //! it was built from, and maps that are kept from frame to frame.
 
-use crate::kit;
-use crate::kit::boxes::boxes;
-use crate::kit::hybrid::{SIZE, check_shares, hybrid, prepare, renderer, shot};
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, HybridTwin};
 use adumbra_render::{Answer, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
 use adumbra_scene::{Camera, Projection, Scene};
+
+use crate::kit;
+use crate::kit::boxes::boxes;
+use crate::kit::hybrid::{SIZE, check_shares, hybrid, prepare, renderer, shot};
 
 /// Draws a frame and compares the map, the factors and the levels with the twin. Returns each level's share of the
 /// area.

@@ -1,14 +1,15 @@
 //! Hybrid maps in the paper's layout on the GPU: texels and links against their CPU twin, answers against those of the
 //! compact layout.
 
-use crate::kit;
-use crate::kit::hybrid::{SIZE, hybrid, prepare, renderer, shot};
 use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::{DepthImage, HybridPaper};
 use adumbra_render::{
     Answer, Baked, FrameTimes, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
 };
 use adumbra_scene::{GeneratedKind, generate};
+
+use crate::kit;
+use crate::kit::hybrid::{SIZE, hybrid, prepare, renderer, shot};
 
 fn draw(renderer: &mut Renderer, technique: &mut Prepared, number: u32, answer: Answer) -> FrameTimes {
     let shot = Shot { number, ..shot(kit::camera(SIZE[0], SIZE[1])) };

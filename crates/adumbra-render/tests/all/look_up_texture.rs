@@ -1,9 +1,6 @@
 //! The look-up texture against the CPU, in each layout and format, and the WGSL files that `adumbra::gpu` lists against
 //! those that the renderer includes.
 
-use crate::kit;
-use crate::shade;
-use crate::shade::shade;
 use adumbra::gpu::{LookUpTexture, WordSource, wgsl_files};
 use adumbra::{Layout, Query, Sun};
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
@@ -12,6 +9,10 @@ use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_shaders::source;
 use adumbra_testing::bake_file;
+
+use crate::kit;
+use crate::shade;
+use crate::shade::shade;
 
 const LAYOUTS: [(LayoutChoice, Layout); 3] = [
     (LayoutChoice::Plain, Layout::Plain),

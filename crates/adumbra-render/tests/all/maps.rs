@@ -1,11 +1,12 @@
 //! Shadow maps on the GPU against their CPU twin, which reads the textures that the GPU drew.
 
-use crate::kit;
 use adumbra_render::maps::twin::MapTwin;
 use adumbra_render::{
     Answer, Baked, Features, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
 };
 use adumbra_scene::{Camera, Projection};
+
+use crate::kit;
 
 const SIZE: [u32; 2] = [160, 90];
 

@@ -1,13 +1,14 @@
 //! Filters of shadow maps: moments and their blur, light bleeding and its reduction, and soft shadows against a
 //! ray-traced sun disc.
 
-use crate::kit;
-use crate::kit::boxes::boxes;
-use crate::kit::penumbra::Penumbra;
 use adumbra_render::maps::gaussian;
 use adumbra_render::maps::twin::MapTwin;
 use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
 use adumbra_scene::{Camera, Projection};
+
+use crate::kit;
+use crate::kit::boxes::boxes;
+use crate::kit::penumbra::Penumbra;
 
 fn prepare(renderer: &Renderer, name: &str) -> Prepared {
     let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();

@@ -1,7 +1,6 @@
 //! Movers: the text that `--move` accepts, the path that leads a ball from sunlight into shadow, and the ball's own
 //! shadow along it.
 
-use crate::kit;
 use adumbra::{Query, Sun};
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
 use adumbra_render::movers::MoveSpec;
@@ -9,6 +8,8 @@ use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, buil
 use adumbra_scene::{Camera, Projection, Scene};
 use adumbra_testing::bake_file;
 use adumbra_truth::trace::{TraceOptions, Tracer};
+
+use crate::kit;
 
 fn spec(text: &str) -> MoveSpec {
     text.parse().unwrap()

@@ -1,14 +1,15 @@
 //! Ambient occlusion on drawn frames: GPU against CPU, planes, corners, and scenes in other units.
 
-use crate::kit;
-use crate::kit::ambient::VARIANTS;
-use crate::kit::boxes::boxes;
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Surfaces, ambient};
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{Camera, Projection, Scene};
+
+use crate::kit;
+use crate::kit::ambient::VARIANTS;
+use crate::kit::boxes::boxes;
 
 /// Further settings of `issao` that are compared on drawn frames.
 const PRESETS: [&str; 2] =

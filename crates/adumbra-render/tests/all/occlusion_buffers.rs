@@ -1,14 +1,15 @@
 //! Estimators of ambient occlusion on synthetic depth: GPU against CPU.
 
-use crate::kit;
-use crate::kit::ambient::{VARIANTS, stored_depth};
-use crate::kit::buffers::Buffers;
 use adumbra::Bounds;
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Surfaces, ambient};
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_scene::{Camera, Projection};
 use adumbra_shaders::layout::Frame;
+
+use crate::kit;
+use crate::kit::ambient::{VARIANTS, stored_depth};
+use crate::kit::buffers::Buffers;
 
 const PERSPECTIVE: Projection = Projection::Perspective { fov_degrees: 50.0 };
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { height_world: 6.0 };

@@ -1,10 +1,11 @@
 //! The cap on the radius in texels on the screen: a larger radius shrinks to the cap as a whole and is not cut off.
 
+use adumbra_render::{Renderer, SceneOptions};
+use adumbra_scene::{Camera, Projection};
+
 use crate::kit;
 use crate::kit::ambient::{Seen, largest, settings};
 use crate::kit::boxes::boxes;
-use adumbra_render::{Renderer, SceneOptions};
-use adumbra_scene::{Camera, Projection};
 
 const SIZE: [u32; 2] = [160, 120];
 /// Height of an orthographic picture, world units. One texel is 1/64 of a world unit.

@@ -1,14 +1,15 @@
 //! The passes around the estimators of ambient occlusion: filters, edge test, half size, normals from depth. Compares
 //! GPU and CPU and checks that each does its job.
 
-use crate::kit;
-use crate::kit::ambient::{Seen, largest, rms, settings, visibility};
-use crate::kit::boxes::boxes;
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::occlusion::twin::{estimate, made_normals, skipped};
 use adumbra_render::{Renderer, SceneOptions};
 use adumbra_scene::{Camera, Projection};
+
+use crate::kit;
+use crate::kit::ambient::{Seen, largest, rms, settings, visibility};
+use crate::kit::boxes::boxes;
 
 const SIZE: [u32; 2] = [203, 151];
 const RADIUS_WORLD: f64 = 8.0;

@@ -1,10 +1,11 @@
 //! Ambient occlusion in finished frames: which light it reduces, visibility given from outside, and answers that must
 //! not affect its history.
 
-use crate::kit;
-use crate::kit::ambient::settings;
 use adumbra_render::occlusion::{GivenAmbient, OcclusionPasses};
 use adumbra_render::{Answer, Baked, RenderError, Renderer, SceneOptions, Shot, Stage, build};
+
+use crate::kit;
+use crate::kit::ambient::settings;
 
 const SIZE: [u32; 2] = [64, 48];
 const TEXT: &str = "hbao:strength=1:power=1:bias=0.1:falloff=2:reuse=on";

@@ -1,12 +1,13 @@
 //! Ambient occlusion that reuses earlier frames: GPU against CPU for moving cameras, less noise, no ghosting.
 
-use crate::kit;
-use crate::kit::ambient::{Seen, largest, rms, settings, visibility};
-use crate::kit::boxes::boxes;
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::occlusion::twin::Twin;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, Stage, build};
 use adumbra_scene::{Camera, Projection};
+
+use crate::kit;
+use crate::kit::ambient::{Seen, largest, rms, settings, visibility};
+use crate::kit::boxes::boxes;
 
 const SIZE: [u32; 2] = [203, 151];
 const RADIUS_WORLD: f64 = 8.0;

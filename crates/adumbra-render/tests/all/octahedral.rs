@@ -1,8 +1,9 @@
 //! core/octahedral.wgsl against its CPU twin.
 
-use crate::kit;
 use adumbra_render::octahedral::{decode, encode};
 use adumbra_shaders::{Source, source};
+
+use crate::kit;
 
 const PASS: &str = "
 @group(0) @binding(0) var<storage, read> directions: array<vec4f>;

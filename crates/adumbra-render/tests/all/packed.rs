@@ -1,10 +1,9 @@
 //! Packed graphs on the GPU against their CPU twin: equal counts for every fixed-point receiver, whatever the width of
 //! the pointers.
 
-use crate::kit;
 use std::collections::HashSet;
 
-use crate::voxel_points::{BakedScene, exact_light, float_light};
+use adumbra::layout::LeafMasks;
 use adumbra::layout::packed::{NEAR_UNITS, POOL_WORDS, PackedDag};
 use adumbra::layout::plain::Dag;
 use adumbra::query::{FILTER_WIDTHS, FIXED_ONE, FixedReceiver, MAX_GRADIENT, TapLayers, receiver};
@@ -16,6 +15,9 @@ use adumbra_render::{Gpu, GpuOptions};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_shaders::source;
+
+use crate::kit;
+use crate::voxel_points::{BakedScene, exact_light, float_light};
 
 const COUNT: usize = 100_000;
 

@@ -1,9 +1,6 @@
 //! Baked voxels on the GPU against their CPU twins: equal counts for every fixed-point receiver, and from f32 positions
 //! equal answers unless a point is on a voxel's face.
 
-use crate::kit;
-use crate::voxel_points;
-use crate::voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 use adumbra::Layout;
 use adumbra::layout::packed::{NEAR_UNITS, POOL_WORDS};
 use adumbra::query::FILTER_WIDTHS;
@@ -14,6 +11,10 @@ use adumbra_scene::{GeneratedKind, generate};
 use adumbra_tree::Detail;
 use adumbra_tree::query as tree_query;
 use adumbra_tree::query::{KERNEL_SIDES, Weights};
+
+use crate::kit;
+use crate::voxel_points;
+use crate::voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 
 fn generated() -> Vec<BakedScene> {
     let kinds = [GeneratedKind::Primitives, GeneratedKind::City, GeneratedKind::Landscape];

@@ -1,15 +1,16 @@
 //! The levels at which look-ups in baked files end, for each pixel of drawn frames: shaders against their CPU twins,
 //! and layouts against each other.
 
-use crate::kit;
-use crate::kit::surfaces::surfaces;
-use crate::voxel_points::BakedScene;
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra::{Layout, Query};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
 use adumbra_tree::query::{TreeQuery, Weights};
 use adumbra_tree::{Detail, VoxelTree};
+
+use crate::kit;
+use crate::kit::surfaces::surfaces;
+use crate::voxel_points::BakedScene;
 
 const SUN: [f64; 3] = [0.5, 0.8, 0.35];
 

@@ -1,12 +1,13 @@
 //! The tests of voxel.rs on scenes that are not part of the repository, and at a resolution of 16384.
 
-use crate::kit;
-use crate::voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 use adumbra::query::FILTER_WIDTHS;
 use adumbra_render::voxel::CubesStore;
 use adumbra_scene::{LoadOptions, load};
 use adumbra_testing::{full, shared};
 use adumbra_tree::query::{KERNEL_SIDES, Weights};
+
+use crate::kit;
+use crate::voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 
 const SCENES: [&str; 4] = ["kaykit_city_21.glb", "zdm2.glb", "alpine-2.glb", "auster.obj"];
 const COUNT: usize = 100_000;

@@ -3,7 +3,7 @@
 //!
 //! Each block is one mesh; objects in the streets are instanced.
 
-use crate::generate::city_buildings::{Lot, Palette, building};
+use crate::generate::city_buildings::{Lot, Palette, Site};
 use crate::generate::city_measures::{BLOCK_HALF, PAVEMENT};
 use crate::generate::city_street::{Furniture, furnish, plant};
 use crate::generate::shapes::Builder;
@@ -56,8 +56,10 @@ pub(super) fn generate(seed: u64) -> Scene {
                 let distance = (x * x + z * z).sqrt() / (PITCH * 2.9);
                 let whole =
                     Lot { min: [x - BUILT_HALF, z - BUILT_HALF], max: [x + BUILT_HALF, z + BUILT_HALF] };
-                for lot in divide(whole, &mut random) {
-                    building(&mut b, &palette, lot, (1.0 - distance).max(0.0), &mut random);
+                let lots = divide(whole, &mut random);
+                let mut site = Site { builder: &mut b, palette: &palette, random: &mut random };
+                for lot in lots {
+                    site.building(lot, (1.0 - distance).max(0.0));
                 }
             }
             stage.mesh_in_place(b.finish());

@@ -20,6 +20,8 @@ mod sphere_grid;
 mod spheres;
 mod wires;
 
+pub use shapes::icosphere;
+
 use crate::{Instance, Material, Mesh, Scene};
 
 /// The kinds of scene that [`generate`] makes.

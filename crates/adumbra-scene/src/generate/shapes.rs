@@ -241,8 +241,9 @@ impl Builder {
     }
 }
 
-/// Unit directions and triangles of an icosahedron whose triangles are split in four `cuts` times.
-fn icosphere(cuts: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+/// Returns unit directions and triangles of an icosahedron whose triangles are split in four `cuts` times. The triangles
+/// are wound counter-clockwise from outside.
+pub fn icosphere(cuts: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut points: Vec<[f64; 3]> = Vec::new();
     for [s, t] in [[-1.0, 1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]] {

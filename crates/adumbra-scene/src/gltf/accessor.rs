@@ -103,22 +103,23 @@ impl<'a> Accessor<'a> {
 
     /// Element `index` as floats, or `None` if it does not exist. Missing components are 0.
     pub(super) fn floats<const N: usize>(&self, index: usize) -> Option<[f32; N]> {
-        let size = kind_size(self.kind);
-        let bytes = self.element(index)?;
-        let mut out = [0.0; N];
-        for (value, bytes) in out.iter_mut().zip(bytes.chunks_exact(size)) {
-            *value = number(self.kind, self.normalized, bytes) as f32;
-        }
-        Some(out)
+        self.components(index, self.normalized, |component| component as f32)
     }
 
     /// Element `index` as unsigned integers (indices, joints), or `None` if it does not exist.
     pub(super) fn integers<const N: usize>(&self, index: usize) -> Option<[u32; N]> {
-        let size = kind_size(self.kind);
-        let bytes = self.element(index)?;
-        let mut out = [0; N];
-        for (value, bytes) in out.iter_mut().zip(bytes.chunks_exact(size)) {
-            *value = number(self.kind, false, bytes) as u32;
+        self.components(index, false, |component| component as u32)
+    }
+
+    fn components<T: Copy + Default, const N: usize>(
+        &self,
+        index: usize,
+        normalized: bool,
+        convert: impl Fn(f64) -> T,
+    ) -> Option<[T; N]> {
+        let mut out = [T::default(); N];
+        for (value, bytes) in out.iter_mut().zip(self.element(index)?.chunks_exact(kind_size(self.kind))) {
+            *value = convert(number(self.kind, normalized, bytes));
         }
         Some(out)
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use adumbra_scene::{Error, Result};
 use adumbra_scene::{LoadOptions, NameFilter, Scene, load};
+use adumbra_testing::glb;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -81,21 +82,7 @@ impl Glb {
     }
 
     pub(crate) fn bytes(&self) -> Vec<u8> {
-        let mut text = serde_json::to_vec(&self.json).expect("JSON");
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let mut bin = self.bin.clone();
-        bin.resize(bin.len().next_multiple_of(4), 0);
-        let mut out = b"glTF".to_vec();
-        let length = 12 + 8 + text.len() + 8 + bin.len();
-        for word in [2, length as u32, text.len() as u32] {
-            out.extend(word.to_le_bytes());
-        }
-        out.extend(b"JSON");
-        out.extend(text);
-        out.extend((bin.len() as u32).to_le_bytes());
-        out.extend(b"BIN\0");
-        out.extend(bin);
-        out
+        glb(&self.json, &self.bin)
     }
 
     /// Loads the file from a temporary `.glb`.

@@ -2,7 +2,7 @@
 
 use crate::trace::*;
 use adumbra::grid::vec3::normalize;
-use adumbra_scene::{Instance, Material, Mesh, Pixels, Texture, Wrap};
+use adumbra_scene::{Instance, Material, Mesh, Pixels, Texture, Wrap, icosphere};
 
 type Points = Vec<[f32; 3]>;
 type Triangles = Vec<[u32; 3]>;
@@ -51,53 +51,10 @@ fn square(half: f32) -> (Points, Triangles) {
     (points, vec![[0, 1, 2], [0, 2, 3]])
 }
 
-/// An icosahedron whose triangles are split in four `level` times, projected onto the unit sphere, wound outwards.
-fn icosphere(level: u32) -> (Points, Triangles) {
-    let g = f64::midpoint(1.0, 5.0_f64.sqrt());
-    let mut points: Vec<[f64; 3]> = Vec::new();
-    for (a, b) in [(-1.0, g), (1.0, g), (-1.0, -g), (1.0, -g)] {
-        points.push([a, b, 0.0]);
-    }
-    points.extend([[0.0, -1.0, g], [0.0, 1.0, g], [0.0, -1.0, -g], [0.0, 1.0, -g]]);
-    points.extend([[g, 0.0, -1.0], [g, 0.0, 1.0], [-g, 0.0, -1.0], [-g, 0.0, 1.0]]);
-    let mut triangles: Triangles = vec![
-        [0, 11, 5],
-        [0, 5, 1],
-        [0, 1, 7],
-        [0, 7, 10],
-        [0, 10, 11],
-        [1, 5, 9],
-        [5, 11, 4],
-        [11, 10, 2],
-        [10, 7, 6],
-        [7, 1, 8],
-        [3, 9, 4],
-        [3, 4, 2],
-        [3, 2, 6],
-        [3, 6, 8],
-        [3, 8, 9],
-        [4, 9, 5],
-        [2, 4, 11],
-        [6, 2, 10],
-        [8, 6, 7],
-        [9, 8, 1],
-    ];
-    for _ in 0..level {
-        let mut middles = std::collections::HashMap::new();
-        let mut finer = Vec::new();
-        for [a, b, c] in triangles {
-            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(i, j)| {
-                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
-                    let (p, q) = (points[i as usize], points[j as usize]);
-                    points.push([0, 1, 2].map(|k| f64::midpoint(p[k], q[k])));
-                    points.len() as u32 - 1
-                })
-            });
-            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-        triangles = finer;
-    }
-    (points.into_iter().map(|p| normalize(p).map(|c| c as f32)).collect(), triangles)
+/// A ball of radius 1 about the origin, wound outwards, see [`icosphere`].
+fn ball(cuts: u32) -> (Points, Triangles) {
+    let (directions, triangles) = icosphere(cuts);
+    (directions.into_iter().map(|direction| direction.map(|c| c as f32)).collect(), triangles)
 }
 
 /// A ray from `origin` through `target`, where t = 1.
@@ -128,7 +85,7 @@ fn aim_at_seams(scene: &Scene, rays: usize, distance: f64, mut check: impl FnMut
 fn trace_closed_mesh_has_no_leak_at_its_seams() {
     for offset in [0.0, 1e5] {
         let map = [[3.0, 0.5, 0.0, offset], [0.0, 2.0, 0.25, -offset], [-0.5, 0.0, 1.0, offset]];
-        let scene = scene(icosphere(5), &[map]);
+        let scene = scene(ball(5), &[map]);
         let tracer = tracer(&scene);
         let center = map.map(|row| row[3]);
         // From the centre every ray must be blocked on its way out, and from outside every ray through a seam towards
@@ -263,7 +220,7 @@ fn trace_normals_follow_winding_and_mirrors() {
 #[test]
 fn trace_scaling_keeps_t_in_world_lengths() {
     let map = [[100.0, 0.0, 0.0, 3.0], [0.0, 0.01, 0.0, -2.0], [0.0, 0.0, 7.0, 1.0]];
-    let scene = scene(icosphere(3), &[map]);
+    let scene = scene(ball(3), &[map]);
     let hit = tracer(&scene).nearest_surface(&down([3.0, 8.0, 1.0])).unwrap();
     assert!((hit.t - 9.99).abs() < 1e-6 && hit.normal[1] > 0.99, "{hit:?}");
     let fast = Ray { direction: [0.0, -4.0, 0.0], ..down([3.0, 8.0, 1.0]) };
@@ -273,7 +230,7 @@ fn trace_scaling_keeps_t_in_world_lengths() {
 #[test]
 fn trace_flat_instance_still_blocks() {
     let flat = [[2.0, 0.0, 0.0, 1e4], [0.0, 0.0, 0.0, 3.0], [0.0, 0.0, 2.0, 0.0]];
-    let scene = scene(icosphere(2), &[IDENTITY, flat]);
+    let scene = scene(ball(2), &[IDENTITY, flat]);
     let tracer = tracer(&scene);
     let hit = tracer.nearest_surface(&down([1e4 + 0.5, 5.0, 0.25])).unwrap();
     assert!((hit.t - 2.0).abs() < 1e-6 && hit.instance == 1 && hit.normal[1].abs() == 1.0, "{hit:?}");
@@ -303,7 +260,7 @@ fn trace_axis_parallel_rays_hit_in_a_world_far_out() {
         row[3] = offset[r];
         row
     });
-    let (near, far) = (scene(icosphere(4), &[IDENTITY]), scene(icosphere(4), &[map]));
+    let (near, far) = (scene(ball(4), &[IDENTITY]), scene(ball(4), &[map]));
     let (near, far) = (tracer(&near), tracer(&far));
     for axis in 0..3 {
         for i in 0..=40 {
@@ -383,7 +340,7 @@ fn trace_honours_a_mask_texture() {
 fn trace_nearest_sees_through_gaps_and_counts_crossings() {
     let at = |y: f64| [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, 0.0]];
     let places: Vec<_> = (0..100).map(|i| at(f64::from(i))).collect();
-    let mut scene = scene(icosphere(1), &[places.as_slice(), &[at(500.0)]].concat());
+    let mut scene = scene(ball(1), &[places.as_slice(), &[at(500.0)]].concat());
     scene.instances[100].casts = false;
     let tracer = tracer(&scene);
     let ray = down([0.05, 1000.0, 0.02]);
@@ -424,7 +381,7 @@ fn trace_ambient_is_open_on_a_plane_and_closed_in_a_ball() {
     // A ceiling at half the radius blocks up to 60° from the zenith: three quarters, weighted by the cosine.
     let ceiling = tracer_of_plane.ambient_visibility([3.0, -1.0, 2.0], [0.0, 1.0, 0.0], 2.0, 4096, 9);
     assert!((ceiling - 0.25).abs() < 0.005, "{ceiling}");
-    let ball = scene(icosphere(3), &[IDENTITY]);
+    let ball = scene(ball(3), &[IDENTITY]);
     let ball = tracer(&ball);
     assert_eq!(ball.ambient_visibility([0.0; 3], [1.0, 2.0, 3.0], 1.01, 1024, 9), 0.0);
     assert_eq!(ball.ambient_visibility([0.0; 3], [1.0, 2.0, 3.0], 0.9, 1024, 9), 1.0);

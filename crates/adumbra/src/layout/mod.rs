@@ -29,6 +29,11 @@ pub trait LeafMasks: Sync {
     /// Returns the leaf mask that contains voxel (i, j, k): bit y·8 + x, 1 = lit. The voxel must be in the grid.
     fn look_up(&self, i: u32, j: u32, k: u32) -> u64;
 
+    /// Returns whether voxel (i, j, k) is lit. The voxel must be in the grid.
+    fn voxel(&self, i: u32, j: u32, k: u32) -> bool {
+        self.look_up(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1
+    }
+
     /// Returns the level of the block in which a look-up of voxel (i, j, k) ends. The voxel must be in the grid.
     ///
     /// The block is all lit or all shadowed and spans 2^level voxels along each side. Level 3 is also returned for a

@@ -1,6 +1,6 @@
 //! Successive traversals of a graph: the part of the path that two neighbouring look-ups share is walked once.
 
-use crate::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL};
+use crate::layout::{LEAF_NODE_LEVEL, LeafMasks, MAX_ROOT_LEVEL};
 
 /// The path of the most recent look-up in a graph, from which the next look-up starts.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,9 @@ pub(super) enum Step {
 }
 
 /// A graph of cubes with leaf masks at the bottom, in the layout `plain` or `packed`.
-pub(super) trait Descend {
+pub(super) trait Descend: Sync {
+    fn size(&self) -> [u32; 3];
+
     fn root_level(&self) -> u32;
 
     /// Returns the root cube that contains a voxel.
@@ -50,21 +52,6 @@ pub(super) trait Descend {
 
     /// Returns the leaf mask z = `k` of a node of level 3.
     fn leaf_mask_of_cube(&self, node: u32, k: u32) -> u64;
-
-    /// Returns the leaf mask that contains a voxel.
-    fn descend(&self, i: u32, j: u32, k: u32) -> u64 {
-        let mut node = match self.root(i, j, k) {
-            Step::Uniform(lit) => return uniform(lit),
-            Step::Into(node) => node,
-        };
-        for level in (LEAF_NODE_LEVEL + 1..=self.root_level()).rev() {
-            match self.child(node, level, i, j, k) {
-                Step::Uniform(lit) => return uniform(lit),
-                Step::Into(next) => node = next,
-            }
-        }
-        self.leaf_mask_of_cube(node, k & 7)
-    }
 
     /// Writes leaf mask z = `k` of a node of level 3, and those that are known with it. Returns which were written, as
     /// bits.
@@ -112,28 +99,27 @@ pub(super) trait Descend {
         trail.lowest = level;
         Step::Into(node)
     }
+}
 
-    /// Returns the same as [`Descend::descend`], starting from a trail.
-    fn leaf_mask_on(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
-        match self.follow(trail, i, j, k) {
-            Step::Uniform(lit) => uniform(lit),
-            Step::Into(node) => self.leaf_mask_of_cube(node, k & 7),
-        }
+impl<G: Descend> LeafMasks for G {
+    fn size(&self) -> [u32; 3] {
+        Descend::size(self)
     }
 
-    /// Implements [`crate::layout::LeafMasks::fill`].
-    fn fill_on(&self, trail: &mut Trail, [i, j, k]: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {
-        match self.follow(trail, i, j, k) {
-            Step::Uniform(lit) => {
-                *leaf_masks = [uniform(lit); 8];
-                u8::MAX
+    fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
+        let mut node = match self.root(i, j, k) {
+            Step::Uniform(lit) => return uniform(lit),
+            Step::Into(node) => node,
+        };
+        for level in (LEAF_NODE_LEVEL + 1..=self.root_level()).rev() {
+            match self.child(node, level, i, j, k) {
+                Step::Uniform(lit) => return uniform(lit),
+                Step::Into(next) => node = next,
             }
-            Step::Into(node) => self.fill_of_cube(node, k & 7, leaf_masks),
         }
+        self.leaf_mask_of_cube(node, k & 7)
     }
 
-    /// Returns the level of the block that answers a voxel: that of a uniform cube, 3 for a uniform leaf mask, or 0 for
-    /// a mixed leaf mask.
     fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {
         let Step::Into(mut node) = self.root(i, j, k) else { return self.root_level() };
         for level in (LEAF_NODE_LEVEL + 1..=self.root_level()).rev() {
@@ -144,6 +130,23 @@ pub(super) trait Descend {
         }
         let is_uniform = matches!(self.leaf_mask_of_cube(node, k & 7), 0 | u64::MAX);
         if is_uniform { LEAF_NODE_LEVEL } else { 0 }
+    }
+
+    fn look_up_with(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
+        match self.follow(trail, i, j, k) {
+            Step::Uniform(lit) => uniform(lit),
+            Step::Into(node) => self.leaf_mask_of_cube(node, k & 7),
+        }
+    }
+
+    fn fill(&self, trail: &mut Trail, [i, j, k]: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {
+        match self.follow(trail, i, j, k) {
+            Step::Uniform(lit) => {
+                *leaf_masks = [uniform(lit); 8];
+                u8::MAX
+            }
+            Step::Into(node) => self.fill_of_cube(node, k & 7, leaf_masks),
+        }
     }
 }
 

@@ -131,9 +131,7 @@ impl<'d> Query<'d> {
     /// Returns how many of the filter² taps are lit, for a receiver in fixed point. A shader returns the same count.
     pub fn lit_taps(&self, r: &FixedReceiver) -> u32 {
         if self.filter == 1 {
-            let lit = self
-                .voxel(r)
-                .is_none_or(|[i, j, k]| self.leaf_masks.look_up(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1);
+            let lit = self.voxel(r).is_none_or(|[i, j, k]| self.leaf_masks.voxel(i, j, k));
             return u32::from(lit);
         }
         Cubes::<8>::new(self.leaf_masks).lit_taps(self.filter, self.layers, r)

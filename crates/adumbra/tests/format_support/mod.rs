@@ -4,9 +4,8 @@
 mod damage;
 
 use adumbra::file::HEADER_BYTES;
-use adumbra::layout::LEAF_NODE_LEVEL;
-use adumbra::layout::Trail;
 use adumbra::layout::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
+use adumbra::layout::{LEAF_NODE_LEVEL, LeafMasks, Trail};
 use adumbra::{FormatError, LightBody, ShadowFile};
 use damage::Layout;
 
@@ -76,7 +75,7 @@ pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
 fn is_lit_in_every_way(file: &ShadowFile, trail: &mut Trail, [i, j, k]: [u32; 3]) -> bool {
     let lit = is_lit(file, [i, j, k]);
     let leaf_mask = file.leaf_masks().look_up(i, j, k);
-    assert_eq!(leaf_mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1, lit, "leaf mask of ({i}, {j}, {k})");
+    assert_eq!(file.leaf_masks().voxel(i, j, k), lit, "leaf mask of ({i}, {j}, {k})");
     let mut leaf_masks = [0; 8];
     let known = file.leaf_masks().fill(trail, [i, j, k], &mut leaf_masks);
     assert_eq!((known >> (k & 7) & 1, leaf_masks[k as usize & 7]), (1, leaf_mask), "walk to ({i}, {j}, {k})");

@@ -40,7 +40,7 @@ pub(crate) fn run(args: &Compare) -> Result<Code> {
         )
         .into());
     }
-    let files = BakedFiles::read(&args.baked.shadow_file)?;
+    let files = BakedFiles::read(&args.shadow_file)?;
     with_threads(args.run.threads, || draw(args, &specs, files))?
 }
 
@@ -71,8 +71,8 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         scene: &scene,
         sun,
         ignore_alpha: load.ignore_alpha,
-        resolution: args.baked.resolution,
-        cube_resolution: args.baked.cube_resolution,
+        resolution: args.resolutions.resolution,
+        cube_resolution: args.resolutions.cube_resolution,
         max_memory_bytes: args.run.max_memory,
     };
     files.announce(specs, &how);

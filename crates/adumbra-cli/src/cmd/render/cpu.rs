@@ -35,7 +35,7 @@ fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<(
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: job.ignore_alpha });
     let held = scene.memory_bytes() + tracer.memory_bytes() + BaseColors::bytes_of(&scene);
     args.run.check_memory("the scene, its acceleration structure and its mip levels", held)?;
-    let asking = LookupOptions { bias: &args.bias, filter: args.filter, weights: args.weights.into() };
+    let asking = LookupOptions::from(&args.lookup);
     let lookup = job.file.as_ref().map(|f| asking.lookup(f)).transpose()?;
     let shadows = match &lookup {
         Some(lookup) if args.diff => Shadows::Difference(&**lookup),

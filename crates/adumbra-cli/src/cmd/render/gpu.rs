@@ -22,7 +22,7 @@ use super::ambient::AmbientFigures;
 use super::legend::{Legend, Row};
 use super::movers::numbered;
 use super::{Figures, Job, output_of};
-use crate::args::LayerArg;
+use crate::args::{LayerArg, LookupArgs};
 
 pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<()> {
     let args = job.args;
@@ -43,8 +43,8 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
         scene: &still,
         sun: job.sun,
         ignore_alpha: job.ignore_alpha,
-        resolution: args.resolution,
-        cube_resolution: args.cube_resolution,
+        resolution: args.resolutions.resolution,
+        cube_resolution: args.resolutions.cube_resolution,
         max_memory_bytes: args.run.max_memory,
     };
     on_demand.announce(&unserved, &how);
@@ -121,10 +121,11 @@ fn draw_truth(
 
 /// Returns the technique that looks up the shadow file if none is named.
 fn file_technique(job: &Job<'_>) -> Result<TechniqueSpec, RenderError> {
-    let (filter, bias) = (job.args.filter, job.args.bias.parameters());
+    let LookupArgs { filter, weights, bias } = &job.args.lookup;
+    let bias = bias.parameters();
     match &job.file {
         Some(AnyFile::Tree(_)) => {
-            format!("voxel-cubes:filter={filter}:weights={}{bias}", job.args.weights.name()).parse()
+            format!("voxel-cubes:filter={filter}:weights={}{bias}", weights.name()).parse()
         }
         _ => format!("voxel:filter={filter}{bias}").parse(),
     }

@@ -75,6 +75,8 @@ pub const LEAF_LEVEL: u32 = 3;
 pub const NODE_LEVELS: u32 = 2;
 
 /// A complete quadtree of switch depths.
+///
+/// A look-up of a leaf mask costs one step per two levels above 3, then one step per depth of the leaf.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DepthTree {
     /// Number of voxels along x, y, z.
@@ -100,17 +102,6 @@ impl DepthTree {
         match self.place(i, j).0 {
             Place::Uniform(value) => value,
             Place::Leaf { at, base } => self.shapes().leaf(at, base).value((j & 7) * 8 + (i & 7)),
-        }
-    }
-
-    /// Returns the 8 × 8 × 1 leaf mask that contains voxel (i, j, k): bit y·8 + x, 1 = lit.
-    ///
-    /// Cost: that of [`DepthTree::value`], and one step per depth of the leaf.
-    pub fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        match self.place(i, j).0 {
-            Place::Uniform(value) if k < value => u64::MAX,
-            Place::Uniform(_) => 0,
-            Place::Leaf { at, base } => self.shapes().leaf(at, base).leaf_mask(k),
         }
     }
 
@@ -142,7 +133,11 @@ impl LeafMasks for DepthTree {
     }
 
     fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        DepthTree::look_up(self, i, j, k)
+        match self.place(i, j).0 {
+            Place::Uniform(value) if k < value => u64::MAX,
+            Place::Uniform(_) => 0,
+            Place::Leaf { at, base } => self.shapes().leaf(at, base).leaf_mask(k),
+        }
     }
 
     fn fill(&self, _trail: &mut Trail, [i, j, k]: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {

@@ -71,8 +71,7 @@ mod validate;
 
 pub use validate::PackedError;
 
-use crate::layout::LeafMasks;
-use crate::layout::trail::{Descend, Step, Trail};
+use crate::layout::trail::{Descend, Step};
 use crate::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL};
 use node::{NO_FOLLOWER, bits_below, high_bits, plane_count, pointers_in};
 
@@ -86,6 +85,9 @@ pub const MAX_SHARED_LEAF_MASKS: usize = 1 << 16;
 pub const MAX_UNITS: usize = 1 << 31;
 
 /// A graph in the packed layout, which [`crate::layout::packed`] describes.
+///
+/// A look-up in a valid graph costs two or three units per level above 3, then two to sixteen units. Voxels outside the
+/// top grid are lit.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PackedDag {
     /// Number of voxels along x, y, z in use. The top grid may cover a little more.
@@ -104,18 +106,6 @@ pub struct PackedDag {
 }
 
 impl PackedDag {
-    /// Returns whether the voxel (i, j, k) is lit. Voxels outside the top grid are lit.
-    ///
-    /// The graph must be valid. Cost: two or three units per level above 3, then two to sixteen units.
-    pub fn voxel(&self, i: u32, j: u32, k: u32) -> bool {
-        self.look_up(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1
-    }
-
-    /// Returns the 8 × 8 × 1 leaf mask that contains voxel (i, j, k): bit y·8 + x, 1 = lit.
-    pub fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        self.descend(i, j, k)
-    }
-
     fn four_units(&self, at: usize) -> u64 {
         self.units[at..at + 4].iter().rev().fold(0, |mask, &unit| mask << 16 | u64::from(unit))
     }
@@ -132,6 +122,10 @@ impl PackedDag {
 }
 
 impl Descend for PackedDag {
+    fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
     fn root_level(&self) -> u32 {
         self.root_level
     }
@@ -233,27 +227,5 @@ impl Descend for PackedDag {
         let to = (changes >> k >> 1 | 1 << (7 - k)).trailing_zeros() + k + 1;
         leaf_masks[from as usize..to as usize].fill(leaf_mask);
         (bits_below(to) & !bits_below(from)) as u8
-    }
-}
-
-impl LeafMasks for PackedDag {
-    fn size(&self) -> [u32; 3] {
-        self.size
-    }
-
-    fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        Self::look_up(self, i, j, k)
-    }
-
-    fn look_up_with(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
-        self.leaf_mask_on(trail, i, j, k)
-    }
-
-    fn fill(&self, trail: &mut Trail, voxel: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {
-        self.fill_on(trail, voxel, leaf_masks)
-    }
-
-    fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {
-        Descend::end_level(self, i, j, k)
     }
 }

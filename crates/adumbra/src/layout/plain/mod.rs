@@ -21,7 +21,6 @@ mod validate;
 pub use validate::{GraphError, GraphPlace};
 
 use super::trail::{self, Descend, Step};
-use super::{LeafMasks, Trail};
 
 /// Top-grid entry of a root cube that is all lit.
 pub const LIT: u32 = u32::MAX;
@@ -35,6 +34,9 @@ pub const STATE_LIT: u32 = 1;
 pub const STATE_MIXED: u32 = 2;
 
 /// A complete, canonically numbered graph.
+///
+/// A look-up costs one step per level above 3, then two. Voxels outside the top grid are lit; the caller handles points
+/// outside the grid, see [`crate::query`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Dag {
     /// Number of voxels along x, y, z in use. The top grid may cover a little more.
@@ -52,18 +54,6 @@ pub struct Dag {
 }
 
 impl Dag {
-    /// Returns whether the voxel (i, j, k) is lit. Voxels outside the top grid are lit.
-    ///
-    /// Cost: one step per level above 3, then two. The caller handles points outside the grid, see [`crate::query`].
-    pub fn voxel(&self, i: u32, j: u32, k: u32) -> bool {
-        self.look_up(i, j, k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1
-    }
-
-    /// Returns the 8 × 8 × 1 leaf mask that contains voxel (i, j, k): bit y·8 + x, 1 = lit.
-    pub fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        self.descend(i, j, k)
-    }
-
     /// Returns child `child` of the node at `word`: its state, or the index of its header, at level 3 of its leaf mask.
     fn step(&self, word: u32, child: u32) -> Step {
         let header = self.nodes[word as usize];
@@ -89,6 +79,10 @@ impl Dag {
 }
 
 impl Descend for Dag {
+    fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
     fn root_level(&self) -> u32 {
         self.root_level
     }
@@ -117,27 +111,5 @@ impl Descend for Dag {
             Step::Uniform(lit) => trail::uniform(lit),
             Step::Into(leaf_mask) => self.leaf_masks[leaf_mask as usize],
         }
-    }
-}
-
-impl LeafMasks for Dag {
-    fn size(&self) -> [u32; 3] {
-        self.size
-    }
-
-    fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        Self::look_up(self, i, j, k)
-    }
-
-    fn look_up_with(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> u64 {
-        self.leaf_mask_on(trail, i, j, k)
-    }
-
-    fn fill(&self, trail: &mut Trail, voxel: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {
-        self.fill_on(trail, voxel, leaf_masks)
-    }
-
-    fn end_level(&self, i: u32, j: u32, k: u32) -> u32 {
-        Descend::end_level(self, i, j, k)
     }
 }
