@@ -3,13 +3,8 @@
 
 #[cfg(test)]
 mod arrows;
-mod broken;
-mod count;
 mod docs;
 mod tools;
-mod tree_vectors;
-mod vectors;
-mod voxels;
 
 use std::collections::BTreeSet;
 use std::env;
@@ -29,6 +24,9 @@ const USAGE: &str = "usage:
 const JSON_DOCUMENT: [&str; 7] =
     ["test", "--release", "-p", "adumbra-cli", "--bin", "adumbra", "json_document"];
 
+/// Runs the tasks that bake.
+const BAKES: [&str; 6] = ["run", "--quiet", "--release", "--package", "xtask-bakes", "--"];
+
 fn main() -> ExitCode {
     let args: Vec<String> = env::args().skip(1).collect();
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
@@ -40,8 +38,7 @@ fn main() -> ExitCode {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
         ["json"] => cargo(root, &JSON_DOCUMENT, &[("ADUMBRA_WRITE_DOCUMENTS", "1")]),
-        ["vectors"] => vectors::run(root).map_err(|e| e.to_string()),
-        ["count", options @ ..] => count::run(root, options).map_err(|e| e.to_string()),
+        ["vectors" | "count", ..] => cargo(root, &[&BAKES, words.as_slice()].concat(), &[]),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

@@ -14,10 +14,9 @@
 //! | `long` | no check: a quick run only has the commands' arguments parsed |
 //! | `parse` | no check: every run only has the commands' arguments parsed, for commands that open a window and wait |
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::BufReader;
 use std::path::Path;
-
-use image::RgbImage;
 
 /// Largest mean difference, of 255, of two pictures that are alike. It allows for another adapter, or another number of
 /// milliseconds on a sheet.
@@ -111,7 +110,7 @@ impl Expected {
             }
             Self::Picture { path, size } => {
                 let picture = picture(&folder.join(path))?;
-                let found: [u32; 2] = picture.dimensions().into();
+                let found = picture.size;
                 match size {
                     Some(size) if *size != found => Err(format!("{path}: {found:?} pixels, not {size:?}")),
                     _ if is_one_colour(&picture) => Err(format!("{path}: the picture has a single colour")),
@@ -124,15 +123,15 @@ impl Expected {
             }
             Self::Alike { paths: [a, b] } => {
                 let (left, right) = (picture(&folder.join(a))?, picture(&folder.join(b))?);
-                if left.dimensions() != right.dimensions() {
+                let [of_left, of_right] = [&left, &right].map(|p| (p.size, p.channels));
+                if of_left != of_right {
                     return Err(format!(
-                        "{a} and {b} have different sizes: {:?} and {:?}",
-                        left.dimensions(),
-                        right.dimensions()
+                        "{a} and {b} have different sizes and channels: {of_left:?} and {of_right:?}"
                     ));
                 }
-                let sum: u64 = left.iter().zip(right.iter()).map(|(l, r)| u64::from(l.abs_diff(*r))).sum();
-                let mean = sum as f64 / left.len() as f64;
+                let both = left.bytes.iter().zip(&right.bytes);
+                let sum: u64 = both.map(|(l, r)| u64::from(l.abs_diff(*r))).sum();
+                let mean = sum as f64 / left.bytes.len() as f64;
                 if mean <= ALIKE {
                     Ok(())
                 } else {
@@ -149,13 +148,39 @@ fn contains(what: &str, all: &str, text: &str) -> Result<(), String> {
     if all.contains(text) { Ok(()) } else { Err(format!("{text:?} is not on {what}:\n{all}")) }
 }
 
-pub(crate) fn picture(path: &Path) -> Result<RgbImage, String> {
-    Ok(image::open(path).map_err(|e| format!("{}: {e}", path.display()))?.into_rgb8())
+/// A PNG picture with 8 bits per channel.
+pub(crate) struct Picture {
+    size: [u32; 2],
+    channels: usize,
+    /// Row by row.
+    bytes: Vec<u8>,
 }
 
-pub(crate) fn is_one_colour(picture: &RgbImage) -> bool {
-    let first = picture.pixels().next();
-    picture.pixels().all(|p| Some(p) == first)
+pub(crate) fn picture(path: &Path) -> Result<Picture, String> {
+    let read = || -> Result<Picture, png::DecodingError> {
+        let mut decoder = png::Decoder::new(BufReader::new(File::open(path)?));
+        decoder.set_transformations(png::Transformations::normalize_to_color8());
+        let mut reader = decoder.read_info()?;
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap_or_default()];
+        let frame = reader.next_frame(&mut bytes)?;
+        bytes.truncate(frame.buffer_size());
+        Ok(Picture { size: [frame.width, frame.height], channels: frame.color_type.samples(), bytes })
+    };
+    read().map_err(|e| format!("{}: {e}", path.display()))
+}
+
+pub(crate) fn is_one_colour(picture: &Picture) -> bool {
+    let mut pixels = picture.bytes.chunks_exact(picture.channels);
+    let first = pixels.next();
+    pixels.all(|p| Some(p) == first)
+}
+
+/// Writes an RGB picture with 8 bits per channel.
+#[cfg(test)]
+pub(crate) fn write_picture(path: &Path, [width, height]: [u32; 2], rgb: &[u8]) {
+    let mut encoder = png::Encoder::new(File::create(path).unwrap(), width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(rgb).unwrap();
 }
 
 /// Returns the lines of a `text` block that the commands did not print. Every run of digits, points, hyphens and spaces
@@ -244,9 +269,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("five"), "five!").unwrap();
-        RgbImage::from_pixel(2, 3, image::Rgb([7; 3])).save(at("flat.png")).unwrap();
-        let two = RgbImage::from_fn(2, 3, |x, _| image::Rgb([x as u8 * 200; 3]));
-        two.save(at("two.png")).unwrap();
+        write_picture(&at("flat.png"), [2, 3], &[7; 18]);
+        write_picture(&at("two.png"), [2, 3], &[0, 0, 0, 200, 200, 200].repeat(3));
         let printed = Printed { stdout: "all is well".to_owned(), stderr: String::new() };
         let faults = |text: &str| Check::parse(text).unwrap().faults(folder.path(), &printed).len();
         assert_eq!(faults("exists five 5..5; picture two.png 2x3; alike two.png two.png; stdout well"), 0);

@@ -74,6 +74,7 @@ fn resolved(from: &Path, file: &str) -> Result<PathBuf, String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::check::write_picture;
     use super::*;
 
     #[test]
@@ -81,7 +82,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         fs::create_dir(root.path().join("docs")).unwrap();
         fs::write(root.path().join("a.md"), "# One two").unwrap();
-        image::RgbImage::new(2, 2).save(root.path().join("black.png")).unwrap();
+        write_picture(&root.path().join("black.png"), [2, 2], &[0; 12]);
         let text = "# Here\n[a](../a.md) [b](../a.md#one-two) [c](#here) [d](https://e.org/x#y)\n\
             [1](a.md) [2](../a.md#two) [3](#there) [4](../../a.md) ![5](../black.png) [6](/a.md)";
         fs::write(root.path().join("docs/d.md"), text).unwrap();
