@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 
 /// Changes of a factor up to this are considered invisible.
-pub(crate) const CHANGE: f32 = 0.05;
+pub const CHANGE: f32 = 0.05;
 
 /// Shimmer along a camera path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -25,7 +25,7 @@ use crate::report::{CameraFigures, PixelCounts, TechniqueRow, TruthKind, median}
 use crate::truth::{Cache, EdgeProbe, Key, SunShape, Surfaces, TruthTracer};
 
 /// Largest relative difference of the view depths of G-buffer and rays that counts as the same surface.
-pub(crate) const SAME_SURFACE: f64 = 1e-3;
+pub const SAME_SURFACE: f64 = 1e-3;
 /// Pixels are compared if the cosine between normal and sun is above this.
 pub const MIN_N_DOT_L: f64 = adumbra_truth::verify::MIN_N_DOT_L;
 

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::vector::dot;
 
 /// Changes of visibility up to this size are taken as invisible.
-pub(crate) const CHANGE: f64 = 0.05;
+pub const CHANGE: f64 = 0.05;
 /// Largest difference of a surface's view depth from the expected one, as a share of the latter.
 const DEPTH_SHARE: f64 = 0.005;
 /// Smallest cosine between normals of one surface.

@@ -99,9 +99,8 @@ impl OcclusionStage {
         Ok(self.renderer.occlude(&self.shot, passes)?)
     }
 
-    /// Runs each of `passes` on the current view for `frames` frames, in alternation, and returns the times of each.
-    ///
-    /// See [`take_turns`].
+    /// Runs each of `passes` on the current view for `frames` frames, in alternation, and returns the times of each. Each
+    /// round begins with another one, so that none always runs first.
     ///
     /// # Errors
     /// Returns the errors of the device.

@@ -15,7 +15,7 @@ mod walk;
 pub(crate) use claims::{BLUR_PIXELS, EDGE_COSINE, EDGE_PIXELS, EDGE_STEP};
 pub use claims::{ClaimProbe, Claims, FLAT, OPEN};
 pub use errors::{OcclusionErrors, grey_picture, occlusion_errors};
-pub use flicker::{Flicker, FlickerCount, FlickerFrame};
+pub use flicker::{CHANGE, Flicker, FlickerCount, FlickerFrame};
 pub use measure::{OcclusionReference, OcclusionStage, TracedView};
 pub use record::{Record, RecordEntry, RecordScene, TunedOn, tuned, with_tuned};
 pub use tune::{TuneOptions, TuneScene, tune};

@@ -108,7 +108,7 @@ impl SceneBuffers {
         })
     }
 
-    /// A number that identifies this content within the process. It changes with [`SceneBuffers::move_instances`].
+    /// A number that identifies this content within the process. It changes when instances move.
     pub fn id(&self) -> u64 {
         self.id
     }

@@ -67,7 +67,7 @@ pub enum Target {
 pub struct Inner {
     /// The codes of the four quarters, three bits each.
     pub codes: u32,
-    /// The locations that the pointers lead to, as many as [`pointers_in`] returns.
+    /// The locations that the pointers lead to, in the order of the quarters: two for code 3, one each for codes 4 to 6.
     pub targets: [Target; 8],
 }
 
