@@ -8,6 +8,7 @@ use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load, to_glb};
 use adumbra_testing::shared;
 use adumbra_tree::{TreeFile, TreeOptions, bake_tree};
+use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 /// Returns the entries of a list: digest, scene and kind of file.
@@ -44,17 +45,18 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 /// Compares each listed digest with that of the file baked from the scene of that name or, for the kind `glb`, with
-/// that of the scene's own bytes.
-fn check(list: &str, resolutions: [u64; 2], scene_of: impl Fn(&str) -> (Scene, Vec<u8>)) {
-    let mut loaded: Option<(&str, (Scene, Vec<u8>))> = None;
-    for [expected, name, kind] in listed(list) {
-        if loaded.as_ref().is_none_or(|(known, _)| *known != name) {
-            loaded = Some((name, scene_of(name)));
+/// that of the scene's own bytes. Scenes are baked side by side, as no order may change their bytes.
+fn check(list: &str, resolutions: [u64; 2], scene_of: impl Fn(&str) -> (Scene, Vec<u8>) + Sync) {
+    let all: Vec<[&str; 3]> = listed(list).collect();
+    let scenes: Vec<&[[&str; 3]]> = all.chunk_by(|a, b| a[1] == b[1]).collect();
+    scenes.par_iter().for_each(|kinds| {
+        let name = kinds[0][1];
+        let (scene, bytes) = scene_of(name);
+        for [expected, _, kind] in *kinds {
+            let found = if *kind == "glb" { hex(&bytes) } else { digest(&scene, kind, resolutions) };
+            assert_eq!(found, *expected, "{name}, {kind}");
         }
-        let (_, (scene, bytes)) = loaded.as_ref().unwrap();
-        let found = if kind == "glb" { hex(bytes) } else { digest(scene, kind, resolutions) };
-        assert_eq!(found, expected, "{name}, {kind}");
-    }
+    });
 }
 
 #[test]
