@@ -17,10 +17,10 @@ use adumbra::layout::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_S
 use adumbra::layout::{LEAF_NODE_LEVEL, top_dims};
 use adumbra::{Bounds, Layout, LightBody, LightExtent, LightGrid, Receivers, ShadowFile, Sun};
 use adumbra_bake::convert::{body_in, graph_of};
-use adumbra_testing::{overhead_grid, settings_for};
 use serde_json::json;
 
 use crate::broken::{self, Broken};
+use crate::by_hand::{overhead_grid, settings_for};
 use crate::tree_vectors;
 use crate::voxels::{Scatter, noise, point_in};
 

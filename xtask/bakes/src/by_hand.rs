@@ -1,0 +1,1 @@
+../../../crates/adumbra-testing/src/by_hand.rs
