@@ -89,9 +89,9 @@ fn check_baker(root: &Path) -> Result<(), String> {
 /// Crates that the program must not link without its features.
 const DRAWING: [&str; 6] = ["adumbra-lab", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
 
-/// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench or count
+/// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench, draw or count
 /// repeatedly, and scene fuzzing at full length.
-const NOT_QUICK: [&str; 15] = [
+const NOT_QUICK: [&str; 25] = [
     "shared_",
     "bench_",
     "counts_the_taps_that_the_cpu_counts",
@@ -107,6 +107,16 @@ const NOT_QUICK: [&str; 15] = [
     "report_leaves_what_there_is_",
     "report_says_that_its_page_",
     "fuzz_scenes_full",
+    "threads_memory_and_json_go_with_",
+    "view_shows_what_render_draws",
+    "voxel_from_f32_positions_",
+    "_count_the_taps_",
+    "build_gives_the_twin_s_words_",
+    "cascades_do_not_shimmer",
+    "largest_start_",
+    "reuse_on_the_gpu_",
+    "answers_are_the_compact_layout_s",
+    "maps_of_16_bits_",
 ];
 
 fn quick_test(root: &Path) -> Result<(), String> {
