@@ -57,7 +57,7 @@ impl From<Layout> for LayoutChoice {
 }
 
 /// The method that finds the columns. Both give the same answer at every point that must be answered. Their files
-/// differ in voxels that nobody sees.
+/// differ in voxels that cannot be seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Builder {
     /// Block descent: cost grows with the silhouettes.

@@ -271,7 +271,6 @@ impl Gpu {
 
     /// Begins a render pass that draws to one colour target, without depth.
     pub fn color_pass<'a>(
-        &self,
         encoder: &'a mut wgpu::CommandEncoder,
         label: &str,
         view: &wgpu::TextureView,

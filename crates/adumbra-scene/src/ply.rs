@@ -174,10 +174,10 @@ fn parse(
     skipped: &mut u64,
 ) -> Result<Faces> {
     let bad = |what: String| sources.bad(what);
-    let told = |e: ParseError| bad(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
+    let unreadable = |e: ParseError| bad(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
     let parser = Parser::<Record>::new();
     let mut reader = Reader::new(bytes);
-    let header = parser.read_header(&mut reader).map_err(told)?;
+    let header = parser.read_header(&mut reader).map_err(unreadable)?;
     let mut faces = Faces::default();
     for (_, element) in &header.elements {
         let (count, stated) = (element.count, &element.name);

@@ -1,4 +1,4 @@
-//! Finds the solid parts of a mesh. Nobody sees the inside of a solid, so a bake may return any answer there.
+//! Finds the solid parts of a mesh. The inside of a solid cannot be seen, so a bake may return any answer there.
 //!
 //! Vertices are welded by exact position (normals and texture coordinates are ignored, and -0 equals 0). Triangles that
 //! share an edge form a connected component. A component is *closed* if every directed edge occurs as often as its
@@ -39,7 +39,7 @@ pub struct Component {
     /// Volume in the mesh's own units, positive if triangles are counter-clockwise seen from outside. It has no meaning
     /// if the component is not closed.
     pub signed_volume: f64,
-    /// Whether the component is a solid, whose inside nobody sees, or a cavity in one.
+    /// Whether the component is a solid, whose inside cannot be seen, or a cavity in one.
     pub solid: bool,
 }
 

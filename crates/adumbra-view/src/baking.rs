@@ -44,7 +44,7 @@ pub(crate) struct BakeKey {
 
 /// A bake in progress.
 pub(crate) struct RunningBake {
-    /// Unique number, so that two bakes with the same key can be told apart.
+    /// Unique number, which distinguishes two bakes with the same key.
     pub(crate) number: u64,
     pub(crate) key: BakeKey,
     /// Resolution of the level being baked.

@@ -270,7 +270,7 @@ impl Open {
             None => wgpu::LoadOp::Clear(wgpu::Color::BLACK),
         };
         self.painter.update_buffers(&self.gpu.device, &self.gpu.queue, encoder, jobs, screen);
-        let pass = self.gpu.color_pass(encoder, "view::panel", view, load);
+        let pass = Gpu::color_pass(encoder, "view::panel", view, load);
         self.painter.render(&mut pass.forget_lifetime(), jobs, screen);
     }
 

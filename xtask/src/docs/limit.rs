@@ -48,7 +48,7 @@ impl Limit {
     /// Runs a command without input. If it is not done in time, kills it with everything that it started and returns an
     /// error.
     pub(crate) fn output(&self, command: &mut Command) -> io::Result<Output> {
-        // Files instead of pipes: nobody needs to read them meanwhile, or wait for other processes that hold them open.
+        // Files instead of pipes: they need no reader meanwhile, and no wait for other processes that hold them open.
         let [mut stdout, mut stderr] = [tempfile::tempfile()?, tempfile::tempfile()?];
         command.stdin(Stdio::null()).stdout(stdout.try_clone()?).stderr(stderr.try_clone()?);
         #[cfg(unix)]

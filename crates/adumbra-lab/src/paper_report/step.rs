@@ -159,8 +159,8 @@ fn wait(group: &mut Group, said: Option<&Said>, cancel: &AtomicBool) -> std::io:
 
 /// Returns why a command failed: its last error message, else its last line, else its exit status.
 fn cause(said: &VecDeque<String>, status: ExitStatus) -> String {
-    let told = |l: &&String| l.starts_with("error: ") || l.starts_with("check failed: ");
-    match said.iter().rev().find(told).or(said.back()) {
+    let is_reason = |l: &&String| l.starts_with("error: ") || l.starts_with("check failed: ");
+    match said.iter().rev().find(is_reason).or(said.back()) {
         Some(line) => line.strip_prefix("error: ").unwrap_or(line).to_owned(),
         None => status.to_string(),
     }

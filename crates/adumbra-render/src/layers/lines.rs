@@ -104,7 +104,7 @@ impl Renderer {
         let mut encoder = gpu.encoder("lines");
         {
             let target = &picture.target.view;
-            let mut drawn = gpu.color_pass(&mut encoder, "lines", target, wgpu::LoadOp::Load);
+            let mut drawn = Gpu::color_pass(&mut encoder, "lines", target, wgpu::LoadOp::Load);
             drawn.set_pipeline(&pass.pipeline);
             drawn.set_bind_group(0, &group, &[]);
             drawn.set_vertex_buffer(0, buffer.slice(..));

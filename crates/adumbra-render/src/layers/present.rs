@@ -93,7 +93,7 @@ impl PresentPass {
         ];
         let group = gpu.bind("present", &self.layout, resources);
         let black = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
-        let mut pass = gpu.color_pass(encoder, "present", target, black);
+        let mut pass = Gpu::color_pass(encoder, "present", target, black);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);

@@ -70,8 +70,8 @@ mod tests {
     fn help_names_what_occlusions_ask_for_once() {
         for (name, _) in OCCLUSIONS {
             let options = if matches!(name, "truth" | "none") { Vec::new() } else { occlusion_options() };
-            let told = [options, occlusion_parameters(name)].concat();
-            let mut named: Vec<&str> = told.iter().map(|l| l.split_once('=').unwrap().0).collect();
+            let listed = [options, occlusion_parameters(name)].concat();
+            let mut named: Vec<&str> = listed.iter().map(|l| l.split_once('=').unwrap().0).collect();
             let mut asked: Vec<&str> = described(name).iter().map(|p| p.key).collect();
             named.sort_unstable();
             asked.sort_unstable();

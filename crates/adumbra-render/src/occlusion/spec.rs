@@ -207,14 +207,14 @@ mod tests {
     fn describe_gives_what_settings_are() {
         let spec: TechniqueSpec = "issao:preset=fig4:radius=2:before=nothing".parse().unwrap();
         let settings = OcclusionSettings::from_spec(&spec, 1.0).unwrap();
-        let told = describe(&spec, 1.0).unwrap();
+        let described = describe(&spec, 1.0).unwrap();
         for p in settings.estimator.parameters() {
-            let value = &told.iter().find(|t| t.key == p.name).unwrap().value;
+            let value = &described.iter().find(|t| t.key == p.name).unwrap().value;
             let place = p.words.iter().position(|w| w == value).map(|i| i as f64);
             assert_eq!(place.or_else(|| value.parse().ok()), Some(settings.parameter(p.name)), "{}", p.name);
         }
-        let said: Vec<&str> = told.iter().filter(|p| !p.is_default()).map(|p| p.key).collect();
-        assert_eq!(said, ["radius", "preset", "before"]);
+        let changed_keys: Vec<&str> = described.iter().filter(|p| !p.is_default()).map(|p| p.key).collect();
+        assert_eq!(changed_keys, ["radius", "preset", "before"]);
     }
 
     #[test]

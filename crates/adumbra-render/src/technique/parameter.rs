@@ -170,43 +170,43 @@ pub(crate) mod tests {
     pub(crate) fn holds(spec: &TechniqueSpec, describe: impl Fn(&TechniqueSpec) -> Result<Vec<Parameter>>) {
         let plain = describe(spec).unwrap();
         for p in &plain {
-            let told = format!("{spec}: {}: {}", p.help(), p.what);
+            let parameter = format!("{spec}: {}: {}", p.help(), p.what);
             let takes = |value: &str| describe(&spec.with(p.key, Some(value))).is_ok();
             assert!(
                 !p.what.is_empty() && !p.what.contains('\n') && p.is_default() != spec.value(p.key).is_some(),
-                "{told}"
+                "{parameter}"
             );
             if !p.default.is_empty() {
                 let same = describe(&spec.with(p.key, Some(&p.default)));
-                assert!(spec.value(p.key).is_some() || same.unwrap() == plain, "{told}");
+                assert!(spec.value(p.key).is_some() || same.unwrap() == plain, "{parameter}");
             }
             let ends = |ends: [f64; 2]| {
-                assert!(ends.iter().all(|e| takes(&e.to_string())), "{told}");
+                assert!(ends.iter().all(|e| takes(&e.to_string())), "{parameter}");
                 assert!(
                     !takes(&(ends[0] - 1.0).to_string()) && !takes(&(ends[1] * 1.01 + 1.0).to_string()),
-                    "{told}"
+                    "{parameter}"
                 );
             };
             match &p.kind {
                 ParameterKind::Number { range } => ends([*range.start(), *range.end()]),
                 ParameterKind::Count { range } => {
                     ends([f64::from(*range.start()), f64::from(*range.end())]);
-                    assert!(!takes(&format!("{}.5", range.start())), "{told}");
+                    assert!(!takes(&format!("{}.5", range.start())), "{parameter}");
                 }
                 ParameterKind::Integer { choices } => {
-                    assert!(choices.iter().all(|c| takes(&c.to_string())), "{told}");
-                    assert!(!takes(&(choices.iter().max().unwrap() + 1).to_string()), "{told}");
+                    assert!(choices.iter().all(|c| takes(&c.to_string())), "{parameter}");
+                    assert!(!takes(&(choices.iter().max().unwrap() + 1).to_string()), "{parameter}");
                 }
                 ParameterKind::Word { choices } => {
-                    assert!(choices.len() > 1 && choices.contains(&p.default.as_str()), "{told}");
-                    assert!(choices.iter().all(|c| takes(c)), "{told}");
+                    assert!(choices.len() > 1 && choices.contains(&p.default.as_str()), "{parameter}");
+                    assert!(choices.iter().all(|c| takes(c)), "{parameter}");
                 }
                 ParameterKind::Technique { .. } => {
-                    assert!(p.nested().unwrap().is_some(), "{told}");
-                    assert!(!takes("zzz=zzz"), "{told}");
+                    assert!(p.nested().unwrap().is_some(), "{parameter}");
+                    assert!(!takes("zzz=zzz"), "{parameter}");
                 }
             }
-            assert!(!takes("zzz"), "{told}");
+            assert!(!takes("zzz"), "{parameter}");
         }
     }
 

@@ -11,11 +11,11 @@ use crate::technique::{Parameter, ParameterKind, TechniqueSpec};
 /// always apply come first, then those that apply only with a certain word as another parameter's value. Empty if the
 /// technique has no parameters or does not exist.
 pub fn parameters(name: &str) -> String {
-    let told = |(p, goes_with): &(Parameter, Option<String>)| match goes_with {
+    let text = |(p, goes_with): &(Parameter, Option<String>)| match goes_with {
         None => p.help(),
         Some(word) => format!("{} with {word}", p.help()),
     };
-    all(name).iter().map(told).collect::<Vec<_>>().join("; ")
+    all(name).iter().map(text).collect::<Vec<_>>().join("; ")
 }
 
 /// Returns a description of every parameter, sorted by key, as `key: description`. A key that means different things in
@@ -48,11 +48,11 @@ fn all(name: &str) -> Vec<(Parameter, Option<String>)> {
             choices.iter().map(|c| described(plain.with(key, Some(c)))).collect();
         for (word, with_word) in choices.iter().zip(&words) {
             for p in with_word.iter().filter(|p| words.iter().any(|w| w.iter().all(|q| q.key != p.key))) {
-                let told = Some(format!("{key}={word}"));
+                let condition = Some(format!("{key}={word}"));
                 match found.iter_mut().find(|(q, _)| q.key == p.key) {
-                    Some((_, goes_with)) if goes_with.is_none() => *goes_with = told,
+                    Some((_, goes_with)) if goes_with.is_none() => *goes_with = condition,
                     Some(_) => {}
-                    None => found.push((p.clone(), told)),
+                    None => found.push((p.clone(), condition)),
                 }
             }
         }
@@ -82,16 +82,16 @@ mod tests {
 
     #[test]
     fn help_says_what_goes_with_what() {
-        let told = |name: &str, part: &str| assert!(parameters(name).contains(part), "{}", parameters(name));
-        told("csm", "cascades=4 (1 to 8); ");
-        told("csm", "; radius=2 (0.5 to 32) with filter=poisson");
-        told("csm", "; lambda=0.5 (0 to 1) with split=practical");
-        told("voxel", "; angle=0.53 (0.01 to 20) with shade=soft");
-        told("voxel", "; filter=5, 1, 3, 9 or 17 with shade=hard");
-        told("hrsm", "tolerance=0.5 (0 to 64) with test=plane");
-        told("hrsm", "sizes=4096-1024 (one of 256-128, 256-64 .. 8192-1024)");
-        told("blur", "base=pcf/filter=2 (a technique, / for :)");
-        told("voxel+csm", "csm= (parameters of csm, / for :)");
-        told("sm", "size=2048 (one of 128, 256 .. 16384)");
+        let lists = |name: &str, part: &str| assert!(parameters(name).contains(part), "{}", parameters(name));
+        lists("csm", "cascades=4 (1 to 8); ");
+        lists("csm", "; radius=2 (0.5 to 32) with filter=poisson");
+        lists("csm", "; lambda=0.5 (0 to 1) with split=practical");
+        lists("voxel", "; angle=0.53 (0.01 to 20) with shade=soft");
+        lists("voxel", "; filter=5, 1, 3, 9 or 17 with shade=hard");
+        lists("hrsm", "tolerance=0.5 (0 to 64) with test=plane");
+        lists("hrsm", "sizes=4096-1024 (one of 256-128, 256-64 .. 8192-1024)");
+        lists("blur", "base=pcf/filter=2 (a technique, / for :)");
+        lists("voxel+csm", "csm= (parameters of csm, / for :)");
+        lists("sm", "size=2048 (one of 128, 256 .. 16384)");
     }
 }

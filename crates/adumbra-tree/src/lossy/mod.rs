@@ -54,7 +54,7 @@ const QUARTERS_PER_BLOCK: [u64; 10] = [2, 4, 8, 16, 32, 64, 128, 256, 512, 1024]
 /// the lowest level counts as all the finest voxels in it, though it counts once among the leaf voxels, which makes the
 /// bound stricter. A share of 0 only reduces the tree.
 ///
-/// The same tree and share give the same result, whatever the number of threads.
+/// The result depends on the tree and the share alone, not on the number of threads.
 ///
 /// # Errors
 /// Returns [`Error::Range`](crate::Error::Range) if the share is not from 0 to 1.

@@ -2,7 +2,7 @@
 //!
 //! Random points are drawn on the scene's surfaces, uniformly by area, or in its space. They are lifted by the
 //! look-up's bias, and both the file and the rays answer them. Every point that the sun can shine on is compared. The
-//! points that are not compared are counted: faces turned away from the sun, points inside solids, which nobody sees,
+//! points that are not compared are counted: faces turned away from the sun, points inside solids, which cannot be seen,
 //! and points outside the file's bounds. Each compared point has a [`Class`], which depends on rays alone:
 //!
 //! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, moved along the
@@ -51,7 +51,7 @@ pub struct Verification {
     pub samples: u64,
     /// Number of points drawn that face away from the sun; not compared.
     pub facing_away: u64,
-    /// Number of points drawn inside solids, which nobody sees and where the file may answer either way; not compared.
+    /// Number of points drawn inside solids, which cannot be seen and where the file may answer either way; not compared.
     pub inside_solids: u64,
     /// Number of points drawn outside the bounds given to the bake; not compared.
     pub outside_bounds: u64,

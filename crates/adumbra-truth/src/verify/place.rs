@@ -115,7 +115,7 @@ impl Place<'_> {
         distance_voxels < lifted_voxels + 1.0
     }
 
-    /// Whether the winding of solids above the point is nonzero, so that nobody sees it.
+    /// Whether the winding of solids above the point is nonzero, so that it cannot be seen.
     pub(super) fn is_inside_solid(&self) -> bool {
         let mut winding = 0;
         self.tracer.for_each_hit(&self.ray_from_surface(), |hit| {

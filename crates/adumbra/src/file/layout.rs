@@ -10,7 +10,7 @@ use crate::layout::plain::SHADOWED;
 pub enum Layout {
     /// A graph of 32-bit headers and pointers, see [`Dag`](crate::layout::plain::Dag).
     Plain,
-    /// The same graph in units of 16 bits, in about a third of the bytes, see
+    /// The plain layout's graph in units of 16 bits, in about a third of the bytes, see
     /// [`PackedDag`](crate::layout::packed::PackedDag).
     #[default]
     Packed,
