@@ -11,9 +11,9 @@ pub fn add_quad(mesh: &mut Mesh, corners: [[f32; 3]; 4]) {
     add_faces(mesh, &corners, &[[0, 1, 2, 3]]);
 }
 
-/// Adds a closed box between its least and its greatest corner, of the first material.
-pub fn add_box(mesh: &mut Mesh, least: [f32; 3], greatest: [f32; 3]) {
-    let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 0 { least[a] } else { greatest[a] });
+/// Adds a closed box between its lower and its upper corner, of the first material.
+pub fn add_box(mesh: &mut Mesh, min: [f32; 3], max: [f32; 3]) {
+    let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 0 { min[a] } else { max[a] });
     add_faces(mesh, &std::array::from_fn::<_, 8, _>(corner), &BOX_FACES);
 }
 
@@ -26,10 +26,10 @@ fn add_faces(mesh: &mut Mesh, corners: &[[f32; 3]], faces: &[[u32; 4]]) {
     }
 }
 
-/// Returns a closed box between its least and its greatest corner.
-pub fn cuboid(least: [f32; 3], greatest: [f32; 3]) -> Mesh {
+/// Returns a closed box between its lower and its upper corner.
+pub fn cuboid(min: [f32; 3], max: [f32; 3]) -> Mesh {
     let mut mesh = Mesh::default();
-    add_box(&mut mesh, least, greatest);
+    add_box(&mut mesh, min, max);
     mesh
 }
 
