@@ -3,12 +3,12 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use crate::choose;
 use crate::error::Result;
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{BakeOptions, Builder};
 use crate::plain::build as plain;
 use crate::plain::build::PlainBuffers;
-use crate::plan::Plan;
 use crate::sink::limit::LimitSink;
 use crate::sink::runs::GraphSink;
 use crate::store::NodeStore;
@@ -37,7 +37,8 @@ const SAMPLES: usize = 48;
 /// # Errors
 /// Returns the errors of [`crate::bake`], except that the memory limit is not enforced.
 pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
-    let plan = Plan::new(scene, &BakeOptions { max_memory_bytes: None, ..options.clone() })?;
+    options.check_layout()?;
+    let plan = choose::plan(scene, &BakeOptions { max_memory_bytes: None, ..options.clone() })?;
     let tiles = plan.tiles.count();
     let sampled = tiles.min(SAMPLES);
     let (mut descent, mut plain) = (DescentBuffers::default(), PlainBuffers::default());
@@ -58,12 +59,9 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
     };
     let merged = NodeStore::default();
     let mut separate_bytes = 0;
-    let mut by_casters: Vec<usize> = (0..tiles).collect();
-    by_casters.sort_by_key(|&tile| plan.tiles.casters.in_tile(tile).len());
     let start = Instant::now();
-    for s in 0..sampled {
-        // The middle tile of each of `sampled` equal runs.
-        let tile = by_casters[(2 * s + 1) * tiles / (2 * sampled)];
+    let fullness = |tile| plan.tiles.casters.in_tile(tile).len() as u64;
+    for tile in plan.tiles.sampled(sampled, fullness) {
         let alone = NodeStore::default();
         build(tile, &alone)?;
         separate_bytes += alone.graph_bytes();

@@ -5,8 +5,8 @@ use adumbra::{Bias, LightGrid, MAX_SLOPE, Receivers};
 use adumbra_scene::Scene;
 
 use crate::columns::capture::{self, CaptureBuffers, TileRect, capture_layers};
-use crate::columns::rules::{ColumnRules, for_each_inside};
-use crate::triangles::casters::{CasterOptions, Casters};
+use crate::columns::rules::{ColumnRules, NormalOffset, for_each_inside};
+use crate::triangles::casters::{CasterOptions, Casters, cluster_meshes};
 pub use crate::triangles::project::FixedDepth;
 use crate::triangles::surface::TileSurfaces;
 
@@ -56,13 +56,15 @@ impl<'s> LayerCapture<'s> {
             outlines: false,
         };
         let tiles = [grid.size[0].div_ceil(tile_side), grid.size[1].div_ceil(tile_side)];
-        let casters = Casters::new(scene, caster_options, grid, tile_side, tiles, 1.0);
+        let casters = Casters::new(scene, cluster_meshes(scene, caster_options), grid, tile_side, tiles, 1.0);
+        let bias = Bias { normal_offset_texels: 0.0, ..options.bias };
         let rules = ColumnRules {
-            bias: Bias { normal_offset_texels: 0.0, ..options.bias },
-            thickness_voxels: 0.0,
+            bias,
+            thickness: 0,
             assume_ground: false,
             receivers: Receivers::All,
             depth_voxels: 0,
+            normal_offset: NormalOffset::new(&bias, grid),
         };
         Self { casters, rules, grid: *grid, tile_side }
     }

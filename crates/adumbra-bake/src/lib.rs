@@ -1,5 +1,5 @@
-//! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in light space, one root block
-//! at a time per core. The depth image is never whole in memory, and [`Builder::Fast`] never draws most of it.
+//! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in columns along the light, one
+//! root block at a time per core. The depth image is never whole in memory, and [`Builder::Fast`] never draws most of it.
 //!
 //! Source: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014, for the light-aligned
 //! voxel graph; §3 of the specification for what a column allows. The result does not depend on the number of threads,
@@ -46,7 +46,9 @@
 //! The tests compare the fast builder with the plain one (`plain/agreement.rs`), the plain one with every triangle at
 //! every column (`plain/reference.rs`), and all layouts of random scenes with columns and rays (`fuzz/`).
 //!
-//! Dependencies go one way: triangles → columns → tiles → store → pack → sink → fast and plain → plan → bake.
+//! `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better.
+//!
+//! Dependencies go one way: triangles → columns → tiles → store → pack → sink → fast and plain → plan → choose → bake.
 //! [`convert`] makes one layout from another. [`layers`] provides first surfaces and insides of solids to structures
 //! that voxelize depth themselves.
 //!
@@ -72,6 +74,7 @@
 //! - Static receivers are answered for filters up to 9 texels wide, with normals.
 
 mod bake;
+mod choose;
 mod columns;
 pub mod convert;
 mod error;
@@ -93,13 +96,14 @@ mod test_bakes;
 mod texel_mask;
 mod tiles;
 mod triangles;
+mod yaw;
 
 pub use bake::{Bake, CandidateBytes, bake};
 pub use error::{Error, PackError, Result};
 pub use estimate::{Estimate, estimate};
 pub use options::{
-    BakeOptions, Builder, DEFAULT_SWITCH_WITHIN, LayoutChoice, MAX_RESOLUTION, MAX_SWITCH_WITHIN,
-    MIN_RESOLUTION, Preset, Size, check_bounds,
+    BakeOptions, Builder, FrameChoice, LOWEST_OBLIQUE_DEGREES, LayoutChoice, MAX_RESOLUTION,
+    MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
 };
 pub use pack::pack;
 pub use progress::{Progress, Report, Watch};

@@ -1,5 +1,6 @@
 //! The options of a bake, with defaults, ranges and presets.
 
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use adumbra::{Bias, Bounds, Layout, RangeError, Receivers, Sun};
@@ -10,18 +11,16 @@ use crate::error::{Error, Result};
 pub const MIN_RESOLUTION: u32 = 8;
 /// Largest resolution, texels on the longest side of the light's plane.
 pub const MAX_RESOLUTION: u32 = 1 << 18;
-/// Default for [`BakeOptions::switch_within_voxels`], in voxels: the reach of a 9 × 9 filter at the
-/// steepest of the usual slopes.
-pub const DEFAULT_SWITCH_WITHIN: u32 = 8;
 /// Largest value of [`BakeOptions::switch_within_voxels`].
 pub const MAX_SWITCH_WITHIN: u32 = 65_535;
 
 /// The resolution of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// Texels on the longest side of the scene in the light's plane; a power of two.
+    /// Texels on the longest side of the scene as the sun sees it; a power of two. Voxels have the same size in either
+    /// frame.
     Resolution(u64),
-    /// Edge length of a voxel in world units.
+    /// Edge length of a voxel in world units, in either frame.
     VoxelSize(f64),
 }
 
@@ -29,9 +28,9 @@ pub enum Size {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LayoutChoice {
     /// A graph in units of 16 bits.
-    #[default]
     Packed,
-    /// A quadtree of switch depths: the smallest file on most scenes.
+    /// A quadtree of switch depths: the smallest file on most scenes, with the fewest reads per look-up.
+    #[default]
     Depths,
     /// A graph in words of 32 bits.
     Plain,
@@ -56,6 +55,26 @@ impl From<Layout> for LayoutChoice {
     }
 }
 
+/// How the grid lies in the world, see [`adumbra::Frame`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FrameChoice {
+    /// Perpendicular to the light.
+    Light,
+    /// Upright, aligned with most of the scene's horizontal edges.
+    Oblique,
+    /// Upright, with the grid's x axis at this angle from the world's +X towards +Z, in radians. Bakes of parts of a
+    /// world share their voxels only if they share the angle.
+    ObliqueAt(f64),
+    /// Light below [`LOWEST_OBLIQUE_DEGREES`] of sun. Otherwise oblique, unless a forecast from a few blocks says that
+    /// its file will be more than a tenth larger than that of the light's frame.
+    #[default]
+    Auto,
+}
+
+/// Elevation of the sun in degrees below which [`FrameChoice::Auto`] does not consider the oblique frame: a shadow would
+/// be more than eleven times as long as its caster is high, and the grid would be as long.
+pub const LOWEST_OBLIQUE_DEGREES: f64 = 5.0;
+
 /// The method that finds the columns. Both give the same answer at every point that must be answered. Their files
 /// differ in voxels that cannot be seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,9 +93,11 @@ pub struct BakeOptions {
     pub sun: Sun,
     /// The layout of the voxels in the file.
     pub layout: LayoutChoice,
+    /// How the grid lies in the world.
+    pub frame: FrameChoice,
     /// The resolution of the grid.
     pub size: Size,
-    /// How far below an open surface a shadow may begin, in world units, at least 0. The bias at the surface's slope
+    /// How far below an open surface a shadow may begin, in world units along the light, at least 0. The bias at the surface's slope
     /// applies instead if it is larger.
     pub thickness_world: f64,
     /// Whether to assume that no static surface is behind the last one of a column, so that its shadow may begin
@@ -98,9 +119,9 @@ pub struct BakeOptions {
     /// Folder for the temporary files, which have no names; `None` = the system's folder.
     pub spill_folder: Option<PathBuf>,
     /// How far behind its first surface a column may switch to shadow, in voxels, at most [`MAX_SWITCH_WITHIN`]; 0 =
-    /// anywhere inside the solid. In a block that no contour crosses, the distance counts from the block's deepest
-    /// first surface for all of its columns. Smaller values give larger files, and filters that find shadow close to a
-    /// wall's foot.
+    /// anywhere that neither receivers nor the filters around them read. In a block that no contour crosses, the distance
+    /// counts from the block's deepest first surface for all of its columns. A limit makes files larger. It serves
+    /// filters around points that are no part of the scene, such as movers beside a wall.
     pub switch_within_voxels: u32,
     /// The method that finds the columns.
     pub builder: Builder,
@@ -112,6 +133,7 @@ impl BakeOptions {
         Self {
             sun,
             layout: LayoutChoice::default(),
+            frame: FrameChoice::default(),
             size,
             thickness_world: 0.0,
             assume_ground: true,
@@ -122,9 +144,18 @@ impl BakeOptions {
             bias: Bias::default(),
             max_memory_bytes: None,
             spill_folder: None,
-            switch_within_voxels: DEFAULT_SWITCH_WITHIN,
+            switch_within_voxels: 0,
             builder: Builder::Fast,
         }
+    }
+
+    /// Checks that the builder supports the layout.
+    pub(crate) fn check_layout(&self) -> Result<()> {
+        if self.builder == Builder::Plain && !self.layout.has_plain_builder() {
+            let range = "the fast one if the layout is depths, or the smaller of packed and depths";
+            return Err(RangeError::new("the builder", "plain", range).into());
+        }
+        Ok(())
     }
 
     pub(crate) fn check(&self) -> Result<()> {
@@ -136,9 +167,10 @@ impl BakeOptions {
             let range = "a number of voxels up to 65535";
             return Err(RangeError::new("the switch limit", self.switch_within_voxels, range).into());
         }
-        if self.builder == Builder::Plain && !self.layout.has_plain_builder() {
-            let range = "the fast one if the layout is depths, or the smaller of packed and depths";
-            return Err(RangeError::new("the builder", "plain", range).into());
+        if let FrameChoice::ObliqueAt(yaw_radians) = self.frame
+            && !(-PI..=PI).contains(&yaw_radians)
+        {
+            return Err(RangeError::new("the yaw", yaw_radians, "from -pi to pi radians").into());
         }
         self.bias.check()?;
         self.bounds.as_ref().map_or(Ok(()), check_bounds)

@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use crate::columns::capture;
-use crate::columns::rules::ColumnRules;
+use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::error::{Error, Result};
 use crate::options::{BakeOptions, Builder};
 use crate::sink::limit::SwitchLimit;
 use crate::store::NodeState;
 use crate::store::paged::Spill;
 use crate::tiles::Tiles;
-use crate::triangles::casters::{CasterOptions, Casters};
+use crate::triangles::casters::{CasterOptions, Casters, MeshClusters};
 use crate::triangles::project;
 use adumbra::FileSettings;
 use adumbra::RangeError;
-use adumbra::grid::{LightExtent, LightGrid};
+use adumbra::grid::{Frame, LightExtent, LightGrid};
+use adumbra::query::MAX_FIXED_SIDE;
 use adumbra_scene::Scene;
 
 pub(crate) struct Plan<'s> {
@@ -37,21 +38,51 @@ const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
 /// log2 of the number of root cubes that the top grid aims at across the longer side.
 const TOP_GRID_LEVEL: u32 = 5;
 
+/// Grids begin and end at multiples of a page from the world's origin, so that texels stay where they are when a scene
+/// grows. A page is this share of the resolution, within the limits below: small grids are not to be mostly margin.
+const PAGES_ACROSS: u32 = 8;
+const MIN_PAGE: u32 = 8;
+/// Largest page, texels.
+const MAX_PAGE: u32 = 1024;
+
+/// Returns which triangles are casters.
+pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
+    CasterOptions {
+        closed_regions: options.closed_regions,
+        ignore_alpha: options.ignore_alpha,
+        outlines: options.builder == Builder::Fast,
+    }
+}
+
 impl<'s> Plan<'s> {
-    pub(crate) fn new(scene: &'s Scene, options: &BakeOptions) -> Result<Self> {
-        options.check()?;
-        let mut extent = LightExtent::empty(&options.sun);
-        match &options.bounds {
-            Some(bounds) => extent.add_box(bounds),
-            None => add_casters(&mut extent, scene),
-        }
-        let (resolution, voxel_size) = options.size.resolve(extent.longest_side())?;
-        let grid = LightGrid::covering(options.sun, &extent, voxel_size);
+    /// Plans a bake in `frame`. `meshes` are those of [`cluster_meshes`] for [`caster_options`].
+    pub(crate) fn in_frame(
+        scene: &'s Scene,
+        options: &BakeOptions,
+        frame: Frame,
+        meshes: &Arc<[MeshClusters]>,
+    ) -> Result<Self> {
+        let extent = extent(scene, options, frame);
+        let (resolution, voxel_size) = match frame {
+            Frame::Light => options.size.resolve(extent.longest_side())?,
+            Frame::Oblique { .. } => Self::resolution_and_voxel_size(scene, options)?,
+        };
+        let page = (resolution / PAGES_ACROSS).clamp(MIN_PAGE, MAX_PAGE);
+        let grid = LightGrid::covering(options.sun, &extent, voxel_size).on_pages_of(page);
         if f64::from(grid.size[2]) > project::DEPTH_MAX_VOXELS {
             return Err(RangeError::new(
                 "the resolution",
                 format!("{resolution} ({} voxels along the light)", grid.size[2]),
                 "coarse enough for at most 2097152 voxels along the light; lower it",
+            )
+            .into());
+        }
+        let across = grid.size[0].max(grid.size[1]);
+        if across > MAX_FIXED_SIDE {
+            return Err(RangeError::new(
+                "the resolution",
+                format!("{resolution} ({across} texels across, in the {} frame)", frame.name()),
+                "coarse enough for at most 516096 texels across; lower it, or use the light's frame",
             )
             .into());
         }
@@ -63,19 +94,15 @@ impl<'s> Plan<'s> {
         let top_dims = grid.size.map(|s| s.div_ceil(1 << root_level));
         let rules = ColumnRules {
             bias: options.bias,
-            thickness_voxels: options.thickness_world / voxel_size,
+            thickness: ColumnRules::thickness_of(options.thickness_world / grid.voxel_along_light()),
             assume_ground: options.assume_ground,
             receivers: options.receivers,
             depth_voxels: grid.size[2],
+            normal_offset: NormalOffset::new(&options.bias, &grid),
         };
-        let caster_options = CasterOptions {
-            closed_regions: options.closed_regions,
-            ignore_alpha: options.ignore_alpha,
-            outlines: options.builder == Builder::Fast,
-        };
-        let reach = rules.reach_texels() + 1.0;
-        let casters =
-            Casters::new(scene, caster_options, &grid, 1 << root_level, [top_dims[0], top_dims[1]], reach);
+        let reach = rules.contact_reach_texels() + 1.0;
+        let tiles = [top_dims[0], top_dims[1]];
+        let casters = Casters::new(scene, Arc::clone(meshes), &grid, 1 << root_level, tiles, reach);
         let settings = FileSettings {
             resolution,
             thickness_world: options.thickness_world,
@@ -120,6 +147,12 @@ impl<'s> Plan<'s> {
         Ok(plan)
     }
 
+    /// Returns the resolution, and the size of a voxel. The resolution counts texels as the sun sees the scene, so that
+    /// voxels have one size in either frame.
+    pub(crate) fn resolution_and_voxel_size(scene: &Scene, options: &BakeOptions) -> Result<(u32, f64)> {
+        options.size.resolve(extent(scene, options, Frame::Light).longest_side())
+    }
+
     /// Returns the limit on how far behind its first surface a column may switch.
     pub(crate) fn switch_limit(&self) -> SwitchLimit {
         SwitchLimit {
@@ -160,11 +193,18 @@ impl<'s> Plan<'s> {
     }
 }
 
-fn add_casters(extent: &mut LightExtent, scene: &Scene) {
+/// Returns the extent to cover, along the axes of a frame.
+fn extent(scene: &Scene, options: &BakeOptions, frame: Frame) -> LightExtent {
+    let mut extent = LightExtent::in_frame(&options.sun, frame);
+    if let Some(bounds) = &options.bounds {
+        extent.add_box(bounds);
+        return extent;
+    }
     for instance in &scene.instances {
         let mesh = &scene.meshes[instance.mesh as usize];
         for &v in mesh.triangles.iter().flatten() {
             extent.add(instance.to_world(mesh.positions[v as usize]));
         }
     }
+    extent
 }

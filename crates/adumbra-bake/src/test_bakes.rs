@@ -10,11 +10,11 @@ use adumbra::{FileSettings, LightBody, LightGrid};
 use adumbra_scene::Scene;
 
 use crate::bake::{depths, graph};
+use crate::choose;
 use crate::columns::capture::{CaptureBuffers, capture};
 use crate::columns::rules::Columns;
 use crate::error::Result;
 use crate::options::{BakeOptions, Builder, LayoutChoice};
-use crate::plan::Plan;
 use crate::progress::{Report, Watch};
 use crate::tally::Tally;
 use crate::triangles::surface::TileSurfaces;
@@ -37,7 +37,7 @@ pub(crate) fn bake_graph(scene: &Scene, options: &BakeOptions) -> Result<BakedGr
 
 /// Bakes the depths for `options`, whatever layout they name. `merged`: equal shapes are stored once, as in every file.
 pub(crate) fn bake_depths(scene: &Scene, options: &BakeOptions, merged: bool) -> Result<(DepthTree, Report)> {
-    let plan = Plan::new(scene, &BakeOptions { builder: Builder::Fast, ..options.clone() })?;
+    let plan = choose::plan(scene, &BakeOptions { builder: Builder::Fast, ..options.clone() })?;
     let tally = Tally::new(&plan, Instant::now(), &|_| {});
     let depths = depths::depths(&plan, &tally, merged, &AtomicBool::new(false))?;
     Ok((depths, tally.report()))
@@ -45,7 +45,7 @@ pub(crate) fn bake_depths(scene: &Scene, options: &BakeOptions, merged: bool) ->
 
 /// Bakes the graph and the depths from columns that are computed once.
 pub(crate) fn bake_both(scene: &Scene, options: &BakeOptions) -> Result<((Dag, DepthTree), Report)> {
-    let plan = Plan::new(scene, &BakeOptions { builder: Builder::Fast, ..options.clone() })?;
+    let plan = choose::plan(scene, &BakeOptions { builder: Builder::Fast, ..options.clone() })?;
     let tally = Tally::new(&plan, Instant::now(), &|_| {});
     let both = graph::both(&plan, &tally, &AtomicBool::new(false))?;
     Ok((both, tally.report()))
@@ -57,7 +57,7 @@ pub(crate) fn for_each_column(
     options: &BakeOptions,
     mut visit: impl FnMut(u32, u32, [u32; 2]),
 ) -> Result<()> {
-    let plan = Plan::new(scene, &BakeOptions { builder: Builder::Plain, ..options.clone() })?;
+    let plan = choose::plan(scene, &BakeOptions { builder: Builder::Plain, ..options.clone() })?;
     let tiles = &plan.tiles;
     let mut buffers = CaptureBuffers::default();
     let mut columns = Columns::default();

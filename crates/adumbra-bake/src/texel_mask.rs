@@ -1,17 +1,24 @@
 //! Sets of texels of an 8 × 8 block, one bit per texel: row · 8 + column.
 
 /// The texels for which `test` holds.
+#[inline(always)]
 pub(crate) fn texels_where(test: impl Fn(usize) -> bool) -> u64 {
     // First one byte per texel: compilers vectorize this, but not a loop that shifts single bits.
-    let bytes: [u8; 64] = std::array::from_fn(|texel| u8::from(test(texel)));
+    let mut bytes = [0_u8; 64];
+    for (texel, byte) in bytes.iter_mut().enumerate() {
+        *byte = u8::from(test(texel));
+    }
     let (rows, _) = bytes.as_chunks();
-    rows.iter().rev().fold(0, |mask, &row| {
+    let mut mask = 0;
+    for &row in rows.iter().rev() {
         // The multiplication moves the low bit of byte c to bit c of the highest byte.
-        mask << 8 | u64::from_le_bytes(row).wrapping_mul(0x0102_0408_1020_4080) >> 56
-    })
+        mask = mask << 8 | u64::from_le_bytes(row).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+    }
+    mask
 }
 
 /// Iterates over the texels of a set, in order.
+#[inline(always)]
 pub(crate) fn texels_of(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
@@ -23,6 +30,7 @@ pub(crate) fn texels_of(mut mask: u64) -> impl Iterator<Item = usize> {
 }
 
 /// Returns the texels in the given columns and rows, both inclusive, clipped to the block.
+#[inline(always)]
 pub(crate) fn rectangle(columns: (i64, i64), rows: (i64, i64)) -> u64 {
     let cut = |(first, last): (i64, i64)| (first.max(0), last.min(7));
     let ((left, right), (top, bottom)) = (cut(columns), cut(rows));
@@ -35,9 +43,13 @@ pub(crate) fn rectangle(columns: (i64, i64), rows: (i64, i64)) -> u64 {
 
 /// Returns the texels where a linear function is at least 0: `first` at texel 0, plus `step_x` per column and `step_y`
 /// per row.
+#[inline(always)]
 pub(crate) fn not_negative(first: i64, step_x: i64, step_y: i64) -> u64 {
     // Collects sign bits, one lane per column and one byte per row, so that compilers vectorize the loop.
-    let mut values: [i64; 8] = std::array::from_fn(|column| first + column as i64 * step_x);
+    let mut values = [first; 8];
+    for (column, value) in values.iter_mut().enumerate() {
+        *value += column as i64 * step_x;
+    }
     let mut negative = [0_u64; 8];
     for row in 0..8 {
         for (value, negative) in values.iter_mut().zip(&mut negative) {
@@ -45,7 +57,11 @@ pub(crate) fn not_negative(first: i64, step_x: i64, step_y: i64) -> u64 {
             *value += step_y;
         }
     }
-    !(0..8).fold(0, |mask, column| mask | negative[column] << column)
+    let mut mask = 0;
+    for (column, negative) in negative.iter().enumerate() {
+        mask |= negative << column;
+    }
+    !mask
 }
 
 #[cfg(test)]

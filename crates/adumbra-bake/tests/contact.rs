@@ -4,7 +4,7 @@
 use adumbra::layout::LeafMasks;
 use adumbra::layout::depths::DepthTree;
 use adumbra::{Bounds, Query, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::{Instance, Material, Mesh, Scene};
 use adumbra_testing::{BakedGraph, bake_depths, bake_graph};
 
@@ -41,35 +41,40 @@ fn bake(scene: &Scene, sun: [f64; 3], change: impl Fn(BakeOptions) -> BakeOption
     (bake_graph(scene, &options).unwrap(), bake_depths(scene, &options).unwrap())
 }
 
-/// Returns the mean visibility of points with this normal under a 9 × 9 filter, in the graph and in the depths.
-fn means((baked, depths): &Both, points: &[[f64; 3]], normal: Option<[f64; 3]>) -> [f64; 2] {
+/// Returns the mean visibility of points with this normal under a filter, in the graph and in the depths.
+fn means((baked, depths): &Both, points: &[[f64; 3]], normal: Option<[f64; 3]>, filter: u32) -> [f64; 2] {
     let structures: [&dyn LeafMasks; 2] = [&baked.dag, depths];
     structures.map(|leaf_masks| {
-        let query = Query::new(&baked.grid, leaf_masks, baked.settings.bias, 9).unwrap();
+        let query = Query::new(&baked.grid, leaf_masks, baked.settings.bias, filter).unwrap();
         let sum: f64 = points.iter().map(|&p| f64::from(query.visibility(p, normal))).sum();
         sum / points.len() as f64
     })
 }
 
-/// A wall on flat ground: along its foot, on the side away from the sun, every tap of the filter finds wall or shadow.
+/// Walls on flat ground: along the foot, on the side away from the sun, every tap of a filter finds wall or shadow.
 #[test]
 fn contact_shadows_reach_a_walls_foot_under_a_filter() {
-    let scene = boxes(&[([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]), ([-0.5, 0.0, -8.0], [0.5, 6.0, 8.0])]);
     let sun = [0.6, 0.7, 0.2];
-    let of = |switch_within_voxels| {
-        let baked = bake(&scene, sun, |o| BakeOptions { switch_within_voxels, ..o });
-        let along = |i: u32| -5.0 + 0.1 * f64::from(i);
-        let from_foot = |d: u32| -0.5 - baked.0.grid.voxel_size * (0.25 + 0.5 * f64::from(d));
-        let points: Vec<_> = (0..100)
-            .flat_map(|i| (0..5).map(move |d| (i, d)))
-            .map(|(i, d)| [from_foot(d), 0.0, along(i)])
-            .collect();
-        means(&baked, &points, Some(UP))
-    };
-    let (near, anywhere) = (of(8), of(0));
-    println!("visibility along the foot: graph and depths {near:.4?}, switching anywhere {anywhere:.4?}");
-    assert!(near.iter().all(|v| *v < 0.02), "{near:?}");
-    assert!(near.iter().zip(anywhere).all(|(near, anywhere)| near + 0.05 < anywhere), "{anywhere:?}");
+    for frame in [FrameChoice::Light, FrameChoice::Oblique] {
+        // Wider than the reach of the filters, beyond which the ground is lit.
+        for half_thickness in [1.0_f32, 2.0] {
+            let (near, far) = ([-half_thickness, 0.0, -8.0], [half_thickness, 6.0, 8.0]);
+            let scene = boxes(&[([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]), (near, far)]);
+            let baked = bake(&scene, sun, |o| BakeOptions { frame, ..o });
+            let along = |i: u32| -5.0 + 0.1 * f64::from(i);
+            let from_foot =
+                |d: u32| -f64::from(half_thickness) - baked.0.grid.voxel_size * (0.25 + 0.5 * f64::from(d));
+            let points: Vec<_> = (0..100)
+                .flat_map(|i| (0..5).map(move |d| (i, d)))
+                .map(|(i, d)| [from_foot(d), 0.0, along(i)])
+                .collect();
+            for (filter, limit) in [(9, 0.004), (17, 0.01)] {
+                let found = means(&baked, &points, Some(UP), filter);
+                println!("{frame:?}, {half_thickness}, {filter} x {filter} texels: {found:.4?}");
+                assert!(found.iter().all(|v| *v <= limit), "{frame:?}, {half_thickness}: {found:?}");
+            }
+        }
+    }
 }
 
 /// A ledge on a wall at grazing sun: below the ledge nearly every tap of the filter finds ledge or shadow, although the
@@ -85,7 +90,7 @@ fn contact_shadows_begin_at_a_ledge_under_a_filter() {
     let points: Vec<_> = (0..120)
         .flat_map(|i| (0..10).map(move |d| [0.5, 8.95 - 0.1 * f64::from(d), -6.0 + 0.1 * f64::from(i)]))
         .collect();
-    let below = means(&baked, &points, Some([1.0, 0.0, 0.0]));
+    let below = means(&baked, &points, Some([1.0, 0.0, 0.0]), 9);
     println!("visibility below the ledge: graph and depths {below:.4?}");
     assert!(below.iter().all(|v| *v < 0.05), "{below:?}");
 }
@@ -98,7 +103,7 @@ fn bounds_below_a_roof_are_dark_in_both_structures() {
     let baked = bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), ..o });
     let at = |i: u32| -4.0 + f64::from(i);
     let points: Vec<_> = (0..9).flat_map(|x| (0..9).map(move |z| [at(x), 1.0, at(z)])).collect();
-    assert_eq!(means(&baked, &points, None), [0.0; 2]);
+    assert_eq!(means(&baked, &points, None, 9), [0.0; 2]);
 }
 
 /// No caster is within the bounds, so no block has a surface. A memory limit must still be divided among workers.
@@ -109,5 +114,5 @@ fn bounds_beside_the_scene_bake_within_a_limit() {
     let max_memory_bytes = Some(64 << 20);
     let baked =
         bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), max_memory_bytes, ..o });
-    assert_eq!(means(&baked, &[[105.0, 1.0, 105.0]], None), [1.0; 2]);
+    assert_eq!(means(&baked, &[[105.0, 1.0, 105.0]], None, 9), [1.0; 2]);
 }

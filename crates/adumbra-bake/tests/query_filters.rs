@@ -1,38 +1,33 @@
 //! Look-ups compared tap by tap with the filter's definition, counted one voxel at a time.
 
+use adumbra::grid::vec3::{dot, normalize};
 use adumbra::layout::LeafMasks;
-use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Receiver, TapLayers, receiver};
+use adumbra::query::{FILTER_WIDTHS, FixedReceiver, Receiver, receiver};
 use adumbra::{Bias, Cursor, PointVisibility, Query, Sun};
-use adumbra_bake::{BakeOptions, Size, pack};
+use adumbra_bake::{BakeOptions, FrameChoice, Size, pack};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::{BakedGraph, bake_graph};
 
 fn baked() -> BakedGraph {
+    baked_in(FrameChoice::Light)
+}
+
+fn baked_in(frame: FrameChoice) -> BakedGraph {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = BakeOptions::new(sun, Size::Resolution(256));
+    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(256)) };
     bake_graph(&generate(GeneratedKind::Primitives, 1), &options).unwrap()
 }
 
-/// The definition. With `TapLayers::Tap`, each tap samples the voxel of its texel through which the receiver's plane
-/// passes there. With `TapLayers::Block`, it samples the layer in which the plane passes the block's tap nearest to the
-/// sun, among the taps inside the grid.
-fn by_definition(baked: &BakedGraph, r: &FixedReceiver, width: i64, layers: TapLayers) -> u32 {
+/// The definition: each tap samples the voxel of its texel through which the receiver's plane passes there.
+fn by_definition(baked: &BakedGraph, r: &FixedReceiver, width: i64) -> u32 {
     let texel = [0, 1].map(|a| r.p_fixed[a].div_euclid(4096));
     let reach = width / 2;
     let [nx, ny, nz] = baked.dag.size.map(i64::from);
     let mut lit = 0;
     for y in texel[1] - reach..=texel[1] + reach {
         for x in texel[0] - reach..=texel[0] + reach {
-            let asked = [0, 1].map(|a| match layers {
-                TapLayers::Tap => [x, y][a],
-                TapLayers::Block => {
-                    let first = (texel[a] - reach).max([x, y][a] & !7).max(0);
-                    let last = (texel[a] + reach).min([x, y][a] | 7).min([nx, ny][a] - 1);
-                    if r.gradient[a] >= 0 { first } else { last }
-                }
-            });
-            let along = |a: usize| i64::from(r.gradient[a]) * (4096 * asked[a] + 2048 - r.p_fixed[a]);
+            let along = |a: usize| i64::from(r.gradient[a]) * (4096 * [x, y][a] + 2048 - r.p_fixed[a]);
             let layer = (r.p_fixed[2] + (along(0) + along(1)).div_euclid(256)).div_euclid(4096);
             let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
             let k = layer.min(nz - 1);
@@ -58,11 +53,8 @@ fn query_counts_the_taps_that_the_definition_names() {
         for width in FILTER_WIDTHS {
             let query = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
             let lit = query.lit_taps(&fixed);
-            assert_eq!(lit, by_definition(&baked, &fixed, width.into(), TapLayers::Tap), "{fixed:?} {width}");
-            let by_block = query.with_layers(TapLayers::Block);
-            let expected = by_definition(&baked, &fixed, width.into(), TapLayers::Block);
-            assert_eq!(by_block.lit_taps(&fixed), expected, "{fixed:?} {width}");
-            assert_eq!(Cursor::new(by_block).lit_taps(&fixed), expected);
+            assert_eq!(lit, by_definition(&baked, &fixed, width.into()), "{fixed:?} {width}");
+            assert_eq!(Cursor::new(query).lit_taps(&fixed), lit);
             let answer = query.receiver_visibility(&Receiver { p_grid, gradient });
             assert_eq!(answer, lit as f32 / (width * width) as f32);
             partly_lit += usize::from(answer > 0.0 && answer < 1.0);
@@ -127,22 +119,44 @@ fn query_refuses_other_widths_and_answers_any_point() {
 
 #[test]
 fn bias_moves_a_point_along_its_own_sun_ray() {
-    let baked = baked();
     let bias = Bias { constant_texels: 1.5, slope_texels: 0.5, normal_offset_texels: 0.0 };
-    let towards = baked.grid.sun.towards();
-    let normal = [0.0, 1.0, 0.0];
-    let plain = baked.grid.to_grid([1.0, 0.0, 2.0]);
-    let lifted = receiver(&baked.grid, &bias, [1.0, 0.0, 2.0], Some(normal));
-    let slope = (1.0 - towards[1] * towards[1]).sqrt() / towards[1];
-    assert!((plain[0] - lifted.p_grid[0]).abs() < 1e-9 && (plain[1] - lifted.p_grid[1]).abs() < 1e-9);
-    assert!((plain[2] - lifted.p_grid[2] - 1.5 - 0.5 * slope).abs() < 1e-9);
-    let steepness = (lifted.gradient[0].powi(2) + lifted.gradient[1].powi(2)).sqrt();
-    assert!((steepness - slope).abs() < 1e-9);
-    // The plane is the receiver's: a step along it stays on the ground.
-    let beside = baked.grid.to_grid([1.4, 0.0, 1.1]);
-    let expected =
-        plain[2] + lifted.gradient[0] * (beside[0] - plain[0]) + lifted.gradient[1] * (beside[1] - plain[1]);
-    assert!((beside[2] - expected).abs() < 1e-9);
+    // A plane that is level to neither frame.
+    let normal = normalize([0.2, 1.0, -0.4]);
+    let on_plane = |x: f64, z: f64| [x, -(normal[0] * x + normal[2] * z) / normal[1], z];
+    for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.3)] {
+        let baked = baked_in(frame);
+        let p = on_plane(1.0, 2.0);
+        let plain = baked.grid.to_grid(p);
+        let lifted = receiver(&baked.grid, &bias, p, Some(normal));
+        assert!((plain[0] - lifted.p_grid[0]).abs() < 1e-9 && (plain[1] - lifted.p_grid[1]).abs() < 1e-9);
+        let [gx, gy] = lifted.gradient;
+        let slope = gx.hypot(gy);
+        assert!((plain[2] - lifted.p_grid[2] - 1.5 - 0.5 * slope).abs() < 1e-9, "{frame:?}");
+        // The plane is the receiver's: a step along it stays on it.
+        let beside = baked.grid.to_grid(on_plane(1.4, 1.1));
+        let expected = plain[2] + gx * (beside[0] - plain[0]) + gy * (beside[1] - plain[1]);
+        assert!((beside[2] - expected).abs() < 1e-9, "{frame:?}");
+        if frame == FrameChoice::Light {
+            let n_dot_l = dot(normal, baked.grid.sun.towards());
+            assert!((slope - (1.0 - n_dot_l * n_dot_l).sqrt() / n_dot_l).abs() < 1e-9);
+        }
+    }
+}
+
+/// A normal offset moves a point to the parallel plane at that distance.
+#[test]
+fn normal_offset_keeps_its_length_in_either_frame() {
+    let bias = Bias { constant_texels: 0.0, slope_texels: 0.0, normal_offset_texels: 0.75 };
+    let normal = normalize([0.2, 1.0, -0.4]);
+    for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.3)] {
+        let grid = baked_in(frame).grid;
+        let p = [1.0, 0.25, 2.0];
+        let lifted = grid.to_world(receiver(&grid, &bias, p, Some(normal)).p_grid);
+        for a in 0..3 {
+            let expected = p[a] + 0.75 * grid.voxel_size * normal[a];
+            assert!((lifted[a] - expected).abs() < 1e-9, "{frame:?}: {lifted:?}");
+        }
+    }
 }
 
 #[test]

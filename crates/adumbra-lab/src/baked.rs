@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch, bake};
+use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_program::exit::Failure;
 use adumbra_program::output::note_input;
 use adumbra_render::{Baked, Reads, TechniqueSpec};
@@ -114,12 +114,7 @@ impl BakedFiles {
     /// Returns an error if a bake fails.
     pub fn complete(&mut self, specs: &[TechniqueSpec], how: &BakeOnDemand<'_>) -> Result<()> {
         if self.lacks_light(specs) {
-            let layout = match specs.iter().any(|s| s.reads() == Reads::LightDepths) {
-                true => LayoutChoice::Depths,
-                false => LayoutChoice::Plain,
-            };
             let options = BakeOptions {
-                layout,
                 ignore_alpha: how.ignore_alpha,
                 max_memory_bytes: how.max_memory_bytes,
                 ..BakeOptions::new(how.sun, Size::Resolution(how.resolution))

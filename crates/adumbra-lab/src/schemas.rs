@@ -2,7 +2,7 @@
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
-use crate::bench::{ao, bake, blur, fast, hrsm, peers, tree, verify};
+use crate::bench::{ao, bake, blur, fast, gpu, hrsm, lookup, peers, tree, verify};
 use crate::paper_report::Record;
 use crate::report::Report;
 
@@ -37,6 +37,8 @@ pub fn documents(generator: &mut SchemaGenerator) -> Vec<Described> {
         described::<blur::Document>(generator, "adumbra-lab bench blur", "blur.json"),
         described::<ao::Document>(generator, "adumbra-lab bench ao", "ao.json"),
         described::<peers::Document>(generator, "adumbra-lab bench peers", "peers.json"),
+        described::<lookup::Document>(generator, "adumbra-lab bench lookup", "lookup.json"),
+        described::<gpu::Document>(generator, "adumbra-lab bench gpu", "gpu-ADAPTER.json"),
         described::<Record>(generator, "adumbra-lab report", "report.json"),
     ]
 }

@@ -6,7 +6,6 @@
 
 use std::any::Any;
 
-use adumbra::query::TapLayers;
 use adumbra::{Bias, ShadowFile};
 use adumbra_shaders::{Source, source};
 
@@ -14,7 +13,7 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapCasters, MapKind, MapSettings, ShadowMap};
 use crate::technique::{Answer, FrameInput, SpecReader, Technique, TechniqueSpec};
-use crate::voxel::{BakedLight, NO_FILE, VoxelFilter, VoxelSettings, read_layers, read_width};
+use crate::voxel::{BakedLight, NO_FILE, VoxelFilter, VoxelSettings, read_width};
 
 /// A baked file and a shadow map of the movers.
 pub struct VoxelCsm {
@@ -28,14 +27,12 @@ pub struct VoxelCsm {
 pub struct VoxelCsmSettings {
     /// Width of the file's filter, texels.
     pub filter: u32,
-    /// Layers in which that filter's taps look up.
-    pub layers: TapLayers,
     /// The cascades, which contain only movers.
     pub map: MapSettings,
 }
 
 impl VoxelCsmSettings {
-    /// Reads `voxel+csm[:filter=K][:layers=tap|block][:csm=PARAMETERS]`: the file's filter, and the parameters of `csm`
+    /// Reads `voxel+csm[:filter=K][:csm=PARAMETERS]`: the file's filter, and the parameters of `csm`
     /// with `/` between them, such as `csm=cascades=2/filter=3`.
     ///
     /// # Errors
@@ -48,18 +45,17 @@ impl VoxelCsmSettings {
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
         let spec = reader.spec();
         let filter = read_width(reader)?;
-        let layers = read_layers(reader)?;
         let map = reader.technique("csm", "the cascades for movers", Some("csm"), "")?;
         let map = MapSettings::from_spec(&map, MapKind::CSM)?;
         if map.cache_static {
             return Err(spec.wrong("csm=static=cached: these cascades contain no static casters".to_owned()));
         }
-        Ok(Self { filter, layers, map: MapSettings { casters: MapCasters::Movers, ..map } })
+        Ok(Self { filter, map: MapSettings { casters: MapCasters::Movers, ..map } })
     }
 
     /// Look-up settings of the file, with this bias.
     fn voxel(&self, bias: Bias) -> VoxelSettings {
-        VoxelSettings { filter: VoxelFilter::Taps(self.filter), layers: self.layers, bias }
+        VoxelSettings { filter: VoxelFilter::Taps(self.filter), bias }
     }
 }
 

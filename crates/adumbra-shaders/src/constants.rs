@@ -25,6 +25,8 @@ shared! {
     PIXEL_GROUP: u32 = 8;
     /// Workgroup size for passes over a list, in threads.
     LIST_GROUP: u32 = 64;
+    /// Number of words that passes/voxel_reads.wgsl has room for per look-up.
+    MAX_READS: u32 = 8190;
     /// `LayerParams::kind`: the rendered picture.
     LAYER_COLOR: u32 = 0;
     /// `LayerParams::kind`: one value per pixel, as a shade of grey.

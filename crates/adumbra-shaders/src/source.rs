@@ -63,6 +63,8 @@ sources! {
     VOXEL_CUBES_RECEIVER = "core/voxel_cubes_receiver.wgsl";
     /// Words from one storage buffer.
     WORDS_1 = "access/words_1.wgsl";
+    /// Words from one storage buffer, each noted as it is read.
+    WORDS_LOGGED = "access/words_logged.wgsl";
     /// Words from six storage buffers.
     WORDS_6 = "access/words_6.wgsl";
     /// Words from the pages of an RGBA8 texture.
@@ -205,6 +207,8 @@ sources! {
     DEPTHS_FIXED = "passes/depths_fixed.wgsl";
     /// Lit taps of `voxel` for receivers in fixed point.
     VOXEL_FIXED = "passes/voxel_fixed.wgsl";
+    /// Lit taps of `voxel` for receivers in fixed point, and the words that were read for them.
+    VOXEL_READS = "passes/voxel_reads.wgsl";
     /// The level at which a look-up of `voxel` ends, as a pass.
     VOXEL_LEVEL_PASS = "passes/voxel_level.wgsl";
     /// The level at which a look-up in a tree ends, as a pass.

@@ -2,13 +2,13 @@
 
 use adumbra::Bias;
 use adumbra::gpu::{GridParameters, Parameters};
-use adumbra::query::TapLayers;
 use adumbra_shaders::layout::{GpuType, GridTransform, ReceiverBias, VoxelParams};
 
 #[test]
 fn parameter_block_has_the_bytes_of_the_shared_structure() {
     let grid = GridParameters {
         axes: [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]],
+        edges: [[1.5, 2.5, 3.5], [4.5, 5.5, 6.5], [7.5, 8.5, 9.5]],
         steps: [[10, 11, 12], [13, 14, 15], [16, 17, -18]],
         rests: [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6], [0.7, 0.8, 0.9]],
         anchor_fixed: [-19, 20, 21],
@@ -20,12 +20,16 @@ fn parameter_block_has_the_bytes_of_the_shared_structure() {
         steps_per_world: 30.0,
     };
     let [axis_x, axis_y, axis_z] = grid.axes;
+    let [edge_x, edge_y, edge_z] = grid.edges;
     let [step_x, step_y, step_z] = grid.steps;
     let [rest_x, rest_y, rest_z] = grid.rests;
     let shared = GridTransform {
         axis_x,
         axis_y,
         axis_z,
+        edge_x,
+        edge_y,
+        edge_z,
         step_x,
         step_y,
         step_z,
@@ -49,9 +53,9 @@ fn parameter_block_has_the_bytes_of_the_shared_structure() {
             offsets: [35, 36],
             is_depths,
             filter_width: 9,
-            layers: TapLayers::Block,
             sun_cone: 0.01,
             max_radius_texels: 64.0,
+            penumbra: [[0.25, 0.5], [0.75, 1.25]],
         };
         let [nodes_offset, masks_offset] = if is_depths { [0, 0] } else { [35, 36] };
         let [wide_offset, code_offset] = if is_depths { [35, 36] } else { [0, 0] };
@@ -70,9 +74,10 @@ fn parameter_block_has_the_bytes_of_the_shared_structure() {
             wide_offset,
             code_offset,
             filter_width: 9,
-            taps_share_layer: 1,
             sun_cone: 0.01,
             max_radius_texels: 64.0,
+            penumbra_x: [0.25, 0.5],
+            penumbra_y: [0.75, 1.25],
         };
         let mut bytes = Vec::new();
         expected.put(&mut bytes);

@@ -1,12 +1,12 @@
 //! Grids and settings of files that no bake made.
 
-use adumbra::{Bias, FileSettings, LightGrid, Receivers, Sun};
+use adumbra::{Bias, FileSettings, Frame, LightGrid, Receivers, Sun};
 
 /// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from `origin`.
 pub fn overhead_grid(origin: [f64; 3], size: [u32; 3]) -> LightGrid {
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("straight up is a direction");
-    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
-    LightGrid { sun, voxel_size: 1.0, origin, axes, size }
+    let [x, y, z] = origin;
+    LightGrid::new(sun, Frame::Light, 1.0, [x, z, -y], size)
 }
 
 /// Returns plain settings of a file with this grid, as if a box had been baked.

@@ -170,6 +170,8 @@ fn part_over(whole: &LightGrid, space: &TreeSpace, region: &RegionVoxels) -> Lig
         corner[a] = first;
         part.size[a] = (high[a].ceil() - first).clamp(1.0, f64::from(whole.size[a]) - first) as u32;
     }
-    part.origin = whole.to_world(corner);
+    for (at, within) in part.corner.iter_mut().zip(corner) {
+        *at += within;
+    }
     part
 }

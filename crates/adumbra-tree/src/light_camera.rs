@@ -29,7 +29,7 @@ impl LightCamera {
         let mut light_from_world = [[0.0; 4]; 4];
         for (a, row) in light_from_world.iter_mut().take(3).enumerate() {
             let axis = grid.axes[a];
-            *row = [axis[0], axis[1], axis[2], -dot(axis, grid.origin) - middle[a]];
+            *row = [axis[0], axis[1], axis[2], -grid.corner[a] * grid.voxel_size - middle[a]];
         }
         light_from_world[3][3] = 1.0;
         Self {

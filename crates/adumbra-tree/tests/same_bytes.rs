@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch, bake};
+use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load, to_glb};
 use adumbra_testing::shared;
 use adumbra_tree::{TreeFile, TreeOptions, bake_tree};
@@ -22,10 +22,12 @@ fn listed(text: &str) -> impl Iterator<Item = [&str; 3]> {
 /// Returns the digest of the file of this kind.
 fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) -> String {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let layout = match kind {
-        "packed" => LayoutChoice::Packed,
-        "plain" => LayoutChoice::Plain,
-        "depths" => LayoutChoice::Depths,
+    let (layout, frame) = match kind {
+        "packed" => (LayoutChoice::Packed, FrameChoice::Light),
+        "plain" => (LayoutChoice::Plain, FrameChoice::Light),
+        "depths" => (LayoutChoice::Depths, FrameChoice::Light),
+        "oblique" => (LayoutChoice::Depths, FrameChoice::Oblique),
+        "auto" => (LayoutChoice::Depths, FrameChoice::Auto),
         "tree" => {
             let options = TreeOptions::new(sun, Size::Resolution(tree_resolution));
             let mut bytes = Vec::new();
@@ -34,7 +36,7 @@ fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) ->
         }
         other => panic!("no kind of file is called {other}"),
     };
-    let options = BakeOptions { layout, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    let options = BakeOptions { layout, frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let mut bytes = Vec::new();
     bake(scene, &options, Watch::none()).unwrap().file.write_to(&mut bytes).unwrap();
     hex(&bytes)

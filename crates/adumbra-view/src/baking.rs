@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::thread;
 
-use adumbra::{Layout, Sun};
+use adumbra::Sun;
 use adumbra_bake::{BakeOptions, Progress, Size, Watch, bake};
 use adumbra_tree::{AnyFile, TreeOptions, TreeProgress, bake_tree};
 
@@ -38,8 +38,6 @@ pub(crate) struct BakeKey {
     pub(crate) sun: Sun,
     /// Resolution of the finest level, in texels or voxels.
     pub(crate) resolution: u64,
-    /// Layout of light-aligned files.
-    pub(crate) layout: Layout,
 }
 
 /// A bake in progress.
@@ -56,18 +54,11 @@ pub(crate) struct RunningBake {
 impl BakeKey {
     /// Returns the key of the bake that these settings require.
     pub(crate) fn new(kind: FileKind, scene: u64, settings: &Settings) -> Self {
-        let (resolution, layout) = match kind {
-            FileKind::Light if settings.uses_penumbrae() => (settings.resolution, Layout::Depths),
-            FileKind::Light => (settings.resolution, Layout::default()),
-            FileKind::Tree => (settings.resolution.min(FINEST_TREE), Layout::default()),
+        let resolution = match kind {
+            FileKind::Light => settings.resolution,
+            FileKind::Tree => settings.resolution.min(FINEST_TREE),
         };
-        Self { kind, scene, sun: settings.sun, resolution, layout }
-    }
-
-    /// Whether a bake with this key can be used where `wanted` is requested.
-    pub(crate) fn serves(&self, wanted: &Self) -> bool {
-        let as_wanted = Self { layout: wanted.layout, ..*self };
-        as_wanted == *wanted && (self.layout == wanted.layout || self.layout == Layout::Depths)
+        Self { kind, scene, sun: settings.sun, resolution }
     }
 }
 
@@ -140,7 +131,6 @@ fn bake_levels(
         let file = match key.kind {
             FileKind::Light => {
                 let options = BakeOptions {
-                    layout: key.layout.into(),
                     ignore_alpha: scene.ignore_alpha,
                     max_memory_bytes: max_memory,
                     ..BakeOptions::new(key.sun, Size::Resolution(resolution))
@@ -183,17 +173,6 @@ mod tests {
         assert_eq!(levels(8192), [512, 2048, 8192]);
         assert_eq!(levels(1024), [1024]);
         assert_eq!(levels(256), [256]);
-    }
-
-    #[test]
-    fn depths_serve_all_and_packed_no_penumbrae() {
-        let hard = BakeKey::new(FileKind::Light, 1, &settings());
-        let mut soft = settings();
-        soft.shadows[0] = "voxel:soft".parse().unwrap();
-        let soft = BakeKey::new(FileKind::Light, 1, &soft);
-        assert_eq!((hard.layout, soft.layout), (Layout::Packed, Layout::Depths));
-        assert!(hard.serves(&hard) && soft.serves(&hard) && soft.serves(&soft) && !hard.serves(&soft));
-        assert!(!soft.serves(&BakeKey { resolution: 512, ..hard }));
     }
 
     #[test]

@@ -180,7 +180,7 @@ impl Shadows {
         let is_there = match origin {
             Origin::None => false,
             Origin::Given => self.file(kind).is_some_and(|f| serves(f, settings)),
-            Origin::Baked { key, is_last } => *is_last && key.serves(&wanted),
+            Origin::Baked { key, is_last } => *is_last && *key == wanted,
         };
         is_there || stopped.as_ref().is_some_and(|s| s.key == wanted)
     }
@@ -195,7 +195,7 @@ impl Shadows {
             let wanted = is_used(kind, settings) && !self.is_done(kind, settings, scene);
             let state = &mut self.kinds[kind as usize];
             match &state.running {
-                Some(running) if !wanted || !running.key.serves(&key) => running.cancel(),
+                Some(running) if !wanted || running.key != key => running.cancel(),
                 None if wanted => {
                     let sender = self.sender.clone();
                     state.running =

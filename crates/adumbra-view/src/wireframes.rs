@@ -28,8 +28,8 @@ pub(crate) fn of_file(file: &AnyFile) -> Vec<WorldLine> {
         AnyFile::Light(file) => {
             let grid = &file.grid;
             let sides: [[f64; 3]; 3] =
-                std::array::from_fn(|a| grid.axes[a].map(|c| c * grid.voxel_size * f64::from(grid.size[a])));
-            edges(grid.origin, sides, SPACE_COLOR).collect()
+                std::array::from_fn(|a| grid.edges[a].map(|c| c * grid.voxel_size * f64::from(grid.size[a])));
+            edges(grid.origin(), sides, SPACE_COLOR).collect()
         }
         AnyFile::Tree(file) => {
             let (low, side) = (file.space.p_min, file.space.voxel_size * f64::from(file.space.side_voxels()));

@@ -27,6 +27,6 @@ mod settings;
 
 pub use error::{Error, FormatError, IoError, RangeError, Result};
 pub use file::{Layout, LightBody, ShadowFile};
-pub use grid::{Bounds, LightExtent, LightGrid, Sun};
+pub use grid::{Bounds, Frame, LightExtent, LightGrid, Sun};
 pub use query::{Cursor, PointVisibility, Query};
 pub use settings::{Bias, FileSettings, MAX_PLANE_SLOPE, MAX_SLOPE, Receivers};

@@ -82,7 +82,7 @@ pub struct FileSettings {
     /// The points at which the file is correct.
     pub receivers: Receivers,
     /// How far behind its first surface a column may switch from lit to shadowed, in voxels. In a block that no contour
-    /// crosses, the distance is measured from the block's deepest first surface. 0 = anywhere inside the solid.
+    /// crosses, the distance is measured from the block's deepest first surface. 0 = anywhere that no look-up from a surface reads.
     pub switch_within_voxels: u32,
     /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,

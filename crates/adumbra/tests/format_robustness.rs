@@ -12,7 +12,7 @@ use std::io::{self, ErrorKind, Write};
 
 use adumbra::file::VERSION;
 use adumbra::layout::plain::LIT;
-use adumbra::{Bounds, Error, IoError, Layout, LightBody, Receivers, ShadowFile};
+use adumbra::{Bounds, Error, Frame, IoError, Layout, LightBody, Receivers, ShadowFile};
 use adumbra_testing::{
     assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors, specified_example,
     vector_answers, vectors,
@@ -34,12 +34,17 @@ fn valid_vectors_give_their_answers() {
 }
 
 #[test]
-fn version_1_is_read_and_written_as_version_2() {
-    give_their_answers("valid_v1");
-    for (name, bytes) in named_vectors("valid_v1", 10) {
-        let file = ShadowFile::from_bytes(&bytes).unwrap();
-        assert_eq!((bytes[8], u32::from(encode(&file)[8])), (1, VERSION), "{name}");
-        assert_eq!(file.body.layout(), Layout::Plain);
+fn earlier_versions_are_read_and_written_as_the_latest() {
+    for version in 1..VERSION {
+        let folder = format!("valid_v{version}");
+        give_their_answers(&folder);
+        for (name, bytes) in named_vectors(&folder, 10) {
+            let file = ShadowFile::from_bytes(&bytes).unwrap();
+            let written = u32::from(encode(&file)[8]);
+            assert_eq!((u32::from(bytes[8]), written), (version, VERSION), "{name}");
+            assert!(version > 1 || file.body.layout() == Layout::Plain, "{name}");
+            assert_eq!(file.grid.frame, Frame::Light, "{name}");
+        }
     }
 }
 
@@ -114,7 +119,7 @@ fn settings_and_grid_come_back_bit_for_bit() {
         s.thickness_world = 0.1 * f64::from(bits);
         s.bias.slope_texels = 1.0 / 3.0;
         s.bias.normal_offset_texels = 0.7;
-        file.grid.origin = [0.1 + f64::from(bits), -1e15, 5e-324];
+        file.grid.corner = [0.1 + f64::from(bits), -1e15, 5e-324];
         assert_eq!(exercise(&encode(&file)).unwrap(), file);
     }
 }

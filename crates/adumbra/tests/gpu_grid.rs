@@ -2,7 +2,7 @@
 
 use adumbra::gpu::GridParameters;
 use adumbra::query::{FIXED_ONE, MAX_FIXED_SIDE};
-use adumbra::{Bounds, LightExtent, LightGrid, Sun};
+use adumbra::{Bounds, Frame, LightExtent, LightGrid, Sun};
 use adumbra_scene::random::Random;
 
 /// Computes what core/grid.wgsl computes, in f32: the sum of the whole part and the remainder, in voxels.
@@ -25,13 +25,16 @@ fn shader(t: &GridParameters, p: [f32; 3]) -> [f64; 3] {
 fn gpu_grid_loses_nothing_on_the_largest_grids() {
     let sun = Sun::from_angles(217.0, 34.0).unwrap();
     let bounds = Bounds { min: [-700.0, -3.0, 200.0], max: [900.0, 150.0, 1900.0] };
-    let mut extent = LightExtent::empty(&sun);
-    extent.add_box(&bounds);
     let mut random = Random::new(3, 0);
-    for resolution in [1024.0, 16384.0, 262_144.0] {
+    let oblique = Frame::Oblique { yaw_radians: 0.4 };
+    for (frame, resolution) in
+        [(Frame::Light, 1024.0), (Frame::Light, 16384.0), (Frame::Light, 262_144.0), (oblique, 262_144.0)]
+    {
+        let mut extent = LightExtent::in_frame(&sun, frame);
+        extent.add_box(&bounds);
         let grid = LightGrid::covering(sun, &extent, extent.longest_side() / resolution);
         for anchor in [[100.0, 75.0, 1050.0], [-700.0, 1.7, 1900.0]] {
-            let t = GridParameters::new(grid.origin, grid.axes, grid.voxel_size, grid.size, anchor).unwrap();
+            let t = GridParameters::new(&grid, anchor).unwrap();
             let mut worst = 0.0_f64;
             for _ in 0..20_000 {
                 let p: [f32; 3] = std::array::from_fn(|a| {
@@ -49,8 +52,9 @@ fn gpu_grid_loses_nothing_on_the_largest_grids() {
 
 #[test]
 fn gpu_grid_too_long_for_fixed_point_is_refused() {
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let sun = Sun::from_angles(217.0, 34.0).unwrap();
     let side = MAX_FIXED_SIDE + 1;
-    let refused = GridParameters::new([0.0; 3], axes, 1.0, [8, 8, side], [0.0; 3]);
+    let grid = LightGrid::new(sun, Frame::Light, 1.0, [0.0; 3], [8, 8, side]);
+    let refused = GridParameters::new(&grid, [0.0; 3]);
     assert_eq!(refused.unwrap_err().value, side.to_string());
 }

@@ -4,7 +4,7 @@
 //! Valid files are made from functions voxel -> lit, and their answers come from these functions, not from the graph. A
 //! reader that agrees with them has therefore decoded the graph correctly. Each file exists in the plain layout and, if
 //! its columns are monotone, also in the packed one and as `depths`. Each broken file is a valid one with one fault.
-//! `valid_v1` contains files written by version 1 and never changes.
+//! `valid_v1` and `valid_v2` contain files written by earlier versions and never change.
 
 use std::collections::HashMap;
 use std::error::Error;
@@ -15,7 +15,7 @@ use std::rc::Rc;
 use adumbra::file::HEADER_BYTES;
 use adumbra::layout::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
 use adumbra::layout::{LEAF_NODE_LEVEL, top_dims};
-use adumbra::{Bounds, Layout, LightBody, LightExtent, LightGrid, Receivers, ShadowFile, Sun};
+use adumbra::{Bounds, Frame, Layout, LightBody, LightGrid, Receivers, ShadowFile, Sun};
 use adumbra_bake::convert::{body_in, graph_of};
 use serde_json::json;
 
@@ -97,13 +97,15 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
     let overhead = example_grid([8, 8, 8]);
     let slanted = |size, voxel_size| -> Result<LightGrid, Box<dyn Error>> {
         let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
-        let axes = LightExtent::empty(&sun).axes;
-        Ok(LightGrid { sun, voxel_size, origin: [-12.5, 40.0, 3.25], axes, size })
+        Ok(LightGrid::new(sun, Frame::Light, voxel_size, [-33.0, 81.0, -55.5], size))
     };
     let low = {
         let sun = Sun::from_angles(250.0, 3.0)?;
-        let axes = LightExtent::empty(&sun).axes;
-        LightGrid { sun, voxel_size: 0.1, origin: [1000.0, -20.0, 5e5], axes, size: [24, 16, 200] }
+        LightGrid::new(sun, Frame::Light, 0.1, [1.25e6, -20.0, 5e6], [24, 16, 200])
+    };
+    let upright = |towards, yaw_radians, corner, size| -> Result<LightGrid, Box<dyn Error>> {
+        let sun = Sun::from_direction(towards)?;
+        Ok(LightGrid::new(sun, Frame::Oblique { yaw_radians }, 0.5, corner, size))
     };
     let mut vectors = vec![
         Vector::new("example_8", "the worked example of the specification", overhead, 3, |x, y, z| {
@@ -123,6 +125,20 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
             slanted([64, 64, 64], 0.5)?,
             6,
             |x, y, z| x + 2 * y + 3 * z < 190,
+        ),
+        Vector::new(
+            "upright",
+            "the oblique frame along the world's axes",
+            upright([0.5, 0.8, 0.35], 0.0, [-64.0, 1024.0, 8.0], [64, 40, 48])?,
+            5,
+            |x, y, z| z < 10 + x / 5 + (y / 8) % 3,
+        ),
+        Vector::new(
+            "upright_turned_low",
+            "the oblique frame, turned by 0.7 radians, sun at 6°",
+            upright([-0.77, 0.105, -0.63], 0.7, [5120.0, -72.0, -16.0], [40, 40, 24])?,
+            3,
+            |x, y, z| z < (3 * x + 5 * y) % 23,
         ),
         Vector::new("sphere", "the shadow of a sphere", slanted([64, 64, 64], 0.25)?, 4, sphere),
         Vector::new("low_sun_tall", "longer along the light than across, sun at 3°", low, 5, |x, y, z| {
@@ -179,11 +195,11 @@ fn valid_vectors() -> Result<Vec<Vector>, Box<dyn Error>> {
             noise,
         ),
     ];
-    let settings = &mut vectors[4].file.settings;
+    let settings = &mut vectors[6].file.settings;
     settings.bounds = Some(Bounds { min: [-8.0, 0.0, -8.0], max: [8.0, 12.5, 8.0] });
     settings.receivers = Receivers::Static;
     settings.thickness_world = 0.3;
-    let settings = &mut vectors[5].file.settings;
+    let settings = &mut vectors[7].file.settings;
     (settings.assume_ground, settings.closed_regions, settings.ignore_alpha) = (false, false, true);
     Ok(vectors)
 }
@@ -393,7 +409,7 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     add("empty", "Truncated", "header", Vec::new());
     add("magic", "Magic", "ADUMBRA", s().put(0, b"GIF89a\0\0").0);
     add("copied_as_text", "Magic", "ADUMBRA", s().put(7, b"\r").0);
-    add("future_version", "FutureVersion", "version 3", s().put_word(8, 3).sealed());
+    add("future_version", "FutureVersion", "version 4", s().put_word(8, 4).sealed());
     add("version_0", "HeaderField", "version", s().put_word(8, 0).sealed());
     add("header_length", "HeaderField", "header_bytes", s().put_word(12, 256).sealed());
     add("cut_in_header", "Truncated", "header", s().0[..200].to_vec());
@@ -420,11 +436,16 @@ fn broken_vectors() -> Result<Vec<Broken>, Box<dyn Error>> {
     add("sun_not_unit", "HeaderField", "sun", s().put_f64(72, 1.001).sealed());
     add("sun_below", "HeaderField", "sun", s().put_f64(72, -1.0).sealed());
     add(
-        "origin_nan",
+        "corner_nan",
         "HeaderField",
-        "origin",
+        "corner",
         s().put(88, &0x7FF8_0000_0000_0000_u64.to_le_bytes()).sealed(),
     );
+    add("frame_unknown", "HeaderField", "frame", s().put_word(356, 2).sealed());
+    add("frame_in_version_2", "HeaderField", "reserved", s().put_word(8, 2).put_word(356, 1).sealed());
+    add("yaw_of_light", "HeaderField", "yaw", s().put_f64(360, 0.5).sealed());
+    add("yaw_nan", "HeaderField", "yaw", s().put_word(356, 1).put_f64(360, f64::NAN).sealed());
+    add("yaw_of_other_axes", "HeaderField", "axes", s().put_word(356, 1).put_f64(360, 0.5).sealed());
     add("axes_skew", "HeaderField", "axes", s().put_f64(120, 1e-6).sealed());
     add("axes_left_handed", "HeaderField", "axes", s().put_f64(112, -1.0).sealed());
     add("thickness_negative", "HeaderField", "thickness", s().put_f64(184, -0.1).sealed());

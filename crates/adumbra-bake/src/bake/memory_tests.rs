@@ -6,12 +6,14 @@ use adumbra_scene::{GeneratedKind, Scene, generate};
 
 use crate::convert::body_in;
 use crate::error::{Error, Result};
-use crate::options::{BakeOptions, Builder, LayoutChoice, Size};
+use crate::options::{BakeOptions, Builder, FrameChoice, LayoutChoice, Size};
 use crate::progress::{Report, Watch};
 use crate::test_bakes::{bake_both, bake_depths, bake_graph};
 
+/// The light's frame, in which files are large enough to be spilled.
 fn options(resolution: u64) -> BakeOptions {
-    BakeOptions::new(Sun::from_direction([-0.45, 0.75, -0.35]).unwrap(), Size::Resolution(resolution))
+    let sun = Sun::from_direction([-0.45, 0.75, -0.35]).unwrap();
+    BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::Resolution(resolution)) }
 }
 
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -82,7 +84,7 @@ fn limited_bake_gives_the_packed_graph_of_a_free_one() {
 fn limited_bake_gives_the_depths_of_a_free_one() {
     let scene = city();
     for merged in [true, false] {
-        let spilled = squeeze(&options(2048), |o| bake_depths(&scene, o, merged));
+        let spilled = squeeze(&options(8192), |o| bake_depths(&scene, o, merged));
         assert!(spilled > 0, "{merged}");
     }
     let spilled = squeeze(&options(2048), |o| bake_both(&scene, o));

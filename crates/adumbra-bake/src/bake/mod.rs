@@ -11,11 +11,11 @@ use std::time::Instant;
 use adumbra::{LightBody, ShadowFile};
 use adumbra_scene::Scene;
 
+use crate::choose;
 use crate::error::PackError;
 use crate::error::{Error, Result};
 use crate::options::{BakeOptions, LayoutChoice};
 use crate::pack::pack;
-use crate::plan::Plan;
 use crate::progress::{Report, Watch};
 use crate::tally::Tally;
 
@@ -52,7 +52,8 @@ pub struct CandidateBytes {
 /// cannot be written to disk, and [`Error::Interrupted`] if the caller cancels.
 pub fn bake(scene: &Scene, options: &BakeOptions, watch: Watch<'_>) -> Result<Bake> {
     let start = Instant::now();
-    let plan = Plan::new(scene, options)?;
+    options.check_layout()?;
+    let plan = choose::plan(scene, options)?;
     let tally = Tally::new(&plan, start, watch.progress);
     let cancel = watch.cancel;
     let (body, candidates) = match options.layout {

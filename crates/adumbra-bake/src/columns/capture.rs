@@ -77,6 +77,7 @@ pub(crate) fn capture(
                 out.extend(start + i, rules.static_end(buffers.first[i], buffers.next[i]));
             }
         }
+        surfaces.for_each(|surface| bound(surface, rules, band, start, out));
         true
     });
 }
@@ -319,6 +320,27 @@ fn find_next(
             let (base, first) = (b.base[texel], b.first[texel]);
             let next = rules.receiver_behind(kind, (triangle, &receiver), [i, row], base, first);
             b.next[texel] = b.next[texel].min(next);
+        }
+    }
+}
+
+/// Bounds the columns of a band, which begins at texel `start` of `out`, where filters around the surface read.
+fn bound(surface: &Surface, rules: &ColumnRules, rect: TileRect, start: usize, out: &mut Columns) {
+    let Some(receiver) = rules.receiver(surface) else { return };
+    let triangle = &surface.shape;
+    let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);
+    let (x0, x1) = (i64::from(rect.x), i64::from(rect.x + rect.width) - 1);
+    for (ring, margin) in rules.contact_margins().into_iter().enumerate() {
+        let (first_row, last_row) = triangle.rows(margin);
+        for row in first_row.max(y0)..=last_row.min(y1) {
+            let (first, last) = triangle.span(row, margin);
+            let row_start = start as i64 + (row - y0) * i64::from(rect.width) - x0;
+            for i in first.max(x0)..=last.min(x1) {
+                let texel = (row_start + i) as usize;
+                let plane_voxels = receiver.plane.at(i as f64 + 0.5, row as f64 + 0.5);
+                let contact = rules.contact_at(&receiver, plane_voxels);
+                out.x[texel] = ColumnRules::bounded([out.e[texel], out.x[texel]], ring, contact);
+            }
         }
     }
 }

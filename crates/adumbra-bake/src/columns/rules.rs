@@ -5,55 +5,71 @@
 //! `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column without a surface has e = the grid's depth. An
 //! x at or beyond the grid's end is [`FREE_TO_END`].
 
-use crate::triangles::project::{FixedDepth, Plane, Projected, SUBTEXEL, fixed_depth, floor_fixed_depth};
+use crate::triangles::project::{
+    FixedDepth, Plane, Projected, SUBTEXEL, SUBTEXEL_BITS, fixed_depth, floor_fixed_depth,
+};
 use crate::triangles::surface::Surface;
-use adumbra::{Bias, MAX_PLANE_SLOPE, Receivers};
+use adumbra::grid::vec3::dot;
+use adumbra::{Bias, LightGrid, MAX_PLANE_SLOPE, Receivers};
 
 /// Offset in depth steps that makes a depth an unsigned key.
 const KEY_OFFSET: i64 = 1 << 28;
 
 /// The nearest surface of a column, ordered by depth; then solids before open surfaces; then by increasing bias.
-///
-/// | bits | meaning |
-/// |---|---|
-/// | 63..32 | depth in 1/256 voxel plus 2^28 |
-/// | 31 | 1 = open, 0 = bounds a solid |
-/// | 15..0 | bias at the surface's slope, 1/256 voxel |
-///
-/// Worked value: an open surface at depth 2 with a bias of 1.5 voxels is `0x1000_0200_8000_0180`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(crate) struct FirstSurface(u64);
+pub(crate) struct FirstSurface {
+    depth: FixedDepth,
+    /// | bits | meaning |
+    /// |---|---|
+    /// | 31 | 1 = open, 0 = bounds a solid |
+    /// | 15..0 | bias at the surface's slope, 1/256 voxel |
+    ///
+    /// Worked value: an open surface with a bias of 1.5 voxels has `0x8000_0180`.
+    info: u32,
+}
 
-const OPEN_BIT: u64 = 1 << 31;
+const OPEN_BIT: u32 = 1 << 31;
 
 impl FirstSurface {
     /// No surface.
-    pub(crate) const NONE: Self = Self(u64::MAX);
+    pub(crate) const NONE: Self = Self { depth: FixedDepth::MAX, info: u32::MAX };
 
+    /// `info` is from [`ColumnRules::surface_info`].
+    #[inline(always)]
     pub(crate) fn new(depth: FixedDepth, info: u32) -> Self {
-        Self(((i64::from(depth) + KEY_OFFSET) as u64) << 32 | u64::from(info))
+        Self { depth, info }
     }
 
+    #[inline(always)]
     pub(crate) fn is_none(self) -> bool {
-        self == Self::NONE
+        self.depth == FixedDepth::MAX
     }
 
+    #[inline(always)]
     pub(crate) fn is_solid(self) -> bool {
-        self.0 & OPEN_BIT == 0
+        self.info & OPEN_BIT == 0
     }
 
     pub(crate) fn set_open(&mut self) {
-        self.0 |= OPEN_BIT;
+        self.info |= OPEN_BIT;
     }
 
     /// Returns the depth, or [`FixedDepth::MAX`] if there is no surface.
+    #[inline(always)]
     pub(crate) fn depth(self) -> FixedDepth {
-        if self.is_none() { FixedDepth::MAX } else { ((self.0 >> 32) as i64 - KEY_OFFSET) as FixedDepth }
+        self.depth
+    }
+
+    /// Returns the argument `info` of [`Self::new`].
+    #[inline(always)]
+    pub(crate) fn info(self) -> u32 {
+        self.info
     }
 
     /// Returns the bias at the surface's slope, 1/256 voxel.
+    #[inline(always)]
     pub(crate) fn bias(self) -> FixedDepth {
-        (self.0 & 0xffff) as FixedDepth
+        (self.info & 0xffff) as FixedDepth
     }
 }
 
@@ -68,7 +84,7 @@ pub(crate) struct SeamHit {
 
 impl SeamHit {
     pub(crate) fn new(texel: usize, depth: FixedDepth, info: u32, surface: &Surface) -> Self {
-        let first = FirstSurface::new(depth, info | OPEN_BIT as u32);
+        let first = FirstSurface::new(depth, info | OPEN_BIT);
         Self { texel: texel as u32, first, body: [surface.instance, surface.component] }
     }
 }
@@ -167,13 +183,52 @@ pub(crate) fn for_each_inside(sorted: &[u32], mut visit: impl FnMut(FixedDepth, 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ColumnRules {
     pub(crate) bias: Bias,
-    /// How far below an open surface a shadow may begin, voxels. The bias at the surface's slope applies instead if it
-    /// is larger.
-    pub(crate) thickness_voxels: f64,
+    /// How far below an open surface a shadow may begin, 1/256 voxel. The bias at the surface's slope applies instead if
+    /// it is larger.
+    pub(crate) thickness: FixedDepth,
     pub(crate) assume_ground: bool,
     pub(crate) receivers: Receivers,
     /// Voxels along the light.
     pub(crate) depth_voxels: u32,
+    pub(crate) normal_offset: NormalOffset,
+}
+
+/// How far a normal offset moves points in the grid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NormalOffset {
+    texels: f64,
+    /// See [`adumbra::Frame::axes`].
+    axes: [[f64; 3]; 3],
+    /// The least distance along the light, voxels.
+    least_lift_voxels: f64,
+    /// The largest distance along x or y, texels.
+    across_texels: f64,
+}
+
+impl NormalOffset {
+    pub(crate) fn new(bias: &Bias, grid: &LightGrid) -> Self {
+        let texels = bias.normal_offset_texels;
+        let [x, y, z] = grid.axes;
+        let longest = dot(x, x).max(dot(y, y)).sqrt();
+        Self {
+            texels,
+            axes: grid.axes,
+            // That of a normal along the light: all planes that contain the light are spanned by x and y.
+            least_lift_voxels: texels * dot(z, grid.sun.towards()).abs(),
+            across_texels: texels * longest,
+        }
+    }
+
+    /// Returns the distance along the light from a plane of this gradient to the parallel plane at the offset, voxels.
+    fn lift_voxels(&self, [gx, gy]: [f64; 2]) -> f64 {
+        if self.texels == 0.0 {
+            return 0.0;
+        }
+        // The plane's normal in the world, for which one voxel along the light is a product of 1.
+        let [x, y, z] = self.axes;
+        let normal: [f64; 3] = std::array::from_fn(|a| gx * x[a] + gy * y[a] - z[a]);
+        self.texels * dot(normal, normal).sqrt()
+    }
 }
 
 /// The x of a column in which no voxel of the grid must be shadowed. [`BESIDE_GRID`] also has this meaning.
@@ -183,10 +238,18 @@ pub(crate) const BESIDE_GRID: u32 = u32::MAX;
 
 /// Half the side of a texel's footprint, with 1/256 for snapping.
 const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
-/// Distance in texels at which a filter around a static receiver may read: the reach of a 9 × 9 filter.
-const STATIC_FILTER_REACH: f64 = 4.0;
-/// Distance in texels between the outermost taps that share a depth: the eight texels of one block.
-const STATIC_FILTER_TAPS_REACH: f64 = 7.0;
+/// Distance in texels at which a filter around a receiver may read: the reach of a 9 × 9 filter.
+const FILTER_REACH: f64 = 4.0;
+/// How far rounding of the gradient to 1/256 may move the depth of such a tap, voxels: half of that along both axes.
+const FILTER_ROUNDING: f64 = (FILTER_REACH + 0.5) / 256.0;
+/// Filters around a receiver read columns at most this far from it, texels, and find shadow there this many voxels
+/// behind the first voxel that may be in shadow, or deeper. What is nearer to a column's surface is free, and the freer
+/// the farther the column is, because fewer taps read it.
+const CONTACTS: [(f64, u32); CONTACT_RINGS] = [(0.5, 2), (2.0, 6), (FILTER_REACH, 24)];
+/// Number of distances in [`CONTACTS`].
+pub(crate) const CONTACT_RINGS: usize = 3;
+/// The least number of voxels behind a first voxel at which a filter must find shadow.
+const LEAST_CONTACT_VOXELS: u32 = CONTACTS[0].1;
 
 /// The reason why look-ups from a surface near a column sample the column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -221,10 +284,15 @@ pub(crate) struct Sampled {
 impl ReceiverPlane {
     /// Returns where look-ups sample the column whose centre is (x, y).
     pub(crate) fn sampled(&self, kind: ReceiverKind, x: f64, y: f64) -> Sampled {
-        let z = self.plane.at(x, y);
+        self.sampled_at(kind, self.plane.at(x, y))
+    }
+
+    /// Returns where look-ups sample a column in which the plane is at this depth, voxels.
+    #[inline(always)]
+    fn sampled_at(&self, kind: ReceiverKind, z: f64) -> Sampled {
         let before = match kind {
             ReceiverKind::Footprint => 0.0,
-            ReceiverKind::Filtered => STATIC_FILTER_TAPS_REACH * self.plane.gradient_sum(),
+            ReceiverKind::Filtered => FILTER_ROUNDING,
         };
         let lifted = z - self.lift_voxels - before - self.rounding_voxels;
         Sampled { plane: fixed_depth(z), lifted: floor_fixed_depth(lifted) }
@@ -235,14 +303,14 @@ impl ColumnRules {
     /// Half the side of the square around a texel's centre from which surfaces of this kind sample the texel, texels.
     pub(crate) fn footprint_half_texels(&self, kind: ReceiverKind) -> f64 {
         // A normal offset also moves the point across the light's plane.
-        let half = FOOTPRINT_HALF + self.bias.normal_offset_texels;
+        let half = FOOTPRINT_HALF + self.normal_offset.across_texels;
         match kind {
             ReceiverKind::Footprint => half,
-            ReceiverKind::Filtered => half + STATIC_FILTER_REACH,
+            ReceiverKind::Filtered => half + FILTER_REACH,
         }
     }
 
-    /// How far outside its outline a triangle may matter to a column, texels.
+    /// How far outside its outline a triangle may decide a column's first surface, or what is behind it, texels.
     pub(crate) fn reach_texels(&self) -> f64 {
         self.footprint_half_texels(match self.receivers {
             Receivers::All => ReceiverKind::Footprint,
@@ -252,7 +320,7 @@ impl ColumnRules {
 
     /// Returns the low word of a [`FirstSurface`].
     pub(crate) fn surface_info(&self, slope: f64, solid: bool) -> u32 {
-        self.bias_fixed(slope) as u32 | if solid { 0 } else { OPEN_BIT as u32 }
+        self.bias_fixed(slope) as u32 | if solid { 0 } else { OPEN_BIT }
     }
 
     /// Returns the bias along the light at this slope, 1/256 voxel, clamped to 16 bits.
@@ -260,17 +328,9 @@ impl ColumnRules {
         (self.bias.along_light(slope) * SUBTEXEL as f64).min(65_535.0) as FixedDepth
     }
 
-    /// Returns how far below an open surface a shadow may begin, 1/256 voxel.
-    pub(crate) fn thickness_fixed(&self) -> FixedDepth {
-        (self.thickness_voxels * SUBTEXEL as f64).min(1e9) as FixedDepth
-    }
-
-    /// Returns how far before a surface of this slope its look-ups sample, voxels.
-    fn lift_voxels(&self, slope: f64) -> f64 {
-        let normal_offset = self.bias.normal_offset_texels;
-        let along_normal =
-            if normal_offset == 0.0 { 0.0 } else { normal_offset * (1.0 + slope * slope).sqrt() };
-        self.bias.along_light(slope) + along_normal
+    /// Returns [`Self::thickness`] for a thickness in voxels.
+    pub(crate) fn thickness_of(voxels: f64) -> FixedDepth {
+        (voxels * SUBTEXEL as f64).min(1e9) as FixedDepth
     }
 
     /// Returns the surface as a receiver. Returns `None` if it receives no sunlight because it is the far side of a
@@ -286,7 +346,8 @@ impl ColumnRules {
     /// Returns what look-ups from a surface on this plane have in common.
     pub(crate) fn receiver_on(&self, plane: Plane) -> ReceiverPlane {
         ReceiverPlane {
-            lift_voxels: self.lift_voxels(plane.slope()),
+            lift_voxels: self.bias.along_light(plane.slope())
+                + self.normal_offset.lift_voxels(plane.gradient),
             rounding_voxels: 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0,
             plane,
         }
@@ -337,9 +398,15 @@ impl ColumnRules {
     }
 
     /// Returns the voxel that answers a look-up at this depth. Behind the grid it is the last one.
+    #[inline(always)]
     pub(crate) fn sampled_voxel(&self, depth: FixedDepth) -> u32 {
-        let voxel = i64::from(depth).div_euclid(SUBTEXEL);
-        voxel.clamp(0, i64::from(self.depth_voxels) - 1) as u32
+        self.voxel(depth).min(self.depth_voxels - 1)
+    }
+
+    /// Returns the voxel that contains this depth, clamped to the grid and its end.
+    #[inline(always)]
+    fn voxel(&self, depth: FixedDepth) -> u32 {
+        (depth >> SUBTEXEL_BITS).max(0).min(self.depth_voxels as i32) as u32
     }
 
     /// Returns the column's `[e, x]`: voxel k is defined lit if k < e and defined shadowed if k >= x.
@@ -348,53 +415,96 @@ impl ColumnRules {
     /// its exit. A receiver behind, at whose lifted point `next` shadow must have begun, takes precedence: e is reduced
     /// for it. But e is not reduced below what points before the first surface need, whose look-ups sample at least the
     /// constant bias before it.
+    #[inline(always)]
     pub(crate) fn column(&self, first: FirstSurface, base: FixedDepth, next: FixedDepth) -> [u32; 2] {
-        if first.is_none() {
-            return [self.depth_voxels, FREE_TO_END];
-        }
+        // The grid's depth if there is no surface.
         let e = self.quantize(first.depth());
-        let nothing_behind = next == FixedDepth::MAX;
-        let x = if nothing_behind && self.assume_ground {
-            FREE_TO_END
-        } else {
-            self.latest_switch(self.exit(first, base)).max(e)
-        };
-        if nothing_behind {
-            return [e, x];
-        }
+        let nothing_behind = first.is_none() | (next == FixedDepth::MAX);
+        let end = self.latest_switch(self.exit(first, base)).max(e);
+        let is_free = first.is_none() | nothing_behind & self.is_last(first.depth());
+        let x = if is_free { FREE_TO_END } else { end };
         let needed = self.sampled_voxel(next).max(self.least_switch(first));
+        let needed = if nothing_behind { FREE_TO_END } else { needed };
         [e.min(needed), x.min(needed)]
+    }
+
+    /// How far outside its outline a triangle's filters read, texels.
+    pub(crate) fn contact_reach_texels(&self) -> f64 {
+        self.footprint_half_texels(ReceiverKind::Filtered)
+    }
+
+    /// Returns the distances of [`CONTACTS`] as margins of snapped triangles, 1/256 texel, nearest first.
+    pub(crate) fn contact_margins(&self) -> [i64; CONTACT_RINGS] {
+        let footprint = self.footprint_half_texels(ReceiverKind::Footprint);
+        CONTACTS.map(|(reach, _)| ((reach + footprint) * SUBTEXEL as f64).ceil() as i64)
+    }
+
+    /// Returns the voxel in which a filter around a receiver reads a column in which its plane is at this depth, voxels.
+    #[inline(always)]
+    pub(crate) fn contact_at(&self, receiver: &ReceiverPlane, plane_voxels: f64) -> u32 {
+        self.sampled_voxel(receiver.sampled_at(ReceiverKind::Filtered, plane_voxels).lifted)
+    }
+
+    /// Returns the x of a column `[e, x]` in which a filter around a receiver within `ring` reads voxel `contact`.
+    ///
+    /// The other rules ask what look-ups from a column's own receivers find. But in the columns of a wall, at the depth
+    /// of its foot, filters of the ground beside it find the inside of the wall. If that were lit, the contact shadow
+    /// would pale.
+    #[inline(always)]
+    pub(crate) fn bounded([e, x]: [u32; 2], ring: usize, contact: u32) -> u32 {
+        if contact >= e.saturating_add(CONTACTS[ring].1) { x.min(contact) } else { x }
+    }
+
+    /// Returns the first voxel in which a column with this e may have to be shadowed for a filter.
+    #[inline(always)]
+    pub(crate) fn contact_from(e: u32) -> u32 {
+        e.saturating_add(LEAST_CONTACT_VOXELS)
+    }
+
+    /// Whether a first surface at this depth, with nothing behind it, is assumed to be the ground. One before the grid is
+    /// not: bounds hide what is behind it.
+    #[inline(always)]
+    pub(crate) fn is_last(&self, depth: FixedDepth) -> bool {
+        self.assume_ground & (depth >= 0)
     }
 
     /// Returns where the shadow must have begun for points in space: at the solid's end, or an open surface's thickness
     /// below it.
+    #[inline(always)]
     pub(crate) fn exit(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
         if first.is_solid() { base } else { first.depth().saturating_add(self.open_thickness(first)) }
     }
 
     /// Returns how far below an open first surface its shadow may begin, 1/256 voxel.
+    #[inline(always)]
     fn open_thickness(&self, first: FirstSurface) -> FixedDepth {
-        self.thickness_fixed().max(first.bias())
+        self.thickness.max(first.bias())
+    }
+
+    /// Returns the least distance by which look-ups from any surface are before it, voxels.
+    #[inline(always)]
+    pub(crate) fn least_lift_voxels(&self) -> f64 {
+        self.bias.constant_texels + self.normal_offset.least_lift_voxels
     }
 
     /// Returns the first voxel that no look-up from the first surface, or from anything before it, samples.
+    #[inline(always)]
     fn least_switch(&self, first: FirstSurface) -> u32 {
-        let lift = ((self.bias.constant_texels + self.bias.normal_offset_texels) * SUBTEXEL as f64) as i64;
-        let voxel = (i64::from(first.depth()) - lift).div_euclid(SUBTEXEL) + 1;
-        voxel.clamp(0, i64::from(self.depth_voxels)) as u32
+        let lift = (self.least_lift_voxels() * SUBTEXEL as f64) as FixedDepth;
+        self.voxel(first.depth().saturating_sub(lift).saturating_add(SUBTEXEL as FixedDepth))
     }
 
     /// Returns x for an exit: [`FREE_TO_END`] at or beyond the grid's end.
+    #[inline(always)]
     pub(crate) fn latest_switch(&self, exit: FixedDepth) -> u32 {
         let x = self.quantize(exit);
         if x < self.depth_voxels { x } else { FREE_TO_END }
     }
 
     /// Returns `ceil(depth - 1/2)` in whole voxels, clamped to the grid.
+    #[inline(always)]
     pub(crate) fn quantize(&self, depth: FixedDepth) -> u32 {
-        let steps = i64::from(depth) - SUBTEXEL / 2;
-        let voxel = -(-steps).div_euclid(SUBTEXEL);
-        voxel.clamp(0, i64::from(self.depth_voxels)) as u32
+        self.voxel(depth.saturating_add(SUBTEXEL as FixedDepth / 2 - 1))
     }
 }
 

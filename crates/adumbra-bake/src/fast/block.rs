@@ -4,7 +4,7 @@
 //! with the sampling. A test may err only towards "touches" and "crosses".
 
 use crate::columns::rules::{ColumnRules, ReceiverKind, ReceiverPlane};
-use crate::triangles::project::{FixedDepth, Projected, SUBTEXEL, fixed_depth};
+use crate::triangles::project::{FixedDepth, Plane, Projected, SUBTEXEL, fixed_depth};
 use crate::triangles::surface::Surface;
 
 /// Distance in 1/256 texel outside the footprints of a block's texels at which an edge still counts as crossing the
@@ -154,6 +154,13 @@ impl SampledRange {
     }
 }
 
+/// A plane before which no column of a block has a first surface.
+pub(crate) struct Front {
+    pub(crate) plane: Plane,
+    /// How far behind the plane filters may read before a column must be shadowed for them, voxels.
+    pub(crate) free_voxels: f64,
+}
+
 impl BlockSurface {
     /// Returns the surface's depth bounds over the block.
     pub(crate) fn range_over(&self, block: &Block, rules: &ColumnRules) -> SurfaceRange {
@@ -174,6 +181,50 @@ impl BlockSurface {
             }
         });
         SurfaceRange { low: fixed_depth(low) - DEPTH_SLACK, high: fixed_depth(high) + DEPTH_SLACK, sampled }
+    }
+
+    /// Returns the first and the last voxel in which filters around the surface may read the block's columns, or `None`
+    /// if it receives no light or they read none. With `front`, those count as none that it leaves free.
+    pub(crate) fn contacts_over(
+        &self,
+        block: &Block,
+        front: Option<&Front>,
+        rules: &ColumnRules,
+    ) -> Option<[u32; 2]> {
+        let receiver = self.receiver.as_ref()?;
+        let shape = &self.surface.shape;
+        let plane = &receiver.plane;
+        // The block's centres within reach of the triangle's box, one more for rounding.
+        let reach = rules.contact_reach_texels() + 1.0;
+        let corner = [block.x, block.y].map(f64::from);
+        let side = f64::from(1_u32 << block.level);
+        let mut center = [0.0; 2];
+        let mut half = [0.0; 2];
+        for axis in 0..2 {
+            let [p, q, r] = shape.corners.map(|c| c[axis]);
+            let low = (p.min(q).min(r) - reach).max(corner[axis] + 0.5);
+            let high = (p.max(q).max(r) + reach).min(corner[axis] + side - 0.5);
+            if low > high {
+                return None;
+            }
+            (center[axis], half[axis]) = (0.5 * (low + high), 0.5 * (high - low));
+        }
+        let rise = |gradient: [f64; 2]| gradient[0].abs() * half[0] + gradient[1].abs() * half[1];
+        let z = plane.at(center[0], center[1]);
+        let across = rise(plane.gradient);
+        let slack = 1e-9 * (across + z.abs()) + 2.0 / SUBTEXEL as f64;
+        if let Some(Front { plane: front, free_voxels }) = front {
+            let turn = [0, 1].map(|a| plane.gradient[a] - front.gradient[a]);
+            let behind = z - front.at(center[0], center[1]) + rise(turn) + slack;
+            if behind - receiver.lift_voxels < *free_voxels {
+                return None;
+            }
+        }
+        let beside = reach * plane.gradient_sum();
+        let low = (z - across).max(shape.z_min - beside) - slack;
+        let high = (z + across).min(shape.z_max + beside) + slack;
+        let voxel = |z: f64| rules.contact_at(receiver, z);
+        (low <= high).then(|| [voxel(low), voxel(high)])
     }
 
     /// Whether this surface may change the number of layers within `rect`.

@@ -8,7 +8,9 @@
 //! is too weak costs time but never changes an answer.
 
 use crate::columns::rules::{ColumnRules, FREE_TO_END, ReceiverKind};
-use crate::fast::block::{Block, BlockSurface, DEPTH_SLACK, SampledRange, SurfaceRange, is_sampled_behind};
+use crate::fast::block::{
+    Block, BlockSurface, DEPTH_SLACK, Front, SampledRange, SurfaceRange, is_sampled_behind,
+};
 use crate::triangles::project::{FixedDepth, SUBTEXEL};
 
 /// Slack for a footprint's half side because of the snapping of corners, texels.
@@ -75,12 +77,14 @@ enum Kind {
 
 /// Classifies `block` by the surfaces near it. `list` has ascending indices into `surfaces`: all surfaces within reach
 /// of the columns' footprints that are no deeper than what is known to be resolved. `known_behind` is the nearest depth
-/// at which the deeper ones are sampled, or [`FixedDepth::MAX`] if there are none.
+/// at which the deeper ones are sampled, or [`FixedDepth::MAX`] if there are none. `beside` has receivers farther away,
+/// whose filters may read the block's columns.
 #[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn classify(
     block: &Block,
     surfaces: &[BlockSurface],
     list: &[u32],
+    beside: &[u32],
     known_behind: FixedDepth,
     rules: &ColumnRules,
     buffers: &mut ClassifyBuffers,
@@ -95,7 +99,7 @@ pub(crate) fn classify(
             .count()
     };
     // A group without a contour here covers all columns or none. One that covers none is no column's first surface.
-    let mut covering: Option<(FixedDepth, usize, usize)> = None;
+    let mut covering: Option<Cover> = None;
     for (n, g) in groups.iter_mut().enumerate() {
         if g.contour || g.kind == Kind::Receiver || g.kind == Kind::Masked {
             continue;
@@ -103,11 +107,11 @@ pub(crate) fn classify(
         let count = layers(g);
         if count == 0 {
             g.kind = Kind::Receiver;
-        } else if covering.is_none_or(|(nearest, ..)| g.z_high < nearest) {
-            covering = Some((g.z_high, n, count));
+        } else if covering.as_ref().is_none_or(|nearest| g.z_high < nearest.e) {
+            covering = Some(Cover { e: g.z_high, group: n, layers: count });
         }
     }
-    let Some((e, cover, cover_layers)) = covering else {
+    let Some(cover) = covering else {
         let empty = groups.iter().all(|g| g.kind == Kind::Receiver);
         return if empty {
             Classification::Resolved([rules.depth_voxels, FREE_TO_END])
@@ -115,12 +119,17 @@ pub(crate) fn classify(
             Classification::Unresolved { resolved: FixedDepth::MAX }
         };
     };
-    let first_voxel = rules.quantize(e);
-    let x = earliest_end(groups, known_behind, e, (cover, cover_layers), rules);
+    let first_voxel = rules.quantize(cover.e);
+    let mut x = earliest_end(groups, known_behind, &cover, rules);
+    if x >= first_voxel {
+        x = earliest_contact(block, surfaces, (list, beside), groups, &cover, x, rules);
+    }
     if x >= first_voxel {
         Classification::Resolved([first_voxel, x])
     } else {
-        Classification::Unresolved { resolved: resolved_depth(groups, known_behind, e, &mut buffers.solids) }
+        Classification::Unresolved {
+            resolved: resolved_depth(groups, known_behind, cover.e, &mut buffers.solids),
+        }
     }
 }
 
@@ -157,15 +166,31 @@ fn resolved_depth(
     if covered || known { depth } else { FixedDepth::MAX }
 }
 
-/// Returns a lower bound on the x of all columns, given that every first surface is at `e` or nearer.
-fn earliest_end(
-    groups: &[Group],
-    known_behind: FixedDepth,
+/// The group that covers every column of a block and whose farthest surface is nearest.
+struct Cover {
+    /// No first surface is deeper.
     e: FixedDepth,
-    (cover, cover_layers): (usize, usize),
-    rules: &ColumnRules,
-) -> u32 {
-    let could_be_first = |g: &&Group| g.kind != Kind::Receiver && g.z_low <= e;
+    /// Index of the group.
+    group: usize,
+    /// How often it covers each column.
+    layers: usize,
+}
+
+impl Cover {
+    /// Whether a group may provide the first surface of a column.
+    fn could_be_first(&self, g: &Group) -> bool {
+        g.kind != Kind::Receiver && g.z_low <= self.e
+    }
+
+    /// Whether it is the first surface of all columns, in one layer.
+    fn is_alone(&self, groups: &[Group]) -> bool {
+        self.layers == 1 && groups.iter().filter(|g| self.could_be_first(g)).count() == 1
+    }
+}
+
+/// Returns a lower bound on the x of all columns.
+fn earliest_end(groups: &[Group], known_behind: FixedDepth, cover: &Cover, rules: &ColumnRules) -> u32 {
+    let could_be_first = |g: &&Group| cover.could_be_first(g);
     let is_solid = |g: &&Group| matches!(g.kind, Kind::SolidFront | Kind::SolidBack);
     let smallest = |values: &mut dyn Iterator<Item = FixedDepth>| values.min().unwrap_or(FixedDepth::MAX);
 
@@ -183,17 +208,17 @@ fn earliest_end(
         exit = exit.min(solid_exit);
     }
     if open_low != FixedDepth::MAX {
-        exit = exit.min(open_low.saturating_add(rules.thickness_fixed().max(bias)));
+        exit = exit.min(open_low.saturating_add(rules.thickness.max(bias)));
     }
 
     // A first surface that is one smooth layer over the whole block is not behind itself.
-    let first = &groups[cover];
-    let alone = cover_layers == 1 && groups.iter().filter(could_be_first).count() == 1;
-    let smooth = alone && first.rise_of_neighbours(rules) <= f64::from(first.bias - DEPTH_SLACK);
+    let first = &groups[cover.group];
+    let smooth =
+        cover.is_alone(groups) && first.rise_of_neighbours(rules) <= f64::from(first.bias - DEPTH_SLACK);
     let base_low = if solid_first { solid_exit.min(open_low) } else { open_low };
     let first_low = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.z_low));
     let mut end = FREE_TO_END;
-    for (_, g) in groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover)) {
+    for (_, g) in groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover.group)) {
         let Some(sampled) = g.sampled else { continue };
         if sampled.deepest > base_low && sampled.lifted_high > first_low {
             end = end.min(rules.sampled_voxel(sampled.lifted_low.max(first_low)));
@@ -202,7 +227,36 @@ fn earliest_end(
     if known_behind != FixedDepth::MAX {
         end = end.min(rules.sampled_voxel(known_behind));
     }
-    if end == FREE_TO_END && rules.assume_ground { end } else { end.min(rules.latest_switch(exit)) }
+    if end == FREE_TO_END && rules.is_last(first_low) { end } else { end.min(rules.latest_switch(exit)) }
+}
+
+/// Returns `x`, or a lower bound on the voxels in which filters read the block's columns behind their first surfaces, if
+/// that is less.
+fn earliest_contact(
+    block: &Block,
+    surfaces: &[BlockSurface],
+    (list, beside): (&[u32], &[u32]),
+    groups: &[Group],
+    cover: &Cover,
+    x: u32,
+    rules: &ColumnRules,
+) -> u32 {
+    let could_be_first = |g: &&Group| cover.could_be_first(g);
+    let first_low = groups.iter().filter(could_be_first).map(|g| g.z_low).min().unwrap_or(FixedDepth::MAX);
+    let from = ColumnRules::contact_from(rules.quantize(first_low));
+    if x <= from {
+        return x;
+    }
+    let of_group = |g: &Group| &list[g.from as usize..g.to as usize];
+    let firsts = groups.iter().filter(could_be_first).flat_map(of_group);
+    let front = front(block, firsts.map(|&s| &surfaces[s as usize]));
+    // Filters around the first surfaces themselves read before them, if they are one smooth layer.
+    let smooth = cover.is_alone(groups) && groups[cover.group].bends_within(rules);
+    let skipped = |g: &Group| smooth && cover.could_be_first(g);
+    let near = groups.iter().filter(|g| !skipped(g)).flat_map(of_group);
+    let contacts =
+        near.chain(beside).filter_map(|&s| surfaces[s as usize].contacts_over(block, front.as_ref(), rules));
+    contacts.filter(|[_, high]| *high >= from).map(|[low, _]| low.max(from)).fold(x, u32::min)
 }
 
 /// Whether outlines of two solids cross the block, so that [`crate::columns::rules::close_seams`] may find both at one
@@ -221,6 +275,32 @@ impl Group {
         let half = rules.footprint_half_texels(ReceiverKind::Footprint) + FOOTPRINT_SLACK;
         half * bend * SUBTEXEL as f64
     }
+
+    /// Whether filters around this layer find no shadow in it: over their reach it bends by less than what is free.
+    fn bends_within(&self, rules: &ColumnRules) -> bool {
+        let bend: f64 = (0..2).map(|a| self.gradient_high[a] - self.gradient_low[a]).sum();
+        (rules.contact_reach_texels() + 1.0) * bend < free_voxels() + rules.least_lift_voxels()
+    }
+}
+
+/// How far behind a first surface filters may read before a column must be shadowed for them, less slack, voxels.
+fn free_voxels() -> f64 {
+    // A first voxel that may be in shadow begins up to half a voxel before its surface.
+    f64::from(ColumnRules::contact_from(0)) - 1.0
+}
+
+/// Returns the plane of one of these surfaces, moved before all others over the block. `None` if one has no plane.
+fn front<'a>(block: &Block, mut surfaces: impl Iterator<Item = &'a BlockSurface>) -> Option<Front> {
+    let half_side = f64::from(1_u32 << block.level) / 2.0;
+    let [x, y] = [block.x, block.y].map(|c| f64::from(c) + half_side);
+    let one = surfaces.next()?.surface.shape.plane?;
+    let mut before = 0.0_f64;
+    for s in surfaces {
+        let plane = s.surface.shape.plane?;
+        let turn: f64 = (0..2).map(|a| (plane.gradient[a] - one.gradient[a]).abs()).sum();
+        before = before.max(one.at(x, y) - plane.at(x, y) + half_side * turn);
+    }
+    Some(Front { plane: one, free_voxels: free_voxels() - before })
 }
 
 fn gather_groups(

@@ -8,7 +8,7 @@ use adumbra::layout::LEAF_NODE_LEVEL;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::columns::capture::{CaptureBuffers, TileRect, capture};
-use crate::columns::rules::{BESIDE_GRID, ColumnRules, Columns, FREE_TO_END};
+use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::error::{Error, Result};
 use crate::fast::block::{Block, BlockSurface};
@@ -29,6 +29,8 @@ use adumbra_scene::Scene;
 pub(crate) struct DescentBuffers {
     /// Lists of surfaces. A block's list follows that of its parent.
     lists: Vec<u32>,
+    /// Lists of receivers that are farther away, whose filters may read the block's columns.
+    beside: Vec<u32>,
     classify: ClassifyBuffers,
     leaf: LeafBuffers,
     capture: CaptureBuffers,
@@ -38,17 +40,29 @@ pub(crate) struct DescentBuffers {
 }
 
 impl DescentBuffers {
-    /// Removes the surfaces behind `resolved`, and their ranges, from the list that was classified last. Returns the
-    /// nearest depth that look-ups from them sample.
-    fn forget_behind(&mut self, from: usize, resolved: FixedDepth) -> FixedDepth {
+    /// Removes the surfaces behind `resolved`, and their ranges, from the list that was classified last. Those whose
+    /// filters still read before it are moved to the list of farther receivers. Returns the nearest depth that look-ups
+    /// from removed surfaces sample.
+    fn forget_behind(
+        &mut self,
+        block: &Block,
+        from: usize,
+        resolved: FixedDepth,
+        setting: &Setting<'_>,
+    ) -> FixedDepth {
         let ranges = &mut self.classify.ranges;
         let mut nearest = FixedDepth::MAX;
         let mut kept = 0;
         for i in 0..ranges.len() {
+            let s = self.lists[from + i];
             if ranges[i].is_behind(resolved) {
                 nearest = nearest.min(ranges[i].lifted());
+                let contacts = setting.surfaces[s as usize].contacts_over(block, None, setting.rules);
+                if contacts.is_some_and(|[low, _]| low < setting.rules.latest_switch(resolved)) {
+                    self.beside.push(s);
+                }
             } else {
-                self.lists[from + kept] = self.lists[from + i];
+                self.lists[from + kept] = s;
                 ranges[kept] = ranges[i];
                 kept += 1;
             }
@@ -66,7 +80,7 @@ pub(crate) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
         .max()
         .unwrap_or_default();
     // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far shorter.
-    fullest * (2 * size_of::<BlockSurface>() as u64 + 32)
+    fullest * (2 * size_of::<BlockSurface>() as u64 + 48)
 }
 
 /// Builds root block `tile` of `tiles` into `sink`.
@@ -83,33 +97,48 @@ pub(crate) fn build_root<S: BlockSink>(
 ) -> Result<S::Block> {
     let rect = tiles.rect(tile);
     let block = Block { level: tiles.root_level, x: rect.x, y: rect.y };
-    let reach = reach_outside(&tiles.rules);
-    let surfaces = gather(&tiles.casters, tile, &block.snapped(reach), &tiles.grid, &tiles.rules);
+    let [reach, contact_reach] =
+        [tiles.rules.reach_texels(), tiles.rules.contact_reach_texels()].map(reach_outside);
+    let far = block.snapped(contact_reach);
+    let surfaces = gather(&tiles.casters, tile, &far, &tiles.grid, &tiles.rules);
     let descent = Descent {
         setting: Setting {
             scene: tiles.casters.scene,
             grid: &tiles.grid,
             rules: &tiles.rules,
             surfaces: &surfaces,
+            arch: pulp::Arch::new(),
         },
         reach,
+        contact_reach,
         sink,
         cancel,
     };
     buffers.lists.clear();
-    buffers.lists.extend(0..surfaces.len() as u32);
-    descent.build(block, 0, FixedDepth::MAX, buffers)
+    buffers.beside.clear();
+    let rect = block.snapped(reach);
+    for (s, surface) in surfaces.iter().enumerate() {
+        if rect.touches(&surface.surface.shape) {
+            buffers.lists.push(s as u32);
+        } else if surface.receiver.is_some() {
+            buffers.beside.push(s as u32);
+        }
+    }
+    descent.build(block, [0, 0], FixedDepth::MAX, buffers)
 }
 
-/// Returns how far outside a block a surface may matter to its columns, 1/256 texel.
-fn reach_outside(rules: &ColumnRules) -> i64 {
-    // The footprint of a texel at the border, plus the movement from snapping.
-    ((rules.reach_texels() - 0.5) * SUBTEXEL as f64).ceil() as i64 + 2
+/// Returns how far outside a block a surface may matter to its columns, 1/256 texel, from how far it may be from their
+/// centres, texels.
+fn reach_outside(texels: f64) -> i64 {
+    // A centre is half a texel inside the border. Snapping moves corners.
+    ((texels - 0.5) * SUBTEXEL as f64).ceil() as i64 + 2
 }
 
 struct Descent<'a, S> {
     setting: Setting<'a>,
+    /// How far outside a block a surface may matter, and how far its filters may read, 1/256 texel.
     reach: i64,
+    contact_reach: i64,
     sink: &'a S,
     cancel: &'a AtomicBool,
 }
@@ -118,12 +147,13 @@ struct Descent<'a, S> {
 const CANCEL_LEVEL: u32 = 8;
 
 impl<S: BlockSink> Descent<'_, S> {
-    /// Builds a block whose surfaces are `buffers.lists[from..]`. Some surface behind everything resolved is sampled at
-    /// `known_behind`. Recursion depth: the number of levels.
+    /// Builds a block whose surfaces are `buffers.lists[from..]`; receivers farther away are
+    /// `buffers.beside[from_beside..]`. Some surface behind everything resolved is sampled at `known_behind`. Recursion
+    /// depth: the number of levels.
     fn build(
         &self,
         block: Block,
-        from: usize,
+        [from, from_beside]: [usize; 2],
         known_behind: FixedDepth,
         buffers: &mut DescentBuffers,
     ) -> Result<S::Block> {
@@ -138,29 +168,40 @@ impl<S: BlockSink> Descent<'_, S> {
         if block.level >= CANCEL_LEVEL && self.cancel.load(Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
-        let list = &buffers.lists[from..];
-        let resolved = match classify(&block, surfaces, list, known_behind, rules, &mut buffers.classify) {
+        let (list, beside) = (&buffers.lists[from..], &buffers.beside[from_beside..]);
+        let found = classify(&block, surfaces, list, beside, known_behind, rules, &mut buffers.classify);
+        let resolved = match found {
             Classification::Resolved(interval) => return Ok(self.sink.uniform(block.level, interval)),
             // What static receivers require depends on all surfaces.
             Classification::Unresolved { .. } if rules.receivers == Receivers::Static => FixedDepth::MAX,
             Classification::Unresolved { resolved } => resolved,
         };
-        let known_behind = buffers.forget_behind(from, resolved).min(known_behind);
+        let known_behind = buffers.forget_behind(&block, from, resolved, &self.setting).min(known_behind);
         if block.level == LEAF_NODE_LEVEL {
-            return Ok(self.leaf(block, from, known_behind, buffers));
+            return Ok(self.leaf(block, [from, from_beside], known_behind, buffers));
         }
-        let to = buffers.lists.len();
+        let (to, to_beside) = (buffers.lists.len(), buffers.beside.len());
         let mut build = |q| {
             let quarter = block.quarter(q);
-            let rect = quarter.snapped(self.reach);
+            let (rect, far) = (quarter.snapped(self.reach), quarter.snapped(self.contact_reach));
             for place in from..to {
                 let s = buffers.lists[place];
-                if rect.touches(&surfaces[s as usize].surface.shape) {
+                let surface = &surfaces[s as usize];
+                if rect.touches(&surface.surface.shape) {
                     buffers.lists.push(s);
+                } else if surface.receiver.is_some() && far.touches(&surface.surface.shape) {
+                    buffers.beside.push(s);
                 }
             }
-            let built = self.build(quarter, to, known_behind, buffers);
+            for place in from_beside..to_beside {
+                let s = buffers.beside[place];
+                if far.touches(&surfaces[s as usize].surface.shape) {
+                    buffers.beside.push(s);
+                }
+            }
+            let built = self.build(quarter, [to, to_beside], known_behind, buffers);
             buffers.lists.truncate(to);
+            buffers.beside.truncate(to_beside);
             built
         };
         let quarters = [build(0)?, build(1)?, build(2)?, build(3)?];
@@ -170,7 +211,7 @@ impl<S: BlockSink> Descent<'_, S> {
     fn leaf(
         &self,
         block: Block,
-        from: usize,
+        [from, from_beside]: [usize; 2],
         known_behind: FixedDepth,
         buffers: &mut DescentBuffers,
     ) -> S::Block {
@@ -178,16 +219,16 @@ impl<S: BlockSink> Descent<'_, S> {
         let width = side.min(self.setting.grid.size[0] - block.x);
         let height = side.min(self.setting.grid.size[1] - block.y);
         buffers.drawn_texels += u64::from(width * height);
-        let list = &buffers.lists[from..];
+        let (list, beside) = (&buffers.lists[from..], &buffers.beside[from_beside..]);
         if self.setting.rules.receivers == Receivers::All {
             let row = 0xff >> (side - width);
             let inside = (0..height).fold(0_u64, |mask, y| mask | row << (8 * y));
-            let near = NearSurfaces { list, ranges: &buffers.classify.ranges };
+            let near = NearSurfaces { list, ranges: &buffers.classify.ranges, beside };
             let columns = leaf_columns(&block, inside, near, known_behind, self.setting, &mut buffers.leaf);
             return self.sink.leaf(&columns);
         }
         let rect = TileRect { x: block.x, y: block.y, width, height };
-        let near = Near { descent: self, list };
+        let near = Near { descent: self, list, beside };
         capture(&near, self.setting.rules, rect, &mut buffers.capture, &mut buffers.columns);
         self.sink.leaf(&BlockColumns::padded(&buffers.columns))
     }
@@ -197,6 +238,7 @@ impl<S: BlockSink> Descent<'_, S> {
 struct Near<'a, S> {
     descent: &'a Descent<'a, S>,
     list: &'a [u32],
+    beside: &'a [u32],
 }
 
 impl<S> Surfaces for Near<'_, S> {
@@ -209,7 +251,7 @@ impl<S> Surfaces for Near<'_, S> {
     }
 
     fn for_each(&self, mut visit: impl FnMut(&Surface)) {
-        for &s in self.list {
+        for &s in self.list.iter().chain(self.beside) {
             visit(&self.descent.setting.surfaces[s as usize].surface);
         }
     }

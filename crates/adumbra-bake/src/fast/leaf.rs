@@ -8,7 +8,7 @@
 use crate::columns::masked;
 use crate::columns::masked::{MaskedHit, TriangleMask};
 use crate::columns::rules as columns;
-use crate::columns::rules::{ColumnRules, FREE_TO_END, FirstSurface, ReceiverKind, SeamHit};
+use crate::columns::rules::{CONTACT_RINGS, ColumnRules, FREE_TO_END, FirstSurface, ReceiverKind, SeamHit};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
 use crate::texel_mask::{texels_of, texels_where};
@@ -18,6 +18,8 @@ use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
 
 const TEXELS: usize = BLOCK_SIDE * BLOCK_SIDE;
+/// One value per texel, by row and column. Loops over rows of eight are what compilers vectorize.
+type Texels<T> = [[T; BLOCK_SIDE]; BLOCK_SIDE];
 /// Owner of a texel whose first surface is not a single surface of the list.
 const NOBODY: u32 = u32::MAX;
 /// A receiver that samples a column at least this far behind its exit does not change the column: rounding of the exit,
@@ -31,6 +33,8 @@ pub(crate) struct NearSurfaces<'a> {
     pub(crate) list: &'a [u32],
     /// Depth bounds over the block of each surface in the list.
     pub(crate) ranges: &'a [SurfaceRange],
+    /// Indices into [`Setting::surfaces`] of receivers farther away, whose filters may read the block's columns.
+    pub(crate) beside: &'a [u32],
 }
 
 /// A surface near the block, with its depth range there.
@@ -48,11 +52,16 @@ struct Near {
 pub(crate) struct LeafBuffers {
     /// Nearest first.
     order: Vec<Near>,
-    /// Texel, and the key of a solid's crossing.
-    crossings: Vec<(u8, u32)>,
-    sorted: Vec<u32>,
+    crossings: Vec<Crossings>,
     masked: Vec<MaskedHit>,
     seams: Vec<SeamHit>,
+}
+
+/// Where the columns cross one surface of a solid.
+struct Crossings {
+    covered: u64,
+    leaves: bool,
+    depths: Texels<FixedDepth>,
 }
 
 /// The inputs shared by all leaves of a root block.
@@ -62,6 +71,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) grid: &'a LightGrid,
     pub(crate) rules: &'a ColumnRules,
     pub(crate) surfaces: &'a [BlockSurface],
+    /// The processor's vectors.
+    pub(crate) arch: pulp::Arch,
 }
 
 /// The columns of a leaf while they are computed.
@@ -71,21 +82,109 @@ struct Leaf<'b> {
     ranges: &'b [SurfaceRange],
     /// Texels of the grid.
     inside: u64,
-    first: [FirstSurface; TEXELS],
-    /// Index into [`Setting::surfaces`] of the surface that provides `first`.
-    owner: [u32; TEXELS],
+    first: Firsts,
     /// Number of solids entered so far, minus those left.
-    entered: [i32; TEXELS],
+    entered: Texels<i32>,
     /// Some receiver is known to sample the column at this depth or deeper.
-    deepest: [FixedDepth; TEXELS],
-    base: [FixedDepth; TEXELS],
-    next: [FixedDepth; TEXELS],
+    deepest: Texels<FixedDepth>,
+    base: Texels<FixedDepth>,
+    next: Texels<FixedDepth>,
+    /// The column is in shadow from this depth on, whatever is behind it.
+    shadowed_from: Texels<FixedDepth>,
     /// A receiver that samples the column at this depth or deeper cannot change it: either a nearer one is known, or
     /// the column is known to have a receiver and is in shadow by then anyway.
-    matters_before: [FixedDepth; TEXELS],
+    matters_before: Texels<FixedDepth>,
     /// Texel centres, by column and by row.
     centers: [[f64; BLOCK_SIDE]; 2],
     buffers: &'b mut LeafBuffers,
+}
+
+/// The first surfaces of a leaf's columns.
+struct Firsts {
+    /// Depths and infos of [`FirstSurface`].
+    depth: Texels<FixedDepth>,
+    info: Texels<u32>,
+    /// Index into [`Setting::surfaces`] of the surface that is first.
+    owner: Texels<u32>,
+}
+
+impl Firsts {
+    #[inline(always)]
+    fn none() -> Self {
+        let none = FirstSurface::NONE;
+        Self {
+            depth: [[none.depth(); BLOCK_SIDE]; BLOCK_SIDE],
+            info: [[none.info(); BLOCK_SIDE]; BLOCK_SIDE],
+            owner: [[NOBODY; BLOCK_SIDE]; BLOCK_SIDE],
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, texel: usize) -> FirstSurface {
+        FirstSurface::new(self.depth.as_flattened()[texel], self.info.as_flattened()[texel])
+    }
+
+    /// Makes this the first surface of a column, with no owner.
+    fn set(&mut self, texel: usize, first: FirstSurface) {
+        self.depth.as_flattened_mut()[texel] = first.depth();
+        self.info.as_flattened_mut()[texel] = first.info();
+        self.owner.as_flattened_mut()[texel] = NOBODY;
+    }
+
+    fn set_open(&mut self, texel: usize) {
+        let mut first = self.get(texel);
+        first.set_open();
+        self.info.as_flattened_mut()[texel] = first.info();
+    }
+
+    /// Returns the columns that have one.
+    #[inline(always)]
+    fn met(&self) -> u64 {
+        texels_where(|texel| !self.get(texel).is_none())
+    }
+
+    /// Adds a surface with these depths to the texels `covered` of a row.
+    #[inline(always)]
+    fn add_row(
+        &mut self,
+        row: usize,
+        covered: &Lanes,
+        depths: &[FixedDepth; BLOCK_SIDE],
+        info: u32,
+        owner: u32,
+    ) {
+        let (depth, infos, owners) = (&mut self.depth[row], &mut self.info[row], &mut self.owner[row]);
+        for c in 0..BLOCK_SIDE {
+            let d = depths[c];
+            let is_first = (d < depth[c]) | (d == depth[c]) & (info < infos[c]);
+            let is_new = is_first & (covered[c] != 0);
+            depth[c] = if is_new { d } else { depth[c] };
+            infos[c] = if is_new { info } else { infos[c] };
+            owners[c] = if is_new { owner } else { owners[c] };
+        }
+    }
+}
+
+/// The texels of a set in one row: all bits of a lane, or none.
+type Lanes = [i32; BLOCK_SIDE];
+
+/// The lanes of every row of eight bits.
+static LANES: [Lanes; 256] = {
+    let mut lanes = [[0; BLOCK_SIDE]; 256];
+    let mut i = 0;
+    while i < 256 * BLOCK_SIDE {
+        let (row, column) = (i / BLOCK_SIDE, i % BLOCK_SIDE);
+        lanes[row][column] = -((row >> column & 1) as i32);
+        i += 1;
+    }
+    lanes
+};
+
+/// Iterates over the rows of `mask` that have texels: number and texels of the row.
+#[inline(always)]
+fn rows_of(mask: u64) -> impl Iterator<Item = (usize, &'static Lanes)> {
+    let rows = mask.to_le_bytes().into_iter().enumerate();
+    rows.filter(|(_, texels)| *texels != 0).map(|(row, texels)| (row, &LANES[usize::from(texels)]))
 }
 
 /// Computes the columns of `block`, which has level 3, by [`crate::columns::rules::ColumnRules::column`]. `inside` is
@@ -101,6 +200,32 @@ pub(crate) fn leaf_columns(
     setting: Setting<'_>,
     buffers: &mut LeafBuffers,
 ) -> BlockColumns {
+    setting.arch.dispatch(Task { block, inside, near, known_behind, setting, buffers })
+}
+
+/// The arguments of [`leaf_columns`].
+struct Task<'a> {
+    block: &'a Block,
+    inside: u64,
+    near: NearSurfaces<'a>,
+    known_behind: FixedDepth,
+    setting: Setting<'a>,
+    buffers: &'a mut LeafBuffers,
+}
+
+impl pulp::WithSimd for Task<'_> {
+    type Output = BlockColumns;
+
+    /// Inlined, like all loops over texels below it, into a function that is compiled for the widest vectors at hand.
+    /// No result depends on them.
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> BlockColumns {
+        compute(self)
+    }
+}
+
+#[inline(always)]
+fn compute(Task { block, inside, near, known_behind, setting, buffers }: Task<'_>) -> BlockColumns {
     buffers.crossings.clear();
     buffers.masked.clear();
     buffers.seams.clear();
@@ -111,14 +236,14 @@ pub(crate) fn leaf_columns(
         block,
         ranges: near.ranges,
         inside,
-        first: [FirstSurface::NONE; TEXELS],
-        owner: [NOBODY; TEXELS],
-        entered: [0; TEXELS],
-        deepest: [FixedDepth::MIN; TEXELS],
-        base: [0; TEXELS],
-        next: [FixedDepth::MAX; TEXELS],
-        matters_before: [FixedDepth::MIN; TEXELS],
-        centers: [block.x, block.y].map(|from| std::array::from_fn(|i| f64::from(from) + i as f64 + 0.5)),
+        first: Firsts::none(),
+        entered: [[0; BLOCK_SIDE]; BLOCK_SIDE],
+        deepest: [[FixedDepth::MIN; BLOCK_SIDE]; BLOCK_SIDE],
+        base: [[0; BLOCK_SIDE]; BLOCK_SIDE],
+        next: [[FixedDepth::MAX; BLOCK_SIDE]; BLOCK_SIDE],
+        shadowed_from: [[FixedDepth::MIN; BLOCK_SIDE]; BLOCK_SIDE],
+        matters_before: [[FixedDepth::MIN; BLOCK_SIDE]; BLOCK_SIDE],
+        centers: [centers(block.x), centers(block.y)],
         buffers,
     };
     leaf.sample_all(&order);
@@ -126,13 +251,20 @@ pub(crate) fn leaf_columns(
     leaf.add_masked();
     leaf.resolve_solids();
     leaf.ask_all(&order, known_behind);
-    let mut columns = BlockColumns::free();
-    for texel in texels_of(inside) {
-        [columns.e[texel], columns.x[texel]] =
-            setting.rules.column(leaf.first[texel], leaf.base[texel], leaf.next[texel]);
-    }
+    let mut columns = leaf.columns();
+    leaf.bound(near, &mut columns);
     buffers.order = order;
     columns
+}
+
+/// Returns the centres of eight texels from `first` on.
+#[inline(always)]
+fn centers(first: u32) -> [f64; BLOCK_SIDE] {
+    let mut centers = [0.0; BLOCK_SIDE];
+    for (i, center) in centers.iter_mut().enumerate() {
+        *center = f64::from(first) + i as f64 + 0.5;
+    }
+    centers
 }
 
 impl LeafBuffers {
@@ -152,6 +284,7 @@ impl LeafBuffers {
 impl Leaf<'_> {
     /// Samples surfaces from the light on, and skips columns that are resolved: no surface visited so far extends past
     /// the next one, and every solid that was entered has been left.
+    #[inline(always)]
     fn sample_all(&mut self, order: &[Near]) {
         let (mut reached, mut resolved) = (FixedDepth::MIN, 0);
         for near in order {
@@ -160,15 +293,15 @@ impl Leaf<'_> {
                 continue;
             }
             if near.low > reached {
-                resolved = texels_of(self.inside & !resolved)
-                    .filter(|&texel| !self.first[texel].is_none() && self.entered[texel] == 0)
-                    .fold(resolved, |mask, texel| mask | 1 << texel);
+                let left = texels_where(|texel| self.entered.as_flattened()[texel] == 0);
+                resolved = self.first.met() & left;
             }
             reached = reached.max(near.high);
             self.sample(near, surface, resolved);
         }
     }
 
+    #[inline(always)]
     fn sample(&mut self, near: &Near, surface: &Surface, resolved: u64) {
         let (block, Setting { scene, grid, rules, .. }) = (self.block, self.setting);
         let shape = &surface.shape;
@@ -185,13 +318,21 @@ impl Leaf<'_> {
             && exact & self.inside != 0
             && let Some(range) = &self.ranges[near.place as usize].sampled
         {
-            for texel in texels_of(exact & self.inside) {
-                self.deepest[texel] = self.deepest[texel].max(range.lifted_low);
+            for (row, texels) in rows_of(exact & self.inside) {
+                for (c, deepest) in self.deepest[row].iter_mut().enumerate() {
+                    let low = if texels[c] != 0 { range.lifted_low } else { FixedDepth::MIN };
+                    *deepest = low.max(*deepest);
+                }
             }
         }
         if covered | seam == 0 {
             return;
         }
+        let mut depths = [[0; BLOCK_SIDE]; BLOCK_SIDE];
+        for (row, _) in rows_of(covered | seam) {
+            depths[row] = shape.depths_at(plane.along(&self.centers[0], self.centers[1][row]));
+        }
+        let depth = |texel: usize| depths.as_flattened()[texel];
         let info = rules.surface_info(shape.slope, surface.solid);
         if surface.masked {
             let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
@@ -199,39 +340,36 @@ impl Leaf<'_> {
                 let [x, y] = self.center(texel);
                 let places = mask.coverage(scene, x, y);
                 if places != 0 {
-                    let depth = shape.depth_at(&plane, x, y);
-                    self.buffers.masked.push(MaskedHit::new(texel, depth, info, places));
+                    self.buffers.masked.push(MaskedHit::new(texel, depth(texel), info, places));
                 }
             }
             return;
         }
-        for texel in texels_of(seam) {
-            let [x, y] = self.center(texel);
-            let depth = shape.depth_at(&plane, x, y);
-            self.buffers.seams.push(SeamHit::new(texel, depth, info, surface));
+        let seams = texels_of(seam).map(|texel| SeamHit::new(texel, depth(texel), info, surface));
+        self.buffers.seams.extend(seams);
+        for (row, texels) in rows_of(covered) {
+            self.first.add_row(row, texels, &depths[row], info, near.surface);
         }
-        let exit_bit = u32::from(!shape.faces_sun);
-        for texel in texels_of(covered) {
-            let [x, y] = self.center(texel);
-            let depth = shape.depth_at(&plane, x, y);
-            let first = FirstSurface::new(depth, info);
-            if first < self.first[texel] {
-                self.first[texel] = first;
-                self.owner[texel] = near.surface;
+        if surface.solid && covered != 0 {
+            let leaves = !shape.faces_sun;
+            let one = if leaves { -1 } else { 1 };
+            for (row, texels) in rows_of(covered) {
+                for (c, entered) in self.entered[row].iter_mut().enumerate() {
+                    *entered += one & texels[c];
+                }
             }
-            if surface.solid {
-                self.entered[texel] += if shape.faces_sun { 1 } else { -1 };
-                self.buffers.crossings.push((texel as u8, columns::crossing_key(depth, exit_bit)));
-            }
+            self.buffers.crossings.push(Crossings { covered, leaves, depths });
         }
     }
 
+    #[inline(always)]
     fn center(&self, texel: usize) -> [f64; 2] {
         [self.centers[0][texel % BLOCK_SIDE], self.centers[1][texel / BLOCK_SIDE]]
     }
 
+    #[inline(always)]
     fn add_seams(&mut self, order: &[Near]) {
-        let Self { first, owner, buffers, block, .. } = self;
+        let Self { first, buffers, block, .. } = self;
         if !columns::keep_meeting_seams(&mut buffers.seams) {
             return;
         }
@@ -243,8 +381,8 @@ impl Leaf<'_> {
             });
         }
         columns::close_seams(&buffers.seams, |texel, surface| {
-            if surface < first[texel] {
-                (first[texel], owner[texel]) = (surface, NOBODY);
+            if surface < first.get(texel) {
+                first.set(texel, surface);
             }
         });
     }
@@ -254,69 +392,88 @@ impl Leaf<'_> {
         if self.buffers.masked.is_empty() {
             return;
         }
-        let before = self.first;
-        masked::add_first_surfaces(&mut self.buffers.masked, &mut self.first);
-        for (texel, owner) in self.owner.iter_mut().enumerate() {
-            if self.first[texel] != before[texel] {
-                *owner = NOBODY;
+        let mut first: [FirstSurface; TEXELS] = std::array::from_fn(|texel| self.first.get(texel));
+        masked::add_first_surfaces(&mut self.buffers.masked, &mut first);
+        for (texel, &first) in first.iter().enumerate() {
+            if first != self.first.get(texel) {
+                self.first.set(texel, first);
             }
         }
     }
 
     /// Writes to `base` the depth behind which other receivers matter: the end of the solid that is hit first, or the
     /// first surface itself.
+    #[inline(always)]
     fn resolve_solids(&mut self) {
-        self.base = self.first.map(FirstSurface::depth);
-        let mut ends = [0_u32; TEXELS];
-        let LeafBuffers { crossings, sorted, .. } = &mut *self.buffers;
-        for (texel, _) in crossings.iter() {
-            ends[usize::from(*texel)] += 1;
-        }
-        let mut sum = 0;
-        for end in &mut ends {
-            sum += std::mem::replace(end, sum);
-        }
-        sorted.clear();
-        sorted.resize(crossings.len(), 0);
-        for (texel, key) in crossings.iter() {
-            let end = &mut ends[usize::from(*texel)];
-            sorted[*end as usize] = *key;
-            *end += 1;
-        }
-        let mut start = 0;
-        for (texel, &end) in ends.iter().enumerate() {
-            let keys = &mut sorted[start..end as usize];
-            if !keys.is_empty() && self.first[texel].is_solid() {
-                keys.sort_unstable();
-                match columns::solid_end(keys) {
-                    Some(exit) => self.base[texel] = exit,
-                    None => self.first[texel].set_open(),
+        self.base = self.first.depth;
+        let solid = texels_where(|texel| self.first.get(texel).is_solid());
+        let crossings = &self.buffers.crossings;
+        let (mut crossed, mut ends) = (0, [[FixedDepth::MAX; BLOCK_SIDE]; BLOCK_SIDE]);
+        for end in crossings {
+            crossed |= end.covered;
+            if !end.leaves {
+                continue;
+            }
+            // It is the end of the columns that have by then left what they entered.
+            for (row, texels) in rows_of(end.covered & solid) {
+                let (mut inside, at) = ([0; BLOCK_SIDE], &end.depths[row]);
+                for other in crossings {
+                    let texels = other.covered >> (BLOCK_SIDE * row) & 0xff;
+                    let (covered, one) = (&LANES[texels as usize], if other.leaves { -1 } else { 1 });
+                    for c in 0..BLOCK_SIDE {
+                        let counted = one & covered[c];
+                        inside[c] += if other.depths[row][c] <= at[c] { counted } else { 0 };
+                    }
+                }
+                for c in 0..BLOCK_SIDE {
+                    let is_end = (texels[c] != 0) & (inside[c] <= 0);
+                    let depth = if is_end { at[c] } else { FixedDepth::MAX };
+                    ends[row][c] = depth.min(ends[row][c]);
                 }
             }
-            start = end as usize;
+        }
+        let ended = texels_where(|texel| ends.as_flattened()[texel] != FixedDepth::MAX);
+        for row in 0..BLOCK_SIDE {
+            for c in 0..BLOCK_SIDE {
+                let end = ends[row][c];
+                self.base[row][c] = if end == FixedDepth::MAX { self.base[row][c] } else { end };
+            }
+        }
+        for texel in texels_of(solid & crossed & !ended) {
+            self.first.set_open(texel);
         }
     }
 
     /// Finds, for each column with a first surface, the nearest depth at which a receiver behind its base samples it.
     /// Something behind all bases is sampled at `known_behind` or deeper.
+    #[inline(always)]
     fn ask_all(&mut self, order: &[Near], known_behind: FixedDepth) {
-        let (mut asking, mut base_low, mut first_low) = (0, FixedDepth::MAX, FixedDepth::MAX);
-        let met = texels_where(|texel| !self.first[texel].is_none());
-        for texel in texels_of(self.inside & met) {
-            let (first, base) = (self.first[texel], self.base[texel]);
-            self.next[texel] = known_behind;
-            let shadowed_from = self.shadowed_from(texel);
-            let farthest = shadowed_from.max(base.saturating_add(SUBTEXEL as FixedDepth));
-            if self.deepest[texel] > farthest {
-                self.next[texel] = known_behind.min(self.deepest[texel]);
+        let rules = self.setting.rules;
+        let asking = self.inside & self.first.met();
+        for row in 0..BLOCK_SIDE {
+            for c in 0..BLOCK_SIDE {
+                let first = FirstSurface::new(self.first.depth[row][c], self.first.info[row][c]);
+                let (base, deepest) = (self.base[row][c], self.deepest[row][c]);
+                let exit = rules.exit(first, base);
+                let is_free = rules.latest_switch(exit) == FREE_TO_END;
+                let shadowed_from = if is_free { FixedDepth::MAX } else { exit.saturating_add(BEHIND_EXIT) };
+                let farthest = shadowed_from.max(base.saturating_add(SUBTEXEL as FixedDepth));
+                let next = if deepest > farthest { known_behind.min(deepest) } else { known_behind };
+                let any_counts = (next == FixedDepth::MAX) & rules.assume_ground;
+                self.shadowed_from[row][c] = shadowed_from;
+                self.next[row][c] = if first.is_none() { FixedDepth::MAX } else { next };
+                self.matters_before[row][c] =
+                    if any_counts { FixedDepth::MAX } else { shadowed_from.min(next) };
             }
-            let any_counts = self.next[texel] == FixedDepth::MAX && self.setting.rules.assume_ground;
-            self.matters_before[texel] =
-                if any_counts { FixedDepth::MAX } else { shadowed_from.min(self.next[texel]) };
-            asking |= 1 << texel;
-            base_low = base_low.min(base);
-            first_low = first_low.min(first.depth());
         }
+        let nearest = |depths: &Texels<FixedDepth>| {
+            let mut nearest = FixedDepth::MAX;
+            for (t, &depth) in depths.as_flattened().iter().enumerate() {
+                nearest = nearest.min(if asking >> t & 1 == 1 { depth } else { FixedDepth::MAX });
+            }
+            nearest
+        };
+        let (base_low, first_low) = (nearest(&self.base), nearest(&self.first.depth));
         let half = self.setting.rules.footprint_half_texels(ReceiverKind::Footprint);
         // Snapping may have moved the corners.
         let reach = (half * SUBTEXEL as f64).ceil() as i64 + 2;
@@ -332,10 +489,12 @@ impl Leaf<'_> {
             // The first surface is not behind itself.
             let surface = &self.setting.surfaces[near.surface as usize];
             let within_reach = surface.surface.shape.centers_within_box(self.block.x, self.block.y, reach);
-            let wanted = texels_of(asking & within_reach)
-                .filter(|&t| self.owner[t] != near.surface)
-                .filter(|&t| range.lifted_low < self.matters_before[t] && range.deepest > self.base[t])
-                .fold(0, |mask, texel| mask | 1 << texel);
+            let (owner, before) = (self.first.owner.as_flattened(), self.matters_before.as_flattened());
+            let base = self.base.as_flattened();
+            let may_matter = texels_where(|t| {
+                (owner[t] != near.surface) & (range.lifted_low < before[t]) & (range.deepest > base[t])
+            });
+            let wanted = asking & within_reach & may_matter;
             if wanted != 0 {
                 self.ask(wanted, surface);
                 any_matters_before = self.any_matters_before(asking);
@@ -344,23 +503,74 @@ impl Leaf<'_> {
     }
 
     /// Returns the largest of [`Self::matters_before`] over these texels.
+    #[inline(always)]
     fn any_matters_before(&self, asking: u64) -> FixedDepth {
-        texels_of(asking).map(|texel| self.matters_before[texel]).max().unwrap_or(FixedDepth::MIN)
+        let mut farthest = FixedDepth::MIN;
+        for (texel, &depth) in self.matters_before.as_flattened().iter().enumerate() {
+            farthest = farthest.max(if asking >> texel & 1 == 1 { depth } else { FixedDepth::MIN });
+        }
+        farthest
     }
 
-    /// Returns the depth from which on the column is in shadow, whatever is behind it; [`FixedDepth::MAX`] if its exit
-    /// is beyond the grid.
-    fn shadowed_from(&self, texel: usize) -> FixedDepth {
+    /// Returns the columns, with no regard to filters.
+    #[inline(always)]
+    fn columns(&self) -> BlockColumns {
+        let mut columns = BlockColumns::free();
+        for texel in 0..TEXELS {
+            let (base, next) = (self.base.as_flattened()[texel], self.next.as_flattened()[texel]);
+            let [e, x] = self.setting.rules.column(self.first.get(texel), base, next);
+            let is_inside = self.inside >> texel & 1 == 1;
+            columns.e[texel] = if is_inside { e } else { columns.e[texel] };
+            columns.x[texel] = if is_inside { x } else { columns.x[texel] };
+        }
+        columns
+    }
+
+    /// Bounds the columns where filters around surfaces near them read.
+    #[inline(always)]
+    fn bound(&self, near: NearSurfaces<'_>, columns: &mut BlockColumns) {
         let rules = self.setting.rules;
-        let exit = rules.exit(self.first[texel], self.base[texel]);
-        if rules.latest_switch(exit) == FREE_TO_END {
-            FixedDepth::MAX
-        } else {
-            exit.saturating_add(BEHIND_EXIT)
+        let can_be_bounded = |columns: &BlockColumns| {
+            self.inside & texels_where(|t| columns.x[t] > ColumnRules::contact_from(columns.e[t]))
+        };
+        let mut open = can_be_bounded(columns);
+        let margins = rules.contact_margins();
+        for &s in near.list.iter().chain(near.beside) {
+            if open == 0 {
+                return;
+            }
+            let surface = &self.setting.surfaces[s as usize];
+            let Some(receiver) = &surface.receiver else { continue };
+            let shape = &surface.surface.shape;
+            let near =
+                open & shape.centers_within_box(self.block.x, self.block.y, margins[CONTACT_RINGS - 1]);
+            let mut contacts = [[0; BLOCK_SIDE]; BLOCK_SIDE];
+            for (row, _) in rows_of(near) {
+                let z = receiver.plane.along(&self.centers[0], self.centers[1][row]);
+                for (contact, z) in contacts[row].iter_mut().zip(z) {
+                    *contact = rules.contact_at(receiver, z);
+                }
+            }
+            let contacts = contacts.as_flattened();
+            let wanted = near
+                & texels_where(|t| {
+                    (contacts[t] >= ColumnRules::contact_from(columns.e[t])) & (contacts[t] < columns.x[t])
+                });
+            if wanted == 0 {
+                continue;
+            }
+            let reached = shape.coverage(self.block.x, self.block.y, margins);
+            for texel in texels_of(wanted & reached[CONTACT_RINGS - 1]) {
+                let ring = reached.iter().filter(|mask| **mask >> texel & 1 == 0).count();
+                columns.x[texel] =
+                    ColumnRules::bounded([columns.e[texel], columns.x[texel]], ring, contacts[texel]);
+            }
+            open = can_be_bounded(columns);
         }
     }
 
     /// Evaluates `surface` as a receiver for the texels in `wanted`.
+    #[inline(always)]
     fn ask(&mut self, wanted: u64, BlockSurface { surface, receiver, .. }: &BlockSurface) {
         let (block, rules) = (self.block, self.setting.rules);
         let Some(receiver) = receiver else { return };
@@ -379,12 +589,12 @@ impl Leaf<'_> {
                 }
                 let texel = row * BLOCK_SIDE + column;
                 let at = [block.x + column as u32, block.y + row as u32].map(i64::from);
-                let (base, first) = (self.base[texel], self.first[texel]);
+                let (base, first) = (self.base[row][column], self.first.get(texel));
                 let triangle = (&surface.shape, receiver);
                 let next = rules.receiver_behind(ReceiverKind::Footprint, triangle, at, base, first);
-                if next < self.next[texel] {
-                    self.next[texel] = next;
-                    self.matters_before[texel] = next.min(self.shadowed_from(texel));
+                if next < self.next[row][column] {
+                    self.next[row][column] = next;
+                    self.matters_before[row][column] = next.min(self.shadowed_from[row][column]);
                 }
             }
         }

@@ -1,9 +1,9 @@
 //! Regression tests for fuzzer findings, reduced to the smallest scenes that show them. The sun is overhead and a voxel
 //! is 1 m, so grid point (x, y, z) is world point (x, -z, y).
 
+use crate::choose;
 use crate::options::{BakeOptions, Size};
 use crate::plain::agreement::{BothBuffers, for_each_column};
-use crate::plan::Plan;
 use adumbra::Bias;
 use adumbra::grid::Sun;
 use adumbra_scene::{Instance, Material, Mesh, Scene};
@@ -28,7 +28,7 @@ fn scene(triangles: &[[[f32; 3]; 3]], times: usize) -> Scene {
 
 fn assert_builders_agree(scene: &Scene, bias: Bias) {
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("overhead");
-    let plan = Plan::new(scene, &BakeOptions { bias, ..BakeOptions::new(sun, Size::VoxelSize(1.0)) })
+    let plan = choose::plan(scene, &BakeOptions { bias, ..BakeOptions::new(sun, Size::VoxelSize(1.0)) })
         .expect("small");
     let (mut buffers, mut undrawn) = (BothBuffers::default(), 0);
     for tile in 0..plan.tiles.count() {

@@ -26,8 +26,8 @@ use scenes::Case;
 use totals::Totals;
 use truth::Truth;
 
+use crate::choose;
 use crate::options::BakeOptions;
-use crate::plan::Plan;
 use adumbra_scene::Scene;
 
 /// Seeds of the quick test.
@@ -48,7 +48,7 @@ fn check(seed: u64) -> Result<Totals, String> {
 
 fn check_case(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Totals, String> {
     let mut totals = Totals { scenes: 1, ..Totals::default() };
-    let plan = match Plan::new(scene, options) {
+    let plan = match choose::plan(scene, options) {
         Ok(plan) if plan.tiles.grid.size[2] <= MAX_LAYERS => plan,
         Ok(_) | Err(crate::Error::Range(_) | crate::Error::MemoryLimit { .. }) => {
             totals.refused += 1;

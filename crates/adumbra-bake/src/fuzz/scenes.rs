@@ -1,9 +1,11 @@
 //! A fuzzer case: scene and options, both determined by a seed.
 
+use std::f64::consts::PI;
+
 use crate::MAX_SWITCH_WITHIN;
 use crate::fuzz::dice::Dice;
 use crate::fuzz::parts::Modeller;
-use crate::options::{BakeOptions, Size};
+use crate::options::{BakeOptions, FrameChoice, Size};
 use adumbra::grid::{Bounds, Sun};
 use adumbra::{Bias, Receivers};
 use adumbra_scene::{AlphaMode, Instance, Material, Mesh, Pixels, Scene, Texture, Wrap};
@@ -180,6 +182,12 @@ fn options(dice: &mut Dice, frame: &Frame, sun: Sun, resolution: u32, voxel_worl
         bounds,
         bias: bias(dice),
         max_memory_bytes: dice.chance(0.02).then_some(256 << 20),
+        frame: match dice.below(5) {
+            0 | 1 => FrameChoice::Light,
+            2 => FrameChoice::Oblique,
+            3 => FrameChoice::ObliqueAt(dice.within(-PI..PI)),
+            _ => FrameChoice::Auto,
+        },
         ..BakeOptions::new(sun, size)
     }
 }

@@ -8,6 +8,7 @@ use crate::plan::Plan;
 use crate::tiles::Tiles;
 use crate::triangles::project::{Projected, SUBTEXEL};
 use adumbra::grid::LightGrid;
+use adumbra::grid::vec3::dot;
 use adumbra_scene::{AlphaMode, Scene, topology};
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
@@ -72,7 +73,8 @@ impl<'s> Truth<'s> {
             }
         }
         let tracer = Tracer::build(scene, TraceOptions { ignore_alpha: options.ignore_alpha });
-        let rounding = 16.0 * f64::EPSILON * largest / grid.voxel_size;
+        let longest_axis = grid.axes.into_iter().map(|axis| dot(axis, axis)).fold(0.0, f64::max).sqrt();
+        let rounding = 16.0 * f64::EPSILON * largest * longest_axis / grid.voxel_size;
         Self { grid, triangles, rules, tracer, rounding }
     }
 
@@ -130,8 +132,8 @@ impl<'s> Truth<'s> {
         let surface = receiver.plane.at(center[0], center[1]);
         // The bake allows for the rounding of look-ups. With less than a voxel of bias, voxels are too coarse to
         // distinguish a surface from something one voxel before it.
-        let constant = self.rules.bias.constant_texels + self.rules.bias.normal_offset_texels;
-        let before = (receiver.rounding_voxels + 2.0 / 256.0).max(1.0 - constant).max(DEPTH_SLACK);
+        let least_lift = self.rules.least_lift_voxels();
+        let before = (receiver.rounding_voxels + 2.0 / 256.0).max(1.0 - least_lift).max(DEPTH_SLACK);
         let (mut blocked, mut entered, mut within_bias) = (false, 0, false);
         for (n, t) in self.triangles.iter().enumerate() {
             if (!t.casts && n != own) || t.is_beside(center, outline) {

@@ -3,6 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use crate::choose;
 use crate::columns::capture::{CaptureBuffers, capture};
 use crate::columns::rules::Columns;
 use crate::columns::{BLOCK_SIDE, BlockColumns};
@@ -136,7 +137,7 @@ pub(crate) fn for_each_column(
 
 /// Compares every `step`-th root block. Returns the number of drawn texels and the total number of texels.
 fn assert_agreement(name: &str, scene: &Scene, options: &BakeOptions, step: usize) -> [u64; 2] {
-    let plan = Plan::new(scene, options).expect("the scene fits");
+    let plan = choose::plan(scene, options).expect("the scene fits");
     let dag = bake_graph(scene, options).expect("the scene fits").dag;
     let mut buffers = BothBuffers::default();
     let mut random = Random::new(7, 0);

@@ -3,8 +3,9 @@
 
 use proptest::prelude::*;
 
+use crate::choose;
 use crate::columns::rules::{ColumnRules, FREE_TO_END};
-use crate::options::{BakeOptions, Builder, Size};
+use crate::options::{BakeOptions, Builder, FrameChoice, Size};
 use crate::plan::Plan;
 use crate::test_bakes::{BakedGraph, bake_graph};
 use crate::triangles::project::{
@@ -51,6 +52,7 @@ fn grid_triangles(scene: &Scene, plan: &Plan<'_>, closed_regions: bool) -> Vec<G
 fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64) -> DenseColumn {
     let n = rules.depth_voxels;
     let (x, y) = (i as f64 + 0.5, j as f64 + 0.5);
+    let center = [x, y];
     // Open surfaces are grown by the seam width. A solid's sunward side is grown where another solid's meets it.
     let mut hits: Vec<(FixedDepth, bool, &GridTriangle)> = Vec::new();
     let mut seams: Vec<(FixedDepth, FixedDepth, u32)> = Vec::new();
@@ -125,19 +127,48 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
         (voxels - 0.5).ceil().clamp(0.0, f64::from(n)) as u32
     };
     let exit = match (solid_end, next) {
-        (_, None) if rules.assume_ground => None,
+        (_, None) if rules.assume_ground && entry >= 0 => None,
         (Some(end), _) => Some(end),
-        (None, _) => Some(entry + ((rules.thickness_voxels * SUBTEXEL as f64) as FixedDepth).max(bias)),
+        (None, _) => Some(entry + rules.thickness.max(bias)),
     };
     let e = voxel(entry);
     let x = exit.map_or(FREE_TO_END, |exit| voxel(exit).max(e));
     let x = if x >= n { FREE_TO_END } else { x };
-    let Some(next) = next else { return DenseColumn { e, x } };
-    let asked = (next.div_euclid(SUBTEXEL as FixedDepth).max(0) as u32).min(n - 1);
-    // Look-ups from the first surface, or from what is before it, sample at least the constant bias before it.
-    let before = f64::from(entry) / SUBTEXEL as f64 - rules.bias.constant_texels;
-    let asked = asked.max((before.floor() + 1.0).clamp(0.0, f64::from(n)) as u32);
-    DenseColumn { e: e.min(asked), x: x.min(asked) }
+    let [e, x] = match next {
+        None => [e, x],
+        Some(next) => {
+            let asked = (next.div_euclid(SUBTEXEL as FixedDepth).max(0) as u32).min(n - 1);
+            // Look-ups from the first surface, or from what is before it, sample at least the constant bias before it.
+            let before = f64::from(entry) / SUBTEXEL as f64 - rules.bias.constant_texels;
+            let asked = asked.max((before.floor() + 1.0).clamp(0.0, f64::from(n)) as u32);
+            [e.min(asked), x.min(asked)]
+        }
+    };
+    DenseColumn { e, x: filtered_end(triangles, rules, [e, x], center) }
+}
+
+/// Returns x, or the nearest voxel in which a filter around a receiver near the column's centre must find shadow.
+fn filtered_end(triangles: &[GridTriangle], rules: &ColumnRules, [e, x]: [u32; 2], center: [f64; 2]) -> u32 {
+    let mut end = x;
+    for t in triangles.iter().filter(|t| !t.solid || t.projected.faces_sun) {
+        let Some(plane) = t.projected.true_plane().filter(|p| p.slope() <= MAX_PLANE_SLOPE) else { continue };
+        // Taps are up to four texels from the point; rounding moves their depth by half a step of the gradient each.
+        let rounding = 4.5 / 256.0 + 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0;
+        let lifted = plane.at(center[0], center[1]) - rules.bias.along_light(plane.slope()) - rounding;
+        let voxel = (lifted - 0.5 / SUBTEXEL as f64).clamp(0.0, f64::from(rules.depth_voxels) - 1.0) as u32;
+        for (reach, behind) in [(0.5, 2), (2.0, 6), (4.0, 24)] {
+            // The builder grows snapped triangles.
+            if voxel >= e + behind && is_near(&t.projected, 0.5 + reach - 1.0 / 128.0, center[0], center[1]) {
+                end = end.min(voxel + u32::from(voxel < rules.depth_voxels - 1 && fract_is_close(lifted)));
+            }
+        }
+    }
+    end
+}
+
+/// Whether a depth is so close to a voxel's end that fixed point may take it for the next.
+fn fract_is_close(voxels: f64) -> bool {
+    (voxels - voxels.round()).abs() < 2.0 / SUBTEXEL as f64
 }
 
 /// Half a texel, and 1/256 for snapping.
@@ -231,6 +262,12 @@ prop_compose! {
         switch_within_voxels in prop_oneof![Just(0), 0_u32..12],
         bounds in prop::option::of(any_box()),
         fast in any::<bool>(),
+        frame in prop_oneof![
+            Just(FrameChoice::Light),
+            Just(FrameChoice::Oblique),
+            (-3.0_f64..3.0).prop_map(FrameChoice::ObliqueAt),
+            Just(FrameChoice::Auto),
+        ],
     ) -> BakeOptions {
         let sun = Sun::from_direction([sun.0, sun.1, sun.2]).expect("a sun above the horizon");
         BakeOptions {
@@ -240,6 +277,7 @@ prop_compose! {
             switch_within_voxels,
             bounds: bounds.map(|(min, max)| Bounds { min: min.map(f64::from), max: max.map(f64::from) }),
             builder: if fast { Builder::Fast } else { Builder::Plain },
+            frame,
             ..BakeOptions::new(sun, Size::Resolution(1 << level))
         }
     }
@@ -255,7 +293,7 @@ proptest! {
     #[test]
     fn dag_equals_dense_grid_on_every_defined_voxel(scene in any_scene(), options in any_options()) {
         let baked = bake_quietly(&scene, &options);
-        let plan = Plan::new(&scene, &options).expect("the bake had one");
+        let plan = choose::plan(&scene, &options).expect("the bake had one");
         let triangles = grid_triangles(&scene, &plan, options.closed_regions);
         let [nx, ny, nz] = baked.dag.size;
         prop_assert!(baked.dag.validate().is_ok());
@@ -309,14 +347,14 @@ fn closed_box_leaves_its_inside_free_and_its_shadow_defined() {
     let scene = scene_of(mesh, false);
     let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
     let options = BakeOptions { assume_ground: false, ..BakeOptions::new(sun, Size::Resolution(16)) };
-    let plan = Plan::new(&scene, &options).expect("a small plan");
+    let plan = choose::plan(&scene, &options).expect("a small plan");
     let triangles = grid_triangles(&scene, &plan, true);
-    // 16 texels over 2 m, and one voxel of margin before the roof: entry at 1, exit at 17 of 18.
+    // 16 texels over 2 m. The roof is 16 voxels above the world's origin, and the page before it begins at 24.
     let column = dense_column(&triangles, &plan.tiles.rules, 8, 8);
-    assert_eq!((column.e, column.x), (1, 17));
+    assert_eq!((column.e, column.x), (8, 24));
     let dag = bake_quietly(&scene, &options).dag;
-    assert!(dag.voxel(8, 8, 0));
-    assert!(!dag.voxel(8, 8, 17));
+    assert!(dag.voxel(8, 8, 7));
+    assert!(!dag.voxel(8, 8, 24));
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! Limits how far behind its first surface a column may switch. In a block that is resolved without being drawn, the
 //! distance counts from the deepest first surface of the block.
 //!
-//! The column rules consider only what a receiver finds in its own column, but a filter also reads the columns beside
-//! it. In the columns of a wall, at the depth of the wall's foot, it finds a voxel inside the wall. If that voxel is
-//! free and lit, the contact shadow fades within the filter's reach. Therefore the freedom is cut.
+//! The column rules bound a column where receivers of the scene and the filters around them read it. A filter around a
+//! point that is no part of the scene, such as a mover's beside a wall, may read elsewhere.
 //!
 //! `docs/layouts.md` documents the cost and the benefit.
 

@@ -1,6 +1,8 @@
 //! The scene in the form that the bake traverses: clusters of nearby triangles, and for every tile of the light's plane
 //! the clusters that may touch it.
 
+use std::sync::Arc;
+
 use crate::triangles::adjacency::adjacent_vertices;
 use crate::triangles::cluster::ClusterTriangle;
 use adumbra::grid::LightGrid;
@@ -35,7 +37,7 @@ pub(crate) struct Placed {
 /// The casters of a scene, binned by tile.
 pub(crate) struct Casters<'s> {
     pub(crate) scene: &'s Scene,
-    pub(crate) meshes: Vec<MeshClusters>,
+    pub(crate) meshes: Arc<[MeshClusters]>,
     tile_start: Vec<u32>,
     placed: Vec<Placed>,
 }
@@ -49,18 +51,22 @@ pub(crate) struct CasterOptions {
     pub(crate) outlines: bool,
 }
 
+/// Clusters every mesh of the scene, in any grid.
+pub(crate) fn cluster_meshes(scene: &Scene, options: CasterOptions) -> Arc<[MeshClusters]> {
+    scene.meshes.iter().map(|mesh| cluster_mesh(scene, mesh, options)).collect()
+}
+
 impl<'s> Casters<'s> {
-    /// Clusters every mesh and bins every placed cluster into tiles of `tile_side` texels; `tiles` is their number
-    /// across and down. `reach_texels` is how far outside its outline a triangle still matters.
+    /// Bins every placed cluster of `meshes` into tiles of `tile_side` texels; `tiles` is their number across and down.
+    /// `reach_texels` is how far outside its outline a triangle still matters.
     pub(crate) fn new(
         scene: &'s Scene,
-        options: CasterOptions,
+        meshes: Arc<[MeshClusters]>,
         grid: &LightGrid,
         tile_side: u32,
         tiles: [u32; 2],
         reach_texels: f64,
     ) -> Self {
-        let meshes: Vec<_> = scene.meshes.iter().map(|m| cluster_mesh(scene, m, options)).collect();
         let mut starts = vec![0_u32; (tiles[0] * tiles[1]) as usize + 1];
         let mut placed = Vec::new();
         for fill in [false, true] {

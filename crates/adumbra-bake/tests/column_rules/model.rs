@@ -50,12 +50,6 @@ impl Model {
         let teeth = ((x[1] - x[0]) / pitch) as usize;
         toothed_bar(x[0], teeth, pitch, y, z).into_iter().for_each(|face| self.quad(face));
     }
-
-    /// Adds a tiny triangle at this position, which shifts the grid along the light when the sun is high.
-    pub(crate) fn speck(&mut self, at: Point) {
-        let [x, y, z] = at;
-        self.triangle([[x, y, z], [x, y, z + 0.1], [x + 0.1, y, z + 0.1]]);
-    }
 }
 
 /// Returns the corners of a box, for [`Model::hexahedron`].

@@ -3,7 +3,7 @@
 
 use adumbra::Sun;
 use adumbra::query::receiver;
-use adumbra_bake::{BakeOptions, Builder, Size};
+use adumbra_bake::{BakeOptions, Builder, FrameChoice, Size};
 use adumbra_scene::Scene;
 use adumbra_scene::random::Random;
 use adumbra_testing::BakedGraph;
@@ -38,8 +38,10 @@ struct Layers {
     /// Slope of level ground to the light.
     slope: f64,
     azimuth: f64,
-    /// Offset of the grid along the light, voxels.
+    /// Offset of the scene along the light, voxels.
     phase: f64,
+    /// The yaw of the oblique frame; `None` = the light's frame.
+    yaw_radians: Option<f64>,
     switch_within_voxels: u32,
     builder: Builder,
     seed: u64,
@@ -56,22 +58,24 @@ prop_compose! {
         slope in prop_oneof![Just(0.0), 0.0_f64..9.0],
         azimuth in 0.0_f64..std::f64::consts::TAU,
         phase in 0.0_f64..1.0,
+        yaw_radians in prop::option::of(-3.0_f64..3.0),
         switch_within_voxels in prop_oneof![Just(0), Just(8)],
         fast in any::<bool>(),
         seed in any::<u64>(),
     ) -> Layers {
         let builder = if fast { Builder::Fast } else { Builder::Plain };
-        Layers { upper, gap, slope, azimuth, phase, switch_within_voxels, builder, seed }
+        Layers { upper, gap, slope, azimuth, phase, yaw_radians, switch_within_voxels, builder, seed }
     }
 }
 
 impl Layers {
-    /// Builds floor, upper layer and the speck that shifts the grid, each as its own instance.
+    /// Builds floor and upper layer, each as its own instance.
     fn scene(&self) -> Scene {
         let cosine = 1.0 / self.slope.hypot(1.0);
-        let bottom = self.gap * VOXEL * cosine;
-        let (mut floor, mut upper, mut speck) = (Model::default(), Model::default(), Model::default());
-        floor.level_square(FLOOR_HALF, 0.0);
+        let ground = self.ground();
+        let bottom = ground + self.gap * VOXEL * cosine;
+        let (mut floor, mut upper) = (Model::default(), Model::default());
+        floor.level_square(FLOOR_HALF, ground);
         let [low, high] = [-UPPER_HALF, UPPER_HALF];
         match self.upper {
             Upper::Quad => upper.level_square(UPPER_HALF, bottom),
@@ -84,8 +88,12 @@ impl Layers {
                 upper.toothed_bar([low, high], levels, [low, high], pitch * VOXEL);
             }
         }
-        speck.speck([0.9 * FLOOR_HALF, 2.5 + self.phase * VOXEL / cosine, 0.9 * FLOOR_HALF]);
-        scene(&[floor, upper, speck])
+        scene(&[floor, upper])
+    }
+
+    /// Returns the height of the floor, as a vertex has it.
+    fn ground(&self) -> f64 {
+        f64::from((self.phase * VOXEL * self.slope.hypot(1.0)) as f32)
     }
 
     fn options(&self) -> BakeOptions {
@@ -93,6 +101,7 @@ impl Layers {
         BakeOptions {
             switch_within_voxels: self.switch_within_voxels,
             builder: self.builder,
+            frame: self.yaw_radians.map_or(FrameChoice::Light, FrameChoice::ObliqueAt),
             ..BakeOptions::new(Sun::from_direction(towards).unwrap(), Size::VoxelSize(VOXEL))
         }
     }
@@ -113,7 +122,7 @@ fn expected(tracer: &Tracer<'_>, baked: &BakedGraph, p: Point, own: u32) -> Opti
     {
         let at = |depth: f64| baked.grid.to_world([center[0] + ox, center[1] + oy, depth]);
         // From behind the plane towards the sun, up to the sampled point.
-        let length = VOXEL * (bias + 2.0 * SLACK);
+        let length = baked.grid.voxel_along_light() * (bias + 2.0 * SLACK);
         let near = Ray { origin: at(lifted + bias + SLACK), direction: towards, t_min: 0.0, t_max: length };
         let (mut covers, mut within_bias) = (false, false);
         tracer.for_each_hit(&near, |hit| {
@@ -150,9 +159,9 @@ proptest! {
             let (own, half, y) = match on_upper {
                 Some(above) => {
                     let bottom = layers.gap * VOXEL / layers.slope.hypot(1.0);
-                    (1, UPPER_HALF, bottom + above)
+                    (1, UPPER_HALF, layers.ground() + bottom + above)
                 }
-                None => (0, FLOOR_HALF, 0.0),
+                None => (0, FLOOR_HALF, layers.ground()),
             };
             // Vertices are stored as 32-bit floats.
             let p = [any(half), f64::from(y as f32), any(half)];

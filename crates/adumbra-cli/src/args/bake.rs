@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use adumbra::{Bounds, Receivers};
-use adumbra_bake::{BakeOptions, DEFAULT_SWITCH_WITHIN, LayoutChoice, Preset, Size};
+use adumbra_bake::{BakeOptions, Builder, LayoutChoice, Preset, Size};
 use adumbra_program::args::{LayoutArg, RunArgs, SceneArgs, SunArgs, numbers};
 use adumbra_program::exit::Failure;
 use adumbra_program::progress::Style;
 use adumbra_tree::TreeOptions;
 use clap::ValueEnum;
 
-use super::tree::{FrameArg, TreeArgs};
+use super::tree::TreeArgs;
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum PresetArg {
@@ -39,8 +39,8 @@ pub(crate) enum ReceiversArg {
 pub(crate) struct BakeSettings {
     #[command(flatten)]
     pub(crate) sun: SunArgs,
-    /// A power of two. Light frame: texels on the longest side in the light's plane, 8 to 262144; world frame: voxels
-    /// along the cube's side, at most 32768
+    /// A power of two. Texels on the longest side as the sun sees the scene, 8 to 262144; world frame: voxels along the cube's
+    /// side, at most 32768
     #[arg(long, value_name = "N", conflicts_with = "voxel_size")]
     resolution: Option<u64>,
     /// Edge of a voxel in metres, instead of a resolution
@@ -49,7 +49,7 @@ pub(crate) struct BakeSettings {
     /// Preset resolution
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
-    /// How far below an open surface its shadow may begin, in metres; more gives smaller files [default: the bias at
+    /// How far below an open surface its shadow may begin, in metres along the light; more gives smaller files [default: the bias at
     /// the surface's slope]
     #[arg(
         long,
@@ -59,9 +59,9 @@ pub(crate) struct BakeSettings {
         allow_hyphen_values = true
     )]
     thickness: f64,
-    /// How far behind the first surface of a column its shadow may begin, in voxels. 0 allows anywhere inside the
-    /// solid, for smaller files but paler contact shadows under filters
-    #[arg(long, value_name = "VOXELS", default_value_t = DEFAULT_SWITCH_WITHIN)]
+    /// How far behind the first surface of a column its shadow may begin, in voxels; 0 allows anywhere that no filter
+    /// around a surface reads. A limit, such as 8, keeps contact shadows dark on movers that touch walls
+    #[arg(long, value_name = "VOXELS", default_value_t = 0)]
     switch_within: u32,
     /// Keep shadows below the last surface of a column too (for movers under bridges with nothing below)
     #[arg(long)]
@@ -75,7 +75,7 @@ pub(crate) struct BakeSettings {
     /// Cover this box instead of the scene; casters outside it towards the sun still cast shadows into it
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     bounds: Option<Bounds>,
-    /// How the file stores the voxels [default: packed]
+    /// How the file stores the voxels [default: depths; with --builder plain, packed]
     #[arg(long, value_enum)]
     layout: Option<LayoutArg>,
     #[command(flatten)]
@@ -83,13 +83,13 @@ pub(crate) struct BakeSettings {
 }
 
 impl BakeSettings {
-    /// Returns the options that only the light frame has, and whether each was given.
-    fn light_only(&self) -> [(bool, &'static str); 5] {
+    /// Returns the options that trees do not have, and whether each was given.
+    fn columns_only(&self) -> [(bool, &'static str); 5] {
         [
             (self.thickness != 0.0, "--thickness"),
             (self.no_assume_ground, "--no-assume-ground"),
             (matches!(self.receivers, ReceiversArg::Static), "--receivers static"),
-            (self.switch_within != DEFAULT_SWITCH_WITHIN, "--switch-within"),
+            (self.switch_within != 0, "--switch-within"),
             (self.layout.is_some(), "--layout"),
         ]
     }
@@ -98,7 +98,7 @@ impl BakeSettings {
         let preset = match self.preset {
             Some(PresetArg::Draft) => Preset::Draft,
             Some(PresetArg::Low) => Preset::Low,
-            None if self.tree.frame == FrameArg::World => Preset::Draft,
+            None if self.tree.frame.is_world() => Preset::Draft,
             None | Some(PresetArg::Medium) => Preset::Medium,
             Some(PresetArg::High) => Preset::High,
             Some(PresetArg::Ultra) => Preset::Ultra,
@@ -109,7 +109,12 @@ impl BakeSettings {
             (None, None) => Size::Resolution(preset.resolution().into()),
         };
         Ok(BakeOptions {
-            layout: self.layout.map_or_else(LayoutChoice::default, LayoutChoice::from),
+            frame: self.tree.columns_frame(),
+            layout: match (self.layout, self.tree.light_builder()) {
+                (Some(layout), _) => layout.into(),
+                (None, Builder::Plain) => LayoutChoice::Packed,
+                (None, Builder::Fast) => LayoutChoice::default(),
+            },
             thickness_world: self.thickness,
             switch_within_voxels: self.switch_within,
             assume_ground: !self.no_assume_ground,
@@ -126,10 +131,10 @@ impl BakeSettings {
         })
     }
 
-    /// Whether the bake is a world-aligned tree. An error if options of both frames are mixed.
+    /// Whether the bake is a world-aligned tree. An error if options of both kinds are mixed.
     pub(crate) fn is_tree(&self) -> Result<bool, Failure> {
-        self.tree.check(&self.light_only())?;
-        Ok(self.tree.frame == FrameArg::World)
+        self.tree.check(&self.columns_only())?;
+        Ok(self.tree.frame.is_world())
     }
 
     /// Returns the options of a world-aligned bake.

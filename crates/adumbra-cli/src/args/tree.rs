@@ -1,6 +1,6 @@
 //! Options of world-aligned trees.
 
-use adumbra_bake::{self as bake, BakeOptions};
+use adumbra_bake::{self as bake, BakeOptions, FrameChoice};
 use adumbra_program::args::numbers;
 use adumbra_program::exit::Failure;
 use adumbra_tree::query::Weights;
@@ -9,17 +9,27 @@ use clap::ValueEnum;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FrameArg {
-    /// Columns along the light: smaller, and filters like a shadow map
+    /// Oblique, unless its file is forecast to be more than a tenth larger than light's; light below 5° of sun
+    Auto,
+    /// Columns along the light, in a plane across it
     Light,
+    /// Columns along the light, over level ground: small where roofs are flat and walls are parallel
+    Oblique,
     /// A cube of the world, divided into eight recursively: the paper's tree
     World,
 }
 
+impl FrameArg {
+    pub(crate) fn is_world(self) -> bool {
+        self == Self::World
+    }
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum BuilderArg {
-    /// Light frame: draw only blocks that silhouettes cross
+    /// Columns: draw only blocks that silhouettes cross
     Fast,
-    /// Light frame: draw every texel
+    /// Columns: draw every texel
     Plain,
     /// World frame: a recursive function
     Recursive,
@@ -86,9 +96,12 @@ const REPRODUCE: &str = "Only to reproduce the papers' tables";
 /// The choice of the frame, and the options of `--frame world`.
 #[derive(clap::Args)]
 pub(crate) struct TreeArgs {
-    /// What the voxels are aligned with
-    #[arg(long, value_enum, default_value = "light")]
+    /// How the voxels lie in the world
+    #[arg(long, value_enum, default_value = "auto")]
     pub(crate) frame: FrameArg,
+    /// Oblique frame: angle from +X to the grid's x axis, towards +Z [default: along most of the scene's edges]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    yaw: Option<f64>,
     /// World frame: depth of the tree (2^depth voxels across the cube) within a rectangle seen from above; may be
     /// repeated
     #[arg(long = "region", value_name = "X0,Z0,X1,Z1:DEPTH", allow_hyphen_values = true, value_parser = parse_region)]
@@ -106,8 +119,8 @@ pub(crate) struct TreeArgs {
     /// World frame: store a byte for each voxel at a shadow border
     #[arg(long, value_enum, conflicts_with = "symmetry")]
     pub(crate) attribute: Option<AttributeArg>,
-    /// How the bake is made; every point that must be answered gets the same answer [default: light: fast, world:
-    /// pooled]
+    /// How the bake is made; every point that must be answered gets the same answer [default: columns: fast,
+    /// world: pooled]
     #[arg(long, value_enum, help_heading = REPRODUCE)]
     builder: Option<BuilderArg>,
     /// World frame: how equal subtrees are found; the result is the same [default: hash]
@@ -125,43 +138,46 @@ pub(crate) struct TreeArgs {
 }
 
 impl TreeArgs {
-    /// Checks that no option of one frame is given with the other. `light_only` lists options of the light frame
-    /// outside this group, and whether each was given.
-    pub(super) fn check(&self, light_only: &[(bool, &'static str)]) -> Result<(), Failure> {
-        let needless = |given: &[(bool, &'static str)], frame: &str, other: &str| match given
-            .iter()
-            .find(|(given, _)| *given)
-        {
-            Some((_, option)) => Err(Failure::Usage(format!(
-                "{option} does not apply to --frame {frame}; remove it, or bake with --frame {other}"
-            ))),
-            None => Ok(()),
-        };
-        match self.frame {
-            FrameArg::Light => needless(
-                &[
-                    (!self.regions.is_empty(), "--region"),
-                    (self.rings.is_some(), "--rings"),
-                    (self.symmetry, "--symmetry"),
-                    (self.lossy.is_some(), "--lossy"),
-                    (self.attribute.is_some(), "--attribute"),
-                    (self.exhaustive, "--exhaustive"),
-                    (self.builder.is_some_and(|b| !b.is_light()), "this --builder"),
-                    (self.reduction.is_some(), "--reduction"),
-                    (self.capture_bias_constant.is_some(), "--capture-bias-constant"),
-                    (self.capture_bias_slope.is_some(), "--capture-bias-slope"),
-                ],
-                "light",
-                "world",
-            ),
-            FrameArg::World => {
-                needless(
-                    &[(self.builder.is_some_and(BuilderArg::is_light), "this --builder")],
-                    "world",
-                    "light",
-                )?;
-                needless(light_only, "world", "light")
-            }
+    /// Checks that no option of one kind of file is given with the other. `columns_only` lists options of files of
+    /// columns outside this group, and whether each was given.
+    pub(super) fn check(&self, columns_only: &[(bool, &'static str)]) -> Result<(), Failure> {
+        let frame = self.frame.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+        let needless =
+            |given: &[(bool, &'static str)], other: &str| match given.iter().find(|(given, _)| *given) {
+                Some((_, option)) => Err(Failure::Usage(format!(
+                    "{option} does not apply to --frame {frame}; remove it, or bake with --frame {other}"
+                ))),
+                None => Ok(()),
+            };
+        if self.frame != FrameArg::Oblique {
+            needless(&[(self.yaw.is_some(), "--yaw")], "oblique")?;
+        }
+        if self.frame.is_world() {
+            needless(&[(self.builder.is_some_and(BuilderArg::is_light), "this --builder")], "light")?;
+            return needless(columns_only, "light");
+        }
+        let world_only = [
+            (!self.regions.is_empty(), "--region"),
+            (self.rings.is_some(), "--rings"),
+            (self.symmetry, "--symmetry"),
+            (self.lossy.is_some(), "--lossy"),
+            (self.attribute.is_some(), "--attribute"),
+            (self.exhaustive, "--exhaustive"),
+            (self.builder.is_some_and(|b| !b.is_light()), "this --builder"),
+            (self.reduction.is_some(), "--reduction"),
+            (self.capture_bias_constant.is_some(), "--capture-bias-constant"),
+            (self.capture_bias_slope.is_some(), "--capture-bias-slope"),
+        ];
+        needless(&world_only, "world")
+    }
+
+    /// Returns the frame of a file of columns. A tree does not use it.
+    pub(super) fn columns_frame(&self) -> FrameChoice {
+        match (self.frame, self.yaw) {
+            (FrameArg::Auto, _) => FrameChoice::Auto,
+            (FrameArg::Light | FrameArg::World, _) => FrameChoice::Light,
+            (FrameArg::Oblique, None) => FrameChoice::Oblique,
+            (FrameArg::Oblique, Some(degrees)) => FrameChoice::ObliqueAt(degrees.to_radians()),
         }
     }
 
@@ -200,7 +216,7 @@ impl TreeArgs {
         }
     }
 
-    /// Returns the method that finds the columns of the light frame.
+    /// Returns the method that finds the columns.
     pub(crate) fn light_builder(&self) -> bake::Builder {
         match self.builder {
             Some(BuilderArg::Plain) => bake::Builder::Plain,

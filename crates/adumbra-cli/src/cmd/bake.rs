@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use adumbra::Bounds;
 use adumbra::file::Layout;
+use adumbra::{Bounds, Frame};
 use adumbra_bake::{BakeOptions, LayoutChoice, Watch, bake, estimate};
 use adumbra_files as files;
 use adumbra_program::exit::{Code, Failure, Outcome};
@@ -56,7 +56,9 @@ pub(super) struct Baked {
     tiles: usize,
     /// Number of texels that were processed one by one.
     drawn_texels: u64,
-    /// Number of texels on the longest side of the scene in the light's plane.
+    /// How the grid lies in the world.
+    frame: Frame,
+    /// Number of texels on the longest side of the scene as the sun sees it.
     resolution: u32,
     /// Number of voxels along x, y and z of the grid.
     size: [u32; 3],
@@ -113,7 +115,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let tree_options = match args.settings.is_tree()? {
         true if args.dry_run => {
             return Err(Failure::Usage(
-                "--dry-run supports only --frame light; a draft of a tree bakes in seconds".to_owned(),
+                "--dry-run does not support --frame world; a draft of a tree bakes in seconds".to_owned(),
             ));
         }
         true => Some(args.settings.tree_options(args.load.ignore_alpha, &args.run)?),
@@ -178,6 +180,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 threads: report.threads,
                 tiles: report.tiles,
                 drawn_texels: report.drawn_texels,
+                frame: grid.frame,
                 resolution: settings.resolution,
                 size: file.grid.size,
                 voxel_size: grid.voxel_size,
@@ -186,10 +189,11 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             })?;
         } else {
             say!(
-                "{} -> {} ({}, {}, {:.4} bits per texel) in {seconds:.1} s, peak memory {}",
+                "{} -> {} ({}, {} frame, {}, {:.4} bits per texel) in {seconds:.1} s, peak memory {}",
                 args.scene.display(),
                 output.display(),
                 file.body.layout().name(),
+                grid.frame.name(),
                 format_bytes(figures.file_bytes),
                 figures.bits_per_texel,
                 format_bytes(peak)

@@ -1,7 +1,7 @@
 //! `adumbra info`: what a shadow file contains.
 
 use adumbra::file::Layout;
-use adumbra::{FileSettings, ShadowFile};
+use adumbra::{FileSettings, Frame, ShadowFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::say;
@@ -23,6 +23,8 @@ pub(super) struct LightInfo {
     bits_per_texel: f64,
     /// How the file stores its shadows.
     layout: Layout,
+    /// How the grid lies in the world.
+    frame: Frame,
     /// Number of nodes of the graph.
     nodes: u64,
     /// Number of leaf masks and planes of 64 bits, wherever the file stores them.
@@ -109,6 +111,7 @@ fn light(args: &Info, file: &ShadowFile) -> Outcome {
             file_bytes: figures.file_bytes,
             bits_per_texel: figures.bits_per_texel,
             layout,
+            frame: file.grid.frame,
             nodes: made_of.nodes,
             leaf_masks: made_of.leaf_masks,
             times_smaller,
@@ -134,6 +137,12 @@ fn light(args: &Info, file: &ShadowFile) -> Outcome {
             figures.bits_per_texel
         );
         say!("  layout          {}", layout.name());
+        match file.grid.frame {
+            Frame::Light => say!("  frame           light"),
+            Frame::Oblique { yaw_radians } => {
+                say!("  frame           oblique, x turned by {:.4}° from +X to +Z", yaw_radians.to_degrees());
+            }
+        }
         say!("  nodes, leaf masks    {}, {}", made_of.nodes, made_of.leaf_masks);
         say!(
             "  bytes           top grid {}, headers {}, pointers {}, leaf masks {}",

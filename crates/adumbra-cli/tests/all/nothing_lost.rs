@@ -28,7 +28,9 @@ fn baked() -> Baked {
 fn bake(scene: &str, output: &str, more: &[&str]) -> (i32, String) {
     let base = ["bake", scene, "-o", output, "--sun", "0,1,0", "--progress", "none"];
     let resolution = if more.contains(&"--resolution") { &[][..] } else { &["--resolution", "256"] };
-    adumbra(&[&base[..], resolution, more].concat())
+    // A layout that can be exported.
+    let layout = if more.contains(&"--frame") { &[][..] } else { &["--layout", "packed"] };
+    adumbra(&[&base[..], resolution, layout, more].concat())
 }
 
 /// Returns other names of a file: another spelling, a symbolic link, a hard link.

@@ -102,12 +102,12 @@ fn render_bakes_on_the_way_what_a_technique_reads() {
     for (shadow, frame, option, note) in [
         (
             "voxel:filter=3",
-            "light",
+            "auto",
             "--resolution",
             "no light-aligned --shadow-file; baking one with 256 texels",
         ),
-        ("voxel+csm:csm=size=256", "light", "--resolution", "baking one with 256 texels"),
-        ("blur:base=voxel", "light", "--resolution", "baking one with 256 texels"),
+        ("voxel+csm:csm=size=256", "auto", "--resolution", "baking one with 256 texels"),
+        ("blur:base=voxel", "auto", "--resolution", "baking one with 256 texels"),
         (
             "voxel-cubes",
             "world",

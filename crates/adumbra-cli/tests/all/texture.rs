@@ -10,7 +10,18 @@ use image::{DynamicImage, ImageFormat, ImageReader, RgbaImage};
 fn bake(folder: &Folder) -> String {
     let scene = folder.generate("city");
     let file = folder.path("city.adumbra");
-    let (code, error) = adumbra(&["bake", &scene, "--resolution", "256", "--progress", "none", "-o", &file]);
+    let (code, error) = adumbra(&[
+        "bake",
+        &scene,
+        "--layout",
+        "packed",
+        "--resolution",
+        "256",
+        "--progress",
+        "none",
+        "-o",
+        &file,
+    ]);
     assert_eq!(code, 0, "{error}");
     file
 }

@@ -210,10 +210,12 @@ fn tree_faults_have_their_exit_codes() {
         assert_eq!(fs::read(&output).unwrap(), b"earlier");
     };
     let world = |options: &[&'static str]| [&["--frame", "world"][..], options].concat();
-    refused(&["--symmetry"], 2, "--symmetry does not apply to --frame light");
+    refused(&["--symmetry"], 2, "--symmetry does not apply to --frame auto");
+    refused(&["--yaw", "10"], 2, "--yaw does not apply to --frame auto");
+    refused(&["--frame", "oblique", "--yaw", "200"], 2, "yaw");
     refused(&["--lossy", "1%"], 2, "--lossy");
     refused(&["--rings", "0,0:1"], 2, "--rings");
-    refused(&["--builder", "pooled"], 2, "--builder does not apply to --frame light");
+    refused(&["--builder", "pooled"], 2, "--builder does not apply to --frame auto");
     refused(&world(&["--capture-bias-slope", "17"]), 2, "--capture-bias");
     refused(&world(&["--region", "100,100,101,101:9"]), 2, "touch the scene's cube");
     refused(&world(&["--region", "0,0,1,1:8", "--resolution", "256"]), 2, "deeper than the rest");

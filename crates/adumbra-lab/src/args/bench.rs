@@ -33,6 +33,14 @@ pub enum BenchVerb {
     /// shadows.md and shadows.json
     #[command(after_help = "Example: adumbra-lab bench shadows --scenes scenes --truth truth -o docs/bench")]
     Shadows(BenchShadows),
+    /// What baked look-ups read: words per pixel, and sectors of 32 bytes per group of 8 × 4 pixels, by scene, view,
+    /// frame, layout and filter; writes lookup.md and lookup.json
+    #[command(after_help = "Example: adumbra-lab bench lookup --scenes scenes --truth truth -o docs/bench")]
+    Lookup(BenchLookup),
+    /// Every technique's passes on the GPU at hand, in generated scenes: filters, frames, layouts, resolutions, hybrid maps,
+    /// ambient occlusion, and a large city; writes gpu-ADAPTER.md and gpu-ADAPTER.json
+    #[command(after_help = "Example: adumbra-lab bench gpu -o docs/bench")]
+    Gpu(BenchGpu),
     /// Every technique at the truth cameras, compared with current engines; writes peers.md and peers.json
     #[command(after_help = "Example: adumbra-lab bench peers --scenes scenes --truth truth -o docs/bench")]
     Peers(BenchPeers),
@@ -258,6 +266,56 @@ pub struct BenchShadows {
     pub(crate) size: [u32; 2],
     #[command(flatten)]
     pub(crate) cache: CacheArgs,
+}
+
+/// Options of `bench lookup`.
+#[derive(clap::Args)]
+pub struct BenchLookup {
+    #[command(flatten)]
+    pub(crate) common: TruthBench,
+    /// Scenes, without file extensions
+    #[arg(long, value_delimiter = ',', default_value = "zdm2,kaykit_city_21,alpine-2,auster")]
+    pub(crate) names: Vec<String>,
+    /// Filter widths
+    #[arg(long, value_name = "K,...", value_delimiter = ',', default_value = "1,3,5,9,17")]
+    pub(crate) filter: Vec<u32>,
+    /// Size of the pictures in pixels
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse_size)]
+    pub(crate) size: [u32; 2],
+    /// Frames per technique and view, of whose milliseconds the median counts
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) frames: u32,
+    /// One group of 8 × 4 pixels of this many is counted
+    #[arg(long, value_name = "N", default_value_t = 61, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
+}
+
+/// Options of `bench gpu`.
+#[derive(clap::Args)]
+pub struct BenchGpu {
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+    /// Size of the pictures in pixels
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse_size)]
+    pub(crate) size: [u32; 2],
+    /// Most frames that a median is taken over
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) frames: u32,
+    /// Seconds after which nothing more is begun
+    #[arg(long, value_name = "S", default_value_t = 450, value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) seconds: u64,
+    /// Resolution of files, except where it is varied: texels on the longest side
+    #[arg(long, value_name = "N", default_value_t = 16384)]
+    pub(crate) resolution: u64,
+    /// Resolutions that are compared
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "8192,16384,32768,65536")]
+    pub(crate) resolutions: Vec<u64>,
+    /// Copies of the city along each side of the large one; 10 make 15 million triangles
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub(crate) tiles: u32,
+    /// Folder for the tables
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
 }
 
 /// Options of `bench peers`.

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use adumbra_program::args::parse_bytes;
 use adumbra_render::{Features, GpuOptions};
 pub use bench::{
-    BenchAo, BenchBake, BenchBlur, BenchHrsm, BenchPeers, BenchShadows, BenchTree, BenchVerb, BenchVerify,
-    SuiteArg,
+    BenchAo, BenchBake, BenchBlur, BenchGpu, BenchHrsm, BenchLookup, BenchPeers, BenchShadows, BenchTree,
+    BenchVerb, BenchVerify, SuiteArg,
 };
 use clap::ValueEnum;
 pub use report::Report;

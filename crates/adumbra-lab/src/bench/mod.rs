@@ -7,7 +7,9 @@ pub(crate) mod bake;
 pub(crate) mod blur;
 mod child;
 pub(crate) mod fast;
+pub(crate) mod gpu;
 pub(crate) mod hrsm;
+pub(crate) mod lookup;
 pub(crate) mod peers;
 mod shadows;
 pub(crate) mod tree;
@@ -42,6 +44,8 @@ pub fn run(what: &BenchVerb) -> Result<Code> {
         BenchVerb::Hrsm(a) => hrsm::run(a),
         BenchVerb::Ao(a) => ao::run(a),
         BenchVerb::Blur(a) => blur::run(a),
+        BenchVerb::Lookup(a) => lookup::run(a),
+        BenchVerb::Gpu(a) => gpu::run(a),
         BenchVerb::Peers(a) => peers::run(a),
         BenchVerb::Shadows(a) => shadows::run(a),
     }
@@ -99,6 +103,7 @@ mod tests {
         read::<fast::Document>("fast.json");
         read::<fast::Document>("hierarchy/fast.json");
         read::<hrsm::Document>("hrsm.json");
+        read::<lookup::Document>("lookup.json");
         read::<peers::Document>("peers.json");
         read::<Vec<Report>>("shadows.json");
         read::<tree::Document>("tree.json");

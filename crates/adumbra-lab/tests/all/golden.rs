@@ -33,16 +33,11 @@ const VARIANTS: &[&str] = &[
     "pcf:filter=poisson",
     "pcf:filter=2",
     "voxel:filter=17",
-    "voxel:layers=block",
     "voxel-cubes:filter=5:weights=poisson",
     "hrsm:test=paper",
 ];
 /// Techniques whose golden pictures were made with an earlier default filter width, each with the equivalent name.
-const DRAWN_AS: [(&str, &str); 3] = [
-    ("voxel", "voxel:filter=9"),
-    ("voxel+csm", "voxel+csm:filter=9"),
-    ("voxel:layers=block", "voxel:filter=9:layers=block"),
-];
+const DRAWN_AS: [(&str, &str); 2] = [("voxel", "voxel:filter=9"), ("voxel+csm", "voxel+csm:filter=9")];
 /// Pairs of pictures that must differ, as otherwise the feature that distinguishes the first is not visible.
 const DIFFERENT: &[[&str; 2]] = &[
     ["csm:far=24:filter=5", "pcf"],

@@ -3,7 +3,9 @@
 mod bench_ao;
 mod bench_bakes;
 mod bench_fast;
+mod bench_gpu;
 mod bench_hrsm;
+mod bench_lookup;
 mod bench_peers;
 mod bench_tree;
 mod browser;

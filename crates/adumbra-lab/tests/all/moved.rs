@@ -67,9 +67,9 @@ fn moved(scene: &Scene, place: [f64; 3]) -> Scene {
 }
 
 fn compare_at(scene: &Scene, sun: Sun, place: [f64; 3], cameras: &[Camera]) -> Vec<Comparison> {
-    let scene = moved(scene, place);
     let options = BakeOptions::new(sun, Size::Resolution(2048));
-    let file = bake_file(&scene, &options, LayoutChoice::Depths).unwrap();
+    let file = compared::moved(bake_file(scene, &options, LayoutChoice::Depths).unwrap(), place);
+    let scene = moved(scene, place);
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     let at = |p: [f64; 3]| std::array::from_fn(|a| p[a] + place[a]);

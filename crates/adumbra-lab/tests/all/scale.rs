@@ -142,12 +142,12 @@ fn ground_of_any_width_changes_nothing_near_the_camera() {
 fn a_town_at_map_coordinates_looks_as_at_zero() {
     let at = |origin: [f64; 3]| {
         let mut scene = generate(GeneratedKind::City, 1);
+        let sun = Sun::from_direction(SUN).unwrap();
+        let options = BakeOptions::new(sun, Size::Resolution(4096));
+        let file = compared::moved(bake_file(&scene, &options, LayoutChoice::Plain).unwrap(), origin);
         for instance in &mut scene.instances {
             (0..3).for_each(|a| instance.world_from_mesh[a][3] += origin[a]);
         }
-        let sun = Sun::from_direction(SUN).unwrap();
-        let options = BakeOptions::new(sun, Size::Resolution(4096));
-        let file = bake_file(&scene, &options, LayoutChoice::Plain).unwrap();
         let place = |p: [f64; 3]| std::array::from_fn(|a| p[a] + origin[a]);
         let camera = camera(place([-150.0, 38.0, 175.0]), place([-75.0, 4.0, 75.0]));
         see(&scene, Some(&file), &camera, &["none", "voxel", "voxel:filter=5"])

@@ -133,12 +133,12 @@ impl RunArgs {
 /// How a file stores its voxels.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum LayoutArg {
-    /// About a third of the bytes of plain
-    Packed,
-    /// 32-bit words
-    Plain,
     /// A quadtree of switch depths: about a quarter of the bytes of plain, and penumbrae (voxel:soft)
     Depths,
+    /// A graph of voxels in 16-bit units: about a third of the bytes of plain
+    Packed,
+    /// A graph of voxels in 32-bit words
+    Plain,
     /// Packed or depths, whichever is smaller; the bake builds both
     Auto,
 }

@@ -65,9 +65,9 @@ mod tests {
     #[test]
     fn describe_gives_what_applies() {
         assert!(keys("none").is_empty() && keys("truth").is_empty());
-        assert_eq!(keys("voxel"), ["shade", "filter", "layers", "bias", "slope", "normal"]);
+        assert_eq!(keys("voxel"), ["shade", "filter", "bias", "slope", "normal"]);
         assert_eq!(keys("voxel:soft"), ["shade", "angle", "radius", "bias", "slope", "normal"]);
-        assert_eq!(keys("voxel+csm"), ["filter", "layers", "csm"]);
+        assert_eq!(keys("voxel+csm"), ["filter", "csm"]);
         assert!(keys("csm:filter=poisson").contains(&"radius") && !keys("csm").contains(&"radius"));
         assert!(keys("hrsm").contains(&"tolerance") && !keys("hrsm:test=paper").contains(&"tolerance"));
         assert_eq!(keys("voxel-texture").len(), keys("voxel-cubes").len() + 1);

@@ -1,5 +1,6 @@
 //! The techniques `voxel-cubes` and `voxel-texture`: a world-aligned tree, filtered over 1, 3³ or 5³ cells.
 
+use adumbra::gpu::GridParameters;
 use adumbra_shaders::constants::MAX_PLAN_REGIONS;
 use adumbra_shaders::layout::{Array, CubesParams, CubesPlan, CubesQuery, CubesUniform, GridTransform};
 use adumbra_shaders::{Source, source};
@@ -141,8 +142,8 @@ impl Cubes {
 }
 
 fn transform(space: &TreeSpace, anchor_world: [f64; 3]) -> Result<GridTransform> {
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    grid_transform(space.p_min, axes, space.voxel_size, [space.side_voxels(); 3], anchor_world)
+    let cube = GridParameters::of_cube(space.p_min, space.voxel_size, space.side_voxels(), anchor_world)?;
+    Ok(grid_transform(&cube))
 }
 
 fn plan(plan: &PlanLevels) -> Result<CubesPlan> {

@@ -38,20 +38,19 @@ impl BakedLight {
     /// # Errors
     /// Returns the errors of [`BakedLight::from_file`].
     pub fn new(gpu: &Gpu, grid: &LightGrid, body: &LightBody, settings: VoxelSettings) -> Result<Self> {
-        let VoxelSettings { filter, layers, bias } = settings;
+        let VoxelSettings { filter, bias } = settings;
         let layout = body.layout();
         filter.check(layout)?;
         let (filter_width, sun_cone, max_radius_texels) = match filter {
             VoxelFilter::Taps(width) => (width, 0.0, 0.0),
             VoxelFilter::Soft { angle_degrees, max_radius_texels } => {
-                (1, cone(angle_degrees), max_radius_texels as f32)
+                (1, cone(grid, angle_degrees), max_radius_texels as f32)
             }
         };
         let parameters = Parameters {
-            layers,
             sun_cone,
             max_radius_texels,
-            ..Parameters::new(grid, body, bias, filter_width, grid.origin)?
+            ..Parameters::new(grid, body, bias, filter_width, grid.origin())?
         };
         let words = WordBuffers::new(gpu, "voxel::words", &Words::new(body).parts())?;
         let bindings = VoxelBindings::from_words(gpu, "voxel", &parameters.to_bytes(), &words);
@@ -66,12 +65,17 @@ impl BakedLight {
     /// The WGSL files that define `adumbra_voxel_factor` for this layout and these bindings. They must follow
     /// core/surface.wgsl.
     pub fn look_up(&self) -> Vec<Source> {
+        self.look_up_with(self.bindings.access())
+    }
+
+    /// The files of [`BakedLight::look_up`] with another access file.
+    pub(super) fn look_up_with(&self, access: Source) -> Vec<Source> {
         let layout: &[Source] = match self.layout {
             Layout::Plain => &[source::VOXEL_GRAPH, source::VOXEL_PLAIN],
             Layout::Packed => &[source::VOXEL_GRAPH, source::VOXEL_PACKED],
             Layout::Depths => &[source::DEPTHS, source::DEPTHS_LEAF],
         };
-        [&[source::GRID, source::VOXEL], layout, &[self.bindings.access()]].concat()
+        [&[source::GRID, source::VOXEL], layout, &[access]].concat()
     }
 
     /// The WGSL files of the technique `voxel` or `voxel:soft`, depending on the filter.

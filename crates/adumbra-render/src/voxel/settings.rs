@@ -1,7 +1,7 @@
 //! Parsing of a light-aligned file's look-up settings from a technique's text. Without a file, the bias is the default
 //! of a bake.
 
-use adumbra::query::{FILTER_WIDTHS, TapLayers};
+use adumbra::query::FILTER_WIDTHS;
 use adumbra::{Bias, LightBody, ShadowFile};
 
 use super::filter::{ANGLES_DEGREES, RADII_TEXELS, VoxelFilter};
@@ -14,21 +14,18 @@ use crate::technique::{SpecReader, TechniqueSpec};
 pub struct VoxelSettings {
     /// The mean over texels, or penumbrae, which only the layout `depths` supports.
     pub filter: VoxelFilter,
-    /// Layers of the filter's taps. Unused for penumbrae.
-    pub layers: TapLayers,
     /// Bias, in texels.
     pub bias: Bias,
 }
 
 impl VoxelSettings {
-    /// Settings for the mean over `width` × `width` texels, each tap in its own layer.
+    /// Settings for the mean over `width` × `width` texels.
     pub fn taps(width: u32, bias: Bias) -> Self {
-        Self { filter: VoxelFilter::Taps(width), layers: TapLayers::default(), bias }
+        Self { filter: VoxelFilter::Taps(width), bias }
     }
 
-    /// Parses `voxel[:filter=K][:layers=tap|block]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with
-    /// `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a tap's own layer, a sun of 0.53°, 32 texels, and the file's
-    /// bias.
+    /// Parses `voxel[:filter=K]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with
+    /// `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias.
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a parameter is unknown or out of range, or if penumbrae are
@@ -50,32 +47,22 @@ impl VoxelSettings {
         }
         let what = "soft: penumbrae of the sun's disc, from files with layout depths";
         let shadows = &["hard", "soft"][..if has_soft { 2 } else { 1 }];
-        let mut layers = TapLayers::default();
         let filter = if reader.choice("shade", what, shadows)? == "soft" {
             VoxelFilter::Soft {
                 angle_degrees: reader.number("angle", help::SUN_ANGLE, 0.53, ANGLES_DEGREES)?,
                 max_radius_texels: reader.number("radius", help::PENUMBRA_RADIUS, 32.0, RADII_TEXELS)?,
             }
         } else {
-            let width = read_width(reader)?;
-            layers = read_layers(reader)?;
-            VoxelFilter::Taps(width)
+            VoxelFilter::Taps(read_width(reader)?)
         };
         let bias = file.map_or_else(Bias::default, |f| f.settings.bias);
-        Ok(Self { filter, layers, bias: read_bias(reader, bias)? })
+        Ok(Self { filter, bias: read_bias(reader, bias)? })
     }
 }
 
 /// Reads the key `filter` of a light-aligned file.
 pub(crate) fn read_width(reader: &mut SpecReader<'_>) -> Result<u32> {
     reader.integer("filter", "texels per side", 5, &FILTER_WIDTHS)
-}
-
-/// Reads the key `layers` of a light-aligned file.
-pub(crate) fn read_layers(reader: &mut SpecReader<'_>) -> Result<TapLayers> {
-    let what = "tap: each tap's own layer of voxels; block: one per 8 × 8 texels, cheaper, but light leaks on slopes";
-    let is_block = reader.choice("layers", what, &["tap", "block"])? == "block";
-    Ok(if is_block { TapLayers::Block } else { TapLayers::Tap })
 }
 
 /// Reads the keys `bias`, `slope` and `normal`, in texels. The file's bias is the default.

@@ -1,5 +1,6 @@
 //! Penumbrae from switch depths, on the CPU. Twin of core/depths_soft.wgsl.
 
+use adumbra::LightGrid;
 use adumbra::layout::depths::DepthTree;
 use adumbra::query::{FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS};
 use adumbra_shaders::constants::POISSON_DISC;
@@ -12,13 +13,16 @@ pub struct SoftTwin<'d> {
     /// Growth of the radius of the sun's cone, texels per voxel of depth.
     cone: f32,
     max_radius: f32,
+    /// From the disc across the light to the grid.
+    ellipse: [[f32; 2]; 2],
 }
 
 impl<'d> SoftTwin<'d> {
     /// Creates the look-up for a sun of `angle_degrees`. A penumbra's radius, from its middle to its edge, is at most
     /// `max_radius_texels`.
-    pub fn new(depths: &'d DepthTree, angle_degrees: f64, max_radius_texels: f64) -> Self {
-        Self { depths, cone: cone(angle_degrees), max_radius: max_radius_texels as f32 }
+    pub fn new(grid: &LightGrid, depths: &'d DepthTree, angle_degrees: f64, max_radius_texels: f64) -> Self {
+        let ellipse = grid.circle_across_light().map(|row| row.map(|c| c as f32));
+        Self { depths, cone: cone(grid, angle_degrees), max_radius: max_radius_texels as f32, ellipse }
     }
 
     /// Visible share of the sun's disc at a receiver, 1 = all of it. `pixel` determines the rotation of the taps.
@@ -28,9 +32,18 @@ impl<'d> SoftTwin<'d> {
         let radius = (self.cone * distance).clamp(0.5, self.max_radius);
         let taps = POISSON_DISC.iter().map(|&tap| {
             let offset = turned(tap, turn).map(|c| radius * c);
-            self.bilinear(r, moved(r, offset))
+            self.bilinear(r, self.on_disc(r, offset))
         });
         taps.sum::<f32>() / POISSON_DISC.len() as f32
+    }
+
+    /// Twin of `adumbra_depths_disc`.
+    fn on_disc(&self, r: &FixedReceiver, offset: [f32; 2]) -> [i64; 2] {
+        [0, 1].map(|a| {
+            let [x, y] = self.ellipse[a];
+            let texels = x * offset[0] + y * offset[1];
+            r.p_fixed[a] + (texels * FIXED_ONE as f32).floor() as i64
+        })
     }
 
     /// Twin of `adumbra_depths_blocker_distance`.
@@ -41,7 +54,9 @@ impl<'d> SoftTwin<'d> {
         for &tap in &POISSON_DISC {
             let tap = turned(tap, turn);
             let offset = tap.map(|c| search * length(tap) * c);
-            let Some(fixed) = self.blocker(r, moved(r, offset).map(|c| c >> FIXED_BITS)) else { continue };
+            let Some(fixed) = self.blocker(r, self.on_disc(r, offset).map(|c| c >> FIXED_BITS)) else {
+                continue;
+            };
             let distance = fixed as f32 / FIXED_ONE as f32;
             if length(offset) <= (self.cone * distance).max(1.0) {
                 sum += distance;
@@ -77,10 +92,7 @@ impl<'d> SoftTwin<'d> {
 }
 
 /// Growth of the cone's radius for a sun of this full angle, texels per voxel of depth.
-pub(super) fn cone(angle_degrees: f64) -> f32 {
-    (0.5 * angle_degrees).to_radians().tan() as f32
-}
-
-fn moved(r: &FixedReceiver, offset_texels: [f32; 2]) -> [i64; 2] {
-    [0, 1].map(|a| r.p_fixed[a] + (offset_texels[a] * FIXED_ONE as f32).floor() as i64)
+pub(super) fn cone(grid: &LightGrid, angle_degrees: f64) -> f32 {
+    let per_length = (0.5 * angle_degrees).to_radians().tan();
+    (per_length * grid.voxel_along_light() / grid.voxel_size) as f32
 }

@@ -17,8 +17,10 @@ use crate::voxel_points;
 use crate::voxel_points::{BakedScene, exact_cubes, exact_light, float_cubes, float_light};
 
 fn generated() -> Vec<BakedScene> {
-    let kinds = [GeneratedKind::Primitives, GeneratedKind::City, GeneratedKind::Landscape];
-    kinds.map(|kind| BakedScene::new(generate(kind, 3), [0.5, 0.8, 0.35], 1024, 256)).into()
+    let landscape = generate(GeneratedKind::Landscape, 3);
+    let mut all = Vec::from(BakedScene::in_each_frame(1024, 256));
+    all.push(BakedScene::new(landscape, [0.5, 0.8, 0.35], 1024, 256));
+    all
 }
 
 const COUNT: usize = 100_000;

@@ -8,12 +8,18 @@ gpu_struct! {
     /// position is split into whole steps of about 8 voxels, whose contribution is exact in integers, and a remainder;
     /// core/grid.wgsl adds the two. Fixed-point numbers have [`crate::constants::FIXED_ONE`] units per voxel and wrap.
     pub struct GridTransform {
-        /// Unit vector of the grid's x axis in the world.
+        /// First row of the linear map from world to grid.
         pub axis_x: [f32; 3],
-        /// Unit vector of the grid's y axis in the world.
+        /// Second row of the linear map from world to grid.
         pub axis_y: [f32; 3],
-        /// Unit vector of the grid's z axis in the world.
+        /// Third row of the linear map from world to grid.
         pub axis_z: [f32; 3],
+        /// Edge of a voxel along the grid's x in the world, in voxel sizes. Edges convert normals.
+        pub edge_x: [f32; 3],
+        /// Edge of a voxel along the grid's y in the world, in voxel sizes.
+        pub edge_y: [f32; 3],
+        /// Edge of a voxel along the grid's z in the world, in voxel sizes.
+        pub edge_z: [f32; 3],
         /// Change of the grid position per step along the world's x axis, fixed point.
         pub step_x: [i32; 3],
         /// Change of the grid position per step along the world's y axis, fixed point.
@@ -64,12 +70,14 @@ gpu_struct! {
         pub code_offset: u32,
         /// Filter width, in texels.
         pub filter_width: u32,
-        /// 1 if all taps of a block share one layer.
-        pub taps_share_layer: u32,
         /// Growth of the sun cone's radius per voxel of depth, in texels (depths, penumbrae).
         pub sun_cone: f32,
         /// Largest radius of a penumbra, in texels (depths, penumbrae).
         pub max_radius_texels: f32,
+        /// First row of the map from a circle across the light to its outline in the grid (depths, penumbrae).
+        pub penumbra_x: [f32; 2],
+        /// Second row of the map from a circle across the light to its outline in the grid (depths, penumbrae).
+        pub penumbra_y: [f32; 2],
     }
 }
 

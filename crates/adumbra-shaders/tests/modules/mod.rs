@@ -196,6 +196,16 @@ const MODULES: &[(&str, &str)] = &[
          passes/voxel_fixed",
     ),
     (
+        "words that a look-up in depths reads",
+        "core/surface core/grid core/voxel core/depths core/depths_leaf access/words_logged passes/voxel \
+         passes/voxel_reads",
+    ),
+    (
+        "words that a look-up in the packed layout reads",
+        "core/surface core/grid core/voxel core/voxel_graph core/voxel_packed access/words_logged passes/voxel \
+         passes/voxel_reads",
+    ),
+    (
         "packed voxel in six bindings, fixed point",
         "core/surface core/grid core/voxel core/voxel_graph core/voxel_packed access/words_6 passes/voxel \
          passes/voxel_fixed",

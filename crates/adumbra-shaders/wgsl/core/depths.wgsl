@@ -37,8 +37,14 @@ fn adumbra_depths_near(v: AdumbraVoxelParams, shape: u32, field: u32) -> u32 {
 
 // Returns one of a node's sixteen children.
 fn adumbra_depths_child(v: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
-    let sizes = adumbra_depths_two_halves(v, node.at);
-    let kind = extractBits(adumbra_depths_half(v, node.at + 2u), child, 1u);
+    // Three half-words, one bit per child each, in two words.
+    let word = v.code_offset + (node.at >> 1u);
+    let first = adumbra_voxel_word(word);
+    let second = adumbra_voxel_word(word + 1u);
+    let is_odd = (node.at & 1u) == 1u;
+    let sizes = select(first, (first >> 16u) | (second << 16u), is_odd);
+    let kinds = select(second, second >> 16u, is_odd);
+    let kind = extractBits(kinds, child, 1u);
     let below = (1u << child) - 1u;
     let field = node.at + 3u + countOneBits(sizes & below) + 2u * countOneBits((sizes >> 16u) & below);
     switch 4u * extractBits(sizes, 16u + child, 1u) + 2u * extractBits(sizes, child, 1u) + kind {
@@ -70,12 +76,17 @@ fn adumbra_depths_child(v: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u
     }
 }
 
-// Returns the leaf or the uniform block that contains a column of the grid.
-fn adumbra_depths_node(v: AdumbraVoxelParams, column: vec2u) -> AdumbraDepthsNode {
+// Returns the root that contains a column of the grid.
+fn adumbra_depths_root(v: AdumbraVoxelParams, column: vec2u) -> AdumbraDepthsNode {
     let root = column >> vec2u(v.root_level);
     let entry = 2u * (root.y * v.root_count.x + root.x);
-    var node = AdumbraDepthsNode(adumbra_voxel_word(entry), adumbra_voxel_word(entry + 1u));
-    for (var level = v.root_level; level > 3u && node.at != ADUMBRA_DEPTHS_UNIFORM; level -= 2u) {
+    return AdumbraDepthsNode(adumbra_voxel_word(entry), adumbra_voxel_word(entry + 1u));
+}
+
+// Descends from a node of level `from_level` towards a column: to level `to_level`, or to a uniform block above it.
+fn adumbra_depths_descend(v: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2u, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
+    var node = from_node;
+    for (var level = from_level; level > to_level && node.at != ADUMBRA_DEPTHS_UNIFORM; level -= 2u) {
         let bits = (column >> vec2u(level - 2u)) & vec2u(3u);
         node = adumbra_depths_child(v, node, bits.y << 2u | bits.x);
     }
@@ -84,58 +95,35 @@ fn adumbra_depths_node(v: AdumbraVoxelParams, column: vec2u) -> AdumbraDepthsNod
 
 // Returns the depth at which a column of the grid switches; ADUMBRA_DEPTHS_NEVER if the whole column is lit.
 fn adumbra_depths_value(v: AdumbraVoxelParams, column: vec2u) -> u32 {
-    let node = adumbra_depths_node(v, column);
+    let node = adumbra_depths_descend(v, adumbra_depths_root(v, column), column, v.root_level, 3u);
     if (node.at == ADUMBRA_DEPTHS_UNIFORM) {
         return node.base;
     }
-    let leaf = adumbra_depths_leaf(v, node);
-    let within = column & vec2u(7u);
-    var rank = 0u;
-    for (var plane = 0u; plane < leaf.plane_count; plane++) {
-        let half = adumbra_depths_half(v, leaf.planes + 4u * plane + (within.y >> 1u));
-        rank |= extractBits(half, (within.y & 1u) << 3u | within.x, 1u) << plane;
-    }
-    if (rank > leaf.differences) {
-        return ADUMBRA_DEPTHS_NEVER;
-    }
-    var depth = node.base;
-    for (var d = 0u; d < rank; d++) {
-        depth = adumbra_depths_deeper(depth, adumbra_depths_difference(v, leaf, d));
-    }
-    return depth - min(adumbra_depths_rise(leaf.slant, vec2i(within)), depth);
+    return adumbra_depths_leaf_value(v, adumbra_depths_leaf(v, node), column & vec2u(7u));
 }
 
-// Counts the lit taps among the columns low…high, which lie in one block.
-fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, low: vec2i, high: vec2i) -> u32 {
+// Counts the lit taps among the columns low…high, which lie in one block. `node` has level `level` and contains it.
+fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, node: AdumbraDepthsNode, level: u32, low: vec2i, high: vec2i) -> u32 {
     let taps = adumbra_voxel_taps(v, r, low, high);
     if (taps.farthest < 0) {
         return taps.beside;
     }
-    let node = adumbra_depths_node(v, vec2u(taps.low));
-    if (node.at == ADUMBRA_DEPTHS_UNIFORM) {
-        // A base behind the grid is never reached.
-        let last_lit = min(node.base, u32(v.grid.size.z)) - 1u;
-        if (i32(last_lit) < taps.nearest) {
-            return taps.beside;
-        }
-        return taps.beside + adumbra_voxel_count(adumbra_voxel_taps_to(r, taps, i32(last_lit)));
+    let column = vec2u(taps.low);
+    var block = node;
+    if (level == 0u) {
+        block = adumbra_depths_descend(v, adumbra_depths_root(v, column), column, v.root_level, 3u);
+    } else {
+        block = adumbra_depths_descend(v, node, column, level, 3u);
     }
-    let leaf = adumbra_depths_leaf(v, node);
-    // Taps counted so far. All taps in front of the grid are lit.
-    var counted = vec2u(0u);
-    if (taps.nearest < 0) {
-        counted = adumbra_voxel_taps_to(r, taps, -1);
+    if (block.at != ADUMBRA_DEPTHS_UNIFORM) {
+        return taps.beside + adumbra_depths_leaf_taps(v, r, adumbra_depths_leaf(v, block), taps);
     }
-    var lit = taps.beside + adumbra_voxel_count(counted);
-    for (var layer = max(taps.nearest, 0); layer <= taps.farthest; layer++) {
-        let up_to = adumbra_voxel_taps_to(r, taps, layer);
-        let mask = up_to & ~counted;
-        if (any(mask != vec2u(0u))) {
-            lit += adumbra_voxel_count(adumbra_depths_look_up(v, leaf, u32(layer)) & mask);
-        }
-        counted = up_to;
+    // A base behind the grid is never reached.
+    let last_lit = min(block.base, u32(v.grid.size.z)) - 1u;
+    if (i32(last_lit) < taps.nearest) {
+        return taps.beside;
     }
-    return lit;
+    return taps.beside + adumbra_voxel_count(adumbra_voxel_taps_to(r, taps, i32(last_lit)));
 }
 
 // Counts the lit taps of the K² filter.
@@ -143,10 +131,22 @@ fn adumbra_voxel_lit_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> u32
     let reach = i32(v.filter_width >> 1u);
     let low = (r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS)) - reach;
     let high = low + 2 * reach;
+    // The lowest node that contains all columns is found once. Its level is 0 if no single root does.
+    let from_column = vec2u(clamp(low, vec2i(0), v.grid.size.xy - 1));
+    let to_column = vec2u(clamp(high, vec2i(0), v.grid.size.xy - 1));
+    let differs = (from_column.x ^ to_column.x) | (from_column.y ^ to_column.y);
+    let shared_level = max(32u - countLeadingZeros(differs), 3u);
+    var node = AdumbraDepthsNode(0u, 0u);
+    var level = 0u;
+    if (shared_level <= v.root_level) {
+        // Levels are odd.
+        level = shared_level | 1u;
+        node = adumbra_depths_descend(v, adumbra_depths_root(v, from_column), from_column, v.root_level, level);
+    }
     var lit = 0u;
     for (var y = low.y; y <= high.y; y = (y | 7) + 1) {
         for (var x = low.x; x <= high.x; x = (x | 7) + 1) {
-            lit += adumbra_depths_block(v, r, vec2i(x, y), min(vec2i(x, y) | vec2i(7), high));
+            lit += adumbra_depths_block(v, r, node, level, vec2i(x, y), min(vec2i(x, y) | vec2i(7), high));
         }
     }
     return lit;

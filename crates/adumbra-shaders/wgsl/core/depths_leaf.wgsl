@@ -2,8 +2,9 @@
 // rank, and an optional slant. This is the counterpart of adumbra::layout::depths, which documents the words.
 // core/depths.wgsl must precede this file.
 
-// A leaf, decoded up to its bit planes.
+// A leaf, decoded.
 struct AdumbraDepthsLeaf {
+    // The depth of the first rank, or its deepest corner.
     base: u32,
     // The last rank, and the number of depths that are stored as differences.
     last: u32,
@@ -11,9 +12,9 @@ struct AdumbraDepthsLeaf {
     // The differences take 8 << width bits each, from half-word `first` on.
     width: u32,
     first: u32,
-    // First half-word of the bit planes, and their number.
-    planes: u32,
+    // Number of bit planes, and the planes.
     plane_count: u32,
+    planes: array<vec2u, 6>,
     // Slant in quarters of a voxel per column.
     slant: vec2i,
 }
@@ -31,9 +32,22 @@ fn adumbra_depths_leaf(v: AdumbraVoxelParams, node: AdumbraDepthsNode) -> Adumbr
         leaf.slant = vec2i(extractBits(gradient, 0u, 8u), extractBits(gradient, 8u, 8u));
         leaf.first += 1u;
     }
-    leaf.planes = leaf.first + (((leaf.differences << leaf.width) + 1u) >> 1u);
     leaf.plane_count = 32u - countLeadingZeros(leaf.last);
+    let planes = leaf.first + (((leaf.differences << leaf.width) + 1u) >> 1u);
+    for (var p = 0u; p < leaf.plane_count; p++) {
+        leaf.planes[p] = adumbra_depths_plane(v, planes + 4u * p);
+    }
     return leaf;
+}
+
+// Returns the four half-words at `at`.
+fn adumbra_depths_plane(v: AdumbraVoxelParams, at: u32) -> vec2u {
+    let word = v.code_offset + (at >> 1u);
+    let plane = vec2u(adumbra_voxel_word(word), adumbra_voxel_word(word + 1u));
+    if ((at & 1u) == 0u) {
+        return plane;
+    }
+    return (plane >> vec2u(16u)) | (vec2u(plane.y, adumbra_voxel_word(word + 2u)) << vec2u(16u));
 }
 
 fn adumbra_depths_difference(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, index: u32) -> u32 {
@@ -51,59 +65,42 @@ fn adumbra_depths_deeper(depth: u32, difference: u32) -> u32 {
     return depth + min(difference, ~depth);
 }
 
-fn adumbra_depths_plane(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, plane: u32) -> vec2u {
-    let at = leaf.planes + 4u * plane;
-    return vec2u(adumbra_depths_two_halves(v, at), adumbra_depths_two_halves(v, at + 2u));
-}
-
 // Returns how much nearer to the sun a column of a leaf switches than the deepest corner of the leaf's plane, in
 // voxels.
 fn adumbra_depths_rise(slant: vec2i, column: vec2i) -> u32 {
-    let from_deepest = select(column, 7 - column, slant > vec2i(0));
-    let quarters = abs(slant) * from_deepest;
-    return u32(quarters.x + quarters.y + 3) >> 2u;
+    return u32(adumbra_depths_quarters(slant, column) + 3) >> 2u;
 }
 
-// Returns the columns that rise by less than `rise`, which is at least 1 and at most the largest rise. In every row
-// these are the columns from the deepest one on.
-fn adumbra_depths_below(slant: vec2i, rise: u32) -> vec2u {
+// Returns the rise before it is rounded up, in quarters of a voxel.
+fn adumbra_depths_quarters(slant: vec2i, column: vec2i) -> i32 {
+    let from_deepest = select(column, 7 - column, slant > vec2i(0));
+    let quarters = abs(slant) * from_deepest;
+    return quarters.x + quarters.y;
+}
+
+fn adumbra_depths_largest_quarters(slant: vec2i) -> u32 {
     let steep = abs(slant);
-    let limit = i32(4u * rise - 4u);
-    // Exact quotients of numbers up to 7 · steep.x by means of one reciprocal. If 2^20 / steep.x is not an integer, it
-    // is at least 1 / 128 from the nearest one, which is more than the error of a float division. If it is an integer,
-    // `inverse` is that integer or the next larger one. Both give the correct floors; adumbra::layout::depths proves
-    // this for the next larger one.
-    let inverse = i32(1048576.0 / f32(max(steep.x, 1))) + 1;
-    var bits = vec2u(0u);
-    for (var row = 0; row < 8; row++) {
-        let left = limit - steep.y * select(row, 7 - row, slant.y > 0);
-        var columns = u32(((min(left, 7 * steep.x) * inverse) >> 20u) + 1);
-        columns = select(select(columns, 8u, steep.x == 0), 0u, left < 0);
-        let first_bit = 8u * (u32(row) & 3u) + select(0u, 8u - columns, slant.x > 0);
-        bits[row >> 2u] |= insertBits(0u, 0xffu, first_bit, columns);
-    }
-    return bits;
+    return u32(7 * (steep.x + steep.y));
 }
 
 // Returns the columns of one rank.
-fn adumbra_depths_of_rank(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, rank: u32) -> vec2u {
+fn adumbra_depths_of_rank(leaf: AdumbraDepthsLeaf, rank: u32) -> vec2u {
     var bits = vec2u(0xffffffffu);
     for (var p = 0u; p < leaf.plane_count; p++) {
-        let plane = adumbra_depths_plane(v, leaf, p);
-        bits &= select(~plane, plane, extractBits(rank, p, 1u) == 1u);
+        bits &= select(~leaf.planes[p], leaf.planes[p], extractBits(rank, p, 1u) == 1u);
     }
     return bits;
 }
 
 // Returns the columns of at least this rank. All columns are compared at once, highest bit first.
-fn adumbra_depths_from_rank(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, rank: u32) -> vec2u {
+fn adumbra_depths_from_rank(leaf: AdumbraDepthsLeaf, rank: u32) -> vec2u {
     if (rank > leaf.last) {
         return vec2u(0u);
     }
     var more = vec2u(0u);
     var equal = vec2u(0xffffffffu);
     for (var i = leaf.plane_count; i > 0u; i--) {
-        let plane = adumbra_depths_plane(v, leaf, i - 1u);
+        let plane = leaf.planes[i - 1u];
         if (extractBits(rank, i - 1u, 1u) == 0u) {
             more |= equal & plane;
             equal &= ~plane;
@@ -114,26 +111,85 @@ fn adumbra_depths_from_rank(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, rank
     return more | equal;
 }
 
-// Returns the leaf mask of 8 × 8 columns at depth k: bit y·8 + x, rows 0 to 3 in x, 1 = lit.
-fn adumbra_depths_look_up(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, k: u32) -> vec2u {
-    let steep = abs(leaf.slant);
-    let largest_rise = u32(7 * (steep.x + steep.y) + 3) >> 2u;
-    // Number of ranks that are entirely in shadow, and the shadowed columns of the other ranks.
-    var shadowed_ranks = 0u;
-    var dark = vec2u(0u);
+// Returns the depth at which a column of the leaf switches.
+fn adumbra_depths_leaf_value(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, column: vec2u) -> u32 {
+    var rank = 0u;
+    for (var p = 0u; p < leaf.plane_count; p++) {
+        rank |= extractBits(leaf.planes[p][column.y >> 2u], (column.y & 3u) << 3u | column.x, 1u) << p;
+    }
+    if (rank > leaf.differences) {
+        return ADUMBRA_DEPTHS_NEVER;
+    }
     var depth = leaf.base;
-    for (var rank = 0u; rank <= leaf.differences; rank++) {
+    for (var d = 0u; d < rank; d++) {
+        depth = adumbra_depths_deeper(depth, adumbra_depths_difference(v, leaf, d));
+    }
+    return depth - min(adumbra_depths_rise(leaf.slant, vec2i(column)), depth);
+}
+
+// Returns those of `columns`, which have one rank, that are lit where the receiver's plane passes them. The rank's
+// deepest corner switches at `depth`, which is within the layers of the taps.
+fn adumbra_depths_lit_columns(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, slant: vec2i, depth: i32, columns: vec2u) -> vec2u {
+    if (all(slant == vec2i(0))) {
+        return columns & adumbra_voxel_taps_to(r, taps, depth - 1);
+    }
+    // The receiver's plane less that of the rank is linear, so it is extreme at corners. In 2^-12 voxels.
+    let corners = array(taps.low, vec2i(taps.high.x, taps.low.y), vec2i(taps.low.x, taps.high.y), taps.high);
+    var nearest = 0x7fffffff;
+    var farthest = -0x7fffffff;
+    for (var i = 0; i < 4; i++) {
+        let quarters = adumbra_depths_quarters(slant, corners[i] & vec2i(7));
+        let plane = adumbra_voxel_plane(r, corners[i]) + quarters * (ADUMBRA_FIXED_ONE / 4);
+        nearest = min(nearest, plane);
+        farthest = max(farthest, plane);
+    }
+    // The rise is rounded up and the layer down, and `plane` is rounded down by less than 1.
+    if (farthest + ADUMBRA_FIXED_ONE * 3 / 4 < depth * ADUMBRA_FIXED_ONE) {
+        return columns;
+    }
+    if (nearest >= depth * ADUMBRA_FIXED_ONE && taps.is_within) {
+        return vec2u(0u);
+    }
+    var lit = vec2u(0u);
+    for (var half = 0u; half < 2u; half++) {
+        var left = columns[half];
+        while (left != 0u) {
+            let bit = firstTrailingBit(left);
+            left &= left - 1u;
+            let column = vec2i(i32(bit & 7u), i32(4u * half + (bit >> 3u)));
+            let layer = min(adumbra_voxel_layer(r, (taps.low & vec2i(-8)) | column), taps.farthest);
+            let is_lit = layer < 0 || layer + i32(adumbra_depths_rise(slant, column)) < depth;
+            lit[half] |= u32(is_lit) << bit;
+        }
+    }
+    return lit;
+}
+
+// Counts the lit taps in a leaf. Ranks in front of all taps and behind all taps are settled at once.
+fn adumbra_depths_leaf_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, leaf: AdumbraDepthsLeaf, taps: AdumbraVoxelTaps) -> u32 {
+    let inside = adumbra_voxel_rectangle(taps.low, taps.high);
+    let largest_rise = (adumbra_depths_largest_quarters(leaf.slant) + 3u) >> 2u;
+    var lit = vec2u(0u);
+    var depth = leaf.base;
+    var rank = 0u;
+    loop {
+        if (rank > leaf.differences) {
+            break;
+        }
         if (rank > 0u) {
             depth = adumbra_depths_deeper(depth, adumbra_depths_difference(v, leaf, rank - 1u));
         }
-        if (k + largest_rise < depth) {
+        // This rank and all behind it switch behind every tap.
+        if (u32(taps.farthest) + largest_rise < depth) {
             break;
         }
-        if (depth <= k) {
-            shadowed_ranks++;
-        } else {
-            dark |= adumbra_depths_of_rank(v, leaf, rank) & ~adumbra_depths_below(leaf.slant, depth - k);
+        if (i32(depth) > taps.nearest) {
+            let columns = adumbra_depths_of_rank(leaf, rank) & inside;
+            if (any(columns != vec2u(0u))) {
+                lit |= adumbra_depths_lit_columns(r, taps, leaf.slant, i32(depth), columns);
+            }
         }
+        rank++;
     }
-    return ~dark & adumbra_depths_from_rank(v, leaf, shadowed_ranks);
+    return adumbra_voxel_count(lit | (adumbra_depths_from_rank(leaf, rank) & inside));
 }

@@ -1,8 +1,15 @@
 // Penumbrae of an area sun from the switch depths of a light-aligned file. A penumbra is as wide as the sun's cone at
 // the mean distance of the blockers.
 // Source: Fernando, Percentage-Closer Soft Shadows, 2005; the cone for the sun as in core/pcss.wgsl.
-// Voxels are cubes, so a radius in texels is the cone's tangent times a distance in voxels. Positions are integers, so
-// that no precision is lost on large grids.
+// A radius in texels is the cone's growth per voxel of depth times a distance in voxels. In the oblique frame the cone's
+// outline is an ellipse; discs are turned into it where they meet the grid. Positions are integers, so that no precision
+// is lost on large grids.
+
+// Returns the fixed-point grid position at an offset on the disc across the light, in texels.
+fn adumbra_depths_disc(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, offset: vec2f) -> vec2i {
+    let texels = vec2f(dot(v.penumbra_x, offset), dot(v.penumbra_y, offset));
+    return r.p_fixed.xy + vec2i(floor(texels * f32(ADUMBRA_FIXED_ONE)));
+}
 
 // Returns how far in front of the receiver the column switches, fixed point; negative if the column is lit at the depth
 // of the receiver's plane. The compared depth is never behind the receiver's own: beyond a crease the plane continues
@@ -31,7 +38,7 @@ fn adumbra_depths_blocker_distance(v: AdumbraVoxelParams, r: AdumbraVoxelReceive
     for (var i = 0u; i < 32u; i++) {
         let tap = adumbra_disc_tap(i, turn);
         let offset = search * length(tap) * tap;
-        let tap_fixed = r.p_fixed.xy + vec2i(floor(offset * f32(ADUMBRA_FIXED_ONE)));
+        let tap_fixed = adumbra_depths_disc(v, r, offset);
         let distance = f32(adumbra_depths_blocker(v, r, tap_fixed >> vec2u(ADUMBRA_FIXED_BITS))) / f32(ADUMBRA_FIXED_ONE);
         if (distance >= 0.0 && length(offset) <= max(cone * distance, 1.0)) {
             sum += distance;
@@ -65,7 +72,7 @@ fn adumbra_depths_soft(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, turn: vec
     var lit = 0.0;
     for (var i = 0u; i < 32u; i++) {
         let offset = radius * adumbra_disc_tap(i, turn);
-        lit += adumbra_depths_bilinear(v, r, r.p_fixed.xy + vec2i(floor(offset * f32(ADUMBRA_FIXED_ONE))));
+        lit += adumbra_depths_bilinear(v, r, adumbra_depths_disc(v, r, offset));
     }
     return lit / 32.0;
 }

@@ -15,6 +15,11 @@ fn adumbra_grid_direction(t: AdumbraGridTransform, d: vec3f) -> vec3f {
     return vec3f(dot(t.axis_x, d), dot(t.axis_y, d), dot(t.axis_z, d));
 }
 
+// Returns the normal in the grid of a plane with this normal in the world. Its length is different.
+fn adumbra_grid_normal(t: AdumbraGridTransform, n: vec3f) -> vec3f {
+    return vec3f(dot(t.edge_x, n), dot(t.edge_y, n), dot(t.edge_z, n));
+}
+
 fn adumbra_grid_position(t: AdumbraGridTransform, p_relative: vec3f) -> AdumbraGridPosition {
     let steps = round(p_relative * t.steps_per_world);
     // Exact: the step is a power of two.

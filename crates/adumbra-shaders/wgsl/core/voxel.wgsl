@@ -10,9 +10,9 @@ struct AdumbraVoxelReceiver {
 
 // Returns the biased receiver, with the slope of its plane.
 fn adumbra_voxel_receiver(v: AdumbraVoxelParams, s: AdumbraSurface) -> AdumbraVoxelReceiver {
-    let n = adumbra_grid_direction(v.grid, s.normal);
+    let n = adumbra_grid_normal(v.grid, s.normal);
     let tangent = length(n.xy);
-    // |n·l| is |n.z|, because the grid's z axis points away from the sun.
+    // |n.z| is |n·l|, times the length of a voxel along the light in voxels.
     let n_dot_l = max(abs(n.z), tangent / ADUMBRA_MAX_PLANE_SLOPE);
     var gradient = vec2f(0.0);
     var slope = 0.0;
@@ -20,7 +20,8 @@ fn adumbra_voxel_receiver(v: AdumbraVoxelParams, s: AdumbraSurface) -> AdumbraVo
         gradient = n.xy / select(n_dot_l, -n_dot_l, n.z > 0.0);
         slope = min(tangent / n_dot_l, ADUMBRA_MAX_SLOPE);
     }
-    let lift = n * v.bias.normal_offset_texels - vec3f(0.0, 0.0, adumbra_bias_along_light(v.bias, slope));
+    let off_surface = adumbra_grid_direction(v.grid, s.normal) * v.bias.normal_offset_texels;
+    let lift = off_surface - vec3f(0.0, 0.0, adumbra_bias_along_light(v.bias, slope));
     var r: AdumbraVoxelReceiver;
     r.p_fixed = adumbra_grid_fixed(v.grid, adumbra_grid_position(v.grid, s.p_relative), lift);
     let rounded = vec2i(floor(gradient * f32(ADUMBRA_GRADIENT_ONE) + 0.5));
@@ -53,13 +54,20 @@ struct AdumbraVoxelTaps {
     // Range of layers that the taps read; -1 stands for everything in front of the grid.
     nearest: i32,
     farthest: i32,
+    // Whether no tap is in front of or behind the grid, where layers are not those of the plane.
+    is_within: bool,
     beside: u32,
+}
+
+// Returns the depth of the receiver's plane at the centre of a tap, fixed point, rounded down.
+fn adumbra_voxel_plane(r: AdumbraVoxelReceiver, tap: vec2i) -> i32 {
+    let along = r.gradient * (tap * ADUMBRA_FIXED_ONE + ADUMBRA_FIXED_ONE / 2 - r.p_fixed.xy);
+    return r.p_fixed.z + ((along.x + along.y) >> ADUMBRA_GRADIENT_BITS);
 }
 
 // Returns the layer of the receiver's plane at the centre of a tap.
 fn adumbra_voxel_layer(r: AdumbraVoxelReceiver, tap: vec2i) -> i32 {
-    let along = r.gradient * (tap * ADUMBRA_FIXED_ONE + ADUMBRA_FIXED_ONE / 2 - r.p_fixed.xy);
-    return (r.p_fixed.z + ((along.x + along.y) >> ADUMBRA_GRADIENT_BITS)) >> ADUMBRA_FIXED_BITS;
+    return adumbra_voxel_plane(r, tap) >> ADUMBRA_FIXED_BITS;
 }
 
 // Returns the voxel that an unfiltered look-up of the receiver reads; z is negative beside or in front of the grid,
@@ -81,15 +89,15 @@ fn adumbra_voxel_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, low: vec2i
     taps.low = max(low, vec2i(0));
     taps.high = min(high, v.grid.size.xy - 1);
     if (any(taps.low > taps.high)) {
-        return AdumbraVoxelTaps(taps.low, taps.high, -1, -1, count);
+        return AdumbraVoxelTaps(taps.low, taps.high, -1, -1, false, count);
     }
     let rises = r.gradient >= vec2i(0);
     let last = v.grid.size.z - 1;
-    taps.nearest = clamp(adumbra_voxel_layer(r, select(taps.high, taps.low, rises)), -1, last);
-    taps.farthest = clamp(adumbra_voxel_layer(r, select(taps.low, taps.high, rises)), -1, last);
-    if (v.taps_share_layer == 1u) {
-        taps.farthest = taps.nearest;
-    }
+    let nearest = adumbra_voxel_layer(r, select(taps.high, taps.low, rises));
+    let farthest = adumbra_voxel_layer(r, select(taps.low, taps.high, rises));
+    taps.nearest = clamp(nearest, -1, last);
+    taps.farthest = clamp(farthest, -1, last);
+    taps.is_within = nearest >= 0 && farthest <= last;
     if (taps.farthest < 0) {
         taps.beside = count;
         return taps;

@@ -21,6 +21,11 @@ pub enum WordsError {
     /// The graph has no packed form.
     #[error(transparent)]
     Pack(#[from] PackError),
+    /// The file holds depths, which are no tree of voxels.
+    #[error(
+        "it holds depths, which are no tree of voxels; bake it with the layout packed or plain to export it"
+    )]
+    Depths,
     /// The graph stores equal nodes separately, which the words of a tree cannot represent.
     #[error(
         "its graph of {found} words and leaf masks is not canonical: its canonical form has {canonical}; only files that `bake` has written can be exported"

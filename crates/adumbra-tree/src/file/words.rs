@@ -2,7 +2,7 @@
 //! the header are those of the sections, so they show that a file rebuilt from words is the same file.
 
 use adumbra::file::{HEADER_BYTES, Header};
-use adumbra::{FormatError, ShadowFile};
+use adumbra::{FormatError, Layout, ShadowFile};
 use adumbra_bake::convert::{body_in, graph_of};
 
 use crate::error::WordsError;
@@ -12,9 +12,12 @@ use crate::light::{dag_of_tree, tree_depth};
 /// Returns the tree of the graph of a file, and the bytes that [`file_of_words`] needs besides its words: the header.
 ///
 /// # Errors
-/// Returns [`WordsError`] if the file is not valid, the tree would be too deep, or the reverse conversion would give
+/// Returns [`WordsError`] if the file holds depths or is not valid, the tree would be too deep, or the reverse conversion would give
 /// other bytes.
 pub fn words_of(file: &ShadowFile) -> Result<(VoxelTree, Vec<u8>), WordsError> {
+    if file.body.layout() == Layout::Depths {
+        return Err(WordsError::Depths);
+    }
     let header = file.header()?.encode();
     // Checked before the graph is made: the graph of a file in another layout can be arbitrarily larger than the file.
     let (size, root_level, _) = file.body.space();

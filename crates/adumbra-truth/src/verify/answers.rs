@@ -1,7 +1,7 @@
 //! What is verified: anything that answers visibility queries, with the settings that a fair comparison needs.
 
 use crate::verify::classes::Promises;
-use adumbra::grid::{LightExtent, LightGrid, Sun};
+use adumbra::grid::{Frame, LightGrid, Sun};
 use adumbra::query::{Query, Receiver};
 use adumbra::{Bias, FileSettings};
 use adumbra_tree::query::TreeQuery;
@@ -109,14 +109,15 @@ impl Answers for LightAnswers<'_> {
 pub struct TreeAnswers<'a, T> {
     settings: &'a TreeSettings,
     query: TreeQuery<'a, T>,
-    sun: Sun,
-    axes: [[f64; 3]; 3],
+    /// A grid along the light; its voxel size depends on the point.
+    grid: LightGrid,
 }
 
 impl<'a, T: Voxels> TreeAnswers<'a, T> {
     /// Wraps `query`, which looks up a tree for `sun` that was baked with `settings`.
     pub fn new(settings: &'a TreeSettings, sun: Sun, query: TreeQuery<'a, T>) -> Self {
-        Self { settings, query, sun, axes: LightExtent::empty(&sun).axes }
+        let grid = LightGrid::new(sun, Frame::Light, 1.0, [0.0; 3], [u32::MAX; 3]);
+        Self { settings, query, grid }
     }
 }
 
@@ -126,17 +127,11 @@ impl<T: Voxels + Sync> Answers for TreeAnswers<'_, T> {
     }
 
     fn towards_sun(&self) -> [f64; 3] {
-        self.sun.towards()
+        self.grid.sun.towards()
     }
 
     fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
-        LightGrid {
-            sun: self.sun,
-            voxel_size: self.query.voxel_size_at(p_world, normal),
-            origin: self.query.space().p_min,
-            axes: self.axes,
-            size: [u32::MAX; 3],
-        }
+        LightGrid { voxel_size: self.query.voxel_size_at(p_world, normal), ..self.grid }
     }
 
     fn bias(&self) -> Bias {

@@ -104,10 +104,10 @@ impl Place<'_> {
     /// Whether the nearest blocker on the point's sun ray is within the bias, where no look-up can see it.
     fn is_thin(&self, baked_bias: &Bias) -> bool {
         let Some(hit) = self.tracer.nearest_blocker(&self.ray_from_surface()) else { return false };
-        let distance_voxels = hit.t / self.grid.voxel_size;
+        let distance_voxels = hit.t / self.grid.voxel_along_light();
         if self.normal.is_none() {
-            let n_dot_l = dot(hit.normal, self.grid.sun.towards()).abs().clamp(1e-6, 1.0);
-            let slope = ((1.0 - n_dot_l * n_dot_l).sqrt() / n_dot_l).min(MAX_SLOPE);
+            let n = self.grid.normal_to_grid(hit.normal);
+            let slope = ((n[0] * n[0] + n[1] * n[1]).sqrt() / n[2].abs().max(1e-6)).min(MAX_SLOPE);
             return distance_voxels < NEAR_VOXELS.max(baked_bias.along_light(slope));
         }
         // The distance by which the look-up's own bias moves the point towards the sun, plus one voxel for the grid.

@@ -149,8 +149,8 @@ impl VolumeSampler {
     /// Samples the volume of `grid`.
     pub fn new(grid: &LightGrid) -> Self {
         let edges =
-            std::array::from_fn(|a| grid.axes[a].map(|c| c * grid.voxel_size * f64::from(grid.size[a])));
-        Self { corner: grid.origin, edges }
+            std::array::from_fn(|a| grid.edges[a].map(|c| c * grid.voxel_size * f64::from(grid.size[a])));
+        Self { corner: grid.origin(), edges }
     }
 
     /// Samples the cube of a tree.

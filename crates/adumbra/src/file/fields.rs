@@ -32,7 +32,7 @@ pub const LIGHT: Kind = Kind {
     magic: *b"ADUMBRA\n",
     shown: "\"ADUMBRA\\n\"",
     name: "light-aligned shadow file",
-    version: 2,
+    version: 3,
     oldest: 1,
 };
 /// A file with a world-aligned tree.

@@ -1,6 +1,8 @@
 //! The 384 bytes before the sections. The offsets are in `spec/adumbra-file.md`. The fields are read and written here
 //! in file order.
 
+use std::f64::consts::PI;
+
 use crate::error::FormatError;
 use crate::file::fields::{
     Encoder, LIGHT, UNIT_TOLERANCE, bounds, check_bounds, check_finite, check_voxel_size, field, identify,
@@ -9,7 +11,7 @@ use crate::file::fields::{
 use crate::file::layout::Layout;
 use crate::file::sections::{Section, check_sections};
 use crate::grid::vec3::{cross, dot};
-use crate::grid::{Bounds, LightGrid};
+use crate::grid::{Bounds, Frame, LightGrid};
 use crate::layout::packed::POOL_WORDS;
 use crate::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL, top_dims};
 use crate::settings::{Bias, FileSettings, Receivers};
@@ -26,6 +28,9 @@ const CLOSED_REGIONS: u32 = 1 << 1;
 const IGNORE_ALPHA: u32 = 1 << 2;
 const STATIC_RECEIVERS: u32 = 1 << 3;
 const HAS_BOUNDS: u32 = 1 << 4;
+/// Values of the field `frame`.
+const LIGHT_FRAME: u32 = 0;
+const OBLIQUE_FRAME: u32 = 1;
 const ALL_FLAGS: u32 = (1 << 5) - 1;
 
 /// Section names, in file order.
@@ -65,7 +70,7 @@ impl Header {
         out.u32s(&[self.layout.number()]);
         out.f64s(&[grid.voxel_size]);
         out.f64s(&grid.sun.towards());
-        out.f64s(&grid.origin);
+        out.f64s(&grid.corner);
         out.f64s(grid.axes.as_flattened());
         out.f64s(&[settings.thickness_world]);
         let bias = settings.bias;
@@ -73,7 +78,12 @@ impl Header {
         out.bounds(settings.bounds);
         out.u64s(&[settings.triangles, settings.instances]);
         out.sections(&self.sections);
-        out.u32s(&[settings.switch_within_voxels]);
+        let (frame, yaw_radians) = match grid.frame {
+            Frame::Light => (LIGHT_FRAME, 0.0),
+            Frame::Oblique { yaw_radians } => (OBLIQUE_FRAME, yaw_radians),
+        };
+        out.u32s(&[settings.switch_within_voxels, frame]);
+        out.f64s(&[yaw_radians]);
         out.sealed()
     }
 
@@ -91,7 +101,7 @@ impl Header {
         let layout = fields.u32()?;
         let voxel_size = fields.f64()?;
         let towards = fields.f64s()?;
-        let origin = fields.f64s()?;
+        let place = fields.f64s()?;
         let axes = [fields.f64s()?, fields.f64s()?, fields.f64s()?];
         let thickness_world = fields.f64()?;
         let [constant_texels, slope_texels, normal_offset_texels] = fields.f64s()?;
@@ -99,11 +109,16 @@ impl Header {
         let (triangles, instances) = (fields.u64()?, fields.u64()?);
         let sections = fields.sections()?;
         let switch_within_voxels = fields.u32()?;
-        fields.end("reserved words 89 to 94")?;
+        let frame_number = fields.u32()?;
+        let [yaw_radians] = fields.f64s()?;
+        fields.end("reserved words 92 to 94")?;
 
         if version == 1 {
             reserved("reserved word 13", layout)?;
             reserved("reserved word 88", switch_within_voxels)?;
+        }
+        if version < 3 {
+            reserved("reserved word 89", frame_number)?;
         }
         let Some(layout) = Layout::from_number(layout) else {
             return Err(field("layout", layout.to_string(), "0 (plain), 1 (packed) or 2 (depths)"));
@@ -112,7 +127,12 @@ impl Header {
             return Err(field("flags", format!("{flags:#x}"), "limited to bits 0 to 4"));
         }
         let bounds = bounds(flags & HAS_BOUNDS != 0, "4", box_given)?;
-        let grid = LightGrid { sun: sun(towards)?, voxel_size, origin, axes, size };
+        let sun = sun(towards)?;
+        let frame = frame(frame_number, yaw_radians)?;
+        // Up to version 2 the header held the world position of the corner.
+        let corner = if version < 3 { axes.map(|axis| dot(axis, place) / voxel_size) } else { place };
+        let edges = frame.edges(&sun, &axes);
+        let grid = LightGrid { sun, frame, voxel_size, corner, axes, edges, size };
         let settings = FileSettings {
             resolution,
             thickness_world,
@@ -196,19 +216,44 @@ fn check_grid(grid: &LightGrid) -> Result<(), FormatError> {
         return Err(field("size", format!("{:?}", grid.size), "at least 1 along each axis"));
     }
     check_voxel_size(grid.voxel_size)?;
-    check_finite("origin", &grid.origin, grid.origin)?;
+    check_finite("corner", &grid.corner, grid.corner)?;
+    let expected = match grid.frame {
+        Frame::Light if !is_along_light(grid) => "orthonormal and right-handed, the third away from the sun",
+        Frame::Oblique { .. } if !is_upright(grid) => "those of the oblique frame for this sun and yaw",
+        _ => return Ok(()),
+    };
+    Err(field("axes", format!("{:?}", grid.axes), expected))
+}
+
+// Both are written so that a NaN anywhere fails.
+
+fn is_along_light(grid: &LightGrid) -> bool {
     let [x, y, z] = grid.axes;
     let to_sun = grid.sun.towards();
-    // Written so that a NaN anywhere fails.
     let unit = [x, y, z].iter().all(|a| (dot(*a, *a) - 1.0).abs() <= UNIT_TOLERANCE);
     let square = [dot(x, y), dot(y, z), dot(z, x)].iter().all(|d| d.abs() <= UNIT_TOLERANCE);
     let right_handed = dot(cross(x, y), z) > 0.0;
-    let along_light = (0..3).all(|a| (z[a] + to_sun[a]).abs() <= UNIT_TOLERANCE);
-    if !(unit && square && right_handed && along_light) {
-        let expected = "orthonormal and right-handed, the third away from the sun";
-        return Err(field("axes", format!("{:?}", grid.axes), expected));
+    unit && square && right_handed && (0..3).all(|a| (z[a] + to_sun[a]).abs() <= UNIT_TOLERANCE)
+}
+
+fn is_upright(grid: &LightGrid) -> bool {
+    let expected = grid.frame.axes(&grid.sun);
+    let pairs = grid.axes.as_flattened().iter().zip(expected.as_flattened());
+    // Under a low sun the shear is large.
+    pairs.into_iter().all(|(a, b)| (a - b).abs() <= UNIT_TOLERANCE * (1.0 + b.abs()))
+}
+
+/// Returns the frame of a header.
+fn frame(number: u32, yaw_radians: f64) -> Result<Frame, FormatError> {
+    match number {
+        LIGHT_FRAME if yaw_radians.to_bits() == 0 => Ok(Frame::Light),
+        LIGHT_FRAME => {
+            Err(field("yaw", yaw_radians.to_string(), "zero, because the frame is that of the light"))
+        }
+        OBLIQUE_FRAME if (-PI..=PI).contains(&yaw_radians) => Ok(Frame::Oblique { yaw_radians }),
+        OBLIQUE_FRAME => Err(field("yaw", yaw_radians.to_string(), "from -pi to pi")),
+        _ => Err(field("frame", number.to_string(), "0 (light) or 1 (oblique)")),
     }
-    Ok(())
 }
 
 fn flags(settings: &FileSettings) -> u32 {

@@ -12,9 +12,9 @@ pub enum Layout {
     Plain,
     /// The plain layout's graph in units of 16 bits, in about a third of the bytes, see
     /// [`PackedDag`](crate::layout::packed::PackedDag).
-    #[default]
     Packed,
-    /// A quadtree of switch depths, the smallest layout, see [`DepthTree`](crate::layout::depths::DepthTree).
+    /// A quadtree of switch depths, the smallest layout and the default of bakes, see [`DepthTree`](crate::layout::depths::DepthTree).
+    #[default]
     Depths,
 }
 

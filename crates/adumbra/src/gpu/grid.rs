@@ -1,6 +1,7 @@
 //! The world-to-grid transform for shaders. A grid and an anchor are converted in `f64` to 32-bit numbers.
 
 use crate::error::RangeError;
+use crate::grid::LightGrid;
 use crate::query::{FIXED_ONE, MAX_FIXED_SIDE};
 
 /// Largest length of a step, in voxels.
@@ -13,8 +14,10 @@ const STEP_VOXELS: f64 = 8.0;
 /// voxel, and wrap around.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridParameters {
-    /// Unit axes of the grid in world space.
+    /// Rows of the linear map from world to grid, see [`Frame::axes`](crate::Frame::axes).
     pub axes: [[f32; 3]; 3],
+    /// Edges of a voxel, see [`Frame::edges`](crate::Frame::edges). They convert normals.
+    pub edges: [[f32; 3]; 3],
     /// Change of the grid position per step along each world axis, in fixed point.
     pub steps: [[i32; 3]; 3],
     /// Remainders of [`GridParameters::steps`], in voxels.
@@ -37,19 +40,39 @@ pub struct GridParameters {
 
 impl GridParameters {
     /// Size of the structure in bytes.
-    pub const BYTES: usize = 224;
+    pub const BYTES: usize = 272;
 
-    /// Creates the transform for a grid with its corner at `origin`, unit `axes` and voxels of `voxel_size` world
-    /// units. Positions in the shader are relative to `anchor_world`.
+    /// Creates the transform for a grid. Positions in the shader are relative to `anchor_world`.
     ///
     /// # Errors
     /// Returns [`RangeError`] if a side has more than [`MAX_FIXED_SIDE`] voxels.
-    pub fn new(
-        origin: [f64; 3],
+    pub fn new(grid: &LightGrid, anchor_world: [f64; 3]) -> Result<Self, RangeError> {
+        let anchor_voxels = grid.to_grid(anchor_world);
+        Self::of(grid.axes, grid.edges, grid.voxel_size, grid.size, anchor_voxels)
+    }
+
+    /// Creates the transform for a cube whose axes are the world's, with its corner at `corner_world` and `side` voxels
+    /// of `voxel_size` world units a side. Positions in the shader are relative to `anchor_world`.
+    ///
+    /// # Errors
+    /// Returns [`RangeError`] if a side has more than [`MAX_FIXED_SIDE`] voxels.
+    pub fn of_cube(
+        corner_world: [f64; 3],
+        voxel_size: f64,
+        side: u32,
+        anchor_world: [f64; 3],
+    ) -> Result<Self, RangeError> {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let anchor_voxels = std::array::from_fn(|a| (anchor_world[a] - corner_world[a]) / voxel_size);
+        Self::of(axes, axes, voxel_size, [side; 3], anchor_voxels)
+    }
+
+    fn of(
         axes: [[f64; 3]; 3],
+        edges: [[f64; 3]; 3],
         voxel_size: f64,
         size: [u32; 3],
-        anchor_world: [f64; 3],
+        anchor_voxels: [f64; 3],
     ) -> Result<Self, RangeError> {
         let longest = size.into_iter().fold(0, u32::max);
         if longest > MAX_FIXED_SIDE {
@@ -61,16 +84,15 @@ impl GridParameters {
         let step_world = power_of_two_below(STEP_VOXELS * voxel_size);
         let split_steps: [([i32; 3], [f32; 3]); 3] =
             std::array::from_fn(|world| split(axes.map(|axis| axis[world] * step_world / voxel_size)));
-        let from_corner: [f64; 3] = std::array::from_fn(|a| anchor_world[a] - origin[a]);
-        let anchor = axes.map(|axis| (0..3).map(|a| axis[a] * from_corner[a]).sum::<f64>() / voxel_size);
-        let (anchor_fixed, anchor_remainder) = split(anchor);
+        let (anchor_fixed, anchor_remainder) = split(anchor_voxels);
         Ok(Self {
             axes: axes.map(single),
+            edges: edges.map(single),
             steps: split_steps.map(|(step, _)| step),
             rests: split_steps.map(|(_, rest)| rest),
             anchor_fixed,
             anchor_remainder,
-            anchor_voxels: single(anchor),
+            anchor_voxels: single(anchor_voxels),
             size: size.map(|n| n as i32),
             voxels_per_world: (1.0 / voxel_size) as f32,
             step_world: step_world as f32,
@@ -83,7 +105,7 @@ impl GridParameters {
         let start = out.len();
         let floats = |out: &mut Vec<u8>, v: [f32; 3]| put_row(out, v.map(f32::to_bits));
         let integers = |out: &mut Vec<u8>, v: [i32; 3]| put_row(out, v.map(|c| c as u32));
-        self.axes.iter().for_each(|&axis| floats(out, axis));
+        self.axes.iter().chain(&self.edges).for_each(|&row| floats(out, row));
         self.steps.iter().for_each(|&step| integers(out, step));
         self.rests.iter().for_each(|&rest| floats(out, rest));
         integers(out, self.anchor_fixed);

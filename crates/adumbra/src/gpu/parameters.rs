@@ -6,25 +6,26 @@ use super::words::Words;
 use crate::error::{RangeError, Result};
 use crate::file::LightBody;
 use crate::grid::LightGrid;
-use crate::query::{FILTER_WIDTHS, TapLayers};
+use crate::query::FILTER_WIDTHS;
 use crate::settings::Bias;
 
 /// The WGSL structure `AdumbraVoxelParams`.
 ///
 /// | offset | bytes | field |
 /// |---|---|---|
-/// | 0 | 224 | grid |
-/// | 224 | 12 | root count |
-/// | 236 | 4 | root level |
-/// | 240 | 16 | bias: constant, slope, normal offset in texels; factor 1 |
-/// | 256 | 4 | first word of nodes (plain) or units (packed) |
-/// | 260 | 4 | first word of leaf masks (plain, packed) |
-/// | 264 | 4 | first word of wide entries (depths) |
-/// | 268 | 4 | first word of code (depths) |
-/// | 272 | 4 | filter width, texels |
-/// | 276 | 4 | 1 if the taps of a block share a layer, else 0 |
-/// | 280 | 4 | texels by which the sun's cone widens per voxel of depth; 0 without penumbrae |
-/// | 284 | 4 | largest radius of a penumbra, texels; 0 without penumbrae |
+/// | 0 | 272 | grid |
+/// | 272 | 12 | root count |
+/// | 284 | 4 | root level |
+/// | 288 | 16 | bias: constant, slope, normal offset in texels; factor 1 |
+/// | 304 | 4 | first word of nodes (plain) or units (packed) |
+/// | 308 | 4 | first word of leaf masks (plain, packed) |
+/// | 312 | 4 | first word of wide entries (depths) |
+/// | 316 | 4 | first word of code (depths) |
+/// | 320 | 4 | filter width, texels |
+/// | 324 | 4 | texels by which the sun's cone widens per voxel of depth; 0 without penumbrae |
+/// | 328 | 4 | largest radius of a penumbra, texels; 0 without penumbrae |
+/// | 332 | 4 | zero |
+/// | 336 | 16 | the penumbra's ellipse, see [`Parameters::penumbra`] |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Transform from world to grid.
@@ -41,17 +42,18 @@ pub struct Parameters {
     pub is_depths: bool,
     /// Width of the filter, texels.
     pub filter_width: u32,
-    /// The layers that the filter's taps sample.
-    pub layers: TapLayers,
     /// Texels by which the sun's cone widens per voxel of depth; 0 without penumbrae.
     pub sun_cone: f32,
-    /// Largest radius of a penumbra, texels; 0 without penumbrae.
+    /// Largest radius of a penumbra, texels; 0 without penumbrae. In the oblique frame this is its short radius.
     pub max_radius_texels: f32,
+    /// Rows of the map from the unit circle across the light to the ellipse that is its outline in grid x and y, see
+    /// [`LightGrid::circle_across_light`].
+    pub penumbra: [[f32; 2]; 2],
 }
 
 impl Parameters {
     /// Size of the structure in bytes.
-    pub const BYTES: usize = 288;
+    pub const BYTES: usize = 352;
 
     /// Creates the parameters of a look-up in a file's voxels with a filter of `filter_width` × `filter_width` texels.
     /// Positions in the shader are relative to `anchor_world`.
@@ -70,19 +72,19 @@ impl Parameters {
             return Err(RangeError::new("the filter's width", filter_width, "1, 3, 5, 9 or 17").into());
         }
         bias.check()?;
-        let (size, root_level, [nx, ny, nz]) = body.space();
+        let (_, root_level, [nx, ny, nz]) = body.space();
         let is_depths = matches!(body, LightBody::Depths(_));
         Ok(Self {
-            grid: GridParameters::new(grid.origin, grid.axes, grid.voxel_size, size, anchor_world)?,
+            grid: GridParameters::new(grid, anchor_world)?,
             root_count: [nx, ny, if is_depths { 1 } else { nz }],
             root_level,
             bias,
             offsets: Words::offsets(body),
             is_depths,
             filter_width,
-            layers: TapLayers::default(),
             sun_cone: 0.0,
             max_radius_texels: 0.0,
+            penumbra: grid.circle_across_light().map(|row| row.map(|c| c as f32)),
         })
     }
 
@@ -91,7 +93,7 @@ impl Parameters {
     /// # Errors
     /// Returns [`RangeError`] only if the grid itself is too large.
     pub fn set_anchor(&mut self, grid: &LightGrid, anchor_world: [f64; 3]) -> Result<(), RangeError> {
-        self.grid = GridParameters::new(grid.origin, grid.axes, grid.voxel_size, grid.size, anchor_world)?;
+        self.grid = GridParameters::new(grid, anchor_world)?;
         Ok(())
     }
 
@@ -108,8 +110,8 @@ impl Parameters {
             .into_iter()
             .chain(bias.map(f32::to_bits))
             .chain(offsets)
-            .chain([self.filter_width, u32::from(self.layers == TapLayers::Block)])
-            .chain([self.sun_cone.to_bits(), self.max_radius_texels.to_bits()]);
+            .chain([self.filter_width, self.sun_cone.to_bits(), self.max_radius_texels.to_bits(), 0])
+            .chain(self.penumbra.as_flattened().iter().map(|c| c.to_bits()));
         words.for_each(|word| out.extend(word.to_le_bytes()));
         std::array::from_fn(|i| out[i])
     }

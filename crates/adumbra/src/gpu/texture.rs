@@ -1,4 +1,4 @@
-//! The look-up texture, version 1: a file's words and its parameter block in rows of texels. `spec/look-up-texture.md`
+//! The look-up texture, version 2: a file's words and its parameter block in rows of texels. `spec/look-up-texture.md`
 //! describes it.
 //!
 //! A texel is one little-endian word. With the format `R32Uint` it is the word itself, with `Rgba8Unorm` its bytes from
@@ -15,8 +15,8 @@
 //! | 7 | zero |
 //! | 8 to 10 | unit vector towards the sun, `f32` |
 //! | 11 to 15 | zero |
-//! | 16 to 87 | the parameter block, [`Parameters`] |
-//! | 88 to 127 | zero |
+//! | 16 to 103 | the parameter block, [`Parameters`] |
+//! | 104 to 127 | zero |
 
 use super::parameters::Parameters;
 use super::words::Words;
@@ -27,7 +27,7 @@ use crate::settings::Bias;
 /// First word of a look-up texture: "ADUT" as bytes.
 pub const TEXTURE_MAGIC: u32 = u32::from_le_bytes(*b"ADUT");
 /// Version of the look-up texture that is written.
-pub const TEXTURE_VERSION: u32 = 1;
+pub const TEXTURE_VERSION: u32 = 2;
 /// Number of words of a look-up texture's header, which precede the file's words.
 pub const HEADER_WORDS: usize = 128;
 
@@ -119,9 +119,10 @@ impl LookUpTexture {
     /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor, the roots
     /// and the offsets are kept.
     pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
-        let Parameters { grid, root_count, root_level, offsets, is_depths, .. } = self.parameters;
+        let Parameters { grid, root_count, root_level, offsets, is_depths, penumbra, .. } = self.parameters;
         change(&mut self.parameters);
-        self.parameters = Parameters { grid, root_count, root_level, offsets, is_depths, ..self.parameters };
+        self.parameters =
+            Parameters { grid, root_count, root_level, offsets, is_depths, penumbra, ..self.parameters };
         self.write_parameters();
     }
 

@@ -4,10 +4,12 @@
 //! cosine, so that results are bit-identical on all machines.
 
 mod bounds;
+mod frame;
 mod light_grid;
 mod sun;
 pub mod vec3;
 
 pub use bounds::Bounds;
+pub use frame::Frame;
 pub use light_grid::{LightExtent, LightGrid};
 pub use sun::Sun;

@@ -31,6 +31,6 @@ impl<'d> Cursor<'d> {
 
     /// Returns the number of lit taps. See [`Query::lit_taps`].
     pub fn lit_taps(&mut self, r: &FixedReceiver) -> u32 {
-        self.cubes.lit_taps(self.query.filter, self.query.layers, r)
+        self.cubes.lit_taps(self.query.filter, r)
     }
 }

@@ -64,9 +64,15 @@ impl FixedReceiver {
         Self { p_fixed, gradient }
     }
 
-    /// Returns the texel that contains the point.
-    pub(super) fn texel(&self) -> [i64; 2] {
+    /// Returns the texel that contains the point. It may be outside the grid.
+    pub fn texel(&self) -> [i64; 2] {
         [0, 1].map(|a| self.p_fixed[a] >> FIXED_BITS)
+    }
+
+    /// Returns the layer in which the receiver's plane passes the centre of a texel: negative before the grid, and not
+    /// limited behind it.
+    pub fn layer(&self, texel: [i64; 2]) -> i64 {
+        self.depth(texel) >> (FIXED_BITS + GRADIENT_BITS)
     }
 
     /// Returns the depth of the receiver's plane at the centre of a texel, in 2^-20 voxels. The layer index is in the

@@ -4,9 +4,7 @@
 //! by the voxel that the receiver's plane passes there. Computations up to the bias use `f64`, those after it integers,
 //! see [`FixedReceiver`].
 //!
-//! The rules are in `spec/adumbra-file.md`, "Look-up bias and filters". With [`TapLayers::Block`], all taps in a block
-//! of 8 × 8 texels share a layer, and light leaks on slopes, in teeth below ledges and at the feet of walls.
-//! `docs/layouts.md` has the errors and costs of both choices.
+//! The rules are in `spec/adumbra-file.md`, "Look-up bias and filters".
 
 mod cursor;
 mod fixed;
@@ -53,18 +51,6 @@ impl PointVisibility for Query<'_> {
 /// Allowed filter widths, in texels.
 pub const FILTER_WIDTHS: [u32; 5] = [1, 3, 5, 9, 17];
 
-/// The layer of voxels that each tap of a filter samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TapLayers {
-    /// Each tap samples its own layer, the one that the receiver's plane passes at the tap.
-    #[default]
-    Tap,
-    /// All taps in a block of 8 × 8 texels sample one layer, that of the tap at which the plane is nearest to the sun.
-    /// This reads only one leaf mask per block, so it is cheaper, but on a slope it loses every blocker within the
-    /// plane's rise over the block.
-    Block,
-}
-
 /// Look-ups in the voxels of a file, whatever their layout.
 #[derive(Clone, Copy)]
 pub struct Query<'d> {
@@ -72,7 +58,6 @@ pub struct Query<'d> {
     leaf_masks: &'d dyn LeafMasks,
     bias: Bias,
     filter: u32,
-    layers: TapLayers,
 }
 
 /// A point in grid space, with the slope of its surface there.
@@ -93,13 +78,7 @@ impl<'d> Query<'d> {
         if !FILTER_WIDTHS.contains(&filter) {
             return Err(RangeError::new("the filter\'s width", filter, "1, 3, 5, 9 or 17").into());
         }
-        Ok(Self { grid, leaf_masks, bias, filter, layers: TapLayers::default() })
-    }
-
-    /// Returns this query with another choice of the layers that taps sample.
-    #[must_use]
-    pub fn with_layers(self, layers: TapLayers) -> Self {
-        Self { layers, ..self }
+        Ok(Self { grid, leaf_masks, bias, filter })
     }
 
     /// Returns the filter width in texels.
@@ -134,7 +113,7 @@ impl<'d> Query<'d> {
             let lit = self.voxel(r).is_none_or(|[i, j, k]| self.leaf_masks.voxel(i, j, k));
             return u32::from(lit);
         }
-        Cubes::<8>::new(self.leaf_masks).lit_taps(self.filter, self.layers, r)
+        Cubes::<8>::new(self.leaf_masks).lit_taps(self.filter, r)
     }
 
     /// Returns the level of the block in which the look-up of the filter's middle texel ends, see
@@ -169,17 +148,18 @@ pub fn receiver(grid: &LightGrid, bias: &Bias, p_world: [f64; 3], normal: Option
     let mut gradient = [0.0; 2];
     let mut slope = 0.0;
     if let Some(normal) = finite(normal) {
-        let n = grid.direction_to_grid(normal);
+        let n = grid.normal_to_grid(normal);
         let tangent = (n[0] * n[0] + n[1] * n[1]).sqrt();
-        // |n·l| is |n.z|, because the grid's z points away from the sun.
+        // |n.z| is |n·l|, times the length of a voxel along the light in voxels.
         let n_dot_l = n[2].abs().max(tangent / MAX_PLANE_SLOPE);
         if n_dot_l > 0.0 && n_dot_l.is_finite() {
             let towards_sun = if n[2] > 0.0 { -n_dot_l } else { n_dot_l };
             gradient = [n[0] / towards_sun, n[1] / towards_sun];
             slope = tangent / n_dot_l;
         }
+        let off_surface = grid.direction_to_grid(normal);
         for a in 0..3 {
-            p_grid[a] += n[a] * bias.normal_offset_texels;
+            p_grid[a] += off_surface[a] * bias.normal_offset_texels;
         }
     }
     p_grid[2] -= bias.along_light(slope);

@@ -4,8 +4,8 @@
 //! so on level ground a row of taps is in one layer and is counted at once.
 
 use crate::layout::{LeafMasks, Trail};
+use crate::query::FixedReceiver;
 use crate::query::fixed::{FIXED_BITS, GRADIENT_BITS};
-use crate::query::{FixedReceiver, TapLayers};
 
 /// Depths of the receiver's plane at the taps of a block, in 2^-20 voxels.
 struct Plane {
@@ -16,16 +16,8 @@ struct Plane {
 }
 
 impl Plane {
-    fn over(r: &FixedReceiver, layers: TapLayers, x: [i64; 2], y: [i64; 2]) -> Self {
-        let steps = r.gradient.map(|g| i64::from(g) << FIXED_BITS);
-        let depth = r.depth([x[0], y[0]]);
-        match layers {
-            TapLayers::Tap => Self { depth, steps },
-            TapLayers::Block => {
-                let nearer = |a: usize, [first, last]: [i64; 2]| (steps[a] * (last - first)).min(0);
-                Self { depth: depth + nearer(0, x) + nearer(1, y), steps: [0; 2] }
-            }
-        }
+    fn over(r: &FixedReceiver, first_tap: [i64; 2]) -> Self {
+        Self { depth: r.depth(first_tap), steps: r.gradient.map(|g| i64::from(g) << FIXED_BITS) }
     }
 }
 
@@ -56,7 +48,7 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
 
     /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the grid and
     /// points before it are lit. Behind its last layer, the last layer is sampled.
-    pub(super) fn lit_taps(&mut self, filter: u32, layers: TapLayers, r: &FixedReceiver) -> u32 {
+    pub(super) fn lit_taps(&mut self, filter: u32, r: &FixedReceiver) -> u32 {
         let [nx, ny, nz] = self.leaf_masks.size().map(i64::from);
         let reach = i64::from(filter / 2);
         let texel = r.texel();
@@ -73,7 +65,7 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
             let mut x = low[0];
             while x <= high[0] {
                 let x_last = (x | 7).min(high[0]);
-                let plane = Plane::over(r, layers, [x, x_last], [y, y_last]);
+                let plane = Plane::over(r, [x, y]);
                 lit += self.block(&plane, [x, x_last], [y, y_last], nz - 1);
                 x = x_last + 1;
             }

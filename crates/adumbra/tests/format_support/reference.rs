@@ -5,15 +5,17 @@ use adumbra_testing::{f64_at, u32_at, u64_at};
 
 /// Returns the visibility of a world point: 1 = lit, 0 = shadowed.
 pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
+    // Up to version 2 the header holds the world position of the corner.
+    let has_origin = u32_at(file, 8) < 3;
     let mut grid = [0.0; 3];
     for (r, g) in (0_u64..).zip(&mut grid) {
         let mut sum = 0.0;
         for (c, p) in (0_u64..).zip(world) {
             let axis = f64_at(file, 112 + 24 * r + 8 * c);
-            let origin = f64_at(file, 88 + 8 * c);
+            let origin = if has_origin { f64_at(file, 88 + 8 * c) } else { 0.0 };
             sum += axis * (p - origin);
         }
-        *g = sum / f64_at(file, 56);
+        *g = sum / f64_at(file, 56) - if has_origin { 0.0 } else { f64_at(file, 88 + 8 * r) };
     }
     let size = [24, 28, 32].map(|at| f64::from(u32_at(file, at)));
     let beside = !(grid[0] >= 0.0 && grid[0] < size[0] && grid[1] >= 0.0 && grid[1] < size[1]);

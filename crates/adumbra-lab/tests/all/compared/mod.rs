@@ -1,10 +1,20 @@
 //! Techniques compared with ray-traced truth, for tests that compare one scene with another.
 
+use adumbra::grid::vec3::dot;
 use adumbra::{ShadowFile, Sun};
 use adumbra_lab::compare::{Comparison, Contender, Reference, compare, truth_for};
 use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
 use adumbra_render::{Baked, Renderer, TechniqueSpec, build};
 use adumbra_scene::{Camera, Scene};
+
+/// Moves a file's grid. The lattice of texels is anchored at the world's origin, so a bake over there would have them
+/// elsewhere on the surfaces.
+pub(crate) fn moved(mut file: ShadowFile, place: [f64; 3]) -> ShadowFile {
+    for (corner, axis) in file.grid.corner.iter_mut().zip(file.grid.axes) {
+        *corner += dot(axis, place) / file.grid.voxel_size;
+    }
+    file
+}
 
 /// Compares the techniques called `names` with rays at each camera, one frame each.
 pub(crate) fn comparisons(

@@ -4,12 +4,12 @@
 use adumbra::query::{FixedReceiver, Receiver, receiver};
 use adumbra::{Bias, Layout, Query, ShadowFile, Sun};
 use adumbra_bake::convert::{body_in, graph_of};
-use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch};
+use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size, Watch};
 use adumbra_render::technique::{Resolver, Technique};
 use adumbra_render::voxel::{BakedLight, Cubes, CubesOptions, CubesStore, Voxel, VoxelSettings};
 use adumbra_render::{Gpu, Result};
-use adumbra_scene::Scene;
 use adumbra_scene::random::Random;
+use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_shaders::layout::{Frame, GpuType, PointQuery};
 use adumbra_testing::bake_file;
 use adumbra_tree::query::{TreeQuery, Weights};
@@ -28,6 +28,16 @@ impl BakedScene {
         Self::with_detail(scene, sun, resolution, tree_side, Detail::Uniform)
     }
 
+    /// Bakes generated scenes under a sun that is half high: one in the light's frame and one in the oblique frame.
+    pub(crate) fn in_each_frame(resolution: u64, tree_side: u64) -> [Self; 2] {
+        let sun = [0.5, 0.8, 0.35];
+        let primitives = Self::new(generate(GeneratedKind::Primitives, 3), sun, resolution, tree_side);
+        let frame = FrameChoice::ObliqueAt(0.4);
+        let mut city = Self::new(generate(GeneratedKind::City, 3), sun, resolution, tree_side);
+        city.light = light_file(&city.scene, sun, resolution, frame);
+        [primitives, city]
+    }
+
     pub(crate) fn with_detail(
         scene: Scene,
         sun: [f64; 3],
@@ -35,10 +45,8 @@ impl BakedScene {
         side: u64,
         detail: Detail,
     ) -> Self {
-        let sun = Sun::from_direction(sun).unwrap();
-        let options = BakeOptions::new(sun, Size::Resolution(resolution));
-        let light = bake_file(&scene, &options, LayoutChoice::Plain).unwrap();
-        let options = TreeOptions { detail, ..TreeOptions::new(sun, Size::Resolution(side)) };
+        let light = light_file(&scene, sun, resolution, FrameChoice::Light);
+        let options = TreeOptions { detail, ..TreeOptions::new(light.grid.sun, Size::Resolution(side)) };
         let tree = TreeFile::from(bake_tree(&scene, &options, Watch::none()).unwrap());
         Self { scene, light, tree }
     }
@@ -107,6 +115,12 @@ impl BakedScene {
         });
         (anchor, asked.collect())
     }
+}
+
+fn light_file(scene: &Scene, sun: [f64; 3], resolution: u64, frame: FrameChoice) -> ShadowFile {
+    let sun = Sun::from_direction(sun).unwrap();
+    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    bake_file(scene, &options, LayoutChoice::Plain).unwrap()
 }
 
 fn as_cpu(anchor: [f64; 3], q: &PointQuery) -> ([f64; 3], Option<[f64; 3]>) {

@@ -1,0 +1,98 @@
+//! The plan of a bake in the frame that its options ask for.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use adumbra::Frame;
+use adumbra_scene::Scene;
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::fast::descent::{DescentBuffers, build_root};
+use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
+use crate::plan::{Plan, caster_options};
+use crate::sink::depths::DepthsSink;
+use crate::sink::limit::LimitSink;
+use crate::triangles::casters::{CasterOptions, MeshClusters, cluster_meshes};
+use crate::yaw::dominant_yaw_radians;
+
+/// A forecast is a bake at this share of the resolution, but within these limits.
+const COARSER: u32 = 8;
+const FORECAST_RESOLUTIONS: [u32; 2] = [512, 2048];
+/// A scene with more corners of triangles is forecast from a part of its blocks with about as many.
+const FORECAST_CORNERS: u64 = 6_000_000;
+
+/// Plans the bake of `scene`.
+pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
+    options.check()?;
+    let meshes = cluster_meshes(scene, caster_options(options));
+    let frame = match options.frame {
+        FrameChoice::Light => Frame::Light,
+        FrameChoice::Oblique => upright(scene),
+        FrameChoice::ObliqueAt(yaw_radians) => Frame::Oblique { yaw_radians },
+        FrameChoice::Auto => smaller(scene, options, &meshes)?,
+    };
+    match Plan::in_frame(scene, options, frame, &meshes) {
+        // Under a low sun the upright grid may be too wide.
+        Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
+            Plan::in_frame(scene, options, Frame::Light, &meshes)
+        }
+        plan => plan,
+    }
+}
+
+fn upright(scene: &Scene) -> Frame {
+    Frame::Oblique { yaw_radians: dominant_yaw_radians(scene) }
+}
+
+/// Returns the frame in which the file will probably be smaller.
+fn smaller(scene: &Scene, options: &BakeOptions, meshes: &Arc<[MeshClusters]>) -> Result<Frame> {
+    if options.sun.elevation_degrees() < LOWEST_OBLIQUE_DEGREES {
+        return Ok(Frame::Light);
+    }
+    // Only the fast builder is cheap enough; the columns are the same.
+    let with_outlines = CasterOptions { outlines: true, ..caster_options(options) };
+    let meshes = if caster_options(options).outlines {
+        Arc::clone(meshes)
+    } else {
+        cluster_meshes(scene, with_outlines)
+    };
+    let (resolution, voxel_size) = Plan::resolution_and_voxel_size(scene, options)?;
+    let [least, most] = FORECAST_RESOLUTIONS;
+    let coarse = (resolution / COARSER).clamp(least, most).min(resolution);
+    let coarse = BakeOptions {
+        size: Size::VoxelSize(voxel_size * f64::from(resolution) / f64::from(coarse)),
+        max_memory_bytes: None,
+        ..options.clone()
+    };
+    let oblique = upright(scene);
+    // Under a low sun the upright grid may be too wide.
+    let oblique_bytes = match forecast_bytes(scene, &coarse, oblique, &meshes) {
+        Err(Error::Range(_)) => return Ok(Frame::Light),
+        bytes => bytes?,
+    };
+    let light_bytes = forecast_bytes(scene, &coarse, Frame::Light, &meshes)?;
+    Ok(if oblique_bytes <= light_bytes { oblique } else { Frame::Light })
+}
+
+/// Draws blocks and returns the bytes that all of them would take as depths. The choice of blocks depends on nothing
+/// that the order of triangles could change.
+fn forecast_bytes(
+    scene: &Scene,
+    options: &BakeOptions,
+    frame: Frame,
+    meshes: &Arc<[MeshClusters]>,
+) -> Result<f64> {
+    let plan = Plan::in_frame(scene, options, frame, meshes)?;
+    let blocks = plan.tiles.count();
+    let corners = plan.tiles.corners_over();
+    let all = corners.iter().sum::<u64>().max(1);
+    let samples = (blocks as u64 * FORECAST_CORNERS / all).clamp(1, blocks as u64) as usize;
+    let depths = DepthsSink::new(plan.tiles.root_level, true, None);
+    let sink = LimitSink { limit: plan.switch_limit(), sink: &depths };
+    let sampled: Vec<usize> = plan.tiles.sampled(samples, |block| corners[block]).collect();
+    sampled.into_par_iter().try_for_each_init(DescentBuffers::default, |buffers, block| {
+        build_root(&plan.tiles, block, &sink, buffers, &AtomicBool::new(false)).map(|_| ())
+    })?;
+    Ok(depths.shape_bytes() as f64 * blocks as f64 / samples as f64)
+}

@@ -1,0 +1,77 @@
+//! The generated scenes and their views.
+
+use adumbra::Sun;
+use adumbra_render::Shot;
+use adumbra_scene::{Camera, GeneratedKind, Scene, generate};
+
+use crate::Result;
+use crate::truth::{StreetOptions, TruthTracer, street_camera};
+
+const SEED: u64 = 1;
+/// Edge of the generated city in metres.
+const CITY_SIDE: f64 = 400.0;
+/// Height of a person's eyes in metres.
+const EYE_HEIGHT: f64 = 1.7;
+const FOV_DEGREES: f64 = 60.0;
+
+/// A named view.
+pub(super) struct Seen {
+    pub(super) name: &'static str,
+    pub(super) shot: Shot,
+}
+
+pub(super) fn city() -> Scene {
+    generate(GeneratedKind::City, SEED)
+}
+
+/// Returns the overview of a city, and a view along one of its streets.
+pub(super) fn views(city: &Scene, sun: Sun, [width, height]: [u32; 2]) -> Result<Vec<Seen>> {
+    let street = StreetOptions { eye_height_world: EYE_HEIGHT, fov_degrees: FOV_DEGREES, width, height };
+    let street = street_camera(&TruthTracer::build(city, false), sun.towards(), &street)?;
+    let overview = Camera { width, height, ..Camera::overview(&city.bounds(), FOV_DEGREES) };
+    let shot = |camera| Shot { camera, towards_sun: sun.towards(), number: 0 };
+    Ok(vec![Seen { name: "overview", shot: shot(overview) }, Seen { name: "street", shot: shot(street) }])
+}
+
+/// Returns `side` × `side` copies of a city, the one in the middle where it was.
+pub(super) fn tiled(city: &Scene, side: u32) -> Scene {
+    let middle = side / 2;
+    let mut all = city.clone();
+    all.instances.clear();
+    for (x, z) in (0..side).flat_map(|x| (0..side).map(move |z| (x, z))) {
+        let [x, z] = [x, z].map(|at| (f64::from(at) - f64::from(middle)) * CITY_SIDE);
+        all.instances.extend(city.instances.iter().cloned().map(|mut instance| {
+            instance.world_from_mesh[0][3] += x;
+            instance.world_from_mesh[2][3] += z;
+            instance
+        }));
+    }
+    all
+}
+
+/// Returns spheres around the point that a camera looks at.
+pub(super) fn movers(camera: &Camera) -> Scene {
+    let mut movers = generate(GeneratedKind::SphereGrid, SEED);
+    for instance in &mut movers.instances {
+        for axis in 0..3 {
+            instance.world_from_mesh[axis][3] += camera.target[axis];
+        }
+    }
+    movers
+}
+
+/// Moves everything to where it is in a frame: along a circle of 1 m.
+pub(super) fn moved(movers: &Scene, frame: u32) -> Scene {
+    let (sin, cos) = (0.1 * f64::from(frame)).sin_cos();
+    let mut moved = movers.clone();
+    for instance in &mut moved.instances {
+        instance.world_from_mesh[0][3] += cos;
+        instance.world_from_mesh[2][3] += sin;
+    }
+    moved
+}
+
+/// Number of triangles, instances counted apart.
+pub(super) fn triangles(scene: &Scene) -> u64 {
+    scene.instances.iter().map(|i| scene.meshes[i.mesh as usize].triangles.len() as u64).sum()
+}

@@ -1,0 +1,129 @@
+//! Medians of many frames.
+
+use std::time::{Duration, Instant};
+
+use adumbra_render::occlusion::OcclusionPasses;
+use adumbra_render::{Answer, Baked, FrameTimes, Renderer, Stage, TechniqueSpec, build};
+use adumbra_scene::Scene;
+
+use super::scenes::{Seen, moved};
+use super::{Bench, Row, View};
+use crate::Result;
+use crate::compare::median_time;
+
+/// Names of the passes of shadows and of ambient occlusion.
+const SHADOW: &[(&str, Stage)] = &[
+    ("depth", Stage::Depth),
+    ("build", Stage::Build),
+    ("look-up", Stage::Lookup),
+    ("screen", Stage::Screen),
+];
+const AMBIENT: &[(&str, Stage)] = &[
+    ("surface", Stage::AmbientSurface),
+    ("estimate", Stage::AmbientEstimate),
+    ("history", Stage::AmbientHistory),
+    ("filter", Stage::AmbientFilter),
+];
+/// Most time that the frames of one view take. A software adapter does not get through all of them.
+const MOST_PER_VIEW: Duration = Duration::from_millis(1200);
+const FEWEST_FRAMES: usize = 3;
+
+impl Bench<'_> {
+    /// Measures one technique in every view. `movers` move from frame to frame. What the device cannot hold is listed as
+    /// left out.
+    pub(super) fn technique(
+        &mut self,
+        renderer: &mut Renderer,
+        views: &[Seen],
+        [technique, file]: [&str; 2],
+        baked: Baked<'_>,
+        movers: Option<&Scene>,
+    ) -> Result<Option<Row>> {
+        let named = if file.is_empty() { technique.to_owned() } else { format!("{technique}, {file}") };
+        if self.is_over(&named) {
+            return Ok(None);
+        }
+        let spec: TechniqueSpec = technique.parse()?;
+        let prepared = build(&self.gpu, &spec, baked).and_then(|built| renderer.prepare(built));
+        let mut prepared = match prepared {
+            Ok(prepared) => prepared,
+            Err(error) => {
+                self.leave_out(&named, error.to_string());
+                return Ok(None);
+            }
+        };
+        let mut found = Vec::new();
+        for Seen { name, shot } in views {
+            let times = self.frames(|number| {
+                if let Some(movers) = movers {
+                    renderer.move_movers(&moved(movers, number));
+                }
+                Ok(renderer.draw(shot, &mut prepared, Answer::Visibility)?)
+            })?;
+            found.push(view(name, &times, SHADOW, FrameTimes::shadow));
+        }
+        let row = Row { technique: named, bytes: prepared.technique().bytes(), views: found };
+        eprintln!("{}: {}", row.technique, row.said());
+        Ok(Some(row))
+    }
+
+    /// Measures ambient occlusion in every view.
+    pub(super) fn occlusion(
+        &mut self,
+        renderer: &mut Renderer,
+        views: &[Seen],
+        name: &str,
+        mut passes: OcclusionPasses,
+    ) -> Result<Option<Row>> {
+        if self.is_over(name) {
+            return Ok(None);
+        }
+        let mut none = renderer.prepare(build(&self.gpu, &"none".parse()?, Baked::default())?)?;
+        let mut found = Vec::new();
+        for Seen { name, shot } in views {
+            renderer.draw(shot, &mut none, Answer::Visibility)?;
+            let times = self.frames(|_| Ok(renderer.occlude(shot, &mut passes)?))?;
+            found.push(view(name, &times, AMBIENT, FrameTimes::ambient));
+        }
+        let row = Row { technique: name.to_owned(), bytes: 0, views: found };
+        eprintln!("{name}: {}", row.said());
+        Ok(Some(row))
+    }
+
+    /// Draws one frame that does not count, and then as many as were asked for or as there is time for.
+    fn frames(&self, mut draw: impl FnMut(u32) -> Result<FrameTimes>) -> Result<Vec<FrameTimes>> {
+        draw(0)?;
+        let start = Instant::now();
+        let mut times = Vec::new();
+        for number in 1..=self.args.frames {
+            times.push(draw(number)?);
+            if times.len() >= FEWEST_FRAMES && start.elapsed() >= MOST_PER_VIEW {
+                break;
+            }
+        }
+        Ok(times)
+    }
+}
+
+fn view(
+    name: &str,
+    times: &[FrameTimes],
+    passes: &[(&str, Stage)],
+    all: impl Fn(&FrameTimes) -> f64,
+) -> View {
+    let of = |&(pass, stage): &(&str, Stage)| (pass.to_owned(), median_time(times, |t| t.of(stage)));
+    View {
+        view: name.to_owned(),
+        frames: times.len(),
+        milliseconds: median_time(times, all),
+        passes: passes.iter().map(of).filter(|(_, milliseconds)| *milliseconds > 0.0).collect(),
+        wall_time: times.iter().any(|t| t.wall_time),
+    }
+}
+
+impl Row {
+    fn said(&self) -> String {
+        let of_view = |view: &View| format!("{} {:.3} ms", view.view, view.milliseconds);
+        self.views.iter().map(of_view).collect::<Vec<_>>().join(", ")
+    }
+}
