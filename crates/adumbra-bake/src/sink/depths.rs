@@ -28,6 +28,8 @@ pub(crate) struct DepthsSink {
     root_level: u32,
     /// Whether equal shapes are stored once.
     merged: bool,
+    /// The processor's vectors.
+    arch: pulp::Arch,
     store: Mutex<ShapeStore>,
 }
 
@@ -110,7 +112,7 @@ impl DepthsSink {
     pub(crate) fn new(root_level: u32, merged: bool, spill: Option<&Arc<Spill>>) -> Self {
         let level = root_level.min(MAX_ROOT_LEVEL);
         let root_level = level - (level - LEAF_LEVEL) % NODE_LEVELS;
-        Self { root_level, merged, store: Mutex::new(ShapeStore::new(spill)) }
+        Self { root_level, merged, arch: pulp::Arch::new(), store: Mutex::new(ShapeStore::new(spill)) }
     }
 
     /// Bytes held for finished roots, apart from what is paged.
@@ -217,7 +219,7 @@ impl BlockSink for DepthsSink {
 
     #[inline(never)] // Counted by `cargo xtask count`.
     fn leaf(&self, columns: &BlockColumns) -> DepthsBlock {
-        let (base, leaf) = sort_columns(columns);
+        let (base, leaf) = sort_columns(columns, self.arch);
         let shape = leaf.map_or(Shape::Uniform, |leaf| Shape::Leaf(Box::new(leaf)));
         self.resolve(LEAF_LEVEL, Undecided { base, shape })
     }

@@ -21,17 +21,25 @@ pub(crate) const ENDLESS: i32 = i32::MAX;
 
 impl Intervals {
     /// Depths are below 2^30: see [`crate`].
+    #[inline(always)]
     pub(crate) fn new(columns: &BlockColumns) -> Self {
-        let x = columns.x.map(|x| if x >= FREE_TO_END { ENDLESS } else { x as i32 });
-        Self { e: columns.e.map(|e| e as i32), x, slant: Slant::default() }
+        let mut intervals = Self { e: [0; COLUMNS], x: [0; COLUMNS], slant: Slant::default() };
+        for i in 0..COLUMNS {
+            intervals.e[i] = columns.e[i] as i32;
+            intervals.x[i] = if columns.x[i] >= FREE_TO_END { ENDLESS } else { columns.x[i] as i32 };
+        }
+        intervals
     }
 
+    /// Returns level intervals with the slant's rise.
+    #[inline(always)]
     pub(crate) fn risen(&self, slant: Slant) -> Self {
         let rises = slant.rises();
-        Self {
-            e: std::array::from_fn(|i| self.e[i] + rises[i]),
-            x: std::array::from_fn(|i| self.x[i].saturating_add(rises[i])),
-            slant,
+        let mut risen = Self { e: self.e, x: self.x, slant };
+        for i in 0..COLUMNS {
+            risen.e[i] += rises[i];
+            risen.x[i] = if self.x[i] == ENDLESS { ENDLESS } else { self.x[i] + rises[i] };
         }
+        risen
     }
 }

@@ -5,6 +5,7 @@ use super::intervals::{COLUMNS, ENDLESS, Intervals};
 use super::slant::candidates;
 use crate::columns::BlockColumns;
 use crate::pack::depths::choose::{holds_any, intersection};
+use crate::texel_mask::texels_where;
 use adumbra::layout::depths::code::{LEAF_NEVER, LEAF_SLANTED, LEAF_WIDTH};
 use adumbra::layout::depths::slant::Slant;
 
@@ -21,27 +22,42 @@ pub(crate) struct Leaf {
     planes: Vec<u64>,
 }
 
-/// Sorts a block of columns. Returns an interval for its base, and a leaf if one depth does not suffice.
-pub(crate) fn sort_columns(columns: &BlockColumns) -> ([u32; 2], Option<Leaf>) {
-    let intervals = Intervals::new(columns);
+/// Sorts a block of columns. Returns an interval for its base, and a leaf if one depth does not suffice. No result
+/// depends on `arch`, the processor's vectors.
+pub(crate) fn sort_columns(columns: &BlockColumns, arch: pulp::Arch) -> ([u32; 2], Option<Leaf>) {
     let all = intersection((0..COLUMNS).map(|i| [columns.e[i], columns.x[i]]));
     if holds_any(all) {
         return (all, None);
     }
-    let mut best = Sorting::default();
-    best.sort(&intervals, usize::MAX);
-    // With one depth plus columns that never switch, no slant makes the leaf shorter.
-    if best.count > 1 {
-        let mut found = Sorting::default();
-        for slant in candidates(&intervals) {
-            let slanted = intervals.risen(slant);
-            if found.sort(&slanted, best.length()) {
-                std::mem::swap(&mut best, &mut found);
+    let (base, leaf) = arch.dispatch(SortColumns(columns));
+    (base, Some(leaf))
+}
+
+/// The argument of the part of [`sort_columns`] that is compiled for the widest vectors at hand.
+struct SortColumns<'a>(&'a BlockColumns);
+
+impl pulp::WithSimd for SortColumns<'_> {
+    type Output = ([u32; 2], Leaf);
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let intervals = Intervals::new(self.0);
+        let mut best = Sorting::default();
+        best.sort(&intervals, usize::MAX);
+        // With one depth plus columns that never switch, no slant makes the leaf shorter.
+        if best.count > 1 {
+            let mut found = Sorting::default();
+            for slant in candidates(&intervals) {
+                if found.sort(&intervals.risen(slant), best.length()) {
+                    std::mem::swap(&mut best, &mut found);
+                }
+                if best.count == 1 && !best.never {
+                    break;
+                }
             }
         }
+        best.leaf()
     }
-    let (base, leaf) = best.leaf();
-    (base, Some(leaf))
 }
 
 /// Intervals sorted into the fewest depths that stab them all.
@@ -57,6 +73,7 @@ struct Sorting {
 }
 
 impl Default for Sorting {
+    #[inline(always)]
     fn default() -> Self {
         let slant = Slant::default();
         Self { slant, depths: [[0; 2]; COLUMNS], columns: [0; COLUMNS], count: 0, endless: 0, never: false }
@@ -65,6 +82,7 @@ impl Default for Sorting {
 
 impl Sorting {
     /// Sorts the intervals. Returns whether the leaf is shorter than `limit`. Previous contents are lost.
+    #[inline(always)]
     fn sort(&mut self, intervals: &Intervals, limit: usize) -> bool {
         (self.slant, self.count, self.endless, self.never) = (intervals.slant, 0, 0, false);
         // Ends of the columns that have no depth yet.
@@ -75,12 +93,14 @@ impl Sorting {
             if point == ENDLESS {
                 break;
             }
-            let (mut columns, mut nearest) = (0, 0);
-            for (i, (end, &e)) in ends.iter_mut().zip(&intervals.e).enumerate() {
-                let here = *end != ENDLESS && e <= point;
-                columns |= u64::from(here) << i;
-                nearest = if here { nearest.max(e) } else { nearest };
-                *end = if here { ENDLESS } else { *end };
+            let is_here = |i: usize| (ends[i] != ENDLESS) & (intervals.e[i] <= point);
+            let columns = texels_where(is_here);
+            let mut nearest = 0;
+            for i in 0..COLUMNS {
+                nearest = nearest.max(if is_here(i) { intervals.e[i] } else { 0 });
+            }
+            for i in 0..COLUMNS {
+                ends[i] = if intervals.e[i] <= point { ENDLESS } else { ends[i] };
             }
             self.depths[self.count] = [nearest, point];
             self.columns[self.count] = columns;
@@ -89,10 +109,10 @@ impl Sorting {
                 return false;
             }
         }
+        self.endless = texels_where(|i| intervals.x[i] == ENDLESS);
         let mut nearest = 0;
-        for i in (0..COLUMNS).filter(|&i| intervals.x[i] == ENDLESS) {
-            self.endless |= 1 << i;
-            nearest = nearest.max(intervals.e[i]);
+        for i in 0..COLUMNS {
+            nearest = nearest.max(if intervals.x[i] == ENDLESS { intervals.e[i] } else { 0 });
         }
         let last = &mut self.depths[self.count - 1];
         self.never = nearest > last[1];
@@ -103,20 +123,24 @@ impl Sorting {
     }
 
     /// Returns the rank of the last depth.
+    #[inline(always)]
     fn last(&self) -> usize {
         self.count - 1 + usize::from(self.never)
     }
 
+    #[inline(always)]
     fn planes(&self) -> usize {
         (usize::BITS - self.last().leading_zeros()) as usize
     }
 
     /// Returns the approximate length in half-words.
+    #[inline(always)]
     fn length(&self) -> usize {
         let slanted = usize::from(self.slant != Slant::default());
         1 + slanted + self.count.div_ceil(2) + 4 * self.planes()
     }
 
+    #[inline(always)]
     fn leaf(&self) -> ([u32; 2], Leaf) {
         let plane = |p: usize| {
             let ranks = (0..self.count).filter(|r| r >> p & 1 == 1);

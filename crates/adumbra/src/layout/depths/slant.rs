@@ -25,6 +25,7 @@ impl Slant {
 
     /// Returns by how much a column switches nearer to the sun than the deepest corner of its plane, in voxels, rounded
     /// up.
+    #[inline(always)]
     pub fn rise(self, column: u32) -> u32 {
         let along = |g: i8, at: u32| -i32::from(g) * (at as i32 - if g > 0 { 7 } else { 0 });
         let quarters = along(self.x, column & 7) + along(self.y, column >> 3);
@@ -32,8 +33,13 @@ impl Slant {
     }
 
     /// Returns the rise of each column, in voxels.
+    #[inline(always)]
     pub fn rises(self) -> [i32; 64] {
-        std::array::from_fn(|column| self.rise(column as u32) as i32)
+        let mut rises = [0; 64];
+        for (column, rise) in (0..).zip(&mut rises) {
+            *rise = self.rise(column) as i32;
+        }
+        rises
     }
 
     /// Returns the largest rise of all columns, in voxels.
