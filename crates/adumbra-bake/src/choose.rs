@@ -13,7 +13,7 @@ use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
 use crate::plan::{Plan, caster_options};
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
-use crate::triangles::casters::{CasterOptions, MeshClusters, cluster_meshes};
+use crate::triangles::casters::{CasterOptions, SceneClusters};
 use crate::yaw::dominant_yaw_radians;
 
 /// A forecast is a bake at this share of the resolution, but within these limits.
@@ -25,17 +25,17 @@ const FORECAST_CORNERS: u64 = 6_000_000;
 /// Plans the bake of `scene`.
 pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
     options.check()?;
-    let meshes = cluster_meshes(scene, caster_options(options));
+    let clusters = SceneClusters::new(scene, caster_options(options));
     let frame = match options.frame {
         FrameChoice::Light => Frame::Light,
         FrameChoice::Oblique => upright(scene),
         FrameChoice::ObliqueAt(yaw_radians) => Frame::Oblique { yaw_radians },
-        FrameChoice::Auto => smaller(scene, options, &meshes)?,
+        FrameChoice::Auto => smaller(scene, options, &clusters)?,
     };
-    match Plan::in_frame(scene, options, frame, &meshes) {
+    match Plan::in_frame(scene, options, frame, &clusters) {
         // Under a low sun the upright grid may be too wide.
         Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
-            Plan::in_frame(scene, options, Frame::Light, &meshes)
+            Plan::in_frame(scene, options, Frame::Light, &clusters)
         }
         plan => plan,
     }
@@ -46,16 +46,16 @@ fn upright(scene: &Scene) -> Frame {
 }
 
 /// Returns the frame in which the file will probably be smaller.
-fn smaller(scene: &Scene, options: &BakeOptions, meshes: &Arc<[MeshClusters]>) -> Result<Frame> {
+fn smaller(scene: &Scene, options: &BakeOptions, clusters: &Arc<SceneClusters>) -> Result<Frame> {
     if options.sun.elevation_degrees() < LOWEST_OBLIQUE_DEGREES {
         return Ok(Frame::Light);
     }
     // Only the fast builder is cheap enough; the columns are the same.
     let with_outlines = CasterOptions { outlines: true, ..caster_options(options) };
-    let meshes = if caster_options(options).outlines {
-        Arc::clone(meshes)
+    let clusters = if caster_options(options).outlines {
+        Arc::clone(clusters)
     } else {
-        cluster_meshes(scene, with_outlines)
+        SceneClusters::new(scene, with_outlines)
     };
     let (resolution, voxel_size) = Plan::resolution_and_voxel_size(scene, options)?;
     let [least, most] = FORECAST_RESOLUTIONS;
@@ -67,11 +67,11 @@ fn smaller(scene: &Scene, options: &BakeOptions, meshes: &Arc<[MeshClusters]>) -
     };
     let oblique = upright(scene);
     // Under a low sun the upright grid may be too wide.
-    let oblique_bytes = match forecast_bytes(scene, &coarse, oblique, &meshes) {
+    let oblique_bytes = match forecast_bytes(scene, &coarse, oblique, &clusters) {
         Err(Error::Range(_)) => return Ok(Frame::Light),
         bytes => bytes?,
     };
-    let light_bytes = forecast_bytes(scene, &coarse, Frame::Light, &meshes)?;
+    let light_bytes = forecast_bytes(scene, &coarse, Frame::Light, &clusters)?;
     Ok(if oblique_bytes <= light_bytes { oblique } else { Frame::Light })
 }
 
@@ -81,9 +81,9 @@ fn forecast_bytes(
     scene: &Scene,
     options: &BakeOptions,
     frame: Frame,
-    meshes: &Arc<[MeshClusters]>,
+    clusters: &Arc<SceneClusters>,
 ) -> Result<f64> {
-    let plan = Plan::in_frame(scene, options, frame, meshes)?;
+    let plan = Plan::in_frame(scene, options, frame, clusters)?;
     let blocks = plan.tiles.count();
     let corners = plan.tiles.corners_over();
     let all = corners.iter().sum::<u64>().max(1);

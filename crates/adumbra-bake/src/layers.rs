@@ -6,7 +6,7 @@ use adumbra_scene::Scene;
 
 use crate::columns::capture::{self, CaptureBuffers, TileRect, capture_layers};
 use crate::columns::rules::{ColumnRules, NormalOffset, for_each_inside};
-use crate::triangles::casters::{CasterOptions, Casters, cluster_meshes};
+use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
 pub use crate::triangles::project::FixedDepth;
 use crate::triangles::surface::TileSurfaces;
 
@@ -56,7 +56,8 @@ impl<'s> LayerCapture<'s> {
             outlines: false,
         };
         let tiles = [grid.size[0].div_ceil(tile_side), grid.size[1].div_ceil(tile_side)];
-        let casters = Casters::new(scene, cluster_meshes(scene, caster_options), grid, tile_side, tiles, 1.0);
+        let casters =
+            Casters::new(scene, SceneClusters::new(scene, caster_options), grid, tile_side, tiles, 1.0);
         let bias = Bias { normal_offset_texels: 0.0, ..options.bias };
         let rules = ColumnRules {
             bias,

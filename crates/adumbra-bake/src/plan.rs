@@ -10,7 +10,7 @@ use crate::sink::limit::SwitchLimit;
 use crate::store::NodeState;
 use crate::store::paged::Spill;
 use crate::tiles::Tiles;
-use crate::triangles::casters::{CasterOptions, Casters, MeshClusters};
+use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
 use crate::triangles::project;
 use adumbra::FileSettings;
 use adumbra::RangeError;
@@ -55,12 +55,12 @@ pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
 }
 
 impl<'s> Plan<'s> {
-    /// Plans a bake in `frame`. `meshes` are those of [`cluster_meshes`] for [`caster_options`].
+    /// Plans a bake in `frame`. `clusters` are those for [`caster_options`].
     pub(crate) fn in_frame(
         scene: &'s Scene,
         options: &BakeOptions,
         frame: Frame,
-        meshes: &Arc<[MeshClusters]>,
+        clusters: &Arc<SceneClusters>,
     ) -> Result<Self> {
         let extent = extent(scene, options, frame);
         let (resolution, voxel_size) = match frame {
@@ -102,7 +102,7 @@ impl<'s> Plan<'s> {
         };
         let reach = rules.contact_reach_texels() + 1.0;
         let tiles = [top_dims[0], top_dims[1]];
-        let casters = Casters::new(scene, Arc::clone(meshes), &grid, 1 << root_level, tiles, reach);
+        let casters = Casters::new(scene, Arc::clone(clusters), &grid, 1 << root_level, tiles, reach);
         let settings = FileSettings {
             resolution,
             thickness_world: options.thickness_world,

@@ -300,6 +300,7 @@ impl Scene {
     }
 
     /// Alpha of `material` at `uv`: factor × texture × `vertex_alpha`. Rays and the bake share this function.
+    #[inline]
     pub fn alpha(&self, material: u32, uv: [f32; 2], vertex_alpha: f32) -> f32 {
         let m = &self.materials[material as usize];
         let texel = m.texture.map_or(1.0, |t| self.textures[t as usize].alpha(uv));
@@ -308,6 +309,7 @@ impl Scene {
 
     /// Whether `material` is opaque at `uv`, given the interpolated vertex alpha there. Cost: one bilinear texture
     /// sample for masked materials.
+    #[inline]
     pub fn is_opaque(&self, material: u32, uv: [f32; 2], vertex_alpha: f32) -> bool {
         match self.materials[material as usize].alpha {
             AlphaMode::Opaque => true,

@@ -70,6 +70,7 @@ struct Axis {
 
 impl Texture {
     /// Alpha at `uv`, 0…1. A non-finite coordinate counts as 0. Cost: four texel reads, or one for a nearest texture.
+    #[inline]
     pub fn alpha(&self, uv: [f32; 2]) -> f32 {
         self.sample(uv, |texel| [self.alpha_byte(texel)])[0] / 255.0
     }
@@ -136,6 +137,7 @@ impl Texture {
         Ok(result)
     }
 
+    #[inline]
     fn alpha_byte(&self, texel: usize) -> f32 {
         let byte = match &self.pixels {
             Pixels::Alpha(bytes) => bytes.get(texel),
@@ -144,6 +146,7 @@ impl Texture {
         f32::from(byte.copied().unwrap_or(255))
     }
 
+    #[inline]
     fn sample<const N: usize>(&self, uv: [f32; 2], fetch: impl Fn(usize) -> [f32; N]) -> [f32; N] {
         Grid { size: [self.width, self.height], wrap: self.wrap, nearest: self.nearest }.sample(uv, fetch)
     }
@@ -151,6 +154,7 @@ impl Texture {
 
 impl Grid {
     /// Samples the nearest texel at `uv`, or blends four. `fetch` takes a texel index.
+    #[inline]
     pub(super) fn sample<const N: usize>(&self, uv: [f32; 2], fetch: impl Fn(usize) -> [f32; N]) -> [f32; N] {
         let Self { size: [width, height], wrap, nearest } = *self;
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -197,6 +201,7 @@ fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, Str
 }
 
 /// Rounds down; avoids the library call for numbers of ordinary size.
+#[inline]
 fn floor(u: f32) -> f32 {
     if u.abs() >= 1e6 {
         return u.floor();
@@ -206,6 +211,7 @@ fn floor(u: f32) -> f32 {
 }
 
 /// Maps a coordinate into 0…1.
+#[inline]
 fn wrapped(u: f32, wrap: Wrap) -> f32 {
     if !u.is_finite() {
         return 0.0;
@@ -220,10 +226,12 @@ fn wrapped(u: f32, wrap: Wrap) -> f32 {
     }
 }
 
+#[inline]
 fn nearest_texel(u: f32, size: u32, wrap: Wrap) -> u32 {
     ((wrapped(u, wrap) * size as f32) as u32).min(size.saturating_sub(1))
 }
 
+#[inline]
 fn axis(u: f32, size: u32, wrap: Wrap) -> Axis {
     let t = wrapped(u, wrap) * size as f32 - 0.5;
     let low = floor(t);

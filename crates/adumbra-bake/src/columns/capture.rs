@@ -219,7 +219,7 @@ fn sample_centers(
             let depth = triangle.depth_at(&plane, x, y);
             let texel = (start + i as isize) as usize;
             if let Some(mask) = &mask {
-                let covered = mask.coverage(surfaces.scene(), x, y);
+                let covered = mask.coverage(surfaces.scene(), [x, y]);
                 if covered != 0 {
                     b.masked.push(MaskedHit::new(texel, depth, info, covered));
                 }

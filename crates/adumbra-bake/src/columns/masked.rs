@@ -6,6 +6,7 @@
 //! covered. A texture that is coarser than the texels is sampled once.
 
 use crate::columns::rules::FirstSurface;
+use crate::triangles::opacity::OpacityPyramid;
 use crate::triangles::project::{FixedDepth, Plane, Projected};
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
@@ -88,8 +89,26 @@ impl TriangleMask {
         Some(Self { material, u, v, vertex_alpha, extent_texels })
     }
 
+    /// Returns whether all points of the square of half side `half` around `center` are opaque, or all are clear. `None`:
+    /// neither, or not known.
+    pub(crate) fn opacity_within(
+        &self,
+        pyramids: &[Option<OpacityPyramid>],
+        center: [f64; 2],
+        half: f64,
+    ) -> Option<bool> {
+        let pyramid = pyramids[self.material as usize].as_ref()?;
+        if self.vertex_alpha.is_some() {
+            return None;
+        }
+        pyramid.opacity([&self.u, &self.v].map(|plane| {
+            let (middle, rise) = (plane.at(center[0], center[1]), plane.gradient_sum() * half);
+            [middle - rise, middle + rise]
+        }))
+    }
+
     /// Returns which sample points of the texel around (x, y) are opaque: bit = row · 4 + column.
-    pub(crate) fn coverage(&self, scene: &Scene, x: f64, y: f64) -> u16 {
+    pub(crate) fn coverage(&self, scene: &Scene, [x, y]: [f64; 2]) -> u16 {
         if self.extent_texels < COARSE_TEXTURE_TEXELS {
             return if self.opaque_at(scene, x, y) { u16::MAX } else { 0 };
         }

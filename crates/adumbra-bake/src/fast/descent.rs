@@ -107,6 +107,7 @@ pub(crate) fn build_root<S: BlockSink>(
             grid: &tiles.grid,
             rules: &tiles.rules,
             surfaces: &surfaces,
+            opacity: &tiles.casters.clusters.opacity,
             arch: pulp::Arch::new(),
         },
         reach,

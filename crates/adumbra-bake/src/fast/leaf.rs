@@ -12,6 +12,7 @@ use crate::columns::rules::{CONTACT_RINGS, ColumnRules, FREE_TO_END, FirstSurfac
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
 use crate::texel_mask::{texels_of, texels_where};
+use crate::triangles::opacity::OpacityPyramid;
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN, SUBTEXEL};
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
@@ -71,6 +72,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) grid: &'a LightGrid,
     pub(crate) rules: &'a ColumnRules,
     pub(crate) surfaces: &'a [BlockSurface],
+    /// For each material: where it is opaque.
+    pub(crate) opacity: &'a [Option<OpacityPyramid>],
     /// The processor's vectors.
     pub(crate) arch: pulp::Arch,
 }
@@ -303,7 +306,7 @@ impl Leaf<'_> {
 
     #[inline(always)]
     fn sample(&mut self, near: &Near, surface: &Surface, resolved: u64) {
-        let (block, Setting { scene, grid, rules, .. }) = (self.block, self.setting);
+        let (block, Setting { scene, grid, rules, opacity, .. }) = (self.block, self.setting);
         let shape = &surface.shape;
         let Some(plane) = shape.plane else { return };
         let [exact, grown] = if surface.solid && !shape.faces_sun {
@@ -328,17 +331,31 @@ impl Leaf<'_> {
         if covered | seam == 0 {
             return;
         }
+        let mask = if surface.masked {
+            let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
+            let middle = [block.x, block.y].map(|c| f64::from(c) + BLOCK_SIDE as f64 / 2.0);
+            let opacity = mask.opacity_within(opacity, middle, BLOCK_SIDE as f64 / 2.0);
+            if opacity == Some(false) {
+                return;
+            }
+            Some((mask, opacity))
+        } else {
+            None
+        };
         let mut depths = [[0; BLOCK_SIDE]; BLOCK_SIDE];
         for (row, _) in rows_of(covered | seam) {
             depths[row] = shape.depths_at(plane.along(&self.centers[0], self.centers[1][row]));
         }
         let depth = |texel: usize| depths.as_flattened()[texel];
         let info = rules.surface_info(shape.slope, surface.solid);
-        if surface.masked {
-            let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
+        if let Some((mask, opacity_here)) = mask {
             for texel in texels_of(covered) {
-                let [x, y] = self.center(texel);
-                let places = mask.coverage(scene, x, y);
+                let center = self.center(texel);
+                let places = match opacity_here.or_else(|| mask.opacity_within(opacity, center, 0.5)) {
+                    Some(true) => u16::MAX,
+                    Some(false) => 0,
+                    None => mask.coverage(scene, center),
+                };
                 if places != 0 {
                     self.buffers.masked.push(MaskedHit::new(texel, depth(texel), info, places));
                 }

@@ -5,12 +5,21 @@ use std::sync::Arc;
 
 use crate::triangles::adjacency::adjacent_vertices;
 use crate::triangles::cluster::ClusterTriangle;
+use crate::triangles::opacity::OpacityPyramid;
 use adumbra::grid::LightGrid;
 use adumbra_scene::topology::Topology;
 use adumbra_scene::{Mesh, Scene, topology};
 
 /// Largest number of triangles in a cluster.
 const CLUSTER_TRIANGLES: usize = 128;
+
+/// What of a scene is the same in every grid.
+pub(crate) struct SceneClusters {
+    /// One for each mesh.
+    meshes: Vec<MeshClusters>,
+    /// One for each material; `None` for those without holes, and for all if outlines are not requested.
+    pub(crate) opacity: Vec<Option<OpacityPyramid>>,
+}
 
 /// Triangles of one mesh, sorted so that nearby ones are adjacent.
 pub(crate) struct MeshClusters {
@@ -37,7 +46,7 @@ pub(crate) struct Placed {
 /// The casters of a scene, binned by tile.
 pub(crate) struct Casters<'s> {
     pub(crate) scene: &'s Scene,
-    pub(crate) meshes: Arc<[MeshClusters]>,
+    pub(crate) clusters: Arc<SceneClusters>,
     tile_start: Vec<u32>,
     placed: Vec<Placed>,
 }
@@ -47,21 +56,28 @@ pub(crate) struct Casters<'s> {
 pub(crate) struct CasterOptions {
     pub(crate) closed_regions: bool,
     pub(crate) ignore_alpha: bool,
-    /// Whether to compute connected components and adjacent vertices.
+    /// Whether to compute what the fast builder needs: connected components, adjacent vertices and opacity.
     pub(crate) outlines: bool,
 }
 
-/// Clusters every mesh of the scene, in any grid.
-pub(crate) fn cluster_meshes(scene: &Scene, options: CasterOptions) -> Arc<[MeshClusters]> {
-    scene.meshes.iter().map(|mesh| cluster_mesh(scene, mesh, options)).collect()
+impl SceneClusters {
+    /// Clusters every mesh of the scene.
+    pub(crate) fn new(scene: &Scene, options: CasterOptions) -> Arc<Self> {
+        let meshes = scene.meshes.iter().map(|mesh| cluster_mesh(scene, mesh, options)).collect();
+        let opacity = |material: usize| {
+            let wanted = options.outlines && !options.ignore_alpha;
+            wanted.then(|| OpacityPyramid::new(scene, material as u32)).flatten()
+        };
+        Arc::new(Self { meshes, opacity: (0..scene.materials.len()).map(opacity).collect() })
+    }
 }
 
 impl<'s> Casters<'s> {
-    /// Bins every placed cluster of `meshes` into tiles of `tile_side` texels; `tiles` is their number across and down.
+    /// Bins every placed cluster of the scene into tiles of `tile_side` texels; `tiles` is their number across and down.
     /// `reach_texels` is how far outside its outline a triangle still matters.
     pub(crate) fn new(
         scene: &'s Scene,
-        meshes: Arc<[MeshClusters]>,
+        clusters: Arc<SceneClusters>,
         grid: &LightGrid,
         tile_side: u32,
         tiles: [u32; 2],
@@ -71,7 +87,7 @@ impl<'s> Casters<'s> {
         let mut placed = Vec::new();
         for fill in [false, true] {
             for (i, instance) in scene.instances.iter().enumerate() {
-                for (c, cluster) in meshes[instance.mesh as usize].clusters.iter().enumerate() {
+                for (c, cluster) in clusters.meshes[instance.mesh as usize].clusters.iter().enumerate() {
                     let mut low = [f64::INFINITY; 2];
                     let mut high = [f64::NEG_INFINITY; 2];
                     for corner in 0..8_usize {
@@ -110,7 +126,7 @@ impl<'s> Casters<'s> {
         // After filling, each start has moved to the end of its tile.
         starts.rotate_right(1);
         starts[0] = 0;
-        Self { scene, meshes, tile_start: starts, placed }
+        Self { scene, clusters, tile_start: starts, placed }
     }
 
     /// Returns the placed clusters that may touch `tile`.
@@ -129,7 +145,7 @@ impl<'s> Casters<'s> {
     }
 
     fn mesh_of(&self, placed: Placed) -> &MeshClusters {
-        &self.meshes[self.scene.instances[placed.instance as usize].mesh as usize]
+        &self.clusters.meshes[self.scene.instances[placed.instance as usize].mesh as usize]
     }
 
     fn places(&self, placed: Placed) -> std::ops::Range<usize> {
@@ -143,13 +159,16 @@ impl<'s> Casters<'s> {
     pub(crate) fn instanced_triangles(&self) -> u64 {
         let casting = self.scene.instances.iter().filter(|i| i.casts);
         casting
-            .map(|i| self.meshes[i.mesh as usize].triangles.iter().filter(|t| t.casts).count() as u64)
+            .map(|i| {
+                self.clusters.meshes[i.mesh as usize].triangles.iter().filter(|t| t.casts).count() as u64
+            })
             .sum()
     }
 
     /// Bytes held by this structure.
     pub(crate) fn memory_bytes(&self) -> u64 {
         let meshes: usize = self
+            .clusters
             .meshes
             .iter()
             .map(|m| {
@@ -158,7 +177,9 @@ impl<'s> Casters<'s> {
                     + m.adjacent_vertices.capacity() * size_of::<[u32; 3]>()
             })
             .sum();
-        (meshes + self.placed.capacity() * size_of::<Placed>() + self.tile_start.capacity() * 4) as u64
+        let opacity: u64 = self.clusters.opacity.iter().flatten().map(OpacityPyramid::memory_bytes).sum();
+        opacity
+            + (meshes + self.placed.capacity() * size_of::<Placed>() + self.tile_start.capacity() * 4) as u64
     }
 }
 

@@ -3,5 +3,6 @@
 pub(crate) mod adjacency;
 pub(crate) mod casters;
 pub(crate) mod cluster;
+pub(crate) mod opacity;
 pub(crate) mod project;
 pub(crate) mod surface;
