@@ -16,7 +16,8 @@ use adumbra::FileSettings;
 use adumbra::RangeError;
 use adumbra::grid::{Frame, LightExtent, LightGrid};
 use adumbra::query::MAX_FIXED_SIDE;
-use adumbra_scene::Scene;
+use adumbra_scene::{Instance, Scene};
+use rayon::prelude::*;
 
 pub(crate) struct Plan<'s> {
     pub(crate) tiles: Tiles<'s>,
@@ -200,11 +201,13 @@ fn extent(scene: &Scene, options: &BakeOptions, frame: Frame) -> LightExtent {
         extent.add_box(bounds);
         return extent;
     }
-    for instance in &scene.instances {
+    let of_instance = |mut extent: LightExtent, instance: &Instance| {
         let mesh = &scene.meshes[instance.mesh as usize];
-        for &v in mesh.triangles.iter().flatten() {
+        for &v in mesh.triangles.as_flattened() {
             extent.add(instance.to_world(mesh.positions[v as usize]));
         }
-    }
-    extent
+        extent
+    };
+    let extents = scene.instances.par_iter().fold(|| extent, of_instance);
+    extents.reduce(|| extent, |one, other| one.joined(&other))
 }

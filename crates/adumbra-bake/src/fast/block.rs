@@ -46,6 +46,22 @@ pub(crate) struct SnappedRect {
     high: [i64; 2],
 }
 
+/// The box around a triangle, 1/256 texel. Coordinates outside the grid may be cut.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SnappedBox {
+    low: [i32; 2],
+    high: [i32; 2],
+}
+
+impl SnappedBox {
+    pub(crate) fn of(triangle: &Projected) -> Self {
+        // Grids are less than 2^27 wide in these units, and blocks reach little beyond them.
+        const LIMIT: i64 = 1 << 30;
+        let [p, q, r] = triangle.snapped.map(|corner| corner.map(|c| c.clamp(-LIMIT, LIMIT) as i32));
+        Self { low: [0, 1].map(|a| p[a].min(q[a]).min(r[a])), high: [0, 1].map(|a| p[a].max(q[a]).max(r[a])) }
+    }
+}
+
 impl Block {
     /// Returns the quarter `x_bit << 1 | y_bit`.
     pub(crate) fn quarter(&self, quarter: u32) -> Self {
@@ -71,15 +87,29 @@ impl Block {
 impl SnappedRect {
     /// Whether the triangle touches the rectangle. May return true for a triangle that is only near it.
     pub(crate) fn touches(&self, triangle: &Projected) -> bool {
+        self.meets(&SnappedBox::of(triangle)) && self.touches_within_box(triangle)
+    }
+
+    /// Whether the boxes meet.
+    pub(crate) fn meets(&self, SnappedBox { low, high }: &SnappedBox) -> bool {
+        (0..2).all(|a| i64::from(high[a]) >= self.low[a] && i64::from(low[a]) <= self.high[a])
+    }
+
+    /// [`Self::touches`] for a triangle whose box the rectangle meets.
+    pub(crate) fn touches_within_box(&self, triangle: &Projected) -> bool {
         let c = &triangle.snapped;
-        for a in 0..2 {
-            if c.iter().all(|p| p[a] < self.low[a]) || c.iter().all(|p| p[a] > self.high[a]) {
-                return false;
-            }
-        }
         // Separation by an edge: corners are anticlockwise, so the inside is where the edge function is positive. A
         // degenerate triangle has both sides.
         (0..3).all(|e| self.reaches_left_of(c[e], c[(e + 1) % 3]))
+    }
+
+    /// Whether the box of these corners, texels, is beside the rectangle. Cheaper than projecting the triangle.
+    pub(crate) fn misses_box_of(&self, corners_grid: &[[f64; 3]; 3]) -> bool {
+        (0..2).any(|a| {
+            let [p, q, r] = corners_grid.map(|c| c[a] * SUBTEXEL as f64);
+            // Snapping moves corners by half a step.
+            p.max(q).max(r) + 1.0 < self.low[a] as f64 || p.min(q).min(r) - 1.0 > self.high[a] as f64
+        })
     }
 
     /// Whether the edge from `a` to `b` touches the rectangle.

@@ -11,7 +11,7 @@ use crate::columns::capture::{CaptureBuffers, TileRect, capture};
 use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::error::{Error, Result};
-use crate::fast::block::{Block, BlockSurface};
+use crate::fast::block::{Block, BlockSurface, SnappedBox};
 use crate::fast::classify::{Classification, ClassifyBuffers, classify};
 use crate::fast::gather::gather;
 use crate::fast::leaf::{LeafBuffers, NearSurfaces, Setting, leaf_columns};
@@ -80,7 +80,7 @@ pub(crate) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
         .max()
         .unwrap_or_default();
     // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far shorter.
-    fullest * (2 * size_of::<BlockSurface>() as u64 + 48)
+    fullest * ((2 * size_of::<BlockSurface>() + size_of::<SnappedBox>()) as u64 + 48)
 }
 
 /// Builds root block `tile` of `tiles` into `sink`.
@@ -102,6 +102,7 @@ pub(crate) fn build_root<S: BlockSink>(
     let far = block.snapped(contact_reach);
     let surfaces = gather(&tiles.casters, tile, &far, &tiles.grid, &tiles.rules);
     let descent = Descent {
+        boxes: surfaces.iter().map(|s| SnappedBox::of(&s.surface.shape)).collect(),
         setting: Setting {
             scene: tiles.casters.scene,
             grid: &tiles.grid,
@@ -137,6 +138,8 @@ fn reach_outside(texels: f64) -> i64 {
 
 struct Descent<'a, S> {
     setting: Setting<'a>,
+    /// The box of each surface, apart so that those beside a block cost one read of memory.
+    boxes: Vec<SnappedBox>,
     /// How far outside a block a surface may matter, and how far its filters may read, 1/256 texel.
     reach: i64,
     contact_reach: i64,
@@ -187,16 +190,21 @@ impl<S: BlockSink> Descent<'_, S> {
             let (rect, far) = (quarter.snapped(self.reach), quarter.snapped(self.contact_reach));
             for place in from..to {
                 let s = buffers.lists[place];
-                let surface = &surfaces[s as usize];
-                if rect.touches(&surface.surface.shape) {
+                let (surface, surface_box) = (&surfaces[s as usize], &self.boxes[s as usize]);
+                if !far.meets(surface_box) {
+                    continue;
+                }
+                let shape = &surface.surface.shape;
+                if rect.meets(surface_box) && rect.touches_within_box(shape) {
                     buffers.lists.push(s);
-                } else if surface.receiver.is_some() && far.touches(&surface.surface.shape) {
+                } else if surface.receiver.is_some() && far.touches_within_box(shape) {
                     buffers.beside.push(s);
                 }
             }
             for place in from_beside..to_beside {
                 let s = buffers.beside[place];
-                if far.touches(&surfaces[s as usize].surface.shape) {
+                let shape = &surfaces[s as usize].surface.shape;
+                if far.meets(&self.boxes[s as usize]) && far.touches_within_box(shape) {
                     buffers.beside.push(s);
                 }
             }

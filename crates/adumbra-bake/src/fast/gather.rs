@@ -31,6 +31,9 @@ pub(crate) fn gather(
         for (c, adjacent_vertices) in casters.triangles(placed).iter().zip(casters.adjacent_vertices(placed))
         {
             let corners = mesh.triangles[c.triangle as usize].map(&mut corner);
+            if near.misses_box_of(&corners) {
+                continue;
+            }
             let shape = Projected::new(corners, flipped);
             if !near.touches(&shape) {
                 continue;

@@ -225,7 +225,10 @@ mod tests {
             let pyramid = OpacityPyramid::new(&scene, 0).expect("a texture");
             for side in [0.0, 0.01, 0.1, 0.2] {
                 let over = |u: f64| pyramid.opacity([[u, u + side], [0.3, 0.3 + side]]);
-                assert_eq!([over(3.1), over(-0.4), over(0.5 - side / 2.0)], [Some(true), Some(false), None]);
+                assert_eq!(
+                    [over(3.15), over(-0.35), over(0.5 - side / 2.0)],
+                    [Some(true), Some(false), None]
+                );
             }
             // Across the border at which the texture begins again.
             assert_eq!(pyramid.opacity([[0.9, 1.1], [0.5, 0.5]]), None);

@@ -158,6 +158,15 @@ impl LightExtent {
         }
     }
 
+    /// Returns the extent of both sets of points. They must be along the same axes.
+    pub fn joined(mut self, other: &Self) -> Self {
+        for a in 0..3 {
+            self.min[a] = self.min[a].min(other.min[a]);
+            self.max[a] = self.max[a].max(other.max[a]);
+        }
+        self
+    }
+
     /// Returns the longer side across the light, in world units.
     pub fn longest_side(&self) -> f64 {
         (self.max[0] - self.min[0]).max(self.max[1] - self.min[1])
