@@ -20,7 +20,7 @@ use crate::yaw::dominant_yaw_radians;
 const COARSER: u32 = 8;
 const FORECAST_RESOLUTIONS: [u32; 2] = [512, 2048];
 /// A scene with more corners of triangles is forecast from a part of its blocks with about as many.
-const FORECAST_CORNERS: u64 = 6_000_000;
+const FORECAST_CORNERS: u64 = 1_000_000;
 
 /// Plans the bake of `scene`.
 pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
