@@ -472,7 +472,8 @@ impl ColumnRules {
     /// below it.
     #[inline(always)]
     pub(crate) fn exit(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
-        if first.is_solid() { base } else { first.depth().saturating_add(self.open_thickness(first)) }
+        let open_exit = first.depth().saturating_add(self.open_thickness(first));
+        if first.is_solid() { base } else { open_exit }
     }
 
     /// Returns how far below an open first surface its shadow may begin, 1/256 voxel.

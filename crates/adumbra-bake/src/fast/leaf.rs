@@ -13,7 +13,7 @@ use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
 use crate::texel_mask::{texels_of, texels_where};
 use crate::triangles::opacity::OpacityPyramid;
-use crate::triangles::project::{FixedDepth, SEAM_MARGIN, SUBTEXEL};
+use crate::triangles::project::{FixedDepth, SEAM_MARGIN, SUBTEXEL, depths_within};
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
@@ -21,6 +21,8 @@ use adumbra_scene::Scene;
 const TEXELS: usize = BLOCK_SIDE * BLOCK_SIDE;
 /// One value per texel, by row and column. Loops over rows of eight are what compilers vectorize.
 type Texels<T> = [[T; BLOCK_SIDE]; BLOCK_SIDE];
+/// More than the rounding of a plane's depth, voxels.
+const ROUNDING: f64 = 1.0 / SUBTEXEL as f64;
 /// Owner of a texel whose first surface is not a single surface of the list.
 const NOBODY: u32 = u32::MAX;
 /// A receiver that samples a column at least this far behind its exit does not change the column: rounding of the exit,
@@ -53,6 +55,7 @@ struct Near {
 pub(crate) struct LeafBuffers {
     /// Nearest first.
     order: Vec<Near>,
+    /// Nearest first, by the least depth.
     crossings: Vec<Crossings>,
     masked: Vec<MaskedHit>,
     seams: Vec<SeamHit>,
@@ -62,6 +65,9 @@ pub(crate) struct LeafBuffers {
 struct Crossings {
     covered: u64,
     leaves: bool,
+    /// Bounds of the depths.
+    low: FixedDepth,
+    high: FixedDepth,
     depths: Texels<FixedDepth>,
 }
 
@@ -343,8 +349,9 @@ impl Leaf<'_> {
             None
         };
         let mut depths = [[0; BLOCK_SIDE]; BLOCK_SIDE];
+        let range = shape.depth_range();
         for (row, _) in rows_of(covered | seam) {
-            depths[row] = shape.depths_at(plane.along(&self.centers[0], self.centers[1][row]));
+            depths[row] = depths_within(range, plane.along(&self.centers[0], self.centers[1][row]));
         }
         let depth = |texel: usize| depths.as_flattened()[texel];
         let info = rules.surface_info(shape.slope, surface.solid);
@@ -375,7 +382,8 @@ impl Leaf<'_> {
                     *entered += one & texels[c];
                 }
             }
-            self.buffers.crossings.push(Crossings { covered, leaves, depths });
+            let (low, high) = (near.low, near.high);
+            self.buffers.crossings.push(Crossings { covered, leaves, low, high, depths });
         }
     }
 
@@ -431,10 +439,11 @@ impl Leaf<'_> {
             if !end.leaves {
                 continue;
             }
+            let undecided = solid & texels_where(|texel| ends.as_flattened()[texel] >= end.low);
             // It is the end of the columns that have by then left what they entered.
-            for (row, texels) in rows_of(end.covered & solid) {
+            for (row, texels) in rows_of(end.covered & undecided) {
                 let (mut inside, at) = ([0; BLOCK_SIDE], &end.depths[row]);
-                for other in crossings {
+                for other in crossings.iter().take_while(|other| other.low <= end.high) {
                     let texels = other.covered >> (BLOCK_SIDE * row) & 0xff;
                     let (covered, one) = (&LANES[texels as usize], if other.leaves { -1 } else { 1 });
                     for c in 0..BLOCK_SIDE {
@@ -465,7 +474,7 @@ impl Leaf<'_> {
     /// Something behind all bases is sampled at `known_behind` or deeper.
     #[inline(always)]
     fn ask_all(&mut self, order: &[Near], known_behind: FixedDepth) {
-        let rules = self.setting.rules;
+        let rules = *self.setting.rules;
         let asking = self.inside & self.first.met();
         for row in 0..BLOCK_SIDE {
             for c in 0..BLOCK_SIDE {
@@ -532,13 +541,17 @@ impl Leaf<'_> {
     /// Returns the columns, with no regard to filters.
     #[inline(always)]
     fn columns(&self) -> BlockColumns {
+        let rules = *self.setting.rules;
         let mut columns = BlockColumns::free();
-        for texel in 0..TEXELS {
-            let (base, next) = (self.base.as_flattened()[texel], self.next.as_flattened()[texel]);
-            let [e, x] = self.setting.rules.column(self.first.get(texel), base, next);
-            let is_inside = self.inside >> texel & 1 == 1;
-            columns.e[texel] = if is_inside { e } else { columns.e[texel] };
-            columns.x[texel] = if is_inside { x } else { columns.x[texel] };
+        for row in 0..BLOCK_SIDE {
+            let inside = &LANES[(self.inside >> (BLOCK_SIDE * row) & 0xff) as usize];
+            for c in 0..BLOCK_SIDE {
+                let first = FirstSurface::new(self.first.depth[row][c], self.first.info[row][c]);
+                let [e, x] = rules.column(first, self.base[row][c], self.next[row][c]);
+                let texel = row * BLOCK_SIDE + c;
+                columns.e[texel] = if inside[c] != 0 { e } else { columns.e[texel] };
+                columns.x[texel] = if inside[c] != 0 { x } else { columns.x[texel] };
+            }
         }
         columns
     }
@@ -546,18 +559,32 @@ impl Leaf<'_> {
     /// Bounds the columns where filters around surfaces near them read.
     #[inline(always)]
     fn bound(&self, near: NearSurfaces<'_>, columns: &mut BlockColumns) {
-        let rules = self.setting.rules;
+        let rules = *self.setting.rules;
         let can_be_bounded = |columns: &BlockColumns| {
             self.inside & texels_where(|t| columns.x[t] > ColumnRules::contact_from(columns.e[t]))
         };
         let mut open = can_be_bounded(columns);
         let margins = rules.contact_margins();
+        let (mut nearest_from, mut farthest_x) = (u32::MAX, 0);
+        for (texel, (&e, &x)) in columns.e.iter().zip(&columns.x).enumerate() {
+            let is_open = open >> texel & 1 == 1;
+            nearest_from = nearest_from.min(if is_open { ColumnRules::contact_from(e) } else { u32::MAX });
+            farthest_x = farthest_x.max(if is_open { x } else { 0 });
+        }
+        let half_side = (BLOCK_SIDE - 1) as f64 / 2.0;
+        let [x, y] = [0, 1].map(|axis| self.centers[axis][0] + half_side);
         for &s in near.list.iter().chain(near.beside) {
             if open == 0 {
                 return;
             }
             let surface = &self.setting.surfaces[s as usize];
-            let Some(receiver) = &surface.receiver else { continue };
+            let Some(receiver) = surface.receiver else { continue };
+            let (z, rise) = (receiver.plane.at(x, y), half_side * receiver.plane.gradient_sum());
+            if rules.contact_at(&receiver, z + rise + ROUNDING) < nearest_from
+                || rules.contact_at(&receiver, z - rise - ROUNDING) >= farthest_x
+            {
+                continue;
+            }
             let shape = &surface.surface.shape;
             let near =
                 open & shape.centers_within_box(self.block.x, self.block.y, margins[CONTACT_RINGS - 1]);
@@ -565,7 +592,7 @@ impl Leaf<'_> {
             for (row, _) in rows_of(near) {
                 let z = receiver.plane.along(&self.centers[0], self.centers[1][row]);
                 for (contact, z) in contacts[row].iter_mut().zip(z) {
-                    *contact = rules.contact_at(receiver, z);
+                    *contact = rules.contact_at(&receiver, z);
                 }
             }
             let contacts = contacts.as_flattened();

@@ -27,7 +27,13 @@ pub type FixedDepth = i32;
 /// Rounds a depth in voxels to the nearest 1/256.
 #[inline(always)]
 pub(crate) fn fixed_depth(z: f64) -> FixedDepth {
-    let steps = (z.clamp(DEPTH_MIN_VOXELS, DEPTH_MAX_VOXELS) - DEPTH_MIN_VOXELS) * SUBTEXEL as f64 + 0.5;
+    fixed_depth_within(z.clamp(DEPTH_MIN_VOXELS, DEPTH_MAX_VOXELS))
+}
+
+/// [`fixed_depth`] of a depth from [`DEPTH_MIN_VOXELS`] to [`DEPTH_MAX_VOXELS`].
+#[inline(always)]
+fn fixed_depth_within(z: f64) -> FixedDepth {
+    let steps = (z - DEPTH_MIN_VOXELS) * SUBTEXEL as f64 + 0.5;
     floor_to_integer(steps) - (-DEPTH_MIN_VOXELS as i32) * SUBTEXEL as i32
 }
 
@@ -89,6 +95,18 @@ impl Plane {
         }
         z
     }
+}
+
+/// Returns [`Projected::depth_at`] for eight centres from the plane's values there and [`Projected::depth_range`].
+#[inline(always)]
+pub(crate) fn depths_within([low, high]: [f64; 2], z: [f64; 8]) -> [FixedDepth; 8] {
+    let mut depths = [0; 8];
+    for (depth, z) in depths.iter_mut().zip(z) {
+        // Unlike `max` and `min`, these are one instruction each.
+        let z = if z > low { z } else { low };
+        *depth = fixed_depth_within(if z < high { z } else { high });
+    }
+    depths
 }
 
 /// How far snapping may separate a corner from an edge that it was on, 1/256 texel: each moves by up to half a step
@@ -182,14 +200,9 @@ impl Projected {
         (area != 0).then_some((area < 0) != flipped)
     }
 
-    /// Returns [`Self::depth_at`] for the centres of a row, from the plane's values there.
-    #[inline(always)]
-    pub(crate) fn depths_at(&self, z: [f64; 8]) -> [FixedDepth; 8] {
-        let mut depths = [0; 8];
-        for (depth, z) in depths.iter_mut().zip(z) {
-            *depth = fixed_depth(z.max(self.z_min).min(self.z_max));
-        }
-        depths
+    /// Returns the triangle's own range of depths, for [`depths_within`].
+    pub(crate) fn depth_range(&self) -> [f64; 2] {
+        [self.z_min, self.z_max].map(|z| z.clamp(DEPTH_MIN_VOXELS, DEPTH_MAX_VOXELS))
     }
 
     /// Returns the depth at a texel centre, clamped to the triangle's own range. Only valid if [`Self::plane`] is
