@@ -36,9 +36,9 @@ impl Intervals {
     pub(crate) fn risen(&self, slant: Slant) -> Self {
         let rises = slant.rises();
         let mut risen = Self { e: self.e, x: self.x, slant };
-        for i in 0..COLUMNS {
-            risen.e[i] += rises[i];
-            risen.x[i] = if self.x[i] == ENDLESS { ENDLESS } else { self.x[i] + rises[i] };
+        for ((e, x), rise) in risen.e.iter_mut().zip(&mut risen.x).zip(rises) {
+            *e += rise;
+            *x = if *x == ENDLESS { ENDLESS } else { *x + rise };
         }
         risen
     }

@@ -99,8 +99,8 @@ impl Sorting {
             for i in 0..COLUMNS {
                 nearest = nearest.max(if is_here(i) { intervals.e[i] } else { 0 });
             }
-            for i in 0..COLUMNS {
-                ends[i] = if intervals.e[i] <= point { ENDLESS } else { ends[i] };
+            for (end, &e) in ends.iter_mut().zip(&intervals.e) {
+                *end = if e <= point { ENDLESS } else { *end };
             }
             self.depths[self.count] = [nearest, point];
             self.columns[self.count] = columns;

@@ -1,0 +1,188 @@
+//! First surfaces of a leaf's columns, and where the solids end that are hit first.
+
+use super::texels::{LANES, rows_of};
+use super::{Crossings, Leaf, Near, Setting, TEXELS};
+use crate::columns::BLOCK_SIDE;
+use crate::columns::masked::{self, MaskedHit, TriangleMask};
+use crate::columns::rules::{self, FirstSurface, SeamHit};
+use crate::texel_mask::{texels_of, texels_where};
+use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
+use crate::triangles::surface::Surface;
+
+impl Leaf<'_> {
+    /// Samples surfaces from the light on, and skips columns that are resolved: no surface visited so far extends past
+    /// the next one, and every solid that was entered has been left.
+    #[inline(always)]
+    pub(super) fn sample_all(&mut self, order: &[Near]) {
+        let (mut reached, mut resolved) = (FixedDepth::MIN, 0);
+        for near in order {
+            let surface = &self.setting.surfaces[near.surface as usize].surface;
+            if !surface.casts {
+                continue;
+            }
+            if near.low > reached {
+                let left = texels_where(|texel| self.entered.as_flattened()[texel] == 0);
+                resolved = self.first.met() & left;
+            }
+            reached = reached.max(near.high);
+            self.sample(near, surface, resolved);
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&mut self, near: &Near, surface: &Surface, resolved: u64) {
+        let (block, Setting { scene, grid, rules, opacity, .. }) = (self.block, self.setting);
+        let shape = &surface.shape;
+        let Some(plane) = shape.plane else { return };
+        let [exact, grown] = if surface.solid && !shape.faces_sun {
+            [shape.coverage(block.x, block.y, [0])[0]; 2]
+        } else {
+            shape.coverage(block.x, block.y, [0, SEAM_MARGIN])
+        };
+        let wanted = self.inside & !resolved;
+        let covered = if surface.solid { exact } else { grown } & wanted;
+        let seam = if surface.solid { grown & !exact & wanted } else { 0 };
+        if !surface.masked
+            && exact & self.inside != 0
+            && let Some(range) = &self.ranges[near.place as usize].sampled
+        {
+            for (row, texels) in rows_of(exact & self.inside) {
+                for (c, deepest) in self.deepest[row].iter_mut().enumerate() {
+                    let low = if texels[c] != 0 { range.lifted_low } else { FixedDepth::MIN };
+                    *deepest = low.max(*deepest);
+                }
+            }
+        }
+        if covered | seam == 0 {
+            return;
+        }
+        let mask = if surface.masked {
+            let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
+            let middle = [block.x, block.y].map(|c| f64::from(c) + BLOCK_SIDE as f64 / 2.0);
+            let opacity = mask.opacity_within(opacity, middle, BLOCK_SIDE as f64 / 2.0);
+            if opacity == Some(false) {
+                return;
+            }
+            Some((mask, opacity))
+        } else {
+            None
+        };
+        let mut depths = [[0; BLOCK_SIDE]; BLOCK_SIDE];
+        let range = shape.depth_range();
+        for (row, _) in rows_of(covered | seam) {
+            depths[row] = depths_within(range, plane.along(&self.centers[0], self.centers[1][row]));
+        }
+        let depth = |texel: usize| depths.as_flattened()[texel];
+        let info = rules.surface_info(shape.slope, surface.solid);
+        if let Some((mask, opacity_here)) = mask {
+            for texel in texels_of(covered) {
+                let center = self.center(texel);
+                let places = match opacity_here.or_else(|| mask.opacity_within(opacity, center, 0.5)) {
+                    Some(true) => u16::MAX,
+                    Some(false) => 0,
+                    None => mask.coverage(scene, center),
+                };
+                if places != 0 {
+                    self.buffers.masked.push(MaskedHit::new(texel, depth(texel), info, places));
+                }
+            }
+            return;
+        }
+        let seams = texels_of(seam).map(|texel| SeamHit::new(texel, depth(texel), info, surface));
+        self.buffers.seams.extend(seams);
+        for (row, texels) in rows_of(covered) {
+            self.first.add_row(row, texels, &depths[row], info, near.surface);
+        }
+        if surface.solid && covered != 0 {
+            let leaves = !shape.faces_sun;
+            let one = if leaves { -1 } else { 1 };
+            for (row, texels) in rows_of(covered) {
+                for (c, entered) in self.entered[row].iter_mut().enumerate() {
+                    *entered += one & texels[c];
+                }
+            }
+            let (low, high) = (near.low, near.high);
+            self.buffers.crossings.push(Crossings { covered, leaves, low, high, depths });
+        }
+    }
+
+    #[inline(always)]
+    fn center(&self, texel: usize) -> [f64; 2] {
+        [self.centers[0][texel % BLOCK_SIDE], self.centers[1][texel / BLOCK_SIDE]]
+    }
+
+    #[inline(always)]
+    pub(super) fn add_seams(&mut self, order: &[Near]) {
+        let Self { first, buffers, block, .. } = self;
+        if !rules::keep_meeting_seams(&mut buffers.seams) {
+            return;
+        }
+        for near in order {
+            let surface = &self.setting.surfaces[near.surface as usize].surface;
+            rules::drop_covered_seams(&mut buffers.seams, surface, |texel| {
+                let (x, y) = ((texel % BLOCK_SIDE) as u32, (texel / BLOCK_SIDE) as u32);
+                surface.shape.covers(i64::from(block.x + x), i64::from(block.y + y))
+            });
+        }
+        rules::close_seams(&buffers.seams, |texel, surface| {
+            if surface < first.get(texel) {
+                first.set(texel, surface);
+            }
+        });
+    }
+
+    /// Adds masked surfaces where they cover enough of a texel and are nearest.
+    pub(super) fn add_masked(&mut self) {
+        if self.buffers.masked.is_empty() {
+            return;
+        }
+        let mut first: [FirstSurface; TEXELS] = std::array::from_fn(|texel| self.first.get(texel));
+        masked::add_first_surfaces(&mut self.buffers.masked, &mut first);
+        for (texel, &first) in first.iter().enumerate() {
+            if first != self.first.get(texel) {
+                self.first.set(texel, first);
+            }
+        }
+    }
+
+    /// Writes to `base` the depth behind which other receivers matter: the end of the solid that is hit first, or the
+    /// first surface itself.
+    #[inline(always)]
+    pub(super) fn resolve_solids(&mut self) {
+        self.base = self.first.depth;
+        let solid = texels_where(|texel| self.first.get(texel).is_solid());
+        let crossings = &self.buffers.crossings;
+        let (mut crossed, mut ends) = (0, [[FixedDepth::MAX; BLOCK_SIDE]; BLOCK_SIDE]);
+        for end in crossings {
+            crossed |= end.covered;
+            if !end.leaves {
+                continue;
+            }
+            let undecided = solid & texels_where(|texel| ends.as_flattened()[texel] >= end.low);
+            // It is the end of the columns that have by then left what they entered.
+            for (row, texels) in rows_of(end.covered & undecided) {
+                let (mut inside, at) = ([0; BLOCK_SIDE], &end.depths[row]);
+                for other in crossings.iter().take_while(|other| other.low <= end.high) {
+                    let texels = other.covered >> (BLOCK_SIDE * row) & 0xff;
+                    let (covered, one) = (&LANES[texels as usize], if other.leaves { -1 } else { 1 });
+                    for c in 0..BLOCK_SIDE {
+                        let counted = one & covered[c];
+                        inside[c] += if other.depths[row][c] <= at[c] { counted } else { 0 };
+                    }
+                }
+                for c in 0..BLOCK_SIDE {
+                    let is_end = (texels[c] != 0) & (inside[c] <= 0);
+                    let depth = if is_end { at[c] } else { FixedDepth::MAX };
+                    ends[row][c] = depth.min(ends[row][c]);
+                }
+            }
+        }
+        let ended = texels_where(|texel| ends.as_flattened()[texel] != FixedDepth::MAX);
+        for (base, &end) in self.base.as_flattened_mut().iter_mut().zip(ends.as_flattened()) {
+            *base = if end == FixedDepth::MAX { *base } else { end };
+        }
+        for texel in texels_of(solid & crossed & !ended) {
+            self.first.set_open(texel);
+        }
+    }
+}
