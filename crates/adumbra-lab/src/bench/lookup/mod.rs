@@ -245,11 +245,13 @@ fn baked(
 
 fn markdown(document: &Document) -> String {
     let Document { resolution, size: [width, height], every, adapter, frames, .. } = document;
+    let of_frames =
+        if *frames == 1 { "of one frame".to_owned() } else { format!("medians of {frames} frames") };
     let mut text = format!(
         "# What look-ups read\n\nFiles of {resolution} texels, pictures of {width} × {height} pixels, one group of \
          8 × 4 pixels of {every} counted. Per cell: words of 32 bits per pixel that faces the sun; different sectors of \
          32 bytes per group; the longest chain of reads of a group's pixels of which each needs the one before for its \
-         address; milliseconds of the look-up pass, medians of {frames} frames on {adapter}. The shaders of \
+         address; milliseconds of the look-up pass, {of_frames} on {adapter}. The shaders of \
          `voxel:filter=K` count their own reads. For `csm:filter=K` the words are texels, of which a gather fetches \
          four and a sector holds 4 × 2.\n"
     );
