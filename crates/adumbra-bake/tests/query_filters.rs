@@ -7,7 +7,7 @@ use adumbra::{Bias, Cursor, PointVisibility, Query, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size, pack};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_testing::{BakedGraph, bake_graph};
+use adumbra_testing::{BakedGraph, Leaf, bake_depths, bake_graph, from_leaves};
 
 fn baked() -> BakedGraph {
     baked_in(FrameChoice::Light)
@@ -20,10 +20,10 @@ fn baked_in(frame: FrameChoice) -> BakedGraph {
 }
 
 /// The definition: each tap samples the voxel of its texel through which the receiver's plane passes there.
-fn by_definition(baked: &BakedGraph, r: &FixedReceiver, width: i64) -> u32 {
+fn by_definition(voxels: &dyn LeafMasks, r: &FixedReceiver, width: i64) -> u32 {
     let texel = [0, 1].map(|a| r.p_fixed[a].div_euclid(4096));
     let reach = width / 2;
-    let [nx, ny, nz] = baked.dag.size.map(i64::from);
+    let [nx, ny, nz] = voxels.size().map(i64::from);
     let mut lit = 0;
     for y in texel[1] - reach..=texel[1] + reach {
         for x in texel[0] - reach..=texel[0] + reach {
@@ -31,7 +31,7 @@ fn by_definition(baked: &BakedGraph, r: &FixedReceiver, width: i64) -> u32 {
             let layer = (r.p_fixed[2] + (along(0) + along(1)).div_euclid(256)).div_euclid(4096);
             let inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
             let k = layer.min(nz - 1);
-            lit += u32::from(!inside || baked.dag.voxel(x as u32, y as u32, k as u32));
+            lit += u32::from(!inside || voxels.voxel(x as u32, y as u32, k as u32));
         }
     }
     lit
@@ -53,7 +53,7 @@ fn query_counts_the_taps_that_the_definition_names() {
         for width in FILTER_WIDTHS {
             let query = Query::new(&baked.grid, &baked.dag, Bias::default(), width).unwrap();
             let lit = query.lit_taps(&fixed);
-            assert_eq!(lit, by_definition(&baked, &fixed, width.into()), "{fixed:?} {width}");
+            assert_eq!(lit, by_definition(&baked.dag, &fixed, width.into()), "{fixed:?} {width}");
             assert_eq!(Cursor::new(query).lit_taps(&fixed), lit);
             let answer = query.receiver_visibility(&Receiver { p_grid, gradient });
             assert_eq!(answer, lit as f32 / (width * width) as f32);
@@ -61,6 +61,56 @@ fn query_counts_the_taps_that_the_definition_names() {
         }
     }
     assert!(partly_lit > 500, "{partly_lit}");
+}
+
+/// Leaves of any ranks and slants, in which neighbouring columns have nothing in common, and those of a bake.
+#[test]
+fn query_counts_the_taps_of_depths_that_the_definition_names() {
+    let mut random = Random::for_batch(13, 0);
+    let mut below = |n: u32| (random.unit() * f64::from(n)) as u32;
+    let leaves: Vec<Leaf> = (0..16)
+        .map(|_| {
+            let (count, never) = (1 + below(5), below(2) == 1);
+            Leaf {
+                slant: (below(3) > 0).then(|| [below(256) as u8 as i8, below(256) as u8 as i8]),
+                width: 1,
+                differences: (0..count).map(|_| below(60)).collect(),
+                never,
+                ranks: (0..64).map(|_| below(count + 1 + u32::from(never))).collect(),
+            }
+        })
+        .collect();
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(256));
+    let baked = bake_depths(&generate(GeneratedKind::Primitives, 1), &options).unwrap();
+    // The last grid ends before its columns switch.
+    let trees = [from_leaves(&leaves, 4, 300, 700), from_leaves(&leaves, 4, 300, 310), baked];
+    let grid = self::baked().grid;
+    for depths in trees {
+        let size = depths.size.map(f64::from);
+        let mut partly_lit = 0;
+        let queries = FILTER_WIDTHS.map(|w| Query::new(&grid, &depths, Bias::default(), w).unwrap());
+        let mut cursors = queries.map(Cursor::new);
+        let mut p_grid = [0.0; 3];
+        for step in 0..4000 {
+            for a in 0..3 {
+                p_grid[a] = match step % 8 {
+                    0 => (random.unit() * 1.2 - 0.1) * size[a],
+                    _ => p_grid[a] + random.unit() * 6.0 - 3.0,
+                };
+            }
+            let steep = [0.0, 0.5, 6.0, 240.0][(random.unit() * 4.0) as usize];
+            let gradient = [0, 1].map(|_| steep * (random.unit() - 0.5));
+            let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, depths.size);
+            for (query, cursor) in queries.iter().zip(&mut cursors) {
+                let expected = by_definition(&depths, &fixed, query.filter().into());
+                assert_eq!(query.lit_taps(&fixed), expected, "{fixed:?} {}", query.filter());
+                assert_eq!(cursor.lit_taps(&fixed), expected, "cursor, {fixed:?} {}", query.filter());
+                partly_lit += u32::from(expected > 0 && expected < query.filter().pow(2));
+            }
+        }
+        assert!(partly_lit > 500, "{partly_lit}");
+    }
 }
 
 #[test]

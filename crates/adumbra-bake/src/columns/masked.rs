@@ -6,7 +6,7 @@
 //! covered. A texture that is coarser than the texels is sampled once.
 
 use crate::columns::rules::FirstSurface;
-use crate::triangles::opacity::OpacityPyramid;
+use crate::triangles::opacity::OpacityPyramids;
 use crate::triangles::project::{FixedDepth, Plane, Projected};
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
@@ -93,11 +93,11 @@ impl TriangleMask {
     /// neither, or not known.
     pub(crate) fn opacity_within(
         &self,
-        pyramids: &[Option<OpacityPyramid>],
+        pyramids: &OpacityPyramids,
         center: [f64; 2],
         half: f64,
     ) -> Option<bool> {
-        let pyramid = pyramids[self.material as usize].as_ref()?;
+        let pyramid = pyramids.of(self.material)?;
         if self.vertex_alpha.is_some() {
             return None;
         }

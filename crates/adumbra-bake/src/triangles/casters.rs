@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::triangles::adjacency::adjacent_vertices;
 use crate::triangles::cluster::ClusterTriangle;
-use crate::triangles::opacity::OpacityPyramid;
+use crate::triangles::opacity::OpacityPyramids;
 use adumbra::grid::LightGrid;
 use adumbra_scene::topology::Topology;
 use adumbra_scene::{Mesh, Scene, topology};
@@ -17,8 +17,8 @@ const CLUSTER_TRIANGLES: usize = 128;
 pub(crate) struct SceneClusters {
     /// One for each mesh.
     meshes: Vec<MeshClusters>,
-    /// One for each material; `None` for those without holes, and for all if outlines are not requested.
-    pub(crate) opacity: Vec<Option<OpacityPyramid>>,
+    /// Empty if outlines are not requested.
+    pub(crate) opacity: OpacityPyramids,
 }
 
 /// Triangles of one mesh, sorted so that nearby ones are adjacent.
@@ -64,11 +64,9 @@ impl SceneClusters {
     /// Clusters every mesh of the scene.
     pub(crate) fn new(scene: &Scene, options: CasterOptions) -> Arc<Self> {
         let meshes = scene.meshes.iter().map(|mesh| cluster_mesh(scene, mesh, options)).collect();
-        let opacity = |material: usize| {
-            let wanted = options.outlines && !options.ignore_alpha;
-            wanted.then(|| OpacityPyramid::new(scene, material as u32)).flatten()
-        };
-        Arc::new(Self { meshes, opacity: (0..scene.materials.len()).map(opacity).collect() })
+        let has_holes = options.outlines && !options.ignore_alpha;
+        let opacity = if has_holes { OpacityPyramids::new(scene) } else { OpacityPyramids::default() };
+        Arc::new(Self { meshes, opacity })
     }
 }
 
@@ -177,8 +175,7 @@ impl<'s> Casters<'s> {
                     + m.adjacent_vertices.capacity() * size_of::<[u32; 3]>()
             })
             .sum();
-        let opacity: u64 = self.clusters.opacity.iter().flatten().map(OpacityPyramid::memory_bytes).sum();
-        opacity
+        self.clusters.opacity.memory_bytes()
             + (meshes + self.placed.capacity() * size_of::<Placed>() + self.tile_start.capacity() * 4) as u64
     }
 }

@@ -4,6 +4,8 @@
 //! centres is opaque, clear, or mixed. A pyramid over the cells answers for any rectangle from at most nine of them.
 //! Opacity micromaps of ray tracing hardware distinguish the same three states.
 
+use std::collections::HashMap;
+
 use adumbra_scene::{AlphaMode, Pixels, Scene, Texture, Wrap};
 
 /// A cell with opaque points.
@@ -18,7 +20,44 @@ const RELATIVE_ERROR: f64 = 1.0 / (1 << 21) as f64;
 /// Their error in texels, apart from that.
 const ERROR_TEXELS: f64 = 1.0 / 256.0;
 
-/// Where a masked material is opaque.
+/// The pyramids of a scene's materials.
+#[derive(Default)]
+pub(crate) struct OpacityPyramids {
+    /// Index into `pyramids` for each material; `None` for those without holes.
+    of_material: Vec<Option<usize>>,
+    pyramids: Vec<OpacityPyramid>,
+}
+
+impl OpacityPyramids {
+    /// Builds the pyramids of all materials. Those that cut the same texture at the same alpha share one.
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let mut found = HashMap::new();
+        let mut pyramids = Vec::new();
+        let of_material = (0..scene.materials.len() as u32).map(|material| {
+            let m = &scene.materials[material as usize];
+            let (AlphaMode::Mask { .. }, Some(texture)) = (m.alpha, m.texture) else { return None };
+            let opaque_from = least_opaque_byte(scene, material);
+            Some(*found.entry((texture, opaque_from)).or_insert_with(|| {
+                pyramids.push(OpacityPyramid::new(&scene.textures[texture as usize], opaque_from));
+                pyramids.len() - 1
+            }))
+        });
+        Self { of_material: of_material.collect(), pyramids }
+    }
+
+    /// Returns a material's pyramid, or `None` if it has no texture with holes.
+    pub(crate) fn of(&self, material: u32) -> Option<&OpacityPyramid> {
+        self.of_material.get(material as usize)?.map(|pyramid| &self.pyramids[pyramid])
+    }
+
+    /// Bytes held.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        let levels = self.pyramids.iter().flat_map(|pyramid| &pyramid.levels);
+        levels.map(|level| level.states.capacity() as u64).sum()
+    }
+}
+
+/// Where a texture is opaque for materials that cut it at one alpha.
 pub(crate) struct OpacityPyramid {
     /// Texels along u and v.
     size: [u32; 2],
@@ -36,13 +75,9 @@ struct Level {
 }
 
 impl OpacityPyramid {
-    /// Returns the pyramid of a material of `scene`, or `None` if it has no texture with holes. Cost: one pass over the
-    /// texture.
-    pub(crate) fn new(scene: &Scene, material: u32) -> Option<Self> {
-        let m = &scene.materials[material as usize];
-        let (AlphaMode::Mask { .. }, Some(texture)) = (m.alpha, m.texture) else { return None };
-        let texture = &scene.textures[texture as usize];
-        let opaque_from = least_opaque_byte(scene, material);
+    /// Returns the pyramid of a texture whose texels are opaque from an alpha of `opaque_from` on, 0 to 255. Cost: one
+    /// pass over the texture.
+    fn new(texture: &Texture, opaque_from: u32) -> Self {
         let size = [texture.width, texture.height];
         // A bilinear sample may be up to half a texel outside the outermost centres.
         let (cells, offset) = if texture.nearest { (size, 0.0) } else { (size.map(|s| s + 1), 0.5) };
@@ -61,16 +96,11 @@ impl OpacityPyramid {
             let coarser = last.halved();
             levels.push(coarser);
         }
-        Some(Self { size, wrap: texture.wrap, offset, levels })
+        Self { size, wrap: texture.wrap, offset, levels }
     }
 
-    /// Bytes held.
-    pub(crate) fn memory_bytes(&self) -> u64 {
-        self.levels.iter().map(|level| level.states.capacity() as u64).sum()
-    }
-
-    /// Returns whether the material, with opaque vertices, is opaque or clear at all texture coordinates in these
-    /// ranges of u and v. `None`: it is neither, or not known.
+    /// Returns whether a material with opaque vertices is opaque or clear at all texture coordinates in these ranges of
+    /// u and v. `None`: it is neither, or not known.
     pub(crate) fn opacity(&self, ranges: [[f64; 2]; 2]) -> Option<bool> {
         let [[left, right], [top, bottom]] = [self.cells(0, ranges[0])?, self.cells(1, ranges[1])?];
         let extent = (right - left).max(bottom - top);
@@ -93,11 +123,11 @@ impl OpacityPyramid {
     /// texture begins again within it.
     fn cells(&self, axis: usize, [low, high]: [f64; 2]) -> Option<[usize; 2]> {
         let size = f64::from(self.size[axis]);
-        let largest = low.abs().max(high.abs());
-        // Also false if it is not a number.
-        if !(largest <= LARGEST_COORDINATE) {
+        // Neither holds if it is not a number.
+        if !(low >= -LARGEST_COORDINATE && high <= LARGEST_COORDINATE) {
             return None;
         }
+        let largest = low.abs().max(high.abs());
         let error = largest * RELATIVE_ERROR + ERROR_TEXELS / size;
         let [low, high] = [low - error, high + error];
         let [low, high] = match self.wrap[axis] {
@@ -204,7 +234,8 @@ mod tests {
         ) {
             let alphas = &alphas[..(size[0] * size[1]) as usize];
             let scene = scene(size, alphas, wrap, nearest, cutoff);
-            let pyramid = OpacityPyramid::new(&scene, 0).expect("a texture");
+            let pyramids = OpacityPyramids::new(&scene);
+            let pyramid = pyramids.of(0).expect("a texture");
             let low = low.map(|l| f64::from(l) / 8.0);
             let ranges = [0, 1].map(|a| [low[a], low[a] + extent[a]]);
             let Some(opaque) = pyramid.opacity(ranges) else { return Ok(()) };
@@ -222,7 +253,8 @@ mod tests {
         let alphas: Vec<u8> = (0..64 * 64).map(|t| if t % 64 < 32 { 255 } else { 0 }).collect();
         for nearest in [false, true] {
             let scene = scene([64, 64], &alphas, [Wrap::Repeat; 2], nearest, 0.5);
-            let pyramid = OpacityPyramid::new(&scene, 0).expect("a texture");
+            let pyramids = OpacityPyramids::new(&scene);
+            let pyramid = pyramids.of(0).expect("a texture");
             for side in [0.0, 0.01, 0.1, 0.2] {
                 let over = |u: f64| pyramid.opacity([[u, u + side], [0.3, 0.3 + side]]);
                 assert_eq!(
@@ -232,7 +264,9 @@ mod tests {
             }
             // Across the border at which the texture begins again.
             assert_eq!(pyramid.opacity([[0.9, 1.1], [0.5, 0.5]]), None);
-            assert_eq!(pyramid.opacity([[f64::NAN, 0.1], [0.5, 0.5]]), None);
+            for not_finite in [[f64::NAN, 0.1], [0.1, f64::NAN], [f64::NAN; 2], [f64::NEG_INFINITY, 0.1]] {
+                assert_eq!(pyramid.opacity([not_finite, [0.5, 0.5]]), None);
+            }
         }
     }
 
@@ -240,9 +274,22 @@ mod tests {
     fn only_textures_with_holes_have_a_pyramid() {
         let mut scene = scene([1, 1], &[9], [Wrap::Clamp; 2], false, 0.5);
         scene.materials[0].alpha = AlphaMode::Opaque;
-        assert!(OpacityPyramid::new(&scene, 0).is_none());
+        assert!(OpacityPyramids::new(&scene).of(0).is_none());
         scene.materials[0] =
             Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..Material::opaque("m", [1.0; 4]) };
-        assert!(OpacityPyramid::new(&scene, 0).is_none());
+        assert!(OpacityPyramids::new(&scene).of(0).is_none());
+    }
+
+    #[test]
+    fn materials_that_cut_a_texture_alike_share_a_pyramid() {
+        let mut scene = scene([8, 8], &[9; 64], [Wrap::Clamp; 2], false, 0.5);
+        let masked = scene.materials[0].clone();
+        scene.materials.extend([masked.clone(), masked]);
+        let one = OpacityPyramids::new(&scene);
+        scene.materials[2].alpha = AlphaMode::Mask { cutoff: 0.01 };
+        let two = OpacityPyramids::new(&scene);
+        assert_eq!(2 * one.memory_bytes(), two.memory_bytes());
+        let opacities = [0, 1, 2].map(|m| two.of(m).and_then(|p| p.opacity([[0.2, 0.6]; 2])));
+        assert_eq!(opacities, [Some(false), Some(false), Some(true)]);
     }
 }

@@ -21,6 +21,18 @@ pub use too_large::{MAX_CONVERTED_DEPTH, MAX_CONVERTED_ROOTS, TooLarge};
 pub use top_error::TopError;
 pub use trail::Trail;
 
+/// Bounds of the depths at which the columns of a block of 8 × 8 switch from lit to shadowed: voxel k of a column is lit
+/// if k is less than the column's depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Switches {
+    /// No column switches nearer to the sun.
+    pub nearest: u32,
+    /// No column switches deeper.
+    pub farthest: u32,
+    /// What [`LeafMasks::fill_switches`] reads the columns' depths from; `None` if all are equal to both bounds.
+    pub leaf: Option<[u32; 2]>,
+}
+
 /// A structure that looks up leaf masks of 8 × 8 × 1 voxels of a light-aligned grid.
 pub trait LeafMasks: Sync {
     /// Returns the number of voxels along x, y, z.
@@ -55,4 +67,14 @@ pub trait LeafMasks: Sync {
         leaf_masks[(k & 7) as usize] = self.look_up_with(trail, i, j, k);
         1 << (k & 7)
     }
+
+    /// Returns bounds of the depths at which the columns of the block that contains column (i, j) switch, or `None` in a
+    /// layout that does not store them. The column must be in the grid. Columns outside the grid may have any depth.
+    fn switches(&self, _i: u32, _j: u32) -> Option<Switches> {
+        None
+    }
+
+    /// Writes the depths at which the columns of a block switch, in the order y·8 + x. `leaf` is from
+    /// [`LeafMasks::switches`] of the same structure.
+    fn fill_switches(&self, _leaf: [u32; 2], _depths: &mut [u32; 64]) {}
 }

@@ -1,10 +1,12 @@
 //! Successive look-ups of neighbouring points.
 //!
-//! A filter touches the same few blocks of texels again and again, often at the same depth, so the most recent cubes of
-//! each block are cached. The cache slot is chosen by the parity of the block, because a filter of up to 9 texels
-//! touches at most two along each axis, and by the cube's index along the light. On a miss, the traversal starts at the
-//! lowest node that it shares with the previous look-up.
+//! A filter touches the same few blocks of texels again and again, so the most recent blocks are cached: the depths of
+//! their columns if the layout stores them, else cubes of leaf masks, often at the same depth. The cache slot is chosen
+//! by the parity of the block, because a filter of up to 9 texels touches at most two along each axis, and by a cube's
+//! index along the light. For a cube that is not cached, the traversal starts at the lowest node that it shares with the
+//! previous look-up.
 
+use crate::query::columns::Columns;
 use crate::query::taps::Cubes;
 use crate::query::{FixedReceiver, Query, receiver};
 
@@ -12,13 +14,20 @@ use crate::query::{FixedReceiver, Query, receiver};
 /// its results equal those of the query bit for bit.
 pub struct Cursor<'d> {
     query: Query<'d>,
-    cubes: Cubes<'d, 32>,
+    cache: Cache<'d>,
+}
+
+#[expect(clippy::large_enum_variant, reason = "a cursor is made once for many look-ups")]
+enum Cache<'d> {
+    Columns(Columns<'d>),
+    Cubes(Cubes<'d, 32>),
 }
 
 impl<'d> Cursor<'d> {
     /// Creates a cursor with an empty cache.
     pub fn new(query: Query<'d>) -> Self {
-        Self { query, cubes: Cubes::new(query.leaf_masks) }
+        let columns = Columns::new(query.leaf_masks).map(Cache::Columns);
+        Self { query, cache: columns.unwrap_or_else(|| Cache::Cubes(Cubes::new(query.leaf_masks))) }
     }
 
     /// Returns the visibility of a world point, 1 = lit. See [`Query::visibility`].
@@ -31,6 +40,9 @@ impl<'d> Cursor<'d> {
 
     /// Returns the number of lit taps. See [`Query::lit_taps`].
     pub fn lit_taps(&mut self, r: &FixedReceiver) -> u32 {
-        self.cubes.lit_taps(self.query.filter, r)
+        match &mut self.cache {
+            Cache::Columns(columns) => columns.lit_taps(self.query.filter, r),
+            Cache::Cubes(cubes) => cubes.lit_taps(self.query.filter, r),
+        }
     }
 }

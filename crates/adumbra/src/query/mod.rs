@@ -6,6 +6,7 @@
 //!
 //! The rules are in `spec/adumbra-file.md`, "Look-up bias and filters".
 
+mod columns;
 mod cursor;
 mod fixed;
 mod taps;
@@ -20,6 +21,7 @@ use crate::error::{RangeError, Result};
 use crate::grid::LightGrid;
 use crate::layout::LeafMasks;
 use crate::settings::{Bias, MAX_PLANE_SLOPE};
+use columns::Columns;
 use taps::Cubes;
 
 /// A source of visibility at points.
@@ -113,7 +115,10 @@ impl<'d> Query<'d> {
             let lit = self.voxel(r).is_none_or(|[i, j, k]| self.leaf_masks.voxel(i, j, k));
             return u32::from(lit);
         }
-        Cubes::<8>::new(self.leaf_masks).lit_taps(self.filter, r)
+        match Columns::new(self.leaf_masks) {
+            Some(mut columns) => columns.lit_taps(self.filter, r),
+            None => Cubes::<8>::new(self.leaf_masks).lit_taps(self.filter, r),
+        }
     }
 
     /// Returns the level of the block in which the look-up of the filter's middle texel ends, see

@@ -15,7 +15,7 @@ use crate::columns::masked::MaskedHit;
 use crate::columns::rules::{ColumnRules, FirstSurface, SeamHit};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
-use crate::triangles::opacity::OpacityPyramid;
+use crate::triangles::opacity::OpacityPyramids;
 use crate::triangles::project::FixedDepth;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
@@ -71,8 +71,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) grid: &'a LightGrid,
     pub(crate) rules: &'a ColumnRules,
     pub(crate) surfaces: &'a [BlockSurface],
-    /// For each material: where it is opaque.
-    pub(crate) opacity: &'a [Option<OpacityPyramid>],
+    /// Where materials with holes are opaque.
+    pub(crate) opacity: &'a OpacityPyramids,
     /// The processor's vectors.
     pub(crate) arch: pulp::Arch,
 }

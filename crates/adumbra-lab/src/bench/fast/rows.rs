@@ -78,13 +78,13 @@ impl Limit {
 /// Required of every row.
 pub(super) const INTERIOR: Limit = Limit::new(Figure::InteriorAgreement, 0.999, None);
 /// Total size of the files of [`EIGHT`].
-pub(super) const SUM: Limit = Limit::new(Figure::SumBytes, 36e6, Some(18e6));
+pub(super) const SUM: Limit = Limit::new(Figure::SumBytes, 8.5e6, Some(7e6));
 /// Time of the finest box city divided by that of the coarsest.
 pub(super) const RATIO: Limit = Limit::new(Figure::TimeRatio, 12.0, Some(8.0));
 /// Resolutions of the two times that [`RATIO`] divides.
 pub(super) const RATIO_OF: [u64; 2] = [262_144, 16_384];
 /// Look-ups per second on one core.
-pub(super) const QUERY: Limit = Limit::new(Figure::PointsPerSecond, 5e6, None);
+pub(super) const QUERY: Limit = Limit::new(Figure::PointsPerSecond, 8e6, None);
 /// Scene and resolution of the file in which look-ups are timed.
 pub(super) const QUERY_OF: (&str, u64) = (BOX_CITY, 65_536);
 
@@ -113,7 +113,7 @@ pub(super) fn rows() -> Vec<Row> {
             65_536,
             0.0,
             SUN,
-            const { &[Limit::seconds(30.0, Some(12.0)), Limit::file(80e6, 25e6)] },
+            const { &[Limit::seconds(20.0, Some(8.0)), Limit::file(40e6, 28e6)] },
         ),
         row(
             BOX_CITY,
@@ -122,9 +122,9 @@ pub(super) fn rows() -> Vec<Row> {
             SUN,
             const {
                 &[
-                    Limit::seconds(120.0, Some(45.0)),
+                    Limit::seconds(60.0, Some(30.0)),
                     Limit::peak(800e6, Some(400e6)),
-                    Limit::file(240e6, 70e6),
+                    Limit::file(150e6, 100e6),
                 ]
             },
         ),
@@ -139,7 +139,9 @@ pub(super) fn rows() -> Vec<Row> {
             131_072,
             0.1,
             SUN,
-            const { &[Limit::seconds(300.0, Some(60.0)), Limit::peak(2.0 * GIB, None)] },
+            const {
+                &[Limit::seconds(200.0, Some(120.0)), Limit::peak(2.0 * GIB, None), Limit::file(200e6, 130e6)]
+            },
         ),
         row(
             JACKSBORO,
@@ -148,7 +150,7 @@ pub(super) fn rows() -> Vec<Row> {
             LOW_SUN,
             const {
                 &[
-                    Limit::seconds(60.0, Some(20.0)),
+                    Limit::seconds(20.0, Some(8.0)),
                     Limit::peak(GIB, None),
                     Limit::new(Figure::ShadowedShare, 0.1, None),
                 ]
@@ -156,7 +158,7 @@ pub(super) fn rows() -> Vec<Row> {
         ),
     ]);
     rows.extend(["alpine-2", "street-1"].map(|scene| {
-        let limits = const { &[Limit::seconds(90.0, Some(30.0)), Limit::peak(2.0 * GIB, None)] };
+        let limits = const { &[Limit::seconds(60.0, Some(30.0)), Limit::peak(2.0 * GIB, None)] };
         row(scene, 65_536, 0.0, SUN, limits)
     }));
     rows

@@ -211,6 +211,41 @@ impl LeafCode<'_> {
         depth.saturating_sub(self.slant.rise(column))
     }
 
+    /// Returns bounds of the depths at which columns switch.
+    pub(crate) fn bounds(self) -> [u32; 2] {
+        let nearest = self.base.saturating_sub(self.slant.largest_rise());
+        let deepest = |depth: u32, index| depth.saturating_add(self.difference(index));
+        let farthest =
+            if self.head.never { NEVER } else { (0..self.head.differences()).fold(self.base, deepest) };
+        [nearest, farthest]
+    }
+
+    /// Returns [`LeafCode::value`] of every column.
+    pub(crate) fn values(self) -> [u32; 64] {
+        let mut depths = [NEVER; 64];
+        let mut depth = self.base;
+        depths[0] = depth;
+        for index in 0..self.head.differences() {
+            depth = depth.saturating_add(self.difference(index));
+            depths[index as usize + 1] = depth;
+        }
+        let mut ranks = [0_u8; 64];
+        for p in 0..self.head.planes() {
+            let plane = self.plane(p);
+            for (column, rank) in ranks.iter_mut().enumerate() {
+                *rank |= ((plane >> column & 1) as u8) << p;
+            }
+        }
+        let rises = self.slant.rises();
+        std::array::from_fn(|column| {
+            let rank = u32::from(ranks[column]);
+            if rank > self.head.differences() {
+                return NEVER;
+            }
+            depths[rank as usize].saturating_sub(rises[column] as u32)
+        })
+    }
+
     /// Returns the columns that are lit at depth k.
     pub fn leaf_mask(self, k: u32) -> u64 {
         let largest_rise = self.slant.largest_rise();

@@ -62,7 +62,7 @@ mod validate;
 pub use census::Census;
 pub use validate::DepthsError;
 
-use crate::layout::{LeafMasks, Trail};
+use crate::layout::{LeafMasks, Switches, Trail};
 use code::{Code, Place};
 
 /// Depth of a column that never switches, that is, one that is lit to its end.
@@ -156,5 +156,19 @@ impl LeafMasks for DepthTree {
             (Place::Uniform(_), level) => level,
             (Place::Leaf { .. }, _) => 0,
         }
+    }
+
+    fn switches(&self, i: u32, j: u32) -> Option<Switches> {
+        Some(match self.place(i, j).0 {
+            Place::Uniform(value) => Switches { nearest: value, farthest: value, leaf: None },
+            Place::Leaf { at, base } => {
+                let [nearest, farthest] = self.shapes().leaf(at, base).bounds();
+                Switches { nearest, farthest, leaf: Some([at, base]) }
+            }
+        })
+    }
+
+    fn fill_switches(&self, [at, base]: [u32; 2], depths: &mut [u32; 64]) {
+        *depths = self.shapes().leaf(at, base).values();
     }
 }
