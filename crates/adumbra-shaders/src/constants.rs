@@ -88,9 +88,6 @@ shared! {
     DEPTHS_UNIFORM: u32 = u32::MAX;
     /// Switch depth of a column that is lit to its end (`adumbra::layout::depths::NEVER`).
     DEPTHS_NEVER: u32 = u32::MAX;
-    /// Largest penumbra radius in the layout "depths", in texels. With a larger one, depths on the receiver's plane
-    /// would overflow 32 bits.
-    DEPTHS_MAX_RADIUS: f32 = 64.0;
     /// Distance along the receiver's plane, in texels, by which hardware 2 × 2 comparisons move the compared depth
     /// towards the sun.
     HARDWARE_REACH: f32 = 0.75;

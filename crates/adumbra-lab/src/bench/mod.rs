@@ -101,7 +101,6 @@ mod tests {
         read::<bake::Document>("bake.json");
         read::<blur::Document>("blur.json");
         read::<fast::Document>("fast.json");
-        read::<fast::Document>("hierarchy/fast.json");
         read::<hrsm::Document>("hrsm.json");
         read::<lookup::Document>("lookup.json");
         read::<peers::Document>("peers.json");

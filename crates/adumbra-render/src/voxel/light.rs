@@ -8,7 +8,6 @@ use adumbra_shaders::layout::VoxelQuery;
 use adumbra_shaders::{Source, source};
 
 use super::filter::VoxelFilter;
-use super::soft::cone;
 use super::{VoxelBindings, VoxelSettings, WordBuffers, fixed};
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -40,18 +39,11 @@ impl BakedLight {
     pub fn new(gpu: &Gpu, grid: &LightGrid, body: &LightBody, settings: VoxelSettings) -> Result<Self> {
         let VoxelSettings { filter, bias } = settings;
         let layout = body.layout();
-        filter.check(layout)?;
-        let (filter_width, sun_cone, max_radius_texels) = match filter {
-            VoxelFilter::Taps(width) => (width, 0.0, 0.0),
-            VoxelFilter::Soft { angle_degrees, max_radius_texels } => {
-                (1, cone(grid, angle_degrees), max_radius_texels as f32)
-            }
-        };
-        let parameters = Parameters {
-            sun_cone,
-            max_radius_texels,
-            ..Parameters::new(grid, body, bias, filter_width, grid.origin())?
-        };
+        let filter_width = if let VoxelFilter::Taps(width) = filter { width } else { 1 };
+        let mut parameters = Parameters::new(grid, body, bias, filter_width, grid.origin())?;
+        if let VoxelFilter::Soft { angle_degrees, max_radius_texels } = filter {
+            parameters.set_penumbrae(grid, angle_degrees, max_radius_texels)?;
+        }
         let words = WordBuffers::new(gpu, "voxel::words", &Words::new(body).parts())?;
         let bindings = VoxelBindings::from_words(gpu, "voxel", &parameters.to_bytes(), &words);
         Ok(Self { grid: *grid, layout, filter, parameters, bindings })

@@ -1,10 +1,11 @@
 //! Parsing of a light-aligned file's look-up settings from a technique's text. Without a file, the bias is the default
 //! of a bake.
 
+use adumbra::gpu::{PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS};
 use adumbra::query::FILTER_WIDTHS;
 use adumbra::{Bias, LightBody, ShadowFile};
 
-use super::filter::{ANGLES_DEGREES, RADII_TEXELS, VoxelFilter};
+use super::filter::VoxelFilter;
 use crate::error::Result;
 use crate::maps::help;
 use crate::technique::{SpecReader, TechniqueSpec};
@@ -49,8 +50,13 @@ impl VoxelSettings {
         let shadows = &["hard", "soft"][..if has_soft { 2 } else { 1 }];
         let filter = if reader.choice("shade", what, shadows)? == "soft" {
             VoxelFilter::Soft {
-                angle_degrees: reader.number("angle", help::SUN_ANGLE, 0.53, ANGLES_DEGREES)?,
-                max_radius_texels: reader.number("radius", help::PENUMBRA_RADIUS, 32.0, RADII_TEXELS)?,
+                angle_degrees: reader.number("angle", help::SUN_ANGLE, 0.53, PENUMBRA_ANGLES_DEGREES)?,
+                max_radius_texels: reader.number(
+                    "radius",
+                    help::PENUMBRA_RADIUS,
+                    32.0,
+                    PENUMBRA_RADII_TEXELS,
+                )?,
             }
         } else {
             VoxelFilter::Taps(read_width(reader)?)

@@ -22,7 +22,8 @@ impl<'d> SoftTwin<'d> {
     /// `max_radius_texels`.
     pub fn new(grid: &LightGrid, depths: &'d DepthTree, angle_degrees: f64, max_radius_texels: f64) -> Self {
         let ellipse = grid.circle_across_light().map(|row| row.map(|c| c as f32));
-        Self { depths, cone: cone(grid, angle_degrees), max_radius: max_radius_texels as f32, ellipse }
+        let cone = grid.cone_texels_per_voxel(angle_degrees) as f32;
+        Self { depths, cone, max_radius: max_radius_texels as f32, ellipse }
     }
 
     /// Visible share of the sun's disc at a receiver, 1 = all of it. `pixel` determines the rotation of the taps.
@@ -89,10 +90,4 @@ impl<'d> SoftTwin<'d> {
         let row = |y| lit(0, y) * (1.0 - u) + lit(1, y) * u;
         row(0) * (1.0 - v) + row(1) * v
     }
-}
-
-/// Growth of the cone's radius for a sun of this full angle, texels per voxel of depth.
-pub(super) fn cone(grid: &LightGrid, angle_degrees: f64) -> f32 {
-    let per_length = (0.5 * angle_degrees).to_radians().tan();
-    (per_length * grid.voxel_along_light() / grid.voxel_size) as f32
 }

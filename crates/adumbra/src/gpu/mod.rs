@@ -26,7 +26,7 @@ mod wgsl;
 mod words;
 
 pub use grid::GridParameters;
-pub use parameters::Parameters;
+pub use parameters::{PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS, Parameters};
 pub use texture::{HEADER_WORDS, LookUpTexture, TEXTURE_MAGIC, TEXTURE_VERSION};
 pub use wgsl::{WordSource, wgsl_files};
 pub use words::Words;

@@ -1,6 +1,8 @@
 //! The parameter block of a look-up: the placement of the grid, the location of the file's words, and the bias and
 //! filter.
 
+use std::ops::RangeInclusive;
+
 use super::grid::GridParameters;
 use super::words::Words;
 use crate::error::{RangeError, Result};
@@ -8,6 +10,12 @@ use crate::file::LightBody;
 use crate::grid::LightGrid;
 use crate::query::FILTER_WIDTHS;
 use crate::settings::Bias;
+
+/// Full angles of a sun whose penumbrae can be looked up, degrees.
+pub const PENUMBRA_ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
+/// Largest radii of penumbrae that can be looked up, texels. With larger ones, depths on the receiver's plane would
+/// overflow 32 bits.
+pub const PENUMBRA_RADII_TEXELS: RangeInclusive<f64> = 1.0..=64.0;
 
 /// The WGSL structure `AdumbraVoxelParams`.
 ///
@@ -86,6 +94,32 @@ impl Parameters {
             max_radius_texels: 0.0,
             penumbra: grid.circle_across_light().map(|row| row.map(|c| c as f32)),
         })
+    }
+
+    /// Sets up penumbrae of a sun in place of a filter, for `core/depths_soft.wgsl`. The sun's full angle is in
+    /// [`PENUMBRA_ANGLES_DEGREES`], the largest radius of a penumbra in [`PENUMBRA_RADII_TEXELS`].
+    ///
+    /// # Errors
+    /// Returns [`RangeError`] if the layout is not `depths`, or a value is out of range.
+    pub fn set_penumbrae(
+        &mut self,
+        grid: &LightGrid,
+        angle_degrees: f64,
+        max_radius_texels: f64,
+    ) -> Result<(), RangeError> {
+        if !self.is_depths {
+            return Err(RangeError::new("the layout", "packed or plain", "depths, for penumbrae"));
+        }
+        if !PENUMBRA_ANGLES_DEGREES.contains(&angle_degrees) {
+            return Err(RangeError::new("the sun's angle", angle_degrees, "from 0.01 to 20 degrees"));
+        }
+        if !PENUMBRA_RADII_TEXELS.contains(&max_radius_texels) {
+            return Err(RangeError::new("the largest radius", max_radius_texels, "from 1 to 64 texels"));
+        }
+        self.filter_width = 1;
+        self.sun_cone = grid.cone_texels_per_voxel(angle_degrees) as f32;
+        self.max_radius_texels = max_radius_texels as f32;
+        Ok(())
     }
 
     /// Sets the world position that positions in the shader are relative to.

@@ -105,6 +105,14 @@ impl LookUpTexture {
         &self.bytes[..4 * HEADER_WORDS]
     }
 
+    /// Returns the header's bytes with other parameters, which must be of the same file and anchor. An engine that shows
+    /// one file in several ways keeps one texture and a header for each.
+    pub fn header_with(&self, parameters: Parameters) -> Vec<u8> {
+        let mut header = self.header().to_vec();
+        header[4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&parameters.to_bytes());
+        header
+    }
+
     /// Returns the world position that positions in the shader are relative to. Each coordinate is representable as
     /// `f32`, so that engines can subtract it exactly.
     pub fn anchor_world(&self) -> [f32; 3] {

@@ -115,6 +115,11 @@ impl LightGrid {
         let edge = self.edges[2];
         dot(edge, edge).sqrt() * self.voxel_size
     }
+
+    /// Returns by how many texels the radius of the cone of a sun with this full angle grows per voxel of depth.
+    pub fn cone_texels_per_voxel(&self, angle_degrees: f64) -> f64 {
+        libm::tan((0.5 * angle_degrees).to_radians()) * self.voxel_along_light() / self.voxel_size
+    }
 }
 
 /// Extent of a set of points along the axes of a grid, in world units.
