@@ -1,0 +1,197 @@
+//! Copies the meshes of a bake out of Bevy's assets.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use adumbra_scene::{AlphaMode, Instance, Material, Mesh, Pixels, Scene, Texture, Wrap};
+use bevy::asset::{AssetId, Assets};
+use bevy::ecs::prelude::Entity;
+use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::mesh::{Indices, Mesh as BevyMesh, Mesh3d, PrimitiveTopology, VertexAttributeValues};
+use bevy::pbr::{MeshMaterial3d, StandardMaterial};
+use bevy::prelude::{AlphaMode as BevyAlphaMode, GlobalTransform};
+use bevy::render::render_resource::TextureFormat;
+
+/// A mesh in its place.
+pub(super) struct Placed<'w> {
+    mesh: AssetId<BevyMesh>,
+    transform: &'w GlobalTransform,
+    material: Option<AssetId<StandardMaterial>>,
+    casts: bool,
+}
+
+type Item<'w> = (Entity, &'w Mesh3d, &'w GlobalTransform, Option<&'w MeshMaterial3d<StandardMaterial>>, bool);
+
+impl<'w> From<Item<'w>> for Placed<'w> {
+    fn from((_, mesh, transform, material, no_caster): Item<'w>) -> Self {
+        Self { mesh: mesh.id(), transform, material: material.map(|m| m.id()), casts: !no_caster }
+    }
+}
+
+impl Placed<'_> {
+    /// Returns a number that differs where what casts differs.
+    pub(super) fn key(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        let columns = self.transform.affine().to_cols_array().map(f32::to_bits);
+        (self.mesh, columns, self.material, self.casts).hash(&mut hasher);
+        hasher.finish()
+    }
+}
+
+/// Copies the meshes with their materials. Returns `None` while some are not loaded.
+///
+/// # Errors
+/// Returns what cannot be read, and what to do about it.
+pub(super) fn gather<'w>(
+    placed: impl Iterator<Item = Placed<'w>>,
+    meshes: &Assets<BevyMesh>,
+    materials: &Assets<StandardMaterial>,
+    images: &Assets<Image>,
+) -> Result<Option<Scene>, String> {
+    let mut scene = Scene::default();
+    // By mesh and material: a mesh of the scene has the material of each of its triangles.
+    let mut known: HashMap<_, Option<u32>> = HashMap::new();
+    let mut known_materials: HashMap<_, u32> = HashMap::new();
+    for p in placed {
+        let index = match known.get(&(p.mesh, p.material)) {
+            Some(index) => *index,
+            None => {
+                let Some(mesh) = meshes.get(p.mesh) else { return Ok(None) };
+                let material = match known_materials.get(&p.material) {
+                    Some(material) => *material,
+                    None => {
+                        let Some(new) = material(p.material, materials, images, &mut scene.textures) else {
+                            return Ok(None);
+                        };
+                        scene.materials.push(new);
+                        known_materials.insert(p.material, scene.materials.len() as u32 - 1);
+                        scene.materials.len() as u32 - 1
+                    }
+                };
+                let name = scene.meshes.len().to_string();
+                let index = copy(mesh, name, material)?.map(|mesh| {
+                    scene.meshes.push(mesh);
+                    scene.meshes.len() as u32 - 1
+                });
+                known.insert((p.mesh, p.material), index);
+                index
+            }
+        };
+        let Some(mesh) = index else { continue };
+        let m = p.transform.affine();
+        let row = |r: usize| {
+            [m.matrix3.x_axis[r], m.matrix3.y_axis[r], m.matrix3.z_axis[r], m.translation[r]].map(f64::from)
+        };
+        let name = String::new();
+        scene.instances.push(Instance { name, mesh, world_from_mesh: [0, 1, 2].map(row), casts: p.casts });
+    }
+    if scene.instances.is_empty() {
+        return Err("no mesh below a BakedStatic has triangles".to_owned());
+    }
+    Ok(Some(scene))
+}
+
+/// Copies a mesh. Returns `None` if it has no triangles.
+fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, String> {
+    if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+        return Ok(None);
+    }
+    let no_access = |error| {
+        format!(
+            "a mesh below a BakedStatic cannot be read ({error}); load it with RenderAssetUsages::MAIN_WORLD too"
+        )
+    };
+    let positions = match mesh.try_attribute_option(BevyMesh::ATTRIBUTE_POSITION).map_err(no_access)? {
+        Some(VertexAttributeValues::Float32x3(positions)) => positions.clone(),
+        _ => return Ok(None),
+    };
+    if positions.iter().flatten().any(|c| !c.is_finite()) {
+        return Err("a mesh below a BakedStatic has a vertex that is not finite".to_owned());
+    }
+    let uvs = match mesh.try_attribute_option(BevyMesh::ATTRIBUTE_UV_0).map_err(no_access)? {
+        Some(VertexAttributeValues::Float32x2(uvs)) if uvs.len() == positions.len() => uvs.clone(),
+        _ => Vec::new(),
+    };
+    let indices: Vec<u32> = match mesh.try_indices_option().map_err(no_access)? {
+        Some(Indices::U16(indices)) => indices.iter().map(|&i| i.into()).collect(),
+        Some(Indices::U32(indices)) => indices.clone(),
+        None => (0..positions.len() as u32).collect(),
+    };
+    let has_area = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|i| positions.get(i as usize).map(|p| p.map(f64::from)));
+        let (Some(a), Some(b), Some(c)) = (a, b, c) else { return false };
+        let [u, v] = [b, c].map(|p| [0, 1, 2].map(|axis| p[axis] - a[axis]));
+        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]] != [0.0; 3]
+    };
+    let triangles: Vec<[u32; 3]> = indices.as_chunks().0.iter().copied().filter(has_area).collect();
+    if triangles.is_empty() {
+        return Ok(None);
+    }
+    let triangle_materials = vec![material; triangles.len()];
+    Ok(Some(Mesh { name, positions, uvs, colors: Vec::new(), triangles, triangle_materials }))
+}
+
+/// Returns what casts of a material, and adds its texture if it has holes. `None` while it is not loaded.
+fn material(
+    id: Option<AssetId<StandardMaterial>>,
+    materials: &Assets<StandardMaterial>,
+    images: &Assets<Image>,
+    textures: &mut Vec<Texture>,
+) -> Option<Material> {
+    let mut new = Material::opaque("", [1.0; 4]);
+    // Materials of other types are opaque.
+    let Some(id) = id else { return Some(new) };
+    let material = materials.get(id)?;
+    new.transmissive = material.specular_transmission > 0.0;
+    let cutoff = match material.alpha_mode {
+        BevyAlphaMode::Mask(cutoff) => cutoff,
+        BevyAlphaMode::Opaque => return Some(new),
+        _ => {
+            new.blended = true;
+            0.5
+        }
+    };
+    new.alpha = AlphaMode::Mask { cutoff };
+    new.base_color[3] = bevy::color::Alpha::alpha(&material.base_color);
+    if let Some(image) = &material.base_color_texture {
+        new.texture = texture(images.get(image)?).map(|texture| {
+            textures.push(texture);
+            textures.len() as u32 - 1
+        });
+    }
+    Some(new)
+}
+
+/// Returns an image's alpha; `None` if it has none that can be read, which counts as opaque.
+fn texture(image: &Image) -> Option<Texture> {
+    let formats = [
+        TextureFormat::Rgba8Unorm,
+        TextureFormat::Rgba8UnormSrgb,
+        TextureFormat::Bgra8Unorm,
+        TextureFormat::Bgra8UnormSrgb,
+    ];
+    let data = image.data.as_ref().filter(|_| formats.contains(&image.texture_descriptor.format))?;
+    let (width, height) = (image.width(), image.height());
+    let texels = width as usize * height as usize;
+    let alphas: Vec<u8> = data.as_chunks::<4>().0.iter().take(texels).map(|texel| texel[3]).collect();
+    if alphas.len() < texels.max(1) {
+        return None;
+    }
+    let sampler = match &image.sampler {
+        ImageSampler::Descriptor(sampler) => sampler.clone(),
+        ImageSampler::Default => ImageSamplerDescriptor::default(),
+    };
+    let wrap = |mode| match mode {
+        ImageAddressMode::Repeat => Wrap::Repeat,
+        ImageAddressMode::MirrorRepeat => Wrap::Mirror,
+        _ => Wrap::Clamp,
+    };
+    Some(Texture {
+        name: String::new(),
+        width,
+        height,
+        pixels: Pixels::Alpha(alphas),
+        wrap: [wrap(sampler.address_mode_u), wrap(sampler.address_mode_v)],
+        nearest: matches!(sampler.mag_filter, ImageFilterMode::Nearest),
+    })
+}

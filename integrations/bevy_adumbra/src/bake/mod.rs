@@ -1,0 +1,291 @@
+//! Baking while the app runs: gather, bake on threads of its own, swap.
+//!
+//! [`BakeShadow`] on a light asks for it, or [`BakeShadowCommands::bake_shadow`]. The meshes below
+//! [`BakedStatic`](crate::BakedStatic) are copied once per bake. A coarse file comes first, then the asked one; each takes the place of
+//! the one before in a single frame. When a mesh moves, or the light turns, shadows of that mesh, or all, come from the
+//! cascades again until a new bake is done.
+
+mod gather;
+mod job;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy::asset::Assets;
+use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::prelude::*;
+use bevy::image::Image;
+use bevy::light::NotShadowCaster;
+use bevy::log::{info, warn};
+use bevy::math::Vec3;
+use bevy::mesh::{Mesh, Mesh3d};
+use bevy::pbr::{MeshMaterial3d, StandardMaterial};
+use bevy::prelude::{DirectionalLight, GlobalTransform};
+use bevy::time::{Real, Time};
+
+use crate::components::{BakedShadow, InBake};
+use crate::statics::NotYetBaked;
+use crate::{BakedShadowFile, MaxTextureSide};
+use gather::{Placed, gather};
+use job::{Finished, Job};
+
+/// Settings of a bake while the app runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// Texels on the longest side of the world as the sun sees it, a power of two from 8 to 262,144.
+    pub resolution: u32,
+    /// Resolution of the file that comes first. None comes first if it is not less than `resolution`.
+    pub first_resolution: u32,
+    /// How far below an open surface its shadow may begin, world units. More makes smaller files.
+    pub thickness_world: f32,
+    /// Worker threads; 0 is one less than the processor has.
+    pub threads: usize,
+    /// How long meshes and light must be still before a bake begins.
+    pub settle: Duration,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            resolution: 8192,
+            first_resolution: 2048,
+            thickness_world: 0.0,
+            threads: 0,
+            settle: Duration::from_millis(500),
+        }
+    }
+}
+
+/// Bakes the shadow of this directional light, and again when meshes below a [`BakedStatic`](crate::BakedStatic) or the
+/// light change. Removing it ends a bake that is under way; the last file stays.
+#[derive(Component, Debug, Default)]
+#[require(BakeProgress)]
+pub struct BakeShadow {
+    /// The settings. A change of them bakes again.
+    pub settings: BakeSettings,
+    /// What the newest bake saw, and the bake itself while it is under way.
+    seen: Option<Seen>,
+    job: Option<Job>,
+    /// What there is now if the newest bake saw something else, and since when.
+    pending: Option<(Seen, Duration)>,
+    /// The meshes in the file that is in use.
+    in_use: Option<Arc<Keys>>,
+}
+
+impl BakeShadow {
+    /// Bakes with these settings.
+    pub fn new(settings: BakeSettings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+}
+
+/// For each mesh in a bake: a number that differs where its geometry, place or material does.
+type Keys = EntityHashMap<u64>;
+
+/// What a bake depends on.
+#[derive(Clone, Debug)]
+struct Seen {
+    settings: BakeSettings,
+    towards_light: Vec3,
+    keys: Arc<Keys>,
+}
+
+impl PartialEq for Seen {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.keys, &other.keys)
+            && (self.settings, self.towards_light) == (other.settings, other.towards_light)
+    }
+}
+
+/// The meshes that a bake would see now.
+#[derive(Resource, Default)]
+pub(crate) struct StaticKeys(Arc<Keys>);
+
+/// How far the bake of a [`BakeShadow`] is. The plugin keeps it on the light.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum BakeProgress {
+    /// Nothing has begun: there are no meshes yet, or they still change.
+    #[default]
+    Waiting,
+    /// A bake of this resolution is under way; the share of it that is done.
+    Baking(u32, f32),
+    /// The last file is in use; its seconds of baking and its number of triangles.
+    Done(f64, u64),
+    /// The bake failed. It begins again when something changes.
+    Failed(String),
+}
+
+/// Adds [`BakeShadowCommands::bake_shadow`] to `Commands`.
+pub trait BakeShadowCommands {
+    /// Bakes the shadow of a directional light while the app runs, with a [`BakeShadow`].
+    fn bake_shadow(&mut self, light: Entity, settings: BakeSettings);
+}
+
+impl BakeShadowCommands for Commands<'_, '_> {
+    fn bake_shadow(&mut self, light: Entity, settings: BakeSettings) {
+        self.entity(light).insert(BakeShadow::new(settings));
+    }
+}
+
+/// The meshes that a bake sees.
+type Meshes<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static Mesh3d,
+        &'static GlobalTransform,
+        Option<&'static MeshMaterial3d<StandardMaterial>>,
+        Has<NotShadowCaster>,
+    ),
+    With<InBake>,
+>;
+
+/// What may change a bake.
+type Changes = (
+    With<InBake>,
+    Or<(
+        Added<InBake>,
+        Changed<Mesh3d>,
+        Changed<GlobalTransform>,
+        Changed<MeshMaterial3d<StandardMaterial>>,
+        Added<NotShadowCaster>,
+    )>,
+);
+
+/// Keeps [`StaticKeys`]. Cost: nothing while no mesh of a bake changes.
+pub(crate) fn find_meshes(
+    lights: Query<(), With<BakeShadow>>,
+    placed: Meshes,
+    changed: Query<(), Changes>,
+    (mut removed, mut casts): (RemovedComponents<InBake>, RemovedComponents<NotShadowCaster>),
+    mut keys: ResMut<StaticKeys>,
+) {
+    let has_changes = removed.read().count() + casts.read().count() > 0 || !changed.is_empty();
+    if lights.is_empty() || (!has_changes && !keys.0.is_empty()) {
+        return;
+    }
+    let new: Keys = placed.iter().map(|mesh| (mesh.0, Placed::from(mesh).key())).collect();
+    if *keys.0 != new {
+        keys.0 = Arc::new(new);
+    }
+}
+
+/// Starts bakes when the world is still, and takes their files.
+pub(crate) fn bake_shadows(
+    mut commands: Commands,
+    mut lights: Query<
+        (Entity, &GlobalTransform, &mut BakeShadow, &mut BakeProgress, Option<&mut BakedShadow>),
+        With<DirectionalLight>,
+    >,
+    placed: Meshes,
+    (meshes, materials, images): (Res<Assets<Mesh>>, Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
+    mut files: ResMut<Assets<BakedShadowFile>>,
+    (keys, max_side, time): (Res<StaticKeys>, Res<MaxTextureSide>, Res<Time<Real>>),
+) {
+    for (light, transform, mut bake, mut progress, mut shadow) in &mut lights {
+        let bake = bake.bypass_change_detection();
+        let now = Seen {
+            settings: bake.settings,
+            towards_light: transform.back().as_vec3(),
+            keys: Arc::clone(&keys.0),
+        };
+        if bake.seen.as_ref() == Some(&now) {
+            bake.pending = None;
+        } else if is_still(&mut bake.pending, &now, bake.seen.is_none(), time.elapsed()) {
+            bake.pending = None;
+            // A bake of what has changed since would be of no use.
+            bake.job = None;
+            match gather(placed.iter().map(Placed::from), &meshes, &materials, &images) {
+                // Some meshes are not loaded yet.
+                Ok(None) => {}
+                Ok(Some(scene)) => {
+                    bake.job = Some(Job::start(scene, now.settings, now.towards_light, max_side.get()));
+                    bake.seen = Some(now);
+                }
+                Err(reason) => {
+                    fail(light, &mut progress, reason);
+                    bake.seen = Some(now);
+                }
+            }
+        }
+        let Some(job) = &bake.job else { continue };
+        // Asked first: whatever was finished by then is found below.
+        let under_way = job.progress();
+        for finished in job.finished() {
+            match finished {
+                Ok(Finished { file, seconds, triangles, is_last }) => {
+                    let handle = files.add(file);
+                    info!("the shadow of light {light} is baked: {triangles} triangles in {seconds:.2} s");
+                    match &mut shadow {
+                        Some(shadow) => shadow.files = vec![handle],
+                        None => {
+                            let shadow = BakedShadow { align: false, ..BakedShadow::new(handle) };
+                            commands.entity(light).insert(shadow);
+                        }
+                    }
+                    bake.in_use = bake.seen.as_ref().map(|seen| Arc::clone(&seen.keys));
+                    if is_last {
+                        progress.set_if_neq(BakeProgress::Done(seconds, triangles));
+                    }
+                }
+                Err(reason) => fail(light, &mut progress, reason),
+            }
+        }
+        match under_way {
+            Some((resolution, share)) => {
+                progress.set_if_neq(BakeProgress::Baking(resolution, share));
+            }
+            None => bake.job = None,
+        }
+    }
+}
+
+/// Whether what there is now has not changed for long enough.
+fn is_still(pending: &mut Option<(Seen, Duration)>, now: &Seen, is_first: bool, at: Duration) -> bool {
+    if now.keys.is_empty() {
+        return false;
+    }
+    match pending {
+        Some((seen, since)) if seen == now => is_first || at - *since >= now.settings.settle,
+        _ => {
+            *pending = Some((now.clone(), at));
+            false
+        }
+    }
+}
+
+fn fail(light: Entity, progress: &mut Mut<BakeProgress>, reason: String) {
+    warn!("the shadow of light {light} is not baked: {reason}. Shadows come from the light's cascades");
+    progress.set_if_neq(BakeProgress::Failed(reason));
+}
+
+/// Marks the meshes that the file in use does not have where they are now. They cast through the cascades.
+pub(crate) fn mark_changes(
+    mut commands: Commands,
+    lights: Query<&BakeShadow>,
+    placed: Query<(Entity, Has<NotYetBaked>), With<InBake>>,
+    keys: Res<StaticKeys>,
+    mut known: Local<Vec<Arc<Keys>>>,
+) {
+    let of_files = lights.iter().filter_map(|bake| bake.in_use.as_ref()).chain([&keys.0]);
+    let is_known = known.len() == of_files.clone().count()
+        && of_files.clone().zip(known.iter()).all(|(now, before)| Arc::ptr_eq(now, before));
+    if is_known {
+        return;
+    }
+    *known = of_files.cloned().collect();
+    for (entity, is_marked) in &placed {
+        let key = keys.0.get(&entity);
+        let is_baked = known.iter().all(|keys| keys.get(&entity) == key);
+        if is_baked == is_marked {
+            let mut entity = commands.entity(entity);
+            if is_baked {
+                entity.try_remove::<NotYetBaked>()
+            } else {
+                entity.try_insert(NotYetBaked)
+            };
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The asset: a parsed `.adumbra` file and its look-up texture.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use adumbra::gpu::LookUpTexture;
+use adumbra::{Error, FormatError, LightGrid, RangeError, ShadowFile};
+use bevy::asset::io::Reader;
+use bevy::asset::{Asset, AssetLoader, LoadContext};
+use bevy::math::Vec3;
+use bevy::reflect::TypePath;
+use serde::{Deserialize, Serialize};
+
+/// A baked shadow file: the asset of `.adumbra` files.
+#[derive(Asset, TypePath, Clone, Debug)]
+pub struct BakedShadowFile {
+    file: Arc<ShadowFile>,
+    texture: Result<Arc<LookUpTexture>, RangeError>,
+}
+
+impl BakedShadowFile {
+    /// Makes the asset of a file that was read or baked. `max_texture_side` is the device's limit in texels; a file that
+    /// needs a larger texture is an asset all the same, but casts no shadows. Cost: one copy of the file's words.
+    ///
+    /// # Errors
+    /// Returns the errors of [`LookUpTexture::new`] but that of the size.
+    pub fn new(file: ShadowFile, max_texture_side: u32) -> Result<Self, Error> {
+        let texture = match LookUpTexture::new(&file, file.settings.bias, 5, max_texture_side) {
+            Ok(texture) => Ok(Arc::new(texture)),
+            Err(Error::Range(error)) => Err(error),
+            Err(error) => return Err(error),
+        };
+        Ok(Self { file: Arc::new(file), texture })
+    }
+
+    /// Returns the file, for look-ups on the CPU with [`adumbra::Query`].
+    pub fn file(&self) -> &Arc<ShadowFile> {
+        &self.file
+    }
+
+    /// Returns the unit vector towards the sun.
+    pub fn towards_sun(&self) -> Vec3 {
+        Vec3::from_array(self.file.sun().towards().map(|c| c as f32))
+    }
+
+    /// Returns the voxel grid in the world.
+    pub fn grid(&self) -> &LightGrid {
+        &self.file.grid
+    }
+
+    /// Returns the texture, or why there is none.
+    pub(crate) fn texture(&self) -> Result<&Arc<LookUpTexture>, &RangeError> {
+        self.texture.as_ref()
+    }
+}
+
+/// Settings of [`ShadowFileLoader`].
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct ShadowFileSettings {}
+
+/// Loads `.adumbra` files. Checksums and structure are verified.
+#[derive(TypePath, Clone, Debug)]
+pub struct ShadowFileLoader {
+    max_texture_side: Arc<AtomicU32>,
+}
+
+impl ShadowFileLoader {
+    pub(crate) fn new(max_texture_side: Arc<AtomicU32>) -> Self {
+        Self { max_texture_side }
+    }
+}
+
+/// An error of loading a `.adumbra` file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowFileError {
+    /// The bytes could not be read.
+    #[error("the shadow file could not be read: {0}")]
+    Io(#[from] std::io::Error),
+    /// The bytes are not a valid file.
+    #[error("not a valid shadow file: {0}; bake it again with this version of adumbra")]
+    Invalid(#[from] FormatError),
+    /// A setting in the file is out of range.
+    #[error("not a usable shadow file: {0}; bake it again with this version of adumbra")]
+    Unusable(#[from] Error),
+}
+
+impl AssetLoader for ShadowFileLoader {
+    type Asset = BakedShadowFile;
+    type Settings = ShadowFileSettings;
+    type Error = ShadowFileError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _settings: &ShadowFileSettings,
+        _load_context: &mut LoadContext<'_>,
+    ) -> Result<BakedShadowFile, ShadowFileError> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        let file = ShadowFile::from_bytes(&bytes)?;
+        Ok(BakedShadowFile::new(file, self.max_texture_side.load(Ordering::Relaxed))?)
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["adumbra"]
+    }
+}

@@ -1,0 +1,66 @@
+//! Lights of glTF files that name their shadow file.
+//!
+//! A directional light of `KHR_lights_punctual` may have `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`.
+//! The path is relative to the glTF file. `adumbra bake --into city.glb` writes it.
+
+use bevy::asset::{AssetPath, AssetServer};
+use bevy::ecs::prelude::*;
+use bevy::gltf::GltfExtras;
+use bevy::log::warn;
+use bevy::prelude::{ChildOf, DirectionalLight, WorldAssetRoot};
+use serde::Deserialize;
+
+use crate::components::BakedShadow;
+
+/// The extras of a light, as far as they matter here.
+#[derive(Deserialize)]
+struct Extras {
+    adumbra: Option<Shadow>,
+}
+
+#[derive(Deserialize)]
+struct Shadow {
+    shadow: Option<String>,
+    filter: Option<u32>,
+}
+
+/// Gives lights of glTF files the shadow files that they name.
+pub(crate) fn attach_files(
+    mut commands: Commands,
+    mut lights: Query<
+        (Entity, &GltfExtras, &mut DirectionalLight),
+        (Or<(Added<GltfExtras>, Added<DirectionalLight>)>, Without<BakedShadow>),
+    >,
+    parents: Query<&ChildOf>,
+    roots: Query<&WorldAssetRoot>,
+    server: Res<AssetServer>,
+) {
+    for (entity, extras, mut light) in &mut lights {
+        // Extras of other kinds are none of ours.
+        let Ok(Extras { adumbra: Some(Shadow { shadow: Some(name), filter }) }) =
+            serde_json::from_str::<Extras>(&extras.value)
+        else {
+            continue;
+        };
+        let root = parents.iter_ancestors(entity).find_map(|ancestor| roots.get(ancestor).ok());
+        let Some(scene) = root.and_then(|root| root.0.path()) else {
+            warn!(
+                "light {entity} names the shadow file {name:?}, but is below no WorldAssetRoot that says where it is"
+            );
+            continue;
+        };
+        let path: AssetPath = match scene.resolve_embed_str(&name) {
+            Ok(path) => path,
+            Err(error) => {
+                warn!("the shadow file {name:?} of a light in {scene} is no path: {error}");
+                continue;
+            }
+        };
+        light.shadow_maps_enabled = true;
+        let mut shadow = BakedShadow::new(server.load(path));
+        if let Some(filter) = filter {
+            shadow.filter = filter;
+        }
+        commands.entity(entity).insert(shadow);
+    }
+}

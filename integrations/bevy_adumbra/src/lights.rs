@@ -1,0 +1,200 @@
+//! Which files are in use: those whose sun a light has. Decided once per frame, before cascades are made, so that
+//! cascades and files never both leave a shadow out.
+
+use std::sync::Arc;
+
+use adumbra::ShadowFile;
+use adumbra::gpu::{LookUpTexture, Parameters};
+use bevy::asset::{AssetServer, Assets, LoadState};
+use bevy::ecs::prelude::*;
+use bevy::log::{info, warn};
+use bevy::math::{Quat, Vec3};
+use bevy::prelude::{ChildOf, DirectionalLight, GlobalTransform, Transform};
+
+use crate::BakedShadowFile;
+use crate::components::{BakedShadow, BakedShadowChanged, BakedShadowStatus};
+use crate::patch::{PatchState, ShaderPatch};
+use crate::shaders::LookUp;
+
+/// Largest number of files in use at once.
+pub(crate) const MAX_FILES: usize = 8;
+
+/// A light has a file's sun if the distance of their unit vectors is at most this, 0.05 degrees.
+const SAME_SUN: f32 = 1e-3;
+
+/// Largest radius of a penumbra, texels.
+const MAX_RADIUS_TEXELS: f64 = 32.0;
+
+/// A file that is in use.
+#[derive(Clone, Debug)]
+pub(crate) struct FileInUse {
+    pub(crate) texture: Arc<LookUpTexture>,
+    pub(crate) look_up: LookUp,
+    /// The first row's texels: the texture's own header with the light's filter and bias.
+    pub(crate) header: Vec<u8>,
+    towards_sun: Vec3,
+}
+
+impl FileInUse {
+    /// Whether no other file has this sun.
+    pub(crate) fn is_alone(&self, all: &[Self]) -> bool {
+        let same_sun = |other: &&Self| other.towards_sun.distance(self.towards_sun) <= 2.0 * SAME_SUN;
+        all.iter().filter(same_sun).count() == 1
+    }
+}
+
+impl PartialEq for FileInUse {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.texture, &other.texture)
+            && (self.look_up, &self.header) == (other.look_up, &other.header)
+    }
+}
+
+/// The files in use, for the render world.
+#[derive(Resource, Default, PartialEq)]
+pub(crate) struct FilesInUse(pub(crate) Vec<FileInUse>);
+
+/// Turns lights to the sun of their first loaded file.
+pub(crate) fn align_lights(
+    mut lights: Query<(&BakedShadow, &mut Transform, Option<&ChildOf>), With<DirectionalLight>>,
+    parents: Query<&GlobalTransform>,
+    files: Res<Assets<BakedShadowFile>>,
+) {
+    for (shadow, mut transform, parent) in &mut lights {
+        let Some(file) = shadow.files.iter().find_map(|file| files.get(file)) else { continue };
+        if !shadow.align {
+            continue;
+        }
+        let parent = parent.and_then(|parent| parents.get(parent.parent()).ok());
+        let parent = parent.map_or(Quat::IDENTITY, |parent| parent.rotation());
+        let towards_sun = file.towards_sun();
+        // An exact test would turn a light at every frame that cannot have just this direction.
+        if (parent * transform.rotation * Vec3::Z).distance(towards_sun) > 1e-5 {
+            let world = Transform::default().looking_to(-towards_sun, Vec3::Y).rotation;
+            transform.rotation = parent.inverse() * world;
+        }
+    }
+}
+
+/// Finds the files in use, and updates the status of every light.
+pub(crate) fn find_files_in_use(
+    mut commands: Commands,
+    mut lights: Query<(Entity, &BakedShadow, &GlobalTransform, &DirectionalLight, &mut BakedShadowStatus)>,
+    files: Res<Assets<BakedShadowFile>>,
+    server: Res<AssetServer>,
+    patch: Res<ShaderPatch>,
+    mut in_use: ResMut<FilesInUse>,
+) {
+    let mut found = FilesInUse::default();
+    for (entity, shadow, transform, light, mut status) in &mut lights {
+        let new = match patch.state() {
+            PatchState::Pending => BakedShadowStatus::Waiting,
+            PatchState::Failed(reason) => BakedShadowStatus::Unusable(reason.to_string()),
+            PatchState::Done if !light.shadow_maps_enabled => BakedShadowStatus::Unusable(
+                "the light has no shadows; set DirectionalLight::shadow_maps_enabled".to_owned(),
+            ),
+            PatchState::Done => {
+                add_files(shadow, transform.back().as_vec3(), &files, &server, patch.max_rows(), &mut found.0)
+            }
+        };
+        if *status != new {
+            let name = format!("the baked shadow of light {entity}");
+            match &new {
+                BakedShadowStatus::Waiting => info!("{name} is loading"),
+                BakedShadowStatus::Active(_) => info!("{name} is in use"),
+                BakedShadowStatus::Misaligned(degrees) => warn!(
+                    "{name} is not in use: the light is {degrees:.2} degrees off the file's sun; set \
+                     BakedShadow::align, or turn the light. Shadows come from its cascades"
+                ),
+                BakedShadowStatus::Unusable(reason) => {
+                    warn!("{name} is not in use: {reason}. Shadows come from the light's cascades");
+                }
+            }
+            commands.trigger(BakedShadowChanged { entity, status: new.clone() });
+            *status = new;
+        }
+    }
+    in_use.set_if_neq(found);
+}
+
+/// Adds a light's files to those in use. Returns its status.
+fn add_files(
+    shadow: &BakedShadow,
+    towards_light: Vec3,
+    files: &Assets<BakedShadowFile>,
+    server: &AssetServer,
+    max_rows: u32,
+    in_use: &mut Vec<FileInUse>,
+) -> BakedShadowStatus {
+    let mut added = 0;
+    let mut nearest_degrees = f32::INFINITY;
+    let mut reason = None;
+    for handle in &shadow.files {
+        let Some(file) = files.get(handle) else {
+            if let Some(LoadState::Failed(error)) = server.get_load_state(handle) {
+                reason = Some(error.to_string());
+            }
+            continue;
+        };
+        let towards_sun = file.towards_sun();
+        if towards_sun.distance(towards_light) > SAME_SUN {
+            nearest_degrees = nearest_degrees.min(towards_sun.angle_between(towards_light).to_degrees());
+            continue;
+        }
+        match file_in_use(file, shadow) {
+            Ok(new) => {
+                let is_known = in_use.iter().any(|other| Arc::ptr_eq(&other.texture, &new.texture));
+                let rows: u32 = in_use.iter().chain([&new]).map(|file| file.texture.height()).sum();
+                if is_known {
+                    added += 1;
+                } else if in_use.len() == MAX_FILES {
+                    reason = Some(format!("more than {MAX_FILES} files are in use; load fewer at a time"));
+                } else if rows >= max_rows {
+                    reason = Some(format!(
+                        "the files need {rows} rows of texels, and the device allows {max_rows}; bake at a lower \
+                         resolution, or load fewer at a time"
+                    ));
+                } else {
+                    in_use.push(new);
+                    added += 1;
+                }
+            }
+            Err(error) => reason = Some(error),
+        }
+    }
+    match reason {
+        _ if added > 0 => BakedShadowStatus::Active(added),
+        Some(reason) => BakedShadowStatus::Unusable(reason),
+        None if nearest_degrees.is_finite() => BakedShadowStatus::Misaligned(nearest_degrees),
+        None if shadow.files.is_empty() => {
+            BakedShadowStatus::Unusable("BakedShadow::files is empty".to_owned())
+        }
+        None => BakedShadowStatus::Waiting,
+    }
+}
+
+fn file_in_use(asset: &BakedShadowFile, shadow: &BakedShadow) -> Result<FileInUse, String> {
+    let texture = asset.texture().map_err(|error| error.to_string())?;
+    let file = asset.file();
+    let parameters = parameters(file, texture, shadow).map_err(|error| format!("BakedShadow: {error}"))?;
+    Ok(FileInUse {
+        look_up: LookUp::new(file.body.layout(), shadow.softness.is_some()),
+        texture: Arc::clone(texture),
+        header: texture.header_with(parameters),
+        towards_sun: asset.towards_sun(),
+    })
+}
+
+fn parameters(
+    file: &ShadowFile,
+    texture: &LookUpTexture,
+    shadow: &BakedShadow,
+) -> adumbra::Result<Parameters> {
+    let bias = shadow.bias.unwrap_or(file.settings.bias);
+    let anchor = texture.anchor_world().map(f64::from);
+    let mut parameters = Parameters::new(&file.grid, &file.body, bias, shadow.filter, anchor)?;
+    if let Some(angle) = shadow.softness {
+        parameters.set_penumbrae(&file.grid, angle.into(), MAX_RADIUS_TEXELS)?;
+    }
+    Ok(parameters)
+}

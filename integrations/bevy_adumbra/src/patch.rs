@@ -1,0 +1,134 @@
+//! Patches Bevy's shaders when they are loaded, and again when someone changes them.
+
+use std::collections::BTreeSet;
+
+use bevy::asset::{AssetEvent, AssetServer, Assets, Handle};
+use bevy::ecs::prelude::*;
+use bevy::log::error;
+use bevy::shader::{Shader, Source};
+
+use crate::lights::FilesInUse;
+use crate::shaders::{LookUp, PATCHES, WORDS, look_up_module};
+
+/// The state of Bevy's shaders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PatchState<'p> {
+    /// Some are not loaded yet.
+    Pending,
+    /// All are patched.
+    Done,
+    /// One is not as expected.
+    Failed(&'p str),
+}
+
+/// The modules of look-ups, and what is known of Bevy's shaders.
+#[derive(Resource)]
+pub(crate) struct ShaderPatch {
+    look_up: Handle<Shader>,
+    /// Kept so that the modules stay.
+    _modules: Vec<Handle<Shader>>,
+    ways: BTreeSet<LookUp>,
+    done: [bool; PATCHES.len()],
+    failure: Option<String>,
+    max_rows: u32,
+}
+
+impl ShaderPatch {
+    /// Adds the modules. Nothing is patched yet.
+    pub(crate) fn new(shaders: &mut Assets<Shader>) -> Self {
+        let mut add = |name: &str, text: String| {
+            shaders.add(Shader::from_wgsl(text, format!("bevy_adumbra/{name}.wgsl")))
+        };
+        let ways = BTreeSet::from([LookUp::Depths]);
+        let mut modules: Vec<_> = LookUp::ALL.map(|way| add(&format!("{way:?}"), way.module())).into();
+        modules.push(add("words", WORDS.to_owned()));
+        Self {
+            look_up: add("look_up", look_up_module(&ways)),
+            _modules: modules,
+            ways,
+            done: [false; PATCHES.len()],
+            failure: None,
+            max_rows: 8192,
+        }
+    }
+
+    pub(crate) fn state(&self) -> PatchState<'_> {
+        match &self.failure {
+            Some(reason) => PatchState::Failed(reason),
+            None if self.done == [true; PATCHES.len()] => PatchState::Done,
+            None => PatchState::Pending,
+        }
+    }
+
+    /// Sets how many texels a texture may have along a side.
+    pub(crate) fn set_max_rows(&mut self, rows: u32) {
+        self.max_rows = rows;
+    }
+
+    /// Returns how many rows a texture may have.
+    pub(crate) fn max_rows(&self) -> u32 {
+        self.max_rows
+    }
+}
+
+/// Patches each shader as soon as it is there. One that somebody changes, as hot reload does, is patched again.
+pub(crate) fn patch_shaders(
+    server: Res<AssetServer>,
+    mut shaders: ResMut<Assets<Shader>>,
+    mut changes: MessageReader<AssetEvent<Shader>>,
+    mut state: ResMut<ShaderPatch>,
+) {
+    let has_changes = changes.read().any(|event| matches!(event, AssetEvent::Modified { .. }));
+    if state.failure.is_some() || (state.done == [true; PATCHES.len()] && !has_changes) {
+        return;
+    }
+    for (n, patch) in PATCHES.iter().enumerate() {
+        let Some(handle) = server.get_handle::<Shader>(patch.asset) else { continue };
+        let Some(shader) = shaders.get(&handle) else { continue };
+        let patched = match &shader.source {
+            Source::Wgsl(text) => patch.apply(text),
+            _ => Err(("WGSL", 0)),
+        };
+        match patched {
+            Ok(None) => state.done[n] = true,
+            Ok(Some(text)) => {
+                let mut new = Shader::from_wgsl(text, shader.path.clone());
+                new.shader_defs = shader.shader_defs.clone();
+                new.import_path = shader.import_path.clone();
+                if let Some(mut shader) = shaders.get_mut(&handle) {
+                    *shader = new;
+                }
+                state.done[n] = true;
+            }
+            Err((text, count)) => {
+                let reason = format!(
+                    "{} has {text:?} {count} times where bevy_adumbra {} expects it once; use the bevy_adumbra of \
+                     this version of Bevy, and no other plugin that changes this shader",
+                    patch.asset,
+                    env!("CARGO_PKG_VERSION"),
+                );
+                error!("{reason}. All shadows come from cascades");
+                state.failure = Some(reason);
+                return;
+            }
+        }
+    }
+}
+
+/// Adds ways of looking up to the module that calls them when the first file needs one. Pipelines are compiled anew.
+pub(crate) fn add_ways(
+    in_use: Res<FilesInUse>,
+    mut shaders: ResMut<Assets<Shader>>,
+    mut state: ResMut<ShaderPatch>,
+) {
+    let count = state.ways.len();
+    let mut ways = state.ways.clone();
+    ways.extend(in_use.0.iter().map(|file| file.look_up));
+    if ways.len() == count {
+        return;
+    }
+    if let Some(mut module) = shaders.get_mut(&state.look_up) {
+        *module = Shader::from_wgsl(look_up_module(&ways), module.path.clone());
+        state.ways = ways;
+    }
+}

@@ -1,0 +1,209 @@
+//! The WGSL modules of look-ups, and the places in Bevy's own shaders that call them.
+//!
+//! Every material that calls `apply_pbr_lighting` asks `bevy_pbr::shadows` for the shadow of a directional light. So one
+//! function there, and one line of the volumetric fog, serve all of them. [`PATCHES`] lists the changes by the text that
+//! they replace. Each text must occur exactly once; otherwise Bevy's shader is left as it is.
+
+use std::collections::BTreeSet;
+
+use adumbra::Layout;
+use adumbra::gpu::{WordSource, wgsl_files};
+use adumbra_shaders::{Source, assemble, source};
+
+/// How a file is looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum LookUp {
+    Plain,
+    Packed,
+    Depths,
+    /// Layout depths, with penumbrae.
+    Soft,
+}
+
+impl LookUp {
+    pub(crate) const ALL: [Self; 4] = [Self::Plain, Self::Packed, Self::Depths, Self::Soft];
+
+    pub(crate) fn new(layout: Layout, soft: bool) -> Self {
+        match layout {
+            Layout::Plain => Self::Plain,
+            Layout::Packed => Self::Packed,
+            Layout::Depths if soft => Self::Soft,
+            Layout::Depths => Self::Depths,
+        }
+    }
+
+    /// Returns the number that stands for it in the directory.
+    pub(crate) fn code(self) -> u32 {
+        self as u32
+    }
+
+    fn layout(self) -> Layout {
+        match self {
+            Self::Plain => Layout::Plain,
+            Self::Packed => Layout::Packed,
+            Self::Depths | Self::Soft => Layout::Depths,
+        }
+    }
+
+    /// Returns the last part of its module's name.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Packed => "packed",
+            Self::Depths => "depths",
+            Self::Soft => "soft",
+        }
+    }
+
+    /// Returns its module, `adumbra::NAME`.
+    pub(crate) fn module(self) -> String {
+        let files = wgsl_files(self.layout(), WordSource::Rgba8Unorm);
+        // The texels come from `adumbra::words`, not from a binding of their own.
+        let files = files.into_iter().filter(|path| *path != "access/texture_rgba8unorm.wgsl");
+        let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
+        if self == Self::Soft {
+            texts.extend([source::DISC, source::DEPTHS_SOFT]);
+        }
+        texts.push(Source { name: "bevy_adumbra/layout.wgsl", text: include_str!("wgsl/layout.wgsl") });
+        texts.push(match self {
+            Self::Soft => {
+                Source { name: "bevy_adumbra/penumbrae.wgsl", text: include_str!("wgsl/penumbrae.wgsl") }
+            }
+            _ => Source { name: "bevy_adumbra/taps.wgsl", text: include_str!("wgsl/taps.wgsl") },
+        });
+        format!("#define_import_path adumbra::{}\n#import adumbra::words\n{}", self.name(), assemble(&texts))
+    }
+}
+
+/// The module `adumbra::words`.
+pub(crate) const WORDS: &str = include_str!("wgsl/words.wgsl");
+
+/// Returns the module `adumbra::look_up`, which looks files up in any of these ways. The fewer there are, the sooner
+/// pipelines compile.
+pub(crate) fn look_up_module(ways: &BTreeSet<LookUp>) -> String {
+    let mut text = "#define_import_path adumbra::look_up\n#import adumbra::words\n".to_owned();
+    for way in ways {
+        text += &format!("#import adumbra::{}\n", way.name());
+    }
+    let functions = [
+        ("texels_inside_file", "texels_inside", "p_world: vec3<f32>, towards_sun: vec3<f32>", "i32", "-1"),
+        (
+            "visibility_from_file",
+            "visibility",
+            "p_world: vec3<f32>, normal: vec3<f32>, towards_sun: vec3<f32>, pixel: vec2<f32>",
+            "f32",
+            "1.0",
+        ),
+    ];
+    for (name, of_layout, parameters, result, otherwise) in functions {
+        let names: Vec<_> = parameters.split(", ").filter_map(|p| p.split(':').next()).collect();
+        text += &format!("fn {name}(kind: u32, {parameters}) -> {result} {{\n");
+        for way in ways {
+            let call = format!("{}::{of_layout}({})", way.name(), names.join(", "));
+            text += &format!("    if (kind == {}u) {{\n        return {call};\n    }}\n", way.code());
+        }
+        text += &format!("    return {otherwise};\n}}\n");
+    }
+    text + include_str!("wgsl/look_up.wgsl")
+}
+
+/// A change of one of Bevy's shaders.
+pub(crate) struct Patch {
+    /// Path of the asset.
+    pub(crate) asset: &'static str,
+    /// Texts that must occur exactly once, each with its replacement.
+    replacements: &'static [[&'static str; 2]],
+    /// Text that is added at the end.
+    end: &'static str,
+}
+
+/// Marks a text that is already patched.
+const MARK: &str = "#import adumbra::look_up";
+
+/// The changes of Bevy 0.19's shaders.
+pub(crate) const PATCHES: [Patch; 2] = [
+    Patch {
+        asset: "embedded://bevy_pbr/render/shadows.wgsl",
+        replacements: &[
+            ["fn fetch_directional_shadow(", "fn fetch_cascades("],
+            ["const flip_z", "#import adumbra::look_up\nconst flip_z"],
+        ],
+        end: "
+// The darker of the baked shadow and that of the cascades, which hold what moves.
+fn fetch_directional_shadow(
+    light_id: u32,
+    frag_position: vec4<f32>,
+    surface_normal: vec3<f32>,
+    view_z: f32,
+    frag_coord_xy: vec2<f32>,
+) -> f32 {
+    let towards_light = view_bindings::lights.directional_lights[light_id].direction_to_light;
+    let baked = look_up::sun_visibility(towards_light, frag_position.xyz, surface_normal, frag_coord_xy);
+    if (baked == 0.0) {
+        return 0.0;
+    }
+    return min(baked, fetch_cascades(light_id, frag_position, surface_normal, view_z, frag_coord_xy));
+}
+",
+    },
+    Patch {
+        asset: "embedded://bevy_pbr/volumetric_fog/volumetric_fog.wgsl",
+        replacements: &[
+            [
+                "            if (local_light_attenuation != 0.0) {
+                let light_attenuation",
+                "            local_light_attenuation =
+                look_up::fog_visibility(local_light_attenuation, light_local.w != 0.0, L, P_world);
+            if (local_light_attenuation != 0.0) {
+                let light_attenuation",
+            ],
+            [
+                "#import bevy_pbr::lighting::getDistanceAttenuation;",
+                "#import bevy_pbr::lighting::getDistanceAttenuation;\n#import adumbra::look_up",
+            ],
+        ],
+        end: "",
+    },
+];
+
+impl Patch {
+    /// Returns the patched text; `None` if it is patched already.
+    ///
+    /// # Errors
+    /// Returns the first text that does not occur exactly once, and how often it does.
+    pub(crate) fn apply(&self, text: &str) -> Result<Option<String>, (&'static str, usize)> {
+        if text.contains(MARK) {
+            return Ok(None);
+        }
+        let mut patched = text.to_owned();
+        for &[before, after] in self.replacements {
+            match patched.matches(before).count() {
+                1 => patched = patched.replace(before, after),
+                count => return Err((before, count)),
+            }
+        }
+        Ok(Some(patched + self.end))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_patched_once_or_not_at_all() {
+        let patch =
+            Patch { asset: "", replacements: &[["one", "#import adumbra::look_up two"]], end: " end" };
+        let patched = patch.apply("this one").unwrap().unwrap();
+        assert_eq!(patched, "this #import adumbra::look_up two end");
+        assert_eq!(patch.apply(&patched), Ok(None));
+        assert_eq!(patch.apply("one one"), Err(("one", 2)));
+        assert_eq!(patch.apply("none of it".replace("one", "1").as_str()), Err(("one", 0)));
+    }
+
+    #[test]
+    fn only_ways_in_use_are_imported() {
+        let module = look_up_module(&BTreeSet::from([LookUp::Depths]));
+        assert!(module.contains("depths::visibility(") && !module.contains("packed::"), "{module}");
+    }
+}

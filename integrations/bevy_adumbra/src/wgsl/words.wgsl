@@ -1,0 +1,96 @@
+// Fetches words of the files in use. They are rows of look-up textures (spec/look-up-texture.md), one file after the
+// other, at the bottom of the texture that a view binds for transmission. A last row lists them, the directory:
+//
+// | words | meaning |
+// |---|---|
+// | 0 | MAGIC |
+// | 1 | number of files, 1 to 8 |
+// | 2 | number of rows, with the directory's |
+// | 8 + 8 i | first row of file i, counted from the first of these rows |
+// | 9 + 8 i | log2 of its width in texels |
+// | 10 + 8 i | how it is looked up: 0 plain, 1 packed, 2 depths, 3 depths with penumbrae |
+// | 11 + 8 i | 1 if no other file has this sun |
+//
+// Worked value: one file of 256 × 126 texels in the layout depths has the words MAGIC, 1, 127, and from word 8 on 0, 8,
+// 2, 1.
+#define_import_path adumbra::words
+#import bevy_pbr::mesh_view_bindings as view_bindings
+
+const MAGIC: u32 = 0x44554441u;
+
+// How a byte b of a word is stored: as b / 255, as b, or as an sRGB colour.
+const UNORM: u32 = 0u;
+const NUMBERS: u32 = 1u;
+const SRGB: u32 = 2u;
+
+var<private> encoding: u32;
+// Rows of the texture: the first one with words, the directory, and the first one of the selected file.
+var<private> first_row: u32;
+var<private> directory_row: u32;
+var<private> file_row: u32;
+var<private> file_width_log2: u32;
+
+fn srgb(linear: vec3<f32>) -> vec3<f32> {
+    let dark = 12.92 * linear;
+    let bright = 1.055 * pow(linear, vec3<f32>(1.0 / 2.4)) - 0.055;
+    return select(bright, dark, linear <= vec3<f32>(0.0031308));
+}
+
+fn load(texel: vec2<u32>) -> u32 {
+    let bytes = textureLoad(view_bindings::view_transmission_texture, texel, 0);
+    if (encoding == NUMBERS) {
+        return pack4x8unorm(bytes / 255.0);
+    }
+    if (encoding == SRGB) {
+        return pack4x8unorm(vec4<f32>(srgb(bytes.rgb), bytes.a));
+    }
+    return pack4x8unorm(bytes);
+}
+
+fn directory(word: u32) -> u32 {
+    return load(vec2<u32>(word, directory_row));
+}
+
+// Finds the directory. Returns the number of files, 0 in a view without any.
+fn open() -> u32 {
+    let height = textureDimensions(view_bindings::view_transmission_texture).y;
+    directory_row = height - 1u;
+    encoding = UNORM;
+    if (directory(0u) != MAGIC) {
+        encoding = NUMBERS;
+        if (directory(0u) != MAGIC) {
+            encoding = SRGB;
+            if (directory(0u) != MAGIC) {
+                return 0u;
+            }
+        }
+    }
+    first_row = height - directory(2u);
+    return directory(1u);
+}
+
+// Selects a file. Returns how it is looked up.
+fn select_file(file: u32) -> u32 {
+    file_row = first_row + directory(8u + 8u * file);
+    file_width_log2 = directory(9u + 8u * file);
+    return directory(10u + 8u * file);
+}
+
+fn is_alone(file: u32) -> bool {
+    return directory(11u + 8u * file) == 1u;
+}
+
+// Returns the unit vector towards the selected file's sun.
+fn towards_sun() -> vec3<f32> {
+    return bitcast<vec3<f32>>(vec3<u32>(texel(vec2<u32>(8u, 0u)), texel(vec2<u32>(9u, 0u)), texel(vec2<u32>(10u, 0u))));
+}
+
+// Returns the width of the selected file in texels.
+fn width() -> u32 {
+    return 1u << file_width_log2;
+}
+
+// Returns a texel of the selected file.
+fn texel(at: vec2<u32>) -> u32 {
+    return load(vec2<u32>(at.x, file_row + at.y));
+}

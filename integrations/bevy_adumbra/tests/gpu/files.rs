@@ -1,0 +1,148 @@
+//! Files that are loaded, replaced, damaged and dropped, and several at once.
+
+use std::fs;
+use std::time::{Duration, Instant};
+
+use adumbra::{Bounds, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size, Watch, bake};
+use adumbra_scene::{GeneratedKind, generate};
+use bevy::asset::{AssetPlugin, LoadState};
+use bevy::prelude::*;
+use bevy_adumbra::{BakedShadow, BakedShadowFile, BakedShadowStatus};
+
+use crate::stage::{Stage, assert_alike, baked, expected, towards_sun};
+
+fn bytes(file: &ShadowFile) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    file.write_to(&mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn two_tiles_make_one_world() {
+    let scene = generate(GeneratedKind::City, 1);
+    let sun = Sun::from_direction(towards_sun()).unwrap();
+    // Parts of a world share their voxels if they share the frame.
+    let frame = FrameChoice::ObliqueAt(0.0);
+    let whole = baked(LayoutChoice::Depths, frame);
+    let all = scene.bounds();
+    let tile = |low: f64, high: f64| {
+        let mut bounds = Bounds { min: all.min, max: all.max };
+        (bounds.min[0], bounds.max[0]) = (low, high);
+        let options = BakeOptions {
+            bounds: Some(bounds),
+            frame,
+            layout: LayoutChoice::Depths,
+            ..BakeOptions::new(sun, Size::VoxelSize(whole.grid.voxel_size))
+        };
+        bake(&scene, &options, Watch::none()).unwrap().file
+    };
+    let middle = 0.5 * (all.min[0] + all.max[0]);
+    let mut stage = Stage::new(|_| {});
+    stage.give(tile(all.min[0], middle + 2.0), |_| {});
+    let second = BakedShadowFile::new(tile(middle - 2.0, all.max[0]), 8192).unwrap();
+    let second = stage.app.world_mut().resource_mut::<Assets<BakedShadowFile>>().add(second);
+    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().files.push(second);
+    let found = stage.visibility();
+    assert_eq!(stage.status(), BakedShadowStatus::Active(2));
+    // Voxels of the tiles are those of the whole, but for columns that may switch anywhere.
+    let off = found.iter().zip(expected(&whole, 5)).filter(|(a, b)| (*a - b).abs() > 0.25).count();
+    assert!(off * 500 <= found.len(), "{off} of {}", found.len());
+}
+
+#[test]
+fn a_file_is_replaced_within_a_second_and_a_damaged_one_is_not_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("city.adumbra");
+    let light = baked(LayoutChoice::Depths, FrameChoice::Light);
+    let oblique = baked(LayoutChoice::Packed, FrameChoice::Oblique);
+    fs::write(&path, bytes(&light)).unwrap();
+    let assets = folder.path().to_string_lossy().into_owned();
+    let mut stage = Stage::with_assets(&assets);
+    let handle = stage.app.world().resource::<AssetServer>().load("city.adumbra");
+    stage.app.world_mut().entity_mut(stage.light).insert(BakedShadow::new(handle.clone()));
+    stage.wait_for(|stage| stage.status().is_active());
+    assert_alike(&stage.visibility(), &expected(&light, 5), 5);
+    let layout = |stage: &Stage| {
+        let files = stage.app.world().resource::<Assets<BakedShadowFile>>();
+        files.get(&handle).map(|file| file.file().body.layout())
+    };
+    let start = Instant::now();
+    fs::write(&path, bytes(&oblique)).unwrap();
+    stage.wait_for(|stage| layout(stage) == Some(adumbra::Layout::Packed));
+    assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert_alike(&stage.visibility(), &expected(&oblique, 5), 5);
+    let mut damaged = bytes(&light);
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    fs::write(&path, damaged).unwrap();
+    let state = |stage: &Stage| stage.app.world().resource::<AssetServer>().get_load_state(&handle);
+    stage.wait_for(|stage| matches!(state(stage), Some(LoadState::Failed(_))));
+    let Some(LoadState::Failed(error)) = state(&stage) else { unreachable!("it failed") };
+    assert!(error.to_string().contains("checksum"), "{error}");
+    assert_alike(&stage.visibility(), &expected(&oblique, 5), 5);
+    assert!(stage.status().is_active());
+}
+
+#[test]
+fn a_file_that_is_none_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("bad.adumbra"), b"not a shadow file").unwrap();
+    let mut stage = Stage::with_assets(&folder.path().to_string_lossy());
+    let handle = stage.app.world().resource::<AssetServer>().load("bad.adumbra");
+    stage.app.world_mut().entity_mut(stage.light).insert(BakedShadow::new(handle));
+    stage.wait_for(|stage| matches!(stage.status(), BakedShadowStatus::Unusable(_)));
+    let BakedShadowStatus::Unusable(reason) = stage.status() else { unreachable!("it is unusable") };
+    assert!(reason.contains("not a valid shadow file"), "{reason}");
+    assert!(stage.visibility().iter().all(|v| (v - 1.0).abs() < 0.01));
+}
+
+#[test]
+fn a_thousand_files_leave_no_texture_behind() {
+    let file = baked(LayoutChoice::Depths, FrameChoice::Oblique);
+    let mut stage = Stage::new(|_| {});
+    // Textures are made whether a camera draws or not.
+    stage.app.world_mut().get_mut::<Camera>(stage.camera).unwrap().is_active = false;
+    let bytes = |stage: &Stage| {
+        let device = stage.app.world().resource::<bevy::render::renderer::RenderDevice>();
+        let report = device.wgpu_device().generate_allocator_report();
+        report.map_or(0, |report| report.total_allocated_bytes)
+    };
+    let one = |stage: &mut Stage| {
+        stage.give(file.clone(), |_| {});
+        stage.update();
+        stage.app.world_mut().entity_mut(stage.light).remove::<BakedShadow>();
+        stage.update();
+    };
+    for _ in 0..20 {
+        one(&mut stage);
+    }
+    let before = bytes(&stage);
+    for _ in 0..1000 {
+        one(&mut stage);
+    }
+    let after = bytes(&stage);
+    println!("{before} bytes of the device's memory before, {after} after");
+    assert!(after <= before + (1 << 20), "{before} {after}");
+    assert_eq!(stage.app.world().resource::<Assets<BakedShadowFile>>().len(), 0);
+}
+
+impl Stage {
+    fn with_assets(folder: &str) -> Self {
+        let folder = folder.to_owned();
+        Self::with_plugin(AssetPlugin {
+            file_path: folder,
+            watch_for_changes_override: Some(true),
+            ..default()
+        })
+    }
+
+    fn wait_for(&mut self, done: impl Fn(&Self) -> bool) {
+        let start = Instant::now();
+        while !done(self) {
+            assert!(start.elapsed() < Duration::from_secs(30), "waited too long: {:?}", self.status());
+            self.update();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! Points in every kind of view and material, compared with look-ups on the CPU.
+
+use adumbra::Bias;
+use adumbra_bake::{FrameChoice, LayoutChoice};
+use bevy::camera::{RenderTarget, Viewport};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::light::CascadeShadowConfig;
+use bevy::pbr::{DefaultOpaqueRendererMethod, ExtendedMaterial, MaterialExtension, MaterialPlugin};
+use bevy::prelude::*;
+use bevy::reflect::TypePath;
+use bevy::render::render_resource::{AsBindGroup, TextureFormat};
+use bevy_adumbra::{BakedShadowStatus, BakedStatic, CascadeCasters};
+
+use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, assert_alike, baked, expected, from_above, picture};
+
+fn depths() -> adumbra::ShadowFile {
+    baked(LayoutChoice::Depths, FrameChoice::Oblique)
+}
+
+#[test]
+fn every_layout_and_frame_is_looked_up() {
+    let mut stage = Stage::new(|_| {});
+    for layout in [LayoutChoice::Depths, LayoutChoice::Packed, LayoutChoice::Plain] {
+        for (frame, filter) in [(FrameChoice::Oblique, 1), (FrameChoice::Light, 5), (FrameChoice::Oblique, 9)]
+        {
+            let file = baked(layout, frame);
+            stage.give(file.clone(), |shadow| shadow.filter = filter);
+            assert_alike(&stage.visibility(), &expected(&file, filter), filter);
+            assert_eq!(stage.status(), BakedShadowStatus::Active(1));
+        }
+    }
+}
+
+#[test]
+fn deferred_multisampled_and_transparent_surfaces_are_shadowed() {
+    let file = depths();
+    let expected = expected(&file, 5);
+    let mut stage = Stage::new(|_| {});
+    stage.give(file, |_| {});
+    stage.app.world_mut().entity_mut(stage.camera).insert(Msaa::Sample4);
+    assert_alike(&stage.visibility(), &expected, 5);
+    stage.app.world_mut().entity_mut(stage.camera).insert(Msaa::Off);
+    let material = stage.material.clone();
+    let blend = |stage: &mut Stage, mode| {
+        let mut materials = stage.app.world_mut().resource_mut::<Assets<StandardMaterial>>();
+        materials.get_mut(&material).unwrap().alpha_mode = mode;
+    };
+    blend(&mut stage, AlphaMode::Blend);
+    assert_alike(&stage.visibility(), &expected, 5);
+    blend(&mut stage, AlphaMode::Opaque);
+    let world = stage.app.world_mut();
+    world.insert_resource(DefaultOpaqueRendererMethod::deferred());
+    world.entity_mut(stage.camera).insert((DepthPrepass, DeferredPrepass));
+    // Materials are prepared anew.
+    world.resource_mut::<Assets<StandardMaterial>>().get_mut(&material).unwrap().reflectance = 0.0;
+    assert_alike(&stage.visibility(), &expected, 5);
+}
+
+#[derive(Asset, TypePath, AsBindGroup, Clone, Default)]
+struct Plain {}
+
+impl MaterialExtension for Plain {}
+
+#[test]
+fn extended_materials_are_shadowed() {
+    let file = depths();
+    let mut stage = Stage::new(|app| {
+        app.add_plugins(MaterialPlugin::<ExtendedMaterial<StandardMaterial, Plain>>::default());
+    });
+    stage.give(file.clone(), |shadow| shadow.filter = 3);
+    let world = stage.app.world_mut();
+    let base = StandardMaterial { perceptual_roughness: 1.0, reflectance: 0.0, ..default() };
+    let material = ExtendedMaterial { base, extension: Plain {} };
+    let material = world.resource_mut::<Assets<ExtendedMaterial<StandardMaterial, Plain>>>().add(material);
+    world
+        .entity_mut(stage.square)
+        .remove::<MeshMaterial3d<StandardMaterial>>()
+        .insert(MeshMaterial3d(material));
+    assert_alike(&stage.visibility(), &expected(&file, 3), 3);
+}
+
+/// Two cameras side by side, and one of another size and format.
+#[test]
+fn all_cameras_are_shadowed() {
+    let file = depths();
+    let mut stage = Stage::new(|_| {});
+    stage.give(file.clone(), |_| {});
+    let all = expected(&file, 5);
+    let world = stage.app.world_mut();
+    let other = picture(world, SIDE, TextureFormat::Rgba8UnormSrgb);
+    let above = Transform::from_translation(MIDDLE + 90.0 * Vec3::Y).looking_at(MIDDLE, Vec3::NEG_Z);
+    world.spawn((
+        Camera3d::default(),
+        Camera { order: 1, ..default() },
+        Msaa::Off,
+        RenderTarget::from(other.clone()),
+        from_above(SQUARE),
+        above,
+    ));
+    let half = |x| Viewport {
+        physical_position: UVec2::new(x, 0),
+        physical_size: UVec2::new(SIDE / 2, SIDE),
+        ..default()
+    };
+    world.get_mut::<Camera>(stage.camera).unwrap().viewport = Some(half(0));
+    assert_alike_in_columns(&stage.visibility(), &all, 0..SIDE / 2);
+    // The other picture is darker where there is shadow.
+    let bytes = stage.draw(&other);
+    let is_dark = |pixel: &[u8]| pixel[0] < 20;
+    let wrong = bytes.chunks(4).zip(&all).filter(|(p, v)| (**v == 0.0) != is_dark(p)).count();
+    assert!(wrong * 500 <= all.len(), "{wrong}");
+}
+
+/// Compares one half of a picture, in which the camera sees the whole square squeezed to half its width.
+fn assert_alike_in_columns(found: &[f32], expected: &[f32], columns: std::ops::Range<u32>) {
+    let (mut off, mut all) = (0, 0);
+    for y in 0..SIDE {
+        for x in columns.clone() {
+            let v = found[(y * SIDE + x) as usize];
+            // Two columns of points around the middle of this pixel's.
+            let [a, b] = [0, 1].map(|n| expected[(y * SIDE + 2 * (x - columns.start) + n) as usize]);
+            all += 1;
+            off += usize::from(v < a.min(b) - 0.5 || v > a.max(b) + 0.5);
+        }
+    }
+    assert!(off * 200 <= all, "{off} of {all}");
+}
+
+#[test]
+fn shadows_are_kept_beside_glass() {
+    let file = depths();
+    let expected = expected(&file, 5);
+    let mut stage = Stage::new(|_| {});
+    stage.give(file, |_| {});
+    let before = stage.visibility();
+    assert_alike(&before, &expected, 5);
+    let world = stage.app.world_mut();
+    let ball = world.resource_mut::<Assets<Mesh>>().add(Sphere::new(2.0));
+    let glass = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial {
+        specular_transmission: 0.9,
+        perceptual_roughness: 0.0,
+        ..default()
+    });
+    world.spawn((
+        Mesh3d(ball),
+        MeshMaterial3d(glass),
+        bevy::light::NotShadowCaster,
+        Transform::from_translation(MIDDLE + 3.0 * Vec3::Y),
+    ));
+    let after = stage.visibility();
+    // The ball covers (4 / SQUARE)² · π / 4 of the picture.
+    let covered = (SIDE as f32 * 4.0 / SQUARE).powi(2);
+    let changed = before.iter().zip(&after).filter(|(a, b)| (**a - **b).abs() > 0.004).count();
+    assert!((changed as f32) < covered, "{changed} pixels changed beside a ball of {covered}");
+}
+
+/// A camera that is not HDR draws glass too: words are read back from an sRGB texture.
+#[test]
+fn shadows_are_kept_beside_glass_without_hdr() {
+    let file = depths();
+    let expected = expected(&file, 1);
+    let mut stage = Stage::new(|_| {});
+    stage.give(file, |shadow| shadow.filter = 1);
+    let world = stage.app.world_mut();
+    let other = picture(world, SIDE, TextureFormat::Rgba8UnormSrgb);
+    world.entity_mut(stage.camera).remove::<bevy::camera::Hdr>().insert(RenderTarget::from(other.clone()));
+    let glass = world
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(StandardMaterial { specular_transmission: 0.9, ..default() });
+    let ball = world.resource_mut::<Assets<Mesh>>().add(Sphere::new(0.1));
+    world.spawn((
+        Mesh3d(ball),
+        MeshMaterial3d(glass),
+        bevy::light::NotShadowCaster,
+        Transform::from_translation(MIDDLE + 3.0 * Vec3::Y),
+    ));
+    let bytes = stage.draw(&other);
+    let wrong = bytes.chunks(4).zip(&expected).filter(|(p, v)| (**v == 0.0) != (p[0] == 0)).count();
+    println!("{wrong} of {} pixels differ", expected.len());
+    assert!(wrong * 500 <= expected.len(), "{wrong}");
+}
+
+/// What is in the file leaves the cascades, and comes back in the frame in which the light turns away.
+#[test]
+fn statics_leave_the_cascades_while_the_file_is_in_use() {
+    let file = depths();
+    let mut stage = Stage::new(|_| {});
+    let world = stage.app.world_mut();
+    let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(2.0));
+    let material = MeshMaterial3d(stage.material.clone());
+    let at = |x: f32| Transform::from_translation(MIDDLE + Vec3::new(x, 5.0, 0.0));
+    let root = world.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
+    for x in [-10.0, 0.0] {
+        world.spawn((Mesh3d(cube.clone()), material.clone(), at(x), ChildOf(root)));
+    }
+    let mover = world.spawn((Mesh3d(cube), material, at(10.0))).id();
+    for _ in 0..3 {
+        stage.update();
+    }
+    assert_eq!(*stage.app.world().resource::<CascadeCasters>(), CascadeCasters::default());
+    stage.give(file, |shadow| shadow.align = false);
+    stage.update();
+    stage.update();
+    let casters = |stage: &Stage| *stage.app.world().resource::<CascadeCasters>();
+    let CascadeCasters { found, kept } = casters(&stage);
+    assert!(kept > 0 && found > kept, "{found} {kept}");
+    // The light turns away: in that very frame nothing is left out.
+    let turned = Transform::default().looking_to(Vec3::new(-0.3, -1.0, 0.2), Vec3::Y);
+    *stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap() = turned;
+    stage.update();
+    assert!(matches!(stage.status(), BakedShadowStatus::Misaligned(_)), "{:?}", stage.status());
+    assert_eq!(casters(&stage), CascadeCasters::default());
+    // It turns back, and nothing moves any more: there are no cascades.
+    let towards_sun = Vec3::from_array(crate::stage::towards_sun().map(|c| c as f32));
+    let world = stage.app.world_mut();
+    *world.get_mut::<Transform>(stage.light).unwrap() =
+        Transform::default().looking_to(-towards_sun, Vec3::Y);
+    let bounds =
+        |stage: &Stage| stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds.len();
+    stage.update();
+    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active(1), 4));
+    stage.app.world_mut().despawn(mover);
+    stage.update();
+    assert_eq!(bounds(&stage), 0);
+    stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(0.1);
+    stage.update();
+    assert_eq!(bounds(&stage), 4);
+}
+
+#[test]
+fn filter_bias_and_softness_change_while_running() {
+    let file = depths();
+    let mut stage = Stage::new(|_| {});
+    stage.give(file.clone(), |_| {});
+    let shadow = |stage: &mut Stage, change: &dyn Fn(&mut bevy_adumbra::BakedShadow)| {
+        change(&mut stage.app.world_mut().get_mut::<bevy_adumbra::BakedShadow>(stage.light).unwrap());
+        stage.visibility()
+    };
+    for filter in [1, 3, 17] {
+        let found = shadow(&mut stage, &|s| s.filter = filter);
+        assert_alike(&found, &expected(&file, filter), filter);
+    }
+    let bias = Bias { constant_texels: 6.0, ..file.settings.bias };
+    let lifted =
+        adumbra::ShadowFile { settings: adumbra::FileSettings { bias, ..file.settings }, ..file.clone() };
+    let found = shadow(&mut stage, &|s| (s.filter, s.bias) = (5, Some(bias)));
+    assert_alike(&found, &expected(&lifted, 5), 5);
+    // Penumbrae: values in between where the hard shadow has edges, and alike in the mean.
+    let hard = expected(&file, 1);
+    let found = shadow(&mut stage, &|s| (s.bias, s.softness) = (None, Some(2.0)));
+    let mean = |v: &[f32]| v.iter().sum::<f32>() / v.len() as f32;
+    let between = found.iter().filter(|v| (0.05..0.95).contains(*v)).count();
+    assert!((mean(&found) - mean(&hard)).abs() < 0.03, "{} {}", mean(&found), mean(&hard));
+    assert!(between > found.len() / 50, "{between}");
+    let wrong = found.iter().zip(&hard).filter(|(a, b)| (*a - *b).abs() > 0.8).count();
+    assert!(wrong * 100 < found.len(), "{wrong}");
+    // What cannot be is said.
+    shadow(&mut stage, &|s| (s.softness, s.filter) = (None, 4));
+    assert!(
+        matches!(stage.status(), BakedShadowStatus::Unusable(reason) if reason.contains("1, 3, 5, 9 or 17"))
+    );
+}
