@@ -1,5 +1,5 @@
-//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask docs [--quick]`, `cargo xtask vectors`,
-//! `cargo xtask json`, `cargo xtask count [--bless]`.
+//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask test-bevy`, `cargo xtask docs [--quick]`,
+//! `cargo xtask vectors`, `cargo xtask json`, `cargo xtask count [--bless]`.
 
 #[cfg(test)]
 mod arrows;
@@ -14,6 +14,7 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test, the documents' commands
   cargo xtask test --quick    only the tests, without real scenes and repeated bakes; under two minutes
+  cargo xtask test-bevy       formatting, lints, documentation and tests of integrations/bevy_adumbra, which builds Bevy
   cargo xtask docs            run every command of README and docs/ in a copy of the repository, check its output; check links
   cargo xtask docs --quick    use existing builds and smaller numbers, only parse the arguments of long commands; FILE... reads only these files
   cargo xtask vectors         regenerate test_vectors/
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["test"] => test(root),
         ["test", "--quick"] => quick_test(root),
+        ["test-bevy"] => test_bevy(root),
         ["docs", options @ ..] => {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
@@ -64,6 +66,16 @@ fn test(root: &Path) -> Result<(), String> {
     tools::ensure_all()?;
     cargo(root, &["test", "--release", "--workspace", "--no-fail-fast"], &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
+}
+
+/// Tests the plugin for Bevy, which is no member of the workspace: Bevy has a wgpu of its own.
+fn test_bevy(root: &Path) -> Result<(), String> {
+    tools::ensure_driver()?;
+    let plugin = root.join("integrations/bevy_adumbra");
+    cargo(&plugin, &["fmt", "--all", "--check"], &[])?;
+    cargo(&plugin, &["clippy", "--all-targets", "--all-features", "--", "-D", "warnings"], &[])?;
+    cargo(&plugin, &["doc", "--no-deps", "--all-features"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    cargo(&plugin, &["test", "--all-features"], &[])
 }
 
 /// Checks that the program without its features builds and links nothing that draws.

@@ -74,7 +74,7 @@ pub fn to_glb(scene: &Scene) -> Vec<u8> {
 }
 
 /// Assembles the header and the chunks, each padded to a multiple of 4 bytes.
-fn container(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
+pub(crate) fn container(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     bin.resize(bin.len().next_multiple_of(4), 0);
     let bin_chunk = if bin.is_empty() { 0 } else { 8 + bin.len() };

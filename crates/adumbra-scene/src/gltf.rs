@@ -11,7 +11,10 @@ mod images;
 mod materials;
 mod meshes;
 mod nodes;
+mod shadow_name;
 mod skin;
+
+pub use shadow_name::write_shadow_name;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

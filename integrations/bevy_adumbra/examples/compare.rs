@@ -5,7 +5,7 @@
 mod common;
 
 use bevy::camera::Viewport;
-use bevy::camera::visibility::RenderLayers;
+use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, LogDiagnosticsPlugin};
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
@@ -61,10 +61,11 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
     }
 }
 
-/// Every mesh is lit in both halves, each by its own light.
+/// Every mesh is lit in both halves, each by its own light. Bevy culls by a frustum that knows nothing of a part of a
+/// view, so nothing is culled.
 fn show_in_both(mut commands: Commands, new: Query<Entity, Added<Mesh3d>>) {
     for entity in &new {
-        commands.entity(entity).insert(RenderLayers::from_layers(&[1, 2]));
+        commands.entity(entity).insert((RenderLayers::from_layers(&[1, 2]), NoFrustumCulling));
     }
 }
 

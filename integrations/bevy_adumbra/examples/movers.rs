@@ -1,4 +1,4 @@
-//! Balls that roll through the city cast through Bevy's cascades; the city does not.
+//! Balls that fly over a street corner cast through Bevy's cascades; the city does not.
 
 mod common;
 
@@ -9,7 +9,7 @@ use bevy_adumbra::{BakedShadow, BakedStatic};
 struct Ball(f32);
 
 fn main() {
-    common::app().add_systems(Startup, setup).add_systems(Update, roll).run();
+    common::app().add_systems(Startup, setup).add_systems(Update, fly).run();
 }
 
 fn setup(
@@ -24,7 +24,7 @@ fn setup(
     ));
     commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
     commands.spawn(common::camera());
-    let mesh = meshes.add(Sphere::new(3.0));
+    let mesh = meshes.add(Sphere::new(2.0));
     let material = materials.add(Color::srgb(0.9, 0.3, 0.2));
     for n in 0..12 {
         commands.spawn((
@@ -36,9 +36,12 @@ fn setup(
     }
 }
 
-fn roll(time: Res<Time>, mut balls: Query<(&Ball, &mut Transform)>) {
+/// Each ball on a circle of its own.
+fn fly(time: Res<Time>, mut balls: Query<(&Ball, &mut Transform)>) {
     for (Ball(n), mut transform) in &mut balls {
-        let along = (time.elapsed_secs() * 8.0 + n * 17.0) % 200.0 - 200.0;
-        transform.translation = Vec3::new(along, 3.0, 100.0 + (n * 40.0) % 120.0);
+        let angle = 0.5 * time.elapsed_secs() + 1.1 * n;
+        let radius = 8.0 + 3.0 * n;
+        transform.translation =
+            Vec3::new(-95.0 + radius * angle.cos(), 12.0 + 1.5 * n, 105.0 + radius * angle.sin());
     }
 }

@@ -154,6 +154,10 @@ pub(crate) struct Bake {
     /// The shadow file to write [default: the scene's path with the extension .adumbra]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    /// Also write the shadow file's name into this .glb or .gltf, usually the scene itself: into the extras of its first directional
+    /// light, or of a new one if it has none. Bevy and three.js load it from there
+    #[arg(long, value_name = "GLTF", conflicts_with = "dry_run")]
+    pub(crate) into: Option<PathBuf>,
     /// Draw a few tiles and forecast what the whole bake would take; writes nothing
     #[arg(long)]
     pub(crate) dry_run: bool,

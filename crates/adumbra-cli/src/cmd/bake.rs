@@ -1,5 +1,6 @@
 //! `adumbra bake`: bakes a scene into a shadow file.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -13,7 +14,7 @@ use adumbra_program::progress::{Reporter, Units};
 use adumbra_program::scene::load_scene;
 use adumbra_program::threads::with_threads;
 use adumbra_program::{memory, say, signals};
-use adumbra_scene::Scene;
+use adumbra_scene::{Scene, write_shadow_name};
 use serde::Serialize;
 
 use super::{GraphFigures, bake_tree, bounds};
@@ -125,6 +126,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
         files::check_output(&output)?;
     }
+    let shadow_name =
+        args.into.as_ref().map(|gltf| name_for(gltf, &output, tree_options.is_some())).transpose()?;
     if options.sun.elevation_degrees() < LOWEST_SUN_DEGREES {
         eprintln!(
             "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is too steep relative to the light for exact look-ups; check the file with verify",
@@ -160,6 +163,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let candidate_bytes = baked.candidates.map(|c| CandidateBytes { packed: c.packed, depths: c.depths });
         let (grid, settings) = (file.grid, file.settings);
         let file_bytes = files::replace_file(&output, |out| file.write_to(out))?;
+        if let Some((gltf, name)) = args.into.as_ref().zip(shadow_name.as_ref()) {
+            write_shadow_name(gltf, name, file.sun())?;
+        }
         let figures = GraphFigures::of(&file, file_bytes)?;
         let seconds = start.elapsed().as_secs_f64();
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
@@ -201,6 +207,30 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         }
         Ok(Code::Fine)
     })?
+}
+
+/// Returns the name under which `gltf` refers to the shadow file `output`: its path from the folder of `gltf`.
+fn name_for(gltf: &Path, output: &Path, is_tree: bool) -> Result<String, Failure> {
+    let usage = |what: String| Err(Failure::Usage(format!("--into {}: {what}", gltf.display())));
+    let is_gltf = |e: &std::ffi::OsStr| ["glb", "gltf"].iter().any(|known| e.eq_ignore_ascii_case(known));
+    if is_tree {
+        return usage("engines do not load trees; bake without --frame world".to_owned());
+    }
+    if !gltf.extension().is_some_and(is_gltf) || !gltf.is_file() {
+        return usage("give an existing .glb or .gltf file".to_owned());
+    }
+    let folder = |path: &Path| files::folder_of(path).canonicalize().ok();
+    let below = folder(gltf).zip(folder(output)).and_then(|(of_gltf, of_output)| {
+        let below = of_output.strip_prefix(&of_gltf).ok()?.join(output.file_name()?);
+        let parts: Option<Vec<&str>> = below.iter().map(std::ffi::OsStr::to_str).collect();
+        Some(parts?.join("/"))
+    });
+    match below {
+        Some(name) => Ok(name),
+        None => {
+            usage(format!("{} must be in its folder or below, so that engines find it", output.display()))
+        }
+    }
 }
 
 /// Returns the least and the most size of a layout as a share of the plain layout's size, which is what is forecast.

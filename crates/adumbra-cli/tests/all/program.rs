@@ -390,3 +390,29 @@ fn bake_layout_auto_keeps_the_smaller_file() {
     let kept = auto["layout"].as_str().unwrap();
     assert!(fs::read(file("auto")).unwrap() == fs::read(file(kept)).unwrap(), "{kept}");
 }
+
+#[test]
+fn bake_into_a_scene_names_the_file_there_and_leaves_it_loadable() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let before = json(&["inspect", &scene, "--json"]);
+    let file = folder.path("p.adumbra");
+    let bake = ["bake", &scene, "--resolution", "64", "--progress", "none"];
+    let (code, message) = adumbra(&[&bake[..], &["-o", &file, "--into", &scene]].concat());
+    assert_eq!(code, 0, "{message}");
+    let text = String::from_utf8_lossy(&fs::read(&scene).unwrap()).into_owned();
+    assert!(text.contains(r#""extras":{"adumbra":{"shadow":"p.adumbra"}}"#), "the scene names the file");
+    let after = json(&["inspect", &scene, "--json"]);
+    assert_eq!([&after["triangles"], &after["instances"]], [&before["triangles"], &before["instances"]]);
+    // A second bake changes nothing but the file.
+    let named = fs::read(&scene).unwrap();
+    assert_eq!(adumbra(&[&bake[..], &["-o", &file, "--into", &scene]].concat()).0, 0);
+    assert_eq!(fs::read(&scene).unwrap(), named);
+    let elsewhere = Folder::new();
+    for (into, output) in [(&*scene, elsewhere.path("p.adumbra")), (&file, file.clone())] {
+        let (code, message) = adumbra(&[&bake[..], &["-o", &output, "--into", into]].concat());
+        assert_eq!(code, 2, "{message}");
+        assert!(message.contains("--into"), "{message}");
+    }
+    assert_eq!(fs::read(&scene).unwrap(), named);
+}

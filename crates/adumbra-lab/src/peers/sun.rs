@@ -38,13 +38,17 @@ pub struct PeerRow {
     pub scenes: [Option<PeerFigures>; 4],
 }
 
-const ELSEWHERE: [(&str, [(f64, f64); 4]); 6] = [
+const ELSEWHERE: [(&str, [(f64, f64); 4]); 7] = [
     ("Bevy 0.19.1, default cascades (150 m)", [(9.42, 9.7), (18.51, 18.7), (1.34, 1.6), (9.98, 10.0)]),
     ("Bevy 0.19.1, distance = scene, 4 × 2048²", [(6.47, 7.0), (1.59, 2.7), (1.30, 1.5), (6.51, 8.5)]),
     ("Bevy 0.19.1, distance = scene, 4 × 4096²", [(3.48, 4.3), (0.69, 1.4), (0.64, 0.8), (3.26, 5.2)]),
     (
         "Bevy 0.19.1, cascades fitted to this one view, 4 × 4096²",
         [(2.58, 3.3), (0.42, 0.9), (0.59, 0.7), (2.79, 4.5)],
+    ),
+    (
+        "Bevy 0.19.1 with adumbra: a file of 16,384, filter 1",
+        [(0.42, 0.4), (0.22, 0.2), (0.04, 0.0), (0.17, 0.2)],
     ),
     (
         "three.js r187, CSM 4 × 4096², single-sided default",

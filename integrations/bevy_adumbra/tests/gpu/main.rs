@@ -3,3 +3,4 @@
 mod files;
 mod points;
 mod stage;
+mod truth;

@@ -87,7 +87,7 @@ fn all_cameras_are_shadowed() {
     stage.give(file.clone(), |_| {});
     let all = expected(&file, 5);
     let world = stage.app.world_mut();
-    let other = picture(world, SIDE, TextureFormat::Rgba8UnormSrgb);
+    let other = picture(world, UVec2::splat(SIDE), TextureFormat::Rgba8UnormSrgb);
     let above = Transform::from_translation(MIDDLE + 90.0 * Vec3::Y).looking_at(MIDDLE, Vec3::NEG_Z);
     world.spawn((
         Camera3d::default(),
@@ -162,7 +162,7 @@ fn shadows_are_kept_beside_glass_without_hdr() {
     let mut stage = Stage::new(|_| {});
     stage.give(file, |shadow| shadow.filter = 1);
     let world = stage.app.world_mut();
-    let other = picture(world, SIDE, TextureFormat::Rgba8UnormSrgb);
+    let other = picture(world, UVec2::splat(SIDE), TextureFormat::Rgba8UnormSrgb);
     world.entity_mut(stage.camera).remove::<bevy::camera::Hdr>().insert(RenderTarget::from(other.clone()));
     let glass = world
         .resource_mut::<Assets<StandardMaterial>>()

@@ -83,7 +83,7 @@ impl Stage {
         }
         app.finish();
         app.cleanup();
-        let picture = picture(app.world_mut(), SIDE, TextureFormat::Rgba16Float);
+        let picture = picture(app.world_mut(), UVec2::splat(SIDE), TextureFormat::Rgba16Float);
         let world = app.world_mut();
         let material = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial {
             perceptual_roughness: 1.0,
@@ -189,8 +189,8 @@ impl Stage {
 }
 
 /// Returns an image to draw into.
-pub fn picture(world: &mut World, side: u32, format: TextureFormat) -> Handle<Image> {
-    let size = Extent3d { width: side, height: side, depth_or_array_layers: 1 };
+pub fn picture(world: &mut World, size: UVec2, format: TextureFormat) -> Handle<Image> {
+    let size = Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 };
     let mut image = Image::new_uninit(size, TextureDimension::D2, format, RenderAssetUsages::RENDER_WORLD);
     image.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
     world.resource_mut::<Assets<Image>>().add(image)

@@ -1,0 +1,190 @@
+//! Writes the name of a shadow file into a glTF file, where engines look for it.
+//!
+//! A directional light of `KHR_lights_punctual` gets `extras: {"adumbra": {"shadow": "city.adumbra"}}`. The path is
+//! relative to the glTF file. Extras survive most tools, and loaders pass them on. What is not changed keeps its text,
+//! number for number, and the binary chunk its bytes.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+use adumbra::{IoError, Sun};
+use adumbra_files::replace_file;
+use serde_json::value::{RawValue, to_raw_value};
+use serde_json::{Value, json};
+
+use super::container::{bad, split};
+use crate::error::Result;
+use crate::glb::container;
+
+const LIGHTS: &str = "KHR_lights_punctual";
+
+/// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`: into the extras of its first directional
+/// light, or of a new one towards `sun` if it has none. `name` is the file's path relative to the folder of `path`, with
+/// `/` between its parts.
+///
+/// # Errors
+/// Returns [`Error::Io`](crate::Error::Io) and [`Error::SceneParse`](crate::Error::SceneParse) naming `path`; the file
+/// is then as it was.
+pub fn write_shadow_name(path: &Path, name: &str, sun: Sun) -> Result<()> {
+    let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
+    let bytes = with_shadow_name(path, &bytes, name, sun)?;
+    replace_file(path, |file| file.write_all(&bytes).map(|()| bytes.len() as u64))?;
+    Ok(())
+}
+
+/// The parts of a JSON object, as texts.
+type Parts = BTreeMap<String, Box<RawValue>>;
+
+/// Returns a glTF file's bytes with the name of a shadow file.
+fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<Vec<u8>> {
+    let (text, bin) = split(path, bytes)?;
+    let fault = |e: serde_json::Error| bad(path, e.to_string());
+    let mut root: Parts = serde_json::from_slice(&text).map_err(fault)?;
+    let mut extensions: Value = read(&root, "extensions").map_err(fault)?.unwrap_or_else(|| json!({}));
+    let no_object = |what: &str| bad(path, format!("{what} is no JSON object"));
+    let of_lights = member(&mut extensions, LIGHTS).ok_or_else(|| no_object("extensions"))?;
+    let lights = member(of_lights, "lights").ok_or_else(|| no_object(LIGHTS))?;
+    if lights.is_null() {
+        *lights = json!([]);
+    }
+    let Value::Array(lights) = lights else {
+        return Err(bad(path, format!("{LIGHTS} has no list of lights")));
+    };
+    let existing = lights.iter_mut().find(|light| light.get("type") == Some(&json!("directional")));
+    if let Some(light) = existing {
+        let extras = member(light, "extras").and_then(|extras| member(extras, "adumbra"));
+        let shadow = extras.and_then(|adumbra| member(adumbra, "shadow"));
+        *shadow.ok_or_else(|| no_object("the extras of the directional light"))? = name.into();
+    } else {
+        lights.push(json!({
+            "type": "directional", "name": "sun", "intensity": 10_000.0,
+            "extras": {"adumbra": {"shadow": name}},
+        }));
+        let index = lights.len() - 1;
+        add_light(path, &mut root, index, sun)?;
+    }
+    root.insert("extensions".to_owned(), to_raw_value(&extensions).map_err(fault)?);
+    let text = serde_json::to_vec(&root).map_err(fault)?;
+    let is_binary = bytes.starts_with(b"glTF");
+    Ok(if is_binary { container(text, bin.unwrap_or_default().into_owned()) } else { text })
+}
+
+/// Adds a node with light `index` to the default scene, and the extension to those in use.
+fn add_light(path: &Path, root: &mut Parts, index: usize, sun: Sun) -> Result<()> {
+    let fault = |e: serde_json::Error| bad(path, e.to_string());
+    // Nodes and scenes keep their own text.
+    let mut nodes: Vec<Box<RawValue>> = read(root, "nodes").map_err(fault)?.unwrap_or_default();
+    let mut scenes: Vec<Parts> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
+    let scene: usize = read(root, "scene").map_err(fault)?.unwrap_or_default();
+    let mut used: Vec<String> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
+    let node = json!({
+        "name": "sun", "rotation": rotation(sun.towards()), "extensions": {LIGHTS: {"light": index}},
+    });
+    if scenes.is_empty() {
+        scenes.push(Parts::new());
+    }
+    let Some(of_scene) = scenes.get_mut(scene) else {
+        return Err(bad(path, format!("its default scene is {scene}, but it has {}", scenes.len())));
+    };
+    let mut roots: Vec<usize> = read(of_scene, "nodes").map_err(fault)?.unwrap_or_default();
+    roots.push(nodes.len());
+    nodes.push(to_raw_value(&node).map_err(fault)?);
+    if !used.iter().any(|name| name == LIGHTS) {
+        used.push(LIGHTS.to_owned());
+    }
+    of_scene.insert("nodes".to_owned(), to_raw_value(&roots).map_err(fault)?);
+    root.insert("nodes".to_owned(), to_raw_value(&nodes).map_err(fault)?);
+    root.insert("scenes".to_owned(), to_raw_value(&scenes).map_err(fault)?);
+    root.insert("extensionsUsed".to_owned(), to_raw_value(&used).map_err(fault)?);
+    Ok(())
+}
+
+/// Returns a member of an object, `null` if it had none; `None` if this is neither an object nor `null`.
+fn member<'v>(value: &'v mut Value, name: &str) -> Option<&'v mut Value> {
+    if value.is_null() {
+        *value = json!({});
+    }
+    Some(value.as_object_mut()?.entry(name).or_insert(Value::Null))
+}
+
+fn read<T: serde::de::DeserializeOwned>(parts: &Parts, name: &str) -> serde_json::Result<Option<T>> {
+    parts.get(name).map(|text| serde_json::from_str(text.get())).transpose()
+}
+
+/// Returns the quaternion (x, y, z, w) that turns a light, which shines along its -Z, away from the sun.
+fn rotation([x, y, z]: [f64; 3]) -> [f64; 4] {
+    // The shortest turn from +Z towards the sun. Opposite to it any half turn about an axis across will do.
+    let w = 1.0 + z;
+    if w < 1e-9 {
+        return [0.0, 1.0, 0.0, 0.0];
+    }
+    let length = (x * x + y * y + w * w).sqrt();
+    [-y, x, 0.0, w].map(|c| c / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MINIMAL: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"matrix":[1.10000000000000000001,0,0,0]}],"scene":0,"scenes":[{"nodes":[0]}]}"#;
+
+    fn named(text: &str) -> Value {
+        let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
+        let bytes = with_shadow_name(Path::new("a.gltf"), text.as_bytes(), "city.adumbra", sun);
+        let bytes = bytes.expect("a glTF file");
+        assert!(!text.contains("1.10") || String::from_utf8_lossy(&bytes).contains("1.10000000000000000001"));
+        serde_json::from_slice(&bytes).expect("JSON")
+    }
+
+    #[test]
+    fn scene_without_a_light_gets_one_towards_the_sun() {
+        let json = named(MINIMAL);
+        assert_eq!(json["extensionsUsed"], json!([LIGHTS]));
+        assert_eq!(json["scenes"][0]["nodes"], json!([0, 1]));
+        let light = &json["extensions"][LIGHTS]["lights"][0];
+        assert_eq!(light["extras"]["adumbra"]["shadow"], "city.adumbra");
+        let q = [0, 1, 2, 3].map(|i| json["nodes"][1]["rotation"][i].as_f64().expect("a number"));
+        // +Z turned by q.
+        let [x, y, z, w] = q;
+        let turned = [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)];
+        let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon").towards();
+        assert!((0..3).all(|a| (turned[a] - sun[a]).abs() < 1e-12), "{turned:?} {sun:?}");
+        // Named again, the light is the same one.
+        assert_eq!(named(&json.to_string()), json);
+    }
+
+    #[test]
+    fn first_directional_light_takes_the_name_and_keeps_the_rest() {
+        let lights = r#"[{"type":"point"},{"type":"directional","color":[1,0,0],"extras":{"mine":7}}]"#;
+        let extensions = format!(r#","extensions":{{"{LIGHTS}":{{"lights":{lights}}},"OTHER":{{"a":1}}}}}}"#);
+        let json = named(&MINIMAL.replace(
+            "\"scenes\":[{\"nodes\":[0]}]}",
+            &format!("\"scenes\":[{{\"nodes\":[0]}}]{extensions}"),
+        ));
+        let light = &json["extensions"][LIGHTS]["lights"][1];
+        assert_eq!(light["extras"], json!({"mine": 7, "adumbra": {"shadow": "city.adumbra"}}));
+        assert_eq!((&light["color"], &json["extensions"]["OTHER"]["a"]), (&json!([1, 0, 0]), &json!(1)));
+        assert_eq!(json["nodes"].as_array().map(Vec::len), Some(1));
+    }
+
+    #[test]
+    fn binary_files_keep_their_chunk() {
+        let glb = container(MINIMAL.as_bytes().to_vec(), vec![7; 12]);
+        let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("above the horizon");
+        let bytes = with_shadow_name(Path::new("a.glb"), &glb, "a.adumbra", sun).expect("a glTF file");
+        let (text, bin) = split(Path::new("a.glb"), &bytes).expect("a container");
+        assert!(String::from_utf8_lossy(&text).contains("a.adumbra"));
+        assert_eq!(bin.as_deref(), Some(&[7; 12][..]));
+        let refused = [
+            "glTF".to_owned(),
+            MINIMAL.replace("\"scene\":0", "\"scene\":4"),
+            MINIMAL.replace("\"asset\"", "\"extensions\":5,\"asset\""),
+            MINIMAL
+                .replace("\"asset\"", &format!("\"extensions\":{{\"{LIGHTS}\":{{\"lights\":3}}}},\"asset\"")),
+        ];
+        for text in refused {
+            assert!(with_shadow_name(Path::new("a.gltf"), text.as_bytes(), "a", sun).is_err(), "{text}");
+        }
+    }
+}
