@@ -128,7 +128,7 @@ fn a_thousand_files_leave_no_texture_behind() {
 }
 
 impl Stage {
-    fn with_assets(folder: &str) -> Self {
+    pub fn with_assets(folder: &str) -> Self {
         let folder = folder.to_owned();
         Self::with_plugin(AssetPlugin {
             file_path: folder,
@@ -137,7 +137,7 @@ impl Stage {
         })
     }
 
-    fn wait_for(&mut self, done: impl Fn(&Self) -> bool) {
+    pub fn wait_for(&mut self, done: impl Fn(&Self) -> bool) {
         let start = Instant::now();
         while !done(self) {
             assert!(start.elapsed() < Duration::from_secs(30), "waited too long: {:?}", self.status());

@@ -230,7 +230,7 @@ pub fn assert_alike(found: &[f32], expected: &[f32], filter: u32) {
     assert!(most <= 1.0 / filter as f32 + 0.004, "a pixel differs by {most}");
 }
 
-fn half([low, high]: [u8; 2]) -> f32 {
+pub fn half([low, high]: [u8; 2]) -> f32 {
     let bits = u16::from_le_bytes([low, high]);
     let exponent = i32::from(bits >> 10 & 31);
     let fraction = f32::from(bits & 0x3ff) / 1024.0;

@@ -1,0 +1,163 @@
+//! Bakes while the app runs, and lights of glTF files that name their file.
+
+use std::fs;
+use std::time::Duration;
+
+use adumbra::{ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_scene::{GeneratedKind, generate, write_glb, write_shadow_name};
+use bevy::light::CascadeShadowConfig;
+use bevy::prelude::*;
+use bevy_adumbra::{
+    BakeProgress, BakeSettings, BakeShadow, BakedShadow, BakedShadowFile, BakedShadowStatus, BakedStatic,
+    CascadeCasters,
+};
+
+use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, assert_alike, expected, towards_sun};
+
+fn file_in_use(stage: &Stage) -> ShadowFile {
+    let world = stage.app.world();
+    let handle = &world.get::<BakedShadow>(stage.light).expect("a file").files[0];
+    ShadowFile::clone(world.resource::<Assets<BakedShadowFile>>().get(handle).expect("loaded").file())
+}
+
+fn progress(stage: &Stage) -> BakeProgress {
+    stage.app.world().get::<BakeProgress>(stage.light).expect("a bake").clone()
+}
+
+#[test]
+fn a_world_is_baked_while_the_app_runs_and_again_when_it_changes() {
+    let mut stage = Stage::new(|_| {});
+    let world = stage.app.world_mut();
+    let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(30.0));
+    let ground = world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(160.0, 160.0));
+    let material = MeshMaterial3d(stage.material.clone());
+    let root = world.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
+    let tower = world
+        .spawn((Mesh3d(cube), material.clone(), Transform::from_xyz(10.0, 15.0, 10.0), ChildOf(root)))
+        .id();
+    world.spawn((Mesh3d(ground), material, Transform::default(), ChildOf(root)));
+    let settings = BakeSettings {
+        resolution: 1024,
+        first_resolution: 128,
+        settle: Duration::from_millis(50),
+        ..default()
+    };
+    world.entity_mut(stage.light).insert(BakeShadow::new(settings));
+    let is_done =
+        |stage: &Stage| matches!(progress(stage), BakeProgress::Done(..)) && stage.status().is_active();
+    stage.wait_for(is_done);
+    let first = file_in_use(&stage);
+    assert_eq!(first.settings.resolution, 1024);
+    assert_alike_beside(&mut stage, &first, 10.0);
+    let cascades = |stage: &Stage| {
+        let bounds = &stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds;
+        (bounds.len(), stage.app.world().resource::<CascadeCasters>().kept)
+    };
+    // Nothing moves: there is no cascade.
+    assert_eq!(cascades(&stage), (0, 0));
+
+    // The tower moves. Its shadow comes from the cascades at once, and from a new file soon after.
+    stage.app.world_mut().get_mut::<Transform>(tower).unwrap().translation.x = -20.0;
+    stage.update();
+    stage.update();
+    let (count, kept) = cascades(&stage);
+    assert!(count == 4 && kept > 0, "{count} cascades with {kept} casters");
+    let handle = |stage: &Stage| stage.app.world().get::<BakedShadow>(stage.light).unwrap().files[0].id();
+    let earlier = handle(&stage);
+    stage.wait_for(|stage| is_done(stage) && handle(stage) != earlier);
+    stage.update();
+    stage.update();
+    assert_eq!(cascades(&stage), (0, 0));
+    let second = file_in_use(&stage);
+    assert_alike_beside(&mut stage, &second, -20.0);
+}
+
+/// Compares the square beside the tower, whose roof is at x and z = 10.
+fn assert_alike_beside(stage: &mut Stage, file: &ShadowFile, x: f32) {
+    let expected = expected(file, 5);
+    let mut found = stage.visibility();
+    let pixel = |metres: f32| (metres / SQUARE + 0.5) * SIDE as f32;
+    for (n, (found, expected)) in (0..).zip(found.iter_mut().zip(&expected)) {
+        let [column, row] = [n % SIDE, n / SIDE].map(|c| c as f32 + 0.5);
+        let is_roof =
+            (pixel(x - 16.0)..pixel(x + 16.0)).contains(&column) && (pixel(-6.0)..pixel(26.0)).contains(&row);
+        if is_roof {
+            *found = *expected;
+        }
+    }
+    assert_alike(&found, &expected, 5);
+}
+
+#[test]
+fn a_bake_that_cannot_be_is_said_and_the_cascades_stay() {
+    let mut stage = Stage::new(|_| {});
+    let world = stage.app.world_mut();
+    let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(3.0));
+    world.spawn((Mesh3d(cube), BakedStatic, Transform::from_xyz(0.0, 5.0, 0.0)));
+    // A sun below the horizon.
+    *world.get_mut::<Transform>(stage.light).unwrap() = Transform::default().looking_to(Vec3::Y, Vec3::Z);
+    world.entity_mut(stage.light).insert(BakeShadow::default());
+    stage.wait_for(|stage| matches!(progress(stage), BakeProgress::Failed(_)));
+    let BakeProgress::Failed(reason) = progress(&stage) else { unreachable!("it failed") };
+    assert!(reason.contains("sun"), "{reason}");
+    assert_eq!(stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds.len(), 4);
+}
+
+#[test]
+fn a_light_of_a_gltf_file_loads_the_file_that_it_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene_path, file_path) = (folder.path().join("p.glb"), folder.path().join("p.adumbra"));
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let sun = Sun::from_direction(towards_sun()).unwrap();
+    write_glb(&scene, &scene_path).unwrap();
+    let baked = bake(&scene, &BakeOptions::new(sun, Size::Resolution(256)), Watch::none()).unwrap();
+    baked.file.write_to(&mut fs::File::create(file_path).unwrap()).unwrap();
+    write_shadow_name(&scene_path, "p.adumbra", sun).unwrap();
+    let mut stage = Stage::with_assets(&folder.path().to_string_lossy());
+    let root = stage.app.world().resource::<AssetServer>().load("p.glb#Scene0");
+    let light = stage.light;
+    stage.app.world_mut().despawn(light);
+    stage.app.world_mut().spawn((WorldAssetRoot(root), BakedStatic));
+    for _ in 0..2000 {
+        stage.update();
+        let mut lights = stage.app.world_mut().query::<(&BakedShadowStatus, &DirectionalLight)>();
+        let world = stage.app.world();
+        if let Some((_, light)) = lights.iter(world).find(|(status, _)| status.is_active()) {
+            assert!(light.shadow_maps_enabled);
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no light uses the file");
+}
+
+/// A mover's shadow joins those of the file.
+#[test]
+fn movers_cast_beside_the_file() {
+    let file = crate::stage::baked(adumbra_bake::LayoutChoice::Depths, adumbra_bake::FrameChoice::Oblique);
+    let mut stage = Stage::new(|_| {});
+    stage.give(file, |shadow| shadow.filter = 1);
+    let before = stage.visibility();
+    let world = stage.app.world_mut();
+    let ball = world.resource_mut::<Assets<Mesh>>().add(Sphere::new(6.0));
+    let material = MeshMaterial3d(stage.material.clone());
+    // Over the largest part in the sun, and above the camera, which looks down from 90 m: its shadow is seen, itself
+    // is not.
+    let lit_around = |column: u32, row: u32| {
+        let pixels = (row - 12..row + 12).flat_map(|y| (column - 12..column + 12).map(move |x| (x, y)));
+        pixels.filter(|&(x, y)| before[(y * SIDE + x) as usize] == 1.0).count()
+    };
+    let middles = (12..SIDE - 12).step_by(4).flat_map(|y| (12..SIDE - 12).step_by(4).map(move |x| (x, y)));
+    let (column, row) = middles.max_by_key(|&(x, y)| lit_around(x, y)).expect("pixels");
+    let [x, z] = [column, row].map(|n| (n as f32 / SIDE as f32 - 0.5) * SQUARE);
+    let towards_sun = Vec3::from_array(towards_sun().map(|c| c as f32)).normalize();
+    let at = MIDDLE + Vec3::new(x, 0.0, z) + 110.0 / towards_sun.y * towards_sun;
+    world.spawn((Mesh3d(ball), material, Transform::from_translation(at)));
+    let after = stage.visibility();
+    let pairs = || before.iter().zip(&after);
+    let new = pairs().filter(|(before, after)| **before == 1.0 && **after < 0.5).count();
+    let lost = pairs().filter(|(before, after)| **before < 0.5 && **after > 0.5).count();
+    println!("{new} pixels in the ball's shadow alone");
+    assert!(new > 100 && lost == 0, "{new} new, {lost} lost");
+}
