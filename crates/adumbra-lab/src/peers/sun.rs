@@ -108,7 +108,7 @@ mod tests {
         rows.push(PeerRow { name: "voxel".to_owned(), source: RowSource::Here, scenes: [None; 4] });
         rows.push(aim());
         let text = markdown(&rows);
-        assert_eq!(text.lines().count(), 2 + 6 + 2);
+        assert_eq!(text.lines().count(), 2 + 7 + 2);
         assert!(
             text.contains("| three.js r187, CSM 4 × 4096², single-sided default | elsewhere | 0.77 (1.5) |")
         );

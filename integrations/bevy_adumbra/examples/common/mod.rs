@@ -21,7 +21,7 @@ use bevy_adumbra::{AdumbraPlugin, BakedShadowStatus};
 /// Direction towards the sun that the city's file is baked for.
 pub const TOWARDS_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
-const SIZE: UVec2 = UVec2::new(960, 540);
+const SIZE: UVec2 = UVec2::new(640, 360);
 /// Frames before a picture is taken.
 const FRAMES: u32 = 6;
 
