@@ -1,16 +1,17 @@
 //! What a large static world costs Bevy per frame, with its file and with cascades fitted to it.
 //!
-//!     cargo run --release --example measure -- SCENE.glb FILE.adumbra
+//!     cargo run --release --example measure -- SCENE.glb FILE.adumbra [FRAMES]
 //!
-//! Prints a Markdown table: medians of frames without a window, 320 x 180 pixels.
+//! Prints a Markdown table: medians of FRAMES frames (7), after one more, without a window, 320 x 180 pixels.
 
 use std::env;
 use std::path::Path;
 use std::time::Instant;
 
 use adumbra::ShadowFile;
+use adumbra_scene::{LoadOptions, load, write_glb};
 use bevy::app::PluginsState;
-use bevy::asset::RenderAssetUsages;
+use bevy::asset::{LoadState, RenderAssetUsages};
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::CascadesVisibleEntities;
 use bevy::ecs::entity::EntityHashSet;
@@ -22,9 +23,6 @@ use bevy::render::renderer::{RenderAdapterInfo, RenderDevice};
 use bevy::render::{Render, RenderApp, RenderPlugin, RenderSystems};
 use bevy::window::ExitCondition;
 use bevy_adumbra::{AdumbraPlugin, BakedShadow, BakedShadowFile, BakedStatic};
-
-/// Frames of each kind, of which the median counts.
-const FRAMES: usize = 7;
 
 /// Milliseconds of a frame's stages, in the order of [`STAGES`].
 #[derive(Resource, Default, Clone)]
@@ -60,19 +58,21 @@ impl Clock {
 
 fn main() {
     let args: Vec<String> = env::args().collect();
-    let [_, scene, file] = args.as_slice() else {
-        eprintln!("usage: measure SCENE.glb FILE.adumbra");
+    let [_, scene, file, rest @ ..] = args.as_slice() else {
+        eprintln!("usage: measure SCENE.glb FILE.adumbra [FRAMES]");
         std::process::exit(2);
     };
-    let scene = Path::new(scene).canonicalize().expect("the scene exists");
+    let count = rest.first().and_then(|frames| frames.parse().ok()).unwrap_or(7);
+    // Without textures, which no shadow pass of this scene reads.
+    let copy = tempfile::tempdir().expect("a folder");
+    let loaded = load(Path::new(scene), &LoadOptions::default()).expect("a scene");
+    let triangles = loaded.instanced_triangles();
+    write_glb(&loaded, &copy.path().join("scene.glb")).expect("a copy of the scene");
     let file = ShadowFile::read(file).expect("a shadow file");
     let mut app = App::new();
     app.add_plugins(
         DefaultPlugins
-            .set(AssetPlugin {
-                file_path: scene.parent().expect("a folder").to_string_lossy().into_owned(),
-                ..default()
-            })
+            .set(AssetPlugin { file_path: copy.path().to_string_lossy().into_owned(), ..default() })
             .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
             .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
             .disable::<bevy::winit::WinitPlugin>()
@@ -98,17 +98,13 @@ fn main() {
     }
     app.finish();
     app.cleanup();
-    let light = set_up(&mut app, &scene, file);
-    println!(
-        "{}, {}\n",
-        scene.file_name().unwrap_or_default().to_string_lossy(),
-        app.world().resource::<RenderAdapterInfo>().name
-    );
-    let with_file = frames(&mut app, light);
+    let light = set_up(&mut app, file);
+    println!("{scene}, {triangles} triangles, {}\n", app.world().resource::<RenderAdapterInfo>().name);
+    let with_file = frames(&mut app, light, count);
     app.world_mut().entity_mut(light).remove::<BakedShadow>();
     let fitted = CascadeShadowConfigBuilder { maximum_distance: 2500.0, ..default() }.build();
     app.world_mut().entity_mut(light).insert(fitted);
-    let with_cascades = frames(&mut app, light);
+    let with_cascades = frames(&mut app, light, count);
     println!("| per frame | with the file | with cascades |\n|---|---|---|");
     for ((name, a), (_, b)) in with_file.iter().zip(&with_cascades) {
         println!("| {name} | {a} | {b} |");
@@ -116,11 +112,10 @@ fn main() {
 }
 
 /// Spawns the world, and waits until it is there.
-fn set_up(app: &mut App, scene: &Path, file: ShadowFile) -> Entity {
-    let name = scene.file_name().expect("a name").to_string_lossy().into_owned();
+fn set_up(app: &mut App, file: ShadowFile) -> Entity {
     let world = app.world_mut();
-    let scene = world.resource::<AssetServer>().load(format!("{name}#Scene0"));
-    world.spawn((WorldAssetRoot(scene), BakedStatic));
+    let scene: Handle<WorldAsset> = world.resource::<AssetServer>().load("scene.glb#Scene0");
+    world.spawn((WorldAssetRoot(scene.clone()), BakedStatic));
     let side = device_limit(world);
     let file = BakedShadowFile::new(file, side).expect("a file that fits");
     let file = world.resource_mut::<Assets<BakedShadowFile>>().add(file);
@@ -142,6 +137,10 @@ fn set_up(app: &mut App, scene: &Path, file: ShadowFile) -> Entity {
     let mut before = 0;
     while still < 20 || before == 0 {
         app.update();
+        if let Some(LoadState::Failed(error)) = app.world().resource::<AssetServer>().get_load_state(&scene) {
+            eprintln!("{error}");
+            std::process::exit(1);
+        }
         let count = app.world_mut().query::<&Mesh3d>().iter(app.world()).count();
         still = if count == before { still + 1 } else { 0 };
         before = count;
@@ -157,11 +156,11 @@ fn device_limit(world: &World) -> u32 {
 }
 
 /// Draws frames, and returns the rows of one column.
-fn frames(app: &mut App, light: Entity) -> Vec<(String, String)> {
+fn frames(app: &mut App, light: Entity, count: usize) -> Vec<(String, String)> {
     let mut totals = Vec::new();
     let mut gpu = Vec::new();
     let mut stages: Vec<Vec<f64>> = vec![Vec::new(); STAGES.len()];
-    for frame in 0..FRAMES + 3 {
+    for frame in 0..=count {
         app.world_mut().resource_mut::<Clock>().stages.clear();
         app.sub_app_mut(RenderApp).world_mut().resource_mut::<Clock>().stages.clear();
         let start = Instant::now();
@@ -169,7 +168,7 @@ fn frames(app: &mut App, light: Entity) -> Vec<(String, String)> {
         let ms = 1e3 * start.elapsed().as_secs_f64();
         let device = app.world().resource::<RenderDevice>();
         device.wgpu_device().poll(PollType::Wait { submission_index: None, timeout: None }).expect("poll");
-        if frame < 3 {
+        if frame == 0 {
             continue;
         }
         totals.push(ms);
