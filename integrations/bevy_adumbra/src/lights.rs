@@ -80,11 +80,15 @@ pub(crate) fn align_lights(
 pub(crate) fn find_files_in_use(
     mut commands: Commands,
     mut lights: Query<(Entity, &BakedShadow, &GlobalTransform, &DirectionalLight, &mut BakedShadowStatus)>,
+    without_files: Query<Entity, (With<BakedShadowStatus>, Without<BakedShadow>)>,
     files: Res<Assets<BakedShadowFile>>,
     server: Res<AssetServer>,
     patch: Res<ShaderPatch>,
     mut in_use: ResMut<FilesInUse>,
 ) {
+    for light in &without_files {
+        commands.entity(light).try_remove::<BakedShadowStatus>();
+    }
     let mut found = FilesInUse::default();
     for (entity, shadow, transform, light, mut status) in &mut lights {
         let new = match patch.state() {

@@ -8,7 +8,7 @@ use bevy::mesh::Mesh3d;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::{ChildOf, Children, DirectionalLight};
 
-use crate::components::{BakedShadowStatus, BakedStatic, InBake, NotBaked, StaticCasters};
+use crate::components::{BakedShadow, BakedShadowStatus, BakedStatic, InBake, NotBaked, StaticCasters};
 
 /// Whether an entity is moved by an animation.
 #[cfg(feature = "animation")]
@@ -89,7 +89,11 @@ pub(crate) struct RestingCascades(CascadeShadowConfig);
 pub(crate) fn rest_cascades(
     mut commands: Commands,
     choice: Res<StaticCasters>,
-    mut lights: Query<(Entity, &BakedShadowStatus, &mut CascadeShadowConfig, Option<&RestingCascades>)>,
+    mut lights: Query<
+        (Entity, Option<&BakedShadowStatus>, &mut CascadeShadowConfig, Option<&RestingCascades>),
+        Or<(With<BakedShadow>, With<RestingCascades>)>,
+    >,
+    with_files: Query<(), With<BakedShadow>>,
     movers: Query<(), (With<Mesh3d>, Without<NotShadowCaster>, Or<(Without<InBake>, With<NotYetBaked>)>)>,
 ) {
     if lights.is_empty() {
@@ -97,7 +101,8 @@ pub(crate) fn rest_cascades(
     }
     let nothing_moves = movers.is_empty() && *choice == StaticCasters::LeaveOut;
     for (entity, status, mut config, resting) in &mut lights {
-        if nothing_moves && status.is_active() {
+        let is_active = with_files.contains(entity) && status.is_some_and(BakedShadowStatus::is_active);
+        if nothing_moves && is_active {
             if !config.bounds.is_empty() {
                 commands.entity(entity).try_insert(RestingCascades(config.clone()));
                 config.bounds.clear();
@@ -123,7 +128,10 @@ pub struct CascadeCasters {
 /// Removes the meshes in the files from the cascades of lights whose files are in use.
 pub(crate) fn leave_out(
     choice: Res<StaticCasters>,
-    mut lights: Query<(&BakedShadowStatus, &mut CascadesVisibleEntities), With<DirectionalLight>>,
+    mut lights: Query<
+        (&BakedShadowStatus, &mut CascadesVisibleEntities),
+        (With<DirectionalLight>, With<BakedShadow>),
+    >,
     in_bake: Query<(), (With<InBake>, Without<NotYetBaked>)>,
     mut casters: ResMut<CascadeCasters>,
 ) {

@@ -225,6 +225,18 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(0.1);
     stage.update();
     assert_eq!(bounds(&stage), 4);
+    // The light loses its file while it rests: everything casts through the cascades again.
+    stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(-0.1);
+    stage.update();
+    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active(1), 0));
+    stage.app.world_mut().entity_mut(stage.light).remove::<bevy_adumbra::BakedShadow>();
+    stage.update();
+    stage.update();
+    assert_eq!((casters(&stage), bounds(&stage)), (CascadeCasters::default(), 4));
+    assert!(stage.app.world().get::<BakedShadowStatus>(stage.light).is_none());
+    let visible =
+        stage.app.world().get::<bevy::camera::visibility::CascadesVisibleEntities>(stage.light).unwrap();
+    assert!(visible.entities.values().flatten().any(|cascade| !cascade.entities.is_empty()));
 }
 
 #[test]
