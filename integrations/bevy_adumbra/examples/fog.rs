@@ -17,17 +17,9 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
         BakedShadow::new(assets.load("city.adumbra")),
     ));
     commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
-    commands
-        .spawn((common::camera(), VolumetricFog { ambient_intensity: 0.05, step_count: 32, ..default() }));
+    commands.spawn((common::camera(), VolumetricFog { ambient_intensity: 0.05, ..default() }));
     commands.spawn((
-        // Light is scattered to all sides alike, so that shafts are seen with the sun behind the camera too.
-        FogVolume {
-            density_factor: 0.01,
-            scattering_asymmetry: 0.0,
-            absorption: 0.05,
-            light_intensity: 3.0,
-            ..default()
-        },
+        FogVolume { density_factor: 0.008, ..default() },
         Transform::from_xyz(-50.0, 30.0, 50.0).with_scale(Vec3::new(400.0, 80.0, 400.0)),
     ));
 }
