@@ -8,7 +8,7 @@ use crate::triangles::project::FixedDepth;
 /// One value per texel, by row and column. Loops over rows of eight are what compilers vectorize.
 pub(super) type Texels<T> = [[T; BLOCK_SIDE]; BLOCK_SIDE];
 /// Owner of a texel whose first surface is not a single surface of the list.
-const NOBODY: u32 = u32::MAX;
+const NO_OWNER: u32 = u32::MAX;
 
 /// The first surfaces of a leaf's columns.
 pub(super) struct Firsts {
@@ -26,7 +26,7 @@ impl Firsts {
         Self {
             depth: [[none.depth(); BLOCK_SIDE]; BLOCK_SIDE],
             info: [[none.info(); BLOCK_SIDE]; BLOCK_SIDE],
-            owner: [[NOBODY; BLOCK_SIDE]; BLOCK_SIDE],
+            owner: [[NO_OWNER; BLOCK_SIDE]; BLOCK_SIDE],
         }
     }
 
@@ -39,7 +39,7 @@ impl Firsts {
     pub(super) fn set(&mut self, texel: usize, first: FirstSurface) {
         self.depth.as_flattened_mut()[texel] = first.depth();
         self.info.as_flattened_mut()[texel] = first.info();
-        self.owner.as_flattened_mut()[texel] = NOBODY;
+        self.owner.as_flattened_mut()[texel] = NO_OWNER;
     }
 
     pub(super) fn set_open(&mut self, texel: usize) {
