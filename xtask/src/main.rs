@@ -1,5 +1,6 @@
-//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask test-bevy`, `cargo xtask docs [--quick]`,
-//! `cargo xtask vectors`, `cargo xtask json`, `cargo xtask count [--bless]`.
+//! Development tasks: `cargo xtask test [--quick]`, `cargo xtask test-bevy`, `cargo xtask test-web`,
+//! `cargo xtask docs [--quick]`, `cargo xtask vectors`, `cargo xtask shaders-web`, `cargo xtask json`,
+//! `cargo xtask count [--bless]`.
 
 #[cfg(test)]
 mod arrows;
@@ -15,15 +16,20 @@ const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test, the documents' commands
   cargo xtask test --quick    only the tests, without real scenes and repeated bakes; under two minutes
   cargo xtask test-bevy       formatting, lints, documentation and tests of integrations/bevy_adumbra, which builds Bevy
+  cargo xtask test-web        types, lints, builds and tests of integrations/three, in Node.js and in a browser
   cargo xtask docs            run every command of README and docs/ in a copy of the repository, check its output; check links
   cargo xtask docs --quick    use existing builds and smaller numbers, only parse the arguments of long commands; FILE... reads only these files
   cargo xtask vectors         regenerate test_vectors/
+  cargo xtask shaders-web     regenerate the look-ups of integrations/three from the workspace's WGSL
   cargo xtask json            regenerate docs/json.md from the types that are printed or written as JSON
   cargo xtask count           compare instruction counts of the hot steps with docs/counts.json; --bless writes it";
 
 /// The test that compares docs/json.md with the types, or writes it.
 const JSON_DOCUMENT: [&str; 7] =
     ["test", "--release", "-p", "adumbra-cli", "--bin", "adumbra", "json_document"];
+
+/// Makes the look-ups of web pages.
+const GENERATOR: &str = "integrations/three/generator";
 
 /// Runs the tasks that bake.
 const BAKES: [&str; 6] = ["run", "--quiet", "--release", "--package", "xtask-bakes", "--"];
@@ -36,6 +42,8 @@ fn main() -> ExitCode {
         ["test"] => test(root),
         ["test", "--quick"] => quick_test(root),
         ["test-bevy"] => test_bevy(root),
+        ["test-web"] => test_web(root),
+        ["shaders-web"] => cargo(&root.join(GENERATOR), &["run", "--quiet"], &[]),
         ["docs", options @ ..] => {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
@@ -76,6 +84,20 @@ fn test_bevy(root: &Path) -> Result<(), String> {
     cargo(&plugin, &["clippy", "--all-targets", "--all-features", "--", "-D", "warnings"], &[])?;
     cargo(&plugin, &["doc", "--no-deps", "--all-features"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(&plugin, &["test", "--all-features"], &[])
+}
+
+/// Tests the package for three.js: its unit tests compare look-ups with the program's, its browser tests draw.
+fn test_web(root: &Path) -> Result<(), String> {
+    tools::ensure_web()?;
+    cargo(root, &["build", "--release", "--package", "adumbra-cli"], &[])?;
+    let program = root.join("target/release/adumbra");
+    let generator = root.join(GENERATOR);
+    cargo(&generator, &["fmt", "--all", "--check"], &[])?;
+    cargo(&generator, &["clippy", "--all-targets", "--", "-D", "warnings"], &[])?;
+    cargo(&generator, &["test"], &[])?;
+    let package = root.join("integrations/three");
+    run(&package, "npm", &["ci", "--no-audit", "--no-fund"], &[])?;
+    run(&package, "npm", &["run", "check"], &[("ADUMBRA_BIN", &program.to_string_lossy())])
 }
 
 /// Checks that the program without its features builds and links nothing that draws.
@@ -143,12 +165,16 @@ fn component_verb(component: &str) -> &str {
 }
 
 fn cargo(root: &Path, args: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
-    eprintln!("cargo {}", args.join(" "));
-    let status = Command::new("cargo")
+    run(root, "cargo", args, environment)
+}
+
+fn run(folder: &Path, program: &str, args: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
+    eprintln!("{program} {}", args.join(" "));
+    let status = Command::new(program)
         .args(args)
         .envs(environment.iter().copied())
-        .current_dir(root)
+        .current_dir(folder)
         .status()
-        .map_err(|e| format!("cannot run cargo: {e}"))?;
-    if status.success() { Ok(()) } else { Err(format!("cargo {} failed", args.join(" "))) }
+        .map_err(|e| format!("cannot run {program}: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{program} {} failed", args.join(" "))) }
 }

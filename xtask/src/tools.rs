@@ -1,5 +1,6 @@
 //! Tools that the tests need besides Rust: a Vulkan driver; for the window a headless X server, the libraries that
-//! winit opens at run time, and `xdotool`; for the report's page a headless browser.
+//! winit opens at run time, and `xdotool`; for the report's page a headless browser; for the
+//! package of web pages Node.js.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,9 @@ const BROWSER: Tool = command(
     "chromium",
     "chromium",
 );
+
+/// For the package for web pages.
+const NODE: Tool = command("Node.js with npm", &["npm"], "npm", "nodejs-npm");
 
 /// What a window needs to open without a screen.
 const WINDOW: [Tool; 8] = [
@@ -80,6 +84,11 @@ pub(crate) fn ensure_documents() -> Result<(), String> {
 /// the browser.
 pub(crate) fn ensure_all() -> Result<(), String> {
     ensure(&all())
+}
+
+/// Makes sure that Node.js and a browser are installed, like [`ensure_driver`].
+pub(crate) fn ensure_web() -> Result<(), String> {
+    ensure(&[NODE, BROWSER])
 }
 
 fn documents() -> Vec<Tool> {

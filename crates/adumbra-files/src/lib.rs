@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
 
 use tempfile::{NamedTempFile, TempPath};
 
@@ -108,9 +109,16 @@ impl StagedFile {
                 .persist(&target)
                 .map_err(|e| with_hint(e.error))
                 .map_err(IoError::at("replace", path))?;
+            announce(&target);
         }
         Ok(())
     }
+}
+
+/// Sets the time of a file that has just been renamed to now. Programs that watch a folder for changes, such as engines
+/// that reload assets, may otherwise see only that a file of another name is gone. If this fails, nothing is lost.
+fn announce(target: &Path) {
+    let _ = File::options().append(true).open(target).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
 /// Checks that a file can be written at `path`, without changing an existing file.

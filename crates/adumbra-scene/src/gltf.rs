@@ -7,6 +7,7 @@
 mod accessor;
 mod animations;
 mod container;
+mod files;
 mod images;
 mod materials;
 mod meshes;
@@ -14,6 +15,7 @@ mod nodes;
 mod shadow_name;
 mod skin;
 
+pub use files::files_of_gltf;
 pub use shadow_name::write_shadow_name;
 
 use std::borrow::Cow;
@@ -155,10 +157,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 
 /// Records the files of all buffers and images, whether they are needed or not.
 fn note_named(sources: &Sources<'_>, root: &Root) -> Result<()> {
-    let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
-    let images = root.images.iter().filter_map(|i| i.uri.as_deref());
-    let mut files = buffers.chain(images).filter(|uri| !uri.starts_with("data:"));
-    files.try_for_each(|uri| sources.note_named(&container::file_name(uri)))
+    files::named(root).try_for_each(|file| sources.note_named(&file))
 }
 
 fn parse(path: &Path, json: &[u8]) -> Result<(Root, Places)> {

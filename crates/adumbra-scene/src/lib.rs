@@ -36,7 +36,7 @@ pub use error::{EmptyReason, Error, Result};
 pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate, icosphere};
 pub use glb::{to_glb, write_glb};
-pub use gltf::write_shadow_name;
+pub use gltf::{files_of_gltf, write_shadow_name};
 pub use mips::{MipLevel, MippedTexture};
 pub use movers::{MoverPolicy, Movers};
 pub use srgb::{linear_to_srgb, srgb_to_linear};

@@ -165,7 +165,7 @@ impl<'a> Sources<'a> {
 pub(super) const OUTSIDE: &str = "it is outside the scene's folder, and files outside it are not allowed";
 
 /// Whether a path is not relative or leaves the folder that it starts in.
-fn leaves(path: &Path) -> bool {
+pub(super) fn leaves(path: &Path) -> bool {
     let mut depth = 0_usize;
     for component in path.components() {
         match component {

@@ -73,8 +73,10 @@ sources! {
     TEXTURE_R32UINT = "access/texture_r32uint.wgsl";
     /// Texels of a look-up texture of format `Rgba8Unorm`.
     TEXTURE_RGBA8UNORM = "access/texture_rgba8unorm.wgsl";
-    /// Words and parameters of a look-up texture.
+    /// Words of a look-up texture.
     LOOK_UP_TEXTURE = "access/look_up_texture.wgsl";
+    /// Header and parameters of a look-up texture.
+    LOOK_UP_PARAMETERS = "access/look_up_parameters.wgsl";
     /// Renders depth, normals and base colour into the G-buffer.
     GBUFFER = "passes/gbuffer.wgsl";
     /// The vertex input and the material shared by the passes that draw the scene.

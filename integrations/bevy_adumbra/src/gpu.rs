@@ -5,6 +5,8 @@
 //! view with it gets one texture of the format that Bevy needs: the picture's rows above, as Bevy copies them, and the
 //! words below. Transmission divides by the texture's own size, so it looks up the same texels as before.
 
+use std::sync::Arc;
+
 use bevy::ecs::prelude::*;
 use bevy::image::TextureFormatPixelInfo;
 use bevy::log::warn_once;
@@ -47,12 +49,43 @@ pub(crate) fn extract_files(in_use: Extract<Res<FilesInUse>>, mut extracted: Res
 #[derive(Resource, Default)]
 pub(crate) struct WordTextures {
     version: u64,
-    /// Width and rows of the words.
-    size: UVec2,
+    /// The files that the textures hold.
+    files: Vec<FileInUse>,
     /// The words alone.
     words: Option<WordTexture>,
     /// Words below a picture, by the picture's size and format.
     below: HashMap<(UVec2, TextureFormat), WordTexture>,
+}
+
+impl WordTextures {
+    /// Brings the textures up to date. If only settings have changed, less than 1 KiB per file is written.
+    fn take(&mut self, device: &RenderDevice, queue: &RenderQueue, version: u64, files: &[FileInUse]) {
+        let format = TextureFormat::Rgba8Unorm;
+        let has_words = self.files.len() == files.len()
+            && self.files.iter().zip(files).all(|(a, b)| Arc::ptr_eq(&a.texture, &b.texture));
+        match &self.words {
+            Some(words) if has_words => {
+                for (row, bytes) in parameters(files) {
+                    let size = UVec2::new(bytes.len() as u32 / 4, 1);
+                    write(queue, &words.texture, UVec2::new(0, row), size, &bytes);
+                    for ((picture, format), below) in &self.below {
+                        let Some(bytes) = encoded(&bytes, *format) else { continue };
+                        write(queue, &below.texture, UVec2::new(0, picture.y + row), size, &bytes);
+                    }
+                }
+            }
+            _ => {
+                self.below.clear();
+                let has_size = size(&self.files) == size(files);
+                let same = self.words.take().filter(|_| has_size);
+                let words = same.unwrap_or_else(|| word_texture(device, size(files), format));
+                write(queue, &words.texture, UVec2::ZERO, size(files), &rows(files));
+                self.words = Some(words);
+            }
+        }
+        self.version = version;
+        self.files = files.to_vec();
+    }
 }
 
 #[derive(Clone)]
@@ -66,33 +99,45 @@ struct WordTexture {
 #[derive(Component)]
 pub(crate) struct HasWords;
 
-/// Returns the rows of all files and the directory, and their size.
-fn rows(files: &[FileInUse]) -> (UVec2, Vec<u8>) {
+/// Width and rows of the words of all files and the directory.
+fn size(files: &[FileInUse]) -> UVec2 {
     let width = files.iter().map(|file| file.texture.width()).max().unwrap_or(1);
-    let rows = 1 + files.iter().map(|file| file.texture.height()).sum::<u32>();
-    let mut bytes = vec![0; 4 * (width * rows) as usize];
-    let mut directory = vec![0_u32; width as usize];
-    directory[..3].copy_from_slice(&[DIRECTORY_MAGIC, files.len() as u32, rows]);
-    let mut row = 0;
+    UVec2::new(width, 1 + files.iter().map(|file| file.texture.height()).sum::<u32>())
+}
+
+/// The beginnings of rows that depend on settings: each file's parameters and the directory, with their rows.
+fn parameters(files: &[FileInUse]) -> Vec<(u32, Vec<u8>)> {
+    let mut directory = vec![0_u32; FILE_WORDS[0] + FILE_WORDS[1] * files.len()];
+    directory[..3].copy_from_slice(&[DIRECTORY_MAGIC, files.len() as u32, size(files).y]);
+    let (mut row, mut parts) = (0, Vec::new());
     for (n, file) in files.iter().enumerate() {
-        let texture = &file.texture;
-        let row_bytes = 4 * texture.width() as usize;
-        for (y, texels) in texture.bytes().chunks(row_bytes).enumerate() {
-            let at = 4 * width as usize * (row as usize + y);
-            bytes[at..at + row_bytes].copy_from_slice(texels);
-        }
-        let at = 4 * (width * row) as usize;
-        bytes[at..at + file.header.len()].copy_from_slice(&file.header);
         let of_file = &mut directory[FILE_WORDS[0] + FILE_WORDS[1] * n..][..4];
         let alone = u32::from(file.is_alone(files));
-        of_file.copy_from_slice(&[row, texture.width().ilog2(), file.look_up.code(), alone]);
-        row += texture.height();
+        of_file.copy_from_slice(&[row, file.texture.width().ilog2(), file.look_up.code(), alone]);
+        parts.push((row, file.header.clone()));
+        row += file.texture.height();
     }
-    let at = bytes.len() - 4 * width as usize;
-    for (to, word) in bytes[at..].chunks_mut(4).zip(directory) {
-        to.copy_from_slice(&word.to_le_bytes());
+    parts.push((row, directory.into_iter().flat_map(u32::to_le_bytes).collect()));
+    parts
+}
+
+/// Returns the rows of all files and the directory.
+fn rows(files: &[FileInUse]) -> Vec<u8> {
+    let size = size(files);
+    let row_bytes = 4 * size.x as usize;
+    let mut bytes = vec![0; row_bytes * size.y as usize];
+    let mut row = 0;
+    for file in files {
+        let rows = file.texture.bytes().chunks(4 * file.texture.width() as usize);
+        for (texels, to) in rows.zip(bytes.chunks_mut(row_bytes).skip(row)) {
+            to[..texels.len()].copy_from_slice(texels);
+        }
+        row += file.texture.height() as usize;
     }
-    (UVec2::new(width, rows), bytes)
+    for (row, part) in parameters(files) {
+        bytes[row_bytes * row as usize..][..part.len()].copy_from_slice(&part);
+    }
+    bytes
 }
 
 /// Returns the bytes of words in a format that Bevy draws into, or `None` for a format that cannot hold them.
@@ -142,17 +187,10 @@ pub(crate) fn give_words(
         }
         return;
     }
-    if textures.version != files.version || textures.words.is_none() {
-        let (size, bytes) = rows(&files.files);
-        textures.below.clear();
-        let format = TextureFormat::Rgba8Unorm;
-        let same = textures.words.take().filter(|_| textures.size == size);
-        let words = same.unwrap_or_else(|| word_texture(&device, size, format));
-        write(&queue, &words.texture, UVec2::ZERO, size, &bytes);
-        textures.words = Some(words);
-        (textures.version, textures.size) = (files.version, size);
+    let size = size(&files.files);
+    if textures.version != files.version {
+        textures.take(&device, &queue, files.version, &files.files);
     }
-    let size = textures.size;
     let mut used = Vec::new();
     for (entity, view, camera, _) in &views {
         let Some(phase) = transmissive.get(&view.retained_view_entity) else { continue };
@@ -190,8 +228,7 @@ fn below_a_picture(
     size: UVec2,
     (picture, format): (UVec2, TextureFormat),
 ) -> Option<WordTexture> {
-    let (_, bytes) = rows(files);
-    let bytes = encoded(&bytes, format)?;
+    let bytes = encoded(&rows(files), format)?;
     let whole = UVec2::new(picture.x.max(size.x), picture.y + size.y);
     if whole.max_element() > device.limits().max_texture_dimension_2d {
         return None;

@@ -28,6 +28,9 @@
 //! | `lights` | which files are in use |
 //! | `statics` | which meshes are in the files, and how they leave the cascades |
 //! | `gpu` | the texture with the files' words |
+//! | `gltf` | lights of glTF files that name their file (feature `gltf`) |
+//! | `bake` | baking while the app runs (feature `bake`) |
+//! | `processor` | baking as an asset step (feature `processor`) |
 //!
 //! Whatever cannot work falls back to Bevy's own shadows in the same frame and says why: see [`BakedShadowStatus`].
 
@@ -40,8 +43,12 @@ mod gltf;
 mod gpu;
 mod lights;
 mod patch;
+#[cfg(feature = "processor")]
+mod processor;
 mod shaders;
 mod statics;
+#[cfg(any(feature = "bake", feature = "processor"))]
+mod threads;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -61,6 +68,8 @@ pub use components::{
     BakedShadow, BakedShadowChanged, BakedShadowStatus, BakedStatic, InBake, NotBaked, StaticCasters,
 };
 pub use file::{BakedShadowFile, ShadowFileError, ShadowFileLoader, ShadowFileSettings};
+#[cfg(feature = "processor")]
+pub use processor::{ShadowBake, ShadowBakeError, ShadowBakeLoader, ShadowFileSaver};
 pub use statics::CascadeCasters;
 
 /// Texels that every device allows along a side of a texture.
@@ -85,8 +94,12 @@ impl Plugin for AdumbraPlugin {
     fn build(&self, app: &mut App) {
         let max_side = MaxTextureSide(Arc::new(AtomicU32::new(MIN_MAX_TEXTURE_SIDE)));
         app.init_asset::<BakedShadowFile>()
-            .register_asset_loader(ShadowFileLoader::new(Arc::clone(&max_side.0)))
-            .insert_resource(max_side)
+            .register_asset_loader(ShadowFileLoader::new(Arc::clone(&max_side.0)));
+        #[cfg(feature = "processor")]
+        app.register_asset_loader(ShadowBakeLoader::new(Arc::clone(&max_side.0)))
+            .register_asset_processor(processor::ShadowBakeProcess::from(ShadowFileSaver))
+            .set_default_asset_processor::<processor::ShadowBakeProcess>("shadow.ron");
+        app.insert_resource(max_side)
             .init_resource::<StaticCasters>()
             .init_resource::<CascadeCasters>()
             .init_resource::<lights::FilesInUse>();

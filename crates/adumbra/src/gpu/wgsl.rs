@@ -23,10 +23,14 @@ pub fn wgsl_files(layout: Layout, words: WordSource) -> Vec<&'static str> {
         Layout::Packed => &["core/voxel_graph.wgsl", "core/voxel_packed.wgsl"],
         Layout::Depths => &["core/depths.wgsl", "core/depths_leaf.wgsl"],
     });
-    files.extend(match words {
-        WordSource::Buffer => &["access/words_1.wgsl"][..],
-        WordSource::R32Uint => &["access/texture_r32uint.wgsl", "access/look_up_texture.wgsl"],
-        WordSource::Rgba8Unorm => &["access/texture_rgba8unorm.wgsl", "access/look_up_texture.wgsl"],
-    });
+    let texels = match words {
+        WordSource::Buffer => {
+            files.push("access/words_1.wgsl");
+            return files;
+        }
+        WordSource::R32Uint => "access/texture_r32uint.wgsl",
+        WordSource::Rgba8Unorm => "access/texture_rgba8unorm.wgsl",
+    };
+    files.extend([texels, "access/look_up_texture.wgsl", "access/look_up_parameters.wgsl"]);
     files
 }

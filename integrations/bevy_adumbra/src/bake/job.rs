@@ -12,6 +12,7 @@ use bevy::math::Vec3;
 
 use super::BakeSettings;
 use crate::BakedShadowFile;
+use crate::threads::pool;
 
 /// A bake that is under way. It ends soon after this is dropped.
 #[derive(Debug)]
@@ -85,9 +86,7 @@ fn work(
     results: &Sender<Result<Finished, String>>,
 ) -> Result<(), String> {
     let sun = Sun::from_direction(towards_light.to_array().map(f64::from)).map_err(|e| e.to_string())?;
-    let cores = thread::available_parallelism().map_or(1, usize::from);
-    let threads = if settings.threads == 0 { cores.saturating_sub(1).max(1) } else { settings.threads };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
+    let pool = pool(settings.threads).map_err(|e| e.to_string())?;
     let coarse = settings.first_resolution.min(settings.resolution);
     let resolutions =
         if coarse == settings.resolution { vec![coarse] } else { vec![coarse, settings.resolution] };

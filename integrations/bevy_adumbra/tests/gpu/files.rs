@@ -1,6 +1,8 @@
 //! Files that are loaded, replaced, damaged and dropped, and several at once.
 
 use std::fs;
+use std::io::Write;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use adumbra::{Bounds, ShadowFile, Sun};
@@ -50,6 +52,15 @@ fn two_tiles_make_one_world() {
     assert!(off * 500 <= found.len(), "{off} of {}", found.len());
 }
 
+/// Replaces a file as `adumbra bake` does, so slowly that a watcher does not take it for a new one.
+fn replace(path: &Path, bytes: &[u8]) {
+    let write = |file: &mut fs::File| {
+        std::thread::sleep(Duration::from_millis(700));
+        file.write_all(bytes).map(|()| bytes.len() as u64)
+    };
+    adumbra_files::replace_file(path, write).unwrap();
+}
+
 #[test]
 fn a_file_is_replaced_within_a_second_and_a_damaged_one_is_not_taken() {
     let folder = tempfile::tempdir().unwrap();
@@ -67,8 +78,8 @@ fn a_file_is_replaced_within_a_second_and_a_damaged_one_is_not_taken() {
         let files = stage.app.world().resource::<Assets<BakedShadowFile>>();
         files.get(&handle).map(|file| file.file().body.layout())
     };
+    replace(&path, &bytes(&oblique));
     let start = Instant::now();
-    fs::write(&path, bytes(&oblique)).unwrap();
     stage.wait_for(|stage| layout(stage) == Some(adumbra::Layout::Packed));
     assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
     assert_alike(&stage.visibility(), &expected(&oblique, 5), 5);

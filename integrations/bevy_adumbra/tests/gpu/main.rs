@@ -1,9 +1,10 @@
 //! What Bevy draws with baked shadows, compared with look-ups on the CPU. Needs a GPU or a software adapter,
-//! and the features `bake` and `gltf`.
+//! and the features `bake`, `gltf` and `processor`.
 
 mod baking;
 mod files;
 mod fog;
 mod points;
+mod processing;
 mod stage;
 mod truth;

@@ -1,0 +1,83 @@
+// Errors of reading a shadow file and of preparing it for a GPU. Kinds and faults have the names of
+// `spec/adumbra-file.md`, "What a reader checks", which the Rust crate shares.
+
+/**
+ * What is wrong with a file.
+ *
+ * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU. `Layout`: it is valid, but the look-up
+ * reads another layout. All others are those of the specification: the file is not valid.
+ */
+export type ShadowFileErrorKind =
+  | 'Magic'
+  | 'OtherKind'
+  | 'FutureVersion'
+  | 'Truncated'
+  | 'TrailingBytes'
+  | 'HeaderChecksum'
+  | 'SectionChecksum'
+  | 'HeaderField'
+  | 'SectionBounds'
+  | 'Padding'
+  | 'Graph'
+  | 'Packed'
+  | 'Depths'
+  | 'Layout'
+  | 'TooLarge'
+  | 'Layout'
+  | 'Io';
+
+/** A fault in the voxels, for the kinds `Graph`, `Packed` and `Depths`. */
+export type ShadowFileFault =
+  | 'PointerRange'
+  | 'Order'
+  | 'NotAHeader'
+  | 'TwoLevels'
+  | 'HeaderBits'
+  | 'ChildState'
+  | 'NodeEnd'
+  | 'Uniform'
+  | 'Unreachable'
+  | 'TopLength'
+  | 'Pools'
+  | 'Filler'
+  | 'Column'
+  | 'NodeBits'
+  | 'LeafMaskRange'
+  | 'LeafMasks'
+  | 'Pointer'
+  | 'Unreached'
+  | 'RootLevel'
+  | 'End'
+  | 'Bits'
+  | 'Ranks'
+  | 'Wide';
+
+/** The values that an error found, by name. */
+export type ShadowFileErrorDetails = Readonly<Record<string, number | string>>;
+
+/** A shadow file that cannot be used. The message names the fault and its place, and says what to do about it. */
+export class ShadowFileError extends Error {
+  override readonly name = 'ShadowFileError';
+  /** What is wrong. Stable across versions. */
+  readonly kind: ShadowFileErrorKind;
+  /** The fault in the voxels, for the kinds `Graph`, `Packed` and `Depths`. Stable across versions. */
+  readonly fault: ShadowFileFault | undefined;
+  /** The values found, by name. Those of a fault in the voxels are in the message alone. */
+  readonly details: ShadowFileErrorDetails;
+  /** Where the file came from, if a loader read it. */
+  readonly url: string | undefined;
+
+  /** Creates an error. `where.url` is put before the message. */
+  constructor(
+    kind: ShadowFileErrorKind,
+    message: string,
+    details: ShadowFileErrorDetails = {},
+    where: { fault?: ShadowFileFault | undefined; url?: string; cause?: unknown } = {},
+  ) {
+    super(where.url === undefined ? message : `${where.url}: ${message}`, { cause: where.cause });
+    this.kind = kind;
+    this.details = details;
+    this.fault = where.fault;
+    this.url = where.url;
+  }
+}

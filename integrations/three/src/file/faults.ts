@@ -1,0 +1,35 @@
+// Errors that several parts of the reader have in common.
+
+import { ShadowFileError } from '../error.js';
+import type { Vec3 } from '../grid/vec3.js';
+
+/** Size of the header in bytes. */
+export const HEADER_BYTES = 384;
+
+/** Returns the error for a field of the header with a value that is not allowed. */
+export function field(name: string, value: number | Vec3 | string, expected: number | string): ShadowFileError {
+  return new ShadowFileError('HeaderField', `the header's ${name} is ${value}, but must be ${expected}; bake it again`, {
+    field: name,
+    value: String(value),
+    expected: String(expected),
+  });
+}
+
+/** Returns the error for a file that ends before a part of it does. */
+export function truncated(what: string, needed: number, have: number): ShadowFileError {
+  return new ShadowFileError(
+    'Truncated',
+    `cut off in its ${what}: ${needed} bytes are needed, but the file has ${have}; copy it again, or bake it again`,
+    { what, needed, have },
+  );
+}
+
+/** Returns the message for a part whose checksum differs. */
+export function damaged(what: string, stored: number, computed: number): string {
+  return `the ${what} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy the file again, or bake it again`;
+}
+
+/** Returns a word as eight hexadecimal digits. */
+export function hex(word: number): string {
+  return `0x${word.toString(16).padStart(8, '0')}`;
+}

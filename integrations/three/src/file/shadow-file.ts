@@ -1,0 +1,72 @@
+// The `.adumbra` file: parses its bytes into the placement, the settings and the words of its voxels. The format is in
+// `spec/adumbra-file.md`. Counterpart of `crates/adumbra/src/file/read.rs`.
+
+import type { LightGrid } from '../grid/light-grid.js';
+import type { Vec3 } from '../grid/vec3.js';
+import { validateDepths } from '../layout/validate-depths.js';
+import { validatePacked } from '../layout/validate-packed.js';
+import { validatePlain } from '../layout/validate-plain.js';
+import type { FileSettings, Layout } from '../settings.js';
+import { parseHeader } from './header.js';
+import { split } from './sections.js';
+
+/** What is checked when a file is read. */
+export interface ParseOptions {
+  /**
+   * `true`, the default: everything that the specification demands, so that no bytes but those of a valid file are taken.
+   * `'header'`: the header with its checksum, the length of the file and the places of its sections. For files that you
+   * trust: one that is damaged elsewhere gives wrong answers, but every look-up still ends.
+   */
+  readonly verify?: true | 'header';
+}
+
+/** The contents of a `.adumbra` file. Its words are views of the bytes that it was made from. */
+export class BakedShadowFile {
+  /** Version of the format, 1 to 3. */
+  readonly version: number;
+  /** Placement of the voxels in the world, and the sun. */
+  readonly grid: LightGrid;
+  /** Settings of the bake. */
+  readonly settings: FileSettings;
+  /** Layout of the voxels. */
+  readonly layout: Layout;
+  /** A root spans 2^rootLevel voxels along each side; 3 to 20. */
+  readonly rootLevel: number;
+  /** Number of roots along x, y, z. In the layout `depths` only x and y count. */
+  readonly topDims: Vec3;
+  /** The section `top`. */
+  readonly top: Uint32Array;
+  /** The section `nodes`: headers and pointers; packed: two units per word; depths: two half-words per word. */
+  readonly nodes: Uint32Array;
+  /** The section `leaf_masks`: two words per mask, the lower first; depths: two words per wide entry. */
+  readonly leafMasks: Uint32Array;
+  /** Length of the file, bytes. */
+  readonly byteLength: number;
+
+  /**
+   * Parses and checks a whole file. Cost: one pass over the bytes; half their size in memory while it checks.
+   *
+   * The file goes on using the buffer of `bytes`, which must not be changed. Bytes that are not at a multiple of 4 in
+   * their buffer are copied.
+   *
+   * @throws ShadowFileError if `bytes` are not exactly one valid file.
+   */
+  constructor(bytes: ArrayBufferLike | Uint8Array, { verify = true }: ParseOptions = {}) {
+    let whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
+    if (whole.byteOffset % 4 !== 0) whole = new Uint8Array(whole);
+    const { version, grid, settings, layout, rootLevel, topDims, sections } = parseHeader(whole);
+    [this.top, this.nodes, this.leafMasks] = split(whole, sections, verify === true);
+    this.version = version;
+    this.grid = grid;
+    this.settings = settings;
+    this.layout = layout;
+    this.rootLevel = rootLevel;
+    this.topDims = topDims;
+    this.byteLength = whole.length;
+    Object.freeze(this);
+    if (verify === true) {
+      const validate = { plain: validatePlain, packed: validatePacked, depths: validateDepths }[layout];
+      validate(this);
+    }
+  }
+}

@@ -1,0 +1,74 @@
+// adumbra-three/gltf: lights of glTF files that name their shadow file.
+//
+// A directional light of KHR_lights_punctual may have `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`. The
+// path is relative to the glTF file. `adumbra bake --into city.glb` writes it.
+
+import { LoaderUtils } from 'three';
+import type { Light } from 'three';
+import type { GLTF, GLTFLoaderPlugin, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
+
+import type { BakedShadowFile } from '../file/shadow-file.js';
+import type { SunLike } from '../light/direction.js';
+import { ShadowFileLoader } from '../loader.js';
+import { FILTER_WIDTHS } from '../settings.js';
+import type { FilterWidth } from '../settings.js';
+
+/** What a light of a glTF file says about its shadow. */
+export interface NamedShadow {
+  /** The light. */
+  readonly light: SunLike;
+  /** Its file. */
+  readonly file: BakedShadowFile;
+  /** The filter that the light asks for. */
+  readonly filter: FilterWidth | undefined;
+  /** The glTF scene, or whatever else the light is below. */
+  readonly gltf: GLTF;
+}
+
+/**
+ * A plugin of `GLTFLoader`: `loader.register((parser) => new GLTFBakedShadow(parser, attach))`. `attach` is called for
+ * each light that names a file, before the loader's promise resolves. With WebGPURenderer it is
+ * `({ light, ...options }) => { light.shadow.shadowNode = new BakedShadowNode(light, options); light.castShadow = true; }`.
+ *
+ * A file that cannot be loaded rejects the load of the glTF file with its `ShadowFileError`.
+ */
+export class GLTFBakedShadow implements GLTFLoaderPlugin {
+  /** For three: the name of what is read. */
+  readonly name = 'ADUMBRA_extras';
+  readonly #parser: GLTFParser;
+  readonly #attach: (shadow: NamedShadow) => void;
+
+  /** Creates the plugin of one load. */
+  constructor(parser: GLTFParser, attach: (shadow: NamedShadow) => void) {
+    this.#parser = parser;
+    this.#attach = attach;
+  }
+
+  /** For three: loads the files that lights name. */
+  async afterRoot(gltf: GLTF): Promise<void> {
+    const { manager, path, requestHeader, crossOrigin } = this.#parser.options;
+    const loader = new ShadowFileLoader(manager);
+    loader.setRequestHeader(requestHeader);
+    loader.setCrossOrigin(crossOrigin);
+    const lights: [SunLike, Extras][] = [];
+    for (const scene of gltf.scenes) {
+      scene.traverse((object) => {
+        const { adumbra } = object.userData as { adumbra?: Extras };
+        if ((object as Light).isLight && typeof adumbra?.shadow === 'string') lights.push([object as SunLike, adumbra]);
+      });
+    }
+    await Promise.all(
+      lights.map(async ([light, { shadow, filter }]) => {
+        const file = await loader.loadAsync(LoaderUtils.resolveURL(shadow as string, path));
+        const isWidth = (FILTER_WIDTHS as readonly unknown[]).includes(filter);
+        this.#attach({ light, file, filter: isWidth ? (filter as FilterWidth) : undefined, gltf });
+      }),
+    );
+  }
+}
+
+/** The extras of a light. */
+interface Extras {
+  readonly shadow?: unknown;
+  readonly filter?: unknown;
+}

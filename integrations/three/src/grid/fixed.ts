@@ -1,0 +1,7 @@
+// Fixed-point grid positions, in which the CPU and shaders agree on every tap. `spec/adumbra-file.md`, "Look-up bias and
+// filters".
+
+/** Units of a fixed-point grid position per voxel. */
+export const FIXED_ONE = 4096;
+/** Most voxels along a side of the grid with which positions and depths in fixed point fit 32 bits. */
+export const MAX_FIXED_SIDE = 516096;

@@ -1,0 +1,20 @@
+// adumbra-three: baked sun shadows for three.js. This entry reads `.adumbra` files and looks points up on the CPU; the
+// entries `./webgpu` and `./webgl` put a file's shadows into materials.
+
+export { ShadowFileError } from './error.js';
+export type { ShadowFileErrorDetails, ShadowFileErrorKind, ShadowFileFault } from './error.js';
+export { HEADER_BYTES } from './file/faults.js';
+export { LATEST_VERSION, parseHeader } from './file/header.js';
+export type { ShadowFileHeader } from './file/header.js';
+export type { Section, Sections } from './file/sections.js';
+export { BakedShadowFile } from './file/shadow-file.js';
+export type { ParseOptions } from './file/shadow-file.js';
+export { HEADER_WORDS, LookUpTexture, PARAMETERS_AT } from './gpu/look-up-texture.js';
+export type { GpuLookUpOptions, Penumbra } from './gpu/look-up-texture.js';
+export { toGrid, toWorld } from './grid/light-grid.js';
+export type { Bounds, LightGrid } from './grid/light-grid.js';
+export type { Mat3, PointLike, Vec3 } from './grid/vec3.js';
+export { ShadowFileLoader } from './loader.js';
+export { BakedShadowQuery } from './query/query.js';
+export { FILTER_WIDTHS } from './settings.js';
+export type { Bias, FileSettings, FilterWidth, Layout, LookUpOptions } from './settings.js';

@@ -1,0 +1,123 @@
+// Validates a quadtree of depths: every shape is within the code, every pointer leads to an earlier shape of the right
+// level, and every column of a leaf has one of its depths. Counterpart of
+// `crates/adumbra/src/layout/depths/validate.rs`.
+//
+// The levels at which an address was proved are remembered, so the walk takes time linear in the half-words.
+
+import { ShadowFileError } from '../error.js';
+import type { ShadowFileFault } from '../error.js';
+import type { BakedShadowFile } from '../file/shadow-file.js';
+import { lowestBit, popCount } from './bits.js';
+import { UNIFORM, leafHead } from './depths-leaf.js';
+
+const LEAF_LEVEL = 3;
+
+function fail(fault: ShadowFileFault, message: string): never {
+  throw new ShadowFileError('Depths', `the quadtree of depths is not valid: ${message}; bake it again`, {}, { fault });
+}
+
+/**
+ * Checks the words of a file of the layout depths. Cost: one pass over them, and one byte of memory per half-word.
+ *
+ * @throws ShadowFileError of the kind `Depths`.
+ */
+export function validateDepths({ top, nodes, leafMasks, rootLevel }: BakedShadowFile): void {
+  if (rootLevel !== 5 && rootLevel !== 7 && rootLevel !== 9) {
+    fail('RootLevel', `root level ${rootLevel} is not 5, 7 or 9`);
+  }
+  const code = new Uint16Array(nodes.buffer, nodes.byteOffset, 2 * nodes.length);
+  const wideCount = leafMasks.length >>> 1;
+  /** For each address, the levels at which it was proved, one bit per level. */
+  const proved = new Uint8Array(code.length);
+  const two = (at: number): number => (code[at] | (code[at + 1] << 16)) >>> 0;
+
+  const badBits = (at: number, level: number, half: number): never =>
+    fail('Bits', `the shape of level ${level} at half-word ${at} has invalid bits: 0x${half.toString(16)}`);
+  const checkEnd = (at: number, length: number, level: number): void => {
+    if (length > code.length - at) {
+      fail('End', `the shape of level ${level} at half-word ${at} extends past the end of the code`);
+    }
+  };
+
+  const pointer = (from: number, to: number, level: number): void => {
+    if (to >= from) {
+      fail('Order', `the shape at half-word ${from} points to ${to}, which is not before it`);
+    }
+    const bit = 1 << ((level - LEAF_LEVEL) >>> 1);
+    if ((proved[to] & bit) !== 0) return;
+    if (level === LEAF_LEVEL) leaf(to);
+    else node(to, level);
+    proved[to] |= bit;
+  };
+
+  const leaf = (at: number): void => {
+    const half = code[at];
+    const { last, differences, width, isSlanted, planesAt, planes } = leafHead(half);
+    if (half >>> 10 !== 0 || width > 2 || (last === 0 && (differences !== 0 || !isSlanted))) {
+      badBits(at, LEAF_LEVEL, half);
+    }
+    checkEnd(at, planesAt + 4 * planes, LEAF_LEVEL);
+    const padded = code[at + planesAt - 1];
+    if (width === 0 && (differences & 1) === 1 && padded >>> 8 !== 0) badBits(at, LEAF_LEVEL, padded);
+    // A rank above the last can be written only where the last is not all ones.
+    if ((last + 1) >>> planes !== 0) return;
+    for (let quarter = 0; quarter < 4; quarter++) {
+      const above = columnsAbove(code, at + planesAt + quarter, planes, last);
+      if (above !== 0) {
+        const column = 16 * quarter + lowestBit(above);
+        fail('Ranks', `the leaf at half-word ${at} gives column ${column} a rank above its last, ${last}`);
+      }
+    }
+  };
+
+  const node = (at: number, level: number): void => {
+    checkEnd(at, 3, level);
+    const low = code[at];
+    const high = code[at + 1];
+    const kind = code[at + 2];
+    checkEnd(at, 3 + popCount(low) + 2 * popCount(high), level);
+    const near = (field: number): number => (code[field] < 32768 ? code[field] : (at - (code[field] - 32768)) >>> 0);
+    for (let c = 0, field = at + 3; c < 16; c++) {
+      const size = ((low >>> c) & 1) + 2 * ((high >>> c) & 1);
+      const isKind = ((kind >>> c) & 1) === 1;
+      let to = UNIFORM;
+      if (size === 3 && isKind) {
+        const index = two(field);
+        if (index >= wideCount) {
+          fail('Wide', `the node at half-word ${at} refers to wide entry ${index}, but there are only ${wideCount}`);
+        }
+        if (code[field + 2] !== 0) badBits(at, level, code[field + 2]);
+        to = leafMasks[2 * index + 1];
+        if (to !== UNIFORM) pointer(at, to, level - 2);
+      } else if (size > 0 && !(size === 1 && isKind)) {
+        if (size === 1) to = near(field);
+        else if (size === 2) to = isKind ? near(field + 1) : two(field);
+        else to = two(field + 1);
+        pointer(at, to, level - 2);
+      }
+      field += size;
+    }
+  };
+
+  for (let root = 0; root < top.length; root += 2) {
+    if (top[root] !== UNIFORM) pointer(code.length, top[root], rootLevel);
+  }
+}
+
+/**
+ * Returns which of sixteen columns have a rank above `last`. Bit p of their ranks is in half-word `plane + 4 p`. All are
+ * compared at once, highest bit first.
+ */
+function columnsAbove(code: Uint16Array, plane: number, planes: number, last: number): number {
+  let above = 0;
+  let equal = 0xffff;
+  for (let p = planes - 1; p >= 0; p--) {
+    const bits = code[plane + 4 * p];
+    if ((last >>> p) & 1) equal &= bits;
+    else {
+      above |= equal & bits;
+      equal &= ~bits;
+    }
+  }
+  return above;
+}

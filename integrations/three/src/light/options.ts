@@ -1,0 +1,77 @@
+// The options of baked shadows on a light, which all renderers share, and their checks.
+
+import type { Object3D } from 'three';
+
+import { ShadowFileError } from '../error.js';
+import type { BakedShadowFile } from '../file/shadow-file.js';
+import type { GpuLookUpOptions } from '../gpu/look-up-texture.js';
+import type { LookUp } from '../look-ups/look-up.js';
+import type { Bias, FilterWidth } from '../settings.js';
+
+/** Most files on one light. */
+export const MAX_FILES = 8;
+
+/** How shadows are looked up; may change at any time. */
+export interface ShadowSettings {
+  /** Width of the filter in texels, by default 5; 1 is a hard edge. Not with `softnessDegrees`. */
+  filter?: FilterWidth;
+  /** The bias; each file's own by default. */
+  bias?: Bias;
+  /** Angle of the sun's disc in degrees, 0.01 to 20; 0.53 for the real one. Only with the look-up `soft`. */
+  softnessDegrees?: number;
+}
+
+/** Options of baked shadows on a light. */
+export interface BakedShadowOptions extends ShadowSettings {
+  /** The shader text; `depths` by default. */
+  lookUp?: LookUp;
+  /** Turns the light to the sun of the first file. True by default. */
+  align?: boolean;
+  /**
+   * The roots of what the files hold. While a file is in use, nothing below them casts in three's own shadow maps but
+   * skinned meshes, which a bake leaves out. Set `userData.adumbra = { cast: true }` on what else moves.
+   */
+  statics?: Object3D | readonly Object3D[];
+  /** Largest side of a texture, texels. 8192 by default, which every device with WebGPU has. */
+  maxTextureSize?: number;
+}
+
+/** The widest penumbra, texels. */
+const MAX_PENUMBRA_TEXELS = 16;
+
+/** Returns the settings as a look-up of a file takes them. */
+export function gpuOptions(settings: ShadowSettings, lookUp: LookUp): GpuLookUpOptions {
+  const bias = settings.bias === undefined ? {} : { bias: settings.bias };
+  const degrees = settings.softnessDegrees;
+  if (!lookUp.isSoft) {
+    if (degrees !== undefined) {
+      throw new RangeError("softnessDegrees needs lookUp: soft, from 'adumbra-three/look-ups'");
+    }
+    return { filter: settings.filter ?? 5, ...bias };
+  }
+  if (settings.filter !== undefined) throw new RangeError('the look-up soft has no filter; set softnessDegrees');
+  return { filter: 1, ...bias, penumbra: { angleDegrees: degrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
+}
+
+/** Checks that files can be on one light. */
+export function checkFiles(files: readonly BakedShadowFile[], lookUp: LookUp): void {
+  if (files.length === 0 || files.length > MAX_FILES) {
+    throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but ${files.length} are given`);
+  }
+  for (const file of files) {
+    if (file.layout !== lookUp.layout) {
+      throw new ShadowFileError(
+        'Layout',
+        `the file has the layout ${file.layout}, but the look-up ${lookUp.name} reads ${lookUp.layout}; ` +
+          `pass lookUp: ${file.layout}, from 'adumbra-three/look-ups', or bake with --layout ${lookUp.layout}`,
+        { layout: file.layout, lookUp: lookUp.name },
+      );
+    }
+  }
+}
+
+/** Returns one or several values as a list. */
+export function asList<T>(values: T | readonly T[] | undefined): readonly T[] {
+  if (values === undefined) return [];
+  return Array.isArray(values) ? (values as readonly T[]) : [values as T];
+}

@@ -1,0 +1,103 @@
+// The files of one light as two textures, as `wgsl/words.wgsl` reads them: all words, and one row of parameters per file.
+
+import { DataTexture, RedIntegerFormat, UnsignedIntType } from 'three';
+import type { Vector3 } from 'three';
+
+import type { BakedShadowFile } from '../file/shadow-file.js';
+import { HEADER_WORDS, LookUpTexture, textureSize } from '../gpu/look-up-texture.js';
+import type { GpuLookUpOptions } from '../gpu/look-up-texture.js';
+
+/** Header word: the file's first word in the texture of words. */
+const FIRST_WORD = 104;
+/** Word of the first header: the number of files in use. */
+const FILE_COUNT = 105;
+/** Header word: the number of the file's words. */
+const WORD_COUNT = 3;
+
+/** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
+export const SAME_SUN = 1.5e-3;
+
+/** The textures of one light. */
+export class LightTextures {
+  /** The files' words, one per texel. */
+  readonly words: DataTexture;
+  /** The files' parameters, one row per file. The files in use come first. */
+  readonly headers: DataTexture;
+  readonly #files: readonly BakedShadowFile[];
+  readonly #lookUps: readonly LookUpTexture[];
+  readonly #firstWords: number[] = [];
+  /** Numbers of the files in use. */
+  #inUse: readonly number[] = [];
+
+  /**
+   * Makes the textures. Cost: two copies of the files' words.
+   *
+   * @throws ShadowFileError of the kind `TooLarge` if the words do not fit a texture of `maxSide` texels a side.
+   * @throws RangeError if an option is out of its range.
+   */
+  constructor(files: readonly BakedShadowFile[], maxSide: number, options: GpuLookUpOptions) {
+    this.#files = files;
+    this.#lookUps = files.map((file) => new LookUpTexture(file, maxSide, options));
+    let total = 0;
+    for (const { header } of this.#lookUps) {
+      this.#firstWords.push(total);
+      total += header[WORD_COUNT]!;
+    }
+    const [width, height] = textureSize(total, maxSide);
+    const words = new Uint32Array(width * height);
+    this.#lookUps.forEach(({ words: all, header }, i) => {
+      words.set(all.subarray(HEADER_WORDS, HEADER_WORDS + header[WORD_COUNT]!), this.#firstWords[i]!);
+    });
+    this.words = dataTexture(words, width, height);
+    this.headers = dataTexture(new Uint32Array(HEADER_WORDS * files.length), HEADER_WORDS, files.length);
+    this.#writeHeaders();
+  }
+
+  /** Changes filter, bias or penumbrae. Less than 1 KiB per file is uploaded. */
+  setLookUp(options: GpuLookUpOptions): void {
+    for (const lookUp of this.#lookUps) lookUp.setLookUp(options);
+    this.#writeHeaders();
+  }
+
+  /**
+   * Puts the files into use whose sun is in this direction, a unit vector in world space.
+   *
+   * @returns How many there are. With 0, look-ups return 1.
+   */
+  use(towardsLight: Vector3): number {
+    const inUse: number[] = [];
+    this.#files.forEach(({ grid: { sun } }, i) => {
+      const away = Math.hypot(sun[0] - towardsLight.x, sun[1] - towardsLight.y, sun[2] - towardsLight.z);
+      if (away <= SAME_SUN) inUse.push(i);
+    });
+    if (inUse.length !== this.#inUse.length || inUse.some((file, i) => file !== this.#inUse[i])) {
+      this.#inUse = inUse;
+      this.#writeHeaders();
+    }
+    return inUse.length;
+  }
+
+  /** Frees what the GPU holds. */
+  dispose(): void {
+    this.words.dispose();
+    this.headers.dispose();
+  }
+
+  #writeHeaders(): void {
+    const rows = this.headers.image.data as Uint32Array;
+    this.#inUse.forEach((file, row) => {
+      const at = HEADER_WORDS * row;
+      rows.set(this.#lookUps[file]!.header, at);
+      rows[at + FIRST_WORD] = this.#firstWords[file]!;
+    });
+    rows[FILE_COUNT] = this.#inUse.length;
+    this.headers.needsUpdate = true;
+  }
+}
+
+function dataTexture(words: Uint32Array<ArrayBuffer>, width: number, height: number): DataTexture {
+  // The format that the GPU gets is left to the renderer: WebGPU and WebGL2 name it differently.
+  const texture = new DataTexture(words, width, height, RedIntegerFormat, UnsignedIntType);
+  texture.needsUpdate = true;
+  return texture;
+}

@@ -1,0 +1,95 @@
+// Loads `.adumbra` files as other loaders of three.js load theirs.
+
+import { FileLoader, Loader } from 'three';
+
+import { ShadowFileError } from './error.js';
+import { BakedShadowFile } from './file/shadow-file.js';
+import type { ParseOptions } from './file/shadow-file.js';
+
+/**
+ * Loads a `.adumbra` file into a {@link BakedShadowFile}.
+ *
+ * `loadAsync` rejects with what `load` gives to `onError`: a {@link ShadowFileError} whose message and `url` name the
+ * file, of the kind `Io` if it could not be fetched. A request that was aborted, by {@link ShadowFileLoader.abort} or by
+ * the loading manager, gives the browser's `AbortError`.
+ */
+export class ShadowFileLoader extends Loader<BakedShadowFile> {
+  /** What is checked: everything by default; `'header'` for files that you trust. */
+  verify: true | 'header' = true;
+  readonly #requests = new Set<FileLoader<ArrayBuffer>>();
+
+  /**
+   * Loads the file at `url`, after the loader's `path`.
+   *
+   * @param onProgress Is called with the bytes that have arrived.
+   * @param onError Is called with a {@link ShadowFileError}, or with an `AbortError`.
+   */
+  override load(
+    url: string,
+    onLoad: (file: BakedShadowFile) => void,
+    onProgress?: (event: ProgressEvent) => void,
+    onError?: (error: unknown) => void,
+  ): void {
+    const request = new FileLoader<ArrayBuffer>(this.manager)
+      .setPath(this.path)
+      .setResponseType('arraybuffer')
+      .setRequestHeader(this.requestHeader)
+      .setWithCredentials(this.withCredentials);
+    const fail = (error: unknown): void => {
+      if (onError === undefined) console.error(error);
+      else onError(error);
+    };
+    this.#requests.add(request);
+    request.load(
+      url,
+      (buffer) => {
+        this.#requests.delete(request);
+        let file: BakedShadowFile;
+        try {
+          file = this.parse(buffer);
+        } catch (error) {
+          fail(withUrl(error, url));
+          this.manager.itemError(url);
+          return;
+        }
+        onLoad(file);
+      },
+      onProgress,
+      (error) => {
+        this.#requests.delete(request);
+        fail(isAbort(error) ? error : withUrl(error, url));
+      },
+    );
+  }
+
+  /**
+   * Parses the bytes of a file. The file goes on using the buffer, which must not be changed.
+   *
+   * @throws ShadowFileError if the bytes are not exactly one valid file.
+   */
+  parse(buffer: ArrayBufferLike | Uint8Array): BakedShadowFile {
+    const options: ParseOptions = { verify: this.verify };
+    return new BakedShadowFile(buffer, options);
+  }
+
+  /** Aborts all requests that are under way. The loader can be used again afterwards. */
+  override abort(): this {
+    for (const request of this.#requests) request.abort();
+    this.#requests.clear();
+    return this;
+  }
+}
+
+function isAbort(error: unknown): boolean {
+  return error instanceof DOMException && error.name === 'AbortError';
+}
+
+/** Returns an error that names the file. */
+function withUrl(error: unknown, url: string): unknown {
+  if (error instanceof ShadowFileError) {
+    const { kind, message, details, fault, cause } = error;
+    return new ShadowFileError(kind, message, details, { fault, url, cause });
+  }
+  const reason = error instanceof Error ? error.message : String(error);
+  return new ShadowFileError('Io', `cannot be fetched: ${reason}; check its path and the server`, {}, { url, cause: error });
+}

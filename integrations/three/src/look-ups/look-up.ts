@@ -1,0 +1,25 @@
+// What a look-up is: the shader text for files of one layout, in the two languages of a browser.
+
+import type { Layout } from '../settings.js';
+
+/** The shader text of a look-up, as `adumbra-three/look-ups` exports it. */
+export interface LookUp {
+  /** Its name. */
+  readonly name: 'plain' | 'packed' | 'depths' | 'soft';
+  /** The layout of the files that it reads. */
+  readonly layout: Layout;
+  /** Whether it softens shadows with distance; otherwise it is a filter of K × K taps. */
+  readonly isSoft: boolean;
+  /** The text for WebGPU. */
+  readonly wgsl: string;
+  /** The text for WebGL2. */
+  readonly glsl: string;
+}
+
+/**
+ * Gives the names of a text a prefix of their own, so that the texts of two lights can be in one shader. All names that
+ * a text declares have the part `adumbra`, in one case or another.
+ */
+export function withPrefix(text: string, prefix: string): string {
+  return text.replace(/adumbra/gi, (part) => (part === 'ADUMBRA' ? prefix.toUpperCase() : prefix));
+}

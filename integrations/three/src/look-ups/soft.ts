@@ -1,0 +1,8 @@
+// The look-up `soft`.
+
+import glsl from '../generated/soft.glsl.js';
+import wgsl from '../generated/soft.wgsl.js';
+import type { LookUp } from './look-up.js';
+
+/** Looks up files of the layout `depths`, with penumbrae of a sun that is a disc. */
+export const soft: LookUp = { name: 'soft', layout: 'depths', isSoft: true, wgsl, glsl };

@@ -1,0 +1,71 @@
+// The settings of a bake, as the file's header holds them, and the settings of look-ups. Counterpart of
+// `crates/adumbra/src/settings.rs`.
+
+import type { Bounds } from './grid/light-grid.js';
+
+/** How far a look-up moves its point before it reads the grid, in texels (1 texel = `voxelSize`). */
+export interface Bias {
+  /** Distance towards the sun, on every surface. */
+  readonly constantTexels: number;
+  /** Distance towards the sun, multiplied by the slope of the surface, at most 9.95. */
+  readonly slopeTexels: number;
+  /** Distance along the normal. */
+  readonly normalOffsetTexels: number;
+}
+
+/** The layout of the voxels in a file, see the specification. */
+export type Layout = 'plain' | 'packed' | 'depths';
+
+/** The layouts in the order of their numbers in the header. */
+export const LAYOUTS: readonly Layout[] = ['plain', 'packed', 'depths'];
+
+/** The settings that determine what a file answers. */
+export interface FileSettings {
+  /** Number of texels that were requested on the longest side; at least 1. */
+  readonly resolution: number;
+  /** How far below an open surface its shadow may begin, world units; 0 = the bias at the surface's slope. */
+  readonly thicknessWorld: number;
+  /** Whether the bake assumed that no static surface is behind the last one of a column. */
+  readonly assumeGround: boolean;
+  /** Whether voxels inside closed solids may be lit or shadowed. */
+  readonly closedRegions: boolean;
+  /** Whether alpha masks were ignored. */
+  readonly ignoreAlpha: boolean;
+  /** The points at which the file is correct: all in space, or those on static surfaces. */
+  readonly receivers: 'all' | 'static';
+  /** How far behind its first surface a column may switch, voxels; 0 anywhere that no look-up from a surface reads. */
+  readonly switchWithinVoxels: number;
+  /** The box that was given for the bake, world space; `null` if none was. */
+  readonly bounds: Bounds | null;
+  /** The bias that the file was baked for. */
+  readonly bias: Bias;
+  /** Number of triangles that were baked, every instance counted; rounded above 2^53. */
+  readonly triangles: number;
+  /** Number of instances that were baked; rounded above 2^53. */
+  readonly instances: number;
+}
+
+/** Width of a filter in texels: K × K taps. */
+export type FilterWidth = 1 | 3 | 5 | 9 | 17;
+
+/** The widths that a filter can have, texels. */
+export const FILTER_WIDTHS: readonly FilterWidth[] = [1, 3, 5, 9, 17];
+
+/** Settings of look-ups. */
+export interface LookUpOptions {
+  /** Width of the filter in texels. With 1, the answer is 0 or 1. */
+  readonly filter: FilterWidth;
+  /** The bias; that of the file by default. */
+  readonly bias?: Bias;
+}
+
+/**
+ * Checks the width of a filter.
+ *
+ * @throws RangeError if it is not one of {@link FILTER_WIDTHS}.
+ */
+export function checkFilter(filter: number): void {
+  if (!(FILTER_WIDTHS as readonly number[]).includes(filter)) {
+    throw new RangeError(`the filter's width is ${filter}, but must be 1, 3, 5, 9 or 17`);
+  }
+}

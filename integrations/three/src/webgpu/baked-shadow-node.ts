@@ -1,0 +1,126 @@
+// The shadow of a light from its files, as a node of WebGPURenderer.
+
+import { FrontSide, Vector3 } from 'three';
+import { Fn, faceDirection, mix, normalWorldGeometry, property, reference, screenCoordinate, shadow } from 'three/tsl';
+import { NodeUpdateType, ShadowBaseNode } from 'three/webgpu';
+import type { Node, NodeBuilder, NodeFrame } from 'three/webgpu';
+
+import type { BakedShadowFile } from '../file/shadow-file.js';
+import { alignLight, towardsLight } from '../light/direction.js';
+import type { SunLike } from '../light/direction.js';
+import { asList, checkFiles, gpuOptions } from '../light/options.js';
+import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
+import { Statics } from '../light/statics.js';
+import { LightTextures } from '../light/textures.js';
+import { depths } from '../look-ups/depths.js';
+import type { LookUp } from '../look-ups/look-up.js';
+import { LookUpNodes } from './look-up-node.js';
+
+/** What casts besides the files: `'shadow'` for the light's own shadow map, a shadow node such as `CSMShadowNode`, or nothing. */
+export type Movers = 'shadow' | ShadowBaseNode;
+
+/** Options of a {@link BakedShadowNode}. */
+export interface BakedShadowNodeOptions extends BakedShadowOptions {
+  /** The light's file, or several: tiles, suns. */
+  file: BakedShadowFile | readonly BakedShadowFile[];
+  /** What casts besides the files. Without it the light draws no shadow map. */
+  movers?: Movers;
+}
+
+/** Numbers of the nodes, which tell their texts apart in a shader. */
+let nodes = 0;
+
+/**
+ * The shadow of a light from its files: `light.shadow.shadowNode = new BakedShadowNode(light, { file })`. The light must
+ * cast (`light.castShadow`), and the renderer's shadow maps must be enabled.
+ */
+export class BakedShadowNode extends ShadowBaseNode {
+  readonly #sun: SunLike;
+  readonly #lookUp: LookUp;
+  readonly #nodes: LookUpNodes;
+  readonly #movers: Node | null;
+  readonly #statics: Statics;
+  readonly #textures: LightTextures;
+  readonly #direction = new Vector3();
+  #isDisposed = false;
+
+  /**
+   * Creates a node. Cost: two copies of the files' words.
+   *
+   * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
+   * @throws RangeError if an option is out of its range.
+   */
+  constructor(light: SunLike, options: BakedShadowNodeOptions) {
+    super(light);
+    const files = asList(options.file);
+    this.#sun = light;
+    this.#lookUp = options.lookUp ?? depths;
+    checkFiles(files, this.#lookUp);
+    this.#textures = new LightTextures(files, options.maxTextureSize ?? 8192, gpuOptions(options, this.#lookUp));
+    nodes += 1;
+    this.#nodes = new LookUpNodes(this.#lookUp, this.#textures, `adumbra${nodes}`);
+    const { movers } = options;
+    this.#movers = movers === 'shadow' ? shadow(light) : (movers ?? null);
+    this.#statics = new Statics(asList(options.statics));
+    if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
+    this.#update();
+    this.updateBeforeType = NodeUpdateType.RENDER;
+  }
+
+  /** Whether the light shines from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
+  get isActive(): boolean {
+    return this.#textures.use(this.#direction) > 0;
+  }
+
+  /**
+   * Changes filter, bias or softness. Nothing is compiled anew.
+   *
+   * @throws RangeError if a setting is out of its range.
+   */
+  setLookUp(settings: ShadowSettings): void {
+    this.#textures.setLookUp(gpuOptions(settings, this.#lookUp));
+  }
+
+  /** For three: the shadow's node in a material. */
+  override setup(builder: NodeBuilder): Node {
+    return Fn(() => {
+      this.setupShadowPosition(builder);
+      const isFront = builder.material.side === FrontSide;
+      const baked = this.#nodes.visibility(builder, {
+        pWorld: property('vec3', 'shadowPositionWorld'),
+        normal: isFront ? normalWorldGeometry : normalWorldGeometry.mul(faceDirection),
+        pixel: screenCoordinate,
+      });
+      const visibility = this.#movers === null ? baked : baked.min(this.#movers as Node<'float'>);
+      const lit = mix(1, visibility, reference('intensity', 'float', this.#sun.shadow));
+      const received = (builder.material as { receivedShadowNode?: ((node: Node) => Node) | null }).receivedShadowNode;
+      return received ? received(lit) : lit;
+    })();
+  }
+
+  /** For three: follows the light before a frame. */
+  override updateBefore({ renderer }: NodeFrame): undefined {
+    if (this.#isDisposed) return;
+    this.#update();
+    // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
+    renderer?.initTexture(this.#textures.headers);
+  }
+
+  /** Frees what the GPU holds, gives casters their shadows back, and leaves the light. */
+  override dispose(): void {
+    if (this.#isDisposed) return;
+    this.#isDisposed = true;
+    this.#statics.rest(false);
+    this.#textures.dispose();
+    this.#movers?.dispose();
+    super.dispose();
+    if (this.#sun.shadow.shadowNode === this) delete this.#sun.shadow.shadowNode;
+    // Three's node of the light drops the shadow then, and has materials built anew.
+    this.#sun.dispatchEvent({ type: 'dispose' });
+  }
+
+  #update(): void {
+    const count = this.#textures.use(towardsLight(this.#sun, this.#direction));
+    this.#statics.rest(count > 0);
+  }
+}

@@ -1,0 +1,193 @@
+// What three draws with baked shadows, compared with look-ups on the CPU: three back ends, all layouts and settings,
+// materials, kinds of objects and depth buffers. A pixel may differ where a position in 32-bit floats falls into the next
+// texel: at most 0.2 % of them, by at most one row of taps.
+
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import type { Page } from 'playwright-core';
+import { afterAll, beforeAll, describe, expect, test } from 'vitest';
+
+import { BakedShadowFile, BakedShadowQuery } from '../../src/index.js';
+import type { Bias, FilterWidth, LookUpOptions } from '../../src/index.js';
+import { Stage, VERSIONS } from './stage.js';
+
+const SIDE = 256;
+const BACKENDS = ['webgpu', 'webgl2', 'webgl'] as const;
+const SUN = '0.5,0.8,0.35';
+
+/** What a page draws. */
+interface Task {
+  backend: (typeof BACKENDS)[number];
+  files: string[];
+  lookUp: string;
+  settings?: object;
+  later?: object[];
+  material?: string;
+  object?: string;
+  transparent?: boolean;
+  side?: string;
+  depth?: string;
+  cycles?: number;
+}
+
+const SQUARE = { height: 0.25, middle: [0, 0] as const, width: 120 };
+
+let folder: string;
+let stage: Stage;
+let page: Page;
+let complaints: string[];
+
+/** The program that bakes. */
+const program = process.env['ADUMBRA_BIN'];
+
+function bake(name: string, ...options: string[]): void {
+  const scene = join(folder, 'city.glb');
+  execFileSync(program!, ['bake', scene, '--sun', SUN, '-o', join(folder, name), '--resolution', '2048', ...options]);
+}
+
+beforeAll(async () => {
+  if (program === undefined) throw new Error('the browser tests need the program: ADUMBRA_BIN=…/adumbra');
+  folder = mkdtempSync(join(tmpdir(), 'adumbra-three-'));
+  execFileSync(program, ['generate', 'city', '-o', join(folder, 'city.glb')]);
+  bake('depths.adumbra', '--layout', 'depths');
+  bake('packed.adumbra', '--layout', 'packed', '--frame', 'light');
+  bake('other.adumbra', '--layout', 'depths', '--bounds', '-70,-10,-70,70,100,70', '--frame', 'light');
+  bake('plain.adumbra', '--layout', 'plain');
+  bake('low.adumbra', '--layout', 'depths', '--bounds', '-300,-10,-300,2,100,300');
+  bake('high.adumbra', '--layout', 'depths', '--bounds', '-2,-10,-300,300,100,300');
+  stage = await Stage.start(folder);
+  ({ page, complaints } = await stage.open(VERSIONS['0.187.0'], 'points.js'));
+});
+
+afterAll(async () => {
+  await stage?.stop();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+async function draw(task: Task, on: Page = page): Promise<{ pictures: Float32Array[]; memory: object[] }> {
+  const files = task.files.map((name) => `/files/${name}`);
+  const { visibility, memory } = await on.evaluate(
+    (drawn) => (window as unknown as { draw(task: object): Promise<Drawn> }).draw(drawn),
+    { ...SQUARE, ...task, files },
+  );
+  const pictures = visibility.map((text) => new Float32Array(new Uint8Array(Buffer.from(text, 'base64')).buffer));
+  return { pictures, memory };
+}
+
+interface Drawn {
+  visibility: string[];
+  memory: object[];
+}
+
+function read(name: string): BakedShadowFile {
+  const bytes = readFileSync(join(folder, name));
+  return new BakedShadowFile(bytes);
+}
+
+/** The visibility of each pixel's point, by look-ups on the CPU. */
+function expected(file: BakedShadowFile, options: LookUpOptions): Float32Array {
+  const query = new BakedShadowQuery(file, options);
+  const across = (n: number) => ((n + 0.5) / SIDE - 0.5) * SQUARE.width;
+  return Float32Array.from({ length: SIDE * SIDE }, (_, i) => {
+    const point = { x: across(i % SIDE), y: SQUARE.height, z: across(Math.floor(i / SIDE)) };
+    return query.visibility(point, { x: 0, y: 1, z: 0 });
+  });
+}
+
+function expectAlike(found: Float32Array, wanted: Float32Array, filter: number): void {
+  let [off, most, shadowed] = [0, 0, 0];
+  wanted.forEach((value, i) => {
+    const difference = Math.abs(found[i]! - value);
+    off += Number(!(difference <= 0.004));
+    most = Math.max(most, Number.isNaN(difference) ? Infinity : difference);
+    shadowed += Number(value < 0.5);
+  });
+  expect(shadowed).toBeGreaterThan(wanted.length / 20);
+  expect(shadowed).toBeLessThan((wanted.length * 19) / 20);
+  expect({ off, most }).toSatisfy(() => off * 500 <= wanted.length && most <= 1 / filter + 0.004);
+}
+
+const alike = (name: string, found: Float32Array, filter: FilterWidth, bias?: Bias): void =>
+  expectAlike(found, expected(read(name), bias === undefined ? { filter } : { filter, bias }), filter);
+
+describe.each(BACKENDS)('%s', (backend) => {
+  test.each(['depths', 'packed', 'plain'])('draws what a file of the layout %s answers', async (layout) => {
+    const files = [`${layout}.adumbra`];
+    const { pictures } = await draw({ backend, files, lookUp: layout, settings: { filter: 5 } });
+    alike(files[0]!, pictures[0]!, 5);
+  });
+
+  test('follows filter and bias', async () => {
+    const files = ['depths.adumbra'];
+    const bias = { constantTexels: 4, slopeTexels: 2, normalOffsetTexels: 1 };
+    const later = [{ filter: 1 }, { filter: 9, bias }];
+    const { pictures } = await draw({ backend, files, lookUp: 'depths', later });
+    alike(files[0]!, pictures[0]!, 5);
+    alike(files[0]!, pictures[1]!, 1);
+    alike(files[0]!, pictures[2]!, 9, bias);
+  });
+
+  test('softens with distance', async () => {
+    const files = ['depths.adumbra'];
+    const { pictures } = await draw({ backend, files, lookUp: 'soft', settings: { softnessDegrees: 2 } });
+    const [soft, hard] = [pictures[0]!, expected(read(files[0]!), { filter: 1 })];
+    const partial = soft.filter((v) => v > 0.02 && v < 0.98).length;
+    const far = soft.reduce((sum, v, i) => sum + Math.abs(v - hard[i]!), 0) / soft.length;
+    expect(partial).toBeGreaterThan(soft.length / 50);
+    expect(far).toBeLessThan(0.05);
+  });
+
+  test('joins tiles', async () => {
+    const files = ['low.adumbra', 'high.adumbra'];
+    const { pictures } = await draw({ backend, files, lookUp: 'depths', settings: { filter: 5 } });
+    const [low, high] = files.map((name) => expected(read(name), { filter: 5 }));
+    const found = pictures[0]!;
+    const half = (keep: (x: number) => boolean) => (_: number, i: number) => keep(i % SIDE);
+    expectAlike(found.filter(half((x) => x < 120)), low!.filter(half((x) => x < 120)), 5);
+    expectAlike(found.filter(half((x) => x > 136)), high!.filter(half((x) => x > 136)), 5);
+  });
+
+  const kinds: Partial<Task>[] = [
+    { material: 'physical' },
+    { material: 'lambert' },
+    { material: 'phong' },
+    { material: 'toon' },
+    { object: 'instanced' },
+    { object: 'skinned' },
+    { object: 'batched' },
+    { transparent: true },
+    { side: 'double' },
+    { depth: 'logarithmic' },
+    { depth: 'reversed' },
+  ];
+  test.each(kinds)('draws %o', async (kind) => {
+    const files = ['depths.adumbra'];
+    const { pictures } = await draw({ backend, files, lookUp: 'depths', settings: { filter: 5 }, ...kind });
+    alike(files[0]!, pictures[0]!, 5);
+  });
+
+  test('leaves nothing behind when it goes, and comes back with another file', async () => {
+    const files = ['depths.adumbra', 'other.adumbra'];
+    const task = { backend, files, lookUp: 'depths', settings: { filter: 5 }, cycles: 10 };
+    const { pictures, memory } = await draw(task);
+    expect(memory).toHaveLength(10);
+    for (const each of memory) expect(each).toEqual(memory[0]);
+    for (const cycle of [0, 1, 8, 9]) alike(files[(cycle + 1) % 2]!, pictures[cycle + 1]!, 5);
+  });
+
+  test.each(Object.entries(VERSIONS))('works with three %s', async (_, three) => {
+    const other = await stage.open(three, 'points.js');
+    const files = ['depths.adumbra'];
+    const { pictures } = await draw({ backend, files, lookUp: 'depths', settings: { filter: 5 } }, other.page);
+    alike(files[0]!, pictures[0]!, 5);
+    expect(other.complaints).toEqual([]);
+    await other.page.close();
+  });
+});
+
+test('the console is silent', () => {
+  expect(complaints).toEqual([]);
+});

@@ -1,0 +1,123 @@
+// A browser, and a server of the pages that it shows.
+
+import { createReadStream, existsSync, readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import type { Server } from 'node:http';
+import type { AddressInfo } from 'node:net';
+import { extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+import { chromium } from 'playwright-core';
+import type { Browser, Page } from 'playwright-core';
+
+const ROOT = fileURLToPath(new URL('../..', import.meta.url));
+
+const TYPES: Record<string, string> = {
+  '.css': 'text/css',
+  '.html': 'text/html',
+  '.js': 'text/javascript',
+  '.svg': 'image/svg+xml',
+};
+
+/** Chromium's flags for WebGPU and WebGL2 without a GPU. */
+const FLAGS = [
+  '--no-sandbox',
+  '--enable-unsafe-webgpu',
+  '--enable-features=Vulkan',
+  '--use-vulkan=swiftshader',
+  '--use-angle=swiftshader',
+  '--use-webgpu-adapter=swiftshader',
+  '--enable-unsafe-swiftshader',
+];
+
+/** Where Debian and others put the browser. */
+const BROWSERS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+
+/** The versions of three that are tested, and their packages. */
+export const VERSIONS = { '0.186.1': 'three-186', '0.187.0': 'three' } as const;
+
+/** A browser with a server. */
+export class Stage {
+  readonly #server: Server;
+  readonly #browser: Browser;
+
+  private constructor(server: Server, browser: Browser) {
+    this.#server = server;
+    this.#browser = browser;
+  }
+
+  /** Starts both. `folder` is served below `/files/`. */
+  static async start(folder: string): Promise<Stage> {
+    const server = createServer((request, response) => {
+      const path = decodeURIComponent(new URL(request.url ?? '/', 'http://localhost').pathname);
+      const three = new URL(request.url ?? '/', 'http://localhost').searchParams.get('three') ?? 'three';
+      if (path === '/page.html') {
+        response.writeHead(200, { 'content-type': 'text/html' });
+        response.end(page(three));
+        return;
+      }
+      const file = path.startsWith('/files/') ? join(folder, normalize(path.slice(6))) : join(ROOT, normalize(path));
+      if (!existsSync(file)) {
+        response.writeHead(404);
+        response.end();
+        return;
+      }
+      response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' });
+      createReadStream(file).pipe(response);
+    });
+    await new Promise<void>((ready) => server.listen(0, '127.0.0.1', ready));
+    const executablePath = BROWSERS.find((path) => existsSync(path));
+    if (executablePath === undefined) throw new Error('the browser tests need Chromium; Debian: apt-get install chromium');
+    return new Stage(server, await chromium.launch({ executablePath, args: FLAGS }));
+  }
+
+  /** The server's address. */
+  get address(): string {
+    return `http://127.0.0.1:${(this.#server.address() as AddressInfo).port}`;
+  }
+
+  /** Opens a page of a version of three; its errors and warnings are collected in `complaints`. */
+  async open(three: string, script: string): Promise<{ page: Page; complaints: string[] }> {
+    const page = await this.#browser.newPage();
+    page.setDefaultTimeout(300_000);
+    const complaints: string[] = [];
+    page.on('console', (message) => {
+      if (['error', 'warning'].includes(message.type()) && !isOfTheMachine(message.text())) complaints.push(message.text());
+    });
+    page.on('pageerror', (error) => complaints.push(String(error)));
+    await page.goto(`${this.address}/page.html?three=${three}&script=${script}`);
+    await page.waitForFunction('window.isReady === true');
+    return { page, complaints };
+  }
+
+  /** Ends both. */
+  async stop(): Promise<void> {
+    await this.#browser.close();
+    await new Promise((done) => this.#server.close(done));
+  }
+}
+
+/** What a software adapter says of itself. */
+function isOfTheMachine(message: string): boolean {
+  return ['GPU stall due to ReadPixels', 'software WebGL', 'SwiftShader', 'favicon.ico'].some((part) => message.includes(part));
+}
+
+function page(three: string): string {
+  const imports = {
+    three: `/node_modules/${three}/build/three.module.js`,
+    'three/webgpu': `/node_modules/${three}/build/three.webgpu.js`,
+    'three/tsl': `/node_modules/${three}/build/three.tsl.js`,
+    'three/addons/': `/node_modules/${three}/examples/jsm/`,
+    'adumbra-three': '/dist/index.js',
+    ...Object.fromEntries(
+      ['gltf', 'look-ups', 'webgl', 'webgpu'].map((entry) => [`adumbra-three/${entry}`, `/dist/${entry}/index.js`]),
+    ),
+  };
+  return `<!doctype html><link rel="icon" href="data:,"><script type="importmap">${JSON.stringify({ imports })}</script>
+<script type="module">import('/tests/browser/page/' + new URLSearchParams(location.search).get('script'));</script>`;
+}
+
+/** Reads a file of the package. */
+export function packageFile(name: string): string {
+  return readFileSync(join(ROOT, name), 'utf8');
+}

@@ -1,0 +1,105 @@
+// The loader against a server on this machine.
+
+import { createServer } from 'node:http';
+import type { AddressInfo } from 'node:net';
+
+import { LoadingManager } from 'three';
+import { afterAll, beforeAll, expect, it, vi } from 'vitest';
+
+import { BakedShadowFile, ShadowFileError, ShadowFileLoader } from '../../src/index.js';
+import { invalidVector, validBytes } from './vectors.js';
+
+const GOOD = validBytes('valid', 'upright_depths');
+const DAMAGED = GOOD.slice();
+DAMAGED[DAMAGED.length - 1] ^= 1;
+const FILES: Record<string, Uint8Array> = {
+  '/city/good.adumbra': GOOD,
+  '/city/damaged.adumbra': DAMAGED,
+  '/city/magic.adumbra': invalidVector('magic').bytes,
+};
+
+const requests: string[] = [];
+const server = createServer((request, response) => {
+  requests.push(`${request.url} ${request.headers['x-token'] ?? ''}`);
+  const bytes = FILES[request.url ?? ''];
+  // The path `/never` is left without an answer.
+  if (bytes !== undefined) response.end(bytes);
+  else if (request.url !== '/never') response.writeHead(404).end();
+});
+let address = '';
+
+beforeAll(async () => {
+  // Node has no progress events, with which three.js reports progress.
+  vi.stubGlobal(
+    'ProgressEvent',
+    class extends Event {
+      readonly loaded: number;
+      constructor(type: string, { loaded = 0 }: ProgressEventInit) {
+        super(type);
+        this.loaded = loaded;
+      }
+    },
+  );
+  await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
+  address = `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
+});
+afterAll(() => {
+  server.closeAllConnections();
+  server.close();
+  vi.unstubAllGlobals();
+});
+
+it('loads a file, with path, header and progress', async () => {
+  const loader = new ShadowFileLoader();
+  loader.setPath(`${address}/city/`).setRequestHeader({ 'x-token': 'secret' });
+  const progress = vi.fn<(event: ProgressEvent) => void>();
+  const file = await loader.loadAsync('good.adumbra', progress);
+  expect(file).toBeInstanceOf(BakedShadowFile);
+  expect(file.byteLength).toBe(GOOD.length);
+  expect(requests).toContain('/city/good.adumbra secret');
+  expect(progress.mock.lastCall?.[0].loaded).toBe(GOOD.length);
+});
+
+it('an invalid file is a ShadowFileError that names the URL', async () => {
+  const manager = new LoadingManager();
+  manager.onError = vi.fn();
+  const url = `${address}/city/magic.adumbra`;
+  const error: unknown = await new ShadowFileLoader(manager).loadAsync(url).catch((e: unknown) => e);
+  expect(error).toBeInstanceOf(ShadowFileError);
+  expect(error).toMatchObject({ kind: 'Magic', url });
+  expect((error as ShadowFileError).message).toContain(`${url}: not a shadow file`);
+  expect(manager.onError).toHaveBeenCalledWith(url);
+});
+
+it('a file that is not there is a ShadowFileError of the kind Io', async () => {
+  const url = `${address}/city/missing.adumbra`;
+  const error: unknown = await new ShadowFileLoader().loadAsync(url).catch((e: unknown) => e);
+  expect(error).toBeInstanceOf(ShadowFileError);
+  expect(error).toMatchObject({ kind: 'Io', url, cause: { response: { status: 404 } } });
+  expect((error as ShadowFileError).message).toContain('404');
+});
+
+it('verifies what it is told to', async () => {
+  const url = `${address}/city/damaged.adumbra`;
+  const loader = new ShadowFileLoader();
+  await expect(loader.loadAsync(url)).rejects.toMatchObject({ kind: 'SectionChecksum', url });
+  loader.verify = 'header';
+  expect((await loader.loadAsync(url)).byteLength).toBe(GOOD.length);
+});
+
+it.each(['loader', 'manager'])('is aborted by its %s, and works again afterwards', async (which) => {
+  const manager = new LoadingManager();
+  const loader = new ShadowFileLoader(manager);
+  const never = loader.loadAsync(`${address}/never`);
+  if (which === 'loader') loader.abort();
+  else manager.abort();
+  await expect(never).rejects.toMatchObject({ name: 'AbortError' });
+  expect((await loader.loadAsync(`${address}/city/good.adumbra`)).byteLength).toBe(GOOD.length);
+});
+
+it('without onError, errors are printed', async () => {
+  const printed = vi.spyOn(console, 'error').mockImplementation(() => undefined);
+  new ShadowFileLoader().load(`${address}/city/magic.adumbra`, () => undefined);
+  await vi.waitFor(() => expect(printed).toHaveBeenCalledWith(expect.objectContaining({ kind: 'Magic' })));
+  printed.mockRestore();
+});

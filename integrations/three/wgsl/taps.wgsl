@@ -1,0 +1,3 @@
+fn adumbra_look_up(v: AdumbraVoxelParams, s: AdumbraSurface) -> f32 {
+    return adumbra_voxel_factor(v, s);
+}
