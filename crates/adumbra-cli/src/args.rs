@@ -77,11 +77,11 @@ pub(crate) enum Verb {
         Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
     )]
     Query(Query),
-    /// Write a shadow file as RGBA8 PNGs, one 32-bit word of its tree per pixel
+    /// Write a shadow file for a web page, or as RGBA8 PNGs, one 32-bit word of its tree per pixel
     #[command(
-        after_help = "Page 0 is written to the path, page n next to it as NAME.n.png. The words are data, not colours: keep the PNGs \
+        after_help = "--web writes the file, and next to it FILE.br, which servers send in its place. --texture: page 0 is written to the path, page n next to it as NAME.n.png. The words are data, not colours: keep the PNGs \
         unchanged, and load them without colour management or premultiplied alpha.\n\n\
-        Example: adumbra export city.adumbra --texture city.png"
+        Examples:\n  adumbra export city.adumbra --web public/city.adumbra\n  adumbra export city.adumbra --texture city.png"
     )]
     Export(Export),
     /// Turn exported PNGs back into the shadow file, bit for bit
@@ -212,13 +212,17 @@ pub(crate) struct Verify {
 }
 
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("to").required(true).args(["texture", "web"]))]
 pub(crate) struct Export {
     /// Shadow file
     pub(crate) file: PathBuf,
     /// Path of page 0; page n is written next to it with its number before the extension
     #[arg(long, value_name = "PNG")]
-    pub(crate) texture: PathBuf,
-    /// Largest width and height of a page, in pixels
+    pub(crate) texture: Option<PathBuf>,
+    /// Copy for a web page, compressed with Brotli next to it as FILE.br; prints the lines to paste into the page
+    #[arg(long, value_name = "FILE")]
+    pub(crate) web: Option<PathBuf>,
+    /// Largest width and height of a page of the texture, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = MAX_SIDE,
         value_parser = clap::value_parser!(u32).range(i64::from(MIN_SIDE)..=i64::from(MAX_SIDE)))]
     pub(crate) max_side: u32,

@@ -7,10 +7,11 @@ use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json, refuse_inputs, refuse_same};
 use adumbra_program::say;
 use adumbra_program::threads::with_threads;
-use adumbra_tree::texture::Layout;
-use adumbra_tree::{AnyFile, Error, TreeBody, texture, words_of};
+use adumbra_tree::texture::{Layout, page_path, write};
+use adumbra_tree::{AnyFile, Error, TreeBody, words_of};
 use serde::Serialize;
 
+use super::export_web;
 use crate::args::Export;
 
 /// The PNG pages that were written.
@@ -40,12 +41,16 @@ pub(super) struct Exported {
 }
 
 pub(crate) fn run(args: &Export) -> Outcome {
-    with_threads(args.run.threads, || export(args))?
+    match (&args.texture, &args.web) {
+        (Some(texture), _) => with_threads(args.run.threads, || export(args, texture))?,
+        (None, Some(web)) => export_web::run(args, web),
+        (None, None) => Err(Failure::Usage("give --texture or --web".to_owned())),
+    }
 }
 
-fn export(args: &Export) -> Outcome {
+fn export(args: &Export, texture: &Path) -> Outcome {
     let refuse = |path: &Path| refuse_inputs("--texture", path, [("the shadow file itself", &*args.file)]);
-    refuse(&args.texture)?;
+    refuse(texture)?;
     // The file's bytes, and the decoded file.
     let bytes = std::fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
     args.run.check_memory("the shadow file", 2 * bytes)?;
@@ -54,11 +59,11 @@ fn export(args: &Export) -> Outcome {
     // The words, and the pages that contain them.
     args.run.check_memory("the words and their pages", 2 * (4 * words + parts.rest.len()) as u64)?;
     let layout = Layout::new(words, parts.rest.len(), args.max_side)
-        .map_err(|source| Error::WordTexture { path: args.texture.clone(), source })?;
-    let pages: Vec<_> = (0..layout.pages).map(|page| texture::page_path(&args.texture, page)).collect();
+        .map_err(|source| Error::WordTexture { path: texture.to_owned(), source })?;
+    let pages: Vec<_> = (0..layout.pages).map(|page| page_path(texture, page)).collect();
     pages.iter().try_for_each(|page| refuse(page))?;
     refuse_same(pages.iter().map(|page| &**page))?;
-    let written = texture::write(&args.texture, &parts.words, &parts.rest, args.max_side)?;
+    let written = write(texture, &parts.words, &parts.rest, args.max_side)?;
     let layout = written.layout;
     if args.run.json {
         print_json(&Exported {
@@ -66,7 +71,7 @@ fn export(args: &Export) -> Outcome {
             file_bytes: parts.file_bytes,
             kind: parts.kind,
             depth: parts.depth,
-            texture: args.texture.display().to_string(),
+            texture: texture.display().to_string(),
             words,
             pages: layout.pages,
             width: layout.width,
@@ -76,7 +81,7 @@ fn export(args: &Export) -> Outcome {
     } else {
         say!(
             "{}: {words} words on {} of {} pixels per row, {}",
-            args.texture.display(),
+            texture.display(),
             if layout.pages == 1 { "1 page".to_owned() } else { format!("{} pages", layout.pages) },
             layout.width,
             format_bytes(written.bytes)

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
-use super::{bake, bake_tree, demo, export, generate, import, info, inspect, query, render};
+use super::{bake, bake_tree, demo, export, export_web, generate, import, info, inspect, query, render};
 
 const INTRODUCTION: &str = "\
 # What `--json` prints
@@ -134,7 +134,8 @@ fn document() -> String {
         ("`adumbra query`", of::<query::Answered>(g)),
         ("`adumbra render`, one picture", of::<render::Picture>(g)),
         ("`adumbra render`, several pictures", of::<render::Pictures>(g)),
-        ("`adumbra export`", of::<export::Exported>(g)),
+        ("`adumbra export --texture`", of::<export::Exported>(g)),
+        ("`adumbra export --web`", of::<export_web::WebExported>(g)),
         ("`adumbra import`", of::<import::Imported>(g)),
         ("`adumbra demo`", of::<demo::Shown>(g)),
     ];

@@ -8,6 +8,7 @@ mod compare;
 #[cfg(feature = "render")]
 mod demo;
 mod export;
+mod export_web;
 mod generate;
 mod import;
 mod info;

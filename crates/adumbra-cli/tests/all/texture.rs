@@ -1,9 +1,11 @@
 //! `export` and `import`: the same file comes back, and pictures that were changed in between are refused.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
+use std::process::Command;
 
-use adumbra_testing::{Folder, adumbra, json};
+use adumbra_testing::{Folder, adumbra, json, program, stderr};
 use image::{DynamicImage, ImageFormat, ImageReader, RgbaImage};
 
 /// Bakes a small city and returns the file's path.
@@ -155,4 +157,56 @@ fn export_faults_have_their_exit_codes() {
     }
     assert_eq!(adumbra(&["import", &page, "-o", &kept]).0, 0);
     assert!(fs::read(&kept).unwrap() == fs::read(&file).unwrap(), "neither input was touched");
+}
+
+#[test]
+fn export_for_a_web_page_writes_the_file_and_its_compressed_copy() {
+    let folder = Folder::new();
+    let file = bake(&folder);
+    let web = folder.path("web.adumbra");
+    let exported = json(&["export", &file, "--web", &web, "--json"]);
+    assert_eq!(exported["layout"], "packed");
+    let bytes = fs::read(&file).unwrap();
+    assert!(fs::read(&web).unwrap() == bytes);
+    let compressed = fs::read(format!("{web}.br")).unwrap();
+    assert_eq!(exported["compressed_bytes"].as_u64(), Some(compressed.len() as u64));
+    assert!(compressed.len() < bytes.len(), "{} {}", compressed.len(), bytes.len());
+    let mut back = Vec::new();
+    brotli::Decompressor::new(&*compressed, 4096).read_to_end(&mut back).unwrap();
+    assert!(back == bytes);
+    // Again: the same bytes, and the file itself may be the copy.
+    let printed = Command::new(program()).args(["export", &web, "--web", &web]).output().unwrap();
+    let text = String::from_utf8_lossy(&printed.stdout);
+    assert!(printed.status.success(), "{}", stderr(&printed));
+    assert!(text.contains("lookUp") && text.contains("loadAsync('web.adumbra')"), "{text}");
+    assert!(fs::read(format!("{web}.br")).unwrap() == compressed);
+    assert!(folder.no_temporary_files());
+}
+
+#[test]
+fn export_for_a_web_page_refuses_what_it_cannot_write() {
+    let folder = Folder::new();
+    let file = bake(&folder);
+    let (code, error) = adumbra(&["export", &file]);
+    assert!(code == 2 && error.contains("--web"), "{error}");
+    let (code, error) = adumbra(&["export", &file, "--web", &folder.path("no/such/web.adumbra")]);
+    assert!(code != 0 && error.contains("no/such"), "{error}");
+    let tree = folder.path("tree.adumbra");
+    let scene = folder.path("city.glb");
+    let (code, error) = adumbra(&[
+        "bake",
+        &scene,
+        "--frame",
+        "world",
+        "--resolution",
+        "64",
+        "--progress",
+        "none",
+        "-o",
+        &tree,
+    ]);
+    assert_eq!(code, 0, "{error}");
+    let (code, error) = adumbra(&["export", &tree, "--web", &folder.path("web.adumbra")]);
+    assert!(code != 0 && error.contains("world-aligned"), "{error}");
+    assert!(!Path::new(&folder.path("web.adumbra.br")).exists());
 }

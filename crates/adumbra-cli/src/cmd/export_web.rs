@@ -1,0 +1,147 @@
+//! `adumbra export --web`: a light-aligned file as a web page fetches it, and compressed beside it.
+//!
+//! Servers and bundlers send `NAME.br` with `Content-Encoding: br` where it lies next to the file. Brotli at its highest
+//! quality takes minutes for large files, so it is done once, here, and not for every visitor.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use adumbra::{IoError, Layout};
+use adumbra_files::{StagedFile, same_file};
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{format_bytes, print_json, refuse_same};
+use adumbra_program::say;
+use adumbra_tree::AnyFile;
+use serde::Serialize;
+
+use crate::args::Export;
+
+/// Brotli's highest quality, and the largest window that browsers accept: 2^24 bytes.
+const QUALITY: u32 = 11;
+const WINDOW_BITS: u32 = 24;
+/// Bytes that are compressed at a time.
+const BUFFER_BYTES: usize = 1 << 16;
+
+/// The files for a web page.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct WebExported {
+    /// The shadow file that was read.
+    file: String,
+    /// Its layout: `plain`, `packed` or `depths`.
+    layout: &'static str,
+    /// The copy that a page fetches.
+    web: String,
+    /// Bytes of the copy.
+    web_bytes: u64,
+    /// The copy compressed with Brotli.
+    compressed: String,
+    /// Bytes that a page fetches from a server that sends the compressed copy.
+    compressed_bytes: u64,
+}
+
+pub(super) fn run(args: &Export, web: &Path) -> Outcome {
+    let bytes = std::fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
+    // The bytes, those compressed, and the decoded file.
+    args.run.check_memory("the shadow file", 4 * bytes.len() as u64)?;
+    let AnyFile::Light(file) = AnyFile::read(&args.file)? else {
+        return Err(Failure::BadInput(format!(
+            "{}: is world-aligned, which web pages cannot look up; bake it without --frame world",
+            args.file.display()
+        )));
+    };
+    let compressed = compressed_path(web);
+    refuse_same([&*args.file, &*compressed])?;
+    let mut staged = Vec::new();
+    if !same_file(&args.file, web) {
+        staged.push(StagedFile::new(web, |out| out.write_all(&bytes).map(|()| bytes.len() as u64))?);
+    }
+    let squeezed = StagedFile::new(&compressed, |out| {
+        let mut counted = Counted { out, bytes: 0 };
+        let mut writer = brotli::CompressorWriter::new(&mut counted, BUFFER_BYTES, QUALITY, WINDOW_BITS);
+        writer.write_all(&bytes)?;
+        writer.flush()?;
+        drop(writer);
+        Ok(counted.bytes)
+    })?;
+    let compressed_bytes = squeezed.bytes();
+    staged.push(squeezed);
+    StagedFile::place(staged)?;
+    let layout = file.body.layout();
+    if args.run.json {
+        print_json(&WebExported {
+            file: args.file.display().to_string(),
+            layout: layout.name(),
+            web: web.display().to_string(),
+            web_bytes: bytes.len() as u64,
+            compressed: compressed.display().to_string(),
+            compressed_bytes,
+        })?;
+    } else {
+        say!(
+            "{}: layout {}, {}; {}: {}",
+            web.display(),
+            layout.name(),
+            format_bytes(bytes.len() as u64),
+            compressed.display(),
+            format_bytes(compressed_bytes)
+        );
+        say!("{}", lines_to_paste(web, layout));
+    }
+    Ok(Code::Fine)
+}
+
+/// The path of the compressed copy: that of the copy with `.br` added to it.
+fn compressed_path(web: &Path) -> PathBuf {
+    let mut path = web.as_os_str().to_owned();
+    path.push(".br");
+    path.into()
+}
+
+/// What a page needs, for three.js.
+fn lines_to_paste(web: &Path, layout: Layout) -> String {
+    let name = web.file_name().unwrap_or_default().to_string_lossy();
+    let (import, options, hint) = match layout {
+        Layout::Depths => (String::new(), "", String::new()),
+        other => (
+            format!("import {{ {} as lookUp }} from 'adumbra-three/look-ups';\n", other.name()),
+            ", lookUp",
+            "\n\nThe layout depths takes fewer bytes: bake with --layout depths.".to_owned(),
+        ),
+    };
+    let attached = if options.is_empty() { "" } else { ", { lookUp }" };
+    format!(
+        "
+Serve both files from one folder, the compressed one as {name} with Content-Encoding: br. In the page:
+
+import {{ ShadowFileLoader }} from 'adumbra-three';
+import {{ BakedShadowNode }} from 'adumbra-three/webgpu';
+{import}
+const file = await new ShadowFileLoader().loadAsync('{name}');
+renderer.shadowMap.enabled = sun.castShadow = true;
+sun.shadow.shadowNode = new BakedShadowNode(sun, {{ file{options} }});
+
+With WebGLRenderer:
+
+import {{ attachBakedShadow }} from 'adumbra-three/webgl';
+attachBakedShadow(scene, sun, file{attached});{hint}"
+    )
+}
+
+/// Counts what is written.
+struct Counted<W> {
+    out: W,
+    bytes: u64,
+}
+
+impl<W: Write> Write for Counted<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
+    }
+}
