@@ -4,7 +4,7 @@
 // path is relative to the glTF file. `adumbra bake --into city.glb` writes it.
 
 import { LoaderUtils } from 'three';
-import type { Light } from 'three';
+import type { DirectionalLight } from 'three';
 import type { GLTF, GLTFLoaderPlugin, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
@@ -19,8 +19,8 @@ export interface NamedShadow {
   readonly light: SunLike;
   /** Its file. */
   readonly file: BakedShadowFile;
-  /** The filter that the light asks for. */
-  readonly filter: FilterWidth | undefined;
+  /** The filter that the light asks for, if it asks for one. */
+  readonly filter?: FilterWidth;
   /** The glTF scene, or whatever else the light is below. */
   readonly gltf: GLTF;
 }
@@ -54,14 +54,16 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
     for (const scene of gltf.scenes) {
       scene.traverse((object) => {
         const { adumbra } = object.userData as { adumbra?: Extras };
-        if ((object as Light).isLight && typeof adumbra?.shadow === 'string') lights.push([object as SunLike, adumbra]);
+        if ('isDirectionalLight' in object && typeof adumbra?.shadow === 'string') {
+          lights.push([object as DirectionalLight, adumbra]);
+        }
       });
     }
     await Promise.all(
       lights.map(async ([light, { shadow, filter }]) => {
         const file = await loader.loadAsync(LoaderUtils.resolveURL(shadow as string, path));
         const isWidth = (FILTER_WIDTHS as readonly unknown[]).includes(filter);
-        this.#attach({ light, file, filter: isWidth ? (filter as FilterWidth) : undefined, gltf });
+        this.#attach({ light, file, gltf, ...(isWidth ? { filter: filter as FilterWidth } : {}) });
       }),
     );
   }

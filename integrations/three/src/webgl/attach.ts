@@ -1,7 +1,7 @@
 // Baked shadows for the materials of a scene that WebGLRenderer draws.
 
 import { Vector3 } from 'three';
-import type { IUniform, Material, Object3D, Scene, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
+import type { IUniform, Material, Object3D, Scene } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { alignLight, towardsLight } from '../light/direction.js';
@@ -11,13 +11,18 @@ import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { Statics } from '../light/statics.js';
 import { LightTextures } from '../light/textures.js';
 import { depths } from '../look-ups/depths.js';
+import { checkRevision } from '../revision.js';
+import { MaterialHook } from './material-hook.js';
+import type { ShaderChange } from './material-hook.js';
 import { isLit, withLookUp } from './shader.js';
+
+checkRevision();
 
 /** Baked shadows that are attached to a scene. */
 export interface AttachedShadow {
   /** Whether the light shines from the sun of a file. Otherwise shadows are those of three's shadow map, if it has one. */
   readonly isActive: boolean;
-  /** Names of materials that are lit by no light of three's, and were left alone. */
+  /** Names of materials that are lit by no light of three's, and were left alone. Known once they were drawn. */
   readonly skipped: readonly string[];
   /** Gives the materials below an object that was added later the shadows too. */
   attach(object: Object3D): void;
@@ -30,9 +35,6 @@ export interface AttachedShadow {
   /** Gives materials and casters back as they were, and frees what the GPU holds. */
   dispose(): void;
 }
-
-/** The functions of a material that make its program. */
-type Hooks = Pick<Material, 'onBeforeCompile' | 'customProgramCacheKey'>;
 
 /** Numbers in use, which tell the look-ups of several lights apart in a shader. A number that is free is used again. */
 const inUse = new Set<number>();
@@ -68,43 +70,29 @@ export function attachBakedShadow(
     [`${prefix}_towards_light`]: { value: towards },
     [`${prefix}_intensity`]: intensity,
   };
-  /** The materials, with what they had before and what they have now. */
-  const materials = new Map<Material, { before: Hooks; now: Hooks }>();
+  /** The hooks of the materials that have the shadows. */
+  const hooks = new Map<Material, MaterialHook>();
   const skipped = new Set<string>();
   const statics = new Statics(asList(options.statics));
   let isDisposed = false;
 
-  const attachMaterial = (material: Material): void => {
-    if (materials.has(material)) return;
-    const before: Hooks = {
-      onBeforeCompile: material.onBeforeCompile,
-      customProgramCacheKey: material.customProgramCacheKey,
-    };
-    // By default the key is the text of `onBeforeCompile`, which is another function from now on.
-    const keyBefore = Object.hasOwn(material, 'customProgramCacheKey')
-      ? () => before.customProgramCacheKey.call(material)
-      : () => before.onBeforeCompile.toString();
-    const now: Hooks = {
-      onBeforeCompile(shader: WebGLProgramParametersWithUniforms, renderer: WebGLRenderer) {
-        before.onBeforeCompile.call(material, shader, renderer);
-        if (isDisposed) return;
-        if (!isLit(shader.fragmentShader)) {
-          skipped.add(material.name || material.type);
-          return;
-        }
-        Object.assign(shader.uniforms, uniforms);
-        shader.fragmentShader = withLookUp(shader.fragmentShader, lookUp.glsl, prefix);
-      },
-      customProgramCacheKey: () => (isDisposed ? keyBefore() : `${keyBefore()} ${prefix} ${lookUp.name}`),
-    };
-    materials.set(material, { before, now });
-    Object.assign(material, now);
-    material.needsUpdate = true;
+  const change: ShaderChange = {
+    key: `${prefix} ${lookUp.name}`,
+    apply(shader, material) {
+      if (!isLit(shader.fragmentShader)) {
+        skipped.add(material.name || material.type);
+        return;
+      }
+      Object.assign(shader.uniforms, uniforms);
+      shader.fragmentShader = withLookUp(shader.fragmentShader, lookUp.glsl, prefix);
+    },
   };
   const attach = (object: Object3D): void => {
     object.traverse((each) => {
       const { material } = each as { material?: Material | Material[] };
-      for (const one of asList(material)) attachMaterial(one);
+      for (const one of asList(material)) {
+        if (!hooks.has(one)) hooks.set(one, MaterialHook.add(one, change));
+      }
     });
   };
   const update = (): void => {
@@ -135,16 +123,10 @@ export function attachBakedShadow(
     dispose() {
       if (isDisposed) return;
       isDisposed = true;
-      for (const [material, { before, now }] of materials) {
-        // Whoever has hooked in since goes on calling what is here, which does nothing any more.
-        if (material.onBeforeCompile === now.onBeforeCompile) Object.assign(material, before);
-        // Otherwise three keeps the program, with these uniforms, for the next one that has its key.
-        material.dispose();
-        material.needsUpdate = true;
-      }
-      materials.clear();
+      for (const hook of hooks.values()) hook.remove(change);
+      hooks.clear();
       if (scene.onBeforeRender === followLight) scene.onBeforeRender = onBeforeRender;
-      statics.rest(false);
+      statics.release();
       textures.dispose();
       inUse.delete(number);
     },

@@ -7,6 +7,9 @@ import { withPrefix } from '../look-ups/look-up.js';
 
 const INCLUDE = '#include <lights_fragment_begin>';
 
+/** The head of a shader's main function. */
+const MAIN = /void\s+main\s*\(\s*(void)?\s*\)/;
+
 /** A place in the chunk, which must be there once, and the light's structure. */
 const ANCHORS = [
   { text: 'getDirectionalLightInfo( directionalLight, directLight );', light: 'directionalLight' },
@@ -35,7 +38,7 @@ export function withLookUp(fragmentShader: string, lookUp: string, prefix: strin
     }
     text = text.replace(anchor, () => `${anchor}\n${withPrefix(shadowOf(light), prefix)}`);
   }
-  return text.replace('void main() {', () => `${withPrefix(DECLARATIONS + lookUp, prefix)}\nvoid main() {`);
+  return text.replace(MAIN, (main) => `${withPrefix(DECLARATIONS + lookUp, prefix)}\n${main}`);
 }
 
 const DECLARATIONS = `uniform highp usampler2D adumbra_words;

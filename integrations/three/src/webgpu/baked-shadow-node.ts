@@ -1,7 +1,17 @@
 // The shadow of a light from its files, as a node of WebGPURenderer.
 
 import { FrontSide, Vector3 } from 'three';
-import { Fn, faceDirection, mix, normalWorldGeometry, property, reference, screenCoordinate, shadow } from 'three/tsl';
+import {
+  Fn,
+  faceDirection,
+  mix,
+  normalWorldGeometry,
+  property,
+  reference,
+  renderGroup,
+  screenCoordinate,
+  shadow,
+} from 'three/tsl';
 import { NodeUpdateType, ShadowBaseNode } from 'three/webgpu';
 import type { Node, NodeBuilder, NodeFrame } from 'three/webgpu';
 
@@ -14,7 +24,10 @@ import { Statics } from '../light/statics.js';
 import { LightTextures } from '../light/textures.js';
 import { depths } from '../look-ups/depths.js';
 import type { LookUp } from '../look-ups/look-up.js';
+import { checkRevision } from '../revision.js';
 import { LookUpNodes } from './look-up-node.js';
+
+checkRevision();
 
 /** What casts besides the files: `'shadow'` for the light's own shadow map, a shadow node such as `CSMShadowNode`, or nothing. */
 export type Movers = 'shadow' | ShadowBaseNode;
@@ -23,9 +36,15 @@ export type Movers = 'shadow' | ShadowBaseNode;
 export interface BakedShadowNodeOptions extends BakedShadowOptions {
   /** The light's file, or several: tiles, suns. */
   file: BakedShadowFile | readonly BakedShadowFile[];
-  /** What casts besides the files. Without it the light draws no shadow map. */
+  /**
+   * What casts besides the files. Without it the light draws no shadow map. `'shadow'` is for a `DirectionalLight`; a
+   * `SunLight` takes `sunShadow(light)`, from three's addons.
+   */
   movers?: Movers;
 }
+
+/** A builder with the methods that its types leave out. */
+type Builder = NodeBuilder & { addSequentialNode(node: Node): void; isFlatShading(): boolean };
 
 /** Numbers of the nodes, which tell their texts apart in a shader. */
 let nodes = 0;
@@ -60,11 +79,18 @@ export class BakedShadowNode extends ShadowBaseNode {
     nodes += 1;
     this.#nodes = new LookUpNodes(this.#lookUp, this.#textures, `adumbra${nodes}`);
     const { movers } = options;
+    if (movers === 'shadow' && 'isSunLight' in light) {
+      throw new RangeError(
+        "movers: 'shadow' is for a DirectionalLight; pass movers: sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
+      );
+    }
     this.#movers = movers === 'shadow' ? shadow(light) : (movers ?? null);
     this.#statics = new Statics(asList(options.statics));
     if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
     this.#update();
     this.updateBeforeType = NodeUpdateType.RENDER;
+    // A shadow map that was in use until now is dropped by three, and materials are built anew.
+    if (!light.shadow.shadowNode) light.dispatchEvent({ type: 'dispose' });
   }
 
   /** Whether the light shines from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
@@ -81,20 +107,30 @@ export class BakedShadowNode extends ShadowBaseNode {
     this.#textures.setLookUp(gpuOptions(settings, this.#lookUp));
   }
 
+  /** For three: builds the shadow's node. */
+  override build(builder: NodeBuilder, output: string | null = null): Node | string | null {
+    // Before the nodes of `movers`, so that a shadow map is drawn with the casters of the same frame.
+    (builder as Builder).addSequentialNode(this);
+    return super.build(builder, output);
+  }
+
   /** For three: the shadow's node in a material. */
   override setup(builder: NodeBuilder): Node {
     return Fn(() => {
       this.setupShadowPosition(builder);
-      const isFront = builder.material.side === FrontSide;
+      // A flat normal faces the camera as it is.
+      const isFront = builder.material.side === FrontSide || (builder as Builder).isFlatShading();
       const baked = this.#nodes.visibility(builder, {
         pWorld: property('vec3', 'shadowPositionWorld'),
         normal: isFront ? normalWorldGeometry : normalWorldGeometry.mul(faceDirection),
         pixel: screenCoordinate,
       });
-      const visibility = this.#movers === null ? baked : baked.min(this.#movers as Node<'float'>);
-      const lit = mix(1, visibility, reference('intensity', 'float', this.#sun.shadow));
+      const intensity = reference('intensity', 'float', this.#sun.shadow).setGroup(renderGroup) as Node<'float'>;
+      const lit = mix(1, baked, intensity);
       const received = (builder.material as { receivedShadowNode?: ((node: Node) => Node) | null }).receivedShadowNode;
-      return received ? received(lit) : lit;
+      const shadowed = (received ? received(lit) : lit) as Node<'float'>;
+      // Three's shadow nodes have done the same with the shadows of movers.
+      return this.#movers === null ? shadowed : shadowed.min(this.#movers as Node<'float'>);
     })();
   }
 
@@ -110,7 +146,7 @@ export class BakedShadowNode extends ShadowBaseNode {
   override dispose(): void {
     if (this.#isDisposed) return;
     this.#isDisposed = true;
-    this.#statics.rest(false);
+    this.#statics.release();
     this.#textures.dispose();
     this.#movers?.dispose();
     super.dispose();

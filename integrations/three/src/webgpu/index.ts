@@ -1,8 +1,4 @@
 // adumbra-three/webgpu: baked shadows for WebGPURenderer, on WebGPU and on its WebGL2 fallback.
 
-import { checkRevision } from '../revision.js';
-
 export { BakedShadowNode } from './baked-shadow-node.js';
 export type { BakedShadowNodeOptions, Movers } from './baked-shadow-node.js';
-
-checkRevision();

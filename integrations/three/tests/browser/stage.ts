@@ -22,6 +22,11 @@ const TYPES: Record<string, string> = {
 /** Chromium's flags for WebGPU and WebGL2 without a GPU. */
 const FLAGS = [
   '--no-sandbox',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
   '--enable-unsafe-webgpu',
   '--enable-features=Vulkan',
   '--use-vulkan=swiftshader',

@@ -1,0 +1,67 @@
+// What the package adds to a page with one renderer: at most 15 KB gzip without shaders, 25 KB with one, and nothing but
+// three besides.
+
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
+
+import { build } from 'vite';
+import { expect, test } from 'vitest';
+
+const source = (name: string): string => fileURLToPath(new URL(`../../src/${name}`, import.meta.url));
+
+/** Bundles a text as a page would, minified, and returns its bytes after gzip -9 and what it imports. */
+async function bundled(text: string, external: RegExp[]): Promise<{ bytes: number; imports: string[] }> {
+  const folder = mkdtempSync(join(tmpdir(), 'adumbra-size-'));
+  const entry = join(folder, 'entry.ts');
+  writeFileSync(entry, text);
+  const built = await build({
+    configFile: false,
+    logLevel: 'silent',
+    build: {
+      write: false,
+      minify: 'oxc',
+      modulePreload: false,
+      rolldownOptions: { input: entry, external: [/^three/, ...external], preserveEntrySignatures: 'strict' },
+    },
+  });
+  rmSync(folder, { recursive: true });
+  const outputs = (Array.isArray(built) ? built : [built]).flatMap((one) => ('output' in one ? one.output : []));
+  const chunks = outputs.filter((one) => one.type === 'chunk');
+  return {
+    bytes: gzipSync(chunks.map((chunk) => chunk.code).join('\n'), { level: 9 }).length,
+    imports: chunks.flatMap((chunk) => chunk.imports),
+  };
+}
+
+const KB = 1024;
+
+const exportAll = (...names: string[]): string =>
+  names.map((name) => `export * from ${JSON.stringify(source(name))};`).join('\n');
+
+/** All that a page with one renderer can use. */
+const PAGES = { webgpu: ['index.ts', 'gltf/index.ts', 'webgpu/index.ts'], webgl: ['index.ts', 'gltf/index.ts', 'webgl/index.ts'] };
+
+test.each(Object.entries(PAGES))('all of %s takes at most 15 KB, 25 KB with a shader', async (renderer, names) => {
+  const { bytes, imports } = await bundled(exportAll(...names), [/generated/]);
+  console.log(`all of ${renderer} without shaders: ${bytes} bytes after gzip`);
+  expect(bytes).toBeGreaterThan(5 * KB);
+  expect(bytes).toBeLessThanOrEqual(15 * KB);
+  expect(imports.filter((name) => !name.includes('generated')).every((name) => name.startsWith('three'))).toBe(true);
+  for (const [kept, left] of [['wgsl', /glsl/], ['glsl', /wgsl/]] as const) {
+    const { bytes: withShader } = await bundled(exportAll(...names), [left]);
+    console.log(`all of ${renderer} with the shader of depths in ${kept}: ${withShader} bytes after gzip`);
+    expect(withShader).toBeLessThanOrEqual(25 * KB);
+  }
+});
+
+test('a page carries only what it uses', async () => {
+  const page = `import { ShadowFileLoader } from ${JSON.stringify(source('index.ts'))};
+    import { BakedShadowNode } from ${JSON.stringify(source('webgpu/index.ts'))};
+    console.log(ShadowFileLoader, BakedShadowNode);`;
+  const [all, used] = [await bundled(exportAll(...PAGES.webgpu), [/generated/]), await bundled(page, [/generated/])];
+  console.log(`a page with the loader and the node, without shaders: ${used.bytes} bytes after gzip`);
+  expect(used.bytes).toBeLessThan(0.9 * all.bytes);
+});
