@@ -10,12 +10,14 @@ import type { ParseOptions } from './file/shadow-file.js';
  * Loads a `.adumbra` file into a {@link BakedShadowFile}.
  *
  * `loadAsync` rejects with what `load` gives to `onError`: a {@link ShadowFileError} whose message and `url` name the
- * file, of the kind `Io` if it could not be fetched. A request that was aborted, by {@link ShadowFileLoader.abort} or by
- * the loading manager, gives the browser's `AbortError`.
+ * file, of the kind `Io` if it could not be fetched. A request that was aborted, by {@link ShadowFileLoader.abort}, by
+ * {@link ShadowFileLoader.signal} or by the loading manager, gives the browser's `AbortError`.
  */
 export class ShadowFileLoader extends Loader<BakedShadowFile> {
   /** What is checked: everything by default; `'header'` for files that you trust. */
   verify: true | 'header' = true;
+  /** Ends the loads that begin while it is set, once it aborts. */
+  signal: AbortSignal | null = null;
   readonly #requests = new Set<FileLoader<ArrayBuffer>>();
 
   /**
@@ -39,11 +41,18 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
       if (onError === undefined) console.error(error);
       else onError(error);
     };
+    const { signal } = this;
+    const abort = (): unknown => request.abort();
+    const end = (): void => {
+      this.#requests.delete(request);
+      signal?.removeEventListener('abort', abort);
+    };
     this.#requests.add(request);
+    signal?.addEventListener('abort', abort);
     request.load(
       url,
       (buffer) => {
-        this.#requests.delete(request);
+        end();
         let file: BakedShadowFile;
         try {
           file = this.parse(buffer);
@@ -56,10 +65,11 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
       },
       onProgress,
       (error) => {
-        this.#requests.delete(request);
+        end();
         fail(isAbort(error) ? error : withUrl(error, url));
       },
     );
+    if (signal?.aborted === true) abort();
   }
 
   /**

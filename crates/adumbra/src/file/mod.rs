@@ -1,5 +1,5 @@
-//! The `.adumbra` file: conversion between its bytes and a grid, settings and voxels. Version 2 is read and written,
-//! version 1 is read. `spec/adumbra-file.md` specifies the format for readers in other languages.
+//! The `.adumbra` file: conversion between its bytes and a grid, settings and voxels. Version 3 is written, and versions
+//! 1 to 3 are read. `spec/adumbra-file.md` specifies the format for readers in other languages.
 //!
 //! | part | bytes | meaning |
 //! |---|---|---|

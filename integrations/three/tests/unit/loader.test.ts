@@ -97,6 +97,18 @@ it.each(['loader', 'manager'])('is aborted by its %s, and works again afterwards
   expect((await loader.loadAsync(`${address}/city/good.adumbra`)).byteLength).toBe(GOOD.length);
 });
 
+it.each([false, true])('is aborted by a signal, which has aborted before: %s', async (before) => {
+  const loader = new ShadowFileLoader();
+  const controller = new AbortController();
+  loader.signal = controller.signal;
+  if (before) controller.abort();
+  const never = loader.loadAsync(`${address}/never`);
+  controller.abort();
+  await expect(never).rejects.toMatchObject({ name: 'AbortError' });
+  loader.signal = null;
+  expect((await loader.loadAsync(`${address}/city/good.adumbra`)).byteLength).toBe(GOOD.length);
+});
+
 it('without onError, errors are printed', async () => {
   const printed = vi.spyOn(console, 'error').mockImplementation(() => undefined);
   new ShadowFileLoader().load(`${address}/city/magic.adumbra`, () => undefined);

@@ -8,8 +8,19 @@ import { PLYLoader } from 'three/addons/loaders/PLYLoader.js';
 
 import { ShadowFileLoader } from 'adumbra-three';
 
+/** Size of the truth's pictures. */
 const WIDTH = 320;
 const HEIGHT = 240;
+
+/**
+ * Pictures are so many times as large, and the pixel in the middle of each square, which has the same centre, is all that
+ * is drawn of it. For a software renderer moves corners to the nearest 16th of a pixel, and with them shadows.
+ */
+const SCALE = 3;
+const SIZE = { width: SCALE * WIDTH, height: SCALE * HEIGHT };
+const MIDDLE = (SCALE - 1) / 2;
+const ONLY_MIDDLES = { stencilWrite: true, stencilFunc: THREE.EqualStencilFunc, stencilRef: 1 };
+const TARGET = { type: THREE.FloatType, stencilBuffer: true };
 
 const loaders = {
   glb: async (url) => (await new GLTFLoader().loadAsync(url)).scene,
@@ -20,7 +31,7 @@ const loaders = {
 /** Returns a scene with flat normals and one material, seen from both sides. */
 async function load(url) {
   const root = await loaders[url.split('.').pop()](url);
-  const material = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide });
+  const material = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide, ...ONLY_MIDDLES });
   const flat = new Map();
   root.traverse((object) => {
     if (!object.isMesh) return;
@@ -38,20 +49,34 @@ async function load(url) {
   return root;
 }
 
+/** Points that mark the pixels that are drawn in the stencil buffer. */
+function middles() {
+  const positions = new Float32Array(3 * WIDTH * HEIGHT);
+  for (let i = 0; i < WIDTH * HEIGHT; i += 1) {
+    const [x, y] = [i % WIDTH, Math.floor(i / WIDTH)];
+    positions.set([SCALE * x + MIDDLE + 0.5, SCALE * y + MIDDLE + 0.5, 0], 3 * i);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
+  const mark = { stencilWrite: true, stencilRef: 1, stencilZPass: THREE.ReplaceStencilOp };
+  const material = new THREE.PointsMaterial({ size: 1, sizeAttenuation: false, colorWrite: false, depthWrite: false, ...mark });
+  return new THREE.Points(geometry, material);
+}
+
 const renderers = {
   webgpu: () => nodeRenderer(false),
   webgl2: () => nodeRenderer(true),
   async webgl() {
     const { attachBakedShadow } = await import('adumbra-three/webgl');
     const renderer = new THREE.WebGLRenderer();
-    const target = new THREE.WebGLRenderTarget(WIDTH, HEIGHT, { type: THREE.FloatType });
+    const target = new THREE.WebGLRenderTarget(SIZE.width, SIZE.height, TARGET);
     return {
       renderer,
       target,
       bake: (scene, light, file, options) => attachBakedShadow(scene, light, file, options),
       async read() {
-        const pixels = new Float32Array(4 * WIDTH * HEIGHT);
-        renderer.readRenderTargetPixels(target, 0, 0, WIDTH, HEIGHT, pixels);
+        const pixels = new Float32Array(4 * SIZE.width * SIZE.height);
+        renderer.readRenderTargetPixels(target, 0, 0, SIZE.width, SIZE.height, pixels);
         return { pixels, isBottomFirst: true };
       },
     };
@@ -64,7 +89,7 @@ async function nodeRenderer(forceWebGL) {
   const renderer = new WebGPURenderer({ forceWebGL });
   await renderer.init();
   renderer.shadowMap.enabled = true;
-  const target = new RenderTarget(WIDTH, HEIGHT, { type: THREE.FloatType });
+  const target = new RenderTarget(SIZE.width, SIZE.height, TARGET);
   return {
     renderer,
     target,
@@ -73,7 +98,8 @@ async function nodeRenderer(forceWebGL) {
       light.shadow.shadowNode = new BakedShadowNode(light, { file, ...options });
     },
     async read() {
-      return { pixels: await renderer.readRenderTargetPixelsAsync(target, 0, 0, WIDTH, HEIGHT), isBottomFirst: forceWebGL };
+      const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIZE.width, SIZE.height);
+      return { pixels, isBottomFirst: forceWebGL };
     },
   };
 }
@@ -93,17 +119,32 @@ window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim
   camera.far = camera.position.distanceTo(center) + radius;
   camera.updateProjectionMatrix();
   bake(scene, light, file, { filter: 1 });
+  const marks = middles();
+  const flat = new THREE.OrthographicCamera(0, SIZE.width, SIZE.height, 0, -1, 1);
+  const depth = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide, colorWrite: false, ...ONLY_MIDDLES });
+  Object.assign(depth, { polygonOffset: true, polygonOffsetFactor: 0.1, polygonOffsetUnits: 1 });
   const red = async () => {
     renderer.setRenderTarget(target);
+    renderer.autoClear = true;
+    renderer.render(marks, flat);
+    renderer.autoClear = false;
+    // Depths first, so that look-ups are made for what is seen alone.
+    scene.overrideMaterial = depth;
+    renderer.render(scene, camera);
+    scene.overrideMaterial = null;
     renderer.render(scene, camera);
     const { pixels, isBottomFirst } = await read();
     return Float32Array.from({ length: WIDTH * HEIGHT }, (_, i) => {
-      const y = Math.floor(i / WIDTH);
-      return pixels[4 * ((isBottomFirst ? HEIGHT - 1 - y : y) * WIDTH + (i % WIDTH))];
+      const [x, y] = [i % WIDTH, Math.floor(i / WIDTH)];
+      const row = SCALE * (isBottomFirst ? HEIGHT - 1 - y : y) + MIDDLE;
+      return pixels[4 * (row * SIZE.width + SCALE * x + MIDDLE)];
     });
   };
   const shadowed = await red();
-  light.shadow.intensity = 0;
+  root.traverse((object) => {
+    object.receiveShadow = false;
+    if (object.isMesh) object.material.needsUpdate = true;
+  });
   const open = await red();
   renderer.dispose();
   return encode(shadowed.map((value, i) => value / open[i]));

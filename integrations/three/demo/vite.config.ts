@@ -1,0 +1,19 @@
+// The demo page as a folder of files that any static server can show, below any path.
+
+import { fileURLToPath } from 'node:url';
+
+import { defineConfig } from 'vite';
+
+const inFolder = (path: string): string => fileURLToPath(new URL(path, import.meta.url));
+
+export default defineConfig({
+  root: inFolder('.'),
+  base: './',
+  build: { target: 'es2022', chunkSizeWarningLimit: 1000 },
+  resolve: {
+    alias: [
+      { find: /^adumbra-three\/(.*)$/, replacement: `${inFolder('../src')}/$1/index.ts` },
+      { find: /^adumbra-three$/, replacement: inFolder('../src/index.ts') },
+    ],
+  },
+});

@@ -1,0 +1,200 @@
+// The demo page, built and shown by a plain static server below a path of its own, as a visitor gets it.
+
+import { execFileSync } from 'node:child_process';
+import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs';
+import { createServer } from 'node:http';
+import type { Server } from 'node:http';
+import type { AddressInfo } from 'node:net';
+import { extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+import { chromium } from 'playwright-core';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, beforeAll, expect, test } from 'vitest';
+
+const ROOT = fileURLToPath(new URL('../..', import.meta.url));
+const DIST = join(ROOT, 'demo/dist');
+const BELOW = '/some/where/';
+
+const TYPES: Record<string, string> = {
+  '.css': 'text/css',
+  '.html': 'text/html',
+  '.js': 'text/javascript',
+  '.json': 'application/json',
+  '.png': 'image/png',
+};
+
+/** Chromium's flags for WebGPU and WebGL2 without a GPU. */
+const FLAGS = [
+  '--no-sandbox',
+  '--enable-unsafe-webgpu',
+  '--enable-features=Vulkan',
+  '--use-vulkan=swiftshader',
+  '--use-angle=swiftshader',
+  '--use-webgpu-adapter=swiftshader',
+  '--enable-unsafe-swiftshader',
+];
+
+/** Where Debian and others put the browser. */
+const BROWSERS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+
+/** Few pixels and cheap shadows, for machines without a GPU. */
+const SMALL = 'pixels=0.1&filter=1&stock=default';
+
+let server: Server;
+let browser: Browser;
+let sent = 0;
+
+beforeAll(async () => {
+  if (process.env['ADUMBRA_BIN'] === undefined) throw new Error('the browser tests need the program: ADUMBRA_BIN=…/adumbra');
+  execFileSync('npm', ['run', 'build:demo'], { cwd: ROOT, stdio: 'pipe' });
+  server = createServer((request, response) => {
+    const { pathname } = new URL(request.url ?? '/', 'http://localhost');
+    const name = pathname.startsWith(BELOW) ? normalize(decodeURIComponent(pathname.slice(BELOW.length))) : '';
+    const file = join(DIST, name === '.' || name === '' ? 'index.html' : name);
+    if (!pathname.startsWith(BELOW) || !existsSync(file)) {
+      response.writeHead(404).end();
+      return;
+    }
+    const isSmaller = existsSync(`${file}.br`) && /\bbr\b/.test(request.headers['accept-encoding']?.toString() ?? '');
+    const body = isSmaller ? `${file}.br` : file;
+    sent += statSync(body).size;
+    response.writeHead(200, {
+      'content-type': TYPES[extname(file)] ?? 'application/octet-stream',
+      ...(isSmaller ? { 'content-encoding': 'br' } : {}),
+    });
+    createReadStream(body).pipe(response);
+  });
+  await new Promise<void>((ready) => server.listen(0, '127.0.0.1', ready));
+  const executablePath = BROWSERS.find((path) => existsSync(path));
+  if (executablePath === undefined) throw new Error('the browser tests need Chromium; Debian: apt-get install chromium');
+  browser = await chromium.launch({ executablePath, args: FLAGS });
+});
+
+afterAll(async () => {
+  await browser?.close();
+  await new Promise((done) => server.close(done));
+});
+
+/** Opens the page and waits for its first picture. */
+async function open(query: string, viewport = { width: 960, height: 600 }): Promise<{ page: Page; complaints: string[] }> {
+  const page = await browser.newPage({ viewport });
+  page.setDefaultTimeout(100_000);
+  const complaints: string[] = [];
+  page.on('console', (message) => {
+    const isOfTheMachine = /GPU stall|software WebGL|SwiftShader/.test(message.text());
+    if (['error', 'warning'].includes(message.type()) && !isOfTheMachine) complaints.push(message.text());
+  });
+  page.on('pageerror', (error) => complaints.push(String(error)));
+  page.on('request', (request) => {
+    if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(address())) complaints.push(request.url());
+  });
+  await page.goto(`${address()}?${query}`);
+  await drawn(page);
+  return { page, complaints };
+}
+
+function address(): string {
+  return `http://127.0.0.1:${(server.address() as AddressInfo).port}${BELOW}`;
+}
+
+async function drawn(page: Page): Promise<void> {
+  await page.waitForFunction(() => document.documentElement.dataset['drawn'] === 'true');
+}
+
+/** The number of colours in a part of the screen that the canvas alone fills. */
+async function colours(page: Page): Promise<number> {
+  const png = await page.screenshot({ clip: { x: 20, y: 150, width: 300, height: 200 } });
+  return page.evaluate(async (data) => {
+    const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${data}`)).blob());
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d')!;
+    context.drawImage(bitmap, 0, 0);
+    return new Set(new Uint32Array(context.getImageData(0, 0, bitmap.width, bitmap.height).data.buffer)).size;
+  }, png.toString('base64'));
+}
+
+/** Waits until the status line says something. */
+async function expectStatus(page: Page, said: RegExp): Promise<void> {
+  await expect.poll(() => page.locator('#status').textContent(), { timeout: 60_000 }).toMatch(said);
+}
+
+/** Drops a file on the page. */
+async function drop(page: Page, name: string, bytes: Buffer): Promise<void> {
+  await page.evaluate(
+    ([fileName, data]) => {
+      const dataTransfer = new DataTransfer();
+      const content = Uint8Array.from(atob(data!), (letter) => letter.charCodeAt(0));
+      dataTransfer.items.add(new File([content], fileName!));
+      document.body.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+    },
+    [name, bytes.toString('base64')],
+  );
+}
+
+test('shows its first picture after at most 3 MB, and says how many bytes it fetched', async () => {
+  sent = 0;
+  const { page, complaints } = await open(`renderer=webgpu&${SMALL}`);
+  expect(sent).toBeLessThanOrEqual(3_000_000);
+  expect(await colours(page)).toBeGreaterThan(20);
+  await page.waitForFunction(() => document.getElementById('read-bytes')?.textContent?.includes('MB'));
+  const said = Number.parseFloat((await page.locator('#read-bytes').textContent())!);
+  expect(Math.abs(said - sent / 1e6)).toBeLessThan(0.05);
+  expect(await page.locator('#renderer').inputValue()).toBe('webgpu');
+  expect(complaints).toEqual([]);
+  await page.close();
+});
+
+test('moves its divider by keyboard, shows one kind of shadows alone, and goes on after a broken file', async () => {
+  const { page, complaints } = await open(`renderer=webgpu&${SMALL}`);
+  const divider = page.getByRole('slider', { name: /Divider/ });
+  await divider.focus();
+  for (const key of ['ArrowRight', 'PageUp']) await page.keyboard.press(key);
+  expect(await divider.getAttribute('aria-valuenow')).toBe('62');
+  await page.keyboard.press('Home');
+  expect(await divider.getAttribute('aria-valuenow')).toBe('0');
+
+  await page.getByLabel('File only').check();
+  await page.waitForFunction(() => document.getElementById('read-passes')?.textContent === '1');
+  expect(await divider.isVisible()).toBe(false);
+
+  const whole = readFileSync(join(DIST, 'city.adumbra'));
+  await drop(page, 'cut.adumbra', whole.subarray(0, 1000));
+  await expectStatus(page, /^cut\.adumbra: Truncated: /);
+  const broken = Buffer.from(whole);
+  broken[whole.length >> 1]! ^= 1;
+  await drop(page, 'broken.adumbra', broken);
+  await expectStatus(page, /^broken\.adumbra: SectionChecksum: /);
+  await drop(page, 'notes.txt', Buffer.from('?'));
+  await expectStatus(page, /^notes\.txt: /);
+  expect(await colours(page)).toBeGreaterThan(20);
+  await drop(page, 'mine.adumbra', whole);
+  await expectStatus(page, /^Shows city\.glb with mine\.adumbra\.$/);
+  expect(await colours(page)).toBeGreaterThan(20);
+  expect(complaints).toEqual([]);
+  await page.close();
+});
+
+test('fits a phone, and changes its renderer', async () => {
+  const { page, complaints } = await open(`renderer=webgl2&${SMALL}`, { width: 390, height: 844 });
+  /** What is wider inside than outside, and so would scroll or be cut off. */
+  const tooWide = (): Promise<string[]> =>
+    page.evaluate(() =>
+      ['html', 'body', 'aside', 'dialog', 'dialog pre']
+        .flatMap((each) => [...document.querySelectorAll(each)])
+        .filter(({ scrollWidth, clientWidth }) => scrollWidth > clientWidth || scrollWidth > 390)
+        .map(({ tagName }) => tagName),
+    );
+  expect(await tooWide()).toEqual([]);
+  await page.locator('summary').click();
+  expect(await tooWide()).toEqual([]);
+  await page.getByRole('button', { name: 'What is this?' }).click();
+  expect(await tooWide()).toEqual([]);
+  await page.keyboard.press('Escape');
+  await page.getByLabel('Renderer').selectOption('webgl');
+  await page.waitForURL(/renderer=webgl&/);
+  await drawn(page);
+  expect(await page.getByLabel('Renderer').inputValue()).toBe('webgl');
+  expect(await colours(page)).toBeGreaterThan(20);
+  expect(complaints).toEqual([]);
+  await page.close();
+});

@@ -1,0 +1,322 @@
+// Baked shadows in whole scenes, in three back ends: beside what moves, with lights that turn, with hooks of others in
+// materials, from glTF files, and with files that are no shadow files. `page/scene.js` has the world and its plays.
+
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import type { Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+
+import { withJson } from './glb.js';
+import { Stage, VERSIONS } from './stage.js';
+
+const BACKENDS = ['webgpu', 'webgl2', 'webgl'] as const;
+const NODE_BACKENDS = ['webgpu', 'webgl2'] as const;
+
+/** Visibility at the named points of the world, and how often wall and box were drawn into shadow maps. */
+type Seen = Record<'wallA' | 'wallB' | 'wallNone' | 'boxA' | 'boxB' | 'boxNone' | 'open', number> & {
+  casters: { wall: number; mover: number };
+};
+
+/** What a load was rejected with. */
+interface Rejection {
+  name: string;
+  kind?: string;
+  url?: string;
+  message: string;
+}
+
+/** The world as OBJ: the ground and the wall. */
+const WORLD = `v -20 0 -20\nv -20 0 20\nv 20 0 20\nv 20 0 -20
+v -1 0 -8\nv 1 0 -8\nv 1 0 -2\nv -1 0 -2\nv -1 4 -8\nv 1 4 -8\nv 1 4 -2\nv -1 4 -2
+f 1 2 3 4\nf 5 6 7 8\nf 12 11 10 9\nf 5 9 10 6\nf 6 10 11 7\nf 7 11 12 8\nf 8 12 9 5\n`;
+
+/** The program that bakes. */
+const program = process.env['ADUMBRA_BIN'];
+
+let folder: string;
+let stage: Stage;
+let page: Page;
+let complaints: string[];
+
+const at = (name: string): string => join(folder, name);
+
+function run(...options: string[]): void {
+  execFileSync(program!, options);
+}
+
+beforeAll(async () => {
+  if (program === undefined) throw new Error('the browser tests need the program: ADUMBRA_BIN=…/adumbra');
+  folder = mkdtempSync(join(tmpdir(), 'adumbra-three-'));
+  writeFileSync(at('world.obj'), WORLD);
+  for (const [name, sun] of [['a', '0.6,0.8,0'], ['b', '-0.6,0.8,0']] as const) {
+    run('bake', at('world.obj'), '--sun', sun, '--resolution', '1024', '-o', at(`${name}.adumbra`));
+  }
+  run('generate', 'city', '-o', at('city.glb'));
+  run('bake', at('city.glb'), '--resolution', '2048', '-o', at('city.adumbra'), '--into', at('city.glb'));
+  const city = readFileSync(at('city.glb'));
+  const named = (extras: object) => withJson(city, (json) => {
+    json.extensions.KHR_lights_punctual.lights[0].extras.adumbra = extras;
+  });
+  writeFileSync(at('filtered.glb'), named({ shadow: 'city.adumbra', filter: 9 }));
+  writeFileSync(at('missing.glb'), named({ shadow: 'nowhere/missing.adumbra' }));
+  writeFileSync(at('broken.glb'), named({ shadow: 'truncated.adumbra' }));
+  writeFileSync(at('empty.adumbra'), '');
+  writeFileSync(at('page.adumbra'), '<!doctype html><title>Sign in</title>');
+  writeFileSync(at('picture.adumbra'), PNG);
+  const whole = readFileSync(at('a.adumbra'));
+  writeFileSync(at('truncated.adumbra'), whole.subarray(0, whole.length - 100));
+  writeFileSync(at('header.adumbra'), whole.subarray(0, 200));
+  writeFileSync(at('longer.adumbra'), Buffer.concat([whole, Buffer.from('more')]));
+  const damaged = Buffer.from(whole);
+  damaged[whole.length - 1]! ^= 1;
+  writeFileSync(at('damaged.adumbra'), damaged);
+  stage = await Stage.start(folder);
+  ({ page, complaints } = await stage.open(VERSIONS['0.187.0'], 'scene.js'));
+});
+
+afterEach(() => {
+  expect(complaints.splice(0)).toEqual([]);
+});
+
+afterAll(async () => {
+  await stage?.stop();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+/** A picture of one pixel. */
+const PNG = Buffer.from(
+  'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNgAAAAAgABSK+kcQAAAABJRU5ErkJggg==',
+  'base64',
+);
+
+function play<T>(name: string, ...options: unknown[]): Promise<T> {
+  return playOn<T>(page, name, ...options);
+}
+
+function playOn<T>(on: Page, name: string, ...options: unknown[]): Promise<T> {
+  return on.evaluate(
+    ([each, all]) => (window as unknown as { play(...options: unknown[]): Promise<T> }).play(each, ...all),
+    [name, options] as const,
+  );
+}
+
+/** Expects points to be in full shadow, and all others of those under the same suns to be lit. */
+function expectShadows(seen: Partial<Seen>, ...shadowed: string[]): void {
+  const { casters: _, ...points } = seen;
+  const wanted = Object.fromEntries(Object.keys(points).map((name) => [name, shadowed.includes(name) ? 0 : 1]));
+  expect(points).toEqual(wanted);
+}
+
+describe.each(BACKENDS)('%s', (backend) => {
+  test('what moves casts beside the file, and alone in the shadow map', async () => {
+    const { beside, half, cast, gone, castAfter } = await play<{
+      beside: Seen;
+      half: Seen;
+      cast: boolean;
+      gone: Seen;
+      castAfter: boolean;
+    }>('movers', backend);
+    expectShadows(beside, 'wallA', 'boxA');
+    expect(beside.casters.mover).toBeGreaterThan(0);
+    expect(beside.casters.wall).toBe(0);
+    expect(cast).toBe(false);
+    expect([half.wallA, half.boxA, half.open]).toEqual([0.5, 0.5, 1]);
+    expectShadows(gone);
+    expect(castAfter).toBe(true);
+  });
+
+  test('a file alone draws no shadow map, and intensity and receiveShadow count', async () => {
+    const { seen, faint, without, hasMap } = await play<{ seen: Seen; faint: Seen; without: Seen; hasMap: boolean }>(
+      'filesAlone',
+      backend,
+    );
+    expectShadows(seen, 'wallA');
+    expect(seen.casters).toEqual({ wall: 0, mover: 0 });
+    expect(hasMap).toBe(false);
+    expect([faint.wallA, faint.open]).toEqual([0.75, 1]);
+    expectShadows(without);
+  });
+
+  test('a light that turns away gives the casters back in the same frame', async () => {
+    const states = await play<(Seen & { isActive: boolean; cast: boolean })[]>('turning', backend);
+    expect(states.map(({ isActive }) => isActive)).toEqual([true, false, true, false]);
+    expect(states.map(({ cast }) => cast)).toEqual([false, true, false, true]);
+    expect(states.map(({ casters }) => casters.wall > 0)).toEqual([false, true, false, true]);
+    const shadowed = [['wallA', 'boxA'], ['wallNone', 'boxNone'], ['wallA', 'boxA'], ['wallB', 'boxB']];
+    states.forEach(({ isActive: _, cast: __, ...seen }, i) => expectShadows(seen, ...shadowed[i]!));
+  });
+
+  test('the file of the light’s sun is used', async () => {
+    const states = await play<(Seen & { isActive: boolean })[]>('severalSuns', backend);
+    expect(states.map(({ isActive }) => isActive)).toEqual([true, true, false, true]);
+    const shadowed = [['wallA'], ['wallB'], [], ['wallB']];
+    states.forEach(({ isActive: _, ...seen }, i) => expectShadows(seen, ...shadowed[i]!));
+  });
+
+  test('two lights have a file each', async () => {
+    interface Two {
+      red: Seen;
+      green: Seen;
+      casters: Seen['casters'];
+    }
+    const { both, oneTurned, back, first, none, cast } = await play<
+      Record<'both' | 'oneTurned' | 'back' | 'first' | 'none', Two> & { cast: boolean }
+    >('twoLights', backend);
+    for (const { red, green, casters } of [both, back]) {
+      expectShadows(red, 'wallA');
+      expectShadows(green, 'wallB');
+      expect(casters.wall).toBe(0);
+    }
+    expectShadows(oneTurned.red, 'wallNone');
+    expectShadows(oneTurned.green, 'wallB');
+    expectShadows(first.red, 'wallA');
+    expectShadows(first.green);
+    expect(first.casters.wall).toBe(0);
+    expectShadows(none.red);
+    expectShadows(none.green);
+    expect(cast).toBe(true);
+  });
+
+  test('a SunLight has a file too', async () => {
+    const { refusal, aligned, turned, isActive } = await play<{
+      refusal: string;
+      aligned: Seen;
+      turned: Seen;
+      isActive: boolean;
+    }>('sunLight', backend);
+    expect(refusal).toContain(backend === 'webgl' ? '' : 'sunShadow(light)');
+    expectShadows(aligned, 'wallA', 'boxA');
+    expect(aligned.casters.wall).toBe(0);
+    expectShadows(turned, 'wallNone', 'boxNone');
+    expect(isActive).toBe(false);
+  });
+
+  test('settings and files change while it runs', async () => {
+    const { states, refusal } = await play<{ states: Seen[]; refusal: string }>('runTime', backend);
+    const shadowed = [['wallA'], ['wallA'], ['wallB'], ['wallB'], ['wallA']];
+    states.forEach((seen, i) => expectShadows(seen, ...shadowed[i]!));
+    expect(states.map(({ casters }) => casters.wall > 0)).toEqual([false, false, false, true, false]);
+    expect(refusal).toBe('RangeError');
+  });
+
+  test('all kinds of surfaces have the same shadows', async () => {
+    const { shadowed, off } = await play<{ shadowed: number; off: Record<string, number> }>('materials', backend);
+    expect(shadowed).toBeGreaterThan(100);
+    expect(off).toSatisfy((all: typeof off) => Object.values(all).every((count) => count <= 8));
+    expect(Object.keys(off)).toHaveLength(6);
+  });
+
+  test.each([
+    ['city.glb', undefined],
+    ['filtered.glb', 9],
+  ] as const)('the light of %s has its file', async (name, filter) => {
+    const { off, shadowed, pixels, ...rest } = await play<Record<'off' | 'shadowed' | 'pixels', number>>('gltf', backend, name);
+    expect(rest).toEqual({ lights: 1, ofScene: true, ...(filter === undefined ? {} : { filter }) });
+    expect(shadowed).toBeGreaterThan(pixels / 20);
+    expect(shadowed).toBeLessThan((pixels * 19) / 20);
+    expect(off).toBeLessThanOrEqual(pixels / 500);
+  });
+
+  test('what is no shadow file is refused by name, and drawing goes on', async () => {
+    const wanted = {
+      'empty.adumbra': 'Truncated',
+      'header.adumbra': 'Truncated',
+      'truncated.adumbra': 'Truncated',
+      'longer.adumbra': 'TrailingBytes',
+      'damaged.adumbra': 'SectionChecksum',
+      'page.adumbra': 'Magic',
+      'picture.adumbra': 'Magic',
+      'world.obj': 'Magic',
+    };
+    const { before, errors, after, another } = await play<{
+      before: Seen;
+      errors: Record<string, Rejection>;
+      after: Seen;
+      another: Seen;
+    }>('badFiles', backend, Object.keys(wanted));
+    expect(Object.fromEntries(Object.entries(errors).map(([url, { kind }]) => [url, kind]))).toEqual(wanted);
+    for (const [name, error] of Object.entries(errors)) {
+      expect(error).toMatchObject({ name: 'ShadowFileError', url: `/files/${name}` });
+      expect(error.message).toContain(`/files/${name}: `);
+    }
+    expectShadows(before, 'wallA');
+    expectShadows(after, 'wallA');
+    expectShadows(another, 'wallB');
+  });
+});
+
+describe.each(NODE_BACKENDS)('%s', (backend) => {
+  test('CSMShadowNode has the shadows of what moves', async () => {
+    const { beside, turned, gone, lightsLeft } = await play<{ beside: Seen; turned: Seen; gone: Seen; lightsLeft: number }>(
+      'cascades',
+      backend,
+    );
+    expectShadows(beside, 'wallA', 'boxA');
+    expect(beside.casters.wall).toBe(0);
+    expectShadows(turned, 'wallNone', 'boxNone');
+    expectShadows(gone);
+    expect(lightsLeft).toBe(4);
+  });
+
+  test('compiles beforehand', async () => {
+    expectShadows(await play<Seen>('compileAsync', backend), 'wallA');
+  });
+});
+
+test('CSM of the addons changes the shaders of all materials, and an error says so', async () => {
+  const other = await stage.open(VERSIONS['0.187.0'], 'scene.js');
+  expect(await playOn<string>(other.page, 'cascadesOfWebGL')).toContain('whose chunks no other code has changed');
+  await other.page.close();
+});
+
+test('hooks of others in a material are called', async () => {
+  type Three = Record<'red' | 'green' | 'blue', Seen>;
+  const states = await play<Record<'earlier' | 'gone' | 'again' | 'later' | 'laterGone', Three>>('hooks');
+  const shadowed = { earlier: ['wallA'], gone: [], again: ['wallA'], later: ['wallA'], laterGone: [] };
+  for (const [name, { red, green, blue }] of Object.entries(states)) {
+    expectShadows(red, ...shadowed[name as keyof typeof shadowed]);
+    // The ground is painted green, a patch at `open` blue, and one at `boxA` later half green.
+    const painted = { wallA: 1, wallB: 1, wallNone: 1, boxA: name.startsWith('later') ? 0.5 : 0, boxB: 1, boxNone: 1, open: 0 };
+    expect(green).toEqual(painted);
+    expect(blue).toEqual({ ...Object.fromEntries(Object.keys(painted).map((point) => [point, 0])), open: 0.5 });
+  }
+});
+
+test('the shadows of two lights go in either order', async () => {
+  const { states, isRestored } = await play<{ states: number[][]; isRestored: boolean }>('disposalOrders');
+  expect(states).toEqual([[0, 0], [1, 0], [1, 1], [0, 0], [0, 1], [1, 1]]);
+  expect(isRestored).toBe(true);
+});
+
+test('a ShaderMaterial with three’s lights has the shadows, and one without is left alone', async () => {
+  const { covered, skipped, bare, before, after } = await play<Record<'covered' | 'bare' | 'before' | 'after', Seen> & { skipped: string[] }>(
+    'shaderMaterials',
+  );
+  expect(covered.wallA).toBe(0.5);
+  expect(skipped).toEqual(['own']);
+  expectShadows(bare, 'wallA');
+  expectShadows(before);
+  expectShadows(after, 'wallA');
+});
+
+test('a glTF file is rejected with the error of its shadow file', async () => {
+  const other = await stage.open(VERSIONS['0.187.0'], 'scene.js');
+  const missing = await playOn<Rejection>(other.page, 'gltfFails', 'missing.glb');
+  expect(missing).toMatchObject({ name: 'ShadowFileError', kind: 'Io', url: '/files/nowhere/missing.adumbra' });
+  expect(missing.message).toContain('/files/nowhere/missing.adumbra');
+  const broken = await playOn<Rejection>(other.page, 'gltfFails', 'broken.glb');
+  expect(broken).toMatchObject({ name: 'ShadowFileError', kind: 'Truncated', url: '/files/truncated.adumbra' });
+  // The browser itself reports the answer 404.
+  expect(other.complaints).toEqual([expect.stringContaining('404')]);
+  await other.page.close();
+});
+
+test('loading is aborted, and reports its progress', async () => {
+  await page.route('**/never', () => undefined);
+  const { aborted, last, byteLength } = await play<{ aborted: Rejection[]; last: number; byteLength: number }>('loading');
+  expect(aborted.map(({ name }) => name)).toEqual(['AbortError', 'AbortError']);
+  expect(last).toBe(byteLength);
+});
