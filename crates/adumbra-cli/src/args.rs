@@ -81,7 +81,8 @@ pub(crate) enum Verb {
     #[command(
         after_help = "--web writes the file, and next to it FILE.br, which servers send in its place. --texture: page 0 is written to the path, page n next to it as NAME.n.png. The words are data, not colours: keep the PNGs \
         unchanged, and load them without colour management or premultiplied alpha.\n\n\
-        Examples:\n  adumbra export city.adumbra --web public/city.adumbra\n  adumbra export city.adumbra --texture city.png"
+        Example: adumbra export city.adumbra --web public/city.adumbra\n\
+        Example: adumbra export city.adumbra --texture city.png"
     )]
     Export(Export),
     /// Turn exported PNGs back into the shadow file, bit for bit

@@ -181,39 +181,43 @@ class Page {
     this.#readOuts.restart();
   }
 
-  /** Takes the look-up that file and softness need. Those beside `depths` are loaded as they are needed. */
+  /** Takes the look-up that file and softness need. */
   async #soften(): Promise<void> {
-    const layout = this.#file?.layout ?? 'depths';
-    const before = this.#lookUp;
-    if (layout !== 'depths') softness.value = '';
-    if (softness.value !== '') this.#lookUp = (await import('adumbra-three/look-ups')).soft;
-    else if (layout === 'depths') this.#lookUp = undefined;
-    else this.#lookUp = (await import('adumbra-three/look-ups'))[layout];
-    if (this.#lookUp === before) {
+    const name = lookUpFor(this.#file);
+    const lookUp = await loadLookUp(name);
+    // Something has changed meanwhile, which brings a look-up of its own.
+    if (name !== lookUpFor(this.#file)) return;
+    if (lookUp === this.#lookUp) {
       this.#baked?.setLookUp(this.#settings);
       return;
     }
+    this.#lookUp = lookUp;
     this.#drop('baked');
     this.#rebuild();
   }
 
   /** Shows what people brought. If it cannot be drawn, the page goes on with what it had. */
   async #take({ world, file, fileName }: Read): Promise<void> {
-    const before = { world: this.#world, file: this.#file, fileName: this.#fileName };
+    if (world === undefined && file === undefined) return;
     // The shadows of another world would be wrong.
-    this.#file = file ?? (world === undefined ? this.#file : null);
-    this.#world = world ?? this.#world;
-    this.#fileName = fileName ?? this.#fileName;
-    this.#drop('both');
-    try {
-      await this.#soften();
-      this.#rebuild();
-    } catch (error) {
+    const shown = file ?? (world === undefined ? this.#file : null);
+    if (shown !== null && shown.layout !== 'depths') softness.value = '';
+    const lookUp = await loadLookUp(lookUpFor(shown));
+    if (this.#isComparing) {
+      say('The comparison with rays is not done yet. Bring the files again afterwards.', 'error');
+      return;
+    }
+    const before = { world: this.#world, file: this.#file, fileName: this.#fileName, lookUp: this.#lookUp };
+    const show = (what: typeof before): void => {
+      [this.#world, this.#file, this.#fileName, this.#lookUp] = [what.world, what.file, what.fileName, what.lookUp];
       this.#drop('both');
-      [this.#world, this.#file, this.#fileName] = [before.world, before.file, before.fileName];
-      await this.#soften();
       this.#rebuild();
-      say(`${fileName ?? world?.name ?? 'The file'}: ${error instanceof Error ? error.message : String(error)}`, 'error');
+    };
+    try {
+      show({ world: world ?? before.world, file: shown, fileName: fileName ?? before.fileName, lookUp });
+    } catch (error) {
+      show(before);
+      say(`${fileName ?? before.fileName}: ${error instanceof Error ? error.message : String(error)}`, 'error');
       return;
     }
     if (world !== undefined) {
@@ -235,7 +239,8 @@ class Page {
   async #compare(): Promise<void> {
     if (this.#isComparing) return;
     this.#isComparing = true;
-    truthButton.disabled = true;
+    // Settings would change the halves that are compared.
+    panel.inert = true;
     say('Comparing with rays…');
     // A half that is not in the picture is made for this alone.
     const made: Half[] = [];
@@ -264,7 +269,7 @@ class Page {
       say(error instanceof Error ? error.message : String(error), 'error');
     } finally {
       for (const half of made) half.dispose();
-      truthButton.disabled = !this.#hasTruth;
+      panel.inert = false;
       this.#isComparing = false;
       this.#readOuts.restart();
     }
@@ -290,6 +295,17 @@ class Page {
     this.#readOuts.frame(now, this.#baked && file, this.#stock && stock);
     document.documentElement.dataset['drawn'] = 'true';
   }
+}
+
+/** The name of the look-up that a file needs, with the softness of the panel. */
+function lookUpFor(file: BakedShadowFile | null): LookUp['name'] {
+  const layout = file?.layout ?? 'depths';
+  return layout === 'depths' && softness.value !== '' ? 'soft' : layout;
+}
+
+/** Returns a look-up. Those beside `depths`, which needs no naming, are loaded as they are needed. */
+async function loadLookUp(name: LookUp['name']): Promise<LookUp | undefined> {
+  return name === 'depths' ? undefined : (await import('adumbra-three/look-ups'))[name];
 }
 
 /** Sets the panel up as the address says. */

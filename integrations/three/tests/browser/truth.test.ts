@@ -17,12 +17,12 @@ import { Stage, VERSIONS } from './stage.js';
 
 /** The views, and the back ends that draw them besides WebGPU. */
 const VIEWS = {
-  'kaykit_city_21': ['webgl', 'webgl2'],
+  'kaykit_city_21': [],
   'box-city-5k': ['webgl', 'webgl2'],
-  'zdm2': ['webgl', 'webgl2'],
-  'alpine-2': ['webgl', 'webgl2'],
-  'auster': ['webgl', 'webgl2'],
-  'dragon_202k': ['webgl', 'webgl2'],
+  'zdm2': ['webgl'],
+  'alpine-2': [],
+  'auster': [],
+  'dragon_202k': [],
 } as const;
 
 const SHARED = process.env['ADUMBRA_SHARED'] ?? fileURLToPath(new URL('../../../../../shared', import.meta.url));
