@@ -79,8 +79,9 @@ pub(crate) enum Verb {
     Query(Query),
     /// Write a shadow file for a web page, or as RGBA8 PNGs, one 32-bit word of its tree per pixel
     #[command(
-        after_help = "--web writes the file, and next to it FILE.br, which servers send in its place. --texture: page 0 is written to the path, page n next to it as NAME.n.png. The words are data, not colours: keep the PNGs \
-        unchanged, and load them without colour management or premultiplied alpha.\n\n\
+        after_help = "--web writes the file, and next to it FILE.br, which servers send in its place. --texture writes page 0 to \
+        the path, and page n next to it as NAME.n.png. The words are data, not colours: keep the PNGs unchanged, and \
+        load them without colour management or premultiplied alpha.\n\n\
         Example: adumbra export city.adumbra --web public/city.adumbra\n\
         Example: adumbra export city.adumbra --texture city.png"
     )]
