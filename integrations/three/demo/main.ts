@@ -30,7 +30,7 @@ const TARGET = new Vector3(-75, 4, 75);
 const ON_FOOT = [new Vector3(-126, 1.85, 128), new Vector3(-100, 8, 100)] as const;
 
 /** Seconds of the bus' way before the page begins: it comes down the sunny street. */
-const BUS_START = 31;
+const BUS_START = 32;
 
 const parameters = new URLSearchParams(location.search);
 /** Pixels of the canvas per CSS pixel. */

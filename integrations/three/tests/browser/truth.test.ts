@@ -18,10 +18,10 @@ import { Stage, VERSIONS } from './stage.js';
 /** The views, and the back ends that draw them besides WebGPU. */
 const VIEWS = {
   'kaykit_city_21': [],
-  'box-city-5k': ['webgl', 'webgl2'],
-  'zdm2': ['webgl'],
-  'alpine-2': [],
-  'auster': [],
+  'box-city-5k': [],
+  'zdm2': [],
+  'alpine-2': ['webgl', 'webgl2'],
+  'auster': ['webgl', 'webgl2'],
   'dragon_202k': [],
 } as const;
 

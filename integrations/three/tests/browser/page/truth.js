@@ -14,9 +14,10 @@ const HEIGHT = 240;
 
 /**
  * Pictures are so many times as large, and the pixel in the middle of each square, which has the same centre, is all that
- * is drawn of it. For a software renderer moves corners to the nearest 16th of a pixel, and with them shadows.
+ * is drawn of it. For a software renderer moves corners to the nearest 16th of a pixel, and with them shadows: of alpine-2,
+ * 0.82 % is wrong with 1, 0.33 with 3, 0.23 with 5 and 9.
  */
-const SCALE = 3;
+const SCALE = 5;
 const SIZE = { width: SCALE * WIDTH, height: SCALE * HEIGHT };
 const MIDDLE = (SCALE - 1) / 2;
 const ONLY_MIDDLES = { stencilWrite: true, stencilFunc: THREE.EqualStencilFunc, stencilRef: 1 };
