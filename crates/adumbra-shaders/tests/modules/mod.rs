@@ -74,17 +74,17 @@ const LOOK_UPS: &[(&str, &str)] = &[
     (
         "voxel, plain, R32Uint texture",
         "core/grid core/voxel core/voxel_graph core/voxel_plain access/texture_r32uint access/look_up_texture \
-         passes/voxel_texture",
+         access/look_up_parameters passes/voxel_texture",
     ),
     (
         "voxel, packed, Rgba8Unorm texture",
         "core/grid core/voxel core/voxel_graph core/voxel_packed access/texture_rgba8unorm \
-         access/look_up_texture passes/voxel_texture",
+         access/look_up_texture access/look_up_parameters passes/voxel_texture",
     ),
     (
         "voxel, depths, Rgba8Unorm texture",
-        "core/grid core/voxel core/depths core/depths_leaf access/texture_rgba8unorm access/look_up_texture \
-         passes/voxel_texture",
+        "core/grid core/voxel core/depths core/depths_leaf access/texture_rgba8unorm \
+         access/look_up_texture access/look_up_parameters passes/voxel_texture",
     ),
     (
         "voxel:soft",
