@@ -87,7 +87,7 @@ pub enum ShadowBakeError {
     Name(String, ParseAssetPathError),
     /// The scene, or a file of it, could not be read.
     #[error("the scene {0} could not be read: {1}")]
-    Read(AssetPath<'static>, ReadAssetBytesError),
+    Read(AssetPath<'static>, Box<ReadAssetBytesError>),
     /// The scene is of another format.
     #[error("the scene {0:?} is not a .glb or .gltf; export it as one")]
     NotGltf(String),
@@ -152,7 +152,7 @@ impl Copy {
         let file_name = path.path().file_name().filter(|_| path.path().extension().is_some_and(is_gltf));
         let file_name = file_name.ok_or_else(|| ShadowBakeError::NotGltf(name.to_owned()))?;
         let bytes = load_context.read_asset_bytes(&path).await;
-        let bytes = bytes.map_err(|e| ShadowBakeError::Read(path.clone(), e))?;
+        let bytes = bytes.map_err(|e| ShadowBakeError::Read(path.clone(), Box::new(e)))?;
         let folder = tempfile::tempdir()?;
         let scene = folder.path().join(file_name);
         for file in adumbra_scene::files_of_gltf(&scene, &bytes)? {
