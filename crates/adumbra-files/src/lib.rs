@@ -307,6 +307,20 @@ mod tests {
         output.assert_kept();
     }
 
+    /// Watchers that pair renames see a change of the file itself only if its time is that of the last step.
+    #[test]
+    fn a_renamed_file_has_the_time_of_its_renaming() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        let staged = StagedFile::new(&path, |file| file.write_all(b"new").map(|()| 3)).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        let before = SystemTime::now() - std::time::Duration::from_millis(20);
+        StagedFile::place([staged]).unwrap();
+        let modified = fs::metadata(&path).unwrap().modified().unwrap();
+        assert!(modified >= before, "{modified:?} {before:?}");
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
     #[test]
     fn same_file_is_known_under_any_spelling() {
         let folder = tempfile::tempdir().unwrap();

@@ -3,35 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use ::gltf::json::Root;
-use serde::Deserialize;
 
 use super::container::{bad, file_name, split};
 use crate::Result;
 use crate::sources::leaves;
 
-/// The parts of the JSON that name files. Everything else is left to [`load`](super::load).
-#[derive(Deserialize)]
-struct Named {
-    #[serde(default)]
-    buffers: Vec<Source>,
-    #[serde(default)]
-    images: Vec<Source>,
-}
-
-#[derive(Deserialize)]
-struct Source {
-    uri: Option<String>,
-}
-
 /// The files of all buffers and images, as paths relative to the scene.
 pub(super) fn named(root: &Root) -> impl Iterator<Item = String> {
     let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
     let images = root.images.iter().filter_map(|i| i.uri.as_deref());
-    files(buffers.chain(images))
-}
-
-fn files<'a>(uris: impl Iterator<Item = &'a str>) -> impl Iterator<Item = String> {
-    uris.filter(|uri| !uri.starts_with("data:")).map(file_name)
+    buffers.chain(images).filter(|uri| !uri.starts_with("data:")).map(file_name)
 }
 
 /// Returns the files that a glTF scene names in its folder, sorted, with paths relative to it: buffers and images,
@@ -42,10 +23,9 @@ fn files<'a>(uris: impl Iterator<Item = &'a str>) -> impl Iterator<Item = String
 /// Returns [`Error::SceneParse`](crate::Error::SceneParse) if the container or the JSON is broken.
 pub fn files_of_gltf(path: &Path, bytes: &[u8]) -> Result<Vec<PathBuf>> {
     let (json, _) = split(path, bytes)?;
-    let named: Named =
+    let root: Root =
         serde_json::from_slice(&json).map_err(|e| bad(path, format!("its JSON is broken: {e}")))?;
-    let uris = named.buffers.iter().chain(&named.images).filter_map(|source| source.uri.as_deref());
-    let mut paths: Vec<PathBuf> = files(uris).map(PathBuf::from).filter(|path| !leaves(path)).collect();
+    let mut paths: Vec<PathBuf> = named(&root).map(PathBuf::from).filter(|path| !leaves(path)).collect();
     paths.sort_unstable();
     paths.dedup();
     Ok(paths)

@@ -3,6 +3,8 @@
 //! naga validates the assembled module, drops what a look-up does not use, and writes both languages. What is left to do
 //! is text: declarations that three.js makes itself are cut, and functions that GLSL ES 3.00 lacks are added.
 
+mod headers;
+
 use std::collections::HashMap;
 
 use adumbra::Layout;
@@ -12,7 +14,9 @@ use naga::back;
 use naga::compact::{KeepUnused, compact};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
-/// A file of `src/generated`.
+pub use headers::golden;
+
+/// A file of `src/generated`, or of `tests/golden`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Generated {
     /// Its name, such as `depths.wgsl.ts`.

@@ -1,11 +1,14 @@
-//! Writes the look-ups of web pages. `cargo xtask shaders-web` runs it.
+//! Writes the look-ups of web pages, and what the package's tests compare with. `cargo xtask shaders-web` runs it.
 
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
+use adumbra_three_generator::Generated;
+
 fn main() -> ExitCode {
-    match write(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/generated")) {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    match run(&package) {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("{message}");
@@ -14,10 +17,16 @@ fn main() -> ExitCode {
     }
 }
 
-fn write(folder: &Path) -> Result<(), String> {
+fn run(package: &Path) -> Result<(), String> {
+    let golden = adumbra_three_generator::golden(&package.join("../../test_vectors"))?;
+    write(&package.join("tests/golden"), &[golden])?;
+    write(&package.join("src/generated"), &adumbra_three_generator::generate()?)
+}
+
+fn write(folder: &Path, files: &[Generated]) -> Result<(), String> {
     let at = |e: std::io::Error| format!("{}: {e}", folder.display());
     fs::create_dir_all(folder).map_err(at)?;
-    for file in adumbra_three_generator::generate()? {
+    for file in files {
         fs::write(folder.join(&file.name), &file.text).map_err(at)?;
         println!("{}: {} bytes", file.name, file.text.len());
     }

@@ -4,7 +4,7 @@ import type { Object3D } from 'three';
 
 import { ShadowFileError } from '../error.js';
 import type { BakedShadowFile } from '../file/shadow-file.js';
-import type { GpuLookUpOptions } from '../gpu/look-up-texture.js';
+import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import type { Bias, FilterWidth } from '../settings.js';
 
@@ -36,8 +36,8 @@ export interface BakedShadowOptions extends ShadowSettings {
   maxTextureSize?: number;
 }
 
-/** The widest penumbra, texels. */
-const MAX_PENUMBRA_TEXELS = 16;
+/** The widest penumbra, texels: that of `voxel:soft` and of the plugin for Bevy. */
+const MAX_PENUMBRA_TEXELS = 32;
 
 /** Returns the settings as a look-up of a file takes them. */
 export function gpuOptions(settings: ShadowSettings, lookUp: LookUp): GpuLookUpOptions {

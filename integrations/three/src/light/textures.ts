@@ -4,15 +4,14 @@ import { DataTexture, RedIntegerFormat, UnsignedIntType } from 'three';
 import type { Vector3 } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
-import { HEADER_WORDS, LookUpTexture, textureSize } from '../gpu/look-up-texture.js';
-import type { GpuLookUpOptions } from '../gpu/look-up-texture.js';
+import { HEADER_WORDS, LookUpHeader } from '../gpu/look-up-header.js';
+import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
+import { textureSize, writeSections } from '../gpu/look-up-texture.js';
 
 /** Header word: the file's first word in the texture of words. */
 const FIRST_WORD = 104;
 /** Word of the first header: the number of files in use. */
 const FILE_COUNT = 105;
-/** Header word: the number of the file's words. */
-const WORD_COUNT = 3;
 
 /** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
 export const SAME_SUN = 1.5e-3;
@@ -24,30 +23,28 @@ export class LightTextures {
   /** The files' parameters, one row per file. The files in use come first. */
   readonly headers: DataTexture;
   readonly #files: readonly BakedShadowFile[];
-  readonly #lookUps: readonly LookUpTexture[];
+  readonly #lookUps: readonly LookUpHeader[];
   readonly #firstWords: number[] = [];
   /** Numbers of the files in use. */
   #inUse: readonly number[] = [];
 
   /**
-   * Makes the textures. Cost: two copies of the files' words.
+   * Makes the textures. Cost: one copy of the files' words.
    *
    * @throws ShadowFileError of the kind `TooLarge` if the words do not fit a texture of `maxSide` texels a side.
    * @throws RangeError if an option is out of its range.
    */
   constructor(files: readonly BakedShadowFile[], maxSide: number, options: GpuLookUpOptions) {
     this.#files = files;
-    this.#lookUps = files.map((file) => new LookUpTexture(file, maxSide, options));
+    this.#lookUps = files.map((file) => new LookUpHeader(file, options));
     let total = 0;
-    for (const { header } of this.#lookUps) {
+    for (const { count } of this.#lookUps) {
       this.#firstWords.push(total);
-      total += header[WORD_COUNT]!;
+      total += count;
     }
     const [width, height] = textureSize(total, maxSide);
     const words = new Uint32Array(width * height);
-    this.#lookUps.forEach(({ words: all, header }, i) => {
-      words.set(all.subarray(HEADER_WORDS, HEADER_WORDS + header[WORD_COUNT]!), this.#firstWords[i]!);
-    });
+    this.#lookUps.forEach((lookUp, i) => writeSections(lookUp, words, this.#firstWords[i]!));
     this.words = dataTexture(words, width, height);
     this.headers = dataTexture(new Uint32Array(HEADER_WORDS * files.length), HEADER_WORDS, files.length);
     this.#writeHeaders();
@@ -87,7 +84,7 @@ export class LightTextures {
     const rows = this.headers.image.data as Uint32Array;
     this.#inUse.forEach((file, row) => {
       const at = HEADER_WORDS * row;
-      rows.set(this.#lookUps[file]!.header, at);
+      rows.set(this.#lookUps[file]!.words, at);
       rows[at + FIRST_WORD] = this.#firstWords[file]!;
     });
     rows[FILE_COUNT] = this.#inUse.length;

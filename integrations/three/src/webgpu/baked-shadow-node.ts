@@ -64,7 +64,7 @@ export class BakedShadowNode extends ShadowBaseNode {
   #isDisposed = false;
 
   /**
-   * Creates a node. Cost: two copies of the files' words.
+   * Creates a node. Cost: one copy of the files' words.
    *
    * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
    * @throws RangeError if an option is out of its range.

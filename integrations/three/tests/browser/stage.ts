@@ -20,7 +20,7 @@ const TYPES: Record<string, string> = {
 };
 
 /** Chromium's flags for WebGPU and WebGL2 without a GPU. */
-const FLAGS = [
+export const FLAGS = [
   '--no-sandbox',
   '--disable-quic',
   '--no-first-run',
@@ -36,7 +36,7 @@ const FLAGS = [
 ];
 
 /** Where Debian and others put the browser. */
-const BROWSERS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+export const BROWSERS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 
 /** The versions of three that are tested, and their packages. */
 export const VERSIONS = { '0.186.1': 'three-186', '0.187.0': 'three' } as const;

@@ -79,7 +79,7 @@ it('a file that is not there is a ShadowFileError of the kind Io', async () => {
   expect((error as ShadowFileError).message).toContain('404');
 });
 
-it('verifies what it is told to', async () => {
+it('verifies as its setting says', async () => {
   const url = `${address}/city/damaged.adumbra`;
   const loader = new ShadowFileLoader();
   await expect(loader.loadAsync(url)).rejects.toMatchObject({ kind: 'SectionChecksum', url });
