@@ -3,10 +3,11 @@
 // texel: at most 0.2 % of them, by at most one row of taps.
 
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
+import { decode } from 'fast-png';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 
@@ -31,6 +32,7 @@ interface Task {
   side?: string;
   depth?: string;
   cycles?: number;
+  height?: number;
 }
 
 const SQUARE = { height: 0.25, middle: [0, 0] as const, width: 120 };
@@ -39,6 +41,15 @@ let folder: string;
 let stage: Stage;
 let page: Page;
 let complaints: string[];
+
+/** Angle of the sun in the pictures of penumbrae, degrees. */
+const ANGLE = 8;
+/** Pixels from the middle within which the tower's roof is seen. */
+const TOWER = 32;
+/** A tower on level ground. */
+const TOWER_OBJ = `v -100 0 -100\nv 100 0 -100\nv 100 0 100\nv -100 0 100\nf 4 3 2 1
+v -8 0 -8\nv 8 0 -8\nv 8 0 8\nv -8 0 8\nv -8 40 -8\nv 8 40 -8\nv 8 40 8\nv -8 40 8
+f 12 11 10 9\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n`;
 
 /** The program that bakes. */
 const program = process.env['ADUMBRA_BIN'];
@@ -58,6 +69,8 @@ beforeAll(async () => {
   bake('plain.adumbra', '--layout', 'plain');
   bake('low.adumbra', '--layout', 'depths', '--bounds', '-300,-10,-300,2,100,300');
   bake('high.adumbra', '--layout', 'depths', '--bounds', '-2,-10,-300,300,100,300');
+  writeFileSync(join(folder, 'tower.obj'), TOWER_OBJ);
+  execFileSync(program, ['bake', join(folder, 'tower.obj'), '--sun', SUN, '-o', join(folder, 'tower.adumbra'), '--resolution', '2048']);
   stage = await Stage.start(folder);
   ({ page, complaints } = await stage.open(VERSIONS['0.187.0'], 'points.js'));
 });
@@ -75,6 +88,28 @@ async function draw(task: Task, on: Page = page): Promise<{ pictures: Float32Arr
   );
   const pictures = visibility.map((text) => new Float32Array(new Uint8Array(Buffer.from(text, 'base64')).buffer));
   return { pictures, memory };
+}
+
+/** The visibility of the ground around the tower, as the program draws it. */
+function rendered(): Float32Array {
+  const picture = join(folder, 'tower.png');
+  execFileSync(program!, [
+    ...['render', join(folder, 'tower.obj'), '--shadow-file', join(folder, 'tower.adumbra')],
+    ...['--shadow', `voxel:soft:angle=${ANGLE}`, '--layer', 'shadow', '--antialias', '1', '--size', `${SIDE}x${SIDE}`],
+    ...['--eye=0,90,0.01', '--target=0,0,0', '--ortho', String(SQUARE.width), '-o', picture],
+  ]);
+  const { data, channels } = decode(readFileSync(picture));
+  return Float32Array.from({ length: SIDE * SIDE }, (_, i) => data[channels * i]! / 255);
+}
+
+/** The means of blocks of pixels. */
+function means(picture: Float32Array, block: number): Float32Array {
+  const side = SIDE / block;
+  const sums = new Float32Array(side * side);
+  picture.forEach((value, i) => {
+    sums[side * Math.floor(i / SIDE / block) + Math.floor((i % SIDE) / block)]! += value / block ** 2;
+  });
+  return sums;
 }
 
 interface Drawn {
@@ -130,14 +165,29 @@ describe.each(BACKENDS)('%s', (backend) => {
     alike(files[0]!, pictures[2]!, 9, bias);
   });
 
-  test('softens with distance', async () => {
-    const files = ['depths.adumbra'];
-    const { pictures } = await draw({ backend, files, lookUp: 'soft', settings: { softnessDegrees: 2 } });
-    const [soft, hard] = [pictures[0]!, expected(read(files[0]!), { filter: 1 })];
-    const partial = soft.filter((v) => v > 0.02 && v < 0.98).length;
-    const far = soft.reduce((sum, v, i) => sum + Math.abs(v - hard[i]!), 0) / soft.length;
-    expect(partial).toBeGreaterThan(soft.length / 50);
-    expect(far).toBeLessThan(0.05);
+  test('softens as the program does', async () => {
+    const settings = { softnessDegrees: ANGLE };
+    const task = { backend, files: ['tower.adumbra'], lookUp: 'soft', settings, height: 0 };
+    const found = (await draw(task)).pictures[0]!;
+    const wanted = rendered();
+    // The noise of penumbrae turns with the pixel, which WebGL counts from the bottom: there it differs, its means do not.
+    const block = backend === 'webgpu' ? 1 : 8;
+    const [a, b] = [means(found, block), means(wanted, block)];
+    let [off, most, partial, compared] = [0, 0, 0, 0];
+    a.forEach((value, i) => {
+      const side = SIDE / block;
+      const [x, y] = [(i % side) + 0.5, Math.floor(i / side) + 0.5].map((n) => block * n - SIDE / 2) as [number, number];
+      // The tower stands in the middle, and the program draws its roof.
+      if (Math.hypot(x, y) < TOWER) return;
+      const difference = Math.abs(value - b[i]!);
+      compared += 1;
+      partial += Number(b[i]! > 0.02 && b[i]! < 0.98);
+      off += Number(!(difference <= 0.02));
+      most = Math.max(most, difference);
+    });
+    console.log(`soft, ${backend}: ${off} of ${compared} differ, by at most ${most.toFixed(3)}; ${partial} are in penumbrae`);
+    expect(partial).toBeGreaterThan(compared / 40);
+    expect({ off, compared }).toSatisfy(() => off * 500 <= compared);
   });
 
   test('joins tiles', async () => {
