@@ -19,6 +19,12 @@ const TYPES: Record<string, string> = {
   '.svg': 'image/svg+xml',
 };
 
+/**
+ * What draws WebGL: `swiftshader`, Chromium's own software renderer, or `gl`, the machine's OpenGL, which needs a display.
+ * WebGPU is SwiftShader's in both cases.
+ */
+export const ANGLE = process.env['ADUMBRA_ANGLE'] ?? 'swiftshader';
+
 /** Chromium's flags for WebGPU and WebGL2 without a GPU. */
 export const FLAGS = [
   '--no-sandbox',
@@ -30,7 +36,8 @@ export const FLAGS = [
   '--enable-unsafe-webgpu',
   '--enable-features=Vulkan',
   '--use-vulkan=swiftshader',
-  '--use-angle=swiftshader',
+  `--use-angle=${ANGLE}`,
+  '--ignore-gpu-blocklist',
   '--use-webgpu-adapter=swiftshader',
   '--enable-unsafe-swiftshader',
 ];

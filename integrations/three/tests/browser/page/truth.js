@@ -12,14 +12,6 @@ import { ShadowFileLoader } from 'adumbra-three';
 const WIDTH = 320;
 const HEIGHT = 240;
 
-/**
- * Pictures are so many times as large, and the pixel in the middle of each square, which has the same centre, is all that
- * is drawn of it. For a software renderer moves corners to the nearest 16th of a pixel, and with them shadows: of alpine-2,
- * 0.82 % is wrong with 1, 0.33 with 3, 0.23 with 5 and 9.
- */
-const SCALE = 5;
-const SIZE = { width: SCALE * WIDTH, height: SCALE * HEIGHT };
-const MIDDLE = (SCALE - 1) / 2;
 const ONLY_MIDDLES = { stencilWrite: true, stencilFunc: THREE.EqualStencilFunc, stencilRef: 1 };
 const TARGET = { type: THREE.FloatType, stencilBuffer: true };
 
@@ -50,12 +42,13 @@ async function load(url) {
   return root;
 }
 
-/** Points that mark the pixels that are drawn in the stencil buffer. */
-function middles() {
+/** Points that mark, in the stencil buffer, the pixel in the middle of each square of `scale` × `scale`. */
+function middles(scale) {
+  const middle = (scale - 1) / 2;
   const positions = new Float32Array(3 * WIDTH * HEIGHT);
   for (let i = 0; i < WIDTH * HEIGHT; i += 1) {
     const [x, y] = [i % WIDTH, Math.floor(i / WIDTH)];
-    positions.set([SCALE * x + MIDDLE + 0.5, SCALE * y + MIDDLE + 0.5, 0], 3 * i);
+    positions.set([scale * x + middle + 0.5, scale * y + middle + 0.5, 0], 3 * i);
   }
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
@@ -65,32 +58,32 @@ function middles() {
 }
 
 const renderers = {
-  webgpu: () => nodeRenderer(false),
-  webgl2: () => nodeRenderer(true),
-  async webgl() {
+  webgpu: (width, height) => nodeRenderer(width, height, false),
+  webgl2: (width, height) => nodeRenderer(width, height, true),
+  async webgl(width, height) {
     const { attachBakedShadow } = await import('adumbra-three/webgl');
     const renderer = new THREE.WebGLRenderer();
-    const target = new THREE.WebGLRenderTarget(SIZE.width, SIZE.height, TARGET);
+    const target = new THREE.WebGLRenderTarget(width, height, TARGET);
     return {
       renderer,
       target,
       bake: (scene, light, file, options) => attachBakedShadow(scene, light, file, options),
       async read() {
-        const pixels = new Float32Array(4 * SIZE.width * SIZE.height);
-        renderer.readRenderTargetPixels(target, 0, 0, SIZE.width, SIZE.height, pixels);
+        const pixels = new Float32Array(4 * width * height);
+        renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
         return { pixels, isBottomFirst: true };
       },
     };
   },
 };
 
-async function nodeRenderer(forceWebGL) {
+async function nodeRenderer(width, height, forceWebGL) {
   const { WebGPURenderer, RenderTarget } = await import('three/webgpu');
   const { BakedShadowNode } = await import('adumbra-three/webgpu');
   const renderer = new WebGPURenderer({ forceWebGL });
   await renderer.init();
   renderer.shadowMap.enabled = true;
-  const target = new RenderTarget(SIZE.width, SIZE.height, TARGET);
+  const target = new RenderTarget(width, height, TARGET);
   return {
     renderer,
     target,
@@ -99,16 +92,20 @@ async function nodeRenderer(forceWebGL) {
       light.shadow.shadowNode = new BakedShadowNode(light, { file, ...options });
     },
     async read() {
-      const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIZE.width, SIZE.height);
+      const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
       return { pixels, isBottomFirst: forceWebGL };
     },
   };
 }
 
-/** Draws `scene` with `file`. Returns the visibility of each pixel from the top left, as Base64 of 32-bit numbers. */
-window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim, fov }) => {
+/**
+ * Draws `scene` with `file`. Returns the visibility of each pixel from the top left, as Base64 of 32-bit numbers. Pictures
+ * are `scale` times as large, an odd number, and the pixel in the middle of each square, which has the same centre, is all
+ * that is drawn of it.
+ */
+window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim, fov, scale }) => {
   const [root, file] = await Promise.all([load(sceneUrl), new ShadowFileLoader().loadAsync(fileUrl)]);
-  const { renderer, target, bake, read } = await renderers[backend]();
+  const { renderer, target, bake, read } = await renderers[backend](scale * WIDTH, scale * HEIGHT);
   const scene = new THREE.Scene();
   const light = new THREE.DirectionalLight(0xffffff, Math.PI);
   scene.add(root, light, light.target);
@@ -120,8 +117,9 @@ window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim
   camera.far = camera.position.distanceTo(center) + radius;
   camera.updateProjectionMatrix();
   bake(scene, light, file, { filter: 1 });
-  const marks = middles();
-  const flat = new THREE.OrthographicCamera(0, SIZE.width, SIZE.height, 0, -1, 1);
+  const marks = middles(scale);
+  const middle = (scale - 1) / 2;
+  const flat = new THREE.OrthographicCamera(0, scale * WIDTH, scale * HEIGHT, 0, -1, 1);
   const depth = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide, colorWrite: false, ...ONLY_MIDDLES });
   Object.assign(depth, { polygonOffset: true, polygonOffsetFactor: 0.1, polygonOffsetUnits: 1 });
   const red = async () => {
@@ -137,8 +135,8 @@ window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim
     const { pixels, isBottomFirst } = await read();
     return Float32Array.from({ length: WIDTH * HEIGHT }, (_, i) => {
       const [x, y] = [i % WIDTH, Math.floor(i / WIDTH)];
-      const row = SCALE * (isBottomFirst ? HEIGHT - 1 - y : y) + MIDDLE;
-      return pixels[4 * (row * SIZE.width + SCALE * x + MIDDLE)];
+      const row = scale * (isBottomFirst ? HEIGHT - 1 - y : y) + middle;
+      return pixels[4 * (row * scale * WIDTH + scale * x + middle)];
     });
   };
   const shadowed = await red();
