@@ -1,6 +1,6 @@
 //! Tools that the tests need besides Rust: a Vulkan driver; for the window a headless X server, the libraries that
 //! winit opens at run time, and `xdotool`; for the report's page a headless browser; for the
-//! package of web pages Node.js.
+//! package of web pages Node.js, and an OpenGL for the browser.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -43,9 +43,18 @@ const BROWSER: Tool = command(
 /// For the package for web pages.
 const NODE: Tool = command("Node.js with npm", &["npm"], "npm", "nodejs-npm");
 
+const XVFB: Tool = command("Xvfb", &["Xvfb"], "xvfb", "xorg-x11-server-Xvfb");
+
+/// For a browser that draws with OpenGL without a screen.
+const OPENGL: [Tool; 3] = [
+    XVFB,
+    command("xauth", &["xauth"], "xauth", "xorg-x11-xauth"),
+    library("libGLX_mesa.so.0", "libglx-mesa0", "mesa-libGL"),
+];
+
 /// What a window needs to open without a screen.
 const WINDOW: [Tool; 8] = [
-    command("Xvfb", &["Xvfb"], "xvfb", "xorg-x11-server-Xvfb"),
+    XVFB,
     library("libX11.so.6", "libx11-6", "libX11"),
     library("libX11-xcb.so.1", "libx11-xcb1", "libX11-xcb"),
     library("libXcursor.so.1", "libxcursor1", "libXcursor"),
@@ -86,9 +95,9 @@ pub(crate) fn ensure_all() -> Result<(), String> {
     ensure(&all())
 }
 
-/// Makes sure that Node.js and a browser are installed, like [`ensure_driver`].
+/// Makes sure that Node.js, a browser and an OpenGL are installed, like [`ensure_driver`].
 pub(crate) fn ensure_web() -> Result<(), String> {
-    ensure(&[NODE, BROWSER])
+    ensure(&[NODE, BROWSER].into_iter().chain(OPENGL).collect::<Vec<_>>())
 }
 
 fn documents() -> Vec<Tool> {

@@ -1,8 +1,8 @@
 // Makes what the page shows: the city, its shadows, and the truth of one view by rays. The program `adumbra` does it
-// all; `ADUMBRA_BIN` says where it is, if not in the path.
+// all, in seconds; `ADUMBRA_BIN` says where it is, if not in the path.
 
 import { spawnSync } from 'node:child_process';
-import { existsSync, mkdirSync, renameSync, writeFileSync } from 'node:fs';
+import { mkdirSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -13,10 +13,9 @@ const VIEW = { eye: [-150, 38, 175], target: [-75, 4, 75], fov: 45, width: 480, 
 const folder = fileURLToPath(new URL('public', import.meta.url));
 const program = process.env.ADUMBRA_BIN ?? 'adumbra';
 
-/** Runs the program, unless its output is there already. The output has its name only once it is complete. */
+/** Runs the program. The output has its name only once it is complete. */
 function make(name, ...args) {
   const output = join(folder, name);
-  if (existsSync(output)) return;
   const unfinished = join(folder, `unfinished-${name}`);
   const { error, status } = spawnSync(program, [...args, '-o', unfinished], { stdio: ['ignore', 'ignore', 'inherit'] });
   if (error?.code === 'ENOENT') {

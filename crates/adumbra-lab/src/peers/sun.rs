@@ -38,7 +38,7 @@ pub struct PeerRow {
     pub scenes: [Option<PeerFigures>; 4],
 }
 
-const ELSEWHERE: [(&str, [(f64, f64); 4]); 7] = [
+const ELSEWHERE: [(&str, [(f64, f64); 4]); 8] = [
     ("Bevy 0.19.1, default cascades (150 m)", [(9.42, 9.7), (18.51, 18.7), (1.34, 1.6), (9.98, 10.0)]),
     ("Bevy 0.19.1, distance = scene, 4 × 2048²", [(6.47, 7.0), (1.59, 2.7), (1.30, 1.5), (6.51, 8.5)]),
     ("Bevy 0.19.1, distance = scene, 4 × 4096²", [(3.48, 4.3), (0.69, 1.4), (0.64, 0.8), (3.26, 5.2)]),
@@ -108,7 +108,7 @@ mod tests {
         rows.push(PeerRow { name: "voxel".to_owned(), source: RowSource::Here, scenes: [None; 4] });
         rows.push(aim());
         let text = markdown(&rows);
-        assert_eq!(text.lines().count(), 2 + 7 + 2);
+        assert_eq!(text.lines().count(), 2 + 8 + 2);
         assert!(
             text.contains("| three.js r187, CSM 4 × 4096², single-sided default | elsewhere | 0.77 (1.5) |")
         );

@@ -9,7 +9,7 @@ import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 import { chromium } from 'playwright-core';
-import type { Browser, Page } from 'playwright-core';
+import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 
 import { BROWSERS, FLAGS } from './stage.js';
@@ -28,6 +28,8 @@ const TYPES: Record<string, string> = {
 
 /** Few pixels and cheap shadows, for machines without a GPU. */
 const SMALL = 'pixels=0.1&filter=1&stock=default';
+
+const PHONE = { width: 390, height: 844 };
 
 let server: Server;
 let browser: Browser;
@@ -64,9 +66,13 @@ afterAll(async () => {
   await new Promise((done) => server.close(done));
 });
 
-/** Opens the page and waits for its first picture. */
-async function open(query: string, viewport = { width: 960, height: 600 }): Promise<{ page: Page; complaints: string[] }> {
-  const page = await browser.newPage({ viewport });
+/** Opens the page and waits for its first picture; what `options` does not say is as on a desk, with a mouse. */
+async function open(
+  query: string,
+  { before, ...options }: BrowserContextOptions & { before?: () => void } = {},
+): Promise<{ page: Page; complaints: string[] }> {
+  const page = await browser.newPage({ viewport: { width: 960, height: 600 }, ...options });
+  if (before !== undefined) await page.addInitScript(before);
   page.setDefaultTimeout(100_000);
   const complaints: string[] = [];
   page.on('console', (message) => {
@@ -90,9 +96,14 @@ async function drawn(page: Page): Promise<void> {
   await page.waitForFunction(() => document.documentElement.dataset['drawn'] === 'true');
 }
 
-/** The number of colours in a part of the screen that the canvas alone fills. */
+/** A part of the screen that the canvas alone fills. */
+function picture(page: Page): Promise<Buffer> {
+  return page.screenshot({ clip: { x: 20, y: 150, width: 300, height: 200 } });
+}
+
+/** The number of colours in that part. */
 async function colours(page: Page): Promise<number> {
-  const png = await page.screenshot({ clip: { x: 20, y: 150, width: 300, height: 200 } });
+  const png = await picture(page);
   return page.evaluate(async (data) => {
     const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${data}`)).blob());
     const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d')!;
@@ -163,7 +174,7 @@ test('moves its divider by keyboard, shows one kind of shadows alone, and goes o
 });
 
 test('fits a phone, and changes its renderer', async () => {
-  const { page, complaints } = await open(`renderer=webgl2&${SMALL}`, { width: 390, height: 844 });
+  const { page, complaints } = await open(`renderer=webgl2&${SMALL}`, { viewport: PHONE });
   /** What is wider inside than outside, and so would scroll or be cut off. */
   const tooWide = (): Promise<string[]> =>
     page.evaluate(() =>
@@ -182,6 +193,69 @@ test('fits a phone, and changes its renderer', async () => {
   await page.waitForURL(/renderer=webgl&/);
   await drawn(page);
   expect(await page.getByLabel('Renderer').inputValue()).toBe('webgl');
+  expect(await colours(page)).toBeGreaterThan(20);
+  expect(complaints).toEqual([]);
+  await page.close();
+});
+
+test('moves its divider by mouse', async () => {
+  const { page, complaints } = await open(`renderer=webgl&${SMALL}`);
+  const divider = page.getByRole('slider', { name: /Divider/ });
+  const { x, y, width, height } = (await divider.boundingBox())!;
+  expect(x + width / 2).toBeCloseTo(480, 0);
+  await page.mouse.move(x + width / 2, y + height / 2);
+  await page.mouse.down();
+  await page.mouse.move(240, 300);
+  await page.mouse.up();
+  expect(await divider.getAttribute('aria-valuenow')).toBe('25');
+  await page.mouse.move(700, 300);
+  expect(await divider.getAttribute('aria-valuenow')).toBe('25');
+  expect(complaints).toEqual([]);
+  await page.close();
+});
+
+test('stands still where people want less motion, and turns and walks by touch', async () => {
+  const hand = { hasTouch: true, isMobile: true, viewport: PHONE, reducedMotion: 'reduce' } as const;
+  const { page, complaints } = await open(`renderer=webgl&${SMALL}`, hand);
+  const touch = await page.context().newCDPSession(page);
+  const point = (type: string, ...touchPoints: { x: number; y: number }[]): Promise<unknown> =>
+    touch.send('Input.dispatchTouchEvent', { type: type as 'touchStart', touchPoints });
+  const settled = async (): Promise<Buffer> => {
+    const before = await picture(page);
+    await page.waitForTimeout(700);
+    const after = await picture(page);
+    return before.equals(after) ? after : settled();
+  };
+  await page.locator('summary').click();
+  expect(await page.locator('#bus').textContent()).toBe('Let the bus go');
+  await page.locator('summary').click();
+
+  const first = await settled();
+  await point('touchStart', { x: 60, y: 500 });
+  for (let x = 80; x <= 200; x += 20) await point('touchMove', { x, y: 500 });
+  await point('touchEnd');
+  const turned = await settled();
+  expect(turned.equals(first)).toBe(false);
+  expect(await page.evaluate(() => [scrollX, scrollY])).toEqual([0, 0]);
+
+  await page.locator('summary').click();
+  await page.getByRole('radio', { name: 'Walk' }).check();
+  await page.locator('summary').click();
+  const standing = await settled();
+  const { x, y, width, height } = (await page.getByRole('button', { name: 'Forward' }).boundingBox())!;
+  await point('touchStart', { x: x + width / 2, y: y + height / 2 });
+  await page.waitForTimeout(1500);
+  await point('touchEnd');
+  expect((await settled()).equals(standing)).toBe(false);
+  expect(complaints).toEqual([]);
+  await page.close();
+});
+
+test('draws with WebGL2 where there is no WebGPU, and says so', async () => {
+  const without = (): void => void Object.defineProperty(navigator, 'gpu', { value: undefined });
+  const { page, complaints } = await open(`renderer=webgpu&${SMALL}`, { before: without });
+  expect(await page.getByLabel('Renderer').inputValue()).toBe('webgl2');
+  await expectStatus(page, /no WebGPU, so WebGL2 draws/);
   expect(await colours(page)).toBeGreaterThan(20);
   expect(complaints).toEqual([]);
   await page.close();

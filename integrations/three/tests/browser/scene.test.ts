@@ -11,6 +11,7 @@ import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 
 import { withJson } from './glb.js';
 import { Stage, VERSIONS } from './stage.js';
+import { WALL_AND_GROUND } from './worlds.js';
 
 const BACKENDS = ['webgpu', 'webgl2', 'webgl'] as const;
 const NODE_BACKENDS = ['webgpu', 'webgl2'] as const;
@@ -27,11 +28,6 @@ interface Rejection {
   url?: string;
   message: string;
 }
-
-/** The world as OBJ: the ground and the wall. */
-const WORLD = `v -20 0 -20\nv -20 0 20\nv 20 0 20\nv 20 0 -20
-v -1 0 -8\nv 1 0 -8\nv 1 0 -2\nv -1 0 -2\nv -1 4 -8\nv 1 4 -8\nv 1 4 -2\nv -1 4 -2
-f 1 2 3 4\nf 5 6 7 8\nf 12 11 10 9\nf 5 9 10 6\nf 6 10 11 7\nf 7 11 12 8\nf 8 12 9 5\n`;
 
 /** The program that bakes. */
 const program = process.env['ADUMBRA_BIN'];
@@ -50,7 +46,7 @@ function run(...options: string[]): void {
 beforeAll(async () => {
   if (program === undefined) throw new Error('the browser tests need the program: ADUMBRA_BIN=…/adumbra');
   folder = mkdtempSync(join(tmpdir(), 'adumbra-three-'));
-  writeFileSync(at('world.obj'), WORLD);
+  writeFileSync(at('world.obj'), WALL_AND_GROUND);
   for (const [name, sun] of [['a', '0.6,0.8,0'], ['b', '-0.6,0.8,0']] as const) {
     run('bake', at('world.obj'), '--sun', sun, '--resolution', '1024', '-o', at(`${name}.adumbra`));
   }

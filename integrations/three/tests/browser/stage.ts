@@ -1,6 +1,6 @@
 // A browser, and a server of the pages that it shows.
 
-import { createReadStream, existsSync, readFileSync } from 'node:fs';
+import { createReadStream, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
 import type { Server } from 'node:http';
 import type { AddressInfo } from 'node:net';
@@ -20,10 +20,10 @@ const TYPES: Record<string, string> = {
 };
 
 /**
- * What draws WebGL: `swiftshader`, Chromium's own software renderer, or `gl`, the machine's OpenGL, which needs a display.
- * WebGPU is SwiftShader's in both cases.
+ * Whether the machine's OpenGL draws, with WebGPU in its compatibility mode, which needs a display. Else SwiftShader does,
+ * Chromium's own software renderer.
  */
-export const ANGLE = process.env['ADUMBRA_ANGLE'] ?? 'swiftshader';
+export const isOpenGl = process.env['ADUMBRA_ANGLE'] === 'gl';
 
 /** Chromium's flags for WebGPU and WebGL2 without a GPU. */
 export const FLAGS = [
@@ -36,9 +36,9 @@ export const FLAGS = [
   '--enable-unsafe-webgpu',
   '--enable-features=Vulkan',
   '--use-vulkan=swiftshader',
-  `--use-angle=${ANGLE}`,
+  `--use-angle=${isOpenGl ? 'gl' : 'swiftshader'}`,
   '--ignore-gpu-blocklist',
-  '--use-webgpu-adapter=swiftshader',
+  `--use-webgpu-adapter=${isOpenGl ? 'opengles' : 'swiftshader'}`,
   '--enable-unsafe-swiftshader',
 ];
 
@@ -88,7 +88,7 @@ export class Stage {
     return `http://127.0.0.1:${(this.#server.address() as AddressInfo).port}`;
   }
 
-  /** Opens a page of a version of three; its errors and warnings are collected in `complaints`. */
+  /** Opens a page of a version of three, with a script of `tests/browser/page` or of a path; its errors and warnings are collected in `complaints`. */
   async open(three: string, script: string): Promise<{ page: Page; complaints: string[] }> {
     const page = await this.#browser.newPage();
     page.setDefaultTimeout(300_000);
@@ -126,10 +126,10 @@ function page(three: string): string {
     ),
   };
   return `<!doctype html><link rel="icon" href="data:,"><script type="importmap">${JSON.stringify({ imports })}</script>
-<script type="module">import('/tests/browser/page/' + new URLSearchParams(location.search).get('script'));</script>`;
+<script type="module">import(new URL(new URLSearchParams(location.search).get('script'), location.origin + '/tests/browser/page/'));</script>`;
 }
 
-/** Reads a file of the package. */
-export function packageFile(name: string): string {
-  return readFileSync(join(ROOT, name), 'utf8');
+/** Returns the path of a file of the package. */
+export function packagePath(name: string): string {
+  return join(ROOT, name);
 }

@@ -12,8 +12,7 @@ import { ShadowFileLoader } from 'adumbra-three';
 const WIDTH = 320;
 const HEIGHT = 240;
 
-const ONLY_MIDDLES = { stencilWrite: true, stencilFunc: THREE.EqualStencilFunc, stencilRef: 1 };
-const TARGET = { type: THREE.FloatType, stencilBuffer: true };
+const TARGET = { type: THREE.FloatType };
 
 const loaders = {
   glb: async (url) => (await new GLTFLoader().loadAsync(url)).scene,
@@ -24,7 +23,7 @@ const loaders = {
 /** Returns a scene with flat normals and one material, seen from both sides. */
 async function load(url) {
   const root = await loaders[url.split('.').pop()](url);
-  const material = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide, ...ONLY_MIDDLES });
+  const material = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide });
   const flat = new Map();
   root.traverse((object) => {
     if (!object.isMesh) return;
@@ -42,48 +41,33 @@ async function load(url) {
   return root;
 }
 
-/** Points that mark, in the stencil buffer, the pixel in the middle of each square of `scale` × `scale`. */
-function middles(scale) {
-  const middle = (scale - 1) / 2;
-  const positions = new Float32Array(3 * WIDTH * HEIGHT);
-  for (let i = 0; i < WIDTH * HEIGHT; i += 1) {
-    const [x, y] = [i % WIDTH, Math.floor(i / WIDTH)];
-    positions.set([scale * x + middle + 0.5, scale * y + middle + 0.5, 0], 3 * i);
-  }
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
-  const mark = { stencilWrite: true, stencilRef: 1, stencilZPass: THREE.ReplaceStencilOp };
-  const material = new THREE.PointsMaterial({ size: 1, sizeAttenuation: false, colorWrite: false, depthWrite: false, ...mark });
-  return new THREE.Points(geometry, material);
-}
-
 const renderers = {
-  webgpu: (width, height) => nodeRenderer(width, height, false),
-  webgl2: (width, height) => nodeRenderer(width, height, true),
-  async webgl(width, height) {
+  webgpu: () => nodeRenderer(false),
+  webgl2: () => nodeRenderer(true),
+  async webgl() {
     const { attachBakedShadow } = await import('adumbra-three/webgl');
     const renderer = new THREE.WebGLRenderer();
-    const target = new THREE.WebGLRenderTarget(width, height, TARGET);
+    const target = new THREE.WebGLRenderTarget(WIDTH, HEIGHT, TARGET);
     return {
       renderer,
       target,
       bake: (scene, light, file, options) => attachBakedShadow(scene, light, file, options),
       async read() {
-        const pixels = new Float32Array(4 * width * height);
-        renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+        const pixels = new Float32Array(4 * WIDTH * HEIGHT);
+        renderer.readRenderTargetPixels(target, 0, 0, WIDTH, HEIGHT, pixels);
         return { pixels, isBottomFirst: true };
       },
     };
   },
 };
 
-async function nodeRenderer(width, height, forceWebGL) {
+async function nodeRenderer(forceWebGL) {
   const { WebGPURenderer, RenderTarget } = await import('three/webgpu');
   const { BakedShadowNode } = await import('adumbra-three/webgpu');
   const renderer = new WebGPURenderer({ forceWebGL });
   await renderer.init();
   renderer.shadowMap.enabled = true;
-  const target = new RenderTarget(width, height, TARGET);
+  const target = new RenderTarget(WIDTH, HEIGHT, TARGET);
   return {
     renderer,
     target,
@@ -92,20 +76,16 @@ async function nodeRenderer(width, height, forceWebGL) {
       light.shadow.shadowNode = new BakedShadowNode(light, { file, ...options });
     },
     async read() {
-      const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
+      const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, WIDTH, HEIGHT);
       return { pixels, isBottomFirst: forceWebGL };
     },
   };
 }
 
-/**
- * Draws `scene` with `file`. Returns the visibility of each pixel from the top left, as Base64 of 32-bit numbers. Pictures
- * are `scale` times as large, an odd number, and the pixel in the middle of each square, which has the same centre, is all
- * that is drawn of it.
- */
-window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim, fov, scale }) => {
+/** Draws `scene` with `file`. Returns the visibility of each pixel from the top left, as Base64 of 32-bit numbers. */
+window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim, fov }) => {
   const [root, file] = await Promise.all([load(sceneUrl), new ShadowFileLoader().loadAsync(fileUrl)]);
-  const { renderer, target, bake, read } = await renderers[backend](scale * WIDTH, scale * HEIGHT);
+  const { renderer, target, bake, read } = await renderers[backend]();
   const scene = new THREE.Scene();
   const light = new THREE.DirectionalLight(0xffffff, Math.PI);
   scene.add(root, light, light.target);
@@ -117,26 +97,14 @@ window.draw = async ({ backend, scene: sceneUrl, file: fileUrl, eye, target: aim
   camera.far = camera.position.distanceTo(center) + radius;
   camera.updateProjectionMatrix();
   bake(scene, light, file, { filter: 1 });
-  const marks = middles(scale);
-  const middle = (scale - 1) / 2;
-  const flat = new THREE.OrthographicCamera(0, scale * WIDTH, scale * HEIGHT, 0, -1, 1);
-  const depth = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide, colorWrite: false, ...ONLY_MIDDLES });
-  Object.assign(depth, { polygonOffset: true, polygonOffsetFactor: 0.1, polygonOffsetUnits: 1 });
   const red = async () => {
     renderer.setRenderTarget(target);
-    renderer.autoClear = true;
-    renderer.render(marks, flat);
-    renderer.autoClear = false;
-    // Depths first, so that look-ups are made for what is seen alone.
-    scene.overrideMaterial = depth;
-    renderer.render(scene, camera);
-    scene.overrideMaterial = null;
     renderer.render(scene, camera);
     const { pixels, isBottomFirst } = await read();
     return Float32Array.from({ length: WIDTH * HEIGHT }, (_, i) => {
       const [x, y] = [i % WIDTH, Math.floor(i / WIDTH)];
-      const row = scale * (isBottomFirst ? HEIGHT - 1 - y : y) + middle;
-      return pixels[4 * (row * scale * WIDTH + scale * x + middle)];
+      const row = isBottomFirst ? HEIGHT - 1 - y : y;
+      return pixels[4 * (row * WIDTH + x)];
     });
   };
   const shadowed = await red();
