@@ -58,6 +58,10 @@ const ELSEWHERE: [(&str, [(f64, f64); 4]); 8] = [
         "three.js r187, SunLight 4096², biases of a texel",
         [(2.36, 2.8), (0.52, 0.7), (0.52, 0.6), (11.04, 10.6)],
     ),
+    (
+        "three.js r187 with adumbra: a file of 16,384, filter 1",
+        [(0.40, 0.40), (0.23, 0.23), (0.05, 0.05), (0.21, 0.21)],
+    ),
 ];
 const AIM: (&str, [(f64, f64); 4]) =
     ("aim: voxel, one file at 65536, any view", [(0.40, 0.6), (0.20, 0.4), (0.15, 0.3), (0.60, 0.8)]);

@@ -53,16 +53,21 @@ function sceneFile(name: string): string {
   return found;
 }
 
-/** Errors of the pixels with n·l > 0.1, %: the share on the wrong side of 1/2, and the mean difference. */
-function errors(found: Float32Array, sun: Float32Array, nDotL: Float32Array): { wrong: number; mean: number } {
-  let [compared, wrong, sum] = [0, 0, 0];
+/**
+ * Errors of the pixels with n·l > 0.1, %: the share on the wrong side of 1/2, the mean difference, and the share where
+ * nothing was drawn, along outlines, which counts as lit.
+ */
+function errors(found: Float32Array, sun: Float32Array, nDotL: Float32Array): { wrong: number; mean: number; empty: number } {
+  let [compared, wrong, sum, empty] = [0, 0, 0, 0];
   nDotL.forEach((cosine, i) => {
     if (!(cosine > 0.1)) return;
     compared += 1;
-    wrong += Number(found[i]! < 0.5 !== sun[i]! < 0.5);
-    sum += Math.abs(found[i]! - sun[i]!);
+    const visibility = Number.isNaN(found[i]) ? 1 : found[i]!;
+    wrong += Number(visibility < 0.5 !== sun[i]! < 0.5);
+    sum += Math.abs(visibility - sun[i]!);
+    empty += Number(Number.isNaN(found[i]));
   });
-  return { wrong: (100 * wrong) / compared, mean: (100 * sum) / compared };
+  return { wrong: (100 * wrong) / compared, mean: (100 * sum) / compared, empty: (100 * empty) / compared };
 }
 
 async function draw(backend: string, scene: string, file: string, { eye, target, fov_y: fov }: TruthCamera): Promise<Float32Array> {
@@ -86,9 +91,10 @@ test.for(VIEWS)('%s is as right as its file', async (name, { skip }) => {
   const byFile = errors(query.visibilities(truth.floats('pos'), truth.floats('normal')), sun, nDotL).wrong;
   for (const backend of BACKENDS) {
     const drawn = await draw(backend, scene, `${name}.adumbra`, camera);
-    const { wrong, mean } = errors(drawn, sun, nDotL);
-    const figures = [wrong, mean, byFile].map((percent) => `${percent.toFixed(2)} %`);
-    console.log(`${name}, ${backend}: ${figures[0]} of pixels wrong, mean ${figures[1]}; ${figures[2]} by look-ups at the same points`);
+    const { wrong, mean, empty } = errors(drawn, sun, nDotL);
+    const figures = [wrong, mean, byFile, empty].map((percent) => `${percent.toFixed(2)} %`);
+    console.log(`${name}, ${backend}: ${figures[0]} of pixels wrong, mean ${figures[1]}, nothing drawn at ${figures[3]}; ${figures[2]} wrong by look-ups at the same points`);
+    expect(empty, backend).toBeLessThan(0.1);
     expect(wrong, backend).toBeLessThanOrEqual(byFile + 0.1);
   }
   expect(complaints).toEqual([]);
