@@ -28,6 +28,8 @@ const USAGE: &str = "usage:
 const JSON_DOCUMENT: [&str; 7] =
     ["test", "--release", "-p", "adumbra-cli", "--bin", "adumbra", "json_document"];
 
+/// Its commands make a page from an empty folder; the tests of the package run them.
+const WEB_GUIDE: &str = "docs/guides/use-it-on-a-web-page.md";
 /// Makes the look-ups of web pages.
 const GENERATOR: &str = "integrations/three/generator";
 
@@ -86,7 +88,8 @@ fn test_bevy(root: &Path) -> Result<(), String> {
     cargo(&plugin, &["test", "--all-features"], &[])
 }
 
-/// Tests the package for three.js: its unit tests compare look-ups with the program's, and its browser tests draw.
+/// Tests the package for three.js: its unit tests compare look-ups with the program's, its browser tests draw, and its
+/// guide is walked.
 fn test_web(root: &Path) -> Result<(), String> {
     tools::ensure_web()?;
     cargo(root, &["build", "--release", "--package", "adumbra-cli"], &[])?;
@@ -97,7 +100,8 @@ fn test_web(root: &Path) -> Result<(), String> {
     cargo(&generator, &["test"], &[])?;
     let package = root.join("integrations/three");
     run(&package, "npm", &["ci", "--no-audit", "--no-fund"], &[])?;
-    run(&package, "npm", &["run", "check"], &[("ADUMBRA_BIN", &program.to_string_lossy())])
+    run(&package, "npm", &["run", "check"], &[("ADUMBRA_BIN", &program.to_string_lossy())])?;
+    docs::run(root, &[WEB_GUIDE]).map_err(|e| e.to_string())
 }
 
 /// Checks that the program without its features builds and links nothing that draws.
