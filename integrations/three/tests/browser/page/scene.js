@@ -288,10 +288,34 @@ const plays = {
     const { CSM } = await import('three/addons/csm/CSM.js');
     const w = await world('webgl');
     const [file] = await load('a');
-    const csm = new CSM({ camera: w.camera, parent: w.scene, cascades: 2, lightDirection: new THREE.Vector3(-0.6, -0.8, 0) });
-    csm.setupMaterial(w.ground.material);
-    w.bake(csm.lights[0], file, { align: false });
-    return (await rejection(w.draw())).message;
+    w.mover.visible = true;
+    const csm = new CSM({
+      camera: w.camera,
+      parent: w.scene,
+      cascades: 2,
+      lightDirection: new THREE.Vector3(...SUNS.a).negate(),
+      lightIntensity: Math.PI,
+      shadowBias: -0.0002,
+      lightFar: 500,
+    });
+    for (const each of [w.ground, w.wall, w.mover]) csm.setupMaterial(each.material);
+    const baked = w.bake(csm.lights[0], file, { align: false, statics: w.statics, movers: 'shadow' });
+    w.camera.updateMatrixWorld();
+    const look = (fade) => {
+      csm.fade = fade;
+      csm.updateFrustums();
+      csm.update();
+      return w.look();
+    };
+    const beside = await look(false);
+    const faded = await look(true);
+    w.mover.castShadow = false;
+    const alone = await look(false);
+    csm.lightDirection.set(...SUNS.none).negate();
+    const turned = await look(false);
+    csm.lightDirection.set(...SUNS.a).negate();
+    baked.dispose();
+    return { beside, faded, alone, turned, gone: await look(false) };
   },
 
   async runTime(backend) {
