@@ -260,3 +260,15 @@ test('draws with WebGL2 where there is no WebGPU, and says so', async () => {
   expect(complaints).toEqual([]);
   await page.close();
 });
+
+test('counts wrong pixels against rays, of which the file has fewer', async () => {
+  const { page, complaints } = await open(`renderer=webgl&${SMALL}`);
+  await page.getByRole('button', { name: 'View with truth' }).click();
+  await expectStatus(page, /^Wrong pixels of 480 × 270/);
+  const [file, stock] = (await page.locator('#read-wrong').textContent())!.split('|').map(Number.parseFloat);
+  console.log(`wrong pixels of the demo's view: file ${file} %, three's default ${stock} %`);
+  expect(file).toBeLessThan(1);
+  expect(stock).toBeGreaterThan(2 * file!);
+  expect(complaints).toEqual([]);
+  await page.close();
+});
