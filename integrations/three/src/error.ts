@@ -23,7 +23,6 @@ export type ShadowFileErrorKind =
   | 'Depths'
   | 'Layout'
   | 'TooLarge'
-  | 'Layout'
   | 'Io';
 
 /** A fault in the voxels, for the kinds `Graph`, `Packed` and `Depths`. */

@@ -18,7 +18,8 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
   verify: true | 'header' = true;
   /** Ends the loads that begin while it is set, once it aborts. */
   signal: AbortSignal | null = null;
-  readonly #requests = new Set<FileLoader<ArrayBuffer>>();
+  /** What ends the loads that are under way. */
+  readonly #aborts = new Set<() => void>();
 
   /**
    * Loads the file at `url`, after the loader's `path`.
@@ -30,45 +31,61 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     url: string,
     onLoad: (file: BakedShadowFile) => void,
     onProgress?: (event: ProgressEvent) => void,
-    onError?: (error: unknown) => void,
+    onError: (error: unknown) => void = console.error,
   ): void {
-    const request = new FileLoader<ArrayBuffer>(this.manager)
-      .setPath(this.path)
-      .setResponseType('arraybuffer')
-      .setRequestHeader(this.requestHeader)
-      .setWithCredentials(this.withCredentials);
-    const fail = (error: unknown): void => {
-      if (onError === undefined) console.error(error);
-      else onError(error);
-    };
     const { signal } = this;
-    const abort = (): unknown => request.abort();
+    const { signal: ofManager } = this.manager.abortController;
+    let isOver = false;
     const end = (): void => {
-      this.#requests.delete(request);
+      isOver = true;
+      this.#aborts.delete(abort);
       signal?.removeEventListener('abort', abort);
     };
-    this.#requests.add(request);
+    const fail = (error: unknown): void => {
+      end();
+      onError(error);
+    };
+    let request: FileLoader<ArrayBuffer>;
+    const abort = (): void => {
+      if (isOver) return;
+      fail(new DOMException(`the load of ${url} was aborted`, 'AbortError'));
+      request.abort();
+    };
+    const fetchFile = (mayRetry: boolean): void => {
+      request = new FileLoader<ArrayBuffer>(this.manager)
+        .setPath(this.path)
+        .setResponseType('arraybuffer')
+        .setRequestHeader(this.requestHeader)
+        .setWithCredentials(this.withCredentials);
+      request.load(
+        url,
+        (buffer) => {
+          if (isOver) return;
+          let file: BakedShadowFile;
+          try {
+            file = this.parse(buffer);
+          } catch (error) {
+            fail(withUrl(error, url));
+            this.manager.itemError(url);
+            return;
+          }
+          end();
+          onLoad(file);
+        },
+        (event) => {
+          if (!isOver) onProgress?.(event);
+        },
+        (error) => {
+          if (isOver) return;
+          // Three gives loads of one URL one request, which was aborted by another of them.
+          if (mayRetry && isAbort(error) && !ofManager.aborted) fetchFile(false);
+          else fail(isAbort(error) ? error : withUrl(error, url));
+        },
+      );
+    };
+    this.#aborts.add(abort);
     signal?.addEventListener('abort', abort);
-    request.load(
-      url,
-      (buffer) => {
-        end();
-        let file: BakedShadowFile;
-        try {
-          file = this.parse(buffer);
-        } catch (error) {
-          fail(withUrl(error, url));
-          this.manager.itemError(url);
-          return;
-        }
-        onLoad(file);
-      },
-      onProgress,
-      (error) => {
-        end();
-        fail(isAbort(error) ? error : withUrl(error, url));
-      },
-    );
+    fetchFile(true);
     if (signal?.aborted === true) abort();
   }
 
@@ -84,14 +101,13 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
 
   /** Aborts all requests that are under way. The loader can be used again afterwards. */
   override abort(): this {
-    for (const request of this.#requests) request.abort();
-    this.#requests.clear();
+    for (const abort of this.#aborts) abort();
     return this;
   }
 }
 
 function isAbort(error: unknown): boolean {
-  return error instanceof DOMException && error.name === 'AbortError';
+  return (error as Error).name === 'AbortError';
 }
 
 /** Returns an error that names the file. */

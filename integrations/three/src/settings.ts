@@ -56,7 +56,7 @@ export interface LookUpOptions {
   /** Width of the filter in texels. With 1, the answer is 0 or 1. */
   readonly filter: FilterWidth;
   /** The bias; that of the file by default. */
-  readonly bias?: Bias;
+  readonly bias?: Bias | undefined;
 }
 
 /**

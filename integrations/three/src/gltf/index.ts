@@ -21,7 +21,7 @@ export interface NamedShadow {
   readonly file: BakedShadowFile;
   /** The filter that the light asks for, if it asks for one. */
   readonly filter?: FilterWidth;
-  /** The glTF scene, or whatever else the light is below. */
+  /** The whole result of the load. */
   readonly gltf: GLTF;
 }
 
@@ -46,10 +46,11 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
 
   /** For three: loads the files that lights name. */
   async afterRoot(gltf: GLTF): Promise<void> {
-    const { manager, path, requestHeader, crossOrigin } = this.#parser.options;
+    const { manager, path, requestHeader, crossOrigin, withCredentials } = this.#parser.options as Options;
     const loader = new ShadowFileLoader(manager);
     loader.setRequestHeader(requestHeader);
-    loader.setCrossOrigin(crossOrigin);
+    // As the glTF loader does for its own files.
+    loader.setWithCredentials(withCredentials === true || crossOrigin === 'use-credentials');
     const lights: [SunLike, Extras][] = [];
     for (const scene of gltf.scenes) {
       scene.traverse((object) => {
@@ -68,6 +69,9 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
     );
   }
 }
+
+/** The parser's options, with one that three has from 0.187 on. */
+type Options = GLTFParser['options'] & { readonly withCredentials?: boolean };
 
 /** The extras of a light. */
 interface Extras {

@@ -11,14 +11,14 @@ import type { Bias, FilterWidth } from '../settings.js';
 /** Most files on one light. */
 export const MAX_FILES = 8;
 
-/** How shadows are looked up; may change at any time. */
+/** How shadows are looked up; may change at any time. `undefined` is the default. */
 export interface ShadowSettings {
   /** Width of the filter in texels, by default 5; 1 is a hard edge. Not with `softnessDegrees`. */
-  filter?: FilterWidth;
+  filter?: FilterWidth | undefined;
   /** The bias; each file's own by default. */
-  bias?: Bias;
-  /** Angle of the sun's disc in degrees, 0.01 to 20; 0.53 for the real one. Only with the look-up `soft`. */
-  softnessDegrees?: number;
+  bias?: Bias | undefined;
+  /** Angle of the sun's disc in degrees, 0.01 to 20; by default 0.53, the real one. Only with the look-up `soft`. */
+  softnessDegrees?: number | undefined;
 }
 
 /** Options of baked shadows on a light. */
@@ -40,17 +40,15 @@ export interface BakedShadowOptions extends ShadowSettings {
 const MAX_PENUMBRA_TEXELS = 32;
 
 /** Returns the settings as a look-up of a file takes them. */
-export function gpuOptions(settings: ShadowSettings, lookUp: LookUp): GpuLookUpOptions {
-  const bias = settings.bias === undefined ? {} : { bias: settings.bias };
-  const degrees = settings.softnessDegrees;
+export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lookUp: LookUp): GpuLookUpOptions {
   if (!lookUp.isSoft) {
-    if (degrees !== undefined) {
+    if (softnessDegrees !== undefined) {
       throw new RangeError("softnessDegrees needs lookUp: soft, from 'adumbra-three/look-ups'");
     }
-    return { filter: settings.filter ?? 5, ...bias };
+    return { filter: filter ?? 5, bias };
   }
-  if (settings.filter !== undefined) throw new RangeError('the look-up soft has no filter; set softnessDegrees');
-  return { filter: 1, ...bias, penumbra: { angleDegrees: degrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
+  if (filter !== undefined) throw new RangeError('the look-up soft has no filter; set softnessDegrees');
+  return { filter: 1, bias, penumbra: { angleDegrees: softnessDegrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
 }
 
 /** Checks that files can be on one light. */

@@ -67,7 +67,7 @@ export class LightTextures {
       const away = Math.hypot(sun[0] - towardsLight.x, sun[1] - towardsLight.y, sun[2] - towardsLight.z);
       if (away <= SAME_SUN) inUse.push(i);
     });
-    if (inUse.length !== this.#inUse.length || inUse.some((file, i) => file !== this.#inUse[i])) {
+    if (inUse.join() !== this.#inUse.join()) {
       this.#inUse = inUse;
       this.#writeHeaders();
     }

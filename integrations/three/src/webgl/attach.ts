@@ -14,7 +14,8 @@ import { depths } from '../look-ups/depths.js';
 import { checkRevision } from '../revision.js';
 import { MaterialHook } from './material-hook.js';
 import type { ShaderChange } from './material-hook.js';
-import { isLit, withLookUp } from './shader.js';
+import { beforeRender } from './scene-hook.js';
+import { withLookUp } from './shader.js';
 
 checkRevision();
 
@@ -22,17 +23,19 @@ checkRevision();
 export interface AttachedShadow {
   /** Whether the light shines from the sun of a file. Otherwise shadows are those of three's shadow map, if it has one. */
   readonly isActive: boolean;
-  /** Names of materials that are lit by no light of three's, and were left alone. Known once they were drawn. */
+  /** Names of materials that are not lit as three's own are, and were left alone. Known once they were drawn. */
   readonly skipped: readonly string[];
-  /** Gives the materials below an object that was added later the shadows too. */
+  /** Gives the materials below an object that was added later the shadows too, or gives them back to what lost them. */
   attach(object: Object3D): void;
+  /** Takes the shadows from the materials below an object, which are held until then: for parts of the world that go. */
+  detach(object: Object3D): void;
   /**
-   * Changes filter, bias or softness. Nothing is compiled anew.
+   * Changes filter, bias or softness; what is left out stays. Nothing is compiled anew.
    *
    * @throws RangeError if a setting is out of its range.
    */
   setLookUp(settings: ShadowSettings): void;
-  /** Gives materials and casters back as they were, and frees what the GPU holds. */
+  /** Gives materials and casters back as they were, and frees what the GPU holds. What is attached afterwards stays as it is. */
   dispose(): void;
 }
 
@@ -55,6 +58,7 @@ export function attachBakedShadow(
   const files = asList(file);
   const lookUp = options.lookUp ?? depths;
   checkFiles(files, lookUp);
+  let settings: ShadowSettings = options;
   const textures = new LightTextures(files, options.maxTextureSize ?? 8192, gpuOptions(options, lookUp));
   if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
 
@@ -63,7 +67,7 @@ export function attachBakedShadow(
   inUse.add(number);
   const prefix = `adumbra${number}`;
   const towards = new Vector3();
-  const intensity: IUniform<number> = { value: light.shadow.intensity };
+  const intensity: IUniform<number> = { value: 1 };
   const uniforms: Record<string, IUniform> = {
     [`${prefix}_words`]: { value: textures.words },
     [`${prefix}_headers`]: { value: textures.headers },
@@ -79,56 +83,69 @@ export function attachBakedShadow(
   const change: ShaderChange = {
     key: `${prefix} ${lookUp.name}`,
     apply(shader, material) {
-      if (!isLit(shader.fragmentShader)) {
+      const text = withLookUp(shader.fragmentShader, lookUp.glsl, prefix);
+      if (text === null) {
         skipped.add(material.name || material.type);
         return;
       }
       Object.assign(shader.uniforms, uniforms);
-      shader.fragmentShader = withLookUp(shader.fragmentShader, lookUp.glsl, prefix);
+      shader.fragmentShader = text;
     },
   };
   const attach = (object: Object3D): void => {
-    object.traverse((each) => {
-      const { material } = each as { material?: Material | Material[] };
-      for (const one of asList(material)) {
-        if (!hooks.has(one)) hooks.set(one, MaterialHook.add(one, change));
-      }
+    if (isDisposed) return;
+    forEachMaterial(object, (material) => {
+      const hook = hooks.get(material);
+      if (hook?.isInPlace === true) return;
+      hook?.remove(change);
+      hooks.set(material, MaterialHook.add(material, change));
+    });
+  };
+  const detach = (object: Object3D): void => {
+    forEachMaterial(object, (material) => {
+      hooks.get(material)?.remove(change);
+      hooks.delete(material);
     });
   };
   const update = (): void => {
-    if (isDisposed) return;
     const count = textures.use(towardsLight(light, towards));
     statics.rest(count > 0);
     intensity.value = light.shadow.intensity;
   };
 
-  const { onBeforeRender } = scene;
-  const followLight: Scene['onBeforeRender'] = (...args) => {
-    update();
-    onBeforeRender.apply(scene, args);
-  };
-  scene.onBeforeRender = followLight;
+  const stopFollowing = beforeRender(scene, update);
   attach(scene);
   update();
 
   return {
     get isActive() {
-      return textures.use(towardsLight(light, towards)) > 0;
+      return !isDisposed && textures.use(towardsLight(light, towards)) > 0;
     },
     get skipped() {
       return [...skipped];
     },
     attach,
-    setLookUp: (settings) => textures.setLookUp(gpuOptions(settings, lookUp)),
+    detach,
+    setLookUp(changed) {
+      const all = { ...settings, ...changed };
+      textures.setLookUp(gpuOptions(all, lookUp));
+      settings = all;
+    },
     dispose() {
       if (isDisposed) return;
       isDisposed = true;
       for (const hook of hooks.values()) hook.remove(change);
-      hooks.clear();
-      if (scene.onBeforeRender === followLight) scene.onBeforeRender = onBeforeRender;
+      stopFollowing();
       statics.release();
       textures.dispose();
       inUse.delete(number);
     },
   };
+}
+
+function forEachMaterial(object: Object3D, visit: (material: Material) => void): void {
+  object.traverse((each) => {
+    const { material } = each as { material?: Material | Material[] };
+    for (const one of asList(material)) visit(one);
+  });
 }

@@ -12,8 +12,8 @@ export interface ShaderChange {
   apply(shader: WebGLProgramParametersWithUniforms, material: Material): void;
 }
 
-/** The hook of each material that was installed last. */
-const hooks = new WeakMap<Material, MaterialHook>();
+/** The hooks by the functions that three calls. */
+const hooks = new WeakMap<Material['onBeforeCompile'], MaterialHook>();
 
 /** A hook in one material. */
 export class MaterialHook {
@@ -34,19 +34,21 @@ export class MaterialHook {
       customProgramCacheKey: () => this.#key(),
     };
     Object.assign(material, this.#now);
+    hooks.set(material.onBeforeCompile, this);
   }
 
   /** Has a change made to a material's shader. Returns the hook that does it. */
   static add(material: Material, change: ShaderChange): MaterialHook {
-    let hook = hooks.get(material);
     // Whoever has hooked in since may not call what was here.
-    if (hook === undefined || material.onBeforeCompile !== hook.#now.onBeforeCompile) {
-      hook = new MaterialHook(material);
-      hooks.set(material, hook);
-    }
+    const hook = hooks.get(material.onBeforeCompile) ?? new MaterialHook(material);
     hook.#changes.add(change);
     material.needsUpdate = true;
     return hook;
+  }
+
+  /** Whether three calls the hook itself. Otherwise whoever has hooked in since may call it, or not. */
+  get isInPlace(): boolean {
+    return hooks.get(this.#material.onBeforeCompile) === this;
   }
 
   /** Has a change made no more. After the last one the material is as it was before. */
@@ -56,11 +58,10 @@ export class MaterialHook {
     if (this.#changes.size === 0) {
       // Whoever has hooked in since goes on calling what is here, which does nothing any more.
       const { onBeforeCompile, customProgramCacheKey } = this.#before;
-      if (material.onBeforeCompile === this.#now.onBeforeCompile) material.onBeforeCompile = onBeforeCompile;
+      if (this.isInPlace) material.onBeforeCompile = onBeforeCompile;
       if (material.customProgramCacheKey === this.#now.customProgramCacheKey) {
         material.customProgramCacheKey = customProgramCacheKey;
       }
-      if (hooks.get(material) === this) hooks.delete(material);
     }
     // Otherwise three keeps the program, with its uniforms, for the next one that has its key.
     material.dispose();
@@ -70,8 +71,8 @@ export class MaterialHook {
   #key(): string {
     const { onBeforeCompile, customProgramCacheKey } = this.#before;
     // By default the key is the text of `onBeforeCompile`, which is another function from now on.
-    const isDefault = customProgramCacheKey === Material.prototype.customProgramCacheKey;
-    const parts = [isDefault ? onBeforeCompile.toString() : customProgramCacheKey.call(this.#material)];
+    const parts = [onBeforeCompile.toString()];
+    if (customProgramCacheKey !== Material.prototype.customProgramCacheKey) parts.push(customProgramCacheKey.call(this.#material));
     for (const { key } of this.#changes) parts.push(key);
     // Whoever has hooked in since changes the program too.
     const { onBeforeCompile: latest } = this.#material;

@@ -5,42 +5,28 @@ import { ShaderChunk } from 'three';
 
 import { withPrefix } from '../look-ups/look-up.js';
 
-const INCLUDE = '#include <lights_fragment_begin>';
+/** As three finds it: what is commented out is none. */
+const INCLUDE = /^[ \t]*#include +<lights_fragment_begin>/m;
 
 /** The head of a shader's main function. */
-const MAIN = /void\s+main\s*\(\s*(void)?\s*\)/;
+const MAIN = /void\s+main\s*\(/;
 
 /**
- * Where the chunk has the information of a light, and the light's structure. Three has one place for each kind of lights,
- * its addon CSM one for each way to blend cascades.
+ * Where three's chunk, or a shader with a loop of its own, has the information of a light, and the light's structure. Three
+ * has one place for each kind of light, its addon CSM one for each way to blend cascades.
  */
-const PLACES = [
-  /getDirectionalLightInfo\( (directionalLight|directionalLights\[0\]), directLight \);/g,
-  /getSunLightInfo\( (sunLight), directLight \);/g,
-];
+const PLACES = /get(?:Directional|Sun)LightInfo\( (\w+(?:\[0\])?), directLight \);/g;
 
-/** Whether a fragment shader is lit by three's lights. */
-export function isLit(fragmentShader: string): boolean {
-  return fragmentShader.includes(INCLUDE) || fragmentShader.search(PLACES[0]!) !== -1;
-}
+/** What a look-up needs around it: a light, the surface's point, and its normal without a normal map. */
+const NEEDS = [PLACES, /^\s*vec3 geometryPosition/m, /^\s*#include <normal_fragment_begin>|vec3 nonPerturbedNormal/m];
 
-/**
- * Returns a fragment shader with a look-up.
- *
- * @throws Error if three's chunk is not as expected.
- */
-export function withLookUp(fragmentShader: string, lookUp: string, prefix: string): string {
-  let text = fragmentShader.replace(INCLUDE, () => ShaderChunk.lights_fragment_begin);
-  for (const place of PLACES) {
-    if (text.search(place) === -1) {
-      throw new Error(
-        `three's chunk lights_fragment_begin has nothing like ${place.source}; ` +
-          'adumbra-three works with the chunks of three 0.186 to 0.187 and of its addon CSM',
-      );
-    }
-    text = text.replace(place, (found, light: string) => `${found}\n${withPrefix(shadowOf(light), prefix)}`);
-  }
-  return text.replace(MAIN, (main) => `${withPrefix(DECLARATIONS + lookUp, prefix)}\n${main}`);
+/** Returns a fragment shader with a look-up, or `null` if it is not lit as three's own materials are. */
+export function withLookUp(fragmentShader: string, lookUp: string, prefix: string): string | null {
+  const text = fragmentShader.replace(INCLUDE, () => ShaderChunk.lights_fragment_begin);
+  if (NEEDS.some((pattern) => text.search(pattern) === -1)) return null;
+  return text
+    .replace(PLACES, (found, light: string) => `${found}\n${withPrefix(shadowOf(light), prefix)}`)
+    .replace(MAIN, (main) => `${withPrefix(DECLARATIONS + lookUp, prefix)}\n${main}`);
 }
 
 const DECLARATIONS = `uniform highp usampler2D adumbra_words;

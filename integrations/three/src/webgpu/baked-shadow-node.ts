@@ -4,6 +4,7 @@ import { FrontSide, Vector3 } from 'three';
 import {
   Fn,
   faceDirection,
+  getCurrentStack,
   mix,
   normalWorldGeometry,
   property,
@@ -51,7 +52,8 @@ let nodes = 0;
 
 /**
  * The shadow of a light from its files: `light.shadow.shadowNode = new BakedShadowNode(light, { file })`. The light must
- * cast (`light.castShadow`), and the renderer's shadow maps must be enabled.
+ * cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind that the light had before is
+ * disposed.
  */
 export class BakedShadowNode extends ShadowBaseNode {
   readonly #sun: SunLike;
@@ -61,6 +63,7 @@ export class BakedShadowNode extends ShadowBaseNode {
   readonly #statics: Statics;
   readonly #textures: LightTextures;
   readonly #direction = new Vector3();
+  #settings: ShadowSettings;
   #isDisposed = false;
 
   /**
@@ -75,6 +78,7 @@ export class BakedShadowNode extends ShadowBaseNode {
     this.#sun = light;
     this.#lookUp = options.lookUp ?? depths;
     checkFiles(files, this.#lookUp);
+    this.#settings = options;
     this.#textures = new LightTextures(files, options.maxTextureSize ?? 8192, gpuOptions(options, this.#lookUp));
     nodes += 1;
     this.#nodes = new LookUpNodes(this.#lookUp, this.#textures, `adumbra${nodes}`);
@@ -89,22 +93,26 @@ export class BakedShadowNode extends ShadowBaseNode {
     if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
     this.#update();
     this.updateBeforeType = NodeUpdateType.RENDER;
-    // A shadow map that was in use until now is dropped by three, and materials are built anew.
-    if (!light.shadow.shadowNode) light.dispatchEvent({ type: 'dispose' });
+    // What was in use until now is dropped, and materials are built anew.
+    const before = light.shadow.shadowNode as unknown;
+    if (before instanceof BakedShadowNode) before.dispose();
+    else if (before === undefined || before !== movers) light.dispatchEvent({ type: 'dispose' });
   }
 
   /** Whether the light shines from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
   get isActive(): boolean {
-    return this.#textures.use(this.#direction) > 0;
+    return !this.#isDisposed && this.#textures.use(this.#direction) > 0;
   }
 
   /**
-   * Changes filter, bias or softness. Nothing is compiled anew.
+   * Changes filter, bias or softness; what is left out stays. Nothing is compiled anew.
    *
    * @throws RangeError if a setting is out of its range.
    */
   setLookUp(settings: ShadowSettings): void {
-    this.#textures.setLookUp(gpuOptions(settings, this.#lookUp));
+    const all = { ...this.#settings, ...settings };
+    this.#textures.setLookUp(gpuOptions(all, this.#lookUp));
+    this.#settings = all;
   }
 
   /** For three: builds the shadow's node. */
@@ -145,6 +153,11 @@ export class BakedShadowNode extends ShadowBaseNode {
   /** Frees what the GPU holds, gives casters their shadows back, and leaves the light. */
   override dispose(): void {
     if (this.#isDisposed) return;
+    // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
+    if (getCurrentStack() !== null) {
+      this.#statics.rest(false);
+      return;
+    }
     this.#isDisposed = true;
     this.#statics.release();
     this.#textures.dispose();

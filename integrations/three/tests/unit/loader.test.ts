@@ -109,6 +109,31 @@ it.each([false, true])('is aborted by a signal, which has aborted before: %s', a
   expect((await loader.loadAsync(`${address}/city/good.adumbra`)).byteLength).toBe(GOOD.length);
 });
 
+it('loads again in the same tick as it aborts, as React does', async () => {
+  const loader = new ShadowFileLoader();
+  const url = `${address}/city/good.adumbra`;
+  const first = loader.loadAsync(url);
+  loader.abort();
+  const second = loader.loadAsync(url);
+  await expect(first).rejects.toMatchObject({ name: 'AbortError' });
+  expect((await second).byteLength).toBe(GOOD.length);
+});
+
+it.each([0, 1])('one of two loads of a URL is aborted, and the other goes on: the one numbered %s', async (which) => {
+  const loaders = [new ShadowFileLoader(), new ShadowFileLoader()];
+  const loads = loaders.map((loader) => loader.loadAsync(`${address}/city/good.adumbra`));
+  loaders[which]!.abort();
+  await expect(loads[which]).rejects.toMatchObject({ name: 'AbortError' });
+  expect((await loads[1 - which])!.byteLength).toBe(GOOD.length);
+});
+
+it('two loads of a URL are both aborted by their manager', async () => {
+  const manager = new LoadingManager();
+  const loads = [0, 1].map(() => new ShadowFileLoader(manager).loadAsync(`${address}/never`));
+  manager.abort();
+  for (const load of loads) await expect(load).rejects.toMatchObject({ name: 'AbortError' });
+});
+
 it('without onError, errors are printed', async () => {
   const printed = vi.spyOn(console, 'error').mockImplementation(() => undefined);
   new ShadowFileLoader().load(`${address}/city/magic.adumbra`, () => undefined);

@@ -551,7 +551,7 @@ const plays = {
     loader.abort();
     const controller = new AbortController();
     loader.signal = controller.signal;
-    const neither = rejection(loader.loadAsync('/files/never'));
+    const neither = rejection(loader.loadAsync('/files/never-again'));
     controller.abort();
     loader.signal = null;
     const progress = [];

@@ -1,0 +1,31 @@
+// What is done before WebGLRenderer draws a scene: one hook in each scene, for all its lights.
+
+import type { Scene } from 'three';
+
+/** The hooks by the functions that three calls. */
+const hooks = new WeakMap<Scene['onBeforeRender'], { updates: Set<() => void>; remove(): void }>();
+
+/** Has something done before each time a scene is drawn. Returns what ends it; after the last end the scene is as it was. */
+export function beforeRender(scene: Scene, update: () => void): () => void {
+  const { updates, remove } = hooks.get(scene.onBeforeRender) ?? install(scene);
+  updates.add(update);
+  return () => {
+    updates.delete(update);
+    if (updates.size === 0) remove();
+  };
+}
+
+function install(scene: Scene) {
+  const updates = new Set<() => void>();
+  const before = scene.onBeforeRender;
+  const now: Scene['onBeforeRender'] = (...args) => {
+    for (const update of updates) update();
+    before.apply(scene, args);
+  };
+  const remove = (): void => {
+    if (scene.onBeforeRender === now) scene.onBeforeRender = before;
+  };
+  scene.onBeforeRender = now;
+  hooks.set(now, { updates, remove });
+  return { updates, remove };
+}

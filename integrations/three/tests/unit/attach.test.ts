@@ -1,0 +1,212 @@
+// What attaching a file does to materials and scenes of WebGLRenderer, without a GPU.
+
+import { DirectionalLight, Group, Material, Mesh, MeshLambertMaterial, Scene, ShaderChunk, ShaderLib, ShaderMaterial } from 'three';
+import type { WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
+import { afterEach, expect, test } from 'vitest';
+
+import { BakedShadowFile } from '../../src/index.js';
+import { attachBakedShadow } from '../../src/webgl/index.js';
+import type { AttachedShadow } from '../../src/webgl/index.js';
+import { validBytes } from './vectors.js';
+
+const file = new BakedShadowFile(validBytes('valid', 'upright_depths'));
+const LAMBERT = ShaderLib.lambert.fragmentShader;
+/** Header words: width of the filter, first term of the bias. */
+const [FILTER, BIAS] = [96, 88];
+
+const attached: AttachedShadow[] = [];
+afterEach(() => {
+  for (const each of attached.splice(0)) each.dispose();
+});
+
+function attach(scene: Scene, options = {}): AttachedShadow {
+  const shadow = attachBakedShadow(scene, new DirectionalLight(), file, options);
+  attached.push(shadow);
+  return shadow;
+}
+
+/** A scene with one mesh. */
+function world(material: Material = new MeshLambertMaterial()) {
+  const scene = new Scene();
+  const mesh = new Mesh(undefined, material);
+  scene.add(mesh);
+  return { scene, mesh, material };
+}
+
+/** What three would compile. */
+function compiled(material: Material, fragmentShader = LAMBERT) {
+  const shader = { fragmentShader, uniforms: {} as Record<string, { value: unknown }> };
+  material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
+  return shader;
+}
+
+/** How many look-ups there are in a text. */
+function lookUps(fragmentShader: string, prefix = 'adumbra1'): number {
+  return fragmentShader.split(`${prefix}_visibility( ${prefix}_p`).length - 1;
+}
+
+function header(material: Material): Uint32Array {
+  return (compiled(material).uniforms['adumbra1_headers']!.value as { image: { data: Uint32Array } }).image.data;
+}
+
+test('settings that are left out stay, and undefined is the default', () => {
+  const { scene, material } = world();
+  const shadow = attach(scene, { filter: 9 });
+  expect(header(material)[FILTER]).toBe(9);
+  shadow.setLookUp({ bias: { constantTexels: 4, slopeTexels: 2, normalOffsetTexels: 1 } });
+  expect(header(material)[FILTER]).toBe(9);
+  const four = new Uint32Array(new Float32Array([4]).buffer)[0];
+  expect(header(material)[BIAS]).toBe(four);
+  expect(() => shadow.setLookUp({ filter: 4 as 5 })).toThrow(RangeError);
+  shadow.setLookUp({ filter: undefined });
+  expect(header(material)[FILTER]).toBe(5);
+  expect(header(material)[BIAS]).toBe(four);
+});
+
+test('what is attached after dispose stays as it is', () => {
+  const { scene, material } = world();
+  const shadow = attach(scene);
+  expect(lookUps(compiled(material).fragmentShader)).toBeGreaterThan(0);
+  shadow.dispose();
+  expect(shadow.isActive).toBe(false);
+  shadow.attach(scene);
+  expect(compiled(material).fragmentShader).toBe(LAMBERT);
+  expect(material.onBeforeCompile).toBe(Material.prototype.onBeforeCompile);
+});
+
+test('a scene is as it was, in whatever order its shadows come and go', () => {
+  const { scene } = world();
+  const before = scene.onBeforeRender;
+  let last = attach(scene);
+  const hook = scene.onBeforeRender;
+  for (let swap = 0; swap < 3; swap += 1) {
+    const next = attach(scene);
+    last.dispose();
+    expect(scene.onBeforeRender).toBe(hook);
+    last = next;
+  }
+  last.dispose();
+  expect(scene.onBeforeRender).toBe(before);
+});
+
+test('a hook of a scene that comes later goes on being called', () => {
+  const { scene } = world();
+  const shadow = attach(scene);
+  const ours = scene.onBeforeRender;
+  const calls: string[] = [];
+  scene.onBeforeRender = (...all) => {
+    calls.push('later');
+    ours.apply(scene, all);
+  };
+  shadow.dispose();
+  attach(scene);
+  (scene.onBeforeRender as () => void)();
+  expect(calls).toEqual(['later']);
+});
+
+test('attach gives a material its shadow back that another hook has overwritten', () => {
+  const { scene, material } = world();
+  const shadow = attach(scene);
+  const once = lookUps(compiled(material).fragmentShader);
+  material.onBeforeCompile = (shader) => void (shader.fragmentShader = `// theirs\n${shader.fragmentShader}`);
+  expect(lookUps(compiled(material).fragmentShader)).toBe(0);
+  shadow.attach(scene);
+  shadow.attach(scene);
+  const { fragmentShader } = compiled(material);
+  expect(fragmentShader).toContain('// theirs');
+  expect(lookUps(fragmentShader)).toBe(once);
+});
+
+test('attach does not look up twice where a later hook calls the earlier one', () => {
+  const { scene, material } = world();
+  const shadow = attach(scene);
+  const once = lookUps(compiled(material).fragmentShader);
+  const ours = material.onBeforeCompile;
+  material.onBeforeCompile = (shader, renderer) => ours.call(material, shader, renderer);
+  shadow.attach(scene);
+  expect(lookUps(compiled(material).fragmentShader)).toBe(once);
+});
+
+test('detach takes the shadows from a part of the world', () => {
+  const { scene, mesh, material } = world();
+  const other = world();
+  scene.add(new Group().add(other.mesh));
+  const shadow = attach(scene);
+  shadow.detach(mesh);
+  expect(compiled(material).fragmentShader).toBe(LAMBERT);
+  expect(material.onBeforeCompile).toBe(Material.prototype.onBeforeCompile);
+  expect(lookUps(compiled(other.material).fragmentShader)).toBeGreaterThan(0);
+});
+
+test('hooks of others between those of two lights tell programs apart', () => {
+  const scene = new Scene();
+  const materials = ['red', 'green'].map((name) => {
+    const { mesh, material } = world();
+    scene.add(mesh);
+    return { name, material };
+  });
+  attach(scene);
+  for (const { name, material } of materials) {
+    const ours = material.onBeforeCompile;
+    const theirs = { red: 'rgb.gb *= 0.0', green: 'rgb.rb *= 0.0' }[name]!;
+    material.onBeforeCompile = new Function('ours', `return (...all) => { ours(...all); '${theirs}'; }`)(ours) as typeof ours;
+  }
+  attach(scene);
+  const keys = materials.map(({ material }) => material.customProgramCacheKey());
+  expect(keys[0]).not.toBe(keys[1]);
+  expect(lookUps(compiled(materials[0]!.material).fragmentShader, 'adumbra2')).toBeGreaterThan(0);
+});
+
+const OWN_LOOP = `
+#include <lights_pars_begin>
+void main() {
+  #include <normal_fragment_begin>
+  vec3 geometryPosition = - vViewPosition;
+  // #include <lights_fragment_begin>
+  IncidentLight directLight;
+  DirectionalLight directionalLight = directionalLights[ 0 ];
+  getDirectionalLightInfo( directionalLight, directLight );
+}`;
+
+test('a shader with a loop of its own has one look-up, whatever is commented out', () => {
+  const { scene, material } = world(new ShaderMaterial({ lights: true }));
+  attach(scene);
+  const { fragmentShader } = compiled(material, OWN_LOOP);
+  expect(lookUps(fragmentShader)).toBe(1);
+  expect(fragmentShader).toContain('// #include <lights_fragment_begin>');
+});
+
+test.each([
+  ['no normal', OWN_LOOP.replace('#include <normal_fragment_begin>', 'vec3 normal = vNormal;')],
+  ['no position', OWN_LOOP.replace('vec3 geometryPosition', 'vec3 p')],
+  ['no light', OWN_LOOP.replace(/getDirectionalLightInfo.*/, '')],
+])('a shader with %s is left alone, and named', (_, text) => {
+  const { scene, material } = world(new ShaderMaterial({ lights: true, name: 'theirs' }));
+  const shadow = attach(scene);
+  const { fragmentShader, uniforms } = compiled(material, text);
+  expect(fragmentShader).toBe(text);
+  expect(uniforms).toEqual({});
+  expect(shadow.skipped).toEqual(['theirs']);
+});
+
+/** The chunk that the addon CSM of a version of three puts in place of three's own. */
+async function chunkOfCsm(three: string): Promise<string> {
+  const { CSMShader } = (await import(`${three}/examples/jsm/csm/CSMShader.js`)) as { CSMShader: Record<string, string> };
+  return CSMShader['lights_fragment_begin']!;
+}
+
+test.each([
+  ['three', async () => ShaderChunk.lights_fragment_begin, 2],
+  ['CSM of 0.187', () => chunkOfCsm('three'), 6],
+  ['CSM of 0.186', () => chunkOfCsm('three-186'), 5],
+])('the chunk of %s has a look-up at each light', async (_, chunk, places) => {
+  const { scene, material } = world();
+  attach(scene);
+  const { lights_fragment_begin } = ShaderChunk;
+  ShaderChunk.lights_fragment_begin = await chunk();
+  try {
+    expect(lookUps(compiled(material).fragmentShader)).toBe(places);
+  } finally {
+    ShaderChunk.lights_fragment_begin = lights_fragment_begin;
+  }
+});
