@@ -198,6 +198,12 @@ describe.each(BACKENDS)('%s', (backend) => {
     const half = (keep: (x: number) => boolean) => (_: number, i: number) => keep(i % SIDE);
     expectAlike(found.filter(half((x) => x < 120)), low!.filter(half((x) => x < 120)), 5);
     expectAlike(found.filter(half((x) => x > 136)), high!.filter(half((x) => x > 136)), 5);
+    // No seam: where they meet, the tiles, which have grids of their own, answer as one file of the whole does.
+    const seam = half((x) => x >= 120 && x <= 136);
+    const whole = expected(read('depths.adumbra'), { filter: 5 }).filter(seam);
+    const off = found.filter(seam).filter((value, i) => !(Math.abs(value - whole[i]!) < 0.5)).length;
+    console.log(`tiles, ${backend}: ${off} of ${whole.length} differ where they meet; ${whole.filter((v) => v < 0.5).length} are in shadow`);
+    expect(off).toBeLessThan(whole.length / 50);
   });
 
   const kinds: Partial<Task>[] = [

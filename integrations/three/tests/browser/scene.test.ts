@@ -257,14 +257,27 @@ describe.each(NODE_BACKENDS)('%s', (backend) => {
     expect(lightsLeft).toBe(4);
   });
 
+  test('a light that stops casting for a while has its file afterwards, and another one in its place', async () => {
+    const [on, off, again, other, gone] = await play<(Seen & { cast: boolean })[]>('switchedOff', backend);
+    const rest = ({ cast: _, ...seen }: Seen & { cast: boolean }) => seen;
+    expectShadows(rest(on!), 'wallA', 'boxA');
+    expectShadows(rest(off!));
+    expectShadows(rest(again!), 'wallA', 'boxA');
+    expectShadows(rest(other!), 'wallB', 'boxB');
+    expectShadows(rest(gone!));
+    expect([on, off, again, other, gone].map((each) => each!.cast)).toEqual([false, true, false, false, true]);
+    expect([again, other].map((each) => each!.casters.wall)).toEqual([0, 0]);
+    expect(again!.casters.mover).toBeGreaterThan(0);
+  });
+
   test('compiles beforehand', async () => {
     expectShadows(await play<Seen>('compileAsync', backend), 'wallA');
   });
 });
 
-test('CSM of the addons has the shadows of what moves', async () => {
+test.each(Object.entries(VERSIONS))('CSM of the addons of %s has the shadows of what moves', async (_, three) => {
   // It changes three's chunks for the whole page.
-  const other = await stage.open(VERSIONS['0.187.0'], 'scene.js');
+  const other = await stage.open(three, 'scene.js');
   const seen = await playOn<Record<'beside' | 'faded' | 'alone' | 'turned' | 'gone', Seen>>(other.page, 'cascadesOfWebGL');
   for (const each of [seen.beside, seen.faded]) {
     expectShadows(each, 'wallA', 'boxA');
@@ -276,6 +289,23 @@ test('CSM of the addons has the shadows of what moves', async () => {
   expect(seen.turned.casters.wall).toBeGreaterThan(0);
   expectShadows(seen.gone, 'wallA');
   expect(seen.gone.casters.wall).toBeGreaterThan(0);
+  expect(other.complaints).toEqual([]);
+  await other.page.close();
+});
+
+test.each([
+  ['movers', 'webgpu'],
+  ['movers', 'webgl'],
+  ['sunLight', 'webgpu'],
+  ['sunLight', 'webgl'],
+  ['cascades', 'webgpu'],
+  ['materials', 'webgl'],
+  ['gltf', 'webgl', 'city.glb'],
+  ['hooks'],
+])('three 0.186.1 plays %s as 0.187.0 does, on %s', async (name, ...options) => {
+  const other = await stage.open(VERSIONS['0.186.1'], 'scene.js');
+  const [found, wanted] = [await playOn(other.page, name!, ...options), await play(name!, ...options)];
+  expect(found).toEqual(wanted);
   expect(other.complaints).toEqual([]);
   await other.page.close();
 });

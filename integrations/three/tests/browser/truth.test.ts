@@ -15,8 +15,8 @@ import { Npz } from './npz.js';
 import type { TruthCamera } from './npz.js';
 import { isOpenGl, Stage, VERSIONS } from './stage.js';
 
-/** The views. */
-const VIEWS = ['kaykit_city_21', 'box-city-5k', 'zdm2', 'alpine-2', 'auster', 'dragon_202k'];
+/** The views, and the most that look-ups at the truth's own points may have wrong, %. */
+const VIEWS = { 'kaykit_city_21': 0.4, 'box-city-5k': 0.25, 'zdm2': 0.1, 'alpine-2': 0.2, 'auster': 0.05, 'dragon_202k': 0.05 };
 
 const BACKENDS = ['webgpu', 'webgl', 'webgl2'];
 
@@ -76,7 +76,7 @@ async function draw(backend: string, scene: string, file: string, { eye, target,
   return new Float32Array(Uint8Array.from(Buffer.from(text, 'base64')).buffer);
 }
 
-test.for(VIEWS)('%s is as right as its file', async (name, { skip }) => {
+test.for(Object.entries(VIEWS))('%s is as right as its file', async ([name, limit], { skip }) => {
   skip(!isThere, `${SHARED} has no truth and scenes; set ADUMBRA_SHARED`);
   skip(!isOpenGl, 'SwiftShader moves corners, and with them shadows, by up to 1/32 of a pixel; run with ADUMBRA_ANGLE=gl and a display');
   const scene = sceneFile(name);
@@ -89,6 +89,7 @@ test.for(VIEWS)('%s is as right as its file', async (name, { skip }) => {
   // What the file answers at the points that the other renderer saw.
   const query = new BakedShadowQuery(new BakedShadowFile(readFileSync(baked)), { filter: 1 });
   const byFile = errors(query.visibilities(truth.floats('pos'), truth.floats('normal')), sun, nDotL).wrong;
+  expect(byFile).toBeLessThan(limit);
   for (const backend of BACKENDS) {
     const drawn = await draw(backend, scene, `${name}.adumbra`, camera);
     const { wrong, mean, empty } = errors(drawn, sun, nDotL);

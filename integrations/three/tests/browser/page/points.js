@@ -159,7 +159,7 @@ window.draw = async (task) => {
     baked.dispose();
     light.castShadow = false;
     await picture();
-    memory.push({ ...parts.renderer.info.memory });
+    memory.push({ ...parts.renderer.info.memory, shaders: parts.renderer.info.programs?.length });
     // Another file each time, so that a look-up in one that is gone is seen.
     const file = files[(cycle + 1) % files.length];
     baked = parts.attach({ scene, light, files: [file], ...options });

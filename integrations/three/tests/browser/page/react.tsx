@@ -5,16 +5,11 @@ import { Canvas } from '@react-three/fiber';
 import { StrictMode, Suspense, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { WebGPURenderer } from 'three/webgpu';
+import type { WebGPURendererParameters } from 'three/webgpu';
 
 import { Sun } from '../../../examples/react-three-fiber.js';
 
 type Page = Window & { isReady?: boolean; setUrl: (url: string | null) => void };
-
-async function renderer(canvas: object): Promise<WebGPURenderer> {
-  const made = new WebGPURenderer(canvas as ConstructorParameters<typeof WebGPURenderer>[0]);
-  await made.init();
-  return made;
-}
 
 function World() {
   const [url, setUrl] = useState<string | null>(null);
@@ -40,7 +35,11 @@ createRoot(root).render(
       flat
       orthographic
       camera={{ position: [0, 50, 0], up: [0, 0, -1], zoom: 10 }}
-      gl={renderer}
+      gl={async (canvas) => {
+        const renderer = new WebGPURenderer(canvas as WebGPURendererParameters);
+        await renderer.init();
+        return renderer;
+      }}
       onCreated={() => void ((window as unknown as Page).isReady = true)}
     >
       <World />

@@ -256,7 +256,8 @@ const plays = {
     if (backend !== 'webgl') {
       const { SunLightNode } = await import('three/addons/lights/SunLightNode.js');
       const { sunShadow } = await import('three/addons/lights/SunShadowNode.js');
-      SunLight.registerNode(SunLightNode);
+      if (THREE.REVISION === '186') w.renderer.library.addLight(SunLightNode, SunLight);
+      else SunLight.registerNode(SunLightNode);
       refusal = thrown(() => w.bake(light, file, { movers })).message;
       movers = sunShadow(light);
     }
@@ -336,6 +337,26 @@ const plays = {
     baked = w.bake(light, a);
     states.push(await w.look());
     return { states, refusal: thrown(() => baked.setLookUp({ filter: 4 })).name };
+  },
+
+  async switchedOff(backend) {
+    const w = await world(backend);
+    const [a, b] = await load('a', 'b');
+    const light = w.sunLight();
+    w.mover.visible = true;
+    let baked = w.bake(light, a, { statics: w.statics, movers: 'shadow' });
+    const states = [];
+    for (const castShadow of [true, false, true]) {
+      light.castShadow = castShadow;
+      states.push({ ...(await w.look()), cast: w.wall.castShadow });
+    }
+    // Another in its place, without a word to the one before.
+    baked = w.bake(light, b, { statics: w.statics, movers: 'shadow' });
+    states.push({ ...(await w.look()), cast: w.wall.castShadow });
+    baked.dispose();
+    light.castShadow = false;
+    states.push({ ...(await w.look()), cast: w.wall.castShadow });
+    return states;
   },
 
   async compileAsync(backend) {
