@@ -301,7 +301,7 @@ test.each([
   ['cascades', 'webgpu'],
   ['materials', 'webgl'],
   ['gltf', 'webgl', 'city.glb'],
-  ['hooks'],
+  ['hooks', 'webgl'],
 ])('three 0.186.1 plays %s as 0.187.0 does, on %s', async (name, ...options) => {
   const other = await stage.open(VERSIONS['0.186.1'], 'scene.js');
   const [found, wanted] = [await playOn(other.page, name!, ...options), await play(name!, ...options)];
