@@ -129,7 +129,7 @@ const DRAWING: [&str; 6] = ["adumbra-lab", "adumbra-render", "adumbra-view", "eg
 
 /// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench, draw or count
 /// repeatedly, and scene fuzzing at full length.
-const NOT_QUICK: [&str; 25] = [
+const NOT_QUICK: [&str; 29] = [
     "shared_",
     "bench_",
     "counts_the_taps_that_the_cpu_counts",
@@ -155,6 +155,10 @@ const NOT_QUICK: [&str; 25] = [
     "reuse_on_the_gpu_",
     "answers_are_the_compact_layout_s",
     "maps_of_16_bits_",
+    "dag_equals_dense_grid_on_every_",
+    "every_technique_draws_its_golden_picture",
+    "same_bytes_for_generated_scenes",
+    "tree_answers_agree_with_rays_on_generated_",
 ];
 
 fn quick_test(root: &Path) -> Result<(), String> {
