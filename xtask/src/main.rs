@@ -129,7 +129,7 @@ const DRAWING: [&str; 6] = ["adumbra-lab", "adumbra-render", "adumbra-view", "eg
 
 /// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench, draw or count
 /// repeatedly, and scene fuzzing at full length.
-const NOT_QUICK: [&str; 29] = [
+const NOT_QUICK: [&str; 35] = [
     "shared_",
     "bench_",
     "counts_the_taps_that_the_cpu_counts",
@@ -159,6 +159,12 @@ const NOT_QUICK: [&str; 29] = [
     "every_technique_draws_its_golden_picture",
     "same_bytes_for_generated_scenes",
     "tree_answers_agree_with_rays_on_generated_",
+    "interior_agrees_with_rays_on_generated_",
+    "baking_both_gives_what_baking_each_gives",
+    "hybrid_answers_as_its_twin_does_in_a_city",
+    "mutations_are_refused_or_answer_everywhere",
+    "view_keeps_",
+    "view_takes_keys_",
 ];
 
 fn quick_test(root: &Path) -> Result<(), String> {
