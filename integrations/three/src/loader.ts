@@ -5,6 +5,9 @@ import { FileLoader, Loader } from 'three';
 import { ShadowFileError } from './error.js';
 import { BakedShadowFile } from './file/shadow-file.js';
 import type { ParseOptions } from './file/shadow-file.js';
+import { checkRevision } from './revision.js';
+
+checkRevision();
 
 /**
  * Loads a `.adumbra` file into a {@link BakedShadowFile}.

@@ -5,8 +5,10 @@ import type { Vector3 } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { HEADER_WORDS, LookUpHeader } from '../gpu/look-up-header.js';
-import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
 import { textureSize, writeSections } from '../gpu/look-up-texture.js';
+import type { LookUp } from '../look-ups/look-up.js';
+import { checkFiles, gpuOptions } from './options.js';
+import type { BakedShadowOptions, ShadowSettings } from './options.js';
 
 /** Header word: the file's first word in the texture of words. */
 const FIRST_WORD = 104;
@@ -23,6 +25,8 @@ export class LightTextures {
   /** The files' parameters, one row per file. The files in use come first. */
   readonly headers: DataTexture;
   readonly #files: readonly BakedShadowFile[];
+  readonly #lookUp: LookUp;
+  #settings: ShadowSettings;
   readonly #lookUps: readonly LookUpHeader[];
   readonly #firstWords: number[] = [];
   /** Numbers of the files in use. */
@@ -31,18 +35,22 @@ export class LightTextures {
   /**
    * Makes the textures. Cost: one copy of the files' words.
    *
-   * @throws ShadowFileError of the kind `TooLarge` if the words do not fit a texture of `maxSide` texels a side.
+   * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the texture.
    * @throws RangeError if an option is out of its range.
    */
-  constructor(files: readonly BakedShadowFile[], maxSide: number, options: GpuLookUpOptions) {
+  constructor(files: readonly BakedShadowFile[], lookUp: LookUp, options: BakedShadowOptions) {
+    checkFiles(files, lookUp);
     this.#files = files;
-    this.#lookUps = files.map((file) => new LookUpHeader(file, options));
+    this.#lookUp = lookUp;
+    this.#settings = options;
+    const ofGpu = gpuOptions(options, lookUp);
+    this.#lookUps = files.map((file) => new LookUpHeader(file, ofGpu));
     let total = 0;
     for (const { count } of this.#lookUps) {
       this.#firstWords.push(total);
       total += count;
     }
-    const [width, height] = textureSize(total, maxSide);
+    const [width, height] = textureSize(total, options.maxTextureSize ?? 8192);
     const words = new Uint32Array(width * height);
     this.#lookUps.forEach((lookUp, i) => writeSections(lookUp, words, this.#firstWords[i]!));
     this.words = dataTexture(words, width, height);
@@ -50,9 +58,16 @@ export class LightTextures {
     this.#writeHeaders();
   }
 
-  /** Changes filter, bias or penumbrae. Less than 1 KiB per file is uploaded. */
-  setLookUp(options: GpuLookUpOptions): void {
-    for (const lookUp of this.#lookUps) lookUp.setLookUp(options);
+  /**
+   * Changes filter, bias or softness; what is left out stays. Less than 1 KiB per file is uploaded.
+   *
+   * @throws RangeError if a setting is out of its range. Nothing is changed then.
+   */
+  setLookUp(changed: ShadowSettings): void {
+    const settings = { ...this.#settings, ...changed };
+    const ofGpu = gpuOptions(settings, this.#lookUp);
+    for (const lookUp of this.#lookUps) lookUp.setLookUp(ofGpu);
+    this.#settings = settings;
     this.#writeHeaders();
   }
 

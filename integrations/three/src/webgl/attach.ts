@@ -6,7 +6,7 @@ import type { IUniform, Material, Object3D, Scene } from 'three';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { alignLight, towardsLight } from '../light/direction.js';
 import type { SunLike } from '../light/direction.js';
-import { asList, checkFiles, gpuOptions } from '../light/options.js';
+import { asList } from '../light/options.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { Statics } from '../light/statics.js';
 import { LightTextures } from '../light/textures.js';
@@ -57,9 +57,7 @@ export function attachBakedShadow(
 ): AttachedShadow {
   const files = asList(file);
   const lookUp = options.lookUp ?? depths;
-  checkFiles(files, lookUp);
-  let settings: ShadowSettings = options;
-  const textures = new LightTextures(files, options.maxTextureSize ?? 8192, gpuOptions(options, lookUp));
+  const textures = new LightTextures(files, lookUp, options);
   if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
 
   let number = 1;
@@ -126,11 +124,7 @@ export function attachBakedShadow(
     },
     attach,
     detach,
-    setLookUp(changed) {
-      const all = { ...settings, ...changed };
-      textures.setLookUp(gpuOptions(all, lookUp));
-      settings = all;
-    },
+    setLookUp: (settings) => textures.setLookUp(settings),
     dispose() {
       if (isDisposed) return;
       isDisposed = true;

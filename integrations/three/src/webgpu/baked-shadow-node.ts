@@ -19,7 +19,7 @@ import type { Node, NodeBuilder, NodeFrame } from 'three/webgpu';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { alignLight, towardsLight } from '../light/direction.js';
 import type { SunLike } from '../light/direction.js';
-import { asList, checkFiles, gpuOptions } from '../light/options.js';
+import { asList } from '../light/options.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { Statics } from '../light/statics.js';
 import { LightTextures } from '../light/textures.js';
@@ -63,7 +63,6 @@ export class BakedShadowNode extends ShadowBaseNode {
   readonly #statics: Statics;
   readonly #textures: LightTextures;
   readonly #direction = new Vector3();
-  #settings: ShadowSettings;
   #isDisposed = false;
 
   /**
@@ -77,9 +76,7 @@ export class BakedShadowNode extends ShadowBaseNode {
     const files = asList(options.file);
     this.#sun = light;
     this.#lookUp = options.lookUp ?? depths;
-    checkFiles(files, this.#lookUp);
-    this.#settings = options;
-    this.#textures = new LightTextures(files, options.maxTextureSize ?? 8192, gpuOptions(options, this.#lookUp));
+    this.#textures = new LightTextures(files, this.#lookUp, options);
     nodes += 1;
     this.#nodes = new LookUpNodes(this.#lookUp, this.#textures, `adumbra${nodes}`);
     const { movers } = options;
@@ -110,9 +107,7 @@ export class BakedShadowNode extends ShadowBaseNode {
    * @throws RangeError if a setting is out of its range.
    */
   setLookUp(settings: ShadowSettings): void {
-    const all = { ...this.#settings, ...settings };
-    this.#textures.setLookUp(gpuOptions(all, this.#lookUp));
-    this.#settings = all;
+    this.#textures.setLookUp(settings);
   }
 
   /** For three: builds the shadow's node. */

@@ -88,7 +88,10 @@ export class Stage {
     return `http://127.0.0.1:${(this.#server.address() as AddressInfo).port}`;
   }
 
-  /** Opens a page of a version of three, with a script of `tests/browser/page` or of a path; its errors and warnings are collected in `complaints`. */
+  /**
+   * Opens a page of a version of three, with a script of `tests/browser/page` or of a path. Its errors and warnings are
+   * collected in `complaints`.
+   */
   async open(three: string, script: string): Promise<{ page: Page; complaints: string[] }> {
     const page = await this.#browser.newPage();
     page.setDefaultTimeout(300_000);

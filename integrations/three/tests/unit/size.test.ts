@@ -31,7 +31,8 @@ async function bundled(text: string, external: RegExp[]): Promise<{ bytes: numbe
   const outputs = (Array.isArray(built) ? built : [built]).flatMap((one) => ('output' in one ? one.output : []));
   const chunks = outputs.filter((one) => one.type === 'chunk');
   return {
-    bytes: gzipSync(chunks.map((chunk) => chunk.code).join('\n'), { level: 9 }).length,
+    // Without the folder of this checkout, which is in the paths of what stays outside.
+    bytes: gzipSync(chunks.map((chunk) => chunk.code.replace(/"[^"]*\/generated\//g, '"./generated/')).join('\n'), { level: 9 }).length,
     imports: chunks.flatMap((chunk) => chunk.imports),
   };
 }
