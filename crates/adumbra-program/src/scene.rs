@@ -20,6 +20,9 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> 
     for warning in &notes.warnings {
         eprintln!("warning: {}: {warning}", path.display());
     }
+    for omission in &notes.omissions {
+        eprintln!("warning: {}: {omission} left out; --strict makes this an error", path.display());
+    }
     if notes.outside_textures > 0 {
         eprintln!(
             "note: {}: files outside the scene's folder are read only with --allow-outside; use it for scenes that you trust",

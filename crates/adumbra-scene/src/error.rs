@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use adumbra::{IoError, RangeError};
 
+use crate::Omission;
+
 /// Any error of this crate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -123,6 +125,14 @@ pub enum Error {
         /// Number of vertices.
         vertices: u64,
     },
+    /// The file holds what the loader leaves out, and [`LoadOptions::strict`](crate::LoadOptions::strict) forbids that.
+    #[error("{path:?}: not all of it can be loaded: {}; export it without these, or load it without strict", list(omissions), path = path.display())]
+    Omitted {
+        /// The scene file.
+        path: PathBuf,
+        /// What was left out.
+        omissions: Vec<Omission>,
+    },
     /// A name filter is not a valid glob.
     #[error("the pattern {pattern:?} is not a valid glob: {what}")]
     Pattern {
@@ -131,6 +141,10 @@ pub enum Error {
         /// What is wrong with it.
         what: String,
     },
+}
+
+fn list(omissions: &[Omission]) -> String {
+    omissions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Why a scene holds no triangle that could cast a shadow. Its text continues the sentence "contains no triangles".

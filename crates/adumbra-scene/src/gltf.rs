@@ -259,7 +259,8 @@ fn choose(
             return Err(bad(path, format!("node {node} has mesh {index}, which does not exist")));
         };
         let mesh_casts = *seen.get_or_insert_with(|| {
-            notes.skipped_primitives += mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
+            let others = mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
+            notes.omit("primitives of lines, of points or without positions", others);
             morphed += u32::from(mesh.primitives.iter().any(|p| p.targets.is_some()));
             nodes::casts(&mesh.extras)
         });

@@ -15,6 +15,7 @@ mod glb;
 mod gltf;
 mod mips;
 mod movers;
+mod notes;
 mod obj;
 mod ply;
 mod polygon;
@@ -27,7 +28,7 @@ pub mod topology;
 mod usual_size;
 mod validate;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use adumbra::Bounds;
 
@@ -39,6 +40,7 @@ pub use glb::{to_glb, write_glb};
 pub use gltf::{files_of_gltf, write_shadow_name};
 pub use mips::{MipLevel, MippedTexture};
 pub use movers::{MoverPolicy, Movers};
+pub use notes::{Counts, LoadNotes, Omission};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use texture::{Pixels, Texture, Wrap};
 
@@ -56,8 +58,19 @@ pub struct Scene {
     /// The instances that move, and how. Their `world_from_mesh` is their position at the time last passed to
     /// [`Scene::pose`], initially 0. A bake treats every instance as static: call [`Scene::remove_movers`] first.
     pub movers: Movers,
+    /// The directional lights of the file, in the order of its nodes. The first is the default sun of every verb.
+    pub suns: Vec<FileSun>,
     /// Counts and warnings from loading.
     pub notes: LoadNotes,
+}
+
+/// A directional light of the scene's file (`KHR_lights_punctual`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileSun {
+    /// The node's name, or `node 7` if it is unnamed.
+    pub name: String,
+    /// Unit vector in world space from the scene towards the light: opposite to the direction in which it shines.
+    pub towards: [f64; 3],
 }
 
 /// Triangles in a mesh's own space.
@@ -124,34 +137,6 @@ pub struct Material {
     pub casts: bool,
 }
 
-/// Counts and warnings gathered while loading.
-#[derive(Clone, Debug, Default)]
-pub struct LoadNotes {
-    /// Degenerate triangles (a repeated vertex or zero area) that were skipped.
-    pub degenerate_triangles: u64,
-    /// Materials with glTF alpha mode BLEND, which cast where alpha >= 0.5.
-    pub blended_materials: u64,
-    /// Triangles of such materials (not multiplied by instances).
-    pub blended_triangles: u64,
-    /// Lines and points that were skipped.
-    pub skipped_primitives: u64,
-    /// Polygons of OBJ and PLY files that could not be triangulated because they self-intersect, are far from flat, or
-    /// are concave with more than 16,384 corners. Each was cut into a fan from its first corner, which may cover more
-    /// or less than the polygon.
-    pub untriangulated_polygons: u64,
-    /// Animated instances that were dropped by [`MoverPolicy::Skip`].
-    pub skipped_movers: u64,
-    /// Files that the scene references, each once and sorted, with paths relative to the scene's folder: buffers,
-    /// images, material libraries and their textures, whether they were read or not. A program that writes a file next
-    /// to a scene can check here what it must not overwrite.
-    pub named_files: Vec<PathBuf>,
-    /// Colour textures that were not read because they are outside the scene's folder; each has a warning that names
-    /// it.
-    pub outside_textures: u64,
-    /// Messages for the user: skins in bind pose, missing colour textures, and so on.
-    pub warnings: Vec<String>,
-}
-
 /// Options for loading a scene.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
@@ -170,6 +155,9 @@ pub struct LoadOptions {
     /// before they are allocated. Exceeding it is [`Error::SceneMemory`]. The default is 2 GiB plus 64 bytes for each
     /// byte of the scene's files, so that a small file cannot exhaust memory while a large file still loads.
     pub max_memory_bytes: Option<u64>,
+    /// Treat everything that the loader leaves out as an error: [`Error::Omitted`] instead of
+    /// [`LoadNotes::omissions`].
+    pub strict: bool,
 }
 
 impl Material {
@@ -332,5 +320,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         "ply" => ply::load(path, options)?,
         _ => return Err(Error::UnknownSceneFormat { path: path.to_owned() }),
     };
+    if options.strict && !scene.notes.omissions.is_empty() {
+        return Err(Error::Omitted { path: path.to_owned(), omissions: scene.notes.omissions });
+    }
     Ok(scene)
 }

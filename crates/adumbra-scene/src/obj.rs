@@ -29,7 +29,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     drop(bytes);
     let passing = charge(&sources, &tidied, 3 * length)?;
     let mut scene = Scene::default();
-    scene.notes.skipped_primitives = tidied.skipped;
+    scene.notes.omit("lines, points and faces with fewer than three corners", tidied.skipped);
     scene.notes.untriangulated_polygons = tidied.untriangulated;
     let library = read_libraries(&sources, &tidied, &mut scene.notes)?;
     let loading = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };

@@ -75,7 +75,9 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut sieve = Sieve::default();
     let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
     let mut stated = Vec::new();
-    let faces = parse(&sources, &bytes, &mut stated, &mut scene.notes.skipped_primitives)?;
+    let mut skipped = 0;
+    let faces = parse(&sources, &bytes, &mut stated, &mut skipped)?;
+    scene.notes.omit("faces with fewer than three corners", skipped);
     sources.budget.release(bytes.len() as u64);
     drop(bytes);
     let offset = FarOrigin::of(stated.iter().copied()).offset();

@@ -63,6 +63,9 @@ pub struct SceneArgs {
     /// Also read buffers, images and material libraries outside the scene's folder; only for scenes that you trust
     #[arg(long)]
     allow_outside: bool,
+    /// Refuse a scene that holds anything the loader leaves out, such as lines or extensions that it does not know
+    #[arg(long)]
+    strict: bool,
 }
 
 impl SceneArgs {
@@ -76,6 +79,7 @@ impl SceneArgs {
             (self.ignore_alpha, "--ignore-alpha"),
             (self.include_animated, "--include-animated"),
             (self.allow_outside, "--allow-outside"),
+            (self.strict, "--strict"),
         ];
         words.extend(switches.iter().filter(|(on, _)| *on).map(|(_, name)| (*name).to_owned()));
         words
@@ -94,6 +98,7 @@ impl SceneArgs {
             movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
             allow_outside: self.allow_outside,
             max_memory_bytes,
+            strict: self.strict,
         })
     }
 }

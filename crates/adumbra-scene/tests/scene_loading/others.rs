@@ -21,7 +21,7 @@ fn obj_polygons_negative_indices_and_names() {
     let scene = scene.expect("loads");
     let names: Vec<_> = scene.meshes.iter().map(|m| (m.name.as_str(), m.triangles.len())).collect();
     assert_eq!(names, [("quad", 3), ("other", 1)]);
-    assert_eq!(scene.notes.skipped_primitives, 1);
+    assert_eq!(scene.notes.omissions.iter().map(|o| o.count).sum::<u64>(), 1);
     assert_eq!(world_triangles(&scene)[1], [[0.0; 3], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]]);
     // Faces may precede their vertices, and objects of the same name become one mesh.
     let scene = obj(&format!("o a\nf 1 2 3\no b\nf 1 2 4\no a\nf 1 3 4\n{SQUARE}")).expect("loads");
@@ -120,7 +120,7 @@ fn ply_in_all_encodings() {
         assert_eq!(scene.meshes[0].triangles, [[0, 1, 2], [0, 2, 3]], "{encoding}");
         assert_eq!(scene.meshes[0].positions.len(), 4);
         assert_eq!(scene.meshes[0].positions[3], [0.0, 0.5, 1.0]);
-        assert_eq!(scene.notes.skipped_primitives, 1);
+        assert_eq!(scene.notes.omissions.iter().map(|o| o.count).sum::<u64>(), 1);
     }
     let windows = String::from_utf8(ply("ascii")).expect("text").replace('\n', "\r\n");
     load_bytes("scene.ply", windows.as_bytes(), &PLAIN()).expect("loads");
