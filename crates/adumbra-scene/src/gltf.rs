@@ -11,6 +11,7 @@ mod files;
 mod images;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
 mod shadow_name;
 mod skin;
@@ -38,8 +39,9 @@ use nodes::{Nodes, Places};
 use skin::Skins;
 
 /// Required extensions that are supported, or that do not affect opacity.
-const KNOWN_EXTENSIONS: [&str; 22] = [
+const KNOWN_EXTENSIONS: [&str; 25] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_lights_punctual",
@@ -58,7 +60,9 @@ const KNOWN_EXTENSIONS: [&str; 22] = [
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",
 ];

@@ -13,6 +13,7 @@ mod filter;
 mod generate;
 mod glb;
 mod gltf;
+mod ktx2;
 mod mips;
 mod movers;
 mod notes;

@@ -10,6 +10,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, Imag
 
 use crate::budget::Budget;
 use crate::error::Result;
+use crate::ktx2;
 
 /// An image with its wrap and filter modes.
 #[derive(Clone, Debug)]
@@ -90,7 +91,7 @@ impl Texture {
         }
     }
 
-    /// Decodes a PNG, JPEG, WebP, TGA or BMP file. The texture repeats and is filtered bilinearly. `ending` gives the
+    /// Decodes a PNG, JPEG, WebP, TGA, BMP or KTX2 file. The texture repeats and is filtered bilinearly. `ending` gives the
     /// format if the bytes do not identify it. With `alpha_only` the colours are dropped. The inner error is a clause
     /// for [`crate::Error::Texture`].
     ///
@@ -103,6 +104,9 @@ impl Texture {
         alpha_only: bool,
         budget: &Budget<'_>,
     ) -> Result<Result<Self, String>> {
+        if ktx2::is_ktx2(bytes) {
+            return Self::decode_ktx2(name, bytes, alpha_only, budget);
+        }
         let decoder = match open(bytes, ending) {
             Ok(decoder) => decoder,
             Err(what) => return Ok(Err(what)),
@@ -135,6 +139,45 @@ impl Texture {
         });
         budget.release(if result.is_ok() { peak - kept } else { peak });
         Ok(result)
+    }
+
+    #[cfg(feature = "ktx2")]
+    fn decode_ktx2(
+        name: String,
+        bytes: &[u8],
+        alpha_only: bool,
+        budget: &Budget<'_>,
+    ) -> Result<Result<Self, String>> {
+        let image = match ktx2::Image::open(bytes) {
+            Ok(image) => image,
+            Err(what) => return Ok(Err(what)),
+        };
+        let (width, height) = (image.width, image.height);
+        let texels = u64::from(width) * u64::from(height);
+        if let Err(what) = check_size(width, height, 4 * texels) {
+            return Ok(Err(what));
+        }
+        let kept = if alpha_only { texels } else { 4 * texels };
+        let peak = image.peak_bytes() + if alpha_only { texels } else { 0 };
+        budget.charge(peak, || format!("the texture {name:?} of {width} x {height} texels"))?;
+        budget.charge_decoding(peak, || {
+            format!("all textures up to {name:?} of {width} x {height} texels, decoded one by one")
+        })?;
+        let result = image.rgba().map(|rgba| {
+            let pixels = match alpha_only {
+                true => Pixels::Alpha(rgba.chunks_exact(4).map(|texel| texel[3]).collect()),
+                false => Pixels::Rgba(rgba),
+            };
+            Self { name, width, height, pixels, wrap: [Wrap::Repeat; 2], nearest: false }
+        });
+        budget.release(if result.is_ok() { peak - kept } else { peak });
+        Ok(result)
+    }
+
+    #[cfg(not(feature = "ktx2"))]
+    fn decode_ktx2(_: String, _: &[u8], _: bool, _: &Budget<'_>) -> Result<Result<Self, String>> {
+        Ok(Err("it is a KTX2 file, and this program was built without the feature ktx2 that decodes it"
+            .to_owned()))
     }
 
     #[inline]
@@ -179,7 +222,7 @@ fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, Str
         reader.set_format(format);
     }
     if reader.format().is_none() {
-        return Err("it is not a PNG, JPEG, WebP, TGA or BMP image".to_owned());
+        return Err("it is not a PNG, JPEG, WebP, TGA, BMP or KTX2 image".to_owned());
     }
     if reader.format() == Some(ImageFormat::Png) {
         // The decoder unpacks the colour profile before it reports the image size. A larger profile is skipped. Text
@@ -194,10 +237,15 @@ fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, Str
     })?;
     // Enforces the image library's size limit for a single image.
     let (width, height) = decoder.dimensions();
-    Limits::default()
-        .reserve(decoder.total_bytes())
-        .map_err(|_| format!("its {width} x {height} texels are more than an image may have"))?;
+    check_size(width, height, decoder.total_bytes())?;
     Ok(decoder)
+}
+
+/// Refuses an image that decodes to more bytes than a single image may have. The error is a clause for a message.
+fn check_size(width: u32, height: u32, bytes: u64) -> Result<(), String> {
+    Limits::default()
+        .reserve(bytes)
+        .map_err(|_| format!("its {width} x {height} texels are more than an image may have"))
 }
 
 /// Rounds down; avoids the library call for numbers of ordinary size.

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use ::gltf::binary::Glb;
 use ::gltf::json::{Root, buffer};
+use serde_json::Value;
 
+use super::meshopt;
 use crate::error::{Error, Result};
 use crate::sources::Sources;
 
@@ -43,53 +45,136 @@ pub(super) struct Buffers<'a> {
     /// The scene's files and the memory budget of the load.
     pub(super) sources: &'a Sources<'a>,
     path: &'a Path,
-    bytes: Vec<Cow<'a, [u8]>>,
+    /// `None` for a buffer that no view needs as it is.
+    bytes: Vec<Option<Cow<'a, [u8]>>>,
+    /// The views that were compressed, decoded when they were first used.
+    #[cfg(feature = "meshopt")]
+    decoded: Vec<std::cell::OnceCell<Vec<u8>>>,
 }
 
 impl<'a> Buffers<'a> {
-    /// Reads the buffers that are not in the file itself.
+    /// Reads the buffers that are not in the file itself, without those that only stand in for compressed views.
     pub(super) fn load(
         sources: &'a Sources<'a>,
         root: &Root,
         mut bin: Option<Cow<'a, [u8]>>,
     ) -> Result<Self> {
         let path = sources.scene;
+        let needed = needed_buffers(root);
         let mut bytes = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
             let stated = buffer.byte_length.0;
-            let data = match (&buffer.uri, index) {
+            let bin = if index == 0 && buffer.uri.is_none() { bin.take() } else { None };
+            if !needed[index] {
+                bytes.push(None);
+                continue;
+            }
+            let data = match (&buffer.uri, bin) {
                 (Some(uri), _) => Cow::Owned(read_uri(sources, uri, &format!("buffer {index}"), stated)?),
-                (None, 0) => bin.take().unwrap_or_default(),
-                (None, _) => Cow::default(),
+                (None, Some(bin)) => bin,
+                (None, None) if is_fallback(buffer) => {
+                    bytes.push(None);
+                    continue;
+                }
+                (None, None) => Cow::default(),
             };
             if (data.len() as u64) < stated {
                 return Err(bad(path, format!("buffer {index} has {} bytes, not {stated}", data.len())));
             }
-            bytes.push(data);
+            bytes.push(Some(data));
         }
-        Ok(Self { sources, path, bytes })
+        Ok(Self {
+            sources,
+            path,
+            bytes,
+            #[cfg(feature = "meshopt")]
+            decoded: root.buffer_views.iter().map(|_| Default::default()).collect(),
+        })
     }
 
     /// Total size of all buffers, bytes: an upper bound on the data that the file can describe.
     pub(super) fn total(&self) -> u64 {
-        self.bytes.iter().map(|b| b.len() as u64).sum()
+        self.bytes.iter().flatten().map(|b| b.len() as u64).sum()
     }
 
-    /// The bytes of a buffer view.
+    /// The bytes of a buffer view, decoded if they are compressed.
     pub(super) fn view<'s>(&'s self, root: &'s Root, index: usize) -> Result<(&'s [u8], &'s buffer::View)> {
         let Some(view) = root.buffer_views.get(index) else {
             return Err(bad(self.path, format!("buffer view {index} does not exist")));
         };
-        let from = view.byte_offset.map_or(0, |o| o.0);
-        let range = from
-            .checked_add(view.byte_length.0)
-            .and_then(|to| Some(usize::try_from(from).ok()?..usize::try_from(to).ok()?));
-        let buffer = self.bytes.get(view.buffer.value());
-        match buffer.zip(range).and_then(|(b, r)| b.get(r)) {
+        #[cfg(feature = "meshopt")]
+        if let Some((extension, json)) = compression(view) {
+            return Ok((self.decode(index, view, extension, json)?, view));
+        }
+        let buffer = view.buffer.value();
+        if let Some(None) = self.bytes.get(buffer) {
+            if let Some((what, _)) = compression(view) {
+                return Err(Error::MissingFeature { path: self.path.to_owned(), what, feature: "meshopt" });
+            }
+            return Err(bad(
+                self.path,
+                format!("buffer view {index} is in buffer {buffer}, which has no data"),
+            ));
+        }
+        let bytes = self.slice(buffer, view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
+        match bytes {
             Some(bytes) => Ok((bytes, view)),
             None => Err(bad(self.path, format!("buffer view {index} reaches past its buffer"))),
         }
     }
+
+    #[cfg(feature = "meshopt")]
+    fn decode(
+        &self,
+        index: usize,
+        view: &buffer::View,
+        extension: &'static str,
+        json: &Value,
+    ) -> Result<&[u8]> {
+        let cell = self.decoded.get(index).ok_or_else(|| bad(self.path, "it has too many buffer views"))?;
+        if let Some(decoded) = cell.get() {
+            return Ok(decoded);
+        }
+        let broken = |what: String| bad(self.path, format!("buffer view {index} cannot be decoded: {what}"));
+        let stride = view.byte_stride.map(|s| s.0 as u64);
+        let compressed = meshopt::Compressed::read(extension, json, stride).map_err(broken)?;
+        let bytes = self
+            .slice(compressed.buffer, compressed.byte_offset, compressed.byte_length)
+            .ok_or_else(|| broken(format!("its {extension} reaches past its buffer")))?;
+        let size = compressed.decoded_bytes();
+        self.sources.budget.charge(size, || format!("the decoded buffer view {index}"))?;
+        let decoded = compressed.decode(bytes).map_err(broken)?;
+        Ok(cell.get_or_init(|| decoded))
+    }
+
+    fn slice(&self, buffer: usize, from: u64, length: u64) -> Option<&[u8]> {
+        let to = from.checked_add(length)?;
+        let range = usize::try_from(from).ok()?..usize::try_from(to).ok()?;
+        self.bytes.get(buffer)?.as_ref()?.get(range)
+    }
+}
+
+/// For each buffer, whether a view needs it. The buffer of a view that is decoded is not needed by it.
+fn needed_buffers(root: &Root) -> Vec<bool> {
+    let mut needed = vec![false; root.buffers.len()];
+    for view in &root.buffer_views {
+        let others = view.extensions.as_ref().map(|e| &e.others);
+        let compressed = others.and_then(meshopt::buffer).filter(|_| cfg!(feature = "meshopt"));
+        if let Some(needed) = needed.get_mut(compressed.unwrap_or(view.buffer.value())) {
+            *needed = true;
+        }
+    }
+    needed
+}
+
+/// How a buffer view is compressed, if it is: the extension's name, and its JSON.
+fn compression(view: &buffer::View) -> Option<(&'static str, &Value)> {
+    meshopt::extension(&view.extensions.as_ref()?.others)
+}
+
+/// Whether a buffer only stands in for compressed data, so that it need not exist.
+fn is_fallback(buffer: &buffer::Buffer) -> bool {
+    buffer.extensions.as_ref().is_some_and(|e| meshopt::is_fallback(&e.others))
 }
 
 /// An [`Error::SceneParse`] for a glTF file.

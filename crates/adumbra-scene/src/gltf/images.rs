@@ -4,7 +4,7 @@
 use std::rc::Rc;
 
 use ::gltf::json::Root;
-use ::gltf::json::texture::{MagFilter, WrappingMode};
+use ::gltf::json::texture::{MagFilter, Texture as Json, WrappingMode};
 use ::gltf::json::validation::Checked;
 use hashbrown::HashMap;
 
@@ -86,9 +86,7 @@ impl<'a> Images<'a> {
         let Some(json) = self.root.textures.get(index) else {
             return Ok(Err(unreadable(index.to_string(), "it does not exist")));
         };
-        let webp = json.extensions.as_ref().and_then(|e| e.others.get("EXT_texture_webp"));
-        let webp = webp.and_then(|e| e.get("source")).and_then(serde_json::Value::as_u64);
-        let image = webp.and_then(|i| usize::try_from(i).ok()).unwrap_or(json.source.value());
+        let image = self.image(json);
         let sampler = json.sampler.and_then(|s| self.root.samplers.get(s.value()));
         let wraps = sampler.map_or([Wrap::Repeat; 2], |s| [wrap(&s.wrap_s), wrap(&s.wrap_t)]);
         let nearest = sampler.is_some_and(|s| s.mag_filter == Some(Checked::Valid(MagFilter::Nearest)));
@@ -116,6 +114,17 @@ impl<'a> Images<'a> {
         };
         self.sampled.insert(key, loaded.clone());
         Ok(loaded)
+    }
+
+    /// The image entry of a texture. One that every program reads goes before KTX2, which loses detail.
+    fn image(&self, texture: &Json) -> usize {
+        let named = |extension: &str| {
+            let json = texture.extensions.as_ref()?.others.get(extension)?;
+            usize::try_from(json.get("source")?.as_u64()?).ok()
+        };
+        let plain = Some(texture.source.value()).filter(|&image| image < self.root.images.len());
+        let image = named("EXT_texture_webp").or(plain).or_else(|| named("KHR_texture_basisu"));
+        image.unwrap_or(usize::MAX)
     }
 
     /// Copies a texture for use with another sampler.
