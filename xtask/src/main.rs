@@ -30,6 +30,8 @@ const JSON_DOCUMENT: [&str; 7] =
 
 /// Its commands make a page from an empty folder; the tests of the package run them.
 const WEB_GUIDE: &str = "docs/guides/use-it-on-a-web-page.md";
+/// The encoders that tests of compressed scenes run.
+const ENCODERS: &str = "xtask/encoders";
 /// Makes the look-ups of web pages.
 const GENERATOR: &str = "integrations/three/generator";
 
@@ -74,6 +76,7 @@ fn test(root: &Path) -> Result<(), String> {
     check_baker(root)?;
     cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     tools::ensure_all()?;
+    run(&root.join(ENCODERS), "npm", &["ci", "--no-audit", "--no-fund"], &[])?;
     cargo(root, &["test", "--release", "--workspace", "--no-fail-fast"], &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }

@@ -40,7 +40,7 @@ const BROWSER: Tool = command(
     "chromium",
 );
 
-/// For the package for web pages.
+/// For the package for web pages and the encoders of compressed scenes.
 const NODE: Tool = command("Node.js with npm", &["npm"], "npm", "nodejs-npm");
 
 const XVFB: Tool = command("Xvfb", &["Xvfb"], "xvfb", "xorg-x11-server-Xvfb");
@@ -90,7 +90,7 @@ pub(crate) fn ensure_documents() -> Result<(), String> {
 }
 
 /// Makes sure that everything the full tests need is installed, like [`ensure_driver`]: the driver, the window's tools,
-/// the browser.
+/// the browser, and Node.js for the encoders of compressed scenes.
 pub(crate) fn ensure_all() -> Result<(), String> {
     ensure(&all())
 }
@@ -105,7 +105,7 @@ fn documents() -> Vec<Tool> {
 }
 
 fn all() -> Vec<Tool> {
-    documents().into_iter().chain([KEYS, BROWSER]).collect()
+    documents().into_iter().chain([KEYS, BROWSER, NODE]).collect()
 }
 
 fn ensure(tools: &[Tool]) -> Result<(), String> {
@@ -208,7 +208,7 @@ mod tests {
     fn tools_of_the_documents_open_windows_and_press_no_keys() {
         let [documents, all] = [documents(), all()].map(|t| names(&t.iter().collect::<Vec<_>>()));
         assert!(documents.starts_with("a Vulkan driver, Xvfb, libX11.so.6"), "{documents}");
-        assert_eq!(all, format!("{documents}, xdotool, Chromium"));
+        assert_eq!(all, format!("{documents}, xdotool, Chromium, Node.js with npm"));
     }
 
     #[cfg(target_os = "linux")]

@@ -40,6 +40,14 @@ pub enum Error {
         /// The extension's name.
         extension: String,
     },
+    /// The file is another version of glTF than 2.0, or needs one.
+    #[error("{path:?}: glTF {version}; convert it to 2.0", path = path.display())]
+    GltfVersion {
+        /// The scene file.
+        path: PathBuf,
+        /// The version.
+        version: String,
+    },
     /// The scene needs a decoder that this crate was built without.
     #[error(
         "{path:?}: is compressed with {what}, and this program was built without the feature {feature} that decodes it; build it with that feature, or export the scene uncompressed",
@@ -182,6 +190,9 @@ pub enum EmptyReason {
     /// Extras of nodes, meshes or materials mark everything as not casting.
     #[error(" that cast a shadow: all are marked as not casting in their extras")]
     NoneCasts,
+    /// The default scene of a glTF file is empty.
+    #[error(": its default scene has no nodes; choose another scene as the default where it was exported")]
+    EmptyScene,
     /// The file holds only points.
     #[error("; a point cloud casts no shadow: give a file with faces")]
     PointCloud,

@@ -70,15 +70,16 @@ pub fn to_glb(scene: &Scene) -> Vec<u8> {
     }
     // Serializing structs of strings and numbers cannot fail.
     let json = serde_json::to_vec(&document).unwrap_or_default();
-    container(json, bin)
+    container(json, bin, &[])
 }
 
-/// Assembles the header and the chunks, each padded to a multiple of 4 bytes.
-pub(crate) fn container(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
+/// Assembles the header and the chunks, each padded to a multiple of 4 bytes. `others` are whole chunks, which follow as
+/// they are.
+pub(crate) fn container(mut json: Vec<u8>, mut bin: Vec<u8>, others: &[&[u8]]) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     bin.resize(bin.len().next_multiple_of(4), 0);
     let bin_chunk = if bin.is_empty() { 0 } else { 8 + bin.len() };
-    let total = 12 + 8 + json.len() + bin_chunk;
+    let total = 12 + 8 + json.len() + bin_chunk + others.iter().map(|chunk| chunk.len()).sum::<usize>();
     let mut out = Vec::with_capacity(total);
     out.extend_from_slice(MAGIC);
     out.extend_from_slice(&VERSION.to_le_bytes());
@@ -91,6 +92,7 @@ pub(crate) fn container(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
         out.extend_from_slice(CHUNK_BIN);
         out.extend_from_slice(&bin);
     }
+    others.iter().for_each(|chunk| out.extend_from_slice(chunk));
     out
 }
 

@@ -1,20 +1,24 @@
 //! Loads glTF 2.0 (Khronos): `.glb`, and `.gltf` with its buffers in separate files or in data URIs.
 //!
-//! The `gltf` crate parses the container and the JSON. Accessors are read here with bounds checks, so that no file can
-//! cause a panic and quantised positions work. A mesh is stored once, however many nodes use it. Node animations become
-//! movers; morph targets, cameras and lights are not read.
+//! [`document`] reads the JSON, element by element, into the types of the `gltf` crate. Accessors are read here with bounds
+//! checks, so that no file can cause a panic and quantised positions work. A mesh is stored once, however many nodes use
+//! it. Node animations become movers, directional lights suns; morph targets have their default weights. Cameras are not
+//! read.
 
 mod accessor;
 mod animations;
 mod container;
+mod document;
 mod files;
 mod images;
 mod materials;
 mod meshes;
 mod meshopt;
+mod morphs;
 mod nodes;
 mod shadow_name;
 mod skin;
+mod uris;
 
 pub use files::files_of_gltf;
 pub use shadow_name::write_shadow_name;
@@ -34,12 +38,14 @@ use crate::validate::{Sieve, finish};
 use crate::{Error, Instance, LoadNotes, LoadOptions, Result, Scene, affine};
 use animations::Animations;
 use container::{Buffers, bad};
-use meshes::{Builder, has_triangles, material_of};
-use nodes::{Nodes, Places};
+use document::Document;
+use meshes::{Builder, Pose, has_triangles, material_of};
+use morphs::Weights;
+use nodes::Nodes;
 use skin::Skins;
 
 /// Required extensions that are supported, or that do not affect opacity.
-const KNOWN_EXTENSIONS: [&str; 25] = [
+const KNOWN_EXTENSIONS: [&str; 28] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -64,7 +70,10 @@ const KNOWN_EXTENSIONS: [&str; 25] = [
     "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
+    "KHR_xmp",
     "KHR_xmp_json_ld",
+    "MSFT_lod",
+    "MSFT_screencoverage",
 ];
 
 /// Memory per object of the file's JSON once parsed, bytes: that of an empty node, which takes three bytes in the file.
@@ -82,35 +91,48 @@ struct Selection {
 }
 
 /// A mesh to build for the scene.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 struct Variant {
     /// Index into [`Plan::selections`].
     selection: u32,
     /// The node, if it has a skin: skinned vertices are not shared between nodes.
     skinned: Option<usize>,
+    /// The weights of its morph targets.
+    weights: Weights,
 }
 
 /// Loads a `.glb` or `.gltf` file.
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let sources = Sources::new(path, "glTF", options);
     let bytes = sources.read_scene()?;
-    let (json, bin) = container::split(path, &bytes)?;
+    let container::Parts { json, bin, .. } = container::split(path, &bytes)?;
     let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
     let items = json.iter().filter(|&&byte| byte == b',').count() as u64;
     sources.budget.charge(objects * OBJECT_BYTES + items * ITEM_BYTES + json.len() as u64, || {
         format!("the {objects} objects of its JSON")
     })?;
-    let (root, places) = parse(path, &json)?;
-    note_named(&sources, &root)?;
-    let nodes = Nodes::load(path, &root, places)?;
+    let Document { root, places, lights, other_targets, faults, warnings } =
+        Document::parse(path, json, &sources.budget)?;
     let mut scene = Scene::default();
+    scene.notes.warnings = warnings;
+    if let Some(extension) = root.extensions_required.iter().find(|e| !is_known(e)) {
+        return Err(Error::RequiredExtension { path: path.to_owned(), extension: extension.clone() });
+    }
+    note_unknown(&root, json, &mut scene.notes);
+    scene.notes.omit("morph targets of texture coordinates or colours", other_targets);
+    note_named(&sources, &root)?;
+    let nodes = Nodes::load(path, &root, places, &lights, &faults)?;
+    scene.suns = nodes.suns(&root);
+    scene.notes.omit("nodes with meshes outside the default scene", nodes.unreached);
     let mut sieve = Sieve::default();
-    let plan = choose(path, &root, &nodes, options, &mut sieve, &mut scene.notes)?;
-    let buffers = Buffers::load(&sources, &root, bin)?;
+    sieve.empty_scene = nodes.is_empty_scene;
+    let buffers = Buffers::load(&sources, &root, &faults, bin, &mut scene.notes)?;
+    let plan = choose(&buffers, &root, &nodes, options, &mut sieve, &mut scene.notes)?;
 
     let mut used = vec![false; root.materials.len() + 1];
     for primitive in plan.selections.iter().flat_map(|selection| selection.primitives(&root)) {
         let material = material_of(&root, primitive);
+        faults.check(path, "material", material)?;
         match used.get_mut(material) {
             Some(used) => *used = true,
             None => {
@@ -128,6 +150,12 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
         builder.charge(&mesh_name(&root, selection.mesh), &primitives, is_skinned, copies)?;
     }
+    scene.notes.read.meshes = root.meshes.len() as u64;
+    scene.notes.read.nodes = root.nodes.len() as u64;
+    for selection in &plan.selections {
+        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
+        scene.notes.read.faces += builder.faces(&primitives)?;
+    }
     let mut skins = Skins::new(path, &root, &buffers, &nodes);
     for variant in &plan.variants {
         let skin = match variant.skinned.and_then(|node| Some((node, root.nodes.get(node)?.skin?))) {
@@ -137,7 +165,8 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         let selection = &plan.selections[variant.selection as usize];
         let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
         let name = mesh_name(&root, selection.mesh);
-        scene.meshes.push(builder.build(&name, &primitives, skin.as_ref(), &mut sieve)?);
+        let pose = Pose { skin: skin.as_ref(), weights: &variant.weights };
+        scene.meshes.push(builder.build(&name, &primitives, pose, &mut sieve)?);
     }
     drop(builder);
     let animations = Animations::load(path, &root, &buffers, &nodes, &mut scene.notes)?;
@@ -147,6 +176,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         placer.place(instance, &mut scene, &mut movers)?;
     }
     placer.note_moving_skins(&plan, &mut scene.notes);
+    scene.notes.warnings.extend(faults.warnings().chain(buffers.warning()));
     scene.movers = Movers::new(movers, animations.moving);
     scene.notes.named_files = sources.named_files();
     (scene.materials, scene.textures) = (materials.list, materials.textures);
@@ -164,21 +194,29 @@ fn note_named(sources: &Sources<'_>, root: &Root) -> Result<()> {
     files::named(root).try_for_each(|file| sources.note_named(&file))
 }
 
-fn parse(path: &Path, json: &[u8]) -> Result<(Root, Places)> {
-    /// Parsed first, because the rest of the file may be meaningless without a required extension.
-    #[derive(serde::Deserialize)]
-    struct Required {
-        #[serde(default, rename = "extensionsRequired")]
-        extensions: Vec<String>,
+fn is_known(extension: &str) -> bool {
+    KNOWN_EXTENSIONS.contains(&extension) || IMMATERIAL.iter().any(|prefix| extension.starts_with(prefix))
+}
+
+/// Extensions that may be required without being known, because they only say how lit surfaces look.
+const IMMATERIAL: [&str; 1] = ["KHR_materials_"];
+
+/// At most this many unknown extensions are looked for in the file's text.
+const MAX_UNKNOWN: usize = 64;
+
+/// Notes the uses of extensions that are not understood. A file may also list an extension that it does not use.
+fn note_unknown(root: &Root, json: &[u8], notes: &mut LoadNotes) {
+    let text = String::from_utf8_lossy(json);
+    let mut unknown: Vec<&str> =
+        root.extensions_used.iter().map(String::as_str).filter(|e| !is_known(e)).collect();
+    unknown.sort_unstable();
+    unknown.dedup();
+    for extension in unknown.into_iter().take(MAX_UNKNOWN) {
+        let named = text.matches(&format!("\"{extension}\"")).count() as u64;
+        let listed = root.extensions_used.iter().filter(|e| *e == extension).count() as u64;
+        let what = format!("uses of the extension {extension}, which is not understood");
+        notes.omit(what, named.saturating_sub(listed));
     }
-    let invalid = |e: serde_json::Error| bad(path, format!("its JSON is broken: {e}"));
-    let required: Required = serde_json::from_slice(json).map_err(invalid)?;
-    for extension in required.extensions {
-        if !KNOWN_EXTENSIONS.contains(&extension.as_str()) {
-            return Err(Error::RequiredExtension { path: path.to_owned(), extension });
-        }
-    }
-    Ok((serde_json::from_slice(json).map_err(invalid)?, serde_json::from_slice(json).map_err(invalid)?))
 }
 
 /// The meshes to build and their instances.
@@ -241,13 +279,14 @@ impl Plan {
 /// Applies the filter and groups nodes that place the same mesh. A mesh is not scanned once per node, but only once per
 /// distinct value of the nodes' filter marks, of which there are few.
 fn choose(
-    path: &Path,
+    buffers: &Buffers<'_>,
     root: &Root,
     nodes: &Nodes,
     options: &LoadOptions,
     sieve: &mut Sieve,
     notes: &mut LoadNotes,
 ) -> Result<Plan> {
+    let path = buffers.sources.scene;
     let mut plan = Plan::default();
     let mut variants: HashMap<Variant, u32> = HashMap::new();
     let mut selections: HashMap<Selection, u32> = HashMap::new();
@@ -255,17 +294,17 @@ fn choose(
     let mut selected: HashMap<(usize, Marks), Option<u32>> = HashMap::new();
     // For each mesh visited so far, whether it casts.
     let mut seen: Vec<Option<bool>> = vec![None; root.meshes.len()];
-    let (mut skinned, mut morphed) = (0, 0);
+    let mut skinned = 0;
     for &(node, casts) in &nodes.drawn {
         let json = &root.nodes[node];
         let Some(index) = json.mesh.map(|m| m.value()) else { continue };
         let (Some(mesh), Some(seen)) = (root.meshes.get(index), seen.get_mut(index)) else {
             return Err(bad(path, format!("node {node} has mesh {index}, which does not exist")));
         };
+        buffers.faults.check(path, "mesh", index)?;
         let mesh_casts = *seen.get_or_insert_with(|| {
             let others = mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
             notes.omit("primitives of lines, of points or without positions", others);
-            morphed += u32::from(mesh.primitives.iter().any(|p| p.targets.is_some()));
             nodes::casts(&mesh.extras)
         });
         let marks = options.filter.marks(&nodes::name(json, node));
@@ -282,9 +321,10 @@ fn choose(
         });
         let Some(selection) = selection else { continue };
         skinned += u32::from(json.skin.is_some());
-        let variant = Variant { selection, skinned: json.skin.map(|_| node) };
+        let weights = Weights::of(json.weights.as_deref().or(mesh.weights.as_deref()), mesh);
+        let variant = Variant { selection, skinned: json.skin.map(|_| node), weights };
         let next = plan.variants.len() as u32;
-        let number = *variants.entry(variant).or_insert(next);
+        let number = *variants.entry_ref(&variant).or_insert(next);
         if number == next {
             plan.variants.push(variant);
         }
@@ -292,9 +332,6 @@ fn choose(
     }
     if skinned > 0 {
         notes.warnings.push(format!("{skinned} skinned meshes keep the pose of the file's nodes"));
-    }
-    if morphed > 0 {
-        notes.warnings.push(format!("{morphed} meshes have morph targets, which are ignored"));
     }
     Ok(plan)
 }

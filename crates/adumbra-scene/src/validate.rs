@@ -10,6 +10,8 @@ pub(super) struct Sieve {
     degenerate: u64,
     first: Option<[f32; 3]>,
     spread: bool,
+    /// Whether the default scene of a glTF file has no nodes.
+    pub(super) empty_scene: bool,
     /// Whether the name filter dropped any triangles.
     pub(super) filtered: bool,
 }
@@ -61,7 +63,7 @@ pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &Loa
         if sieve.filtered && !options.filter.is_empty() {
             return empty(EmptyReason::Filtered);
         }
-        return empty(EmptyReason::NoneStored);
+        return empty(if sieve.empty_scene { EmptyReason::EmptyScene } else { EmptyReason::NoneStored });
     }
     let casts = scene.instances.iter().filter(|i| i.casts).any(|i| {
         let mesh = &scene.meshes[i.mesh as usize];

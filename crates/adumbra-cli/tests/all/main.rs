@@ -1,6 +1,7 @@
 //! Tests of the program, as a user runs it.
 
 mod compare;
+mod compressed;
 mod device;
 mod display;
 mod levels;

@@ -33,6 +33,7 @@ impl<'a> Accessor<'a> {
     pub(super) fn open(path: &Path, root: &'a Root, buffers: &'a Buffers<'_>, index: usize) -> Result<Self> {
         let broken = |what: &str| bad(path, format!("accessor {index} {what}"));
         let json: &Json = root.accessors.get(index).ok_or_else(|| broken("does not exist"))?;
+        buffers.faults.check(path, "accessor", index)?;
         let (Checked::Valid(kind), Checked::Valid(shape)) = (&json.component_type, &json.type_) else {
             return Err(broken("has an unknown type"));
         };

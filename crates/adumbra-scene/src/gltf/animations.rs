@@ -35,7 +35,7 @@ impl Animations {
         notes: &mut LoadNotes,
     ) -> Result<Self> {
         let mut of_node: HashMap<usize, Tracks> = HashMap::new();
-        let (mut twice, mut morphs) = (0_u32, 0_u32);
+        let (mut twice, mut morphs, mut broken) = (0_u32, 0_u64, buffers.faults.count("animation"));
         for (index, animation) in root.animations.iter().enumerate() {
             for channel in &animation.channels {
                 let node = channel.target.node.value();
@@ -51,6 +51,10 @@ impl Animations {
                 }
                 let tracks = of_node.entry(node).or_default();
                 let reader = Reader { path, root, buffers, animation, channel, what: &what };
+                if animation.samplers.get(channel.sampler.value()).is_none() {
+                    broken += 1;
+                    continue;
+                }
                 let fresh = match property {
                     Property::Translation => set(&mut tracks.translation, reader.track()?),
                     Property::Scale => set(&mut tracks.scale, reader.track()?),
@@ -64,9 +68,8 @@ impl Animations {
                 "{twice} animation channels move what an earlier channel moves; the first is used"
             ));
         }
-        if morphs > 0 {
-            notes.warnings.push(format!("{morphs} animations of morph weights are ignored"));
-        }
+        notes.omit("animations of morph weights", morphs);
+        notes.omit("animations without their samplers", broken);
         Ok(Self::of(root, nodes, of_node))
     }
 

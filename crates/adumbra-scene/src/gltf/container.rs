@@ -1,43 +1,95 @@
 //! The bytes of a glTF scene: the GLB container, buffers in files and in data URIs, and views into them.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use ::gltf::binary::Glb;
 use ::gltf::json::{Root, buffer};
 use serde_json::Value;
 
 use super::meshopt;
+use crate::LoadNotes;
 use crate::error::{Error, Result};
+use crate::gltf::document::Faults;
+use crate::gltf::uris;
 use crate::sources::Sources;
 
-/// The JSON, and the binary chunk if there is one.
-type Parts<'a> = (Cow<'a, [u8]>, Option<Cow<'a, [u8]>>);
+/// The parts of a file.
+pub(super) struct Parts<'a> {
+    /// The JSON, without a byte-order mark and without padding.
+    pub(super) json: &'a [u8],
+    /// The binary chunk.
+    pub(super) bin: Option<&'a [u8]>,
+    /// The other chunks of a `.glb`, with their headers.
+    pub(super) others: Vec<&'a [u8]>,
+}
+
+/// Chunk type of the JSON of a `.glb`.
+const JSON: u32 = u32::from_le_bytes(*b"JSON");
+/// Chunk type of the binary data.
+const BIN: u32 = u32::from_le_bytes(*b"BIN\0");
+/// Chunks of other types are passed over (glTF 2.0, 4.4.3); more than this many are refused.
+const MAX_CHUNKS: usize = 1024;
 
 /// Returns the JSON and the binary chunk of a `.glb`, or the JSON alone of a `.gltf`. The container's lengths are
 /// checked first. If the file continues after its stated end, only the bytes up to that end are read.
+///
+/// # Errors
+/// Returns [`Error::GltfVersion`] for version 1 of the container, and [`Error::SceneParse`] if it is broken.
 pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Parts<'a>> {
     if !bytes.starts_with(b"glTF") {
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb")) {
             return Err(bad(path, "it does not begin with the letters glTF"));
         }
-        return Ok((Cow::Borrowed(bytes), None));
+        return Ok(Parts { json: bare(bytes), bin: None, others: Vec::new() });
     }
-    let word = |at: usize| -> Option<u32> { bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes) };
-    let (Some(version), Some(length)) = (word(4), word(8)) else {
+    let cut_off = |length: usize| {
+        bad(path, format!("it is cut off: only {} of {length} bytes are present", bytes.len()))
+    };
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
         return Err(bad(path, "it is cut off within its header"));
     };
-    if version != 2 {
-        return Err(bad(path, format!("it has container version {version}; only version 2 is supported")));
+    match version {
+        2 => {}
+        1 => return Err(Error::GltfVersion { path: path.to_owned(), version: "1.0".to_owned() }),
+        _ => {
+            return Err(bad(
+                path,
+                format!("it has container version {version}; only version 2 is supported"),
+            ));
+        }
     }
     if length < 12 {
         return Err(bad(path, format!("its header states a length of {length} bytes")));
     }
-    let Some(whole) = bytes.get(..length as usize) else {
-        return Err(bad(path, format!("it is cut off: only {} of {length} bytes are present", bytes.len())));
-    };
-    let glb = Glb::from_slice(whole).map_err(|e| bad(path, e.to_string()))?;
-    Ok((glb.json, glb.bin))
+    let whole = bytes.get(..length as usize).ok_or_else(|| cut_off(length as usize))?;
+    let (mut json, mut bin, mut others, mut at) = (None, None, Vec::new(), 12);
+    // Less than a chunk's header is padding.
+    while let (Some(length), Some(kind)) = (word(whole, at), word(whole, at + 4)) {
+        let end = at + 8 + length as usize;
+        let data = whole.get(at + 8..end).ok_or_else(|| cut_off(end))?;
+        match kind {
+            JSON if json.is_none() => json = Some(data),
+            BIN if bin.is_none() => bin = Some(data),
+            _ if others.len() == MAX_CHUNKS => return Err(bad(path, "it has too many chunks")),
+            _ => others.push(&whole[at..end]),
+        }
+        at = end;
+    }
+    let json = json.ok_or_else(|| bad(path, "it has no JSON chunk"))?;
+    Ok(Parts { json: bare(json), bin, others })
+}
+
+/// JSON without a byte-order mark before it, and without the spaces or zeros after it that fill its chunk.
+fn bare(json: &[u8]) -> &[u8] {
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let end = json.iter().rposition(|&b| b != 0 && !b.is_ascii_whitespace()).map_or(0, |last| last + 1);
+    &json[..end]
+}
+
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes)
 }
 
 /// All buffers of the scene.
@@ -45,23 +97,33 @@ pub(super) struct Buffers<'a> {
     /// The scene's files and the memory budget of the load.
     pub(super) sources: &'a Sources<'a>,
     path: &'a Path,
-    /// `None` for a buffer that no view needs as it is.
+    /// The elements of the file that cannot be read.
+    pub(super) faults: &'a Faults,
+    /// `None` for a buffer that no view needs as it is, and for one that could not be read.
     bytes: Vec<Option<Cow<'a, [u8]>>>,
+    /// Why buffers could not be read.
+    failed: RefCell<BTreeMap<usize, Error>>,
     /// The views that were compressed, decoded when they were first used.
     #[cfg(feature = "meshopt")]
     decoded: Vec<std::cell::OnceCell<Vec<u8>>>,
 }
 
 impl<'a> Buffers<'a> {
-    /// Reads the buffers that are not in the file itself, without those that only stand in for compressed views.
+    /// Reads the buffers that are not in the file itself, without those that only stand in for compressed views. A
+    /// buffer that cannot be read is an error only where a view of it is used.
+    ///
+    /// # Errors
+    /// Returns [`Error::SceneMemory`].
     pub(super) fn load(
         sources: &'a Sources<'a>,
         root: &Root,
-        mut bin: Option<Cow<'a, [u8]>>,
+        faults: &'a Faults,
+        mut bin: Option<&'a [u8]>,
+        notes: &mut LoadNotes,
     ) -> Result<Self> {
-        let path = sources.scene;
         let needed = needed_buffers(root);
         let mut bytes = Vec::with_capacity(root.buffers.len());
+        let mut failed = BTreeMap::new();
         for (index, buffer) in root.buffers.iter().enumerate() {
             let stated = buffer.byte_length.0;
             let bin = if index == 0 && buffer.uri.is_none() { bin.take() } else { None };
@@ -70,8 +132,16 @@ impl<'a> Buffers<'a> {
                 continue;
             }
             let data = match (&buffer.uri, bin) {
-                (Some(uri), _) => Cow::Owned(read_uri(sources, uri, &format!("buffer {index}"), stated)?),
-                (None, Some(bin)) => bin,
+                (Some(uri), _) => match uris::read(sources, uri, &format!("buffer {index}"), stated) {
+                    Ok(read) => Cow::Owned(read),
+                    Err(e @ Error::SceneMemory { .. }) => return Err(e),
+                    Err(e) => {
+                        failed.insert(index, e);
+                        bytes.push(None);
+                        continue;
+                    }
+                },
+                (None, Some(bin)) => Cow::Borrowed(bin),
                 (None, None) if is_fallback(buffer) => {
                     bytes.push(None);
                     continue;
@@ -79,14 +149,17 @@ impl<'a> Buffers<'a> {
                 (None, None) => Cow::default(),
             };
             if (data.len() as u64) < stated {
-                return Err(bad(path, format!("buffer {index} has {} bytes, not {stated}", data.len())));
+                // Views that reach past its end are errors.
+                notes.warnings.push(format!("buffer {index} has {} bytes, not {stated}", data.len()));
             }
             bytes.push(Some(data));
         }
         Ok(Self {
             sources,
-            path,
+            path: sources.scene,
+            faults,
             bytes,
+            failed: RefCell::new(failed),
             #[cfg(feature = "meshopt")]
             decoded: root.buffer_views.iter().map(|_| Default::default()).collect(),
         })
@@ -102,11 +175,13 @@ impl<'a> Buffers<'a> {
         let Some(view) = root.buffer_views.get(index) else {
             return Err(bad(self.path, format!("buffer view {index} does not exist")));
         };
+        self.faults.check(self.path, "buffer view", index)?;
         #[cfg(feature = "meshopt")]
         if let Some((extension, json)) = compression(view) {
             return Ok((self.decode(index, view, extension, json)?, view));
         }
         let buffer = view.buffer.value();
+        self.readable(buffer)?;
         if let Some(None) = self.bytes.get(buffer) {
             if let Some((what, _)) = compression(view) {
                 return Err(Error::MissingFeature { path: self.path.to_owned(), what, feature: "meshopt" });
@@ -138,6 +213,7 @@ impl<'a> Buffers<'a> {
         let broken = |what: String| bad(self.path, format!("buffer view {index} cannot be decoded: {what}"));
         let stride = view.byte_stride.map(|s| s.0 as u64);
         let compressed = meshopt::Compressed::read(extension, json, stride).map_err(broken)?;
+        self.readable(compressed.buffer)?;
         let bytes = self
             .slice(compressed.buffer, compressed.byte_offset, compressed.byte_length)
             .ok_or_else(|| broken(format!("its {extension} reaches past its buffer")))?;
@@ -145,6 +221,22 @@ impl<'a> Buffers<'a> {
         self.sources.budget.charge(size, || format!("the decoded buffer view {index}"))?;
         let decoded = compressed.decode(bytes).map_err(broken)?;
         Ok(cell.get_or_init(|| decoded))
+    }
+
+    /// An error if the buffer could not be read.
+    fn readable(&self, buffer: usize) -> Result<()> {
+        self.faults.check(self.path, "buffer", buffer)?;
+        self.failed.borrow_mut().remove(&buffer).map_or(Ok(()), Err)
+    }
+
+    /// A warning about the buffers that could not be read, once it is known that none of them was needed.
+    pub(super) fn warning(&self) -> Option<String> {
+        let failed = self.failed.borrow();
+        let (index, error) = failed.first_key_value()?;
+        Some(format!(
+            "buffers that cannot be read, and that nothing needs: {}; buffer {index}: {error}",
+            failed.len()
+        ))
     }
 
     fn slice(&self, buffer: usize, from: u64, length: u64) -> Option<&[u8]> {
@@ -180,83 +272,4 @@ fn is_fallback(buffer: &buffer::Buffer) -> bool {
 /// An [`Error::SceneParse`] for a glTF file.
 pub(super) fn bad(path: &Path, what: impl Into<String>) -> Error {
     Error::SceneParse { path: path.to_owned(), format: "glTF", what: what.into() }
-}
-
-/// Reads a data URI, or the first `max_bytes` bytes of a file next to the scene; `place` is the part of the scene that
-/// references it.
-fn read_uri(sources: &Sources<'_>, uri: &str, place: &str, max_bytes: u64) -> Result<Vec<u8>> {
-    match uri.strip_prefix("data:") {
-        Some(data) => read_data(sources, data, place),
-        None => sources.read_start(&sources.locate(place, &file_name(uri))?, place, max_bytes),
-    }
-}
-
-/// Decodes a data URI, given without its `data:` prefix.
-pub(super) fn read_data(sources: &Sources<'_>, data: &str, place: &str) -> Result<Vec<u8>> {
-    sources.budget.charge(data.len() as u64, || format!("the data URI of {place}"))?;
-    let decoded = data.split_once(',').and_then(|(kind, body)| {
-        if kind.ends_with(";base64") { decode_base64(body) } else { Some(decode_percent(body)) }
-    });
-    decoded.ok_or_else(|| bad(sources.scene, format!("the data URI of {place} is not valid base64")))
-}
-
-/// The file name in a relative URI, with percent-encoding decoded.
-pub(super) fn file_name(uri: &str) -> String {
-    String::from_utf8_lossy(&decode_percent(uri)).into_owned()
-}
-
-fn decode_percent(text: &str) -> Vec<u8> {
-    let digit = |b: Option<&u8>| b.and_then(|&b| char::from(b).to_digit(16));
-    let bytes = text.as_bytes();
-    let (mut out, mut at) = (Vec::with_capacity(bytes.len()), 0);
-    while let Some(&byte) = bytes.get(at) {
-        match (byte, digit(bytes.get(at + 1)), digit(bytes.get(at + 2))) {
-            (b'%', Some(high), Some(low)) => {
-                out.push((high * 16 + low) as u8);
-                at += 3;
-            }
-            _ => {
-                out.push(byte);
-                at += 1;
-            }
-        }
-    }
-    out
-}
-
-fn decode_base64(text: &str) -> Option<Vec<u8>> {
-    let mut out = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut count) = (0_u32, 0);
-    for byte in text.bytes() {
-        let value = match byte {
-            b'A'..=b'Z' => byte - b'A',
-            b'a'..=b'z' => byte - b'a' + 26,
-            b'0'..=b'9' => byte - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' => break,
-            b if b.is_ascii_whitespace() => continue,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            out.push((bits >> count) as u8);
-        }
-    }
-    Some(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn uri_decodes_base64_and_percent() {
-        assert_eq!(decode_base64("aGVsbG8=").as_deref(), Some(&b"hello"[..]));
-        assert_eq!(decode_base64("aGVs\nbG8").as_deref(), Some(&b"hello"[..]));
-        assert_eq!(decode_base64("a*"), None);
-        assert_eq!(decode_percent("a%20b%zz%4"), b"a b%zz%4");
-    }
 }

@@ -4,15 +4,22 @@ use std::path::{Path, PathBuf};
 
 use ::gltf::json::Root;
 
-use super::container::{bad, file_name, split};
-use crate::Result;
-use crate::sources::leaves;
+use super::container::split;
+use super::document::Document;
+use super::uris;
+use crate::sources::{Sources, leaves};
+use crate::{LoadOptions, Result};
 
-/// The files of all buffers and images, as paths relative to the scene.
-pub(super) fn named(root: &Root) -> impl Iterator<Item = String> {
+/// The URIs of all buffers and images in files of their own.
+fn uris(root: &Root) -> impl Iterator<Item = &str> {
     let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
     let images = root.images.iter().filter_map(|i| i.uri.as_deref());
-    buffers.chain(images).filter(|uri| !uri.starts_with("data:")).map(file_name)
+    buffers.chain(images).filter(|uri| !uri.starts_with("data:"))
+}
+
+/// The files of all buffers and images by the names that the definition gives them, relative to the scene.
+pub(super) fn named(root: &Root) -> impl Iterator<Item = String> {
+    uris(root).filter_map(|uri| uris::names(uri).into_iter().next())
 }
 
 /// Returns the files that a glTF scene names in its folder, sorted, with paths relative to it: buffers and images,
@@ -22,10 +29,10 @@ pub(super) fn named(root: &Root) -> impl Iterator<Item = String> {
 /// # Errors
 /// Returns [`Error::SceneParse`](crate::Error::SceneParse) if the container or the JSON is broken.
 pub fn files_of_gltf(path: &Path, bytes: &[u8]) -> Result<Vec<PathBuf>> {
-    let (json, _) = split(path, bytes)?;
-    let root: Root =
-        serde_json::from_slice(&json).map_err(|e| bad(path, format!("its JSON is broken: {e}")))?;
-    let mut paths: Vec<PathBuf> = named(&root).map(PathBuf::from).filter(|path| !leaves(path)).collect();
+    let sources = Sources::new(path, "glTF", &LoadOptions::default());
+    let root = Document::parse(path, split(path, bytes)?.json, &sources.budget)?.root;
+    let paths = named(&root).map(|name| PathBuf::from(name.replace('\\', "/")));
+    let mut paths: Vec<PathBuf> = paths.filter(|path| !leaves(path)).collect();
     paths.sort_unstable();
     paths.dedup();
     Ok(paths)

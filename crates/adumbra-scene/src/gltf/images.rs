@@ -8,7 +8,8 @@ use ::gltf::json::texture::{MagFilter, Texture as Json, WrappingMode};
 use ::gltf::json::validation::Checked;
 use hashbrown::HashMap;
 
-use crate::gltf::container::{Buffers, file_name, read_data};
+use crate::gltf::container::Buffers;
+use crate::gltf::uris;
 use crate::sources::{Located, MAX_IMAGE_BYTES};
 use crate::{Error, Result, Texture, Wrap};
 
@@ -86,6 +87,9 @@ impl<'a> Images<'a> {
         let Some(json) = self.root.textures.get(index) else {
             return Ok(Err(unreadable(index.to_string(), "it does not exist")));
         };
+        if let Err(problem) = apart(self.check("texture", index), || index.to_string())? {
+            return Ok(Err(problem));
+        }
         let image = self.image(json);
         let sampler = json.sampler.and_then(|s| self.root.samplers.get(s.value()));
         let wraps = sampler.map_or([Wrap::Repeat; 2], |s| [wrap(&s.wrap_s), wrap(&s.wrap_t)]);
@@ -165,13 +169,18 @@ impl<'a> Images<'a> {
         Ok(content)
     }
 
+    fn check(&self, kind: &'static str, index: usize) -> Result<()> {
+        self.buffers.faults.check(self.buffers.sources.scene, kind, index)
+    }
+
     fn find(&self, image: usize) -> Result<Content> {
+        self.check("image", image)?;
         let (sources, json) = (self.buffers.sources, &self.root.images[image]);
         let place = format!("image {image}");
         Ok(match (json.uri.as_deref(), json.buffer_view) {
             (Some(uri), _) => match uri.strip_prefix("data:") {
-                Some(data) => Content::Data(read_data(sources, data, &place)?),
-                None => Content::File(sources.locate(&place, &file_name(uri))?),
+                Some(data) => Content::Data(uris::read_data(sources, data, &place)?),
+                None => Content::File(uris::locate(sources, &place, uri)?),
             },
             (None, Some(view)) => {
                 let (_, view) = self.buffers.view(self.root, view.value())?;

@@ -12,6 +12,7 @@ use hashbrown::HashMap;
 use crate::gltf::accessor::Accessor;
 use crate::gltf::container::{Buffers, bad};
 use crate::gltf::materials::{Coordinates, Materials};
+use crate::gltf::morphs::Weights;
 use crate::gltf::skin::Skin;
 use crate::validate::{Sieve, check_vertex};
 use crate::{AlphaMode, Error, Mesh, Result, linear_to_srgb};
@@ -26,15 +27,45 @@ pub(super) struct Builder<'a> {
     colors: bool,
     /// Accessors opened so far, by index; many primitives may use the same one.
     opened: RefCell<HashMap<usize, Rc<Accessor<'a>>>>,
+    /// The distinct lists of morph targets, each with its number.
+    targets: RefCell<HashMap<Vec<Option<usize>>, usize>>,
+}
+
+/// The pose in which a mesh is built.
+#[derive(Clone, Copy)]
+pub(super) struct Pose<'a> {
+    /// Moves the vertices to the pose of its joints.
+    pub(super) skin: Option<&'a Skin>,
+    /// The weights of the morph targets.
+    pub(super) weights: &'a Weights,
 }
 
 /// Vertex data of one primitive.
 struct Source<'a> {
-    positions: Rc<Accessor<'a>>,
+    positions: Morphed<'a>,
     uvs: Option<(Rc<Accessor<'a>>, Coordinates)>,
     colors: Option<Rc<Accessor<'a>>>,
     /// Joints and weights, one pair per set of four.
     joints: Vec<[Rc<Accessor<'a>>; 2]>,
+}
+
+/// Positions, and what morph targets add to them.
+struct Morphed<'a> {
+    base: Rc<Accessor<'a>>,
+    /// Weights and displacements.
+    targets: Vec<(f32, Rc<Accessor<'a>>)>,
+}
+
+impl Morphed<'_> {
+    /// The position of a vertex, or `None` if it does not exist.
+    fn at(&self, index: usize) -> Option<[f32; 3]> {
+        let mut sum = self.base.floats::<3>(index)?;
+        for (weight, target) in &self.targets {
+            let moved = target.floats::<3>(index).unwrap_or_default();
+            sum = std::array::from_fn(|a| sum[a] + weight * moved[a]);
+        }
+        Some(sum)
+    }
 }
 
 /// Identifies vertex data: primitives with equal keys share vertices.
@@ -46,6 +77,8 @@ struct SourceKey {
     colors: Option<usize>,
     /// The material, if it has a texture, since it determines the transform of the texture coordinates.
     textured_material: Option<usize>,
+    /// The number of the list of morph targets, if there is one.
+    targets: Option<usize>,
 }
 
 /// Whether a primitive consists of triangles. False for lines and points, and for a primitive without positions.
@@ -81,17 +114,19 @@ impl<'a> Builder<'a> {
         materials: &'a Materials,
         colors: bool,
     ) -> Self {
-        Self { path, root, buffers, materials, colors, opened: RefCell::default() }
+        let (opened, targets) = Default::default();
+        Self { path, root, buffers, materials, colors, opened, targets }
     }
 
-    /// Builds one mesh from the given primitives. A skin moves the vertices to the pose of its joints.
+    /// Builds one mesh from the given primitives.
     pub(super) fn build(
         &self,
         name: &str,
         primitives: &[&Primitive],
-        skin: Option<&Skin>,
+        pose: Pose<'_>,
         sieve: &mut Sieve,
     ) -> Result<Mesh> {
+        let skin = pose.skin;
         let (_, vertices) = self.most(primitives, skin.is_some())?;
         let passing = vertices.saturating_mul(TABLE_BYTES);
         self.buffers.sources.budget.charge(passing, || format!("mesh {name:?} of {vertices} vertices"))?;
@@ -103,11 +138,11 @@ impl<'a> Builder<'a> {
         for primitive in primitives {
             let Some(key) = self.source_key(primitive, skin.is_some()) else { continue };
             let coordinates = self.texture(primitive).map(|t| t.1);
-            let source = self.open(primitive, key, coordinates, skin.is_some())?;
+            let source = self.open(primitive, key, coordinates, pose)?;
             let next = keys.len() as u32;
             let key = *keys.entry(key).or_insert(next);
             let material = material_of(self.root, primitive) as u32;
-            self.each_triangle(name, primitive, source.positions.count, |corners| {
+            self.each_triangle(name, primitive, source.positions.base.count, |corners| {
                 let mut points = [[0.0; 3]; 3];
                 for (point, &corner) in points.iter_mut().zip(&corners) {
                     *point = source.position(corner, skin);
@@ -165,6 +200,11 @@ impl<'a> Builder<'a> {
         })
     }
 
+    /// Number of triangles that the given primitives state.
+    pub(super) fn faces(&self, primitives: &[&Primitive]) -> Result<u64> {
+        Ok(self.most(primitives, false)?.0)
+    }
+
     /// Upper bounds on a mesh's triangle and vertex counts.
     fn most(&self, primitives: &[&Primitive], skinned: bool) -> Result<(u64, u64)> {
         let mut triangles = 0_u64;
@@ -197,7 +237,13 @@ impl<'a> Builder<'a> {
         };
         let colors = self.vertex_colors(primitive);
         let textured_material = self.texture(primitive).map(|t| t.0);
-        Some(SourceKey { positions, joints_and_weights, colors, textured_material })
+        let targets = primitive.targets.as_ref().map(|targets| {
+            let list = targets.iter().map(|t| t.positions.map(|p| p.value())).collect();
+            let mut known = self.targets.borrow_mut();
+            let next = known.len();
+            *known.entry(list).or_insert(next)
+        });
+        Some(SourceKey { positions, joints_and_weights, colors, textured_material, targets })
     }
 
     /// The accessor of a primitive's vertex colours, if they are needed.
@@ -227,13 +273,24 @@ impl<'a> Builder<'a> {
         primitive: &Primitive,
         key: SourceKey,
         coordinates: Option<Coordinates>,
-        skinned: bool,
+        pose: Pose<'_>,
     ) -> Result<Source<'a>> {
         let open = |index| self.accessor(index);
         let positions = open(key.positions)?;
         if positions.components != 3 {
             return Err(bad(self.path, "a POSITION attribute is not made of three components"));
         }
+        let mut targets = Vec::new();
+        for (index, weight) in pose.weights.iter() {
+            let target = primitive.targets.as_ref().and_then(|targets| targets.get(index));
+            let Some(target) = target.and_then(|t| t.positions) else { continue };
+            let target = open(target.value())?;
+            if target.components != 3 || target.count < positions.count {
+                return Err(bad(self.path, "a morph target does not have a displacement for each vertex"));
+            }
+            targets.push((weight, target));
+        }
+        let positions = Morphed { base: positions, targets };
         let uvs = match coordinates {
             None => None,
             Some(c) => match attribute(primitive, Semantic::TexCoords(c.set)) {
@@ -246,7 +303,9 @@ impl<'a> Builder<'a> {
             return Err(bad(self.path, "a COLOR_0 attribute is not made of three or four components"));
         }
         let mut joints = Vec::new();
-        while skinned && let Ok(set) = u32::try_from(joints.len()) {
+        while pose.skin.is_some()
+            && let Ok(set) = u32::try_from(joints.len())
+        {
             let pair =
                 (attribute(primitive, Semantic::Joints(set)), attribute(primitive, Semantic::Weights(set)));
             let (Some(j), Some(w)) = pair else { break };
@@ -311,7 +370,7 @@ impl<'a> Builder<'a> {
 impl Source<'_> {
     fn position(&self, index: u32, skin: Option<&Skin>) -> [f32; 3] {
         let at = index as usize;
-        let p = self.positions.floats::<3>(at).unwrap_or([f32::NAN; 3]);
+        let p = self.positions.at(at).unwrap_or([f32::NAN; 3]);
         let Some(skin) = skin else { return p };
         let influences = self.joints.iter().flat_map(|[joints, weights]| {
             let joints = joints.integers::<4>(at).unwrap_or_default();

@@ -5,10 +5,12 @@ use std::path::Path;
 use ::gltf::json::{Root, extras::Extras, scene::Node};
 use serde::Deserialize;
 
+use crate::FileSun;
 use crate::affine::{Affine, IDENTITY, compose, from_columns, is_finite, multiply};
 use crate::error::{Error, Result};
 use crate::gltf::accessor::Accessor;
 use crate::gltf::container::{Buffers, bad};
+use crate::gltf::document::Faults;
 use crate::movers::Rest;
 
 /// A node's local transform in double precision, as JSON numbers are. The glTF crate stores `f32`, whose steps are half
@@ -27,13 +29,6 @@ struct Written {
     translation: Option<[f64; 3]>,
     rotation: Option<[f64; 4]>,
     scale: Option<[f64; 3]>,
-}
-
-/// The transforms of all nodes, parsed separately from the rest of the file.
-#[derive(Deserialize)]
-pub(super) struct Places {
-    #[serde(default)]
-    nodes: Vec<Place>,
 }
 
 impl From<Written> for Place {
@@ -79,16 +74,25 @@ pub(super) struct Nodes {
     pub(super) order: Vec<usize>,
     /// The nodes of the scene that have a mesh, depth first, and whether they cast.
     pub(super) drawn: Vec<(usize, bool)>,
+    /// The nodes of the scene with a directional light, depth first.
+    suns: Vec<usize>,
+    /// Whether the file has a default scene without nodes.
+    pub(super) is_empty_scene: bool,
+    /// Number of nodes with a mesh that the scene does not reach, without those of coarser levels of detail.
+    pub(super) unreached: u64,
 }
 
 impl Nodes {
     /// Computes the world transforms and collects the drawn nodes of the default scene. Without one it uses the first
-    /// scene, and without any scene all root nodes.
-    pub(super) fn load(path: &Path, root: &Root, places: Places) -> Result<Self> {
-        let (count, place) = (root.nodes.len(), places.nodes);
-        if place.len() != count {
-            return Err(bad(path, "it has two lists of nodes"));
-        }
+    /// scene, and without any scene all root nodes. Of the levels of detail of MSFT_lod only the finest is drawn.
+    pub(super) fn load(
+        path: &Path,
+        root: &Root,
+        place: Vec<Place>,
+        lights: &[bool],
+        faults: &Faults,
+    ) -> Result<Self> {
+        let count = root.nodes.len();
         let mut parent = vec![None; count];
         for (index, node) in root.nodes.iter().enumerate() {
             for child in children(node) {
@@ -122,38 +126,109 @@ impl Nodes {
         if order.len() != count {
             return Err(bad(path, "its nodes form a cycle"));
         }
-        let starts = match root.scene.map(|s| s.value()).or((!root.scenes.is_empty()).then_some(0)) {
-            Some(scene) => match root.scenes.get(scene) {
-                Some(scene) => scene.nodes.iter().map(|n| n.value()).collect(),
-                None => return Err(bad(path, format!("its default scene {scene} does not exist"))),
+        let scene = root.scene.map(|s| s.value()).or((!root.scenes.is_empty()).then_some(0));
+        let starts = match scene {
+            Some(index) => match root.scenes.get(index) {
+                Some(scene) => {
+                    faults.check(path, "scene", index)?;
+                    scene.nodes.iter().map(|n| n.value()).collect::<Vec<_>>()
+                }
+                None => return Err(bad(path, format!("its default scene {index} does not exist"))),
             },
             None => roots,
         };
-        let drawn = walk(path, root, starts)?;
-        Ok(Self { place, world, parent, order, drawn })
+        let is_empty_scene = scene.is_some() && starts.is_empty();
+        let all = walk(path, root, faults, &starts, &[])?.seen;
+        let mut is_coarse = vec![false; count];
+        let in_scene = root.nodes.iter().zip(&all).filter(|&(_, &seen)| seen);
+        for index in in_scene.flat_map(|(node, _)| coarser_levels(node)) {
+            if let Some(coarse) = is_coarse.get_mut(index) {
+                *coarse = true;
+            }
+        }
+        let walk = walk(path, root, faults, &starts, &is_coarse)?;
+        let of_sun = |node: usize| light(&root.nodes[node]).and_then(|l| lights.get(l)) == Some(&true);
+        let suns = walk.lit.into_iter().filter(|&node| of_sun(node)).collect();
+        let coarse_or_below = below(root, &order, &is_coarse);
+        let unreached =
+            (0..count).filter(|&i| root.nodes[i].mesh.is_some() && !walk.seen[i] && !coarse_or_below[i]);
+        let unreached = unreached.count() as u64;
+        Ok(Self { place, world, parent, order, drawn: walk.drawn, suns, is_empty_scene, unreached })
+    }
+
+    /// The directional lights of the scene. A node whose transform flattens its direction has none.
+    pub(super) fn suns(&self, root: &Root) -> Vec<FileSun> {
+        let sun = |&node: &usize| {
+            // A light shines along its node's -Z (KHR_lights_punctual).
+            let towards = self.world[node].map(|row| row[2]);
+            let length = towards.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let name = name(root.nodes.get(node)?, node);
+            (length > 0.0).then(|| FileSun { name, towards: towards.map(|c| c / length) })
+        };
+        self.suns.iter().filter_map(sun).collect()
     }
 }
 
-fn walk(path: &Path, root: &Root, starts: Vec<usize>) -> Result<Vec<(usize, bool)>> {
-    let mut seen = vec![false; root.nodes.len()];
-    let mut drawn = Vec::new();
-    let mut stack: Vec<(usize, bool)> = starts.into_iter().rev().map(|i| (i, true)).collect();
-    while let Some((index, inherited)) = stack.pop() {
-        let (Some(node), Some(seen)) = (root.nodes.get(index), seen.get_mut(index)) else {
+/// What a walk over a scene finds.
+struct Walk {
+    /// For each node, whether it is part of the scene, drawn or hidden.
+    seen: Vec<bool>,
+    /// The nodes with a mesh, and whether they cast.
+    drawn: Vec<(usize, bool)>,
+    /// The nodes with a light.
+    lit: Vec<usize>,
+}
+
+fn walk(path: &Path, root: &Root, faults: &Faults, starts: &[usize], is_coarse: &[bool]) -> Result<Walk> {
+    let mut walk = Walk { seen: vec![false; root.nodes.len()], drawn: Vec::new(), lit: Vec::new() };
+    let mut stack: Vec<(usize, bool, bool)> = starts.iter().rev().map(|&i| (i, true, true)).collect();
+    while let Some((index, visible, inherited)) = stack.pop() {
+        let (Some(node), Some(seen)) = (root.nodes.get(index), walk.seen.get_mut(index)) else {
             return Err(bad(path, format!("its scene references node {index}, which does not exist")));
         };
-        if std::mem::replace(seen, true) || is_hidden(node) {
+        if is_coarse.get(index) == Some(&true) || std::mem::replace(seen, true) {
             continue;
         }
+        faults.check(path, "node", index)?;
+        let visible = visible && !is_hidden(node);
         let casts = inherited && casts(&node.extras);
-        if node.mesh.is_some() {
-            drawn.push((index, casts));
+        if visible && node.mesh.is_some() {
+            walk.drawn.push((index, casts));
+        }
+        if visible && light(node).is_some() {
+            walk.lit.push(index);
         }
         let from = stack.len();
-        stack.extend(children(node).map(|child| (child, casts)));
+        stack.extend(children(node).map(|child| (child, visible, casts)));
         stack[from..].reverse();
     }
-    Ok(drawn)
+    Ok(walk)
+}
+
+/// For each node, whether it is marked or below a marked one. `order` has every node after its parent.
+fn below(root: &Root, order: &[usize], marked: &[bool]) -> Vec<bool> {
+    let mut below = marked.to_vec();
+    for &index in order {
+        if below[index] {
+            children(&root.nodes[index]).for_each(|child| below[child] = true);
+        }
+    }
+    below
+}
+
+/// The coarser levels of detail of a node (MSFT_lod).
+fn coarser_levels(node: &Node) -> impl Iterator<Item = usize> {
+    let lod = node.extensions.as_ref().and_then(|e| e.others.get("MSFT_lod")).and_then(|e| e.get("ids"));
+    lod.and_then(|ids| ids.as_array()).into_iter().flatten().filter_map(index_of)
+}
+
+/// The index of a node's light (KHR_lights_punctual).
+fn light(node: &Node) -> Option<usize> {
+    index_of(node.extensions.as_ref()?.others.get("KHR_lights_punctual")?.get("light")?)
+}
+
+fn index_of(value: &serde_json::Value) -> Option<usize> {
+    value.as_u64().and_then(|index| usize::try_from(index).ok())
 }
 
 /// The transforms within the node at which EXT_mesh_gpu_instancing places its mesh, or `None` if the node does not use
@@ -180,9 +255,14 @@ pub(super) fn gpu_instances(
         Accessor::open(path, root, buffers, accessor).map(Some)
     };
     let (move_by, turn_by, scale_by) = (open("TRANSLATION")?, open("ROTATION")?, open("SCALE")?);
-    let counts = || [&move_by, &turn_by, &scale_by].into_iter().flatten().map(|a| a.count);
-    let count = counts().next().unwrap_or(0);
-    if counts().any(|c| c != count) {
+    // Attributes of other names place nothing, but say how many instances there are.
+    let others = value.as_object().into_iter().flatten().map(|(semantic, _)| semantic.as_str());
+    let mut counts = Vec::new();
+    for semantic in others {
+        counts.extend(open(semantic)?.map(|accessor| accessor.count));
+    }
+    let count = counts.first().copied().unwrap_or(0);
+    if counts.iter().any(|&c| c != count) {
         return Err(broken("have attributes of different lengths"));
     }
     // Charged only while they are read; instances are charged when they are created.

@@ -38,9 +38,9 @@ type Parts = BTreeMap<String, Box<RawValue>>;
 
 /// Returns a glTF file's bytes with the name of a shadow file.
 fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<Vec<u8>> {
-    let (text, bin) = split(path, bytes)?;
+    let parts = split(path, bytes)?;
     let fault = |e: serde_json::Error| bad(path, e.to_string());
-    let mut root: Parts = serde_json::from_slice(&text).map_err(fault)?;
+    let mut root: Parts = serde_json::from_slice(parts.json).map_err(fault)?;
     let mut extensions: Value = read(&root, "extensions").map_err(fault)?.unwrap_or_else(|| json!({}));
     let no_object = |what: &str| bad(path, format!("{what} is no JSON object"));
     let of_lights = member(&mut extensions, LIGHTS).ok_or_else(|| no_object("extensions"))?;
@@ -67,7 +67,7 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     root.insert("extensions".to_owned(), to_raw_value(&extensions).map_err(fault)?);
     let text = serde_json::to_vec(&root).map_err(fault)?;
     let is_binary = bytes.starts_with(b"glTF");
-    Ok(if is_binary { container(text, bin.unwrap_or_default().into_owned()) } else { text })
+    Ok(if is_binary { container(text, parts.bin.unwrap_or_default().to_vec(), &parts.others) } else { text })
 }
 
 /// Adds a node with light `index` to the default scene, and the extension to those in use.
@@ -170,12 +170,13 @@ mod tests {
 
     #[test]
     fn binary_files_keep_their_chunk() {
-        let glb = container(MINIMAL.as_bytes().to_vec(), vec![7; 12]);
+        let glb = container(MINIMAL.as_bytes().to_vec(), vec![7; 12], &[b"\x04\0\0\0ABCDabcd"]);
         let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("above the horizon");
         let bytes = with_shadow_name(Path::new("a.glb"), &glb, "a.adumbra", sun).expect("a glTF file");
-        let (text, bin) = split(Path::new("a.glb"), &bytes).expect("a container");
-        assert!(String::from_utf8_lossy(&text).contains("a.adumbra"));
-        assert_eq!(bin.as_deref(), Some(&[7; 12][..]));
+        let parts = split(Path::new("a.glb"), &bytes).expect("a container");
+        assert!(String::from_utf8_lossy(parts.json).contains("a.adumbra"));
+        assert_eq!(parts.bin, Some(&[7; 12][..]));
+        assert_eq!(parts.others, [b"\x04\0\0\0ABCDabcd"]);
         let refused = [
             "glTF".to_owned(),
             MINIMAL.replace("\"scene\":0", "\"scene\":4"),

@@ -51,6 +51,7 @@ impl<'a> Skins<'a> {
     fn matrices(&self, index: usize) -> Result<Vec<Affine>> {
         let broken = |what: &str| bad(self.path, format!("skin {index} {what}"));
         let json = self.root.skins.get(index).ok_or_else(|| broken("does not exist"))?;
+        self.buffers.faults.check(self.path, "skin", index)?;
         let binds = match json.inverse_bind_matrices {
             Some(accessor) => Some(Accessor::open(self.path, self.root, self.buffers, accessor.value())?),
             None => None,
