@@ -408,7 +408,6 @@ fn gltf_broken_references_are_errors() {
         ("/bufferViews/0/byteOffset", json!(u64::MAX)),
         ("/bufferViews/0/byteLength", json!(u64::MAX)),
         ("/bufferViews/0/byteStride", json!(1)),
-        ("/buffers/0/byteLength", json!(1 << 20)),
     ];
     for (pointer, value) in pointers {
         let mut glb = Glb::triangle();
