@@ -5,6 +5,8 @@
 //! Colours, normals and texture coordinates are passed over, since none of them decides where a surface is opaque.
 
 mod header;
+#[cfg(test)]
+mod mutations;
 mod polygons;
 mod records;
 mod values;

@@ -10,6 +10,8 @@ mod others;
 mod ply;
 #[path = "scene_loading/ply_kit.rs"]
 mod ply_kit;
+#[path = "scene_loading/ply_refused.rs"]
+mod ply_refused;
 #[path = "scene_loading/polygons.rs"]
 mod polygons;
 #[path = "scene_loading/untrusted.rs"]

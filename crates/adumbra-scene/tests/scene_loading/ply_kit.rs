@@ -1,91 +1,78 @@
-//! Writes PLY files from lists of values, as text and in both byte orders.
+//! Loads small PLY files, most of which hold the same square.
 
-/// One element: its name, its properties as header lines without the keyword, and its records. A record is a flat list
-/// of values, in which the number of items precedes each list.
-#[derive(Clone, Debug)]
-pub(crate) struct Element {
-    pub(crate) name: String,
-    pub(crate) properties: Vec<String>,
-    pub(crate) records: Vec<Vec<f64>>,
-}
+use adumbra_scene::{Error, LoadOptions, Result, Scene};
+pub(crate) use adumbra_testing::{PLY_FORMATS as FORMATS, Ply};
 
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Ply {
-    pub(crate) elements: Vec<Element>,
-}
+use crate::kit::{load_bytes, refused, world_triangles};
 
-pub(crate) const FORMATS: [&str; 3] = ["ascii", "binary_little_endian", "binary_big_endian"];
 pub(crate) const XYZ: [&str; 3] = ["float x", "float y", "float z"];
 pub(crate) const CORNERS: &str = "list uchar int vertex_indices";
 
-impl Ply {
-    pub(crate) fn with(mut self, name: &str, properties: &[&str], records: &[&[f64]]) -> Self {
-        self.elements.push(Element {
-            name: name.to_owned(),
-            properties: properties.iter().map(|&p| p.to_owned()).collect(),
-            records: records.iter().map(|r| r.to_vec()).collect(),
-        });
-        self
-    }
-
-    pub(crate) fn header(&self, format: &str) -> String {
-        let mut out = format!("ply\nformat {format} 1.0\n");
-        for element in &self.elements {
-            out += &format!("element {} {}\n", element.name, element.records.len());
-            element.properties.iter().for_each(|p| out += &format!("property {p}\n"));
-        }
-        out + "end_header\n"
-    }
-
-    pub(crate) fn bytes(&self, format: &str) -> Vec<u8> {
-        let mut out = self.header(format).into_bytes();
-        for element in &self.elements {
-            for record in &element.records {
-                if format == "ascii" {
-                    let words: Vec<String> = record.iter().map(f64::to_string).collect();
-                    out.extend((words.join(" ") + "\n").bytes());
-                } else {
-                    put_record(&mut out, &element.properties, record, format == "binary_big_endian");
-                }
-            }
-        }
-        out
-    }
+pub(crate) fn load(bytes: &[u8]) -> Result<Scene> {
+    load_bytes("scene.ply", bytes, &LoadOptions::default())
 }
 
-fn put_record(out: &mut Vec<u8>, properties: &[String], record: &[f64], big: bool) {
-    let mut values = record.iter().copied();
-    let mut next = || values.next().expect("the record has a value for each property");
-    for property in properties {
-        let words: Vec<&str> = property.split_whitespace().collect();
-        if words[0] == "list" {
-            let count = next();
-            put(out, words[1], count, big);
-            (0..count as usize).for_each(|_| put(out, words[2], next(), big));
-        } else {
-            put(out, words[0], next(), big);
-        }
-    }
-    assert!(values.next().is_none(), "the record has a value too many");
+/// The triangles of a scene, in an order of their own, each from its least corner on.
+fn triangles(scene: &Scene) -> Vec<[[f64; 3]; 3]> {
+    let turned = |t: [[f64; 3]; 3]| {
+        let least = (0..3).min_by(|&a, &b| t[a].partial_cmp(&t[b]).expect("finite")).expect("three");
+        [t[least], t[(least + 1) % 3], t[(least + 2) % 3]]
+    };
+    let mut all: Vec<_> = world_triangles(scene).into_iter().map(turned).collect();
+    all.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
+    all
 }
 
-/// Appends one value of a type.
-pub(crate) fn put(out: &mut Vec<u8>, kind: &str, value: f64, big: bool) {
-    let from = out.len();
-    match kind {
-        "char" | "int8" => out.extend((value as i8).to_le_bytes()),
-        "uchar" | "uint8" => out.extend((value as u8).to_le_bytes()),
-        "short" | "int16" => out.extend((value as i16).to_le_bytes()),
-        "ushort" | "uint16" => out.extend((value as u16).to_le_bytes()),
-        "int" | "int32" => out.extend((value as i32).to_le_bytes()),
-        "uint" | "uint32" => out.extend((value as u32).to_le_bytes()),
-        "int64" => out.extend((value as i64).to_le_bytes()),
-        "uint64" => out.extend((value as u64).to_le_bytes()),
-        "float" | "float32" => out.extend((value as f32).to_le_bytes()),
-        "double" | "float64" => out.extend(value.to_le_bytes()),
-        other => panic!("no type {other}"),
+/// The two triangles of the square that most files here hold.
+fn square() -> Vec<[[f64; 3]; 3]> {
+    vec![[[0., 0., 0.], [1., 0., 0.], [1., 0., 1.]], [[0., 0., 0.], [1., 0., 1.], [0., 0., 1.]]]
+}
+
+pub(crate) fn assert_square(what: &str, bytes: &[u8]) -> Scene {
+    let scene = load(bytes).unwrap_or_else(|error| panic!("{what}: {error}"));
+    let mut expected = square();
+    expected.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
+    assert_eq!(triangles(&scene), expected, "{what}");
+    scene
+}
+
+pub(crate) fn omitted(scene: &Scene) -> Vec<String> {
+    scene.notes.omissions.iter().map(ToString::to_string).collect()
+}
+
+pub(crate) const HEADER: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                      element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+const BODY: &str = "0 0 0\n1 0 0\n1 0 1\n0 0 1\n4 0 1 2 3\n";
+pub(crate) const POINTS: [&[f64]; 4] = [&[0., 0., 0.], &[1., 0., 0.], &[1., 0., 1.], &[0., 0., 1.]];
+pub(crate) const FACE: &[f64] = &[4., 0., 1., 2., 3.];
+
+/// The file above with changes; each must occur in it.
+pub(crate) fn changed(changes: &[(&str, &str)]) -> Vec<u8> {
+    let mut text = format!("{HEADER}{BODY}");
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from:?} is not in the file");
+        text = text.replace(from, to);
     }
-    if big {
-        out[from..].reverse();
-    }
+    text.into_bytes()
+}
+
+/// A square in the `xyz` properties, as a file of its own vertices.
+pub(crate) fn points() -> Ply {
+    Ply::default().with("vertex", &XYZ, &POINTS)
+}
+
+pub(crate) fn assert_square_in_all_formats(what: &str, ply: &Ply) -> Vec<String> {
+    let notes = FORMATS.map(|format| {
+        let what = format!("{what}, {format}");
+        omitted(&assert_square(&what, &ply.bytes(format)))
+    });
+    assert!(notes[0] == notes[1] && notes[0] == notes[2], "{what}: {notes:?}");
+    notes[0].clone()
+}
+
+/// The message of a file that must be refused.
+pub(crate) fn message(bytes: &[u8]) -> String {
+    let error = refused(load(bytes));
+    assert!(matches!(error, Error::SceneParse { .. }), "{error}");
+    error.to_string()
 }
