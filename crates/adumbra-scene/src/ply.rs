@@ -51,10 +51,8 @@ fn scene_of(sources: &Sources<'_>, bytes: Vec<u8>, options: &LoadOptions) -> Res
         return finish(path, scene, &sieve, options);
     }
     let triangles = faces.triangles() + strips.triangles();
-    if triangles == 0 {
-        let only_points = !stated.is_empty() && scene.notes.omissions.is_empty();
-        let reason = if only_points { EmptyReason::PointCloud } else { EmptyReason::NoneStored };
-        return Err(Error::NoTriangles { path: path.to_owned(), reason });
+    if triangles == 0 && !stated.is_empty() && scene.notes.omissions.is_empty() {
+        return Err(Error::NoTriangles { path: path.to_owned(), reason: EmptyReason::PointCloud });
     }
     // Only corners count: a file may hold any value in vertices that no face uses.
     let corners = faces.corners.iter().chain(&strips.corners);

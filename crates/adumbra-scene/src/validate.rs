@@ -61,6 +61,9 @@ pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &Loa
         if sieve.filtered && !options.filter.is_empty() {
             return empty(EmptyReason::Filtered);
         }
+        if !scene.notes.omissions.is_empty() {
+            return empty(EmptyReason::OnlyOmitted { omissions: scene.notes.omissions });
+        }
         return empty(EmptyReason::NoneStored);
     }
     let casts = scene.instances.iter().filter(|i| i.casts).any(|i| {

@@ -104,9 +104,9 @@ fn values_that_no_face_needs_may_be_anything() {
         "1.#INF00",
     ];
     for word in odd {
-        let normals = format!("property float nx\nproperty uchar red\nelement face");
+        let normals = "property float nx\nproperty uchar red\nelement face";
         let file = changed(&[
-            ("element face", &normals),
+            ("element face", normals),
             ("0 0\n", &format!("0 0 {word} 0.5\n")),
             ("0 1\n", "0 1 0 300\n"),
         ]);
@@ -148,9 +148,12 @@ fn values_that_no_face_needs_may_be_anything() {
     assert_eq!(assert_square_in_all_formats("normals", &ply), [""; 0]);
 }
 
+/// The records of four vertices.
+type Square = [&'static [f64]; 4];
+
 #[test]
 fn vertices_have_x_y_and_z_among_any_properties() {
-    let cases: [(&str, &[&str], [&[f64]; 4]); 6] = [
+    let cases: [(&str, &[&str], Square); 6] = [
         (
             "another order",
             &["double z", "float x", "int y"],

@@ -138,16 +138,30 @@ fn files_without_faces_say_why() {
             other => panic!("{other}"),
         });
         assert!(reasons[0] == reasons[1] && reasons[0] == reasons[2], "{reasons:?}");
-        reasons[0]
+        reasons[0].clone()
     };
     let lines: &[&[f64]] = &[&[2., 0., 1.], &[0.]];
     assert_eq!(reason(&points()), EmptyReason::PointCloud);
     assert_eq!(reason(&points().with("face", &[CORNERS], &[])), EmptyReason::PointCloud);
     assert_eq!(reason(&points().with("face", &[], &[])), EmptyReason::PointCloud);
     assert_eq!(reason(&points().with("tristrips", &[CORNERS], &[])), EmptyReason::PointCloud);
-    assert_eq!(reason(&points().with("face", &[CORNERS], lines)), EmptyReason::NoneStored);
-    assert_eq!(reason(&points().with("tristrips", &[CORNERS], lines)), EmptyReason::NoneStored);
-    assert_eq!(reason(&points().with("edge", &["int a"], &[&[1.]])), EmptyReason::NoneStored);
+    let left_out = |ply: &Ply| match reason(ply) {
+        EmptyReason::OnlyOmitted { omissions } => {
+            omissions.iter().map(ToString::to_string).collect::<Vec<_>>()
+        }
+        other => panic!("{other}"),
+    };
+    let faces = points().with("face", &[CORNERS], lines);
+    assert_eq!(left_out(&faces), ["2 faces with fewer than three corners"]);
+    let strips = points().with("tristrips", &[CORNERS], lines);
+    assert_eq!(left_out(&strips), ["1 triangle strips with fewer than three corners"]);
+    let others = points().with("face", &["int a"], &[&[1.]]).with("edge", &["int a"], &[&[1.], &[2.]]);
+    assert_eq!(left_out(&others), ["1 faces without a list of vertices", "2 elements \"edge\""]);
+    let error = refused(load(&others.bytes("ascii"))).to_string();
+    assert!(
+        error.contains("no triangles; it holds only 1 faces without a list of vertices, 2 elements"),
+        "{error}"
+    );
     assert_eq!(reason(&Ply::default()), EmptyReason::NoneStored);
     let flat = points().with("face", &[CORNERS], &[&[3., 0., 1., 1.]]);
     assert_eq!(reason(&flat), EmptyReason::ZeroArea { triangles: 1 });
