@@ -169,7 +169,7 @@ fn list(omissions: &[Omission]) -> String {
 }
 
 /// Why a scene holds no triangle that could cast a shadow. Its text continues the sentence "contains no triangles".
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EmptyReason {
     /// Everything is animated, and the policy is [`MoverPolicy::Skip`](crate::MoverPolicy::Skip).
@@ -196,6 +196,12 @@ pub enum EmptyReason {
     /// The file holds only points.
     #[error("; a point cloud casts no shadow: give a file with faces")]
     PointCloud,
+    /// All that the file holds is left out by the loader.
+    #[error("; it holds only {}", list(.omissions))]
+    OnlyOmitted {
+        /// What was left out.
+        omissions: Vec<Omission>,
+    },
     /// The file holds no triangles.
     #[error("; check what was exported")]
     NoneStored,

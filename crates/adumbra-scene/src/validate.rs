@@ -63,7 +63,13 @@ pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &Loa
         if sieve.filtered && !options.filter.is_empty() {
             return empty(EmptyReason::Filtered);
         }
-        return empty(if sieve.empty_scene { EmptyReason::EmptyScene } else { EmptyReason::NoneStored });
+        if sieve.empty_scene {
+            return empty(EmptyReason::EmptyScene);
+        }
+        if !scene.notes.omissions.is_empty() {
+            return empty(EmptyReason::OnlyOmitted { omissions: scene.notes.omissions });
+        }
+        return empty(EmptyReason::NoneStored);
     }
     let casts = scene.instances.iter().filter(|i| i.casts).any(|i| {
         let mesh = &scene.meshes[i.mesh as usize];

@@ -6,6 +6,12 @@ mod kit;
 mod memory;
 #[path = "scene_loading/others.rs"]
 mod others;
+#[path = "scene_loading/ply.rs"]
+mod ply;
+#[path = "scene_loading/ply_kit.rs"]
+mod ply_kit;
+#[path = "scene_loading/ply_refused.rs"]
+mod ply_refused;
 #[path = "scene_loading/polygons.rs"]
 mod polygons;
 #[path = "scene_loading/untrusted.rs"]

@@ -6,6 +6,7 @@ mod by_hand;
 mod earlier;
 mod glb;
 mod leaves;
+mod ply;
 mod programs;
 mod shared_folder;
 mod solids;
@@ -18,6 +19,7 @@ pub use by_hand::{overhead_grid, settings_for};
 pub use earlier::EarlierFile;
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
+pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_program, program, read_f32, stderr,
 };

@@ -152,7 +152,7 @@ fn ply_bad_files() {
     assert!(matches!(changed("vertex 5", "vertex 99999999999999"), Error::SceneParse { .. }));
     assert!(matches!(changed("float x", "float u"), Error::SceneParse { .. }));
     assert!(matches!(
-        changed("list uchar int vertex_indices", "list uchar int other"),
+        changed("list uchar int vertex_indices", "list uchar float other"),
         Error::NoTriangles { .. }
     ));
     let _ = changed("element face 2", "element nothing 9999999999999\nelement face 2");
