@@ -40,6 +40,19 @@ pub enum Error {
         /// The extension's name.
         extension: String,
     },
+    /// The scene needs a decoder that this crate was built without.
+    #[error(
+        "{path:?}: is compressed with {what}, and this program was built without the feature {feature} that decodes it; build it with that feature, or export the scene uncompressed",
+        path = path.display()
+    )]
+    MissingFeature {
+        /// The scene file.
+        path: PathBuf,
+        /// The form of compression: a glTF extension's name, or a file format.
+        what: &'static str,
+        /// The feature of this crate, and of the programs, that decodes it.
+        feature: &'static str,
+    },
     /// A texture that decides where a material is opaque cannot be read.
     #[error("{path:?}: material {material:?} needs the texture {texture}: {what}; provide a readable image, or load the scene with its alpha ignored", path = path.display())]
     Texture {

@@ -7,6 +7,7 @@
 mod accessor;
 mod animations;
 mod container;
+mod draco;
 mod files;
 mod images;
 mod materials;
@@ -33,15 +34,17 @@ use crate::validate::{Sieve, finish};
 use crate::{Error, Instance, LoadNotes, LoadOptions, Result, Scene, affine};
 use animations::Animations;
 use container::{Buffers, bad};
+use draco::Streams;
 use meshes::{Builder, has_triangles, material_of};
 use nodes::{Nodes, Places};
 use skin::Skins;
 
 /// Required extensions that are supported, or that do not affect opacity.
-const KNOWN_EXTENSIONS: [&str; 22] = [
+const KNOWN_EXTENSIONS: [&str; 23] = [
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_animation_pointer",
+    draco::EXTENSION,
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -116,7 +119,12 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     let materials = materials::load(&root, &buffers, options, &used, &mut scene.notes)?;
 
-    let builder = Builder::new(path, &root, &buffers, &materials, options.color_textures);
+    let mut streams = Streams::default();
+    for selection in &plan.selections {
+        let primitives = selection.kept.iter().copied().zip(selection.primitives(&root));
+        streams.decode(path, &root, &buffers, &mesh_name(&root, selection.mesh), primitives)?;
+    }
+    let builder = Builder::new(path, &root, &buffers, &materials, &streams, options.color_textures);
     // Memory for everything is counted before anything is built: a few bytes for a skinned node become a mesh of its
     // own.
     for ((selection, is_skinned), copies) in plan.copies() {
