@@ -9,6 +9,7 @@ mod accessor;
 mod animations;
 mod container;
 mod document;
+mod draco;
 mod files;
 mod images;
 mod materials;
@@ -39,17 +40,19 @@ use crate::{Error, Instance, LoadNotes, LoadOptions, Result, Scene, affine};
 use animations::Animations;
 use container::{Buffers, bad};
 use document::Document;
+use draco::Streams;
 use meshes::{Builder, Pose, has_triangles, material_of};
 use morphs::Weights;
 use nodes::Nodes;
 use skin::Skins;
 
 /// Required extensions that are supported, or that do not affect opacity.
-const KNOWN_EXTENSIONS: [&str; 28] = [
+const KNOWN_EXTENSIONS: [&str; 29] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_animation_pointer",
+    draco::EXTENSION,
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -142,7 +145,12 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     let materials = materials::load(&root, &buffers, options, &used, &mut scene.notes)?;
 
-    let builder = Builder::new(path, &root, &buffers, &materials, options.color_textures);
+    let mut streams = Streams::default();
+    for selection in &plan.selections {
+        let primitives = selection.kept.iter().copied().zip(selection.primitives(&root));
+        streams.decode(path, &root, &buffers, &mesh_name(&root, selection.mesh), primitives)?;
+    }
+    let builder = Builder::new(path, &root, &buffers, &materials, &streams, options.color_textures);
     // Memory for everything is counted before anything is built: a few bytes for a skinned node become a mesh of its
     // own.
     for ((selection, is_skinned), copies) in plan.copies() {

@@ -134,6 +134,6 @@ pub const MASKED_GLTF: &str = r#"{
 /// A glTF file that requires an extension that is not supported.
 pub const REQUIRING_GLTF: &str = r#"{
   "asset": {"version": "2.0"},
-  "extensionsUsed": ["KHR_draco_mesh_compression"],
-  "extensionsRequired": ["KHR_draco_mesh_compression"]
+  "extensionsUsed": ["EXT_not_supported"],
+  "extensionsRequired": ["EXT_not_supported"]
 }"#;

@@ -174,7 +174,7 @@ fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
         (&["bake", &range], "range.obj"),
         (&["bake", &nothing], "no triangles"),
         (&["bake", &texture], "--ignore-alpha"),
-        (&["bake", &extension], "KHR_draco_mesh_compression"),
+        (&["bake", &extension], "EXT_not_supported"),
         (&["bake", &scene, "--only", "nothing-has-this-name"], "no triangles"),
         (&["bake", &scene, "-o", &below], "below.adumbra"),
         (&["bake", &scene, "-o", &folder_name], "folder"),

@@ -10,6 +10,7 @@ use hashbrown::HashMap;
 
 use crate::error::Result;
 use crate::gltf::container::{Buffers, bad};
+use crate::gltf::draco::{Attribute, Decoded};
 
 /// An accessor whose bounds have been checked.
 pub(super) struct Accessor<'a> {
@@ -100,6 +101,37 @@ impl<'a> Accessor<'a> {
             }
         }
         Ok(accessor)
+    }
+
+    /// An accessor whose elements come from a Draco stream.
+    pub(super) fn decoded(
+        path: &Path,
+        root: &Root,
+        stream: &Decoded,
+        attribute: &'a Attribute,
+        index: usize,
+    ) -> Result<Self> {
+        let broken = |what: &str| bad(path, format!("accessor {index} {what}"));
+        let json: &Json = root.accessors.get(index).ok_or_else(|| broken("does not exist"))?;
+        if !matches!(json.type_, Checked::Valid(shape) if component_count(shape) == attribute.components) {
+            return Err(broken("has not as many components as its Draco data"));
+        }
+        let normalized = json.normalized;
+        Ok(Self {
+            normalized,
+            ..Self::packed(attribute.kind, attribute.components, stream.points, &attribute.bytes)
+        })
+    }
+
+    /// The corners of a Draco stream's triangles.
+    pub(super) fn corners(stream: &'a Decoded) -> Self {
+        Self::packed(ComponentType::U32, 1, stream.corner_count(), &stream.corners)
+    }
+
+    fn packed(kind: ComponentType, components: usize, count: usize, bytes: &'a [u8]) -> Self {
+        let stride = components * kind_size(kind);
+        let (base, sparse) = (Some(bytes), HashMap::new());
+        Self { count, components, kind, normalized: false, base, stride, sparse }
     }
 
     /// Element `index` as floats, or `None` if it does not exist. Missing components are 0.

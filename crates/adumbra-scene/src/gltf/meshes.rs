@@ -11,6 +11,7 @@ use hashbrown::HashMap;
 
 use crate::gltf::accessor::Accessor;
 use crate::gltf::container::{Buffers, bad};
+use crate::gltf::draco::Streams;
 use crate::gltf::materials::{Coordinates, Materials};
 use crate::gltf::morphs::Weights;
 use crate::gltf::skin::Skin;
@@ -23,6 +24,7 @@ pub(super) struct Builder<'a> {
     root: &'a Root,
     buffers: &'a Buffers<'a>,
     materials: &'a Materials,
+    streams: &'a Streams,
     /// Load all vertex colours. If false, only those whose alpha affects opacity are read.
     colors: bool,
     /// Accessors opened so far, by index; many primitives may use the same one.
@@ -73,6 +75,8 @@ impl Morphed<'_> {
 struct SourceKey {
     /// Accessor indices, as in the next two fields.
     positions: usize,
+    /// The buffer view of the Draco stream, if there is one.
+    stream: Option<usize>,
     joints_and_weights: [Option<usize>; 2],
     colors: Option<usize>,
     /// The material, if it has a texture, since it determines the transform of the texture coordinates.
@@ -112,10 +116,11 @@ impl<'a> Builder<'a> {
         root: &'a Root,
         buffers: &'a Buffers<'a>,
         materials: &'a Materials,
+        streams: &'a Streams,
         colors: bool,
     ) -> Self {
         let (opened, targets) = Default::default();
-        Self { path, root, buffers, materials, colors, opened, targets }
+        Self { path, root, buffers, materials, streams, colors, opened, targets }
     }
 
     /// Builds one mesh from the given primitives.
@@ -211,12 +216,9 @@ impl<'a> Builder<'a> {
         let mut corners_of: HashMap<SourceKey, (u64, u64)> = HashMap::new();
         for primitive in primitives {
             let Some(key) = self.source_key(primitive, skinned) else { continue };
-            let positions = self.accessor(key.positions)?.count as u64;
-            let corners = match primitive.indices {
-                Some(index) => self.accessor(index.value())?.count as u64,
-                None => positions,
-            };
-            let made = match primitive.mode {
+            let positions = self.values(primitive, Semantic::Positions, key.positions)?.count as u64;
+            let corners = self.indices(primitive)?.map_or(positions, |i| i.count as u64);
+            let made = match self.mode(primitive) {
                 Checked::Valid(Mode::Triangles) => corners / 3,
                 _ => corners.saturating_sub(2),
             };
@@ -243,7 +245,8 @@ impl<'a> Builder<'a> {
             let next = known.len();
             *known.entry(list).or_insert(next)
         });
-        Some(SourceKey { positions, joints_and_weights, colors, textured_material, targets })
+        let stream = self.streams.of(primitive).map(|s| s.view);
+        Some(SourceKey { positions, stream, joints_and_weights, colors, textured_material, targets })
     }
 
     /// The accessor of a primitive's vertex colours, if they are needed.
@@ -257,6 +260,29 @@ impl<'a> Builder<'a> {
     fn texture(&self, primitive: &Primitive) -> Option<(usize, Coordinates)> {
         let material = material_of(self.root, primitive);
         self.materials.coordinates.get(material).copied().flatten().map(|c| (material, c))
+    }
+
+    /// The values of an attribute: those of a Draco stream, or those of the accessor.
+    fn values(&self, primitive: &Primitive, semantic: Semantic, index: usize) -> Result<Rc<Accessor<'a>>> {
+        if let Some(stream) = self.streams.of(primitive)
+            && let Some(attribute) = stream.attribute(&semantic.to_string())
+        {
+            return Accessor::decoded(self.path, self.root, stream.decoded, attribute, index).map(Rc::new);
+        }
+        self.accessor(index)
+    }
+
+    /// The indices of a primitive: the corners of a Draco stream's triangles, or those of the accessor.
+    fn indices(&self, primitive: &Primitive) -> Result<Option<Rc<Accessor<'a>>>> {
+        if let Some(stream) = self.streams.of(primitive) {
+            return Ok(Some(Rc::new(Accessor::corners(stream.decoded))));
+        }
+        primitive.indices.map(|index| self.accessor(index.value())).transpose()
+    }
+
+    /// How the indices make triangles. A Draco stream holds triangles, whatever the primitive says.
+    fn mode(&self, primitive: &Primitive) -> Checked<Mode> {
+        if self.streams.of(primitive).is_some() { Checked::Valid(Mode::Triangles) } else { primitive.mode }
     }
 
     fn accessor(&self, index: usize) -> Result<Rc<Accessor<'a>>> {
@@ -275,8 +301,8 @@ impl<'a> Builder<'a> {
         coordinates: Option<Coordinates>,
         pose: Pose<'_>,
     ) -> Result<Source<'a>> {
-        let open = |index| self.accessor(index);
-        let positions = open(key.positions)?;
+        let open = |semantic, index| self.values(primitive, semantic, index);
+        let positions = open(Semantic::Positions, key.positions)?;
         if positions.components != 3 {
             return Err(bad(self.path, "a POSITION attribute is not made of three components"));
         }
@@ -284,7 +310,7 @@ impl<'a> Builder<'a> {
         for (index, weight) in pose.weights.iter() {
             let target = primitive.targets.as_ref().and_then(|targets| targets.get(index));
             let Some(target) = target.and_then(|t| t.positions) else { continue };
-            let target = open(target.value())?;
+            let target = self.accessor(target.value())?;
             if target.components != 3 || target.count < positions.count {
                 return Err(bad(self.path, "a morph target does not have a displacement for each vertex"));
             }
@@ -294,11 +320,11 @@ impl<'a> Builder<'a> {
         let uvs = match coordinates {
             None => None,
             Some(c) => match attribute(primitive, Semantic::TexCoords(c.set)) {
-                Some(index) => Some((open(index)?, c)),
+                Some(index) => Some((open(Semantic::TexCoords(c.set), index)?, c)),
                 None => None,
             },
         };
-        let colors = key.colors.map(open).transpose()?;
+        let colors = key.colors.map(|index| open(Semantic::Colors(0), index)).transpose()?;
         if colors.as_ref().is_some_and(|c| !(3..=4).contains(&c.components)) {
             return Err(bad(self.path, "a COLOR_0 attribute is not made of three or four components"));
         }
@@ -309,7 +335,7 @@ impl<'a> Builder<'a> {
             let pair =
                 (attribute(primitive, Semantic::Joints(set)), attribute(primitive, Semantic::Weights(set)));
             let (Some(j), Some(w)) = pair else { break };
-            joints.push([open(j)?, open(w)?]);
+            joints.push([open(Semantic::Joints(set), j)?, open(Semantic::Weights(set), w)?]);
         }
         Ok(Source { positions, uvs, colors, joints })
     }
@@ -322,10 +348,7 @@ impl<'a> Builder<'a> {
         vertices: usize,
         mut each: impl FnMut([u32; 3]) -> Result<()>,
     ) -> Result<()> {
-        let indices = match primitive.indices {
-            Some(index) => Some(self.accessor(index.value())?),
-            None => None,
-        };
+        let indices = self.indices(primitive)?;
         if indices.as_ref().is_some_and(|i| i.components != 1 || !i.is_unsigned()) {
             return Err(bad(self.path, format!("the indices of mesh {mesh:?} are not unsigned integers")));
         }
@@ -345,7 +368,7 @@ impl<'a> Builder<'a> {
             })
         };
         let count = indices.as_ref().map_or(vertices, |i| i.count);
-        match primitive.mode {
+        match self.mode(primitive) {
             Checked::Valid(Mode::Triangles) => {
                 for t in 0..count / 3 {
                     each([corner(t * 3)?, corner(t * 3 + 1)?, corner(t * 3 + 2)?])?;
