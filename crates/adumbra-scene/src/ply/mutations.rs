@@ -121,7 +121,6 @@ fn corner_element(dice: &mut Random, name: &str, vertices: usize, separated: boo
         let corner = |dice: &mut Random| dice.below(vertices) as f64;
         record.extend((0..count).map(|_| if separated && dice.chance(0.1) { -1.0 } else { corner(dice) }));
     }
-    // Spare lists of integers would make a list of another name one of several.
     if dice.chance(0.2) {
         add_spare(dice, &mut element, 1);
     }
@@ -178,7 +177,7 @@ struct Totals {
     cut_off: u64,
     other_values: u64,
     out_of_range: u64,
-    empty: u64,
+    unusable: u64,
 }
 
 /// Loads a file whose bytes are these.
@@ -226,7 +225,7 @@ impl Totals {
             Error::SceneParse { .. } => self.other_values += 1,
             Error::IndexOutOfRange { .. } => self.out_of_range += 1,
             Error::NoTriangles { .. } | Error::ZeroExtent { .. } | Error::NotFinite { .. } => {
-                self.empty += 1;
+                self.unusable += 1;
             }
             other => panic!("seed {seed}: {other}"),
         }
