@@ -2,8 +2,12 @@
 
 #[path = "scene_loading/kit.rs"]
 mod kit;
+#[path = "scene_loading/ktx2.rs"]
+mod ktx2;
 #[path = "scene_loading/memory.rs"]
 mod memory;
+#[path = "scene_loading/meshopt.rs"]
+mod meshopt;
 #[path = "scene_loading/others.rs"]
 mod others;
 #[path = "scene_loading/ply.rs"]
