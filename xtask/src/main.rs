@@ -111,6 +111,8 @@ fn test_web(root: &Path) -> Result<(), String> {
 fn check_baker(root: &Path) -> Result<(), String> {
     let baker = ["-p", "adumbra-cli", "--no-default-features"];
     cargo(root, &[&["clippy", "--release"], &baker[..], &["--", "-D", "warnings"]].concat(), &[])?;
+    // Tests of the whole workspace have every feature of the scene loaders.
+    cargo(root, &["test", "--release", "-p", "adumbra-scene", "--test", "draco"], &[])?;
     let tree = Command::new("cargo")
         .args([&["tree", "-e", "normal", "--prefix", "none"], &baker[..]].concat())
         .current_dir(root)
