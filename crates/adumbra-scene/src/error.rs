@@ -169,6 +169,12 @@ pub enum EmptyReason {
     /// Extras of nodes, meshes or materials mark everything as not casting.
     #[error(" that cast a shadow: all are marked as not casting in their extras")]
     NoneCasts,
+    /// The file holds only curves and surfaces, which are not read.
+    #[error(" but {count} curves and surfaces, which are not read; convert them to polygons")]
+    CurvesAndSurfaces {
+        /// Number of curves and surfaces.
+        count: u64,
+    },
     /// The file holds only points.
     #[error("; a point cloud casts no shadow: give a file with faces")]
     PointCloud,
