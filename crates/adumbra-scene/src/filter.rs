@@ -20,6 +20,13 @@ pub(super) struct Marks {
     exclude: bool,
 }
 
+impl Marks {
+    /// The marks of a thing with two names.
+    pub(super) fn or(self, other: Self) -> Self {
+        Self { only: self.only || other.only, exclude: self.exclude || other.exclude }
+    }
+}
+
 impl NameFilter {
     /// Builds a filter from globs (`*`, `?`, `[a-z]`, `{a,b}`), matched case-sensitively against whole names.
     ///

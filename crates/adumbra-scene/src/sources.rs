@@ -67,11 +67,13 @@ impl<'a> Sources<'a> {
     ///
     /// # Errors
     /// Returns [`Error::SceneMemory`] if the name does not fit the memory budget.
-    pub(super) fn note_named(&self, named: &str) -> Result<()> {
+    pub(super) fn note_named(&self, named: impl AsRef<Path>) -> Result<()> {
+        let named = named.as_ref();
         let mut known = self.named.borrow_mut();
-        if !known.contains(Path::new(named)) {
-            self.budget.charge(named.len() as u64 + NAME_BYTES, || "the names of its files".to_owned())?;
-            known.insert(PathBuf::from(named));
+        if !known.contains(named) {
+            let bytes = named.as_os_str().len() as u64 + NAME_BYTES;
+            self.budget.charge(bytes, || "the names of its files".to_owned())?;
+            known.insert(named.to_owned());
         }
         Ok(())
     }
@@ -87,13 +89,14 @@ impl<'a> Sources<'a> {
     ///
     /// # Errors
     /// Returns [`Error::OutsideScene`], [`Error::NotRegularFile`], or the operating system's error.
-    pub(super) fn locate(&self, place: &str, named: &str) -> Result<Located> {
+    pub(super) fn locate(&self, place: &str, named: impl AsRef<Path>) -> Result<Located> {
+        let named = named.as_ref();
         let outside = || Error::OutsideScene {
             path: self.scene.to_owned(),
             place: place.to_owned(),
-            named: named.to_owned(),
+            named: named.to_string_lossy().into_owned(),
         };
-        if !self.allow_outside && leaves(Path::new(named)) {
+        if !self.allow_outside && leaves(named) {
             return Err(outside());
         }
         let beside = self.scene.parent().unwrap_or(Path::new("")).join(named);
