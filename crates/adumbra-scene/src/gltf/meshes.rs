@@ -216,7 +216,7 @@ impl<'a> Builder<'a> {
         let mut corners_of: HashMap<SourceKey, (u64, u64)> = HashMap::new();
         for primitive in primitives {
             let Some(key) = self.source_key(primitive, skinned) else { continue };
-            let positions = self.values(primitive, Semantic::Positions, key.positions)?.count as u64;
+            let positions = self.values(primitive, &Semantic::Positions, key.positions)?.count as u64;
             let corners = self.indices(primitive)?.map_or(positions, |i| i.count as u64);
             let made = match self.mode(primitive) {
                 Checked::Valid(Mode::Triangles) => corners / 3,
@@ -263,7 +263,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The values of an attribute: those of a Draco stream, or those of the accessor.
-    fn values(&self, primitive: &Primitive, semantic: Semantic, index: usize) -> Result<Rc<Accessor<'a>>> {
+    fn values(&self, primitive: &Primitive, semantic: &Semantic, index: usize) -> Result<Rc<Accessor<'a>>> {
         if let Some(stream) = self.streams.of(primitive)
             && let Some(attribute) = stream.attribute(&semantic.to_string())
         {
@@ -301,7 +301,7 @@ impl<'a> Builder<'a> {
         coordinates: Option<Coordinates>,
         pose: Pose<'_>,
     ) -> Result<Source<'a>> {
-        let open = |semantic, index| self.values(primitive, semantic, index);
+        let open = |semantic: Semantic, index| self.values(primitive, &semantic, index);
         let positions = open(Semantic::Positions, key.positions)?;
         if positions.components != 3 {
             return Err(bad(self.path, "a POSITION attribute is not made of three components"));

@@ -77,6 +77,7 @@ pub(crate) fn triangles(scene: &Scene) -> Vec<(String, u32, [Corner; 3])> {
 
 /// Asserts that each triangle of `plain` has one in `other` whose corners are within `step` of its own, and that
 /// nothing is left over.
+#[cfg(feature = "draco")]
 pub(crate) fn assert_close(plain: &Scene, other: &Scene, step: f32, uv_step: f32) {
     let (plain, mut others) = (triangles(plain), triangles(other));
     assert_eq!(plain.len(), others.len());

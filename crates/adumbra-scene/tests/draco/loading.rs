@@ -169,6 +169,12 @@ fn draco_contradictions_name_mesh_and_primitive() {
 }
 
 #[test]
+fn draco_normals_that_the_encoder_damages_are_named() {
+    let error = Fixture::read("integer-normals").load().expect_err("are refused").to_string();
+    assert!(error.contains("primitive 0 of mesh \"leaf\"") && error.contains("normals as floats"), "{error}");
+}
+
+#[test]
 fn draco_memory_is_counted_before_it_is_allocated() {
     let fixture = Fixture::read("edgebreaker-quantized");
     let within = |max| LoadOptions { max_memory_bytes: Some(max), ..LoadOptions::default() };

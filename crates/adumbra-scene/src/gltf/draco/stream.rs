@@ -119,11 +119,21 @@ fn decode_points(
     let decoded = match MeshDecoder::new().decode(&mut buffer, &mut mesh) {
         Ok(()) => unpack(&mesh, budget, &what),
         Err(error) if error.kind() == ErrorKind::LimitExceeded => Err(Attempt::TooMany),
-        Err(_) => Err(Attempt::Failed(Fault::Broken("is damaged".to_owned()))),
+        Err(error) => Err(Attempt::Failed(Fault::Broken(what_is_wrong(error.kind()).to_owned()))),
     };
     drop(mesh);
     budget.release(passing);
     decoded
+}
+
+fn what_is_wrong(kind: ErrorKind) -> &'static str {
+    match kind {
+        // Google's encoder predicts such normals as if they were octahedral, and its decoder returns others.
+        ErrorKind::InvalidParameter => {
+            "is damaged, or has integer normals, which encoders damage at low speeds; encode normals as floats, or at speed 4 or more"
+        }
+        _ => "is damaged",
+    }
 }
 
 /// Copies a decoded mesh to what accessors read: packed values, one per point.
