@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::Form;
-use crate::model::{Mesh, Model};
+use crate::model::Mesh;
 
 pub(crate) const FORMS: &[Form] = &[
     ("OBJ", "scene.obj", |m| one(text(&m.flattened(), "\n", false).into_bytes())),

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::Form;
-use crate::model::{Mesh, Model};
+use crate::model::Mesh;
 
 pub(crate) const FORMS: &[Form] = &[
     ("PLY, text", "scene.ply", |m| one(text(&m.flattened(), "\n"))),
@@ -70,7 +70,7 @@ fn binary(mesh: &Mesh, little: bool, faces_first: bool) -> Vec<u8> {
             bytes.reverse();
         }
     };
-    let mut put = |out: &mut Vec<u8>, bytes: &[u8]| {
+    let put = |out: &mut Vec<u8>, bytes: &[u8]| {
         let from = out.len();
         out.extend_from_slice(bytes);
         turn(&mut out[from..]);
