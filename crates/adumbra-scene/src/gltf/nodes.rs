@@ -156,6 +156,11 @@ impl Nodes {
         Ok(Self { place, world, parent, order, drawn: walk.drawn, suns, is_empty_scene, unreached })
     }
 
+    /// The light of the first of the suns.
+    pub(super) fn first_sun(&self, root: &Root) -> Option<usize> {
+        light(root.nodes.get(*self.suns.first()?)?)
+    }
+
     /// The directional lights of the scene. A node whose transform flattens its direction has none.
     pub(super) fn suns(&self, root: &Root) -> Vec<FileSun> {
         let sun = |&node: &usize| {
@@ -227,8 +232,11 @@ fn light(node: &Node) -> Option<usize> {
     index_of(node.extensions.as_ref()?.others.get("KHR_lights_punctual")?.get("light")?)
 }
 
+/// An index, which may be written `4.0`.
 fn index_of(value: &serde_json::Value) -> Option<usize> {
-    value.as_u64().and_then(|index| usize::try_from(index).ok())
+    let index =
+        value.as_f64().filter(|index| index.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(index));
+    index.map(|index| index as usize)
 }
 
 /// The transforms within the node at which EXT_mesh_gpu_instancing places its mesh, or `None` if the node does not use
@@ -250,7 +258,7 @@ pub(super) fn gpu_instances(
     let broken = |what: &str| bad(path, format!("the instances of node {index} {what}"));
     let open = |semantic: &str| -> Result<Option<Accessor<'_>>> {
         let Some(accessor) = value.get(semantic) else { return Ok(None) };
-        let accessor = accessor.as_u64().and_then(|a| usize::try_from(a).ok());
+        let accessor = index_of(accessor);
         let accessor = accessor.ok_or_else(|| broken("have an accessor index that is not a number"))?;
         Accessor::open(path, root, buffers, accessor).map(Some)
     };

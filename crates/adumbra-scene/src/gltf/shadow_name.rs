@@ -14,18 +14,21 @@ use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Value, json};
 
 use super::container::{bad, split};
+use super::document::Document;
+use super::nodes::Nodes;
+use crate::budget::Budget;
 use crate::error::Result;
 use crate::glb::container;
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
 /// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`: into the extras of its first directional
-/// light, or of a new one towards `sun` if it has none. `name` is the file's path relative to the folder of `path`, with
+/// light, that of the first of [`Scene::suns`](crate::Scene::suns), or of a new one towards `sun` if it has none. `name` is the file's path relative to the folder of `path`, with
 /// `/` between its parts.
 ///
 /// # Errors
-/// Returns [`Error::Io`](crate::Error::Io) and [`Error::SceneParse`](crate::Error::SceneParse) naming `path`; the file
-/// is then as it was.
+/// Returns [`Error::Io`](crate::Error::Io), or the error with which [`load`](crate::load) refuses such JSON; the file is
+/// then as it was.
 pub fn write_shadow_name(path: &Path, name: &str, sun: Sun) -> Result<()> {
     let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
     let bytes = with_shadow_name(path, &bytes, name, sun)?;
@@ -39,6 +42,10 @@ type Parts = BTreeMap<String, Box<RawValue>>;
 /// Returns a glTF file's bytes with the name of a shadow file.
 fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<Vec<u8>> {
     let parts = split(path, bytes)?;
+    let budget = Budget::new(path, None);
+    let Document { root: document, places, lights: kinds, faults, .. } =
+        Document::parse(path, parts.json, &budget)?;
+    let nodes = Nodes::load(path, &document, places, &kinds, &faults)?;
     let fault = |e: serde_json::Error| bad(path, e.to_string());
     let mut root: Parts = serde_json::from_slice(parts.json).map_err(fault)?;
     let mut extensions: Value = read(&root, "extensions").map_err(fault)?.unwrap_or_else(|| json!({}));
@@ -51,7 +58,12 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     let Value::Array(lights) = lights else {
         return Err(bad(path, format!("{LIGHTS} has no list of lights")));
     };
-    let existing = lights.iter_mut().find(|light| light.get("type") == Some(&json!("directional")));
+    // A light that no node of the scene has comes last.
+    let is_directional = |light: &&mut Value| light.get("type") == Some(&json!("directional"));
+    let existing = match nodes.first_sun(&document) {
+        Some(index) => lights.get_mut(index),
+        None => lights.iter_mut().find(is_directional),
+    };
     if let Some(light) = existing {
         let extras = member(light, "extras").and_then(|extras| member(extras, "adumbra"));
         let shadow = extras.and_then(|adumbra| member(adumbra, "shadow"));
@@ -62,7 +74,8 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
             "extras": {"adumbra": {"shadow": name}},
         }));
         let index = lights.len() - 1;
-        add_light(path, &mut root, index, sun)?;
+        let scene = document.scene.map_or(0, |scene| scene.value());
+        add_light(path, &mut root, index, scene, sun)?;
     }
     root.insert("extensions".to_owned(), to_raw_value(&extensions).map_err(fault)?);
     let text = serde_json::to_vec(&root).map_err(fault)?;
@@ -70,32 +83,32 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     Ok(if is_binary { container(text, parts.bin.unwrap_or_default().to_vec(), &parts.others) } else { text })
 }
 
-/// Adds a node with light `index` to the default scene, and the extension to those in use.
-fn add_light(path: &Path, root: &mut Parts, index: usize, sun: Sun) -> Result<()> {
+/// Adds a node with light `index` to the scene, and the extension to those in use. A file without scenes draws all of its
+/// nodes.
+fn add_light(path: &Path, root: &mut Parts, index: usize, scene: usize, sun: Sun) -> Result<()> {
     let fault = |e: serde_json::Error| bad(path, e.to_string());
     // Nodes and scenes keep their own text.
     let mut nodes: Vec<Box<RawValue>> = read(root, "nodes").map_err(fault)?.unwrap_or_default();
     let mut scenes: Vec<Parts> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
-    let scene: usize = read(root, "scene").map_err(fault)?.unwrap_or_default();
     let mut used: Vec<String> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
     let node = json!({
         "name": "sun", "rotation": rotation(sun.towards()), "extensions": {LIGHTS: {"light": index}},
     });
-    if scenes.is_empty() {
-        scenes.push(Parts::new());
+    if !scenes.is_empty() {
+        let count = scenes.len();
+        let Some(of_scene) = scenes.get_mut(scene) else {
+            return Err(bad(path, format!("its default scene is {scene}, but it has {count}")));
+        };
+        let mut roots: Vec<Box<RawValue>> = read(of_scene, "nodes").map_err(fault)?.unwrap_or_default();
+        roots.push(to_raw_value(&nodes.len()).map_err(fault)?);
+        of_scene.insert("nodes".to_owned(), to_raw_value(&roots).map_err(fault)?);
+        root.insert("scenes".to_owned(), to_raw_value(&scenes).map_err(fault)?);
     }
-    let Some(of_scene) = scenes.get_mut(scene) else {
-        return Err(bad(path, format!("its default scene is {scene}, but it has {}", scenes.len())));
-    };
-    let mut roots: Vec<usize> = read(of_scene, "nodes").map_err(fault)?.unwrap_or_default();
-    roots.push(nodes.len());
     nodes.push(to_raw_value(&node).map_err(fault)?);
     if !used.iter().any(|name| name == LIGHTS) {
         used.push(LIGHTS.to_owned());
     }
-    of_scene.insert("nodes".to_owned(), to_raw_value(&roots).map_err(fault)?);
     root.insert("nodes".to_owned(), to_raw_value(&nodes).map_err(fault)?);
-    root.insert("scenes".to_owned(), to_raw_value(&scenes).map_err(fault)?);
     root.insert("extensionsUsed".to_owned(), to_raw_value(&used).map_err(fault)?);
     Ok(())
 }
@@ -166,6 +179,26 @@ mod tests {
         assert_eq!(light["extras"], json!({"mine": 7, "adumbra": {"shadow": "city.adumbra"}}));
         assert_eq!((&light["color"], &json["extensions"]["OTHER"]["a"]), (&json!([1, 0, 0]), &json!(1)));
         assert_eq!(json["nodes"].as_array().map(Vec::len), Some(1));
+    }
+
+    #[test]
+    fn name_goes_to_the_light_of_the_first_sun() {
+        let lights = r#"[{"type":"directional"},{"type":"directional"}]"#;
+        let json = format!(
+            r#"{{"asset":{{"version":"2.0"}},"scene":0.0,"scenes":[{{"nodes":[0]}}],
+            "nodes":[{{"extensions":{{"{LIGHTS}":{{"light":1}}}}}},{{"extensions":{{"{LIGHTS}":{{"light":0}}}}}}],
+            "extensions":{{"{LIGHTS}":{{"lights":{lights}}}}}}}"#
+        );
+        let lights = &named(&json)["extensions"][LIGHTS]["lights"];
+        assert_eq!(lights[1]["extras"]["adumbra"]["shadow"], "city.adumbra");
+        assert!(lights[0].get("extras").is_none());
+    }
+
+    #[test]
+    fn file_without_scenes_still_draws_all_of_its_nodes() {
+        let json = named(r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[]}]}"#);
+        assert!(json.get("scenes").is_none());
+        assert_eq!(json["nodes"].as_array().map(Vec::len), Some(2));
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub(super) fn names(uri: &str) -> Vec<String> {
 /// Returns the error of the first name under which it was looked for, or [`Error::SceneMemory`](crate::Error::SceneMemory).
 pub(super) fn locate(sources: &Sources<'_>, place: &str, uri: &str) -> Result<Located> {
     let mut names = names(uri).into_iter();
-    let first = sources.locate(place, &names.next().unwrap_or_default());
+    let first = sources.locate(place, names.next().as_deref().unwrap_or_default());
     first.or_else(|error| {
         let other = names.find_map(|name| Some((sources.locate(place, &name).ok()?, name)));
         let (file, name) = other.ok_or(error)?;
