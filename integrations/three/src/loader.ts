@@ -5,9 +5,6 @@ import { FileLoader, Loader } from 'three';
 import { ShadowFileError } from './error.js';
 import { BakedShadowFile } from './file/shadow-file.js';
 import type { ParseOptions } from './file/shadow-file.js';
-import { checkRevision } from './revision.js';
-
-checkRevision();
 
 /**
  * Loads a `.adumbra` file into a {@link BakedShadowFile}.
@@ -37,7 +34,8 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     onError: (error: unknown) => void = console.error,
   ): void {
     const { signal } = this;
-    const { signal: ofManager } = this.manager.abortController;
+    // Three has it from 0.179 on.
+    const ofManager = this.manager.abortController?.signal;
     let isOver = false;
     const end = (): void => {
       isOver = true;
@@ -52,7 +50,8 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     const abort = (): void => {
       if (isOver) return;
       fail(new DOMException(`the load of ${url} was aborted`, 'AbortError'));
-      request.abort();
+      // Before 0.179 three goes on with the transfer.
+      request.abort?.();
     };
     const fetchFile = (mayRetry: boolean): void => {
       request = new FileLoader<ArrayBuffer>(this.manager)
@@ -81,7 +80,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
         (error) => {
           if (isOver) return;
           // Three gives loads of one URL one request, which was aborted by another of them.
-          if (mayRetry && isAbort(error) && !ofManager.aborted) fetchFile(false);
+          if (mayRetry && isAbort(error) && ofManager?.aborted !== true) fetchFile(false);
           else fail(isAbort(error) ? error : withUrl(error, url));
         },
       );

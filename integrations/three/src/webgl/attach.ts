@@ -1,7 +1,7 @@
 // Baked shadows for the materials of a scene that WebGLRenderer draws.
 
-import { Vector3 } from 'three';
-import type { IUniform, Material, Object3D, Scene } from 'three';
+import { Material, Vector3 } from 'three';
+import type { IUniform, Object3D, Scene } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { alignLight, towardsLight } from '../light/direction.js';
@@ -10,14 +10,12 @@ import { asList } from '../light/options.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { Statics } from '../light/statics.js';
 import { LightTextures } from '../light/textures.js';
+import { checkThree } from '../light/three.js';
 import { depths } from '../look-ups/depths.js';
-import { checkRevision } from '../revision.js';
 import { MaterialHook } from './material-hook.js';
 import type { ShaderChange } from './material-hook.js';
 import { beforeRender } from './scene-hook.js';
-import { withLookUp } from './shader.js';
-
-checkRevision();
+import { shaderHooks, withLookUp } from './shader.js';
 
 /** Baked shadows that are attached to a scene. */
 export interface AttachedShadow {
@@ -39,6 +37,9 @@ export interface AttachedShadow {
   dispose(): void;
 }
 
+/** The first revision of three with all that is needed. */
+const OLDEST = 166;
+
 /** Numbers in use, which tell the look-ups of several lights apart in a shader. A number that is free is used again. */
 const inUse = new Set<number>();
 
@@ -46,6 +47,7 @@ const inUse = new Set<number>();
  * Gives all materials of a scene the shadows of a light from its files. Three's own shadow map goes on working beside
  * them, for what moves. The light need not cast for the baked shadows alone. Objects must have `receiveShadow`.
  *
+ * @throws MissingHookError if this version of three lacks what is needed.
  * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
  * @throws RangeError if an option is out of its range.
  */
@@ -55,6 +57,14 @@ export function attachBakedShadow(
   file: BakedShadowFile | readonly BakedShadowFile[],
   options: BakedShadowOptions = {},
 ): AttachedShadow {
+  const { onBeforeCompile, customProgramCacheKey } = Material.prototype;
+  checkThree(OLDEST, {
+    'Material.onBeforeCompile': onBeforeCompile,
+    'Material.customProgramCacheKey': customProgramCacheKey,
+    'Scene.onBeforeRender': scene.onBeforeRender,
+    'LightShadow.intensity': light.shadow.intensity,
+    ...shaderHooks(),
+  });
   const files = asList(file);
   const lookUp = options.lookUp ?? depths;
   const textures = new LightTextures(files, lookUp, options);

@@ -1,8 +1,9 @@
 // The change of three's shaders: behind a light's own information, its colour is multiplied by the visibility from the
 // files. Whatever follows there, three's own shadow map or nothing, goes on multiplying.
 
-import { ShaderChunk } from 'three';
+import { ShaderChunk, ShaderLib } from 'three';
 
+import type { Hooks } from '../light/three.js';
 import { withPrefix } from '../look-ups/look-up.js';
 
 /** As three finds it: what is commented out is none. */
@@ -17,8 +18,25 @@ const MAIN = /void\s+main\s*\(/;
  */
 const PLACES = /get(?:Directional|Sun)LightInfo\( (\w+(?:\[0\])?), directLight \);/g;
 
+const POSITION = /^\s*vec3 geometryPosition/m;
+const NORMAL = /^\s*#include <normal_fragment_begin>|vec3 nonPerturbedNormal/m;
+
 /** What a look-up needs around it: a light, the surface's point, and its normal without a normal map. */
-const NEEDS = [PLACES, /^\s*vec3 geometryPosition/m, /^\s*#include <normal_fragment_begin>|vec3 nonPerturbedNormal/m];
+const NEEDS = [PLACES, POSITION, NORMAL];
+
+/** What is needed of three's own shaders. */
+export function shaderHooks(): Hooks {
+  const { common, lights_fragment_begin, lights_pars_begin, normal_fragment_begin } = ShaderChunk;
+  const has = (text: string | undefined, pattern: RegExp): boolean => text !== undefined && text.search(pattern) !== -1;
+  return {
+    "'#include <lights_fragment_begin>' in ShaderLib.lambert": has(ShaderLib.lambert?.fragmentShader, INCLUDE),
+    "'getDirectionalLightInfo( …, directLight )' in ShaderChunk.lights_fragment_begin": has(lights_fragment_begin, PLACES),
+    "'geometryPosition' in ShaderChunk.lights_fragment_begin": has(lights_fragment_begin, POSITION),
+    "'nonPerturbedNormal' in ShaderChunk.normal_fragment_begin": has(normal_fragment_begin, NORMAL),
+    "'receiveShadow' in ShaderChunk.lights_pars_begin": has(lights_pars_begin, /receiveShadow/),
+    "'IncidentLight' in ShaderChunk.common": has(common, /IncidentLight/),
+  };
+}
 
 /** Returns a fragment shader with a look-up, or `null` if it is not lit as three's own materials are. */
 export function withLookUp(fragmentShader: string, lookUp: string, prefix: string): string | null {

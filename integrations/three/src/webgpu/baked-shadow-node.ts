@@ -1,20 +1,9 @@
 // The shadow of a light from its files, as a node of WebGPURenderer.
 
 import { FrontSide, Vector3 } from 'three';
-import {
-  Fn,
-  faceDirection,
-  getCurrentStack,
-  mix,
-  normalWorldGeometry,
-  property,
-  reference,
-  renderGroup,
-  screenCoordinate,
-  shadow,
-} from 'three/tsl';
-import { NodeUpdateType, ShadowBaseNode } from 'three/webgpu';
-import type { Node, NodeBuilder, NodeFrame } from 'three/webgpu';
+import * as TSL from 'three/tsl';
+import * as WEBGPU from 'three/webgpu';
+import type { Node, NodeBuilder, NodeFrame, ShadowBaseNode } from 'three/webgpu';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { alignLight, towardsLight } from '../light/direction.js';
@@ -23,12 +12,11 @@ import { asList } from '../light/options.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { Statics } from '../light/statics.js';
 import { LightTextures } from '../light/textures.js';
+import { checkThree } from '../light/three.js';
 import { depths } from '../look-ups/depths.js';
 import type { LookUp } from '../look-ups/look-up.js';
-import { checkRevision } from '../revision.js';
+import { nodeHooks } from './hooks.js';
 import { LookUpNodes } from './look-up-node.js';
-
-checkRevision();
 
 /** What casts besides the files: `'shadow'` for the light's own shadow map, a shadow node such as `CSMShadowNode`, or nothing. */
 export type Movers = 'shadow' | ShadowBaseNode;
@@ -44,8 +32,24 @@ export interface BakedShadowNodeOptions extends BakedShadowOptions {
   movers?: Movers;
 }
 
-/** A builder with the methods that its types leave out. */
-type Builder = NodeBuilder & { addSequentialNode(node: Node): void; isFlatShading(): boolean };
+/** A builder with what its types leave out. */
+type Builder = NodeBuilder & {
+  addSequentialNode(node: Node): void;
+  /** From three 0.183 on. */
+  isFlatShading?(): boolean;
+  readonly context: { readonly shadowPositionWorld?: Node<'vec3'> };
+  readonly material: {
+    readonly flatShading?: boolean;
+    readonly receivedShadowPositionNode?: Node<'vec3'> | null;
+    readonly receivedShadowNode?: ((node: Node) => Node) | null;
+  };
+};
+
+/** The class that three's shadow nodes have in common. Where it is missing, no node can be made, but the import goes on. */
+const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
+
+/** The first revision of three with all that is needed. */
+const OLDEST = 182;
 
 /** Numbers of the nodes, which tell their texts apart in a shader. */
 let nodes = 0;
@@ -55,7 +59,7 @@ let nodes = 0;
  * cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind that the light had before is
  * disposed.
  */
-export class BakedShadowNode extends ShadowBaseNode {
+export class BakedShadowNode extends Base {
   readonly #sun: SunLike;
   readonly #lookUp: LookUp;
   readonly #nodes: LookUpNodes;
@@ -68,11 +72,13 @@ export class BakedShadowNode extends ShadowBaseNode {
   /**
    * Creates a node. Cost: one copy of the files' words.
    *
+   * @throws MissingHookError if this version of three lacks what is needed.
    * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
    * @throws RangeError if an option is out of its range.
    */
   constructor(light: SunLike, options: BakedShadowNodeOptions) {
     super(light);
+    checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': light.shadow.intensity });
     const files = asList(options.file);
     this.#sun = light;
     this.#lookUp = options.lookUp ?? depths;
@@ -85,11 +91,10 @@ export class BakedShadowNode extends ShadowBaseNode {
         "movers: 'shadow' is for a DirectionalLight; pass movers: sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
       );
     }
-    this.#movers = movers === 'shadow' ? shadow(light) : (movers ?? null);
+    this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
     this.#statics = new Statics(asList(options.statics));
     if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
     this.#update();
-    this.updateBeforeType = NodeUpdateType.RENDER;
     // What was in use until now is dropped, and materials are built anew.
     const before = light.shadow.shadowNode as unknown;
     if (before instanceof BakedShadowNode) before.dispose();
@@ -119,22 +124,20 @@ export class BakedShadowNode extends ShadowBaseNode {
 
   /** For three: the shadow's node in a material. */
   override setup(builder: NodeBuilder): Node {
-    return Fn(() => {
-      this.setupShadowPosition(builder);
-      // A flat normal faces the camera as it is.
-      const isFront = builder.material.side === FrontSide || (builder as Builder).isFlatShading();
-      const baked = this.#nodes.visibility(builder, {
-        pWorld: property('vec3', 'shadowPositionWorld'),
-        normal: isFront ? normalWorldGeometry : normalWorldGeometry.mul(faceDirection),
-        pixel: screenCoordinate,
-      });
-      const intensity = reference('intensity', 'float', this.#sun.shadow).setGroup(renderGroup) as Node<'float'>;
-      const lit = mix(1, baked, intensity);
-      const received = (builder.material as { receivedShadowNode?: ((node: Node) => Node) | null }).receivedShadowNode;
-      const shadowed = (received ? received(lit) : lit) as Node<'float'>;
-      // Three's shadow nodes have done the same with the shadows of movers.
-      return this.#movers === null ? shadowed : shadowed.min(this.#movers as Node<'float'>);
-    })();
+    const { context, material } = builder as Builder;
+    // A flat normal faces the camera as it is.
+    const isFlat = (builder as Builder).isFlatShading?.() ?? material.flatShading;
+    const normal = TSL.normalWorldGeometry;
+    const baked = this.#nodes.visibility(builder, {
+      pWorld: material.receivedShadowPositionNode ?? context.shadowPositionWorld ?? TSL.positionWorld,
+      normal: material.side === FrontSide || isFlat === true ? normal : normal.mul(TSL.faceDirection),
+      pixel: TSL.screenCoordinate,
+    });
+    const intensity = TSL.reference('intensity', 'float', this.#sun.shadow).setGroup(TSL.renderGroup) as Node<'float'>;
+    const lit = TSL.mix(1, baked, intensity);
+    const shadowed = (material.receivedShadowNode?.(lit) ?? lit) as Node<'float'>;
+    // Three's shadow nodes have done the same with the shadows of movers.
+    return this.#movers === null ? shadowed : shadowed.min(this.#movers as Node<'float'>);
   }
 
   /** For three: follows the light before a frame. */
@@ -149,7 +152,7 @@ export class BakedShadowNode extends ShadowBaseNode {
   override dispose(): void {
     if (this.#isDisposed) return;
     // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
-    if (getCurrentStack() !== null) {
+    if (TSL.getCurrentStack() !== null) {
       this.#statics.rest(false);
       return;
     }

@@ -1,7 +1,7 @@
 // The look-up as a node: the generated text of a light's files, and a function that calls it.
 
 import type { DataTexture } from 'three';
-import { code, glslFn, texture, uvec2, wgslFn } from 'three/tsl';
+import * as TSL from 'three/tsl';
 import type { Node, NodeBuilder } from 'three/webgpu';
 
 import { withPrefix } from '../look-ups/look-up.js';
@@ -36,16 +36,16 @@ export class LookUpNodes {
     const isWebGPU = 'isWebGPUBackend' in builder.renderer.backend;
     const prefix = this.#prefix;
     const language = isWebGPU ? 'wgsl' : 'glsl';
-    const text = code(withPrefix(this.#lookUp[language], prefix), [], language);
+    const text = TSL.code(withPrefix(this.#lookUp[language], prefix), [], language);
     // The first two parameters only bind the textures, which the text names.
     const look = isWebGPU
-      ? wgslFn(
+      ? TSL.wgslFn(
           `fn ${prefix}_entry(words: u32, headers: u32, p: vec3<f32>, n: vec3<f32>, at: vec2<f32>) -> f32 {
             return ${prefix}_visibility(p, n, at);
           }`,
           [text],
         )
-      : glslFn(
+      : TSL.glslFn(
           `float ${prefix}_entry(uint words, uint headers, vec3 p, vec3 n, vec2 at) {
             return ${prefix}_visibility(p, n, at);
           }`,
@@ -63,7 +63,7 @@ export class LookUpNodes {
 
   /** A node that binds a texture under a name of the text. */
   #bound(data: DataTexture, name: string): Node {
-    const texel = texture(data).load(uvec2(0, 0));
+    const texel = TSL.texture(data).load(TSL.uvec2(0, 0));
     return (texel.setName(`${this.#prefix}_${name}`) as unknown as { x: Node }).x;
   }
 }
