@@ -1,6 +1,7 @@
 // Errors that several parts of the reader have in common.
 
 import { ShadowFileError } from '../error.js';
+import type { ShadowFileErrorKind, ShadowFileFault } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
 
 /** Size of the header in bytes. */
@@ -32,4 +33,9 @@ export function damaged(what: string, stored: number, computed: number): string 
 /** Returns a word as eight hexadecimal digits. */
 export function hex(word: number): string {
   return `0x${word.toString(16).padStart(8, '0')}`;
+}
+
+/** Throws the error for voxels that are not valid. */
+export function voxelFault(kind: ShadowFileErrorKind, fault: ShadowFileFault, message: string): never {
+  throw new ShadowFileError(kind, `the voxels are not valid: ${message}; bake it again`, {}, { fault });
 }

@@ -21,3 +21,13 @@ export function digits(n: number): number {
 export function lowestBit(word: number): number {
   return popCount((word & -word) - 1);
 }
+
+/** Returns words as half-words, the lower one of each first. */
+export function halvesOf(words: Uint32Array): Uint16Array {
+  return new Uint16Array(words.buffer, words.byteOffset, 2 * words.length);
+}
+
+/** Returns the word that two half-words make, the lower one first. */
+export function twoHalves(halves: Uint16Array, at: number): number {
+  return (halves[at] | (halves[at + 1] << 16)) >>> 0;
+}

@@ -2,7 +2,7 @@
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { packedFault } from './packed-fault.js';
-import { LEAF_NODE_LEVEL, POOL_WORDS } from './packed-node.js';
+import { LEAF_NODE_LEVEL, POOL_WORDS, rootsWord } from './packed-node.js';
 
 /**
  * Checks the section `top` of a file of the packed layout.
@@ -10,7 +10,7 @@ import { LEAF_NODE_LEVEL, POOL_WORDS } from './packed-node.js';
  * @throws ShadowFileError of the kind `Packed`.
  */
 export function validatePackedTop({ top, nodes, topDims, rootLevel }: BakedShadowFile): void {
-  const rootsAt = POOL_WORDS + 2 * topDims[0] * topDims[1] + 1;
+  const rootsAt = rootsWord(topDims);
   const length = rootsAt + top[rootsAt - 1];
   if (top.length !== length) {
     packedFault('TopLength', `top of ${top.length} words, but its columns and roots require ${length}`);

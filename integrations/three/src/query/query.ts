@@ -7,9 +7,9 @@ import { toGrid } from '../grid/light-grid.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
 import { checkFilter } from '../settings.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
-import { DepthsVoxels } from './depths-voxels.js';
-import { PackedVoxels } from './packed-voxels.js';
-import { PlainVoxels } from './plain-voxels.js';
+import { depthsVoxels } from './depths-voxels.js';
+import { packedVoxels } from './packed-voxels.js';
+import { plainVoxels } from './plain-voxels.js';
 import { Receiver } from './receiver.js';
 import type { Voxels } from './voxels.js';
 
@@ -37,7 +37,7 @@ export class BakedShadowQuery {
     this.file = file;
     this.filter = filter;
     this.bias = bias;
-    this.#voxels = new { plain: PlainVoxels, packed: PackedVoxels, depths: DepthsVoxels }[file.layout](file);
+    this.#voxels = { plain: plainVoxels, packed: packedVoxels, depths: depthsVoxels }[file.layout](file);
   }
 
   /**
@@ -76,7 +76,7 @@ export class BakedShadowQuery {
     const isInside = x >= 0 && x < sizeX && y >= 0 && y < sizeY && z >= 0;
     if (!isInside) return 1;
     const layer = Math.min(Math.floor(z), sizeZ - 1);
-    return this.#voxels.isLit(Math.floor(x), Math.floor(y), layer) ? 1 : 0;
+    return this.#voxels(Math.floor(x), Math.floor(y), layer) ? 1 : 0;
   }
 
   #filtered(p: Vec3, normal: Vec3 | undefined): number {
@@ -113,7 +113,7 @@ export class BakedShadowQuery {
     for (let y = top; y <= bottom; y++) {
       for (let x = left; x <= right; x++) {
         const layer = this.#receiver.layer(x, y);
-        if (layer < 0 || this.#voxels.isLit(x, y, Math.min(layer, last))) lit++;
+        if (layer < 0 || this.#voxels(x, y, Math.min(layer, last))) lit++;
       }
     }
     return lit;
