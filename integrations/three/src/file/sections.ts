@@ -5,11 +5,8 @@
 import { ShadowFileError } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { Layout } from '../settings.js';
-import { crc32 } from './crc32.js';
-import { HEADER_BYTES, damaged, truncated } from './faults.js';
+import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
 
-/** Words of the top of a packed file before its columns, and the one behind them. */
-const PACKED_TOP_WORDS = 20n;
 const U64_MAX = 2n ** 64n - 1n;
 
 /** A section as the header's table names it. */
@@ -51,35 +48,26 @@ export function checkSections(sections: Sections, layout: Layout, topDims: Vec3)
     const { name, offset, length } = section;
     const begin = alignUp(end);
     if (offset !== begin) throw bounds(section, 'offset', offset, String(begin));
-    const expected = name === 'top' ? topLength(length, layout, topDims) : partLength(length, layout, name);
-    if (expected !== undefined) throw bounds(section, 'length', length, expected);
+    const [multiple, least, most] = lengthsOf(name, layout, topDims);
+    if (length % multiple !== 0n || length < least || length > most) {
+      const expected = least === most ? String(least) : `a multiple of ${multiple} from ${least} to ${most}`;
+      throw bounds(section, 'length', length, expected);
+    }
     end = endOf(section);
   }
   return Number(end);
 }
 
-/** Returns the required length of the section `top`, or `undefined` if `length` is right. */
-function topLength(length: bigint, layout: Layout, topDims: Vec3): string | undefined {
-  const [x, y, z] = [BigInt(topDims[0]), BigInt(topDims[1]), BigInt(topDims[2])];
+/** Returns what a section's length must be a multiple of, and the least and the greatest length. */
+function lengthsOf(name: string, layout: Layout, [x, y, z]: Vec3): [multiple: bigint, least: bigint, most: bigint] {
+  const columns = 8n * BigInt(x) * BigInt(y);
+  const words = 2n ** 32n;
+  if (name === 'nodes') return [4n, 0n, { plain: 4n * (words - 2n), packed: words, depths: 2n * (words - 1n) }[layout]];
+  if (name !== 'top') return [8n, 0n, layout === 'packed' ? 2n ** 19n : 8n * words];
   // The number of roots of a packed file is in the section itself.
-  const least =
-    layout === 'plain' ? 4n * x * y * z : layout === 'depths' ? 8n * x * y : 8n * x * y + 4n * PACKED_TOP_WORDS;
-  const isRight = layout === 'packed' ? length % 4n === 0n && length >= least : length === least;
-  if (isRight && least <= U64_MAX) return undefined;
-  if (least > U64_MAX) return 'more than a file can hold';
-  return layout === 'packed' ? `a multiple of 4, at least ${least}` : String(least);
-}
-
-/** Returns the required length of another section, or `undefined` if `length` is right. */
-function partLength(length: bigint, layout: Layout, name: string): string | undefined {
-  const isNodes = name === 'nodes';
-  const element = isNodes ? 4n : 8n;
-  const limit = isNodes
-    ? { plain: 4n * (2n ** 32n - 2n), packed: 2n ** 32n, depths: 2n * (2n ** 32n - 1n) }[layout]
-    : layout === 'packed'
-      ? 2n ** 19n
-      : 2n ** 35n;
-  return length % element === 0n && length <= limit ? undefined : `a multiple of ${element} up to ${limit}`;
+  if (layout === 'packed') return [4n, columns + 80n, U64_MAX];
+  const length = layout === 'plain' ? (columns / 2n) * BigInt(z) : columns;
+  return [4n, length, length];
 }
 
 function bounds(section: Section, field: string, value: bigint, expected: string): ShadowFileError {
@@ -134,17 +122,9 @@ export function split(bytes: Uint8Array, sections: Sections, checksums: boolean)
       { end },
     );
   }
-  if (checksums) parts.forEach((part, i) => checkChecksum(part, sections[i as 0 | 1 | 2]));
-  return parts.map((part) => new Uint32Array(part.buffer, part.byteOffset, part.length >>> 2));
-}
-
-function checkChecksum(part: Uint8Array, { name, checksum: stored }: Section): void {
-  const computed = crc32(part);
-  if (stored !== computed) {
-    throw new ShadowFileError('SectionChecksum', damaged(`section ${name}`, stored, computed), {
-      section: name,
-      stored,
-      computed,
-    });
-  }
+  return parts.map((part, i) => {
+    const { name, checksum } = sections[i as 0 | 1 | 2];
+    if (checksums) checkChecksum('SectionChecksum', `section ${name}`, part, checksum, { section: name });
+    return new Uint32Array(part.buffer, part.byteOffset, part.length >>> 2);
+  });
 }

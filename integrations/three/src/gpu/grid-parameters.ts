@@ -13,7 +13,7 @@ const STEP_VOXELS = 8;
 
 /** The same memory as words of three types. */
 export interface WordViews {
-  readonly words: Uint32Array;
+  readonly words: Uint32Array<ArrayBuffer>;
   readonly ints: Int32Array;
   readonly floats: Float32Array;
 }

@@ -4,8 +4,8 @@
 import { ShadowFileError } from '../error.js';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import type { Vec3 } from '../grid/vec3.js';
-import { HEADER_WORDS, LookUpHeader, wordCount } from './look-up-header.js';
-import type { GpuLookUpOptions } from './look-up-header.js';
+import { HEADER_WORDS, lookUpHeader, wordCount } from './look-up-header.js';
+import type { GpuLookUpOptions, LookUpHeader } from './look-up-header.js';
 
 /** Width of the narrowest texture: its first row is the header. */
 const MIN_WIDTH = HEADER_WORDS;
@@ -35,7 +35,7 @@ export class LookUpTexture {
   constructor(file: BakedShadowFile, maxSide: number, options: GpuLookUpOptions) {
     [this.width, this.height] = textureSize(wordCount(file), maxSide);
     this.words = new Uint32Array(this.width * this.height);
-    this.#header = new LookUpHeader(file, options, this.words);
+    this.#header = lookUpHeader(file, options, this.words);
     writeSections(this.#header, this.words, HEADER_WORDS);
   }
 

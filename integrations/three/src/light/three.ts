@@ -15,16 +15,15 @@ export type Hooks = Readonly<Record<string, unknown>>;
 export class MissingHookError extends Error {
   override readonly name = 'MissingHookError';
   /** What is missing. */
-  readonly hook: string;
+  declare readonly hook: string;
   /** The versions of three that have all that is needed, the oldest and the newest that is known. */
-  readonly versions: readonly [oldest: string, newest: string];
+  declare readonly versions: readonly [oldest: string, newest: string];
 
   /** Creates an error. */
   constructor(hook: string, oldest: number, revision: string) {
     const versions = [`0.${oldest}`, `0.${TESTED}`] as const;
     super(`three r${revision} has no ${hook}, which baked shadows need; three ${versions.join(' to ')} have it: install one of them`);
-    this.hook = hook;
-    this.versions = versions;
+    Object.assign(this, { hook, versions });
   }
 }
 
@@ -35,7 +34,7 @@ export class MissingHookError extends Error {
  */
 export function checkThree(oldest: number, hooks: Hooks, revision: string = REVISION): void {
   if (!(Number.parseInt(revision, 10) <= TESTED)) {
-    warnOnce(`baked shadows were tested with three up to 0.${TESTED}, but this is r${revision}; if they look wrong, install three@0.${TESTED}`);
+    warnOnce(`baked shadows were tested with three up to 0.${TESTED}, but this is r${revision}; if they look wrong, install three@0.${TESTED}`, 'version');
   }
   for (const [hook, found] of Object.entries(hooks)) {
     if (found === undefined || found === false) throw new MissingHookError(hook, oldest, revision);

@@ -2,9 +2,8 @@
 
 const given = new Set<string>();
 
-/** Writes a warning to the console, unless it was written before. */
-export function warnOnce(text: string): void {
-  if (given.has(text)) return;
-  given.add(text);
-  console.warn(`adumbra-three: ${text}`);
+/** Writes a warning to the console, unless one of the same topic was written before. */
+export function warnOnce(text: string, topic: string): void {
+  if (!given.has(topic)) console.warn(`adumbra-three: ${text}`);
+  given.add(topic);
 }

@@ -19,11 +19,11 @@ import type { Voxels } from './voxels.js';
  */
 export class BakedShadowQuery {
   /** The file that is looked up in. */
-  readonly file: BakedShadowFile;
+  declare readonly file: BakedShadowFile;
   /** Width of the filter, texels. */
-  readonly filter: FilterWidth;
+  declare readonly filter: FilterWidth;
   /** The bias that points are moved by, texels. */
-  readonly bias: Bias;
+  declare readonly bias: Bias;
   readonly #voxels: Voxels;
   readonly #receiver = new Receiver();
 
@@ -34,9 +34,7 @@ export class BakedShadowQuery {
    */
   constructor(file: BakedShadowFile, { filter, bias = file.settings.bias }: LookUpOptions) {
     checkFilter(filter);
-    this.file = file;
-    this.filter = filter;
-    this.bias = bias;
+    Object.assign(this, { file, filter, bias });
     this.#voxels = { plain: plainVoxels, packed: packedVoxels, depths: depthsVoxels }[file.layout](file);
   }
 

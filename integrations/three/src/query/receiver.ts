@@ -5,8 +5,9 @@
 // Whole numbers here are below 2^53, so doubles hold them exactly, in grids of any size.
 
 import { FIXED_ONE } from '../grid/fixed.js';
+import { toGrid } from '../grid/light-grid.js';
 import type { LightGrid } from '../grid/light-grid.js';
-import { dot } from '../grid/vec3.js';
+import { dot, map3 } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { Bias } from '../settings.js';
 
@@ -36,17 +37,13 @@ export class Receiver {
 
   /** Places the receiver at a world point. A point that is not finite is placed before the grid, where all is lit. */
   set(grid: LightGrid, bias: Bias, p: Vec3, normal: Vec3 | undefined): void {
-    const { axes, edges, corner, voxelSize, size } = grid;
-    let x = dot(axes[0], p) / voxelSize - corner[0];
-    let y = dot(axes[1], p) / voxelSize - corner[1];
-    let z = dot(axes[2], p) / voxelSize - corner[2];
+    const { axes, edges, size } = grid;
+    let place = toGrid(grid, p);
     let slope = 0;
     this.#gradientX = 0;
     this.#gradientY = 0;
-    if (normal !== undefined && normal.every(Number.isFinite)) {
-      const nx = dot(edges[0], normal);
-      const ny = dot(edges[1], normal);
-      const nz = dot(edges[2], normal);
+    if (normal?.every(Number.isFinite)) {
+      const [nx, ny, nz] = map3(edges, (edge) => dot(edge, normal));
       const tangent = Math.sqrt(nx * nx + ny * ny);
       const steepness = Math.max(Math.abs(nz), tangent / MAX_PLANE_SLOPE);
       if (steepness > 0 && steepness < Infinity) {
@@ -55,15 +52,12 @@ export class Receiver {
         this.#gradientY = gradient(ny / towardsSun);
         slope = tangent / steepness;
       }
-      x += dot(axes[0], normal) * bias.normalOffsetTexels;
-      y += dot(axes[1], normal) * bias.normalOffsetTexels;
-      z += dot(axes[2], normal) * bias.normalOffsetTexels;
+      place = map3(place, (c, a) => c + dot(axes[a], normal) * bias.normalOffsetTexels);
     }
-    z -= bias.constantTexels + bias.slopeTexels * Math.min(slope, MAX_SLOPE);
-    const isFinite = Number.isFinite(x) && Number.isFinite(y) && Number.isFinite(z);
-    this.#x = fixed(isFinite ? x : -Infinity, size[0]);
-    this.#y = fixed(isFinite ? y : -Infinity, size[1]);
-    this.#z = fixed(isFinite ? z : -Infinity, size[2]);
+    const lift = bias.constantTexels + bias.slopeTexels * Math.min(slope, MAX_SLOPE);
+    const lifted: Vec3 = [place[0], place[1], place[2] - lift];
+    const isFinite = lifted.every(Number.isFinite);
+    [this.#x, this.#y, this.#z] = map3(lifted, (c, a) => fixed(isFinite ? c : -Infinity, size[a]));
     this.texelX = Math.floor(this.#x / FIXED_ONE);
     this.texelY = Math.floor(this.#y / FIXED_ONE);
   }

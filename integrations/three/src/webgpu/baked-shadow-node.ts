@@ -1,22 +1,18 @@
 // The shadow of a light from its files, as a node of WebGPURenderer.
 
-import { FrontSide, Vector3 } from 'three';
+import { FrontSide } from 'three';
 import * as TSL from 'three/tsl';
 import * as WEBGPU from 'three/webgpu';
 import type { Node, NodeBuilder, NodeFrame, ShadowBaseNode } from 'three/webgpu';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
-import { alignLight, towardsLight } from '../light/direction.js';
+import { bakedLight } from '../light/baked-light.js';
+import type { BakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
-import { asList } from '../light/options.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
-import { Statics } from '../light/statics.js';
-import { LightTextures } from '../light/textures.js';
 import { checkThree } from '../light/three.js';
-import { depths } from '../look-ups/depths.js';
-import type { LookUp } from '../look-ups/look-up.js';
 import { nodeHooks } from './hooks.js';
-import { LookUpNodes } from './look-up-node.js';
+import { visibilityNode } from './look-up-node.js';
 
 /** What casts besides the files: `'shadow'` for the light's own shadow map, a shadow node such as `CSMShadowNode`, or nothing. */
 export type Movers = 'shadow' | ShadowBaseNode;
@@ -51,9 +47,6 @@ const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
 /** The first revision of three with all that is needed. */
 const OLDEST = 182;
 
-/** Numbers of the nodes, which tell their texts apart in a shader. */
-let nodes = 0;
-
 /**
  * The shadow of a light from its files: `light.shadow.shadowNode = new BakedShadowNode(light, { file })`. The light must
  * cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind that the light had before is
@@ -61,13 +54,9 @@ let nodes = 0;
  */
 export class BakedShadowNode extends Base {
   readonly #sun: SunLike;
-  readonly #lookUp: LookUp;
-  readonly #nodes: LookUpNodes;
+  readonly #baked: BakedLight;
   readonly #movers: Node | null;
-  readonly #statics: Statics;
-  readonly #textures: LightTextures;
-  readonly #direction = new Vector3();
-  #isDisposed = false;
+  #hasLooked = false;
 
   /**
    * Creates a node. Cost: one copy of the files' words.
@@ -79,22 +68,16 @@ export class BakedShadowNode extends Base {
   constructor(light: SunLike, options: BakedShadowNodeOptions) {
     super(light);
     checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': light.shadow.intensity });
-    const files = asList(options.file);
-    this.#sun = light;
-    this.#lookUp = options.lookUp ?? depths;
-    this.#textures = new LightTextures(files, this.#lookUp, options);
-    nodes += 1;
-    this.#nodes = new LookUpNodes(this.#lookUp, this.#textures, `adumbra${nodes}`);
-    const { movers } = options;
+    const { file, movers } = options;
     if (movers === 'shadow' && 'isSunLight' in light) {
       throw new RangeError(
         "movers: 'shadow' is for a DirectionalLight; pass movers: sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
       );
     }
+    this.#sun = light;
+    this.#baked = bakedLight(light, file, options);
     this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
-    this.#statics = new Statics(asList(options.statics));
-    if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
-    this.#update();
+    this.#baked.update();
     // What was in use until now is dropped, and materials are built anew.
     const before = light.shadow.shadowNode as unknown;
     if (before instanceof BakedShadowNode) before.dispose();
@@ -103,7 +86,7 @@ export class BakedShadowNode extends Base {
 
   /** Whether the light shines from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
   get isActive(): boolean {
-    return !this.#isDisposed && this.#textures.use(this.#direction) > 0;
+    return this.#baked.isActive();
   }
 
   /**
@@ -112,7 +95,7 @@ export class BakedShadowNode extends Base {
    * @throws RangeError if a setting is out of its range.
    */
   setLookUp(settings: ShadowSettings): void {
-    this.#textures.setLookUp(settings);
+    this.#baked.setLookUp(settings);
   }
 
   /** For three: builds the shadow's node. */
@@ -128,7 +111,7 @@ export class BakedShadowNode extends Base {
     // A flat normal faces the camera as it is.
     const isFlat = (builder as Builder).isFlatShading?.() ?? material.flatShading;
     const normal = TSL.normalWorldGeometry;
-    const baked = this.#nodes.visibility(builder, {
+    const baked = visibilityNode(builder, this.#baked, {
       pWorld: material.receivedShadowPositionNode ?? context.shadowPositionWorld ?? TSL.positionWorld,
       normal: material.side === FrontSide || isFlat === true ? normal : normal.mul(TSL.faceDirection),
       pixel: TSL.screenCoordinate,
@@ -141,33 +124,27 @@ export class BakedShadowNode extends Base {
   }
 
   /** For three: follows the light before a frame. */
-  override updateBefore({ renderer }: NodeFrame): undefined {
-    if (this.#isDisposed) return;
-    this.#update();
+  override updateBefore({ renderer, scene }: NodeFrame): undefined {
+    if (!this.#baked.update()) return;
     // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
-    renderer?.initTexture(this.#textures.headers);
+    renderer?.initTexture(this.#baked.headers);
+    if (this.#hasLooked || scene === null) return;
+    this.#hasLooked = true;
+    this.#baked.warnOfMovers(scene);
   }
 
   /** Frees what the GPU holds, gives casters their shadows back, and leaves the light. */
   override dispose(): void {
-    if (this.#isDisposed) return;
     // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
     if (TSL.getCurrentStack() !== null) {
-      this.#statics.rest(false);
+      this.#baked.rest();
       return;
     }
-    this.#isDisposed = true;
-    this.#statics.release();
-    this.#textures.dispose();
+    if (!this.#baked.dispose()) return;
     this.#movers?.dispose();
     super.dispose();
     if (this.#sun.shadow.shadowNode === this) delete this.#sun.shadow.shadowNode;
     // Three's node of the light drops the shadow then, and has materials built anew.
     this.#sun.dispatchEvent({ type: 'dispose' });
-  }
-
-  #update(): void {
-    const count = this.#textures.use(towardsLight(this.#sun, this.#direction));
-    this.#statics.rest(count > 0);
   }
 }
