@@ -134,7 +134,7 @@ function identify(bytes: Uint8Array, view: DataView): void {
   if (start === TREE_MAGIC) {
     throw new ShadowFileError(
       'OtherKind',
-      'this is a tree file, but a light-aligned shadow file is needed here; give such a file, or bake the scene into one',
+      'this is a tree file, not a shadow file; bake the scene into one',
     );
   }
   if (!MAGIC.startsWith(start)) {

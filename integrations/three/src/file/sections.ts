@@ -1,22 +1,20 @@
 // The sections after the header: their table, and cutting a file into them. Offsets and lengths have 64 bits and come
-// from outside, so they are compared as BigInt until they are known to be within the file. Counterpart of
-// `crates/adumbra/src/file/sections.rs`.
+// from outside. Above 2^53 they are rounded here, but no file is that long: such a section has another place than it must
+// have, or is cut off. Counterpart of `crates/adumbra/src/file/sections.rs`.
 
 import { ShadowFileError } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { Layout } from '../settings.js';
 import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
 
-const U64_MAX = 2n ** 64n - 1n;
-
 /** A section as the header's table names it. */
 export interface Section {
   /** `top`, `nodes` or `leaf_masks`. */
   readonly name: string;
   /** Where it begins, bytes from the file's first. */
-  readonly offset: bigint;
+  readonly offset: number;
   /** Its length, bytes. */
-  readonly length: bigint;
+  readonly length: number;
   /** CRC-32 of its bytes. */
   readonly checksum: number;
 }
@@ -30,8 +28,8 @@ export function readSections(view: DataView, zero: (name: string, word: number) 
     zero("section table's reserved word", word + 5);
     return {
       name,
-      offset: view.getBigUint64(4 * word, true),
-      length: view.getBigUint64(4 * word + 8, true),
+      offset: Number(view.getBigUint64(4 * word, true)),
+      length: Number(view.getBigUint64(4 * word + 8, true)),
       checksum: view.getUint32(4 * word + 16, true),
     };
   };
@@ -43,53 +41,44 @@ export function readSections(view: DataView, zero: (name: string, word: number) 
  * file in bytes.
  */
 export function checkSections(sections: Sections, layout: Layout, topDims: Vec3): number {
-  let end = BigInt(HEADER_BYTES);
+  let end = HEADER_BYTES;
   for (const section of sections) {
     const { name, offset, length } = section;
-    const begin = alignUp(end);
-    if (offset !== begin) throw bounds(section, 'offset', offset, String(begin));
+    const begin = Math.ceil(end / 16) * 16;
+    if (offset !== begin) throw bounds(section, 'offset', begin);
     const [multiple, least, most] = lengthsOf(name, layout, topDims);
-    if (length % multiple !== 0n || length < least || length > most) {
-      const expected = least === most ? String(least) : `a multiple of ${multiple} from ${least} to ${most}`;
-      throw bounds(section, 'length', length, expected);
+    if (length % multiple !== 0 || length < least || length > most) {
+      throw bounds(section, 'length', least === most ? least : `a multiple of ${multiple} from ${least} to ${most}`);
     }
     end = endOf(section);
   }
-  return Number(end);
+  return end;
 }
 
 /** Returns what a section's length must be a multiple of, and the least and the greatest length. */
-function lengthsOf(name: string, layout: Layout, [x, y, z]: Vec3): [multiple: bigint, least: bigint, most: bigint] {
-  const columns = 8n * BigInt(x) * BigInt(y);
-  const words = 2n ** 32n;
-  if (name === 'nodes') return [4n, 0n, { plain: 4n * (words - 2n), packed: words, depths: 2n * (words - 1n) }[layout]];
-  if (name !== 'top') return [8n, 0n, layout === 'packed' ? 2n ** 19n : 8n * words];
+function lengthsOf(name: string, layout: Layout, [x, y, z]: Vec3): [multiple: number, least: number, most: number] {
+  const words = 2 ** 32;
+  if (name === 'nodes') return [4, 0, { plain: 4 * (words - 2), packed: words, depths: 2 * (words - 1) }[layout]];
+  if (name !== 'top') return [8, 0, layout === 'packed' ? 2 ** 19 : 8 * words];
+  const columns = 8 * x * y;
   // The number of roots of a packed file is in the section itself.
-  if (layout === 'packed') return [4n, columns + 80n, U64_MAX];
-  const length = layout === 'plain' ? (columns / 2n) * BigInt(z) : columns;
-  return [4n, length, length];
+  if (layout === 'packed') return [4, columns + 80, 2 ** 64];
+  const length = layout === 'plain' ? 4 * x * y * z : columns;
+  return [4, length, length];
 }
 
-function bounds(section: Section, field: string, value: bigint, expected: string): ShadowFileError {
+function bounds(section: Section, field: 'offset' | 'length', expected: number | string): ShadowFileError {
+  const value = section[field];
   return new ShadowFileError(
     'SectionBounds',
     `the section ${section.name} has ${field} ${value}, but must have ${expected}; bake it again`,
-    { section: section.name, field, value: String(value), expected },
+    { section: section.name, field, value: String(value), expected: String(expected) },
   );
 }
 
 /** Returns where a section ends, bytes from the file's first. */
-function endOf({ offset, length }: Section): bigint {
-  return atMostU64(offset + length);
-}
-
-/** Returns the next offset at which a section can begin: a multiple of 16. */
-function alignUp(offset: bigint): bigint {
-  return atMostU64(((offset + 15n) / 16n) * 16n);
-}
-
-function atMostU64(n: bigint): bigint {
-  return n > U64_MAX ? U64_MAX : n;
+function endOf({ offset, length }: Section): number {
+  return offset + length;
 }
 
 /**
@@ -99,10 +88,9 @@ function atMostU64(n: bigint): bigint {
 export function split(bytes: Uint8Array, sections: Sections, checksums: boolean): Uint32Array[] {
   let end = HEADER_BYTES;
   const parts = sections.map((section) => {
-    // Numbers above 2^53 are not exact, but no file is that long.
-    const needed = Number(endOf(section));
+    const needed = endOf(section);
     if (needed > bytes.length) throw truncated(section.name, needed, bytes.length);
-    const offset = Number(section.offset);
+    const { offset } = section;
     for (; end < offset; end++) {
       if (bytes[end] !== 0) {
         throw new ShadowFileError(

@@ -69,7 +69,7 @@ export function cubeChecks(units: Uint16Array, leafMasks: Uint32Array): CubeChec
       // Each mask has some, but fewer voxels lit than the one before it, and no others.
       const isSubset = (nextLow & ~lastLow) === 0 && (nextHigh & ~lastHigh) === 0;
       if (!isSubset || (nextLow | nextHigh) === 0 || (nextLow === lastLow && nextHigh === lastHigh)) {
-        packedFault('LeafMasks', `the node at unit ${unit} has leaf masks that are not each a proper subset of the one before`);
+        packedFault('LeafMasks', `the node at unit ${unit} has a leaf mask that is no proper subset of the one before`);
       }
       lastLow = nextLow;
       lastHigh = nextHigh;

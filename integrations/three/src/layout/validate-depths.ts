@@ -61,7 +61,7 @@ export function validateDepths({ top, nodes, leafMasks, rootLevel }: BakedShadow
       const above = columnsAbove(code, at + planesAt + quarter, planes, last);
       if (above !== 0) {
         const column = 16 * quarter + lowestBit(above);
-        fail('Ranks', `the shape at half-word ${at} gives column ${column} a rank above its last, ${last}`);
+        fail('Ranks', `the shape at half-word ${at} has a rank above its last, ${last}, in column ${column}`);
       }
     }
   };

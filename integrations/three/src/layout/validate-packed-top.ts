@@ -24,7 +24,7 @@ export function validatePackedTop({ top, nodes, topDims, rootLevel }: BakedShado
     const isLitRoots = (word - POOL_WORDS) % 2 === 1;
     const isGood = isLitRoots ? value <= depth : roots <= value && value - roots <= most;
     if (!isGood) {
-      packedFault('Column', `top word ${word} is ${value}, which is impossible for a column of ${depth} root cubes`);
+      packedFault('Column', `top word ${word} is ${value}, which is impossible in a column of ${depth} root cubes`);
     }
     if (isLitRoots) most = depth - value;
     else roots = value;
@@ -34,7 +34,7 @@ export function validatePackedTop({ top, nodes, topDims, rootLevel }: BakedShado
 function checkPools(top: Uint32Array, nodes: Uint32Array, rootLevel: number): void {
   const units = 2 * nodes.length;
   const bad = (word: number): never =>
-    packedFault('Pools', `top word ${word} says that a pool begins at unit ${top[word]}, but pools must begin in order within ${units} units`);
+    packedFault('Pools', `top word ${word}: a pool begins at unit ${top[word]}, out of order or beyond unit ${units}`);
   let last = 0;
   for (let word = 0; word < POOL_WORDS; word++) {
     const unit = top[word];

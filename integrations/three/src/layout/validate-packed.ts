@@ -112,7 +112,7 @@ export function validatePacked(file: BakedShadowFile): void {
     const slotsEnd = at;
     for (let i = first; i < last; i++) {
       if (inside[i] !== at - slotsEnd) {
-        packedFault('Order', `the node at unit ${unit} has a child ${inside[i]} units after its slots, but the next must begin ${at - slotsEnd} after them`);
+        packedFault('Order', `the node at unit ${unit} has a child ${inside[i]} units after its slots instead of ${at - slotsEnd}`);
       }
       at = check(at, end, level - 1);
     }
