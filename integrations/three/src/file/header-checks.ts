@@ -2,23 +2,13 @@
 
 import { obliqueAxes } from '../grid/light-grid.js';
 import type { LightGrid } from '../grid/light-grid.js';
-import { cross, dot, map3 } from '../grid/vec3.js';
+import { cross, dot } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { FileSettings } from '../settings.js';
 import { check } from './faults.js';
 
 /** Tolerance for unit vectors and axes: far above rounding errors, and far below a texel. */
 const UNIT_TOLERANCE = 1e-9;
-
-/** Returns the number of roots along x, y, z that cover `size` voxels. */
-export function rootsOf(size: Vec3, rootLevel: number): Vec3 {
-  return map3(size, (n) => Math.ceil(n / 2 ** rootLevel));
-}
-
-/** Checks that the sun is a unit vector above the horizon. */
-export function checkSun(sun: Vec3): void {
-  check(isNear(dot(sun, sun), 1) && sun[1] > 0, 'sun', sun, 'a unit vector with y above zero');
-}
 
 /** Checks the fields that say how the file was baked. */
 export function checkSettings({ resolution, thicknessWorld, bias, bounds }: FileSettings): void {
@@ -38,7 +28,7 @@ export function checkGrid(grid: LightGrid): void {
   check(isFinite(voxelSize) && voxelSize > 0, 'voxel_size', voxelSize, 'a finite number above zero');
   checkFinite('corner', corner);
   if (frame === 'light') {
-    check(isAlongLight(grid), 'axes', axes.join(), 'orthonormal and right-handed, the third away from the sun');
+    check(isAlongLight(grid), 'axes', axes.join(), 'orthonormal, right-handed, the third away from the sun');
   } else check(isUpright(grid), 'axes', axes.join(), 'those of the oblique frame for this sun and yaw');
 }
 
@@ -46,7 +36,8 @@ function checkFinite(name: string, values: Vec3): void {
   check(values.every(isFinite), name, values, 'finite numbers');
 }
 
-function isNear(value: number, wanted: number): boolean {
+/** Whether two numbers that follow from unit vectors are the same. */
+export function isNear(value: number, wanted: number): boolean {
   return Math.abs(value - wanted) <= UNIT_TOLERANCE;
 }
 

@@ -9,7 +9,7 @@ import type { Mat3, Vec3 } from '../grid/vec3.js';
 import { LAYOUTS } from '../settings.js';
 import type { FileSettings, Layout } from '../settings.js';
 import { HEADER_BYTES, check, checkChecksum, hex, truncated } from './faults.js';
-import { checkGrid, checkSettings, checkSun, rootsOf } from './header-checks.js';
+import { checkGrid, checkSettings, isNear } from './header-checks.js';
 import { checkSections, readSections } from './sections.js';
 import type { Sections } from './sections.js';
 
@@ -17,14 +17,7 @@ import type { Sections } from './sections.js';
 export const LATEST_VERSION = 3;
 
 const MAGIC = 'ADUMBRA\n';
-/** The first bytes of a file with a world-aligned tree, see `spec/adumbra-tree.md`. */
-const TREE_MAGIC = 'ADUMTREE';
 
-const ASSUME_GROUND = 1;
-const CLOSED_REGIONS = 2;
-const IGNORE_ALPHA = 4;
-const STATIC_RECEIVERS = 8;
-const HAS_BOUNDS = 16;
 
 /** The header of a file. Every field has been checked. */
 export interface ShadowFileHeader {
@@ -72,6 +65,11 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
 
   const layout = LAYOUTS[u32(13)]!;
   check(layout !== undefined, 'layout', u32(13), '0 (plain), 1 (packed) or 2 (depths)');
+  const ASSUME_GROUND = 1;
+  const CLOSED_REGIONS = 2;
+  const IGNORE_ALPHA = 4;
+  const STATIC_RECEIVERS = 8;
+  const HAS_BOUNDS = 16;
   const flags = u32(4);
   check(flags <= 31, 'flags', hex(flags), 'limited to bits 0 to 4');
   const has = (flag: number): boolean => (flags & flag) !== 0;
@@ -80,7 +78,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
     check(has(HAS_BOUNDS) || u32(word) === 0, 'bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');
   }
   const sun = f64s(16);
-  checkSun(sun);
+  check(isNear(dot(sun, sun), 1) && sun[1] > 0, 'sun', sun, 'a unit vector with y above zero');
   const frame = u32(89);
   const yawRadians = f64(90);
   check(frame <= 1, 'frame', frame, '0 (light) or 1 (oblique)');
@@ -122,14 +120,16 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const rootLevel = u32(9);
   check(rootLevel >= 3 && rootLevel <= 20, 'root_level', rootLevel, 'from 3 to 20');
   const topDims = u32s(10);
-  const expected = rootsOf(grid.size, rootLevel).join();
-  check(topDims.join() === expected, 'top_dims', topDims, `${expected}, as follows from size ${grid.size} and root_level ${rootLevel}`);
+  const expected = map3(grid.size, (n) => Math.ceil(n / 2 ** rootLevel)).join();
+  check(topDims.join() === expected, 'top_dims', topDims, `${expected}, for size ${grid.size} and root_level ${rootLevel}`);
   const fileBytes = checkSections(sections, layout, topDims);
   return { version, grid, settings, rootLevel, topDims, layout, sections, fileBytes };
 }
 
 /** Checks that `bytes` begin with a header: magic, version, length, and the checksum in its last word. */
 function identify(bytes: Uint8Array, view: DataView): void {
+  /** The first bytes of a file with a world-aligned tree, see `spec/adumbra-tree.md`. */
+  const TREE_MAGIC = 'ADUMTREE';
   const start = String.fromCharCode(...bytes.subarray(0, MAGIC.length));
   if (start === TREE_MAGIC) {
     throw new ShadowFileError(

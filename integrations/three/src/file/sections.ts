@@ -50,7 +50,7 @@ export function checkSections(sections: Sections, layout: Layout, topDims: Vec3)
     if (length % multiple !== 0 || length < least || length > most) {
       throw bounds(section, 'length', least === most ? least : `a multiple of ${multiple} from ${least} to ${most}`);
     }
-    end = endOf(section);
+    end = offset + length;
   }
   return end;
 }
@@ -76,21 +76,15 @@ function bounds(section: Section, field: 'offset' | 'length', expected: number |
   );
 }
 
-/** Returns where a section ends, bytes from the file's first. */
-function endOf({ offset, length }: Section): number {
-  return offset + length;
-}
-
 /**
  * Returns the words of each section, as views of `bytes`, whose first byte must be at a multiple of 4 in its buffer.
  * The lengths and the bytes between sections are checked, and the checksums if `checksums` is true.
  */
 export function split(bytes: Uint8Array, sections: Sections, checksums: boolean): Uint32Array[] {
   let end = HEADER_BYTES;
-  const parts = sections.map((section) => {
-    const needed = endOf(section);
-    if (needed > bytes.length) throw truncated(section.name, needed, bytes.length);
-    const { offset } = section;
+  const parts = sections.map(({ name, offset, length }) => {
+    const needed = offset + length;
+    if (needed > bytes.length) throw truncated(name, needed, bytes.length);
     for (; end < offset; end++) {
       if (bytes[end] !== 0) {
         throw new ShadowFileError(

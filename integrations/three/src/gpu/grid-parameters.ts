@@ -8,8 +8,6 @@ import type { LightGrid } from '../grid/light-grid.js';
 import { map3 } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
 
-/** Largest length of a step, voxels. */
-const STEP_VOXELS = 8;
 
 /** The same memory as words of three types. */
 export interface WordViews {
@@ -25,6 +23,8 @@ export interface WordViews {
  * shaders.
  */
 export function writeGridParameters({ ints, floats }: WordViews, grid: LightGrid, anchorWorld: Vec3): void {
+  /** Largest length of a step, voxels. */
+  const STEP_VOXELS = 8;
   const { axes, edges, voxelSize, size } = grid;
   const voxels = Math.max(...size);
   if (voxels > MAX_FIXED_SIDE) {

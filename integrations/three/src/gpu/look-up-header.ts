@@ -9,10 +9,6 @@ import type { LookUpOptions } from '../settings.js';
 import { writeGridParameters } from './grid-parameters.js';
 import type { WordViews } from './grid-parameters.js';
 
-/** First word of a look-up texture: "ADUT". */
-const MAGIC = 0x54554441;
-/** Version of the look-up texture that is made. */
-const VERSION = 2;
 /** Number of words of the header, which precede the file's words. */
 export const HEADER_WORDS = 128;
 /** First word of the parameter block. */
@@ -57,6 +53,10 @@ export interface LookUpHeader {
  * @throws RangeError if an option is out of its range.
  */
 export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, all: Uint32Array<ArrayBuffer> = new Uint32Array(HEADER_WORDS)): LookUpHeader {
+  /** First word of a look-up texture: "ADUT". */
+  const MAGIC = 0x54554441;
+  /** Version of the look-up texture that is made. */
+  const VERSION = 2;
   const { layout, grid, settings, top, nodes, leafMasks, topDims, rootLevel } = file;
   const isDepths = layout === 'depths';
   const sections = isDepths ? [top, leafMasks, nodes] : [top, nodes, leafMasks];

@@ -65,7 +65,8 @@ export function cubeChecks(units: Uint16Array, leafMasks: Uint32Array): CubeChec
     let lastLow = -1;
     let lastHigh = -1;
     for (let i = 0; i < count; i++) {
-      const [nextLow, nextHigh] = [low[i] | 0, high[i] | 0];
+      const nextLow = low[i] | 0;
+      const nextHigh = high[i] | 0;
       // Each mask has some, but fewer voxels lit than the one before it, and no others.
       const isSubset = (nextLow & ~lastLow) === 0 && (nextHigh & ~lastHigh) === 0;
       if (!isSubset || (nextLow | nextHigh) === 0 || (nextLow === lastLow && nextHigh === lastHigh)) {

@@ -9,8 +9,7 @@ import { hex, voxelFault } from '../file/faults.js';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { halvesOf, lowestBit, popCount, twoHalves } from './bits.js';
 import { UNIFORM, leafHead } from './depths-leaf.js';
-
-const LEAF_LEVEL = 3;
+import { LEAF_NODE_LEVEL } from './packed-node.js';
 
 function fail(fault: ShadowFileFault, message: string): never {
   voxelFault('Depths', fault, message);
@@ -39,16 +38,16 @@ export function validateDepths({ top, nodes, leafMasks, rootLevel }: BakedShadow
     if (to >= from) {
       fail('Order', `the shape at half-word ${from} points to ${to}, which is not before it`);
     }
-    const bit = 1 << ((level - LEAF_LEVEL) >>> 1);
+    const bit = 1 << ((level - LEAF_NODE_LEVEL) >>> 1);
     if ((proved[to] & bit) !== 0) return;
-    if (level === LEAF_LEVEL) leaf(to);
+    if (level === LEAF_NODE_LEVEL) leaf(to);
     else node(to, level);
     proved[to] |= bit;
   };
 
   const leaf = (at: number): void => {
     const half = code[at];
-    const { last, differences, width, isSlanted, planesAt, planes } = leafHead(half);
+    const [last, differences, width, isSlanted, , planesAt, planes] = leafHead(half);
     if (half >>> 10 !== 0 || width > 2 || (last === 0 && (differences !== 0 || !isSlanted))) {
       badBits(at, half);
     }

@@ -15,23 +15,6 @@ export function validatePackedTop({ top, nodes, topDims, rootLevel }: BakedShado
   if (top.length !== length) {
     packedFault('TopLength', `top of ${top.length} words, but its columns and roots require ${length}`);
   }
-  checkPools(top, nodes, rootLevel);
-  const depth = topDims[2];
-  let roots = 0;
-  let most = 0;
-  for (let word = POOL_WORDS; word < rootsAt; word++) {
-    const value = top[word];
-    const isLitRoots = (word - POOL_WORDS) % 2 === 1;
-    const isGood = isLitRoots ? value <= depth : roots <= value && value - roots <= most;
-    if (!isGood) {
-      packedFault('Column', `top word ${word} is ${value}, which is impossible in a column of ${depth} root cubes`);
-    }
-    if (isLitRoots) most = depth - value;
-    else roots = value;
-  }
-}
-
-function checkPools(top: Uint32Array, nodes: Uint32Array, rootLevel: number): void {
   const units = 2 * nodes.length;
   const bad = (word: number): never =>
     packedFault('Pools', `top word ${word}: a pool begins at unit ${top[word]}, out of order or beyond unit ${units}`);
@@ -47,5 +30,18 @@ function checkPools(top: Uint32Array, nodes: Uint32Array, rootLevel: number): vo
   if (last % 2 === 1 && nodes[nodes.length - 1] >>> 16 !== 0) {
     const value = nodes[nodes.length - 1] >>> 16;
     packedFault('Filler', `unit ${last} is padding and has the value ${value}, but must be 0`);
+  }
+  const depth = topDims[2];
+  let roots = 0;
+  let most = 0;
+  for (let word = POOL_WORDS; word < rootsAt; word++) {
+    const value = top[word];
+    const isLitRoots = (word - POOL_WORDS) % 2 === 1;
+    const isGood = isLitRoots ? value <= depth : roots <= value && value - roots <= most;
+    if (!isGood) {
+      packedFault('Column', `top word ${word} is ${value}, which is impossible in a column of ${depth} root cubes`);
+    }
+    if (isLitRoots) most = depth - value;
+    else roots = value;
   }
 }

@@ -20,14 +20,6 @@ import {
 } from './packed-node.js';
 import { validatePackedTop } from './validate-packed-top.js';
 
-/** Number of units at the start of a pool that narrow slots can address. */
-const NARROW_POOL_UNITS = 65536 - NEAR_UNITS;
-/** Bits of a unit in `marks`: a node of a pool begins there; a pointer leads there. */
-const BEGINS = 1;
-const REACHED = 2;
-/** In place of a number of pointers: codes that no node has. */
-const INVALID = 255;
-
 /**
  * Checks the words of a file of the packed layout. Cost: one pass over them, and one byte of memory per unit.
  *
@@ -35,12 +27,23 @@ const INVALID = 255;
  */
 export function validatePacked(file: BakedShadowFile): void {
   validatePackedTop(file);
+  /** Number of units at the start of a pool that narrow slots can address. */
+  const NARROW_POOL_UNITS = 65536 - NEAR_UNITS;
+  /** Bits of a unit in `marks`: a node of a pool begins there; a pointer leads there. */
+  const BEGINS = 1;
+  const REACHED = 2;
+  /** In place of a number of pointers: codes that no node has. */
+  const INVALID = 255;
   const { top, nodes, leafMasks, topDims, rootLevel } = file;
   const units = halvesOf(nodes);
   const marks = new Uint8Array(units.length);
   const cubes = cubeChecks(units, leafMasks);
   /** Number of pointers of a node with these codes. */
-  const pointersOf = pointersByCodes();
+  const pointersOf = Uint8Array.from({ length: 4096 }, (_, codes) => {
+    // 7 is the only code with all three bits set. A node with one state belongs into its parent.
+    const isInvalid = (codes & (codes >>> 1) & (codes >>> 2) & 0o1111) !== 0;
+    return isInvalid || codes === 0 || codes === 0o1111 ? INVALID : pointersIn(codes);
+  });
   /** Distances to the children inside a node, sorted; up to eight for each level. */
   const inside = new Uint16Array(8 * (rootLevel + 1));
 
@@ -127,19 +130,10 @@ export function validatePacked(file: BakedShadowFile): void {
     }
   }
   for (let word = rootsWord(topDims); word < top.length; word++) reach(top[word], rootLevel, 'top word', word);
-  checkAllReached('unit', marks.indexOf(BEGINS));
-  checkAllReached('leaf mask', cubes.isReached.indexOf(0));
-}
-
-/** Returns the number of pointers for all codes of a header, `INVALID` for those that no node has. */
-function pointersByCodes(): Uint8Array {
-  return Uint8Array.from({ length: 4096 }, (_, codes) => {
-    // 7 is the only code with all three bits set. A node with one state belongs into its parent.
-    const isInvalid = (codes & (codes >>> 1) & (codes >>> 2) & 0o1111) !== 0;
-    return isInvalid || codes === 0 || codes === 0o1111 ? INVALID : pointersIn(codes);
-  });
-}
-
-function checkAllReached(what: string, index: number): void {
-  if (index >= 0) packedFault('Unreached', `${what} ${index} is not reachable from any root`);
+  for (const [what, index] of [
+    ['unit', marks.indexOf(BEGINS)],
+    ['leaf mask', cubes.isReached.indexOf(0)],
+  ] as const) {
+    if (index >= 0) packedFault('Unreached', `${what} ${index} is not reachable from any root`);
+  }
 }

@@ -9,13 +9,8 @@ import type { ShadowFileFault } from '../error.js';
 import { hex, voxelFault } from '../file/faults.js';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { lowestBit, popCount } from './bits.js';
+import { LEAF_NODE_LEVEL } from './packed-node.js';
 
-const LIT = 0xffffffff;
-const SHADOWED = 0xfffffffe;
-/** Level of the nodes whose children are leaf masks. */
-const LEAF_NODE_LEVEL = 3;
-/** Added to the height of a node without leaf masks below it, in `kinds`. */
-const LEAF_MASK_FREE = 128;
 
 function fail(fault: ShadowFileFault, message: string): never {
   voxelFault('Graph', fault, message);
@@ -27,6 +22,10 @@ function fail(fault: ShadowFileFault, message: string): never {
  * @throws ShadowFileError of the kind `Graph`.
  */
 export function validatePlain({ top, nodes, leafMasks, rootLevel }: BakedShadowFile): void {
+  const LIT = 0xffffffff;
+  const SHADOWED = 0xfffffffe;
+  /** Added to the height of a node without leaf masks below it, in `kinds`. */
+  const LEAF_MASK_FREE = 128;
   const leafMaskCount = leafMasks.length >>> 1;
   /** For the word of a header, the node's level, or `LEAF_MASK_FREE` plus its height; else 0. */
   const kinds = new Uint8Array(nodes.length);

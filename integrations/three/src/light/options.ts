@@ -36,8 +36,6 @@ export interface BakedShadowOptions extends ShadowSettings {
   maxTextureSize?: number;
 }
 
-/** The widest penumbra, texels: that of `voxel:soft` and of the plugin for Bevy. */
-const MAX_PENUMBRA_TEXELS = 32;
 
 /** Returns the settings as a look-up of a file takes them. */
 export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lookUp: LookUp): GpuLookUpOptions {
@@ -47,6 +45,8 @@ export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lo
     }
     return { filter: filter ?? 5, bias };
   }
+  /** The widest penumbra, texels: that of `voxel:soft` and of the plugin for Bevy. */
+  const MAX_PENUMBRA_TEXELS = 32;
   if (filter !== undefined) throw new RangeError('the look-up soft has no filter; set softnessDegrees');
   return { filter: 1, bias, penumbra: { angleDegrees: softnessDegrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
 }

@@ -10,10 +10,6 @@ import type { LookUp } from '../look-ups/look-up.js';
 import { checkFiles, gpuOptions } from './options.js';
 import type { BakedShadowOptions, ShadowSettings } from './options.js';
 
-/** Header word: the file's first word in the texture of words. */
-const FIRST_WORD = 104;
-/** Word of the first header: the number of files in use. */
-const FILE_COUNT = 105;
 
 /** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
 export const SAME_SUN = 1.5e-3;
@@ -61,6 +57,10 @@ export function lightTextures(files: readonly BakedShadowFile[], lookUp: LookUp,
   const rows = new Uint32Array(HEADER_WORDS * files.length);
   const headers = dataTexture(rows, HEADER_WORDS, files.length);
 
+  /** Header word: the file's first word in the texture of words. */
+  const FIRST_WORD = 104;
+  /** Word of the first header: the number of files in use. */
+  const FILE_COUNT = 105;
   const writeHeaders = (): void => {
     inUse.forEach((file, row) => {
       const at = HEADER_WORDS * row;

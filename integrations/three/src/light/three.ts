@@ -34,7 +34,7 @@ export class MissingHookError extends Error {
  */
 export function checkThree(oldest: number, hooks: Hooks, revision: string = REVISION): void {
   if (!(Number.parseInt(revision, 10) <= TESTED)) {
-    warnOnce(`baked shadows were tested with three up to 0.${TESTED}, but this is r${revision}; if they look wrong, install three@0.${TESTED}`, 'version');
+    warnOnce(`tested with three up to 0.${TESTED}, but this is r${revision}; if shadows look wrong, install three@0.${TESTED}`, 'version');
   }
   for (const [hook, found] of Object.entries(hooks)) {
     if (found === undefined || found === false) throw new MissingHookError(hook, oldest, revision);

@@ -60,7 +60,7 @@ export function depthsVoxels({ top, nodes, leafMasks: wide, rootLevel, topDims }
 
   /** Returns the depth at which a column of the leaf switches; `x` and `y` are 0 to 7. */
   const depthOf = (x: number, y: number): number => {
-    const { differences, width, isSlanted, differencesAt, planesAt, planes } = head;
+    const [, differences, width, isSlanted, differencesAt, planesAt, planes] = head;
     const column = 8 * y + x;
     const plane = at + planesAt + (column >>> 4);
     let rank = 0;

@@ -10,7 +10,7 @@ import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
 import { depthsVoxels } from './depths-voxels.js';
 import { packedVoxels } from './packed-voxels.js';
 import { plainVoxels } from './plain-voxels.js';
-import { Receiver } from './receiver.js';
+import { receiverAt } from './receiver.js';
 import type { Voxels } from './voxels.js';
 
 /**
@@ -25,7 +25,6 @@ export class BakedShadowQuery {
   /** The bias that points are moved by, texels. */
   declare readonly bias: Bias;
   readonly #voxels: Voxels;
-  readonly #receiver = new Receiver();
 
   /**
    * Creates look-ups with a filter of `filter` × `filter` texels.
@@ -78,43 +77,30 @@ export class BakedShadowQuery {
   }
 
   #filtered(p: Vec3, normal: Vec3 | undefined): number {
-    this.#receiver.set(this.file.grid, this.bias, p, normal);
-    const { filter } = this;
-    // Lit taps and their number are small, so this is the quotient of 32-bit floating point, correctly rounded.
-    return Math.fround(this.#litTaps() / (filter * filter));
-  }
-
-  /** Returns the number of lit taps. Texels beside the grid are lit. */
-  #litTaps(): number {
-    const { filter } = this;
-    const { texelX, texelY } = this.#receiver;
-    const [sizeX, sizeY] = this.file.grid.size;
+    const { file, filter, bias } = this;
+    const [sizeX, sizeY, sizeZ] = file.grid.size;
+    const { texelX, texelY, layer } = receiverAt(file.grid, bias, p, normal);
     const reach = filter >> 1;
     const left = Math.max(texelX - reach, 0);
     const top = Math.max(texelY - reach, 0);
     const right = Math.min(texelX + reach, sizeX - 1);
     const bottom = Math.min(texelY + reach, sizeY - 1);
-    if (left > right || top > bottom) return filter * filter;
-    let lit = filter * filter - (right - left + 1) * (bottom - top + 1);
+    const all = filter * filter;
+    // Texels beside the grid are lit.
+    let shadowed = 0;
     // By blocks of 8 × 8 texels, since those share what the voxels remember.
-    for (let y = top; y <= bottom; y = blockEnd(y) + 1) {
-      for (let x = left; x <= right; x = blockEnd(x) + 1) {
-        lit += this.#litInBlock(x, Math.min(blockEnd(x), right), y, Math.min(blockEnd(y), bottom));
+    for (let blockY = top; blockY <= bottom; blockY = blockEnd(blockY) + 1) {
+      for (let blockX = left; blockX <= right; blockX = blockEnd(blockX) + 1) {
+        for (let y = blockY; y <= Math.min(blockEnd(blockY), bottom); y++) {
+          for (let x = blockX; x <= Math.min(blockEnd(blockX), right); x++) {
+            const z = layer(x, y);
+            if (z >= 0 && !this.#voxels(x, y, Math.min(z, sizeZ - 1))) shadowed++;
+          }
+        }
       }
     }
-    return lit;
-  }
-
-  #litInBlock(left: number, right: number, top: number, bottom: number): number {
-    const last = this.file.grid.size[2] - 1;
-    let lit = 0;
-    for (let y = top; y <= bottom; y++) {
-      for (let x = left; x <= right; x++) {
-        const layer = this.#receiver.layer(x, y);
-        if (layer < 0 || this.#voxels(x, y, Math.min(layer, last))) lit++;
-      }
-    }
-    return lit;
+    // Lit taps and their number are small, so this is the quotient of 32-bit floating point, correctly rounded.
+    return Math.fround((all - shadowed) / all);
   }
 }
 

@@ -5,7 +5,7 @@ import { ShaderChunk, ShaderLib } from 'three';
 
 import type { Hooks } from '../light/three.js';
 import { withPrefix } from '../look-ups/look-up.js';
-import { DECLARATIONS, shadowOf } from './light.glsl.js';
+import { DECLARATIONS, shadowOf } from './light.shader.js';
 
 /** As three finds it: what is commented out is none. */
 const INCLUDE = /^[ \t]*#include +<lights_fragment_begin>/m;

@@ -5,6 +5,7 @@ import * as TSL from 'three/tsl';
 import type { Node, NodeBuilder } from 'three/webgpu';
 
 import { withPrefix } from '../look-ups/look-up.js';
+import { GLSL, WGSL } from './entry.shader.js';
 import type { BakedLight } from '../light/baked-light.js';
 
 /** A point whose visibility is asked for. */
@@ -22,20 +23,7 @@ export function visibilityNode(builder: NodeBuilder, { lookUp, prefix, words, he
   const isWebGPU = 'isWebGPUBackend' in builder.renderer.backend;
   const language = isWebGPU ? 'wgsl' : 'glsl';
   const text = TSL.code(withPrefix(lookUp[language], prefix), [], language);
-  // The first two parameters only bind the textures, which the text names.
-  const look = isWebGPU
-    ? TSL.wgslFn(
-        `fn ${prefix}_entry(words: u32, headers: u32, p: vec3<f32>, n: vec3<f32>, at: vec2<f32>) -> f32 {
-          return ${prefix}_visibility(p, n, at);
-        }`,
-        [text],
-      )
-    : TSL.glslFn(
-        `float ${prefix}_entry(uint words, uint headers, vec3 p, vec3 n, vec2 at) {
-          return ${prefix}_visibility(p, n, at);
-        }`,
-        [text],
-      );
+  const look = (isWebGPU ? TSL.wgslFn : TSL.glslFn)(withPrefix(isWebGPU ? WGSL : GLSL, prefix), [text]);
   /** A node that binds a texture under a name of the text. */
   const bound = (data: DataTexture, name: string): Node => {
     const texel = TSL.texture(data).load(TSL.uvec2(0, 0));
