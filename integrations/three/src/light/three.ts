@@ -8,7 +8,7 @@ import { warnOnce } from './warn.js';
 /** The newest three that the tests ran with. */
 const TESTED = 187;
 
-/** What baked shadows need of three, by name. What is `undefined` or false is missing. */
+/** What baked shadows need of three, by name. What is missing is `undefined` or false. */
 export type Hooks = Readonly<Record<string, unknown>>;
 
 /** Something that baked shadows need is not in this version of three. The message says which version to install. */
@@ -33,10 +33,10 @@ export class MissingHookError extends Error {
  * @throws MissingHookError if a hook is missing; `oldest` is the first revision with all of them.
  */
 export function checkThree(oldest: number, hooks: Hooks, revision: string = REVISION): void {
-  if (!(Number.parseInt(revision, 10) <= TESTED)) {
+  if (!(parseInt(revision, 10) <= TESTED)) {
     warnOnce(`tested with three up to 0.${TESTED}, but this is r${revision}; if shadows look wrong, install three@0.${TESTED}`, 'version');
   }
   for (const [hook, found] of Object.entries(hooks)) {
-    if (found === undefined || found === false) throw new MissingHookError(hook, oldest, revision);
+    if (!found) throw new MissingHookError(hook, oldest, revision);
   }
 }

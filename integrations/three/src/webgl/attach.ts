@@ -56,7 +56,7 @@ export function attachBakedShadow(
     'Material.onBeforeCompile': onBeforeCompile,
     'Material.customProgramCacheKey': customProgramCacheKey,
     'Scene.onBeforeRender': scene.onBeforeRender,
-    'LightShadow.intensity': light.shadow.intensity,
+    'LightShadow.intensity': 'intensity' in light.shadow,
     ...shaderHooks(),
   });
   const baked = bakedLight(light, file, options);

@@ -11,7 +11,7 @@ import type { BakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { checkThree } from '../light/three.js';
-import { nodeHooks } from './hooks.js';
+import { OLDEST, nodeHooks } from './hooks.js';
 import { visibilityNode } from './look-up-node.js';
 
 /** What casts besides the files: `'shadow'` for the light's own shadow map, a shadow node such as `CSMShadowNode`, or nothing. */
@@ -44,9 +44,6 @@ type Builder = NodeBuilder & {
 /** The class that three's shadow nodes have in common. Where it is missing, no node can be made, but the import goes on. */
 const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
 
-/** The first revision of three with all that is needed. */
-const OLDEST = 182;
-
 /**
  * The shadow of a light from its files: `light.shadow.shadowNode = new BakedShadowNode(light, { file })`. The light must
  * cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind that the light had before is
@@ -67,7 +64,7 @@ export class BakedShadowNode extends Base {
    */
   constructor(light: SunLike, options: BakedShadowNodeOptions) {
     super(light);
-    checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': light.shadow.intensity });
+    checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': 'intensity' in light.shadow });
     const { file, movers } = options;
     if (movers === 'shadow' && 'isSunLight' in light) {
       throw new RangeError(
