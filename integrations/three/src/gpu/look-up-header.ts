@@ -80,7 +80,7 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
     for (const texels of terms) checkRange('a term of the bias in texels', texels, 0, 16);
     if (penumbra !== undefined) {
       if (!isDepths) throw new RangeError(`penumbrae need a file of the layout depths, but this is ${layout}`);
-      if (filter !== 1) throw new RangeError(`penumbrae replace the filter, so its width must be 1, but it is ${filter}`);
+      if (filter !== 1) throw new RangeError(`penumbrae need a filter of width 1, but it is ${filter}`);
       checkRange("the sun's angle in degrees", penumbra.angleDegrees, 0.01, 20);
       checkRange('the largest radius of a penumbra in texels', penumbra.maxRadiusTexels, 1, 64);
     }

@@ -39,7 +39,7 @@ export function validatePackedTop({ top, nodes, topDims, rootLevel }: BakedShado
     const isLitRoots = (word - POOL_WORDS) % 2 === 1;
     const isGood = isLitRoots ? value <= depth : roots <= value && value - roots <= most;
     if (!isGood) {
-      packedFault('Column', `top word ${word} is ${value}, which is impossible in a column of ${depth} root cubes`);
+      packedFault('Column', `top word ${word} is ${value}, impossible in a column of ${depth} root cubes`);
     }
     if (isLitRoots) most = depth - value;
     else roots = value;

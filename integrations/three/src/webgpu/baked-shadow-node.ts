@@ -68,7 +68,7 @@ export class BakedShadowNode extends Base {
     const { file, movers } = options;
     if (movers === 'shadow' && 'isSunLight' in light) {
       throw new RangeError(
-        "movers: 'shadow' is for a DirectionalLight; pass movers: sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
+        "movers: 'shadow' is for a DirectionalLight; pass sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
       );
     }
     this.#sun = light;
