@@ -53,15 +53,13 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const u32s = (word: number): Vec3 => [u32(word), u32(word + 1), u32(word + 2)];
   const f64s = (word: number): Vec3 => [f64(word), f64(word + 2), f64(word + 4)];
   const u64 = (word: number): number => Number(view.getBigUint64(4 * word, true));
-  const zero = (name: string, word: number): void => {
-    check(u32(word) === 0, name, hex(u32(word)), '0');
-  };
+  const zero = (word: number): void => check(u32(word) === 0, `reserved word ${word}`, hex(u32(word)), 0);
 
   identify(bytes, view);
   const version = u32(2);
   const sections = readSections(view, zero);
   const reserved = [92, 93, 94, ...(version === 1 ? [13, 88] : []), ...(version < 3 ? [89] : [])];
-  for (const word of reserved) zero(`reserved word ${word}`, word);
+  reserved.forEach(zero);
 
   const layout = LAYOUTS[u32(13)]!;
   check(layout !== undefined, 'layout', u32(13), '0 (plain), 1 (packed) or 2 (depths)');

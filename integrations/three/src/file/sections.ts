@@ -23,9 +23,9 @@ export interface Section {
 export type Sections = readonly [Section, Section, Section];
 
 /** Reads the section table. `zero` checks that a reserved word of the header is 0. */
-export function readSections(view: DataView, zero: (name: string, word: number) => void): Sections {
+export function readSections(view: DataView, zero: (word: number) => void): Sections {
   const read = (name: string, word: number): Section => {
-    zero("section table's reserved word", word + 5);
+    zero(word + 5);
     return {
       name,
       offset: Number(view.getBigUint64(4 * word, true)),

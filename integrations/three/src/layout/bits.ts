@@ -17,9 +17,9 @@ export function digits(n: number): number {
   return 32 - Math.clz32(n);
 }
 
-/** Returns the index of the lowest bit that is 1, 0 to 31; 32 if there is none. */
+/** Returns the index of the lowest bit that is 1, 0 to 31; −1 if there is none. */
 export function lowestBit(word: number): number {
-  return popCount((word & -word) - 1);
+  return digits(word & -word) - 1;
 }
 
 /** Returns words as half-words, the lower one of each first. */

@@ -10,7 +10,7 @@ export function packedFault(fault: ShadowFileFault, message: string): never {
 
 /** Throws the error for a node with bits that no writer makes. */
 export function badBits(unit: number): never {
-  return packedFault('NodeBits', `the node at unit ${unit} has invalid bits, or an encoding that is too long`);
+  return packedFault('NodeBits', `the node at unit ${unit} has invalid bits, or is too long`);
 }
 
 /** Throws the error for a node that does not fit its pool. */

@@ -111,5 +111,5 @@ function checkHeader(header: number, word: number): number {
 
 function uniform(place: string, lit: boolean): never {
   const state = lit ? 'lit' : 'shadowed';
-  fail('Uniform', `${place} is all ${state}, which the word that refers to it must say itself`);
+  fail('Uniform', `${place} is all ${state}, so the word that refers to it must say so`);
 }

@@ -54,7 +54,7 @@ export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lo
 /** Checks that files can be on one light. */
 export function checkFiles(files: readonly BakedShadowFile[], lookUp: LookUp): void {
   if (files.length === 0 || files.length > MAX_FILES) {
-    throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but ${files.length} are given`);
+    throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but got ${files.length}`);
   }
   for (const file of files) {
     if (file.layout !== lookUp.layout) {

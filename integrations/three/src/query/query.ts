@@ -3,6 +3,7 @@
 // `crates/adumbra/src/query/`.
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
+import { FIXED_ONE } from '../grid/fixed.js';
 import { toGrid } from '../grid/light-grid.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
 import { checkFilter } from '../settings.js';
@@ -10,7 +11,7 @@ import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
 import { depthsVoxels } from './depths-voxels.js';
 import { packedVoxels } from './packed-voxels.js';
 import { plainVoxels } from './plain-voxels.js';
-import { receiverAt } from './receiver.js';
+import { layerAt, receiverAt } from './receiver.js';
 import type { Voxels } from './voxels.js';
 
 /**
@@ -79,7 +80,9 @@ export class BakedShadowQuery {
   #filtered(p: Vec3, normal: Vec3 | undefined): number {
     const { file, filter, bias } = this;
     const [sizeX, sizeY, sizeZ] = file.grid.size;
-    const { texelX, texelY, layer } = receiverAt(file.grid, bias, p, normal);
+    const receiver = receiverAt(file.grid, bias, p, normal);
+    const texelX = Math.floor(receiver.x / FIXED_ONE);
+    const texelY = Math.floor(receiver.y / FIXED_ONE);
     const reach = filter >> 1;
     const left = Math.max(texelX - reach, 0);
     const top = Math.max(texelY - reach, 0);
@@ -90,10 +93,12 @@ export class BakedShadowQuery {
     let shadowed = 0;
     // By blocks of 8 × 8 texels, since those share what the voxels remember.
     for (let blockY = top; blockY <= bottom; blockY = blockEnd(blockY) + 1) {
+      const endY = Math.min(blockEnd(blockY), bottom);
       for (let blockX = left; blockX <= right; blockX = blockEnd(blockX) + 1) {
-        for (let y = blockY; y <= Math.min(blockEnd(blockY), bottom); y++) {
-          for (let x = blockX; x <= Math.min(blockEnd(blockX), right); x++) {
-            const z = layer(x, y);
+        const endX = Math.min(blockEnd(blockX), right);
+        for (let y = blockY; y <= endY; y++) {
+          for (let x = blockX; x <= endX; x++) {
+            const z = layerAt(receiver, x, y);
             if (z >= 0 && !this.#voxels(x, y, Math.min(z, sizeZ - 1))) shadowed++;
           }
         }
