@@ -31,11 +31,9 @@ export interface BakedShadowNodeOptions extends BakedShadowOptions {
 /** A builder with what its types leave out. */
 type Builder = NodeBuilder & {
   addSequentialNode(node: Node): void;
-  /** From three 0.183 on. */
-  isFlatShading?(): boolean;
+  isFlatShading(): boolean;
   readonly context: { readonly shadowPositionWorld?: Node<'vec3'> };
   readonly material: {
-    readonly flatShading?: boolean;
     readonly receivedShadowPositionNode?: Node<'vec3'> | null;
     readonly receivedShadowNode?: ((node: Node) => Node) | null;
   };
@@ -106,11 +104,11 @@ export class BakedShadowNode extends Base {
   override setup(builder: NodeBuilder): Node {
     const { context, material } = builder as Builder;
     // A flat normal faces the camera as it is.
-    const isFlat = (builder as Builder).isFlatShading?.() ?? material.flatShading;
+    const isFront = material.side === FrontSide || (builder as Builder).isFlatShading();
     const normal = TSL.normalWorldGeometry;
     const baked = visibilityNode(builder, this.#baked, {
       pWorld: material.receivedShadowPositionNode ?? context.shadowPositionWorld ?? TSL.positionWorld,
-      normal: material.side === FrontSide || isFlat === true ? normal : normal.mul(TSL.faceDirection),
+      normal: isFront ? normal : normal.mul(TSL.faceDirection),
       pixel: TSL.screenCoordinate,
     });
     const intensity = TSL.reference('intensity', 'float', this.#sun.shadow).setGroup(TSL.renderGroup) as Node<'float'>;

@@ -23,6 +23,7 @@ export function nodeHooks(): Hooks {
     ShadowBaseNode: WEBGPU.ShadowBaseNode,
     'AnalyticLightNode.disposeShadow': membersOf(WEBGPU.AnalyticLightNode)['disposeShadow'],
     'NodeBuilder.addSequentialNode': membersOf(WEBGPU.NodeBuilder)['addSequentialNode'],
+    'NodeBuilder.isFlatShading': membersOf(WEBGPU.NodeBuilder)['isFlatShading'],
     'TextureNode.load': membersOf(WEBGPU.TextureNode)['load'],
     'TextureNode.setName': membersOf(WEBGPU.TextureNode)['setName'],
     'WebGPURenderer.initTexture': membersOf(WEBGPU.WebGPURenderer)['initTexture'],
