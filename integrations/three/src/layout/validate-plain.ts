@@ -92,7 +92,7 @@ export function validatePlain({ top, nodes, leafMasks, rootLevel }: BakedShadowF
 
 function checkAllSeen(what: string, seen: number, count: number): void {
   if (seen === count) return;
-  fail('Unreachable', `${what} ${seen} and all ${count - seen - 1} after it are not reachable from any root`);
+  fail('Unreachable', `${what} ${seen} is not reachable from any root`);
 }
 
 /** Checks a header on its own. Returns the number of pointers that follow it. */

@@ -75,7 +75,7 @@ export function bakedLight(light: SunLike, file: BakedShadowFile | readonly Bake
       object.traverse((each) => {
         if (!each.receiveShadow || !isMover(each, roots)) return;
         warnOnce(
-          `'${each.name || each.type}' moves, and a file baked with --receivers static is wrong at 1 to 3 % of its points; bake it without`,
+          `'${each.name || each.type}' moves, and a file baked with --receivers static is wrong at 1 to 3 % of it; bake without`,
           'movers',
         );
       });

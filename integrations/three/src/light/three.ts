@@ -22,7 +22,7 @@ export class MissingHookError extends Error {
   /** Creates an error. */
   constructor(hook: string, oldest: number, revision: string) {
     const versions = [`0.${oldest}`, `0.${TESTED}`] as const;
-    super(`three r${revision} has no ${hook}, which baked shadows need; three ${versions.join(' to ')} have it: install one of them`);
+    super(`three r${revision} has no ${hook}, which three ${versions.join(' to ')} have; install one of them`);
     Object.assign(this, { hook, versions });
   }
 }

@@ -6,7 +6,7 @@ import type { IUniform, Object3D, Scene } from 'three';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { bakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
-import { asList } from '../light/options.js';
+import { forEachMaterial } from '../light/materials.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { checkThree } from '../light/three.js';
 import { hookIn } from './material-hook.js';
@@ -126,11 +126,4 @@ export function attachBakedShadow(
       stopFollowing();
     },
   };
-}
-
-function forEachMaterial(object: Object3D, visit: (material: Material) => void): void {
-  object.traverse((each) => {
-    const { material } = each as { material?: Material | Material[] };
-    for (const one of asList(material)) visit(one);
-  });
 }

@@ -1,6 +1,7 @@
 // The shadow of a light from its files, as a node of WebGPURenderer.
 
-import { FrontSide } from 'three';
+import { FrontSide, REVISION } from 'three';
+import type { Object3D } from 'three';
 import * as TSL from 'three/tsl';
 import * as WEBGPU from 'three/webgpu';
 import type { Node, NodeBuilder, NodeFrame, ShadowBaseNode } from 'three/webgpu';
@@ -9,6 +10,7 @@ import type { BakedShadowFile } from '../file/shadow-file.js';
 import { bakedLight } from '../light/baked-light.js';
 import type { BakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
+import { forEachMaterial } from '../light/materials.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
 import { checkThree } from '../light/three.js';
 import { OLDEST, nodeHooks } from './hooks.js';
@@ -76,7 +78,7 @@ export class BakedShadowNode extends Base {
     // What was in use until now is dropped, and materials are built anew.
     const before = light.shadow.shadowNode as unknown;
     if (before instanceof BakedShadowNode) before.dispose();
-    else if (before === undefined || before !== movers) light.dispatchEvent({ type: 'dispose' });
+    else if (before === undefined || before !== movers) forgetShadow(light);
   }
 
   /** Whether the light shines from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
@@ -97,6 +99,8 @@ export class BakedShadowNode extends Base {
   override build(builder: NodeBuilder, output: string | null = null): Node | string | null {
     // Before the nodes of `movers`, so that a shadow map is drawn with the casters of the same frame.
     (builder as Builder).addSequentialNode(this);
+    // Cascades before their own shadow maps; from 0.186 on they see to it themselves.
+    if (this.#movers !== null) (builder as Builder).addSequentialNode(this.#movers);
     return super.build(builder, output);
   }
 
@@ -139,7 +143,16 @@ export class BakedShadowNode extends Base {
     this.#movers?.dispose();
     super.dispose();
     if (this.#sun.shadow.shadowNode === this) delete this.#sun.shadow.shadowNode;
-    // Three's node of the light drops the shadow then, and has materials built anew.
-    this.#sun.dispatchEvent({ type: 'dispose' });
+    forgetShadow(this.#sun);
   }
+}
+
+/** Has three's node of a light drop its shadow, and materials built anew. */
+function forgetShadow(light: SunLike): void {
+  light.dispatchEvent({ type: 'dispose' });
+  // Three does the rest from 0.187 on.
+  if (parseInt(REVISION, 10) >= 187) return;
+  let root: Object3D = light;
+  while (root.parent !== null) root = root.parent;
+  forEachMaterial(root, (material) => material.dispose());
 }

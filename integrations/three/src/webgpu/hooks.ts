@@ -1,7 +1,6 @@
 // What baked shadows need of three's nodes. Each name is written out, so that a bundler goes on leaving out what a page
 // does not use.
 
-import { REVISION } from 'three';
 import * as TSL from 'three/tsl';
 import * as WEBGPU from 'three/webgpu';
 
@@ -13,13 +12,11 @@ function membersOf(type: { prototype: unknown } | undefined): Readonly<Record<st
 }
 
 /** The first revision of three with all hooks. */
-export const OLDEST = 186;
+export const OLDEST = 183;
 
 /** Returns the hooks by name; `undefined` is missing. */
 export function nodeHooks(): Hooks {
   return {
-    // No name tells: three before it goes on with the shadow that a light had when a material was first drawn.
-    'new shadow for a light in use': !(parseInt(REVISION, 10) < OLDEST),
     ShadowBaseNode: WEBGPU.ShadowBaseNode,
     'AnalyticLightNode.disposeShadow': membersOf(WEBGPU.AnalyticLightNode)['disposeShadow'],
     'NodeBuilder.addSequentialNode': membersOf(WEBGPU.NodeBuilder)['addSequentialNode'],
