@@ -2,9 +2,10 @@
 // all, in seconds; `ADUMBRA_BIN` says where it is, if not in the path.
 
 import { spawnSync } from 'node:child_process';
-import { mkdirSync, renameSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 
 const SUN = [0.5, 0.8, 0.35];
 const COLUMNS = 16384;
@@ -38,6 +39,7 @@ const city = join(folder, 'city.glb');
 const sun = SUN.join(',');
 make('city.glb', 'generate', 'city');
 make('city.adumbra', 'bake', city, '--sun', sun, '--resolution', String(COLUMNS), '--layout', 'depths', '--progress', 'none');
+writeFileSync(join(folder, 'city.adumbra.gz'), gzipSync(readFileSync(join(folder, 'city.adumbra')), { level: 9 }));
 const { eye, target, fov, width, height } = VIEW;
 make(
   'truth.png',

@@ -1,7 +1,7 @@
 // The page: puts the parts together.
 
 import { PerspectiveCamera, Vector3 } from 'three';
-import { FILTER_WIDTHS, ShadowFileLoader } from 'adumbra-three';
+import { FILTER_WIDTHS } from 'adumbra-three';
 import type { BakedShadowFile, FilterWidth } from 'adumbra-three';
 import type { LookUp } from 'adumbra-three/look-ups';
 
@@ -18,6 +18,7 @@ import { available, open } from './renderers.js';
 import type { Drawing, FileSettings, RendererKind } from './renderers.js';
 import { disposeWorld, loadCity } from './scene.js';
 import type { World } from './scene.js';
+import { loadPacked } from './shadows.js';
 import { TECHNIQUE_NAMES } from './stock-shadows.js';
 import type { Technique } from './stock-shadows.js';
 import { compare, loadTruth } from './truth.js';
@@ -344,7 +345,7 @@ async function begin(): Promise<void> {
   const [drawing, world, file] = await Promise.all([
     open(kind, canvas, pixels() >= 1),
     loadCity(),
-    new ShadowFileLoader().loadAsync('city.adumbra'),
+    loadPacked('city.adumbra.gz'),
   ]);
   element('file-size', HTMLElement).textContent = megabytes(file.byteLength);
   say(kind === wanted ? '' : 'This browser or machine has no WebGPU, so WebGL2 draws.');

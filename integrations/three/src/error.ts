@@ -58,25 +58,22 @@ export type ShadowFileErrorDetails = Readonly<Record<string, number | string>>;
 export class ShadowFileError extends Error {
   override readonly name = 'ShadowFileError';
   /** What is wrong. Stable across versions. */
-  readonly kind: ShadowFileErrorKind;
+  declare readonly kind: ShadowFileErrorKind;
   /** The fault in the voxels, for the kinds `Graph`, `Packed` and `Depths`. Stable across versions. */
-  readonly fault: ShadowFileFault | undefined;
+  declare readonly fault: ShadowFileFault | undefined;
   /** The values found, by name. Those of a fault in the voxels are in the message alone. */
-  readonly details: ShadowFileErrorDetails;
+  declare readonly details: ShadowFileErrorDetails;
   /** Where the file came from, if a loader read it. */
-  readonly url: string | undefined;
+  declare readonly url: string | undefined;
 
-  /** Creates an error. `where.url` is put before the message. */
+  /** Creates an error. `url` is put before the message. */
   constructor(
     kind: ShadowFileErrorKind,
     message: string,
     details: ShadowFileErrorDetails = {},
-    where: { fault?: ShadowFileFault | undefined; url?: string; cause?: unknown } = {},
+    { fault, url, cause }: { fault?: ShadowFileFault | undefined; url?: string; cause?: unknown } = {},
   ) {
-    super(where.url === undefined ? message : `${where.url}: ${message}`, { cause: where.cause });
-    this.kind = kind;
-    this.details = details;
-    this.fault = where.fault;
-    this.url = where.url;
+    super(url === undefined ? message : `${url}: ${message}`, { cause });
+    Object.assign(this, { kind, details, fault, url });
   }
 }

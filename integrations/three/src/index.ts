@@ -15,6 +15,7 @@ export { LookUpTexture } from './gpu/look-up-texture.js';
 export { toGrid, toWorld } from './grid/light-grid.js';
 export type { Bounds, LightGrid } from './grid/light-grid.js';
 export type { Mat3, PointLike, Vec3 } from './grid/vec3.js';
+export { MissingHookError } from './light/three.js';
 export { ShadowFileLoader } from './loader.js';
 export { BakedShadowQuery } from './query/query.js';
 export { FILTER_WIDTHS } from './settings.js';

@@ -5,9 +5,6 @@ import { FileLoader, Loader } from 'three';
 import { ShadowFileError } from './error.js';
 import { BakedShadowFile } from './file/shadow-file.js';
 import type { ParseOptions } from './file/shadow-file.js';
-import { checkRevision } from './revision.js';
-
-checkRevision();
 
 /**
  * Loads a `.adumbra` file into a {@link BakedShadowFile}.
@@ -37,8 +34,10 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     onError: (error: unknown) => void = console.error,
   ): void {
     const { signal } = this;
-    const { signal: ofManager } = this.manager.abortController;
+    // Three has it from 0.179 on.
+    const ofManager = this.manager.abortController?.signal;
     let isOver = false;
+    let request: FileLoader<ArrayBuffer>;
     const end = (): void => {
       isOver = true;
       this.#aborts.delete(abort);
@@ -48,11 +47,10 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
       end();
       onError(error);
     };
-    let request: FileLoader<ArrayBuffer>;
     const abort = (): void => {
-      if (isOver) return;
       fail(new DOMException(`the load of ${url} was aborted`, 'AbortError'));
-      request.abort();
+      // Before 0.179 three goes on with the transfer.
+      request.abort?.();
     };
     const fetchFile = (mayRetry: boolean): void => {
       request = new FileLoader<ArrayBuffer>(this.manager)
@@ -81,7 +79,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
         (error) => {
           if (isOver) return;
           // Three gives loads of one URL one request, which was aborted by another of them.
-          if (mayRetry && isAbort(error) && !ofManager.aborted) fetchFile(false);
+          if (mayRetry && isAbort(error) && !ofManager?.aborted) fetchFile(false);
           else fail(isAbort(error) ? error : withUrl(error, url));
         },
       );
@@ -89,7 +87,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     this.#aborts.add(abort);
     signal?.addEventListener('abort', abort);
     fetchFile(true);
-    if (signal?.aborted === true) abort();
+    if (signal?.aborted) abort();
   }
 
   /**
@@ -119,6 +117,6 @@ function withUrl(error: unknown, url: string): unknown {
     const { kind, message, details, fault, cause } = error;
     return new ShadowFileError(kind, message, details, { fault, url, cause });
   }
-  const reason = error instanceof Error ? error.message : String(error);
+  const { message: reason } = error as Error;
   return new ShadowFileError('Io', `cannot be fetched: ${reason}; check its path and the server`, {}, { url, cause: error });
 }

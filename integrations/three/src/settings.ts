@@ -66,6 +66,6 @@ export interface LookUpOptions {
  */
 export function checkFilter(filter: number): void {
   if (!(FILTER_WIDTHS as readonly number[]).includes(filter)) {
-    throw new RangeError(`the filter's width is ${filter}, but must be 1, 3, 5, 9 or 17`);
+    throw new RangeError(`the filter's width is ${filter}, but must be one of ${FILTER_WIDTHS.join(', ')}`);
   }
 }

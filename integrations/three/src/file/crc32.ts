@@ -1,14 +1,13 @@
 // CRC-32 of IEEE 802.3, as in gzip and PNG. Four bytes are taken at a time with four tables. Source: Kounavis and Berry,
 // "A Systematic Approach to Building High Performance Software-based CRC Generators", 2005.
 
-const POLYNOMIAL = 0xedb88320;
-/** Number of bytes that are taken at a time; one table for each. */
-const SLICES = 4;
-
 /** Entry 256 · s + b: the remainder of byte b, followed by s zero bytes. */
 const TABLES = /* @__PURE__ */ makeTables();
 
 function makeTables(): Int32Array {
+  const POLYNOMIAL = 0xedb88320;
+  /** Number of bytes that are taken at a time; one table for each. */
+  const SLICES = 4;
   const tables = new Int32Array(256 * SLICES);
   for (let byte = 0; byte < 256; byte++) {
     let remainder = byte;

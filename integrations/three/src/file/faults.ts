@@ -1,14 +1,17 @@
 // Errors that several parts of the reader have in common.
 
 import { ShadowFileError } from '../error.js';
+import type { ShadowFileErrorDetails, ShadowFileErrorKind, ShadowFileFault } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
+import { crc32 } from './crc32.js';
 
 /** Size of the header in bytes. */
 export const HEADER_BYTES = 384;
 
-/** Returns the error for a field of the header with a value that is not allowed. */
-export function field(name: string, value: number | Vec3 | string, expected: number | string): ShadowFileError {
-  return new ShadowFileError('HeaderField', `the header's ${name} is ${value}, but must be ${expected}; bake it again`, {
+/** Throws the error for a field of the header with a value that is not allowed, unless `isGood`. */
+export function check(isGood: boolean, name: string, value: number | Vec3 | string, expected: number | string): void {
+  if (isGood) return;
+  throw new ShadowFileError('HeaderField', `the header's ${name} is ${value}, but must be ${expected}; bake it again`, {
     field: name,
     value: String(value),
     expected: String(expected),
@@ -24,12 +27,29 @@ export function truncated(what: string, needed: number, have: number): ShadowFil
   );
 }
 
-/** Returns the message for a part whose checksum differs. */
-export function damaged(what: string, stored: number, computed: number): string {
-  return `the ${what} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy the file again, or bake it again`;
+/** Checks the checksum of a part of the file. */
+export function checkChecksum(
+  kind: ShadowFileErrorKind,
+  what: string,
+  bytes: Uint8Array,
+  stored: number,
+  details: ShadowFileErrorDetails = {},
+): void {
+  const computed = crc32(bytes);
+  if (stored === computed) return;
+  throw new ShadowFileError(
+    kind,
+    `the ${what} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy the file again, or bake it again`,
+    { ...details, stored, computed },
+  );
 }
 
 /** Returns a word as eight hexadecimal digits. */
 export function hex(word: number): string {
   return `0x${word.toString(16).padStart(8, '0')}`;
+}
+
+/** Throws the error for voxels that are not valid. */
+export function voxelFault(kind: ShadowFileErrorKind, fault: ShadowFileFault, message: string): never {
+  throw new ShadowFileError(kind, `the voxels are not valid: ${message}; bake it again`, {}, { fault });
 }

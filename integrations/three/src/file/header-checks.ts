@@ -2,72 +2,54 @@
 
 import { obliqueAxes } from '../grid/light-grid.js';
 import type { LightGrid } from '../grid/light-grid.js';
-import { cross, dot, map3 } from '../grid/vec3.js';
+import { cross, dot } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { FileSettings } from '../settings.js';
-import { field } from './faults.js';
+import { check } from './faults.js';
 
 /** Tolerance for unit vectors and axes: far above rounding errors, and far below a texel. */
 const UNIT_TOLERANCE = 1e-9;
 
-/** Returns the number of roots along x, y, z that cover `size` voxels. */
-export function rootsOf(size: Vec3, rootLevel: number): Vec3 {
-  return map3(size, (n) => Math.ceil(n / 2 ** rootLevel));
-}
-
-/** Checks that the sun is a unit vector above the horizon. */
-export function checkSun(sun: Vec3): void {
-  if (!(Math.abs(dot(sun, sun) - 1) <= UNIT_TOLERANCE && sun[1] > 0)) {
-    throw field('sun', sun, 'a unit vector with y above zero');
-  }
-}
-
 /** Checks the fields that say how the file was baked. */
-export function checkSettings(settings: FileSettings): void {
-  const { resolution, thicknessWorld, bias, bounds } = settings;
-  if (resolution === 0) throw field('resolution', resolution, 'at least 1');
-  if (!(Number.isFinite(thicknessWorld) && thicknessWorld >= 0)) {
-    throw field('thickness', thicknessWorld, 'a finite number, zero or more');
-  }
+export function checkSettings({ resolution, thicknessWorld, bias, bounds }: FileSettings): void {
+  check(resolution > 0, 'resolution', resolution, 'at least 1');
+  check(isFinite(thicknessWorld) && thicknessWorld >= 0, 'thickness', thicknessWorld, 'a finite number, zero or more');
   checkFinite('bias', [bias.constantTexels, bias.slopeTexels, bias.normalOffsetTexels]);
   if (bounds === null) return;
-  const good = ([0, 1, 2] as const).every(
-    (a) => Number.isFinite(bounds.min[a]) && Number.isFinite(bounds.max[a]) && bounds.min[a] <= bounds.max[a],
-  );
-  if (!good) throw field('bounds', `${bounds.min}, ${bounds.max}`, 'finite, with no minimum above its maximum');
+  const { min, max } = bounds;
+  const isGood = [...min, ...max].every(isFinite) && min.every((c, a) => c <= max[a as 0 | 1 | 2]);
+  check(isGood, 'bounds', `${min}, ${max}`, 'finite, with no minimum above its maximum');
 }
 
 /** Checks the fields that place the grid in the world. */
 export function checkGrid(grid: LightGrid): void {
-  const { size, voxelSize, corner, axes } = grid;
-  if (size.includes(0)) throw field('size', size, 'at least 1 along each axis');
-  if (!(Number.isFinite(voxelSize) && voxelSize > 0)) {
-    throw field('voxel_size', voxelSize, 'a finite number above zero');
-  }
+  const { size, voxelSize, corner, axes, frame } = grid;
+  check(!size.includes(0), 'size', size, 'at least 1 along each axis');
+  check(isFinite(voxelSize) && voxelSize > 0, 'voxel_size', voxelSize, 'a finite number above zero');
   checkFinite('corner', corner);
-  if (grid.frame === 'light') {
-    if (!isAlongLight(grid)) {
-      throw field('axes', axes.join(), 'orthonormal and right-handed, the third away from the sun');
-    }
-  } else if (!isUpright(grid)) {
-    throw field('axes', axes.join(), 'those of the oblique frame for this sun and yaw');
-  }
+  if (frame === 'light') {
+    check(isAlongLight(grid), 'axes', axes.join(), 'orthonormal, right-handed, the third away from the sun');
+  } else check(isUpright(grid), 'axes', axes.join(), 'those of the oblique frame for this sun and yaw');
 }
 
 function checkFinite(name: string, values: Vec3): void {
-  if (!values.every(Number.isFinite)) throw field(name, values, 'finite numbers');
+  check(values.every(isFinite), name, values, 'finite numbers');
+}
+
+/** Whether two numbers that follow from unit vectors are the same. */
+export function isNear(value: number, wanted: number): boolean {
+  return Math.abs(value - wanted) <= UNIT_TOLERANCE;
 }
 
 function isAlongLight({ axes, sun }: LightGrid): boolean {
   const [x, y, z] = axes;
-  const near = (value: number): boolean => Math.abs(value) <= UNIT_TOLERANCE;
   return (
-    axes.every((axis) => near(dot(axis, axis) - 1)) &&
-    near(dot(x, y)) &&
-    near(dot(y, z)) &&
-    near(dot(z, x)) &&
+    axes.every((axis) => isNear(dot(axis, axis), 1)) &&
+    isNear(dot(x, y), 0) &&
+    isNear(dot(y, z), 0) &&
+    isNear(dot(z, x), 0) &&
     dot(cross(x, y), z) > 0 &&
-    sun.every((c, a) => near(z[a as 0 | 1 | 2] + c))
+    sun.every((c, a) => isNear(z[a as 0 | 1 | 2], -c))
   );
 }
 

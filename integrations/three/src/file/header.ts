@@ -8,9 +8,8 @@ import { dot, map3 } from '../grid/vec3.js';
 import type { Mat3, Vec3 } from '../grid/vec3.js';
 import { LAYOUTS } from '../settings.js';
 import type { FileSettings, Layout } from '../settings.js';
-import { crc32 } from './crc32.js';
-import { HEADER_BYTES, damaged, field, truncated } from './faults.js';
-import { checkGrid, checkSettings, checkSun, rootsOf } from './header-checks.js';
+import { HEADER_BYTES, check, checkChecksum, hex, truncated } from './faults.js';
+import { checkGrid, checkSettings, isNear } from './header-checks.js';
 import { checkSections, readSections } from './sections.js';
 import type { Sections } from './sections.js';
 
@@ -18,14 +17,7 @@ import type { Sections } from './sections.js';
 export const LATEST_VERSION = 3;
 
 const MAGIC = 'ADUMBRA\n';
-/** The first bytes of a file with a world-aligned tree, see `spec/adumbra-tree.md`. */
-const TREE_MAGIC = 'ADUMTREE';
 
-const ASSUME_GROUND = 1;
-const CLOSED_REGIONS = 2;
-const IGNORE_ALPHA = 4;
-const STATIC_RECEIVERS = 8;
-const HAS_BOUNDS = 16;
 
 /** The header of a file. Every field has been checked. */
 export interface ShadowFileHeader {
@@ -61,39 +53,36 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const u32s = (word: number): Vec3 => [u32(word), u32(word + 1), u32(word + 2)];
   const f64s = (word: number): Vec3 => [f64(word), f64(word + 2), f64(word + 4)];
   const u64 = (word: number): number => Number(view.getBigUint64(4 * word, true));
-  const zero = (name: string, word: number): void => {
-    if (u32(word) !== 0) throw field(name, `0x${u32(word).toString(16)}`, '0');
-  };
+  const zero = (word: number): void => check(u32(word) === 0, `reserved word ${word}`, hex(u32(word)), 0);
 
   identify(bytes, view);
   const version = u32(2);
   const sections = readSections(view, zero);
-  for (let word = 92; word < 95; word++) zero('reserved words 92 to 94', word);
-  if (version === 1) {
-    zero('reserved word 13', 13);
-    zero('reserved word 88', 88);
-  }
-  if (version < 3) zero('reserved word 89', 89);
+  const reserved = [92, 93, 94, ...(version === 1 ? [13, 88] : []), ...(version < 3 ? [89] : [])];
+  reserved.forEach(zero);
 
-  const layout = LAYOUTS[u32(13)];
-  if (layout === undefined) throw field('layout', u32(13), '0 (plain), 1 (packed) or 2 (depths)');
+  const layout = LAYOUTS[u32(13)]!;
+  check(layout !== undefined, 'layout', u32(13), '0 (plain), 1 (packed) or 2 (depths)');
+  const ASSUME_GROUND = 1;
+  const CLOSED_REGIONS = 2;
+  const IGNORE_ALPHA = 4;
+  const STATIC_RECEIVERS = 8;
+  const HAS_BOUNDS = 16;
   const flags = u32(4);
-  if (flags > 31) throw field('flags', `0x${flags.toString(16)}`, 'limited to bits 0 to 4');
+  check(flags <= 31, 'flags', hex(flags), 'limited to bits 0 to 4');
+  const has = (flag: number): boolean => (flags & flag) !== 0;
   const box: Bounds = { min: f64s(54), max: f64s(60) };
-  if ((flags & HAS_BOUNDS) === 0) {
-    for (let word = 54; word < 66; word++) {
-      if (u32(word) !== 0) throw field('bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');
-    }
+  for (let word = 54; word < 66; word++) {
+    check(has(HAS_BOUNDS) || u32(word) === 0, 'bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');
   }
   const sun = f64s(16);
-  checkSun(sun);
+  check(isNear(dot(sun, sun), 1) && sun[1] > 0, 'sun', sun, 'a unit vector with y above zero');
   const frame = u32(89);
   const yawRadians = f64(90);
-  if (frame > 1) throw field('frame', frame, '0 (light) or 1 (oblique)');
-  if (frame === 0 && (u32(90) | u32(91)) !== 0) {
-    throw field('yaw', yawRadians, 'zero, because the frame is that of the light');
-  }
-  if (!(Math.abs(yawRadians) <= Math.PI)) throw field('yaw', yawRadians, 'from -pi to pi');
+  check(frame <= 1, 'frame', frame, '0 (light) or 1 (oblique)');
+  const isOblique = frame === 1;
+  check(isOblique || (u32(90) | u32(91)) === 0, 'yaw', yawRadians, 'zero, because the frame is that of the light');
+  check(Math.abs(yawRadians) <= Math.PI, 'yaw', yawRadians, 'from -pi to pi');
 
   const voxelSize = f64(14);
   const axes: Mat3 = [f64s(28), f64s(34), f64s(40)];
@@ -102,24 +91,24 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const corner = version < 3 ? map3(place, (_, a) => dot(axes[a], place) / voxelSize) : place;
   const grid: LightGrid = {
     sun,
-    frame: frame === 0 ? 'light' : 'oblique',
+    frame: isOblique ? 'oblique' : 'light',
     yawRadians,
     voxelSize,
     corner,
     axes,
-    edges: frame === 0 ? axes : obliqueEdges(sun, axes),
+    edges: isOblique ? obliqueEdges(sun, axes) : axes,
     size: u32s(6),
   };
   const [constantTexels, slopeTexels, normalOffsetTexels] = f64s(48);
   const settings: FileSettings = {
     resolution: u32(5),
     thicknessWorld: f64(46),
-    assumeGround: (flags & ASSUME_GROUND) !== 0,
-    closedRegions: (flags & CLOSED_REGIONS) !== 0,
-    ignoreAlpha: (flags & IGNORE_ALPHA) !== 0,
-    receivers: (flags & STATIC_RECEIVERS) !== 0 ? 'static' : 'all',
+    assumeGround: has(ASSUME_GROUND),
+    closedRegions: has(CLOSED_REGIONS),
+    ignoreAlpha: has(IGNORE_ALPHA),
+    receivers: has(STATIC_RECEIVERS) ? 'static' : 'all',
     switchWithinVoxels: u32(88),
-    bounds: (flags & HAS_BOUNDS) !== 0 ? box : null,
+    bounds: has(HAS_BOUNDS) ? box : null,
     bias: { constantTexels, slopeTexels, normalOffsetTexels },
     triangles: u64(66),
     instances: u64(68),
@@ -127,23 +116,23 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   checkSettings(settings);
   checkGrid(grid);
   const rootLevel = u32(9);
-  if (rootLevel < 3 || rootLevel > 20) throw field('root_level', rootLevel, 'from 3 to 20');
+  check(rootLevel >= 3 && rootLevel <= 20, 'root_level', rootLevel, 'from 3 to 20');
   const topDims = u32s(10);
-  const expected = rootsOf(grid.size, rootLevel);
-  if (topDims.some((n, a) => n !== expected[a])) {
-    throw field('top_dims', topDims, `${expected}, as follows from size ${grid.size} and root_level ${rootLevel}`);
-  }
+  const expected = map3(grid.size, (n) => Math.ceil(n / 2 ** rootLevel)).join();
+  check(topDims.join() === expected, 'top_dims', topDims, `${expected}, for size ${grid.size} and root_level ${rootLevel}`);
   const fileBytes = checkSections(sections, layout, topDims);
   return { version, grid, settings, rootLevel, topDims, layout, sections, fileBytes };
 }
 
 /** Checks that `bytes` begin with a header: magic, version, length, and the checksum in its last word. */
 function identify(bytes: Uint8Array, view: DataView): void {
+  /** The first bytes of a file with a world-aligned tree, see `spec/adumbra-tree.md`. */
+  const TREE_MAGIC = 'ADUMTREE';
   const start = String.fromCharCode(...bytes.subarray(0, MAGIC.length));
   if (start === TREE_MAGIC) {
     throw new ShadowFileError(
       'OtherKind',
-      'this is a tree file, but a light-aligned shadow file is needed here; give such a file, or bake the scene into one',
+      'this is a tree file, not a shadow file; bake the scene into one',
     );
   }
   if (!MAGIC.startsWith(start)) {
@@ -164,13 +153,10 @@ function identify(bytes: Uint8Array, view: DataView): void {
         { version, supported: LATEST_VERSION },
       );
     }
-    if (version < 1) throw field('version', version, `1 to ${LATEST_VERSION}`);
-    if (length !== HEADER_BYTES) throw field('header_bytes', length, HEADER_BYTES);
+    check(version >= 1, 'version', version, `1 to ${LATEST_VERSION}`);
+    check(length === HEADER_BYTES, 'header_bytes', length, HEADER_BYTES);
   }
   if (bytes.length < HEADER_BYTES) throw truncated('header', HEADER_BYTES, bytes.length);
-  const stored = view.getUint32(HEADER_BYTES - 4, true);
-  const computed = crc32(bytes.subarray(0, HEADER_BYTES - 4));
-  if (stored !== computed) {
-    throw new ShadowFileError('HeaderChecksum', damaged('header', stored, computed), { stored, computed });
-  }
+  const end = HEADER_BYTES - 4;
+  checkChecksum('HeaderChecksum', 'header', bytes.subarray(0, end), view.getUint32(end, true));
 }

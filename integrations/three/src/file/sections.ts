@@ -1,25 +1,20 @@
 // The sections after the header: their table, and cutting a file into them. Offsets and lengths have 64 bits and come
-// from outside, so they are compared as BigInt until they are known to be within the file. Counterpart of
-// `crates/adumbra/src/file/sections.rs`.
+// from outside. Above 2^53 they are rounded here, but no file is that long: such a section has another place than it must
+// have, or is cut off. Counterpart of `crates/adumbra/src/file/sections.rs`.
 
 import { ShadowFileError } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { Layout } from '../settings.js';
-import { crc32 } from './crc32.js';
-import { HEADER_BYTES, damaged, truncated } from './faults.js';
-
-/** Words of the top of a packed file before its columns, and the one behind them. */
-const PACKED_TOP_WORDS = 20n;
-const U64_MAX = 2n ** 64n - 1n;
+import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
 
 /** A section as the header's table names it. */
 export interface Section {
   /** `top`, `nodes` or `leaf_masks`. */
   readonly name: string;
   /** Where it begins, bytes from the file's first. */
-  readonly offset: bigint;
+  readonly offset: number;
   /** Its length, bytes. */
-  readonly length: bigint;
+  readonly length: number;
   /** CRC-32 of its bytes. */
   readonly checksum: number;
 }
@@ -28,13 +23,13 @@ export interface Section {
 export type Sections = readonly [Section, Section, Section];
 
 /** Reads the section table. `zero` checks that a reserved word of the header is 0. */
-export function readSections(view: DataView, zero: (name: string, word: number) => void): Sections {
+export function readSections(view: DataView, zero: (word: number) => void): Sections {
   const read = (name: string, word: number): Section => {
-    zero("section table's reserved word", word + 5);
+    zero(word + 5);
     return {
       name,
-      offset: view.getBigUint64(4 * word, true),
-      length: view.getBigUint64(4 * word + 8, true),
+      offset: Number(view.getBigUint64(4 * word, true)),
+      length: Number(view.getBigUint64(4 * word + 8, true)),
       checksum: view.getUint32(4 * word + 16, true),
     };
   };
@@ -46,62 +41,39 @@ export function readSections(view: DataView, zero: (name: string, word: number) 
  * file in bytes.
  */
 export function checkSections(sections: Sections, layout: Layout, topDims: Vec3): number {
-  let end = BigInt(HEADER_BYTES);
+  let end = HEADER_BYTES;
   for (const section of sections) {
     const { name, offset, length } = section;
-    const begin = alignUp(end);
-    if (offset !== begin) throw bounds(section, 'offset', offset, String(begin));
-    const expected = name === 'top' ? topLength(length, layout, topDims) : partLength(length, layout, name);
-    if (expected !== undefined) throw bounds(section, 'length', length, expected);
-    end = endOf(section);
+    const begin = Math.ceil(end / 16) * 16;
+    if (offset !== begin) throw bounds(section, 'offset', begin);
+    const [multiple, least, most] = lengthsOf(name, layout, topDims);
+    if (length % multiple !== 0 || length < least || length > most) {
+      throw bounds(section, 'length', least === most ? least : `a multiple of ${multiple} from ${least} to ${most}`);
+    }
+    end = offset + length;
   }
-  return Number(end);
+  return end;
 }
 
-/** Returns the required length of the section `top`, or `undefined` if `length` is right. */
-function topLength(length: bigint, layout: Layout, topDims: Vec3): string | undefined {
-  const [x, y, z] = [BigInt(topDims[0]), BigInt(topDims[1]), BigInt(topDims[2])];
+/** Returns what a section's length must be a multiple of, and the least and the greatest length. */
+function lengthsOf(name: string, layout: Layout, [x, y, z]: Vec3): [multiple: number, least: number, most: number] {
+  const words = 2 ** 32;
+  if (name === 'nodes') return [4, 0, { plain: 4 * (words - 2), packed: words, depths: 2 * (words - 1) }[layout]];
+  if (name !== 'top') return [8, 0, layout === 'packed' ? 2 ** 19 : 8 * words];
+  const columns = 8 * x * y;
   // The number of roots of a packed file is in the section itself.
-  const least =
-    layout === 'plain' ? 4n * x * y * z : layout === 'depths' ? 8n * x * y : 8n * x * y + 4n * PACKED_TOP_WORDS;
-  const isRight = layout === 'packed' ? length % 4n === 0n && length >= least : length === least;
-  if (isRight && least <= U64_MAX) return undefined;
-  if (least > U64_MAX) return 'more than a file can hold';
-  return layout === 'packed' ? `a multiple of 4, at least ${least}` : String(least);
+  if (layout === 'packed') return [4, columns + 80, 2 ** 64];
+  const length = layout === 'plain' ? 4 * x * y * z : columns;
+  return [4, length, length];
 }
 
-/** Returns the required length of another section, or `undefined` if `length` is right. */
-function partLength(length: bigint, layout: Layout, name: string): string | undefined {
-  const isNodes = name === 'nodes';
-  const element = isNodes ? 4n : 8n;
-  const limit = isNodes
-    ? { plain: 4n * (2n ** 32n - 2n), packed: 2n ** 32n, depths: 2n * (2n ** 32n - 1n) }[layout]
-    : layout === 'packed'
-      ? 2n ** 19n
-      : 2n ** 35n;
-  return length % element === 0n && length <= limit ? undefined : `a multiple of ${element} up to ${limit}`;
-}
-
-function bounds(section: Section, field: string, value: bigint, expected: string): ShadowFileError {
+function bounds(section: Section, field: 'offset' | 'length', expected: number | string): ShadowFileError {
+  const value = section[field];
   return new ShadowFileError(
     'SectionBounds',
     `the section ${section.name} has ${field} ${value}, but must have ${expected}; bake it again`,
-    { section: section.name, field, value: String(value), expected },
+    { section: section.name, field, value: String(value), expected: String(expected) },
   );
-}
-
-/** Returns where a section ends, bytes from the file's first. */
-function endOf({ offset, length }: Section): bigint {
-  return atMostU64(offset + length);
-}
-
-/** Returns the next offset at which a section can begin: a multiple of 16. */
-function alignUp(offset: bigint): bigint {
-  return atMostU64(((offset + 15n) / 16n) * 16n);
-}
-
-function atMostU64(n: bigint): bigint {
-  return n > U64_MAX ? U64_MAX : n;
 }
 
 /**
@@ -110,11 +82,9 @@ function atMostU64(n: bigint): bigint {
  */
 export function split(bytes: Uint8Array, sections: Sections, checksums: boolean): Uint32Array[] {
   let end = HEADER_BYTES;
-  const parts = sections.map((section) => {
-    // Numbers above 2^53 are not exact, but no file is that long.
-    const needed = Number(endOf(section));
-    if (needed > bytes.length) throw truncated(section.name, needed, bytes.length);
-    const offset = Number(section.offset);
+  const parts = sections.map(({ name, offset, length }) => {
+    const needed = offset + length;
+    if (needed > bytes.length) throw truncated(name, needed, bytes.length);
     for (; end < offset; end++) {
       if (bytes[end] !== 0) {
         throw new ShadowFileError(
@@ -134,17 +104,9 @@ export function split(bytes: Uint8Array, sections: Sections, checksums: boolean)
       { end },
     );
   }
-  if (checksums) parts.forEach((part, i) => checkChecksum(part, sections[i as 0 | 1 | 2]));
-  return parts.map((part) => new Uint32Array(part.buffer, part.byteOffset, part.length >>> 2));
-}
-
-function checkChecksum(part: Uint8Array, { name, checksum: stored }: Section): void {
-  const computed = crc32(part);
-  if (stored !== computed) {
-    throw new ShadowFileError('SectionChecksum', damaged(`section ${name}`, stored, computed), {
-      section: name,
-      stored,
-      computed,
-    });
-  }
+  return parts.map((part, i) => {
+    const { name, checksum } = sections[i as 0 | 1 | 2];
+    if (checksums) checkChecksum('SectionChecksum', `section ${name}`, part, checksum, { section: name });
+    return new Uint32Array(part.buffer, part.byteOffset, part.length >>> 2);
+  });
 }

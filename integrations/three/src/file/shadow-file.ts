@@ -23,25 +23,25 @@ export interface ParseOptions {
 /** The contents of a `.adumbra` file. Its words are views of the bytes that it was made from. */
 export class BakedShadowFile {
   /** Version of the format, 1 to 3. */
-  readonly version: number;
+  declare readonly version: number;
   /** Placement of the voxels in the world, and the sun. */
-  readonly grid: LightGrid;
+  declare readonly grid: LightGrid;
   /** Settings of the bake. */
-  readonly settings: FileSettings;
+  declare readonly settings: FileSettings;
   /** Layout of the voxels. */
-  readonly layout: Layout;
+  declare readonly layout: Layout;
   /** A root spans 2^rootLevel voxels along each side; 3 to 20. */
-  readonly rootLevel: number;
+  declare readonly rootLevel: number;
   /** Number of roots along x, y, z. In the layout `depths` only x and y count. */
-  readonly topDims: Vec3;
+  declare readonly topDims: Vec3;
   /** The section `top`. */
-  readonly top: Uint32Array;
+  declare readonly top: Uint32Array;
   /** The section `nodes`: headers and pointers; packed: two units per word; depths: two half-words per word. */
-  readonly nodes: Uint32Array;
+  declare readonly nodes: Uint32Array;
   /** The section `leaf_masks`: two words per mask, the lower first; depths: two words per wide entry. */
-  readonly leafMasks: Uint32Array;
+  declare readonly leafMasks: Uint32Array;
   /** Length of the file, bytes. */
-  readonly byteLength: number;
+  declare readonly byteLength: number;
 
   /**
    * Parses and checks a whole file. Cost: one pass over the bytes; half their size in memory while it checks.
@@ -54,18 +54,11 @@ export class BakedShadowFile {
   constructor(bytes: ArrayBufferLike | Uint8Array, { verify = true }: ParseOptions = {}) {
     let whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
     if (whole.byteOffset % 4 !== 0) whole = new Uint8Array(whole);
-    const { version, grid, settings, layout, rootLevel, topDims, sections } = parseHeader(whole);
-    [this.top, this.nodes, this.leafMasks] = split(whole, sections, verify === true);
-    this.version = version;
-    this.grid = grid;
-    this.settings = settings;
-    this.layout = layout;
-    this.rootLevel = rootLevel;
-    this.topDims = topDims;
-    this.byteLength = whole.length;
-    Object.freeze(this);
+    const { sections, fileBytes: byteLength, ...header } = parseHeader(whole);
+    const [top, nodes, leafMasks] = split(whole, sections, verify === true);
+    Object.freeze(Object.assign(this, header, { top, nodes, leafMasks, byteLength }));
     if (verify === true) {
-      const validate = { plain: validatePlain, packed: validatePacked, depths: validateDepths }[layout];
+      const validate = { plain: validatePlain, packed: validatePacked, depths: validateDepths }[header.layout];
       validate(this);
     }
   }

@@ -8,12 +8,10 @@ import type { LightGrid } from '../grid/light-grid.js';
 import { map3 } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
 
-/** Largest length of a step, voxels. */
-const STEP_VOXELS = 8;
 
 /** The same memory as words of three types. */
 export interface WordViews {
-  readonly words: Uint32Array;
+  readonly words: Uint32Array<ArrayBuffer>;
   readonly ints: Int32Array;
   readonly floats: Float32Array;
 }
@@ -25,12 +23,14 @@ export interface WordViews {
  * shaders.
  */
 export function writeGridParameters({ ints, floats }: WordViews, grid: LightGrid, anchorWorld: Vec3): void {
+  /** Largest length of a step, voxels. */
+  const STEP_VOXELS = 8;
   const { axes, edges, voxelSize, size } = grid;
   const voxels = Math.max(...size);
   if (voxels > MAX_FIXED_SIDE) {
     throw new ShadowFileError(
       'TooLarge',
-      `the grid's longest side has ${voxels} voxels, but look-ups on a GPU can have at most ${MAX_FIXED_SIDE}; bake at a lower resolution`,
+      `the grid has ${voxels} voxels along a side, but on a GPU at most ${MAX_FIXED_SIDE} work; bake at a lower resolution`,
       { voxels, limit: MAX_FIXED_SIDE },
     );
   }
@@ -63,10 +63,8 @@ export function writeGridParameters({ ints, floats }: WordViews, grid: LightGrid
 
 /** Returns the largest power of two that is at most `x`, a positive normal number. */
 function powerOfTwoBelow(x: number): number {
-  const bits = new DataView(new ArrayBuffer(8));
-  bits.setFloat64(0, x);
+  const bits = new BigUint64Array(new Float64Array([x]).buffer);
   // The exponent is kept, and the fraction set to zero.
-  bits.setUint32(0, bits.getUint32(0) & 0x7ff00000);
-  bits.setUint32(4, 0);
-  return bits.getFloat64(0);
+  bits[0]! &= 0x7ffn << 52n;
+  return new Float64Array(bits.buffer)[0]!;
 }

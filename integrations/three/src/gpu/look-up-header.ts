@@ -5,14 +5,10 @@ import type { BakedShadowFile } from '../file/shadow-file.js';
 import { circleAcrossLight, coneTexelsPerVoxel, middle } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
 import { LAYOUTS, checkFilter } from '../settings.js';
-import type { Bias, LookUpOptions } from '../settings.js';
+import type { LookUpOptions } from '../settings.js';
 import { writeGridParameters } from './grid-parameters.js';
 import type { WordViews } from './grid-parameters.js';
 
-/** First word of a look-up texture: "ADUT". */
-const MAGIC = 0x54554441;
-/** Version of the look-up texture that is made. */
-const VERSION = 2;
 /** Number of words of the header, which precede the file's words. */
 export const HEADER_WORDS = 128;
 /** First word of the parameter block. */
@@ -33,7 +29,7 @@ export interface GpuLookUpOptions extends LookUpOptions {
 }
 
 /** The header of a file. Its words change with the settings of look-ups, and with nothing else. */
-export class LookUpHeader {
+export interface LookUpHeader {
   /** The 128 words. */
   readonly words: Uint32Array<ArrayBuffer>;
   /** The file's sections in the order of the texture. */
@@ -42,76 +38,64 @@ export class LookUpHeader {
   readonly count: number;
   /** World position that positions in the shader are relative to; each coordinate is a 32-bit floating-point number. */
   readonly anchorWorld: Vec3;
-  readonly #file: BakedShadowFile;
-  readonly #parameters: WordViews;
-
-  /**
-   * Creates the header in the first 128 words of `words`.
-   *
-   * @throws ShadowFileError of the kind `TooLarge` if the file's grid is too large for GPUs.
-   * @throws RangeError if an option is out of its range.
-   */
-  constructor(file: BakedShadowFile, options: GpuLookUpOptions, words = new Uint32Array(HEADER_WORDS)) {
-    const { layout, grid, top, nodes, leafMasks } = file;
-    this.#file = file;
-    this.words = words.subarray(0, HEADER_WORDS);
-    this.sections = sectionsOf(file);
-    this.count = wordCount(file);
-    this.anchorWorld = middle(grid);
-    const header = viewsOf(this.words, 0, PARAMETERS_AT);
-    header.words.set([MAGIC, VERSION, LAYOUTS.indexOf(layout), this.count]);
-    header.floats.set(this.anchorWorld, 4);
-    header.floats.set(grid.sun, 8);
-
-    const parameters = viewsOf(this.words, PARAMETERS_AT, 88);
-    this.#parameters = parameters;
-    writeGridParameters(parameters, grid, this.anchorWorld);
-    const [rootsX, rootsY, rootsZ] = file.topDims;
-    parameters.words.set([rootsX, rootsY, layout === 'depths' ? 1 : rootsZ, file.rootLevel], 68);
-    const second = top.length;
-    const third = second + (layout === 'depths' ? leafMasks : nodes).length;
-    parameters.words.set([second, third], layout === 'depths' ? 78 : 76);
-    parameters.floats.set(circleAcrossLight(grid), 84);
-    this.setLookUp(options);
-  }
-
   /**
    * Changes filter, bias and penumbrae of look-ups.
    *
    * @throws RangeError if an option is out of its range.
    */
-  setLookUp({ filter, bias = this.#file.settings.bias, penumbra }: GpuLookUpOptions): void {
+  setLookUp(options: GpuLookUpOptions): void;
+}
+
+/**
+ * Creates the header in the first 128 words of `all`.
+ *
+ * @throws ShadowFileError of the kind `TooLarge` if the file's grid is too large for GPUs.
+ * @throws RangeError if an option is out of its range.
+ */
+export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, all: Uint32Array<ArrayBuffer> = new Uint32Array(HEADER_WORDS)): LookUpHeader {
+  /** First word of a look-up texture: "ADUT". */
+  const MAGIC = 0x54554441;
+  /** Version of the look-up texture that is made. */
+  const VERSION = 2;
+  const { layout, grid, settings, top, nodes, leafMasks, topDims, rootLevel } = file;
+  const isDepths = layout === 'depths';
+  const sections = isDepths ? [top, leafMasks, nodes] : [top, nodes, leafMasks];
+  const count = wordCount(file);
+  const anchorWorld = middle(grid);
+  const header = viewsOf(all, 0, HEADER_WORDS);
+  header.words.set([MAGIC, VERSION, LAYOUTS.indexOf(layout), count]);
+  header.floats.set(anchorWorld, 4);
+  header.floats.set(grid.sun, 8);
+
+  const parameters = viewsOf(header.words, PARAMETERS_AT, 88);
+  const { words, floats } = parameters;
+  writeGridParameters(parameters, grid, anchorWorld);
+  words.set([topDims[0], topDims[1], isDepths ? 1 : topDims[2], rootLevel], 68);
+  words.set([top.length, top.length + sections[1]!.length], isDepths ? 78 : 76);
+  floats.set(circleAcrossLight(grid), 84);
+
+  const setLookUp = ({ filter, bias = settings.bias, penumbra }: GpuLookUpOptions): void => {
     checkFilter(filter);
-    checkBias(bias);
-    const { words, floats } = this.#parameters;
-    const { grid, layout } = this.#file;
+    const terms = [bias.constantTexels, bias.slopeTexels, bias.normalOffsetTexels];
+    for (const texels of terms) checkRange('a term of the bias in texels', texels, 0, 16);
     if (penumbra !== undefined) {
-      if (layout !== 'depths') throw new RangeError(`penumbrae need a file of the layout depths, but this is ${layout}`);
-      if (filter !== 1) throw new RangeError(`penumbrae replace the filter, so its width must be 1, but it is ${filter}`);
+      if (!isDepths) throw new RangeError(`penumbrae need a file of the layout depths, but this is ${layout}`);
+      if (filter !== 1) throw new RangeError(`penumbrae need a filter of width 1, but it is ${filter}`);
       checkRange("the sun's angle in degrees", penumbra.angleDegrees, 0.01, 20);
       checkRange('the largest radius of a penumbra in texels', penumbra.maxRadiusTexels, 1, 64);
     }
-    floats.set([bias.constantTexels, bias.slopeTexels, bias.normalOffsetTexels, 1], 72);
+    floats.set([...terms, 1], 72);
     words[80] = filter;
     floats[81] = penumbra === undefined ? 0 : coneTexelsPerVoxel(grid, penumbra.angleDegrees);
     floats[82] = penumbra?.maxRadiusTexels ?? 0;
-  }
-}
-
-/** Returns a file's sections in the order of the texture. */
-function sectionsOf({ layout, top, nodes, leafMasks }: BakedShadowFile): readonly Uint32Array[] {
-  return layout === 'depths' ? [top, leafMasks, nodes] : [top, nodes, leafMasks];
+  };
+  setLookUp(options);
+  return { words: header.words, sections, count, anchorWorld, setLookUp };
 }
 
 /** Returns the number of words of a file's sections. */
 export function wordCount({ top, nodes, leafMasks }: BakedShadowFile): number {
   return top.length + nodes.length + leafMasks.length;
-}
-
-function checkBias(bias: Bias): void {
-  for (const texels of [bias.constantTexels, bias.slopeTexels, bias.normalOffsetTexels]) {
-    checkRange('a term of the bias in texels', texels, 0, 16);
-  }
 }
 
 function checkRange(name: string, value: number, low: number, high: number): void {

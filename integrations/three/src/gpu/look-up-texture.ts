@@ -4,11 +4,9 @@
 import { ShadowFileError } from '../error.js';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import type { Vec3 } from '../grid/vec3.js';
-import { HEADER_WORDS, LookUpHeader, wordCount } from './look-up-header.js';
-import type { GpuLookUpOptions } from './look-up-header.js';
+import { HEADER_WORDS, lookUpHeader, wordCount } from './look-up-header.js';
+import type { GpuLookUpOptions, LookUpHeader } from './look-up-header.js';
 
-/** Width of the narrowest texture: its first row is the header. */
-const MIN_WIDTH = HEADER_WORDS;
 
 /**
  * A file as a texture, with the parameters of look-ups in its header.
@@ -18,11 +16,11 @@ const MIN_WIDTH = HEADER_WORDS;
  */
 export class LookUpTexture {
   /** Texels per row, a power of two, at least 128. */
-  readonly width: number;
+  declare readonly width: number;
   /** Number of rows. */
-  readonly height: number;
+  declare readonly height: number;
   /** All texels, row by row: word w is in column w mod width. */
-  readonly words: Uint32Array<ArrayBuffer>;
+  declare readonly words: Uint32Array<ArrayBuffer>;
   readonly #header: LookUpHeader;
 
   /**
@@ -35,7 +33,7 @@ export class LookUpTexture {
   constructor(file: BakedShadowFile, maxSide: number, options: GpuLookUpOptions) {
     [this.width, this.height] = textureSize(wordCount(file), maxSide);
     this.words = new Uint32Array(this.width * this.height);
-    this.#header = new LookUpHeader(file, options, this.words);
+    this.#header = lookUpHeader(file, options, this.words);
     writeSections(this.#header, this.words, HEADER_WORDS);
   }
 
@@ -74,6 +72,8 @@ export function writeSections({ sections }: LookUpHeader, words: Uint32Array, fr
  * @throws ShadowFileError of the kind `TooLarge` if a side would be longer than `maxSide`.
  */
 export function textureSize(fileWords: number, maxSide: number): [width: number, height: number] {
+  // The first row of the narrowest texture is the header.
+  const MIN_WIDTH = HEADER_WORDS;
   const texels = HEADER_WORDS + fileWords;
   let square = MIN_WIDTH;
   while (square * square < texels) square *= 2;

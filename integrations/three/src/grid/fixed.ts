@@ -5,3 +5,7 @@
 export const FIXED_ONE = 4096;
 /** Most voxels along a side of the grid with which positions and depths in fixed point fit 32 bits. */
 export const MAX_FIXED_SIDE = 516096;
+/** A slope of 1 in fixed point. */
+export const GRADIENT_ONE = 256;
+/** The steepest plane that look-ups follow from texel to texel. */
+export const MAX_PLANE_SLOPE = 120;

@@ -25,6 +25,6 @@ export function cross(a: Vec3, b: Vec3): Vec3 {
 }
 
 /** Returns the vector with `change` applied to each number. */
-export function map3(v: Vec3, change: (c: number, axis: 0 | 1 | 2) => number): Vec3 {
+export function map3<T>(v: readonly [T, T, T], change: (c: T, axis: 0 | 1 | 2) => number): Vec3 {
   return [change(v[0], 0), change(v[1], 1), change(v[2], 2)];
 }

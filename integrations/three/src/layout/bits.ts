@@ -17,7 +17,17 @@ export function digits(n: number): number {
   return 32 - Math.clz32(n);
 }
 
-/** Returns the index of the lowest bit that is 1, 0 to 31; 32 if there is none. */
+/** Returns the index of the lowest bit that is 1, 0 to 31; −1 if there is none. */
 export function lowestBit(word: number): number {
-  return popCount((word & -word) - 1);
+  return digits(word & -word) - 1;
+}
+
+/** Returns words as half-words, the lower one of each first. */
+export function halvesOf(words: Uint32Array): Uint16Array {
+  return new Uint16Array(words.buffer, words.byteOffset, 2 * words.length);
+}
+
+/** Returns the word that two half-words make, the lower one first. */
+export function twoHalves(halves: Uint16Array, at: number): number {
+  return (halves[at] | (halves[at + 1] << 16)) >>> 0;
 }

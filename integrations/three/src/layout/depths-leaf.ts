@@ -8,23 +8,23 @@ export const UNIFORM = 0xffffffff;
 /** Depth of a column that never switches. */
 export const NEVER = 0xffffffff;
 
-/** Where the parts of a leaf are. */
-export interface LeafHead {
-  /** The last rank: the number of depths minus 1. */
-  readonly last: number;
-  /** Number of depths that are stored as differences: all but the base and "never". */
-  readonly differences: number;
-  /** Differences take 8 << width bits each. */
-  readonly width: number;
-  /** Whether a gradient follows the first half-word. */
-  readonly isSlanted: boolean;
-  /** Half-words before the differences. */
-  readonly differencesAt: number;
-  /** Half-words before the planes. */
-  readonly planesAt: number;
-  /** Number of bit planes of the columns' ranks. */
-  readonly planes: number;
-}
+/**
+ * Where the parts of a leaf are.
+ *
+ * `last`: the last rank, the number of depths minus 1. `differences`: how many depths are stored as differences, all but
+ * the base and "never". `width`: differences take 8 << width bits each. `isSlanted`: whether a gradient follows the first
+ * half-word. `differencesAt`, `planesAt`: half-words before the differences, and before the planes. `planes`: the number
+ * of bit planes of the columns' ranks.
+ */
+export type LeafHead = readonly [
+  last: number,
+  differences: number,
+  width: number,
+  isSlanted: boolean,
+  differencesAt: number,
+  planesAt: number,
+  planes: number,
+];
 
 /** Decodes a leaf's first half-word. */
 export function leafHead(half: number): LeafHead {
@@ -34,5 +34,5 @@ export function leafHead(half: number): LeafHead {
   const isSlanted = ((half >>> 9) & 1) === 1;
   const differencesAt = isSlanted ? 2 : 1;
   const planesAt = differencesAt + (((differences << width) + 1) >>> 1);
-  return { last, differences, width, isSlanted, differencesAt, planesAt, planes: digits(last) };
+  return [last, differences, width, isSlanted, differencesAt, planesAt, digits(last)];
 }

@@ -1,7 +1,8 @@
 // Parts of a packed node that both look-ups and the validation decode. `spec/adumbra-file.md`, "The packed layout", has
 // the bits. Counterpart of `crates/adumbra/src/layout/packed/node.rs`.
 
-import { popCount } from './bits.js';
+import type { Vec3 } from '../grid/vec3.js';
+import { bitsBelow, popCount } from './bits.js';
 
 /** Word of the top at which its columns begin; the words before are the first units of the pools. */
 export const POOL_WORDS = 19;
@@ -31,4 +32,19 @@ export function stringUnits(wide: number, bits: number): number {
 export function inlineMasks(unit: number): number {
   const flags = (unit >>> 9) & 0x3f;
   return flags | ((flags & 0x20) * 6);
+}
+
+/** Returns the word of the top behind the columns and their count: that of the first root. */
+export function rootsWord([x, y]: Vec3): number {
+  return POOL_WORDS + 2 * x * y + 1;
+}
+
+/** Returns the high part of `bits` bits at bit `place` of the string of the node at `unit`. */
+export function highPart(units: Uint16Array, unit: number, place: number, bits: number): number {
+  return (units[unit + 1 + (place >>> 4)] >>> (place & 15)) & bitsBelow(bits);
+}
+
+/** Returns the voxels of `mask` that are lit too, or lit instead, in a bit plane, by the lowest bit of a count. */
+export function withPlane(mask: number, plane: number, count: number): number {
+  return count & 1 ? mask & plane : mask | plane;
 }

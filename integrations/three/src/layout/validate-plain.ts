@@ -5,21 +5,15 @@
 // word, every later one must name a header that was visited at the same level. A node without leaf masks below it means
 // the same at every level that its height fits.
 
-import { ShadowFileError } from '../error.js';
 import type { ShadowFileFault } from '../error.js';
-import { hex } from '../file/faults.js';
+import { hex, voxelFault } from '../file/faults.js';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { lowestBit, popCount } from './bits.js';
+import { LEAF_NODE_LEVEL } from './packed-node.js';
 
-const LIT = 0xffffffff;
-const SHADOWED = 0xfffffffe;
-/** Level of the nodes whose children are leaf masks. */
-const LEAF_NODE_LEVEL = 3;
-/** Added to the height of a node without leaf masks below it, in `kinds`. */
-const LEAF_MASK_FREE = 128;
 
 function fail(fault: ShadowFileFault, message: string): never {
-  throw new ShadowFileError('Graph', `the graph is not valid: ${message}; bake it again`, {}, { fault });
+  voxelFault('Graph', fault, message);
 }
 
 /**
@@ -28,6 +22,10 @@ function fail(fault: ShadowFileFault, message: string): never {
  * @throws ShadowFileError of the kind `Graph`.
  */
 export function validatePlain({ top, nodes, leafMasks, rootLevel }: BakedShadowFile): void {
+  const LIT = 0xffffffff;
+  const SHADOWED = 0xfffffffe;
+  /** Added to the height of a node without leaf masks below it, in `kinds`. */
+  const LEAF_MASK_FREE = 128;
   const leafMaskCount = leafMasks.length >>> 1;
   /** For the word of a header, the node's level, or `LEAF_MASK_FREE` plus its height; else 0. */
   const kinds = new Uint8Array(nodes.length);
@@ -35,16 +33,11 @@ export function validatePlain({ top, nodes, leafMasks, rootLevel }: BakedShadowF
   let leafMasksSeen = 0;
 
   /** Throws the error for the first pointer to a node word or leaf mask, if it is not the next one. */
-  const failFirst = (place: string, what: string, pointer: number, next: number, count: number): never => {
-    if (pointer >= count) fail('PointerRange', `${place} points to ${what} ${pointer}, but there are only ${count}`);
-    return fail('Order', `${place} points to ${what} ${pointer}, but in order of first visit the next one is ${next}`);
-  };
-
-  /** Throws the error for a pointer to a node that was visited, but not as one of this level. */
-  const failAgain = (place: string, pointer: number, level: number, first: number): never => {
-    const pair = `${place} points to node word ${pointer}`;
-    if (first === 0) fail('NotAHeader', `${pair}, which is a pointer and not a node's header`);
-    return fail('TwoLevels', `${pair} as a node of level ${level}, but it is one of level ${first}`);
+  const checkFirst = (where: string, index: number, what: string, pointer: number, next: number, count: number): void => {
+    if (pointer === next && pointer < count) return;
+    const pair = `${where} ${index} refers to ${what} ${pointer}, but `;
+    if (pointer >= count) fail('PointerRange', `${pair}there are only ${count}`);
+    fail('Order', `${pair}the next in order of first visit is ${next}`);
   };
 
   /** Checks a node to which word or entry `index` points. Returns its kind, see `kinds`. */
@@ -53,16 +46,17 @@ export function validatePlain({ top, nodes, leafMasks, rootLevel }: BakedShadowF
       const kind = kinds[pointer];
       const isFree = kind >= LEAF_MASK_FREE;
       const lowest = isFree ? LEAF_NODE_LEVEL + kind - LEAF_MASK_FREE : kind;
-      if (isFree ? level < lowest : level !== lowest) failAgain(`${where} ${index}`, pointer, level, lowest);
+      if (isFree ? level < lowest : level !== lowest) {
+        const pair = `${where} ${index} refers to node word ${pointer}`;
+        if (lowest === 0) fail('NotAHeader', `${pair}, which is a pointer and not a header`);
+        fail('TwoLevels', `${pair} as a node of level ${level}, but it is one of level ${lowest}`);
+      }
       return kind;
     }
-    if (pointer !== nodesSeen || pointer >= nodes.length) {
-      failFirst(`${where} ${index}`, 'node word', pointer, nodesSeen, nodes.length);
-    }
+    checkFirst(where, index, 'node word', pointer, nodesSeen, nodes.length);
     const end = pointer + 1 + checkHeader(nodes[pointer], pointer);
     if (end > nodes.length) {
-      const place = `node word ${pointer} is a header with ${end - pointer - 1} pointers`;
-      fail('NodeEnd', `${place}, but the nodes end at word ${nodes.length}`);
+      fail('NodeEnd', `node word ${pointer} is a header with ${end - pointer - 1} pointers, but there are only ${nodes.length} words`);
     }
     kinds[pointer] = level;
     nodesSeen = end;
@@ -82,10 +76,7 @@ export function validatePlain({ top, nodes, leafMasks, rootLevel }: BakedShadowF
 
   const visitLeafMask = (pointer: number, word: number): void => {
     if (pointer < leafMasksSeen) return;
-    if (pointer !== leafMasksSeen || pointer >= leafMaskCount) {
-      failFirst(`node word ${word}`, 'leaf mask', pointer, leafMasksSeen, leafMaskCount);
-    }
-    leafMasksSeen++;
+    checkFirst('node word', word, 'leaf mask', pointer, leafMasksSeen++, leafMaskCount);
     const low = leafMasks[2 * pointer];
     if (low === leafMasks[2 * pointer + 1] && (low === 0 || low === LIT)) {
       uniform(`leaf mask ${pointer}`, low !== 0);
@@ -101,14 +92,14 @@ export function validatePlain({ top, nodes, leafMasks, rootLevel }: BakedShadowF
 
 function checkAllSeen(what: string, seen: number, count: number): void {
   if (seen === count) return;
-  fail('Unreachable', `${what} ${seen} and everything after it (${count - seen} in total) cannot be reached from any root`);
+  fail('Unreachable', `${what} ${seen} is not reachable from any root`);
 }
 
 /** Checks a header on its own. Returns the number of pointers that follow it. */
 function checkHeader(header: number, word: number): number {
   const threes = header & (header >>> 1) & 0x5555;
   if (header >>> 16 !== 0) {
-    fail('HeaderBits', `node word ${word} is the header ${hex(header)}, whose bits 31 to 16 are not zero`);
+    fail('HeaderBits', `node word ${word} is the header ${hex(header)}, whose upper bits are not zero`);
   }
   if (threes !== 0) {
     const child = lowestBit(threes) >>> 1;
@@ -120,5 +111,5 @@ function checkHeader(header: number, word: number): number {
 
 function uniform(place: string, lit: boolean): never {
   const state = lit ? 'lit' : 'shadowed';
-  fail('Uniform', `${place} is all ${state}; the entry that points to it should store that state instead`);
+  fail('Uniform', `${place} is all ${state}, so the word that refers to it must say so`);
 }

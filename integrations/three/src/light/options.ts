@@ -36,8 +36,6 @@ export interface BakedShadowOptions extends ShadowSettings {
   maxTextureSize?: number;
 }
 
-/** The widest penumbra, texels: that of `voxel:soft` and of the plugin for Bevy. */
-const MAX_PENUMBRA_TEXELS = 32;
 
 /** Returns the settings as a look-up of a file takes them. */
 export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lookUp: LookUp): GpuLookUpOptions {
@@ -47,6 +45,8 @@ export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lo
     }
     return { filter: filter ?? 5, bias };
   }
+  /** The widest penumbra, texels: that of `voxel:soft` and of the plugin for Bevy. */
+  const MAX_PENUMBRA_TEXELS = 32;
   if (filter !== undefined) throw new RangeError('the look-up soft has no filter; set softnessDegrees');
   return { filter: 1, bias, penumbra: { angleDegrees: softnessDegrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
 }
@@ -54,7 +54,7 @@ export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lo
 /** Checks that files can be on one light. */
 export function checkFiles(files: readonly BakedShadowFile[], lookUp: LookUp): void {
   if (files.length === 0 || files.length > MAX_FILES) {
-    throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but ${files.length} are given`);
+    throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but got ${files.length}`);
   }
   for (const file of files) {
     if (file.layout !== lookUp.layout) {

@@ -3,14 +3,15 @@
 // `crates/adumbra/src/query/`.
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
+import { FIXED_ONE } from '../grid/fixed.js';
 import { toGrid } from '../grid/light-grid.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
 import { checkFilter } from '../settings.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
-import { DepthsVoxels } from './depths-voxels.js';
-import { PackedVoxels } from './packed-voxels.js';
-import { PlainVoxels } from './plain-voxels.js';
-import { Receiver } from './receiver.js';
+import { depthsVoxels } from './depths-voxels.js';
+import { packedVoxels } from './packed-voxels.js';
+import { plainVoxels } from './plain-voxels.js';
+import { layerAt, receiverAt } from './receiver.js';
 import type { Voxels } from './voxels.js';
 
 /**
@@ -19,13 +20,12 @@ import type { Voxels } from './voxels.js';
  */
 export class BakedShadowQuery {
   /** The file that is looked up in. */
-  readonly file: BakedShadowFile;
+  declare readonly file: BakedShadowFile;
   /** Width of the filter, texels. */
-  readonly filter: FilterWidth;
+  declare readonly filter: FilterWidth;
   /** The bias that points are moved by, texels. */
-  readonly bias: Bias;
+  declare readonly bias: Bias;
   readonly #voxels: Voxels;
-  readonly #receiver = new Receiver();
 
   /**
    * Creates look-ups with a filter of `filter` × `filter` texels.
@@ -34,10 +34,8 @@ export class BakedShadowQuery {
    */
   constructor(file: BakedShadowFile, { filter, bias = file.settings.bias }: LookUpOptions) {
     checkFilter(filter);
-    this.file = file;
-    this.filter = filter;
-    this.bias = bias;
-    this.#voxels = new { plain: PlainVoxels, packed: PackedVoxels, depths: DepthsVoxels }[file.layout](file);
+    Object.assign(this, { file, filter, bias });
+    this.#voxels = { plain: plainVoxels, packed: packedVoxels, depths: depthsVoxels }[file.layout](file);
   }
 
   /**
@@ -76,47 +74,38 @@ export class BakedShadowQuery {
     const isInside = x >= 0 && x < sizeX && y >= 0 && y < sizeY && z >= 0;
     if (!isInside) return 1;
     const layer = Math.min(Math.floor(z), sizeZ - 1);
-    return this.#voxels.isLit(Math.floor(x), Math.floor(y), layer) ? 1 : 0;
+    return this.#voxels(Math.floor(x), Math.floor(y), layer) ? 1 : 0;
   }
 
   #filtered(p: Vec3, normal: Vec3 | undefined): number {
-    this.#receiver.set(this.file.grid, this.bias, p, normal);
-    const { filter } = this;
-    // Lit taps and their number are small, so this is the quotient of 32-bit floating point, correctly rounded.
-    return Math.fround(this.#litTaps() / (filter * filter));
-  }
-
-  /** Returns the number of lit taps. Texels beside the grid are lit. */
-  #litTaps(): number {
-    const { filter } = this;
-    const { texelX, texelY } = this.#receiver;
-    const [sizeX, sizeY] = this.file.grid.size;
+    const { file, filter, bias } = this;
+    const [sizeX, sizeY, sizeZ] = file.grid.size;
+    const receiver = receiverAt(file.grid, bias, p, normal);
+    const texelX = Math.floor(receiver.x / FIXED_ONE);
+    const texelY = Math.floor(receiver.y / FIXED_ONE);
     const reach = filter >> 1;
     const left = Math.max(texelX - reach, 0);
     const top = Math.max(texelY - reach, 0);
     const right = Math.min(texelX + reach, sizeX - 1);
     const bottom = Math.min(texelY + reach, sizeY - 1);
-    if (left > right || top > bottom) return filter * filter;
-    let lit = filter * filter - (right - left + 1) * (bottom - top + 1);
+    const all = filter * filter;
+    // Texels beside the grid are lit.
+    let shadowed = 0;
     // By blocks of 8 × 8 texels, since those share what the voxels remember.
-    for (let y = top; y <= bottom; y = blockEnd(y) + 1) {
-      for (let x = left; x <= right; x = blockEnd(x) + 1) {
-        lit += this.#litInBlock(x, Math.min(blockEnd(x), right), y, Math.min(blockEnd(y), bottom));
+    for (let blockY = top; blockY <= bottom; blockY = blockEnd(blockY) + 1) {
+      const endY = Math.min(blockEnd(blockY), bottom);
+      for (let blockX = left; blockX <= right; blockX = blockEnd(blockX) + 1) {
+        const endX = Math.min(blockEnd(blockX), right);
+        for (let y = blockY; y <= endY; y++) {
+          for (let x = blockX; x <= endX; x++) {
+            const z = layerAt(receiver, x, y);
+            if (z >= 0 && !this.#voxels(x, y, Math.min(z, sizeZ - 1))) shadowed++;
+          }
+        }
       }
     }
-    return lit;
-  }
-
-  #litInBlock(left: number, right: number, top: number, bottom: number): number {
-    const last = this.file.grid.size[2] - 1;
-    let lit = 0;
-    for (let y = top; y <= bottom; y++) {
-      for (let x = left; x <= right; x++) {
-        const layer = this.#receiver.layer(x, y);
-        if (layer < 0 || this.#voxels.isLit(x, y, Math.min(layer, last))) lit++;
-      }
-    }
-    return lit;
+    // Lit taps and their number are small, so this is the quotient of 32-bit floating point, correctly rounded.
+    return Math.fround((all - shadowed) / all);
   }
 }
 

@@ -4,86 +4,69 @@
 //
 // Whole numbers here are below 2^53, so doubles hold them exactly, in grids of any size.
 
-import { FIXED_ONE } from '../grid/fixed.js';
+import { FIXED_ONE, GRADIENT_ONE, MAX_PLANE_SLOPE } from '../grid/fixed.js';
 import type { LightGrid } from '../grid/light-grid.js';
 import { dot } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { Bias } from '../settings.js';
 
-/** A slope of 1 in fixed point. */
-const GRADIENT_ONE = 256;
-/** Units of a depth of the receiver's plane per voxel. */
-const DEPTH_ONE = FIXED_ONE * GRADIENT_ONE;
-/** Points are held within this many voxels around the grid. */
-const MARGIN_VOXELS = 4096;
-/** The largest slope that the bias uses. */
-const MAX_SLOPE = 9.95;
-/** The steepest plane that look-ups follow from texel to texel. */
-const MAX_PLANE_SLOPE = 120;
-/** The largest gradient in fixed point. */
-const MAX_GRADIENT = MAX_PLANE_SLOPE * GRADIENT_ONE;
-
 /** A point of a surface in the grid, in fixed point. */
-export class Receiver {
-  /** Texel that contains the point. It may be outside the grid. */
-  texelX = 0;
-  texelY = 0;
-  #x = 0;
-  #y = 0;
-  #z = 0;
-  #gradientX = 0;
-  #gradientY = 0;
+export interface Receiver {
+  readonly x: number;
+  readonly y: number;
+  readonly z: number;
+  /** Slopes of the receiver's plane along x and y. */
+  readonly dx: number;
+  readonly dy: number;
+}
 
-  /** Places the receiver at a world point. A point that is not finite is placed before the grid, where all is lit. */
-  set(grid: LightGrid, bias: Bias, p: Vec3, normal: Vec3 | undefined): void {
-    const { axes, edges, corner, voxelSize, size } = grid;
-    let x = dot(axes[0], p) / voxelSize - corner[0];
-    let y = dot(axes[1], p) / voxelSize - corner[1];
-    let z = dot(axes[2], p) / voxelSize - corner[2];
-    let slope = 0;
-    this.#gradientX = 0;
-    this.#gradientY = 0;
-    if (normal !== undefined && normal.every(Number.isFinite)) {
-      const nx = dot(edges[0], normal);
-      const ny = dot(edges[1], normal);
-      const nz = dot(edges[2], normal);
-      const tangent = Math.sqrt(nx * nx + ny * ny);
-      const steepness = Math.max(Math.abs(nz), tangent / MAX_PLANE_SLOPE);
-      if (steepness > 0 && steepness < Infinity) {
-        const towardsSun = nz > 0 ? -steepness : steepness;
-        this.#gradientX = gradient(nx / towardsSun);
-        this.#gradientY = gradient(ny / towardsSun);
-        slope = tangent / steepness;
-      }
-      x += dot(axes[0], normal) * bias.normalOffsetTexels;
-      y += dot(axes[1], normal) * bias.normalOffsetTexels;
-      z += dot(axes[2], normal) * bias.normalOffsetTexels;
+/** Places a receiver at a world point. A point that is not finite is placed before the grid, where all is lit. */
+export function receiverAt({ axes, edges, corner, voxelSize, size }: LightGrid, bias: Bias, p: Vec3, normal: Vec3 | undefined): Receiver {
+  /** The largest slope that the bias uses. */
+  const MAX_SLOPE = 9.95;
+  let x = dot(axes[0], p) / voxelSize - corner[0];
+  let y = dot(axes[1], p) / voxelSize - corner[1];
+  let z = dot(axes[2], p) / voxelSize - corner[2];
+  let slope = 0;
+  let dx = 0;
+  let dy = 0;
+  if (normal?.every(isFinite)) {
+    const nx = dot(edges[0], normal);
+    const ny = dot(edges[1], normal);
+    const nz = dot(edges[2], normal);
+    const tangent = Math.sqrt(nx * nx + ny * ny);
+    const steepness = Math.max(Math.abs(nz), tangent / MAX_PLANE_SLOPE);
+    if (steepness > 0 && steepness < Infinity) {
+      const towardsSun = nz > 0 ? -steepness : steepness;
+      dx = gradient(nx / towardsSun);
+      dy = gradient(ny / towardsSun);
+      slope = tangent / steepness;
     }
-    z -= bias.constantTexels + bias.slopeTexels * Math.min(slope, MAX_SLOPE);
-    const isFinite = Number.isFinite(x) && Number.isFinite(y) && Number.isFinite(z);
-    this.#x = fixed(isFinite ? x : -Infinity, size[0]);
-    this.#y = fixed(isFinite ? y : -Infinity, size[1]);
-    this.#z = fixed(isFinite ? z : -Infinity, size[2]);
-    this.texelX = Math.floor(this.#x / FIXED_ONE);
-    this.texelY = Math.floor(this.#y / FIXED_ONE);
+    x += dot(axes[0], normal) * bias.normalOffsetTexels;
+    y += dot(axes[1], normal) * bias.normalOffsetTexels;
+    z += dot(axes[2], normal) * bias.normalOffsetTexels;
   }
+  z -= bias.constantTexels + bias.slopeTexels * Math.min(slope, MAX_SLOPE);
+  if (!isFinite(x) || !isFinite(y) || !isFinite(z)) x = y = z = -Infinity;
+  return { x: fixed(x, size[0]), y: fixed(y, size[1]), z: fixed(z, size[2]), dx, dy };
+}
 
-  /** Returns the layer in which the receiver's plane passes the centre of a texel. It may be outside the grid. */
-  layer(x: number, y: number): number {
-    const alongX = this.#gradientX * (x * FIXED_ONE + FIXED_ONE / 2 - this.#x);
-    const alongY = this.#gradientY * (y * FIXED_ONE + FIXED_ONE / 2 - this.#y);
-    return Math.floor((this.#z * GRADIENT_ONE + alongX + alongY) / DEPTH_ONE);
-  }
+/** Returns the layer in which a receiver's plane passes the centre of a texel. It may be outside the grid. */
+export function layerAt({ x, y, z, dx, dy }: Receiver, texelX: number, texelY: number): number {
+  const alongX = dx * (texelX * FIXED_ONE + FIXED_ONE / 2 - x);
+  const alongY = dy * (texelY * FIXED_ONE + FIXED_ONE / 2 - y);
+  return Math.floor((z * GRADIENT_ONE + alongX + alongY) / (FIXED_ONE * GRADIENT_ONE));
 }
 
 /** Rounds a grid coordinate down to fixed point, near a grid of `side` voxels. */
 function fixed(voxels: number, side: number): number {
-  const low = -MARGIN_VOXELS * FIXED_ONE;
-  const high = (side + MARGIN_VOXELS) * FIXED_ONE;
-  return Math.min(Math.max(Math.floor(voxels * FIXED_ONE), low), high);
+  /** Points are held within this many voxels around the grid. */
+  const MARGIN_VOXELS = 4096;
+  return Math.min(Math.max(Math.floor(voxels * FIXED_ONE), -MARGIN_VOXELS * FIXED_ONE), (side + MARGIN_VOXELS) * FIXED_ONE);
 }
 
 /** Rounds a slope to the nearest in fixed point. */
 function gradient(slope: number): number {
-  return Math.min(Math.max(Math.floor(slope * GRADIENT_ONE + 0.5), -MAX_GRADIENT), MAX_GRADIENT);
+  const most = MAX_PLANE_SLOPE * GRADIENT_ONE;
+  return Math.min(Math.max(Math.floor(slope * GRADIENT_ONE + 0.5), -most), most);
 }

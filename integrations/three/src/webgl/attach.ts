@@ -1,23 +1,18 @@
 // Baked shadows for the materials of a scene that WebGLRenderer draws.
 
-import { Vector3 } from 'three';
-import type { IUniform, Material, Object3D, Scene } from 'three';
+import { Material } from 'three';
+import type { IUniform, Object3D, Scene } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
-import { alignLight, towardsLight } from '../light/direction.js';
+import { bakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
-import { asList } from '../light/options.js';
+import { forEachMaterial } from '../light/materials.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
-import { Statics } from '../light/statics.js';
-import { LightTextures } from '../light/textures.js';
-import { depths } from '../look-ups/depths.js';
-import { checkRevision } from '../revision.js';
-import { MaterialHook } from './material-hook.js';
-import type { ShaderChange } from './material-hook.js';
+import { checkThree } from '../light/three.js';
+import { hookIn } from './material-hook.js';
+import type { MaterialHook, ShaderChange } from './material-hook.js';
 import { beforeRender } from './scene-hook.js';
-import { withLookUp } from './shader.js';
-
-checkRevision();
+import { shaderHooks, withLookUp } from './shader.js';
 
 /** Baked shadows that are attached to a scene. */
 export interface AttachedShadow {
@@ -39,13 +34,14 @@ export interface AttachedShadow {
   dispose(): void;
 }
 
-/** Numbers in use, which tell the look-ups of several lights apart in a shader. A number that is free is used again. */
-const inUse = new Set<number>();
+/** The first revision of three with all that is needed. */
+const OLDEST = 166;
 
 /**
  * Gives all materials of a scene the shadows of a light from its files. Three's own shadow map goes on working beside
  * them, for what moves. The light need not cast for the baked shadows alone. Objects must have `receiveShadow`.
  *
+ * @throws MissingHookError if this version of three lacks what is needed.
  * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
  * @throws RangeError if an option is out of its range.
  */
@@ -55,27 +51,26 @@ export function attachBakedShadow(
   file: BakedShadowFile | readonly BakedShadowFile[],
   options: BakedShadowOptions = {},
 ): AttachedShadow {
-  const files = asList(file);
-  const lookUp = options.lookUp ?? depths;
-  const textures = new LightTextures(files, lookUp, options);
-  if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
-
-  let number = 1;
-  while (inUse.has(number)) number += 1;
-  inUse.add(number);
-  const prefix = `adumbra${number}`;
-  const towards = new Vector3();
+  const { onBeforeCompile, customProgramCacheKey } = Material.prototype;
+  checkThree(OLDEST, {
+    'Material.onBeforeCompile': onBeforeCompile,
+    'Material.customProgramCacheKey': customProgramCacheKey,
+    'Scene.onBeforeRender': scene.onBeforeRender,
+    'LightShadow.intensity': 'intensity' in light.shadow,
+    ...shaderHooks(),
+  });
+  const baked = bakedLight(light, file, options);
+  const { lookUp, prefix } = baked;
   const intensity: IUniform<number> = { value: 1 };
   const uniforms: Record<string, IUniform> = {
-    [`${prefix}_words`]: { value: textures.words },
-    [`${prefix}_headers`]: { value: textures.headers },
-    [`${prefix}_towards_light`]: { value: towards },
+    [`${prefix}_words`]: { value: baked.words },
+    [`${prefix}_headers`]: { value: baked.headers },
+    [`${prefix}_towards_light`]: { value: baked.towards },
     [`${prefix}_intensity`]: intensity,
   };
   /** The hooks of the materials that have the shadows. */
   const hooks = new Map<Material, MaterialHook>();
   const skipped = new Set<string>();
-  const statics = new Statics(asList(options.statics));
   let isDisposed = false;
 
   const change: ShaderChange = {
@@ -92,22 +87,16 @@ export function attachBakedShadow(
   };
   const attach = (object: Object3D): void => {
     if (isDisposed) return;
+    baked.warnOfMovers(object);
     forEachMaterial(object, (material) => {
       const hook = hooks.get(material);
-      if (hook?.isInPlace === true) return;
+      if (hook?.isInPlace() === true) return;
       hook?.remove(change);
-      hooks.set(material, MaterialHook.add(material, change));
-    });
-  };
-  const detach = (object: Object3D): void => {
-    forEachMaterial(object, (material) => {
-      hooks.get(material)?.remove(change);
-      hooks.delete(material);
+      hooks.set(material, hookIn(material, change));
     });
   };
   const update = (): void => {
-    const count = textures.use(towardsLight(light, towards));
-    statics.rest(count > 0);
+    baked.update();
     intensity.value = light.shadow.intensity;
   };
 
@@ -117,29 +106,24 @@ export function attachBakedShadow(
 
   return {
     get isActive() {
-      return !isDisposed && textures.use(towardsLight(light, towards)) > 0;
+      return baked.isActive();
     },
     get skipped() {
       return [...skipped];
     },
     attach,
-    detach,
-    setLookUp: (settings) => textures.setLookUp(settings),
+    detach(object) {
+      forEachMaterial(object, (material) => {
+        hooks.get(material)?.remove(change);
+        hooks.delete(material);
+      });
+    },
+    setLookUp: baked.setLookUp,
     dispose() {
-      if (isDisposed) return;
       isDisposed = true;
+      if (!baked.dispose()) return;
       for (const hook of hooks.values()) hook.remove(change);
       stopFollowing();
-      statics.release();
-      textures.dispose();
-      inUse.delete(number);
     },
   };
-}
-
-function forEachMaterial(object: Object3D, visit: (material: Material) => void): void {
-  object.traverse((each) => {
-    const { material } = each as { material?: Material | Material[] };
-    for (const one of asList(material)) visit(one);
-  });
 }

@@ -12,71 +12,64 @@ export interface ShaderChange {
   apply(shader: WebGLProgramParametersWithUniforms, material: Material): void;
 }
 
+/** A hook in one material. */
+export interface MaterialHook {
+  /** Has a change made to the material's shader. */
+  add(change: ShaderChange): void;
+  /** Has a change made no more. After the last one the material is as it was before. */
+  remove(change: ShaderChange): void;
+  /** Whether three calls the hook itself. Otherwise whoever has hooked in since may call it, or not. */
+  isInPlace(): boolean;
+}
+
 /** The hooks by the functions that three calls. */
 const hooks = new WeakMap<Material['onBeforeCompile'], MaterialHook>();
 
-/** A hook in one material. */
-export class MaterialHook {
-  readonly #material: Material;
-  readonly #changes = new Set<ShaderChange>();
-  readonly #before: Pick<Material, 'onBeforeCompile' | 'customProgramCacheKey'>;
-  readonly #now: Pick<Material, 'onBeforeCompile' | 'customProgramCacheKey'>;
+/** Has a change made to a material's shader. Returns the hook that does it. */
+export function hookIn(material: Material, change: ShaderChange): MaterialHook {
+  // Whoever has hooked in since may not call what was here.
+  const hook = hooks.get(material.onBeforeCompile) ?? install(material);
+  hook.add(change);
+  return hook;
+}
 
-  private constructor(material: Material) {
-    const { onBeforeCompile, customProgramCacheKey } = material;
-    this.#material = material;
-    this.#before = { onBeforeCompile, customProgramCacheKey };
-    this.#now = {
-      onBeforeCompile: (shader: WebGLProgramParametersWithUniforms, renderer: WebGLRenderer) => {
-        onBeforeCompile.call(material, shader, renderer);
-        for (const change of this.#changes) change.apply(shader, material);
-      },
-      customProgramCacheKey: () => this.#key(),
-    };
-    Object.assign(material, this.#now);
-    hooks.set(material.onBeforeCompile, this);
-  }
-
-  /** Has a change made to a material's shader. Returns the hook that does it. */
-  static add(material: Material, change: ShaderChange): MaterialHook {
-    // Whoever has hooked in since may not call what was here.
-    const hook = hooks.get(material.onBeforeCompile) ?? new MaterialHook(material);
-    hook.#changes.add(change);
-    material.needsUpdate = true;
-    return hook;
-  }
-
-  /** Whether three calls the hook itself. Otherwise whoever has hooked in since may call it, or not. */
-  get isInPlace(): boolean {
-    return hooks.get(this.#material.onBeforeCompile) === this;
-  }
-
-  /** Has a change made no more. After the last one the material is as it was before. */
-  remove(change: ShaderChange): void {
-    this.#changes.delete(change);
-    const material = this.#material;
-    if (this.#changes.size === 0) {
-      // Whoever has hooked in since goes on calling what is here, which does nothing any more.
-      const { onBeforeCompile, customProgramCacheKey } = this.#before;
-      if (this.isInPlace) material.onBeforeCompile = onBeforeCompile;
-      if (material.customProgramCacheKey === this.#now.customProgramCacheKey) {
-        material.customProgramCacheKey = customProgramCacheKey;
-      }
-    }
-    // Otherwise three keeps the program, with its uniforms, for the next one that has its key.
-    material.dispose();
-    material.needsUpdate = true;
-  }
-
-  #key(): string {
-    const { onBeforeCompile, customProgramCacheKey } = this.#before;
+function install(material: Material): MaterialHook {
+  const { onBeforeCompile, customProgramCacheKey } = material;
+  const changes = new Set<ShaderChange>();
+  const compile = (shader: WebGLProgramParametersWithUniforms, renderer: WebGLRenderer): void => {
+    onBeforeCompile.call(material, shader, renderer);
+    for (const change of changes) change.apply(shader, material);
+  };
+  const key = (): string => {
     // By default the key is the text of `onBeforeCompile`, which is another function from now on.
-    const parts = [onBeforeCompile.toString()];
-    if (customProgramCacheKey !== Material.prototype.customProgramCacheKey) parts.push(customProgramCacheKey.call(this.#material));
-    for (const { key } of this.#changes) parts.push(key);
+    const parts = [String(onBeforeCompile)];
+    if (customProgramCacheKey !== Material.prototype.customProgramCacheKey) parts.push(customProgramCacheKey.call(material));
+    for (const change of changes) parts.push(change.key);
     // Whoever has hooked in since changes the program too.
-    const { onBeforeCompile: latest } = this.#material;
-    if (latest !== this.#now.onBeforeCompile) parts.push(latest.toString());
+    if (!isInPlace()) parts.push(String(material.onBeforeCompile));
     return parts.join(' ');
-  }
+  };
+  const isInPlace = (): boolean => material.onBeforeCompile === compile;
+  material.onBeforeCompile = compile;
+  material.customProgramCacheKey = key;
+  const hook: MaterialHook = {
+    add(change) {
+      changes.add(change);
+      material.needsUpdate = true;
+    },
+    remove(change) {
+      changes.delete(change);
+      if (changes.size === 0) {
+        // Whoever has hooked in since goes on calling what is here, which does nothing any more.
+        if (isInPlace()) material.onBeforeCompile = onBeforeCompile;
+        if (material.customProgramCacheKey === key) material.customProgramCacheKey = customProgramCacheKey;
+      }
+      // Otherwise three keeps the program, with its uniforms, for the next one that has its key.
+      material.dispose();
+      material.needsUpdate = true;
+    },
+    isInPlace,
+  };
+  hooks.set(compile, hook);
+  return hook;
 }

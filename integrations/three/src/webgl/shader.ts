@@ -1,9 +1,11 @@
 // The change of three's shaders: behind a light's own information, its colour is multiplied by the visibility from the
 // files. Whatever follows there, three's own shadow map or nothing, goes on multiplying.
 
-import { ShaderChunk } from 'three';
+import { ShaderChunk, ShaderLib } from 'three';
 
+import type { Hooks } from '../light/three.js';
 import { withPrefix } from '../look-ups/look-up.js';
+import { DECLARATIONS, shadowOf } from './light.shader.js';
 
 /** As three finds it: what is commented out is none. */
 const INCLUDE = /^[ \t]*#include +<lights_fragment_begin>/m;
@@ -20,6 +22,24 @@ const PLACES = /get(?:Directional|Sun)LightInfo\( (\w+(?:\[0\])?), directLight \
 /** What a look-up needs around it: a light, the surface's point, and its normal without a normal map. */
 const NEEDS = [PLACES, /^\s*vec3 geometryPosition/m, /^\s*#include <normal_fragment_begin>|vec3 nonPerturbedNormal/m];
 
+/** What is needed of three's own shaders: of all lit materials, and of chunks. */
+const PARTS = [
+  ['lights_fragment_begin', 'getDirectionalLightInfo.+directLight'],
+  ['lights_fragment_begin', 'vec3 geometryPosition'],
+  ['normal_fragment_begin', 'vec3 nonPerturbedNormal'],
+  ['lights_pars_begin', 'receiveShadow'],
+  ['common', 'struct IncidentLight'],
+] as const;
+
+/** Returns what is needed of three's own shaders. */
+export function shaderHooks(): Hooks {
+  const hooks: Record<string, boolean> = {
+    'ShaderLib.lambert: <lights_fragment_begin>': INCLUDE.test(ShaderLib.lambert?.fragmentShader),
+  };
+  for (const [chunk, part] of PARTS) hooks[`ShaderChunk.${chunk}: ${part}`] = new RegExp(part).test(ShaderChunk[chunk]);
+  return hooks;
+}
+
 /** Returns a fragment shader with a look-up, or `null` if it is not lit as three's own materials are. */
 export function withLookUp(fragmentShader: string, lookUp: string, prefix: string): string | null {
   const text = fragmentShader.replace(INCLUDE, () => ShaderChunk.lights_fragment_begin);
@@ -27,26 +47,4 @@ export function withLookUp(fragmentShader: string, lookUp: string, prefix: strin
   return text
     .replace(PLACES, (found, light: string) => `${found}\n${withPrefix(shadowOf(light), prefix)}`)
     .replace(MAIN, (main) => `${withPrefix(DECLARATIONS + lookUp, prefix)}\n${main}`);
-}
-
-const DECLARATIONS = `uniform highp usampler2D adumbra_words;
-uniform highp usampler2D adumbra_headers;
-uniform vec3 adumbra_towards_light;
-uniform float adumbra_intensity;
-float adumbra_seen = -1.0;
-`;
-
-/** Directions in a shader that differ by less are the same light's. */
-const SAME_LIGHT = '2e-3';
-
-/** The shadow of a light. All cascades of a light have its direction, and one look-up serves them. */
-function shadowOf(light: string): string {
-  return `if ( receiveShadow && distance( ${light}.direction, ( viewMatrix * vec4( adumbra_towards_light, 0.0 ) ).xyz ) < ${SAME_LIGHT} ) {
-  if ( adumbra_seen < 0.0 ) {
-    vec3 adumbra_p = ( ( vec4( geometryPosition, 1.0 ) - viewMatrix[ 3 ] ) * viewMatrix ).xyz;
-    vec3 adumbra_n = normalize( ( vec4( nonPerturbedNormal, 0.0 ) * viewMatrix ).xyz );
-    adumbra_seen = mix( 1.0, adumbra_visibility( adumbra_p, adumbra_n, gl_FragCoord.xy ), adumbra_intensity );
-  }
-  directLight.color *= adumbra_seen;
-}`;
 }

@@ -1,34 +1,20 @@
 // The shadow of a light from its files, as a node of WebGPURenderer.
 
-import { FrontSide, Vector3 } from 'three';
-import {
-  Fn,
-  faceDirection,
-  getCurrentStack,
-  mix,
-  normalWorldGeometry,
-  property,
-  reference,
-  renderGroup,
-  screenCoordinate,
-  shadow,
-} from 'three/tsl';
-import { NodeUpdateType, ShadowBaseNode } from 'three/webgpu';
-import type { Node, NodeBuilder, NodeFrame } from 'three/webgpu';
+import { FrontSide, REVISION } from 'three';
+import type { Object3D } from 'three';
+import * as TSL from 'three/tsl';
+import * as WEBGPU from 'three/webgpu';
+import type { Node, NodeBuilder, NodeFrame, ShadowBaseNode } from 'three/webgpu';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
-import { alignLight, towardsLight } from '../light/direction.js';
+import { bakedLight } from '../light/baked-light.js';
+import type { BakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
-import { asList } from '../light/options.js';
+import { forEachMaterial } from '../light/materials.js';
 import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
-import { Statics } from '../light/statics.js';
-import { LightTextures } from '../light/textures.js';
-import { depths } from '../look-ups/depths.js';
-import type { LookUp } from '../look-ups/look-up.js';
-import { checkRevision } from '../revision.js';
-import { LookUpNodes } from './look-up-node.js';
-
-checkRevision();
+import { checkThree } from '../light/three.js';
+import { OLDEST, nodeHooks } from './hooks.js';
+import { visibilityNode } from './look-up-node.js';
 
 /** What casts besides the files: `'shadow'` for the light's own shadow map, a shadow node such as `CSMShadowNode`, or nothing. */
 export type Movers = 'shadow' | ShadowBaseNode;
@@ -44,61 +30,60 @@ export interface BakedShadowNodeOptions extends BakedShadowOptions {
   movers?: Movers;
 }
 
-/** A builder with the methods that its types leave out. */
-type Builder = NodeBuilder & { addSequentialNode(node: Node): void; isFlatShading(): boolean };
+/** A builder with what its types leave out. */
+type Builder = NodeBuilder & {
+  addSequentialNode(node: Node): void;
+  isFlatShading(): boolean;
+  readonly context: { readonly shadowPositionWorld?: Node<'vec3'> };
+  readonly material: {
+    readonly receivedShadowPositionNode?: Node<'vec3'> | null;
+    readonly receivedShadowNode?: ((node: Node) => Node) | null;
+  };
+};
 
-/** Numbers of the nodes, which tell their texts apart in a shader. */
-let nodes = 0;
+/** The class that three's shadow nodes have in common. Where it is missing, no node can be made, but the import goes on. */
+const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
 
 /**
  * The shadow of a light from its files: `light.shadow.shadowNode = new BakedShadowNode(light, { file })`. The light must
  * cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind that the light had before is
  * disposed.
  */
-export class BakedShadowNode extends ShadowBaseNode {
+export class BakedShadowNode extends Base {
   readonly #sun: SunLike;
-  readonly #lookUp: LookUp;
-  readonly #nodes: LookUpNodes;
+  readonly #baked: BakedLight;
   readonly #movers: Node | null;
-  readonly #statics: Statics;
-  readonly #textures: LightTextures;
-  readonly #direction = new Vector3();
-  #isDisposed = false;
+  #hasLooked = false;
 
   /**
    * Creates a node. Cost: one copy of the files' words.
    *
+   * @throws MissingHookError if this version of three lacks what is needed.
    * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
    * @throws RangeError if an option is out of its range.
    */
   constructor(light: SunLike, options: BakedShadowNodeOptions) {
     super(light);
-    const files = asList(options.file);
-    this.#sun = light;
-    this.#lookUp = options.lookUp ?? depths;
-    this.#textures = new LightTextures(files, this.#lookUp, options);
-    nodes += 1;
-    this.#nodes = new LookUpNodes(this.#lookUp, this.#textures, `adumbra${nodes}`);
-    const { movers } = options;
+    checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': 'intensity' in light.shadow });
+    const { file, movers } = options;
     if (movers === 'shadow' && 'isSunLight' in light) {
       throw new RangeError(
-        "movers: 'shadow' is for a DirectionalLight; pass movers: sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
+        "movers: 'shadow' is for a DirectionalLight; pass sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
       );
     }
-    this.#movers = movers === 'shadow' ? shadow(light) : (movers ?? null);
-    this.#statics = new Statics(asList(options.statics));
-    if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
-    this.#update();
-    this.updateBeforeType = NodeUpdateType.RENDER;
+    this.#sun = light;
+    this.#baked = bakedLight(light, file, options);
+    this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
+    this.#baked.update();
     // What was in use until now is dropped, and materials are built anew.
     const before = light.shadow.shadowNode as unknown;
     if (before instanceof BakedShadowNode) before.dispose();
-    else if (before === undefined || before !== movers) light.dispatchEvent({ type: 'dispose' });
+    else if (before === undefined || before !== movers) forgetShadow(light);
   }
 
   /** Whether the light shines from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
   get isActive(): boolean {
-    return !this.#isDisposed && this.#textures.use(this.#direction) > 0;
+    return this.#baked.isActive();
   }
 
   /**
@@ -107,64 +92,67 @@ export class BakedShadowNode extends ShadowBaseNode {
    * @throws RangeError if a setting is out of its range.
    */
   setLookUp(settings: ShadowSettings): void {
-    this.#textures.setLookUp(settings);
+    this.#baked.setLookUp(settings);
   }
 
   /** For three: builds the shadow's node. */
   override build(builder: NodeBuilder, output: string | null = null): Node | string | null {
     // Before the nodes of `movers`, so that a shadow map is drawn with the casters of the same frame.
     (builder as Builder).addSequentialNode(this);
+    // Cascades before their own shadow maps; from 0.186 on they see to it themselves.
+    if (this.#movers !== null) (builder as Builder).addSequentialNode(this.#movers);
     return super.build(builder, output);
   }
 
   /** For three: the shadow's node in a material. */
   override setup(builder: NodeBuilder): Node {
-    return Fn(() => {
-      this.setupShadowPosition(builder);
-      // A flat normal faces the camera as it is.
-      const isFront = builder.material.side === FrontSide || (builder as Builder).isFlatShading();
-      const baked = this.#nodes.visibility(builder, {
-        pWorld: property('vec3', 'shadowPositionWorld'),
-        normal: isFront ? normalWorldGeometry : normalWorldGeometry.mul(faceDirection),
-        pixel: screenCoordinate,
-      });
-      const intensity = reference('intensity', 'float', this.#sun.shadow).setGroup(renderGroup) as Node<'float'>;
-      const lit = mix(1, baked, intensity);
-      const received = (builder.material as { receivedShadowNode?: ((node: Node) => Node) | null }).receivedShadowNode;
-      const shadowed = (received ? received(lit) : lit) as Node<'float'>;
-      // Three's shadow nodes have done the same with the shadows of movers.
-      return this.#movers === null ? shadowed : shadowed.min(this.#movers as Node<'float'>);
-    })();
+    const { context, material } = builder as Builder;
+    // A flat normal faces the camera as it is.
+    const isFront = material.side === FrontSide || (builder as Builder).isFlatShading();
+    const normal = TSL.normalWorldGeometry;
+    const baked = visibilityNode(builder, this.#baked, {
+      pWorld: material.receivedShadowPositionNode ?? context.shadowPositionWorld ?? TSL.positionWorld,
+      normal: isFront ? normal : normal.mul(TSL.faceDirection),
+      pixel: TSL.screenCoordinate,
+    });
+    const intensity = TSL.reference('intensity', 'float', this.#sun.shadow).setGroup(TSL.renderGroup) as Node<'float'>;
+    const lit = TSL.mix(1, baked, intensity);
+    const shadowed = (material.receivedShadowNode?.(lit) ?? lit) as Node<'float'>;
+    // Three's shadow nodes have done the same with the shadows of movers.
+    return this.#movers === null ? shadowed : shadowed.min(this.#movers as Node<'float'>);
   }
 
   /** For three: follows the light before a frame. */
-  override updateBefore({ renderer }: NodeFrame): undefined {
-    if (this.#isDisposed) return;
-    this.#update();
+  override updateBefore({ renderer, scene }: NodeFrame): undefined {
+    if (!this.#baked.update()) return;
     // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
-    renderer?.initTexture(this.#textures.headers);
+    renderer?.initTexture(this.#baked.headers);
+    if (this.#hasLooked || scene === null) return;
+    this.#hasLooked = true;
+    this.#baked.warnOfMovers(scene);
   }
 
   /** Frees what the GPU holds, gives casters their shadows back, and leaves the light. */
   override dispose(): void {
-    if (this.#isDisposed) return;
     // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
-    if (getCurrentStack() !== null) {
-      this.#statics.rest(false);
+    if (TSL.getCurrentStack() !== null) {
+      this.#baked.rest();
       return;
     }
-    this.#isDisposed = true;
-    this.#statics.release();
-    this.#textures.dispose();
+    if (!this.#baked.dispose()) return;
     this.#movers?.dispose();
     super.dispose();
     if (this.#sun.shadow.shadowNode === this) delete this.#sun.shadow.shadowNode;
-    // Three's node of the light drops the shadow then, and has materials built anew.
-    this.#sun.dispatchEvent({ type: 'dispose' });
+    forgetShadow(this.#sun);
   }
+}
 
-  #update(): void {
-    const count = this.#textures.use(towardsLight(this.#sun, this.#direction));
-    this.#statics.rest(count > 0);
-  }
+/** Has three's node of a light drop its shadow, and materials built anew. */
+function forgetShadow(light: SunLike): void {
+  light.dispatchEvent({ type: 'dispose' });
+  // Three does the rest from 0.187 on.
+  if (parseInt(REVISION, 10) >= 187) return;
+  let root: Object3D = light;
+  while (root.parent !== null) root = root.parent;
+  forEachMaterial(root, (material) => material.dispose());
 }

@@ -1,12 +1,12 @@
 // The look-up as a node: the generated text of a light's files, and a function that calls it.
 
 import type { DataTexture } from 'three';
-import { code, glslFn, texture, uvec2, wgslFn } from 'three/tsl';
+import * as TSL from 'three/tsl';
 import type { Node, NodeBuilder } from 'three/webgpu';
 
 import { withPrefix } from '../look-ups/look-up.js';
-import type { LookUp } from '../look-ups/look-up.js';
-import type { LightTextures } from '../light/textures.js';
+import { GLSL, WGSL } from './entry.shader.js';
+import type { BakedLight } from '../light/baked-light.js';
 
 /** A point whose visibility is asked for. */
 export interface LookedUp {
@@ -18,52 +18,17 @@ export interface LookedUp {
   readonly pixel: Node<'vec2'>;
 }
 
-/** Makes nodes of look-ups in the files of one light. */
-export class LookUpNodes {
-  readonly #lookUp: LookUp;
-  readonly #textures: LightTextures;
-  readonly #prefix: string;
-
-  /** `prefix` tells the texts of several lights apart in one shader. */
-  constructor(lookUp: LookUp, textures: LightTextures, prefix: string) {
-    this.#lookUp = lookUp;
-    this.#textures = textures;
-    this.#prefix = prefix;
-  }
-
-  /** Returns a node for the visibility of a point, 1 = lit. */
-  visibility(builder: NodeBuilder, { pWorld, normal, pixel }: LookedUp): Node<'float'> {
-    const isWebGPU = 'isWebGPUBackend' in builder.renderer.backend;
-    const prefix = this.#prefix;
-    const language = isWebGPU ? 'wgsl' : 'glsl';
-    const text = code(withPrefix(this.#lookUp[language], prefix), [], language);
-    // The first two parameters only bind the textures, which the text names.
-    const look = isWebGPU
-      ? wgslFn(
-          `fn ${prefix}_entry(words: u32, headers: u32, p: vec3<f32>, n: vec3<f32>, at: vec2<f32>) -> f32 {
-            return ${prefix}_visibility(p, n, at);
-          }`,
-          [text],
-        )
-      : glslFn(
-          `float ${prefix}_entry(uint words, uint headers, vec3 p, vec3 n, vec2 at) {
-            return ${prefix}_visibility(p, n, at);
-          }`,
-          [text],
-        );
-    const call = look as unknown as (inputs: Record<string, Node>) => Node<'float'>;
-    return call({
-      words: this.#bound(this.#textures.words, 'words'),
-      headers: this.#bound(this.#textures.headers, 'headers'),
-      p: pWorld,
-      n: normal,
-      at: pixel,
-    });
-  }
-
+/** Returns a node for the visibility of a point under a light, 1 = lit. */
+export function visibilityNode(builder: NodeBuilder, { lookUp, prefix, words, headers }: BakedLight, { pWorld, normal, pixel }: LookedUp): Node<'float'> {
+  const isWebGPU = 'isWebGPUBackend' in builder.renderer.backend;
+  const language = isWebGPU ? 'wgsl' : 'glsl';
+  const text = TSL.code(withPrefix(lookUp[language], prefix), [], language);
+  const look = (isWebGPU ? TSL.wgslFn : TSL.glslFn)(withPrefix(isWebGPU ? WGSL : GLSL, prefix), [text]);
   /** A node that binds a texture under a name of the text. */
-  #bound(data: DataTexture, name: string): Node {
-    const texel = texture(data).load(uvec2(0, 0));
-    return (texel.setName(`${this.#prefix}_${name}`) as unknown as { x: Node }).x;
-  }
+  const bound = (data: DataTexture, name: string): Node => {
+    const texel = TSL.texture(data).load(TSL.uvec2(0, 0));
+    return (texel.setName(`${prefix}_${name}`) as unknown as { x: Node }).x;
+  };
+  const call = look as unknown as (inputs: Record<string, Node>) => Node<'float'>;
+  return call({ words: bound(words, 'words'), headers: bound(headers, 'headers'), p: pWorld, n: normal, at: pixel });
 }

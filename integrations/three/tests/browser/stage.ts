@@ -45,8 +45,8 @@ export const FLAGS = [
 /** Where Debian and others put the browser. */
 export const BROWSERS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 
-/** The versions of three that are tested, and their packages. */
-export const VERSIONS = { '0.186.1': 'three-186', '0.187.0': 'three' } as const;
+/** The versions of three that are tested, and their packages: the oldest for WebGLRenderer, the oldest for WebGPURenderer too. */
+export const VERSIONS = { '0.166.0': 'three-166', '0.183.0': 'three-183', '0.187.0': 'three' } as const;
 
 /** A browser with a server. */
 export class Stage {

@@ -198,7 +198,8 @@ async function chunkOfCsm(three: string): Promise<string> {
 test.each([
   ['three', async () => ShaderChunk.lights_fragment_begin, 2],
   ['CSM of 0.187', () => chunkOfCsm('three'), 6],
-  ['CSM of 0.186', () => chunkOfCsm('three-186'), 5],
+  ['CSM of 0.183', () => chunkOfCsm('three-183'), 5],
+  ['CSM of 0.166', () => chunkOfCsm('three-166'), 5],
 ])('the chunk of %s has a look-up at each light', async (_, chunk, places) => {
   const { scene, material } = world();
   attach(scene);

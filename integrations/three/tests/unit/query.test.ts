@@ -4,7 +4,7 @@ import { describe, expect, it } from 'vitest';
 
 import { BakedShadowFile, BakedShadowQuery, FILTER_WIDTHS } from '../../src/index.js';
 import type { FilterWidth, LightGrid } from '../../src/index.js';
-import { Receiver } from '../../src/query/receiver.js';
+import { layerAt, receiverAt } from '../../src/query/receiver.js';
 import { surfacesOf } from './points.js';
 import { caught, validBytes } from './vectors.js';
 
@@ -22,22 +22,23 @@ function plainGrid(size: LightGrid['size']): LightGrid {
   return { sun: [0, 1, 0], frame: 'light', yawRadians: 0, voxelSize: 1, corner: [0, 0, 0], axes, edges: axes, size };
 }
 
+/** The texel of a coordinate in fixed point. */
+const texel = (fixed: number): number => Math.floor(fixed / 4096);
+
 const NO_BIAS = { constantTexels: 0, slopeTexels: 0, normalOffsetTexels: 0 };
 
 describe('a receiver', () => {
   it('passes texels in the layers of the worked value', () => {
-    const receiver = new Receiver();
     // dz/dx = 0.5, dz/dy = 0.
-    receiver.set(plainGrid([64, 64, 64]), NO_BIAS, [7.5, 4.5, 20.25], [1, 0, -2]);
-    expect([receiver.texelX, receiver.texelY]).toEqual([7, 4]);
-    expect([6, 7, 8].map((x) => receiver.layer(x, 3))).toEqual([19, 20, 20]);
+    const receiver = receiverAt(plainGrid([64, 64, 64]), NO_BIAS, [7.5, 4.5, 20.25], [1, 0, -2]);
+    expect([receiver.x, receiver.y].map(texel)).toEqual([7, 4]);
+    expect([6, 7, 8].map((x) => layerAt(receiver, x, 3))).toEqual([19, 20, 20]);
   });
 
   it('is held near the grid, and before it if it is not finite', () => {
-    const receiver = new Receiver();
     const place = (p: [number, number, number]) => {
-      receiver.set(plainGrid([8, 16, 516_096]), NO_BIAS, p, undefined);
-      return [receiver.texelX, receiver.texelY, receiver.layer(0, 0)];
+      const receiver = receiverAt(plainGrid([8, 16, 516_096]), NO_BIAS, p, undefined);
+      return [texel(receiver.x), texel(receiver.y), layerAt(receiver, 0, 0)];
     };
     expect(place([1e30, -1e30, 1e30])).toEqual([8 + 4096, -4096, 516_096 + 4096]);
     expect(place([1, Infinity, 1])).toEqual([-4096, -4096, -4096]);

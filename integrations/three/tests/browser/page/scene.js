@@ -256,8 +256,7 @@ const plays = {
     if (backend !== 'webgl') {
       const { SunLightNode } = await import('three/addons/lights/SunLightNode.js');
       const { sunShadow } = await import('three/addons/lights/SunShadowNode.js');
-      if (THREE.REVISION === '186') w.renderer.library.addLight(SunLightNode, SunLight);
-      else SunLight.registerNode(SunLightNode);
+      SunLight.registerNode(SunLightNode);
       refusal = thrown(() => w.bake(light, file, { movers })).message;
       movers = sunShadow(light);
     }
