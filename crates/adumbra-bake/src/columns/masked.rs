@@ -6,7 +6,7 @@
 //! covered. A texture that is coarser than the texels is sampled once.
 
 use crate::columns::rules::FirstSurface;
-use crate::triangles::opacity::OpacityPyramids;
+use crate::triangles::opacity::{OpacityTable, OpacityTables};
 use crate::triangles::project::{FixedDepth, Plane, Projected};
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
@@ -22,6 +22,8 @@ const COARSE_TEXTURE_TEXELS: f64 = 0.5;
 const CORNERS_TELL_TEXELS: f64 = 4.0;
 /// Bits of the four corner points.
 const CORNERS: u16 = 0x9009;
+/// How far the sample points of a texel reach from its centre along each axis, texels.
+pub(crate) const PLACES_REACH: f64 = 0.5 - 0.5 / PLACES as f64;
 
 /// A masked surface over one texel.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,6 +39,12 @@ impl MaskedHit {
     }
 }
 
+/// Whether these sample points are enough for a texel to be covered.
+#[inline(always)]
+pub(crate) fn is_enough(covered: u16) -> bool {
+    covered.count_ones() >= COVERED_PLACES
+}
+
 /// Replaces the surfaces in `first` by the masked surface at which half of a texel is covered, if that is nearer.
 pub(crate) fn add_first_surfaces(hits: &mut [MaskedHit], first: &mut [FirstSurface]) {
     hits.sort_unstable();
@@ -44,7 +52,7 @@ pub(crate) fn add_first_surfaces(hits: &mut [MaskedHit], first: &mut [FirstSurfa
         let mut covered = 0_u16;
         for hit in texel {
             covered |= hit.covered;
-            if covered.count_ones() >= COVERED_PLACES {
+            if is_enough(covered) {
                 let slot = &mut first[hit.texel as usize];
                 *slot = (*slot).min(hit.first);
                 break;
@@ -89,22 +97,69 @@ impl TriangleMask {
         Some(Self { material, u, v, vertex_alpha, extent_texels })
     }
 
-    /// Returns whether all points of the square of half side `half` around `center` are opaque, or all are clear. `None`:
-    /// neither, or not known.
-    pub(crate) fn opacity_within(
+    /// Returns the table of the texture, or `None` if it has none or is not all that decides opacity.
+    pub(crate) fn table<'t>(&self, tables: &'t OpacityTables) -> Option<&'t OpacityTable> {
+        if self.vertex_alpha.is_some() { None } else { tables.of(self.material) }
+    }
+
+    /// Returns whether all points of a rectangle around `center` are opaque, or all are clear. `None`: neither, or not
+    /// known. `half` is half its width and its height, texels.
+    #[inline(always)]
+    pub(crate) fn uniform_within(
         &self,
-        pyramids: &OpacityPyramids,
-        center: [f64; 2],
-        half: f64,
+        table: &OpacityTable,
+        [x, y]: [f64; 2],
+        half: [f64; 2],
     ) -> Option<bool> {
-        let pyramid = pyramids.of(self.material)?;
-        if self.vertex_alpha.is_some() {
-            return None;
+        let planes = [&self.u, &self.v];
+        let reach = planes.map(|plane| (0..2).map(|a| plane.gradient[a].abs() * half[a]).sum());
+        let found = table.uniform(1, planes.map(|plane| [plane.at(x, y)]), reach);
+        (found.opaque | found.clear != 0).then_some(found.opaque != 0)
+    }
+
+    /// Returns [`Self::coverage`] of the `wanted` ones of eight texels in a row, given the columns' centres and the row's.
+    #[inline(always)]
+    pub(crate) fn row_coverage(
+        &self,
+        table: &OpacityTable,
+        wanted: u16,
+        columns: &[f64; 8],
+        row: f64,
+    ) -> [u16; 8] {
+        let planes = [&self.u, &self.v];
+        let centers = planes.map(|plane| plane.along(columns, row));
+        if self.extent_texels < COARSE_TEXTURE_TEXELS {
+            let opaque = table.opaque_at(centers.map(|along| along.map(|c| c as f32)));
+            return std::array::from_fn(|i| (opaque >> i & 1).wrapping_neg());
         }
-        pyramid.opacity([&self.u, &self.v].map(|plane| {
-            let (middle, rise) = (plane.at(center[0], center[1]), plane.gradient_sum() * half);
-            [middle - rise, middle + rise]
-        }))
+        let reach = planes.map(|plane| plane.gradient_sum() * PLACES_REACH);
+        let uniform = table.uniform(wanted, centers, reach);
+        let mut covered = [0; 8];
+        for (i, covered) in covered.iter_mut().enumerate() {
+            *covered = (uniform.opaque >> i & 1).wrapping_neg();
+            if (wanted & !uniform.opaque & !uniform.clear) >> i & 1 == 1 {
+                *covered = self.coverage_by(table, [columns[i], row]);
+            }
+        }
+        covered
+    }
+
+    /// Returns [`Self::coverage`] of a texture that is not coarse.
+    #[inline(always)]
+    fn coverage_by(&self, table: &OpacityTable, [x, y]: [f64; 2]) -> u16 {
+        let at = [&self.u, &self.v].map(|plane| {
+            let mut at = [0.0; (PLACES * PLACES) as usize];
+            for (place, c) in (0..).zip(&mut at) {
+                *c = plane.at(x + offset(place % PLACES), y + offset(place / PLACES)) as f32;
+            }
+            at
+        });
+        let places = table.opaque_at(at);
+        match places & CORNERS {
+            0 if self.extent_texels < CORNERS_TELL_TEXELS => 0,
+            CORNERS if self.extent_texels < CORNERS_TELL_TEXELS => u16::MAX,
+            _ => places,
+        }
     }
 
     /// Returns which sample points of the texel around (x, y) are opaque: bit = row · 4 + column.
@@ -114,7 +169,6 @@ impl TriangleMask {
         }
         let places = |wanted: u16| {
             (0..PLACES * PLACES).filter(|place| wanted >> place & 1 == 1).fold(0, |bits, place| {
-                let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(PLACES) - 0.5;
                 let opaque = self.opaque_at(scene, x + offset(place % PLACES), y + offset(place / PLACES));
                 bits | u16::from(opaque) << place
             })
@@ -130,6 +184,12 @@ impl TriangleMask {
         let vertex_alpha = self.vertex_alpha.as_ref().map_or(1.0, |plane| plane.at(x, y) as f32);
         scene.is_opaque(self.material, [self.u.at(x, y) as f32, self.v.at(x, y) as f32], vertex_alpha)
     }
+}
+
+/// Returns how far the sample points of this row or column are from the texel's centre, texels.
+#[inline(always)]
+fn offset(place: u32) -> f64 {
+    (f64::from(place) + 0.5) / f64::from(PLACES) - 0.5
 }
 
 #[cfg(test)]

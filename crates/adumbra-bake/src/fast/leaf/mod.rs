@@ -5,17 +5,19 @@
 //! surface that is sampled far behind a solid settles the first question at once. The remaining work concerns open
 //! first surfaces and thin gaps.
 
+mod masks;
 mod receivers;
 mod sampling;
 mod texels;
 
+use masks::Masked;
 use texels::{Firsts, LANES, Texels};
 
 use crate::columns::masked::MaskedHit;
 use crate::columns::rules::{ColumnRules, FirstSurface, SeamHit};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
-use crate::triangles::opacity::OpacityPyramids;
+use crate::triangles::opacity::OpacityTables;
 use crate::triangles::project::FixedDepth;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
@@ -72,7 +74,7 @@ pub(crate) struct Setting<'a> {
     pub(crate) rules: &'a ColumnRules,
     pub(crate) surfaces: &'a [BlockSurface],
     /// Where materials with holes are opaque.
-    pub(crate) opacity: &'a OpacityPyramids,
+    pub(crate) opacity: &'a OpacityTables,
     /// The processor's vectors.
     pub(crate) arch: pulp::Arch,
 }
@@ -85,6 +87,7 @@ struct Leaf<'b> {
     /// Texels of the grid.
     inside: u64,
     first: Firsts,
+    masked: Masked,
     /// Number of solids entered so far, minus those left.
     entered: Texels<i32>,
     /// Some receiver is known to sample the column at this depth or deeper.
@@ -151,6 +154,7 @@ fn compute(Task { block, inside, near, known_behind, setting, buffers }: Task<'_
         ranges: near.ranges,
         inside,
         first: Firsts::none(),
+        masked: Masked::none(),
         entered: [[0; BLOCK_SIDE]; BLOCK_SIDE],
         deepest: [[FixedDepth::MIN; BLOCK_SIDE]; BLOCK_SIDE],
         base: [[0; BLOCK_SIDE]; BLOCK_SIDE],
