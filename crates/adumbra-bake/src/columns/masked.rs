@@ -6,7 +6,7 @@
 //! covered. A texture that is coarser than the texels is sampled once.
 
 use crate::columns::rules::FirstSurface;
-use crate::triangles::opacity::{OpacityTable, OpacityTables};
+use crate::triangles::opacity::{OpacityTable, OpacityTables, Uniform, Window};
 use crate::triangles::project::{FixedDepth, Plane, Projected};
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
@@ -25,17 +25,37 @@ const CORNERS: u16 = 0x9009;
 /// How far the sample points of a texel reach from its centre along each axis, texels.
 pub(crate) const PLACES_REACH: f64 = 0.5 - 0.5 / PLACES as f64;
 
-/// A masked surface over one texel.
+/// A masked surface over one texel, as a word that sorts by texel, then like [`FirstSurface`].
+///
+/// | bits | meaning |
+/// |---|---|
+/// | 111..80 | texel |
+/// | 79..48 | depth plus 2^31 |
+/// | 47..16 | [`FirstSurface::info`] |
+/// | 15..0 | sample points covered |
+///
+/// Worked value: an open surface without a bias that covers the first point of texel 2 at depth 3 is
+/// `0x2_8000_0003_8000_0000_0001`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct MaskedHit {
-    texel: u32,
-    first: FirstSurface,
-    covered: u16,
-}
+pub(crate) struct MaskedHit(u128);
 
 impl MaskedHit {
+    #[inline(always)]
     pub(crate) fn new(texel: usize, depth: FixedDepth, info: u32, covered: u16) -> Self {
-        Self { texel: texel as u32, first: FirstSurface::new(depth, info), covered }
+        let high = u64::from(texel as u32) << 32 | u64::from(depth as u32 ^ 1 << 31);
+        Self(u128::from(high) << 48 | u128::from(info) << 16 | u128::from(covered))
+    }
+
+    fn texel(self) -> usize {
+        (self.0 >> 80) as usize
+    }
+
+    fn first(self) -> FirstSurface {
+        FirstSurface::new(((self.0 >> 48) as u32 ^ 1 << 31) as FixedDepth, (self.0 >> 16) as u32)
+    }
+
+    fn covered(self) -> u16 {
+        self.0 as u16
     }
 }
 
@@ -45,16 +65,15 @@ pub(crate) fn is_enough(covered: u16) -> bool {
     covered.count_ones() >= COVERED_PLACES
 }
 
-/// Replaces the surfaces in `first` by the masked surface at which half of a texel is covered, if that is nearer.
-pub(crate) fn add_first_surfaces(hits: &mut [MaskedHit], first: &mut [FirstSurface]) {
+/// Calls `add(texel, surface)` with the masked surface at which half of a texel is covered, at most once per texel.
+pub(crate) fn add_first_surfaces(hits: &mut [MaskedHit], mut add: impl FnMut(usize, FirstSurface)) {
     hits.sort_unstable();
-    for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
+    for texel in hits.chunk_by(|a, b| a.texel() == b.texel()) {
         let mut covered = 0_u16;
         for hit in texel {
-            covered |= hit.covered;
+            covered |= hit.covered();
             if is_enough(covered) {
-                let slot = &mut first[hit.texel as usize];
-                *slot = (*slot).min(hit.first);
+                add(hit.texel(), hit.first());
                 break;
             }
         }
@@ -62,6 +81,7 @@ pub(crate) fn add_first_surfaces(hits: &mut [MaskedHit], first: &mut [FirstSurfa
 }
 
 /// The opaque part of a masked triangle: texture coordinates and vertex alpha as planes over grid x and y.
+#[derive(Clone)]
 pub(crate) struct TriangleMask {
     material: u32,
     u: Plane,
@@ -111,10 +131,16 @@ impl TriangleMask {
         [x, y]: [f64; 2],
         half: [f64; 2],
     ) -> Option<bool> {
-        let planes = [&self.u, &self.v];
-        let reach = planes.map(|plane| (0..2).map(|a| plane.gradient[a].abs() * half[a]).sum());
-        let found = table.uniform(1, planes.map(|plane| [plane.at(x, y)]), reach);
+        let reach = |p: &Plane| p.gradient[0].abs() * half[0] + p.gradient[1].abs() * half[1];
+        let window = table.window([reach(&self.u), reach(&self.v)])?;
+        let found = table.uniform(&[[self.u.at(x, y) as f32], [self.v.at(x, y) as f32]], &window);
         (found.opaque | found.clear != 0).then_some(found.opaque != 0)
+    }
+
+    /// Returns the window of a texel's sample points, for [`Self::row_coverage`].
+    #[inline(always)]
+    pub(crate) fn texel_window(&self, table: &OpacityTable) -> Option<Window> {
+        table.window([self.u.gradient_sum() * PLACES_REACH, self.v.gradient_sum() * PLACES_REACH])
     }
 
     /// Returns [`Self::coverage`] of the `wanted` ones of eight texels in a row, given the columns' centres and the row's.
@@ -122,19 +148,24 @@ impl TriangleMask {
     pub(crate) fn row_coverage(
         &self,
         table: &OpacityTable,
+        window: &Option<Window>,
         wanted: u16,
         columns: &[f64; 8],
         row: f64,
     ) -> [u16; 8] {
-        let planes = [&self.u, &self.v];
-        let centers = planes.map(|plane| plane.along(columns, row));
-        if self.extent_texels < COARSE_TEXTURE_TEXELS {
-            let opaque = table.opaque_at(centers.map(|along| along.map(|c| c as f32)));
-            return std::array::from_fn(|i| (opaque >> i & 1).wrapping_neg());
-        }
-        let reach = planes.map(|plane| plane.gradient_sum() * PLACES_REACH);
-        let uniform = table.uniform(wanted, centers, reach);
+        let centers = [rounded(&self.u.along(columns, row)), rounded(&self.v.along(columns, row))];
         let mut covered = [0; 8];
+        if self.extent_texels < COARSE_TEXTURE_TEXELS {
+            let opaque = table.opaque_at(centers);
+            for (i, covered) in covered.iter_mut().enumerate() {
+                *covered = (opaque >> i & 1).wrapping_neg();
+            }
+            return covered;
+        }
+        let uniform = match window {
+            Some(window) => table.uniform(&centers, window),
+            None => Uniform::default(),
+        };
         for (i, covered) in covered.iter_mut().enumerate() {
             *covered = (uniform.opaque >> i & 1).wrapping_neg();
             if (wanted & !uniform.opaque & !uniform.clear) >> i & 1 == 1 {
@@ -147,13 +178,12 @@ impl TriangleMask {
     /// Returns [`Self::coverage`] of a texture that is not coarse.
     #[inline(always)]
     fn coverage_by(&self, table: &OpacityTable, [x, y]: [f64; 2]) -> u16 {
-        let at = [&self.u, &self.v].map(|plane| {
-            let mut at = [0.0; (PLACES * PLACES) as usize];
-            for (place, c) in (0..).zip(&mut at) {
+        let mut at = [[0.0; (PLACES * PLACES) as usize]; 2];
+        for (at, plane) in at.iter_mut().zip([&self.u, &self.v]) {
+            for (place, c) in (0..).zip(at) {
                 *c = plane.at(x + offset(place % PLACES), y + offset(place / PLACES)) as f32;
             }
-            at
-        });
+        }
         let places = table.opaque_at(at);
         match places & CORNERS {
             0 if self.extent_texels < CORNERS_TELL_TEXELS => 0,
@@ -186,6 +216,15 @@ impl TriangleMask {
     }
 }
 
+#[inline(always)]
+fn rounded(along: &[f64; 8]) -> [f32; 8] {
+    let mut rounded = [0.0; 8];
+    for (rounded, c) in rounded.iter_mut().zip(along) {
+        *rounded = *c as f32;
+    }
+    rounded
+}
+
 /// Returns how far the sample points of this row or column are from the texel's centre, texels.
 #[inline(always)]
 fn offset(place: u32) -> f64 {
@@ -197,16 +236,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_hit_is_the_word_in_the_table() {
+        let hit = MaskedHit::new(2, 3, 1 << 31, 1);
+        assert_eq!(hit.0, 0x2_8000_0003_8000_0000_0001);
+        assert_eq!((hit.texel(), hit.first().depth(), hit.first().info(), hit.covered()), (2, 3, 1 << 31, 1));
+        assert!(MaskedHit::new(2, -3, 5, u16::MAX) < hit && hit < MaskedHit::new(3, FixedDepth::MIN, 0, 0));
+    }
+
+    #[test]
     fn masked_layers_count_together_from_the_light_on() {
         let hit = |depth, covered| MaskedHit::new(0, depth, 1 << 31, covered);
-        let mut first = [FirstSurface::NONE];
         // A quarter, the same quarter again, another quarter: half is reached at the third.
         let mut hits = [hit(900, 0x0f00), hit(300, 0x000f), hit(600, 0x000f), hit(1200, u16::MAX)];
-        add_first_surfaces(&mut hits, &mut first);
-        assert_eq!(first[0].depth(), 900);
-        // An opaque surface that is nearer stays first.
-        let mut first = [FirstSurface::new(100, 0)];
-        add_first_surfaces(&mut hits, &mut first);
-        assert_eq!(first[0].depth(), 100);
+        let mut found = Vec::new();
+        add_first_surfaces(&mut hits, |texel, first| found.push((texel, first.depth())));
+        assert_eq!(found, [(0, 900)]);
+        // Less than half.
+        add_first_surfaces(&mut hits[..2], |texel, first| panic!("{texel}: {first:?}"));
     }
 }

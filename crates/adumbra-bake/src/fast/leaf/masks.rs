@@ -7,10 +7,8 @@ use super::texels::{Texels, rows_of};
 use super::{Leaf, Setting, TEXELS};
 use crate::columns::BLOCK_SIDE;
 use crate::columns::masked::{self, MaskedHit, PLACES_REACH, TriangleMask};
-use crate::columns::rules::FirstSurface;
 use crate::texel_mask::{texels_of, texels_where};
-use crate::triangles::project::{FixedDepth, Plane, depths_within};
-use crate::triangles::surface::Surface;
+use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
 
 /// What is known of the masked surfaces of a leaf's columns.
 pub(super) struct Masked {
@@ -53,11 +51,19 @@ impl Leaf<'_> {
         texels_where(|t| (first[t] >= depth) & (enough[t] >= depth))
     }
 
-    /// Samples a surface with holes at the texels `covered`.
+    /// Samples the surface with this number, which has holes, at the `wanted` ones of the texels that it covers.
     #[inline(always)]
-    pub(super) fn sample_masked(&mut self, surface: &Surface, plane: &Plane, covered: u64) {
-        let Setting { scene, grid, rules, opacity, .. } = self.setting;
-        let range = surface.shape.depth_range();
+    pub(super) fn sample_masked(&mut self, number: u32, wanted: u64) {
+        let Setting { scene, grid, rules, opacity, surfaces, masks, .. } = self.setting;
+        let surface = &surfaces[number as usize].surface;
+        let shape = &surface.shape;
+        let Some(plane) = shape.plane.filter(|_| wanted != 0) else { return };
+        let margin = if surface.solid { 0 } else { SEAM_MARGIN };
+        let covered = wanted & shape.coverage(self.block.x, self.block.y, [margin])[0];
+        if covered == 0 {
+            return;
+        }
+        let range = shape.depth_range();
         let mut depths = [[FixedDepth::MAX; BLOCK_SIDE]; BLOCK_SIDE];
         for (row, _) in rows_of(covered) {
             depths[row] = depths_within(range, plane.along(&self.centers[0], self.centers[1][row]));
@@ -68,8 +74,11 @@ impl Leaf<'_> {
         if covered == 0 {
             return;
         }
-        let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
-        let info = rules.surface_info(surface.shape.slope, surface.solid);
+        let mask = masks.get(number as usize);
+        let mask =
+            mask.and_then(|mask| mask.get_or_init(|| TriangleMask::new(scene, grid, surface)).as_ref());
+        let Some(mask) = mask else { return };
+        let info = rules.surface_info(shape.slope, surface.solid);
         let Some(table) = mask.table(opacity) else {
             for texel in texels_of(covered) {
                 let center = [self.centers[0][texel % BLOCK_SIDE], self.centers[1][texel / BLOCK_SIDE]];
@@ -86,12 +95,14 @@ impl Leaf<'_> {
                 }
             }
             None => {
+                let window = mask.texel_window(table);
                 for row in 0..BLOCK_SIDE {
                     let wanted = (covered >> (BLOCK_SIDE * row) & 0xff) as u16;
                     if wanted == 0 {
                         continue;
                     }
-                    let places = mask.row_coverage(table, wanted, &self.centers[0], self.centers[1][row]);
+                    let places =
+                        mask.row_coverage(table, &window, wanted, &self.centers[0], self.centers[1][row]);
                     for column in texels_of(u64::from(wanted)) {
                         let texel = row * BLOCK_SIDE + column;
                         self.add_hit(texel, depths[texel], info, places[column]);
@@ -124,16 +135,11 @@ impl Leaf<'_> {
 
     /// Adds masked surfaces where they cover enough of a texel and are nearest.
     pub(super) fn add_masked(&mut self) {
-        if self.buffers.masked.is_empty() {
-            return;
-        }
-        let mut first: [FirstSurface; TEXELS] = std::array::from_fn(|texel| self.first.get(texel));
-        masked::add_first_surfaces(&mut self.buffers.masked, &mut first);
-        for (texel, &first) in first.iter().enumerate() {
-            if first != self.first.get(texel) {
-                self.first.set(texel, first);
+        masked::add_first_surfaces(&mut self.buffers.masked, |texel, surface| {
+            if surface < self.first.get(texel) {
+                self.first.set(texel, surface);
             }
-        }
+        });
     }
 }
 

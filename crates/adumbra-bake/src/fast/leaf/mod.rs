@@ -13,7 +13,9 @@ mod texels;
 use masks::Masked;
 use texels::{Firsts, LANES, Texels};
 
-use crate::columns::masked::MaskedHit;
+use std::cell::OnceCell;
+
+use crate::columns::masked::{MaskedHit, TriangleMask};
 use crate::columns::rules::{ColumnRules, FirstSurface, SeamHit};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
@@ -36,13 +38,21 @@ pub(crate) struct NearSurfaces<'a> {
 }
 
 /// A surface near the block, with its depth range there.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy)]
 struct Near {
     low: FixedDepth,
     high: FixedDepth,
     surface: u32,
     /// Index into the list.
     place: u32,
+}
+
+impl Near {
+    /// Returns a word that sorts by `low`, then `high`.
+    fn key(&self) -> u64 {
+        let ordered = |depth: FixedDepth| u64::from(depth as u32 ^ 1 << 31);
+        ordered(self.low) << 32 | ordered(self.high)
+    }
 }
 
 /// Buffers that a worker reuses from block to block.
@@ -66,6 +76,9 @@ struct Crossings {
     depths: Texels<FixedDepth>,
 }
 
+/// The mask of a surface. It is `None` for one that is edge-on to the light.
+pub(crate) type LazyMask = OnceCell<Option<TriangleMask>>;
+
 /// The inputs shared by all leaves of a root block.
 #[derive(Clone, Copy)]
 pub(crate) struct Setting<'a> {
@@ -75,6 +88,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) surfaces: &'a [BlockSurface],
     /// Where materials with holes are opaque.
     pub(crate) opacity: &'a OpacityTables,
+    /// The masks of those surfaces that have holes, made when they are first sampled. Empty if none has.
+    pub(crate) masks: &'a [LazyMask],
     /// The processor's vectors.
     pub(crate) arch: pulp::Arch,
 }
@@ -195,7 +210,8 @@ impl LeafBuffers {
             surface,
             place,
         }));
-        self.order.sort_unstable();
+        // No result depends on the order of surfaces with equal ranges.
+        self.order.sort_unstable_by_key(|near| near.key());
     }
 }
 

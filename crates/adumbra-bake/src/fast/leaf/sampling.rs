@@ -14,9 +14,18 @@ impl Leaf<'_> {
     #[inline(always)]
     pub(super) fn sample_all(&mut self, order: &[Near]) {
         let (mut reached, mut resolved) = (FixedDepth::MIN, 0);
+        let mut are_masked_hidden = false;
         for near in order {
             let surface = &self.setting.surfaces[near.surface as usize].surface;
             if !surface.casts {
+                continue;
+            }
+            if surface.masked {
+                if !are_masked_hidden {
+                    let wanted = self.inside & self.may_begin_from(near.low);
+                    are_masked_hidden = wanted == 0;
+                    self.sample_masked(near.surface, wanted);
+                }
                 continue;
             }
             if near.low > reached {
@@ -33,15 +42,6 @@ impl Leaf<'_> {
         let (block, rules) = (self.block, self.setting.rules);
         let shape = &surface.shape;
         let Some(plane) = shape.plane else { return };
-        if surface.masked {
-            let wanted = self.inside & !resolved & self.may_begin_from(near.low);
-            if wanted != 0 {
-                let margin = if surface.solid { 0 } else { SEAM_MARGIN };
-                let [covered] = shape.coverage(block.x, block.y, [margin]);
-                self.sample_masked(surface, &plane, covered & wanted);
-            }
-            return;
-        }
         let [exact, grown] = if surface.solid && !shape.faces_sun {
             [shape.coverage(block.x, block.y, [0])[0]; 2]
         } else {

@@ -4,21 +4,33 @@
 use adumbra_scene::Wrap;
 
 use super::OpacityTable;
-use crate::triangles::project::floor_to_integer;
+use super::sample::whole;
 
 /// Coordinates beyond this are not looked up: their fractions are too coarse.
-const LARGEST_COORDINATE: f64 = 4096.0;
-/// Relative error of a sample's texture coordinates.
+const LARGEST_COORDINATE: f32 = 64.0;
+/// Error of a sample's texture coordinates, and of the arithmetic here, relative to the largest of them.
 const RELATIVE_ERROR: f64 = 1.0 / (1 << 21) as f64;
 /// Their error in texels, apart from that.
 const ERROR_TEXELS: f64 = 1.0 / 256.0;
+/// More than the rounding of a reach, relative to it.
+const REACH_ERROR: f64 = 1e-6;
 /// Numbers of corners from this one on do not fit the table.
-const TOO_MANY_CORNERS: u32 = 1 << 16;
+const TOO_MANY_CORNERS: f64 = 65_536.0;
+
+/// The size of rectangles of a texture.
+#[derive(Clone, Copy)]
+pub(crate) struct Window {
+    /// How far they reach from their centres along u and v, cells.
+    reach: [f32; 2],
+    /// Number of cells after the first that they may be in.
+    span: [u32; 2],
+}
 
 /// Ranges of cells along one axis.
 struct Ranges<const N: usize> {
     first: [u32; N],
-    last: [u32; N],
+    /// Number of corners in the range.
+    corners: [u32; N],
     /// 0 where a range is not known: the texture begins again within it.
     known: [u32; N],
 }
@@ -47,93 +59,95 @@ pub(super) fn count(corners: &[u8], width: usize, is_opaque: impl Fn(u8) -> bool
 }
 
 impl OpacityTable {
-    /// Returns which of the `wanted` ones of N rectangles are opaque or clear at every sample in them. They have these
-    /// centres and reach this far from them, texture coordinates. Neither: it is mixed, or not known.
+    /// Returns the window of rectangles that reach this far from their centres, texture coordinates. Returns `None` if
+    /// they are too large to be looked up.
     #[inline(always)]
-    pub(crate) fn uniform<const N: usize>(
-        &self,
-        wanted: u16,
-        [u, v]: [[f64; N]; 2],
-        [reach_u, reach_v]: [f64; 2],
-    ) -> Uniform {
-        let (columns, rows) = (self.ranges(0, u, reach_u), self.ranges(1, v, reach_v));
-        let mut found = Uniform::default();
-        for i in (0..N).filter(|i| wanted >> i & 1 == 1) {
-            if columns.known[i] & rows.known[i] == 0 {
-                continue;
-            }
-            let state = self.is_uniform([columns.first[i], columns.last[i]], [rows.first[i], rows.last[i]]);
-            found.opaque |= u16::from(state == Some(true)) << i;
-            found.clear |= u16::from(state == Some(false)) << i;
+    pub(crate) fn window(&self, reach: [f64; 2]) -> Option<Window> {
+        let mut window = Window { reach: [0.0; 2], span: [0; 2] };
+        let mut corners = 1.0;
+        for axis in 0..2 {
+            let size = f64::from(self.size[axis]);
+            let error = (f64::from(LARGEST_COORDINATE) + 1.0) * RELATIVE_ERROR * size + ERROR_TEXELS;
+            let reach = reach[axis] * size * (1.0 + REACH_ERROR) + error;
+            corners *= 2.0 * reach + 4.0;
+            window.reach[axis] = reach as f32;
+            window.span[axis] = (2.0 * window.reach[axis]) as u32 + 1;
         }
-        found
+        // Does not hold if it is not a number.
+        (corners < TOO_MANY_CORNERS).then_some(window)
     }
 
-    /// Returns whether these cells, the last ones included, are all opaque or all clear.
+    /// Returns which of N rectangles around these centres are opaque or clear at every sample in them. Neither: it is
+    /// mixed, or not known.
     #[inline(always)]
-    fn is_uniform(&self, [left, right]: [u32; 2], [top, bottom]: [u32; 2]) -> Option<bool> {
-        let corners = if self.nearest { 1 } else { 2 };
-        let (width, height) = (right - left + corners, bottom - top + corners);
-        let number = width.saturating_mul(height);
-        if number >= TOO_MANY_CORNERS {
-            return None;
-        }
-        let row_length = self.width + 1;
-        let (above, below) = (top as usize * row_length, (bottom + corners) as usize * row_length);
-        let (left, right) = (left as usize, (right + corners) as usize);
-        let at = |place: usize| self.counts.get(place).copied().unwrap_or_default();
-        let in_rows_above = at(above + right).wrapping_sub(at(above + left));
-        let opaque = at(below + right).wrapping_sub(at(below + left)).wrapping_sub(in_rows_above);
-        match u32::from(opaque) {
-            0 => Some(false),
-            opaque if opaque == number => Some(true),
-            _ => None,
-        }
-    }
-
-    #[inline(always)]
-    fn ranges<const N: usize>(&self, axis: usize, mut center: [f64; N], reach: f64) -> Ranges<N> {
-        let size = f64::from(self.size[axis]);
-        let (mut low, mut high, mut known) = ([0.0; N], [0.0; N], [0; N]);
-        let mut reaches = [0.0; N];
+    pub(crate) fn uniform<const N: usize>(&self, [u, v]: &[[f32; N]; 2], window: &Window) -> Uniform {
+        let (columns, rows) = (self.ranges(0, u, window), self.ranges(1, v, window));
+        let row_length = self.width as u32 + 1;
+        let mut places = [[0_u32; N]; 4];
         for i in 0..N {
-            let largest = center[i].abs() + reach;
+            let first = rows.first[i] * row_length + columns.first[i];
+            let below = first + rows.corners[i] * row_length;
+            places[0][i] = first;
+            places[1][i] = first + columns.corners[i];
+            places[2][i] = below;
+            places[3][i] = below + columns.corners[i];
+        }
+        let mut counts = [[0_u16; N]; 4];
+        for (counts, places) in counts.iter_mut().zip(&places) {
+            for (count, &place) in counts.iter_mut().zip(places) {
+                *count = self.counts.get(place as usize).copied().unwrap_or_default();
+            }
+        }
+        let (mut opaque, mut clear) = ([0_u32; N], [0_u32; N]);
+        for i in 0..N {
+            let [a, b, c, d] = [counts[0][i], counts[1][i], counts[2][i], counts[3][i]];
+            let found = u32::from(d.wrapping_sub(c).wrapping_sub(b).wrapping_add(a));
+            let known = columns.known[i] & rows.known[i];
+            opaque[i] = if found == columns.corners[i] * rows.corners[i] { known << i } else { 0 };
+            clear[i] = if found == 0 { known << i } else { 0 };
+        }
+        let all = |bits: [u32; N]| bits.into_iter().fold(0, |all, bit| all | bit) as u16;
+        Uniform { opaque: all(opaque), clear: all(clear) }
+    }
+
+    #[inline(always)]
+    fn ranges<const N: usize>(&self, axis: usize, centers: &[f32; N], window: &Window) -> Ranges<N> {
+        let (size, reach, span) = (self.size[axis] as f32, window.reach[axis], window.span[axis]);
+        let (mut center, mut known) = (*centers, [0; N]);
+        for (c, known) in center.iter_mut().zip(&mut known) {
             // Does not hold if it is not a number.
-            let is_known = largest <= LARGEST_COORDINATE;
-            known[i] = u32::from(is_known);
-            center[i] = if is_known { center[i] } else { 0.0 };
-            reaches[i] =
-                if is_known { reach + (largest + 1.0) * RELATIVE_ERROR + ERROR_TEXELS / size } else { 0.0 };
+            let is_known = c.abs() <= LARGEST_COORDINATE;
+            *known = u32::from(is_known);
+            *c = if is_known { *c } else { 0.0 };
         }
         match self.wrap[axis] {
             Wrap::Clamp => {}
             Wrap::Repeat => {
-                for i in 0..N {
-                    center[i] -= center[i].floor();
-                    let within = (center[i] >= reaches[i]) & (center[i] + reaches[i] <= 1.0);
-                    known[i] &= u32::from(within);
+                for (c, known) in center.iter_mut().zip(&mut known) {
+                    *c -= c.floor();
+                    let texels = *c * size;
+                    *known &= u32::from((texels >= reach) & (texels + reach <= size));
                 }
             }
             // What is beyond a border is the mirror image of a part of the range before it.
-            Wrap::Mirror => {
-                for c in &mut center {
-                    let along_two = *c - 2.0 * (*c * 0.5).floor();
-                    *c = if along_two > 1.0 { 2.0 - along_two } else { along_two };
-                }
-            }
+            Wrap::Mirror => center.iter_mut().for_each(|c| {
+                let along_two = *c - 2.0 * (*c * 0.5).floor();
+                *c = if along_two > 1.0 { 2.0 - along_two } else { along_two };
+            }),
         }
+        let (offset, last, beyond) = if self.nearest {
+            (0.0, self.size[axis].saturating_sub(1), 1)
+        } else {
+            (0.5, self.size[axis], 2)
+        };
+        let last_cell = last as f32;
+        let mut ranges = Ranges { first: [0; N], corners: [0; N], known };
         for i in 0..N {
-            [low[i], high[i]] = [center[i] - reaches[i], center[i] + reaches[i]].map(|c| {
-                let positive = if c > 0.0 { c } else { 0.0 };
-                if positive < 1.0 { positive } else { 1.0 }
-            });
-        }
-        let (offset, last) =
-            if self.nearest { (0.0, self.size[axis].saturating_sub(1)) } else { (0.5, self.size[axis]) };
-        let cell = |c: f64| (floor_to_integer(c * size + offset) as u32).min(last);
-        let mut ranges = Ranges { first: [0; N], last: [0; N], known };
-        for i in 0..N {
-            (ranges.first[i], ranges.last[i]) = (cell(low[i]), cell(high[i]));
+            let low = center[i] * size + offset - reach;
+            let low = if low > 0.0 { low } else { 0.0 };
+            let first = whole((if low < last_cell { low } else { last_cell }).floor());
+            ranges.first[i] = first;
+            ranges.corners[i] = span.min(last - first) + beyond;
         }
         ranges
     }

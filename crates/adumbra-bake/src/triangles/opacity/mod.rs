@@ -8,6 +8,8 @@
 mod area;
 mod sample;
 
+pub(crate) use area::{Uniform, Window};
+
 use std::collections::HashMap;
 
 use adumbra_scene::{AlphaMode, Pixels, Scene, Texture, Wrap};
@@ -159,10 +161,10 @@ mod tests {
 
     /// Returns a table's answers for one rectangle.
     fn uniform(table: &OpacityTable, ranges: [[f64; 2]; 2]) -> Option<bool> {
-        let centers = ranges.map(|[low, high]| [0.5 * (low + high)]);
-        let reach = ranges.map(|[low, high]| 0.5 * (high - low));
-        let found = table.uniform(1, centers, reach);
-        (found != area::Uniform::default()).then_some(found.opaque == 1)
+        let centers = ranges.map(|[low, high]| [(0.5 * (low + high)) as f32]);
+        let window = table.window(ranges.map(|[low, high]| 0.5 * (high - low)))?;
+        let found = table.uniform(&centers, &window);
+        (found != Uniform::default()).then_some(found.opaque == 1)
     }
 
     /// Coordinates of points that are often on texel borders.

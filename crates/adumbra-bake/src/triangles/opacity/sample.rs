@@ -7,6 +7,16 @@ use super::OpacityTable;
 /// Numbers from this one to its double have no binary places.
 const WHOLE: f32 = (1_u32 << 23) as f32;
 
+const BITS: [u32; 16] = {
+    let mut bits = [0; 16];
+    let mut i = 0;
+    while i < 16 {
+        bits[i] = 1 << i;
+        i += 1;
+    }
+    bits
+};
+
 /// Samples along one axis: in which cells they are, and how far in.
 struct Along<const N: usize> {
     cell: [u32; N],
@@ -25,14 +35,21 @@ impl OpacityTable {
             [corners[0][i], corners[1][i]] = upper;
             [corners[2][i], corners[3][i]] = lower;
         }
-        let mut opaque = 0;
+        // Loops of one step each: compilers vectorize these.
+        let mut alphas = [[0.0; N]; 4];
+        for (alphas, corners) in alphas.iter_mut().zip(&corners) {
+            for (alpha, corner) in alphas.iter_mut().zip(corners) {
+                *alpha = f32::from(*corner);
+            }
+        }
+        let mut bits = [0_u32; N];
         for i in 0..N {
-            let [a, b, c, d] = corners.map(|corner| f32::from(corner[i]));
+            let [a, b, c, d] = [alphas[0][i], alphas[1][i], alphas[2][i], alphas[3][i]];
             let mix = |a: f32, b: f32, weight: f32| a + (b - a) * weight;
             let sample = mix(mix(a, b, u.weight[i]), mix(c, d, u.weight[i]), v.weight[i]);
-            opaque |= u16::from(sample >= self.opaque_from) << i;
+            bits[i] = if sample >= self.opaque_from { BITS[i] } else { 0 };
         }
-        opaque
+        bits.into_iter().fold(0, |all, bit| all | bit) as u16
     }
 
     /// Returns the corner with this number and the next.
@@ -81,6 +98,6 @@ impl OpacityTable {
 
 /// Converts a whole number below 2^23. Unlike a conversion with `as`, it is one vector instruction.
 #[inline(always)]
-fn whole(number: f32) -> u32 {
+pub(super) fn whole(number: f32) -> u32 {
     (number + WHOLE).to_bits() & (WHOLE as u32 - 1)
 }
