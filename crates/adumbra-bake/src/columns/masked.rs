@@ -81,7 +81,7 @@ pub(crate) fn add_first_surfaces(hits: &mut [MaskedHit], mut add: impl FnMut(usi
 }
 
 /// The opaque part of a masked triangle: texture coordinates and vertex alpha as planes over grid x and y.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) struct TriangleMask {
     material: u32,
     u: Plane,
@@ -234,6 +234,75 @@ fn offset(place: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use adumbra_scene::{AlphaMode, Material, Pixels, Texture, Wrap};
+    use proptest::prelude::*;
+
+    /// A triangle's mask, with a texture of random texels.
+    fn masks() -> impl Strategy<Value = (Scene, TriangleMask)> {
+        let wrap = || prop_oneof![Just(Wrap::Repeat), Just(Wrap::Mirror), Just(Wrap::Clamp)];
+        let gradient =
+            || prop_oneof![-0.02_f64..0.02, -0.5_f64..0.5, (-8_i32..8).prop_map(|g| f64::from(g) / 16.0)];
+        let alpha = prop_oneof![3 => Just(0_u8), 3 => Just(255), 1 => any::<u8>()];
+        let texture =
+            (1_u32..12, 1_u32..12, prop::collection::vec(alpha, 144), [wrap(), wrap()], any::<bool>());
+        let planes = prop::array::uniform2((-2.0_f64..2.0, gradient(), gradient()));
+        (texture, planes, 0.05_f32..1.0, 0_u32..4).prop_map(|(texture, planes, cutoff, blur)| {
+            let (width, height, mut alphas, wrap, nearest) = texture;
+            // Runs of equal texels, so that some rectangles are uniform.
+            for t in 0..alphas.len() {
+                alphas[t] = alphas[t >> blur << blur];
+            }
+            let pixels = Pixels::Alpha(alphas[..(width * height) as usize].to_vec());
+            let material = Material {
+                alpha: AlphaMode::Mask { cutoff },
+                texture: Some(0),
+                ..Material::opaque("m", [1.0, 1.0, 1.0, 0.9])
+            };
+            let texture = Texture { name: "t".into(), width, height, pixels, wrap, nearest };
+            let scene = Scene { materials: vec![material], textures: vec![texture], ..Scene::default() };
+            let corners = [[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]];
+            let [u, v] = planes.map(|(at, gx, gy)| {
+                let values = [at, at + 8.0 * gx, at + 8.0 * gy];
+                Projected::attribute_plane(&corners, values).expect("three corners that are not on a line")
+            });
+            let extent = |p: &Plane, texels: u32| p.gradient_sum() * f64::from(texels);
+            let extent_texels = extent(&u, width).max(extent(&v, height));
+            (scene, TriangleMask { material: 0, u, v, vertex_alpha: None, extent_texels })
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        /// The tables answer as samples one by one do, for texels and for rectangles of them.
+        #[test]
+        fn tables_cover_what_samples_cover((scene, mask) in masks(), wanted in any::<u8>(), size in [1_usize..9, 1_usize..9]) {
+            let tables = OpacityTables::new(&scene);
+            let table = mask.table(&tables).expect("a texture");
+            let columns: [f64; 8] = std::array::from_fn(|i| i as f64 + 0.5);
+            let window = mask.texel_window(table);
+            let mut all = Vec::new();
+            for row in 0..size[1] {
+                let y = row as f64 + 0.5;
+                let found = mask.row_coverage(table, &window, u16::from(wanted), &columns, y);
+                for (i, &x) in columns.iter().enumerate() {
+                    let expected = mask.coverage(&scene, [x, y]);
+                    if wanted >> i & 1 == 1 {
+                        prop_assert_eq!(found[i], expected, "texel {}, {}", i, row);
+                    }
+                    if i < size[0] {
+                        all.push(expected);
+                    }
+                }
+            }
+            let half = size.map(|s| s as f64 / 2.0);
+            let reach = half.map(|h| h - 0.5 + PLACES_REACH);
+            if let Some(opaque) = mask.uniform_within(table, half, reach) {
+                let expected = if opaque { u16::MAX } else { 0 };
+                prop_assert!(all.iter().all(|&covered| covered == expected), "{opaque}: {all:x?}");
+            }
+        }
+    }
 
     #[test]
     fn a_hit_is_the_word_in_the_table() {

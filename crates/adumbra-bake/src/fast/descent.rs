@@ -8,6 +8,7 @@ use adumbra::layout::LEAF_NODE_LEVEL;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::columns::capture::{CaptureBuffers, TileRect, capture};
+use crate::columns::masked::TriangleMask;
 use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::error::{Error, Result};
@@ -81,7 +82,7 @@ pub(crate) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
         .unwrap_or_default();
     // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far shorter.
     let any_masked = casters.scene.materials.iter().any(|m| m.alpha != AlphaMode::Opaque);
-    let mask = if any_masked { size_of::<LazyMask>() } else { 0 };
+    let mask = if any_masked { size_of::<LazyMask>() + size_of::<TriangleMask>() } else { 0 };
     fullest * ((2 * size_of::<BlockSurface>() + size_of::<SnappedBox>() + mask) as u64 + 48)
 }
 

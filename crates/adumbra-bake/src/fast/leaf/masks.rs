@@ -74,9 +74,8 @@ impl Leaf<'_> {
         if covered == 0 {
             return;
         }
-        let mask = masks.get(number as usize);
-        let mask =
-            mask.and_then(|mask| mask.get_or_init(|| TriangleMask::new(scene, grid, surface)).as_ref());
+        let make = || TriangleMask::new(scene, grid, surface).map(Box::new);
+        let mask = masks.get(number as usize).and_then(|mask| mask.get_or_init(make).as_deref());
         let Some(mask) = mask else { return };
         let info = rules.surface_info(shape.slope, surface.solid);
         let Some(table) = mask.table(opacity) else {
@@ -123,10 +122,10 @@ impl Leaf<'_> {
     /// Returns the middle of these texels' centres, and how far they reach from it.
     #[inline(always)]
     fn rectangle_around(&self, texels: u64) -> ([f64; 2], [f64; 2]) {
-        let [rows, columns] = [texels, columns_of(texels)];
+        let columns = columns_of(texels);
         let ends = [
-            [columns.trailing_zeros(), 7 - (columns as u8).leading_zeros()],
-            [rows.trailing_zeros() / 8, 7 - rows.leading_zeros() / 8],
+            [columns.trailing_zeros(), 7 - columns.leading_zeros()],
+            [texels.trailing_zeros() / 8, 7 - texels.leading_zeros() / 8],
         ];
         let along = |axis: usize| ends[axis].map(|end| self.centers[axis][end as usize]);
         let [[left, right], [top, bottom]] = [along(0), along(1)];
@@ -145,8 +144,8 @@ impl Leaf<'_> {
 
 /// Returns the columns in which there are texels.
 #[inline(always)]
-fn columns_of(texels: u64) -> u64 {
+fn columns_of(texels: u64) -> u8 {
     let halves = texels | texels >> 32;
     let quarters = halves | halves >> 16;
-    (quarters | quarters >> 8) & 0xff
+    (quarters | quarters >> 8) as u8
 }

@@ -77,7 +77,7 @@ struct Crossings {
 }
 
 /// The mask of a surface. It is `None` for one that is edge-on to the light.
-pub(crate) type LazyMask = OnceCell<Option<TriangleMask>>;
+pub(crate) type LazyMask = OnceCell<Option<Box<TriangleMask>>>;
 
 /// The inputs shared by all leaves of a root block.
 #[derive(Clone, Copy)]
