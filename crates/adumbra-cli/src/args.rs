@@ -127,6 +127,7 @@ impl ValueEnum for KindArg {
             Self(GeneratedKind::SphereGrid),
             Self(GeneratedKind::Wires),
             Self(GeneratedKind::Cornell),
+            Self(GeneratedKind::Forest),
         ]
     }
 
@@ -145,6 +146,9 @@ impl ValueEnum for KindArg {
             }
             GeneratedKind::Cornell => {
                 ("cornell", "A room that is open on one side, with coloured walls and two blocks")
+            }
+            GeneratedKind::Forest => {
+                ("forest", "1,000 trees with a million cards of leaves, cut out by alpha")
             }
         };
         Some(PossibleValue::new(name).help(help))

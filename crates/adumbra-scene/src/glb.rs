@@ -1,9 +1,10 @@
 //! Writes scenes as binary glTF 2.0 (Khronos, *glTF 2.0 Specification*, 2021, chapter 4).
 //!
-//! Only meshes, instances and opaque base colours are written, which is all that generated scenes hold. Textures,
-//! texture coordinates and alpha modes are not written. Instancing is preserved: nodes share meshes. Each material used
-//! in a mesh becomes one primitive with only the vertices it uses. The output is deterministic: equal scenes give equal
-//! bytes.
+//! Meshes, instances, base colours, their textures and alpha modes are written, which is all that generated scenes hold;
+//! vertex colours are not. Instancing is preserved: nodes share meshes. Each material used in a mesh becomes one
+//! primitive with only the vertices it uses. The output is deterministic: equal scenes give equal bytes.
+
+mod images;
 
 use adumbra::IoError;
 use std::io::Write;
@@ -11,7 +12,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::{Instance, Material, Mesh, Result, Scene};
+use crate::{AlphaMode, Instance, Material, Mesh, Result, Scene};
 use adumbra_files::replace_file;
 
 const MAGIC: &[u8; 4] = b"glTF";
@@ -47,6 +48,7 @@ pub fn to_glb(scene: &Scene) -> Vec<u8> {
         ..Document::default()
     };
     let mut bin = Vec::new();
+    images::push_textures(scene, &mut document, &mut bin);
     // The glTF index of each mesh that has triangles.
     let mut mesh_index = Vec::with_capacity(scene.meshes.len());
     for mesh in &scene.meshes {
@@ -97,10 +99,22 @@ pub(crate) fn container(mut json: Vec<u8>, mut bin: Vec<u8>, others: &[&[u8]]) -
 }
 
 fn material_json(material: &Material) -> MaterialJson<'_> {
-    let [r, g, b, a] = material.base_color;
+    // BLEND has no cut-off, and an opaque material's is not used.
+    let (alpha_mode, alpha_cutoff) = match material.alpha {
+        AlphaMode::Opaque => (None, None),
+        AlphaMode::Mask { .. } if material.blended => (Some("BLEND"), None),
+        AlphaMode::Mask { cutoff } => (Some("MASK"), Some(cutoff)),
+    };
     MaterialJson {
         name: &material.name,
-        pbr: Pbr { base_color_factor: [r, g, b, a], metallic_factor: 0.0, roughness_factor: 1.0 },
+        pbr: Pbr {
+            base_color_factor: material.base_color,
+            base_color_texture: material.texture.map(|index| TextureInfo { index }),
+            metallic_factor: 0.0,
+            roughness_factor: 1.0,
+        },
+        alpha_mode,
+        alpha_cutoff,
         extras: Extras::where_false(material.casts),
     }
 }
@@ -146,7 +160,10 @@ fn mesh_json<'a>(
             indices.push(*slot);
         }
         primitives.push(Primitive {
-            attributes: Attributes { position: push_positions(mesh, &vertices, document, bin) },
+            attributes: Attributes {
+                position: push_positions(mesh, &vertices, document, bin),
+                uv: (!mesh.uvs.is_empty()).then(|| push_uvs(mesh, &vertices, document, bin)),
+            },
             indices: push_indices(&indices, vertices.len(), document, bin),
             material,
         });
@@ -167,7 +184,7 @@ fn push_positions(mesh: &Mesh, vertices: &[u32], document: &mut Document<'_>, bi
             bin.extend_from_slice(&c.to_le_bytes());
         }
     }
-    let view = document.view(start, bin, ARRAY_BUFFER);
+    let view = document.view(start, bin, Some(ARRAY_BUFFER));
     document.accessor(Accessor {
         buffer_view: view,
         component_type: FLOAT,
@@ -175,6 +192,22 @@ fn push_positions(mesh: &Mesh, vertices: &[u32], document: &mut Document<'_>, bi
         kind: "VEC3",
         min: Some(min),
         max: Some(max),
+    })
+}
+
+fn push_uvs(mesh: &Mesh, vertices: &[u32], document: &mut Document<'_>, bin: &mut Vec<u8>) -> usize {
+    let start = bin.len();
+    for &v in vertices {
+        bin.extend(mesh.uvs[v as usize].into_iter().flat_map(f32::to_le_bytes));
+    }
+    let view = document.view(start, bin, Some(ARRAY_BUFFER));
+    document.accessor(Accessor {
+        buffer_view: view,
+        component_type: FLOAT,
+        count: vertices.len(),
+        kind: "VEC2",
+        min: None,
+        max: None,
     })
 }
 
@@ -189,7 +222,7 @@ fn push_indices(indices: &[u32], vertices: usize, document: &mut Document<'_>, b
             bin.extend_from_slice(&i.to_le_bytes());
         }
     }
-    let view = document.view(start, bin, ELEMENT_ARRAY_BUFFER);
+    let view = document.view(start, bin, Some(ELEMENT_ARRAY_BUFFER));
     document.accessor(Accessor {
         buffer_view: view,
         component_type: if short { UNSIGNED_SHORT } else { UNSIGNED_INT },
@@ -215,6 +248,12 @@ struct Document<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     materials: Vec<MaterialJson<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    textures: Vec<images::TextureJson>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    images: Vec<images::ImageJson<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    samplers: Vec<images::SamplerJson>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     accessors: Vec<Accessor>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     buffer_views: Vec<BufferView>,
@@ -224,7 +263,7 @@ struct Document<'a> {
 
 impl Document<'_> {
     /// Ends the buffer view that began at `start`, and pads the buffer to a multiple of 4 bytes.
-    fn view(&mut self, start: usize, bin: &mut Vec<u8>, target: u32) -> usize {
+    fn view(&mut self, start: usize, bin: &mut Vec<u8>, target: Option<u32>) -> usize {
         let byte_length = bin.len() - start;
         bin.resize(bin.len().next_multiple_of(4), 0);
         self.buffer_views.push(BufferView { buffer: 0, byte_offset: start, byte_length, target });
@@ -275,6 +314,8 @@ struct Primitive {
 struct Attributes {
     #[serde(rename = "POSITION")]
     position: usize,
+    #[serde(rename = "TEXCOORD_0", skip_serializing_if = "Option::is_none")]
+    uv: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -282,6 +323,10 @@ struct MaterialJson<'a> {
     name: &'a str,
     #[serde(rename = "pbrMetallicRoughness")]
     pbr: Pbr,
+    #[serde(rename = "alphaMode", skip_serializing_if = "Option::is_none")]
+    alpha_mode: Option<&'static str>,
+    #[serde(rename = "alphaCutoff", skip_serializing_if = "Option::is_none")]
+    alpha_cutoff: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     extras: Option<Extras>,
 }
@@ -290,8 +335,15 @@ struct MaterialJson<'a> {
 #[serde(rename_all = "camelCase")]
 struct Pbr {
     base_color_factor: [f32; 4],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    base_color_texture: Option<TextureInfo>,
     metallic_factor: f32,
     roughness_factor: f32,
+}
+
+#[derive(Serialize)]
+struct TextureInfo {
+    index: u32,
 }
 
 #[derive(Serialize)]
@@ -314,7 +366,9 @@ struct BufferView {
     buffer: u32,
     byte_offset: usize,
     byte_length: usize,
-    target: u32,
+    /// What a graphics card uses the bytes for; not given for images.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    target: Option<u32>,
 }
 
 #[derive(Serialize)]

@@ -1,6 +1,9 @@
 //! Checks GLB files with an independent reader.
 
-use adumbra_scene::{GeneratedKind, Instance, Mesh, Scene, generate, to_glb, write_glb};
+use adumbra_scene::{
+    AlphaMode, GeneratedKind, Instance, Material, Mesh, Pixels, Scene, Texture, Wrap, generate, to_glb,
+    write_glb,
+};
 
 #[test]
 fn glb_reads_back_with_another_reader() {
@@ -62,6 +65,65 @@ fn triangles(primitive: &gltf::Primitive<'_>, buffers: &[gltf::buffer::Data]) ->
     let material = primitive.material().index().unwrap() as u32;
     let corner = |v: u32| positions[v as usize].map(f32::to_bits);
     indices.chunks(3).map(|t| (material, [corner(t[0]), corner(t[1]), corner(t[2])])).collect()
+}
+
+#[test]
+fn textures_and_masks_read_back_with_another_reader() {
+    let mut scene = generate(GeneratedKind::Forest, 3);
+    let alphas = [0, 90, 255, 7, 8, 200];
+    scene.textures.push(Texture {
+        name: "alpha".into(),
+        width: 3,
+        height: 2,
+        pixels: Pixels::Alpha(alphas.to_vec()),
+        wrap: [Wrap::Mirror, Wrap::Repeat],
+        nearest: true,
+    });
+    let blended = Material {
+        alpha: AlphaMode::Mask { cutoff: 0.5 },
+        blended: true,
+        texture: Some(1),
+        ..Material::opaque("blended", [1.0, 0.5, 0.25, 0.75])
+    };
+    scene.materials.push(blended);
+    let (document, buffers, images) = gltf::import_slice(to_glb(&scene)).unwrap();
+
+    let [leaves, blended] = [2, 3].map(|m| document.materials().nth(m).unwrap());
+    let texture = |m: &gltf::Material<'_>| {
+        m.pbr_metallic_roughness().base_color_texture().map(|info| info.texture().index())
+    };
+    assert_eq!((texture(&leaves), texture(&blended)), (Some(0), Some(1)));
+    assert_eq!((leaves.alpha_mode(), leaves.alpha_cutoff()), (gltf::material::AlphaMode::Mask, Some(0.5)));
+    assert_eq!((blended.alpha_mode(), blended.alpha_cutoff()), (gltf::material::AlphaMode::Blend, None));
+    assert_eq!(document.materials().next().unwrap().alpha_mode(), gltf::material::AlphaMode::Opaque);
+
+    let Pixels::Rgba(texels) = &scene.textures[0].pixels else { panic!("colours") };
+    assert_eq!((images[0].width, images[0].height), (256, 256));
+    assert!(images[0].pixels == *texels);
+    assert_eq!((images[1].width, images[1].height), (3, 2));
+    assert_eq!(images[1].pixels, alphas.map(|alpha| [255, alpha]).concat());
+    use gltf::texture::{MagFilter, WrappingMode};
+    let sampler = |n: usize| {
+        let sampler = document.textures().nth(n).unwrap().sampler();
+        (sampler.mag_filter().unwrap(), sampler.wrap_s(), sampler.wrap_t())
+    };
+    assert_eq!(sampler(0), (MagFilter::Linear, WrappingMode::ClampToEdge, WrappingMode::ClampToEdge));
+    assert_eq!(sampler(1), (MagFilter::Nearest, WrappingMode::MirroredRepeat, WrappingMode::Repeat));
+
+    let mesh = &scene.meshes[1];
+    let tree = document.meshes().nth(1).unwrap();
+    let bits = |(p, uv): ([f32; 3], [f32; 2])| (p.map(f32::to_bits), uv.map(f32::to_bits));
+    let mut found = Vec::new();
+    for primitive in tree.primitives() {
+        let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+        let positions = reader.read_positions().unwrap();
+        found.extend(positions.zip(reader.read_tex_coords(0).unwrap().into_f32()).map(bits));
+    }
+    let vertices = mesh.positions.iter().copied().zip(mesh.uvs.iter().copied());
+    let mut expected: Vec<_> = vertices.map(bits).collect();
+    found.sort_unstable();
+    expected.sort_unstable();
+    assert!(found == expected);
 }
 
 #[test]

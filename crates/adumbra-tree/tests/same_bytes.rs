@@ -73,6 +73,7 @@ fn same_bytes_for_generated_scenes() {
             ("sphere-grid", GeneratedKind::SphereGrid),
             ("wires", GeneratedKind::Wires),
             ("cornell", GeneratedKind::Cornell),
+            ("forest", GeneratedKind::Forest),
         ];
         let (_, kind) = all.into_iter().find(|(known, _)| *known == name).unwrap();
         // Loaded from a file, as the program does.

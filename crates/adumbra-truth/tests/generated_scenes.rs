@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use adumbra::RangeError;
 use adumbra_scene::Error;
 use adumbra_scene::topology::{Component, analyse};
-use adumbra_scene::{GeneratedKind, Instance, Mesh, Scene, generate, to_glb};
+use adumbra_scene::{AlphaMode, GeneratedKind, Instance, Mesh, Scene, generate, to_glb};
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
-const KINDS: [GeneratedKind; 8] = [
+const KINDS: [GeneratedKind; 9] = [
     GeneratedKind::Spheres,
     GeneratedKind::Primitives,
     GeneratedKind::Landscape,
@@ -17,6 +17,7 @@ const KINDS: [GeneratedKind; 8] = [
     GeneratedKind::SphereGrid,
     GeneratedKind::Wires,
     GeneratedKind::Cornell,
+    GeneratedKind::Forest,
 ];
 /// The kinds that rest on y = 0 without a ground of their own.
 const WITHOUT_GROUND: [GeneratedKind; 3] =
@@ -48,6 +49,7 @@ fn bytes_are_the_same_on_every_machine() {
         0x1AAC_89B9_18A0_6B13,
         0x43EC_C479_4C0C_8FE8,
         0x82E8_F1BE_BDDA_0205,
+        0xEE5C_AC29_02C8_1CDA,
     ];
     let found = KINDS.map(|kind| fingerprint(&to_glb(&generate(kind, 1))));
     assert_eq!(found, expected, "{found:#018X?}");
@@ -84,8 +86,9 @@ fn area(mesh: &Mesh, triangle: usize) -> f64 {
 }
 
 #[test]
-fn all_but_the_terrain_is_solid() {
-    for (kind, seed) in KINDS.into_iter().flat_map(|k| [0, 1, 2].map(|s| (k, s))) {
+fn all_but_the_terrain_and_cards_is_solid() {
+    let solid = KINDS.into_iter().filter(|&kind| kind != GeneratedKind::Forest);
+    for (kind, seed) in solid.flat_map(|k| [0, 1, 2].map(|s| (k, s))) {
         let scene = generate(kind, seed);
         for mesh in scene.meshes.iter().filter(|m| m.name != "terrain") {
             let topology = analyse(mesh, &scene.materials);
@@ -122,6 +125,24 @@ fn scenes_have_the_sizes_they_promise() {
         for scene in [landscape, city] {
             let bounds = scene.bounds();
             assert!([0, 2].into_iter().all(|a| (399.0..410.0).contains(&(bounds.max[a] - bounds.min[a]))));
+        }
+    }
+}
+
+#[test]
+fn forest_has_a_million_cards_on_a_thousand_solid_trunks() {
+    for seed in 0..3 {
+        let forest = generate(GeneratedKind::Forest, seed);
+        let is_card = |&&m: &&u32| forest.materials[m as usize].alpha != AlphaMode::Opaque;
+        let cards = |i: &Instance| {
+            forest.meshes[i.mesh as usize].triangle_materials.iter().filter(is_card).count() / 2
+        };
+        assert_eq!(forest.instances.iter().map(cards).sum::<usize>(), 1_000_000);
+        assert_eq!(forest.instances.iter().filter(|i| i.name.starts_with("tree")).count(), 1000);
+        for mesh in &forest.meshes {
+            let topology = analyse(mesh, &forest.materials);
+            assert_eq!(topology.components.iter().filter(|c| c.solid).count(), 1, "{}", mesh.name);
+            assert!(mesh.uvs.is_empty() || mesh.uvs.len() == mesh.positions.len(), "{}", mesh.name);
         }
     }
 }

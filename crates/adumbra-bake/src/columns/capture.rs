@@ -165,7 +165,7 @@ fn sample_band(
             });
             columns::close_seams(seams, |texel, surface| first[texel] = first[texel].min(surface));
         }
-        masked::add_first_surfaces(masked, first);
+        masked::add_first_surfaces(masked, |texel, surface| first[texel] = first[texel].min(surface));
     }
     fits
 }

@@ -289,7 +289,7 @@ impl ReceiverPlane {
 
     /// Returns where look-ups sample a column in which the plane is at this depth, voxels.
     #[inline(always)]
-    fn sampled_at(&self, kind: ReceiverKind, z: f64) -> Sampled {
+    pub(crate) fn sampled_at(&self, kind: ReceiverKind, z: f64) -> Sampled {
         let before = match kind {
             ReceiverKind::Footprint => 0.0,
             ReceiverKind::Filtered => FILTER_ROUNDING,

@@ -8,13 +8,14 @@ use adumbra::layout::LEAF_NODE_LEVEL;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::columns::capture::{CaptureBuffers, TileRect, capture};
+use crate::columns::masked::TriangleMask;
 use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::error::{Error, Result};
 use crate::fast::block::{Block, BlockSurface, SnappedBox};
 use crate::fast::classify::{Classification, ClassifyBuffers, classify};
 use crate::fast::gather::gather;
-use crate::fast::leaf::{LeafBuffers, NearSurfaces, Setting, leaf_columns};
+use crate::fast::leaf::{LazyMask, LeafBuffers, NearSurfaces, Setting, leaf_columns};
 use crate::sink::BlockSink;
 use crate::tiles::Tiles;
 use crate::triangles::casters::Casters;
@@ -22,7 +23,7 @@ use crate::triangles::project::{FixedDepth, SUBTEXEL};
 use crate::triangles::surface::{Surface, Surfaces};
 use adumbra::Receivers;
 use adumbra::grid::LightGrid;
-use adumbra_scene::Scene;
+use adumbra_scene::{AlphaMode, Scene};
 
 /// Buffers that a worker reuses from block to block.
 #[derive(Default)]
@@ -80,7 +81,9 @@ pub(crate) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
         .max()
         .unwrap_or_default();
     // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far shorter.
-    fullest * ((2 * size_of::<BlockSurface>() + size_of::<SnappedBox>()) as u64 + 48)
+    let any_masked = casters.scene.materials.iter().any(|m| m.alpha != AlphaMode::Opaque);
+    let mask = if any_masked { size_of::<LazyMask>() + size_of::<TriangleMask>() } else { 0 };
+    fullest * ((2 * size_of::<BlockSurface>() + size_of::<SnappedBox>() + mask) as u64 + 48)
 }
 
 /// Builds root block `tile` of `tiles` into `sink`.
@@ -101,6 +104,8 @@ pub(crate) fn build_root<S: BlockSink>(
         [tiles.rules.reach_texels(), tiles.rules.contact_reach_texels()].map(reach_outside);
     let far = block.snapped(contact_reach);
     let surfaces = gather(&tiles.casters, tile, &far, &tiles.grid, &tiles.rules);
+    let any_masked = surfaces.iter().any(|s| s.surface.masked);
+    let masks = vec![LazyMask::new(); if any_masked { surfaces.len() } else { 0 }];
     let descent = Descent {
         boxes: surfaces.iter().map(|s| SnappedBox::of(&s.surface.shape)).collect(),
         setting: Setting {
@@ -109,6 +114,7 @@ pub(crate) fn build_root<S: BlockSink>(
             rules: &tiles.rules,
             surfaces: &surfaces,
             opacity: &tiles.casters.clusters.opacity,
+            masks: &masks,
             arch: pulp::Arch::new(),
         },
         reach,

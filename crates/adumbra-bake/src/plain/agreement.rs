@@ -17,7 +17,7 @@ use adumbra::Receivers;
 use adumbra::grid::Sun;
 use adumbra::layout::LeafMasks;
 use adumbra_scene::random::Random;
-use adumbra_scene::{LoadOptions, Scene, load};
+use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 
 /// A sink that keeps the descent's results in the order of traversal.
 struct Found;
@@ -190,6 +190,17 @@ fn shared_scenes_have_the_plain_builders_columns() {
         let step = if adumbra_testing::full() { 1 } else { 29 };
         let [drawn, all] = assert_agreement(name, &scene, &options, step);
         eprintln!("{name}: {:.1} % of texels drawn", 100.0 * drawn as f64 / all as f64);
+    }
+}
+
+#[test]
+fn layers_of_masked_cards_have_the_plain_builders_columns() {
+    let forest = generate(GeneratedKind::Forest, 1);
+    for (towards, thickness_world) in [([0.5, 0.8, 0.35], 0.0), ([0.9, 0.2, -0.3], 0.1)] {
+        let options =
+            BakeOptions { thickness_world, ..BakeOptions::new(sun(towards), Size::Resolution(1024)) };
+        let [drawn, all] = assert_agreement("forest", &forest, &options, 5);
+        assert!(drawn * 4 > all, "{drawn} of {all} texels are drawn");
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::triangles::adjacency::adjacent_vertices;
 use crate::triangles::cluster::ClusterTriangle;
-use crate::triangles::opacity::OpacityPyramids;
+use crate::triangles::opacity::OpacityTables;
 use adumbra::grid::LightGrid;
 use adumbra_scene::topology::Topology;
 use adumbra_scene::{Mesh, Scene, topology};
@@ -18,7 +18,7 @@ pub(crate) struct SceneClusters {
     /// One for each mesh.
     meshes: Vec<MeshClusters>,
     /// Empty if outlines are not requested.
-    pub(crate) opacity: OpacityPyramids,
+    pub(crate) opacity: OpacityTables,
 }
 
 /// Triangles of one mesh, sorted so that nearby ones are adjacent.
@@ -65,7 +65,7 @@ impl SceneClusters {
     pub(crate) fn new(scene: &Scene, options: CasterOptions) -> Arc<Self> {
         let meshes = scene.meshes.iter().map(|mesh| cluster_mesh(scene, mesh, options)).collect();
         let has_holes = options.outlines && !options.ignore_alpha;
-        let opacity = if has_holes { OpacityPyramids::new(scene) } else { OpacityPyramids::default() };
+        let opacity = if has_holes { OpacityTables::new(scene) } else { OpacityTables::default() };
         Arc::new(Self { meshes, opacity })
     }
 }

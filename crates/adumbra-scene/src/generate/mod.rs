@@ -10,9 +10,11 @@ mod city_buildings;
 mod city_measures;
 mod city_street;
 mod cornell;
+mod forest;
 mod ground;
 mod landscape;
 mod landscape_props;
+mod leaf_image;
 mod noise;
 mod primitives;
 mod shapes;
@@ -45,6 +47,8 @@ pub enum GeneratedKind {
     Wires,
     /// A room 5.6 m wide and deep and 5.5 m high, open towards +Z, with coloured side walls and two blocks.
     Cornell,
+    /// 248 m by 158 m of forest: 1,000 trees with 1,000 cards each, cut out by the alpha of a leaf texture.
+    Forest,
 }
 
 /// Generates the scene of this kind and seed. Cost: well below a second.
@@ -58,6 +62,7 @@ pub fn generate(kind: GeneratedKind, seed: u64) -> Scene {
         GeneratedKind::SphereGrid => sphere_grid::generate(seed),
         GeneratedKind::Wires => wires::generate(seed),
         GeneratedKind::Cornell => cornell::generate(seed),
+        GeneratedKind::Forest => forest::generate(seed),
     }
 }
 

@@ -17,7 +17,10 @@ impl Builder {
         Self { mesh: Mesh { name: name.into(), ..Mesh::default() }, material }
     }
 
-    pub(super) fn finish(self) -> Mesh {
+    pub(super) fn finish(mut self) -> Mesh {
+        if !self.mesh.uvs.is_empty() {
+            self.mesh.uvs.resize(self.mesh.positions.len(), [0.0; 2]);
+        }
         self.mesh
     }
 
@@ -39,6 +42,15 @@ impl Builder {
     pub(super) fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
         self.triangle(a, b, c);
         self.triangle(a, c, d);
+    }
+
+    /// Adds a quad with the whole of a texture on it; the first two corners are at the texture's lower edge.
+    pub(super) fn card(&mut self, corners: [[f64; 3]; 4]) {
+        let corners = corners.map(|p| self.vertex(p));
+        let last = self.mesh.positions.len();
+        self.mesh.uvs.resize(last - 4, [0.0; 2]);
+        self.mesh.uvs.extend([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+        self.quad(corners);
     }
 
     /// Adds a box.

@@ -5,17 +5,21 @@
 //! surface that is sampled far behind a solid settles the first question at once. The remaining work concerns open
 //! first surfaces and thin gaps.
 
+mod masks;
 mod receivers;
 mod sampling;
 mod texels;
 
+use masks::Masked;
 use texels::{Firsts, LANES, Texels};
 
-use crate::columns::masked::MaskedHit;
+use std::cell::OnceCell;
+
+use crate::columns::masked::{MaskedHit, TriangleMask};
 use crate::columns::rules::{ColumnRules, FirstSurface, SeamHit};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
-use crate::triangles::opacity::OpacityPyramids;
+use crate::triangles::opacity::OpacityTables;
 use crate::triangles::project::FixedDepth;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
@@ -34,13 +38,21 @@ pub(crate) struct NearSurfaces<'a> {
 }
 
 /// A surface near the block, with its depth range there.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy)]
 struct Near {
     low: FixedDepth,
     high: FixedDepth,
     surface: u32,
     /// Index into the list.
     place: u32,
+}
+
+impl Near {
+    /// Returns a word that sorts by `low`, then `high`.
+    fn key(&self) -> u64 {
+        let ordered = |depth: FixedDepth| u64::from(depth as u32 ^ 1 << 31);
+        ordered(self.low) << 32 | ordered(self.high)
+    }
 }
 
 /// Buffers that a worker reuses from block to block.
@@ -64,6 +76,9 @@ struct Crossings {
     depths: Texels<FixedDepth>,
 }
 
+/// The mask of a surface. It is `None` for one that is edge-on to the light.
+pub(crate) type LazyMask = OnceCell<Option<Box<TriangleMask>>>;
+
 /// The inputs shared by all leaves of a root block.
 #[derive(Clone, Copy)]
 pub(crate) struct Setting<'a> {
@@ -72,7 +87,9 @@ pub(crate) struct Setting<'a> {
     pub(crate) rules: &'a ColumnRules,
     pub(crate) surfaces: &'a [BlockSurface],
     /// Where materials with holes are opaque.
-    pub(crate) opacity: &'a OpacityPyramids,
+    pub(crate) opacity: &'a OpacityTables,
+    /// The masks of those surfaces that have holes, made when they are first sampled. Empty if none has.
+    pub(crate) masks: &'a [LazyMask],
     /// The processor's vectors.
     pub(crate) arch: pulp::Arch,
 }
@@ -85,6 +102,7 @@ struct Leaf<'b> {
     /// Texels of the grid.
     inside: u64,
     first: Firsts,
+    masked: Masked,
     /// Number of solids entered so far, minus those left.
     entered: Texels<i32>,
     /// Some receiver is known to sample the column at this depth or deeper.
@@ -151,6 +169,7 @@ fn compute(Task { block, inside, near, known_behind, setting, buffers }: Task<'_
         ranges: near.ranges,
         inside,
         first: Firsts::none(),
+        masked: Masked::none(),
         entered: [[0; BLOCK_SIDE]; BLOCK_SIDE],
         deepest: [[FixedDepth::MIN; BLOCK_SIDE]; BLOCK_SIDE],
         base: [[0; BLOCK_SIDE]; BLOCK_SIDE],
@@ -191,7 +210,8 @@ impl LeafBuffers {
             surface,
             place,
         }));
-        self.order.sort_unstable();
+        // No result depends on the order of surfaces with equal ranges.
+        self.order.sort_unstable_by_key(|near| near.key());
     }
 }
 

@@ -146,6 +146,18 @@ impl Leaf<'_> {
         let (block, rules) = (self.block, self.setting.rules);
         let Some(receiver) = receiver else { return };
         let half = rules.footprint_half_texels(ReceiverKind::Footprint);
+        // Where it is sampled behind the base and nearer than what is known.
+        let mut counts = [[false; BLOCK_SIDE]; BLOCK_SIDE];
+        for (row, _) in rows_of(wanted) {
+            let z = receiver.plane.along(&self.centers[0], self.centers[1][row]);
+            for c in 0..BLOCK_SIDE {
+                let sampled = receiver.sampled_at(ReceiverKind::Footprint, z[c]);
+                counts[row][c] = (sampled.plane > self.base[row][c])
+                    & (sampled.lifted > self.first.depth[row][c])
+                    & (sampled.lifted < self.next[row][c]);
+            }
+        }
+        let wanted = wanted & texels_where(|t| counts.as_flattened()[t]);
         for row in 0..BLOCK_SIDE {
             let wanted = wanted >> (row * BLOCK_SIDE) & 0xff;
             if wanted == 0 {

@@ -1,10 +1,9 @@
 //! First surfaces of a leaf's columns, and where the solids end that are hit first.
 
 use super::texels::{LANES, rows_of};
-use super::{Crossings, Leaf, Near, Setting, TEXELS};
+use super::{Crossings, Leaf, Near};
 use crate::columns::BLOCK_SIDE;
-use crate::columns::masked::{self, MaskedHit, TriangleMask};
-use crate::columns::rules::{self, FirstSurface, SeamHit};
+use crate::columns::rules::{self, SeamHit};
 use crate::texel_mask::{texels_of, texels_where};
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
 use crate::triangles::surface::Surface;
@@ -15,14 +14,23 @@ impl Leaf<'_> {
     #[inline(always)]
     pub(super) fn sample_all(&mut self, order: &[Near]) {
         let (mut reached, mut resolved) = (FixedDepth::MIN, 0);
+        let mut are_masked_hidden = false;
         for near in order {
             let surface = &self.setting.surfaces[near.surface as usize].surface;
             if !surface.casts {
                 continue;
             }
+            if surface.masked {
+                if !are_masked_hidden {
+                    let wanted = self.inside & self.may_begin_from(near.low);
+                    are_masked_hidden = wanted == 0;
+                    self.sample_masked(near.surface, wanted);
+                }
+                continue;
+            }
             if near.low > reached {
                 let left = texels_where(|texel| self.entered.as_flattened()[texel] == 0);
-                resolved = self.first.met() & left;
+                resolved = left & !self.may_begin_from(near.low);
             }
             reached = reached.max(near.high);
             self.sample(near, surface, resolved);
@@ -31,7 +39,7 @@ impl Leaf<'_> {
 
     #[inline(always)]
     fn sample(&mut self, near: &Near, surface: &Surface, resolved: u64) {
-        let (block, Setting { scene, grid, rules, opacity, .. }) = (self.block, self.setting);
+        let (block, rules) = (self.block, self.setting.rules);
         let shape = &surface.shape;
         let Some(plane) = shape.plane else { return };
         let [exact, grown] = if surface.solid && !shape.faces_sun {
@@ -42,8 +50,7 @@ impl Leaf<'_> {
         let wanted = self.inside & !resolved;
         let covered = if surface.solid { exact } else { grown } & wanted;
         let seam = if surface.solid { grown & !exact & wanted } else { 0 };
-        if !surface.masked
-            && exact & self.inside != 0
+        if exact & self.inside != 0
             && let Some(range) = &self.ranges[near.place as usize].sampled
         {
             for (row, texels) in rows_of(exact & self.inside) {
@@ -56,17 +63,6 @@ impl Leaf<'_> {
         if covered | seam == 0 {
             return;
         }
-        let mask = if surface.masked {
-            let Some(mask) = TriangleMask::new(scene, grid, surface) else { return };
-            let middle = [block.x, block.y].map(|c| f64::from(c) + BLOCK_SIDE as f64 / 2.0);
-            let opacity = mask.opacity_within(opacity, middle, BLOCK_SIDE as f64 / 2.0);
-            if opacity == Some(false) {
-                return;
-            }
-            Some((mask, opacity))
-        } else {
-            None
-        };
         let mut depths = [[0; BLOCK_SIDE]; BLOCK_SIDE];
         let range = shape.depth_range();
         for (row, _) in rows_of(covered | seam) {
@@ -74,20 +70,6 @@ impl Leaf<'_> {
         }
         let depth = |texel: usize| depths.as_flattened()[texel];
         let info = rules.surface_info(shape.slope, surface.solid);
-        if let Some((mask, opacity_here)) = mask {
-            for texel in texels_of(covered) {
-                let center = self.center(texel);
-                let places = match opacity_here.or_else(|| mask.opacity_within(opacity, center, 0.5)) {
-                    Some(true) => u16::MAX,
-                    Some(false) => 0,
-                    None => mask.coverage(scene, center),
-                };
-                if places != 0 {
-                    self.buffers.masked.push(MaskedHit::new(texel, depth(texel), info, places));
-                }
-            }
-            return;
-        }
         let seams = texels_of(seam).map(|texel| SeamHit::new(texel, depth(texel), info, surface));
         self.buffers.seams.extend(seams);
         for (row, texels) in rows_of(covered) {
@@ -104,11 +86,6 @@ impl Leaf<'_> {
             let (low, high) = (near.low, near.high);
             self.buffers.crossings.push(Crossings { covered, leaves, low, high, depths });
         }
-    }
-
-    #[inline(always)]
-    fn center(&self, texel: usize) -> [f64; 2] {
-        [self.centers[0][texel % BLOCK_SIDE], self.centers[1][texel / BLOCK_SIDE]]
     }
 
     #[inline(always)]
@@ -129,20 +106,6 @@ impl Leaf<'_> {
                 first.set(texel, surface);
             }
         });
-    }
-
-    /// Adds masked surfaces where they cover enough of a texel and are nearest.
-    pub(super) fn add_masked(&mut self) {
-        if self.buffers.masked.is_empty() {
-            return;
-        }
-        let mut first: [FirstSurface; TEXELS] = std::array::from_fn(|texel| self.first.get(texel));
-        masked::add_first_surfaces(&mut self.buffers.masked, &mut first);
-        for (texel, &first) in first.iter().enumerate() {
-            if first != self.first.get(texel) {
-                self.first.set(texel, first);
-            }
-        }
     }
 
     /// Writes to `base` the depth behind which other receivers matter: the end of the solid that is hit first, or the

@@ -1,0 +1,298 @@
+//! Textures with holes in the form that the fast builder asks: exact samples, many at a time, and whether a rectangle of
+//! texture coordinates is opaque or clear throughout.
+//!
+//! A bilinear sample is a mean of four texels. So the plane is cut into cells between four texel centres, and a table of
+//! the cells' corners, with those beyond the texture's borders, serves any wrap mode. Opacity micromaps of ray tracing
+//! hardware distinguish the same three states of an area: opaque, clear, and mixed.
+
+mod area;
+mod sample;
+
+pub(crate) use area::{Uniform, Window};
+
+use std::collections::HashMap;
+
+use adumbra_scene::{AlphaMode, Pixels, Scene, Texture, Wrap};
+
+/// Texels along an axis, and corners in all, that a table may have: their numbers are exact in the arithmetic of
+/// samples.
+const MOST_TEXELS: u32 = 1 << 22;
+const MOST_CORNERS: u64 = 1 << 31;
+
+/// The tables of a scene's materials.
+#[derive(Default)]
+pub(crate) struct OpacityTables {
+    /// Index into `tables` for each material; `None` for those without holes in a texture.
+    of_material: Vec<Option<usize>>,
+    tables: Vec<OpacityTable>,
+}
+
+impl OpacityTables {
+    /// Builds the tables of all materials. Those that cut the same texture at the same alpha share one.
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let mut found = HashMap::new();
+        let mut tables = Vec::new();
+        let of_material = scene.materials.iter().map(|material| {
+            let (AlphaMode::Mask { cutoff }, Some(number)) = (material.alpha, material.texture) else {
+                return None;
+            };
+            let texture = &scene.textures[number as usize];
+            let [width, height] = [texture.width, texture.height];
+            let corners = u64::from(width) * u64::from(height);
+            if width.max(height) > MOST_TEXELS || corners > MOST_CORNERS {
+                return None;
+            }
+            let opaque_from = least_opaque_sample(material.base_color[3], cutoff)?;
+            Some(*found.entry((number, opaque_from.to_bits())).or_insert_with(|| {
+                tables.push(OpacityTable::new(texture, opaque_from));
+                tables.len() - 1
+            }))
+        });
+        Self { of_material: of_material.collect(), tables }
+    }
+
+    /// Returns a material's table, or `None` if it has no texture with holes.
+    pub(crate) fn of(&self, material: u32) -> Option<&OpacityTable> {
+        self.of_material.get(material as usize)?.map(|table| &self.tables[table])
+    }
+
+    /// Bytes held.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        let bytes = self.tables.iter().map(|t| t.corners.capacity() + 2 * t.counts.capacity());
+        bytes.sum::<usize>() as u64
+    }
+}
+
+/// Where a texture is opaque for materials that cut it at one alpha and have opaque vertices.
+pub(crate) struct OpacityTable {
+    /// Texels along u and v.
+    size: [u32; 2],
+    wrap: [Wrap; 2],
+    nearest: bool,
+    /// Alpha at the corners of cells, row by row; `width` of them in a row. Cell c is between corners c and c + 1, and
+    /// corner c is the centre of texel c - 1. Of a nearest texture, cell c is texel c, which is its first corner.
+    corners: Vec<u8>,
+    width: usize,
+    /// The least sample, 0 to 255, that is opaque; infinity if none is.
+    opaque_from: f32,
+    /// Number of opaque corners above and to the left of each corner, and of those beyond the last, modulo 2^16.
+    counts: Vec<u16>,
+}
+
+impl OpacityTable {
+    /// Cost: one pass over the texture.
+    fn new(texture: &Texture, opaque_from: f32) -> Self {
+        let size = [texture.width, texture.height];
+        let [width, height] = size.map(|s| if texture.nearest { s + 1 } else { s + 2 });
+        let mut corners = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            let row = texel_of_corner(y, texture, 1);
+            corners.extend((0..width).map(|x| alpha_byte(texture, texel_of_corner(x, texture, 0), row)));
+        }
+        let width = width as usize;
+        let counts = area::count(&corners, width, |alpha| f32::from(alpha) >= opaque_from);
+        Self { size, wrap: texture.wrap, nearest: texture.nearest, corners, width, opaque_from, counts }
+    }
+}
+
+/// Returns the least sample of a texture, 0 to 255, at which a material with opaque vertices is opaque, or infinity if
+/// there is none, by the arithmetic of [`Scene::is_opaque`]. Returns `None` if more alpha may be less opaque.
+fn least_opaque_sample(alpha_factor: f32, cutoff: f32) -> Option<f32> {
+    let is_opaque = |sample: f32| alpha_factor * (sample / 255.0) >= cutoff;
+    if !(alpha_factor >= 0.0) {
+        return None;
+    }
+    // Positive numbers are ordered like their bits.
+    let (mut low, mut high) = (0, 255_f32.to_bits());
+    if !is_opaque(f32::from_bits(high)) {
+        return Some(f32::INFINITY);
+    }
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if is_opaque(f32::from_bits(middle)) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    Some(f32::from_bits(low))
+}
+
+/// Returns the texel at a corner of cells along an axis.
+fn texel_of_corner(corner: u32, texture: &Texture, axis: usize) -> u32 {
+    let last = [texture.width, texture.height][axis].saturating_sub(1);
+    match (texture.nearest, texture.wrap[axis]) {
+        (true, _) => corner.min(last),
+        (false, Wrap::Repeat) if corner == 0 => last,
+        (false, Wrap::Repeat) if corner > last + 1 => 0,
+        (false, _) => corner.saturating_sub(1).min(last),
+    }
+}
+
+fn alpha_byte(texture: &Texture, x: u32, y: u32) -> u8 {
+    let texel = y as usize * texture.width as usize + x as usize;
+    let byte = match &texture.pixels {
+        Pixels::Alpha(bytes) => bytes.get(texel),
+        Pixels::Rgba(bytes) => bytes.get(texel * 4 + 3),
+    };
+    byte.copied().unwrap_or(u8::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adumbra_scene::Material;
+    use proptest::prelude::*;
+
+    fn scene(size: [u32; 2], alphas: &[u8], wrap: [Wrap; 2], nearest: bool, cutoff: f32) -> Scene {
+        let pixels = Pixels::Alpha(alphas.to_vec());
+        let texture = Texture { name: "t".into(), width: size[0], height: size[1], pixels, wrap, nearest };
+        let material = Material {
+            alpha: AlphaMode::Mask { cutoff },
+            texture: Some(0),
+            ..Material::opaque("m", [1.0, 1.0, 1.0, 0.9])
+        };
+        Scene { materials: vec![material], textures: vec![texture], ..Scene::default() }
+    }
+
+    fn wraps() -> impl Strategy<Value = Wrap> {
+        prop_oneof![Just(Wrap::Repeat), Just(Wrap::Mirror), Just(Wrap::Clamp)]
+    }
+
+    /// Returns a table's answers for one rectangle.
+    fn uniform(table: &OpacityTable, ranges: [[f64; 2]; 2]) -> Option<bool> {
+        let centers = ranges.map(|[low, high]| [(0.5 * (low + high)) as f32]);
+        let window = table.window(ranges.map(|[low, high]| 0.5 * (high - low)))?;
+        let found = table.uniform(&centers, &window);
+        (found != Uniform::default()).then_some(found.opaque == 1)
+    }
+
+    /// Coordinates of points that are often on texel borders.
+    fn points() -> impl Strategy<Value = Vec<[f32; 2]>> {
+        let coordinate = prop_oneof![
+            (-96_i32..96).prop_map(|c| c as f32 / 16.0),
+            -3.0_f32..3.0,
+            prop::num::f32::ANY,
+            prop_oneof![Just(-1e-9_f32), Just(1.0 - f32::EPSILON), Just(5e6), Just(-16_777_217.5)],
+        ];
+        prop::collection::vec([coordinate.clone(), coordinate], 16)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        #[test]
+        fn samples_are_those_of_the_scene(
+            size in [1_u32..9, 1_u32..9],
+            alphas in prop::collection::vec(prop_oneof![Just(0_u8), Just(255), any::<u8>()], 64),
+            wrap in [wraps(), wraps()],
+            nearest in any::<bool>(),
+            cutoff in prop_oneof![0.0_f32..1.0, (0_u8..=255).prop_map(|byte| 0.9 * (f32::from(byte) / 255.0))],
+            points in points(),
+        ) {
+            let alphas = &alphas[..(size[0] * size[1]) as usize];
+            let scene = scene(size, alphas, wrap, nearest, cutoff);
+            let tables = OpacityTables::new(&scene);
+            let table = tables.of(0).expect("a texture");
+            let expected = (0..16).fold(0, |bits, i| bits | u16::from(scene.is_opaque(0, points[i], 1.0)) << i);
+            let along = |axis: usize| std::array::from_fn::<_, 16, _>(|i| points[i][axis]);
+            prop_assert_eq!(table.opaque_at([along(0), along(1)]), expected, "{:?}", points);
+            let along = |axis: usize| std::array::from_fn::<_, 8, _>(|i| points[i][axis]);
+            prop_assert_eq!(table.opaque_at([along(0), along(1)]), expected & 0xff, "{:?}", points);
+        }
+
+        /// Samples random points of a rectangle and its corners, which are often on texel borders.
+        #[test]
+        fn what_is_said_to_be_opaque_or_clear_is_so_at_every_point(
+            size in [1_u32..9, 1_u32..9],
+            alphas in prop::collection::vec(prop_oneof![Just(0_u8), Just(255), any::<u8>()], 64),
+            wrap in [wraps(), wraps()],
+            nearest in any::<bool>(),
+            cutoff in 0.05_f32..1.0,
+            low in [-20_i32..20, -20_i32..20],
+            extent in [0.0_f64..1.5, 0.0_f64..1.5],
+            points in prop::collection::vec([0.0_f64..1.0, 0.0_f64..1.0], 40),
+        ) {
+            let alphas = &alphas[..(size[0] * size[1]) as usize];
+            let scene = scene(size, alphas, wrap, nearest, cutoff);
+            let tables = OpacityTables::new(&scene);
+            let table = tables.of(0).expect("a texture");
+            let low = low.map(|l| f64::from(l) / 8.0);
+            let ranges = [0, 1].map(|a| [low[a], low[a] + extent[a]]);
+            let Some(opaque) = uniform(table, ranges) else { return Ok(()) };
+            let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+            for point in points.into_iter().chain(corners) {
+                let uv = [0, 1].map(|a| (low[a] + point[a] * extent[a]) as f32);
+                prop_assert_eq!(scene.is_opaque(0, uv, 1.0), opaque, "at {:?}", uv);
+            }
+        }
+    }
+
+    #[test]
+    fn uniform_parts_are_found_at_every_scale() {
+        // The left half is opaque.
+        let alphas: Vec<u8> = (0..64 * 64).map(|t| if t % 64 < 32 { 255 } else { 0 }).collect();
+        for nearest in [false, true] {
+            let scene = scene([64, 64], &alphas, [Wrap::Repeat; 2], nearest, 0.5);
+            let tables = OpacityTables::new(&scene);
+            let table = tables.of(0).expect("a texture");
+            for side in [0.0, 0.01, 0.1, 0.2] {
+                let over = |u: f64| uniform(table, [[u, u + side], [0.3, 0.3 + side]]);
+                assert_eq!(
+                    [over(3.15), over(-0.35), over(0.5 - side / 2.0)],
+                    [Some(true), Some(false), None]
+                );
+            }
+            // Across the border at which the texture begins again.
+            assert_eq!(uniform(table, [[0.9, 1.1], [0.5, 0.5]]), None);
+            for not_finite in [[f64::NAN, 0.1], [0.1, f64::NAN], [f64::NAN; 2], [f64::NEG_INFINITY, 0.1]] {
+                assert_eq!(uniform(table, [not_finite, [0.5, 0.5]]), None);
+            }
+        }
+    }
+
+    #[test]
+    fn a_rectangle_of_more_corners_than_the_table_counts_is_not_known() {
+        let scene = scene([512, 512], &[255; 512 * 512], [Wrap::Clamp; 2], false, 0.5);
+        let tables = OpacityTables::new(&scene);
+        let table = tables.of(0).expect("a texture");
+        assert_eq!(uniform(table, [[0.2, 0.6]; 2]), Some(true));
+        assert_eq!(uniform(table, [[0.2, 0.8]; 2]), None);
+    }
+
+    #[test]
+    fn the_least_opaque_sample_is_the_first_that_passes_the_cut_off() {
+        for (factor, cutoff) in [(1.0, 0.5), (0.9, 0.3), (0.7, 0.1), (1.0, 1.0), (1.0, 0.0), (0.3, 0.2999)] {
+            let least = least_opaque_sample(factor, cutoff).expect("a factor of at least 0");
+            let is_opaque = |sample: f32| factor * (sample / 255.0) >= cutoff;
+            assert!(is_opaque(least), "{factor} {cutoff}: {least}");
+            assert!(least == 0.0 || !is_opaque(least.next_down()), "{factor} {cutoff}: {least}");
+        }
+        assert_eq!(least_opaque_sample(0.4, 0.5), Some(f32::INFINITY));
+        assert_eq!(least_opaque_sample(-1.0, 0.5), None);
+        assert_eq!(least_opaque_sample(f32::NAN, 0.5), None);
+    }
+
+    #[test]
+    fn only_textures_with_holes_have_a_table() {
+        let mut scene = scene([1, 1], &[9], [Wrap::Clamp; 2], false, 0.5);
+        scene.materials[0].alpha = AlphaMode::Opaque;
+        assert!(OpacityTables::new(&scene).of(0).is_none());
+        scene.materials[0] =
+            Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..Material::opaque("m", [1.0; 4]) };
+        assert!(OpacityTables::new(&scene).of(0).is_none());
+    }
+
+    #[test]
+    fn materials_that_cut_a_texture_alike_share_a_table() {
+        let mut scene = scene([8, 8], &[9; 64], [Wrap::Clamp; 2], false, 0.5);
+        let masked = scene.materials[0].clone();
+        scene.materials.extend([masked.clone(), masked]);
+        let one = OpacityTables::new(&scene);
+        scene.materials[2].alpha = AlphaMode::Mask { cutoff: 0.01 };
+        let two = OpacityTables::new(&scene);
+        assert_eq!(2 * one.memory_bytes(), two.memory_bytes());
+        let opacities = [0, 1, 2].map(|m| two.of(m).and_then(|t| uniform(t, [[0.2, 0.6]; 2])));
+        assert_eq!(opacities, [Some(false), Some(false), Some(true)]);
+    }
+}
