@@ -372,6 +372,52 @@ mod tests {
         assert!(found.is_empty(), "{}", found.join("\n"));
     }
 
+    /// Everything that a crate depends on, through others too.
+    fn reached(arrows: &BTreeMap<String, BTreeSet<String>>, from: &str) -> BTreeSet<String> {
+        let mut found = BTreeSet::new();
+        let mut open = vec![from.to_owned()];
+        while let Some(name) = open.pop() {
+            for next in arrows.get(&name).into_iter().flatten() {
+                if found.insert(next.clone()) {
+                    open.push(next.clone());
+                }
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn arrows_in_the_architecture_are_those_of_the_manifests() {
+        let own = |name: &str| ORDER.contains(&name);
+        let mut stated = BTreeMap::new();
+        for line in fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap().lines() {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            let &["", name, _, below, ""] = &cells[..] else { continue };
+            let name = name.split('`').nth(1).unwrap_or_default();
+            if own(name) && below != "all" {
+                let full = |short: &str| match short {
+                    "" | "adumbra" => short.to_owned(),
+                    short => format!("adumbra-{short}"),
+                };
+                stated
+                    .insert(name.to_owned(), below.split(", ").map(full).filter(|n| !n.is_empty()).collect());
+            }
+        }
+        let mut real = BTreeMap::new();
+        for name in ORDER {
+            let manifest = root().join("crates").join(name).join("Cargo.toml");
+            let text = fs::read_to_string(manifest).unwrap();
+            let section = text.split("[dependencies]").nth(1).unwrap_or_default();
+            let section = section.split("\n[").next().unwrap_or_default();
+            let names = section.lines().filter_map(|line| line.split(['.', ' ', '=']).next());
+            real.insert(name.to_owned(), names.filter(|n| own(n)).map(str::to_owned).collect());
+        }
+        assert!(stated.len() > 10, "{stated:?}");
+        for name in stated.keys() {
+            assert_eq!(reached(&stated, name), reached(&real, name), "{name}");
+        }
+    }
+
     fn modules(files: &[(&str, &str)]) -> Vec<String> {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in files {

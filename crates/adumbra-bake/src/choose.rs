@@ -1,7 +1,7 @@
 //! The plan of a bake in the frame that its options ask for.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use adumbra::Frame;
 use adumbra_scene::Scene;
@@ -13,7 +13,7 @@ use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
 use crate::plan::{Plan, caster_options};
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
-use crate::triangles::casters::{CasterOptions, SceneClusters};
+use crate::triangles::casters::{CasterOptions, SceneClusters, sorting_bytes};
 use crate::yaw::dominant_yaw_radians;
 
 /// A forecast is a bake at this share of the resolution, but within these limits.
@@ -25,6 +25,7 @@ const FORECAST_CORNERS: u64 = 1_000_000;
 /// Plans the bake of `scene`.
 pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
     options.check()?;
+    check_sorting(scene, options)?;
     let clusters = SceneClusters::new(scene, caster_options(options));
     let frame = match options.frame {
         FrameChoice::Light => Frame::Light,
@@ -38,6 +39,17 @@ pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'
             Plan::in_frame(scene, options, Frame::Light, &clusters)
         }
         plan => plan,
+    }
+}
+
+/// Checks that sorting the scene's triangles fits the memory limit.
+fn check_sorting(scene: &Scene, options: &BakeOptions) -> Result<()> {
+    let needed_bytes = scene.memory_bytes() + sorting_bytes(scene, caster_options(options));
+    match options.max_memory_bytes {
+        Some(limit_bytes) if needed_bytes > limit_bytes => {
+            Err(Error::MemoryLimit { what: "sorting the scene's triangles", needed_bytes, limit_bytes })
+        }
+        _ => Ok(()),
     }
 }
 
@@ -62,7 +74,6 @@ fn smaller(scene: &Scene, options: &BakeOptions, clusters: &Arc<SceneClusters>) 
     let coarse = (resolution / COARSER).clamp(least, most).min(resolution);
     let coarse = BakeOptions {
         size: Size::VoxelSize(voxel_size * f64::from(resolution) / f64::from(coarse)),
-        max_memory_bytes: None,
         ..options.clone()
     };
     let oblique = upright(scene);
@@ -76,7 +87,7 @@ fn smaller(scene: &Scene, options: &BakeOptions, clusters: &Arc<SceneClusters>) 
 }
 
 /// Draws blocks and returns the bytes that all of them would take as depths. The choice of blocks depends on nothing
-/// that the order of triangles could change.
+/// that the order of triangles could change. The memory limit holds as for a bake.
 fn forecast_bytes(
     scene: &Scene,
     options: &BakeOptions,
@@ -88,11 +99,20 @@ fn forecast_bytes(
     let corners = plan.tiles.corners_over();
     let all = corners.iter().sum::<u64>().max(1);
     let samples = (blocks as u64 * FORECAST_CORNERS / all).clamp(1, blocks as u64) as usize;
-    let depths = DepthsSink::new(plan.tiles.root_level, true, None);
+    let depths = DepthsSink::new(plan.tiles.root_level, true, plan.spill.as_ref());
     let sink = LimitSink { limit: plan.switch_limit(), sink: &depths };
     let sampled: Vec<usize> = plan.tiles.sampled(samples, |block| corners[block]).collect();
-    sampled.into_par_iter().try_for_each_init(DescentBuffers::default, |buffers, block| {
-        build_root(&plan.tiles, block, &sink, buffers, &AtomicBool::new(false)).map(|_| ())
-    })?;
+    let held_bytes = || Ok::<_, Error>(plan.baking_bytes() + depths.memory_bytes() + plan.paged_bytes()?);
+    let next = AtomicUsize::new(0);
+    let work = || -> Result<()> {
+        let mut buffers = DescentBuffers::default();
+        while let Some(&block) = sampled.get(next.fetch_add(1, Ordering::Relaxed)) {
+            build_root(&plan.tiles, block, &sink, &mut buffers, &AtomicBool::new(false))?;
+            plan.check_memory("the forecast of the frame", held_bytes()?)?;
+        }
+        Ok(())
+    };
+    // No more workers than the limit has room for.
+    (0..plan.workers).into_par_iter().with_max_len(1).try_for_each(|_| work())?;
     Ok(depths.shape_bytes() as f64 * blocks as f64 / samples as f64)
 }

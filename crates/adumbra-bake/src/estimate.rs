@@ -35,10 +35,10 @@ const SAMPLES: usize = 48;
 /// Draws a few tiles of the bake for `options`, from the emptiest to the fullest, and extrapolates.
 ///
 /// # Errors
-/// Returns the errors of [`crate::bake`], except that the memory limit is not enforced.
+/// Returns the errors of [`crate::bake`]. The memory limit holds for the forecast, not for the bake that it is about.
 pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
     options.check_layout()?;
-    let plan = choose::plan(scene, &BakeOptions { max_memory_bytes: None, ..options.clone() })?;
+    let plan = choose::plan(scene, options)?;
     let tiles = plan.tiles.count();
     let sampled = tiles.min(SAMPLES);
     let (mut descent, mut plain) = (DescentBuffers::default(), PlainBuffers::default());
@@ -66,6 +66,8 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
         build(tile, &alone)?;
         separate_bytes += alone.graph_bytes();
         build(tile, &merged)?;
+        let held_bytes = plan.scene_bytes + plan.worker_bytes + merged.memory_bytes() + alone.memory_bytes();
+        plan.check_memory("the forecast", held_bytes)?;
     }
     // Each tile was built twice.
     let seconds = start.elapsed().as_secs_f64() / 2.0 * tiles as f64 / (sampled * plan.workers) as f64;

@@ -6,7 +6,7 @@ use adumbra_scene::Scene;
 
 use crate::columns::capture::{self, CaptureBuffers, TileRect, capture_layers};
 use crate::columns::rules::{ColumnRules, NormalOffset, for_each_inside};
-use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
+use crate::triangles::casters::{self, CasterOptions, Casters, SceneClusters};
 pub use crate::triangles::project::FixedDepth;
 use crate::triangles::surface::TileSurfaces;
 
@@ -50,11 +50,7 @@ impl Layers<'_> {
 impl<'s> LayerCapture<'s> {
     /// Sorts `scene` into tiles of `tile_side` texels a side. Cost: one visit per cluster of triangles.
     pub fn new(scene: &'s Scene, grid: &LightGrid, options: LayerOptions, tile_side: u32) -> Self {
-        let caster_options = CasterOptions {
-            closed_regions: options.closed_regions,
-            ignore_alpha: options.ignore_alpha,
-            outlines: false,
-        };
+        let caster_options = caster_options(options.closed_regions, options.ignore_alpha);
         let tiles = [grid.size[0].div_ceil(tile_side), grid.size[1].div_ceil(tile_side)];
         let casters =
             Casters::new(scene, SceneClusters::new(scene, caster_options), grid, tile_side, tiles, 1.0);
@@ -68,6 +64,11 @@ impl<'s> LayerCapture<'s> {
             normal_offset: NormalOffset::new(&bias, grid),
         };
         Self { casters, rules, grid: *grid, tile_side }
+    }
+
+    /// Bytes held besides the scene.
+    pub fn memory_bytes(&self) -> u64 {
+        self.casters.memory_bytes()
     }
 
     /// Number of triangles that cast shadows, counted once per instance.
@@ -94,6 +95,15 @@ impl<'s> LayerCapture<'s> {
             visit([texel as u32 % width, texel as u32 / width], Layers { first, crossings });
         });
     }
+}
+
+fn caster_options(closed_regions: bool, ignore_alpha: bool) -> CasterOptions {
+    CasterOptions { closed_regions, ignore_alpha, outlines: false }
+}
+
+/// Bytes that [`LayerCapture::new`] holds at most besides the scene, with these options.
+pub fn sorting_bytes(scene: &Scene, closed_regions: bool, ignore_alpha: bool) -> u64 {
+    casters::sorting_bytes(scene, caster_options(closed_regions, ignore_alpha))
 }
 
 /// Bytes that a worker holds for a tile of this many texels.

@@ -65,8 +65,8 @@ pub enum FrameChoice {
     /// Upright, with the grid's x axis at this angle from the world's +X towards +Z, in radians. Bakes of parts of a
     /// world share their voxels only if they share the angle.
     ObliqueAt(f64),
-    /// Light below [`LOWEST_OBLIQUE_DEGREES`] of sun. Otherwise oblique, unless a forecast from a few blocks says that
-    /// its file will be more than a tenth larger than that of the light's frame.
+    /// Light below [`LOWEST_OBLIQUE_DEGREES`] of sun. Otherwise the frame in which the file will be smaller, as a
+    /// forecast from a few blocks says; oblique if it says that both are equal.
     #[default]
     Auto,
 }
@@ -170,7 +170,8 @@ impl BakeOptions {
         if let FrameChoice::ObliqueAt(yaw_radians) = self.frame
             && !(-PI..=PI).contains(&yaw_radians)
         {
-            return Err(RangeError::new("the yaw", yaw_radians, "from -pi to pi radians").into());
+            let value = format!("{yaw_radians} radians ({}°)", yaw_radians.to_degrees());
+            return Err(RangeError::new("the yaw", value, "from -pi to pi radians (-180° to 180°)").into());
         }
         self.bias.check()?;
         self.bounds.as_ref().map_or(Ok(()), check_bounds)

@@ -121,10 +121,11 @@ impl<'s> Plan<'s> {
         let roots: u64 = top_dims.iter().map(|&n| u64::from(n)).product();
         let top_bytes = roots * (size_of::<NodeState>() as u64 + 4);
         let scene_bytes = scene.memory_bytes() + casters.memory_bytes() + top_bytes;
-        let worker_bytes = match options.builder {
+        let working_bytes = match options.builder {
             Builder::Fast => crate::fast::descent::working_bytes(&casters, top_dims),
             Builder::Plain => capture::working_bytes(1 << (2 * root_level)),
         };
+        let worker_bytes = working_bytes + crate::sink::building_bytes(root_level);
         let mut plan = Self {
             tiles: Tiles { grid, rules, casters, root_level, top_dims },
             settings,

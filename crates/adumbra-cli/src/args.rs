@@ -3,6 +3,8 @@
 mod bake;
 #[cfg(feature = "render")]
 mod compare;
+#[cfg(all(test, feature = "view"))]
+mod defaults;
 mod lookup;
 mod query;
 #[cfg(feature = "render")]
@@ -58,8 +60,8 @@ pub(crate) enum Verb {
     /// Bake a scene's sun shadows into a file
     #[command(
         after_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra\n\n\
-        Presets: draft 2048, low 4096, medium 8192 (the default), high 16384, ultra 32768 texels on the longest side; \
-        --resolution and --voxel-size override --preset. With --frame world the default is draft.\n\n\
+        Presets: draft 2048, low 4096, medium 8192, high 16384, ultra 32768 texels on the longest side; \
+        --resolution and --voxel-size override --preset.\n\n\
         Example: adumbra bake city.glb --frame world --resolution 2048 --rings 0,0:40,120 -o city-tree.adumbra"
     )]
     Bake(Box<Bake>),
@@ -206,7 +208,7 @@ pub(crate) struct Verify {
     #[arg(long)]
     pub(crate) volume: bool,
     #[command(flatten)]
-    pub(crate) lookup: LookupArgs<1>,
+    pub(crate) lookup: LookupArgs,
     /// Interior agreement below which the check fails, from 0 to 1 [default: 0.999, or 0.995 for a filtered
     /// light-aligned file]
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = parse_share)]

@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use adumbra_program::sun::SunOrigin;
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::Band;
@@ -24,6 +25,9 @@ pub struct Report {
     pub camera: CameraFigures,
     /// Unit vector towards the sun.
     pub sun: [f64; 3],
+    /// Where the sun comes from, in a report of `adumbra compare`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sun_origin: Option<SunOrigin>,
     /// Angular diameter in degrees of the sun's disc in the truth for soft techniques.
     pub sun_angle_degrees: f64,
     /// Rays per pixel towards that disc.

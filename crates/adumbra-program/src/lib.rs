@@ -6,7 +6,7 @@
 //! | [`start`] | the course of a program, from its arguments to its exit code |
 //! | [`exit`] | exit codes, and the errors that lead to them |
 //! | [`args`] | groups of options that several verbs share |
-//! | [`scene`] | loading a scene, with its warnings |
+//! | [`scene`], [`sun`] | loading a scene, with its warnings; the sun, and where it comes from |
 //! | [`output`] | files that are written completely or not at all, and never over an input |
 //! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
 
@@ -20,6 +20,7 @@ pub mod progress;
 pub mod scene;
 pub mod signals;
 pub mod start;
+pub mod sun;
 pub mod threads;
 
 /// Prints a line on stdout. Errors are ignored, so a closed pipe or a full disk behind stdout does not end the work.

@@ -1,9 +1,217 @@
-//! Memory use of the process.
+//! Memory use of the process, and its limit.
+//!
+//! A library counts what it holds. The program holds more: its code, its stacks, what the allocator keeps of what has
+//! been freed. This is measured before a library begins, and the library gets the rest of the limit. What was not
+//! foreseen is found by the peak of the process, which is checked while a long step runs and at its end.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use crate::exit::Failure;
+
+/// What the process needs besides what is measured and counted: code that is not yet loaded, and buffers of files.
+const BASE_BYTES: u64 = 5 << 20;
+/// The stack and the allocator's arena of a thread.
+const THREAD_BYTES: u64 = 1 << 19;
+/// What the process holds before it loads anything, where the system does not say.
+const UNMEASURED_BYTES: u64 = 10 << 20;
+/// The peak may exceed the limit by one part in this many.
+const TOLERANCE: u64 = 20;
 
 /// Returns the largest resident set size so far in bytes. `None` if the system does not report it; Linux does.
 pub fn peak_bytes() -> Option<u64> {
+    status_bytes("VmHWM:")
+}
+
+/// Returns the resident set size in bytes. `None` if the system does not report it; Linux does.
+fn resident_bytes() -> Option<u64> {
+    status_bytes("VmRSS:")
+}
+
+fn status_bytes(field: &str) -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
+    let line = status.lines().find(|l| l.starts_with(field))?;
     let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kib * 1024)
+}
+
+/// The limit on the memory of the whole process.
+#[derive(Clone, Copy, Debug)]
+pub struct MemoryLimit {
+    limit_bytes: Option<u64>,
+}
+
+/// A library's share of the limit.
+#[derive(Clone, Copy, Debug)]
+pub struct Share {
+    limit_bytes: Option<u64>,
+    beside_bytes: u64,
+}
+
+impl MemoryLimit {
+    /// Creates a limit; `None` is no limit.
+    pub fn new(limit_bytes: Option<u64>) -> Self {
+        Self { limit_bytes }
+    }
+
+    /// Returns the share of what counts the memory that it holds. `counted_bytes` of that are held already.
+    pub fn share(&self, counted_bytes: u64) -> Share {
+        let threads = rayon::current_num_threads() as u64;
+        let held_bytes =
+            resident_bytes().map_or(UNMEASURED_BYTES, |resident| resident.saturating_sub(counted_bytes));
+        Share {
+            limit_bytes: self.limit_bytes,
+            beside_bytes: held_bytes + BASE_BYTES + threads * THREAD_BYTES,
+        }
+    }
+
+    /// Returns the peak of the process if it is beyond the limit.
+    pub fn exceeded_bytes(&self) -> Option<u64> {
+        let limit = self.limit_bytes?;
+        peak_bytes().filter(|&peak| peak > limit.saturating_add(limit / TOLERANCE))
+    }
+
+    /// Checks that the process has kept to the limit.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure::Bake`] with the peak of the process if it has not. `what` was being done.
+    pub fn check_peak(&self, what: &'static str) -> Result<(), Failure> {
+        match (self.exceeded_bytes(), self.limit_bytes) {
+            (Some(peak), Some(limit)) => Err(Failure::memory(what, peak, limit)),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Share {
+    /// Returns the bytes that may be held and counted; `None` is no limit.
+    pub fn bytes(&self) -> Option<u64> {
+        self.limit_bytes.map(|limit| limit.saturating_sub(self.beside_bytes))
+    }
+
+    /// Checks that this many bytes fit into the share.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure::Bake`] if they do not.
+    pub fn check(&self, what: &'static str, counted_bytes: u64) -> Result<(), Failure> {
+        let needed_bytes = counted_bytes.saturating_add(self.beside_bytes);
+        match self.limit_bytes {
+            Some(limit_bytes) if needed_bytes > limit_bytes => {
+                Err(Failure::memory(what, needed_bytes, limit_bytes))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns a library's error in the terms of the whole process: what it needs and what is allowed include what it
+    /// does not count.
+    pub fn whole(&self, failure: Failure) -> Failure {
+        use adumbra_bake::Error as Bake;
+        use adumbra_scene::Error as Scene;
+        use adumbra_tree::Error as Tree;
+        let (Some(limit), Some(allowed)) = (self.limit_bytes, self.bytes()) else { return failure };
+        let more = |needed: u64| needed.saturating_add(self.beside_bytes).max(limit.saturating_add(1));
+        let bake = |error| match error {
+            Bake::MemoryLimit { what, needed_bytes, limit_bytes } if limit_bytes == allowed => {
+                Bake::MemoryLimit { what, needed_bytes: more(needed_bytes), limit_bytes: limit }
+            }
+            other => other,
+        };
+        match failure {
+            Failure::Bake(error) => Failure::Bake(bake(error)),
+            Failure::Tree(Tree::Bake(error)) => Failure::Tree(Tree::Bake(bake(error))),
+            Failure::Scene(Scene::SceneMemory { path, what, needed_bytes, limit_bytes })
+                if limit_bytes == allowed =>
+            {
+                let needed_bytes = more(needed_bytes);
+                Failure::Scene(Scene::SceneMemory { path, what, needed_bytes, limit_bytes: limit })
+            }
+            other => other,
+        }
+    }
+}
+
+/// Ends a long step once the process takes more memory than allowed.
+pub struct Guard<'a> {
+    limit: MemoryLimit,
+    cancel: &'a AtomicBool,
+    exceeded_bytes: AtomicU64,
+}
+
+impl<'a> Guard<'a> {
+    /// Creates a guard of a step that ends soon after `cancel` is set.
+    pub fn new(limit: MemoryLimit, cancel: &'a AtomicBool) -> Self {
+        Self { limit, cancel, exceeded_bytes: AtomicU64::new(0) }
+    }
+
+    /// Cancels the step if the process is beyond the limit. To be called now and then.
+    pub fn look(&self) {
+        if let Some(peak) = self.limit.exceeded_bytes() {
+            self.exceeded_bytes.store(peak, Ordering::Relaxed);
+            self.cancel.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Returns the result of the step `what`, unless the guard cancelled it.
+    ///
+    /// # Errors
+    ///
+    /// Returns the step's error in the terms of the whole process, or [`Failure::Bake`] if the process is or was beyond
+    /// the limit.
+    pub fn end<T>(
+        &self,
+        what: &'static str,
+        share: &Share,
+        result: Result<T, impl Into<Failure>>,
+    ) -> Result<T, Failure> {
+        let result = result.map_err(|error| share.whole(error.into()));
+        match (self.exceeded_bytes.load(Ordering::Relaxed), self.limit.limit_bytes) {
+            (peak, Some(limit)) if peak > 0 => Err(Failure::memory(what, peak, limit)),
+            _ => {
+                let result = result?;
+                self.limit.check_peak(what)?;
+                Ok(result)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_leave_room_for_what_nothing_counts() {
+        let limit = MemoryLimit::new(Some(1 << 30));
+        let share = limit.share(0);
+        let bytes = share.bytes().unwrap();
+        assert!(bytes > 1 << 29 && bytes < (1 << 30) - BASE_BYTES, "{share:?}");
+        share.check("a thing", bytes).unwrap();
+        let Err(Failure::Bake(adumbra_bake::Error::MemoryLimit { needed_bytes, limit_bytes, .. })) =
+            share.check("a thing", bytes + 1)
+        else {
+            panic!("more than the share is refused");
+        };
+        assert_eq!((needed_bytes, limit_bytes), ((1 << 30) + 1, 1 << 30));
+        let of_library = Failure::memory("a thing", bytes + 7, bytes);
+        let Failure::Bake(adumbra_bake::Error::MemoryLimit { needed_bytes, limit_bytes, .. }) =
+            share.whole(of_library)
+        else {
+            panic!("it stays what it was");
+        };
+        assert_eq!((needed_bytes, limit_bytes), ((1 << 30) + 7, 1 << 30));
+        assert_eq!(MemoryLimit::new(Some(1)).share(0).bytes(), Some(0));
+        assert_eq!(MemoryLimit::new(None).share(0).bytes(), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn peak_beyond_the_limit_is_found() {
+        let peak = peak_bytes().unwrap();
+        assert!(peak >= resident_bytes().unwrap().min(peak));
+        assert!(MemoryLimit::new(Some(peak / 2)).check_peak("a thing").is_err());
+        MemoryLimit::new(Some(64 * peak)).check_peak("a thing").unwrap();
+        MemoryLimit::new(None).check_peak("a thing").unwrap();
+    }
 }

@@ -5,8 +5,27 @@ use std::path::Path;
 use adumbra_scene as scene;
 use adumbra_scene::{LoadOptions, Scene};
 
+use serde::Serialize;
+
 use crate::exit::Failure;
+use crate::memory::MemoryLimit;
 use crate::output::note_scene;
+
+/// A kind of thing that a scene's file holds and the loader leaves out.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Omitted {
+    /// What was left out, as a plural.
+    pub what: String,
+    /// How many there are.
+    pub count: u64,
+}
+
+/// Returns what the loader left out, each kind once.
+pub fn omitted(scene: &Scene) -> Vec<Omitted> {
+    let of = |o: &adumbra_scene::Omission| Omitted { what: o.what.clone(), count: o.count };
+    scene.notes.omissions.iter().map(of).collect()
+}
 
 /// Loads a scene and prints the loader's warnings on stderr.
 ///
@@ -14,7 +33,20 @@ use crate::output::note_scene;
 ///
 /// Returns [`Failure::Scene`] if the scene, or a file that it names, cannot be read.
 pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
-    let scene = scene::load(path, options)?;
+    load_scene_within(MemoryLimit::new(None), path, options)
+}
+
+/// Loads a scene within a memory limit, and prints the loader's warnings on stderr.
+///
+/// # Errors
+///
+/// Returns [`Failure::Scene`] if the scene, or a file that it names, cannot be read, and [`Failure::Scene`] or
+/// [`Failure::Bake`] if that takes more memory than allowed.
+pub fn load_scene_within(limit: MemoryLimit, path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
+    let share = limit.share(0);
+    let options = LoadOptions { max_memory_bytes: share.bytes(), ..options.clone() };
+    let scene = scene::load(path, &options).map_err(|error| share.whole(error.into()))?;
+    limit.check_peak("loading the scene")?;
     let notes = &scene.notes;
     note_scene(path, notes);
     for warning in &notes.warnings {

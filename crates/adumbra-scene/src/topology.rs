@@ -78,7 +78,7 @@ impl Topology {
 /// ignored.
 ///
 /// Cost: one hash look-up per vertex, one sort of the edges, and a point-in-solid test for each shell of negative
-/// volume. Memory: about 50 bytes per triangle in addition to the result, freed on return.
+/// volume. Memory: [`working_bytes`].
 pub fn analyse(mesh: &Mesh, materials: &[Material]) -> Topology {
     let mut topology = join_by_edges(&mesh.triangles, &weld(&mesh.positions));
     let (starts, members) = group_by_component(&topology);
@@ -107,6 +107,18 @@ pub fn analyse(mesh: &Mesh, materials: &[Material]) -> Topology {
         topology.components[cavity as usize].solid = true;
     }
     topology
+}
+
+/// Returns about how many bytes [`analyse`] holds at most, result included. What it holds besides is freed on return.
+/// The edges of a mesh take no more.
+pub fn working_bytes(mesh: &Mesh) -> u64 {
+    let [triangles, vertices] = [mesh.triangles.len(), mesh.positions.len()].map(|n| n as u64);
+    // A table of positions doubles when it is seven eighths full, and is copied then.
+    let buckets = (vertices * 8 / 7).next_power_of_two();
+    let table = buckets * (size_of::<([u32; 3], u32)>() as u64 + 1) * 3 / 2;
+    // The edges and the sets that they join, or later the components, their boxes and their triangles.
+    let edges = triangles * 64;
+    vertices * 4 + table.max(edges)
 }
 
 fn bounds_solid(mesh: &Mesh, materials: &[Material], triangle: u32) -> bool {

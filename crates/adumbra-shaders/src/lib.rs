@@ -1,7 +1,5 @@
 //! The shaders of adumbra: plain WGSL in `wgsl/`, and the definitions that Rust and WGSL share.
 //!
-//! | folder | holds |
-//! |---|---|
 //! | folder | contents |
 //! |---|---|
 //! | `wgsl/core/` | functions without bindings: look-ups, filters, cascades. Engines include these |

@@ -5,6 +5,7 @@ mod bakes;
 mod by_hand;
 mod earlier;
 mod glb;
+pub mod help;
 mod leaves;
 mod ply;
 mod programs;

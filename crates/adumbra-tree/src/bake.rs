@@ -14,6 +14,7 @@ use crate::graph::VoxelTree;
 use crate::layout::{Layout, lay_out};
 use crate::lit_space::LitSpace;
 use crate::options::{Reduction, TreeOptions};
+use crate::pyramid::Pyramid;
 use crate::reduce::tree_hash::TreeHashed;
 use crate::reduce::{Interned, Sink, sort};
 use crate::settings::TreeSettings;
@@ -21,6 +22,7 @@ use crate::space::{Regions, TreeSpace};
 use crate::word::Word;
 use adumbra::Sun;
 use adumbra_bake::Watch;
+use adumbra_bake::layers::sorting_bytes;
 use adumbra_scene::Scene;
 
 /// A baked tree.
@@ -102,11 +104,20 @@ impl PreparedTree {
         };
         let scene_bytes = scene.memory_bytes();
         let needed: u64 = image_grids.iter().map(|grid| image_bytes(grid, options.closed_regions)).sum();
-        check_memory(options, "the scene and the light's depth images", scene_bytes + needed)?;
+        let sorting = sorting_bytes(scene, options.closed_regions, options.ignore_alpha);
+        check_memory(options, "the scene and the light's depth images", scene_bytes + needed.max(sorting))?;
         let mut images = Vec::new();
         let mut triangles = 0;
         for grid in &image_grids {
-            let (image, casting) = DepthImage::capture(scene, grid, image_options, cancel);
+            let held: u64 = scene_bytes + images.iter().map(DepthImage::memory_bytes).sum::<u64>();
+            let room = options.max_memory_bytes.map(|limit| limit.saturating_sub(held));
+            let (image, casting) = match DepthImage::capture(scene, grid, image_options, room, cancel) {
+                Ok(captured) => captured,
+                Err(bytes) => {
+                    let limit = options.max_memory_bytes.unwrap_or_default();
+                    return Err(Error::memory("the light's depth images", held + bytes, limit));
+                }
+            };
             if cancel.load(Ordering::Relaxed) {
                 return Err(Error::interrupted());
             }
@@ -142,6 +153,8 @@ impl PreparedTree {
     /// Returns [`adumbra_bake::Error::Interrupted`], or an error if the graph does not fit.
     pub fn build(&self, options: &TreeOptions, watch: Watch<'_, TreeProgress>) -> Result<BakedTree> {
         let start = Instant::now();
+        let pyramids = if options.prune { self.images.iter().map(Pyramid::bytes_of).sum() } else { 0 };
+        check_memory(options, "the pyramids over the depth images", self.held_bytes() + pyramids)?;
         let space = LitSpace::new(&self.images, &self.space, &self.regions, options.prune);
         let held = self.held_bytes() + space.memory_bytes();
         let pyramid_seconds = start.elapsed().as_secs_f64();

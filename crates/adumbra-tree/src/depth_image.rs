@@ -4,7 +4,7 @@
 //! It exists only during the bake. Texels are stored in tiles of 256 × 256, tile after tile, each tile row by row.
 //! Depths are in 1/256 texel along the light.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
@@ -69,12 +69,16 @@ impl DepthImage {
     /// Renders `scene` from the light into the columns of `grid`, and counts the triangles that cast shadows. Runs on
     /// rayon's threads; the result does not depend on their number. Once `cancel` is set, the remaining tiles stay
     /// empty.
+    ///
+    /// # Errors
+    /// Returns the bytes that are needed at least, if the image and what renders it take more than `room_bytes`.
     pub(crate) fn capture(
         scene: &Scene,
         grid: &LightGrid,
         options: DepthImageOptions,
+        room_bytes: Option<u64>,
         cancel: &AtomicBool,
-    ) -> (Self, u64) {
+    ) -> Result<(Self, u64), u64> {
         let tiles = tiles_of(grid);
         let bias = options.capture_bias;
         let layer_options = LayerOptions {
@@ -87,15 +91,17 @@ impl DepthImage {
             },
         };
         let layers = LayerCapture::new(scene, grid, layer_options, TILE_SIDE);
+        let held_bytes = AtomicU64::new(layers.memory_bytes() + image_bytes(grid, false));
+        let is_full = |held_bytes: u64| room_bytes.is_some_and(|room| held_bytes > room);
         let mut depths = vec![NO_SURFACE; (tiles[0] * tiles[1]) as usize * TILE_TEXELS];
         let insides = depths
             .par_chunks_mut(TILE_TEXELS)
             .enumerate()
-            .map_init(LayerBuffers::default, |buffers, (tile, depths)| {
-                if cancel.load(Ordering::Relaxed) {
+            .map_init(<(LayerBuffers, Vec<_>)>::default, |(buffers, found), (tile, depths)| {
+                if cancel.load(Ordering::Relaxed) || is_full(held_bytes.load(Ordering::Relaxed)) {
                     return None;
                 }
-                let mut found: Vec<(u32, [FixedDepth; 2])> = Vec::new();
+                found.clear();
                 layers.tile(tile, buffers, |[column, row], texel_layers| {
                     let texel = row << TILE_LOG2 | column;
                     if let Some(first) = texel_layers.first {
@@ -103,12 +109,19 @@ impl DepthImage {
                     }
                     texel_layers.for_each_inside(|from, to| found.push((texel, [from, to])));
                 });
-                Insides::of(&mut found)
+                let insides = Insides::of(found);
+                let bytes = insides.as_ref().map_or(0, Insides::memory_bytes);
+                held_bytes.fetch_add(bytes, Ordering::Relaxed);
+                insides
             })
             .collect();
+        let held_bytes = held_bytes.into_inner();
+        if is_full(held_bytes) {
+            return Err(held_bytes);
+        }
         let (instanced_triangles, largest_bias) = (layers.instanced_triangles(), layers.largest_bias());
         let image = Self { grid: *grid, tiles_x: tiles[0] as usize, largest_bias, depths, insides };
-        (image, instanced_triangles)
+        Ok((image, instanced_triangles))
     }
 
     /// Number of texels along x and y.
@@ -140,13 +153,16 @@ impl DepthImage {
 
     /// Bytes held.
     pub(crate) fn memory_bytes(&self) -> u64 {
-        let insides = self.insides.iter().flatten();
-        let intervals: usize = insides.map(|i| i.starts.capacity() * 4 + i.intervals.capacity() * 8).sum();
-        (self.depths.capacity() * size_of::<FixedDepth>() + intervals) as u64
+        let insides: u64 = self.insides.iter().flatten().map(Insides::memory_bytes).sum();
+        (self.depths.capacity() * size_of::<FixedDepth>()) as u64 + insides
     }
 }
 
 impl Insides {
+    fn memory_bytes(&self) -> u64 {
+        (size_of_val(&*self.starts) + size_of_val(&*self.intervals)) as u64
+    }
+
     fn of(found: &mut [(u32, [FixedDepth; 2])]) -> Option<Self> {
         if found.is_empty() {
             return None;

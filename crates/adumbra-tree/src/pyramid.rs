@@ -117,6 +117,12 @@ impl Pyramid {
         Self { levels, size }
     }
 
+    /// Returns about how many bytes the pyramid over an image takes: a third more than its finest level.
+    pub(crate) fn bytes_of(image: &DepthImage) -> u64 {
+        let [width, height] = image.size().map(|s| u64::from(s.div_ceil(1 << FINEST_BLOCK)));
+        (width * height + width + height) * size_of::<Block>() as u64 * 4 / 3
+    }
+
     /// Size in bytes.
     pub(crate) fn memory_bytes(&self) -> u64 {
         self.levels.iter().map(|l| (l.blocks.capacity() * size_of::<Block>()) as u64).sum()

@@ -33,6 +33,7 @@ impl LoadedScene {
     pub(crate) fn new(path: PathBuf, whole: Scene, ignore_alpha: bool) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         let mut notes: Vec<String> = whole.notes.warnings.iter().map(ToString::to_string).collect();
+        notes.extend(whole.notes.omissions.iter().map(|omission| format!("{omission} left out")));
         if whole.notes.degenerate_triangles > 0 {
             notes.push(format!("{} degenerate triangles skipped", whole.notes.degenerate_triangles));
         }

@@ -1,6 +1,7 @@
 //! From options to the state a view starts with. Invalid options are reported before a window opens.
 
 use adumbra::Sun;
+use adumbra_program::sun::DEFAULT_SUN;
 use adumbra_scene::{Camera, MoverPolicy};
 use adumbra_tree::AnyFile;
 
@@ -9,9 +10,6 @@ use crate::error::{OptionField as Field, Result, ViewError};
 use crate::options::ViewOptions;
 use crate::settings::{Settings, Shown};
 use crate::shadow_file::{ignored_alpha, is_same_sun, sun_of};
-
-/// The default sun, which is that of `adumbra bake`.
-const USUAL_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
 /// The state a view starts with.
 pub(crate) struct Startup {
@@ -71,7 +69,7 @@ fn settings_of(options: &ViewOptions) -> Result<Settings> {
         shown: options.shown,
         sun: options
             .sun
-            .map_or_else(|| Sun::from_direction(USUAL_SUN), Ok)
+            .map_or_else(|| Sun::from_direction(DEFAULT_SUN), Ok)
             .map_err(adumbra_tree::Error::from)?,
         camera: Camera {
             eye: [0.0, 1.0, 1.0],

@@ -13,7 +13,20 @@ pub(crate) mod pair;
 pub(crate) mod runs;
 mod switches;
 
+use adumbra::layout::LEAF_NODE_LEVEL;
+
 use crate::columns::BlockColumns;
+
+/// Level of the largest blocks that sinks hold undecided.
+const MAX_HELD_LEVEL: u32 = 9;
+/// Bytes of an undecided leaf, as sinks hold it until the root block above it is done: a few depths, their order and
+/// the allocator's share.
+const HELD_LEAF_BYTES: u64 = 512;
+
+/// Returns the bytes that a sink holds for the root block that a worker is building.
+pub(crate) fn building_bytes(root_level: u32) -> u64 {
+    HELD_LEAF_BYTES << (2 * (root_level.min(MAX_HELD_LEVEL) - LEAF_NODE_LEVEL))
+}
 
 /// A structure that is built from blocks. Calls come from many threads. Equal calls must return blocks of equal meaning
 /// in whatever order they come, because the finished bytes must not depend on it.

@@ -60,6 +60,20 @@ pub(crate) struct CasterOptions {
     pub(crate) outlines: bool,
 }
 
+/// Returns the bytes that [`SceneClusters::new`] holds while it works, apart from the scene and the opacity of its
+/// materials. It sorts one mesh after another.
+pub(crate) fn sorting_bytes(scene: &Scene, options: CasterOptions) -> u64 {
+    let kept = size_of::<ClusterTriangle>() + if options.outlines { size_of::<[u32; 3]>() } else { 0 };
+    let mut most = 0;
+    let mut all = 0;
+    for mesh in &scene.meshes {
+        // Finding adjacent triangles takes no more than finding solids.
+        most = most.max(topology::working_bytes(mesh));
+        all += (mesh.triangles.len() * kept) as u64;
+    }
+    all + most
+}
+
 impl SceneClusters {
     /// Clusters every mesh of the scene.
     pub(crate) fn new(scene: &Scene, options: CasterOptions) -> Arc<Self> {
@@ -183,7 +197,7 @@ impl<'s> Casters<'s> {
 fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClusters {
     let topology: Option<Topology> =
         (options.closed_regions || options.outlines).then(|| topology::analyse(mesh, &scene.materials));
-    let mut order: Vec<(u64, u32)> = Vec::new();
+    let mut order: Vec<(u64, u32)> = Vec::with_capacity(mesh.triangles.len());
     let (min, max) = bounds(mesh.positions.iter());
     let scale: [f32; 3] = std::array::from_fn(|a| 1023.0 / (max[a] - min[a]).max(f32::MIN_POSITIVE));
     for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -202,6 +216,8 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
             ClusterTriangle { triangle: t, casts: material.casts, solid, masked, component }
         })
         .collect();
+    // Adjacency needs as much again.
+    drop((order, topology));
     let clusters = triangles
         .chunks(CLUSTER_TRIANGLES)
         .enumerate()

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use adumbra::{Bounds, Receivers};
+use adumbra::{Bounds, Receivers, Sun};
 use adumbra_bake::{BakeOptions, Builder, LayoutChoice, Preset, Size};
 use adumbra_program::args::{LayoutArg, RunArgs, SceneArgs, SunArgs, numbers};
 use adumbra_program::exit::Failure;
@@ -46,7 +46,7 @@ pub(crate) struct BakeSettings {
     /// Edge of a voxel in metres, instead of a resolution
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     voxel_size: Option<f64>,
-    /// Preset resolution
+    /// Preset resolution [default: medium; with --frame world, draft]
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
     /// How far below an open surface its shadow may begin, in metres along the light; more gives smaller files [default: the bias at
@@ -94,7 +94,8 @@ impl BakeSettings {
         ]
     }
 
-    pub(crate) fn options(&self, ignore_alpha: bool, run: &RunArgs) -> Result<BakeOptions, Failure> {
+    /// Returns the options of a light-aligned bake under a sun.
+    pub(crate) fn options(&self, sun: Sun, ignore_alpha: bool) -> BakeOptions {
         let preset = match self.preset {
             Some(PresetArg::Draft) => Preset::Draft,
             Some(PresetArg::Low) => Preset::Low,
@@ -108,7 +109,7 @@ impl BakeSettings {
             (None, Some(metres)) => Size::VoxelSize(metres),
             (None, None) => Size::Resolution(preset.resolution().into()),
         };
-        Ok(BakeOptions {
+        BakeOptions {
             frame: self.tree.columns_frame(),
             layout: match (self.layout, self.tree.light_builder()) {
                 (Some(layout), _) => layout.into(),
@@ -125,10 +126,9 @@ impl BakeSettings {
                 ReceiversArg::Static => Receivers::Static,
             },
             bounds: self.bounds,
-            max_memory_bytes: run.max_memory,
             builder: self.tree.light_builder(),
-            ..BakeOptions::new(self.sun.sun()?, size)
-        })
+            ..BakeOptions::new(sun, size)
+        }
     }
 
     /// Whether the bake is a world-aligned tree. An error if options of both kinds are mixed.
@@ -137,9 +137,9 @@ impl BakeSettings {
         Ok(self.tree.frame.is_world())
     }
 
-    /// Returns the options of a world-aligned bake.
-    pub(crate) fn tree_options(&self, ignore_alpha: bool, run: &RunArgs) -> Result<TreeOptions, Failure> {
-        Ok(self.tree.options(&self.options(ignore_alpha, run)?))
+    /// Returns the options of a world-aligned bake. Options that both kinds of file share come from `common`.
+    pub(crate) fn tree_options(&self, common: &BakeOptions) -> TreeOptions {
+        self.tree.options(common)
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "FILE")]
     pub(crate) shadow_file: Vec<PathBuf>,
     #[command(flatten)]
-    pub(crate) resolutions: ResolutionArgs<16384>,
+    pub(crate) resolutions: ResolutionArgs,
     /// Also walk a camera path: a JSON file, `orbit` (around the scene) or `fly` (ahead from the camera and up)
     #[arg(long, value_name = "PATH")]
     pub(crate) path: Option<String>,
@@ -59,7 +59,7 @@ pub(crate) struct Compare {
     pub(crate) load: SceneArgs,
     /// Exit with code 1 if GPU and rays see different surfaces at more than 1 % of the pixels with a surface
     #[arg(long)]
-    pub(crate) strict: bool,
+    pub(crate) check_surfaces: bool,
     /// Folder for report.md, report.json, sheet.png and the pictures
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,

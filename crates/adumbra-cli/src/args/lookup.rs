@@ -5,11 +5,11 @@ use adumbra_program::exit::Failure;
 
 use super::tree::WeightsArg;
 
-/// How a shadow file is looked up. `FILTER` is the default filter width.
+/// How a shadow file is looked up.
 #[derive(clap::Args)]
-pub(crate) struct LookupArgs<const FILTER: u32> {
+pub(crate) struct LookupArgs {
     /// Filter width in texels: 1, 3, 5, 9 or 17; for a world-aligned file K × K × K voxels: 1, 3 or 5
-    #[arg(long, value_name = "K", default_value_t = FILTER)]
+    #[arg(long, value_name = "K", default_value = "1")]
     pub(crate) filter: u32,
     /// How the taps of a world-aligned file are weighted
     #[arg(long, value_enum, default_value = "mean")]

@@ -21,7 +21,7 @@ pub(crate) struct Query {
     #[arg(long, value_name = "FILE")]
     pub(crate) normals: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) lookup: LookupArgs<1>,
+    pub(crate) lookup: LookupArgs,
     /// Also write the width of the sun's penumbra in metres: one little-endian float32 per point, NaN away from shadow
     /// borders; for files baked with --attribute penumbra
     #[arg(long, value_name = "FILE")]

@@ -42,7 +42,8 @@ pub(super) fn after_help() -> String {
 
 #[derive(clap::Args)]
 #[command(
-    mut_arg("filter", |filter| filter.conflicts_with("shadow")),
+    mut_arg("filter", |filter| filter.default_value("5").conflicts_with("shadow")),
+    mut_arg("resolution", |resolution| resolution.default_value("4096")),
     mut_arg("weights", |weights| weights.conflicts_with("shadow")),
     mut_arg("json", |json| json.help("Print one JSON object; for several pictures, one that lists them"))
 )]
@@ -57,7 +58,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "FILE")]
     pub(crate) shadow_file: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) resolutions: ResolutionArgs<4096>,
+    pub(crate) resolutions: ResolutionArgs,
     /// Ambient occlusion, which affects only the light of the sky: ssao, hbao, alchemy, issao, gtao, truth or none, see
     /// below
     #[arg(long, value_name = "NAME[:KEY=VALUE...]", default_value = "none")]
@@ -89,7 +90,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
     pub(crate) frames: Option<u32>,
     #[command(flatten)]
-    pub(crate) lookup: LookupArgs<5>,
+    pub(crate) lookup: LookupArgs,
     /// Samples per pixel along each axis
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub(crate) antialias: u32,

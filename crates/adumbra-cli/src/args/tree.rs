@@ -9,7 +9,7 @@ use clap::ValueEnum;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FrameArg {
-    /// Oblique, unless its file is forecast to be more than a tenth larger than light's; light below 5° of sun
+    /// Oblique or light, whichever file a forecast says is smaller; light below 5° of sun
     Auto,
     /// Columns along the light, in a plane across it
     Light,

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::file::Layout;
-use adumbra::{Bounds, Frame};
-use adumbra_bake::{BakeOptions, LayoutChoice, Watch, bake, estimate};
+use adumbra::{Bounds, Frame, Sun};
+use adumbra_bake::{BakeOptions, Estimate, LayoutChoice, Watch, bake, estimate};
 use adumbra_files as files;
 use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::memory::Guard;
 use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
 use adumbra_program::progress::{Reporter, Units};
-use adumbra_program::scene::load_scene;
+use adumbra_program::scene::{Omitted, load_scene_within, omitted};
+use adumbra_program::sun::{ChosenSun, SunOrigin};
 use adumbra_program::threads::with_threads;
 use adumbra_program::{memory, say, signals};
 use adumbra_scene::{Scene, write_shadow_name};
@@ -67,6 +69,12 @@ pub(super) struct Baked {
     voxel_size: f64,
     /// Number of triangles that were baked. Instances are counted.
     triangles: u64,
+    /// Unit vector towards the sun.
+    sun: [f64; 3],
+    /// Where the sun comes from.
+    sun_origin: SunOrigin,
+    /// What the scene's file holds and the loader left out, each kind once.
+    omissions: Vec<Omitted>,
     /// Whether `--bounds` were given and contain no part of the scene.
     empty_bounds: bool,
 }
@@ -95,6 +103,12 @@ pub(super) struct Forecast {
     file_bytes: [u64; 2],
     /// Memory that the bake takes, in bytes.
     memory_bytes: [u64; 2],
+    /// Unit vector towards the sun.
+    sun: [f64; 3],
+    /// Where the sun comes from.
+    sun_origin: SunOrigin,
+    /// What the scene's file holds and the loader left out, each kind once.
+    omissions: Vec<Omitted>,
     /// Whether `--bounds` were given and contain no part of the scene.
     empty_bounds: bool,
 }
@@ -109,33 +123,33 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
-    let mut options = args.settings.options(args.load.ignore_alpha, &args.run)?;
-    // The system's temporary folder may be in memory. The folder of the output is on a disk.
-    options.spill_folder =
-        Some(files::folder_of(&files::target_of(&output).unwrap_or_else(|_| output.clone())));
-    let tree_options = match args.settings.is_tree()? {
-        true if args.dry_run => {
-            return Err(Failure::Usage(
-                "--dry-run does not support --frame world; a draft of a tree bakes in seconds".to_owned(),
-            ));
-        }
-        true => Some(args.settings.tree_options(args.load.ignore_alpha, &args.run)?),
-        false => None,
-    };
+    let is_tree = args.settings.is_tree()?;
+    if is_tree && args.dry_run {
+        return Err(Failure::Usage(
+            "--dry-run does not support --frame world; a draft of a tree bakes in seconds".to_owned(),
+        ));
+    }
+    // A wrong sun is refused before the scene is loaded.
+    args.settings.sun.given()?;
     if !args.dry_run {
         refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
         files::check_output(&output)?;
     }
-    let shadow_name =
-        args.into.as_ref().map(|gltf| name_for(gltf, &output, tree_options.is_some())).transpose()?;
-    if options.sun.elevation_degrees() < LOWEST_SUN_DEGREES {
-        eprintln!(
-            "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is too steep relative to the light for exact look-ups; check the file with verify",
-            options.sun.elevation_degrees()
-        );
-    }
+    let shadow_name = args.into.as_ref().map(|gltf| name_for(gltf, &output, is_tree)).transpose()?;
     with_threads(args.run.threads, || {
-        let scene = load_scene(&args.scene, &args.load.load_options(args.run.max_memory)?)?;
+        let limit = args.run.memory_limit();
+        let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
+        let sun = args.settings.sun.choose(&scene, &args.scene)?;
+        warn_of_low_sun(&sun.sun);
+        let share = limit.share(scene.memory_bytes());
+        let options = BakeOptions {
+            max_memory_bytes: share.bytes(),
+            // The system's temporary folder may be in memory. The folder of the output is on a disk.
+            spill_folder: Some(files::folder_of(
+                &files::target_of(&output).unwrap_or_else(|_| output.clone()),
+            )),
+            ..args.settings.options(sun.sun, args.load.ignore_alpha)
+        };
         if !args.dry_run {
             refuse_read("--output", &output).map_err(bad_input)?;
         }
@@ -150,14 +164,21 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             );
         }
         if args.dry_run {
-            return dry_run(args, &scene, &options, empty_bounds);
+            let forecast = estimate(&scene, &options).map_err(|error| share.whole(error.into()))?;
+            return dry_run(args, (&scene, &sun), (&options, &forecast), empty_bounds);
         }
-        if let Some(tree_options) = &tree_options {
-            return bake_tree::run(args, &scene, tree_options, empty_bounds, (&output, start), &cancel);
+        let guard = Guard::new(limit, &cancel);
+        if is_tree {
+            let job = bake_tree::Job { args, scene: &scene, sun: &sun, empty_bounds, output: &output, start };
+            return job.run(&args.settings.tree_options(&options), &guard, &share, &cancel);
         }
         let reporter = Reporter::new(args.progress, Units::TEXELS);
-        let progress = |p| reporter.update(p);
-        let baked = bake(&scene, &options, Watch::new(&progress, &cancel))?;
+        let progress = |p| {
+            guard.look();
+            reporter.update(p);
+        };
+        let baked = bake(&scene, &options, Watch::new(&progress, &cancel));
+        let baked = guard.end("the bake", &share, baked)?;
         let (file, report) = (baked.file, baked.report);
         // A layout that cannot represent the voxels has no size.
         let candidate_bytes = baked.candidates.map(|c| CandidateBytes { packed: c.packed, depths: c.depths });
@@ -191,6 +212,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 size: file.grid.size,
                 voxel_size: grid.voxel_size,
                 triangles: settings.triangles,
+                sun: sun.sun.towards(),
+                sun_origin: sun.origin,
+                omissions: omitted(&scene),
                 empty_bounds,
             })?;
         } else {
@@ -204,6 +228,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 figures.bits_per_texel,
                 format_bytes(peak)
             );
+            say!("  {sun}");
         }
         Ok(Code::Fine)
     })?
@@ -243,8 +268,21 @@ fn share_of_plain(layout: LayoutChoice) -> [f64; 2] {
     }
 }
 
-fn dry_run(args: &Bake, scene: &Scene, options: &BakeOptions, empty_bounds: bool) -> Outcome {
-    let e = estimate(scene, options)?;
+fn warn_of_low_sun(sun: &Sun) {
+    if sun.elevation_degrees() < LOWEST_SUN_DEGREES {
+        eprintln!(
+            "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is too steep relative to the light for exact look-ups; check the file with verify",
+            sun.elevation_degrees()
+        );
+    }
+}
+
+fn dry_run(
+    args: &Bake,
+    (scene, sun): (&Scene, &ChosenSun),
+    (options, e): (&BakeOptions, &Estimate),
+    empty_bounds: bool,
+) -> Outcome {
     let share = share_of_plain(options.layout);
     let file_bytes: [u64; 2] = std::array::from_fn(|i| (e.file_bytes[i] as f64 * share[i]) as u64);
     if args.run.json {
@@ -254,6 +292,9 @@ fn dry_run(args: &Bake, scene: &Scene, options: &BakeOptions, empty_bounds: bool
             seconds: e.seconds,
             file_bytes,
             memory_bytes: e.memory_bytes,
+            sun: sun.sun.towards(),
+            sun_origin: sun.origin.clone(),
+            omissions: omitted(scene),
             empty_bounds,
         })?;
     } else {
@@ -262,6 +303,7 @@ fn dry_run(args: &Bake, scene: &Scene, options: &BakeOptions, empty_bounds: bool
         say!("  time    {:.0} to {:.0} s", e.seconds[0], e.seconds[1]);
         say!("  memory  {}", range(e.memory_bytes));
         say!("  file    {}", range(file_bytes));
+        say!("  {sun}");
         say!("  a lower --resolution, a larger --thickness or --receivers static makes the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {

@@ -7,8 +7,11 @@ use std::time::Instant;
 use adumbra_bake::{Progress, Watch};
 use adumbra_files::replace_file;
 use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::memory::{Guard, Share};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::progress::{Reporter, Units};
+use adumbra_program::scene::{Omitted, omitted};
+use adumbra_program::sun::{ChosenSun, SunOrigin};
 use adumbra_program::{memory, say};
 use adumbra_scene::Scene;
 use adumbra_tree::symmetric::SymmetricTree;
@@ -54,6 +57,12 @@ pub(super) struct TreeBaked {
     report: TreeReport,
     /// Number of triangles that were baked. Instances are counted.
     triangles: u64,
+    /// Unit vector towards the sun.
+    sun: [f64; 3],
+    /// Where the sun comes from.
+    sun_origin: SunOrigin,
+    /// What the scene's file holds and the loader left out, each kind once.
+    omissions: Vec<Omitted>,
     /// Whether `--bounds` were given and contain no part of the scene.
     empty_bounds: bool,
     #[serde(flatten)]
@@ -92,59 +101,87 @@ struct Extras {
     sentences: Vec<String>,
 }
 
-/// Bakes to the path `output`. `start` is when the program began to load the scene.
-pub(super) fn run(
-    args: &Bake,
-    scene: &Scene,
-    options: &TreeOptions,
-    empty_bounds: bool,
-    (output, start): (&Path, Instant),
-    cancel: &AtomicBool,
-) -> Outcome {
-    let prepared = PreparedTree::new(scene, options, cancel)?;
-    let reporter = Reporter::new(args.progress, Units::VOXELS);
-    let progress = |p| reporter.update(cubes(p));
-    let baked = prepared.build(options, Watch::new(&progress, cancel))?;
-    let report = baked.report;
-    let (file, extras) = finish(args, prepared, baked, cancel)?;
-    let file_bytes = replace_file(output, |out| file.write_to(out))?;
-    let seconds = start.elapsed().as_secs_f64();
-    let peak = memory::peak_bytes().unwrap_or(report.image_bytes + report.held_bytes);
-    if args.run.json {
-        print_json(&TreeBaked {
-            file: output.display().to_string(),
-            frame: "world",
-            seconds,
-            peak_bytes: peak,
-            file_bytes,
-            tree_bytes: extras.plain_bytes,
-            body_bytes: extras.body_bytes,
-            depth: file.space.depth,
-            voxel_size: file.space.voxel_size,
-            regions: file.regions.list.len(),
-            builder: options.builder,
-            reduction: options.reduction,
-            pruned: options.prune,
-            report,
-            triangles: file.settings.triangles,
-            empty_bounds,
-            extras: extras.figures,
-        })?;
-    } else {
-        say!(
-            "{} -> {} ({}, depth {}, voxels of {:.4}) in {seconds:.1} s, peak memory {}",
-            args.scene.display(),
-            output.display(),
-            format_bytes(file_bytes),
-            file.space.depth,
-            file.space.voxel_size,
-            format_bytes(peak)
-        );
-        for sentence in extras.sentences {
-            say!("  {sentence}");
-        }
+/// A bake of a tree.
+pub(super) struct Job<'a> {
+    pub(super) args: &'a Bake,
+    pub(super) scene: &'a Scene,
+    pub(super) sun: &'a ChosenSun,
+    pub(super) empty_bounds: bool,
+    /// The shadow file to write.
+    pub(super) output: &'a Path,
+    /// When the program began to load the scene.
+    pub(super) start: Instant,
+}
+
+impl Job<'_> {
+    /// Bakes and writes the tree.
+    pub(super) fn run(
+        &self,
+        options: &TreeOptions,
+        guard: &Guard<'_>,
+        share: &Share,
+        cancel: &AtomicBool,
+    ) -> Outcome {
+        let Self { args, scene, .. } = *self;
+        let prepared = PreparedTree::new(scene, options, cancel);
+        let prepared = guard.end("the light's depth images", share, prepared)?;
+        let reporter = Reporter::new(args.progress, Units::VOXELS);
+        let progress = |p| {
+            guard.look();
+            reporter.update(cubes(p));
+        };
+        let baked = guard.end("the tree", share, prepared.build(options, Watch::new(&progress, cancel)))?;
+        let report = baked.report;
+        let finished = finish(args, prepared, baked, cancel);
+        let (file, extras) = guard.end("the finished tree", share, finished)?;
+        self.write(options, report, &file, extras)
     }
-    Ok(Code::Fine)
+
+    fn write(&self, options: &TreeOptions, report: TreeReport, file: &TreeFile, extras: Extras) -> Outcome {
+        let Self { args, scene, sun, empty_bounds, output, start } = *self;
+        let file_bytes = replace_file(output, |out| file.write_to(out))?;
+        let seconds = start.elapsed().as_secs_f64();
+        let peak = memory::peak_bytes().unwrap_or(report.image_bytes + report.held_bytes);
+        if args.run.json {
+            print_json(&TreeBaked {
+                file: output.display().to_string(),
+                frame: "world",
+                seconds,
+                peak_bytes: peak,
+                file_bytes,
+                tree_bytes: extras.plain_bytes,
+                body_bytes: extras.body_bytes,
+                depth: file.space.depth,
+                voxel_size: file.space.voxel_size,
+                regions: file.regions.list.len(),
+                builder: options.builder,
+                reduction: options.reduction,
+                pruned: options.prune,
+                report,
+                triangles: file.settings.triangles,
+                sun: sun.sun.towards(),
+                sun_origin: sun.origin.clone(),
+                omissions: omitted(scene),
+                empty_bounds,
+                extras: extras.figures,
+            })?;
+        } else {
+            say!(
+                "{} -> {} ({}, depth {}, voxels of {:.4}) in {seconds:.1} s, peak memory {}",
+                args.scene.display(),
+                output.display(),
+                format_bytes(file_bytes),
+                file.space.depth,
+                file.space.voxel_size,
+                format_bytes(peak)
+            );
+            say!("  {sun}");
+            for sentence in extras.sentences {
+                say!("  {sentence}");
+            }
+        }
+        Ok(Code::Fine)
+    }
 }
 
 /// Converts the progress into equal cubes, a number that a bar can show.
@@ -186,7 +223,7 @@ fn finish(
     if let Some(share) = args.settings.tree.lossy {
         go_on()?;
         // About what a round holds besides the tree: its blocks twice, and lists of similar ones.
-        args.run.check_memory("merging similar subtrees", 6 * tree.bytes())?;
+        args.run.check_memory("merging similar subtrees", 0, 6 * tree.bytes())?;
         let merged = lossy::merge_similar(&tree, share)?;
         settings.lossy = Some(merged.change);
         let change = merged.change;
@@ -206,7 +243,7 @@ fn finish(
     let (mut attribute, mut attribute_kind) = (Vec::new(), None);
     if let Some(prepared) = prepared {
         go_on()?;
-        args.run.check_memory("the penumbra's widths", 2 * tree.bytes() + leaf_voxels(&tree))?;
+        args.run.check_memory("the penumbra's widths", 0, 2 * tree.bytes() + leaf_voxels(&tree))?;
         attribute = prepared.penumbra(&tree)?;
         attribute_kind = (!attribute.is_empty()).then_some(AttributeKind::Penumbra);
         extras.figures.attribute_bytes = Some(attribute.len());
@@ -216,7 +253,7 @@ fn finish(
     }
     let body = if args.settings.tree.symmetry {
         go_on()?;
-        args.run.check_memory("the symmetric trees", 4 * tree.bytes())?;
+        args.run.check_memory("the symmetric trees", 0, 4 * tree.bytes())?;
         // Mirrors share more nodes but need wider pointers. Which one is smaller depends on the scene.
         let [narrow, mirrored] = [SymmetricTree::of(&tree, false)?, SymmetricTree::of(&tree, true)?];
         let bytes = [&narrow, &mirrored].map(|t| t.bytes().len() as u64);

@@ -9,9 +9,11 @@ use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_files::replace_file;
 use adumbra_lab::page::{Body, Embedded, Encoding, Page, Pair, Table};
 use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::memory::Guard;
 use adumbra_program::output::{format_bytes, make_folder, print_json, refuse_same, write_png, write_whole};
 use adumbra_program::progress::{Reporter, Style, Units};
-use adumbra_program::scene::load_scene;
+use adumbra_program::scene::load_scene_within;
+use adumbra_program::sun::DEFAULT_SUN;
 use adumbra_program::threads::with_threads;
 use adumbra_program::{say, signals};
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, generate, write_glb};
@@ -82,20 +84,25 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
     let outputs = [&scene_path, &file_path, &report].into_iter().chain(pictures.as_flattened());
     refuse_same(outputs.map(|path| &**path))?;
     write_glb(&generate(GeneratedKind::City, SEED), &scene_path)?;
-    let load =
-        LoadOptions { color_textures: true, max_memory_bytes: args.run.max_memory, ..LoadOptions::default() };
-    let scene = load_scene(&scene_path, &load)?;
+    let limit = args.run.memory_limit();
+    let load = LoadOptions { color_textures: true, ..LoadOptions::default() };
+    let scene = load_scene_within(limit, &scene_path, &load)?;
     tell!("scene     {} ({} triangles)", scene_path.display(), scene.instanced_triangles());
 
     let start = Instant::now();
-    let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
+    let sun = Sun::from_direction(DEFAULT_SUN)?;
+    let share = limit.share(scene.memory_bytes());
     let options = BakeOptions {
-        max_memory_bytes: args.run.max_memory,
+        max_memory_bytes: share.bytes(),
         ..BakeOptions::new(sun, Size::Resolution(args.resolution))
     };
     let reporter = Reporter::new(if args.run.json { Style::None } else { Style::Auto }, Units::TEXELS);
-    let progress = |p| reporter.update(p);
-    let file = bake(&scene, &options, Watch::new(&progress, cancel))?.file;
+    let guard = Guard::new(limit, cancel);
+    let progress = |p| {
+        guard.look();
+        reporter.update(p);
+    };
+    let file = guard.end("the bake", &share, bake(&scene, &options, Watch::new(&progress, cancel)))?.file;
     let file_bytes = replace_file(&file_path, |out| file.write_to(out))?;
     let bake_seconds = start.elapsed().as_secs_f64();
     let figures = GraphFigures::of(&file, file_bytes)?;
@@ -106,7 +113,7 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
     go_on()?;
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let held = scene.memory_bytes() + tracer.memory_bytes() + BaseColors::bytes_of(&scene);
-    args.run.check_memory("the scene, its acceleration structure and its mip levels", held)?;
+    args.run.check_memory("the scene, its acceleration structure and its mip levels", held, held)?;
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
     let exact = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1)?;

@@ -53,11 +53,12 @@ fn export(args: &Export, texture: &Path) -> Outcome {
     refuse(texture)?;
     // The file's bytes, and the decoded file.
     let bytes = std::fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
-    args.run.check_memory("the shadow file", 2 * bytes)?;
+    args.run.check_memory("the shadow file", 0, 2 * bytes)?;
     let parts = Parts::of(&args.file)?;
     let words = parts.words.len();
     // The words, and the pages that contain them.
-    args.run.check_memory("the words and their pages", 2 * (4 * words + parts.rest.len()) as u64)?;
+    let held = (4 * words + parts.rest.len()) as u64;
+    args.run.check_memory("the words and their pages", held, 2 * held)?;
     let layout = Layout::new(words, parts.rest.len(), args.max_side)
         .map_err(|source| Error::WordTexture { path: texture.to_owned(), source })?;
     let pages: Vec<_> = (0..layout.pages).map(|page| page_path(texture, page)).collect();

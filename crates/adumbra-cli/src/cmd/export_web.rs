@@ -44,7 +44,7 @@ pub(super) struct WebExported {
 pub(super) fn run(args: &Export, web: &Path) -> Outcome {
     let length = fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
     // The bytes, the decoded file, and what compression holds.
-    args.run.check_memory("the shadow file", 2 * length + compression_bytes(length))?;
+    args.run.check_memory("the shadow file", 0, 2 * length + compression_bytes(length))?;
     // The copy has the same bytes, also where the file is of an earlier version.
     let bytes = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
     let read = AnyFile::from_bytes(&bytes);

@@ -27,7 +27,7 @@ pub(super) struct Generated {
 pub(crate) fn run(args: &Generate) -> Outcome {
     let scene = with_threads(args.run.threads, || generate(args.kind.0, args.seed))?;
     // The scene, and about as many bytes for the file.
-    args.run.check_memory("the scene", 2 * scene.memory_bytes())?;
+    args.run.check_memory("the scene", scene.memory_bytes(), 2 * scene.memory_bytes())?;
     write_glb(&scene, &args.output)?;
     let triangles = scene.instanced_triangles();
     if args.run.json {

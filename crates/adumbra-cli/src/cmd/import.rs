@@ -40,7 +40,8 @@ fn import(args: &Import) -> Outcome {
     let (words, rest) = texture::read(path)?;
     let count = words.len();
     // The words, and the file that they become.
-    args.run.check_memory("the words and their file", 2 * (4 * count + rest.len()) as u64)?;
+    let bytes = (4 * count + rest.len()) as u64;
+    args.run.check_memory("the words and their file", bytes, 2 * bytes)?;
     // Each kind of shadow file is recognized by its magic and has a match arm here.
     let (kind, file_bytes) = match rest.first_chunk::<8>() {
         Some(&MAGIC) => {

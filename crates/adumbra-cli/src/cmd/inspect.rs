@@ -4,9 +4,10 @@ use adumbra::{Bounds, LightExtent, Sun};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::print_json;
 use adumbra_program::say;
-use adumbra_program::scene::load_scene;
+use adumbra_program::scene::{Omitted, load_scene_within, omitted};
+use adumbra_program::sun::{SunOrigin, told_sun_of_scene};
 use adumbra_program::threads::with_threads;
-use adumbra_scene::{AlphaMode, Scene, topology};
+use adumbra_scene::{AlphaMode, Counts, FileSun, Scene, topology};
 use serde::Serialize;
 
 use crate::args::Inspect;
@@ -47,8 +48,52 @@ pub(super) struct Inspected {
     solid_share: f64,
     /// Suggested resolution of a bake: voxels of about 5 cm, if the scene is in metres.
     suggested_resolution: u32,
+    /// Unit vector towards the sun that the scene is baked for unless `--sun` is given.
+    sun: [f64; 3],
+    /// Where that sun comes from.
+    sun_origin: SunOrigin,
+    /// The directional lights of the file.
+    lights: Vec<Light>,
+    /// What the file states and the loader has read, before anything was dropped.
+    read: Read,
+    /// What the file holds and the loader left out, each kind once.
+    omissions: Vec<Omitted>,
     /// Warnings of the loader.
     warnings: Vec<String>,
+}
+
+/// A directional light of a scene's file.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Light {
+    /// The name of its node.
+    name: String,
+    /// Unit vector towards it.
+    towards: [f64; 3],
+}
+
+impl Light {
+    fn of(light: &FileSun) -> Self {
+        Self { name: light.name.clone(), towards: light.towards }
+    }
+}
+
+/// What was read from a scene's file.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Read {
+    /// Meshes of a glTF file, objects and groups of an OBJ file, 1 for a PLY file.
+    meshes: u64,
+    /// Nodes of a glTF file. 0 for other formats.
+    nodes: u64,
+    /// Faces with three or more corners.
+    faces: u64,
+}
+
+impl Read {
+    fn of(counts: &Counts) -> Self {
+        Self { meshes: counts.meshes, nodes: counts.nodes, faces: counts.faces }
+    }
 }
 
 pub(crate) fn run(args: &Inspect) -> Outcome {
@@ -56,13 +101,18 @@ pub(crate) fn run(args: &Inspect) -> Outcome {
 }
 
 fn inspect(args: &Inspect) -> Outcome {
-    let scene = load_scene(&args.scene, &args.load.load_options(args.run.max_memory)?)?;
+    let limit = args.run.memory_limit();
+    let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
+    let most = scene.meshes.iter().map(topology::working_bytes).max().unwrap_or_default();
+    args.run.check_memory("the scene's topology", scene.memory_bytes(), scene.memory_bytes() + most)?;
     let bounds = scene.bounds();
     let (closed, solid) = closed_shares(&scene);
     let masked = scene.materials.iter().filter(|m| matches!(m.alpha, AlphaMode::Mask { .. })).count();
     let triangles = scene.stored_triangles();
     let instanced = scene.instanced_triangles();
-    let suggested = suggested_resolution(&scene)?;
+    let sun = told_sun_of_scene(&scene, &args.scene)?;
+    let suggested = suggested_resolution(&scene, &sun.sun);
+    limit.check_peak("the scene's topology")?;
     if args.run.json {
         print_json(&Inspected {
             scene: args.scene.display().to_string(),
@@ -81,10 +131,20 @@ fn inspect(args: &Inspect) -> Outcome {
             closed_share: closed,
             solid_share: solid,
             suggested_resolution: suggested,
+            sun: sun.sun.towards(),
+            sun_origin: sun.origin,
+            lights: scene.suns.iter().map(Light::of).collect(),
+            read: Read::of(&scene.notes.read),
+            omissions: omitted(&scene),
             warnings: scene.notes.warnings,
         })?;
     } else {
+        let read = &scene.notes.read;
         say!("{}", args.scene.display());
+        say!("  read                 {} meshes, {} nodes, {} faces", read.meshes, read.nodes, read.faces);
+        for omission in &scene.notes.omissions {
+            say!("  left out             {omission}");
+        }
         say!("  triangles            {triangles} stored, {instanced} with instances");
         say!("  meshes, instances    {}, {}", scene.meshes.len(), scene.instances.len());
         say!("  bounds               {:?} to {:?}", bounds.min, bounds.max);
@@ -95,7 +155,11 @@ fn inspect(args: &Inspect) -> Outcome {
         );
         say!("  materials            {}, {masked} masked", scene.materials.len());
         say!("  degenerate triangles {}", scene.notes.degenerate_triangles);
-        say!("  suggested resolution {suggested}");
+        for light in &scene.suns {
+            let [x, y, z] = light.towards;
+            say!("  directional light    {:?}, towards {x:.4},{y:.4},{z:.4}", light.name);
+        }
+        say!("  suggested resolution {suggested}, for the {sun}");
     }
     Ok(Code::Fine)
 }
@@ -124,9 +188,9 @@ fn closed_shares(scene: &Scene) -> (f64, f64) {
 /// what bakes in minutes.
 const SUGGESTED_VOXEL: f64 = 0.05;
 
-fn suggested_resolution(scene: &Scene) -> Result<u32, adumbra::Error> {
-    let mut extent = LightExtent::empty(&Sun::from_direction([0.5, 0.8, 0.35])?);
+fn suggested_resolution(scene: &Scene, sun: &Sun) -> u32 {
+    let mut extent = LightExtent::empty(sun);
     extent.add_box(&scene.bounds());
     let texels = (extent.longest_side() / SUGGESTED_VOXEL).clamp(2048.0, 32768.0);
-    Ok((texels as u32).next_power_of_two())
+    (texels as u32).next_power_of_two()
 }

@@ -15,8 +15,8 @@ pub(super) struct LookupOptions<'a> {
     pub(super) weights: Weights,
 }
 
-impl<'a, const FILTER: u32> From<&'a LookupArgs<FILTER>> for LookupOptions<'a> {
-    fn from(args: &'a LookupArgs<FILTER>) -> Self {
+impl<'a> From<&'a LookupArgs> for LookupOptions<'a> {
+    fn from(args: &'a LookupArgs) -> Self {
         Self { bias: &args.bias, filter: args.filter, weights: args.weights.into() }
     }
 }

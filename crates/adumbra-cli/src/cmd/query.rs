@@ -74,7 +74,9 @@ pub(crate) fn run(args: &Query) -> Outcome {
     let not_finite = NotFinite::of(&points, normals.as_deref());
     // Bytes per point: the point (24), its normal (24), its answer in its batch (4) and in the whole (4), and the
     // answer's bytes (4).
-    args.run.check_memory("the points", points.len() as u64 * (24 + 24 + 4 + 4 + 4) + file.encoded_len())?;
+    let (count, file_bytes) = (points.len() as u64, file.encoded_len());
+    let held = count * if normals.is_some() { 24 + 24 } else { 24 } + file_bytes;
+    args.run.check_memory("the points", held, count * (24 + 24 + 4 + 4 + 4) + file_bytes)?;
     let asking = LookupOptions::from(&args.lookup);
     let lookup = asking.lookup(&file)?;
     let penumbrae = args.penumbra.as_ref().map(|_| penumbra_query(args, &asking, &file)).transpose()?;

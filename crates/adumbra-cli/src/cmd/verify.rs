@@ -3,21 +3,24 @@
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::print_json;
 use adumbra_program::say;
-use adumbra_program::scene::load_scene;
+use adumbra_program::scene::load_scene_within;
 use adumbra_program::threads::with_threads;
 use adumbra_tree::{AnyFile, TreeBody};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Answers, Class, ClassResult, LightAnswers, MIN_CHECKED_POINTS, Sampler, Solids, SurfaceSampler,
-    TreeAnswers, Verification, Verifier, VerifyOptions, VolumeSampler,
+    TreeAnswers, Verification, Verifier, VerifyOptions, VolumeSampler, building_bytes,
 };
 
 use super::lookup::LookupOptions;
 use crate::args::Verify;
 
 pub(crate) fn run(args: &Verify) -> Outcome {
+    let bytes = std::fs::metadata(&args.file).map_or(0, |file| file.len());
+    // The file's bytes, and the decoded file.
+    args.run.check_memory("the shadow file", 0, 2 * bytes)?;
     let file = AnyFile::read(&args.file)?;
-    let mut load = args.load.load_options(args.run.max_memory)?;
+    let mut load = args.load.load_options()?;
     load.ignore_alpha |= file.ignores_alpha();
     if let AnyFile::Light(light) = &file
         && args.volume
@@ -29,12 +32,15 @@ pub(crate) fn run(args: &Verify) -> Outcome {
         )));
     }
     let result = with_threads(args.run.threads, || {
-        let scene = load_scene(&args.scene, &load)?;
-        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        let limit = args.run.memory_limit();
+        let scene = load_scene_within(limit, &args.scene, &load)?;
         args.run.check_memory(
             "the scene and its acceleration structure",
-            scene.memory_bytes() + tracer.memory_bytes(),
+            scene.memory_bytes(),
+            scene.memory_bytes() + building_bytes(&scene),
         )?;
+        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        limit.check_peak("the scene and its acceleration structure")?;
         let solids = Solids::of(&scene);
         let sampler = match &file {
             AnyFile::Light(light) if args.volume => Sampler::Volume(VolumeSampler::new(&light.grid)),
@@ -52,7 +58,7 @@ pub(crate) fn run(args: &Verify) -> Outcome {
             min_interior: args.min_interior,
         };
         let asking = LookupOptions::from(&args.lookup);
-        Ok::<_, Failure>(match &file {
+        let result = match &file {
             AnyFile::Light(f) => check.run(&LightAnswers::new(&f.grid, &f.settings, asking.light(f)?)),
             AnyFile::Tree(f) => match &f.body {
                 TreeBody::Words(t) => check.run(&TreeAnswers::new(&f.settings, f.sun, asking.tree(f, t)?)),
@@ -60,7 +66,9 @@ pub(crate) fn run(args: &Verify) -> Outcome {
                     check.run(&TreeAnswers::new(&f.settings, f.sun, asking.tree(f, t)?))
                 }
             },
-        })
+        };
+        limit.check_peak("the comparison")?;
+        Ok::<_, Failure>(result)
     })??;
     if args.run.json {
         print_json(&result)?;

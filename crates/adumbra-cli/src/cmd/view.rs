@@ -4,7 +4,7 @@ use adumbra_lab::Result;
 use adumbra_lab::args::DeviceArg;
 use adumbra_lab::camera_file::CameraFile;
 use adumbra_program::exit::{Code, Failure};
-use adumbra_scene::Projection;
+use adumbra_scene::{LoadOptions, Projection};
 use adumbra_view::{OptionField, Script, Shown, ViewError, ViewOptions};
 use clap::ValueEnum;
 
@@ -43,12 +43,12 @@ fn options(args: &View) -> Result<ViewOptions> {
     {
         return Err(Failure::Usage("--ortho: give --eye and --target too".to_owned()).into());
     }
-    let given = args.sun.is_given().then(|| args.sun.sun()).transpose()?;
+    let given = args.sun.given()?;
     let memory = args.max_memory.map_or_else(Vec::new, |b| vec!["--max-memory".to_owned(), b.to_string()]);
     let layer = args.layer.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
     Ok(ViewOptions {
         scene: args.scene.clone(),
-        load: args.load.load_options(args.max_memory)?,
+        load: LoadOptions { max_memory_bytes: args.max_memory, ..args.load.load_options()? },
         shadow_files: args.shadow_file.clone(),
         shadows: [shadow(0)?, shadow(1)?],
         ambient: args.ao.parse()?,

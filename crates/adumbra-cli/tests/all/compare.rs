@@ -142,14 +142,14 @@ fn strict_refuses_figures_of_too_few_pixels() {
     let scene = folder.generate("wires");
     let out = folder.path("out");
     let base = ["compare", &scene, "--shadow", "none", "--size", "32x24", "--frames", "1", "-o", &out];
-    for (more, code) in [(vec![], 0), (vec!["--strict"], 1)] {
+    for (more, code) in [(vec![], 0), (vec!["--check-surfaces"], 1)] {
         let (found, error) = adumbra(&[&base[..], &more].concat());
         assert_eq!(found, code, "{error}");
         assert!(error.contains("excluded") && folder.exists("out/report.md"), "{error}");
     }
     let scene = folder.generate("city");
     let base = ["compare", &scene, "--shadow", "none", "--size", "64x48", "--frames", "1", "-o", &out];
-    let (code, error) = adumbra(&[&base[..], &["--strict"]].concat());
+    let (code, error) = adumbra(&[&base[..], &["--check-surfaces"]].concat());
     assert_eq!((code, error.contains("excluded")), (0, false), "{error}");
 }
 

@@ -84,7 +84,7 @@ pub(crate) struct TruthBench {
     #[arg(long, value_name = "DIR")]
     pub(crate) truth: PathBuf,
     #[command(flatten)]
-    pub(crate) resolutions: ResolutionArgs<16384>,
+    pub(crate) resolutions: ResolutionArgs,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
     /// Folder for the tables

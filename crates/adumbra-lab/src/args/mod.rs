@@ -2,6 +2,8 @@
 //! `adumbra-lab`.
 
 mod bench;
+#[cfg(test)]
+mod defaults;
 mod report;
 mod tune;
 
@@ -13,12 +15,39 @@ pub use bench::{
     BenchAo, BenchBake, BenchBlur, BenchGpu, BenchHrsm, BenchLookup, BenchPeers, BenchShadows, BenchTree,
     BenchVerb, BenchVerify, SuiteArg,
 };
-use clap::ValueEnum;
+use clap::{Subcommand, ValueEnum};
 pub use report::Report;
 pub(crate) use report::SECTIONS;
 pub use tune::TuneAo;
 
 use crate::truth::Cache;
+
+/// What `adumbra-lab` does.
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Run a benchmark and write its results as tables: bakes, trees, shadows compared with ray-traced truth, and more
+    #[command(after_help = "Example: adumbra-lab bench bake --scenes scenes -o docs/bench")]
+    Bench {
+        /// The benchmark.
+        #[command(subcommand)]
+        what: BenchVerb,
+    },
+    /// Repeat the measurements of every paper, and write one page that shows the published results next to ours; exit
+    /// code 1 if a section failed
+    #[command(
+        after_help = "Writes report.html, which needs no other file and no network, and report.json. Finished measurements stay in the folder \
+        even if a later one fails.\n\n\
+        Example: adumbra-lab report -o report\n\nExample: adumbra-lab report --full --scenes scenes --truth truth -o report"
+    )]
+    Report(Report),
+    /// Search for the best parameters of every ambient-occlusion estimator on the eight scenes, and record them
+    #[command(
+        after_help = "Run it in the repository root: the record that it writes is compiled into the program.\n\n\
+        Example: adumbra-lab tune-ao --scenes scenes --only issao\n\n\
+        Example: adumbra-lab tune-ao --scenes scenes --variant issao:reading=1 --variant issao:reading=2"
+    )]
+    TuneAo(TuneAo),
+}
 
 /// The device that draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -109,11 +138,11 @@ impl CacheArgs {
     }
 }
 
-/// The resolutions of shadow files that are baked as needed. `LIGHT` is the default for a light-aligned file.
+/// The resolutions of shadow files that are baked as needed.
 #[derive(clap::Args)]
-pub struct ResolutionArgs<const LIGHT: u64> {
+pub struct ResolutionArgs {
     /// Resolution of a light-aligned file that is baked as needed: texels on the longest side
-    #[arg(long, value_name = "N", default_value_t = LIGHT)]
+    #[arg(long, value_name = "N", default_value = "16384")]
     pub resolution: u64,
     /// Resolution of a world-aligned file that is baked as needed: voxels along the cube's side
     #[arg(long, value_name = "N", default_value_t = 2048)]

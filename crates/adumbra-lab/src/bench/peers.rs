@@ -51,7 +51,6 @@ pub(super) fn run(args: &BenchPeers) -> Result<Code> {
         adapter = measure(args, scene, &specs, &mut rows, column)?;
     }
     rows.extend(peers::engines());
-    rows.push(peers::aim());
     let text = format!(
         "# Sun shadows on the truth cameras, compared with current engines\n\n320 x 240, no anti-aliasing, alpha \
         masks ignored. Pixels with n·l > 0.1 are compared with another renderer's truth. First figure: share of \

@@ -4,7 +4,7 @@ pub mod occlusion;
 mod sun;
 
 use serde::{Deserialize, Serialize};
-pub use sun::{PeerFigures, PeerRow, SCENES, aim, engines, figures, markdown};
+pub use sun::{PeerFigures, PeerRow, SCENES, engines, figures, markdown};
 
 use crate::page::Table;
 
@@ -17,8 +17,6 @@ pub enum RowSource {
     Here,
     /// Measured with another program, at the same cameras and against the same truth.
     MeasuredElsewhere,
-    /// A target, not a measurement.
-    Aim,
 }
 
 impl RowSource {
@@ -27,7 +25,6 @@ impl RowSource {
         match self {
             Self::Here => "here",
             Self::MeasuredElsewhere => "elsewhere",
-            Self::Aim => "–",
         }
     }
 }

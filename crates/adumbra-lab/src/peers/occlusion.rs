@@ -59,7 +59,6 @@ const ELSEWHERE: [Published; 6] = [
     ),
     ("three.js SSAO, radius matched", [(0.209, Some(0.118)), (0.111, Some(0.011)), (0.099, Some(0.025))]),
 ];
-const AIM: Published = ("aim: issao, 12 samples and filter", [(0.12, None), (0.07, None), (0.07, None)]);
 
 fn row(source: RowSource, (name, figures): Published) -> OcclusionRow {
     let scenes = figures.map(|(rmse, mean_signed)| Some(OcclusionFigures { rmse, mean_signed }));
@@ -69,11 +68,6 @@ fn row(source: RowSource, (name, figures): Published) -> OcclusionRow {
 /// Returns the rows of the engines, after one without any occlusion.
 pub fn engines() -> Vec<OcclusionRow> {
     ELSEWHERE.into_iter().map(|r| row(RowSource::MeasuredElsewhere, r)).collect()
-}
-
-/// Returns the row of the target figures.
-pub fn aim() -> OcclusionRow {
-    row(RowSource::Aim, AIM)
 }
 
 /// Returns both errors of visibility that was drawn with the view's camera and radius, over the valid pixels.
@@ -107,15 +101,13 @@ mod tests {
     fn occlusion_peers_stand_in_one_table() {
         let mut rows = engines();
         rows.push(OcclusionRow { name: "issao".to_owned(), source: RowSource::Here, scenes: [None; 3] });
-        rows.push(aim());
         let text = markdown(&rows);
-        assert_eq!(text.lines().count(), 2 + 6 + 2);
+        assert_eq!(text.lines().count(), 2 + 6 + 1);
         assert!(text.contains("| no ambient occlusion | elsewhere | 0.327 | 0.168 | 0.156 |"));
         assert!(text.contains(
             "| three.js SSAO, radius matched | elsewhere | 0.209 (+0.118) | 0.111 (+0.011) | 0.099 (+0.025) |"
         ));
         assert!(text.contains("| issao | here | – | – | – |"));
-        assert!(text.contains("filter | – | 0.120 | 0.070 | 0.070 |"));
     }
 
     #[test]

@@ -63,8 +63,6 @@ const ELSEWHERE: [(&str, [(f64, f64); 4]); 8] = [
         [(0.40, 0.40), (0.23, 0.23), (0.05, 0.05), (0.21, 0.21)],
     ),
 ];
-const AIM: (&str, [(f64, f64); 4]) =
-    ("aim: voxel, one file at 65536, any view", [(0.40, 0.6), (0.20, 0.4), (0.15, 0.3), (0.60, 0.8)]);
 
 fn row(source: RowSource, (name, figures): (&str, [(f64, f64); 4])) -> PeerRow {
     let scenes =
@@ -75,11 +73,6 @@ fn row(source: RowSource, (name, figures): (&str, [(f64, f64); 4])) -> PeerRow {
 /// Returns the rows of the engines.
 pub fn engines() -> Vec<PeerRow> {
     ELSEWHERE.into_iter().map(|r| row(RowSource::MeasuredElsewhere, r)).collect()
-}
-
-/// Returns the row of the target figures.
-pub fn aim() -> PeerRow {
-    row(RowSource::Aim, AIM)
 }
 
 /// Returns both errors of shadow factors that were drawn with the view's camera, or `None` if no valid pixel has
@@ -110,14 +103,12 @@ mod tests {
     fn peers_stand_in_one_table() {
         let mut rows = engines();
         rows.push(PeerRow { name: "voxel".to_owned(), source: RowSource::Here, scenes: [None; 4] });
-        rows.push(aim());
         let text = markdown(&rows);
-        assert_eq!(text.lines().count(), 2 + 8 + 2);
+        assert_eq!(text.lines().count(), 2 + 8 + 1);
         assert!(
             text.contains("| three.js r187, CSM 4 × 4096², single-sided default | elsewhere | 0.77 (1.5) |")
         );
         assert!(text.contains("| voxel | here | – | – | – | – |"));
-        assert!(text.contains("0.40 (0.6) | 0.20 (0.4) | 0.15 (0.3) | 0.60 (0.8) |"));
     }
 
     #[test]

@@ -2,18 +2,23 @@
 
 mod values;
 
+use std::path::Path;
+
 use adumbra::Sun;
 use adumbra_bake::LayoutChoice;
-use adumbra_scene::{LoadOptions, MoverPolicy, NameFilter};
+use adumbra_scene::{LoadOptions, MoverPolicy, NameFilter, Scene};
 use clap::ValueEnum;
 pub use values::{numbers, parse_bytes, parse_size, parse_triple};
 
 use crate::exit::Failure;
+use crate::memory::MemoryLimit;
+use crate::sun::{ChosenSun, SunSource, told_sun_of_scene};
 
 /// Options that give the direction of the sun.
 #[derive(clap::Args)]
 pub struct SunArgs {
-    /// Direction towards the sun in world space, any length [default: 0.5,0.8,0.35]
+    /// Direction towards the sun in world space, any length [default: the scene's first directional light, or
+    /// 0.5,0.8,0.35]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple,
         conflicts_with_all = ["azimuth", "elevation"])]
     sun: Option<[f64; 3]>,
@@ -31,15 +36,30 @@ impl SunArgs {
         self.sun.is_some() || self.elevation.is_some()
     }
 
-    /// Returns the sun that was given, or the default one.
+    /// Returns the sun that was given.
     ///
     /// # Errors
     ///
     /// Returns [`Failure::Reader`] if the direction is not finite or has no length, or if the sun is below the horizon.
-    pub fn sun(&self) -> Result<Sun, Failure> {
-        Ok(match self.elevation {
-            Some(elevation) => Sun::from_angles(self.azimuth.unwrap_or(0.0), elevation)?,
-            None => Sun::from_direction(self.sun.unwrap_or([0.5, 0.8, 0.35]))?,
+    pub fn given(&self) -> Result<Option<Sun>, Failure> {
+        Ok(match (self.elevation, self.sun) {
+            (Some(elevation), _) => Some(Sun::from_angles(self.azimuth.unwrap_or(0.0), elevation)?),
+            (None, Some(towards)) => Some(Sun::from_direction(towards)?),
+            (None, None) => None,
+        })
+    }
+
+    /// Returns the sun that was given, or else that of the scene, which was loaded from `path`. A light of the scene
+    /// that cannot be the sun is named on stderr.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`SunArgs::given`].
+    pub fn choose(&self, scene: &Scene, path: &Path) -> Result<ChosenSun, Failure> {
+        Ok(match (self.given()?, self.sun) {
+            (Some(_), Some(towards)) => ChosenSun::from_direction(towards, SunSource::Option.into())?,
+            (Some(sun), None) => ChosenSun::from_source(sun, SunSource::Option),
+            (None, _) => told_sun_of_scene(scene, path)?,
         })
     }
 }
@@ -85,19 +105,19 @@ impl SceneArgs {
         words
     }
 
-    /// Returns the options of the loader, which may hold at most `max_memory_bytes`.
+    /// Returns the options of the loader, without a limit on its memory.
     ///
     /// # Errors
     ///
     /// Returns [`Failure::Scene`] if a pattern is not a valid glob.
-    pub fn load_options(&self, max_memory_bytes: Option<u64>) -> Result<LoadOptions, Failure> {
+    pub fn load_options(&self) -> Result<LoadOptions, Failure> {
         Ok(LoadOptions {
             filter: NameFilter::new(&self.only, &self.exclude)?,
             color_textures: false,
             ignore_alpha: self.ignore_alpha,
             movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
             allow_outside: self.allow_outside,
-            max_memory_bytes,
+            max_memory_bytes: None,
             strict: self.strict,
         })
     }
@@ -109,9 +129,9 @@ pub struct RunArgs {
     /// Number of threads; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Memory that may be held, such as 800MiB or 2GiB; a light-aligned bake that needs more continues with temporary
-    /// files next to the output [default: no limit, but for loading a scene 2 GiB plus 64 bytes for each byte of its
-    /// files]
+    /// Memory that the program may take, such as 800MiB or 2GiB; a light-aligned bake that needs more continues with
+    /// temporary files next to the output, and what cannot is refused [default: no limit, but for loading a scene 2 GiB
+    /// plus 64 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     pub max_memory: Option<u64>,
     /// Print one JSON object
@@ -120,18 +140,24 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// Checks a memory requirement against `--max-memory`.
+    /// Returns the limit on the memory of the process.
+    pub fn memory_limit(&self) -> MemoryLimit {
+        MemoryLimit::new(self.max_memory)
+    }
+
+    /// Checks that `needed_bytes` fit into `--max-memory`, besides what the program holds that is not among them.
+    /// `held_bytes` of them are held already.
     ///
     /// # Errors
     ///
-    /// Returns [`Failure::Bake`] if `needed_bytes` exceeds the limit.
-    pub fn check_memory(&self, what: &'static str, needed_bytes: u64) -> Result<(), Failure> {
-        match self.max_memory {
-            Some(limit_bytes) if needed_bytes > limit_bytes => {
-                Err(Failure::memory(what, needed_bytes, limit_bytes))
-            }
-            _ => Ok(()),
-        }
+    /// Returns [`Failure::Bake`] if they do not.
+    pub fn check_memory(
+        &self,
+        what: &'static str,
+        held_bytes: u64,
+        needed_bytes: u64,
+    ) -> Result<(), Failure> {
+        self.memory_limit().share(held_bytes).check(what, needed_bytes)
     }
 }
 

@@ -93,6 +93,13 @@ pub struct Tracer<'s> {
     tlas: Bvh,
 }
 
+/// Bytes that a tracer holds for each stored triangle, and for each instance.
+const TRIANGLE_BYTES: u64 = 64;
+const INSTANCE_BYTES: u64 = 300;
+/// Bytes that a triangle takes while the BVH of its mesh is built: corners, box, two nodes of the binary tree, and the
+/// costs by which those are merged into wide nodes.
+const WORKING_BYTES: u64 = 400;
+
 /// A hit with the indices that the BVHs use.
 struct Found<'h> {
     instance: &'h TlasInstance,
@@ -129,6 +136,22 @@ impl<'s> Tracer<'s> {
         let few = instances.len() <= MAX_LISTED_INSTANCES;
         let tlas = if few { Bvh::default() } else { Bvh::build(placed_boxes.iter().copied()) };
         Self { scene, surfaces: surfaces.collect(), blases, instances, tlas }
+    }
+
+    /// Returns about how many bytes [`Tracer::build`] holds at most in addition to the scene. Meshes are prepared on all
+    /// threads at a time.
+    pub fn building_bytes(scene: &Scene) -> u64 {
+        let positions: u64 = scene.meshes.iter().map(|mesh| size_of_val(&*mesh.positions) as u64).sum();
+        let mut sizes: Vec<u64> = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).collect();
+        sizes.sort_unstable();
+        let at_work = sizes.iter().rev().take(rayon::current_num_threads()).sum::<u64>();
+        Self::kept_bytes(scene) + positions + at_work * WORKING_BYTES
+    }
+
+    /// Returns about how many bytes the tracer of a scene holds at most in addition to the scene.
+    pub(crate) fn kept_bytes(scene: &Scene) -> u64 {
+        let triangles: u64 = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
+        triangles * TRIANGLE_BYTES + scene.instances.len() as u64 * INSTANCE_BYTES
     }
 
     /// The scene from which the tracer was built.

@@ -77,7 +77,7 @@ impl Promises {
         narrow_misplaced: Some(0.03),
     };
     /// Promises of a light-aligned file whose look-ups are filtered, compared with the mean of the rays.
-    pub(crate) const LIGHT_FILTERED: Self = Self {
+    pub const LIGHT_FILTERED: Self = Self {
         interior: 0.995,
         grazing: Some(0.99),
         edge: Some(0.9),

@@ -22,6 +22,7 @@ mod place;
 mod points;
 
 use adumbra_scene::random::Random;
+use adumbra_scene::{Scene, topology};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -106,6 +107,17 @@ const NEIGHBOUR_TEXELS: [f64; 2] = [1.0, 2.0];
 pub const MIN_N_DOT_L: f64 = 0.1;
 /// Points per batch. Each batch has its own random numbers, so the result does not depend on the threads.
 const BATCH: u64 = 4096;
+
+/// Returns about how many bytes a comparison holds at most in addition to the scene and the file: the tracer, the solids
+/// and the sampler, and what it takes to build them.
+pub fn building_bytes(scene: &Scene) -> u64 {
+    let topology = scene.meshes.iter().map(topology::working_bytes).max().unwrap_or_default();
+    let stored: u64 = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
+    Tracer::building_bytes(scene).max(Tracer::kept_bytes(scene) + topology + stored * SAMPLER_BYTES)
+}
+
+/// Bytes of the solids and the sampler for each stored triangle, while the sums of areas grow.
+const SAMPLER_BYTES: u64 = 1 + 24;
 
 /// Compares one file with one scene.
 pub struct Verifier<'a, A> {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use adumbra_program::sun::{SunSource, sun_of_scene};
 use adumbra_render::movers::BallPath;
 use adumbra_scene::{Camera, Projection};
 use adumbra_tree::AnyFile;
@@ -89,6 +90,7 @@ impl App {
         }
         let bounds = stage.bounds();
         self.stage = Some(stage);
+        self.take_sun_of(scene)?;
         let fov = match self.options.projection {
             Projection::Perspective { fov_degrees } => fov_degrees,
             Projection::Orthographic { .. } => 45.0,
@@ -121,6 +123,23 @@ impl App {
             self.messages.error(what);
         }
         self.enter_held()
+    }
+
+    /// Uses the scene's sun, unless an option or a shadow file gives one. A scene that replaces another and has no light
+    /// leaves the sun as it is.
+    fn take_sun_of(&mut self, scene: &LoadedScene) -> Result<()> {
+        if self.options.sun.is_some() || !self.options.shadow_files.is_empty() {
+            return Ok(());
+        }
+        let (chosen, messages) = sun_of_scene(&scene.whole).map_err(adumbra_tree::Error::from)?;
+        let path = scene.path.display();
+        messages.into_iter().for_each(|message| self.messages.note(format!("{path}: {message}")));
+        if chosen.origin.source == SunSource::Light {
+            self.messages.note(format!("{path}: {chosen}"));
+            self.initial.sun = chosen.sun;
+            self.settings.sun = chosen.sun;
+        }
+        Ok(())
     }
 
     /// Applies the camera and the files that arrived while scenes were loading, once no scene is loading any more.

@@ -17,7 +17,8 @@ use adumbra_lab::truth::{StreetOptions, TruthTracer, scene_key, street_camera, t
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::{make_folder, note_input, print_json};
 use adumbra_program::say;
-use adumbra_program::scene::load_scene;
+use adumbra_program::scene::load_scene_within;
+use adumbra_program::sun::{ChosenSun, SunSource};
 use adumbra_program::threads::with_threads;
 use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec};
 use adumbra_scene::Camera;
@@ -27,10 +28,12 @@ use adumbra_truth::trace::Ray;
 use crate::args::Compare;
 
 /// Default number of frames of a generated path.
-const PATH_FRAMES: u32 = 60;
+pub(crate) const PATH_FRAMES: u32 = 60;
 
 pub(crate) fn run(args: &Compare) -> Result<Code> {
     args.check()?;
+    // A wrong sun is refused before the scene is loaded.
+    args.sun.given()?;
     // A technique that takes a sun's angle gets that of the disc that it is compared with, unless it names its own.
     let specs: Vec<TechniqueSpec> =
         parse(&args.shadow)?.iter().map(|spec| spec.with_sun_angle(args.sun_angle)).collect();
@@ -45,13 +48,13 @@ pub(crate) fn run(args: &Compare) -> Result<Code> {
 }
 
 fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Result<Code> {
-    let mut load = args.load.load_options(args.run.max_memory)?;
+    let mut load = args.load.load_options()?;
     load.color_textures = true;
     load.ignore_alpha |= files.ignore_alpha();
-    let scene = load_scene(&args.scene, &load)?;
+    let scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;
     let truth = TruthTracer::build(&scene, load.ignore_alpha);
     let held = scene.memory_bytes() + truth.tracer().memory_bytes() + BaseColors::bytes_of(&scene);
-    args.run.check_memory("the scene, its acceleration structure and its mip levels", held)?;
+    args.run.check_memory("the scene, its acceleration structure and its mip levels", held, held)?;
     if files.sun().is_some() && args.sun.is_given() {
         return Err(Failure::Usage(
             "--sun: the shadow file determines the sun; remove the option".to_owned(),
@@ -59,11 +62,12 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         .into());
     }
     let from_file = args.camera.as_deref().map(camera_file).transpose()?.flatten();
-    let sun = match (files.sun(), from_file.and_then(|f| f.sun)) {
-        (Some(sun), _) => sun,
-        (None, Some(sun)) if !args.sun.is_given() => sun,
-        _ => args.sun.sun()?,
+    let chosen = match (files.sun(), from_file.and_then(|f| f.sun)) {
+        (Some(sun), _) => ChosenSun::from_source(sun, SunSource::ShadowFile),
+        (None, Some(sun)) if !args.sun.is_given() => ChosenSun::from_source(sun, SunSource::CameraFile),
+        _ => args.sun.choose(&scene, &args.scene)?,
     };
+    let sun = chosen.sun;
     let (name, camera) = camera_of(args, &truth, sun, from_file.map(|f| f.camera))?;
     let gpu = Gpu::request(&args.device.gpu_options())?;
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions { ignore_alpha: load.ignore_alpha })?;
@@ -73,7 +77,7 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         ignore_alpha: load.ignore_alpha,
         resolution: args.resolutions.resolution,
         cube_resolution: args.resolutions.cube_resolution,
-        max_memory_bytes: args.run.max_memory,
+        max_memory_bytes: args.run.memory_limit().share(held).bytes(),
     };
     files.announce(specs, &how);
     files.complete(specs, &how)?;
@@ -96,6 +100,7 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         scene: args.scene.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
         camera: camera_figures(&name, &camera),
         sun: sun.towards(),
+        sun_origin: Some(chosen.origin.clone()),
         sun_angle_degrees: args.sun_angle,
         sun_samples: args.sun_samples,
         frames: args.frames,
@@ -105,17 +110,17 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         techniques: comparison.compared.iter().map(|c| c.row.clone()).collect(),
         path,
     };
-    finish(args, &report, &comparison)
+    finish(args, &report, &comparison, &chosen)
 }
 
-fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Result<Code> {
+fn finish(args: &Compare, report: &Report, comparison: &Comparison, sun: &ChosenSun) -> Result<Code> {
     let document = serde_json::to_value(report).map_err(|e| Failure::BadInput(e.to_string()))?;
     output::write(&args.output, report, comparison, &document)?;
     for t in &report.techniques {
         t.notes.iter().for_each(|note| eprintln!("note: {}: {note}", t.name));
     }
     let excluded = report.pixels.excluded_share();
-    let code = if args.strict && excluded > MAX_EXCLUDED { Code::CheckFailed } else { Code::Fine };
+    let code = if args.check_surfaces && excluded > MAX_EXCLUDED { Code::CheckFailed } else { Code::Fine };
     if excluded > MAX_EXCLUDED {
         eprintln!(
             "warning: {} of the pixels with a surface are excluded ({:.1} %): GPU and rays see different surfaces there, and no figure counts them",
@@ -133,6 +138,7 @@ fn finish(args: &Compare, report: &Report, comparison: &Comparison) -> Result<Co
         return Ok(code);
     }
     say!("{}", args.output.join("report.md").display());
+    say!("  {sun}");
     for t in &report.techniques {
         let ms = t
             .gpu_ms

@@ -115,7 +115,7 @@ impl Ambient {
         let scene = job.scene_at(seconds);
         let truth = TruthTracer::build(&scene, job.ignore_alpha);
         let bytes = scene.memory_bytes() + truth.tracer().memory_bytes();
-        job.args.run.check_memory("the scene and its acceleration structure", bytes)?;
+        job.args.run.check_memory("the scene and its acceleration structure", bytes, bytes)?;
         let visibility = truth.ambient(&truth.surfaces(&shot.camera), radius_world, rays);
         let size = [shot.camera.width, shot.camera.height];
         renderer.set_ambient(Some(GivenAmbient::new(renderer.gpu(), size, &visibility)?.into()));

@@ -34,7 +34,7 @@ fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<(
     let scene = job.scene_at(seconds);
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: job.ignore_alpha });
     let held = scene.memory_bytes() + tracer.memory_bytes() + BaseColors::bytes_of(&scene);
-    args.run.check_memory("the scene, its acceleration structure and its mip levels", held)?;
+    args.run.check_memory("the scene, its acceleration structure and its mip levels", held, held)?;
     let asking = LookupOptions::from(&args.lookup);
     let lookup = job.file.as_ref().map(|f| asking.lookup(f)).transpose()?;
     let shadows = match &lookup {
@@ -42,7 +42,8 @@ fn draw_one(job: &Job<'_>, truth: bool, seconds: f64, output: &Path) -> Result<(
         Some(lookup) if !truth => Shadows::File(&**lookup),
         _ => Shadows::Truth,
     };
-    let picture = picture::draw(&scene, &tracer, &job.camera, job.sun.towards(), &shadows, args.antialias);
+    let picture =
+        picture::draw(&scene, &tracer, &job.camera, job.sun.sun.towards(), &shadows, args.antialias);
     write_png(output, &picture)?;
     match picture.difference_share {
         Some(share) if !args.run.json => {

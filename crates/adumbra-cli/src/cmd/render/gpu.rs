@@ -41,11 +41,11 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
     let unserved: Vec<TechniqueSpec> = asked.iter().filter(|spec| !serves(given, spec)).cloned().collect();
     let how = BakeOnDemand {
         scene: &still,
-        sun: job.sun,
+        sun: job.sun.sun,
         ignore_alpha: job.ignore_alpha,
         resolution: args.resolutions.resolution,
         cube_resolution: args.resolutions.cube_resolution,
-        max_memory_bytes: args.run.max_memory,
+        max_memory_bytes: args.run.memory_limit().share(job.scene.memory_bytes()).bytes(),
     };
     on_demand.announce(&unserved, &how);
     on_demand.complete(&unserved, &how)?;
@@ -108,7 +108,7 @@ fn draw_truth(
         let scene = job.scene_at(seconds);
         let truth = TruthTracer::build(&scene, job.ignore_alpha);
         let held = scene.memory_bytes() + truth.tracer().memory_bytes();
-        job.args.run.check_memory("the scene and its acceleration structure", held)?;
+        job.args.run.check_memory("the scene and its acceleration structure", held, held)?;
         let factors = truth.factors(&truth.surfaces(&shot.camera), shot.towards_sun, SunShape::Hard);
         let size = [shot.camera.width, shot.camera.height];
         let given = Given::new(renderer.gpu(), "truth", size, &factors)?;
@@ -155,7 +155,7 @@ fn shot(job: &Job<'_>, output: &Path, number: u32) -> (Shot, u32) {
     let samples = if layers::is_exr(output) { 1 } else { job.args.antialias };
     camera.width *= samples;
     camera.height *= samples;
-    (Shot { camera, towards_sun: job.sun.towards(), number }, samples)
+    (Shot { camera, towards_sun: job.sun.sun.towards(), number }, samples)
 }
 
 fn draw_one(

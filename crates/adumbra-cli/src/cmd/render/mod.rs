@@ -11,13 +11,13 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use adumbra::Sun;
 use adumbra_lab::args::DeviceArg;
 use adumbra_lab::{Result, layers};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::{note_input, print_json, refuse_inputs, refuse_read, refuse_same};
 use adumbra_program::say;
-use adumbra_program::scene::load_scene;
+use adumbra_program::scene::load_scene_within;
+use adumbra_program::sun::{ChosenSun, SunOrigin, SunSource};
 use adumbra_program::threads::with_threads;
 use adumbra_render::{Baked, Gpu, RenderError, TechniqueSpec, techniques};
 use adumbra_scene::{Camera, MoverPolicy, Scene};
@@ -39,6 +39,10 @@ pub(super) struct Picture {
     height: u32,
     /// The device that drew the picture: `cpu`, or the adapter's name.
     device: String,
+    /// Unit vector towards the sun.
+    sun: [f64; 3],
+    /// Where the sun comes from.
+    sun_origin: SunOrigin,
     /// Model of the processor.
     #[serde(flatten)]
     cpu: Option<cpu::CpuFigures>,
@@ -70,7 +74,7 @@ struct Job<'a> {
     moments: Vec<(f64, Option<u32>)>,
     file: Option<AnyFile>,
     ambient: Option<Ambient>,
-    sun: Sun,
+    sun: ChosenSun,
     ignore_alpha: bool,
     /// With `--json`, one object for each picture that is written.
     pictures: Mutex<Vec<Picture>>,
@@ -118,20 +122,22 @@ pub(crate) fn run(args: &Render) -> Result<Code> {
             .into());
         }
     }
-    let mut load = args.load.load_options(args.run.max_memory)?;
+    let mut load = args.load.load_options()?;
     load.color_textures = true;
     if load.movers == MoverPolicy::Skip {
         load.movers = MoverPolicy::Keep;
     }
     load.ignore_alpha |= file.as_ref().is_some_and(AnyFile::ignores_alpha);
-    let sun = match &file {
-        Some(file) => file.sun(),
-        None => args.sun.sun()?,
-    };
+    // A wrong sun is refused before the scene is loaded.
+    args.sun.given()?;
     with_threads(args.run.threads, || {
-        let mut scene = load_scene(&args.scene, &load)?;
+        let mut scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;
+        let sun = match &file {
+            Some(file) => ChosenSun::from_source(file.sun(), SunSource::ShadowFile),
+            None => args.sun.choose(&scene, &args.scene)?,
+        };
         let ignore_alpha = load.ignore_alpha;
-        let view = movers::add(args, &mut scene, sun.towards(), ignore_alpha)?;
+        let view = movers::add(args, &mut scene, sun.sun.towards(), ignore_alpha)?;
         let camera = args.camera.camera(&scene.bounds(), view)?;
         let moments = movers::moments(args, &scene)?;
         if let Some(ambient) = &mut ambient {
@@ -240,13 +246,22 @@ impl Job<'_> {
     fn report(&self, output: &Path, size: [u32; 2], device: String, figures: Figures) {
         let [width, height] = size;
         if !self.args.run.json {
-            return say!("{}: {width} x {height}", output.display());
+            return say!("{}: {width} x {height}, {}", output.display(), self.sun);
         }
         let (cpu, gpu) = match figures {
             Figures::Cpu(figures) => (Some(figures), None),
             Figures::Gpu(figures) => (None, Some(figures)),
         };
-        let picture = Picture { output: output.display().to_string(), width, height, device, cpu, gpu };
+        let picture = Picture {
+            output: output.display().to_string(),
+            width,
+            height,
+            device,
+            sun: self.sun.sun.towards(),
+            sun_origin: self.sun.origin.clone(),
+            cpu,
+            gpu,
+        };
         self.pictures.lock().unwrap_or_else(PoisonError::into_inner).push(picture);
     }
 

@@ -14,7 +14,7 @@ use crate::args::BenchAo;
 use crate::bench::peers::scene_file;
 use crate::occlusion::{OcclusionStage, TunedOn, with_tuned};
 use crate::peers::RowSource;
-use crate::peers::occlusion::{OcclusionRow, SCENES, aim, engines, figures};
+use crate::peers::occlusion::{OcclusionRow, SCENES, engines, figures};
 use crate::truth::TruthView;
 
 /// Returns the name of one of our rows.
@@ -52,6 +52,5 @@ pub(super) fn rows(args: &BenchAo, truth: &Path) -> Result<Vec<OcclusionRow>> {
         }
     }
     rows.extend(engines());
-    rows.push(aim());
     Ok(rows)
 }

@@ -1,0 +1,329 @@
+//! Every default that the help of `adumbra` states is the value that its verbs use.
+
+use adumbra::{Bias, Bounds, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size};
+use adumbra_lab::args::{CacheArgs, DeviceArgs, ResolutionArgs};
+use adumbra_lab::truth::Cache;
+use adumbra_program::args::{SceneArgs, SunArgs};
+use adumbra_program::output::format_bytes;
+use adumbra_program::sun::{DEFAULT_SUN, SunSource};
+use adumbra_scene::{Camera, FileSun, Scene};
+use adumbra_testing::help::{assert_defaults, verbs};
+use adumbra_truth::verify::Promises;
+use clap::CommandFactory;
+
+use super::render::CameraArgs;
+use super::*;
+
+type Used = Vec<(&'static str, String)>;
+
+fn size([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
+}
+
+fn name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+/// The default of an option that is not given and has none, or one that only words describe.
+fn absent<T>(value: Option<T>, words: &str) -> String {
+    assert!(value.is_none());
+    words.to_owned()
+}
+
+fn empty<T>(values: &[T], words: &str) -> String {
+    assert!(values.is_empty());
+    words.to_owned()
+}
+
+fn load(args: &SceneArgs) -> Used {
+    let none = empty(&args.words(), "");
+    vec![("--only", none.clone()), ("--exclude", none)]
+}
+
+fn run(args: &RunArgs) -> Used {
+    let memory = "no limit, but for loading a scene 2 GiB plus 64 bytes for each byte of its files";
+    vec![("--threads", absent(args.threads, "all cores")), ("--max-memory", absent(args.max_memory, memory))]
+}
+
+fn sun(args: &SunArgs) -> Used {
+    let path = std::path::Path::new("a.glb");
+    let towards = [0.0, 1.0, 0.0];
+    let lit = Scene { suns: vec![FileSun { name: "a".to_owned(), towards }], ..Scene::default() };
+    let first = args.choose(&lit, path).unwrap();
+    assert_eq!((first.sun.towards(), first.origin.source), (towards, SunSource::Light));
+    let default = args.choose(&Scene::default(), path).unwrap();
+    assert_eq!(default.sun, Sun::from_direction(DEFAULT_SUN).unwrap());
+    let [x, y, z] = DEFAULT_SUN;
+    let none = absent(args.given().unwrap(), "");
+    vec![
+        ("--sun", format!("the scene's first directional light, or {x},{y},{z}")),
+        ("--azimuth", none.clone()),
+        ("--elevation", none),
+    ]
+}
+
+fn camera(args: &CameraArgs) -> Used {
+    let bounds = Bounds { min: [0.0; 3], max: [1.0; 3] };
+    let whole = Camera::overview(&bounds, args.fov);
+    let found = args.camera(&bounds, None).unwrap();
+    assert_eq!((found.eye, found.target), (whole.eye, whole.target));
+    assert_eq!(whole.target, [0.5; 3]);
+    vec![
+        ("--eye", absent(args.eye, "obliquely above the scene")),
+        ("--target", absent(args.target, "the scene's centre")),
+        ("--fov", args.fov.to_string()),
+        ("--ortho", absent(args.ortho, "")),
+        ("--size", size(args.size)),
+    ]
+}
+
+fn device(args: &DeviceArgs) -> Used {
+    let adapter = absent(args.gpu_options().adapter, "the first real GPU, or else a software adapter");
+    vec![("--device", name(&args.device)), ("--adapter", adapter), ("--without", empty(&args.words(), ""))]
+}
+
+fn cache(args: &CacheArgs) -> Used {
+    let out = std::path::Path::new("OUT");
+    let expected = Cache::in_folder(out.join("truth-cache"), Cache::DEFAULT_LIMIT_BYTES);
+    assert_eq!(format!("{:?}", args.cache(out)), format!("{expected:?}"));
+    let limit = format_bytes(Cache::DEFAULT_LIMIT_BYTES).replace(".0 ", "");
+    vec![("--cache", "truth-cache in the output folder".to_owned()), ("--cache-limit", limit)]
+}
+
+fn resolutions(args: &ResolutionArgs) -> Used {
+    vec![
+        ("--resolution", args.resolution.to_string()),
+        ("--cube-resolution", args.cube_resolution.to_string()),
+    ]
+}
+
+fn lookup(args: &LookupArgs) -> Used {
+    let file = Bias { constant_texels: 0.25, slope_texels: 0.5, normal_offset_texels: 0.75 };
+    assert_eq!(args.bias.over(file).unwrap(), file);
+    vec![
+        ("--filter", args.filter.to_string()),
+        ("--weights", name(&args.weights)),
+        ("--bias-constant", "the file's".to_owned()),
+        ("--bias-slope", "the file's".to_owned()),
+        ("--bias-normal", "the file's".to_owned()),
+    ]
+}
+
+fn bake(args: &Bake) -> Used {
+    let up = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
+    let options = args.settings.options(up, false);
+    let tree = args.settings.tree_options(&options);
+    let of = |more: &[&str]| {
+        let words = ["adumbra", "bake", "a.glb"].iter().chain(more);
+        let Verb::Bake(args) = Args::try_parse_from(words).unwrap().verb else { panic!("it is bake") };
+        args.settings.options(up, false)
+    };
+    let layout = |options: &BakeOptions| match options.layout {
+        LayoutChoice::Packed => "packed",
+        LayoutChoice::Depths => "depths",
+        LayoutChoice::Plain => "plain",
+        LayoutChoice::Auto => "auto",
+    };
+    assert_eq!(options.frame, FrameChoice::Auto);
+    assert_eq!(of(&["--frame", "oblique"]).frame, FrameChoice::Oblique);
+    let sizes = [options.size, of(&["--frame", "world"]).size, of(&["--preset", "medium"]).size];
+    assert_eq!(sizes, [Size::Resolution(8192), Size::Resolution(2048), Size::Resolution(8192)]);
+    assert_eq!(options.thickness_world, 0.0);
+    assert_eq!(options.builder, adumbra_bake::Builder::Fast);
+    let lower = |text: String| text.to_lowercase();
+    let own = vec![
+        ("--resolution", String::new()),
+        ("--voxel-size", String::new()),
+        ("--preset", "medium; with --frame world, draft".to_owned()),
+        ("--thickness", "the bias at the surface's slope".to_owned()),
+        ("--switch-within", options.switch_within_voxels.to_string()),
+        ("--receivers", lower(format!("{:?}", options.receivers))),
+        ("--bounds", absent(options.bounds, "")),
+        (
+            "--layout",
+            format!("{}; with --builder plain, {}", layout(&options), layout(&of(&["--builder", "plain"]))),
+        ),
+        ("--frame", name(&args.settings.tree.frame)),
+        ("--yaw", "along most of the scene's edges".to_owned()),
+        ("--region", String::new()),
+        ("--rings", String::new()),
+        ("--lossy", absent(args.settings.tree.lossy, "")),
+        ("--attribute", absent(args.settings.tree.attribute, "")),
+        ("--builder", lower(format!("columns: {:?}, world: {:?}", options.builder, tree.builder))),
+        ("--reduction", lower(format!("{:?}", tree.reduction))),
+        ("--capture-bias-constant", tree.capture_bias.constant_texels.to_string()),
+        ("--capture-bias-slope", tree.capture_bias.slope_texels.to_string()),
+        ("--output", absent(args.output.as_ref(), "the scene's path with the extension .adumbra")),
+        ("--into", absent(args.into.as_ref(), "")),
+        ("--progress", name(&args.progress)),
+    ];
+    [own, sun(&args.settings.sun), load(&args.load), run(&args.run)].concat()
+}
+
+fn render(args: &Render) -> Used {
+    let own = vec![
+        ("--shadow", empty(&args.shadow, "the shadow file's, or rays with --truth")),
+        (
+            "--shadow-file",
+            absent(args.shadow_file.as_ref(), "if a technique of --shadow needs one, it is baked"),
+        ),
+        ("--ao", args.ao.clone()),
+        ("--layer", name(&args.layer)),
+        ("--move", empty(&args.movers, "")),
+        ("--time", args.time.to_string()),
+        ("--frames", absent(args.frames, "")),
+        ("--antialias", args.antialias.to_string()),
+    ];
+    let groups = [
+        resolutions(&args.resolutions),
+        device(&args.device),
+        sun(&args.sun),
+        camera(&args.camera),
+        lookup(&args.lookup),
+        load(&args.load),
+        run(&args.run),
+    ];
+    [own, groups.concat()].concat()
+}
+
+fn compare(args: &Compare) -> Used {
+    let own = vec![
+        ("--camera", absent(args.camera.as_ref(), "--eye and --target, or overview")),
+        ("--eye-height", args.eye_height.to_string()),
+        ("--frames", args.frames.to_string()),
+        ("--sun-angle", args.sun_angle.to_string()),
+        ("--sun-samples", args.sun_samples.to_string()),
+        ("--reference", name(&args.reference)),
+        ("--shadow-file", empty(&args.shadow_file, "baked as needed")),
+        ("--path", absent(args.path.as_ref(), "")),
+        ("--path-frames", absent(args.path_frames, &format!("the file's, or {}", crate::cmd::PATH_FRAMES))),
+    ];
+    let groups = [
+        camera(&args.view),
+        sun(&args.sun),
+        resolutions(&args.resolutions),
+        cache(&args.cache),
+        device(&args.device),
+        load(&args.load),
+        run(&args.run),
+    ];
+    [own, groups.concat()].concat()
+}
+
+fn view(args: &View) -> Used {
+    let memory = "no limit for bakes; for loading 2 GiB plus 64 bytes for each byte of the scene's files";
+    let own = vec![
+        ("--shadow-file", empty(&args.shadow_file, "baked in the background, coarse to fine")),
+        ("--shadow", empty(&args.shadow, "the file's, and csm")),
+        ("--ao", args.ao.clone()),
+        ("--layer", name(&args.layer)),
+        ("--split", absent(args.split, "")),
+        ("--difference", absent(args.difference, "")),
+        ("--camera", absent(args.camera.as_ref(), "")),
+        ("--antialias", args.antialias.to_string()),
+        ("--move", absent(args.mover.as_ref(), "")),
+        ("--time", args.time.to_string()),
+        ("--resolution", args.resolution.to_string()),
+        ("--max-memory", absent(args.max_memory, memory)),
+        ("--script", absent(args.script.as_ref(), "")),
+    ];
+    [own, sun(&args.sun), camera(&args.view), device(&args.device), load(&args.load)].concat()
+}
+
+fn verify(args: &Verify) -> Used {
+    let [hard, filtered] = [Promises::LIGHT, Promises::LIGHT_FILTERED].map(|promises| promises.interior);
+    assert_eq!(Promises::TREE.interior, hard);
+    let least = format!("{hard}, or {filtered} for a filtered light-aligned file");
+    let own = vec![
+        ("--samples", args.samples.to_string()),
+        ("--seed", args.seed.to_string()),
+        ("--min-interior", absent(args.min_interior, &least)),
+    ];
+    [own, lookup(&args.lookup), load(&args.load), run(&args.run)].concat()
+}
+
+fn used(verb: &Verb) -> Used {
+    match verb {
+        Verb::Generate(args) => [vec![("--seed", args.seed.to_string())], run(&args.run)].concat(),
+        Verb::Inspect(args) => [load(&args.load), run(&args.run)].concat(),
+        Verb::Bake(args) => bake(args),
+        Verb::Info(_) => Vec::new(),
+        Verb::Verify(args) => verify(args),
+        Verb::Query(args) => {
+            let own = vec![
+                ("--points", String::new()),
+                ("--points-f64", absent(args.points_f64.as_ref(), "")),
+                ("--normals", absent(args.normals.as_ref(), "")),
+                ("--penumbra", absent(args.penumbra.as_ref(), "")),
+            ];
+            [own, lookup(&args.lookup), run(&args.run)].concat()
+        }
+        Verb::Export(args) => {
+            let own = vec![
+                ("--texture", String::new()),
+                ("--web", absent(args.web.as_ref(), "")),
+                ("--max-side", args.max_side.to_string()),
+            ];
+            [own, run(&args.run)].concat()
+        }
+        Verb::Import(args) => run(&args.run),
+        Verb::Render(args) => render(args),
+        Verb::View(args) => view(args),
+        Verb::Compare(args) => compare(args),
+        Verb::Demo(args) => {
+            let own = vec![
+                ("--out", args.out.display().to_string()),
+                ("--resolution", args.resolution.to_string()),
+            ];
+            [own, run(&args.run)].concat()
+        }
+    }
+}
+
+/// What must be given to a verb.
+fn required(verb: &str) -> &'static [&'static str] {
+    match verb {
+        "generate" => &["city", "-o", "a.glb"],
+        "verify" => &["a.adumbra", "--scene", "a.glb"],
+        "query" => &["a.adumbra", "--points", "p.f32", "-o", "v.f32"],
+        "export" => &["a.adumbra", "--texture", "a.png"],
+        "import" => &["a.png", "-o", "a.adumbra"],
+        "render" => &["a.glb", "-o", "a.png"],
+        "compare" => &["a.glb", "--shadow", "csm", "-o", "OUT"],
+        "demo" => &[],
+        _ => &["a.glb"],
+    }
+}
+
+#[test]
+fn defaults_in_the_help_are_those_that_are_used() {
+    Args::command().debug_assert();
+    for (name, command) in verbs(&Args::command()) {
+        let words = ["adumbra", &name].into_iter().chain(required(&name).iter().copied());
+        let args = Args::try_parse_from(words).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_defaults(&name, &command, &used(&args.verb));
+    }
+}
+
+/// The derive macros of clap keep a default in a static variable, which all instances of a generic type share.
+#[test]
+fn types_of_arguments_have_no_parameters() {
+    let folders = ["src/args", "../adumbra-lab/src/args", "../adumbra-program/src/args"];
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
+    let paths = files.map(|file| file.unwrap().path()).chain([root.join("src/args.rs")]);
+    let mut types = 0;
+    for path in paths {
+        let text = std::fs::read_to_string(&path).unwrap();
+        for line in text.lines().map(str::trim_start) {
+            let Some((_, declared)) = line.split_once("struct ").filter(|(before, _)| !before.contains('/'))
+            else {
+                continue;
+            };
+            types += 1;
+            assert!(!declared.contains('<'), "{}: {line}", path.display());
+        }
+    }
+    assert!(types > 30, "{types}");
+}

@@ -1,0 +1,206 @@
+//! Every default that the help of `adumbra-lab` states is the value that its verbs use.
+
+use std::path::Path;
+
+use adumbra_program::output::format_bytes;
+use adumbra_testing::help::{assert_defaults, verbs};
+use clap::{CommandFactory, Parser, ValueEnum};
+
+use super::*;
+
+#[derive(Parser)]
+#[command(name = "adumbra-lab")]
+struct Program {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+type Used = Vec<(&'static str, String)>;
+
+fn listed<T: ToString>(values: &[T]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+}
+
+fn size([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
+}
+
+fn name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+/// The default of an option without one.
+fn nothing<T>(value: Option<T>) -> String {
+    assert!(value.is_none());
+    String::new()
+}
+
+fn empty<T>(values: &[T]) -> String {
+    assert!(values.is_empty());
+    String::new()
+}
+
+fn device(args: &DeviceArgs) -> Used {
+    let any = args.gpu_options().adapter.is_none();
+    vec![
+        ("--device", name(&args.device)),
+        ("--adapter", if any { "the first real GPU, or else a software adapter" } else { "" }.to_owned()),
+        ("--without", empty(&args.without)),
+    ]
+}
+
+fn cache(args: &CacheArgs) -> Used {
+    let (name, limit) = ("truth-cache", Cache::DEFAULT_LIMIT_BYTES);
+    let expected = Cache::in_folder(Path::new("OUT").join(name), limit);
+    assert_eq!(format!("{:?}", args.cache(Path::new("OUT"))), format!("{expected:?}"));
+    let limit = format_bytes(limit).replace(".0 ", "");
+    vec![("--cache", format!("{name} in the output folder")), ("--cache-limit", limit)]
+}
+
+fn resolutions(args: &ResolutionArgs) -> Used {
+    vec![
+        ("--resolution", args.resolution.to_string()),
+        ("--cube-resolution", args.cube_resolution.to_string()),
+    ]
+}
+
+fn truth_bench(args: &bench::TruthBench) -> Used {
+    [resolutions(&args.resolutions), device(&args.device)].concat()
+}
+
+fn picture_bench(args: &bench::PictureBench) -> Used {
+    let own = vec![("--frames", args.frames.to_string()), ("--size", size(args.size))];
+    [own, device(&args.device), cache(&args.cache)].concat()
+}
+
+fn used(verb: &Verb) -> Used {
+    let bench = match verb {
+        Verb::Bench { what } => what,
+        Verb::Report(args) => {
+            // Without --full a report is quick.
+            let quick = if args.full { "not the default" } else { "" };
+            return vec![
+                ("--quick", quick.to_owned()),
+                ("--scenes", nothing(args.scenes.as_ref())),
+                ("--truth", nothing(args.truth.as_ref())),
+                ("--only", empty(&args.only)),
+                ("--size", size(args.size)),
+            ];
+        }
+        Verb::TuneAo(args) => {
+            let own = vec![
+                ("--budget", args.budget.to_string()),
+                ("--only", empty(&args.only)),
+                ("--variant", empty(&args.variant)),
+                ("--record", args.record.display().to_string()),
+                ("--table", args.table.display().to_string()),
+            ];
+            return [own, device(&args.device)].concat();
+        }
+    };
+    match bench {
+        BenchVerb::Bake(args) => vec![
+            ("--suite", name(&args.suite)),
+            ("--names", listed(&args.names)),
+            ("--resolutions", listed(&args.resolutions)),
+            ("--variant-resolution", args.variant_resolution.to_string()),
+            ("--only", empty(&args.only)),
+            ("--max-n", nothing(args.max_n)),
+            ("--layout", nothing(args.layout.as_ref()) + "that of bake"),
+            ("--samples", args.samples.to_string()),
+        ],
+        BenchVerb::Verify(args) => vec![
+            ("--names", listed(&args.names)),
+            ("--resolution", args.resolution.to_string()),
+            ("--samples", args.samples.to_string()),
+            ("--filter", listed(&args.filter)),
+        ],
+        BenchVerb::Tree(args) => vec![
+            ("--names", listed(&args.names)),
+            ("--depths", listed(&args.depths)),
+            ("--runs", args.runs.to_string()),
+            ("--samples", args.samples.to_string()),
+            ("--only", empty(&args.only)),
+        ],
+        BenchVerb::Blur(args) => {
+            let own = vec![
+                ("--samples", listed(&args.samples)),
+                ("--runs", args.runs.to_string()),
+                ("--size", size(args.size)),
+            ];
+            [own, device(&args.device)].concat()
+        }
+        BenchVerb::Shadows(args) => {
+            let own = vec![
+                ("--names", listed(&args.names)),
+                ("--shadow", listed(&args.shadow)),
+                ("--cost-scene", args.cost_scene.clone()),
+                ("--cost-shadow", listed(&args.cost_shadow)),
+                ("--frames", args.frames.to_string()),
+                ("--path-frames", args.path_frames.to_string()),
+                ("--size", size(args.size)),
+            ];
+            [own, cache(&args.cache), truth_bench(&args.common)].concat()
+        }
+        BenchVerb::Lookup(args) => {
+            let own = vec![
+                ("--names", listed(&args.names)),
+                ("--filter", listed(&args.filter)),
+                ("--size", size(args.size)),
+                ("--frames", args.frames.to_string()),
+                ("--every", args.every.to_string()),
+            ];
+            [own, truth_bench(&args.common)].concat()
+        }
+        BenchVerb::Gpu(args) => {
+            let own = vec![
+                ("--size", size(args.size)),
+                ("--frames", args.frames.to_string()),
+                ("--seconds", args.seconds.to_string()),
+                ("--resolution", args.resolution.to_string()),
+                ("--resolutions", listed(&args.resolutions)),
+                ("--tiles", args.tiles.to_string()),
+            ];
+            [own, device(&args.device)].concat()
+        }
+        BenchVerb::Peers(args) => {
+            let shadow = empty(&args.shadow) + "every technique, plus several voxel filters";
+            [vec![("--shadow", shadow)], truth_bench(&args.common)].concat()
+        }
+        BenchVerb::Hrsm(args) => {
+            let own = vec![("--starts", listed(&args.starts)), ("--only", empty(&args.only))];
+            [own, picture_bench(&args.common)].concat()
+        }
+        BenchVerb::Ao(args) => {
+            let own = vec![
+                ("--truth", nothing(args.truth.as_ref()) + "skip that table"),
+                ("--only", empty(&args.only)),
+                ("--rays", args.rays.to_string()),
+            ];
+            [own, picture_bench(&args.common)].concat()
+        }
+    }
+}
+
+/// What must be given to a verb.
+fn required(verb: &str) -> &'static [&'static str] {
+    match verb {
+        "report" => &["-o", "OUT"],
+        "tune-ao" => &["--scenes", "SCENES"],
+        "bench blur" | "bench gpu" => &["-o", "OUT"],
+        "bench shadows" | "bench lookup" | "bench peers" => {
+            &["--scenes", "SCENES", "--truth", "TRUTH", "-o", "OUT"]
+        }
+        _ => &["--scenes", "SCENES", "-o", "OUT"],
+    }
+}
+
+#[test]
+fn defaults_in_the_help_are_those_that_are_used() {
+    Program::command().debug_assert();
+    for (name, command) in verbs(&Program::command()) {
+        let words = ["adumbra-lab"].into_iter().chain(name.split(' ')).chain(required(&name).iter().copied());
+        let program = Program::try_parse_from(words).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_defaults(&name, &command, &used(&program.verb));
+    }
+}

@@ -1,0 +1,118 @@
+//! The defaults that a program's help states, and their comparison with the values that its verbs use.
+//!
+//! Every option that takes a value and need not be given must appear in such a comparison, whether its help states a
+//! default or not. An option that is added without one fails it.
+
+use std::collections::BTreeMap;
+
+use clap::{ArgAction, Command};
+
+/// The verbs of a program that have no verbs of their own, as words of a command line.
+pub fn verbs(program: &Command) -> Vec<(String, Command)> {
+    let mut program = program.clone();
+    program.build();
+    leaves("", &program)
+}
+
+fn leaves(above: &str, command: &Command) -> Vec<(String, Command)> {
+    let below = command.get_subcommands().filter(|verb| verb.get_name() != "help");
+    let found: Vec<_> =
+        below.flat_map(|verb| leaves(format!("{above} {}", verb.get_name()).trim(), verb)).collect();
+    if found.is_empty() { vec![(above.to_owned(), command.clone())] } else { found }
+}
+
+/// Returns the default of each option that takes a value and need not be given, as the help of a verb states it. `None`
+/// if it states none. A switch is among them if its help states a default.
+pub fn stated_defaults(verb: &Command) -> BTreeMap<String, Option<String>> {
+    let help = verb.clone().term_width(0).render_long_help().to_string();
+    let options = verb.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_required_set());
+    options
+        .filter_map(|arg| {
+            let takes_value = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append);
+            let name = match arg.get_long() {
+                Some(long) => format!("--{long}"),
+                None => arg.get_id().to_string(),
+            };
+            let stated = stated_in(&help, &name);
+            (takes_value || stated.is_some()).then_some((name, stated))
+        })
+        .collect()
+}
+
+/// Returns the default that a help text states for an option.
+fn stated_in(help: &str, name: &str) -> Option<String> {
+    let is_head = |line: &str| {
+        let line = line.trim_start();
+        let line =
+            line.split_once(", ").map_or(line, |(short, rest)| if short.len() == 2 { rest } else { line });
+        line.starts_with("--") && line.split([' ', '[', '=']).next() == Some(name)
+    };
+    let block: Vec<&str> = help
+        .lines()
+        .skip_while(|line| !is_head(line))
+        .skip(1)
+        .take_while(|line| !line.trim_start().starts_with('-') || line.trim_start().starts_with("- "))
+        .collect();
+    let block = block.join(" ");
+    let text = block.split_once("[default")?.1.split_once(']')?.0;
+    let text = text.strip_prefix(':').unwrap_or(text).split_whitespace().collect::<Vec<_>>().join(" ");
+    Some(text.replace("\\n", " "))
+}
+
+/// Compares what the help of a verb states with the values that the verb uses, given as options and texts; a value is
+/// empty if the option has no default.
+///
+/// # Panics
+///
+/// Panics if an option is missing on either side, or if a default is not the value that is used.
+pub fn assert_defaults(name: &str, verb: &Command, used: &[(&str, String)]) {
+    let stated: BTreeMap<_, _> =
+        stated_defaults(verb).into_iter().map(|(option, text)| (option, text.unwrap_or_default())).collect();
+    let used: BTreeMap<_, _> =
+        used.iter().map(|(option, text)| ((*option).to_owned(), text.clone())).collect();
+    for (option, text) in &stated {
+        let value = used.get(option);
+        assert!(
+            value.is_some(),
+            "{name} {option}: its default ({text:?}) is not compared with the value that is used"
+        );
+        assert_eq!(value, Some(text), "{name} {option}: its help states another default than is used");
+    }
+    let unknown: Vec<_> = used.keys().filter(|option| !stated.contains_key(*option)).collect();
+    assert!(unknown.is_empty(), "{name}: no such options: {unknown:?}");
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Arg;
+
+    use super::*;
+
+    #[test]
+    fn defaults_are_read_from_the_help() {
+        let command = Command::new("program").subcommand(
+            Command::new("verb")
+                .arg(Arg::new("path").required(true))
+                .arg(Arg::new("width").long("width").short('w').default_value("5").help("Width"))
+                .arg(Arg::new("wide").long("wide").help("Wide [default: as\nwide as the rest]"))
+                .arg(Arg::new("none").long("none").value_name("A[:B]").help("Nothing"))
+                .arg(Arg::new("needed").long("needed").required(true))
+                .arg(Arg::new("quick").long("quick").action(ArgAction::SetTrue).help("Be quick [default]"))
+                .arg(Arg::new("slow").long("slow").action(ArgAction::SetTrue)),
+        );
+        let [(name, verb)] = &verbs(&command)[..] else { panic!("one verb") };
+        assert_eq!(name, "verb");
+        let used = [
+            ("--width", "5".to_owned()),
+            ("--wide", "as wide as the rest".to_owned()),
+            ("--none", String::new()),
+            ("--quick", String::new()),
+        ];
+        assert_defaults(name, verb, &used);
+        let fails =
+            |used: &[(&str, String)]| std::panic::catch_unwind(|| assert_defaults(name, verb, used)).is_err();
+        assert!(fails(&used[1..]), "an option that is not compared");
+        assert!(fails(&[&used[1..], &[("--width", "1".to_owned())]].concat()), "another value");
+        assert!(fails(&[&used[..], &[("--none-such", String::new())]].concat()), "no such option");
+    }
+}
