@@ -4,6 +4,12 @@
 mod kit;
 #[path = "scene_loading/memory.rs"]
 mod memory;
+#[path = "scene_loading/obj.rs"]
+mod obj;
+#[path = "scene_loading/obj_fuzz.rs"]
+mod obj_fuzz;
+#[path = "scene_loading/obj_masks.rs"]
+mod obj_masks;
 #[path = "scene_loading/others.rs"]
 mod others;
 #[path = "scene_loading/polygons.rs"]
