@@ -8,6 +8,12 @@ mod ktx2;
 mod memory;
 #[path = "scene_loading/meshopt.rs"]
 mod meshopt;
+#[path = "scene_loading/obj.rs"]
+mod obj;
+#[path = "scene_loading/obj_fuzz.rs"]
+mod obj_fuzz;
+#[path = "scene_loading/obj_masks.rs"]
+mod obj_masks;
 #[path = "scene_loading/others.rs"]
 mod others;
 #[path = "scene_loading/ply.rs"]

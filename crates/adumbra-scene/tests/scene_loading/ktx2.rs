@@ -3,7 +3,9 @@
 
 use std::path::PathBuf;
 
-use adumbra_scene::{Error, LoadOptions, Pixels, Result, Scene};
+#[cfg(feature = "ktx2")]
+use adumbra_scene::Pixels;
+use adumbra_scene::{Error, LoadOptions, Result, Scene};
 use serde_json::json;
 
 use crate::kit::{Glb, png, refused};

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use adumbra_scene::{Error, LoadOptions, Scene, load};
 use serde_json::{Value, json};
 
-use crate::kit::{FLOAT, Glb, load_bytes, refused, world_triangles};
+#[cfg(feature = "meshopt")]
+use crate::kit::world_triangles;
+use crate::kit::{FLOAT, Glb, load_bytes, refused};
 
 fn fixture(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/meshopt").join(name)
@@ -107,7 +109,7 @@ fn meshopt_takes_both_extension_names_and_prefers_the_newer() {
     let expected = meshes(&loads(&scene_of(&stream, true)).expect("loads"));
     let renamed = json.to_string().replace(older, newer);
     let renamed: Value = serde_json::from_str(&renamed).expect("JSON");
-    for mut json in [json.clone(), renamed.clone()] {
+    for mut json in [json, renamed.clone()] {
         for required in [json!([]), json!([older]), json!([newer])] {
             json["extensionsRequired"] = required;
             assert_eq!(meshes(&loads(&json).expect("loads")), expected);
@@ -214,7 +216,7 @@ fn meshopt_faults_are_named() {
         ("byteStride", json!(8), "byteStride of 8"),
         ("byteStride", json!(260), "byteStride of 260"),
         ("count", Value::Null, "no count"),
-        ("count", json!(40), "broken data"),
+        ("count", json!(100), "broken data"),
         ("byteLength", json!(40), "broken data"),
         ("byteLength", json!(1 << 20), "past its buffer"),
         ("byteOffset", json!(u64::MAX), "past its buffer"),

@@ -35,14 +35,14 @@ fn obj_materials_dissolve_and_go_missing() {
         format!("mtllib my lib.mtl\nmtllib lost.mtl\n{SQUARE}usemtl glass\nf 1 2 3\nusemtl lost\nf 1 3 4\n")
             .as_bytes(),
     );
-    let mtl = "newmtl glass\nKd 0.5\nKd 0.25 0.5 1\nTr 0.7\nNs x\nmap_d a.png\n";
+    let mtl = "newmtl glass\nKd 0.5\nKd 0.25 0.5 1\nTr 0.7\nNs x\n";
     std::fs::write(folder.path().join("my lib.mtl"), mtl).expect("writes");
     let scene = load(&path, &PLAIN()).expect("loads");
     let glass = &scene.materials[0];
     assert_eq!(glass.alpha, AlphaMode::Mask { cutoff: 0.5 });
     assert!((glass.base_color[3] - 0.3).abs() < 1e-6 && glass.base_color[2] == 1.0);
     assert_eq!((scene.notes.blended_materials, scene.notes.blended_triangles), (1, 1));
-    assert!(scene.notes.warnings.iter().any(|w| w.contains("lost.mtl")));
+    assert!(scene.notes.omissions.iter().any(|o| o.what.contains("lost.mtl")));
     assert_eq!(load(&path, &only(&["lost"], &[])).expect("loads").stored_triangles(), 1);
     assert_eq!(load(&path, &only(&[], &["glass"])).expect("loads").stored_triangles(), 1);
 }
