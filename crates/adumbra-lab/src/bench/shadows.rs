@@ -144,6 +144,7 @@ impl<'a, 's> Stage<'a, 's> {
             scene: self.name.to_owned(),
             camera: camera_figures(what, camera),
             sun: towards_sun,
+            sun_origin: None,
             sun_angle_degrees: DISC.0,
             sun_samples: DISC.1,
             frames: self.args.frames,

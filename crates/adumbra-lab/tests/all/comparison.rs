@@ -219,6 +219,7 @@ fn report_keeps_its_form() {
         scene: "primitives".to_owned(),
         camera: camera_figures("given", &camera()),
         sun: world.sun.towards(),
+        sun_origin: None,
         sun_angle_degrees: 0.53,
         sun_samples: 64,
         frames: 1,
