@@ -204,7 +204,8 @@ pub(crate) struct Verify {
     /// Seed of the points
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Sample points in free space instead of points on surfaces; for files baked with --no-assume-ground
+    /// Sample points in free space instead of points on surfaces; for files baked with --no-assume-ground, and for
+    /// world-aligned files
     #[arg(long)]
     pub(crate) volume: bool,
     #[command(flatten)]

@@ -1,13 +1,16 @@
 //! Which meshes are in the files, and how they are kept out of the cascades.
 
+use adumbra::Receivers;
 use bevy::camera::visibility::CascadesVisibleEntities;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::prelude::*;
-use bevy::light::{CascadeShadowConfig, NotShadowCaster};
+use bevy::light::{CascadeShadowConfig, NotShadowCaster, NotShadowReceiver};
+use bevy::log::warn;
 use bevy::mesh::Mesh3d;
 use bevy::mesh::skinning::SkinnedMesh;
-use bevy::prelude::{ChildOf, Children, DirectionalLight};
+use bevy::prelude::{Assets, ChildOf, Children, DirectionalLight};
 
+use crate::BakedShadowFile;
 use crate::components::{BakedShadow, BakedShadowStatus, BakedStatic, InBake, NotBaked, StaticCasters};
 
 /// Whether an entity is moved by an animation.
@@ -112,6 +115,31 @@ pub(crate) fn rest_cascades(
                 *config = before.clone();
             }
             commands.entity(entity).try_remove::<RestingCascades>();
+        }
+    }
+}
+
+/// Warns once if something moves and receives a file that answers only static surfaces. Without a [`BakedStatic`] it is
+/// not known what moves.
+pub(crate) fn warn_of_movers(
+    mut done: Local<bool>,
+    lights: Query<(Entity, &BakedShadow, &BakedShadowStatus)>,
+    files: Res<Assets<BakedShadowFile>>,
+    in_bake: Query<(), With<InBake>>,
+    movers: Query<(), (With<Mesh3d>, Without<NotShadowReceiver>, Without<InBake>)>,
+) {
+    if *done || in_bake.is_empty() || movers.is_empty() {
+        return;
+    }
+    for (entity, shadow, status) in &lights {
+        let is_static = |file: &BakedShadowFile| file.file().settings.receivers == Receivers::Static;
+        if status.is_active() && shadow.files.iter().filter_map(|file| files.get(file)).any(is_static) {
+            warn!(
+                "a file of light {entity} was baked with --receivers static, so what moves has wrong shadows in 1 to 3 % \
+                 of its points; bake it without that option"
+            );
+            *done = true;
+            return;
         }
     }
 }

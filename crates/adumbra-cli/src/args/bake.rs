@@ -30,7 +30,8 @@ pub(crate) enum PresetArg {
 pub(crate) enum ReceiversArg {
     /// Every point in space
     All,
-    /// Only points on static surfaces (with normals), for filters up to 9; smaller files if nothing moves
+    /// Only points on static surfaces (with normals), for filters up to 9: smaller files if nothing moves. Movers that
+    /// receive such a file are wrong in 1 to 3 % of their points
     Static,
 }
 

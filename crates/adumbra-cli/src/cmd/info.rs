@@ -1,7 +1,7 @@
 //! `adumbra info`: what a shadow file contains.
 
 use adumbra::file::Layout;
-use adumbra::{FileSettings, Frame, ShadowFile};
+use adumbra::{FileSettings, Frame, Receivers, ShadowFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::say;
@@ -161,6 +161,9 @@ fn light(args: &Info, file: &ShadowFile) -> Outcome {
             s.switch_within_voxels,
             s.ignore_alpha
         );
+        if s.receivers == Receivers::Static {
+            say!("  static receivers: what moves and receives this file is wrong in 1 to 3 % of its points");
+        }
         say!(
             "  bias            constant {}, slope {}, normal {} texels",
             s.bias.constant_texels,

@@ -69,7 +69,16 @@ fn bake(folder: &Folder, name: &str, scene: &str) -> String {
     let file = folder.path(&format!("{name}.adumbra"));
     let resolution = if full() { "8192" } else { "2048" };
     let (code, message) = adumbra(&[
-        "bake", scene, "-o", &file, "--sun", "0.5,0.8,0.35", "--resolution", resolution, "--progress", "none",
+        "bake",
+        scene,
+        "-o",
+        &file,
+        "--sun",
+        "0.5,0.8,0.35",
+        "--resolution",
+        resolution,
+        "--progress",
+        "none",
     ]);
     assert_eq!(code, 0, "{scene}: {message}");
     file

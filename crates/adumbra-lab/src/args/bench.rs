@@ -17,7 +17,7 @@ pub enum BenchVerb {
         Example: adumbra-lab bench bake --suite fast --only 8192,query --scenes scenes -o docs/bench"
     )]
     Bake(BenchBake),
-    /// Every scene checked against rays, under seven suns and in both layouts; writes verify.md and verify.json
+    /// Every scene checked against rays, under seven suns and in the layouts packed and depths; writes verify.md and verify.json
     #[command(
         after_help = "Example: adumbra-lab bench verify --scenes scenes --resolution 8192 -o docs/bench"
     )]
@@ -323,7 +323,8 @@ pub struct BenchGpu {
 pub struct BenchPeers {
     #[command(flatten)]
     pub(crate) common: TruthBench,
-    /// A technique, written as for render; may be repeated [default: every technique, plus several voxel filters]
+    /// A technique, written as for render; may be repeated [default: every technique, plus several
+    /// voxel filters and finer cascades]
     #[arg(long, value_name = "NAME[:KEY=VALUE...]")]
     pub(crate) shadow: Vec<String>,
 }

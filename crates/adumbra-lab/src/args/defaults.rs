@@ -164,7 +164,8 @@ fn used(verb: &Verb) -> Used {
             [own, device(&args.device)].concat()
         }
         BenchVerb::Peers(args) => {
-            let shadow = empty(&args.shadow) + "every technique, plus several voxel filters";
+            let shadow =
+                empty(&args.shadow) + "every technique, plus several voxel filters and finer cascades";
             [vec![("--shadow", shadow)], truth_bench(&args.common)].concat()
         }
         BenchVerb::Hrsm(args) => {
