@@ -109,8 +109,10 @@ mod tests {
             ("--quick", String::new()),
         ];
         assert_defaults(name, verb, &used);
-        let fails =
-            |used: &[(&str, String)]| std::panic::catch_unwind(|| assert_defaults(name, verb, used)).is_err();
+        let fails = |used: &[(&str, String)]| {
+            let asserts = std::panic::AssertUnwindSafe(|| assert_defaults(name, verb, used));
+            std::panic::catch_unwind(asserts).is_err()
+        };
         assert!(fails(&used[1..]), "an option that is not compared");
         assert!(fails(&[&used[1..], &[("--width", "1".to_owned())]].concat()), "another value");
         assert!(fails(&[&used[..], &[("--none-such", String::new())]].concat()), "no such option");

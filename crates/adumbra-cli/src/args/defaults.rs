@@ -26,7 +26,7 @@ fn name(value: &impl ValueEnum) -> String {
 }
 
 /// The default of an option that is not given and has none, or one that only words describe.
-fn absent<T>(value: Option<T>, words: &str) -> String {
+fn absent<T>(value: Option<&T>, words: &str) -> String {
     assert!(value.is_none());
     words.to_owned()
 }
@@ -43,7 +43,10 @@ fn load(args: &SceneArgs) -> Used {
 
 fn run(args: &RunArgs) -> Used {
     let memory = "no limit, but for loading a scene 2 GiB plus 64 bytes for each byte of its files";
-    vec![("--threads", absent(args.threads, "all cores")), ("--max-memory", absent(args.max_memory, memory))]
+    vec![
+        ("--threads", absent(args.threads.as_ref(), "all cores")),
+        ("--max-memory", absent(args.max_memory.as_ref(), memory)),
+    ]
 }
 
 fn sun(args: &SunArgs) -> Used {
@@ -55,7 +58,7 @@ fn sun(args: &SunArgs) -> Used {
     let default = args.choose(&Scene::default(), path).unwrap();
     assert_eq!(default.sun, Sun::from_direction(DEFAULT_SUN).unwrap());
     let [x, y, z] = DEFAULT_SUN;
-    let none = absent(args.given().unwrap(), "");
+    let none = absent(args.given().unwrap().as_ref(), "");
     vec![
         ("--sun", format!("the scene's first directional light, or {x},{y},{z}")),
         ("--azimuth", none.clone()),
@@ -70,16 +73,17 @@ fn camera(args: &CameraArgs) -> Used {
     assert_eq!((found.eye, found.target), (whole.eye, whole.target));
     assert_eq!(whole.target, [0.5; 3]);
     vec![
-        ("--eye", absent(args.eye, "obliquely above the scene")),
-        ("--target", absent(args.target, "the scene's centre")),
+        ("--eye", absent(args.eye.as_ref(), "obliquely above the scene")),
+        ("--target", absent(args.target.as_ref(), "the scene's centre")),
         ("--fov", args.fov.to_string()),
-        ("--ortho", absent(args.ortho, "")),
+        ("--ortho", absent(args.ortho.as_ref(), "")),
         ("--size", size(args.size)),
     ]
 }
 
 fn device(args: &DeviceArgs) -> Used {
-    let adapter = absent(args.gpu_options().adapter, "the first real GPU, or else a software adapter");
+    let adapter =
+        absent(args.gpu_options().adapter.as_ref(), "the first real GPU, or else a software adapter");
     vec![("--device", name(&args.device)), ("--adapter", adapter), ("--without", empty(&args.words(), ""))]
 }
 
@@ -139,7 +143,7 @@ fn bake(args: &Bake) -> Used {
         ("--thickness", "the bias at the surface's slope".to_owned()),
         ("--switch-within", options.switch_within_voxels.to_string()),
         ("--receivers", lower(format!("{:?}", options.receivers))),
-        ("--bounds", absent(options.bounds, "")),
+        ("--bounds", absent(options.bounds.as_ref(), "")),
         (
             "--layout",
             format!("{}; with --builder plain, {}", layout(&options), layout(&of(&["--builder", "plain"]))),
@@ -148,8 +152,8 @@ fn bake(args: &Bake) -> Used {
         ("--yaw", "along most of the scene's edges".to_owned()),
         ("--region", String::new()),
         ("--rings", String::new()),
-        ("--lossy", absent(args.settings.tree.lossy, "")),
-        ("--attribute", absent(args.settings.tree.attribute, "")),
+        ("--lossy", absent(args.settings.tree.lossy.as_ref(), "")),
+        ("--attribute", absent(args.settings.tree.attribute.as_ref(), "")),
         ("--builder", lower(format!("columns: {:?}, world: {:?}", options.builder, tree.builder))),
         ("--reduction", lower(format!("{:?}", tree.reduction))),
         ("--capture-bias-constant", tree.capture_bias.constant_texels.to_string()),
@@ -172,7 +176,7 @@ fn render(args: &Render) -> Used {
         ("--layer", name(&args.layer)),
         ("--move", empty(&args.movers, "")),
         ("--time", args.time.to_string()),
-        ("--frames", absent(args.frames, "")),
+        ("--frames", absent(args.frames.as_ref(), "")),
         ("--antialias", args.antialias.to_string()),
     ];
     let groups = [
@@ -197,7 +201,10 @@ fn compare(args: &Compare) -> Used {
         ("--reference", name(&args.reference)),
         ("--shadow-file", empty(&args.shadow_file, "baked as needed")),
         ("--path", absent(args.path.as_ref(), "")),
-        ("--path-frames", absent(args.path_frames, &format!("the file's, or {}", crate::cmd::PATH_FRAMES))),
+        (
+            "--path-frames",
+            absent(args.path_frames.as_ref(), &format!("the file's, or {}", crate::cmd::PATH_FRAMES)),
+        ),
     ];
     let groups = [
         camera(&args.view),
@@ -218,14 +225,14 @@ fn view(args: &View) -> Used {
         ("--shadow", empty(&args.shadow, "the file's, and csm")),
         ("--ao", args.ao.clone()),
         ("--layer", name(&args.layer)),
-        ("--split", absent(args.split, "")),
-        ("--difference", absent(args.difference, "")),
+        ("--split", absent(args.split.as_ref(), "")),
+        ("--difference", absent(args.difference.as_ref(), "")),
         ("--camera", absent(args.camera.as_ref(), "")),
         ("--antialias", args.antialias.to_string()),
         ("--move", absent(args.mover.as_ref(), "")),
         ("--time", args.time.to_string()),
         ("--resolution", args.resolution.to_string()),
-        ("--max-memory", absent(args.max_memory, memory)),
+        ("--max-memory", absent(args.max_memory.as_ref(), memory)),
         ("--script", absent(args.script.as_ref(), "")),
     ];
     [own, sun(&args.sun), camera(&args.view), device(&args.device), load(&args.load)].concat()
@@ -238,7 +245,7 @@ fn verify(args: &Verify) -> Used {
     let own = vec![
         ("--samples", args.samples.to_string()),
         ("--seed", args.seed.to_string()),
-        ("--min-interior", absent(args.min_interior, &least)),
+        ("--min-interior", absent(args.min_interior.as_ref(), &least)),
     ];
     [own, lookup(&args.lookup), load(&args.load), run(&args.run)].concat()
 }

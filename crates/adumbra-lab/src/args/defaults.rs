@@ -30,7 +30,7 @@ fn name(value: &impl ValueEnum) -> String {
 }
 
 /// The default of an option without one.
-fn nothing<T>(value: Option<T>) -> String {
+fn nothing<T>(value: Option<&T>) -> String {
     assert!(value.is_none());
     String::new()
 }
@@ -105,7 +105,7 @@ fn used(verb: &Verb) -> Used {
             ("--resolutions", listed(&args.resolutions)),
             ("--variant-resolution", args.variant_resolution.to_string()),
             ("--only", empty(&args.only)),
-            ("--max-n", nothing(args.max_n)),
+            ("--max-n", nothing(args.max_n.as_ref())),
             ("--layout", nothing(args.layout.as_ref()) + "that of bake"),
             ("--samples", args.samples.to_string()),
         ],

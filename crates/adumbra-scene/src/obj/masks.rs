@@ -103,7 +103,7 @@ impl<'t, 'a> Textures<'t, 'a> {
             None => None,
         };
         let texture = match (mask, color) {
-            (Some(mask), Some(color)) => Some(self.combined(mask, color)?),
+            (Some(mask), Some(color)) => Some(self.combined(mask, &color)?),
             (Some(mask), None) if mask.is_fully_opaque() => {
                 self.files.sources.budget.release(mask.memory_bytes() as u64);
                 None
@@ -244,7 +244,7 @@ impl<'t, 'a> Textures<'t, 'a> {
     }
 
     /// The colours of one texture at the texels of the other, with its alpha.
-    fn combined(&self, mask: Texture, color: Texture) -> Result<Texture> {
+    fn combined(&self, mask: Texture, color: &Texture) -> Result<Texture> {
         let budget = &self.files.sources.budget;
         let (Pixels::Alpha(alpha), Pixels::Rgba(rgba)) = (&mask.pixels, &color.pixels) else {
             return Ok(mask);

@@ -308,12 +308,12 @@ impl Reader<'_, '_> {
                 _ => {}
             }
         }
-        self.define(first, names, notes);
+        self.define(first, &names, notes);
         Ok(())
     }
 
     /// Gives their names to the materials of a library, which begin at index `first`.
-    fn define(&mut self, first: usize, names: Vec<Name>, notes: &mut LoadNotes) {
+    fn define(&mut self, first: usize, names: &[Name], notes: &mut LoadNotes) {
         let (mut long, mut short): (HashMap<Vec<u8>, u32>, HashMap<Vec<u8>, u32>) = Default::default();
         let mut twice: Vec<&[u8]> = Vec::new();
         for (index, name) in names.iter().enumerate() {

@@ -259,7 +259,7 @@ fn mtl_texts_of_all_kinds() {
         ),
         (
             "of a material that is not used",
-            used.clone(),
+            used,
             format!("{glass}newmtl other\nmap_Tr a.png\nmap_d no.png\n").into(),
             is,
         ),

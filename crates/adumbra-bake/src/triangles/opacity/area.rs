@@ -84,6 +84,7 @@ impl OpacityTable {
         let (columns, rows) = (self.ranges(0, u, window), self.ranges(1, v, window));
         let row_length = self.width as u32 + 1;
         let mut places = [[0_u32; N]; 4];
+        #[expect(clippy::needless_range_loop, reason = "it runs over several arrays at once")]
         for i in 0..N {
             let first = rows.first[i] * row_length + columns.first[i];
             let below = first + rows.corners[i] * row_length;
@@ -142,6 +143,7 @@ impl OpacityTable {
         };
         let last_cell = last as f32;
         let mut ranges = Ranges { first: [0; N], corners: [0; N], known };
+        #[expect(clippy::needless_range_loop, reason = "it runs over several arrays at once")]
         for i in 0..N {
             let low = center[i] * size + offset - reach;
             let low = if low > 0.0 { low } else { 0.0 };

@@ -29,6 +29,7 @@ impl OpacityTable {
     pub(crate) fn opaque_at<const N: usize>(&self, [u, v]: [[f32; N]; 2]) -> u16 {
         let (u, v) = (self.along(0, u), self.along(1, v));
         let mut corners = [[0_u8; N]; 4];
+        #[expect(clippy::needless_range_loop, reason = "it runs over several arrays at once")]
         for i in 0..N {
             let at = v.cell[i] as usize * self.width + u.cell[i] as usize;
             let (upper, lower) = (self.corners_from(at), self.corners_from(at + self.width));
@@ -81,10 +82,11 @@ impl OpacityTable {
         let mut along = Along { cell: [0; N], weight: [0.0; N] };
         if self.nearest {
             let last = self.size[axis].saturating_sub(1);
-            for i in 0..N {
-                along.cell[i] = whole((at[i] * size).floor()).min(last);
+            for (cell, at) in along.cell.iter_mut().zip(at) {
+                *cell = whole((at * size).floor()).min(last);
             }
         } else {
+            #[expect(clippy::needless_range_loop, reason = "it runs over several arrays at once")]
             for i in 0..N {
                 let t = at[i] * size - 0.5;
                 let low = t.floor();
