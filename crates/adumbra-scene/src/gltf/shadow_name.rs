@@ -13,7 +13,9 @@ use adumbra_files::replace_file;
 use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Value, json};
 
-use super::container::{bad, split};
+use super::container::split;
+use super::faults::bad;
+use super::numbers::index_of;
 use crate::error::Result;
 use crate::glb::container;
 
@@ -76,22 +78,22 @@ fn add_light(path: &Path, root: &mut Parts, index: usize, sun: Sun) -> Result<()
     // Nodes and scenes keep their own text.
     let mut nodes: Vec<Box<RawValue>> = read(root, "nodes").map_err(fault)?.unwrap_or_default();
     let mut scenes: Vec<Parts> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
-    let scene: usize = read(root, "scene").map_err(fault)?.unwrap_or_default();
-    let mut used: Vec<String> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
+    let scene: Value = read(root, "scene").map_err(fault)?.unwrap_or_else(|| 0.into());
+    let mut used: Vec<Value> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
     let node = json!({
         "name": "sun", "rotation": rotation(sun.towards()), "extensions": {LIGHTS: {"light": index}},
     });
     if scenes.is_empty() {
         scenes.push(Parts::new());
     }
-    let Some(of_scene) = scenes.get_mut(scene) else {
+    let Some(of_scene) = index_of(&scene).and_then(|scene| scenes.get_mut(scene)) else {
         return Err(bad(path, format!("its default scene is {scene}, but it has {}", scenes.len())));
     };
-    let mut roots: Vec<usize> = read(of_scene, "nodes").map_err(fault)?.unwrap_or_default();
-    roots.push(nodes.len());
+    let mut roots: Vec<Value> = read(of_scene, "nodes").map_err(fault)?.unwrap_or_default();
+    roots.push(nodes.len().into());
     nodes.push(to_raw_value(&node).map_err(fault)?);
     if !used.iter().any(|name| name == LIGHTS) {
-        used.push(LIGHTS.to_owned());
+        used.push(LIGHTS.into());
     }
     of_scene.insert("nodes".to_owned(), to_raw_value(&roots).map_err(fault)?);
     root.insert("nodes".to_owned(), to_raw_value(&nodes).map_err(fault)?);
@@ -109,7 +111,11 @@ fn member<'v>(value: &'v mut Value, name: &str) -> Option<&'v mut Value> {
 }
 
 fn read<T: serde::de::DeserializeOwned>(parts: &Parts, name: &str) -> serde_json::Result<Option<T>> {
-    parts.get(name).map(|text| serde_json::from_str(text.get())).transpose()
+    parts
+        .get(name)
+        .filter(|text| text.get() != "null")
+        .map(|text| serde_json::from_str(text.get()))
+        .transpose()
 }
 
 /// Returns the quaternion (x, y, z, w) that turns a light, which shines along its -Z, away from the sun.
