@@ -84,7 +84,9 @@ fn add_light(path: &Path, root: &mut Parts, index: usize, sun: Sun) -> Result<()
         "name": "sun", "rotation": rotation(sun.towards()), "extensions": {LIGHTS: {"light": index}},
     });
     if scenes.is_empty() {
-        scenes.push(Parts::new());
+        // Without a scene all root nodes are drawn, so they are all in the new one.
+        let roots = to_raw_value(&roots_of(&nodes)).map_err(fault)?;
+        scenes.push(Parts::from([("nodes".to_owned(), roots)]));
     }
     let Some(of_scene) = index_of(&scene).and_then(|scene| scenes.get_mut(scene)) else {
         return Err(bad(path, format!("its default scene is {scene}, but it has {}", scenes.len())));
@@ -100,6 +102,21 @@ fn add_light(path: &Path, root: &mut Parts, index: usize, sun: Sun) -> Result<()
     root.insert("scenes".to_owned(), to_raw_value(&scenes).map_err(fault)?);
     root.insert("extensionsUsed".to_owned(), to_raw_value(&used).map_err(fault)?);
     Ok(())
+}
+
+/// The nodes that are no other node's children.
+fn roots_of(nodes: &[Box<RawValue>]) -> Vec<usize> {
+    let mut is_root = vec![true; nodes.len()];
+    for node in nodes {
+        let node: Value = serde_json::from_str(node.get()).unwrap_or_default();
+        let children = node.get("children").and_then(Value::as_array);
+        for child in children.into_iter().flatten().filter_map(index_of) {
+            if let Some(is_root) = is_root.get_mut(child) {
+                *is_root = false;
+            }
+        }
+    }
+    (0..nodes.len()).filter(|&index| is_root[index]).collect()
 }
 
 /// Returns a member of an object, `null` if it had none; `None` if this is neither an object nor `null`.

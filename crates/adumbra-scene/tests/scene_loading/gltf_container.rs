@@ -213,6 +213,22 @@ fn gltf_versions_that_ask_for_no_more_than_2_0_are_read() {
     }
 }
 
+#[test]
+fn gltf_shadow_name_in_a_file_without_scenes_keeps_all_nodes_drawn() {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
+    for scenes in [json!([]), json!(null)] {
+        let mut glb = Glb::triangle();
+        glb.json["nodes"] = json!([{"mesh": 0}, {"children": [2.0]}, {"mesh": 0}]);
+        glb.json["scenes"] = scenes;
+        glb.json["scene"] = json!(null);
+        let (_folder, path) = crate::kit::file("scene.glb", &glb.bytes());
+        let drawn = |scene: Scene| scene.instances.into_iter().map(|i| i.name).collect::<Vec<_>>();
+        let before = drawn(load(&path, &LoadOptions::default()).expect("loads"));
+        write_shadow_name(&path, "a.adumbra", sun).expect("writes");
+        assert_eq!(drawn(load(&path, &LoadOptions::default()).expect("loads")), before);
+    }
+}
+
 /// A triangle in `a.bin`, and a second buffer with a view that nothing uses.
 fn with_second_buffer(second: &Value) -> Value {
     let mut json = Glb::triangle().json;
