@@ -156,7 +156,9 @@ impl<'a> Images<'a> {
             None => {
                 Err(unreadable("without an image".to_owned(), "it references no image in a supported format"))
             }
-            Some(json) if json.uri.is_none() && json.buffer_view.is_none() => {
+            Some(json)
+                if json.uri.is_none() && json.buffer_view.is_none() && self.check("image", image).is_ok() =>
+            {
                 Err(unreadable(self.label(image), "it has no data"))
             }
             Some(_) => apart(self.find(image), || self.label(image))?,
