@@ -98,7 +98,7 @@ impl DepthImage {
             .par_chunks_mut(TILE_TEXELS)
             .enumerate()
             .map_init(<(LayerBuffers, Vec<_>)>::default, |(buffers, found), (tile, depths)| {
-                if cancel.load(Ordering::Relaxed) || is_full(held_bytes.load(Ordering::Relaxed)) {
+                if cancel.load(Ordering::Relaxed) {
                     return None;
                 }
                 found.clear();
@@ -111,8 +111,9 @@ impl DepthImage {
                 });
                 let insides = Insides::of(found);
                 let bytes = insides.as_ref().map_or(0, Insides::memory_bytes);
-                held_bytes.fetch_add(bytes, Ordering::Relaxed);
-                insides
+                // What does not fit is counted, so that an error says what all of it needs.
+                let held = held_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
+                insides.filter(|_| !is_full(held))
             })
             .collect();
         let held_bytes = held_bytes.into_inner();

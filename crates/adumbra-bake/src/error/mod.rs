@@ -46,7 +46,7 @@ pub enum Error {
         what: &'static str,
     },
     /// The work does not fit into the allowed memory.
-    #[error("{what} needs at least {} MiB, but {} MiB are allowed; raise the memory limit, lower the resolution or use fewer threads", needed_bytes.div_ceil(1 << 20), limit_bytes >> 20)]
+    #[error("{what} would take at least {} MiB, but {} MiB are allowed; raise the memory limit, lower the resolution or use fewer threads", needed_bytes.div_ceil(1 << 20), limit_bytes >> 20)]
     MemoryLimit {
         /// What was being done.
         what: &'static str,

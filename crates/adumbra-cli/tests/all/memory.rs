@@ -112,13 +112,39 @@ fn assert_scene_keeps_to_limits(folder: &Folder, scene: &str, resolution: &str, 
     assert_keeps_to_limits(&verify);
 }
 
+fn assert_generated_scene_keeps_to_limits(kind: &str) {
+    let folder = Folder::new();
+    assert_scene_keeps_to_limits(&folder, &folder.generate(kind), "512", "128");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
-fn memory_of_generated_scenes_keeps_to_every_limit() {
-    let folder = Folder::new();
-    for kind in ["city", "landscape", "spheres", "wires", "ball"] {
-        assert_scene_keeps_to_limits(&folder, &folder.generate(kind), "1024", "256");
-    }
+fn memory_of_city_keeps_to_every_limit() {
+    assert_generated_scene_keeps_to_limits("city");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_of_landscape_keeps_to_every_limit() {
+    assert_generated_scene_keeps_to_limits("landscape");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_of_primitives_keeps_to_every_limit() {
+    assert_generated_scene_keeps_to_limits("primitives");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_of_sphere_grid_keeps_to_every_limit() {
+    assert_generated_scene_keeps_to_limits("sphere-grid");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_of_wires_keeps_to_every_limit() {
+    assert_generated_scene_keeps_to_limits("wires");
 }
 
 #[cfg(target_os = "linux")]

@@ -98,7 +98,7 @@ const TRIANGLE_BYTES: u64 = 64;
 const INSTANCE_BYTES: u64 = 300;
 /// Bytes that a triangle takes while the BVH of its mesh is built: corners, box, two nodes of the binary tree, and the
 /// costs by which those are merged into wide nodes.
-const WORKING_BYTES: u64 = 400;
+const WORKING_BYTES: u64 = 260;
 
 /// A hit with the indices that the BVHs use.
 struct Found<'h> {
