@@ -322,7 +322,8 @@ fn choose(
         });
         let Some(selection) = selection else { continue };
         skinned += u32::from(json.skin.is_some());
-        let weights = Weights::of(json.weights.as_deref().or(mesh.weights.as_deref()), mesh);
+        let weights =
+            Weights::of(json.weights.as_deref().filter(|w| !w.is_empty()).or(mesh.weights.as_deref()), mesh);
         let variant = Variant { selection, skinned: json.skin.map(|_| node), weights };
         let next = plan.variants.len() as u32;
         let number = *variants.entry_ref(&variant).or_insert(next);

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ::gltf::json::{Index, Root};
+use ::gltf::json::{Camera, Index, Root};
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
 use serde_json::value::RawValue;
@@ -86,6 +86,11 @@ impl Document {
             ..Root::default()
         };
         let places = lists.read("nodes", "node", "{}")?;
+        if members.get("cameras").is_some_and(|raw| raw.get().starts_with('[')) {
+            // Only for the warning about those that cannot be read.
+            let empty = r#"{"type":"perspective","perspective":{"yfov":1,"znear":1}}"#;
+            lists.read::<Camera>("cameras", "camera", empty)?;
+        }
         let targets: Vec<Targets> = lists.read("meshes", "mesh", "{}")?;
         let other_targets = targets.iter().map(Targets::others).sum();
         let channels: Vec<Channels> = lists.read("animations", "animation", "{}")?;

@@ -145,7 +145,7 @@ fn rotation([x, y, z]: [f64; 3]) -> [f64; 4] {
 mod tests {
     use super::*;
 
-    const MINIMAL: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"matrix":[1.10000000000000000001,0,0,0]}],"scene":0,"scenes":[{"nodes":[0]}]}"#;
+    const MINIMAL: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"matrix":[1.10000000000000000001,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],"scene":0,"scenes":[{"nodes":[0]}]}"#;
 
     fn named(text: &str) -> Value {
         let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");

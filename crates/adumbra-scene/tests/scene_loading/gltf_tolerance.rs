@@ -179,8 +179,8 @@ fn faults() -> Vec<(&'static str, &'static str, Value, Option<(&'static str, Val
         ),
         ("images", "image", json!({"uri": 7}), Some(("/textures/0/source", json!(1)))),
         ("samplers", "sampler", json!({"wrapS": "repeat"}), Some(("/textures/0/sampler", json!(0)))),
-        ("cameras", "", json!({"type": "perspective", "perspective": {"yfov": 1}}), None),
-        ("cameras", "", json!(null), None),
+        ("cameras", "camera", json!({"type": "perspective", "perspective": {"yfov": 1}}), None),
+        ("cameras", "camera", json!(null), None),
     ]
 }
 

@@ -175,7 +175,7 @@ fn obj_texts_of_all_kinds() {
         (
             "only curves",
             square("cstype bezier\ndeg 3\ncurv 0 1 1 2 3 4\nsurf 0 1 0 1 1 2 3 4"),
-            "error: contains no triangles but 2 curves and surfaces, which are not read; convert them to polygons",
+            "error: contains no triangles; it holds only 2 curves and surfaces",
         ),
         (
             "only points",
