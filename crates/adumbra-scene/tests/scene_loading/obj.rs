@@ -187,7 +187,7 @@ fn obj_texts_of_all_kinds() {
             square(""),
             "error: contains no triangles; a point cloud casts no shadow: give a file with faces",
         ),
-        ("only lines", square("l 1 2 3"), "error: contains no triangles; check what was exported"),
+        ("only lines", square("l 1 2 3"), "error: contains no triangles; it holds only 1 lines"),
         ("only blank", "\n# nothing\n".into(), "error: contains no triangles; check what was exported"),
     ];
     for (name, text, expected) in rows {

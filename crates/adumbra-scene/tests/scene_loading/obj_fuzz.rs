@@ -185,7 +185,8 @@ impl Writer {
                     let keyword = self.one(&["map_d", "map_Kd", "map_Tr", "bump"]).to_owned();
                     let count = self.below(4);
                     let values: Vec<String> = (0..count).map(|_| self.number()).collect();
-                    let file = self.one(&["m.png", "M.png", "m.png # x", "m.png", "m.png", "m.png", "", "no.png"]);
+                    let file =
+                        self.one(&["m.png", "M.png", "m.png # x", "m.png", "m.png", "m.png", "", "no.png"]);
                     self.put(&format!("{keyword} {option} {} {file}\n", values.join(" ")));
                 }
                 _ => self.named("map_Kd"),
