@@ -82,7 +82,8 @@ impl ChosenSun {
 
 impl fmt::Display for ChosenSun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = self.towards.map(|c| (c * 1e4).round() / 1e4);
+        // Adding 0 turns -0 into 0.
+        let [x, y, z] = self.towards.map(|c| (c * 1e4).round() / 1e4 + 0.0);
         write!(f, "sun {x},{y},{z} ({})", self.origin)
     }
 }

@@ -55,8 +55,7 @@ fn stated_in(help: &str, name: &str) -> Option<String> {
         .collect();
     let block = block.join(" ");
     let text = block.split_once("[default")?.1.split_once(']')?.0;
-    let text = text.strip_prefix(':').unwrap_or(text).split_whitespace().collect::<Vec<_>>().join(" ");
-    Some(text.replace("\\n", " "))
+    Some(text.strip_prefix(':').unwrap_or(text).split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 /// Compares what the help of a verb states with the values that the verb uses, given as options and texts; a value is
