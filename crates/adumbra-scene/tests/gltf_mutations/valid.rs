@@ -62,7 +62,7 @@ fn materials(dice: &mut Dice, glb: &mut Glb) {
             0 => material["extensions"] = glossy,
             1 => {
                 material["pbrMetallicRoughness"] =
-                    json!({"baseColorTexture": info, "baseColorFactor": [1, 0.5, 0, 1]})
+                    json!({"baseColorTexture": info, "baseColorFactor": [1, 0.5, 0, 1]});
             }
             _ => material["extras"] = json!({"adumbra": {"cast": true}, "a": [1, 2]}),
         }

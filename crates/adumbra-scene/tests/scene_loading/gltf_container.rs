@@ -138,7 +138,7 @@ fn gltf_broken_containers_say_how() {
     let at = 12 + json.len();
     inner[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
     let cases = [
-        ("no JSON chunk", container(2, &[bin.clone()])),
+        ("no JSON chunk", container(2, std::slice::from_ref(&bin))),
         ("no JSON chunk", container(2, &[])),
         ("too many chunks", container(2, &many)),
         ("container version 3", container(3, &[json.clone(), bin.clone()])),

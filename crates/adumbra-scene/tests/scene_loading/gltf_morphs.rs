@@ -3,7 +3,7 @@
 use adumbra_scene::{Error, Scene};
 use serde_json::{Value, json};
 
-use crate::kit::{Glb, TRIANGLE, USHORT, refused, world_triangles};
+use crate::kit::{Glb, USHORT, refused, world_triangles};
 
 /// Moves the first vertex up by 1.
 const UP: [f32; 9] = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

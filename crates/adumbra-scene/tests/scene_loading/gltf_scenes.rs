@@ -186,7 +186,7 @@ fn gltf_suns_come_from_where_their_nodes_turn_them() {
         (json!({"scale": [3, 4, 5]}), [0.0, 0.0, 1.0]),
         (json!({"scale": [-1, 1, 1]}), [0.0, 0.0, 1.0]),
         (json!({"scale": [1, 1, -2]}), [0.0, 0.0, -1.0]),
-        (down.clone(), [0.0, 1.0, 0.0]),
+        (down, [0.0, 1.0, 0.0]),
         (matrix, [0.0, 1.0, 0.0]),
         (json!({"rotation": [0, half, 0, half]}), [1.0, 0.0, 0.0]),
     ] {

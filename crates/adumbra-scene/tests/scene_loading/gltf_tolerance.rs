@@ -10,7 +10,7 @@ use crate::kit::{Glb, USHORT, png, refused, world_triangles};
 fn with_points(value: &mut Value) {
     match value {
         Value::Number(number) => {
-            *number = serde_json::Number::from_f64(number.as_f64().expect("fits")).expect("finite")
+            *number = serde_json::Number::from_f64(number.as_f64().expect("fits")).expect("finite");
         }
         Value::Array(list) => list.iter_mut().for_each(with_points),
         Value::Object(members) => members.values_mut().for_each(with_points),
@@ -83,7 +83,7 @@ fn gltf_whole_numbers_may_be_written_with_a_point() {
     // Moved by the node's own weights, or by those of the mesh.
     let first: Vec<f64> = world_triangles(&scene).iter().map(|t| t[0][1]).collect();
     assert!(first.contains(&6.0) && first.contains(&4.0), "{first:?}");
-    let mut pointed = plain.clone();
+    let mut pointed = plain;
     with_points(&mut pointed.json);
     assert!(pointed.json.to_string().contains("\"componentType\":5126.0"));
     assert_eq!(summary(&pointed.load().expect("loads")), summary(&scene));
@@ -145,8 +145,11 @@ fn gltf_texts_that_are_no_json_are_named_so() {
     }
 }
 
+/// A list of the file, the kind that messages name, a faulty element, and a use of it: a pointer and its new value.
+type Fault = (&'static str, &'static str, Value, Option<(&'static str, Value)>);
+
 /// Elements that cannot be read, each with its list, its kind, and a change that uses it.
-fn faults() -> Vec<(&'static str, &'static str, Value, Option<(&'static str, Value)>)> {
+fn faults() -> Vec<Fault> {
     let texture = |index: usize| json!({"index": index});
     vec![
         (
