@@ -1,8 +1,8 @@
 // Compresses a glTF scene as exporters do: node encode.js METHOD SCENE.glb OUT.glb
 //
-// Methods without loss keep every vertex and every triangle in its order: draco-lossless (sequential, not quantized),
-// meshopt (EXT_meshopt_compression). Methods with loss are the encoders' usual ones: draco (edgebreaker, quantized),
-// draco-speed0, meshopt-quantized, gltfpack, gltfpack-cc.
+// draco-lossless (sequential, not quantized) keeps every value, every vertex and every triangle in its order; so does
+// meshopt (EXT_meshopt_compression alone), but for the corner at which a triangle begins. The others are the encoders'
+// usual ones: draco (edgebreaker, quantized), draco-speed0, meshopt-quantized, gltfpack, gltfpack-cc.
 
 import { NodeIO } from "@gltf-transform/core";
 import {

@@ -10,6 +10,7 @@ mod animations;
 mod container;
 mod document;
 mod draco;
+mod faults;
 mod files;
 mod images;
 mod materials;
@@ -17,6 +18,8 @@ mod meshes;
 mod meshopt;
 mod morphs;
 mod nodes;
+mod numbers;
+mod places;
 mod shadow_name;
 mod skin;
 mod uris;
@@ -38,9 +41,10 @@ use crate::sources::Sources;
 use crate::validate::{Sieve, finish};
 use crate::{Error, Instance, LoadNotes, LoadOptions, Result, Scene, affine};
 use animations::Animations;
-use container::{Buffers, bad};
+use container::Buffers;
 use document::Document;
 use draco::Streams;
+use faults::bad;
 use meshes::{Builder, Pose, has_triangles, material_of};
 use morphs::Weights;
 use nodes::Nodes;
@@ -79,13 +83,6 @@ const KNOWN_EXTENSIONS: [&str; 29] = [
     "MSFT_screencoverage",
 ];
 
-/// Memory per object of the file's JSON once parsed, bytes: that of an empty node, which takes three bytes in the file.
-const OBJECT_BYTES: u64 = 512;
-
-/// Memory per list item of the file's JSON once parsed, bytes: that of a number in an unknown extension, while its list
-/// grows.
-const ITEM_BYTES: u64 = 64;
-
 /// A mesh and the primitives of it that the filter keeps.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Selection {
@@ -109,12 +106,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let sources = Sources::new(path, "glTF", options);
     let bytes = sources.read_scene()?;
     let container::Parts { json, bin, .. } = container::split(path, &bytes)?;
-    let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
-    let items = json.iter().filter(|&&byte| byte == b',').count() as u64;
-    sources.budget.charge(objects * OBJECT_BYTES + items * ITEM_BYTES + json.len() as u64, || {
-        format!("the {objects} objects of its JSON")
-    })?;
-    let Document { root, places, lights, other_targets, faults, warnings } =
+    let Document { root, places, lights, other_targets, other_channels, faults, warnings } =
         Document::parse(path, json, &sources.budget)?;
     let mut scene = Scene::default();
     scene.notes.warnings = warnings;
@@ -123,6 +115,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     note_unknown(&root, json, &mut scene.notes);
     scene.notes.omit("morph targets of texture coordinates or colours", other_targets);
+    scene.notes.omit(animations::OTHER_CHANNELS, other_channels);
     note_named(&sources, &root)?;
     let nodes = Nodes::load(path, &root, places, &lights, &faults)?;
     scene.suns = nodes.suns(&root);
@@ -329,7 +322,8 @@ fn choose(
         });
         let Some(selection) = selection else { continue };
         skinned += u32::from(json.skin.is_some());
-        let weights = Weights::of(json.weights.as_deref().or(mesh.weights.as_deref()), mesh);
+        let weights =
+            Weights::of(json.weights.as_deref().filter(|w| !w.is_empty()).or(mesh.weights.as_deref()), mesh);
         let variant = Variant { selection, skinned: json.skin.map(|_| node), weights };
         let next = plan.variants.len() as u32;
         let number = *variants.entry_ref(&variant).or_insert(next);

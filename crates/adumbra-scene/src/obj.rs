@@ -43,7 +43,8 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = Scene::default();
     let files = Files::new(&sources);
     let library = Library::read(&files, &survey.libraries, &survey.materials, &mut scene.notes)?;
-    let needs_uvs = library.list.iter().any(|mtl| mtl.placing(options).is_some());
+    let needs_uvs =
+        options.color_textures || library.list.iter().any(|mtl| mtl.wanted_mask(options).is_some());
     let uvs = match needs_uvs {
         true => survey::texture_coordinates(&sources, &text, survey.uvs)?,
         false => Vec::new(),

@@ -1,5 +1,13 @@
 //! Loading scenes: the expected content of valid files, and the error for each kind of invalid one.
 
+#[path = "scene_loading/gltf_container.rs"]
+mod gltf_container;
+#[path = "scene_loading/gltf_morphs.rs"]
+mod gltf_morphs;
+#[path = "scene_loading/gltf_scenes.rs"]
+mod gltf_scenes;
+#[path = "scene_loading/gltf_tolerance.rs"]
+mod gltf_tolerance;
 #[path = "scene_loading/kit.rs"]
 mod kit;
 #[path = "scene_loading/ktx2.rs"]

@@ -4,6 +4,7 @@
 mod bakes;
 mod by_hand;
 mod earlier;
+mod fuzz;
 mod glb;
 pub mod help;
 mod leaves;
@@ -18,6 +19,7 @@ mod vectors;
 pub use bakes::{BakedGraph, bake_depths, bake_file, bake_graph};
 pub use by_hand::{overhead_grid, settings_for};
 pub use earlier::EarlierFile;
+pub use fuzz::{fuzz_time, peak_bytes};
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
 pub use ply::{PLY_FORMATS, Ply, PlyElement};

@@ -9,8 +9,9 @@ use ::gltf::json::validation::Checked;
 use hashbrown::HashMap;
 
 use crate::error::Result;
-use crate::gltf::container::{Buffers, bad};
+use crate::gltf::container::Buffers;
 use crate::gltf::draco::{Attribute, Decoded};
+use crate::gltf::faults::bad;
 
 /// An accessor whose bounds have been checked.
 pub(super) struct Accessor<'a> {

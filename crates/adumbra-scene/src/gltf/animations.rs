@@ -10,10 +10,14 @@ use hashbrown::HashMap;
 
 use crate::affine::{Affine, IDENTITY, multiply};
 use crate::gltf::accessor::Accessor;
-use crate::gltf::container::{Buffers, bad};
+use crate::gltf::container::Buffers;
+use crate::gltf::faults::bad;
 use crate::gltf::nodes::Nodes;
 use crate::movers::{Interpolation, MovingNode, Track, Tracks};
 use crate::{LoadNotes, Result};
+
+/// What the loader leaves out of animations, as a plural: channels that an extension defines.
+pub(super) const OTHER_CHANNELS: &str = "animations of other things than nodes";
 
 /// The animated nodes of a file.
 #[derive(Default)]
@@ -35,13 +39,17 @@ impl Animations {
         notes: &mut LoadNotes,
     ) -> Result<Self> {
         let mut of_node: HashMap<usize, Tracks> = HashMap::new();
-        let (mut twice, mut morphs, mut broken) = (0_u32, 0_u64, buffers.faults.count("animation"));
+        let mut others = 0;
+        let (mut twice, mut morphs, mut broken) = (0_u32, 0_u64, 0_u64);
         for (index, animation) in root.animations.iter().enumerate() {
             for channel in &animation.channels {
                 let node = channel.target.node.value();
                 let what = |what: &str| bad(path, format!("animation {index} of node {node} {what}"));
                 let json = root.nodes.get(node).ok_or_else(|| what("moves a node that does not exist"))?;
-                let Checked::Valid(property) = channel.target.path else { continue };
+                let Checked::Valid(property) = channel.target.path else {
+                    others += 1;
+                    continue;
+                };
                 if property == Property::MorphTargetWeights {
                     morphs += 1;
                     continue;
@@ -69,7 +77,9 @@ impl Animations {
             ));
         }
         notes.omit("animations of morph weights", morphs);
-        notes.omit("animations without their samplers", broken);
+        notes.omit(OTHER_CHANNELS, others);
+        notes.omit("animation channels without a sampler", broken);
+        notes.omit("animations that cannot be read", buffers.faults.count("animation"));
         Ok(Self::of(root, nodes, of_node))
     }
 

@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::meshopt;
 use crate::LoadNotes;
 use crate::error::{Error, Result};
-use crate::gltf::document::Faults;
+use crate::gltf::faults::{Faults, bad};
 use crate::gltf::uris;
 use crate::sources::Sources;
 
@@ -92,6 +92,13 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
     bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes)
 }
 
+/// Why a buffer could not be read.
+struct Failure {
+    text: String,
+    /// The error; `None` once it has been returned to a user of the buffer.
+    error: Option<Error>,
+}
+
 /// All buffers of the scene.
 pub(super) struct Buffers<'a> {
     /// The scene's files and the memory budget of the load.
@@ -102,7 +109,7 @@ pub(super) struct Buffers<'a> {
     /// `None` for a buffer that no view needs as it is, and for one that could not be read.
     bytes: Vec<Option<Cow<'a, [u8]>>>,
     /// Why buffers could not be read.
-    failed: RefCell<BTreeMap<usize, Error>>,
+    failed: RefCell<BTreeMap<usize, Failure>>,
     /// The views that were compressed, decoded when they were first used.
     #[cfg(feature = "meshopt")]
     decoded: Vec<std::cell::OnceCell<Vec<u8>>>,
@@ -136,7 +143,7 @@ impl<'a> Buffers<'a> {
                     Ok(read) => Cow::Owned(read),
                     Err(e @ Error::SceneMemory { .. }) => return Err(e),
                     Err(e) => {
-                        failed.insert(index, e);
+                        failed.insert(index, Failure { text: e.to_string(), error: Some(e) });
                         bytes.push(None);
                         continue;
                     }
@@ -226,16 +233,23 @@ impl<'a> Buffers<'a> {
     /// An error if the buffer could not be read.
     fn readable(&self, buffer: usize) -> Result<()> {
         self.faults.check(self.path, "buffer", buffer)?;
-        self.failed.borrow_mut().remove(&buffer).map_or(Ok(()), Err)
+        match self.failed.borrow_mut().get_mut(&buffer) {
+            Some(Failure { text, error }) => {
+                Err(error.take().unwrap_or_else(|| bad(self.path, text.as_str())))
+            }
+            None => Ok(()),
+        }
     }
 
     /// A warning about the buffers that could not be read, once it is known that none of them was needed.
     pub(super) fn warning(&self) -> Option<String> {
         let failed = self.failed.borrow();
-        let (index, error) = failed.first_key_value()?;
+        let mut unused = failed.iter().filter(|(_, failure)| failure.error.is_some());
+        let (index, first) = unused.next()?;
         Some(format!(
-            "buffers that cannot be read, and that nothing needs: {}; buffer {index}: {error}",
-            failed.len()
+            "buffers that cannot be read, and that nothing needs: {}; buffer {index}: {}",
+            1 + unused.count(),
+            first.text
         ))
     }
 
@@ -267,9 +281,4 @@ fn compression(view: &buffer::View) -> Option<(&'static str, &Value)> {
 /// Whether a buffer only stands in for compressed data, so that it need not exist.
 fn is_fallback(buffer: &buffer::Buffer) -> bool {
     buffer.extensions.as_ref().is_some_and(|e| meshopt::is_fallback(&e.others))
-}
-
-/// An [`Error::SceneParse`] for a glTF file.
-pub(super) fn bad(path: &Path, what: impl Into<String>) -> Error {
-    Error::SceneParse { path: path.to_owned(), format: "glTF", what: what.into() }
 }

@@ -8,15 +8,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ::gltf::json::{Index, Root};
+use ::gltf::json::{Camera, Index, Root};
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
 use crate::budget::Budget;
 use crate::error::{Error, Result};
-use crate::gltf::container::bad;
-use crate::gltf::nodes::Place;
+use crate::gltf::faults::{Faults, bad};
+use crate::gltf::numbers::{make_whole, whole};
+use crate::gltf::places::Place;
 
 /// A parsed file.
 pub(super) struct Document {
@@ -25,48 +26,25 @@ pub(super) struct Document {
     pub(super) places: Vec<Place>,
     /// For each light of `KHR_lights_punctual`, whether it is directional.
     pub(super) lights: Vec<bool>,
-    /// Number of morph targets with more than positions, normals and tangents.
+    /// Number of morph targets of texture coordinates or colours.
     pub(super) other_targets: u64,
+    /// Number of animation channels that move no node.
+    pub(super) other_channels: u64,
     /// The elements that cannot be read.
     pub(super) faults: Faults,
     /// Messages for the user.
     pub(super) warnings: Vec<String>,
 }
 
-/// The elements of a file that cannot be read.
-#[derive(Default)]
-pub(super) struct Faults {
-    of: BTreeMap<(&'static str, usize), String>,
-}
-
-impl Faults {
-    /// An error if this element cannot be read. `kind` is the singular, such as "accessor".
-    pub(super) fn check(&self, path: &Path, kind: &'static str, index: usize) -> Result<()> {
-        match self.of.get(&(kind, index)) {
-            Some(what) => Err(bad(path, format!("{kind} {index} cannot be read: {what}"))),
-            None => Ok(()),
-        }
-    }
-
-    /// Number of elements of a kind that cannot be read.
-    pub(super) fn count(&self, kind: &'static str) -> u64 {
-        self.of.keys().filter(|(of, _)| *of == kind).count() as u64
-    }
-
-    /// A warning for each kind, once it is known that none of them was needed.
-    pub(super) fn warnings(&self) -> impl Iterator<Item = String> {
-        let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
-        for (kind, _) in self.of.keys() {
-            *counts.entry(kind).or_default() += 1;
-        }
-        counts.into_iter().map(|(kind, count)| {
-            format!("elements that cannot be read, and that nothing needs: {count} of kind {kind}")
-        })
-    }
-}
-
 /// The members of the file's object, as texts. Of two members with one name the last counts.
 type Members<'a> = BTreeMap<String, &'a RawValue>;
+
+/// Memory per object of the file's JSON once parsed, bytes: that of an empty node, which takes three bytes in the file.
+const OBJECT_BYTES: u64 = 512;
+
+/// Memory per list item of the file's JSON once parsed, bytes: that of a number in an unknown extension, while its list
+/// grows.
+const ITEM_BYTES: u64 = 64;
 
 /// Memory that an element takes while its faults are looked for, per byte of its text.
 const SOFTENING_BYTES: u64 = 96;
@@ -78,6 +56,11 @@ impl Document {
     /// Returns [`Error::GltfVersion`] for other versions than 2.0, [`Error::SceneParse`] if it is no JSON or a list is
     /// something else, and [`Error::SceneMemory`].
     pub(super) fn parse(path: &Path, json: &[u8], budget: &Budget<'_>) -> Result<Self> {
+        let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
+        let items = json.iter().filter(|&&byte| byte == b',').count() as u64;
+        budget.charge(objects * OBJECT_BYTES + items * ITEM_BYTES + json.len() as u64, || {
+            format!("the {objects} objects of its JSON")
+        })?;
         let members: Members<'_> =
             serde_json::from_slice(json).map_err(|e| bad(path, format!("its JSON is broken: {e}")))?;
         let mut warnings = Vec::new();
@@ -103,18 +86,26 @@ impl Document {
             ..Root::default()
         };
         let places = lists.read("nodes", "node", "{}")?;
+        if members.get("cameras").is_some_and(|raw| raw.get().starts_with('[')) {
+            // Only for the warning about those that cannot be read.
+            let empty = r#"{"type":"perspective","perspective":{"yfov":1,"znear":1}}"#;
+            lists.read::<Camera>("cameras", "camera", empty)?;
+        }
         let targets: Vec<Targets> = lists.read("meshes", "mesh", "{}")?;
         let other_targets = targets.iter().map(Targets::others).sum();
+        let channels: Vec<Channels> = lists.read("animations", "animation", "{}")?;
+        let other_channels = channels.iter().map(Channels::others).sum();
         let faults = lists.faults;
         root.extensions_used = names(&members, "extensionsUsed");
         root.extensions_required = names(&members, "extensionsRequired");
         if let Some(scene) = members.get("scene").filter(|raw| raw.get() != "null") {
-            let number = serde_json::from_str::<f64>(scene.get()).ok().filter(|n| n.fract() == 0.0);
-            let number = number.filter(|n| (0.0..f64::from(u32::MAX)).contains(n));
+            let number = serde_json::from_str(scene.get()).ok().and_then(|value| whole(&value));
+            let number = number.and_then(|number| u32::try_from(number).ok());
             let number = number.ok_or_else(|| bad(path, "its default scene is not the number of a scene"))?;
-            root.scene = Some(Index::new(number as u32));
+            root.scene = Some(Index::new(number));
         }
-        Ok(Self { root, places, lights: lights(&members), other_targets, faults, warnings })
+        let lights = lights(&members);
+        Ok(Self { root, places, lights, other_targets, other_channels, faults, warnings })
     }
 }
 
@@ -127,22 +118,38 @@ struct Targets {
 
 #[derive(serde::Deserialize)]
 struct TargetsOfPrimitive {
-    #[serde(default)]
-    targets: Vec<Target>,
-}
-
-#[derive(serde::Deserialize)]
-struct Target {
-    #[serde(rename = "TEXCOORD_0")]
-    texture_coordinates: Option<IgnoredAny>,
-    #[serde(rename = "COLOR_0")]
-    colors: Option<IgnoredAny>,
+    targets: Option<Vec<BTreeMap<String, IgnoredAny>>>,
 }
 
 impl Targets {
     fn others(&self) -> u64 {
-        let targets = self.primitives.iter().flat_map(|p| &p.targets);
-        targets.filter(|t| t.texture_coordinates.is_some() || t.colors.is_some()).count() as u64
+        let is_other = |semantic: &String| ["TEXCOORD_", "COLOR_"].iter().any(|s| semantic.starts_with(s));
+        let targets = self.primitives.iter().flat_map(|p| p.targets.iter().flatten());
+        targets.filter(|target| target.keys().any(is_other)).count() as u64
+    }
+}
+
+/// What the channels of an animation move.
+#[derive(serde::Deserialize)]
+struct Channels {
+    #[serde(default)]
+    channels: Vec<Channel>,
+}
+
+#[derive(serde::Deserialize)]
+struct Channel {
+    target: ChannelTarget,
+}
+
+#[derive(serde::Deserialize)]
+struct ChannelTarget {
+    node: Option<IgnoredAny>,
+}
+
+impl Channels {
+    /// Number of channels without a node: what they move is defined by an extension (glTF 2.0, 5.5).
+    fn others(&self) -> u64 {
+        self.channels.iter().filter(|channel| channel.target.node.is_none()).count() as u64
     }
 }
 
@@ -162,6 +169,12 @@ impl Lists<'_> {
         };
         let elements: Vec<&RawValue> = serde_json::from_str(raw.get())
             .map_err(|_| bad(self.path, format!("its {list} are not a list")))?;
+        let each = size_of::<T>() as u64;
+        let objects = elements.iter().filter(|element| element.get().starts_with('{')).count() as u64;
+        let others = elements.len() as u64 - objects;
+        // Objects have been charged already.
+        let bytes = objects * each.saturating_sub(OBJECT_BYTES) + others * each.max(OBJECT_BYTES);
+        self.budget.charge(bytes, || format!("the {} elements of its {list}", elements.len()))?;
         let mut out = Vec::with_capacity(elements.len());
         for (index, element) in elements.into_iter().enumerate() {
             let text = element.get();
@@ -178,7 +191,7 @@ impl Lists<'_> {
             match read {
                 Ok(read) => out.push(read),
                 Err(what) => {
-                    self.faults.of.insert((kind, index), what);
+                    self.faults.add(self.budget, kind, index, &what)?;
                     let empty = serde_json::from_str(empty).map_err(|e| bad(self.path, e.to_string()))?;
                     out.push(empty);
                 }
@@ -198,29 +211,17 @@ fn soften<T: DeserializeOwned>(text: &str, kind: &str) -> Result<T, String> {
     make_whole(&mut value);
     if let Value::Object(members) = &mut value {
         members.retain(|key, value| key != "name" || value.is_string());
-        if kind == "scene" && !members.contains_key("nodes") {
+        if kind == "scene" && members.get("nodes").is_none_or(Value::is_null) {
             members.insert("nodes".to_owned(), Value::Array(Vec::new()));
+        }
+        if kind == "animation"
+            && let Some(Value::Array(channels)) = members.get_mut("channels")
+        {
+            channels.retain(|channel| channel.pointer("/target/node").is_some_and(|node| !node.is_null()));
         }
     }
     // Through text, because the types of extras can only be read from text.
     serde_json::from_str(&value.to_string()).map_err(clause)
-}
-
-/// Turns `4.0` into `4`, everywhere.
-fn make_whole(value: &mut Value) {
-    const EXACT: f64 = (1_u64 << 53) as f64;
-    match value {
-        Value::Number(number) => {
-            if let Some(float) =
-                number.as_f64().filter(|f| number.is_f64() && f.fract() == 0.0 && f.abs() < EXACT)
-            {
-                *number = (float as i64).into();
-            }
-        }
-        Value::Array(list) => list.iter_mut().for_each(make_whole),
-        Value::Object(members) => members.values_mut().for_each(make_whole),
-        _ => {}
-    }
 }
 
 /// The strings of a list; anything else in it is passed over.
@@ -275,8 +276,8 @@ fn check_version(path: &Path, members: &Members<'_>, warnings: &mut Vec<String>)
         members.get("asset").and_then(|raw| serde_json::from_str(raw.get()).ok()).unwrap_or_default();
     let number = |raw: &RawValue| -> Option<(u32, u32)> {
         let text = raw.get().trim_matches('"').trim();
-        let (major, minor) = text.split_once('.').unwrap_or((text, "0"));
-        Some((major.parse().ok()?, minor.parse().ok()?))
+        let mut numbers = text.split('.');
+        Some((numbers.next()?.parse().ok()?, numbers.next().unwrap_or("0").parse().ok()?))
     };
     let stated = asset.version.and_then(number);
     match (stated, asset.min_version.and_then(number)) {
@@ -293,13 +294,6 @@ fn check_version(path: &Path, members: &Members<'_>, warnings: &mut Vec<String>)
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn whole_numbers_may_have_a_point() {
-        let mut value: Value = serde_json::from_str(r#"{"a": [4.0, 1e2, -3.0, 0.5, 1e300]}"#).expect("JSON");
-        make_whole(&mut value);
-        assert_eq!(value.to_string(), r#"{"a":[4,100,-3,0.5,1e+300]}"#);
-    }
 
     #[test]
     fn faults_are_errors_only_where_they_are_used() {

@@ -24,7 +24,9 @@ use hashbrown::HashMap;
 use serde_json::{Map, Value};
 
 use crate::Result;
-use crate::gltf::container::{Buffers, bad};
+use crate::gltf::container::Buffers;
+use crate::gltf::faults::bad;
+use crate::gltf::numbers::{index_of, whole};
 
 /// The extension's name.
 pub(super) const EXTENSION: &str = "KHR_draco_mesh_compression";
@@ -86,7 +88,7 @@ impl Decoded {
 impl<'s> Compressed<'s, '_> {
     /// The attribute that takes the place of an accessor's data, if the stream has it.
     pub(super) fn attribute(&self, semantic: &str) -> Option<&'s Attribute> {
-        let id = self.ids.get(semantic)?.as_u64()?;
+        let id = whole(self.ids.get(semantic)?)?;
         self.decoded.attributes.iter().find(|a| u64::from(a.id) == id)
     }
 }
@@ -149,7 +151,7 @@ fn extension(primitive: &Primitive) -> Option<&Value> {
 }
 
 fn view_and_ids(extension: &Value) -> Option<(usize, &Map<String, Value>)> {
-    let view = usize::try_from(extension.get("bufferView")?.as_u64()?).ok()?;
+    let view = index_of(extension.get("bufferView")?)?;
     Some((view, extension.get("attributes")?.as_object()?))
 }
 

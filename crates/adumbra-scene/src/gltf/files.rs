@@ -27,9 +27,11 @@ pub(super) fn named(root: &Root) -> impl Iterator<Item = String> {
 /// of a `.glb` or `.gltf`, and `path` is its name. Files outside the folder are left out.
 ///
 /// # Errors
-/// Returns [`Error::SceneParse`](crate::Error::SceneParse) if the container or the JSON is broken.
+/// Returns [`Error::SceneParse`](crate::Error::SceneParse) if the container or the JSON is broken,
+/// [`Error::GltfVersion`](crate::Error::GltfVersion) and [`Error::SceneMemory`](crate::Error::SceneMemory).
 pub fn files_of_gltf(path: &Path, bytes: &[u8]) -> Result<Vec<PathBuf>> {
     let sources = Sources::new(path, "glTF", &LoadOptions::default());
+    sources.budget.allow_for(bytes.len() as u64);
     let root = Document::parse(path, split(path, bytes)?.json, &sources.budget)?.root;
     let paths = named(&root).map(|name| PathBuf::from(name.replace('\\', "/")));
     let mut paths: Vec<PathBuf> = paths.filter(|path| !leaves(path)).collect();

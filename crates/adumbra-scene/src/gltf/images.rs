@@ -9,6 +9,7 @@ use ::gltf::json::validation::Checked;
 use hashbrown::HashMap;
 
 use crate::gltf::container::Buffers;
+use crate::gltf::numbers::index_of;
 use crate::gltf::uris;
 use crate::sources::{Located, MAX_IMAGE_BYTES};
 use crate::{Error, Result, Texture, Wrap};
@@ -87,7 +88,11 @@ impl<'a> Images<'a> {
         let Some(json) = self.root.textures.get(index) else {
             return Ok(Err(unreadable(index.to_string(), "it does not exist")));
         };
-        if let Err(problem) = apart(self.check("texture", index), || index.to_string())? {
+        let checked = self.check("texture", index).and_then(|()| match json.sampler {
+            Some(sampler) => self.check("sampler", sampler.value()),
+            None => Ok(()),
+        });
+        if let Err(problem) = apart(checked, || index.to_string())? {
             return Ok(Err(problem));
         }
         let image = self.image(json);
@@ -124,7 +129,7 @@ impl<'a> Images<'a> {
     fn image(&self, texture: &Json) -> usize {
         let named = |extension: &str| {
             let json = texture.extensions.as_ref()?.others.get(extension)?;
-            usize::try_from(json.get("source")?.as_u64()?).ok()
+            index_of(json.get("source")?)
         };
         let plain = Some(texture.source.value()).filter(|&image| image < self.root.images.len());
         let image = named("EXT_texture_webp").or(plain).or_else(|| named("KHR_texture_basisu"));
@@ -151,7 +156,9 @@ impl<'a> Images<'a> {
             None => {
                 Err(unreadable("without an image".to_owned(), "it references no image in a supported format"))
             }
-            Some(json) if json.uri.is_none() && json.buffer_view.is_none() => {
+            Some(json)
+                if json.uri.is_none() && json.buffer_view.is_none() && self.check("image", image).is_ok() =>
+            {
                 Err(unreadable(self.label(image), "it has no data"))
             }
             Some(_) => apart(self.find(image), || self.label(image))?,

@@ -9,10 +9,12 @@ use ::gltf::json::Root;
 use ::gltf::json::material::{AlphaMode as JsonAlpha, Material as Json};
 use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
+use serde_json::Value;
 
 use crate::gltf::container::Buffers;
 use crate::gltf::images::{Images, Problem};
 use crate::gltf::nodes::casts;
+use crate::gltf::numbers::make_whole;
 use crate::sources::OUTSIDE;
 use crate::{AlphaMode, Error, LoadNotes, LoadOptions, Material, Result, Texture};
 
@@ -108,8 +110,12 @@ pub(super) fn load(
 fn base_color(json: &Json) -> ([f32; 4], Option<Info>) {
     let glossy = json.extensions.as_ref().and_then(|e| e.others.get("KHR_materials_pbrSpecularGlossiness"));
     // Round trip through text, because the JSON types of extras can only be parsed from text.
-    if let Some(glossy) = glossy.and_then(|v| serde_json::from_str::<SpecularGlossiness>(&v.to_string()).ok())
-    {
+    let read = |glossy: &Value| {
+        let mut glossy = glossy.clone();
+        make_whole(&mut glossy);
+        serde_json::from_str::<SpecularGlossiness>(&glossy.to_string()).ok()
+    };
+    if let Some(glossy) = glossy.and_then(read) {
         return (glossy.diffuse_factor.unwrap_or([1.0; 4]), glossy.diffuse_texture);
     }
     let pbr = &json.pbr_metallic_roughness;

@@ -10,8 +10,9 @@ use ::gltf::json::validation::Checked;
 use hashbrown::HashMap;
 
 use crate::gltf::accessor::Accessor;
-use crate::gltf::container::{Buffers, bad};
+use crate::gltf::container::Buffers;
 use crate::gltf::draco::Streams;
+use crate::gltf::faults::bad;
 use crate::gltf::materials::{Coordinates, Materials};
 use crate::gltf::morphs::Weights;
 use crate::gltf::skin::Skin;
@@ -143,7 +144,7 @@ impl<'a> Builder<'a> {
         for primitive in primitives {
             let Some(key) = self.source_key(primitive, skin.is_some()) else { continue };
             let coordinates = self.texture(primitive).map(|t| t.1);
-            let source = self.open(primitive, key, coordinates, pose)?;
+            let source = self.open(name, primitive, key, coordinates, pose)?;
             let next = keys.len() as u32;
             let key = *keys.entry(key).or_insert(next);
             let material = material_of(self.root, primitive) as u32;
@@ -199,8 +200,11 @@ impl<'a> Builder<'a> {
         let bytes =
             triangles.saturating_mul(TRIANGLE_BYTES).saturating_add(vertices.saturating_mul(VERTEX_BYTES));
         self.buffers.sources.budget.charge(bytes.saturating_add(names), || {
-            let what =
-                if copies == 1 { "mesh".to_owned() } else { format!("{copies} skinned copies of mesh") };
+            let what = match (copies, skinned) {
+                (1, _) => "mesh".to_owned(),
+                (_, true) => format!("{copies} skinned copies of mesh"),
+                (_, false) => format!("{copies} morphed copies of mesh"),
+            };
             format!("{what} {name:?} of up to {triangles} triangles and {vertices} vertices")
         })
     }
@@ -296,15 +300,17 @@ impl<'a> Builder<'a> {
 
     fn open(
         &self,
+        mesh: &str,
         primitive: &Primitive,
         key: SourceKey,
         coordinates: Option<Coordinates>,
         pose: Pose<'_>,
     ) -> Result<Source<'a>> {
+        let broken = |what: &str| bad(self.path, format!("in mesh {mesh:?} {what}"));
         let open = |semantic: Semantic, index| self.values(primitive, &semantic, index);
         let positions = open(Semantic::Positions, key.positions)?;
         if positions.components != 3 {
-            return Err(bad(self.path, "a POSITION attribute is not made of three components"));
+            return Err(broken("a POSITION attribute is not made of three components"));
         }
         let mut targets = Vec::new();
         for (index, weight) in pose.weights.iter() {
@@ -312,7 +318,7 @@ impl<'a> Builder<'a> {
             let Some(target) = target.and_then(|t| t.positions) else { continue };
             let target = self.accessor(target.value())?;
             if target.components != 3 || target.count < positions.count {
-                return Err(bad(self.path, "a morph target does not have a displacement for each vertex"));
+                return Err(broken("a morph target does not have a displacement for each vertex"));
             }
             targets.push((weight, target));
         }
@@ -326,7 +332,7 @@ impl<'a> Builder<'a> {
         };
         let colors = key.colors.map(|index| open(Semantic::Colors(0), index)).transpose()?;
         if colors.as_ref().is_some_and(|c| !(3..=4).contains(&c.components)) {
-            return Err(bad(self.path, "a COLOR_0 attribute is not made of three or four components"));
+            return Err(broken("a COLOR_0 attribute is not made of three or four components"));
         }
         let mut joints = Vec::new();
         while pose.skin.is_some()

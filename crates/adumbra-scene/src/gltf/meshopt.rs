@@ -14,6 +14,8 @@ pub(super) use compressed::Compressed;
 
 use serde_json::{Map, Value};
 
+use crate::gltf::numbers::index_of;
+
 /// The extensions' names; the newer goes first where a view has both.
 const EXTENSIONS: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
@@ -24,7 +26,7 @@ pub(super) fn extension(extensions: &Map<String, Value>) -> Option<(&'static str
 
 /// The buffer that holds the compressed bytes of a buffer view with these extensions.
 pub(super) fn buffer(extensions: &Map<String, Value>) -> Option<usize> {
-    usize::try_from(extension(extensions)?.1.get("buffer")?.as_u64()?).ok()
+    index_of(extension(extensions)?.1.get("buffer")?)
 }
 
 /// Whether a buffer with these extensions only stands in for compressed data.

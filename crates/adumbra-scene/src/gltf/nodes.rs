@@ -3,64 +3,15 @@
 use std::path::Path;
 
 use ::gltf::json::{Root, extras::Extras, scene::Node};
-use serde::Deserialize;
 
 use crate::FileSun;
-use crate::affine::{Affine, IDENTITY, compose, from_columns, is_finite, multiply};
+use crate::affine::{Affine, IDENTITY, compose, is_finite, multiply};
 use crate::error::{Error, Result};
 use crate::gltf::accessor::Accessor;
-use crate::gltf::container::{Buffers, bad};
-use crate::gltf::document::Faults;
-use crate::movers::Rest;
-
-/// A node's local transform in double precision, as JSON numbers are. The glTF crate stores `f32`, whose steps are half
-/// a metre at map coordinates.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(from = "Written")]
-pub(super) enum Place {
-    Matrix(Affine),
-    Parts(Rest),
-}
-
-/// A node's transform as written in the file.
-#[derive(Deserialize)]
-struct Written {
-    matrix: Option<[f64; 16]>,
-    translation: Option<[f64; 3]>,
-    rotation: Option<[f64; 4]>,
-    scale: Option<[f64; 3]>,
-}
-
-impl From<Written> for Place {
-    fn from(written: Written) -> Self {
-        match written.matrix {
-            Some(matrix) => Self::Matrix(from_columns(&matrix)),
-            None => Self::Parts(Rest {
-                translation: written.translation.unwrap_or_default(),
-                rotation: written.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
-                scale: written.scale.unwrap_or([1.0; 3]),
-            }),
-        }
-    }
-}
-
-impl Place {
-    /// The node's local transform, to its parent's frame.
-    pub(super) fn map(&self) -> Affine {
-        match self {
-            Self::Matrix(map) => *map,
-            Self::Parts(rest) => rest.map(),
-        }
-    }
-
-    /// The node's transform without animation. An animated node has no matrix.
-    pub(super) fn rest(&self) -> Rest {
-        match self {
-            Self::Matrix(_) => Rest::default(),
-            Self::Parts(rest) => *rest,
-        }
-    }
-}
+use crate::gltf::container::Buffers;
+use crate::gltf::faults::{Faults, bad};
+use crate::gltf::numbers::index_of;
+use crate::gltf::places::Place;
 
 /// The node tree with its world transforms.
 pub(super) struct Nodes {
@@ -149,9 +100,8 @@ impl Nodes {
         let walk = walk(path, root, faults, &starts, &is_coarse)?;
         let of_sun = |node: usize| light(&root.nodes[node]).and_then(|l| lights.get(l)) == Some(&true);
         let suns = walk.lit.into_iter().filter(|&node| of_sun(node)).collect();
-        let coarse_or_below = below(root, &order, &is_coarse);
-        let unreached =
-            (0..count).filter(|&i| root.nodes[i].mesh.is_some() && !walk.seen[i] && !coarse_or_below[i]);
+        let coarse = with_all_below(root, is_coarse);
+        let unreached = (0..count).filter(|&i| root.nodes[i].mesh.is_some() && !walk.seen[i] && !coarse[i]);
         let unreached = unreached.count() as u64;
         Ok(Self { place, world, parent, order, drawn: walk.drawn, suns, is_empty_scene, unreached })
     }
@@ -210,15 +160,19 @@ fn walk(path: &Path, root: &Root, faults: &Faults, starts: &[usize], is_coarse: 
     Ok(walk)
 }
 
-/// For each node, whether it is marked or below a marked one. `order` has every node after its parent.
-fn below(root: &Root, order: &[usize], marked: &[bool]) -> Vec<bool> {
-    let mut below = marked.to_vec();
-    for &index in order {
-        if below[index] {
-            children(&root.nodes[index]).for_each(|child| below[child] = true);
+/// For each node, whether it is marked, below a marked one, or a coarser level of detail of such a node.
+fn with_all_below(root: &Root, mut marked: Vec<bool>) -> Vec<bool> {
+    let mut stack: Vec<usize> = (0..marked.len()).filter(|&i| marked[i]).collect();
+    while let Some(node) = stack.pop().and_then(|index| root.nodes.get(index)) {
+        for next in children(node).chain(coarser_levels(node)) {
+            if let Some(marked) = marked.get_mut(next)
+                && !std::mem::replace(marked, true)
+            {
+                stack.push(next);
+            }
         }
     }
-    below
+    marked
 }
 
 /// The coarser levels of detail of a node (MSFT_lod).
@@ -230,13 +184,6 @@ fn coarser_levels(node: &Node) -> impl Iterator<Item = usize> {
 /// The index of a node's light (KHR_lights_punctual).
 fn light(node: &Node) -> Option<usize> {
     index_of(node.extensions.as_ref()?.others.get("KHR_lights_punctual")?.get("light")?)
-}
-
-/// An index, which may be written `4.0`.
-fn index_of(value: &serde_json::Value) -> Option<usize> {
-    let index =
-        value.as_f64().filter(|index| index.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(index));
-    index.map(|index| index as usize)
 }
 
 /// The transforms within the node at which EXT_mesh_gpu_instancing places its mesh, or `None` if the node does not use
@@ -258,8 +205,8 @@ pub(super) fn gpu_instances(
     let broken = |what: &str| bad(path, format!("the instances of node {index} {what}"));
     let open = |semantic: &str| -> Result<Option<Accessor<'_>>> {
         let Some(accessor) = value.get(semantic) else { return Ok(None) };
-        let accessor = index_of(accessor);
-        let accessor = accessor.ok_or_else(|| broken("have an accessor index that is not a number"))?;
+        let accessor =
+            index_of(accessor).ok_or_else(|| broken("have an accessor index that is not a number"))?;
         Accessor::open(path, root, buffers, accessor).map(Some)
     };
     let (move_by, turn_by, scale_by) = (open("TRANSLATION")?, open("ROTATION")?, open("SCALE")?);

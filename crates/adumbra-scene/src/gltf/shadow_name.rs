@@ -13,8 +13,9 @@ use adumbra_files::replace_file;
 use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Value, json};
 
-use super::container::{bad, split};
+use super::container::split;
 use super::document::Document;
+use super::faults::bad;
 use super::nodes::Nodes;
 use crate::budget::Budget;
 use crate::error::Result;
@@ -90,7 +91,7 @@ fn add_light(path: &Path, root: &mut Parts, index: usize, scene: usize, sun: Sun
     // Nodes and scenes keep their own text.
     let mut nodes: Vec<Box<RawValue>> = read(root, "nodes").map_err(fault)?.unwrap_or_default();
     let mut scenes: Vec<Parts> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
-    let mut used: Vec<String> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
+    let mut used: Vec<Value> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
     let node = json!({
         "name": "sun", "rotation": rotation(sun.towards()), "extensions": {LIGHTS: {"light": index}},
     });
@@ -106,7 +107,7 @@ fn add_light(path: &Path, root: &mut Parts, index: usize, scene: usize, sun: Sun
     }
     nodes.push(to_raw_value(&node).map_err(fault)?);
     if !used.iter().any(|name| name == LIGHTS) {
-        used.push(LIGHTS.to_owned());
+        used.push(LIGHTS.into());
     }
     root.insert("nodes".to_owned(), to_raw_value(&nodes).map_err(fault)?);
     root.insert("extensionsUsed".to_owned(), to_raw_value(&used).map_err(fault)?);
@@ -122,7 +123,11 @@ fn member<'v>(value: &'v mut Value, name: &str) -> Option<&'v mut Value> {
 }
 
 fn read<T: serde::de::DeserializeOwned>(parts: &Parts, name: &str) -> serde_json::Result<Option<T>> {
-    parts.get(name).map(|text| serde_json::from_str(text.get())).transpose()
+    parts
+        .get(name)
+        .filter(|text| text.get() != "null")
+        .map(|text| serde_json::from_str(text.get()))
+        .transpose()
 }
 
 /// Returns the quaternion (x, y, z, w) that turns a light, which shines along its -Z, away from the sun.
@@ -140,7 +145,7 @@ fn rotation([x, y, z]: [f64; 3]) -> [f64; 4] {
 mod tests {
     use super::*;
 
-    const MINIMAL: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"matrix":[1.10000000000000000001,0,0,0]}],"scene":0,"scenes":[{"nodes":[0]}]}"#;
+    const MINIMAL: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"matrix":[1.10000000000000000001,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],"scene":0,"scenes":[{"nodes":[0]}]}"#;
 
     fn named(text: &str) -> Value {
         let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");

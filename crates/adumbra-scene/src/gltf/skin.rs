@@ -9,7 +9,8 @@ use hashbrown::HashMap;
 use crate::affine::{Affine, IDENTITY, from_columns, multiply};
 use crate::error::Result;
 use crate::gltf::accessor::Accessor;
-use crate::gltf::container::{Buffers, bad};
+use crate::gltf::container::Buffers;
+use crate::gltf::faults::bad;
 use crate::gltf::nodes::Nodes;
 
 /// The joint matrices of a skin, from mesh to world.

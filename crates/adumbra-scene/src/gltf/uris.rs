@@ -3,8 +3,8 @@
 //! The definition asks for percent-encoded names with slashes. Files with names that are not encoded, or with
 //! backslashes, are common: a name is looked for as the definition has it first, then as it is written.
 
-use crate::error::Result;
-use crate::gltf::container::bad;
+use crate::error::{Error, Result};
+use crate::gltf::faults::bad;
 use crate::sources::{Located, Sources};
 
 /// Reads a data URI, or the first `max_bytes` bytes of a file next to the scene; `place` is the part of the scene that
@@ -41,16 +41,25 @@ pub(super) fn names(uri: &str) -> Vec<String> {
 /// Finds the file of a relative URI; `place` is the part of the scene that references it.
 ///
 /// # Errors
-/// Returns the error of the first name under which it was looked for, or [`Error::SceneMemory`](crate::Error::SceneMemory).
+/// Returns [`Error::OutsideScene`] if one of its names is outside the folder, otherwise the error of the first name; or
+/// [`Error::SceneMemory`].
 pub(super) fn locate(sources: &Sources<'_>, place: &str, uri: &str) -> Result<Located> {
     let mut names = names(uri).into_iter();
-    let first = sources.locate(place, names.next().as_deref().unwrap_or_default());
-    first.or_else(|error| {
-        let other = names.find_map(|name| Some((sources.locate(place, &name).ok()?, name)));
-        let (file, name) = other.ok_or(error)?;
-        sources.note_named(&name)?;
-        Ok(file)
-    })
+    let mut error = match sources.locate(place, names.next().as_deref().unwrap_or_default()) {
+        Ok(file) => return Ok(file),
+        Err(error) => error,
+    };
+    for name in names {
+        match sources.locate(place, &name) {
+            Ok(file) => {
+                sources.note_named(&name)?;
+                return Ok(file);
+            }
+            Err(outside @ Error::OutsideScene { .. }) => error = outside,
+            Err(_) => {}
+        }
+    }
+    Err(error)
 }
 
 fn decode_percent(text: &str) -> Vec<u8> {

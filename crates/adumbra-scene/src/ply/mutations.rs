@@ -6,9 +6,9 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use adumbra_testing::{PLY_FORMATS, Ply, PlyElement};
+use adumbra_testing::{PLY_FORMATS, Ply, PlyElement, fuzz_time};
 
 use super::scene_of;
 use crate::random::Random;
@@ -258,9 +258,7 @@ fn summary(result: Result<Scene>, seed: u64) -> String {
 
 #[test]
 fn random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
-    let seconds = std::env::var("ADUMBRA_FUZZ_SECONDS").ok();
-    let time =
-        seconds.map(|s| Duration::from_secs(s.parse().expect("ADUMBRA_FUZZ_SECONDS is a whole number")));
+    let time = fuzz_time();
     let mut totals = Totals::default();
     let started = Instant::now();
     for seed in 0.. {

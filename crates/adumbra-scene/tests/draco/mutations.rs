@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use adumbra_scene::random::Random;
 use adumbra_scene::{Error, LoadOptions, load};
+use adumbra_testing::{fuzz_time, peak_bytes};
 use serde_json::json;
 
 use crate::fixture::Fixture;
@@ -91,7 +92,7 @@ impl Damage {
 #[test]
 fn draco_damage_is_an_error_or_a_scene_and_memory_is_bounded() {
     let number = |name: &str| -> Option<u64> { Some(env::var(name).ok()?.parse().expect("a whole number")) };
-    let seconds = number("ADUMBRA_FUZZ_SECONDS").map(Duration::from_secs);
+    let seconds = fuzz_time();
     let seed = number("ADUMBRA_FUZZ_SEED").unwrap_or(1);
     let names = [
         "edgebreaker-lossless",
@@ -136,11 +137,4 @@ fn draco_damage_is_an_error_or_a_scene_and_memory_is_bounded() {
     if let Some(peak) = peak_bytes() {
         assert!(peak < MAX_BYTES + TEST_BYTES, "{peak}");
     }
-}
-
-/// The most memory that this process has had, where the system says so.
-fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }

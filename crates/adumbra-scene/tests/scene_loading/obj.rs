@@ -175,7 +175,7 @@ fn obj_texts_of_all_kinds() {
         (
             "only curves",
             square("cstype bezier\ndeg 3\ncurv 0 1 1 2 3 4\nsurf 0 1 0 1 1 2 3 4"),
-            "error: contains no triangles but 2 curves and surfaces, which are not read; convert them to polygons",
+            "error: contains no triangles; it holds only 2 curves and surfaces",
         ),
         (
             "only points",
@@ -187,7 +187,7 @@ fn obj_texts_of_all_kinds() {
             square(""),
             "error: contains no triangles; a point cloud casts no shadow: give a file with faces",
         ),
-        ("only lines", square("l 1 2 3"), "error: contains no triangles; check what was exported"),
+        ("only lines", square("l 1 2 3"), "error: contains no triangles; it holds only 1 lines"),
         ("only blank", "\n# nothing\n".into(), "error: contains no triangles; check what was exported"),
     ];
     for (name, text, expected) in rows {

@@ -3,6 +3,8 @@
 use meshoptimizer_rs::{Error, Limits, Workspace, codec};
 use serde_json::Value;
 
+use crate::gltf::numbers::whole;
+
 /// A compressed buffer view, as its extension describes it.
 pub(in crate::gltf) struct Compressed {
     /// The name of the extension.
@@ -49,7 +51,7 @@ impl Compressed {
         json: &Value,
         byte_stride: Option<u64>,
     ) -> Result<Self, String> {
-        let number = |key: &str| json.get(key).and_then(Value::as_u64);
+        let number = |key: &str| json.get(key).and_then(whole);
         let needed = |key: &str| number(key).ok_or_else(|| format!("its {extension} has no {key}"));
         let word = |key: &str| json.get(key).and_then(Value::as_str);
         let unknown = |key: &str| format!("its {extension} has an unknown {key}");

@@ -1,0 +1,234 @@
+//! Random glTF files, whole and damaged. Whole ones give the same scene in every container and in every way to write
+//! numbers. Damaged ones load or are refused, without a panic and without more memory than the limit of the load.
+//!
+//! The damage knows JSON and the container: values become values of other types, huge, negative or missing, lists are
+//! cut or repeat, and bytes and lengths change. A case depends on its seed alone. `ADUMBRA_FUZZ_SECONDS=600` runs from
+//! seed 0 on for that many seconds, with `TMPDIR=/dev/shm` many times as many:
+//! `ADUMBRA_FUZZ_SECONDS=600 cargo test --release -p adumbra-scene --test gltf_mutations -- --nocapture`.
+
+#[path = "gltf_mutations/damage.rs"]
+mod damage;
+#[path = "gltf_mutations/dice.rs"]
+mod dice;
+#[path = "scene_loading/kit.rs"]
+#[allow(dead_code, reason = "shared with the other loading tests")]
+mod kit;
+#[path = "gltf_mutations/valid.rs"]
+mod valid;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::time::Instant;
+
+use adumbra::Sun;
+use adumbra_scene::{Error, LoadOptions, MoverPolicy, Scene, files_of_gltf, load, write_shadow_name};
+use adumbra_testing::{fuzz_time, peak_bytes};
+use dice::Dice;
+use kit::{Glb, file};
+use serde_json::Value;
+
+/// Memory that a load may hold.
+const MAX_BYTES: u64 = 64 << 20;
+/// Memory of the tests themselves, which run at the same time.
+const TEST_BYTES: u64 = 64 << 20;
+/// Seeds of the quick test.
+const QUICK_SEEDS: u64 = 500;
+/// Damaged files per seed.
+const DAMAGED: usize = 12;
+
+/// What a run has seen.
+#[derive(Debug, Default)]
+struct Totals {
+    seeds: u64,
+    damaged: u64,
+    loaded: u64,
+    refused: u64,
+    too_large: u64,
+    named: u64,
+}
+
+fn options(dice: &mut Dice) -> LoadOptions {
+    LoadOptions {
+        max_memory_bytes: Some(MAX_BYTES),
+        color_textures: dice.chance(0.5),
+        movers: dice.pick(&[MoverPolicy::Skip, MoverPolicy::Freeze, MoverPolicy::Keep]),
+        ..LoadOptions::default()
+    }
+}
+
+/// All of a scene, as a text to compare. The buffer's own file is not part of it.
+fn summary(scene: &Scene) -> String {
+    let mut notes = scene.notes.clone();
+    notes.named_files.clear();
+    format!("{:?} {:?} {:?} {:?} {notes:?}", scene.meshes, scene.instances, scene.materials, scene.suns)
+}
+
+/// Checks what every loaded scene promises.
+fn check_scene(scene: &Scene) {
+    assert!(!scene.instances.is_empty());
+    for instance in &scene.instances {
+        assert!((instance.mesh as usize) < scene.meshes.len());
+        assert!(instance.world_from_mesh.iter().flatten().all(|c| c.is_finite()));
+    }
+    for mesh in &scene.meshes {
+        let vertices = mesh.positions.len();
+        assert!(!mesh.triangles.is_empty() && mesh.triangles.len() == mesh.triangle_materials.len());
+        assert!(mesh.positions.iter().flatten().all(|c| c.is_finite()));
+        assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < vertices));
+        assert!(mesh.triangle_materials.iter().all(|&m| (m as usize) < scene.materials.len()));
+        assert!(mesh.uvs.is_empty() || mesh.uvs.len() == vertices);
+        assert!(mesh.colors.is_empty() || mesh.colors.len() == vertices);
+    }
+    let textures = scene.textures.len();
+    assert!(scene.materials.iter().all(|m| m.texture.is_none_or(|t| (t as usize) < textures)));
+    for sun in &scene.suns {
+        let length = sun.towards.iter().map(|c| c * c).sum::<f64>();
+        assert!((length - 1.0).abs() < 1e-9, "{sun:?}");
+    }
+}
+
+impl Totals {
+    fn check(&mut self, folder: &Path, seed: u64) {
+        self.seeds += 1;
+        let dice = &mut Dice::new(seed);
+        let glb = valid::file(dice);
+        let options = options(dice);
+        let mut expected: Option<String> = None;
+        for (what, name, bytes) in valid::ways_to_write(&glb, folder) {
+            let path = folder.join(name);
+            std::fs::write(&path, &bytes).expect("writes");
+            let scene = load(&path, &options).unwrap_or_else(|error| panic!("{what}: {error}\n{}", glb.json));
+            check_scene(&scene);
+            let found = summary(&scene);
+            assert!(*expected.get_or_insert_with(|| found.clone()) == found, "{what}: {}", glb.json);
+        }
+        for _ in 0..DAMAGED {
+            let bytes = damage::damaged(dice, &glb);
+            self.check_damaged(&folder.join("scene.glb"), &bytes, &options, dice.chance(0.1));
+        }
+    }
+
+    fn check_damaged(&mut self, path: &Path, bytes: &[u8], options: &LoadOptions, takes_name: bool) {
+        self.damaged += 1;
+        std::fs::write(path, bytes).expect("writes");
+        let listed = files_of_gltf(path, bytes);
+        let loaded = load(path, options);
+        match &loaded {
+            Ok(scene) => {
+                self.loaded += 1;
+                check_scene(scene);
+                assert!(listed.is_ok(), "{listed:?}");
+            }
+            Err(error) => {
+                let message = error.to_string();
+                assert!(!message.contains('\n') && message.len() < 2000, "{message}");
+                let of_scene = message.contains("scene.glb");
+                // The file of a buffer or an image may be what is missing.
+                assert!(of_scene || matches!(error, Error::Io(_)), "{message}");
+                self.refused += 1;
+                self.too_large += u64::from(matches!(error, Error::SceneMemory { .. }));
+            }
+        }
+        let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
+        if takes_name && write_shadow_name(path, "a.adumbra", sun).is_ok() {
+            self.named += 1;
+            let again = load(path, options);
+            // One more node and light may be more than the memory allows.
+            assert!(
+                again.is_ok() == loaded.is_ok() || matches!(again, Err(Error::SceneMemory { .. })),
+                "{loaded:?} {again:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn gltf_random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
+    let time = fuzz_time();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (mut totals, started) = (Totals::default(), Instant::now());
+    for seed in 0.. {
+        if time.map_or(seed >= QUICK_SEEDS, |time| started.elapsed() >= time) {
+            break;
+        }
+        if catch_unwind(AssertUnwindSafe(|| totals.check(folder.path(), seed))).is_err() {
+            panic!("seed {seed} fails");
+        }
+    }
+    println!("{totals:?} in {:.1} s, peak {:?} bytes", started.elapsed().as_secs_f64(), peak_bytes());
+    let tenth = totals.damaged / 10;
+    assert!(totals.loaded > tenth && totals.refused > tenth, "damage is too weak or too strong: {totals:?}");
+    assert!(totals.named > 0, "no damaged file takes a name: {totals:?}");
+    assert_memory_is_bounded();
+}
+
+fn assert_memory_is_bounded() {
+    if let Some(peak) = peak_bytes() {
+        assert!(peak < MAX_BYTES + TEST_BYTES, "{} MiB", peak >> 20);
+    }
+}
+
+/// Elements of a few bytes become structures of hundreds.
+#[test]
+fn gltf_the_densest_files_take_no_more_memory_than_allowed() {
+    let options = LoadOptions { max_memory_bytes: Some(MAX_BYTES), ..LoadOptions::default() };
+    let lists = [
+        "accessors",
+        "animations",
+        "buffers",
+        "bufferViews",
+        "images",
+        "materials",
+        "meshes",
+        "nodes",
+        "samplers",
+        "scenes",
+        "skins",
+        "textures",
+    ];
+    let elements = [
+        "0",
+        "{}",
+        "[]",
+        "{\"name\":1}",
+        "\"\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\\n\"",
+    ];
+    for list in lists {
+        for element in elements {
+            // As many as nearly fit, and more.
+            for count in [30_000, 60_000, 400_000] {
+                let mut text = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"{list}\":[{element}");
+                text.extend(std::iter::repeat_n(format!(",{element}"), count - 1));
+                text += "]}";
+                let (_folder, path) = file("scene.gltf", text.as_bytes());
+                let error = load(&path, &options).expect_err("holds no triangles");
+                let fits = !matches!(error, Error::SceneMemory { .. });
+                assert!(count < 100_000 || !fits, "{list} {element}: {error}");
+                assert_memory_is_bounded();
+            }
+        }
+    }
+}
+
+/// The values of a JSON text, for damage and for other ways to write it.
+fn each_value(value: &mut Value, visit: &mut impl FnMut(&mut Value)) {
+    visit(value);
+    match value {
+        Value::Array(list) => list.iter_mut().for_each(|v| each_value(v, visit)),
+        Value::Object(members) => members.values_mut().for_each(|v| each_value(v, visit)),
+        _ => {}
+    }
+}
+
+#[test]
+fn gltf_files_cut_anywhere_are_refused() {
+    let dice = &mut Dice::new(3);
+    let glb: Glb = valid::file(dice);
+    let bytes = glb.bytes();
+    let (_folder, path) = file("scene.glb", &bytes);
+    for length in (0..bytes.len()).step_by(7) {
+        std::fs::write(&path, &bytes[..length]).expect("writes");
+        let error = load(&path, &LoadOptions::default()).expect_err("is cut off");
+        assert!(matches!(error, Error::SceneParse { .. }), "{length}: {error}");
+    }
+}
