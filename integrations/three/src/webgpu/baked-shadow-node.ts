@@ -99,8 +99,6 @@ export class BakedShadowNode extends Base {
   override build(builder: NodeBuilder, output: string | null = null): Node | string | null {
     // Before the nodes of `movers`, so that a shadow map is drawn with the casters of the same frame.
     (builder as Builder).addSequentialNode(this);
-    // Cascades before their own shadow maps; from 0.186 on they see to it themselves.
-    if (this.#movers !== null) (builder as Builder).addSequentialNode(this.#movers);
     return super.build(builder, output);
   }
 

@@ -301,7 +301,6 @@ test.each([
   ['0.183.0', 'twoLights', 'webgl2'],
   ['0.183.0', 'compileAsync', 'webgpu'],
   ['0.183.0', 'materials', 'webgpu'],
-  ['0.183.0', 'cascades', 'webgpu'],
   ['0.183.0', 'materials', 'webgl'],
   ['0.183.0', 'hooks', 'webgl'],
   ['0.166.0', 'movers', 'webgl'],
