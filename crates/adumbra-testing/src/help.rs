@@ -39,20 +39,19 @@ pub fn stated_defaults(verb: &Command) -> BTreeMap<String, Option<String>> {
         .collect()
 }
 
+/// Returns the option that a line of a help text introduces. Heads are indented by two or six spaces, descriptions, which
+/// may begin with an option too, by more.
+fn head(line: &str) -> Option<&str> {
+    let text = line.trim_start();
+    let is_head = matches!(line.len() - text.len(), 2 | 6) && text.starts_with('-');
+    text.split_whitespace().find(|word| is_head && word.starts_with("--"))
+}
+
 /// Returns the default that a help text states for an option.
 fn stated_in(help: &str, name: &str) -> Option<String> {
-    let is_head = |line: &str| {
-        let line = line.trim_start();
-        let line =
-            line.split_once(", ").map_or(line, |(short, rest)| if short.len() == 2 { rest } else { line });
-        line.starts_with("--") && line.split([' ', '[', '=']).next() == Some(name)
-    };
-    let block: Vec<&str> = help
-        .lines()
-        .skip_while(|line| !is_head(line))
-        .skip(1)
-        .take_while(|line| !line.trim_start().starts_with('-') || line.trim_start().starts_with("- "))
-        .collect();
+    let is_of_option = |line: &&str| head(line).and_then(|head| head.split(['[', '=']).next()) == Some(name);
+    let block = help.lines().skip_while(|line| !is_of_option(line)).skip(1);
+    let block: Vec<&str> = block.take_while(|line| head(line).is_none()).collect();
     let block = block.join(" ");
     let text = block.split_once("[default")?.1.split_once(']')?.0;
     Some(text.strip_prefix(':').unwrap_or(text).split_whitespace().collect::<Vec<_>>().join(" "))
@@ -93,7 +92,9 @@ mod tests {
             Command::new("verb")
                 .arg(Arg::new("path").required(true))
                 .arg(Arg::new("width").long("width").short('w').default_value("5").help("Width"))
-                .arg(Arg::new("wide").long("wide").help("Wide [default: as\nwide as the rest]"))
+                .arg(
+                    Arg::new("wide").long("wide").help("--width is not wide [default: as\nwide as the rest]"),
+                )
                 .arg(Arg::new("none").long("none").value_name("A[:B]").help("Nothing"))
                 .arg(Arg::new("needed").long("needed").required(true))
                 .arg(Arg::new("quick").long("quick").action(ArgAction::SetTrue).help("Be quick [default]"))
