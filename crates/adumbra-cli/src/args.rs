@@ -22,7 +22,7 @@ pub(crate) use bake::Bake;
 use clap::builder::PossibleValue;
 use clap::{Parser, Subcommand, ValueEnum};
 #[cfg(feature = "render")]
-pub(crate) use compare::Compare;
+pub(crate) use compare::{Compare, PATH_FRAMES};
 pub(crate) use lookup::{BiasArgs, LookupArgs};
 pub(crate) use query::Query;
 #[cfg(feature = "render")]

@@ -8,6 +8,9 @@ use adumbra_program::exit::Failure;
 
 use super::render::CameraArgs;
 
+/// Default number of frames of a generated path.
+pub(crate) const PATH_FRAMES: u32 = 60;
+
 #[derive(clap::Args)]
 #[command(mut_arg("json", |json| json.help("Print the report as one JSON object")))]
 pub(crate) struct Compare {

@@ -201,10 +201,7 @@ fn compare(args: &Compare) -> Used {
         ("--reference", name(&args.reference)),
         ("--shadow-file", empty(&args.shadow_file, "baked as needed")),
         ("--path", absent(args.path.as_ref(), "")),
-        (
-            "--path-frames",
-            absent(args.path_frames.as_ref(), &format!("the file's, or {}", crate::cmd::PATH_FRAMES)),
-        ),
+        ("--path-frames", absent(args.path_frames.as_ref(), &format!("the file's, or {PATH_FRAMES}"))),
     ];
     let groups = [
         camera(&args.view),

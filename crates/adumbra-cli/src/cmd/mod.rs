@@ -23,9 +23,6 @@ mod verify;
 #[cfg(feature = "view")]
 mod view;
 
-#[cfg(all(test, feature = "view"))]
-pub(crate) use compare::PATH_FRAMES;
-
 use adumbra::layout::Composition;
 use adumbra::{FormatError, ShadowFile};
 use adumbra_program::exit::{Failure, Outcome};

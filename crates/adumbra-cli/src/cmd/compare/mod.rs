@@ -25,10 +25,7 @@ use adumbra_scene::Camera;
 use adumbra_truth::picture::BaseColors;
 use adumbra_truth::trace::Ray;
 
-use crate::args::Compare;
-
-/// Default number of frames of a generated path.
-pub(crate) const PATH_FRAMES: u32 = 60;
+use crate::args::{Compare, PATH_FRAMES};
 
 pub(crate) fn run(args: &Compare) -> Result<Code> {
     args.check()?;
