@@ -134,7 +134,7 @@ const DRAWING: [&str; 6] = ["adumbra-lab", "adumbra-render", "adumbra-view", "eg
 
 /// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench, draw or count
 /// repeatedly, and scene fuzzing at full length.
-const NOT_QUICK: [&str; 35] = [
+const NOT_QUICK: [&str; 36] = [
     "shared_",
     "bench_",
     "counts_the_taps_that_the_cpu_counts",
@@ -144,6 +144,7 @@ const NOT_QUICK: [&str; 35] = [
     "a_town_at_map_coordinates_",
     "view_bakes_anew_",
     "limited_bake_",
+    "memory_of_",
     "bake_writes_the_same_bytes_",
     "report_browser_",
     "report_keeps_what_was_measured_",
