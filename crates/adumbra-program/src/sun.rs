@@ -111,7 +111,7 @@ pub fn sun_of_scene(scene: &Scene) -> Result<(ChosenSun, Vec<String>), adumbra::
 /// # Errors
 ///
 /// Returns the errors of [`sun_of_scene`].
-pub fn told_sun_of_scene(scene: &Scene, path: &Path) -> Result<ChosenSun, adumbra::Error> {
+pub fn sun_of_scene_with_warnings(scene: &Scene, path: &Path) -> Result<ChosenSun, adumbra::Error> {
     let (sun, messages) = sun_of_scene(scene)?;
     for message in messages {
         eprintln!("warning: {}: {message}", path.display());

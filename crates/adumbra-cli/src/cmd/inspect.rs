@@ -5,7 +5,7 @@ use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::print_json;
 use adumbra_program::say;
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
-use adumbra_program::sun::{SunOrigin, told_sun_of_scene};
+use adumbra_program::sun::{SunOrigin, sun_of_scene_with_warnings};
 use adumbra_program::threads::with_threads;
 use adumbra_scene::{AlphaMode, Counts, FileSun, Scene, topology};
 use serde::Serialize;
@@ -110,7 +110,7 @@ fn inspect(args: &Inspect) -> Outcome {
     let masked = scene.materials.iter().filter(|m| matches!(m.alpha, AlphaMode::Mask { .. })).count();
     let triangles = scene.stored_triangles();
     let instanced = scene.instanced_triangles();
-    let sun = told_sun_of_scene(&scene, &args.scene)?;
+    let sun = sun_of_scene_with_warnings(&scene, &args.scene)?;
     let suggested = suggested_resolution(&scene, &sun.sun);
     limit.check_peak("the scene's topology")?;
     if args.run.json {

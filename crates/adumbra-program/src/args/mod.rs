@@ -12,7 +12,7 @@ pub use values::{numbers, parse_bytes, parse_size, parse_triple};
 
 use crate::exit::Failure;
 use crate::memory::MemoryLimit;
-use crate::sun::{ChosenSun, SunSource, told_sun_of_scene};
+use crate::sun::{ChosenSun, SunSource, sun_of_scene_with_warnings};
 
 /// Options that give the direction of the sun.
 #[derive(clap::Args)]
@@ -59,7 +59,7 @@ impl SunArgs {
         Ok(match (self.given()?, self.sun) {
             (Some(_), Some(towards)) => ChosenSun::from_direction(towards, SunSource::Option.into())?,
             (Some(sun), None) => ChosenSun::from_source(sun, SunSource::Option),
-            (None, _) => told_sun_of_scene(scene, path)?,
+            (None, _) => sun_of_scene_with_warnings(scene, path)?,
         })
     }
 }
