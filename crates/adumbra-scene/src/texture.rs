@@ -107,8 +107,8 @@ impl Texture {
         if ktx2::is_ktx2(bytes) {
             return Self::decode_ktx2(name, bytes, alpha_only, budget);
         }
-        let decoder = match open(bytes, ending) {
-            Ok(decoder) => decoder,
+        let (format, decoder) = match open(bytes, ending) {
+            Ok(opened) => opened,
             Err(what) => return Ok(Err(what)),
         };
         let ((width, height), color) = (decoder.dimensions(), decoder.color_type());
@@ -123,7 +123,7 @@ impl Texture {
         budget.charge_decoding(decoder.total_bytes(), || {
             format!("all textures up to {name:?} of {width} x {height} texels, decoded one by one")
         })?;
-        let result = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()).and_then(|image| {
+        let result = DynamicImage::from_decoder(decoder).map_err(|e| fault(format, &e)).and_then(|image| {
             if texels == 0 {
                 return Err("the image is empty".to_owned());
             }
@@ -214,31 +214,48 @@ impl Grid {
 }
 
 /// Reads an image's header. The error is a clause for a message.
-fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<impl ImageDecoder + 'a, String> {
+fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<(ImageFormat, impl ImageDecoder + 'a), String> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
     if reader.format().is_none()
         && let Some(format) = ImageFormat::from_extension(ending)
     {
         reader.set_format(format);
     }
-    if reader.format().is_none() {
+    let Some(format) = reader.format() else {
         return Err("it is not a PNG, JPEG, WebP, TGA, BMP or KTX2 image".to_owned());
-    }
-    if reader.format() == Some(ImageFormat::Png) {
+    };
+    if format == ImageFormat::Png {
         // The decoder unpacks the colour profile before it reports the image size. A larger profile is skipped. Text
         // chunks may be held in memory a few times over.
         let mut limits = Limits::default();
         limits.max_alloc = Some(PNG_HEADER_BYTES.saturating_add(bytes.len() as u64 * 4));
         reader.limits(limits);
     }
-    let decoder = reader.into_decoder().map_err(|e| match e {
-        ImageError::Limits(_) => "it is larger than an image may be".to_owned(),
-        e => e.to_string(),
-    })?;
+    let decoder = reader.into_decoder().map_err(|e| fault(format, &e))?;
     // Enforces the image library's size limit for a single image.
     let (width, height) = decoder.dimensions();
     check_size(width, height, decoder.total_bytes())?;
-    Ok(decoder)
+    Ok((format, decoder))
+}
+
+/// Says in plain words why an image cannot be decoded: a clause for a message.
+fn fault(format: ImageFormat, error: &ImageError) -> String {
+    let name = match format {
+        ImageFormat::Png => "PNG",
+        ImageFormat::Jpeg => "JPEG",
+        ImageFormat::WebP => "WebP",
+        ImageFormat::Tga => "TGA",
+        ImageFormat::Bmp => "BMP",
+        _ => return "it is not a PNG, JPEG, WebP, TGA, BMP or KTX2 image".to_owned(),
+    };
+    match error {
+        ImageError::Limits(_) => "it is larger than an image may be".to_owned(),
+        ImageError::Unsupported(_) => format!("it is a kind of {name} image that cannot be read"),
+        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+            format!("its {name} data ends too early")
+        }
+        _ => format!("it is damaged, or no {name} image"),
+    }
 }
 
 /// Refuses an image that decodes to more bytes than a single image may have. The error is a clause for a message.

@@ -28,9 +28,23 @@ pub(crate) struct Layouts {
     pub(crate) depths: DepthTree,
 }
 
+/// Returns the scene with the triangles of each mesh in another order, each from another of its corners on.
+fn shuffled(scene: &Scene, dice: &mut Dice) -> Scene {
+    let mut scene = scene.clone();
+    for mesh in &mut scene.meshes {
+        for t in (0..mesh.triangles.len()).rev() {
+            let other = dice.below(t + 1);
+            mesh.triangles.swap(t, other);
+            mesh.triangle_materials.swap(t, other);
+            mesh.triangles[t].rotate_left(dice.below(3));
+        }
+    }
+    scene
+}
+
 impl Layouts {
     /// Bakes all of them and validates each.
-    pub(crate) fn bake(scene: &Scene, options: &BakeOptions) -> Result<Self, String> {
+    pub(crate) fn bake(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Self, String> {
         let text = |e: crate::Error| e.to_string();
         let ((both, depths), _) = bake_both(scene, options).map_err(text)?;
         let plain_options = BakeOptions { builder: Builder::Plain, ..options.clone() };
@@ -59,6 +73,10 @@ impl Layouts {
         packed.validate().map_err(|e| format!("the packed graph is not valid: {e}"))?;
         for (name, depths) in [("merged", &depths), ("unmerged", &unmerged)] {
             depths.validate().map_err(|e| format!("the {name} depths are not valid: {e}"))?;
+        }
+        let shuffled = bake_depths(&shuffled(scene, &mut Dice::new(seed, 2)), options, true).map_err(text)?.0;
+        if shuffled != depths {
+            return Err("the depths change when triangles are shuffled and their corners turned".to_owned());
         }
         let [nx, ny, _] = depths.size;
         let differs = |i: u32, j: u32| depths.value(i, j) != unmerged.value(i, j);

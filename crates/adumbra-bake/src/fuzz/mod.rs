@@ -61,7 +61,7 @@ fn check_case(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Totals,
         totals.refused += 1;
         return Ok(totals);
     }
-    let layouts = Layouts::bake(scene, options)?;
+    let layouts = Layouts::bake(seed, scene, options)?;
     let dice = &mut Dice::new(seed, 1);
     layouts.check_columns(&plan, dice, &mut totals)?;
     let truth = Truth::new(scene, options, &plan);

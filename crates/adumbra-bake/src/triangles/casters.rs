@@ -194,30 +194,48 @@ impl<'s> Casters<'s> {
     }
 }
 
+/// Sorts the triangles by position alone, so that no file depends on their order in the mesh, nor on which corner comes
+/// first: encoders that lose nothing else change both. Bounds on how freely a column may switch start from the first
+/// surface of a group, so the order is not without effect.
 fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClusters {
     let topology: Option<Topology> =
         (options.closed_regions || options.outlines).then(|| topology::analyse(mesh, &scene.materials));
     let mut order: Vec<(u64, u32)> = Vec::with_capacity(mesh.triangles.len());
     let (min, max) = bounds(mesh.positions.iter());
     let scale: [f32; 3] = std::array::from_fn(|a| 1023.0 / (max[a] - min[a]).max(f32::MIN_POSITIVE));
-    for (t, corners) in mesh.triangles.iter().enumerate() {
-        let p = mesh.positions[corners[0] as usize];
-        let cell: [u64; 3] = std::array::from_fn(|a| ((p[a] - min[a]) * scale[a]) as u64);
+    for (t, &triangle) in mesh.triangles.iter().enumerate() {
+        let corners = triangle.map(|v| mesh.positions[v as usize]);
+        let cell: [u64; 3] = std::array::from_fn(|a| {
+            let low = corners.iter().fold(f32::INFINITY, |low, p| low.min(p[a]));
+            ((low - min[a]) * scale[a]) as u64
+        });
         order.push((spread(cell[0]) << 2 | spread(cell[1]) << 1 | spread(cell[2]), t as u32));
     }
-    order.sort_unstable();
+    order.sort_unstable_by(|&(cell, t), &(other_cell, other)| {
+        let key = |t: u32| (leading_corner_first(mesh, t), mesh.triangle_materials[t as usize], t);
+        cell.cmp(&other_cell).then_with(|| key(t).cmp(&key(other)))
+    });
+    // Components are numbered as they are met.
+    let mut numbers = vec![None; topology.as_ref().map_or(0, |t| t.components.len())];
+    let mut met = 0;
     let triangles: Vec<_> = order
         .iter()
         .map(|&(_, t)| {
             let material = &scene.materials[mesh.triangle_materials[t as usize] as usize];
             let masked = !options.ignore_alpha && material.alpha != adumbra_scene::AlphaMode::Opaque;
             let solid = options.closed_regions && topology.as_ref().is_some_and(|s| s.is_solid(t as usize));
-            let component = topology.as_ref().map_or(0, |s| s.component_of_triangle[t as usize]);
+            let component = topology.as_ref().map_or(0, |s| {
+                let number = &mut numbers[s.component_of_triangle[t as usize] as usize];
+                *number.get_or_insert_with(|| {
+                    met += 1;
+                    met - 1
+                })
+            });
             ClusterTriangle { triangle: t, casts: material.casts, solid, masked, component }
         })
         .collect();
     // Adjacency needs as much again.
-    drop((order, topology));
+    drop((order, topology, numbers));
     let clusters = triangles
         .chunks(CLUSTER_TRIANGLES)
         .enumerate()
@@ -229,6 +247,16 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
         .collect();
     let adjacent_vertices = if options.outlines { adjacent_vertices(mesh, &triangles) } else { Vec::new() };
     MeshClusters { triangles, adjacent_vertices, clusters }
+}
+
+/// Returns the coordinates of a triangle's corners, as words, from the least one on: the same whichever corner comes
+/// first in the mesh.
+fn leading_corner_first(mesh: &Mesh, triangle: u32) -> [[u32; 3]; 3] {
+    let mut corners =
+        mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize].map(f32::to_bits));
+    let least = (0..3).min_by_key(|&c| corners[c]).unwrap_or_default();
+    corners.rotate_left(least);
+    corners
 }
 
 fn bounds<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> ([f32; 3], [f32; 3]) {

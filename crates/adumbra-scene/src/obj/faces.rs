@@ -18,8 +18,10 @@ use crate::{Counts, Error, Instance, LoadOptions, Mesh, Result};
 
 /// The object of faces that precede any name.
 const UNNAMED: &str = "unnamed_object";
-/// Memory per object without its name: its mesh, its instance and what finds them; bytes.
-const OBJECT_BYTES: u64 = (size_of::<Mesh>() + size_of::<Instance>() + size_of::<Object>()) as u64 + 64;
+/// Memory per object without its name, and what finds it; bytes.
+const OBJECT_BYTES: u64 = size_of::<Object>() as u64 + 64;
+/// Memory per mesh and its instance, without the name; bytes.
+const MESH_BYTES: u64 = (size_of::<Mesh>() + size_of::<Instance>()) as u64;
 /// Memory per entry of a map from corners to vertices, bytes.
 const ENTRY_BYTES: u64 = 40;
 /// In place of a texture coordinate: none.
@@ -192,7 +194,7 @@ impl Reader<'_> {
         if let Some(&number) = numbers.get(name) {
             return Ok(number);
         }
-        let bytes = OBJECT_BYTES + 4 * name.len() as u64;
+        let bytes = OBJECT_BYTES + 2 * name.len() as u64;
         self.sources.budget.charge(bytes, || "the names of its objects".to_owned())?;
         let shown = if name.is_empty() { UNNAMED.to_owned() } else { shown(name).into_owned() };
         // A face is in each of the groups that a statement names.
@@ -276,6 +278,8 @@ impl Reader<'_> {
         let next = self.out.meshes.len();
         run.mesh = Some(*object.mesh.get_or_insert(next));
         if run.mesh == Some(next) {
+            let bytes = MESH_BYTES + 2 * object.name.len() as u64;
+            self.sources.budget.charge(bytes, || "its meshes".to_owned())?;
             self.out.meshes.push(Mesh { name: object.name.clone(), ..Mesh::default() });
         }
         Ok(run)

@@ -71,7 +71,7 @@ impl<'t, 'a> Textures<'t, 'a> {
             Some(map) => Some((map, self.mask_source(mtl, map)?)),
             None => None,
         };
-        let mut color = match mtl.color.as_ref().filter(|_| self.options.color_textures) {
+        let mut color = match mtl.color.as_deref().filter(|_| self.options.color_textures) {
             Some(map) => self.color_file(mtl, map, notes)?.map(|file| (map, file)),
             None => None,
         };

@@ -20,6 +20,8 @@ const ENDING: &str = ".mtl";
 const OTHER_MAPS: [&[u8]; 5] = [b"bump", b"disp", b"decal", b"refl", b"norm"];
 /// Memory per material, both parsed and in the scene, without its names; bytes.
 const MATERIAL_BYTES: u64 = (size_of::<Mtl>() + size_of::<Material>()) as u64 + 128;
+/// Memory per texture of a material, without its name, bytes.
+const MAP_BYTES: u64 = size_of::<Map>() as u64;
 /// At most this many names are listed in a message.
 const LISTED: usize = 5;
 
@@ -34,9 +36,9 @@ pub(super) struct Mtl {
     /// `Tr`.
     transparency: Option<f32>,
     /// `map_Kd`.
-    pub(super) color: Option<Map>,
+    pub(super) color: Option<Box<Map>>,
     /// `map_d`.
-    pub(super) mask: Option<Map>,
+    pub(super) mask: Option<Box<Map>>,
     /// Statements that other programs use for opacity maps.
     foreign_masks: u64,
 }
@@ -62,7 +64,7 @@ impl Mtl {
 
     /// The mask, if the options want it.
     pub(super) fn wanted_mask(&self, options: &LoadOptions) -> Option<&Map> {
-        self.mask.as_ref().filter(|_| !options.ignore_alpha)
+        self.mask.as_deref().filter(|_| !options.ignore_alpha)
     }
 
     /// How its texture coordinates are placed; `None` if it needs none.
@@ -297,10 +299,10 @@ impl Reader<'_, '_> {
                 b"d" => mtl.dissolve = fraction().or(mtl.dissolve),
                 b"tr" => mtl.transparency = fraction().or(mtl.transparency),
                 b"map_kd" | b"map_d" => {
-                    budget.charge(3 * statement.whole.len() as u64, || {
+                    budget.charge(MAP_BYTES + 3 * statement.whole.len() as u64, || {
                         "the names of its textures".to_owned()
                     })?;
-                    let map = Map::of(&statement.name());
+                    let map = Map::of(&statement.name()).map(Box::new);
                     let kept = if keyword == b"map_d" { &mut mtl.mask } else { &mut mtl.color };
                     *kept = map.or(kept.take());
                 }
