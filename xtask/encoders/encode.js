@@ -1,8 +1,8 @@
 // Compresses a glTF scene as exporters do: node encode.js METHOD SCENE.glb OUT.glb
 //
-// draco-lossless (sequential, not quantized) keeps every value, every vertex and every triangle in its order; so does
-// meshopt (EXT_meshopt_compression alone), but for the corner at which a triangle begins. The others are the encoders'
-// usual ones: draco (edgebreaker, quantized), draco-speed0, meshopt-quantized, gltfpack, gltfpack-cc.
+// Three keep every value: draco-lossless (sequential), draco-lossless-edgebreaker, which stores triangles and corners in
+// another order, and meshopt (EXT_meshopt_compression alone), which may begin a triangle at another corner. The others
+// are the encoders' usual ones: draco (edgebreaker, quantized), draco-speed0, meshopt-quantized, gltfpack, gltfpack-cc.
 
 import { NodeIO } from "@gltf-transform/core";
 import {
@@ -22,6 +22,7 @@ const DRACO = {
   draco: { method: EDGEBREAKER },
   "draco-speed0": { method: EDGEBREAKER, encodeSpeed: 0, decodeSpeed: 0 },
   "draco-lossless": { method: SEQUENTIAL, quantizationBits: bits(0) },
+  "draco-lossless-edgebreaker": { method: EDGEBREAKER, quantizationBits: bits(0) },
 };
 const GLTFPACK = { gltfpack: ["-c", "-kn", "-km"], "gltfpack-cc": ["-cc", "-kn", "-km"] };
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use adumbra::{IoError, RangeError};
 
 use crate::Omission;
+use crate::one_line::one_line;
 
 /// Any error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -23,7 +24,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// The scene file does not parse.
-    #[error("{path:?}: not a valid {format} file: {what}; export it again or check that it is complete", path = path.display())]
+    #[error("{path:?}: not a valid {format} file: {what}; export it again or check that it is complete", path = path.display(), what = one_line(what))]
     SceneParse {
         /// The scene file.
         path: PathBuf,
@@ -33,7 +34,7 @@ pub enum Error {
         what: String,
     },
     /// The glTF file requires an extension that is not supported.
-    #[error("{path:?}: requires the glTF extension {extension}, which is not supported; export the scene without it", path = path.display())]
+    #[error("{path:?}: requires the glTF extension {extension}, which is not supported; export the scene without it", path = path.display(), extension = one_line(extension))]
     RequiredExtension {
         /// The scene file.
         path: PathBuf,
@@ -41,7 +42,7 @@ pub enum Error {
         extension: String,
     },
     /// The file is another version of glTF than 2.0, or needs one.
-    #[error("{path:?}: glTF {version}; convert it to 2.0", path = path.display())]
+    #[error("{path:?}: glTF {version}; convert it to 2.0", path = path.display(), version = one_line(version))]
     GltfVersion {
         /// The scene file.
         path: PathBuf,
@@ -62,7 +63,7 @@ pub enum Error {
         feature: &'static str,
     },
     /// A texture that decides where a material is opaque cannot be read.
-    #[error("{path:?}: material {material:?} needs the texture {texture}: {what}; provide a readable image, or load the scene with its alpha ignored", path = path.display())]
+    #[error("{path:?}: material {material:?} needs the texture {texture}: {what}; provide a readable image, or load the scene with its alpha ignored", path = path.display(), texture = one_line(texture), what = one_line(what))]
     Texture {
         /// The scene file.
         path: PathBuf,
@@ -76,7 +77,7 @@ pub enum Error {
     /// The scene references a file outside its own folder.
     #[error(
         "{path:?}: {place} references {named:?}, which is outside the scene's folder; copy it into that folder and reference it there, or allow files outside it if you trust the scene",
-        path = path.display()
+        path = path.display(), place = one_line(place)
     )]
     OutsideScene {
         /// The scene file.
@@ -89,7 +90,7 @@ pub enum Error {
     /// A device, a pipe or a socket was found where a scene file was expected.
     #[error(
         "{path:?} ({place}): not a regular file but a device, a pipe or a socket; copy the data into a file",
-        path = path.display()
+        path = path.display(), place = one_line(place)
     )]
     NotRegularFile {
         /// The file.
@@ -99,8 +100,8 @@ pub enum Error {
     },
     /// Loading the scene would hold more memory than is allowed.
     #[error(
-        "{path:?}: loading needs about {} MiB with {what}, but {} MiB are allowed; raise the memory limit if you trust the scene, or make it smaller",
-        needed_bytes.div_ceil(1 << 20), limit_bytes >> 20, path = path.display()
+        "{path:?}: loading needs about {} MiB with {}, but {} MiB are allowed; raise the memory limit if you trust the scene, or make it smaller",
+        needed_bytes.div_ceil(1 << 20), one_line(what), limit_bytes >> 20, path = path.display()
     )]
     SceneMemory {
         /// The scene file.
@@ -121,7 +122,7 @@ pub enum Error {
         reason: EmptyReason,
     },
     /// A vertex or a node transform is NaN or infinite.
-    #[error("{path:?}: {what} is NaN or infinite; repair the mesh in the program that made it", path = path.display())]
+    #[error("{path:?}: {what} is NaN or infinite; repair the mesh in the program that made it", path = path.display(), what = one_line(what))]
     NotFinite {
         /// The scene file.
         path: PathBuf,

@@ -18,6 +18,7 @@ mod mips;
 mod movers;
 mod notes;
 mod obj;
+mod one_line;
 mod ply;
 mod polygon;
 pub mod random;
@@ -32,6 +33,8 @@ mod validate;
 use std::path::Path;
 
 use adumbra::Bounds;
+
+use one_line::one_line;
 
 pub use camera::{Camera, Projection, View};
 pub use error::{EmptyReason, Error, Result};
@@ -315,12 +318,17 @@ impl Scene {
 /// the file, the part of it and the remedy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let scene = match ending.as_str() {
+    let mut scene = match ending.as_str() {
         "glb" | "gltf" => gltf::load(path, options)?,
         "obj" => obj::load(path, options)?,
         "ply" => ply::load(path, options)?,
         _ => return Err(Error::UnknownSceneFormat { path: path.to_owned() }),
     };
+    let notes = &mut scene.notes;
+    for text in notes.omissions.iter_mut().map(|omission| &mut omission.what).chain(&mut notes.warnings) {
+        let line = one_line(text).to_string();
+        *text = line;
+    }
     if options.strict && !scene.notes.omissions.is_empty() {
         return Err(Error::Omitted { path: path.to_owned(), omissions: scene.notes.omissions });
     }

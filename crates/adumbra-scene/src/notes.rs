@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::one_line::one_line;
+
 /// Counts and warnings gathered while loading.
 #[derive(Clone, Debug, Default)]
 pub struct LoadNotes {
@@ -57,7 +59,7 @@ pub struct Omission {
 
 impl fmt::Display for Omission {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.count, self.what)
+        write!(f, "{} {}", self.count, one_line(&self.what))
     }
 }
 

@@ -325,7 +325,7 @@ mod tests {
         };
         for (stated, found) in [(4096, Some(4096)), (64 << 20, None)] {
             let bytes = with_profile(stated);
-            let mut decoder = open(&bytes, "").expect("opens");
+            let (_, mut decoder) = open(&bytes, "").expect("opens");
             assert_eq!(decoder.icc_profile().expect("opens").map(|p| p.len()), found);
             DynamicImage::from_decoder(decoder).expect("decodes");
         }

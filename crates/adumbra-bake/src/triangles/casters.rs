@@ -252,8 +252,7 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
 /// Returns the coordinates of a triangle's corners, as words, from the least one on: the same whichever corner comes
 /// first in the mesh.
 fn leading_corner_first(mesh: &Mesh, triangle: u32) -> [[u32; 3]; 3] {
-    let mut corners =
-        mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize].map(f32::to_bits));
+    let mut corners = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize].map(f32::to_bits));
     let least = (0..3).min_by_key(|&c| corners[c]).unwrap_or_default();
     corners.rotate_left(least);
     corners

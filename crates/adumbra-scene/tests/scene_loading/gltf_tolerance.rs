@@ -257,6 +257,18 @@ fn gltf_long_faults_have_short_messages() {
 }
 
 #[test]
+fn gltf_names_with_line_breaks_stay_on_one_line_of_a_message() {
+    let mut glb = masked();
+    glb.json["images"][0] = json!({"name": "a\nb\u{1b}[2J"});
+    let message = refused(glb.load()).to_string();
+    assert!(message.contains(r"a\nb\u{1b}[2J") && !message.contains(char::is_control), "{message}");
+    let mut glb = Glb::triangle();
+    glb.json["extensionsRequired"] = json!(["a\nb"]);
+    let message = refused(glb.load()).to_string();
+    assert!(message.contains(r"a\nb") && !message.contains('\n'), "{message}");
+}
+
+#[test]
 fn gltf_animations_that_cannot_be_read_are_omissions() {
     let sampler = json!({"input": 0, "output": 0});
     let channel = |node: Value, path: &str| json!({"sampler": 0, "target": {"node": node, "path": path}});

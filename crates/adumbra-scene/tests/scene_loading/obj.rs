@@ -294,6 +294,15 @@ fn mtl_texts_of_all_kinds() {
 }
 
 #[test]
+fn control_characters_of_a_name_are_escaped_in_what_is_said_of_it() {
+    let obj = format!("mtllib \u{1b}[2J.mtl\n{SQUARE}f 1 2 3 4\n");
+    let notes = Folder::new(obj).load().expect("loads").notes;
+    let said = format!("{:?} {}", notes.omissions[0].what, notes.warnings.join(" "));
+    assert!(notes.omissions[0].to_string().contains(r"\u{1b}[2J.mtl"), "{said}");
+    assert!(!said.contains(char::is_control), "{said}");
+}
+
+#[test]
 fn material_names_are_bytes() {
     let start = format!("mtllib a.mtl\n{SQUARE}usemtl ");
     let obj = [start.as_bytes(), b"caf\xe9\nf 1 2 3\nusemtl caf\xe8\nf 1 3 4\n"];
