@@ -6,7 +6,7 @@ mod sides;
 use std::sync::Arc;
 
 use adumbra::Bounds;
-use adumbra_lab::pictures::picture_of_rgba;
+use adumbra_compare::pictures::picture_of_rgba;
 use adumbra_render::layers::{Layer, LayerPass, LinePass, PresentKind, PresentPass, WorldLine};
 use adumbra_render::movers::BallPath;
 use adumbra_render::occlusion::{

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::Bounds;
-use adumbra_lab::args::{DeviceArgs, ResolutionArgs};
+use adumbra_compare::args::{DeviceArgs, ResolutionArgs};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_size, parse_triple};
 use adumbra_program::exit::Failure;
 use adumbra_render::occlusion::{OCCLUSIONS, occlusion_options, occlusion_parameters};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use adumbra_render::TechniqueSpec;
 use adumbra_render::occlusion::Estimator;
 
-use super::DeviceArgs;
+use adumbra_compare::args::DeviceArgs;
 
 /// Options of `tune-ao`.
 #[derive(clap::Args)]

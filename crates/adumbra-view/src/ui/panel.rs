@@ -1,6 +1,6 @@
 //! The panel: controls for what is shown, and how.
 
-use adumbra_lab::report::grouped;
+use adumbra_compare::report::grouped;
 use adumbra_render::TechniqueSpec;
 use adumbra_render::layers::Layer;
 use adumbra_render::occlusion::{self, OCCLUSIONS};

@@ -1,7 +1,7 @@
 //! Ambient occlusion of pictures, as `--ao` asks for.
 
-use adumbra_lab::Result;
-use adumbra_lab::truth::TruthTracer;
+use adumbra_compare::Result;
+use adumbra_compare::truth::TruthTracer;
 use adumbra_program::exit::Failure;
 use adumbra_render::occlusion::{
     AmbientSettings, AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings,

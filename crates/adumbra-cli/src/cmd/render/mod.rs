@@ -11,8 +11,8 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use adumbra_lab::args::DeviceArg;
-use adumbra_lab::{Result, layers};
+use adumbra_compare::args::DeviceArg;
+use adumbra_compare::{Result, layers};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::{note_input, print_json, refuse_inputs, refuse_read, refuse_same};
 use adumbra_program::say;

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Bench;
 use super::measure::{Pictures, unfiltered};
-use crate::Result;
-use crate::compare::{median_ratio, median_time};
 use crate::occlusion::{ClaimProbe, Claims, Flicker, OcclusionErrors, with_tuned};
 use crate::results::or_nan;
+use adumbra_compare::Result;
+use adumbra_compare::compare::{median_ratio, median_time};
 
 /// Options, and whether the parameters are the tuned ones or the paper's.
 const VARIANTS: [(&str, bool); 13] = [

@@ -1,6 +1,6 @@
 //! Compares two techniques with ray-traced truth, using the library: same camera, same pixels, one row each.
 //!
-//! `cargo run --release -p adumbra-lab --example compare_two` bakes the generated city and prints the table of
+//! `cargo run --release -p adumbra-compare --example compare_two` bakes the generated city and prints the table of
 //! `voxel:filter=5` and `csm:filter=5`. Append `-- sm msm` to compare others; `adumbra render --help` lists them. The
 //! example fails if a technique is wrong at more than 10 % of the pixels. It needs a Vulkan, Metal or DirectX 12
 //! adapter, which may be a software one.
@@ -9,9 +9,9 @@ use std::error::Error;
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
-use adumbra_lab::compare::{Contender, Reference, compare, truth_for};
-use adumbra_lab::report::{figure, percent};
-use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
+use adumbra_compare::compare::{Contender, Reference, compare, truth_for};
+use adumbra_compare::report::{figure, percent};
+use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
 use adumbra_render::{Baked, Gpu, GpuOptions, Renderer, SceneOptions, TechniqueSpec, build};
 use adumbra_scene::{Camera, GeneratedKind, Projection, generate};
 

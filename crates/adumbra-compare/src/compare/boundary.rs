@@ -23,7 +23,7 @@ pub struct BoundaryGain {
 /// each pixel of the picture.
 ///
 /// Pixels outside the map are skipped. If none remains, all values are zero.
-pub(crate) fn boundary_gain(levels: &[f32], merges: u32, pixels: &[usize]) -> BoundaryGain {
+pub fn boundary_gain(levels: &[f32], merges: u32, pixels: &[usize]) -> BoundaryGain {
     let ends = pixels.iter().filter_map(|&i| levels.get(i)).filter(|level| **level >= 0.0);
     let (mut count, mut finest, mut finer) = (0_u64, 0_u64, 0.0);
     for &level in ends {

@@ -1,6 +1,7 @@
 //! Vectors of three `f64`.
 
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+/// Returns the dot product.
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
-use adumbra_lab::compare::{Compared, Comparison};
-use adumbra_lab::paths::CameraPath;
-use adumbra_lab::truth::{StreetOptions, TruthTracer, street_camera};
+use adumbra_compare::compare::{Compared, Comparison};
+use adumbra_compare::paths::CameraPath;
+use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera};
 use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions};
 use adumbra_scene::{Camera, LoadOptions, Scene, load};
 use adumbra_testing::bake_file;

@@ -1,7 +1,7 @@
 //! Penumbrae from baked switch depths compared with rays to a sun's disc, on shared scenes.
 
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
-use adumbra_lab::truth::{StreetOptions, SunShape, TruthTracer, street_camera, truth_camera};
+use adumbra_compare::truth::{StreetOptions, SunShape, TruthTracer, street_camera, truth_camera};
 use adumbra_render::voxel::{BakedLight, Voxel, VoxelSettings};
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build};
 use adumbra_scene::{Camera, LoadOptions, load};

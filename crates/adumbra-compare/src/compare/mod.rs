@@ -11,11 +11,11 @@ use adumbra_render::{
 };
 use adumbra_scene::{Camera, Projection};
 use adumbra_truth::picture::Picture;
-pub use boundary::BoundaryGain;
-pub(crate) use boundary::boundary_gain;
-pub(crate) use clear::{CLEAR_TEXELS, clear_errors};
-pub(crate) use near_edges::{errors_off_edges, near_edges};
-pub(crate) use timing::{interleaved, median_ratio, median_time, ratio_range, take_turns};
+pub use boundary::{BoundaryGain, boundary_gain};
+pub use clear::CLEAR_TEXELS;
+pub(crate) use clear::clear_errors;
+pub use near_edges::{errors_off_edges, near_edges};
+pub use timing::{interleaved, median_ratio, median_time, ratio_range, take_turns};
 pub use walk::walk;
 
 use crate::error::Result;

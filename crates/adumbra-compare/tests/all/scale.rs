@@ -5,7 +5,7 @@
 
 use adumbra::{ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
-use adumbra_lab::compare::Comparison;
+use adumbra_compare::compare::Comparison;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
 use adumbra_scene::{Camera, GeneratedKind, Mesh, Projection, Scene, generate};

@@ -1,7 +1,7 @@
 //! Every shadow-map technique compared with rays, away from shadow edges, on the shared scenes.
 
-use adumbra_lab::metrics::is_lit;
-use adumbra_lab::truth::{
+use adumbra_compare::metrics::is_lit;
+use adumbra_compare::truth::{
     EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, street_camera, truth_camera,
 };
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};

@@ -14,7 +14,7 @@ use crate::report::median;
 ///
 /// # Errors
 /// Returns the errors of the renderer.
-pub(crate) fn interleaved(
+pub fn interleaved(
     renderer: &mut Renderer,
     shot: &Shot,
     techniques: &mut [&mut Prepared],
@@ -28,7 +28,7 @@ pub(crate) fn interleaved(
 ///
 /// # Errors
 /// Returns the errors of `draw`.
-pub(crate) fn take_turns(
+pub fn take_turns(
     count: usize,
     frames: u32,
     mut draw: impl FnMut(usize) -> Result<FrameTimes>,
@@ -51,23 +51,19 @@ fn turns(round: usize, count: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Returns the median of `what` over the frames, NaN if there are none.
-pub(crate) fn median_time(times: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f64 {
+pub fn median_time(times: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f64 {
     median(times.iter().map(what).collect())
 }
 
 /// Returns the median over frames k of the ratio of `what` in frame k of `times` to that in frame k of `beside`, NaN if
 /// there are no frames.
-pub(crate) fn median_ratio(
-    times: &[FrameTimes],
-    beside: &[FrameTimes],
-    what: impl Fn(&FrameTimes) -> f64,
-) -> f64 {
+pub fn median_ratio(times: &[FrameTimes], beside: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f64 {
     median(times.iter().zip(beside).map(|(a, b)| what(a) / what(b)).collect())
 }
 
 /// Returns the smallest and the largest of the ratios whose median is [`median_ratio`], or +∞ and -∞ if there are no
 /// frames.
-pub(crate) fn ratio_range(
+pub fn ratio_range(
     times: &[FrameTimes],
     beside: &[FrameTimes],
     what: impl Fn(&FrameTimes) -> f64,

@@ -3,10 +3,10 @@
 
 use adumbra::{ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
-use adumbra_lab::compare::{Comparison, Contender, Reference, camera_figures, compare, truth_for, walk};
-use adumbra_lab::paths::CameraPath;
-use adumbra_lab::report::{BakedFigures, Report, TruthKind};
-use adumbra_lab::truth::{
+use adumbra_compare::compare::{Comparison, Contender, Reference, camera_figures, compare, truth_for, walk};
+use adumbra_compare::paths::CameraPath;
+use adumbra_compare::report::{BakedFigures, Report, TruthKind};
+use adumbra_compare::truth::{
     Cache, StreetOptions, SunShape, TruthTracer, scene_key, street_camera, truth_camera,
 };
 use adumbra_render::{

@@ -59,12 +59,12 @@ impl Body {
     }
 
     /// Appends a paragraph.
-    pub(crate) fn paragraph(&mut self, text: &str) {
+    pub fn paragraph(&mut self, text: &str) {
         let _ = writeln!(self.html, "<p>{}</p>", words(text));
     }
 
     /// Appends a paragraph in another language. `language` is its tag, such as `zh`.
-    pub(crate) fn foreign(&mut self, language: &str, text: &str) {
+    pub fn foreign(&mut self, language: &str, text: &str) {
         let _ = writeln!(self.html, "<p lang=\"{}\">{}</p>", escape(language), words(text));
     }
 

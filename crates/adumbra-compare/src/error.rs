@@ -89,7 +89,11 @@ pub enum Error {
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    pub(crate) fn check_sizes(what: &'static str, left: usize, right: usize) -> Result<()> {
+    /// Checks that two inputs that belong together have one size. `what` names both, as a plural.
+    ///
+    /// # Errors
+    /// Returns [`Error::Sizes`].
+    pub fn check_sizes(what: &'static str, left: usize, right: usize) -> Result<()> {
         if left == right { Ok(()) } else { Err(Self::Sizes { what, left, right }) }
     }
 

@@ -449,7 +449,7 @@ pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
 }
 
 /// Formats a size in MB of 10^6 bytes, see [`figure`].
-pub(crate) fn megabytes(bytes: impl Into<Option<u64>>, digits: usize) -> String {
+pub fn megabytes(bytes: impl Into<Option<u64>>, digits: usize) -> String {
     figure(bytes.into().map(|b| b as f64 / 1e6), digits)
 }
 

@@ -2,8 +2,8 @@
 
 use adumbra::grid::vec3::dot;
 use adumbra::{ShadowFile, Sun};
-use adumbra_lab::compare::{Comparison, Contender, Reference, compare, truth_for};
-use adumbra_lab::truth::{Cache, TruthTracer, scene_key};
+use adumbra_compare::compare::{Comparison, Contender, Reference, compare, truth_for};
+use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
 use adumbra_render::{Baked, Renderer, TechniqueSpec, build};
 use adumbra_scene::{Camera, Scene};
 

@@ -47,7 +47,7 @@ pub fn is_lit(factor: f32) -> bool {
 ///
 /// # Errors
 /// Returns [`Error::Sizes`] if the two differ in length.
-pub(crate) fn factor_errors(
+pub fn factor_errors(
     factors: &[f32],
     truth: &[f32],
     counts: impl Fn(usize) -> bool,

@@ -8,7 +8,7 @@ use crate::report::ClearErrors;
 use crate::truth::{EdgeProbe, Surfaces};
 
 /// Required distance from an edge, in texels of the technique.
-pub(crate) const CLEAR_TEXELS: f64 = 2.0;
+pub const CLEAR_TEXELS: f64 = 2.0;
 /// Largest number of pixels examined. Of more pixels, every second, third, … is examined.
 const MAX_PIXELS: usize = 1 << 16;
 

@@ -1,7 +1,7 @@
 //! FLIP compared with its authors' implementation.
 
-use adumbra_lab::metrics::flip;
-use adumbra_lab::metrics::flip::{PIXELS_PER_DEGREE, flip_map};
+use adumbra_compare::metrics::flip;
+use adumbra_compare::metrics::flip::{PIXELS_PER_DEGREE, flip_map};
 use adumbra_scene::random::Random;
 use adumbra_truth::picture::Picture;
 use nv_flip::FlipImageRgb8;

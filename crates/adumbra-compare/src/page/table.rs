@@ -23,7 +23,7 @@ pub(crate) type Column<'a, R> = (&'a str, fn(&R) -> String);
 
 impl Table {
     /// Creates a table with one row per item.
-    pub(crate) fn of<'r, R: 'r>(
+    pub fn of<'r, R: 'r>(
         caption: &str,
         items: impl IntoIterator<Item = &'r R>,
         columns: &[Column<'_, R>],

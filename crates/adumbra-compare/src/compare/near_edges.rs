@@ -17,12 +17,7 @@ use crate::vector::{cross, dot, normalize};
 /// shadow `truth`. Pixels without a surface are not.
 ///
 /// Cost: one pass over the picture, plus a search of the edges near each pixel.
-pub(crate) fn near_edges(
-    surfaces: &Surfaces,
-    truth: &[f32],
-    towards_sun: [f64; 3],
-    radius_world: f64,
-) -> Vec<bool> {
+pub fn near_edges(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], radius_world: f64) -> Vec<bool> {
     let other = if towards_sun[1].abs() < 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
     let x = normalize(cross(other, towards_sun));
     let y = cross(towards_sun, x);
@@ -58,7 +53,7 @@ pub(crate) fn near_edges(
 
 /// Returns the errors of `factors` at the pixels that are `is_compared` and not `near` an edge: acne and leaks. Returns
 /// `None` if there is no such pixel.
-pub(crate) fn errors_off_edges(
+pub fn errors_off_edges(
     factors: &[f32],
     truth: &[f32],
     is_compared: impl Fn(usize) -> bool,

@@ -70,7 +70,7 @@ const COLORS: [RGBColor; 6] = [
 /// # Errors
 ///
 /// Returns an error if the panels cannot be drawn or the file cannot be written.
-pub(crate) fn write_svg(path: &Path, panels: &[Panel]) -> Result<()> {
+pub fn write_svg(path: &Path, panels: &[Panel]) -> Result<()> {
     Ok(write_whole(path, draw_svg(path, panels)?.as_bytes())?)
 }
 
