@@ -37,7 +37,6 @@ pub fn contenders(
 ) -> Result<Vec<Contender>> {
     let contender = |spec: &TechniqueSpec| {
         let prepared = if spec.is_traced() {
-            spec.reader().finish()?;
             None
         } else {
             Some(renderer.prepare(build(renderer.gpu(), spec, files.baked())?)?)

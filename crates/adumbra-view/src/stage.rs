@@ -13,7 +13,7 @@ use adumbra_render::occlusion::{
     AmbientSettings, AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses,
 };
 use adumbra_render::readback::read_texture;
-use adumbra_render::{Gpu, RenderError, Renderer, Result, SceneOptions, Shot, TechniqueSpec};
+use adumbra_render::{Gpu, RenderError, Renderer, Result, SceneOptions, Shot, SpecText};
 use adumbra_scene::{Camera, Scene};
 use adumbra_truth::picture::Picture;
 
@@ -36,7 +36,7 @@ pub(crate) struct Stage {
     layer_pass: LayerPass,
     line_pass: LinePass,
     sides: [SideView; 2],
-    ambient: Option<TechniqueSpec>,
+    ambient: Option<SpecText>,
     traced: Option<Traced>,
     given_ambient: Option<TraceKey>,
     frame: u32,

@@ -33,7 +33,7 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
         let mut error = |name: &str| {
             let spec: TechniqueSpec = name.parse().unwrap();
             let technique = if spec.name() == "voxel" {
-                let settings = VoxelSettings::from_spec(&spec, None).unwrap();
+                let settings = VoxelSettings::from_spec(spec.text(), None).unwrap();
                 let settings = VoxelSettings { bias: baked.settings.bias, ..settings };
                 let light = BakedLight::from_file(renderer.gpu(), &baked, settings).unwrap();
                 Box::new(Voxel::new(spec.to_string(), light))

@@ -63,7 +63,6 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
         }
         let output = output_of(&args.output, spec, asked.len() > 1);
         if spec.is_traced() {
-            spec.reader().finish()?;
             draw_truth(job, &mut renderer, &mut moving, &output, &mut traced)?;
             continue;
         }

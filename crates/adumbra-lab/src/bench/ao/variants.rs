@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
-use adumbra_render::{FrameTimes, TechniqueSpec};
+use adumbra_render::{FrameTimes, SpecText};
 use serde::{Deserialize, Serialize};
 
 use super::Bench;
@@ -87,7 +87,7 @@ impl Bench<'_, '_, '_> {
     ) -> Result<Vec<Variant>> {
         let mut known = Vec::new();
         for (options, tuned) in VARIANTS {
-            let spec: TechniqueSpec = name(options).parse()?;
+            let spec: SpecText = name(options).parse()?;
             match OcclusionSettings::from_spec(&spec, self.reference.radius_world) {
                 Ok(s) => known.push((options, tuned, if tuned { with_tuned(s, self.on) } else { s })),
                 Err(e) => {

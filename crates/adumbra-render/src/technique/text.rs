@@ -10,13 +10,13 @@ use crate::error::{RenderError, Result};
 
 /// A technique's name and the parameters that were given.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TechniqueSpec {
+pub struct SpecText {
     name: String,
     values: BTreeMap<String, String>,
     text: String,
 }
 
-impl FromStr for TechniqueSpec {
+impl FromStr for SpecText {
     type Err = RenderError;
 
     fn from_str(text: &str) -> Result<Self> {
@@ -49,13 +49,13 @@ fn is_sizes(part: &str) -> bool {
     part.trim().split_once('-').is_some_and(|(a, b)| is_number(a) && is_number(b))
 }
 
-impl fmt::Display for TechniqueSpec {
+impl fmt::Display for SpecText {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }
 }
 
-impl TechniqueSpec {
+impl SpecText {
     /// The technique's name.
     pub fn name(&self) -> &str {
         &self.name
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn spec_names_what_is_wrong() {
-        let wrong = |text: &str| text.parse::<TechniqueSpec>().unwrap_err().to_string();
+        let wrong = |text: &str| text.parse::<SpecText>().unwrap_err().to_string();
         assert!(wrong("pcf:5").contains("not key=value"));
         assert!(wrong("pcf:a=1:a=2").contains("twice"));
         assert!(wrong("hrsm:4096-1024:sizes=2048-1024").contains("twice"));
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn spec_with_another_value_is_the_spec_of_its_text() {
-        let spec: TechniqueSpec = "CSM: size = 1024:split=Uniform".parse().unwrap();
+        let spec: SpecText = "CSM: size = 1024:split=Uniform".parse().unwrap();
         for (key, value, text) in [
             ("filter", Some("Poisson"), "csm:filter=poisson:size=1024:split=uniform"),
             ("size", Some("512"), "csm:size=512:split=uniform"),
@@ -132,7 +132,7 @@ mod tests {
         ] {
             let changed = spec.with(key, value);
             assert_eq!(changed.to_string(), text);
-            assert_eq!(text.parse::<TechniqueSpec>().unwrap(), changed);
+            assert_eq!(text.parse::<SpecText>().unwrap(), changed);
         }
         for (text, key, value, expected) in [
             ("hrsm", "sizes", Some("2048-512"), "hrsm:2048-512"),
@@ -141,9 +141,9 @@ mod tests {
             ("voxel:soft", "angle", Some("2"), "voxel:angle=2:soft"),
             ("voxel:soft", "shade", None, "voxel"),
         ] {
-            let changed = text.parse::<TechniqueSpec>().unwrap().with(key, value);
+            let changed = text.parse::<SpecText>().unwrap().with(key, value);
             assert_eq!(changed.to_string(), expected);
-            assert_eq!(expected.parse::<TechniqueSpec>().unwrap(), changed);
+            assert_eq!(expected.parse::<SpecText>().unwrap(), changed);
         }
     }
 }
