@@ -3,5 +3,5 @@
 mod revision;
 
 fn main() {
-    revision::emit(&["adumbra-testing"]);
+    revision::emit(&["adumbra-lab", "adumbra-testing"]);
 }

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 
 /// Crates in the order in which data flows. A crate depends only on earlier ones.
-const ORDER: [&str; 13] = [
+const ORDER: [&str; 14] = [
     "adumbra",
     "adumbra-files",
     "adumbra-scene",
@@ -20,10 +20,11 @@ const ORDER: [&str; 13] = [
     "adumbra-shaders",
     "adumbra-render",
     "adumbra-program",
-    "adumbra-lab",
+    "adumbra-compare",
     "adumbra-view",
     "adumbra-testing",
     "adumbra-cli",
+    "adumbra-lab",
 ];
 
 type ModulePath = Vec<String>;

@@ -130,7 +130,7 @@ fn check_baker(root: &Path) -> Result<(), String> {
 }
 
 /// Crates that the program must not link without its features.
-const DRAWING: [&str; 6] = ["adumbra-lab", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
+const DRAWING: [&str; 6] = ["adumbra-compare", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
 
 /// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench, draw or count
 /// repeatedly, and scene fuzzing at full length.

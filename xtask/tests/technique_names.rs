@@ -8,7 +8,7 @@ use adumbra_render::TECHNIQUES;
 
 /// The registries of techniques and of ambient occlusion. The latter has a `none` and a `truth` of its own.
 const REGISTRIES: [&str; 2] =
-    ["crates/adumbra-render/src/techniques/registry.rs", "crates/adumbra-render/src/occlusion/spec.rs"];
+    ["crates/adumbra-render/src/techniques/product.rs", "crates/adumbra-render/src/occlusion/spec.rs"];
 /// Names that are also everyday words or sections of the report. A comparison with them counts only if it involves
 /// `.name()`.
 const EVERYDAY: [&str; 5] = ["none", "truth", "blur", "hrsm", "sm"];

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use adumbra_program::exit::Failure;
 
-use crate::Result;
+use adumbra_compare::Result;
 
 /// Version and revision of this program.
 pub const VERSION: &str = env!("ADUMBRA_VERSION");
@@ -39,7 +39,7 @@ impl Program {
     /// Returns the path of the executable.
     ///
     /// # Errors
-    /// Returns [`crate::Error::Program`] if `adumbra` is missing or was built from other sources than this program.
+    /// Returns [`adumbra_compare::Error::Program`] if `adumbra` is missing or was built from other sources than this program.
     pub(crate) fn path(self) -> Result<PathBuf> {
         match self {
             Self::Laboratory => Ok(std::env::current_exe().map_err(IoError::at("find", "this program"))?),

@@ -4,7 +4,7 @@
 use adumbra_render::Gpu;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::page::Table;
+use adumbra_compare::page::Table;
 
 /// A requirement and its outcome.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

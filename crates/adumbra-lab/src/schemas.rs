@@ -4,7 +4,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use crate::bench::{ao, bake, blur, fast, gpu, hrsm, lookup, peers, tree, verify};
 use crate::paper_report::Record;
-use crate::report::Report;
+use adumbra_compare::report::Report;
 
 /// One JSON document.
 #[derive(Clone, Debug)]

@@ -11,10 +11,10 @@ use adumbra_program::say;
 use adumbra_render::Gpu;
 use adumbra_render::occlusion::{Estimator, OcclusionSettings};
 
-use crate::Result;
 use crate::args::TuneAo;
 use crate::occlusion::{Record, TuneOptions, TuneScene, tune};
-use crate::truth::Cache;
+use adumbra_compare::Result;
+use adumbra_compare::truth::Cache;
 
 /// Tunes the estimators and writes record and table. With `--variant`, tunes the variants and prints their results.
 ///

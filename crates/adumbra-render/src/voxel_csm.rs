@@ -12,7 +12,7 @@ use adumbra_shaders::{Source, source};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapCasters, MapKind, MapSettings, ShadowMap};
-use crate::technique::{Answer, FrameInput, SpecReader, Technique, TechniqueSpec};
+use crate::technique::{Answer, FrameInput, SpecReader, SpecText, Technique};
 use crate::voxel::{BakedLight, NO_FILE, VoxelFilter, VoxelSettings, read_width};
 
 /// A baked file and a shadow map of the movers.
@@ -38,7 +38,7 @@ impl VoxelCsmSettings {
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] for other parameters, and for `static=cached`, which is useless in
     /// cascades without static casters.
-    pub fn from_spec(spec: &TechniqueSpec) -> Result<Self> {
+    pub fn from_spec(spec: &SpecText) -> Result<Self> {
         spec.read(Self::from_reader)
     }
 
@@ -65,7 +65,7 @@ impl VoxelCsm {
     /// # Errors
     /// Returns the errors of [`BakedLight::from_file`] and [`ShadowMap::new`], and [`crate::RenderError::Technique`]
     /// for other parameters or if there is no file.
-    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
+    pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<&ShadowFile>) -> Result<Self> {
         let settings = VoxelCsmSettings::from_spec(spec)?;
         let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;
         let light = BakedLight::from_file(gpu, file, settings.voxel(file.settings.bias))?;

@@ -7,9 +7,9 @@ mod results;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
+use adumbra_compare::camera_file::CameraFile;
+use adumbra_compare::pictures::png;
 use adumbra_files::{replace_file, same_file};
-use adumbra_lab::camera_file::CameraFile;
-use adumbra_lab::pictures::png;
 use adumbra_render::movers::MoveSpec;
 use adumbra_render::{FrameTimes, Gpu, RenderError};
 use adumbra_scene::Camera;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use adumbra::Sun;
 use adumbra_render::movers::MoveSpec;
-use adumbra_render::{GpuOptions, TechniqueSpec};
+use adumbra_render::{GpuOptions, SpecText, TechniqueSpec};
 use adumbra_scene::{LoadOptions, Projection};
 
 use crate::script::Script;
@@ -22,7 +22,7 @@ pub struct ViewOptions {
     /// Shadow techniques of both sides. The defaults are the technique that reads the shadow file, and cascades.
     pub shadows: [Option<TechniqueSpec>; 2],
     /// Ambient occlusion.
-    pub ambient: TechniqueSpec,
+    pub ambient: SpecText,
     /// Name of a layer, as in `adumbra render --layer`.
     pub layer: String,
     /// How both sides are shown.

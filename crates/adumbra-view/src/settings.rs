@@ -3,7 +3,7 @@
 use adumbra::Sun;
 use adumbra_render::layers::Layer;
 use adumbra_render::occlusion::{self, OCCLUSIONS};
-use adumbra_render::{Baked, Reads, TECHNIQUES, TechniqueSpec, techniques};
+use adumbra_render::{Reads, RenderError, SpecText, TECHNIQUES, TechniqueSpec};
 use adumbra_scene::{Camera, Projection};
 
 use crate::command::{Command, Side};
@@ -29,7 +29,7 @@ pub struct Settings {
     /// The shadow techniques of both sides.
     pub shadows: [TechniqueSpec; 2],
     /// Ambient occlusion, used for both sides.
-    pub ambient: TechniqueSpec,
+    pub ambient: SpecText,
     /// The layer of the frames to show.
     pub layer: Layer,
     /// How both sides are shown.
@@ -206,13 +206,11 @@ fn further<'n>(names: &[&'n str], name: &str, by: i32) -> &'n str {
 }
 
 fn shadow(text: &str) -> Result<TechniqueSpec, String> {
-    let spec: TechniqueSpec = text.parse().map_err(|e| format!("{e}"))?;
-    techniques::describe(&spec, Baked::default()).map_err(|e| e.to_string())?;
-    Ok(spec)
+    text.parse().map_err(|e: RenderError| e.to_string())
 }
 
-fn ambient(text: &str) -> Result<TechniqueSpec, String> {
-    let spec: TechniqueSpec = text.parse().map_err(|e| format!("{e}"))?;
+fn ambient(text: &str) -> Result<SpecText, String> {
+    let spec: SpecText = text.parse().map_err(|e| format!("{e}"))?;
     if !OCCLUSIONS.iter().any(|(name, _)| *name == spec.name()) {
         let names: Vec<&str> = OCCLUSIONS.iter().map(|(name, _)| *name).collect();
         return Err(format!("unknown ambient occlusion {text}; choose one of: {}", names.join(", ")));

@@ -6,14 +6,14 @@ mod sides;
 use std::sync::Arc;
 
 use adumbra::Bounds;
-use adumbra_lab::pictures::picture_of_rgba;
+use adumbra_compare::pictures::picture_of_rgba;
 use adumbra_render::layers::{Layer, LayerPass, LinePass, PresentKind, PresentPass, WorldLine};
 use adumbra_render::movers::BallPath;
 use adumbra_render::occlusion::{
     AmbientSettings, AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses,
 };
 use adumbra_render::readback::read_texture;
-use adumbra_render::{Gpu, RenderError, Renderer, Result, SceneOptions, Shot, TechniqueSpec};
+use adumbra_render::{Gpu, RenderError, Renderer, Result, SceneOptions, Shot, SpecText};
 use adumbra_scene::{Camera, Scene};
 use adumbra_truth::picture::Picture;
 
@@ -36,7 +36,7 @@ pub(crate) struct Stage {
     layer_pass: LayerPass,
     line_pass: LinePass,
     sides: [SideView; 2],
-    ambient: Option<TechniqueSpec>,
+    ambient: Option<SpecText>,
     traced: Option<Traced>,
     given_ambient: Option<TraceKey>,
     frame: u32,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 
-use adumbra_lab::truth::{SunShape, TruthTracer};
+use adumbra_compare::truth::{SunShape, TruthTracer};
 use adumbra_render::movers::BallPath;
 use adumbra_scene::Scene;
 

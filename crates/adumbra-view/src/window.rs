@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use adumbra_lab::pictures::picture_of_rgba;
+use adumbra_compare::pictures::picture_of_rgba;
 use adumbra_render::Gpu;
 use adumbra_render::layers::PresentPass;
 use adumbra_render::readback::read_texture;

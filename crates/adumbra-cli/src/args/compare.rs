@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use adumbra_lab::args::{CacheArgs, DeviceArgs, ReferenceArg, ResolutionArgs};
+use adumbra_compare::args::{CacheArgs, DeviceArgs, ReferenceArg, ResolutionArgs};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs};
 use adumbra_program::exit::Failure;
 

@@ -2,8 +2,8 @@
 
 use adumbra::{Bias, Bounds, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size};
-use adumbra_lab::args::{CacheArgs, DeviceArgs, ResolutionArgs};
-use adumbra_lab::truth::Cache;
+use adumbra_compare::args::{CacheArgs, DeviceArgs, ResolutionArgs};
+use adumbra_compare::truth::Cache;
 use adumbra_program::args::{SceneArgs, SunArgs};
 use adumbra_program::output::format_bytes;
 use adumbra_program::sun::{DEFAULT_SUN, SunSource};

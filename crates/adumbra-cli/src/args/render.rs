@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use adumbra::Bounds;
-use adumbra_lab::args::{DeviceArgs, ResolutionArgs};
+use adumbra_compare::args::{DeviceArgs, ResolutionArgs};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_size, parse_triple};
 use adumbra_program::exit::Failure;
 use adumbra_render::occlusion::{OCCLUSIONS, occlusion_options, occlusion_parameters};
-use adumbra_render::techniques::parameter_texts;
-use adumbra_render::{TECHNIQUES, parameters};
+use adumbra_render::{TECHNIQUES, Techniques};
 use adumbra_scene::{Camera, Projection};
 use clap::ValueEnum;
 
@@ -20,7 +19,7 @@ pub(super) fn after_help() -> String {
     let list: String = TECHNIQUES
         .iter()
         .map(|t| {
-            let (name, summary, taken) = (t.name, t.summary, parameters(t.name));
+            let (name, summary, taken) = (t.name, t.summary, Techniques::product().parameters(t.name));
             let taken = if taken.is_empty() { taken } else { format!("  {:width$}    {taken}\n", "") };
             format!("  {name:width$}  {summary}\n{taken}")
         })
@@ -31,7 +30,7 @@ pub(super) fn after_help() -> String {
         .map(|(name, what)| format!("  {name:9}{what}\n{}", lines(occlusion_parameters(name))))
         .collect();
     let options = lines(occlusion_options());
-    let texts: String = parameter_texts().iter().map(|t| format!("  {t}\n")).collect();
+    let texts: String = Techniques::product().parameter_texts().iter().map(|t| format!("  {t}\n")).collect();
     format!(
         "Techniques:\n{list}\nTheir parameters:\n{texts}\nAmbient occlusion:\n{occlusions}  all of them except truth and none:\n{options}\nExample: adumbra render city.glb --shadow-file city.adumbra --eye 120,60,120 --target 0,5,0 -o city.png\nExample: \
          adumbra render city.glb --shadow csm:cascades=4:filter=5 --layer shadow -o shadow.exr\nExample: \

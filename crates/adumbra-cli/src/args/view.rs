@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use adumbra_lab::args::DeviceArgs;
+use adumbra_compare::args::DeviceArgs;
 use adumbra_program::args::{SceneArgs, SunArgs, parse_bytes};
 
 use super::render::{CameraArgs, LayerArg};

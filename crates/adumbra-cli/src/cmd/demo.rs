@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use adumbra::{IoError, Query, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_compare::page::{Body, Embedded, Encoding, Page, Pair, Table};
 use adumbra_files::replace_file;
-use adumbra_lab::page::{Body, Embedded, Encoding, Page, Pair, Table};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
 use adumbra_program::output::{format_bytes, make_folder, print_json, refuse_same, write_png, write_whole};

@@ -1,8 +1,8 @@
 //! `adumbra view`: a window on a scene.
 
-use adumbra_lab::Result;
-use adumbra_lab::args::DeviceArg;
-use adumbra_lab::camera_file::CameraFile;
+use adumbra_compare::Result;
+use adumbra_compare::args::DeviceArg;
+use adumbra_compare::camera_file::CameraFile;
 use adumbra_program::exit::{Code, Failure};
 use adumbra_scene::{LoadOptions, Projection};
 use adumbra_view::{OptionField, Script, Shown, ViewError, ViewOptions};
@@ -76,7 +76,7 @@ fn options(args: &View) -> Result<ViewOptions> {
     })
 }
 
-fn failure(error: ViewError) -> adumbra_lab::Error {
+fn failure(error: ViewError) -> adumbra_compare::Error {
     match error {
         ViewError::Io(error) => error.into(),
         ViewError::Library(error) => error.into(),

@@ -9,7 +9,7 @@
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use adumbra_lab::metrics::flip;
+use adumbra_compare::metrics::flip;
 use adumbra_truth::picture::Picture;
 use serde_json::{Value, json};
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use adumbra_program::args::{LayoutArg, parse_size};
 use clap::{Subcommand, ValueEnum};
 
-use super::{CacheArgs, DeviceArgs, ResolutionArgs};
+use adumbra_compare::args::{CacheArgs, DeviceArgs, ResolutionArgs};
 
 /// The benchmarks, with their options.
 #[derive(Subcommand)]

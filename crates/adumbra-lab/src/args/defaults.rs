@@ -7,6 +7,8 @@ use adumbra_testing::help::{assert_defaults, verbs};
 use clap::{CommandFactory, Parser, ValueEnum};
 
 use super::*;
+use adumbra_compare::args::{CacheArgs, DeviceArgs, ResolutionArgs};
+use adumbra_compare::truth::Cache;
 
 #[derive(Parser)]
 #[command(name = "adumbra-lab")]

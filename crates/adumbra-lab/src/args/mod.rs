@@ -1,5 +1,4 @@
-//! Command-line options that need the renderer or this crate: groups shared by several verbs, and those of
-//! `adumbra-lab`.
+//! The command-line options of `adumbra-lab`.
 
 mod bench;
 #[cfg(test)]
@@ -7,20 +6,14 @@ mod defaults;
 mod report;
 mod tune;
 
-use std::path::{Path, PathBuf};
-
-use adumbra_program::args::parse_bytes;
-use adumbra_render::{Features, GpuOptions};
 pub use bench::{
     BenchAo, BenchBake, BenchBlur, BenchGpu, BenchHrsm, BenchLookup, BenchPeers, BenchShadows, BenchTree,
     BenchVerb, BenchVerify, SuiteArg,
 };
-use clap::{Subcommand, ValueEnum};
+use clap::Subcommand;
 pub use report::Report;
 pub(crate) use report::SECTIONS;
 pub use tune::TuneAo;
-
-use crate::truth::Cache;
 
 /// What `adumbra-lab` does.
 #[derive(Subcommand)]
@@ -47,116 +40,4 @@ pub enum Verb {
         Example: adumbra-lab tune-ao --scenes scenes --variant issao:reading=1 --variant issao:reading=2"
     )]
     TuneAo(TuneAo),
-}
-
-/// The device that draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DeviceArg {
-    /// The GPU, or the CPU if there is no adapter; rays alone (`--diff`, and a plain picture with `--truth`) run on the
-    /// CPU
-    Auto,
-    /// The GPU; an error if there is none
-    Gpu,
-    /// The CPU
-    Cpu,
-}
-
-/// Features that a device may lack.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum WithoutArg {
-    /// GPU timestamps
-    Timestamps,
-    /// Filtering of 32-bit float textures
-    Float32Filtering,
-    /// Depth clip control
-    DepthClipControl,
-}
-
-/// The options that select the device.
-#[derive(clap::Args)]
-pub struct DeviceArgs {
-    /// Device to draw on
-    #[arg(long, value_enum, default_value = "auto")]
-    pub device: DeviceArg,
-    /// Part of the GPU adapter's name [default: the first real GPU, or else a software adapter]
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
-    /// Behave as if the device lacked this feature; may be repeated
-    #[arg(long, value_enum, value_name = "FEATURE")]
-    without: Vec<WithoutArg>,
-}
-
-impl DeviceArgs {
-    /// Whether the CPU may draw if there is no adapter: the device is `auto` and no adapter was named.
-    pub fn may_fall_back(&self) -> bool {
-        self.device == DeviceArg::Auto && self.adapter.is_none()
-    }
-
-    /// Whether a GPU is required.
-    pub fn wants_gpu(&self) -> bool {
-        self.device == DeviceArg::Gpu || self.device == DeviceArg::Auto && self.adapter.is_some()
-    }
-
-    /// Returns the requested adapter and the excluded features as command-line arguments.
-    pub fn words(&self) -> Vec<String> {
-        let adapter = self.adapter.iter().map(|name| format!("--adapter '{}'", name.replace('\'', "'\\''")));
-        let without = self.without.iter().filter_map(ValueEnum::to_possible_value);
-        adapter.chain(without.map(|v| format!("--without {}", v.get_name()))).collect()
-    }
-
-    /// Returns the GPU options with the requested adapter and without the excluded features.
-    pub fn gpu_options(&self) -> GpuOptions {
-        let without = self.without.iter().map(|w| match w {
-            WithoutArg::Timestamps => Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS,
-            WithoutArg::Float32Filtering => Features::FLOAT32_FILTERABLE,
-            WithoutArg::DepthClipControl => Features::DEPTH_CLIP_CONTROL,
-        });
-        GpuOptions {
-            adapter: self.adapter.clone(),
-            without: without.fold(Features::empty(), |a, b| a | b),
-            ..GpuOptions::default()
-        }
-    }
-}
-
-/// The options of the cache of ray-traced truth.
-#[derive(clap::Args)]
-pub struct CacheArgs {
-    /// Folder that caches ray-traced truth between runs [default: truth-cache in the output folder]
-    #[arg(long, value_name = "DIR")]
-    cache: Option<PathBuf>,
-    /// Size limit of that cache, such as 200MiB or 4GiB; the least recently used entries are removed first
-    /// [default: 1GiB]
-    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
-    cache_limit: Option<u64>,
-}
-
-impl CacheArgs {
-    /// Returns the cache for a verb that writes into the folder `output`.
-    pub fn cache(&self, output: &Path) -> Cache {
-        let folder = self.cache.clone().unwrap_or_else(|| output.join("truth-cache"));
-        Cache::in_folder(folder, self.cache_limit.unwrap_or(Cache::DEFAULT_LIMIT_BYTES))
-    }
-}
-
-/// The resolutions of shadow files that are baked as needed.
-#[derive(clap::Args)]
-pub struct ResolutionArgs {
-    /// Resolution of a light-aligned file that is baked as needed: texels on the longest side
-    #[arg(long, value_name = "N", default_value = "16384")]
-    pub resolution: u64,
-    /// Resolution of a world-aligned file that is baked as needed: voxels along the cube's side
-    #[arg(long, value_name = "N", default_value_t = 2048)]
-    pub cube_resolution: u64,
-}
-
-/// The truth that techniques are compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ReferenceArg {
-    /// The sun's disc for pcss, voxel:soft and the screen-space blurs, its centre for all others
-    Technique,
-    /// The sun's centre: hard shadows
-    Hard,
-    /// The sun's disc: soft shadows
-    Disc,
 }

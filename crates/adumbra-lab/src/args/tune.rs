@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use adumbra_render::TechniqueSpec;
+use adumbra_render::SpecText;
 use adumbra_render::occlusion::Estimator;
 
-use super::DeviceArgs;
+use adumbra_compare::args::DeviceArgs;
 
 /// Options of `tune-ao`.
 #[derive(clap::Args)]
@@ -22,7 +22,7 @@ pub struct TuneAo {
     /// Tune an estimator with fixed values for parameters that take names or are not searched; may be repeated; prints
     /// the results and records nothing
     #[arg(long, value_name = "NAME:KEY=VALUE...", conflicts_with = "only", value_parser = variant)]
-    pub(crate) variant: Vec<TechniqueSpec>,
+    pub(crate) variant: Vec<SpecText>,
     /// Record to update; the program is built with it
     #[arg(long, value_name = "FILE", default_value = "crates/adumbra-lab/data/ao_tuning.json")]
     pub(crate) record: PathBuf,
@@ -38,6 +38,6 @@ fn estimator(text: &str) -> Result<Estimator, String> {
     found.ok_or_else(|| format!("give one of {}", Estimator::ALL.map(|e| e.name()).join(", ")))
 }
 
-fn variant(text: &str) -> Result<TechniqueSpec, String> {
+fn variant(text: &str) -> Result<SpecText, String> {
     text.parse().map_err(|e: adumbra_render::RenderError| e.to_string())
 }

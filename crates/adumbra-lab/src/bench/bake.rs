@@ -7,10 +7,10 @@ use adumbra_program::output::make_folder;
 use serde::{Deserialize, Serialize};
 
 use super::{DEFAULT_SUN, child, say_tables, write};
-use crate::Result;
 use crate::args::BenchBake;
-use crate::page::Table;
-use crate::report::{figure, megabytes};
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::report::{figure, megabytes};
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -12,10 +12,10 @@ use adumbra_render::{Answer, Baked, Gpu, Renderer, SceneOptions, Shot, Stage, bu
 use adumbra_scene::{Camera, GeneratedKind, generate};
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
 use crate::args::BenchBlur;
-use crate::page::Table;
-use crate::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
 
 /// Name, and technique with its parameters; the number of samples is appended.
 const TWO_PASSES: [(&str, &str); 6] = [

@@ -9,8 +9,8 @@ use adumbra_program::exit::Failure;
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
-use crate::Result;
 use crate::programs::Program;
+use adumbra_compare::Result;
 
 /// Creates a temporary shadow file, which is deleted on drop.
 pub(super) fn shadow_file() -> Result<NamedTempFile> {

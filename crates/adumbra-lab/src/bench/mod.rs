@@ -23,9 +23,9 @@ use adumbra_program::say;
 use adumbra_truth::picture::Picture;
 use serde::Serialize;
 
-use crate::Result;
 use crate::args::{BenchVerb, SuiteArg};
-use crate::pictures::png;
+use adumbra_compare::Result;
+use adumbra_compare::pictures::png;
 
 /// Direction towards the sun, for the tables with a single sun.
 const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
@@ -84,7 +84,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
-    use crate::report::Report;
+    use adumbra_compare::report::Report;
 
     /// Reads a result file as its type and checks that it survives a round trip unchanged.
     fn read<T: DeserializeOwned + Serialize>(name: &str) {

@@ -9,12 +9,12 @@ use adumbra_render::{Answer, Gpu, Renderer, SceneOptions, Shot, TECHNIQUES, Tech
 use adumbra_scene::LoadOptions;
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
 use crate::args::BenchPeers;
-use crate::baked::{BakeOnDemand, BakedFiles};
-use crate::contenders::parse;
 use crate::peers::{self, PeerRow, RowSource, SCENES};
-use crate::truth::TruthView;
+use adumbra_compare::Result;
+use adumbra_compare::baked::{BakeOnDemand, BakedFiles};
+use adumbra_compare::contenders::parse;
+use adumbra_compare::truth::TruthView;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize)]

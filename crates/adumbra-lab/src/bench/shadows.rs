@@ -10,14 +10,17 @@ use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec};
 use adumbra_scene::{Camera, LoadOptions, Scene};
 
 use super::peers::scene_file;
-use crate::Result;
-use crate::args::{BenchShadows, ReferenceArg};
-use crate::baked::{BakeOnDemand, BakedFiles};
-use crate::compare::{Contender, Reference, camera_figures, compare, walk};
-use crate::contenders::{contenders, parse};
-use crate::paths::CameraPath;
-use crate::report::{Report, percent};
-use crate::truth::{Cache, Key, StreetOptions, TruthTracer, scene_key, street_camera, truth_camera};
+use crate::args::BenchShadows;
+use adumbra_compare::Result;
+use adumbra_compare::args::ReferenceArg;
+use adumbra_compare::baked::{BakeOnDemand, BakedFiles};
+use adumbra_compare::compare::{Contender, Reference, camera_figures, compare, walk};
+use adumbra_compare::contenders::{contenders, parse};
+use adumbra_compare::paths::CameraPath;
+use adumbra_compare::report::{Report, percent};
+use adumbra_compare::truth::{
+    Cache, Key, StreetOptions, TruthTracer, scene_key, street_camera, truth_camera,
+};
 
 /// Angular diameter of the sun's disc as seen from the earth, in degrees, and rays per pixel.
 const DISC: (f64, u32) = (0.53, 64);

@@ -14,10 +14,10 @@ use adumbra_truth::verify::{
 use serde::{Deserialize, Serialize};
 
 use super::{DEFAULT_SUN, say_tables, write};
-use crate::Result;
 use crate::args::BenchVerify;
-use crate::page::Table;
-use crate::report::percent;
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::report::percent;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize)]

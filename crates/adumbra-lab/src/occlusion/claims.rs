@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::errors::occlusion_errors;
 use super::measure::TracedView;
-use crate::error::{Error, Result};
-use crate::truth::Surfaces;
-use crate::vector::dot;
+use adumbra_compare::error::{Error, Result};
+use adumbra_compare::truth::Surfaces;
+use adumbra_compare::vector::dot;
 
 /// Standard deviation of the Gaussian in pixels.
 pub(crate) const BLUR_PIXELS: f64 = 8.0;
@@ -186,7 +186,7 @@ fn blurred([width, height]: [usize; 2], values: &[f64], counted: &[bool]) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::PixelCounts;
+    use adumbra_compare::report::PixelCounts;
 
     const SIZE: [u32; 2] = [96, 64];
 

@@ -3,7 +3,7 @@
 use adumbra_truth::picture::Picture;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use adumbra_compare::error::{Error, Result};
 
 /// Errors of ambient visibility over some pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,7 +66,7 @@ pub fn grey_picture([width, height]: [u32; 2], visibility: &[f32]) -> Result<Pic
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::{flip, ssim};
+    use adumbra_compare::metrics::{flip, ssim};
 
     #[test]
     fn occlusion_errors_of_known_values() {

@@ -14,8 +14,8 @@ use adumbra_scene::{Camera, View};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
-use crate::vector::dot;
+use adumbra_compare::error::{Error, Result};
+use adumbra_compare::vector::dot;
 
 /// Changes of visibility up to this size are taken as invisible.
 pub const CHANGE: f64 = 0.05;

@@ -7,10 +7,10 @@ use adumbra_render::{
 use adumbra_scene::{Camera, Scene};
 
 use super::{OcclusionErrors, occlusion_errors};
-use crate::compare::{SAME_SURFACE, take_turns};
-use crate::error::Result;
-use crate::report::PixelCounts;
-use crate::truth::{Cache, Key, Surfaces, TruthTracer, standard_error};
+use adumbra_compare::compare::{SAME_SURFACE, take_turns};
+use adumbra_compare::error::Result;
+use adumbra_compare::report::PixelCounts;
+use adumbra_compare::truth::{Cache, Key, Surfaces, TruthTracer, standard_error};
 
 /// Straight up, as no result here depends on the sun.
 const TOWARDS_SUN: [f64; 3] = [0.0, 1.0, 0.0];
@@ -156,7 +156,7 @@ impl TracedView {
     /// Returns the errors over the pixels that count.
     ///
     /// # Errors
-    /// Returns [`crate::Error::Sizes`] if the visibility is of another size.
+    /// Returns [`adumbra_compare::Error::Sizes`] if the visibility is of another size.
     pub fn errors(&self, visibility: &[f32]) -> Result<OcclusionErrors> {
         occlusion_errors(visibility, &self.truth, |i| self.counted[i])
     }

@@ -21,8 +21,8 @@ use adumbra_scene::{Camera, Scene};
 use super::measure::{OcclusionReference, OcclusionStage, TracedView};
 use super::record::{Record, RecordEntry, RecordScene, TunedOn};
 use super::views::{Fold, SCENES};
-use crate::error::Result;
-use crate::truth::{Cache, TruthTracer, scene_key};
+use adumbra_compare::error::Result;
+use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
 
 /// Edge length of the first simplex, as a share of the side of the box.
 const FIRST_EDGE: f64 = 0.12;

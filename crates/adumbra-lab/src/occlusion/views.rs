@@ -9,7 +9,7 @@ use std::path::Path;
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
 use serde::{Deserialize, Serialize};
 
-use crate::error::Result;
+use adumbra_compare::error::Result;
 
 /// Number of frames of a path.
 pub const PATH_FRAMES: u32 = 16;
@@ -164,7 +164,7 @@ impl OcclusionScene {
     /// Loads the scene from a file in `scenes` or generates it, and places a scanned model on its ground.
     ///
     /// # Errors
-    /// Returns [`crate::Error::Program`] if the file is absent or not readable.
+    /// Returns [`adumbra_compare::Error::Program`] if the file is absent or not readable.
     pub fn open(&self, scenes: &Path) -> Result<OcclusionView> {
         let file = |name: &str| {
             let options = LoadOptions { color_textures: true, ..LoadOptions::default() };
@@ -216,7 +216,7 @@ impl OcclusionView {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::truth::TruthTracer;
+    use adumbra_compare::truth::TruthTracer;
 
     #[test]
     fn occlusion_scenes_are_eight_in_two_halves() {

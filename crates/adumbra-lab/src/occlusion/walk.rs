@@ -5,7 +5,7 @@ use adumbra_scene::Camera;
 
 use super::flicker::{Flicker, FlickerCount, FlickerFrame};
 use super::measure::{OcclusionReference, OcclusionStage};
-use crate::error::Result;
+use adumbra_compare::error::Result;
 
 /// Camera and surfaces common to all pictures of a frame.
 struct Frame {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use crate::page::{Embedded, Encoding};
+use adumbra_compare::page::{Embedded, Encoding};
 
 /// Encodings of pictures with their maximum width in pixels. Each gives a smaller page than the one before.
 const WAYS: [(Encoding, u32); 3] =

@@ -31,9 +31,9 @@ use self::machine::Machine;
 pub(crate) use self::record::Record;
 use self::record::{Outcome as Found, SectionRecord};
 use self::step::{Places, Step};
-use crate::Result;
 use crate::args::{Report, SECTIONS};
 use crate::programs::Program;
+use adumbra_compare::Result;
 
 /// Folder in which benchmarks cache traced pictures.
 const CACHE: &str = "truth-cache";

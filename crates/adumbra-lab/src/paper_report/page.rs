@@ -5,7 +5,7 @@ use super::papers;
 use super::record::{Outcome, Record};
 use super::seen::{Seen, elsewhere};
 use crate::args::SECTIONS;
-use crate::page::{Body, Page, Section, Table};
+use adumbra_compare::page::{Body, Page, Section, Table};
 
 /// Markdown files that the benchmarks write, by section.
 const TABLES: [(&str, &[&str]); 9] = [

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::machine::Machine;
-use crate::Result;
+use adumbra_compare::Result;
 
 /// The file's name.
 const NAME: &str = "report.json";

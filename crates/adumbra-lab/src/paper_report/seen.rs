@@ -2,8 +2,8 @@
 
 use super::data::Data;
 use super::record::Record;
-use crate::page::{Body, Embedded, Pair, Table};
 use crate::results::Check;
+use adumbra_compare::page::{Body, Embedded, Pair, Table};
 
 /// The record and files that the page is made from.
 pub(super) struct Seen<'a> {

@@ -15,8 +15,8 @@ use adumbra_program::exit::Code;
 
 use super::group::Group;
 use super::record::{Outcome, StepRecord};
-use crate::Result;
 use crate::programs::Program;
+use adumbra_compare::Result;
 
 /// The folders that commands refer to.
 pub(super) struct Places {

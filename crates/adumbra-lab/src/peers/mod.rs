@@ -6,7 +6,7 @@ mod sun;
 use serde::{Deserialize, Serialize};
 pub use sun::{PeerFigures, PeerRow, SCENES, engines, figures, markdown};
 
-use crate::page::Table;
+use adumbra_compare::page::Table;
 
 /// The origin of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -48,7 +48,7 @@ mod tests {
     use adumbra::Sun;
     use adumbra_scene::{Camera, Projection};
 
-    use crate::truth::TruthView;
+    use adumbra_compare::truth::TruthView;
 
     /// Returns a view of two by two lit pixels, of which the last one is sky.
     pub(super) fn four_pixels() -> TruthView {

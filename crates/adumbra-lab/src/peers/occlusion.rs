@@ -7,9 +7,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{RowSource, table};
-use crate::error::Result;
 use crate::occlusion::occlusion_errors;
-use crate::truth::TruthView;
+use adumbra_compare::error::Result;
+use adumbra_compare::truth::TruthView;
 
 /// The scenes, in the order of the columns. On alpine-2 the radius is a pixel on the screen, so that scene is omitted.
 pub const SCENES: [&str; 3] = ["kaykit_city_21", "box-city-5k", "zdm2"];
@@ -73,7 +73,7 @@ pub fn engines() -> Vec<OcclusionRow> {
 /// Returns both errors of visibility that was drawn with the view's camera and radius, over the valid pixels.
 ///
 /// # Errors
-/// Returns [`crate::Error::Sizes`] if the visibility does not have one value per pixel of the view.
+/// Returns [`adumbra_compare::Error::Sizes`] if the visibility does not have one value per pixel of the view.
 pub fn figures(visibility: &[f32], view: &TruthView) -> Result<OcclusionFigures> {
     let errors = occlusion_errors(visibility, &view.ambient, |i| view.valid[i])?;
     Ok(OcclusionFigures { rmse: errors.rmse, mean_signed: Some(errors.mean_signed) })

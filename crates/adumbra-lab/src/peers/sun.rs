@@ -7,9 +7,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{RowSource, table};
-use crate::error::Result;
-use crate::metrics::factor_errors;
-use crate::truth::TruthView;
+use adumbra_compare::error::Result;
+use adumbra_compare::metrics::factor_errors;
+use adumbra_compare::truth::TruthView;
 
 /// The scenes, in the order of the columns.
 pub const SCENES: [&str; 4] = ["kaykit_city_21", "box-city-5k", "zdm2", "alpine-2"];
@@ -79,7 +79,7 @@ pub fn engines() -> Vec<PeerRow> {
 /// n·l > 0.1.
 ///
 /// # Errors
-/// Returns [`crate::Error::Sizes`] if there is not one factor per pixel of the view.
+/// Returns [`adumbra_compare::Error::Sizes`] if there is not one factor per pixel of the view.
 pub fn figures(factors: &[f32], view: &TruthView) -> Result<Option<PeerFigures>> {
     let judged = |i: usize| view.valid[i] && view.n_dot_l[i] > MIN_N_DOT_L;
     let errors = factor_errors(factors, &view.visibility, judged)?;

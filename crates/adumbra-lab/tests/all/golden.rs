@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch};
-use adumbra_lab::metrics::flip;
+use adumbra_compare::metrics::flip;
 use adumbra_lab::occlusion::grey_picture;
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TECHNIQUES, build};

@@ -1,4 +1,4 @@
-//! Tests of the comparison, the benchmarks and the report.
+//! Tests of the benchmarks, the report, and the techniques' pictures.
 
 mod bench_ao;
 mod bench_bakes;
@@ -9,17 +9,10 @@ mod bench_lookup;
 mod bench_peers;
 mod bench_tree;
 mod browser;
-mod compared;
-mod comparison;
-mod flip_reference;
 mod golden;
-mod map_truth;
-mod moved;
 mod occlusion_analytic;
 mod occlusion_peers;
 mod occlusion_tune;
 mod report;
 mod report_inputs;
-mod scale;
-mod soft_truth;
 mod truth;

@@ -6,8 +6,8 @@
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
+use adumbra_compare::truth::{Cache, Surfaces, TruthTracer, scene_key};
 use adumbra_lab::occlusion::{OcclusionReference, OcclusionStage, path_flicker, scene_named};
-use adumbra_lab::truth::{Cache, Surfaces, TruthTracer, scene_key};
 use adumbra_render::occlusion::{Estimator, Filter, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Gpu, GpuOptions, SceneOptions};
 use adumbra_scene::{Camera, Mesh, Projection, Scene};

@@ -1,8 +1,8 @@
 //! Ambient occlusion on the truth cameras, compared with current engines.
 
+use adumbra_compare::truth::TruthView;
 use adumbra_lab::occlusion::{OcclusionStage, TunedOn, with_tuned};
 use adumbra_lab::peers::occlusion::{SCENES, engines, figures};
-use adumbra_lab::truth::TruthView;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Gpu, GpuOptions, SceneOptions};
 use adumbra_scene::{LoadOptions, load};

@@ -1,7 +1,7 @@
 //! The tuner of ambient occlusion on a small scene, and its record compared with the defaults that users get.
 
+use adumbra_compare::truth::Cache;
 use adumbra_lab::occlusion::{Fold, Record, RecordEntry, TuneOptions, TuneScene, TunedOn, scene_named, tune};
-use adumbra_lab::truth::Cache;
 use adumbra_render::occlusion::{Estimator, OcclusionSettings, Search};
 use adumbra_render::{Gpu, GpuOptions};
 use adumbra_scene::{Camera, GeneratedKind, generate};

@@ -1,11 +1,11 @@
 //! Ray-traced truth: compared with another renderer, through the cache, near edges, and from the street.
 
 use adumbra::Sun;
-use adumbra_lab::occlusion::{SCENES, occlusion_errors};
-use adumbra_lab::truth::{
+use adumbra_compare::truth::{
     Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, standard_error,
     street_camera,
 };
+use adumbra_lab::occlusion::{SCENES, occlusion_errors};
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
 use adumbra_testing::{add_quad, cuboid, scene_file, scene_of, shared};
 
@@ -362,7 +362,7 @@ fn street_camera_is_refused_where_there_is_no_street() {
     let truth = TruthTracer::build(&scene, false);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let refused = street_camera(&truth, sun.towards(), &StreetOptions::default());
-    assert!(matches!(refused, Err(adumbra_lab::Error::NoStreet)), "{refused:?}");
+    assert!(matches!(refused, Err(adumbra_compare::Error::NoStreet)), "{refused:?}");
 }
 
 #[test]

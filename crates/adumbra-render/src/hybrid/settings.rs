@@ -5,7 +5,7 @@ use adumbra_shaders::{Source, source};
 
 use crate::error::{RenderError, Result};
 use crate::maps::{DepthPrecision, MapBias, MapFilter, cache_static};
-use crate::technique::{SpecReader, TechniqueSpec};
+use crate::technique::{SpecReader, SpecText};
 
 /// Finest resolutions, texels per side.
 const STARTS: [u32; 6] = [256, 512, 1024, 2048, 4096, 8192];
@@ -106,7 +106,7 @@ impl HybridSettings {
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a value is out of range or a key is unknown.
-    pub fn from_spec(spec: &TechniqueSpec) -> Result<Self> {
+    pub fn from_spec(spec: &SpecText) -> Result<Self> {
         spec.read(Self::from_reader)
     }
 

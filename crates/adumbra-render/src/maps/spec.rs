@@ -7,7 +7,7 @@ use super::params::{
     MomentSettings, Split,
 };
 use crate::error::Result;
-use crate::technique::{SpecReader, TechniqueSpec};
+use crate::technique::{SpecReader, SpecText};
 
 const SIZES: &[u32] = &[128, 256, 512, 1024, 2048, 4096, 8192, 16384];
 
@@ -45,10 +45,6 @@ impl MapKind {
     const fn cascades(look_up: MapLookUp) -> Self {
         Self { cascades: true, look_up }
     }
-
-    pub(crate) fn has_cascades(self) -> bool {
-        self.cascades
-    }
 }
 
 impl MapSettings {
@@ -56,7 +52,7 @@ impl MapSettings {
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a value is out of range or a key is unknown.
-    pub(crate) fn from_spec(spec: &TechniqueSpec, kind: MapKind) -> Result<Self> {
+    pub(crate) fn from_spec(spec: &SpecText, kind: MapKind) -> Result<Self> {
         spec.read(|reader| Self::from_reader(reader, kind))
     }
 

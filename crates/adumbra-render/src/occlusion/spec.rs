@@ -5,7 +5,7 @@ use adumbra_shaders::constants::{OCCLUSION_MAX_SIDE, OCCLUSION_MAX_TAPS};
 use super::estimator::Estimator;
 use super::settings::{Filter, Normals, OcclusionSettings};
 use crate::error::Result;
-use crate::technique::{Parameter, SpecReader, TechniqueSpec, changed};
+use crate::technique::{Parameter, SpecReader, SpecText, changed};
 
 /// Largest number of rays per pixel of `truth`.
 const MAX_RAYS: u32 = 65_536;
@@ -15,7 +15,7 @@ impl OcclusionSettings {
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a name, a parameter or a value does not exist.
-    pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
+    pub fn from_spec(spec: &SpecText, default_radius_world: f64) -> Result<Self> {
         spec.read(|reader| Self::from_reader(reader, default_radius_world))
     }
 
@@ -89,7 +89,7 @@ impl TracedSettings {
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a parameter or a value does not exist.
-    pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
+    pub fn from_spec(spec: &SpecText, default_radius_world: f64) -> Result<Self> {
         spec.read(|reader| Self::from_reader(reader, default_radius_world))
     }
 
@@ -115,7 +115,7 @@ impl AmbientSettings {
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a name, a parameter or a value does not exist.
-    pub fn from_spec(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Self> {
+    pub fn from_spec(spec: &SpecText, default_radius_world: f64) -> Result<Self> {
         spec.read(|reader| Self::from_reader(reader, default_radius_world))
     }
 
@@ -137,7 +137,7 @@ fn radius(r: &mut SpecReader<'_>, default_world: f64) -> Result<f64> {
 ///
 /// # Errors
 /// Returns [`crate::RenderError::Technique`] if a name, a parameter or a value does not exist.
-pub fn describe(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Vec<Parameter>> {
+pub fn describe(spec: &SpecText, default_radius_world: f64) -> Result<Vec<Parameter>> {
     let mut reader = spec.reader();
     read(&mut reader, default_radius_world)?;
     reader.finish()
@@ -147,12 +147,7 @@ pub fn describe(spec: &TechniqueSpec, default_radius_world: f64) -> Result<Vec<P
 ///
 /// # Errors
 /// Returns the errors of [`describe`].
-pub fn change(
-    spec: &TechniqueSpec,
-    default_radius_world: f64,
-    key: &str,
-    value: &str,
-) -> Result<TechniqueSpec> {
+pub fn change(spec: &SpecText, default_radius_world: f64, key: &str, value: &str) -> Result<SpecText> {
     changed(spec, key, value, |reader| read(reader, default_radius_world))
 }
 
@@ -205,7 +200,7 @@ mod tests {
 
     #[test]
     fn describe_gives_what_settings_are() {
-        let spec: TechniqueSpec = "issao:preset=fig4:radius=2:before=nothing".parse().unwrap();
+        let spec: SpecText = "issao:preset=fig4:radius=2:before=nothing".parse().unwrap();
         let settings = OcclusionSettings::from_spec(&spec, 1.0).unwrap();
         let described = describe(&spec, 1.0).unwrap();
         for p in settings.estimator.parameters() {

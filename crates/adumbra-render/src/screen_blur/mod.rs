@@ -11,8 +11,8 @@ mod settings;
 pub mod twin;
 
 pub use passes::{BlurInput, BlurPasses};
+pub(crate) use settings::BlurName;
 pub use settings::{BlurKind, BlurPass, BlurSettings, BlurStep, BlurWeights};
-pub(crate) use settings::{BlurName, DEFAULT_BASE};
 
 use adumbra_shaders::Source;
 

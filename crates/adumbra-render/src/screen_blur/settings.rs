@@ -4,10 +4,10 @@ use adumbra_shaders::constants::MAX_BLUR_SIDE;
 use adumbra_shaders::layout::{Array, BlurParams, BlurTap};
 
 use crate::error::Result;
-use crate::technique::{SpecReader, TechniqueSpec};
+use crate::technique::SpecReader;
 
 /// The technique that is blurred if none is named.
-pub(crate) const DEFAULT_BASE: &str = "pcf/filter=2";
+const DEFAULT_BASE: &str = "pcf/filter=2";
 
 /// The three blur techniques.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,12 +114,13 @@ impl BlurStep {
 }
 
 impl BlurSettings {
-    /// Parses the settings of a blur of this name, and the technique that it blurs.
+    /// Reads `base`, `samples`, `sigma`, `passes`, `weights`, `pairs` and `half`, as well as `radius` of a blur that
+    /// dilates and `tolerance` of one within surfaces.
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a value does not exist or values are incompatible.
-    pub(crate) fn from_reader(r: &mut SpecReader<'_>, name: BlurName) -> Result<(Self, TechniqueSpec)> {
-        let base = r.technique("base", "the technique whose factor is blurred", None, DEFAULT_BASE)?;
+    pub(crate) fn from_reader(r: &mut SpecReader<'_>, name: BlurName) -> Result<Self> {
+        r.technique("base", "the technique whose factor is blurred", None, DEFAULT_BASE)?;
         let dilation = "radius of the dilation, pixels";
         let tolerance = "largest distance of a surface from a pixel's plane, widths of a pixel there";
         let kind = match name {
@@ -148,7 +149,7 @@ impl BlurSettings {
         }
         let half = r.choice("half", "blur at half the width and height", &["off", "on"])? == "on";
         let samples = samples.next_multiple_of(2);
-        Ok((Self { kind, samples, sigma_pixels, separable, weights, pairs, half }, base))
+        Ok(Self { kind, samples, sigma_pixels, separable, weights, pairs, half })
     }
 
     /// The passes, in order.
@@ -232,9 +233,10 @@ impl BlurSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::technique::SpecText;
 
-    fn read(name: BlurName, text: &str) -> Result<(BlurSettings, TechniqueSpec)> {
-        let spec: TechniqueSpec = text.parse()?;
+    fn read(name: BlurName, text: &str) -> Result<BlurSettings> {
+        let spec: SpecText = text.parse()?;
         spec.read(|reader| BlurSettings::from_reader(reader, name))
     }
 
@@ -243,7 +245,7 @@ mod tests {
         for samples in (8..=64).step_by(2) {
             for half in ["off", "on"] {
                 let text = format!("blur:samples={samples}:half={half}:pairs=on");
-                let (settings, _) = read(BlurName::Plain, &text).unwrap();
+                let settings = read(BlurName::Plain, &text).unwrap();
                 let params = settings.params(settings.steps()[0], [64, 64]);
                 let side = params.taps_per_side as usize;
                 let weights: Vec<f64> = params.taps.0.iter().map(|t| t.weight.into()).collect();
@@ -273,10 +275,9 @@ mod tests {
     #[test]
     fn blur_reads_its_parameters() {
         let text = "blur:samples=8:sigma=3:passes=1:base=csm/cascades=2/filter=3";
-        let (settings, base) = read(BlurName::Plain, text).unwrap();
+        let settings = read(BlurName::Plain, text).unwrap();
         assert_eq!((settings.samples, settings.sigma_pixels, settings.separable), (8, 3.0, false));
-        assert_eq!(base.to_string(), "csm:cascades=2:filter=3");
-        let (dilated, _) = read(BlurName::Dilated, "blur-dilate:radius=3").unwrap();
+        let dilated = read(BlurName::Dilated, "blur-dilate:radius=3").unwrap();
         assert_eq!(dilated.kind, BlurKind::Dilated { radius: 3 });
         for (name, wrong) in [
             (BlurName::Plain, "blur:samples=7"),

@@ -1,6 +1,6 @@
 //! Changes one parameter of a technique and writes the result as the shortest text.
 
-use super::{SpecReader, TechniqueSpec};
+use super::{SpecReader, SpecText};
 use crate::error::Result;
 
 /// Returns a technique with one parameter changed, as read by `read`. Parameters that no longer apply or have their
@@ -9,11 +9,11 @@ use crate::error::Result;
 /// # Errors
 /// Returns the errors of `read`, and [`crate::RenderError::Technique`] for a parameter that is never read.
 pub(crate) fn changed(
-    spec: &TechniqueSpec,
+    spec: &SpecText,
     key: &str,
     value: &str,
     read: impl Fn(&mut SpecReader<'_>) -> Result<()>,
-) -> Result<TechniqueSpec> {
+) -> Result<SpecText> {
     let asked = spec.with(key, Some(value));
     let mut reader = asked.reader();
     read(&mut reader)?;

@@ -1,5 +1,5 @@
 //! The interface of shadow techniques: their own buffers, passes before the look-up, the look-up, and screen-space
-//! passes after it. This module also reads a technique's text, a name and parameters ([`TechniqueSpec`],
+//! passes after it. This module also reads a technique's text, a name and parameters ([`SpecText`],
 //! [`SpecReader`]). The list of techniques is in [`crate::techniques`].
 
 mod changed;
@@ -7,14 +7,14 @@ mod given;
 pub(crate) mod parameter;
 mod reader;
 mod resolve;
-mod spec;
+mod text;
 
 pub(crate) use changed::changed;
 pub use given::Given;
 pub use parameter::{Parameter, ParameterKind};
 pub use reader::SpecReader;
 pub use resolve::{Lookup, Resolver};
-pub use spec::TechniqueSpec;
+pub use text::SpecText;
 
 use std::any::Any;
 

@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::TechniqueSpec;
+use super::SpecText;
 use crate::error::Result;
 
 /// Lists of choices longer than this are abbreviated in help.
@@ -87,13 +87,13 @@ impl Parameter {
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if the value does not parse as a technique.
-    pub fn nested(&self) -> Result<Option<TechniqueSpec>> {
+    pub fn nested(&self) -> Result<Option<SpecText>> {
         let ParameterKind::Technique { of } = self.kind else { return Ok(None) };
         nested(of, &self.value).map(Some)
     }
 
     /// Writes the technique `spec` as a value of this parameter: the inverse of [`Parameter::nested`].
-    pub fn nest(&self, spec: &TechniqueSpec) -> String {
+    pub fn nest(&self, spec: &SpecText) -> String {
         let text = spec.to_string().replace(':', "/");
         match self.kind {
             ParameterKind::Technique { of: Some(name) } => {
@@ -146,7 +146,7 @@ impl Parameter {
 
 /// Parses `value` as a technique written with `/` for `:`. `of` is the technique's name if the value does not contain
 /// it.
-pub(super) fn nested(of: Option<&str>, value: &str) -> Result<TechniqueSpec> {
+pub(super) fn nested(of: Option<&str>, value: &str) -> Result<SpecText> {
     let text = value.replace('/', ":");
     match of {
         Some(name) if text.is_empty() => name.parse(),
@@ -167,7 +167,7 @@ pub(crate) mod tests {
 
     /// Asserts that a technique accepts the defaults and range ends of its described parameters and rejects values
     /// beyond them, and that each parameter has a line of help.
-    pub(crate) fn holds(spec: &TechniqueSpec, describe: impl Fn(&TechniqueSpec) -> Result<Vec<Parameter>>) {
+    pub(crate) fn holds(spec: &SpecText, describe: impl Fn(&SpecText) -> Result<Vec<Parameter>>) {
         let plain = describe(spec).unwrap();
         for p in &plain {
             let parameter = format!("{spec}: {}: {}", p.help(), p.what);
@@ -232,7 +232,7 @@ pub(crate) mod tests {
 
     #[test]
     fn parameter_holds_a_technique() {
-        let spec: TechniqueSpec = "csm:cascades=2:filter=3".parse().unwrap();
+        let spec: SpecText = "csm:cascades=2:filter=3".parse().unwrap();
         for (of, value) in [(Some("csm"), "cascades=2/filter=3"), (None, "csm/cascades=2/filter=3")] {
             let p = Parameter {
                 kind: ParameterKind::Technique { of },

@@ -4,16 +4,16 @@
 use std::ops::RangeInclusive;
 
 use super::parameter::nested;
-use super::{Parameter, ParameterKind, TechniqueSpec};
+use super::{Parameter, ParameterKind, SpecText};
 use crate::error::Result;
 
 /// Reads parameters and records those that were read.
 pub struct SpecReader<'s> {
-    spec: &'s TechniqueSpec,
+    spec: &'s SpecText,
     asked: Vec<Parameter>,
 }
 
-impl TechniqueSpec {
+impl SpecText {
     /// Returns a reader of the parameters.
     pub fn reader(&self) -> SpecReader<'_> {
         SpecReader { spec: self, asked: Vec::new() }
@@ -33,7 +33,7 @@ impl TechniqueSpec {
 
 impl<'s> SpecReader<'s> {
     /// The technique whose parameters are read.
-    pub fn spec(&self) -> &'s TechniqueSpec {
+    pub fn spec(&self) -> &'s SpecText {
         self.spec
     }
 
@@ -164,7 +164,7 @@ impl<'s> SpecReader<'s> {
         what: &'static str,
         of: Option<&'static str>,
         default: &'static str,
-    ) -> Result<TechniqueSpec> {
+    ) -> Result<SpecText> {
         let value = self.ask(key, what, ParameterKind::Technique { of }, default.to_owned());
         nested(of, value.unwrap_or(default))
     }
@@ -212,8 +212,7 @@ mod tests {
 
     #[test]
     fn reader_takes_what_is_there_and_defaults_for_the_rest() {
-        let spec: TechniqueSpec =
-            "CSM:cascades=3:split=Uniform:lambda=0.25:base=pcf/filter=3".parse().unwrap();
+        let spec: SpecText = "CSM:cascades=3:split=Uniform:lambda=0.25:base=pcf/filter=3".parse().unwrap();
         assert_eq!(spec.name(), "csm");
         let mut reader = spec.reader();
         assert_eq!(reader.count("cascades", "", 4, 1..=8).unwrap(), 3);
@@ -237,7 +236,7 @@ mod tests {
 
     #[test]
     fn reader_names_what_is_wrong_and_what_would_do() {
-        let spec: TechniqueSpec = "pcf:filter=4:taps=3".parse().unwrap();
+        let spec: SpecText = "pcf:filter=4:taps=3".parse().unwrap();
         let mut reader = spec.reader();
         let error = reader.integer("filter", "", 5, &[2, 3, 5, 7]).unwrap_err().to_string();
         assert!(error.contains("[2, 3, 5, 7]"), "{error}");

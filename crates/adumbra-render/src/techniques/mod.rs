@@ -1,23 +1,20 @@
 //! The techniques by name: their properties, their parameters, and how they are built.
 //!
-//! [`TECHNIQUES`] is the list of them all. [`build()`] builds a technique from its text, and [`describe()`] lists its
-//! parameters without a device. Both read the settings with the same code, so help and sliders show exactly what is
-//! accepted. [`change`] sets one parameter and omits those that no longer apply. Ambient occlusion has its own list:
-//! [`crate::occlusion`].
+//! [`TECHNIQUES`] is the list of this crate's. [`Techniques::parse`] makes a [`TechniqueSpec`] of a text, whose name and
+//! parameters are known to exist; it describes and changes itself, and [`build()`] builds it. Building and describing read the settings
+//! with the same code, so help and sliders show exactly what is accepted. A crate above adds techniques of its own with
+//! [`Techniques::with`]. Ambient occlusion has its own list: [`crate::occlusion`].
 
-mod ask;
 mod baked;
-mod blur;
-mod build;
-mod describe;
+mod list;
 mod none;
 mod parameters;
-mod registry;
+mod product;
+#[cfg(test)]
+mod tests;
 mod traits;
 
 pub use baked::Baked;
-pub use build::build;
-pub use describe::{change, describe};
-pub use parameters::{parameter_texts, parameters};
-pub use registry::{TECHNIQUES, TechniqueEntry};
-pub use traits::{Reads, Truth};
+pub use list::{Design, Role, TechniqueEntry, TechniqueSpec, Techniques, build};
+pub use product::TECHNIQUES;
+pub use traits::{Reads, Traits, Truth};

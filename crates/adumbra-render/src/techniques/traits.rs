@@ -32,21 +32,21 @@ pub enum Truth {
 
 /// Properties of a technique that are known from its name and parameters alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Traits {
+pub struct Traits {
     /// The baked file that it reads.
-    pub(super) reads: Reads,
+    pub reads: Reads,
     /// The truth that it is compared with.
-    pub(super) truth: Truth,
+    pub truth: Truth,
     /// Whether it has a parameter `angle`, the sun's full angle in degrees.
-    pub(super) takes_sun_angle: bool,
+    pub takes_sun_angle: bool,
     /// Whether movers cast shadows, as static objects do.
-    pub(super) shows_movers: bool,
+    pub shows_movers: bool,
 }
 
 impl Traits {
     /// Traits of a technique that is redrawn in every frame, for the sun's centre.
-    pub(super) const DRAWN: Self =
+    pub const DRAWN: Self =
         Self { reads: Reads::Nothing, truth: Truth::HardSun, takes_sun_angle: false, shows_movers: true };
-    pub(super) const CUBES: Self = Self { reads: Reads::TreeFile, shows_movers: false, ..Self::DRAWN };
-    pub(super) const SOFT: Self = Self { truth: Truth::SunDisc, takes_sun_angle: true, ..Self::DRAWN };
+    /// The same for the whole disc of the sun.
+    pub const SOFT: Self = Self { truth: Truth::SunDisc, takes_sun_angle: true, ..Self::DRAWN };
 }

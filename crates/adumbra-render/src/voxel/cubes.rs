@@ -11,7 +11,7 @@ use super::cubes_options::{CubesOptions, CubesStore};
 use super::{PageTexture, VoxelBindings, WordBuffers, bias_uniform, fixed, grid_transform};
 use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
-use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
+use crate::technique::{Answer, FrameInput, SpecText, Technique};
 
 /// A tree on the GPU.
 pub struct Cubes {
@@ -85,7 +85,7 @@ impl Cubes {
     /// file.
     pub(crate) fn from_spec(
         gpu: &Gpu,
-        spec: &TechniqueSpec,
+        spec: &SpecText,
         file: Option<&TreeFile>,
         from_texture: bool,
     ) -> Result<Self> {

@@ -8,7 +8,7 @@ use adumbra::{Bias, LightBody, ShadowFile};
 use super::filter::VoxelFilter;
 use crate::error::Result;
 use crate::maps::help;
-use crate::technique::{SpecReader, TechniqueSpec};
+use crate::technique::{SpecReader, SpecText};
 
 /// Settings of a light-aligned file's look-up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,12 +31,12 @@ impl VoxelSettings {
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a parameter is unknown or out of range, or if penumbrae are
     /// requested of a file in a layout other than `depths`.
-    pub fn from_spec(spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
+    pub fn from_spec(spec: &SpecText, file: Option<&ShadowFile>) -> Result<Self> {
         spec.read(|reader| Self::from_reader(reader, file))
     }
 
     /// Whether a technique's text requests the penumbrae of the sun's disc.
-    pub(crate) fn has_penumbrae(spec: &TechniqueSpec) -> bool {
+    pub(crate) fn has_penumbrae(spec: &SpecText) -> bool {
         spec.value("shade") == Some("soft")
     }
 

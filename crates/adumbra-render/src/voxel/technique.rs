@@ -6,7 +6,7 @@ use adumbra_shaders::Source;
 use super::{BakedLight, VoxelSettings};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::technique::{Answer, FrameInput, Technique, TechniqueSpec};
+use crate::technique::{Answer, FrameInput, SpecText, Technique};
 
 /// A light-aligned file as a technique.
 pub struct Voxel {
@@ -25,7 +25,7 @@ impl Voxel {
     /// # Errors
     /// Returns the errors of [`BakedLight::from_file`], and [`crate::RenderError::Technique`] if a parameter is unknown
     /// or there is no file.
-    pub fn from_spec(gpu: &Gpu, spec: &TechniqueSpec, file: Option<&ShadowFile>) -> Result<Self> {
+    pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<&ShadowFile>) -> Result<Self> {
         let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;
         let settings = VoxelSettings::from_spec(spec, Some(file))?;
         Ok(Self::new(spec.to_string(), BakedLight::from_file(gpu, file, settings)?))

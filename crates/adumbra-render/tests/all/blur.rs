@@ -81,7 +81,7 @@ const PERSPECTIVE: Projection = Projection::Perspective { fov_degrees: 50.0 };
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { height_world: 14.0 };
 
 fn settings(text: &str) -> BlurSettings {
-    BlurSettings::read(&text.parse().unwrap()).unwrap().0
+    BlurSettings::of(&text.parse().unwrap()).unwrap()
 }
 
 impl View {

@@ -6,7 +6,6 @@ use adumbra::{Frame, LightBody, Query, ShadowFile};
 use adumbra_bake::convert::graph_of_depths;
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_render::technique::{ParameterKind, Technique as _};
-use adumbra_render::techniques::describe;
 use adumbra_render::voxel::{BakedLight, SoftTwin, Voxel, VoxelFilter, VoxelSettings};
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{GeneratedKind, generate};
@@ -175,8 +174,11 @@ fn depths_techniques_are_chosen_by_name() {
     let mut other = file;
     other.settings.bias.slope_texels = 0.75;
     for (file, shadows) in [(&other, 2), (&baked.light, 1)] {
-        let parameters =
-            describe(&"voxel".parse().unwrap(), Baked { light: Some(file), tree: None }).unwrap();
+        let parameters = "voxel"
+            .parse::<adumbra_render::TechniqueSpec>()
+            .unwrap()
+            .describe(Baked { light: Some(file), tree: None })
+            .unwrap();
         let parameter = |key: &str| parameters.iter().find(|p| p.key == key).unwrap();
         assert_eq!(parameter("slope").default, file.settings.bias.slope_texels.to_string());
         let ParameterKind::Word { choices } = &parameter("shade").kind else { panic!("{parameters:?}") };

@@ -1,7 +1,6 @@
 //! The meaning of the colours of a tinted layer.
 
 use adumbra_render::layers::Layer;
-use adumbra_render::techniques;
 use egui::{Color32, Sense, Ui, Vec2};
 
 use crate::app::App;
@@ -32,7 +31,7 @@ pub(super) fn show(ui: &mut Ui, app: &App) {
 
 /// Returns the number of cascades of the first side's technique.
 fn cascades(app: &App) -> usize {
-    let parameters = techniques::describe(app.settings.shadow(Side::First), app.shadows.files.baked());
+    let parameters = app.settings.shadow(Side::First).describe(app.shadows.files.baked());
     let found = parameters.ok().and_then(|list| list.into_iter().find(|p| p.key == "cascades"));
     found.and_then(|p| p.value.parse().ok()).unwrap_or(0)
 }

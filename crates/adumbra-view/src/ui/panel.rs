@@ -1,7 +1,7 @@
 //! The panel: controls for what is shown, and how.
 
-use adumbra_lab::report::grouped;
-use adumbra_render::TechniqueSpec;
+use adumbra_compare::report::grouped;
+use adumbra_render::SpecText;
 use adumbra_render::layers::Layer;
 use adumbra_render::occlusion::{self, OCCLUSIONS};
 
@@ -140,7 +140,7 @@ fn ambient(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
     }
     let Some(stage) = &app.stage else { return };
     let radius = stage.default_radius();
-    let describe = |spec: &TechniqueSpec| occlusion::describe(spec, radius).unwrap_or_default();
+    let describe = |spec: &SpecText| occlusion::describe(spec, radius).unwrap_or_default();
     if let Some(changed) = parameters::show(ui, "ambient", &describe(spec), &describe) {
         let next = changed.of(spec, |key, value| occlusion::change(spec, radius, key, value));
         commands.push(Command::Ao(next.to_string()));

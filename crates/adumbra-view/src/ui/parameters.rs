@@ -1,7 +1,7 @@
 //! Parameters of a technique as sliders and lists, with their current values, defaults and a reset button.
 
 use adumbra_render::technique::{Parameter, ParameterKind};
-use adumbra_render::{RenderError, TECHNIQUES, TechniqueSpec};
+use adumbra_render::{RenderError, SpecText, TECHNIQUES};
 use egui::{ComboBox, Slider, SliderClamping, Ui};
 
 /// A change of one of a technique's parameters: a new value, or `None` to reset it to the default.
@@ -16,9 +16,9 @@ impl Changed {
     /// is written out in full, and is rejected when it is used.
     pub(super) fn of(
         &self,
-        spec: &TechniqueSpec,
-        change: impl FnOnce(&str, &str) -> Result<TechniqueSpec, RenderError>,
-    ) -> TechniqueSpec {
+        spec: &SpecText,
+        change: impl FnOnce(&str, &str) -> Result<SpecText, RenderError>,
+    ) -> SpecText {
         let plain = spec.with(self.key, self.value.as_deref());
         self.value.as_deref().and_then(|value| change(self.key, value).ok()).unwrap_or(plain)
     }
@@ -32,7 +32,7 @@ pub(super) fn show(
     ui: &mut Ui,
     salt: &str,
     parameters: &[Parameter],
-    describe: &dyn Fn(&TechniqueSpec) -> Vec<Parameter>,
+    describe: &dyn Fn(&SpecText) -> Vec<Parameter>,
 ) -> Option<Changed> {
     let mut changed = None;
     egui::Grid::new(("parameters", salt)).num_columns(3).spacing([6.0, 3.0]).show(ui, |ui| {
@@ -58,7 +58,7 @@ fn edit(
     ui: &mut Ui,
     salt: &str,
     p: &Parameter,
-    describe: &dyn Fn(&TechniqueSpec) -> Vec<Parameter>,
+    describe: &dyn Fn(&SpecText) -> Vec<Parameter>,
 ) -> Option<String> {
     match &p.kind {
         ParameterKind::Number { range } if p.value.is_empty() => {
@@ -96,10 +96,10 @@ fn edit(
 fn nested(
     ui: &mut Ui,
     salt: &str,
-    spec: &TechniqueSpec,
+    spec: &SpecText,
     has_name: bool,
-    describe: &dyn Fn(&TechniqueSpec) -> Vec<Parameter>,
-) -> Option<TechniqueSpec> {
+    describe: &dyn Fn(&SpecText) -> Vec<Parameter>,
+) -> Option<SpecText> {
     let other = if has_name {
         let names = TECHNIQUES.iter().filter(|t| t.can_be_blurred()).map(|t| t.name);
         chosen(ui, (salt, "name"), spec.name(), names)

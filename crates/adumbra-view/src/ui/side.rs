@@ -1,7 +1,7 @@
 //! The technique of one side: its name, its parameters, and its notes.
 
 use adumbra_render::technique::{Parameter, ParameterKind};
-use adumbra_render::{Baked, TECHNIQUES, TechniqueSpec, techniques};
+use adumbra_render::{Baked, SpecText, TECHNIQUES, TechniqueSpec};
 
 use super::parameters;
 use crate::app::App;
@@ -11,8 +11,8 @@ use crate::shadow_file::{is_same_sun, sun_of};
 /// Returns the technique's parameters. They include those that the current file does not support, such as penumbrae,
 /// because another file is baked if they are requested.
 fn describe(spec: &TechniqueSpec, baked: Baked<'_>) -> Vec<Parameter> {
-    let of_any = techniques::describe(spec, Baked::default()).unwrap_or_default();
-    let Ok(mut of_file) = techniques::describe(spec, baked) else { return of_any };
+    let of_any = spec.describe(Baked::default()).unwrap_or_default();
+    let Ok(mut of_file) = spec.describe(baked) else { return of_any };
     for p in &mut of_file {
         if let (ParameterKind::Word { .. }, Some(any)) = (&p.kind, of_any.iter().find(|any| any.key == p.key))
         {
@@ -39,11 +39,14 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
         commands.push(Command::Shadow { side, technique: chosen });
     }
     let baked = app.shadows.files.baked();
-    let describe = |spec: &TechniqueSpec| describe(spec, baked);
-    if let Some(changed) = parameters::show(ui, &format!("{side:?}"), &describe(spec), &describe) {
-        let next = changed.of(spec, |key, value| {
-            techniques::change(spec, baked, key, value)
-                .or_else(|_| techniques::change(spec, Baked::default(), key, value))
+    let of_nested = |text: &SpecText| {
+        let nested = spec.techniques().parse(&text.to_string());
+        nested.map(|nested| describe(&nested, baked)).unwrap_or_default()
+    };
+    if let Some(changed) = parameters::show(ui, &format!("{side:?}"), &describe(spec, baked), &of_nested) {
+        let next = changed.of(spec.text(), |key, value| {
+            let change = |baked| spec.change(baked, key, value);
+            change(baked).or_else(|_| change(Baked::default())).map(|next| next.text().clone())
         });
         commands.push(Command::Shadow { side, technique: next.to_string() });
     }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use adumbra_lab::Result;
-use adumbra_lab::compare::{Compared, Comparison};
-use adumbra_lab::pictures::{Cell, sheet};
-use adumbra_lab::plot::{Along, Legend, Panel, Series, draw_svg};
-use adumbra_lab::report::{PathReport, Report, TruthKind, figure, percent};
+use adumbra_compare::Result;
+use adumbra_compare::compare::{Compared, Comparison};
+use adumbra_compare::pictures::{Cell, sheet};
+use adumbra_compare::plot::{Along, Legend, Panel, Series, draw_svg};
+use adumbra_compare::report::{PathReport, Report, TruthKind, figure, percent};
 use adumbra_program::output::Outputs;
 use adumbra_truth::picture::Picture;
 use serde_json::Value;

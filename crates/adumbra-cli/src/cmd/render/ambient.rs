@@ -1,13 +1,13 @@
 //! Ambient occlusion of pictures, as `--ao` asks for.
 
-use adumbra_lab::Result;
-use adumbra_lab::truth::TruthTracer;
+use adumbra_compare::Result;
+use adumbra_compare::truth::TruthTracer;
 use adumbra_program::exit::Failure;
 use adumbra_render::occlusion::{
     AmbientSettings, AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses, OcclusionSettings,
     TracedSettings,
 };
-use adumbra_render::{FrameTimes, RenderError, Renderer, Shot, Stage, TechniqueSpec};
+use adumbra_render::{FrameTimes, RenderError, Renderer, Shot, SpecText, Stage};
 use serde::Serialize;
 
 use super::Job;
@@ -36,7 +36,7 @@ pub(super) struct AmbientFigures {
 
 /// The ambient occlusion that was asked for.
 pub(super) struct Ambient {
-    spec: TechniqueSpec,
+    spec: SpecText,
     has_radius: bool,
     kind: Kind,
 }
@@ -50,7 +50,7 @@ impl Ambient {
     /// Parses `NAME[:key=value…]`. `None` for an open sky. Without a given radius, [`Self::set_radius`] must set it.
     pub(super) fn read(text: &str) -> Result<Option<Self>> {
         let read = || -> Result<Option<Self>, RenderError> {
-            let spec: TechniqueSpec = text.parse()?;
+            let spec: SpecText = text.parse()?;
             let kind = match AmbientSettings::from_spec(&spec, 0.0)? {
                 AmbientSettings::Open => return Ok(None),
                 AmbientSettings::Traced(settings) => Kind::Traced(settings),

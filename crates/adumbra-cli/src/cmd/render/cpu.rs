@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use adumbra_lab::Result;
+use adumbra_compare::Result;
 use adumbra_program::output::write_png;
 use adumbra_program::say;
 use adumbra_truth::picture;

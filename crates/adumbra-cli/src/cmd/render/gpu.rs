@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use adumbra_lab::Result;
-use adumbra_lab::baked::{BakeOnDemand, BakedFiles};
-use adumbra_lab::layers::{self, Layer};
-use adumbra_lab::truth::{SunShape, TruthTracer};
+use adumbra_compare::Result;
+use adumbra_compare::baked::{BakeOnDemand, BakedFiles};
+use adumbra_compare::layers::{self, Layer};
+use adumbra_compare::truth::{SunShape, TruthTracer};
 use adumbra_program::exit::Failure;
 use adumbra_render::layers::{CASCADE_COLORS, LEVEL_COLORS};
 use adumbra_render::voxel::VOXEL_LEVEL_COLORS;
@@ -63,7 +63,6 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
         }
         let output = output_of(&args.output, spec, asked.len() > 1);
         if spec.is_traced() {
-            spec.reader().finish()?;
             draw_truth(job, &mut renderer, &mut moving, &output, &mut traced)?;
             continue;
         }

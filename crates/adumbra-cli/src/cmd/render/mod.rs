@@ -11,15 +11,15 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use adumbra_lab::args::DeviceArg;
-use adumbra_lab::{Result, layers};
+use adumbra_compare::args::DeviceArg;
+use adumbra_compare::{Result, layers};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::{note_input, print_json, refuse_inputs, refuse_read, refuse_same};
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::sun::{ChosenSun, SunOrigin, SunSource};
 use adumbra_program::threads::with_threads;
-use adumbra_render::{Baked, Gpu, RenderError, TechniqueSpec, techniques};
+use adumbra_render::{Gpu, RenderError, TechniqueSpec};
 use adumbra_scene::{Camera, MoverPolicy, Scene};
 use adumbra_tree::AnyFile;
 use serde::Serialize;
@@ -85,8 +85,6 @@ pub(crate) fn run(args: &Render) -> Result<Code> {
     if let Some((i, spec)) = specs.iter().enumerate().find(|(i, s)| specs[..*i].contains(s)) {
         return Err(Failure::Usage(format!("--shadow {spec}: it is given twice (number {})", i + 1)).into());
     }
-    // Checked before a scene is loaded and a file baked for a technique that does not exist.
-    specs.iter().try_for_each(|spec| techniques::describe(spec, Baked::default()).map(drop))?;
     let ending = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     if !["png", "exr"].contains(&ending.as_str()) {
         let output = args.output.display();

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use adumbra_lab::Result;
+use adumbra_compare::Result;
 use adumbra_program::exit::Failure;
 use adumbra_render::movers::{BallPath, MoveSpec};
 use adumbra_scene::Scene;

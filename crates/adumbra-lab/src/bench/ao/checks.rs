@@ -6,8 +6,8 @@ use super::{Document, SceneFigures, peers};
 use crate::occlusion::{Claims, SCENES};
 use crate::peers::RowSource;
 use crate::peers::occlusion::{OcclusionRow, SCENES as PEER_SCENES};
-use crate::report::median;
 use crate::results::Check;
+use adumbra_compare::report::median;
 
 /// Number of the eight scenes on which issao must have the lowest RMSE of the paper's four estimators.
 const LOWEST: usize = 5;

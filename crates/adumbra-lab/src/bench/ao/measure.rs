@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 use super::{Bench, SceneFigures};
-use crate::Result;
-use crate::compare::{median_ratio, median_time, ratio_range};
-use crate::metrics::{flip, ssim};
 use crate::occlusion::{ClaimProbe, Claims, Flicker, OcclusionErrors, grey_picture, path_flicker};
 use crate::results::{or_nan, pair_or_nan};
+use adumbra_compare::Result;
+use adumbra_compare::compare::{median_ratio, median_time, ratio_range};
+use adumbra_compare::metrics::{flip, ssim};
 
 /// A name and its visibility.
 pub(super) type Pictures = Vec<(String, Vec<f32>)>;

@@ -26,17 +26,17 @@ pub(crate) use self::measure::Row;
 use self::sweep::{EqualTime, Point};
 pub(crate) use self::variants::Variant;
 use super::keep_sheet;
-use crate::Result;
 use crate::args::BenchAo;
-use crate::compare::camera_figures;
 use crate::occlusion::{
     Flicker, Fold, OcclusionErrors, OcclusionReference, OcclusionScene, OcclusionStage, OcclusionView,
     Record, SCENES, TracedView, TunedOn, truth_flicker, with_tuned,
 };
 use crate::peers::occlusion::OcclusionRow;
-use crate::report::{CameraFigures, PixelCounts};
 use crate::results::{Check, Setup};
-use crate::truth::{TruthTracer, scene_key};
+use adumbra_compare::Result;
+use adumbra_compare::compare::camera_figures;
+use adumbra_compare::report::{CameraFigures, PixelCounts};
+use adumbra_compare::truth::{TruthTracer, scene_key};
 
 /// Number of the path's frames over which the truth's own flicker is measured.
 const FLOOR_FRAMES: usize = 3;

@@ -9,13 +9,13 @@ use adumbra_render::{Gpu, SceneOptions};
 use adumbra_scene::LoadOptions;
 
 use super::measure::unfiltered;
-use crate::Result;
 use crate::args::BenchAo;
 use crate::bench::peers::scene_file;
 use crate::occlusion::{OcclusionStage, TunedOn, with_tuned};
 use crate::peers::RowSource;
 use crate::peers::occlusion::{OcclusionRow, SCENES, engines, figures};
-use crate::truth::TruthView;
+use adumbra_compare::Result;
+use adumbra_compare::truth::TruthView;
 
 /// Returns the name of one of our rows.
 pub(super) fn name(estimator: Estimator, samples: u32, filtered: bool) -> String {

@@ -7,9 +7,9 @@ use adumbra_truth::picture::Picture;
 use super::SceneFigures;
 use super::measure::Pictures;
 use super::variants::{FIG_3, FIG_4, FIG_5, WITHOUT_ATTENUATION, name};
-use crate::Result;
 use crate::occlusion::{TracedView, grey_picture};
-use crate::pictures::{Cell, enlarged, sheet};
+use adumbra_compare::Result;
+use adumbra_compare::pictures::{Cell, enlarged, sheet};
 
 /// Maximum width of a picture on a scene's sheet, in pixels.
 const WIDEST: u32 = 320;

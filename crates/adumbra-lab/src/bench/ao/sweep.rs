@@ -8,10 +8,10 @@ use adumbra_render::occlusion::{Estimator, OcclusionPasses};
 use serde::{Deserialize, Serialize};
 
 use super::{Bench, Document, SceneFigures};
-use crate::Result;
-use crate::compare::{median_ratio, median_time};
-use crate::plot::{Along, Legend, Panel, Series, write_svg};
 use crate::results::or_nan;
+use adumbra_compare::Result;
+use adumbra_compare::compare::{median_ratio, median_time};
+use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
 
 pub(super) const SAMPLES: [u32; 8] = [4, 8, 12, 16, 24, 32, 48, 64];
 /// Maximum number of frames that a time is the median of.

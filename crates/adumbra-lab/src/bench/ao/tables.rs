@@ -9,10 +9,10 @@ use super::measure::Row;
 use super::sweep::{self, SAMPLES};
 use super::{Document, FLOOR_FRAMES, SceneFigures, claims};
 use crate::occlusion::{Flicker, OcclusionErrors};
-use crate::page::Table;
 use crate::peers::occlusion;
-use crate::report::{figure, percent};
 use crate::results::Check;
+use adumbra_compare::page::Table;
+use adumbra_compare::report::{figure, percent};
 
 // Writing to a `String` never fails, so the results of `write!` are discarded throughout.
 

@@ -3,15 +3,15 @@
 use std::borrow::Cow;
 
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
-use adumbra_render::{FrameTimes, TechniqueSpec};
+use adumbra_render::{FrameTimes, SpecText};
 use serde::{Deserialize, Serialize};
 
 use super::Bench;
 use super::measure::{Pictures, unfiltered};
-use crate::Result;
-use crate::compare::{median_ratio, median_time};
 use crate::occlusion::{ClaimProbe, Claims, Flicker, OcclusionErrors, with_tuned};
 use crate::results::or_nan;
+use adumbra_compare::Result;
+use adumbra_compare::compare::{median_ratio, median_time};
 
 /// Options, and whether the parameters are the tuned ones or the paper's.
 const VARIANTS: [(&str, bool); 13] = [
@@ -87,7 +87,7 @@ impl Bench<'_, '_, '_> {
     ) -> Result<Vec<Variant>> {
         let mut known = Vec::new();
         for (options, tuned) in VARIANTS {
-            let spec: TechniqueSpec = name(options).parse()?;
+            let spec: SpecText = name(options).parse()?;
             match OcclusionSettings::from_spec(&spec, self.reference.radius_world) {
                 Ok(s) => known.push((options, tuned, if tuned { with_tuned(s, self.on) } else { s })),
                 Err(e) => {

@@ -19,8 +19,8 @@ use self::checks::Check;
 use self::rows::{QUERY_OF, Row, rows};
 use self::speed::Scan;
 use super::child;
-use crate::Result;
 use crate::args::BenchBake;
+use adumbra_compare::Result;
 
 /// Name of the look-ups for `--only`.
 const QUERY: &str = "query";

@@ -10,7 +10,7 @@ use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
+use adumbra_compare::Result;
 
 const FILTER: u32 = 9;
 /// Points per row, and number of rows.

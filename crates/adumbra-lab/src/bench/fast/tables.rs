@@ -3,8 +3,8 @@
 use super::checks::Check;
 use super::speed::Scan;
 use super::{Document, Figures};
-use crate::page::Table;
-use crate::report::{figure, percent};
+use adumbra_compare::page::Table;
+use adumbra_compare::report::{figure, percent};
 
 /// Returns the whole page.
 pub(super) fn markdown(document: &Document) -> String {

@@ -14,8 +14,8 @@ use adumbra_program::output::make_folder;
 use adumbra_render::Gpu;
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
 use crate::args::BenchGpu;
+use adumbra_compare::Result;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize)]

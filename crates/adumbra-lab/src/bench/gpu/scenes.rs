@@ -4,8 +4,8 @@ use adumbra::Sun;
 use adumbra_render::Shot;
 use adumbra_scene::{Camera, GeneratedKind, Scene, generate};
 
-use crate::Result;
-use crate::truth::{StreetOptions, TruthTracer, street_camera};
+use adumbra_compare::Result;
+use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera};
 
 const SEED: u64 = 1;
 /// Edge of the generated city in metres.

@@ -8,9 +8,9 @@ use adumbra_scene::Scene;
 
 use super::scenes::{Seen, city, movers, tiled, triangles, views};
 use super::{Bench, Row, Section};
-use crate::Result;
-use crate::baked::{BakeOnDemand, BakedFiles};
 use crate::bench::DEFAULT_SUN;
+use adumbra_compare::Result;
+use adumbra_compare::baked::{BakeOnDemand, BakedFiles};
 
 /// Voxels per side of a world-aligned file.
 const CUBES: u64 = 1024;

@@ -8,8 +8,8 @@ use adumbra_scene::Scene;
 
 use super::scenes::{Seen, moved};
 use super::{Bench, Row, View};
-use crate::Result;
-use crate::compare::median_time;
+use adumbra_compare::Result;
+use adumbra_compare::compare::median_time;
 
 /// Names of the passes of shadows and of ambient occlusion.
 const SHADOW: &[(&str, Stage)] = &[

@@ -7,10 +7,10 @@ use adumbra_truth::picture::Picture;
 
 use super::measure::{hybrid, plain};
 use super::models::PlacedModel;
-use crate::compare::Reference;
-use crate::pictures::{Cell, picture_of_rgba, sheet};
-use crate::truth::SunShape;
-use crate::{Result, layers};
+use adumbra_compare::compare::Reference;
+use adumbra_compare::pictures::{Cell, picture_of_rgba, sheet};
+use adumbra_compare::truth::SunShape;
+use adumbra_compare::{Result, layers};
 
 /// Size of one picture of a sheet in pixels.
 const SIZE: [u32; 2] = [640, 480];

@@ -7,15 +7,15 @@ use adumbra_render::hybrid::twin::level_shares;
 use adumbra_render::{Answer, Baked, FrameTimes, Prepared, RenderError, Renderer, Shot, Stage, build};
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
-use crate::compare::{
+use crate::results::{or_nan, pair_or_nan};
+use adumbra_compare::Result;
+use adumbra_compare::compare::{
     BoundaryGain, CLEAR_TEXELS, Reference, boundary_gain, errors_off_edges, interleaved, median_ratio,
     median_time, near_edges, ratio_range,
 };
-use crate::metrics::factor_errors;
-use crate::report::{ClearErrors, PixelCounts};
-use crate::results::{or_nan, pair_or_nan};
-use crate::truth::{SunShape, Surfaces};
+use adumbra_compare::metrics::factor_errors;
+use adumbra_compare::report::{ClearErrors, PixelCounts};
+use adumbra_compare::truth::{SunShape, Surfaces};
 
 /// A technique's results; milliseconds are medians.
 #[derive(Clone, Debug, Serialize, Deserialize)]

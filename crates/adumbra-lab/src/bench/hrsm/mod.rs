@@ -25,11 +25,11 @@ pub(crate) use self::measure::Row;
 use self::models::{MODELS, Model, SUN, WIRES};
 use super::keep_sheet;
 use crate::args::BenchHrsm;
-use crate::compare::{Reference, camera_figures};
-use crate::report::{CameraFigures, PixelCounts};
 use crate::results::{Check, Setup};
-use crate::truth::{TruthTracer, scene_key};
-use crate::{Error, Result};
+use adumbra_compare::compare::{Reference, camera_figures};
+use adumbra_compare::report::{CameraFigures, PixelCounts};
+use adumbra_compare::truth::{TruthTracer, scene_key};
+use adumbra_compare::{Error, Result};
 
 /// Side of the filter in texels: unfiltered, and PCF over 5 × 5 texels.
 const FILTERS: [u32; 2] = [1, 5];

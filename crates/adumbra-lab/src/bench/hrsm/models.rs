@@ -5,8 +5,8 @@ use std::path::Path;
 use adumbra_program::scene::load_scene;
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate};
 
-use crate::Result;
 use crate::bench::peers::scene_file;
+use adumbra_compare::Result;
 
 /// START resolutions of the paper's tables.
 pub(super) const PAPER_STARTS: [u32; 3] = [1024, 2048, 4096];

@@ -6,10 +6,10 @@ use super::checks::cases;
 use super::measure::{Group, Row, hybrid, plain};
 use super::models::PAPER_STARTS;
 use super::{Document, FILTERS, ModelFigures, why};
-use crate::compare::CLEAR_TEXELS;
-use crate::page::Table;
-use crate::report::{figure, megabytes, percent};
 use crate::results::Check;
+use adumbra_compare::compare::CLEAR_TEXELS;
+use adumbra_compare::page::Table;
+use adumbra_compare::report::{figure, megabytes, percent};
 
 const LOADS: [(&str, &str); 2] = [("", "unfiltered"), ("PCF 5 × 5, ", "PCF 5 × 5")];
 

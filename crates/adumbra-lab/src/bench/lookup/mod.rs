@@ -26,10 +26,10 @@ use serde::{Deserialize, Serialize};
 
 use self::pixels::{Group, groups};
 use super::peers::scene_file;
-use crate::Result;
 use crate::args::BenchLookup;
-use crate::compare::{interleaved, median_time};
-use crate::truth::{StreetOptions, TruthTracer, street_camera, truth_camera};
+use adumbra_compare::Result;
+use adumbra_compare::compare::{interleaved, median_time};
+use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera, truth_camera};
 
 /// Words of a sector.
 const SECTOR_WORDS: u32 = 8;

@@ -2,7 +2,7 @@
 
 use adumbra::Sun;
 
-use crate::truth::Surfaces;
+use adumbra_compare::truth::Surfaces;
 
 /// Pixels of a group along x and y.
 const SIZE: [u32; 2] = [8, 4];

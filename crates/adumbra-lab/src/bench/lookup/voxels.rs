@@ -9,7 +9,7 @@ use adumbra_render::voxel::{BakedLight, Reads};
 
 use super::pixels::Group;
 use super::{Counts, SECTOR_WORDS};
-use crate::Result;
+use adumbra_compare::Result;
 
 /// Looks up all points of a view.
 pub(super) fn count(

@@ -8,11 +8,11 @@ use super::document::{BuilderRow, ByBuilder, Part};
 use super::{
     BenchScene, FIRST_PRUNED_DEPTH, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no,
 };
-use crate::Result;
 use crate::args::BenchTree;
-use crate::page::Table;
-use crate::plot::{Along, Legend, Panel, Series, write_svg};
-use crate::report::{figure, megabytes};
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_compare::report::{figure, megabytes};
 
 const NAMES: [&str; 3] = ["recursive", "iterative", "pooled"];
 

@@ -12,10 +12,10 @@ use adumbra_truth::verify::{Answers, Class, Replaced, TreeAnswers};
 
 use super::document::{FilterRow, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
-use crate::Result;
 use crate::args::BenchTree;
-use crate::page::Table;
-use crate::report::percent;
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::report::percent;
 
 const NO_BIAS: Bias = Bias { constant_texels: 0.0, slope_texels: 0.0, normal_offset_texels: 0.0 };
 /// Depth of the counts.

@@ -11,10 +11,10 @@ use adumbra_truth::verify::{LightAnswers, TreeAnswers, Verification};
 
 use super::document::{ClosedRow, FrameRow, FrameRows, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
-use crate::Result;
 use crate::args::BenchTree;
-use crate::page::Table;
-use crate::report::{figure, median, megabytes, percent};
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::report::{figure, median, megabytes, percent};
 
 /// Depths at which the frames are compared.
 const DEPTHS: [u32; 3] = [9, 10, 11];

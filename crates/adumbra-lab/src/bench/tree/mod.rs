@@ -32,9 +32,9 @@ use adumbra_truth::verify::{
 use serde_json::Value;
 
 use super::{child, say_tables, write};
-use crate::Result;
 use crate::args::BenchTree;
-use crate::report::median;
+use adumbra_compare::Result;
+use adumbra_compare::report::median;
 
 /// Seed of the generated scenes.
 const SEED: u64 = 1;

@@ -16,11 +16,11 @@ use adumbra_truth::verify::{Solids, SurfaceSampler};
 
 use super::document::{OptionRow, Part};
 use super::{BenchScene, SUN, scene_names, tree_options, unfiltered};
-use crate::Result;
 use crate::args::BenchTree;
-use crate::page::Table;
-use crate::plot::{Along, Legend, Panel, Series, write_svg};
-use crate::report::{figure, median, megabytes, percent};
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_compare::report::{figure, median, megabytes, percent};
 
 /// Depth of the trees.
 const DEPTH: u32 = 11;

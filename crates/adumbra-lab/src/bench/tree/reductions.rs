@@ -6,11 +6,11 @@ use adumbra_tree::{Builder, Reduction, TreeOptions};
 
 use super::document::{ByReduction, Part, ReductionRow};
 use super::{BenchScene, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no};
-use crate::Result;
 use crate::args::BenchTree;
-use crate::page::Table;
-use crate::plot::{Along, Legend, Panel, Series, write_svg};
-use crate::report::{figure, megabytes, percent};
+use adumbra_compare::Result;
+use adumbra_compare::page::Table;
+use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_compare::report::{figure, megabytes, percent};
 
 const VARIANTS: [(&str, Reduction); 3] =
     [("sort", Reduction::Sort), ("hash", Reduction::Hash), ("tree-hash", Reduction::TreeHash)];

@@ -7,7 +7,7 @@ use super::super::seen::{Seen, checks};
 use super::{Printed, Realised, Show, Verdict};
 use crate::bench::ao::{Document, Row, SceneFigures};
 use crate::occlusion::SCENES;
-use crate::page::{Body, Table};
+use adumbra_compare::page::{Body, Table};
 
 const SECTION: &str = "ao";
 const FILE: &str = "ao/ao.json";

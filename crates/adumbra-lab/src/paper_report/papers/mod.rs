@@ -10,8 +10,8 @@ use serde_json::Value;
 
 use super::data::Data;
 use super::seen::{Seen, pages};
-use crate::page::{Body, Section, Table};
-use crate::report::grouped;
+use adumbra_compare::page::{Body, Section, Table};
+use adumbra_compare::report::grouped;
 
 /// Transcription of the papers.
 const PAPERS: &str = include_str!("../../../data/papers.json");

@@ -4,8 +4,8 @@ use super::super::data::Data;
 use super::super::seen::Seen;
 use super::{Realised, Show, Verdict};
 use crate::bench::blur::{Bleeding, Cost, Document};
-use crate::page::{Body, Table};
-use crate::report::{Report, TechniqueRow, figure, megabytes, percent};
+use adumbra_compare::page::{Body, Table};
+use adumbra_compare::report::{Report, TechniqueRow, figure, megabytes, percent};
 
 const FILE: &str = "blur/blur.json";
 

@@ -4,7 +4,7 @@ use super::super::Verdict;
 use super::{FILE, frames, models_of, row};
 use crate::bench::hrsm::{Document, ModelFigures, Row};
 use crate::paper_report::data::Data;
-use crate::report::Report;
+use adumbra_compare::report::Report;
 
 /// Formats the least and the greatest of the values.
 fn range(values: &[f64], show: impl Fn(f64) -> String) -> String {

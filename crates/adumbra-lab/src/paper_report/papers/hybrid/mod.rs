@@ -7,8 +7,8 @@ use serde_json::Value;
 use super::super::seen::{Seen, checks};
 use super::{Printed, Realised, Show, Verdict, cell};
 use crate::bench::hrsm::{Document, ModelFigures, Row};
-use crate::page::{Body, Table};
-use crate::report::{Report, percent};
+use adumbra_compare::page::{Body, Table};
+use adumbra_compare::report::{Report, percent};
 
 const SECTION: &str = "hrsm";
 const FILE: &str = "hrsm/hrsm.json";

@@ -6,7 +6,7 @@ use super::super::Verdict;
 use super::{PATH, closed_bytes, document};
 use crate::bench::tree::{Document, OptionRow, ReductionRow};
 use crate::paper_report::data::Data;
-use crate::report::Report;
+use adumbra_compare::report::Report;
 
 /// Returns a scene's reductions sorted by depth.
 fn by_depth<'d>(document: &'d Document, scene: &str) -> Vec<&'d ReductionRow> {

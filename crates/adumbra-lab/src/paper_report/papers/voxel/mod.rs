@@ -5,9 +5,9 @@ mod claims;
 use super::super::seen::Seen;
 use super::{Realised, Show, Verdict};
 use crate::bench::tree::{Document, FrameRow, ReductionRow};
-use crate::page::{Body, Table};
 use crate::paper_report::data::Data;
-use crate::report::{Report, figure, megabytes, percent};
+use adumbra_compare::page::{Body, Table};
+use adumbra_compare::report::{Report, figure, megabytes, percent};
 use adumbra_tree::morton;
 
 const SECTION: &str = "tree";

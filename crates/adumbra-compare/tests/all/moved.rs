@@ -1,0 +1,133 @@
+//! Every shared scene gives the same results at map coordinates as at the origin.
+//!
+//! Each scene is compared from six cameras, with techniques of every kind.
+
+use std::path::Path;
+
+use adumbra::Sun;
+use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_compare::compare::{Compared, Comparison};
+use adumbra_compare::paths::CameraPath;
+use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera};
+use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions};
+use adumbra_scene::{Camera, LoadOptions, Scene, load};
+use adumbra_testing::bake_file;
+use adumbra_testing::{full, scene_file, shared};
+
+use crate::compared;
+
+const SIZE: [u32; 2] = [320, 200];
+/// A city's position in UTM coordinates, and a position 10,000 km away along both axes.
+const PLACES: [[f64; 3]; 2] = [[500_000.0, 0.0, 5_000_000.0], [10_000_000.0, 0.0, 10_000_000.0]];
+/// Number of pixels that may differ, as some are on an edge to within rounding.
+const PIXELS: u64 = 2;
+const SCENES: [&str; 18] = [
+    "alpine-2",
+    "armadillo",
+    "auster",
+    "box-city-51k",
+    "box-city-5k",
+    "bridge_garden",
+    "bunny_69k",
+    "delft",
+    "dragon_202k",
+    "dream_apartment",
+    "jacksboro",
+    "kaykit_city_121",
+    "kaykit_city_21",
+    "oak_medium",
+    "pine_medium",
+    "street-1",
+    "teapot",
+    "zdm2",
+];
+const TECHNIQUES: [&str; 6] =
+    ["none", "voxel", "voxel:filter=5", "sm:size=2048", "csm:size=1024", "hrsm:1024-256"];
+
+/// Returns three cameras around the scene and three on a flight from a street, or six around it if there is no street.
+fn cameras(scene: &Scene, sun: Sun) -> Vec<Camera> {
+    let truth = TruthTracer::build(scene, false);
+    let [width, height] = SIZE;
+    let options = StreetOptions { width, height, ..StreetOptions::default() };
+    let street = street_camera(&truth, sun.towards(), &options).ok();
+    let orbit = CameraPath::orbit(&scene.bounds(), if street.is_some() { 3 } else { 6 });
+    let reach = 0.05 * scene.bounds().diagonal();
+    let flight = street.map(|street| CameraPath::fly(&street, reach, reach, 3));
+    let of =
+        |path: &CameraPath| (0..path.frames()).map(|i| path.camera(i, width, height)).collect::<Vec<_>>();
+    [of(&orbit), flight.as_ref().map(of).unwrap_or_default()].concat()
+}
+
+fn moved(scene: &Scene, place: [f64; 3]) -> Scene {
+    let mut scene = scene.clone();
+    for instance in &mut scene.instances {
+        (0..3).for_each(|a| instance.world_from_mesh[a][3] += place[a]);
+    }
+    scene
+}
+
+fn compare_at(scene: &Scene, sun: Sun, place: [f64; 3], cameras: &[Camera]) -> Vec<Comparison> {
+    let options = BakeOptions::new(sun, Size::Resolution(2048));
+    let file = compared::moved(bake_file(scene, &options, LayoutChoice::Depths).unwrap(), place);
+    let scene = moved(scene, place);
+    let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
+    let at = |p: [f64; 3]| std::array::from_fn(|a| p[a] + place[a]);
+    let cameras: Vec<_> =
+        cameras.iter().map(|c| Camera { eye: at(c.eye), target: at(c.target), ..*c }).collect();
+    compared::comparisons(&mut renderer, &scene, Some(&file), sun, &cameras, &TECHNIQUES)
+}
+
+/// Returns every error of a comparison with its name.
+fn figures(comparison: &Comparison) -> Vec<(String, f64)> {
+    let of = |c: &Compared| {
+        let row = &c.row;
+        let figures = [
+            ("RMSE", row.rmse),
+            ("mean", row.mean_difference),
+            ("lit", row.wrong_lit),
+            ("shadowed", row.wrong_shadowed),
+            ("SSIM", row.ssim),
+            ("FLIP", row.flip),
+        ];
+        figures.map(|(what, value)| (format!("{} {what}", row.name), value.unwrap_or(f64::NAN)))
+    };
+    comparison.compared.iter().flat_map(of).collect()
+}
+
+/// Compares a scene's results elsewhere with those at the origin.
+///
+/// They may differ by 1 % of their value, or by the share that `PIXELS` are of the compared pixels.
+fn check(scenes: &Path, name: &str) {
+    let options = LoadOptions { color_textures: true, ..LoadOptions::default() };
+    let scene = load(&scene_file(scenes, name), &options).unwrap();
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let cameras = cameras(&scene, sun);
+    assert_eq!(cameras.len(), 6, "{name}");
+    let plain = compare_at(&scene, sun, [0.0; 3], &cameras);
+    let mut largest = (0.0_f64, String::new());
+    for place in PLACES {
+        for (number, (a, b)) in plain.iter().zip(compare_at(&scene, sun, place, &cameras)).enumerate() {
+            let what = format!("{name}, camera {number} at {place:?}");
+            assert!(a.pixels.compared > 0, "{what}: {:?}", a.pixels);
+            let excluded = a.pixels.excluded.abs_diff(b.pixels.excluded);
+            assert!(excluded <= PIXELS, "{what}: {:?} {:?}", a.pixels, b.pixels);
+            let pixels = PIXELS as f64 / a.pixels.compared as f64;
+            for ((figure, a), (_, b)) in figures(a).into_iter().zip(figures(&b)) {
+                let apart = (a - b).abs();
+                assert!(apart <= pixels.max(0.01 * a.abs()), "{what}, {figure}: {a} {b}");
+                if apart > largest.0 {
+                    largest = (apart, format!("{what}, {figure}: {a} {b}"));
+                }
+            }
+        }
+    }
+    println!("{name}: at most {:.2e} apart: {}", largest.0, largest.1);
+}
+
+#[test]
+fn shared_scenes_give_the_same_figures_anywhere() {
+    let Some(scenes) = shared("scenes") else { return };
+    let named: &[&str] = if full() { &SCENES } else { &["kaykit_city_21", "bunny_69k"] };
+    named.iter().for_each(|name| check(&scenes, name));
+}
