@@ -14,7 +14,7 @@ use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test, the documents' commands
-  cargo xtask test --quick    only the tests, without real scenes and repeated bakes; under two minutes
+  cargo xtask test --quick    only the tests that are not marked slow; under two minutes
   cargo xtask test-bevy       formatting, lints, documentation and tests of integrations/bevy_adumbra, which builds Bevy
   cargo xtask test-web        types, lints, builds and tests of integrations/three, in Node.js and in a browser
   cargo xtask docs            run every command of README and docs/ in a copy of the repository, check its output; check links
@@ -77,7 +77,8 @@ fn test(root: &Path) -> Result<(), String> {
     cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     tools::ensure_all()?;
     run(&root.join(ENCODERS), "npm", &["ci", "--no-audit", "--no-fund"], &[])?;
-    cargo(root, &["test", "--release", "--workspace", "--no-fail-fast"], &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
+    let tests = ["test", "--release", "--workspace", "--no-fail-fast", "--", "--include-ignored"];
+    cargo(root, &tests, &[("ADUMBRA_REQUIRE_TOOLS", "1")])?;
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }
 
@@ -132,52 +133,9 @@ fn check_baker(root: &Path) -> Result<(), String> {
 /// Crates that the program must not link without its features.
 const DRAWING: [&str; 6] = ["adumbra-compare", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
 
-/// Parts of the names of tests that a quick run skips: those of real scenes, those that bake, bench, draw or count
-/// repeatedly, and scene fuzzing at full length.
-const NOT_QUICK: [&str; 36] = [
-    "shared_",
-    "bench_",
-    "counts_the_taps_that_the_cpu_counts",
-    "demo_",
-    "a_stray_triangle_",
-    "ground_of_any_width_",
-    "a_town_at_map_coordinates_",
-    "view_bakes_anew_",
-    "limited_bake_",
-    "memory_of_",
-    "bake_writes_the_same_bytes_",
-    "report_browser_",
-    "report_keeps_what_was_measured_",
-    "report_leaves_what_there_is_",
-    "report_says_that_its_page_",
-    "fuzz_scenes_full",
-    "threads_memory_and_json_go_with_",
-    "view_shows_what_render_draws",
-    "voxel_from_f32_positions_",
-    "_count_the_taps_",
-    "build_gives_the_twin_s_words_",
-    "cascades_do_not_shimmer",
-    "largest_start_",
-    "reuse_on_the_gpu_",
-    "answers_are_the_compact_layout_s",
-    "maps_of_16_bits_",
-    "dag_equals_dense_grid_on_every_",
-    "every_technique_draws_its_golden_picture",
-    "same_bytes_for_generated_scenes",
-    "tree_answers_agree_with_rays_on_generated_",
-    "interior_agrees_with_rays_on_generated_",
-    "baking_both_gives_what_baking_each_gives",
-    "hybrid_answers_as_its_twin_does_in_a_city",
-    "mutations_are_refused_or_answer_everywhere",
-    "view_keeps_",
-    "view_takes_keys_",
-];
-
 fn quick_test(root: &Path) -> Result<(), String> {
     tools::ensure_driver()?;
-    let mut args = vec!["test", "--release", "--workspace", "--"];
-    args.extend(NOT_QUICK.iter().flat_map(|name| ["--skip", name]));
-    cargo(root, &args, &[])
+    cargo(root, &["test", "--release", "--workspace"], &[])
 }
 
 fn component_verb(component: &str) -> &str {

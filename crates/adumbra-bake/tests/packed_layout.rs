@@ -47,6 +47,7 @@ fn packed_bakes_answer_alike_whatever_the_options() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_scenes_pack_to_two_fifths_and_answer_alike() {
     let Some(scenes) = adumbra_testing::shared("scenes") else { return };
     for name in [

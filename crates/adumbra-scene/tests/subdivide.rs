@@ -157,6 +157,7 @@ fn subdivision_is_the_same_every_time() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_dragon_reaches_the_papers_count() {
     let Some(scenes) = shared("scenes") else { return };
     let scene = load(&scene_file(&scenes, "dragon_202k"), &LoadOptions::default()).unwrap();

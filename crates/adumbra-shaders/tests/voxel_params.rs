@@ -5,6 +5,7 @@ use adumbra::gpu::{GridParameters, Parameters};
 use adumbra_shaders::layout::{GpuType, GridTransform, ReceiverBias, VoxelParams};
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn parameter_block_has_the_bytes_of_the_shared_structure() {
     let grid = GridParameters {
         axes: [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]],

@@ -232,6 +232,7 @@ fn light_tree_round_trip_of_generated_scenes() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_light_tree_round_trip_of_a_real_scene() {
     let Some(scenes) = adumbra_testing::shared("scenes") else { return };
     let dag = bake_at(&load(&scenes.join("kaykit_city_21.glb"), &LoadOptions::default()).unwrap(), 2048);

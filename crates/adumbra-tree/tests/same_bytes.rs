@@ -71,6 +71,7 @@ fn check(list: &str, resolutions: [u64; 2], scene_of: impl Fn(&str) -> (Scene, V
 }
 
 #[test]
+#[ignore = "slow: bakes nine scenes in every kind of file"]
 fn same_bytes_for_generated_scenes() {
     check(include_str!("same_bytes/generated.txt"), [1024, 256], |name| {
         let all = [
@@ -95,6 +96,7 @@ fn same_bytes_for_generated_scenes() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_scenes_give_the_same_bytes() {
     let Some(scenes) = shared("scenes") else { return };
     check(include_str!("same_bytes/shared.txt"), [2048, 1024], |name| {

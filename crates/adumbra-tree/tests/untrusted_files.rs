@@ -111,6 +111,7 @@ fn one_shape(roots: u32, base: impl Fn(u32) -> u32) -> DepthTree {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shapes_that_are_shared_are_converted_once() {
     // Converted as if no root were shared, it would be 2 million leaves of 64 depths.
     let found = one_shape(1 << 17, |i| 100 * (i & 1));
@@ -125,6 +126,7 @@ fn shapes_that_are_shared_are_converted_once() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shape_that_is_shared_at_too_many_depths_is_refused() {
     let found = one_shape(1 << 20, |i| i);
     let limit = soon(|| graph_of_depths(&found)).unwrap_err();

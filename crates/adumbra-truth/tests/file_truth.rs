@@ -35,6 +35,7 @@ fn verify(scene: &Scene, baked: &BakedGraph, volume: bool, samples: u64) -> Veri
 /// Share of sunlit-side pixels on which file and image agree: 99 % at 16384. An eighth of that resolution has eight
 /// times as many texels on outlines.
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_file_matches_another_renderers_images() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let (resolution, needed) = if full() { (16384, 0.99) } else { (2048, 0.95) };
@@ -73,6 +74,7 @@ fn shared_file_matches_another_renderers_images() {
 /// Share of correct answers at an eighth of 8192. Eight times as many points are near an outline, but the interior is
 /// defined in texels, so what holds at 8192 nearly holds here.
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_interior_agrees_with_rays_on_real_scenes() {
     let Some(scenes) = shared("scenes") else { return };
     let (resolution, samples) = if full() { (8192, 1_000_000) } else { (1024, 20_000) };
@@ -115,6 +117,7 @@ fn shared_interior_agrees_with_rays_on_real_scenes() {
 }
 
 #[test]
+#[ignore = "slow: traces many rays"]
 fn interior_agrees_with_rays_on_generated_scenes() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     for kind in

@@ -60,12 +60,14 @@ fn holds_under_every_sun(name: &str, scene: &Scene) {
 }
 
 #[test]
+#[ignore = "slow: traces many rays"]
 fn tree_answers_agree_with_rays_on_generated_scenes() {
     holds_under_every_sun("primitives", &generate(GeneratedKind::Primitives, 1));
     holds_under_every_sun("landscape", &generate(GeneratedKind::Landscape, 1));
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_tree_answers_agree_with_rays_on_zdm2() {
     let Some(scenes) = shared("scenes") else { return };
     holds_under_every_sun("zdm2", &load(&scenes.join("zdm2.glb"), &LoadOptions::default()).unwrap());
@@ -75,6 +77,7 @@ fn shared_tree_answers_agree_with_rays_on_zdm2() {
 const MAX_TRIANGLES: u64 = 500_000;
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_tree_builders_and_reductions_agree_on_every_scene() {
     let Some(scenes) = shared("scenes") else { return };
     let depth = if full() { 9 } else { 7 };

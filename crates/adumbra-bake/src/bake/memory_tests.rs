@@ -61,6 +61,7 @@ fn city() -> Scene {
 }
 
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn limited_bake_gives_the_graph_of_a_free_one() {
     let scene = city();
     for (builder, resolution) in [(Builder::Fast, 2048), (Builder::Plain, 1024)] {
@@ -71,6 +72,7 @@ fn limited_bake_gives_the_graph_of_a_free_one() {
 }
 
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn limited_bake_gives_the_packed_graph_of_a_free_one() {
     let scene = city();
     let options = options(2048);
@@ -81,6 +83,7 @@ fn limited_bake_gives_the_packed_graph_of_a_free_one() {
 }
 
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn limited_bake_gives_the_depths_of_a_free_one() {
     let scene = city();
     for merged in [true, false] {
@@ -92,6 +95,7 @@ fn limited_bake_gives_the_depths_of_a_free_one() {
 }
 
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn limited_bake_without_a_folder_to_spill_to_is_an_error() {
     let scene = city();
     let folder = std::path::PathBuf::from("/nonexistent/adumbra");
@@ -118,6 +122,7 @@ fn limited_bake_without_a_folder_to_spill_to_is_an_error() {
 }
 
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn baking_both_gives_what_baking_each_gives() {
     let sun = Sun::from_direction([-0.3, 0.6, 0.7]).unwrap();
     for kind in [GeneratedKind::City, GeneratedKind::Landscape] {

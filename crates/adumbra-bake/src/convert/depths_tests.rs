@@ -207,6 +207,7 @@ fn shared_scene(name: &str) -> Option<Scene> {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_depths_answer_every_defined_voxel() {
     for name in ["kaykit_city_21", "alpine-2"] {
         let Some(scene) = shared_scene(name) else { return };
@@ -221,6 +222,7 @@ fn shared_depths_answer_every_defined_voxel() {
 /// Prints the figures of docs/layouts-depths.md, with `ADUMBRA_FULL=1`. `ADUMBRA_SCENES` names the scenes,
 /// `ADUMBRA_RESOLUTION` sets the resolution.
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_depths_figures() {
     if !adumbra_testing::full() {
         return;

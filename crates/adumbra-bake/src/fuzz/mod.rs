@@ -140,6 +140,7 @@ fn fuzz_scenes_quick() {
 }
 
 #[test]
+#[ignore = "slow: 2,000 random scenes"]
 fn fuzz_scenes_full_range() {
     let asked = env::var("ADUMBRA_FUZZ_SEEDS").ok().map(|text| {
         let (from, to) = text.split_once("..").expect("ADUMBRA_FUZZ_SEEDS is FROM..TO");

@@ -170,6 +170,7 @@ fn sun(towards: [f64; 3]) -> Sun {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_scenes_have_the_plain_builders_columns() {
     let Some(folder) = adumbra_testing::shared("scenes") else { return };
     let mut names: Vec<_> = std::fs::read_dir(&folder)
@@ -205,6 +206,7 @@ fn layers_of_masked_cards_have_the_plain_builders_columns() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_scenes_agree_under_every_option() {
     let Some(folder) = adumbra_testing::shared("scenes") else { return };
     for name in ["street-1.glb", "bridge_garden.glb"] {

@@ -179,6 +179,7 @@ fn compare_refuses_what_makes_no_sense() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_compare_takes_camera_and_sun_of_a_truth_file() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = Folder::new();

@@ -29,6 +29,7 @@ const LOSSLESS: [&str; 3] = ["draco-lossless", "draco-lossless-edgebreaker", "me
 const OTHERS: [&str; 5] = ["draco", "draco-speed0", "meshopt-quantized", "gltfpack", "gltfpack-cc"];
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_scenes_in_compressed_forms() {
     let (Some(scenes), Some(encoder)) = (shared("scenes"), encoder()) else { return };
     for (index, name) in SCENES.iter().enumerate() {

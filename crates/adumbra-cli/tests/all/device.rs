@@ -76,6 +76,7 @@ fn shared_scene(name: &str) -> Option<String> {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_textured_scenes_look_alike_on_both_devices() {
     let folder = Folder::new();
     for name in ["oak_medium.glb", "kaykit_city_21.glb", "bridge_garden.glb"] {

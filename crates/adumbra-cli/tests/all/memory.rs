@@ -119,36 +119,42 @@ fn assert_generated_scene_keeps_to_limits(kind: &str) {
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn memory_of_city_keeps_to_every_limit() {
     assert_generated_scene_keeps_to_limits("city");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn memory_of_landscape_keeps_to_every_limit() {
     assert_generated_scene_keeps_to_limits("landscape");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn memory_of_primitives_keeps_to_every_limit() {
     assert_generated_scene_keeps_to_limits("primitives");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn memory_of_sphere_grid_keeps_to_every_limit() {
     assert_generated_scene_keeps_to_limits("sphere-grid");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn memory_of_wires_keeps_to_every_limit() {
     assert_generated_scene_keeps_to_limits("wires");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn memory_of_real_scenes_keeps_to_every_limit() {
     let Some(scenes) = shared("scenes") else { return };
     if !full() {

@@ -32,6 +32,7 @@ fn values_out_of_range_are_wrong_calls() {
 }
 
 #[test]
+#[ignore = "slow: runs every long verb"]
 fn threads_memory_and_json_go_with_every_long_verb() {
     let folder = Folder::new();
     let (scene, file, picture) = (folder.path("city.glb"), folder.path("a.adumbra"), folder.path("a.png"));

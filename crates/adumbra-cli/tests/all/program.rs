@@ -75,6 +75,7 @@ fn bake_info_verify_query_and_render_work_together() {
 }
 
 #[test]
+#[ignore = "slow: bakes again and again"]
 fn bake_writes_the_same_bytes_for_any_threads_and_memory() {
     let folder = Folder::new();
     let scene = folder.generate("city");
@@ -344,6 +345,7 @@ fn every_verb_shows_an_example() {
 }
 
 #[test]
+#[ignore = "slow: the whole demo"]
 fn demo_leaves_the_file_pictures_and_a_report() {
     let folder = Folder::new();
     let out = folder.path("demo");

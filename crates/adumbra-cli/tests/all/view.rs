@@ -36,6 +36,7 @@ fn apart(a: &str, b: &str) -> (f64, f64) {
 const CAMERA: [&str; 6] = ["--eye", "9,6,12", "--target", "0,1,0", "--size", "480x300"];
 
 #[test]
+#[ignore = "slow: draws in a window"]
 fn view_shows_what_render_draws() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
@@ -93,6 +94,7 @@ fn view_shows_what_render_draws() {
 }
 
 #[test]
+#[ignore = "slow: opens windows"]
 fn view_takes_keys_sizes_and_broken_files_and_closes() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
@@ -164,6 +166,7 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
 }
 
 #[test]
+#[ignore = "slow: bakes in a window"]
 fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
@@ -275,6 +278,7 @@ fn view_s_script_ends_where_a_step_cannot_be_done() {
 }
 
 #[test]
+#[ignore = "slow: opens windows"]
 fn view_keeps_what_comes_before_its_scene() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
@@ -365,6 +369,7 @@ fn view_without_a_display_says_what_is_missing() {
 }
 
 #[test]
+#[ignore = "slow: opens windows"]
 fn view_keeps_its_script_and_what_its_scene_names() {
     let Some(display) = display() else { return };
     let folder = Folder::new();

@@ -287,6 +287,7 @@ fn cascades_and_voxels(
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_voxels_are_wrong_at_fewer_pixels_than_cascades() {
     let (Some(scenes), Some(truths)) = (shared("scenes"), shared("truth")) else { return };
     let (names, [width, height]): (&[&str], _) = if full() {

@@ -132,22 +132,26 @@ fn check(file: &str, street: bool) {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_zdm2_is_right_away_from_edges() {
     check("zdm2.glb", false);
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_kaykit_city_is_right_away_from_edges() {
     check("kaykit_city_21.glb", false);
     check("kaykit_city_21.glb", true);
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_alpine_is_right_away_from_edges() {
     check("alpine-2.glb", false);
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_auster_is_right_away_from_edges() {
     check("auster.obj", false);
     check("auster.obj", true);

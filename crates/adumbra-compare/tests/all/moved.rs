@@ -126,6 +126,7 @@ fn check(scenes: &Path, name: &str) {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_scenes_give_the_same_figures_anywhere() {
     let Some(scenes) = shared("scenes") else { return };
     let named: &[&str] = if full() { &SCENES } else { &["kaykit_city_21", "bunny_69k"] };

@@ -104,6 +104,7 @@ fn assert_same(what: &str, plain: &Seen, changed: &Seen) {
 }
 
 #[test]
+#[ignore = "slow: traces and draws large scenes"]
 fn a_stray_triangle_changes_nothing_near_the_camera() {
     let boxes = [[0.0, 0.0], [3.0, -2.0]];
     let far = 1e6;
@@ -120,6 +121,7 @@ fn a_stray_triangle_changes_nothing_near_the_camera() {
 }
 
 #[test]
+#[ignore = "slow: traces and draws large scenes"]
 fn ground_of_any_width_changes_nothing_near_the_camera() {
     let boxes = [[0.0, 0.0], [1.5, 3.0]];
     let seen = |half: f32, camera: &Camera, names: &[&str]| {
@@ -139,6 +141,7 @@ fn ground_of_any_width_changes_nothing_near_the_camera() {
 }
 
 #[test]
+#[ignore = "slow: traces and draws large scenes"]
 fn a_town_at_map_coordinates_looks_as_at_zero() {
     let at = |origin: [f64; 3]| {
         let mut scene = generate(GeneratedKind::City, 1);

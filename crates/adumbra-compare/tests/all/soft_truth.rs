@@ -10,6 +10,7 @@ use adumbra_testing::{scene_file, shared};
 
 /// Compares RMSE over the pixels that face the sun, at street level, under a sun of two degrees.
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let (Some(scenes), Some(truths)) = (shared("scenes"), shared("truth")) else { return };
     let name = "kaykit_city_21";

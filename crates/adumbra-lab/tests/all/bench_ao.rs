@@ -6,6 +6,7 @@ use adumbra_testing::{Folder, lab};
 use serde_json::Value;
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_ao_measures_the_cornell_box() {
     let folder = Folder::new();
     let (scenes, out) = (folder.path("scenes"), folder.path("out"));

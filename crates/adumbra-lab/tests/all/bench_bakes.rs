@@ -6,6 +6,7 @@ use adumbra_testing::{Folder, lab};
 use serde_json::{Value, json};
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_writes_tables() {
     let folder = Folder::new();
     folder.generate("primitives");
@@ -50,6 +51,7 @@ fn bench_writes_tables() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_bake_reads_files_outside_where_it_is_allowed() {
     let folder = Folder::new();
     fs::create_dir(folder.path("sub")).unwrap();

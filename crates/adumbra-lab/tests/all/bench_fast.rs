@@ -6,6 +6,7 @@ use adumbra_testing::{Folder, lab};
 use serde_json::Value;
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_fast_measures_one_row_and_says_what_was_not_measured() {
     let folder = Folder::new();
     fs::rename(folder.generate("city"), folder.path("box-city-5k.glb")).unwrap();
@@ -53,6 +54,7 @@ fn bench_fast_measures_one_row_and_says_what_was_not_measured() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_fast_refuses_rows_that_are_none() {
     let folder = Folder::new();
     let out = folder.path("out");

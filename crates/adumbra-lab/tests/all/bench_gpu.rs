@@ -21,6 +21,7 @@ fn run(out: &str, options: &[&str]) -> (Value, String) {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_gpu_measures_every_section() {
     let folder = Folder::new();
     let (document, text) = run(&folder.path("out"), &[]);
@@ -48,6 +49,7 @@ fn bench_gpu_measures_every_section() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_gpu_ends_in_time_and_says_what_it_left_out() {
     let folder = Folder::new();
     let (document, text) = run(&folder.path("out"), &["--seconds", "1"]);

@@ -36,6 +36,7 @@ fn row<'a>(document: &'a Value, name: &str) -> &'a Value {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_hrsm_measures_spheres_and_holds() {
     let folder = Folder::new();
     let document = bench(&folder, "spheres", "240x136");
@@ -86,6 +87,7 @@ fn bench_hrsm_measures_spheres_and_holds() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_hrsm_holds_on_the_ball() {
     let folder = Folder::new();
     // Pixels are no larger than the two texels around an edge within which errors are not counted.
@@ -93,6 +95,7 @@ fn bench_hrsm_holds_on_the_ball() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_hrsm_refuses_a_start_that_is_no_size() {
     let folder = Folder::new();
     let out = folder.path("out");
@@ -101,6 +104,7 @@ fn bench_hrsm_refuses_a_start_that_is_no_size() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_hrsm_says_which_model_is_missing() {
     let folder = Folder::new();
     let out = folder.path("out");

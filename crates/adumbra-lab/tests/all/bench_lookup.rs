@@ -6,6 +6,7 @@ use adumbra_testing::{Folder, lab, shared};
 use serde_json::Value;
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_bench_lookup_counts_what_every_file_reads() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = Folder::new();

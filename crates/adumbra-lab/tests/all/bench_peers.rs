@@ -5,6 +5,7 @@ use std::fs;
 use adumbra_testing::{Folder, lab, shared};
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_bench_peers_stands_beside_the_engines() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = Folder::new();
@@ -36,6 +37,7 @@ fn shared_bench_peers_stands_beside_the_engines() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_peers_says_which_scene_is_missing() {
     let folder = Folder::new();
     let (scenes, out) = (folder.path(""), folder.path("out"));

@@ -5,6 +5,7 @@ use std::fs;
 use adumbra_testing::{Folder, lab};
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_tree_writes_tables_plots_and_pictures() {
     let folder = Folder::new();
     let out = folder.path("bench");
@@ -51,6 +52,7 @@ fn bench_tree_writes_tables_plots_and_pictures() {
 }
 
 #[test]
+#[ignore = "slow: a whole benchmark"]
 fn bench_tree_refuses_an_earlier_report_that_is_none() {
     let folder = Folder::new();
     for content in ["[]", "null", "{", ""] {

@@ -152,6 +152,7 @@ fn every_occlusion_draws_its_golden_picture() {
 }
 
 #[test]
+#[ignore = "slow: draws with every technique"]
 fn every_technique_draws_its_golden_picture() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let mut moving = scene.clone();

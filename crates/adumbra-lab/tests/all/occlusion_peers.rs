@@ -9,6 +9,7 @@ use adumbra_scene::{LoadOptions, load};
 use adumbra_testing::{scene_file, shared};
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_issao_is_ahead_of_every_engine_on_the_truth_cameras() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let mut behind = Vec::new();

@@ -67,6 +67,7 @@ fn report_refuses_what_it_cannot_measure() {
 }
 
 #[test]
+#[ignore = "slow: a report"]
 fn report_keeps_what_was_measured_and_says_what_failed() {
     let folder = Folder::new();
     let out = folder.path("r");
@@ -124,6 +125,7 @@ fn report_says_which_figures_are_of_another_run_and_shows_none_without_a_record(
 }
 
 #[test]
+#[ignore = "slow: a report"]
 fn report_says_that_its_page_is_too_large() {
     let folder = Folder::new();
     earlier(&folder, &[("bake", "measured")]);
@@ -172,6 +174,7 @@ fn start_report(out: &str, options: &[&str]) -> Child {
 
 #[cfg(unix)]
 #[test]
+#[ignore = "slow: a report"]
 fn report_leaves_what_there_is_when_interrupted() {
     let folder = Folder::new();
     let mut child = start_report(&folder.path("r"), &["--only", "verify,tree"]);
@@ -268,6 +271,7 @@ fn report_interrupted_ends_what_its_command_started() {
 }
 
 #[test]
+#[ignore = "slow: a report in a browser"]
 fn report_browser_sees_a_page_that_stands_alone() {
     let Some(mut browser) = Browser::start() else { return };
     let folder = Folder::new();

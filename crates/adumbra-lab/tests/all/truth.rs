@@ -13,6 +13,7 @@ use adumbra_testing::{add_quad, cuboid, scene_file, scene_of, shared};
 const SUN_AGREEMENT: f64 = 0.995;
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_truth_matches_another_renderer_through_its_cameras() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     for name in ["zdm2", "kaykit_city_21", "box-city-5k", "alpine-2", "auster", "dragon_202k"] {
@@ -44,6 +45,7 @@ fn shared_truth_matches_another_renderer_through_its_cameras() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_ambient_agrees_with_another_renderer_at_its_positions() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     for name in ["kaykit_city_21", "dragon_202k"] {
@@ -366,6 +368,7 @@ fn street_camera_is_refused_where_there_is_no_street() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_street_camera_stands_in_every_scene_of_the_tables() {
     let Some(scenes) = shared("scenes") else { return };
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
@@ -377,6 +380,7 @@ fn shared_street_camera_stands_in_every_scene_of_the_tables() {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_occlusion_scenes_show_contact_and_open_space() {
     let Some(scenes) = shared("scenes") else { return };
     for scene in &SCENES {

@@ -143,7 +143,7 @@ pub fn describe(spec: &SpecText, default_radius_world: f64) -> Result<Vec<Parame
     reader.finish()
 }
 
-/// [`crate::techniques::change`] for ambient occlusion.
+/// [`crate::TechniqueSpec::change`] for ambient occlusion.
 ///
 /// # Errors
 /// Returns the errors of [`describe`].

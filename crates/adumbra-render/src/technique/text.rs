@@ -73,7 +73,7 @@ impl SpecText {
 
     /// Returns this technique with a parameter set to another value, or removed for `None`. The text is rewritten with
     /// parameters sorted by key. Whether the parameter and the value exist is not checked: see
-    /// [`crate::techniques::change`].
+    /// [`crate::TechniqueSpec::change`].
     pub fn with(&self, key: &str, value: Option<&str>) -> Self {
         let mut values = self.values.clone();
         let key = key.trim().to_lowercase();

@@ -73,6 +73,7 @@ fn exact(gpu: &Gpu, baked: &BakedScene, depths: &DepthTree, filter: u32, count: 
 }
 
 #[test]
+#[ignore = "slow: draws on the GPU and counts on the CPU"]
 fn depths_on_the_gpu_count_the_taps_and_know_the_depths_that_the_cpu_does() {
     let gpu = kit::gpu();
     for baked in BakedScene::in_each_frame(1024, 32) {

@@ -146,12 +146,14 @@ fn check_images(gpu: &Gpu, (side, merges): (usize, u32), precision: DepthPrecisi
 }
 
 #[test]
+#[ignore = "slow: large hybrid maps"]
 fn build_gives_the_twin_s_words_from_any_image_of_32_bits() {
     let gpu = kit::gpu();
     SIZES.iter().for_each(|&size| check_images(&gpu, size, DepthPrecision::Bits32));
 }
 
 #[test]
+#[ignore = "slow: large hybrid maps"]
 fn build_gives_the_twin_s_words_from_any_image_of_16_bits() {
     let gpu = kit::gpu();
     SIZES.iter().for_each(|&size| check_images(&gpu, size, DepthPrecision::Bits16));

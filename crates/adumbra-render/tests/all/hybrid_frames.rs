@@ -60,6 +60,7 @@ const KINDS: [&str; 10] = [
 ];
 
 #[test]
+#[ignore = "slow: large hybrid maps"]
 fn hybrid_answers_as_its_twin_does_in_a_city() {
     let mut renderer = renderer(&kit::city());
     let camera = kit::camera(SIZE[0], SIZE[1]);
@@ -115,6 +116,7 @@ fn hybrid_of_planes_answers_as_the_shadow_map_does() {
 }
 
 #[test]
+#[ignore = "slow: large hybrid maps"]
 fn largest_start_is_built_and_answers_in_bindings_of_128_mib() {
     // A limit that every device reaches. A map without any merges would not fit.
     let most = 128 << 20;

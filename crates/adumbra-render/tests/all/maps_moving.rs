@@ -76,6 +76,7 @@ fn movers_cast_and_leave_no_trace() {
 /// Looks up fixed points while the camera walks and turns. Limits the share of points at shadow edges whose factor
 /// changes from frame to frame.
 #[test]
+#[ignore = "slow: draws many frames"]
 fn cascades_do_not_shimmer() {
     let scene = kit::city();
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();

@@ -29,6 +29,7 @@ fn on_demand(camera: Camera, number: u32) -> Camera {
 }
 
 #[test]
+#[ignore = "slow: draws many frames"]
 fn reuse_on_the_gpu_is_the_cpu_s() {
     let mut renderer = city();
     let texts = [

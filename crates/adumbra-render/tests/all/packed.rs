@@ -25,6 +25,7 @@ fn generated() -> [BakedScene; 2] {
 }
 
 #[test]
+#[ignore = "slow: draws on the GPU and counts on the CPU"]
 fn packed_voxel_counts_the_taps_that_the_cpu_counts() {
     let gpu = kit::gpu();
     for baked in generated() {
@@ -66,6 +67,7 @@ fn many_cubes() -> Dag {
 }
 
 #[test]
+#[ignore = "slow: draws on the GPU and counts on the CPU"]
 fn packed_voxel_with_wide_slots_counts_the_taps_that_the_cpu_counts() {
     let dag = many_cubes();
     let packed = pack(&dag).unwrap();

@@ -26,6 +26,7 @@ fn generated() -> Vec<BakedScene> {
 const COUNT: usize = 100_000;
 
 #[test]
+#[ignore = "slow: draws on the GPU and counts on the CPU"]
 fn voxel_counts_the_taps_that_the_cpu_counts() {
     let gpu = kit::gpu();
     for baked in generated() {
@@ -62,6 +63,7 @@ fn voxel_in_six_bindings_counts_the_same() {
 }
 
 #[test]
+#[ignore = "slow: draws on the GPU and counts on the CPU"]
 fn voxel_cubes_count_the_taps_that_the_cpu_counts() {
     let gpu = kit::gpu();
     for baked in generated() {
@@ -74,6 +76,7 @@ fn voxel_cubes_count_the_taps_that_the_cpu_counts() {
 }
 
 #[test]
+#[ignore = "slow: draws on the GPU and counts on the CPU"]
 fn voxel_texture_counts_the_taps_that_the_cpu_counts() {
     let gpu = kit::gpu();
     for baked in generated() {
@@ -108,6 +111,7 @@ fn voxel_cubes_with_regions_count_the_same_and_stay_within_their_limit() {
 }
 
 #[test]
+#[ignore = "slow: many look-ups on the GPU"]
 fn voxel_from_f32_positions_differs_only_on_faces() {
     let gpu = kit::gpu();
     for baked in generated() {

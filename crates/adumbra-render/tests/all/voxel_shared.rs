@@ -18,6 +18,7 @@ fn baked(file: &str, resolution: u64, tree_side: u64) -> Option<BakedScene> {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_voxel_counts_are_the_cpu_s() {
     let gpu = kit::gpu();
     for file in SCENES {
@@ -38,6 +39,7 @@ fn shared_voxel_counts_are_the_cpu_s() {
 /// Runs at 16384 for all scenes if full size is requested, else for the first scene only and at 4096 for the others.
 /// The tree is at 1024.
 #[test]
+#[ignore = "slow: real scenes"]
 fn shared_voxel_from_f32_positions_differs_only_on_faces() {
     let gpu = kit::gpu();
     for file in SCENES {

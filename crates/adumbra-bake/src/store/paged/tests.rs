@@ -75,6 +75,7 @@ fn total_bytes(words: usize) -> u64 {
 }
 
 #[test]
+#[ignore = "slow: real scenes"]
 fn paged_vectors_are_shared_by_threads() {
     let spill = Arc::new(Spill::new(0, std::env::temp_dir()));
     let vectors: Vec<PagedVec<u64>> = std::thread::scope(|scope| {
