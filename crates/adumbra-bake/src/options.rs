@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use adumbra::{Bias, Bounds, Layout, RangeError, Receivers, Sun};
+use adumbra::{Bias, Bounds, Layout, RangeError, RangeField, Receivers, Sun};
 
 use crate::error::{Error, Result};
 
@@ -153,7 +153,7 @@ impl BakeOptions {
     pub(crate) fn check_layout(&self) -> Result<()> {
         if self.builder == Builder::Plain && !self.layout.has_plain_builder() {
             let range = "the fast one if the layout is depths, or the smaller of packed and depths";
-            return Err(RangeError::new("the builder", "plain", range).into());
+            return Err(RangeError::new(RangeField::Builder, "plain", range).into());
         }
         Ok(())
     }
@@ -161,17 +161,19 @@ impl BakeOptions {
     pub(crate) fn check(&self) -> Result<()> {
         if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
             let range = "a finite number of metres, 0 or more";
-            return Err(RangeError::new("the thickness", self.thickness_world, range).into());
+            return Err(RangeError::new(RangeField::Thickness, self.thickness_world, range).into());
         }
         if self.switch_within_voxels > MAX_SWITCH_WITHIN {
             let range = "a number of voxels up to 65535";
-            return Err(RangeError::new("the switch limit", self.switch_within_voxels, range).into());
+            return Err(RangeError::new(RangeField::SwitchLimit, self.switch_within_voxels, range).into());
         }
         if let FrameChoice::ObliqueAt(yaw_radians) = self.frame
             && !(-PI..=PI).contains(&yaw_radians)
         {
             let value = format!("{yaw_radians} radians ({}°)", yaw_radians.to_degrees());
-            return Err(RangeError::new("the yaw", value, "from -pi to pi radians (-180° to 180°)").into());
+            return Err(
+                RangeError::new(RangeField::Yaw, value, "from -pi to pi radians (-180° to 180°)").into()
+            );
         }
         self.bias.check()?;
         self.bounds.as_ref().map_or(Ok(()), check_bounds)
@@ -187,7 +189,7 @@ pub fn check_bounds(b: &Bounds) -> Result<()> {
         if !(b.min[a].is_finite() && b.max[a].is_finite() && b.min[a] < b.max[a]) {
             let value = format!("{:?} to {:?}", b.min, b.max);
             let range = "six finite numbers, each minimum below its maximum";
-            return Err(RangeError::new("the bounds", value, range).into());
+            return Err(RangeError::new(RangeField::Bounds, value, range).into());
         }
     }
     Ok(())
@@ -215,7 +217,7 @@ impl Size {
             }
             Self::VoxelSize(size) => {
                 let refuse =
-                    |value: String, range| Err(RangeError::new("the voxel size", value, range).into());
+                    |value: String, range| Err(RangeError::new(RangeField::VoxelSize, value, range).into());
                 if !(size.is_finite() && size > 0.0) {
                     return refuse(size.to_string(), "a finite number of metres above 0");
                 }

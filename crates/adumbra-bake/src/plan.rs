@@ -13,9 +13,9 @@ use crate::tiles::Tiles;
 use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
 use crate::triangles::project;
 use adumbra::FileSettings;
-use adumbra::RangeError;
 use adumbra::grid::{Frame, LightExtent, LightGrid};
 use adumbra::query::MAX_FIXED_SIDE;
+use adumbra::{RangeError, RangeField};
 use adumbra_scene::{Instance, Scene};
 use rayon::prelude::*;
 
@@ -72,7 +72,7 @@ impl<'s> Plan<'s> {
         let grid = LightGrid::covering(options.sun, &extent, voxel_size).on_pages_of(page);
         if f64::from(grid.size[2]) > project::DEPTH_MAX_VOXELS {
             return Err(RangeError::new(
-                "the resolution",
+                RangeField::Resolution,
                 format!("{resolution} ({} voxels along the light)", grid.size[2]),
                 "coarse enough for at most 2097152 voxels along the light; lower it",
             )
@@ -81,7 +81,7 @@ impl<'s> Plan<'s> {
         let across = grid.size[0].max(grid.size[1]);
         if across > MAX_FIXED_SIDE {
             return Err(RangeError::new(
-                "the resolution",
+                RangeField::Resolution,
                 format!("{resolution} ({across} texels across, in the {} frame)", frame.name()),
                 "coarse enough for at most 516096 texels across; lower it, or use the light's frame",
             )

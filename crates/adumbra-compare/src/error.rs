@@ -127,7 +127,8 @@ from_core!(
     adumbra::RangeError,
     adumbra_bake::Error,
     adumbra_scene::Error,
-    adumbra_tree::Error
+    adumbra_tree::Error,
+    adumbra_truth::movers::MoverError
 );
 
 impl From<Failure> for Error {
@@ -172,7 +173,7 @@ fn options_of(error: &RenderError) -> Option<&'static str> {
 
 fn code_of(error: &RenderError) -> Code {
     match error {
-        RenderError::Technique { .. } | RenderError::Mover { .. } | RenderError::Camera { .. } => Code::Usage,
+        RenderError::Technique { .. } | RenderError::Camera { .. } => Code::Usage,
         RenderError::TooLarge { .. } | RenderError::OutOfMemory { .. } => Code::OutOfRoom,
         RenderError::Lost { .. } => Code::DeviceLost,
         _ => Code::BadInput,

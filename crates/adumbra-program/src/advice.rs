@@ -1,33 +1,38 @@
 //! The options that an error's advice refers to. Libraries name fields and have no options, but the programs' users
 //! know only options.
 
-use adumbra::RangeError;
+use adumbra::{RangeError, RangeField};
 
 /// Returns the options in parentheses, to follow a message. Empty if there are none.
 pub(crate) fn shown(options: Option<&str>) -> String {
     options.map_or_else(String::new, |options| format!(" ({options})"))
 }
 
-/// The fields that options set, as errors name them, and those options.
-const FIELDS: [(&str, &str); 14] = [
-    ("the sun's elevation", "--elevation"),
-    ("the thickness", "--thickness"),
-    ("the switch limit", "--switch-within"),
-    ("the builder", "--builder"),
-    ("the bounds", "--bounds"),
-    ("the resolution", "--resolution"),
-    ("the voxel size", "--voxel-size"),
-    ("the filter's width", "--filter"),
-    ("a term of the bias", "--bias-constant, --bias-slope, --bias-normal"),
-    ("a term of the capture bias", "--capture-bias-constant, --capture-bias-slope"),
-    ("the rings", "--rings"),
-    ("a region", "--region"),
-    ("the lossy share", "--lossy"),
-    ("the yaw", "--yaw"),
-];
-
+/// The options that set a field. `None`: parameters of techniques, which say themselves what they take, and values that
+/// only callers of the libraries give.
 fn options_of_range(error: &RangeError) -> Option<&'static str> {
-    FIELDS.iter().find(|(name, _)| *name == error.name).map(|(_, options)| *options)
+    Some(match error.field {
+        RangeField::SunElevation => "--elevation",
+        RangeField::Thickness => "--thickness",
+        RangeField::SwitchLimit => "--switch-within",
+        RangeField::Builder => "--builder",
+        RangeField::Bounds => "--bounds",
+        RangeField::Resolution => "--resolution",
+        RangeField::VoxelSize => "--voxel-size",
+        RangeField::FilterWidth => "--filter",
+        RangeField::BiasTerm => "--bias-constant, --bias-slope, --bias-normal",
+        RangeField::CaptureBiasTerm => "--capture-bias-constant, --capture-bias-slope",
+        RangeField::Rings => "--rings",
+        RangeField::Region => "--region",
+        RangeField::LossyShare => "--lossy",
+        RangeField::Yaw => "--yaw",
+        RangeField::TextureWords
+        | RangeField::LongestSide
+        | RangeField::PenumbraRadius
+        | RangeField::Layout
+        | RangeField::GroundSize
+        | RangeField::SunAngle => return None,
+    })
 }
 
 pub(crate) fn options_of_reader(error: &adumbra::Error) -> Option<&'static str> {
@@ -76,79 +81,11 @@ pub(crate) fn options_of_tree(error: &adumbra_tree::Error) -> Option<&'static st
     use adumbra_tree::{Error as E, TextureError};
     match error {
         // A tree's largest resolution is below that of a light-aligned file.
-        E::Range(error) if error.name == "the resolution" => Some("--resolution, --frame light"),
+        E::Range(error) if error.field == RangeField::Resolution => Some("--resolution, --frame light"),
         E::Range(error) => options_of_range(error),
         E::Bake(error) => options_of_bake(error),
         E::Sun(error) => options_of_reader(error),
         E::WordTexture { source: TextureError::TooManyPages { .. }, .. } => Some("--max-side, --resolution"),
         _ => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-    use std::path::{Path, PathBuf};
-
-    use super::*;
-
-    /// Fields that no option sets: parameters of techniques, which say themselves what they take, and values that only
-    /// callers of the libraries give.
-    const WITHOUT_OPTION: [&str; 6] = [
-        "the file's size in words",
-        "the grid's longest side",
-        "the largest radius",
-        "the layout",
-        "the size of the ground",
-        "the sun's angle",
-    ];
-
-    fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                sources(&path, found);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                found.push(path);
-            }
-        }
-    }
-
-    /// The names of fields in the range errors of all libraries.
-    fn names_of_fields() -> BTreeSet<String> {
-        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-        let mut files = Vec::new();
-        for name in ["adumbra", "adumbra-scene", "adumbra-bake", "adumbra-tree", "adumbra-truth"] {
-            sources(&crates.join(name).join("src"), &mut files);
-        }
-        let mut names = BTreeSet::new();
-        for file in files {
-            let text = std::fs::read_to_string(file).unwrap();
-            for call in text.split("RangeError::new(").skip(1) {
-                if let Some(name) =
-                    call.trim_start().strip_prefix('"').and_then(|rest| rest.split('"').next())
-                {
-                    names.insert(name.replace('\\', ""));
-                }
-            }
-        }
-        names
-    }
-
-    #[test]
-    fn every_range_error_names_the_option_that_sets_its_field() {
-        let names = names_of_fields();
-        for name in &names {
-            let option = FIELDS.iter().any(|(field, _)| field == name);
-            let none = WITHOUT_OPTION.contains(&name.as_str());
-            assert!(option != none, "{name}: has it an option? It must be in one of both lists");
-        }
-        let listed = FIELDS.iter().map(|(field, _)| *field).chain(WITHOUT_OPTION);
-        let gone: Vec<_> = listed.filter(|field| !names.contains(*field)).collect();
-        assert!(gone.is_empty(), "no error names these fields: {gone:?}");
-        for (field, options) in FIELDS {
-            let failure = crate::exit::Failure::from(RangeError::new(field, "x", "y"));
-            assert!(failure.to_string().ends_with(&format!("({options})")), "{failure}");
-        }
     }
 }

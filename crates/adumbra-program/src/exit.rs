@@ -67,6 +67,12 @@ pub enum Failure {
     },
 }
 
+impl From<adumbra_truth::movers::MoverError> for Failure {
+    fn from(error: adumbra_truth::movers::MoverError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
 impl From<RangeError> for Failure {
     fn from(error: RangeError) -> Self {
         Self::Reader(error.into())
@@ -151,13 +157,14 @@ pub type Outcome = Result<Code, Failure>;
 
 #[cfg(test)]
 mod tests {
+    use adumbra::RangeField;
     use adumbra_scene::EmptyReason;
 
     use super::*;
 
     #[test]
     fn errors_have_their_codes_and_options() {
-        let range = |name| Failure::from(RangeError::new(name, "x", "y"));
+        let range = |field| Failure::from(RangeError::new(field, "x", "y"));
         let memory = Failure::memory("the bake", 2, 1);
         let resolution: Failure =
             adumbra_bake::Error::Resolution { resolution: 1000, min: 8, max: 16, suggestion: 16 }.into();
@@ -167,8 +174,8 @@ mod tests {
         let full = std::io::Error::from(ErrorKind::StorageFull);
         let spill: Failure = adumbra_bake::Error::Spill(IoError::at("write", "/tmp")(full)).into();
         for (failure, code, options) in [
-            (range("the thickness"), Code::Usage, "(--thickness)"),
-            (range("something without an option"), Code::Usage, "must be y"),
+            (range(RangeField::Thickness), Code::Usage, "(--thickness)"),
+            (range(RangeField::LongestSide), Code::Usage, "must be y"),
             (memory, Code::OutOfRoom, "(--max-memory, --resolution, --threads)"),
             (resolution, Code::Usage, "(--resolution)"),
             (interrupted, Code::Interrupted, "nothing was written"),

@@ -1,10 +1,10 @@
 //! The finished picture: a plain sun and sky, the material's colour, the shadow factor and ambient visibility. The
 //! arithmetic matches `adumbra_truth::picture`, its CPU twin.
 
+use adumbra_scene::daylight::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
 use adumbra_shaders::constants::PIXEL_GROUP;
 use adumbra_shaders::layout::CompositeParams;
 use adumbra_shaders::{assemble, source};
-use adumbra_truth::picture::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
 use wgpu::{BindingResource, ShaderStages, TextureFormat};
 
 use crate::frame::Targets;

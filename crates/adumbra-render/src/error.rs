@@ -130,14 +130,6 @@ pub enum RenderError {
         /// What is wrong.
         reason: &'static str,
     },
-    /// A mover that does not exist, a parameter value that it does not accept, or no path for it.
-    #[error("mover {name:?}: {reason}")]
-    Mover {
-        /// The mover as it was given.
-        name: String,
-        /// What is wrong, and what would be accepted.
-        reason: String,
-    },
     /// An error of [`adumbra`].
     #[error(transparent)]
     Library(#[from] adumbra::Error),

@@ -47,7 +47,6 @@ pub mod gpu;
 pub mod hybrid;
 pub mod layers;
 pub mod maps;
-pub mod movers;
 pub mod occlusion;
 pub mod octahedral;
 pub mod readback;

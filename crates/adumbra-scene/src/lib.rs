@@ -7,6 +7,7 @@
 mod affine;
 mod budget;
 mod camera;
+pub mod daylight;
 mod error;
 mod far_origin;
 mod filter;

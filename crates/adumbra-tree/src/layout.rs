@@ -5,7 +5,7 @@ use crate::options::{Detail, TreeOptions};
 use crate::space::{RegionVoxels, Regions, TreeSpace};
 use crate::word::MAX_DEPTH;
 use adumbra::grid::{Bounds, LightExtent, LightGrid};
-use adumbra::{MAX_SLOPE, RangeError};
+use adumbra::{MAX_SLOPE, RangeError, RangeField};
 use adumbra_bake::{Size, check_bounds};
 use adumbra_scene::Scene;
 
@@ -61,13 +61,15 @@ fn divide(scene: &Scene, options: &TreeOptions) -> Result<(TreeSpace, Regions)> 
     let (resolution, voxel_size) = options.size.resolve(side)?;
     let depth = resolution.ilog2();
     if depth > MAX_DEPTH {
-        let (name, value) = match options.size {
-            Size::Resolution(n) => ("the resolution", n.to_string()),
-            Size::VoxelSize(size) => ("the voxel size", format!("{size} ({resolution} voxels per side)")),
+        let (field, value) = match options.size {
+            Size::Resolution(n) => (RangeField::Resolution, n.to_string()),
+            Size::VoxelSize(size) => {
+                (RangeField::VoxelSize, format!("{size} ({resolution} voxels per side)"))
+            }
         };
         let range =
             "at most 32768 voxels per side for a world-aligned tree; for more, bake a light-aligned file";
-        return Err(RangeError::new(name, value, range).into());
+        return Err(RangeError::new(field, value, range).into());
     }
     let regions = match &options.detail {
         Detail::Uniform => Regions::uniform(depth),
@@ -78,7 +80,7 @@ fn divide(scene: &Scene, options: &TreeOptions) -> Result<(TreeSpace, Regions)> 
                 radii.iter().chain(center_xz).all(|c| c.is_finite()) && radii.iter().all(|r| *r > 0.0);
             if radii.is_empty() || radii.len() as u32 >= depth || !growing || !numbers {
                 return Err(RangeError::new(
-                    "the rings",
+                    RangeField::Rings,
                     format!("{center_xz:?} with {radii:?}"),
                     "a point and increasing radii above 0, fewer than the tree has levels",
                 )
@@ -101,17 +103,17 @@ fn divide(scene: &Scene, options: &TreeOptions) -> Result<(TreeSpace, Regions)> 
 
 /// Returns an error if a region would have no effect.
 fn check_regions(options: &TreeOptions, regions: &Regions, in_voxels: &[RegionVoxels]) -> Result<()> {
-    let (name, range) = match options.detail {
-        Detail::Rings { .. } => ("the rings", "squares that touch the scene's cube"),
-        _ => ("a region", "boxes that touch the scene's cube"),
+    let (field, range) = match options.detail {
+        Detail::Rings { .. } => (RangeField::Rings, "squares that touch the scene's cube"),
+        _ => (RangeField::Region, "boxes that touch the scene's cube"),
     };
     if in_voxels.len() < regions.list.len() {
         let value = format!("one of {} regions", regions.list.len());
-        return Err(RangeError::new(name, value, range).into());
+        return Err(RangeError::new(field, value, range).into());
     }
     if let Some(shallow) = regions.list.iter().find(|r| r.depth <= regions.base_depth) {
         let value = format!("a depth of {} (the rest has {})", shallow.depth, regions.base_depth);
-        return Err(RangeError::new(name, value, "deeper than the rest of the tree").into());
+        return Err(RangeError::new(field, value, "deeper than the rest of the tree").into());
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The settings of a tree, as written into its file and shown by `info`.
 
-use adumbra::RangeError;
+use adumbra::{RangeError, RangeField};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
@@ -68,9 +68,7 @@ impl CaptureBias {
     pub fn check(&self) -> Result<()> {
         for value in [self.constant_texels, self.slope_texels] {
             if !(0.0..=16.0).contains(&value) {
-                return Err(
-                    RangeError::new("a term of the capture bias", value, "from 0 to 16 texels").into()
-                );
+                return Err(RangeError::new(RangeField::CaptureBiasTerm, value, "from 0 to 16 texels").into());
             }
         }
         Ok(())

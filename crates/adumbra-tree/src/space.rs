@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::word::MAX_DEPTH;
-use adumbra::RangeError;
+use adumbra::{RangeError, RangeField};
 
 /// The cube that a tree subdivides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,7 +119,7 @@ impl Regions {
     /// # Errors
     /// Returns [`RangeError`] for the first violation.
     pub fn check(&self) -> Result<(), RangeError> {
-        let refuse = |value: String, range| Err(RangeError::new("a region", value, range));
+        let refuse = |value: String, range| Err(RangeError::new(RangeField::Region, value, range));
         if self.list.len() > MAX_REGIONS {
             return refuse(format!("{} regions", self.list.len()), "at most 256 of them");
         }

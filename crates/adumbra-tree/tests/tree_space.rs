@@ -3,7 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use adumbra::{Bounds, RangeError, Sun};
+use adumbra::{Bounds, RangeError, RangeField, Sun};
 use adumbra_bake::{Error as BakeError, Size, Watch};
 use adumbra_scene::{LoadOptions, Scene, load};
 use adumbra_tree::query::{TreeQuery, Weights};
@@ -141,8 +141,8 @@ fn tree_voxel_size_is_what_was_asked_for() {
     assert_eq!([0.0, 3.0].map(|x| ground(&baked, UP, x, 0.0)), [0.0, 1.0]);
     for size in [0.0, -1.0, f64::NAN, 1e-9] {
         let refused = bake_tree(&world, &options(UP, Size::VoxelSize(size)), Watch::none());
-        let Err(Error::Bake(BakeError::Range(RangeError { name, .. }))) = refused else { panic!("{size}") };
-        assert_eq!(name, "the voxel size", "{size}");
+        let Err(Error::Bake(BakeError::Range(RangeError { field, .. }))) = refused else { panic!("{size}") };
+        assert_eq!(field, RangeField::VoxelSize, "{size}");
     }
 }
 

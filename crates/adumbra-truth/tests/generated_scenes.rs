@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use adumbra::RangeError;
+use adumbra::{RangeError, RangeField};
 use adumbra_scene::Error;
 use adumbra_scene::topology::{Component, analyse};
 use adumbra_scene::{AlphaMode, GeneratedKind, Instance, Mesh, Scene, generate, to_glb};
@@ -243,8 +243,8 @@ fn ground_of_a_wrong_factor_is_refused_and_nothing_stands_on_none() {
     let mut scene = generate(GeneratedKind::SphereGrid, 1);
     for factor in [0.0, -4.0, 0.99, 1001.0, f64::NAN, f64::INFINITY] {
         let refused = scene.stand_on_ground(factor);
-        let Err(Error::Range(RangeError { name, .. })) = refused else { panic!("{factor}") };
-        assert_eq!(name, "the size of the ground", "{factor}");
+        let Err(Error::Range(RangeError { field, .. })) = refused else { panic!("{factor}") };
+        assert_eq!(field, RangeField::GroundSize, "{factor}");
     }
     assert_eq!(scene.instances.len(), 25);
     let mut empty = Scene::default();

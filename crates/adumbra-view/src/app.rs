@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use adumbra_compare::camera_file::CameraFile;
 use adumbra_compare::pictures::png;
 use adumbra_files::{replace_file, same_file};
-use adumbra_render::movers::MoveSpec;
 use adumbra_render::{FrameTimes, Gpu, RenderError};
 use adumbra_scene::Camera;
 use adumbra_tree::AnyFile;
+use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::picture::Picture;
 
 use crate::command::{Command, Side};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use adumbra_render::movers::MoveSpec;
+use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use crate::background::{background_pool, in_background};

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use adumbra_render::movers::BallPath;
 use adumbra_tree::AnyFile;
+use adumbra_truth::movers::BallPath;
 
 use crate::error::Result;
 use crate::loaded_scene::LoadedScene;

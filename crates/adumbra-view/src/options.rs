@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use adumbra::Sun;
-use adumbra_render::movers::MoveSpec;
 use adumbra_render::{GpuOptions, SpecText, TechniqueSpec};
 use adumbra_scene::{LoadOptions, Projection};
+use adumbra_truth::movers::MoveSpec;
 
 use crate::script::Script;
 use crate::settings::Shown;

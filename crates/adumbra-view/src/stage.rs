@@ -8,13 +8,13 @@ use std::sync::Arc;
 use adumbra::Bounds;
 use adumbra_compare::pictures::picture_of_rgba;
 use adumbra_render::layers::{Layer, LayerPass, LinePass, PresentKind, PresentPass, WorldLine};
-use adumbra_render::movers::BallPath;
 use adumbra_render::occlusion::{
     AmbientSettings, AmbientSource, DEFAULT_RADIUS_SHARE, GivenAmbient, OcclusionPasses,
 };
 use adumbra_render::readback::read_texture;
 use adumbra_render::{Gpu, RenderError, Renderer, Result, SceneOptions, Shot, SpecText};
 use adumbra_scene::{Camera, Scene};
+use adumbra_truth::movers::BallPath;
 use adumbra_truth::picture::Picture;
 
 pub(crate) use self::sides::{Files, SideView};

@@ -7,8 +7,8 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 
 use adumbra_compare::truth::{SunShape, TruthTracer};
-use adumbra_render::movers::BallPath;
 use adumbra_scene::Scene;
+use adumbra_truth::movers::BallPath;
 
 use crate::background::{background_pool, caught};
 use crate::event::{Event, EventSender};

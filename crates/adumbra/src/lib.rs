@@ -25,7 +25,7 @@ pub mod layout;
 pub mod query;
 mod settings;
 
-pub use error::{Error, FormatError, IoError, RangeError, Result};
+pub use error::{Error, FormatError, IoError, RangeError, RangeField, Result};
 pub use file::{Layout, LightBody, ShadowFile};
 pub use grid::{Bounds, Frame, LightExtent, LightGrid, Sun};
 pub use query::{Cursor, PointVisibility, Query};

@@ -1,6 +1,6 @@
 //! The settings of a bake. They are written into the file and shown by `info`.
 
-use crate::error::{RangeError, Result};
+use crate::error::{RangeError, RangeField, Result};
 use crate::grid::Bounds;
 
 /// How far a look-up moves its point before it reads the grid. All terms are in texels of the light's plane.
@@ -39,7 +39,7 @@ impl Bias {
     pub fn check(&self) -> Result<()> {
         for value in [self.constant_texels, self.slope_texels, self.normal_offset_texels] {
             if !(0.0..=16.0).contains(&value) {
-                return Err(RangeError::new("a term of the bias", value, "from 0 to 16 texels").into());
+                return Err(RangeError::new(RangeField::BiasTerm, value, "from 0 to 16 texels").into());
             }
         }
         Ok(())

@@ -1,10 +1,10 @@
 //! A frame drawn again with another technique reuses G-buffer and ambient occlusion and gives the same picture as a
 //! frame drawn from scratch.
 
-use adumbra_render::movers::MoveSpec;
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::{Answer, Baked, FrameTimes, Prepared, Renderer, SceneOptions, Shot, Stage, build};
 use adumbra_scene::Scene;
+use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use crate::kit;

@@ -3,10 +3,10 @@
 
 use adumbra::{Query, Sun};
 use adumbra_bake::{BakeOptions, LayoutChoice, Size};
-use adumbra_render::movers::MoveSpec;
 use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{Camera, Projection, Scene};
 use adumbra_testing::bake_file;
+use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use crate::kit;

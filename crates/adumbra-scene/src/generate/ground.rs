@@ -2,7 +2,7 @@
 
 use crate::generate::shapes::Builder;
 use crate::generate::{Place, Stage};
-use adumbra::RangeError;
+use adumbra::{RangeError, RangeField};
 
 use crate::{Result, Scene};
 
@@ -23,7 +23,7 @@ impl Scene {
     pub fn stand_on_ground(&mut self, factor: f64) -> Result<()> {
         if !(1.0..=1000.0).contains(&factor) {
             let (value, range) = (factor.to_string(), "from 1 to 1000 times the scene's extent");
-            return Err(RangeError::new("the size of the ground", value, range).into());
+            return Err(RangeError::new(RangeField::GroundSize, value, range).into());
         }
         if self.instanced_triangles() == 0 {
             return Ok(());

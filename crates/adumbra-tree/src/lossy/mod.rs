@@ -32,7 +32,7 @@ use crate::error::Result;
 use crate::graph::VoxelTree;
 use crate::leaf_voxels::leaf_voxels;
 use crate::settings::LossyChange;
-use adumbra::RangeError;
+use adumbra::{RangeError, RangeField};
 
 /// The result of a lossy merge.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +60,7 @@ const QUARTERS_PER_BLOCK: [u64; 10] = [2, 4, 8, 16, 32, 64, 128, 256, 512, 1024]
 /// Returns [`Error::Range`](crate::Error::Range) if the share is not from 0 to 1.
 pub fn merge_similar(tree: &VoxelTree, max_share: f64) -> Result<Lossy> {
     if !(0.0..=1.0).contains(&max_share) {
-        return Err(RangeError::new("the lossy share", max_share, "from 0 to 1").into());
+        return Err(RangeError::new(RangeField::LossyShare, max_share, "from 0 to 1").into());
     }
     let leaf_voxels = leaf_voxels(tree);
     let budget = (max_share * leaf_voxels as f64) as u64;

@@ -11,11 +11,11 @@ use crate::query::plan::PlanLevels;
 use crate::query::receiver::TreeReceiver;
 use crate::space::{Regions, TreeSpace};
 use crate::voxels::Voxels;
-use adumbra::RangeError;
 use adumbra::grid::Sun;
 use adumbra::grid::vec3::dot;
 use adumbra::query::{PointVisibility, finite};
 use adumbra::{Bias, MAX_SLOPE};
+use adumbra::{RangeError, RangeField};
 
 /// Kernel sides in voxels that a look-up supports.
 pub const KERNEL_SIDES: [u32; 3] = [1, 3, 5];
@@ -75,7 +75,7 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
     ) -> Result<Self> {
         if !KERNEL_SIDES.contains(&kernel_side) {
             return Err(RangeError::new(
-                "the filter\'s width",
+                RangeField::FilterWidth,
                 kernel_side,
                 "1, 3 or 5 for a world-aligned tree",
             )

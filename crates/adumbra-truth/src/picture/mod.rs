@@ -9,7 +9,7 @@ mod shading;
 pub use base_color::BaseColors;
 pub use nodes::{MAX_NODES_SIDE, nodes_by_size};
 use rayon::prelude::*;
-pub use shading::{GROUND_COLOR, SKY_COLOR, SUN_COLOR, in_8_bits, lit, shown, sky};
+pub use shading::{in_8_bits, lit, shown, sky};
 
 use crate::trace::{Hit, Ray, Tracer};
 use adumbra::grid::vec3::dot;

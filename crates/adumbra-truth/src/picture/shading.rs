@@ -1,13 +1,7 @@
 //! Lighting and tone mapping of a surface: the CPU counterpart of `wgsl/passes/composite.wgsl`.
 
+use adumbra_scene::daylight::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
 use adumbra_scene::{linear_to_srgb, srgb_to_linear};
-
-/// Linear red, green and blue of sunlight at n·l = 1.
-pub const SUN_COLOR: [f64; 3] = [1.55, 1.45, 1.28];
-/// Linear red, green and blue of the light from above, and of the sky.
-pub const SKY_COLOR: [f64; 3] = [0.36, 0.45, 0.60];
-/// Linear red, green and blue of the light from below.
-pub const GROUND_COLOR: [f64; 3] = [0.20, 0.18, 0.16];
 
 /// Linear colour of the sky in a unit direction.
 pub fn sky(direction: [f64; 3]) -> [f64; 3] {

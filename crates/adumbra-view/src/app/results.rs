@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use adumbra_program::sun::{SunSource, sun_of_scene};
-use adumbra_render::movers::BallPath;
 use adumbra_scene::{Camera, Projection};
 use adumbra_tree::AnyFile;
+use adumbra_truth::movers::BallPath;
 
 use super::{App, BallState};
 use crate::baking::FileKind;

@@ -1,10 +1,12 @@
 //! Errors of reading a file and of setting up a look-up.
 
+mod field;
 mod format;
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
+pub use field::RangeField;
 pub use format::FormatError;
 
 /// Any error of this crate.
@@ -49,10 +51,10 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// A value that is out of range.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{name}: {value} is out of range; it must be {range}")]
+#[error("{field}: {value} is out of range; it must be {range}")]
 pub struct RangeError {
-    /// The name of the field or parameter, as shown in the message.
-    pub name: &'static str,
+    /// What it is the value of.
+    pub field: RangeField,
     /// The value that was given.
     pub value: String,
     /// The allowed range, as text.
@@ -60,9 +62,9 @@ pub struct RangeError {
 }
 
 impl RangeError {
-    /// Returns the error for `name` having the value `value`, which is not within `range`.
-    pub fn new(name: &'static str, value: impl Display, range: &'static str) -> Self {
-        Self { name, value: value.to_string(), range }
+    /// Returns the error for `field` having the value `value`, which is not within `range`.
+    pub fn new(field: RangeField, value: impl Display, range: &'static str) -> Self {
+        Self { field, value: value.to_string(), range }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The world-to-grid transform for shaders. A grid and an anchor are converted in `f64` to 32-bit numbers.
 
-use crate::error::RangeError;
+use crate::error::{RangeError, RangeField};
 use crate::grid::LightGrid;
 use crate::query::{FIXED_ONE, MAX_FIXED_SIDE};
 
@@ -78,7 +78,7 @@ impl GridParameters {
         if longest > MAX_FIXED_SIDE {
             const { assert!(MAX_FIXED_SIDE == 516_096, "the message below names the limit") };
             let range = "at most 516096 voxels for look-ups on a GPU; bake at a lower resolution";
-            return Err(RangeError::new("the grid's longest side", longest, range));
+            return Err(RangeError::new(RangeField::LongestSide, longest, range));
         }
         // A power of two, so that the shader's products with it are exact.
         let step_world = power_of_two_below(STEP_VOXELS * voxel_size);

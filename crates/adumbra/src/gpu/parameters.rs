@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::grid::GridParameters;
 use super::words::Words;
-use crate::error::{RangeError, Result};
+use crate::error::{RangeError, RangeField, Result};
 use crate::file::LightBody;
 use crate::grid::LightGrid;
 use crate::query::FILTER_WIDTHS;
@@ -77,7 +77,7 @@ impl Parameters {
         anchor_world: [f64; 3],
     ) -> Result<Self> {
         if !FILTER_WIDTHS.contains(&filter_width) {
-            return Err(RangeError::new("the filter's width", filter_width, "1, 3, 5, 9 or 17").into());
+            return Err(RangeError::new(RangeField::FilterWidth, filter_width, "1, 3, 5, 9 or 17").into());
         }
         bias.check()?;
         let (_, root_level, [nx, ny, nz]) = body.space();
@@ -108,13 +108,17 @@ impl Parameters {
         max_radius_texels: f64,
     ) -> Result<(), RangeError> {
         if !self.is_depths {
-            return Err(RangeError::new("the layout", "packed or plain", "depths, for penumbrae"));
+            return Err(RangeError::new(RangeField::Layout, "packed or plain", "depths, for penumbrae"));
         }
         if !PENUMBRA_ANGLES_DEGREES.contains(&angle_degrees) {
-            return Err(RangeError::new("the sun's angle", angle_degrees, "from 0.01 to 20 degrees"));
+            return Err(RangeError::new(RangeField::SunAngle, angle_degrees, "from 0.01 to 20 degrees"));
         }
         if !PENUMBRA_RADII_TEXELS.contains(&max_radius_texels) {
-            return Err(RangeError::new("the largest radius", max_radius_texels, "from 1 to 64 texels"));
+            return Err(RangeError::new(
+                RangeField::PenumbraRadius,
+                max_radius_texels,
+                "from 1 to 64 texels",
+            ));
         }
         self.filter_width = 1;
         self.sun_cone = grid.cone_texels_per_voxel(angle_degrees) as f32;

@@ -20,7 +20,7 @@
 
 use super::parameters::Parameters;
 use super::words::Words;
-use crate::error::{RangeError, Result};
+use crate::error::{RangeError, RangeField, Result};
 use crate::file::{Layout, ShadowFile};
 use crate::settings::Bias;
 
@@ -64,7 +64,7 @@ impl LookUpTexture {
         let texels = HEADER_WORDS as u64 + words.count();
         let Some((width, height)) = size(texels, max_side) else {
             let range = "at most the square of the largest side in texels; bake at a lower resolution";
-            return Err(RangeError::new("the file's size in words", words.count(), range).into());
+            return Err(RangeError::new(RangeField::TextureWords, words.count(), range).into());
         };
         let mut bytes = Vec::with_capacity(4 * width as usize * height as usize);
         bytes.resize(4 * HEADER_WORDS, 0);

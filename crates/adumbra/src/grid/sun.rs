@@ -1,7 +1,7 @@
 //! The sun as a directional light.
 
 use super::vec3::normalize;
-use crate::error::{Error, RangeError, Result};
+use crate::error::{Error, RangeError, RangeField, Result};
 
 /// A directional light: the unit vector towards the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl Sun {
     pub fn from_angles(azimuth_degrees: f64, elevation_degrees: f64) -> Result<Self> {
         if !azimuth_degrees.is_finite() || !elevation_degrees.is_finite() || elevation_degrees > 90.0 {
             return Err(RangeError::new(
-                "the sun\'s elevation",
+                RangeField::SunElevation,
                 format!("{elevation_degrees} (azimuth {azimuth_degrees})"),
                 "above 0 and at most 90 degrees, with a finite azimuth",
             )

@@ -17,7 +17,7 @@ pub use fixed::{
     MAX_GRADIENT,
 };
 
-use crate::error::{RangeError, Result};
+use crate::error::{RangeError, RangeField, Result};
 use crate::grid::LightGrid;
 use crate::layout::LeafMasks;
 use crate::settings::{Bias, MAX_PLANE_SLOPE};
@@ -78,7 +78,7 @@ impl<'d> Query<'d> {
     /// Returns [`Error::Range`](crate::Error::Range) if the width is not in [`FILTER_WIDTHS`].
     pub fn new(grid: &'d LightGrid, leaf_masks: &'d dyn LeafMasks, bias: Bias, filter: u32) -> Result<Self> {
         if !FILTER_WIDTHS.contains(&filter) {
-            return Err(RangeError::new("the filter\'s width", filter, "1, 3, 5, 9 or 17").into());
+            return Err(RangeError::new(RangeField::FilterWidth, filter, "1, 3, 5, 9 or 17").into());
         }
         Ok(Self { grid, leaf_masks, bias, filter })
     }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use adumbra_compare::Result;
 use adumbra_program::exit::Failure;
-use adumbra_render::movers::{BallPath, MoveSpec};
 use adumbra_scene::Scene;
+use adumbra_truth::movers::{BallPath, MoveSpec};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use crate::args::Render;

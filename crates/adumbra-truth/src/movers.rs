@@ -5,9 +5,8 @@ use std::str::FromStr;
 
 use adumbra::Bounds;
 use adumbra_scene::Scene;
-use adumbra_truth::trace::{Ray, Tracer};
 
-use crate::error::{RenderError, Result};
+use crate::trace::{Ray, Tracer};
 
 /// Base colour of the ball, linear RGBA.
 const BALL_COLOR: [f32; 4] = [0.80, 0.10, 0.06, 1.0];
@@ -35,6 +34,16 @@ pub struct MoveSpec {
     pub seconds: f64,
 }
 
+/// A mover that is described wrongly, or that finds no path.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("mover {name:?}: {reason}")]
+pub struct MoverError {
+    /// The mover as it was given.
+    pub name: String,
+    /// What is wrong, and what would be accepted.
+    pub reason: String,
+}
+
 /// The path of a ball.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BallPath {
@@ -45,10 +54,10 @@ pub struct BallPath {
 }
 
 impl FromStr for MoveSpec {
-    type Err = RenderError;
+    type Err = MoverError;
 
-    fn from_str(text: &str) -> Result<Self> {
-        let wrong = |reason: String| RenderError::Mover { name: text.to_owned(), reason };
+    fn from_str(text: &str) -> Result<Self, MoverError> {
+        let wrong = |reason: String| MoverError { name: text.to_owned(), reason };
         let mut parts = text.split(':');
         if parts.next() != Some("sphere") {
             return Err(wrong("unknown mover; the only one is sphere".to_owned()));
@@ -101,9 +110,9 @@ impl MoveSpec {
     /// search: about a hundred thousand rays.
     ///
     /// # Errors
-    /// Returns [`RenderError::Mover`] if no sunlit position has a suitable shadow within reach, or if the path is
+    /// Returns [`MoverError`] if no sunlit position has a suitable shadow within reach, or if the path is
     /// invalid.
-    pub fn path(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> Result<BallPath> {
+    pub fn path(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> Result<BallPath, MoverError> {
         let bounds = still.scene().bounds();
         let radius_world =
             self.radius_world.unwrap_or_else(|| (still.scene().usual_diagonal() / 40.0).min(1.0));
@@ -112,7 +121,7 @@ impl MoveSpec {
             return BallPath { radius_world, keys: vec![(0.0, from), (self.seconds, to)] }.checked();
         }
         let finder = Finder { still, bounds, towards_sun, radius: radius_world };
-        let centers = finder.find().ok_or_else(|| RenderError::Mover {
+        let centers = finder.find().ok_or_else(|| MoverError {
             name: "sphere".to_owned(),
             reason: "found no free place in the sun with a shadow next to it; give from and to".to_owned(),
         })?;
@@ -124,9 +133,8 @@ impl MoveSpec {
 
 impl BallPath {
     /// Returns this path if a ball can follow it.
-    fn checked(self) -> Result<Self> {
-        let wrong =
-            |reason: &str| RenderError::Mover { name: "sphere".to_owned(), reason: reason.to_owned() };
+    fn checked(self) -> Result<Self, MoverError> {
+        let wrong = |reason: &str| MoverError { name: "sphere".to_owned(), reason: reason.to_owned() };
         if !(self.radius_world as f32 > 0.0 && (self.radius_world as f32).is_finite()) {
             return Err(wrong("its radius is not above 0 and finite; give radius"));
         }

@@ -1,0 +1,77 @@
+//! The fields and parameters that have a range.
+
+use std::fmt;
+
+/// A field or parameter that has a range. The list is complete, so that a program that tells its users which option sets
+/// a field does not compile until a new one has its option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RangeField {
+    /// Elevation of the sun.
+    SunElevation,
+    /// Thickness of open surfaces.
+    Thickness,
+    /// How far behind a surface a column may switch.
+    SwitchLimit,
+    /// The builder of a bake.
+    Builder,
+    /// The bounds of a bake.
+    Bounds,
+    /// Texels, or voxels, along the longest side.
+    Resolution,
+    /// Edge of a voxel.
+    VoxelSize,
+    /// Texels along a side of a filter.
+    FilterWidth,
+    /// A term of the look-up bias.
+    BiasTerm,
+    /// A term of the bias of a capture.
+    CaptureBiasTerm,
+    /// Rings of a world-aligned tree.
+    Rings,
+    /// A region of a world-aligned tree.
+    Region,
+    /// Share of voxels that a lossy reduction may change.
+    LossyShare,
+    /// Turn of the grid about the sun's direction.
+    Yaw,
+    /// Words of a file that a texture is to hold.
+    TextureWords,
+    /// Voxels along the longest side of a grid.
+    LongestSide,
+    /// The largest radius of a penumbra.
+    PenumbraRadius,
+    /// The layout of a file.
+    Layout,
+    /// Size of the ground that is added to a scene.
+    GroundSize,
+    /// Angular diameter of the sun's disc.
+    SunAngle,
+}
+
+/// The name in messages.
+impl fmt::Display for RangeField {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SunElevation => "the sun's elevation",
+            Self::Thickness => "the thickness",
+            Self::SwitchLimit => "the switch limit",
+            Self::Builder => "the builder",
+            Self::Bounds => "the bounds",
+            Self::Resolution => "the resolution",
+            Self::VoxelSize => "the voxel size",
+            Self::FilterWidth => "the filter's width",
+            Self::BiasTerm => "a term of the bias",
+            Self::CaptureBiasTerm => "a term of the capture bias",
+            Self::Rings => "the rings",
+            Self::Region => "a region",
+            Self::LossyShare => "the lossy share",
+            Self::Yaw => "the yaw",
+            Self::TextureWords => "the file's size in words",
+            Self::LongestSide => "the grid's longest side",
+            Self::PenumbraRadius => "the largest radius",
+            Self::Layout => "the layout",
+            Self::GroundSize => "the size of the ground",
+            Self::SunAngle => "the sun's angle",
+        })
+    }
+}
