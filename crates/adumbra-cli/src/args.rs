@@ -59,7 +59,8 @@ pub(crate) enum Verb {
     Inspect(Inspect),
     /// Bake a scene's sun shadows into a file
     #[command(
-        after_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra\n\n\
+        after_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra",
+        after_long_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra\n\n\
         Presets: draft 2048, low 4096, medium 8192, high 16384, ultra 32768 texels on the longest side; \
         --resolution and --voxel-size override --preset.\n\n\
         Example: adumbra bake city.glb --frame world --resolution 2048 --rings 0,0:40,120 -o city-tree.adumbra"

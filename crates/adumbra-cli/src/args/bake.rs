@@ -40,8 +40,9 @@ pub(crate) enum ReceiversArg {
 pub(crate) struct BakeSettings {
     #[command(flatten)]
     pub(crate) sun: SunArgs,
-    /// A power of two. Texels on the longest side as the sun sees the scene, 8 to 262144; world frame: voxels along the cube's
-    /// side, at most 32768
+    /// Texels on the longest side: a power of two, 8 to 262144
+    ///
+    /// The longest side as the sun sees the scene. World frame: voxels along the cube's side, at most 32768.
     #[arg(long, value_name = "N", conflicts_with = "voxel_size")]
     resolution: Option<u64>,
     /// Edge of a voxel in metres, instead of a resolution
@@ -50,8 +51,10 @@ pub(crate) struct BakeSettings {
     /// Preset resolution [default: medium; with --frame world, draft]
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
-    /// How far below an open surface its shadow may begin, in metres along the light; more gives smaller files [default: the bias at
-    /// the surface's slope]
+    /// How far below an open surface its shadow may begin, in metres along the light [default: the bias at the surface's
+    /// slope]
+    ///
+    /// More gives smaller files.
     #[arg(
         long,
         value_name = "METRES",
@@ -60,24 +63,32 @@ pub(crate) struct BakeSettings {
         allow_hyphen_values = true
     )]
     thickness: f64,
-    /// How far behind the first surface of a column its shadow may begin, in voxels; 0 allows anywhere that no filter
-    /// around a surface reads. A limit, such as 8, keeps contact shadows dark on movers that touch walls
+    /// How far behind the first surface its shadow may begin, in voxels
+    ///
+    /// 0 allows anywhere that no filter around a surface reads. A limit, such as 8, keeps contact shadows dark on movers
+    /// that touch walls.
     #[arg(long, value_name = "VOXELS", default_value_t = 0)]
     switch_within: u32,
-    /// Keep shadows below the last surface of a column too (for movers under bridges with nothing below)
+    /// Keep shadows below the last surface of a column too
+    ///
+    /// For movers under bridges with nothing below.
     #[arg(long)]
     no_assume_ground: bool,
-    /// Do not let the bake choose freely whether voxels inside closed solids are lit or shadowed
+    /// Keep shadows inside closed solids
+    ///
+    /// Without it, the bake chooses freely whether voxels there are lit or shadowed.
     #[arg(long)]
     no_closed_regions: bool,
     /// Which points the file must answer
     #[arg(long, value_enum, default_value = "all")]
     receivers: ReceiversArg,
-    /// Cover this box instead of the scene; casters outside it towards the sun still cast shadows into it
+    /// Cover this box instead of the scene
+    ///
+    /// Casters outside it towards the sun still cast shadows into it.
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     bounds: Option<Bounds>,
     /// How the file stores the voxels [default: depths; with --builder plain, packed]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     layout: Option<LayoutArg>,
     #[command(flatten)]
     pub(crate) tree: TreeArgs,
@@ -155,11 +166,15 @@ pub(crate) struct Bake {
     /// The shadow file to write [default: the scene's path with the extension .adumbra]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// Also write the shadow file's name into this .glb or .gltf, usually the scene itself: into the extras of its first directional
-    /// light, or of a new one if it has none. Bevy and three.js load it from there
+    /// Also write the shadow file's name into this .glb or .gltf
+    ///
+    /// Usually the scene itself: into the extras of its first directional light, or of a new one if it has none. Bevy and
+    /// three.js load it from there.
     #[arg(long, value_name = "GLTF", conflicts_with = "dry_run")]
     pub(crate) into: Option<PathBuf>,
-    /// Draw a few tiles and forecast what the whole bake would take; writes nothing
+    /// Forecast what the bake would take, and write nothing
+    ///
+    /// The forecast is made of a few tiles that are drawn.
     #[arg(long)]
     pub(crate) dry_run: bool,
     /// How to show progress

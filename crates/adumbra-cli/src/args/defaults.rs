@@ -331,3 +331,15 @@ fn types_of_arguments_have_no_parameters() {
     }
     assert!(types > 30, "{types}");
 }
+
+#[test]
+fn short_help_of_bake_fits_sixty_lines_and_has_nothing_that_only_a_paper_needs() {
+    let program = Args::command();
+    let (_, bake) = verbs(&program).into_iter().find(|(name, _)| name == "bake").expect("the verb");
+    let help = bake.term_width(100).render_help().to_string();
+    let lines = help.lines().count();
+    assert!(lines <= 60, "{lines} lines:\n{help}");
+    for word in ["World frame", "paper", "--builder", "--layout"] {
+        assert!(!help.contains(word), "{word}:\n{help}");
+    }
+}

@@ -99,41 +99,43 @@ pub(crate) struct TreeArgs {
     /// How the voxels lie in the world
     #[arg(long, value_enum, default_value = "auto")]
     pub(crate) frame: FrameArg,
-    /// Oblique frame: angle from +X to the grid's x axis, towards +Z [default: along most of the scene's edges]
+    /// Oblique frame: turn of the grid [default: along most of the scene's edges]
+    ///
+    /// The angle from +X to the grid's x axis, towards +Z.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     yaw: Option<f64>,
     /// World frame: depth of the tree (2^depth voxels across the cube) within a rectangle seen from above; may be
     /// repeated
-    #[arg(long = "region", value_name = "X0,Z0,X1,Z1:DEPTH", allow_hyphen_values = true, value_parser = parse_region)]
+    #[arg(hide_short_help = true, long = "region", value_name = "X0,Z0,X1,Z1:DEPTH", allow_hyphen_values = true, value_parser = parse_region)]
     regions: Vec<Region>,
     /// World frame: nested squares around a point; --resolution applies in the innermost, half of it in each next one
-    #[arg(long, value_name = "X,Z:R1,R2,…", allow_hyphen_values = true, value_parser = parse_rings,
+    #[arg(hide_short_help = true, long, value_name = "X,Z:R1,R2,…", allow_hyphen_values = true, value_parser = parse_rings,
         conflicts_with = "regions")]
     rings: Option<Detail>,
     /// World frame: store subtrees that mirror each other once, with pointers of variable width
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     pub(crate) symmetry: bool,
     /// World frame: merge similar subtrees, changing at most this share of the voxels at shadow borders
-    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
+    #[arg(hide_short_help = true, long, value_name = "SHARE", value_parser = parse_share)]
     pub(crate) lossy: Option<f64>,
     /// World frame: store a byte for each voxel at a shadow border
-    #[arg(long, value_enum, conflicts_with = "symmetry")]
+    #[arg(hide_short_help = true, long, value_enum, conflicts_with = "symmetry")]
     pub(crate) attribute: Option<AttributeArg>,
     /// How the bake is made; every point that must be answered gets the same answer [default: columns: fast,
     /// world: pooled]
-    #[arg(long, value_enum, help_heading = REPRODUCE)]
+    #[arg(hide_short_help = true, long, value_enum, help_heading = REPRODUCE)]
     builder: Option<BuilderArg>,
     /// World frame: how equal subtrees are found; the result is the same [default: hash]
-    #[arg(long, value_enum, help_heading = REPRODUCE)]
+    #[arg(hide_short_help = true, long, value_enum, help_heading = REPRODUCE)]
     reduction: Option<ReductionArg>,
     /// World frame: test every voxel, even if the min/max pyramid decides; the result is the same
-    #[arg(long, help_heading = REPRODUCE)]
+    #[arg(hide_short_help = true, long, help_heading = REPRODUCE)]
     exhaustive: bool,
     /// World frame: move depths away from the light by this, in texels of the depth image [default: 0]
-    #[arg(long, value_name = "TEXELS")]
+    #[arg(hide_short_help = true, long, value_name = "TEXELS")]
     capture_bias_constant: Option<f64>,
     /// World frame: also move them by this per unit of slope, in texels of the depth image [default: 0.75]
-    #[arg(long, value_name = "TEXELS")]
+    #[arg(hide_short_help = true, long, value_name = "TEXELS")]
     capture_bias_slope: Option<f64>,
 }
 

@@ -17,12 +17,15 @@ use crate::sun::{ChosenSun, SunSource, sun_of_scene_with_warnings};
 /// Options that give the direction of the sun.
 #[derive(clap::Args)]
 pub struct SunArgs {
-    /// Direction towards the sun in world space, any length [default: the scene's first directional light, or
-    /// 0.5,0.8,0.35]
+    /// Direction towards the sun [default: the scene's first directional light, or 0.5,0.8,0.35]
+    ///
+    /// In world space, of any length.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple,
         conflicts_with_all = ["azimuth", "elevation"])]
     sun: Option<[f64; 3]>,
-    /// Azimuth of the sun in degrees, clockwise from -Z seen from above (90 is +X)
+    /// Azimuth of the sun in degrees, clockwise from -Z
+    ///
+    /// As seen from above: 90 is +X.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, requires = "elevation")]
     azimuth: Option<f64>,
     /// Elevation of the sun in degrees above the horizon
@@ -67,23 +70,33 @@ impl SunArgs {
 /// Options that choose what is loaded from a scene.
 #[derive(clap::Args)]
 pub struct SceneArgs {
-    /// Load only triangles whose node, mesh or material name matches the pattern; may be repeated
+    /// Load only triangles of nodes, meshes or materials of this name
+    ///
+    /// A pattern; may be repeated.
     #[arg(long, value_name = "GLOB")]
     only: Vec<String>,
-    /// Skip triangles whose node, mesh or material name matches the pattern; may be repeated
+    /// Skip triangles of nodes, meshes or materials of this name
+    ///
+    /// A pattern; may be repeated.
     #[arg(long, value_name = "GLOB")]
     exclude: Vec<String>,
     /// Treat masked and blended materials as opaque
     #[arg(long)]
     pub ignore_alpha: bool,
-    /// Load animated instances as static geometry in their first pose; without it they are skipped because they move,
-    /// except that render and view animate them. Give it to verify if it was given to bake
+    /// Load animated instances as static ones, in their first pose
+    ///
+    /// Without it they are skipped because they move, except that render and view animate them. Give it to verify if it was
+    /// given to bake.
     #[arg(long)]
     include_animated: bool,
-    /// Also read buffers, images and material libraries outside the scene's folder; only for scenes that you trust
+    /// Also read files outside the scene's folder
+    ///
+    /// Buffers, images and material libraries. Only for scenes that you trust.
     #[arg(long)]
     allow_outside: bool,
-    /// Refuse a scene that holds anything the loader leaves out, such as lines or extensions that it does not know
+    /// Refuse a scene that holds anything the loader leaves out
+    ///
+    /// Such as lines, or extensions that it does not know.
     #[arg(long)]
     strict: bool,
 }
@@ -126,12 +139,15 @@ impl SceneArgs {
 /// Options of a run: its threads, its memory and the form of what it prints.
 #[derive(clap::Args)]
 pub struct RunArgs {
-    /// Number of threads; the result does not depend on it [default: all cores]
+    /// Number of threads [default: all cores]
+    ///
+    /// The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Memory that the program may take, such as 800MiB or 2GiB; a light-aligned bake that needs more continues with
-    /// temporary files next to the output, and what cannot is refused [default: no limit, but for loading a scene 2 GiB
-    /// plus 64 bytes for each byte of its files]
+    /// Memory that the program may take, such as 800MiB or 2GiB
+    ///
+    /// A light-aligned bake that needs more continues with temporary files next to the output, and what cannot is refused
+    /// [default: no limit, but for loading a scene 2 GiB plus 64 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     pub max_memory: Option<u64>,
     /// Print one JSON object
