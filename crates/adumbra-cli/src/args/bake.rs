@@ -74,7 +74,7 @@ pub(crate) struct BakeSettings {
     /// For movers under bridges with nothing below.
     #[arg(long)]
     no_assume_ground: bool,
-    /// Keep shadows inside closed solids
+    /// Answer points inside closed solids too
     ///
     /// Without it, the bake chooses freely whether voxels there are lit or shadowed.
     #[arg(long)]
