@@ -1,13 +1,18 @@
 //! Data flows one way: there is no cycle between the modules of a crate, and no crate depends on a later one.
 //!
-//! An arrow is any path in production code that leads from one module into another: `use` declarations and paths in
-//! expressions, through `crate`, `super` and re-exports of a parent. Siblings are compared at every level of the module
-//! tree. A parent and its children may use each other: that is how a module is divided into files, not a cycle. Tests
-//! (`#[cfg(test)]`) are not production code.
+//! In Rust an arrow is any path in production code that leads from one module into another: in `use` declarations, types,
+//! expressions and the arguments of macros, through `crate`, `super` and re-exports of a parent. In TypeScript it is an
+//! import of another file, and folders are modules. Siblings are compared at every level of the module tree. A parent and
+//! its children may use each other: that is how a module is divided into files, not a cycle. Tests (`#[cfg(test)]`) are
+//! not production code.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Component, Path};
+
+use proc_macro2::{TokenStream, TokenTree};
+use syn::visit::{self, Visit};
+use syn::{Attribute, Item, Meta, UseTree, Visibility};
 
 /// Crates in the order in which data flows. A crate depends only on earlier ones.
 const ORDER: [&str; 14] = [
@@ -27,33 +32,65 @@ const ORDER: [&str; 14] = [
     "adumbra-lab",
 ];
 
+/// Sources in Rust that are not below `crates/`.
+const OTHER_RUST: [&str; 4] =
+    ["integrations/bevy_adumbra/src", "integrations/three/generator/src", "xtask/src", "xtask/bakes/src"];
+/// Sources in TypeScript.
+const TYPESCRIPT: [&str; 2] = ["integrations/three/src", "integrations/three/demo"];
+
 type ModulePath = Vec<String>;
 
 /// One crate's modules and the arrows between them.
 #[derive(Default)]
 struct Modules {
-    /// Code of each module, without comments, literals and tests.
-    code: BTreeMap<ModulePath, String>,
+    /// Absolute paths that each module names.
+    named: BTreeMap<ModulePath, Vec<ModulePath>>,
     /// Re-exports of each module: the name there, and the path that it refers to.
     exports: BTreeMap<ModulePath, BTreeMap<String, ModulePath>>,
 }
 
-/// Returns every cycle of modules below `root/crates`, one line each.
+/// Arrows between siblings, keyed by their parent.
+#[derive(Default)]
+struct Arrows(BTreeMap<ModulePath, BTreeMap<String, BTreeSet<String>>>);
+
+impl Arrows {
+    fn add(&mut self, from: &ModulePath, to: &ModulePath) {
+        let common = from.iter().zip(to).take_while(|(a, b)| a == b).count();
+        if let (Some(a), Some(b)) = (from.get(common), to.get(common)) {
+            let siblings = self.0.entry(from[..common].to_vec()).or_default();
+            siblings.entry(a.clone()).or_default().insert(b.clone());
+        }
+    }
+
+    fn circles(&self) -> Vec<String> {
+        self.0.iter().flat_map(|(parent, siblings)| circles_among(parent, siblings)).collect()
+    }
+}
+
+/// Returns every cycle of modules in the repository's sources, one line each.
 ///
 /// # Errors
-/// Returns a message if a file cannot be read.
+/// Returns a message if a file cannot be read or is not Rust.
 pub(crate) fn circles(root: &Path) -> Result<Vec<String>, String> {
+    let crates = ORDER.iter().map(|name| format!("crates/{name}/src"));
     let mut found = Vec::new();
-    for name in ORDER {
-        let source = root.join("crates").join(name).join("src");
-        for start in ["lib.rs", "main.rs"] {
-            let file = source.join(start);
-            if file.exists() {
-                let mut modules = Modules::default();
-                modules.read(&file, &source, &Vec::new())?;
-                found.extend(modules.circles().into_iter().map(|circle| format!("{name}: {circle}")));
-            }
+    for source in crates.chain(OTHER_RUST.map(str::to_owned)) {
+        let folder = root.join(&source);
+        let starts = ["lib.rs", "main.rs"].map(|start| folder.join(start));
+        let starts: Vec<_> = starts.iter().filter(|start| start.exists()).collect();
+        if starts.is_empty() {
+            return Err(format!("{source}: no lib.rs and no main.rs"));
         }
+        for start in starts {
+            let mut modules = Modules::default();
+            modules.read(start, &folder, &Vec::new())?;
+            found.extend(modules.circles().into_iter().map(|circle| format!("{source}: {circle}")));
+        }
+    }
+    for source in TYPESCRIPT {
+        let mut arrows = Arrows::default();
+        add_imports(&root.join(source), &Vec::new(), &mut arrows)?;
+        found.extend(arrows.circles().into_iter().map(|circle| format!("{source}: {circle}")));
     }
     Ok(found)
 }
@@ -91,48 +128,53 @@ impl Modules {
     /// Reads a module's file and those of its children, without tests.
     fn read(&mut self, file: &Path, folder: &Path, path: &ModulePath) -> Result<(), String> {
         let text = fs::read_to_string(file).map_err(|e| format!("cannot read {}: {e}", file.display()))?;
-        let code = without_tests(&plain_code(&text));
-        for line in code.lines() {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let Some(at) = words.iter().position(|&w| w == "mod") else { continue };
-            let is_declaration = words[..at].iter().all(|w| w.starts_with("pub"));
-            let Some(child) = words.get(at + 1).and_then(|w| w.strip_suffix(';')) else { continue };
-            if !is_declaration {
-                continue;
+        let parsed = syn::parse_file(&text).map_err(|e| format!("{}: {e}", file.display()))?;
+        self.add(&parsed.items, folder, path)
+    }
+
+    fn add(&mut self, items: &[Item], folder: &Path, path: &ModulePath) -> Result<(), String> {
+        let mut names = Names { module: path, found: Vec::new() };
+        let mut exports = BTreeMap::new();
+        for item in items {
+            match item {
+                Item::Mod(child) if !is_test(&child.attrs) => {
+                    let name = child.ident.to_string();
+                    let below = [path.clone(), vec![name.clone()]].concat();
+                    match &child.content {
+                        Some((_, items)) => self.add(items, &folder.join(&name), &below)?,
+                        None => {
+                            let flat = folder.join(format!("{name}.rs"));
+                            let nested = folder.join(&name).join("mod.rs");
+                            let file = if flat.exists() { flat } else { nested };
+                            self.read(&file, &folder.join(&name), &below)?;
+                        }
+                    }
+                }
+                Item::Use(declared) if !is_test(&declared.attrs) => {
+                    let mut imported = Vec::new();
+                    flatten(&declared.tree, &mut Vec::new(), &mut imported);
+                    for (name, parts) in imported {
+                        let Some(target) = absolute(&parts, path) else { continue };
+                        if !matches!(declared.vis, Visibility::Inherited) {
+                            exports.insert(name, target.clone());
+                        }
+                        names.found.push(target);
+                    }
+                }
+                item => names.visit_item(item),
             }
-            let below = [path.clone(), vec![child.to_owned()]].concat();
-            let (flat, nested) = (folder.join(format!("{child}.rs")), folder.join(child).join("mod.rs"));
-            let child_file = if flat.exists() { flat } else { nested };
-            self.read(&child_file, &folder.join(child), &below)?;
         }
-        self.code.insert(path.clone(), code);
+        self.named.insert(path.clone(), names.found);
+        self.exports.insert(path.clone(), exports);
         Ok(())
     }
 
-    fn circles(mut self) -> Vec<String> {
-        let uses: BTreeMap<ModulePath, Vec<(String, ModulePath, bool)>> =
-            self.code.iter().map(|(path, code)| (path.clone(), use_declarations(code, path))).collect();
-        for (path, declared) in &uses {
-            let table = declared.iter().filter(|(.., is_export)| *is_export);
-            self.exports.insert(
-                path.clone(),
-                table.map(|(name, target, _)| (name.clone(), target.clone())).collect(),
-            );
+    fn circles(&self) -> Vec<String> {
+        let mut arrows = Arrows::default();
+        for (from, named) in &self.named {
+            named.iter().for_each(|path| arrows.add(from, &self.module_of(path)));
         }
-        // Arrows between siblings, keyed by their parent.
-        let mut arrows: BTreeMap<ModulePath, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
-        for (from, code) in &self.code {
-            let declared = uses[from].iter().map(|(_, target, _)| target.clone());
-            for target in declared.chain(inline_paths(code, from)) {
-                let to = self.module_of(&target);
-                let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
-                if let (Some(a), Some(b)) = (from.get(common), to.get(common)) {
-                    let siblings = arrows.entry(from[..common].to_vec()).or_default();
-                    siblings.entry(a.clone()).or_default().insert(b.clone());
-                }
-            }
-        }
-        arrows.iter().flat_map(|(parent, siblings)| circles_among(parent, siblings)).collect()
+        arrows.circles()
     }
 
     /// Returns the module that an absolute path leads into, following re-exports.
@@ -140,14 +182,14 @@ impl Modules {
         let mut path = path.clone();
         // Chains of re-exports end after a few steps.
         for _ in 0..8 {
-            let module = (0..=path.len()).rev().find(|&n| self.code.contains_key(&path[..n])).unwrap_or(0);
+            let module = (0..=path.len()).rev().find(|&n| self.named.contains_key(&path[..n])).unwrap_or(0);
             let Some(name) = path.get(module) else { break };
             match self.exports.get(&path[..module]).and_then(|table| table.get(name)) {
                 Some(target) if *target != path => path = [&target[..], &path[module + 1..]].concat(),
                 _ => break,
             }
         }
-        let module = (0..=path.len()).rev().find(|&n| self.code.contains_key(&path[..n])).unwrap_or(0);
+        let module = (0..=path.len()).rev().find(|&n| self.named.contains_key(&path[..n])).unwrap_or(0);
         path[..module].to_vec()
     }
 }
@@ -185,172 +227,185 @@ fn prefix(parent: &ModulePath) -> String {
     if parent.is_empty() { String::new() } else { format!("{}: ", parent.join("::")) }
 }
 
-/// Returns the text without comments and with empty string and character literals.
-fn plain_code(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(c) = rest.chars().next() {
-        if rest.starts_with("//") {
-            rest = rest.find('\n').map_or("", |end| &rest[end..]);
-        } else if rest.starts_with("/*") {
-            rest = rest.find("*/").map_or("", |end| &rest[end + 2..]);
-        } else if let Some(hashes) = raw_string(rest) {
-            let close = format!("\"{}", "#".repeat(hashes));
-            let body = &rest[hashes + 2..];
-            out.push_str("\"\"");
-            rest = body.find(&close).map_or("", |end| &body[end + close.len()..]);
-        } else if c == '"' {
-            out.push_str("\"\"");
-            rest = after_string(&rest[1..]);
-        } else if c == '\'' && is_character(rest) {
-            let end =
-                rest[1..].char_indices().skip(1).find(|&(i, c)| c == '\'' && rest.as_bytes()[i] != b'\\');
-            out.push_str("' '");
-            rest = end.map_or("", |(i, _)| &rest[i + 2..]);
-        } else {
-            out.push(c);
-            rest = &rest[c.len_utf8()..];
+/// The paths that a module's code names through `crate`, `super` and `self`.
+struct Names<'m> {
+    module: &'m ModulePath,
+    found: Vec<ModulePath>,
+}
+
+impl Names<'_> {
+    fn name(&mut self, parts: &[String]) {
+        if matches!(parts.first().map(String::as_str), Some("crate" | "super" | "self")) && parts.len() > 1 {
+            self.found.extend(absolute(parts, self.module));
         }
     }
-    out
-}
 
-/// Returns the number of hashes of a raw string that begins here.
-fn raw_string(rest: &str) -> Option<usize> {
-    let body = rest.strip_prefix('r')?;
-    let hashes = body.len() - body.trim_start_matches('#').len();
-    body[hashes..].starts_with('"').then_some(hashes)
-}
-
-fn after_string(body: &str) -> &str {
-    let mut escaped = false;
-    for (i, c) in body.char_indices() {
-        match c {
-            _ if escaped => escaped = false,
-            '\\' => escaped = true,
-            '"' => return &body[i + 1..],
-            _ => {}
-        }
-    }
-    ""
-}
-
-/// Whether a quote begins a character literal and not a lifetime.
-fn is_character(rest: &str) -> bool {
-    let mut chars = rest.chars().skip(1);
-    match chars.next() {
-        Some('\\') => true,
-        Some(_) => chars.next() == Some('\''),
-        None => false,
-    }
-}
-
-/// Returns the code without items after `#[cfg(test)]`.
-fn without_tests(code: &str) -> String {
-    let mut out = String::new();
-    let mut rest = code;
-    while let Some(at) = rest.find("#[cfg(test)]") {
-        out.push_str(&rest[..at]);
-        let item = &rest[at..];
-        let end = match (item.find(';'), item.find('{')) {
-            (Some(semicolon), brace) if brace.is_none_or(|b| semicolon < b) => semicolon + 1,
-            (_, Some(brace)) => brace + block_length(&item[brace..]),
-            _ => item.len(),
-        };
-        rest = &item[end..];
-    }
-    out.push_str(rest);
-    out
-}
-
-fn block_length(from_brace: &str) -> usize {
-    let mut depth = 0;
-    for (i, c) in from_brace.char_indices() {
-        match c {
-            '{' => depth += 1,
-            '}' => {
-                depth -= 1;
-                if depth == 0 {
-                    return i + 1;
+    /// Finds paths in the arguments of a macro, which are no syntax tree.
+    fn tokens(&mut self, tokens: TokenStream) {
+        let mut path: Vec<String> = Vec::new();
+        let mut colons = 0;
+        for token in tokens {
+            match token {
+                TokenTree::Punct(p) if p.as_char() == ':' && !path.is_empty() => colons += 1,
+                TokenTree::Ident(name) if path.is_empty() || colons == 2 => {
+                    path.push(name.to_string());
+                    colons = 0;
+                }
+                other => {
+                    self.name(&path);
+                    path.clear();
+                    colons = 0;
+                    match other {
+                        TokenTree::Ident(name) => path.push(name.to_string()),
+                        TokenTree::Group(group) => self.tokens(group.stream()),
+                        _ => {}
+                    }
                 }
             }
-            _ => {}
         }
+        self.name(&path);
     }
-    from_brace.len()
 }
 
-/// Returns the name, the absolute path and the visibility outside the module of each name that a module's `use`
-/// declarations import from its own crate.
-fn use_declarations(code: &str, module: &ModulePath) -> Vec<(String, ModulePath, bool)> {
-    let mut found = Vec::new();
-    for statement in code.split(';') {
-        let start = statement.rfind(['}', '{']).filter(|_| !statement.contains("use ")).map_or(0, |i| i + 1);
-        let statement = statement[start..].trim();
-        let Some(at) = statement.find("use ") else { continue };
-        let before = statement[..at].rsplit(['}', '\n']).next().unwrap_or_default().trim();
-        if !(before.is_empty() || before.starts_with("pub")) {
-            continue;
-        }
-        let is_export = before.starts_with("pub");
-        for path in expand(statement[at + 4..].trim()) {
-            let (path, alias) = match path.split_once(" as ") {
-                Some((path, alias)) => (path.trim().to_owned(), Some(alias.trim().to_owned())),
-                None => (path, None),
-            };
-            let Some(absolute) = absolute(&path, module) else { continue };
-            let name = alias.or_else(|| absolute.last().cloned()).unwrap_or_default();
-            found.push((name, absolute, is_export));
+impl<'ast> Visit<'ast> for Names<'_> {
+    fn visit_item(&mut self, item: &'ast Item) {
+        if !is_test(attributes(item)) {
+            visit::visit_item(self, item);
         }
     }
-    found
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        let parts: Vec<String> = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+        self.name(&parts);
+        visit::visit_path(self, path);
+    }
+
+    fn visit_item_use(&mut self, declared: &'ast syn::ItemUse) {
+        let mut imported = Vec::new();
+        flatten(&declared.tree, &mut Vec::new(), &mut imported);
+        imported.iter().for_each(|(_, parts)| self.name(parts));
+    }
+
+    fn visit_macro(&mut self, call: &'ast syn::Macro) {
+        visit::visit_macro(self, call);
+        self.tokens(call.tokens.clone());
+    }
 }
 
-/// Expands a tree of braces into single paths.
-fn expand(tree: &str) -> Vec<String> {
-    let Some(open) = tree.find('{') else { return vec![tree.trim().to_owned()] };
-    let inner = tree[open + 1..].rfind('}').map_or("", |close| &tree[open + 1..open + 1 + close]);
-    let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
-    for (i, c) in inner.char_indices() {
-        match c {
-            '{' => depth += 1,
-            '}' => depth -= 1,
-            ',' if depth == 0 => {
-                parts.push(&inner[start..i]);
-                start = i + 1;
-            }
-            _ => {}
-        }
+/// Whether these are the attributes of what exists in tests alone.
+fn is_test(attributes: &[Attribute]) -> bool {
+    let names_test = |list: &syn::MetaList| {
+        let text = list.tokens.to_string();
+        text == "test" || text.starts_with("all (test")
+    };
+    attributes.iter().any(|attribute| match &attribute.meta {
+        Meta::List(list) if list.path.is_ident("cfg") => names_test(list),
+        _ => false,
+    })
+}
+
+fn attributes(item: &Item) -> &[Attribute] {
+    match item {
+        Item::Const(i) => &i.attrs,
+        Item::Enum(i) => &i.attrs,
+        Item::Fn(i) => &i.attrs,
+        Item::Impl(i) => &i.attrs,
+        Item::Macro(i) => &i.attrs,
+        Item::Mod(i) => &i.attrs,
+        Item::Static(i) => &i.attrs,
+        Item::Struct(i) => &i.attrs,
+        Item::Trait(i) => &i.attrs,
+        Item::Type(i) => &i.attrs,
+        Item::Use(i) => &i.attrs,
+        _ => &[],
     }
-    parts.push(&inner[start..]);
-    let parts = parts.into_iter().map(str::trim).filter(|p| !p.is_empty());
-    parts.flat_map(expand).map(|p| format!("{}{p}", tree[..open].trim())).collect()
+}
+
+/// Adds each name that a `use` declaration imports, and the path that it refers to.
+fn flatten(tree: &UseTree, above: &mut Vec<String>, found: &mut Vec<(String, Vec<String>)>) {
+    match tree {
+        UseTree::Path(path) => {
+            above.push(path.ident.to_string());
+            flatten(&path.tree, above, found);
+            above.pop();
+        }
+        UseTree::Name(name) if name.ident == "self" => {
+            found.push((above.last().cloned().unwrap_or_default(), above.clone()));
+        }
+        UseTree::Name(name) => {
+            let name = name.ident.to_string();
+            found.push((name.clone(), [above.clone(), vec![name]].concat()));
+        }
+        UseTree::Rename(name) => {
+            found.push((name.rename.to_string(), [above.clone(), vec![name.ident.to_string()]].concat()));
+        }
+        UseTree::Glob(_) => found.push(("*".to_owned(), above.clone())),
+        UseTree::Group(group) => group.items.iter().for_each(|tree| flatten(tree, above, found)),
+    }
 }
 
 /// Returns the path from the crate's root. `None` if it has too many `super`s.
-fn absolute(path: &str, module: &ModulePath) -> Option<ModulePath> {
-    let parts: Vec<&str> = path.split("::").map(str::trim).filter(|p| *p != "*").collect();
-    let parts = parts.strip_suffix(&["self"]).filter(|rest| !rest.is_empty()).unwrap_or(&parts);
-    let (base, rest) = match *parts.first()? {
+fn absolute(parts: &[String], module: &ModulePath) -> Option<ModulePath> {
+    let (base, rest) = match parts.first()?.as_str() {
         "crate" => (Vec::new(), &parts[1..]),
         "self" => (module.clone(), &parts[1..]),
         "super" => {
-            let ups = parts.iter().take_while(|p| **p == "super").count();
+            let ups = parts.iter().take_while(|p| *p == "super").count();
             (module[..module.len().checked_sub(ups)?].to_vec(), &parts[ups..])
         }
         // A child, or another crate.
         _ => (module.clone(), parts),
     };
-    Some(base.into_iter().chain(rest.iter().map(|&p| p.to_owned())).collect())
+    Some([&base[..], rest].concat())
 }
 
-/// Returns the absolute paths that expressions name through `crate` and `super`.
-fn inline_paths(code: &str, module: &ModulePath) -> Vec<ModulePath> {
-    let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
-    code.split(|c| !is_name(c))
-        .filter(|word| word.starts_with("crate::") || word.starts_with("super::"))
-        .filter_map(|word| absolute(word.trim_end_matches(':'), module))
-        .collect()
+/// Adds the imports of the files in a folder of TypeScript, which is the module `path`. Its `index.ts` is the folder's
+/// own.
+fn add_imports(folder: &Path, path: &ModulePath, arrows: &mut Arrows) -> Result<(), String> {
+    let entries = fs::read_dir(folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
+    for entry in entries.filter_map(Result::ok) {
+        let file = entry.path();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if file.is_dir() {
+            add_imports(&file, &[path.clone(), vec![name]].concat(), arrows)?;
+        } else if let Some(stem) = name.strip_suffix(".ts") {
+            let text =
+                fs::read_to_string(&file).map_err(|e| format!("cannot read {}: {e}", file.display()))?;
+            let from = file_module(path, stem);
+            for target in imports(&text) {
+                let relative = Path::new(target.trim_end_matches(".js").trim_end_matches(".ts"));
+                arrows.add(&from, &resolved(path, relative));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn file_module(folder: &ModulePath, stem: &str) -> ModulePath {
+    if stem == "index" { folder.clone() } else { [folder.clone(), vec![stem.to_owned()]].concat() }
+}
+
+/// Returns the specifiers of relative imports and re-exports.
+fn imports(text: &str) -> Vec<&str> {
+    let before = ["from \"", "import \"", "import(\""];
+    let after = before.iter().flat_map(|before| text.split(before).skip(1));
+    after.filter_map(|rest| rest.split('"').next()).filter(|path| path.starts_with('.')).collect()
+}
+
+/// Returns the module of a file that is imported by a file in `folder`.
+fn resolved(folder: &ModulePath, relative: &Path) -> ModulePath {
+    let mut path = folder.clone();
+    for part in relative.components() {
+        match part {
+            Component::ParentDir => drop(path.pop()),
+            Component::Normal(name) => path.push(name.to_string_lossy().into_owned()),
+            _ => {}
+        }
+    }
+    if path.last().is_some_and(|name| name == "index") {
+        path.pop();
+    }
+    path
 }
 
 #[cfg(test)]
@@ -452,5 +507,33 @@ mod tests {
             ),
         ]);
         assert_eq!(deep, ["m: x -> y -> x"]);
+    }
+
+    #[test]
+    fn arrows_in_macros_and_inline_modules_count() {
+        let found = modules(&[
+            ("lib.rs", "mod a;\nmod b { pub fn f() -> u8 { crate::a::ONE } }"),
+            ("a.rs", "pub const ONE: u8 = 1;\nfn g() { println!(\"{}\", [crate::b::f()].len()) }"),
+        ]);
+        assert_eq!(found, ["a -> b -> a"]);
+    }
+
+    #[test]
+    fn arrows_between_folders_and_files_of_typescript_are_found() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in [
+            ("a.ts", "import { b } from \"./b.js\";"),
+            ("b.ts", "export * from \"./a.js\";"),
+            ("m/x.ts", "import type { N } from \"../n/index.js\";"),
+            ("m/index.ts", "export { x } from \"./x.js\"; import fs from \"node:fs\";"),
+            ("n/index.ts", "const later = () => import(\"../m/x\");"),
+        ] {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        }
+        let mut arrows = Arrows::default();
+        add_imports(folder.path(), &Vec::new(), &mut arrows).unwrap();
+        assert_eq!(arrows.circles(), ["a -> b -> a", "m -> n -> m"]);
     }
 }

@@ -115,7 +115,12 @@ impl Plugin for AdumbraPlugin {
             (
                 statics::mark_meshes,
                 lights::align_lights.before(TransformSystems::Propagate),
-                (lights::find_files_in_use, patch::add_ways, statics::warn_of_movers, statics::rest_cascades)
+                (
+                    lights::find_files_in_use,
+                    lights::add_ways,
+                    statics::warn_of_movers,
+                    statics::rest_cascades,
+                )
                     .chain()
                     .after(TransformSystems::Propagate)
                     .after(statics::mark_meshes)

@@ -10,6 +10,7 @@ use bevy::ecs::prelude::*;
 use bevy::log::{info, warn};
 use bevy::math::{Quat, Vec3};
 use bevy::prelude::{ChildOf, DirectionalLight, GlobalTransform, Transform};
+use bevy::shader::Shader;
 
 use crate::BakedShadowFile;
 use crate::components::{BakedShadow, BakedShadowChanged, BakedShadowStatus};
@@ -119,6 +120,15 @@ pub(crate) fn find_files_in_use(
         }
     }
     in_use.set_if_neq(found);
+}
+
+/// Adds the ways in which files in use are looked up to the shaders, when the first one needs it.
+pub(crate) fn add_ways(
+    in_use: Res<FilesInUse>,
+    mut shaders: ResMut<Assets<Shader>>,
+    mut patch: ResMut<ShaderPatch>,
+) {
+    patch.add_ways(in_use.0.iter().map(|file| file.look_up), &mut shaders);
 }
 
 /// Adds a light's files to those in use. Returns its status.

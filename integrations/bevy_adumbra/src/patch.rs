@@ -7,7 +7,6 @@ use bevy::ecs::prelude::*;
 use bevy::log::error;
 use bevy::shader::{Shader, Source};
 
-use crate::lights::FilesInUse;
 use crate::shaders::{LookUp, PATCHES, WORDS, look_up_module};
 
 /// The state of Bevy's shaders.
@@ -57,6 +56,19 @@ impl ShaderPatch {
             Some(reason) => PatchState::Failed(reason),
             None if self.done == [true; PATCHES.len()] => PatchState::Done,
             None => PatchState::Pending,
+        }
+    }
+
+    /// Adds ways of looking up to the module that calls them. Pipelines are compiled anew if one is new.
+    pub(crate) fn add_ways(&mut self, more: impl Iterator<Item = LookUp>, shaders: &mut Assets<Shader>) {
+        let mut ways = self.ways.clone();
+        ways.extend(more);
+        if ways.len() == self.ways.len() {
+            return;
+        }
+        if let Some(mut module) = shaders.get_mut(&self.look_up) {
+            *module = Shader::from_wgsl(look_up_module(&ways), module.path.clone());
+            self.ways = ways;
         }
     }
 
@@ -112,23 +124,5 @@ pub(crate) fn patch_shaders(
                 return;
             }
         }
-    }
-}
-
-/// Adds ways of looking up to the module that calls them when the first file needs one. Pipelines are compiled anew.
-pub(crate) fn add_ways(
-    in_use: Res<FilesInUse>,
-    mut shaders: ResMut<Assets<Shader>>,
-    mut state: ResMut<ShaderPatch>,
-) {
-    let count = state.ways.len();
-    let mut ways = state.ways.clone();
-    ways.extend(in_use.0.iter().map(|file| file.look_up));
-    if ways.len() == count {
-        return;
-    }
-    if let Some(mut module) = shaders.get_mut(&state.look_up) {
-        *module = Shader::from_wgsl(look_up_module(&ways), module.path.clone());
-        state.ways = ways;
     }
 }
