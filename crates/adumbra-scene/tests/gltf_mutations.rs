@@ -18,6 +18,7 @@ mod valid;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use adumbra::Sun;
@@ -29,12 +30,18 @@ use serde_json::Value;
 
 /// Memory that a load may hold.
 const MAX_BYTES: u64 = 64 << 20;
-/// Memory of the tests themselves, which run at the same time.
+/// Memory of the test itself.
 const TEST_BYTES: u64 = 64 << 20;
 /// Seeds of the quick test.
 const QUICK_SEEDS: u64 = 500;
 /// Damaged files per seed.
 const DAMAGED: usize = 12;
+
+/// Lets one test run at a time, as the memory of the process is what is measured.
+fn alone() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// What a run has seen.
 #[derive(Debug, Default)]
@@ -144,6 +151,7 @@ impl Totals {
 
 #[test]
 fn gltf_random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
+    let _turn = alone();
     let time = fuzz_time();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (mut totals, started) = (Totals::default(), Instant::now());
@@ -171,6 +179,7 @@ fn assert_memory_is_bounded() {
 /// Elements of a few bytes become structures of hundreds.
 #[test]
 fn gltf_the_densest_files_take_no_more_memory_than_allowed() {
+    let _turn = alone();
     let options = LoadOptions { max_memory_bytes: Some(MAX_BYTES), ..LoadOptions::default() };
     let lists = [
         "accessors",
@@ -222,6 +231,7 @@ fn each_value(value: &mut Value, visit: &mut impl FnMut(&mut Value)) {
 
 #[test]
 fn gltf_files_cut_anywhere_are_refused() {
+    let _turn = alone();
     let dice = &mut Dice::new(3);
     let glb: Glb = valid::file(dice);
     let bytes = glb.bytes();

@@ -4,6 +4,7 @@ use adumbra_compare::Result;
 use adumbra_compare::args::DeviceArg;
 use adumbra_compare::camera_file::CameraFile;
 use adumbra_program::exit::{Code, Failure};
+use adumbra_render::RenderError;
 use adumbra_scene::{LoadOptions, Projection};
 use adumbra_view::{OptionField, Script, Shown, ViewError, ViewOptions};
 use clap::ValueEnum;
@@ -26,7 +27,9 @@ fn options(args: &View) -> Result<ViewOptions> {
     if args.shadow.len() > 2 {
         return Err(Failure::Usage("--shadow: give at most two, one per side".to_owned()).into());
     }
-    let shadow = |side: usize| args.shadow.get(side).map(|s| s.parse()).transpose();
+    let parsed =
+        |text: &String| text.parse().map_err(|e: RenderError| Failure::Usage(format!("--shadow: {e}")));
+    let shadow = |side: usize| args.shadow.get(side).map(parsed).transpose();
     let shown = match (args.split, args.difference) {
         (Some(at), _) => Shown::Split(at),
         (None, Some(gain)) => Shown::Difference(gain),

@@ -250,7 +250,7 @@ fn blur_leaves_cascade_numbers_alone_and_answers_no_points() {
 #[test]
 fn blur_is_a_technique_over_another() {
     let gpu = kit::gpu();
-    let make = |text: &str| build(&gpu, &text.parse().unwrap(), Baked::default());
+    let make = |text: &str| build(&gpu, &text.parse()?, Baked::default());
     let blur = make("blur:samples=8:base=none").unwrap();
     assert!(blur.has_screen_passes());
     assert_eq!(blur.name(), "blur:samples=8:base=none");

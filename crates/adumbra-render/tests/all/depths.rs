@@ -149,7 +149,7 @@ fn depths_techniques_are_chosen_by_name() {
     let file = ShadowFile { body: LightBody::Depths(depths), ..baked.light };
     let make = |name: &str, file| {
         let files = Baked { light: Some(file), tree: None };
-        build(&gpu, &name.parse().unwrap(), files).map(|technique| technique.name())
+        build(&gpu, &name.parse()?, files).map(|technique| technique.name())
     };
     for name in ["voxel", "voxel:filter=3", "voxel:soft", "voxel:soft:angle=1.5:radius=8:bias=2"] {
         assert_eq!(make(name, &file).unwrap(), name);
