@@ -128,7 +128,11 @@ pub(crate) fn add_ways(
     mut shaders: ResMut<Assets<Shader>>,
     mut patch: ResMut<ShaderPatch>,
 ) {
-    patch.add_ways(in_use.0.iter().map(|file| file.look_up), &mut shaders);
+    let ways = in_use.0.iter().map(|file| file.look_up);
+    // Neither resource is marked as changed for nothing.
+    if !ways.clone().all(|way| patch.has_way(way)) {
+        patch.add_ways(ways, &mut shaders);
+    }
 }
 
 /// Adds a light's files to those in use. Returns its status.

@@ -59,13 +59,15 @@ impl ShaderPatch {
         }
     }
 
-    /// Adds ways of looking up to the module that calls them. Pipelines are compiled anew if one is new.
+    /// Whether the module that calls look-ups has this way.
+    pub(crate) fn has_way(&self, way: LookUp) -> bool {
+        self.ways.contains(&way)
+    }
+
+    /// Adds ways of looking up to the module that calls them. Pipelines are compiled anew.
     pub(crate) fn add_ways(&mut self, more: impl Iterator<Item = LookUp>, shaders: &mut Assets<Shader>) {
         let mut ways = self.ways.clone();
         ways.extend(more);
-        if ways.len() == self.ways.len() {
-            return;
-        }
         if let Some(mut module) = shaders.get_mut(&self.look_up) {
             *module = Shader::from_wgsl(look_up_module(&ways), module.path.clone());
             self.ways = ways;
