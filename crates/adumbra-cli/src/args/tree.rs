@@ -106,11 +106,12 @@ pub(crate) struct TreeArgs {
     yaw: Option<f64>,
     /// World frame: depth of the tree (2^depth voxels across the cube) within a rectangle seen from above; may be
     /// repeated
-    #[arg(hide_short_help = true, long = "region", value_name = "X0,Z0,X1,Z1:DEPTH", allow_hyphen_values = true, value_parser = parse_region)]
+    #[arg(hide_short_help = true, long = "region", value_name = "X0,Z0,X1,Z1:DEPTH", allow_hyphen_values = true,
+        value_parser = parse_region)]
     regions: Vec<Region>,
     /// World frame: nested squares around a point; --resolution applies in the innermost, half of it in each next one
-    #[arg(hide_short_help = true, long, value_name = "X,Z:R1,R2,…", allow_hyphen_values = true, value_parser = parse_rings,
-        conflicts_with = "regions")]
+    #[arg(hide_short_help = true, long, value_name = "X,Z:R1,R2,…", allow_hyphen_values = true,
+        value_parser = parse_rings, conflicts_with = "regions")]
     rings: Option<Detail>,
     /// World frame: store subtrees that mirror each other once, with pointers of variable width
     #[arg(hide_short_help = true, long)]

@@ -1,9 +1,9 @@
 //! The techniques by name: their properties, their parameters, and how they are built.
 //!
 //! [`TECHNIQUES`] is the list of this crate's. [`Techniques::parse`] makes a [`TechniqueSpec`] of a text, whose name and
-//! parameters are known to exist; it describes and changes itself, and [`build()`] builds it. Building and describing read the settings
-//! with the same code, so help and sliders show exactly what is accepted. A crate above adds techniques of its own with
-//! [`Techniques::with`]. Ambient occlusion has its own list: [`crate::occlusion`].
+//! parameters are known to exist; it describes and changes itself, and [`build()`] builds it. Building and describing
+//! read the settings with the same code, so help and sliders show exactly what is accepted. A crate above adds
+//! techniques of its own with [`Techniques::with`]. Ambient occlusion has its own list: [`crate::occlusion`].
 
 mod baked;
 mod list;

@@ -47,6 +47,6 @@ impl Traits {
     /// Traits of a technique that is redrawn in every frame, for the sun's centre.
     pub const DRAWN: Self =
         Self { reads: Reads::Nothing, truth: Truth::HardSun, takes_sun_angle: false, shows_movers: true };
-    /// The same for the whole disc of the sun.
+    /// Traits of a technique that is redrawn in every frame and shows the penumbrae of the sun's disc.
     pub const SOFT: Self = Self { truth: Truth::SunDisc, takes_sun_angle: true, ..Self::DRAWN };
 }
