@@ -49,6 +49,12 @@ const ITEM_BYTES: u64 = 64;
 /// Memory that an element takes while its faults are looked for, per byte of its text.
 const SOFTENING_BYTES: u64 = 96;
 
+/// Says in plain words where a text is no JSON.
+fn broken(error: &serde_json::Error) -> String {
+    let what = if error.is_eof() { "it ends too early" } else { "what stands there is not JSON" };
+    format!("its JSON is broken at line {}, column {}: {what}", error.line(), error.column())
+}
+
 impl Document {
     /// Parses the JSON of a file.
     ///
@@ -61,8 +67,7 @@ impl Document {
         budget.charge(objects * OBJECT_BYTES + items * ITEM_BYTES + json.len() as u64, || {
             format!("the {objects} objects of its JSON")
         })?;
-        let members: Members<'_> =
-            serde_json::from_slice(json).map_err(|e| bad(path, format!("its JSON is broken: {e}")))?;
+        let members: Members<'_> = serde_json::from_slice(json).map_err(|e| bad(path, broken(&e)))?;
         let mut warnings = Vec::new();
         check_version(path, &members, &mut warnings)?;
         let mut lists = Lists { path, budget, members: &members, faults: Faults::default() };

@@ -257,6 +257,18 @@ fn gltf_long_faults_have_short_messages() {
 }
 
 #[test]
+fn gltf_broken_json_is_said_in_plain_words_with_its_place() {
+    for (text, says) in [
+        ("{\"asset\":", "line 1, column 9: it ends too early"),
+        ("{\n  nodes: []}", "line 2, column 3: what stands there is not JSON"),
+    ] {
+        let (_folder, path) = crate::kit::file("scene.gltf", text.as_bytes());
+        let error = adumbra_scene::load(&path, &LoadOptions::default()).expect_err("no JSON").to_string();
+        assert!(error.contains(says), "{error}");
+    }
+}
+
+#[test]
 fn gltf_names_with_line_breaks_stay_on_one_line_of_a_message() {
     let mut glb = masked();
     glb.json["images"][0] = json!({"name": "a\nb\u{1b}[2J"});
