@@ -1,4 +1,4 @@
-//! Any bytes: the reader refuses them, or gives a graph that answers everywhere and is written as the same bytes.
+//! Any bytes: the reader refuses them, or gives a quadtree that answers everywhere and is written as the same bytes.
 //!
 //! The first byte decides whether checksums are made right, see `Layout::interpret`; files as they are serve as seeds.
 

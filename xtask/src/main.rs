@@ -1,7 +1,8 @@
 //! Development tasks: `cargo xtask test [--quick]`, `cargo xtask test-bevy`, `cargo xtask test-web`,
-//! `cargo xtask docs [--quick]`, `cargo xtask vectors`, `cargo xtask shaders-web`, `cargo xtask json`,
+//! `cargo xtask docs [--quick]`, `cargo xtask vectors`, `cargo xtask shaders-web`, `cargo xtask api`,
 //! `cargo xtask count [--bless]`.
 
+mod api;
 #[cfg(test)]
 mod arrows;
 mod docs;
@@ -21,12 +22,8 @@ const USAGE: &str = "usage:
   cargo xtask docs --quick    use existing builds and smaller numbers, only parse the arguments of long commands; FILE... reads only these files
   cargo xtask vectors         regenerate test_vectors/
   cargo xtask shaders-web     regenerate the look-ups of integrations/three from the workspace's WGSL
-  cargo xtask json            regenerate docs/json.md from the types that are printed or written as JSON
+  cargo xtask api             regenerate docs/api.txt, the public items of the reader
   cargo xtask count           compare instruction counts of the hot steps with docs/counts.json; --bless writes it";
-
-/// The test that compares docs/json.md with the types, or writes it.
-const JSON_DOCUMENT: [&str; 7] =
-    ["test", "--release", "-p", "adumbra-cli", "--bin", "adumbra", "json_document"];
 
 /// Its commands make a page from an empty folder; the tests of the package run them.
 const WEB_GUIDE: &str = "docs/guides/use-it-on-a-web-page.md";
@@ -51,7 +48,7 @@ fn main() -> ExitCode {
         ["docs", options @ ..] => {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
-        ["json"] => cargo(root, &JSON_DOCUMENT, &[("ADUMBRA_WRITE_DOCUMENTS", "1")]),
+        ["api"] => write_api(root),
         ["vectors" | "count", ..] => cargo(root, &[&BAKES, words.as_slice()].concat(), &[]),
         _ => Err(USAGE.to_owned()),
     };
@@ -62,6 +59,13 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn write_api(root: &Path) -> Result<(), String> {
+    let (text, items) = api::list(root)?;
+    std::fs::write(root.join(api::LIST), text).map_err(|e| format!("cannot write {}: {e}", api::LIST))?;
+    println!("{items} items");
+    Ok(())
 }
 
 fn test(root: &Path) -> Result<(), String> {

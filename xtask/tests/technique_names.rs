@@ -4,11 +4,16 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use adumbra_papers::techniques;
 use adumbra_render::TECHNIQUES;
 
-/// The registries of techniques and of ambient occlusion. The latter has a `none` and a `truth` of its own.
-const REGISTRIES: [&str; 2] =
-    ["crates/adumbra-render/src/techniques/product.rs", "crates/adumbra-render/src/occlusion/spec.rs"];
+/// The registries of techniques, of ambient occlusion and of the papers' techniques. Ambient occlusion has a `none` and a
+/// `truth` of its own.
+const REGISTRIES: [&str; 3] = [
+    "crates/adumbra-render/src/techniques/product.rs",
+    "crates/adumbra-render/src/occlusion/spec.rs",
+    "crates/adumbra-papers/src/techniques/mod.rs",
+];
 /// Names that are also everyday words or sections of the report. A comparison with them counts only if it involves
 /// `.name()`.
 const EVERYDAY: [&str; 5] = ["none", "truth", "blur", "hrsm", "sm"];
@@ -96,7 +101,8 @@ fn comparisons(source: &str) -> Vec<(usize, String)> {
 /// Whether a string is a technique's name, with or without parameters, or the beginning of one up to a `-` or `+`.
 fn is_technique(value: &str) -> bool {
     let name = value.split(':').next().unwrap_or_default();
-    TECHNIQUES.iter().any(|t| t.name == name || value.ends_with(['-', '+']) && t.name.starts_with(value))
+    let mut known = TECHNIQUES.iter().chain(techniques::TECHNIQUES);
+    known.any(|t| t.name == name || value.ends_with(['-', '+']) && t.name.starts_with(value))
 }
 
 fn is_compared(before: &str, after: &str, value: &str) -> bool {

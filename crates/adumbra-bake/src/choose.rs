@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
 use crate::plan::{Plan, caster_options};
+use crate::sink::Structure;
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
 use crate::triangles::casters::{CasterOptions, SceneClusters, sorting_bytes};
@@ -114,5 +115,5 @@ fn forecast_bytes(
     };
     // No more workers than the limit has room for.
     (0..plan.workers).into_par_iter().with_max_len(1).try_for_each(|_| work())?;
-    Ok(depths.shape_bytes() as f64 * blocks as f64 / samples as f64)
+    Ok(depths.result_bytes() as f64 * blocks as f64 / samples as f64)
 }

@@ -1,9 +1,10 @@
 //! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in columns along the light, one
 //! root block at a time per core. The depth image is never whole in memory, and [`Builder::Fast`] never draws most of it.
 //!
-//! Source: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014, for the light-aligned
-//! voxel graph; §3 of the specification for what a column allows. The result does not depend on the number of threads,
-//! the order of blocks or of triangles, or the memory limit.
+//! Sources: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014, for columns along the
+//! light that are free where nothing looks; Scandolo, Bauszat, Eisemann, *Merged Multiresolution Hierarchies for Shadow
+//! Map Compression*, 2016, for the quadtree; §3 of the specification for what a column allows. The result does not
+//! depend on the number of threads, the order of blocks or of triangles, or the memory limit.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -25,32 +26,30 @@
 //!    snapped to 1/256 texel; its depth comes from the unsnapped plane.
 //! 2. `columns/`: the column rules. A column's first surface, the end of its solid and the next receiver give `e` and
 //!    `x`: lit before `e`, shadowed from `x` on, free in between.
-//! 3. `tiles`, `plan`: workers take root blocks one after another. All of them write to one store, sharded with one
-//!    lock per shard. At the end the nodes are numbered in the order of first visit over the top grid, which does not
-//!    depend on which worker built what, or when.
-//! 4. `fast/`, [`Builder::Fast`]: the surfaces of a root block are gathered into connected components that face one
-//!    way, and edges that are a *contour* under this sun are marked. A component without a contour in a block covers
-//!    either all of its texels or none, and one sample decides which. This bounds the block's largest `e` and smallest
-//!    `x`; if `x >= e`, the block is *resolved*. A quadtree descent stops at resolved blocks. Blocks of 8 × 8 texels
-//!    that are still not resolved are drawn, front to back, in bit masks.
-//! 5. `plain/`, [`Builder::Plain`]: every texel is drawn, in two passes: surfaces and crossings of solids at texel
-//!    centres, then the nearest receiver behind each column's caster.
-//! 6. `sink/`: the interface between the builders and the structures that they fill. A sink takes resolved blocks and
-//!    leaves, and joins four into one: into runs of nodes along z, into a quadtree of depths, or both. Before that the
-//!    switch limit cuts the columns' freedom, for filters beside a wall's foot.
-//! 7. `store/`: hash-consing, canonical numbering, and paging. With a memory limit, words that were not used recently
-//!    go to unnamed temporary files. Hash tables stay in memory, and pages make room for them.
-//! 8. `pack/`: the encoders of the layouts. A graph is packed from its pages, so the plain graph is never whole in
-//!    memory.
+//! 3. `tiles`, `plan`: workers take root blocks one after another. At the end the shapes are put in an order that does
+//!    not depend on which worker built what, or when.
+//! 4. `fast/`: the surfaces of a root block are gathered into connected components that face one way, and edges that
+//!    are a *contour* under this sun are marked. A component without a contour in a block covers either all of its
+//!    texels or none, and one sample decides which. This bounds the block's largest `e` and smallest `x`; if `x >= e`,
+//!    the block is *resolved*. A quadtree descent stops at resolved blocks. Blocks of 8 × 8 texels that are still not
+//!    resolved are drawn, front to back, in bit masks.
+//! 5. `sink/`: the interface between the descent and what it fills. A sink takes resolved blocks and leaves, and joins
+//!    four into one. The quadtree's sink intersects intervals on the way up, and chooses depths from each root down.
+//!    Before that the switch limit cuts the columns' freedom, for filters beside a wall's foot.
+//! 6. `store/`: equal shapes are stored once, whichever root they are in. With a memory limit, those that were not used
+//!    recently go to unnamed temporary files. Hash tables stay in memory, and pages make room for them.
+//! 7. `pack/`: leaves are encoded as few depths or planes, and all shapes as half-words, the most referenced ones where
+//!    short pointers reach them.
 //!
-//! The tests compare the fast builder with the plain one (`plain/agreement.rs`), the plain one with every triangle at
-//! every column (`plain/reference.rs`), and all layouts of random scenes with columns and rays (`fuzz/`).
+//! `plain/` is a second builder, for tests: it draws every texel, in two passes, surfaces and crossings of solids at
+//! texel centres first, then the nearest receiver behind each column's caster. The tests compare the fast builder with
+//! it (`plain/agreement.rs`), it with every triangle at every column (`plain/reference.rs`), and files of random scenes
+//! with columns and rays (`fuzz/`).
 //!
 //! `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better.
 //!
 //! Dependencies go one way: triangles → columns → tiles → store → pack → sink → fast and plain → plan → choose → bake.
-//! [`convert`] makes one layout from another. [`layers`] provides first surfaces and insides of solids to structures
-//! that voxelize depth themselves.
+//! [`layers`] provides first surfaces and insides of solids to structures that voxelize depth themselves.
 //!
 //! # Design decisions, and departures from the specification
 //!
@@ -65,18 +64,14 @@
 //! - *Masked surfaces* are sampled over a texel's area, not at its centre: `docs/figures.md` has the measurement.
 //! - *Inside solids* the file may say either lit or shadowed, since no camera sees it; `verify` does not compare such
 //!   points.
-//! - *A node without leaf masks below it* may be shared by several levels. In the packed layout each level has its own.
-//! - *The packed layout* cannot hold a graph whose columns are not monotone along z, and packing one is an error. No
-//!   bake makes one.
-//! - Root cubes are 2^5 to 2^13 voxels a side (at most 2^10 with the plain builder), about 32 across the longer side of
-//!   the light's plane.
+//! - Root blocks are 2^5 to 2^13 texels a side, about 32 across the longer side of the light's plane. The quadtree's own
+//!   roots are 2^5 to 2^9.
 //! - The grid has a margin of one voxel before the first surface and behind the last.
 //! - Static receivers are answered for filters up to 9 texels wide, with normals.
 
 mod bake;
 mod choose;
 mod columns;
-pub mod convert;
 mod error;
 mod estimate;
 mod fast;
@@ -89,7 +84,7 @@ mod plain;
 mod plan;
 mod progress;
 mod sink;
-pub mod store;
+mod store;
 mod tally;
 #[cfg(test)]
 mod test_bakes;
@@ -98,12 +93,21 @@ mod tiles;
 mod triangles;
 mod yaw;
 
-pub use bake::{Bake, CandidateBytes, bake};
-pub use error::{Error, PackError, Result};
+pub use bake::{Bake, bake};
+pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
 pub use options::{
-    BakeOptions, Builder, FrameChoice, LOWEST_OBLIQUE_DEGREES, LayoutChoice, MAX_RESOLUTION,
-    MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
+    BakeOptions, Builder, FrameChoice, LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN,
+    MIN_RESOLUTION, Preset, Size, check_bounds,
 };
-pub use pack::pack;
 pub use progress::{Progress, Report, Watch};
+
+/// What is needed to build another structure than the quadtree from the same columns.
+#[doc(hidden)]
+pub mod structure {
+    pub use crate::bake::{Built, build};
+    pub use crate::columns::BlockColumns;
+    pub use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
+    pub use crate::sink::depths::{DepthsBlock, DepthsSink};
+    pub use crate::sink::{BlockSink, Structure};
+}

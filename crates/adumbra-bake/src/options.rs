@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use adumbra::{Bias, Bounds, Layout, RangeError, RangeField, Receivers, Sun};
+use adumbra::{Bias, Bounds, RangeError, RangeField, Receivers, Sun};
 
 use crate::error::{Error, Result};
 
@@ -24,37 +24,6 @@ pub enum Size {
     VoxelSize(f64),
 }
 
-/// The layout of the voxels in the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LayoutChoice {
-    /// A graph in units of 16 bits.
-    Packed,
-    /// A quadtree of switch depths: the smallest file on most scenes, with the fewest reads per look-up.
-    #[default]
-    Depths,
-    /// A graph in words of 32 bits.
-    Plain,
-    /// Packed or depths, whichever file is smaller. Both are built.
-    Auto,
-}
-
-impl LayoutChoice {
-    /// Whether the plain builder supports this layout.
-    fn has_plain_builder(self) -> bool {
-        matches!(self, Self::Packed | Self::Plain)
-    }
-}
-
-impl From<Layout> for LayoutChoice {
-    fn from(layout: Layout) -> Self {
-        match layout {
-            Layout::Plain => Self::Plain,
-            Layout::Packed => Self::Packed,
-            Layout::Depths => Self::Depths,
-        }
-    }
-}
-
 /// How the grid lies in the world, see [`adumbra::Frame`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FrameChoice {
@@ -65,8 +34,8 @@ pub enum FrameChoice {
     /// Upright, with the grid's x axis at this angle from the world's +X towards +Z, in radians. Bakes of parts of a
     /// world share their voxels only if they share the angle.
     ObliqueAt(f64),
-    /// Light below [`LOWEST_OBLIQUE_DEGREES`] of sun. Otherwise the frame in which the file will be smaller, as a
-    /// forecast from a few blocks says; oblique if it says that both are equal.
+    /// Light, if the sun is below [`LOWEST_OBLIQUE_DEGREES`]. Otherwise the frame in which the file is smaller in a
+    /// forecast from a few blocks; oblique if the forecast finds no difference.
     #[default]
     Auto,
 }
@@ -77,6 +46,7 @@ pub const LOWEST_OBLIQUE_DEGREES: f64 = 5.0;
 
 /// The method that finds the columns. Both give the same answer at every point that must be answered. Their files
 /// differ in voxels that cannot be seen.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Builder {
     /// Block descent: cost grows with the silhouettes.
@@ -91,8 +61,6 @@ pub enum Builder {
 pub struct BakeOptions {
     /// The sun.
     pub sun: Sun,
-    /// The layout of the voxels in the file.
-    pub layout: LayoutChoice,
     /// How the grid lies in the world.
     pub frame: FrameChoice,
     /// The resolution of the grid.
@@ -121,9 +89,10 @@ pub struct BakeOptions {
     /// How far behind its first surface a column may switch to shadow, in voxels, at most [`MAX_SWITCH_WITHIN`]; 0 =
     /// anywhere that neither receivers nor the filters around them read. In a block that no contour crosses, the distance
     /// counts from the block's deepest first surface for all of its columns. A limit makes files larger. It serves
-    /// filters around points that are no part of the scene, such as movers beside a wall.
+    /// filters around points that are not part of the scene, such as movers beside a wall.
     pub switch_within_voxels: u32,
     /// The method that finds the columns.
+    #[doc(hidden)]
     pub builder: Builder,
 }
 
@@ -132,7 +101,6 @@ impl BakeOptions {
     pub fn new(sun: Sun, size: Size) -> Self {
         Self {
             sun,
-            layout: LayoutChoice::default(),
             frame: FrameChoice::default(),
             size,
             thickness_world: 0.0,
@@ -147,15 +115,6 @@ impl BakeOptions {
             switch_within_voxels: 0,
             builder: Builder::Fast,
         }
-    }
-
-    /// Checks that the builder supports the layout.
-    pub(crate) fn check_layout(&self) -> Result<()> {
-        if self.builder == Builder::Plain && !self.layout.has_plain_builder() {
-            let range = "the fast one if the layout is depths, or the smaller of packed and depths";
-            return Err(RangeError::new(RangeField::Builder, "plain", range).into());
-        }
-        Ok(())
     }
 
     pub(crate) fn check(&self) -> Result<()> {

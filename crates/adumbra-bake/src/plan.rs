@@ -6,8 +6,8 @@ use crate::columns::capture;
 use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::error::{Error, Result};
 use crate::options::{BakeOptions, Builder};
+use crate::sink::depths::top_bytes;
 use crate::sink::limit::SwitchLimit;
-use crate::store::NodeState;
 use crate::store::paged::Spill;
 use crate::tiles::Tiles;
 use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
@@ -117,9 +117,7 @@ impl<'s> Plan<'s> {
             triangles: casters.instanced_triangles(),
             instances: scene.instances.iter().filter(|i| i.casts).count() as u64,
         };
-        // Each root has a state while baking, and a word in the finished graph.
-        let roots: u64 = top_dims.iter().map(|&n| u64::from(n)).product();
-        let top_bytes = roots * (size_of::<NodeState>() as u64 + 4);
+        let top_bytes = top_bytes(u64::from(top_dims[0]) * u64::from(top_dims[1]), root_level);
         let scene_bytes = scene.memory_bytes() + casters.memory_bytes() + top_bytes;
         let working_bytes = match options.builder {
             Builder::Fast => crate::fast::descent::working_bytes(&casters, top_dims),

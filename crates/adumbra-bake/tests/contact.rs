@@ -1,12 +1,10 @@
 //! Tests shadows that no receiver in the same column requires: beside a wall's foot under a filter, and below casters
 //! sunward of the bounds.
 
-use adumbra::layout::LeafMasks;
-use adumbra::layout::depths::DepthTree;
-use adumbra::{Bounds, Query, Sun};
+use adumbra::{Bounds, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::{Instance, Material, Mesh, Scene};
-use adumbra_testing::{BakedGraph, bake_depths, bake_graph};
+use adumbra_testing::bake_file;
 
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
 
@@ -33,22 +31,16 @@ fn boxes(corners: &[([f32; 3], [f32; 3])]) -> Scene {
     }
 }
 
-/// The graph and the depths.
-type Both = (BakedGraph, DepthTree);
-
-fn bake(scene: &Scene, sun: [f64; 3], change: impl Fn(BakeOptions) -> BakeOptions) -> Both {
+fn bake(scene: &Scene, sun: [f64; 3], change: impl Fn(BakeOptions) -> BakeOptions) -> ShadowFile {
     let options = change(BakeOptions::new(Sun::from_direction(sun).unwrap(), Size::Resolution(512)));
-    (bake_graph(scene, &options).unwrap(), bake_depths(scene, &options).unwrap())
+    bake_file(scene, &options).unwrap()
 }
 
-/// Returns the mean visibility of points with this normal under a filter, in the graph and in the depths.
-fn means((baked, depths): &Both, points: &[[f64; 3]], normal: Option<[f64; 3]>, filter: u32) -> [f64; 2] {
-    let structures: [&dyn LeafMasks; 2] = [&baked.dag, depths];
-    structures.map(|leaf_masks| {
-        let query = Query::new(&baked.grid, leaf_masks, baked.settings.bias, filter).unwrap();
-        let sum: f64 = points.iter().map(|&p| f64::from(query.visibility(p, normal))).sum();
-        sum / points.len() as f64
-    })
+/// Returns the mean visibility of points with this normal under a filter.
+fn mean(file: &ShadowFile, points: &[[f64; 3]], normal: Option<[f64; 3]>, filter: Filter) -> f64 {
+    let sampler = file.sampler(filter);
+    let sum: f64 = points.iter().map(|&p| f64::from(sampler.visibility(p, normal))).sum();
+    sum / points.len() as f64
 }
 
 /// Walls on flat ground: along the foot, on the side away from the sun, every tap of a filter finds wall or shadow.
@@ -63,15 +55,15 @@ fn contact_shadows_reach_a_walls_foot_under_a_filter() {
             let baked = bake(&scene, sun, |o| BakeOptions { frame, ..o });
             let along = |i: u32| -5.0 + 0.1 * f64::from(i);
             let from_foot =
-                |d: u32| -f64::from(half_thickness) - baked.0.grid.voxel_size * (0.25 + 0.5 * f64::from(d));
+                |d: u32| -f64::from(half_thickness) - baked.grid.voxel_size * (0.25 + 0.5 * f64::from(d));
             let points: Vec<_> = (0..100)
                 .flat_map(|i| (0..5).map(move |d| (i, d)))
                 .map(|(i, d)| [from_foot(d), 0.0, along(i)])
                 .collect();
-            for (filter, limit) in [(9, 0.004), (17, 0.01)] {
-                let found = means(&baked, &points, Some(UP), filter);
-                println!("{frame:?}, {half_thickness}, {filter} x {filter} texels: {found:.4?}");
-                assert!(found.iter().all(|v| *v <= limit), "{frame:?}, {half_thickness}: {found:?}");
+            for (filter, limit) in [(Filter::Box9, 0.004), (Filter::Box17, 0.01)] {
+                let found = mean(&baked, &points, Some(UP), filter);
+                println!("{frame:?}, {half_thickness}, {filter:?}: {found:.4}");
+                assert!(found <= limit, "{frame:?}, {half_thickness}: {found}");
             }
         }
     }
@@ -90,20 +82,20 @@ fn contact_shadows_begin_at_a_ledge_under_a_filter() {
     let points: Vec<_> = (0..120)
         .flat_map(|i| (0..10).map(move |d| [0.5, 8.95 - 0.1 * f64::from(d), -6.0 + 0.1 * f64::from(i)]))
         .collect();
-    let below = means(&baked, &points, Some([1.0, 0.0, 0.0]), 9);
-    println!("visibility below the ledge: graph and depths {below:.4?}");
-    assert!(below.iter().all(|v| *v < 0.05), "{below:?}");
+    let below = mean(&baked, &points, Some([1.0, 0.0, 0.0]), Filter::Box9);
+    println!("visibility below the ledge: {below:.4}");
+    assert!(below < 0.05, "{below}");
 }
 
 /// The bounds contain only air below a roof, so nothing is behind the first surfaces of their columns.
 #[test]
-fn bounds_below_a_roof_are_dark_in_both_structures() {
+fn bounds_below_a_roof_are_dark() {
     let scene = boxes(&[([-20.0, 10.0, -20.0], [20.0, 10.5, 20.0])]);
     let bounds = Bounds { min: [-5.0, 0.0, -5.0], max: [5.0, 4.0, 5.0] };
     let baked = bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), ..o });
     let at = |i: u32| -4.0 + f64::from(i);
     let points: Vec<_> = (0..9).flat_map(|x| (0..9).map(move |z| [at(x), 1.0, at(z)])).collect();
-    assert_eq!(means(&baked, &points, None, 9), [0.0; 2]);
+    assert_eq!(mean(&baked, &points, None, Filter::Box9), 0.0);
 }
 
 /// No caster is within the bounds, so no block has a surface. A memory limit must still be divided among workers.
@@ -114,5 +106,5 @@ fn bounds_beside_the_scene_bake_within_a_limit() {
     let max_memory_bytes = Some(64 << 20);
     let baked =
         bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), max_memory_bytes, ..o });
-    assert_eq!(means(&baked, &[[105.0, 1.0, 105.0]], None, 9), [1.0; 2]);
+    assert_eq!(mean(&baked, &[[105.0, 1.0, 105.0]], None, Filter::Box9), 1.0);
 }

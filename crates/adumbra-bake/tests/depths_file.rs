@@ -1,77 +1,35 @@
-//! Files that hold depths: written, read back, refused if damaged, and queried like the graph. Also the choice of the
-//! smaller of two layouts.
+//! Files of bakes: written, read back, and refused if damaged.
 
-use adumbra::layout::{LeafMasks, Trail};
-use adumbra::{Layout, LightBody, ShadowFile, Sun};
-use adumbra_bake::convert::graph_of;
-use adumbra_bake::{Bake, BakeOptions, Error, LayoutChoice, Size, Watch, bake};
+use adumbra::layout::depths::code::Place;
+use adumbra::{ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, Size};
 use adumbra_files::replace_file;
 use adumbra_scene::random::Random;
-use adumbra_scene::{GeneratedKind, Scene, generate};
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_testing::bake_file;
 
-fn baked(scene: &Scene, resolution: u64) -> (ShadowFile, ShadowFile) {
+fn baked(kind: GeneratedKind, resolution: u64) -> ShadowFile {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = BakeOptions::new(sun, Size::Resolution(resolution));
-    let [graph, depths] = [LayoutChoice::Plain, LayoutChoice::Depths]
-        .map(|layout| bake_in(layout, scene, &options).unwrap().file);
-    assert_eq!((graph.grid, graph.settings), (depths.grid, depths.settings));
-    (graph, depths)
-}
-
-fn bake_in(layout: LayoutChoice, scene: &Scene, options: &BakeOptions) -> Result<Bake, Error> {
-    bake(scene, &BakeOptions { layout, ..options.clone() }, Watch::none())
+    bake_file(&generate(kind, 3), &BakeOptions::new(sun, Size::Resolution(resolution))).unwrap()
 }
 
 #[test]
-fn depths_file_is_read_as_it_was_written_and_is_smaller() {
+fn depths_file_is_read_as_it_was_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("city.adumbra");
-    let (graph, file) = baked(&generate(GeneratedKind::City, 3), 1024);
+    let file = baked(GeneratedKind::City, 1024);
     let bytes = replace_file(&path, |out| file.write_to(out)).unwrap();
+    assert_eq!(bytes, path.metadata().unwrap().len());
     let again = ShadowFile::read(&path).unwrap();
     assert_eq!(again, file);
-    assert_eq!(again.body.layout(), Layout::Depths);
-    assert_eq!(again.body.composition().unwrap(), file.body.composition().unwrap());
-    assert!(2 * bytes < graph.body.encoded_len(), "{bytes}");
-    // Readers that support only the graph get one that gives the same answers.
-    let (LightBody::Depths(depths), dag) = (&file.body, graph_of(&file.body).unwrap()) else {
-        panic!("{bytes}")
-    };
-    for at in 0..20_000_u32 {
-        let [x, y, z] =
-            [0, 1, 2].map(|a| at.wrapping_mul([2_654_435_761, 40_503, 2_246_822_519][a]) % file.grid.size[a]);
-        assert_eq!(dag.voxel(x, y, z), z < depths.value(x, y), "{x} {y} {z}");
-    }
-}
-
-#[test]
-fn smaller_of_both_layouts_is_that_of_a_bake_of_its_own() {
-    let sun = Sun::from_direction([-0.3, 0.6, 0.7]).unwrap();
-    for kind in [GeneratedKind::City, GeneratedKind::Landscape] {
-        let scene = generate(kind, 2);
-        let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(512)) };
-        let auto = bake_in(LayoutChoice::Auto, &scene, &options).unwrap();
-        let packed = bake_in(LayoutChoice::Packed, &scene, &options).unwrap();
-        let depths = bake_in(LayoutChoice::Depths, &scene, &options).unwrap();
-        let candidates = auto.candidates.expect("two layouts were requested");
-        let [packed_bytes, depths_bytes] = [&packed, &depths].map(|bake| bake.file.body.encoded_len());
-        assert_eq!((candidates.packed, candidates.depths), (Some(packed_bytes), depths_bytes));
-        assert_eq!((packed.candidates, depths.candidates), (None, None));
-        let smaller = if packed_bytes < depths_bytes { &packed } else { &depths };
-        assert!(auto.file == smaller.file, "{kind:?}");
-        assert_eq!(auto.report.drawn_texels, packed.report.drawn_texels);
-        let limit = Some(packed.report.accounted_bytes / 2);
-        let refused =
-            bake_in(LayoutChoice::Auto, &scene, &BakeOptions { max_memory_bytes: limit, ..options });
-        assert!(matches!(refused, Err(Error::MemoryLimit { .. })), "{kind:?}");
-    }
+    assert_eq!(again.composition(), file.composition());
 }
 
 #[test]
 fn depths_file_that_is_cut_or_changed_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("spheres.adumbra");
-    let (_, file) = baked(&generate(GeneratedKind::Spheres, 3), 64);
+    let file = baked(GeneratedKind::Spheres, 64);
     let mut bytes = Vec::new();
     file.write_to(&mut bytes).unwrap();
     let refused = |bytes: &[u8]| {
@@ -90,8 +48,7 @@ fn depths_file_that_is_cut_or_changed_is_refused() {
 
 #[test]
 fn damaged_shapes_of_a_bake_are_refused_or_give_one_answer_in_every_way() {
-    let (_, file) = baked(&generate(GeneratedKind::City, 3), 256);
-    let LightBody::Depths(good) = &file.body else { panic!("another layout") };
+    let good = &*baked(GeneratedKind::City, 256).tree;
     let mut random = Random::for_batch(1, 0);
     let mut below = |n: usize| (random.unit() * n as f64) as usize;
     let (mut accepted, mut ranks) = (0, 0);
@@ -117,10 +74,11 @@ fn damaged_shapes_of_a_bake_are_refused_or_give_one_answer_in_every_way() {
             let value = damaged.value(i, j);
             for k in [value.wrapping_sub(1), value, below(damaged.size[2] as usize) as u32] {
                 let k = k.min(damaged.size[2] - 1);
-                assert_eq!(damaged.voxel(i, j, k), k < value, "({i}, {j}, {k}): {value}");
-                let mut leaf_masks = [0; 8];
-                damaged.fill(&mut Trail::new(), [i, j, k], &mut leaf_masks);
-                assert_eq!(leaf_masks[k as usize & 7], damaged.look_up(i, j, k), "({i}, {j}, {k})");
+                if let Place::Leaf { at, base } = damaged.place(i, j).0 {
+                    let mask = damaged.shapes().leaf(at, base).leaf_mask(k);
+                    let lit = mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
+                    assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");
+                }
             }
         }
     }

@@ -1,8 +1,7 @@
-//! Leaves of the layout of depths: a column's depth, leaf masks and cubes of leaf masks agree, and follow the
-//! specification.
+//! Leaves of the quadtree: columns' depths and leaf masks agree, and follow the specification.
 
+use adumbra::layout::depths::code::Place;
 use adumbra::layout::depths::{DepthTree, DepthsError};
-use adumbra::layout::{LeafMasks, Trail};
 use adumbra_scene::random::Random;
 use adumbra_testing::{Leaf, every_gradient, from_leaves};
 
@@ -13,17 +12,15 @@ fn check_leaf(found: &DepthTree, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layer
         let column = column as u32;
         assert_eq!(found.value(i + column % 8, j + column / 8), depth, "{leaf:?} of {base}: {column}");
     }
-    let mut cube = [0; 8];
-    let mut cube_at = None;
     for k in layers {
         let expected =
             depths.iter().enumerate().fold(0, |mask, (at, &depth)| mask | u64::from(k < depth) << at);
-        assert_eq!(found.look_up(i, j, k), expected, "{leaf:?} of {base} at {k}");
-        if cube_at != Some(k / 8) {
-            assert_eq!(found.fill(&mut Trail::new(), [i, j, k], &mut cube), u8::MAX);
-            cube_at = Some(k / 8);
-        }
-        assert_eq!(cube[k as usize % 8], expected, "cube of {leaf:?} of {base} at {k}");
+        let mask = match found.place(i, j).0 {
+            Place::Uniform(depth) if k < depth => u64::MAX,
+            Place::Uniform(_) => 0,
+            Place::Leaf { at, base } => found.shapes().leaf(at, base).leaf_mask(k),
+        };
+        assert_eq!(mask, expected, "{leaf:?} of {base} at {k}");
     }
 }
 

@@ -1,8 +1,8 @@
 //! Grids lie on a lattice anchored at the world's origin, so a scene that grows keeps its texels.
 
 use adumbra::query::receiver;
-use adumbra::{Query, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size};
+use adumbra::{Filter, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{Mesh, Scene};
 use adumbra_testing::{add_box, bake_file, scene_of};
@@ -28,13 +28,13 @@ fn scene(has_grown: bool) -> Scene {
 fn bake(has_grown: bool, frame: FrameChoice, voxel: f64) -> ShadowFile {
     let sun = Sun::from_direction([0.6, 0.7, 0.2]).unwrap();
     let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::VoxelSize(voxel)) };
-    bake_file(&scene(has_grown), &options, LayoutChoice::Depths).unwrap()
+    bake_file(&scene(has_grown), &options).unwrap()
 }
 
 /// Returns the answers at points on the ground.
 fn answers(file: &ShadowFile, points: &[[f64; 3]]) -> Vec<bool> {
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1).unwrap();
-    points.iter().map(|&p| query.visibility(p, Some(UP)) > 0.5).collect()
+    let sampler = file.sampler(Filter::Nearest);
+    points.iter().map(|&p| sampler.visibility(p, Some(UP)) > 0.5).collect()
 }
 
 #[test]

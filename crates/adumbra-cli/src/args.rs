@@ -1,32 +1,23 @@
 //! Arguments of all verbs, each with defaults and an example.
 
 mod bake;
-#[cfg(feature = "render")]
-mod compare;
 #[cfg(all(test, feature = "view"))]
 mod defaults;
-mod lookup;
-mod query;
-#[cfg(feature = "render")]
-mod render;
-mod tree;
 #[cfg(feature = "view")]
 mod view;
 
 use std::path::PathBuf;
 
+#[cfg(feature = "render")]
+use adumbra_compare::verbs::{compare::Compare, render, render::Render};
 use adumbra_program::args::{RunArgs, SceneArgs};
+use adumbra_program::query::Query;
+use adumbra_program::schemas::SchemaArgs;
+use adumbra_program::verify::Verify;
 use adumbra_scene::GeneratedKind;
-use adumbra_tree::texture::{MAX_SIDE, MIN_SIDE};
 pub(crate) use bake::Bake;
 use clap::builder::PossibleValue;
 use clap::{Parser, Subcommand, ValueEnum};
-#[cfg(feature = "render")]
-pub(crate) use compare::{Compare, PATH_FRAMES};
-pub(crate) use lookup::{BiasArgs, LookupArgs};
-pub(crate) use query::Query;
-#[cfg(feature = "render")]
-pub(crate) use render::{LayerArg, Render};
 #[cfg(feature = "view")]
 pub(crate) use view::View;
 
@@ -62,8 +53,7 @@ pub(crate) enum Verb {
         after_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra",
         after_long_help = "Example: adumbra bake city.glb --sun 0.5,0.8,0.35 --resolution 16384 -o city.adumbra\n\n\
         Presets: draft 2048, low 4096, medium 8192, high 16384, ultra 32768 texels on the longest side; \
-        --resolution and --voxel-size override --preset.\n\n\
-        Example: adumbra bake city.glb --frame world --resolution 2048 --rings 0,0:40,120 -o city-tree.adumbra"
+        --resolution and --voxel-size override --preset."
     )]
     Bake(Box<Bake>),
     /// Print what a shadow file contains
@@ -80,21 +70,13 @@ pub(crate) enum Verb {
         Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
     )]
     Query(Query),
-    /// Write a shadow file for a web page, or as RGBA8 PNGs, one 32-bit word of its tree per pixel
-    #[command(
-        after_help = "--web writes the file, and next to it FILE.br, which servers send in its place. --texture writes page 0 to \
-        the path, and page n next to it as NAME.n.png. The words are data, not colours: keep the PNGs unchanged, and \
-        load them without colour management or premultiplied alpha.\n\n\
-        Example: adumbra export city.adumbra --web public/city.adumbra\n\
-        Example: adumbra export city.adumbra --texture city.png"
-    )]
+    /// Write a shadow file for a web page
+    #[command(after_help = "Writes the file, and next to it FILE.br, which servers send in its place.\n\n\
+        Example: adumbra export city.adumbra --web public/city.adumbra")]
     Export(Export),
-    /// Turn exported PNGs back into the shadow file, bit for bit
-    #[command(after_help = "Example: adumbra import city.png -o city.adumbra")]
-    Import(Import),
     #[cfg(feature = "render")]
     /// Draw a scene with a file's shadows, with a real-time technique or with rays, or mark where file and rays differ
-    #[command(after_help = render::after_help())]
+    #[command(after_help = render::after_help("adumbra", adumbra_render::Techniques::product()))]
     Render(Render),
     #[cfg(feature = "view")]
     /// Open a window on a scene: every technique, side by side, while shadows are baked in the background; ? shows the
@@ -113,6 +95,9 @@ pub(crate) enum Verb {
     /// Run the whole workflow on a generated scene; leaves the file, pictures and a report
     #[command(after_help = "Example: adumbra demo --out demo")]
     Demo(Demo),
+    /// Print the JSON Schema of what a verb prints with --json; without a verb, list those that have one
+    #[command(after_help = "Example: adumbra schema bake")]
+    Schema(SchemaArgs),
 }
 
 /// The kind of scene to generate.
@@ -192,61 +177,12 @@ pub(crate) struct Info {
 }
 
 #[derive(clap::Args)]
-#[command(mut_arg("filter", |filter| filter.help("Filter width, as for query")))]
-pub(crate) struct Verify {
-    /// Shadow file
-    pub(crate) file: PathBuf,
-    /// The scene that the file was baked from, loaded with the same filters
-    #[arg(long)]
-    pub(crate) scene: PathBuf,
-    /// Number of points to compare
-    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
-    pub(crate) samples: u64,
-    /// Seed of the points
-    #[arg(long, default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// Sample points in free space instead of points on surfaces; for files baked with --no-assume-ground, and for
-    /// world-aligned files
-    #[arg(long)]
-    pub(crate) volume: bool,
-    #[command(flatten)]
-    pub(crate) lookup: LookupArgs,
-    /// Interior agreement below which the check fails, from 0 to 1 [default: 0.999, or 0.995 for a filtered
-    /// light-aligned file]
-    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = parse_share)]
-    pub(crate) min_interior: Option<f64>,
-    #[command(flatten)]
-    pub(crate) load: SceneArgs,
-    #[command(flatten)]
-    pub(crate) run: RunArgs,
-}
-
-#[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("to").required(true).args(["texture", "web"]))]
 pub(crate) struct Export {
     /// Shadow file
     pub(crate) file: PathBuf,
-    /// Path of page 0; page n is written next to it with its number before the extension
-    #[arg(long, value_name = "PNG")]
-    pub(crate) texture: Option<PathBuf>,
     /// Copy for a web page, compressed with Brotli next to it as FILE.br; prints the lines to paste into the page
     #[arg(long, value_name = "FILE")]
-    pub(crate) web: Option<PathBuf>,
-    /// Largest width and height of a page of the texture, in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = MAX_SIDE,
-        value_parser = clap::value_parser!(u32).range(i64::from(MIN_SIDE)..=i64::from(MAX_SIDE)))]
-    pub(crate) max_side: u32,
-    #[command(flatten)]
-    pub(crate) run: RunArgs,
-}
-
-#[derive(clap::Args)]
-pub(crate) struct Import {
-    /// Page 0 of an export; the other pages are looked for next to it
-    pub(crate) texture: PathBuf,
-    /// The shadow file to write
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
+    pub(crate) web: PathBuf,
     #[command(flatten)]
     pub(crate) run: RunArgs,
 }
@@ -262,11 +198,4 @@ pub(crate) struct Demo {
     pub(crate) resolution: u64,
     #[command(flatten)]
     pub(crate) run: RunArgs,
-}
-
-fn parse_share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
-        _ => Err("give a number from 0 to 1, such as 0.999".to_owned()),
-    }
 }

@@ -98,15 +98,12 @@ impl CacheArgs {
     }
 }
 
-/// The resolutions of shadow files that are baked as needed.
+/// The resolution of a shadow file that is baked as needed.
 #[derive(clap::Args)]
 pub struct ResolutionArgs {
-    /// Resolution of a light-aligned file that is baked as needed: texels on the longest side
+    /// Resolution of a shadow file that is baked as needed: texels on the longest side
     #[arg(long, value_name = "N", default_value = "16384")]
     pub resolution: u64,
-    /// Resolution of a world-aligned file that is baked as needed: voxels along the cube's side
-    #[arg(long, value_name = "N", default_value_t = 2048)]
-    pub cube_resolution: u64,
 }
 
 /// The truth that techniques are compared with.

@@ -1,25 +1,76 @@
-//! The baked files that voxel techniques sample: given, or baked on demand.
+//! The baked files that techniques sample: given, or baked on demand.
 
-use std::path::PathBuf;
+use std::any::Any;
+use std::path::{Path, PathBuf};
 
-use adumbra::{ShadowFile, Sun};
+use adumbra::{PointVisibility, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_program::exit::Failure;
+use adumbra_program::lookup::LookupArgs;
 use adumbra_program::output::note_input;
 use adumbra_render::{Baked, Reads, TechniqueSpec};
 use adumbra_scene::Scene;
-use adumbra_tree::{AnyFile, TreeFile, TreeOptions, bake_tree};
 
 use crate::Result;
 use crate::report::BakedFigures;
+
+/// What a comparison needs to know of any baked file.
+#[derive(Clone, Copy, Debug)]
+pub struct FileFacts {
+    /// The sun that it was baked for.
+    pub sun: Sun,
+    /// Whether it was baked with alpha-masked materials as opaque.
+    pub ignore_alpha: bool,
+}
+
+/// Baked files of kinds that a crate above knows, for the techniques that it adds.
+pub trait MoreFiles: Send + Sync {
+    /// Reads a file. `None` if it is not of these kinds.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the file cannot be read, or if there is one of its kind already.
+    fn read(&mut self, path: &Path) -> Result<Option<FileFacts>>;
+
+    /// Whether the file that a technique reads is there.
+    fn serves(&self, spec: &TechniqueSpec) -> bool;
+
+    /// Says what [`MoreFiles::bake`] is about to bake for a technique.
+    fn announcement(&self, spec: &TechniqueSpec, how: &BakeOnDemand<'_>) -> String;
+
+    /// Bakes the file that a technique reads.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the bake fails.
+    fn bake(&mut self, spec: &TechniqueSpec, how: &BakeOnDemand<'_>) -> Result<()>;
+
+    /// Returns the files in the form that the techniques expect as [`Baked::other`].
+    fn files(&self) -> &(dyn Any + Send + Sync);
+
+    /// Returns the look-up of the file that is there, for pictures on the CPU. `None` without a file.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error for a look-up that does not exist.
+    fn lookup(&self, args: &LookupArgs) -> Result<Option<Box<dyn PointVisibility + '_>>>;
+
+    /// Returns the technique that looks up the file that is there. `None` without a file.
+    fn technique(&self, args: &LookupArgs) -> Option<String>;
+
+    /// Returns the figures of the files for the report.
+    fn figures(&self) -> Vec<BakedFigures>;
+}
 
 /// The baked files of a comparison, at most one of each kind.
 #[derive(Default)]
 pub struct BakedFiles {
     /// The light-aligned file.
     pub light: Option<ShadowFile>,
-    /// The world-aligned file.
-    pub tree: Option<TreeFile>,
+    /// Files of further kinds.
+    pub more: Option<Box<dyn MoreFiles>>,
+    /// What the files that were given have in common.
+    given: Option<FileFacts>,
 }
 
 /// Options of bakes on demand.
@@ -32,109 +83,129 @@ pub struct BakeOnDemand<'a> {
     pub ignore_alpha: bool,
     /// Texels along the longest side of a light-aligned file.
     pub resolution: u64,
-    /// Voxels along each side of a world-aligned file.
-    pub cube_resolution: u64,
     /// Memory limit of a bake in bytes.
     pub max_memory_bytes: Option<u64>,
 }
 
 impl BakedFiles {
-    /// Reads the files.
+    /// Creates an empty set that can hold files of further kinds.
+    pub fn with(more: Option<Box<dyn MoreFiles>>) -> Self {
+        Self { more, ..Self::default() }
+    }
+
+    /// Reads the files, which may be of the kinds of `more` too.
     ///
     /// # Errors
     ///
     /// Returns an error if a file cannot be read, if two files are of one kind, or if they have different suns.
-    pub fn read(paths: &[PathBuf]) -> Result<Self> {
-        let mut files = Self::default();
-        let mut sun = None;
+    pub fn read(paths: &[PathBuf], more: Option<Box<dyn MoreFiles>>) -> Result<Self> {
+        let mut files = Self::with(more);
         for path in paths {
             note_input("the shadow file itself", path);
-            let file = AnyFile::read(path)?;
-            let other = sun.replace(match &file {
-                AnyFile::Light(file) => file.grid.sun,
-                AnyFile::Tree(file) => file.sun,
-            });
-            if other.is_some_and(|other| Some(other) != sun) {
+            let facts = files.read_one(path)?;
+            let before = files.given.get_or_insert(facts);
+            if before.sun != facts.sun {
                 return Err(Failure::Usage(
                     "--shadow-file: the files were baked for different suns".to_owned(),
                 )
                 .into());
             }
-            let twice = match file {
-                AnyFile::Light(file) => files.light.replace(file).is_some(),
-                AnyFile::Tree(file) => files.tree.replace(file).is_some(),
-            };
-            if twice {
-                return Err(Failure::Usage(
-                    "--shadow-file: give at most one light-aligned and one world-aligned file".to_owned(),
-                )
-                .into());
-            }
+            before.ignore_alpha |= facts.ignore_alpha;
         }
         Ok(files)
     }
 
-    /// Returns the sun that the files were baked for, or `None` without files.
+    fn read_one(&mut self, path: &Path) -> Result<FileFacts> {
+        if let Some(more) = &mut self.more
+            && let Some(facts) = more.read(path)?
+        {
+            return Ok(facts);
+        }
+        let file = ShadowFile::read(path)?;
+        let facts = FileFacts { sun: file.sun(), ignore_alpha: file.ignores_alpha() };
+        match self.light.replace(file) {
+            None => Ok(facts),
+            Some(_) => {
+                Err(Failure::Usage("--shadow-file: give at most one file of a kind".to_owned()).into())
+            }
+        }
+    }
+
+    /// Whether a file was given.
+    pub fn is_given(&self) -> bool {
+        self.given.is_some()
+    }
+
+    /// Returns the sun that the given files were baked for, or `None` without files.
     pub fn sun(&self) -> Option<Sun> {
-        self.light.as_ref().map(|f| f.grid.sun).or_else(|| self.tree.as_ref().map(|f| f.sun))
+        self.given.map(|facts| facts.sun)
     }
 
-    /// Whether a file was baked with alpha-masked materials as opaque.
+    /// Whether a given file was baked with alpha-masked materials as opaque.
     pub fn ignore_alpha(&self) -> bool {
-        self.light.as_ref().is_some_and(|f| f.settings.ignore_alpha)
-            || self.tree.as_ref().is_some_and(|f| f.settings.ignore_alpha)
+        self.given.is_some_and(|facts| facts.ignore_alpha)
     }
 
-    /// Prints to stderr what [`BakedFiles::complete`] is about to bake.
-    pub fn announce(&self, specs: &[TechniqueSpec], how: &BakeOnDemand<'_>) {
-        if self.lacks_light(specs) {
-            eprintln!(
-                "note: no light-aligned --shadow-file; baking one with {} texels along its longest side",
-                how.resolution
-            );
-        }
-        if self.lacks_tree(specs) {
-            let side = how.cube_resolution;
-            eprintln!("note: no world-aligned --shadow-file; baking one with {side} voxels per side");
+    /// Whether a file of the kind that a technique reads is there, or the technique needs none.
+    pub fn serves(&self, spec: &TechniqueSpec) -> bool {
+        match spec.reads() {
+            Reads::Nothing => true,
+            Reads::LightFile => self.light.is_some(),
+            Reads::Other(_) => self.more.as_ref().is_some_and(|more| more.serves(spec)),
         }
     }
 
-    fn lacks_light(&self, specs: &[TechniqueSpec]) -> bool {
-        self.light.is_none() && specs.iter().any(|s| s.reads().is_light_file())
-    }
-
-    fn lacks_tree(&self, specs: &[TechniqueSpec]) -> bool {
-        self.tree.is_none() && specs.iter().any(|s| s.reads() == Reads::TreeFile)
-    }
-
-    /// Bakes the files that `specs` need and that are missing.
+    /// Bakes the files that `specs` need and that are missing, and says so on stderr before it does.
     ///
     /// # Errors
     ///
     /// Returns an error if a bake fails.
     pub fn complete(&mut self, specs: &[TechniqueSpec], how: &BakeOnDemand<'_>) -> Result<()> {
-        if self.lacks_light(specs) {
-            let options = BakeOptions {
-                ignore_alpha: how.ignore_alpha,
-                max_memory_bytes: how.max_memory_bytes,
-                ..BakeOptions::new(how.sun, Size::Resolution(how.resolution))
-            };
-            self.light = Some(bake(how.scene, &options, Watch::none())?.file);
-        }
-        if self.lacks_tree(specs) {
-            let options = TreeOptions {
-                ignore_alpha: how.ignore_alpha,
-                max_memory_bytes: how.max_memory_bytes,
-                ..TreeOptions::new(how.sun, Size::Resolution(how.cube_resolution))
-            };
-            self.tree = Some(bake_tree(how.scene, &options, Watch::none())?.into());
+        for spec in specs {
+            if self.serves(spec) {
+                continue;
+            }
+            if spec.reads() == Reads::LightFile {
+                eprintln!(
+                    "note: no light-aligned --shadow-file; baking one with {} texels along its longest side",
+                    how.resolution
+                );
+                let options = BakeOptions {
+                    ignore_alpha: how.ignore_alpha,
+                    max_memory_bytes: how.max_memory_bytes,
+                    ..BakeOptions::new(how.sun, Size::Resolution(how.resolution))
+                };
+                self.light = Some(bake(how.scene, &options, Watch::none())?.file);
+            } else if let Some(more) = &mut self.more {
+                eprintln!("note: {}", more.announcement(spec, how));
+                more.bake(spec, how)?;
+            }
         }
         Ok(())
     }
 
     /// Returns the files in the form that techniques take.
     pub fn baked(&self) -> Baked<'_> {
-        Baked { light: self.light.as_ref(), tree: self.tree.as_ref() }
+        Baked { light: self.light.as_ref(), other: self.more.as_ref().map(|more| more.files()) }
+    }
+
+    /// Returns the look-up of the file that is there, for pictures on the CPU. `None` without a file.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error for a look-up that does not exist.
+    pub fn lookup(&self, args: &LookupArgs) -> Result<Option<Box<dyn PointVisibility + '_>>> {
+        match (&self.light, &self.more) {
+            (Some(file), _) => Ok(Some(Box::new(args.sampler(file)?))),
+            (None, Some(more)) => more.lookup(args),
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// Returns the text of the technique that looks up the file that is there.
+    pub fn technique(&self, args: &LookupArgs) -> String {
+        let of_more = || self.more.as_ref().filter(|_| self.light.is_none())?.technique(args);
+        of_more().unwrap_or_else(|| format!("voxel:filter={}{}", args.filter, args.bias.parameters()))
     }
 
     /// Returns the figures of the files for the report.
@@ -145,12 +216,6 @@ impl BakedFiles {
             voxel_size: f.grid.voxel_size,
             file_bytes: f.encoded_len(),
         });
-        let tree = self.tree.as_ref().map(|f| BakedFigures {
-            frame: "world".to_owned(),
-            resolution: f.space.side_voxels().into(),
-            voxel_size: f.space.voxel_size,
-            file_bytes: f.encode().len() as u64,
-        });
-        light.into_iter().chain(tree).collect()
+        light.into_iter().chain(self.more.iter().flat_map(|more| more.figures())).collect()
     }
 }

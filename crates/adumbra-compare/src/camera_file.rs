@@ -13,12 +13,14 @@ use std::path::Path;
 use adumbra::Sun;
 use adumbra_files::replace_file;
 use adumbra_scene::{Camera, Projection};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
 /// A camera, and the sun that it was saved with.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema)]
+#[schemars(with = "CameraText")]
 pub struct CameraFile {
     /// The camera.
     pub camera: Camera,
@@ -26,17 +28,25 @@ pub struct CameraFile {
     pub sun: Option<Sun>,
 }
 
-#[derive(Serialize, Deserialize)]
+/// A camera.
+#[derive(Serialize, Deserialize, JsonSchema)]
 pub(crate) struct CameraText {
+    /// Where it is, world units.
     eye: [f64; 3],
+    /// A point in the middle of the picture.
     target: [f64; 3],
+    /// Vertical field of view in degrees, of a camera with perspective.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     fov_y: Option<f64>,
+    /// Height of the picture in world units, of an orthographic camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     height_world: Option<f64>,
+    /// Width and height in pixels.
     size: [u32; 2],
+    /// Direction towards the sun.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sun: Option<[f64; 3]>,
+    /// Radius of the ambient occlusion in world units, in truth files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) ao_radius: Option<f64>,
 }

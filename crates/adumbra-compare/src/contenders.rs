@@ -1,7 +1,7 @@
 //! The techniques of a comparison, and the truth that each is compared with.
 
 use adumbra_program::exit::Failure;
-use adumbra_render::{Renderer, TechniqueSpec, build};
+use adumbra_render::{Renderer, TechniqueSpec, Techniques, build};
 
 use crate::Result;
 use crate::args::ReferenceArg;
@@ -9,13 +9,13 @@ use crate::baked::BakedFiles;
 use crate::compare::{Contender, truth_for};
 use crate::report::TruthKind;
 
-/// Parses techniques.
+/// Parses techniques of a list.
 ///
 /// # Errors
 ///
 /// Returns an error if a name is not a technique's or is given twice.
-pub fn parse(names: &[String]) -> Result<Vec<TechniqueSpec>> {
-    let specs: Vec<TechniqueSpec> = names.iter().map(|s| s.parse()).collect::<Result<_, _>>()?;
+pub fn parse(techniques: Techniques, names: &[String]) -> Result<Vec<TechniqueSpec>> {
+    let specs: Vec<TechniqueSpec> = names.iter().map(|s| techniques.parse(s)).collect::<Result<_, _>>()?;
     for (i, spec) in specs.iter().enumerate() {
         if specs[..i].contains(spec) {
             return Err(Failure::Usage(format!("--shadow {spec}: given twice")).into());

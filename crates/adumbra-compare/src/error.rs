@@ -127,7 +127,6 @@ from_core!(
     adumbra::RangeError,
     adumbra_bake::Error,
     adumbra_scene::Error,
-    adumbra_tree::Error,
     adumbra_truth::movers::MoverError
 );
 
@@ -143,7 +142,6 @@ impl From<Error> for Failure {
             Error::Program(failure) => *failure,
             Error::Render(error) => match *error {
                 RenderError::Library(error) => error.into(),
-                RenderError::Tree(error) => error.into(),
                 error => {
                     let options =
                         options_of(&error).map_or_else(String::new, |options| format!(" ({options})"));
@@ -165,8 +163,6 @@ fn options_of(error: &RenderError) -> Option<&'static str> {
         Fix::SmallerPicture => "--size, --antialias",
         Fix::SmallerScene => "--only, --exclude",
         Fix::LowerResolution => "--resolution",
-        Fix::SmallerPages => "--max-side",
-        Fix::LargerPages => "--max-side, --resolution",
         Fix::Other(_) => return None,
     })
 }

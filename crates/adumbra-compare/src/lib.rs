@@ -11,6 +11,7 @@
 //! | [`report`], [`pictures`] | tables and JSON; difference pictures and sheets |
 //! | [`contenders`], [`baked`] | the techniques of a comparison, and the baked files that they need |
 //! | [`layers`], [`plot`] | layers of a frame as PNG and EXR; plots as SVG |
+//! | [`verbs`] | the verbs `compare` and `render` |
 //! | [`args`] | command-line options that need the renderer |
 
 pub mod args;
@@ -29,5 +30,6 @@ pub mod report;
 pub mod shimmer;
 pub mod truth;
 pub mod vector;
+pub mod verbs;
 
 pub use error::{Error, Result};

@@ -1,10 +1,11 @@
 //! A comparison's results, as JSON and as Markdown.
 //!
-//! The JSON is [`Report`], field by field. `docs/json.md` describes each field.
+//! The JSON is [`Report`], field by field. `adumbra schema compare` describes each field.
 
 use std::fmt::Write as _;
 
 use adumbra_program::sun::SunOrigin;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::Band;
@@ -12,8 +13,7 @@ use crate::page::Table;
 use crate::shimmer::Shimmer;
 
 /// All results of one camera.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
     /// The adapter that drew, with its driver.
     pub adapter: String,
@@ -47,8 +47,7 @@ pub struct Report {
 }
 
 /// A camera, as requested and as resolved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CameraFigures {
     /// `given`, `street`, `overview`, or the name of a truth file.
     pub name: String,
@@ -67,8 +66,7 @@ pub struct CameraFigures {
 }
 
 /// Numbers of pixels by outcome. They add up to the picture's pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PixelCounts {
     /// Pixels compared.
     pub compared: u64,
@@ -94,8 +92,7 @@ impl PixelCounts {
 }
 
 /// A baked file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BakedFigures {
     /// Alignment: `light` or `world`.
     pub frame: String,
@@ -108,8 +105,7 @@ pub struct BakedFigures {
 }
 
 /// The truth that a technique was compared with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TruthKind {
     /// One ray towards the middle of the sun.
@@ -121,8 +117,7 @@ pub enum TruthKind {
 /// Errors at pixels more than two of the technique's own texels from an edge of the true shadow.
 ///
 /// These are acne and leaks, without the errors due to the size of a texel.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClearErrors {
     /// Share of compared pixels at that distance. If more than 65,536 were compared, all shares are of a sample.
     pub pixels: f64,
@@ -133,8 +128,7 @@ pub struct ClearErrors {
 }
 
 /// One technique's results.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TechniqueRow {
     /// Name as requested.
     pub name: String,
@@ -186,8 +180,7 @@ impl TechniqueRow {
 }
 
 /// Results over a camera path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PathReport {
     /// Number of frames.
     pub frames: u32,
@@ -198,8 +191,7 @@ pub struct PathReport {
 }
 
 /// One technique's results over a path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PathRow {
     /// Name as requested.
     pub name: String,
@@ -219,8 +211,7 @@ pub struct PathRow {
 }
 
 /// The share of frames in which a voxel technique costs less than cascades.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cheaper {
     /// The voxel technique.
     pub voxel: String,

@@ -5,6 +5,7 @@
 //! static, so both should be 0. The share over all points is reported as well. It also shows acne that flickers away
 //! from edges.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
@@ -13,8 +14,7 @@ use crate::error::{Error, Result};
 pub const CHANGE: f32 = 0.05;
 
 /// Shimmer along a camera path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Shimmer {
     /// Number of points near edges, each counted once per pair of frames.
     pub edge_points: u64,

@@ -4,13 +4,12 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use adumbra::layout::plain::LIT;
-use adumbra::{IoError, LightBody, ShadowFile};
+use adumbra::{IoError, ShadowFile};
 use adumbra_files::replace_file;
 use adumbra_testing::{EarlierFile, vectors};
 
 fn example() -> Vec<u8> {
-    fs::read(vectors("valid/example_8.adumbra")).expect("the example")
+    fs::read(vectors("valid/example_8_depths.adumbra")).expect("the example")
 }
 
 fn write(file: &ShadowFile, path: &Path) -> Result<u64, IoError> {
@@ -30,9 +29,10 @@ fn written_file_reads_back_and_replaces_the_earlier_one() {
 fn refused_write_leaves_the_earlier_output() {
     let output = EarlierFile::new();
     let mut file = ShadowFile::from_bytes(&example()).unwrap();
-    let LightBody::Plain(dag) = &mut file.body else { panic!("another layout") };
-    dag.nodes.push(LIT);
-    let error = write(&file, output.path()).expect_err("the graph is not valid");
+    let mut tree = (*file.tree).clone();
+    tree.root_level = 6;
+    file.tree = tree.into();
+    let error = write(&file, output.path()).expect_err("the quadtree is not valid");
     assert_eq!((error.action, error.source.kind()), ("write", ErrorKind::InvalidData));
     output.assert_kept();
 }

@@ -2,8 +2,9 @@
 
 use std::process::ExitCode;
 
-use adumbra_lab::args::Verb;
-use adumbra_lab::{bench, paper_report, programs, tune_ao};
+use adumbra_compare::verbs::{Offer, compare, render};
+use adumbra_lab::args::{DagVerb, TreeVerb, Verb};
+use adumbra_lab::{TECHNIQUES, bench, dag, paper_report, programs, schemas, tree, tune_ao};
 use adumbra_program::exit::Outcome;
 use adumbra_program::{signals, start};
 use clap::Parser;
@@ -33,13 +34,29 @@ impl start::Program for Args {
     }
 
     fn run(self) -> Outcome {
-        if !matches!(self.verb, Verb::Report(_)) {
+        if !matches!(
+            self.verb,
+            Verb::Report(_) | Verb::Dag { what: DagVerb::Bake(_) } | Verb::Tree { what: TreeVerb::Bake(_) }
+        ) {
             signals::end_when_interrupted();
         }
         Ok(match self.verb {
             Verb::Bench { what } => bench::run(&what)?,
             Verb::Report(args) => paper_report::run(&args)?,
             Verb::TuneAo(args) => tune_ao::run(&args)?,
+            Verb::Dag { what } => dag::run(&what)?,
+            Verb::Tree { what } => tree::run(&what)?,
+            Verb::Schema(args) => schemas::run(&args)?,
+            Verb::Compare(args) => {
+                let more_files = || Some(args.cube.more_files());
+                let offer = Offer { techniques: TECHNIQUES, more_files: &more_files };
+                compare::run(&args.compare, offer)?
+            }
+            Verb::Render(args) => {
+                let more_files = || Some(args.cube.more_files());
+                let offer = Offer { techniques: TECHNIQUES, more_files: &more_files };
+                render::run(&args.render, offer)?
+            }
         })
     }
 }

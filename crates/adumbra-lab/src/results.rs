@@ -2,13 +2,13 @@
 //! JSON cannot hold.
 
 use adumbra_render::Gpu;
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use adumbra_compare::page::Table;
 
 /// A requirement and its outcome.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Check {
     /// The quantity and its bound.
     pub(crate) requirement: String,
@@ -36,8 +36,7 @@ impl Check {
 }
 
 /// How the pictures of a benchmark are drawn and timed.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Setup {
     /// Command that measured.
     pub(crate) command: String,

@@ -1,44 +1,85 @@
-//! Schemas of the JSON that comparisons, benchmarks and the report write. `docs/json.md` is generated from them.
+//! `adumbra-lab schema`: the JSON Schema of what a verb prints, and of the files that benchmarks and the report write.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use adumbra_compare::camera_file::CameraFile;
+use adumbra_compare::report::Report;
+use adumbra_compare::verbs::render;
+use adumbra_program::exit::Outcome;
+use adumbra_program::schemas::{Described, SchemaArgs};
+use adumbra_program::{progress, query};
+use adumbra_truth::verify::Verification;
 
 use crate::bench::{ao, bake, blur, fast, gpu, hrsm, lookup, peers, tree, verify};
+use crate::dag::{bake::DagBaked, info::DagContents};
 use crate::paper_report::Record;
-use adumbra_compare::report::Report;
+use crate::tree::{bake::TreeBaked, export::Exported, import::Imported, info::TreeContents};
 
-/// One JSON document.
-#[derive(Clone, Debug)]
-pub struct Described {
-    /// Command that writes it.
-    pub command: &'static str,
-    /// File that it writes.
-    pub file: &'static str,
-    /// Its schema. References point to definitions of the generator.
-    pub schema: Schema,
+const DESCRIBED: &[Described] = &[
+    Described::of::<bake::Document>("bench bake", "bake.json"),
+    Described::of::<fast::Document>("bench bake fast", "fast.json, of bench bake --suite fast"),
+    Described::of::<verify::Document>("bench verify", "verify.json"),
+    Described::of::<tree::Document>("bench tree", "tree.json"),
+    Described::of::<Vec<Report>>("bench shadows", "shadows.json"),
+    Described::of::<hrsm::Document>("bench hrsm", "hrsm.json"),
+    Described::of::<blur::Document>("bench blur", "blur.json"),
+    Described::of::<ao::Document>("bench ao", "ao.json"),
+    Described::of::<peers::Document>("bench peers", "peers.json"),
+    Described::of::<lookup::Document>("bench lookup", "lookup.json"),
+    Described::of::<gpu::Document>("bench gpu", "gpu-ADAPTER.json"),
+    Described::of::<Record>("report", "report.json of the papers' measurements"),
+    Described::of::<Report>("compare", "the comparison; its report.json is the same"),
+    Described::of::<render::Printed>("render", "the picture, or the list of several"),
+    Described::of::<DagBaked>("dag bake", "the bake of a graph"),
+    Described::of::<DagContents>("dag info", "what a graph file contains"),
+    Described::of::<Verification>("dag verify", "the comparison with rays"),
+    Described::of::<query::Answered>("dag query", "the look-ups"),
+    Described::of::<TreeBaked>("tree bake", "the bake of a tree"),
+    Described::of::<TreeContents>("tree info", "what a tree file contains"),
+    Described::of::<Verification>("tree verify", "the comparison with rays"),
+    Described::of::<query::Answered>("tree query", "the look-ups"),
+    Described::of::<Exported>("tree export", "the pages that were written"),
+    Described::of::<Imported>("tree import", "the file that was made of pages"),
+    Described::of::<progress::Line>("progress", "a line of --progress json, on stderr"),
+    Described::of::<CameraFile>("camera", "a camera that compare --camera takes"),
+];
+
+/// Runs the verb.
+///
+/// # Errors
+///
+/// Returns an error for an unknown name. It lists the known ones.
+pub fn run(args: &SchemaArgs) -> Outcome {
+    args.run(DESCRIBED)
 }
 
-/// Documents of `adumbra compare`, of every benchmark, and of the report.
-pub fn documents(generator: &mut SchemaGenerator) -> Vec<Described> {
-    fn described<T: JsonSchema>(
-        generator: &mut SchemaGenerator,
-        command: &'static str,
-        file: &'static str,
-    ) -> Described {
-        Described { command, file, schema: T::json_schema(generator) }
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use adumbra_testing::{assert_described, undescribed_fields};
+
+    use super::*;
+
+    #[test]
+    fn every_field_is_described() {
+        for described in DESCRIBED {
+            let undescribed = undescribed_fields(&described.schema());
+            assert!(undescribed.is_empty(), "{}: without a comment: {undescribed:?}", described.name);
+        }
     }
-    vec![
-        described::<Report>(generator, "adumbra compare", "report.json"),
-        described::<bake::Document>(generator, "adumbra-lab bench bake", "bake.json"),
-        described::<fast::Document>(generator, "adumbra-lab bench bake --suite fast", "fast.json"),
-        described::<verify::Document>(generator, "adumbra-lab bench verify", "verify.json"),
-        described::<tree::Document>(generator, "adumbra-lab bench tree", "tree.json"),
-        described::<Vec<Report>>(generator, "adumbra-lab bench shadows", "shadows.json"),
-        described::<hrsm::Document>(generator, "adumbra-lab bench hrsm", "hrsm.json"),
-        described::<blur::Document>(generator, "adumbra-lab bench blur", "blur.json"),
-        described::<ao::Document>(generator, "adumbra-lab bench ao", "ao.json"),
-        described::<peers::Document>(generator, "adumbra-lab bench peers", "peers.json"),
-        described::<lookup::Document>(generator, "adumbra-lab bench lookup", "lookup.json"),
-        described::<gpu::Document>(generator, "adumbra-lab bench gpu", "gpu-ADAPTER.json"),
-        described::<Record>(generator, "adumbra-lab report", "report.json"),
-    ]
+
+    #[test]
+    fn recorded_results_fit_their_schemas() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bench");
+        let mut recorded = 0;
+        for described in DESCRIBED {
+            let file = described.about.split([',', ' ']).next().unwrap_or_default();
+            if !described.name.starts_with("bench ") || file == "gpu-ADAPTER.json" {
+                continue;
+            }
+            let text = std::fs::read_to_string(folder.join(file)).unwrap();
+            assert_described(&described.schema(), &serde_json::from_str(&text).unwrap());
+            recorded += 1;
+        }
+        assert_eq!(recorded, 10);
+    }
 }

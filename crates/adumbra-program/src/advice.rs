@@ -15,21 +15,16 @@ fn options_of_range(error: &RangeError) -> Option<&'static str> {
         RangeField::SunElevation => "--elevation",
         RangeField::Thickness => "--thickness",
         RangeField::SwitchLimit => "--switch-within",
-        RangeField::Builder => "--builder",
         RangeField::Bounds => "--bounds",
         RangeField::Resolution => "--resolution",
         RangeField::VoxelSize => "--voxel-size",
         RangeField::FilterWidth => "--filter",
         RangeField::BiasTerm => "--bias-constant, --bias-slope, --bias-normal",
-        RangeField::CaptureBiasTerm => "--capture-bias-constant, --capture-bias-slope",
-        RangeField::Rings => "--rings",
-        RangeField::Region => "--region",
-        RangeField::LossyShare => "--lossy",
         RangeField::Yaw => "--yaw",
         RangeField::TextureWords
         | RangeField::LongestSide
         | RangeField::PenumbraRadius
-        | RangeField::Layout
+        | RangeField::PointCount
         | RangeField::GroundSize
         | RangeField::SunAngle => return None,
     })
@@ -64,28 +59,14 @@ pub(crate) fn options_of_scene(error: &adumbra_scene::Error) -> Option<&'static 
 }
 
 pub(crate) fn options_of_bake(error: &adumbra_bake::Error) -> Option<&'static str> {
-    use adumbra_bake::{Error as E, PackError};
+    use adumbra_bake::Error as E;
     match error {
         E::Range(error) => options_of_range(error),
         E::Resolution { .. } => Some("--resolution"),
         E::MemoryLimit { .. } => Some("--max-memory, --resolution, --threads"),
         E::Spill(_) => Some("--max-memory"),
         E::TooManyWords { .. } => Some("--resolution, --bounds"),
-        E::Pack(PackError::NotMonotone { .. } | PackError::TooLarge { .. }) => Some("--layout plain"),
         E::File(error) => options_of_reader(error),
-        _ => None,
-    }
-}
-
-pub(crate) fn options_of_tree(error: &adumbra_tree::Error) -> Option<&'static str> {
-    use adumbra_tree::{Error as E, TextureError};
-    match error {
-        // A tree's largest resolution is below that of a light-aligned file.
-        E::Range(error) if error.field == RangeField::Resolution => Some("--resolution, --frame light"),
-        E::Range(error) => options_of_range(error),
-        E::Bake(error) => options_of_bake(error),
-        E::Sun(error) => options_of_reader(error),
-        E::WordTexture { source: TextureError::TooManyPages { .. }, .. } => Some("--max-side, --resolution"),
         _ => None,
     }
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use adumbra::{IoError, RangeError};
 
-use crate::advice::{options_of_bake, options_of_reader, options_of_scene, options_of_tree, shown};
+use crate::advice::{options_of_bake, options_of_reader, options_of_scene, shown};
 
 /// Exit code of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,9 +54,6 @@ pub enum Failure {
     /// An error of a bake.
     #[error("{0}{options}", options = shown(options_of_bake(.0)))]
     Bake(#[from] adumbra_bake::Error),
-    /// An error of a world-aligned tree.
-    #[error("{0}{options}", options = shown(options_of_tree(.0)))]
-    Tree(#[from] adumbra_tree::Error),
     /// An error of a library that this crate does not depend on, with the exit code that the caller assigns to it.
     #[error("{message}")]
     Other {
@@ -94,7 +91,6 @@ impl Failure {
             Self::Reader(error) => code_of_reader(error),
             Self::Scene(error) => code_of_scene(error),
             Self::Bake(error) => code_of_bake(error),
-            Self::Tree(error) => code_of_tree(error),
             Self::Other { code, .. } => *code,
         }
     }
@@ -137,17 +133,6 @@ fn code_of_bake(error: &adumbra_bake::Error) -> Code {
         E::Interrupted => Code::Interrupted,
         E::Io(error) | E::Spill(error) => code_of_io(error),
         E::File(error) => code_of_reader(error),
-        _ => Code::BadInput,
-    }
-}
-
-fn code_of_tree(error: &adumbra_tree::Error) -> Code {
-    use adumbra_tree::Error as E;
-    match error {
-        E::Range(_) => Code::Usage,
-        E::Io(error) => code_of_io(error),
-        E::Bake(error) => code_of_bake(error),
-        E::Sun(error) => code_of_reader(error),
         _ => Code::BadInput,
     }
 }

@@ -5,23 +5,31 @@
 //! |---|---|
 //! | [`start`] | the course of a program, from its arguments to its exit code |
 //! | [`exit`] | exit codes, and the errors that lead to them |
-//! | [`args`] | groups of options that several verbs share |
-//! | [`scene`], [`sun`] | loading a scene, with its warnings; the sun, and where it comes from |
+//! | [`args`], [`lookup`] | groups of options that several verbs share |
+//! | [`scene`], [`sun`], [`bounds`] | loading a scene, with its warnings; the sun, and where it comes from; the box of `--bounds` |
+//! | [`query`], [`verify`] | verbs that several programs offer for files of their own |
 //! | [`output`] | files that are written completely or not at all, and never over an input |
+//! | [`schemas`], [`mirrors`] | the verb `schema`; schemas of the reader's types |
 //! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
 
 mod advice;
 pub mod args;
+pub mod bounds;
 mod environment;
 pub mod exit;
+pub mod lookup;
 pub mod memory;
+pub mod mirrors;
 pub mod output;
 pub mod progress;
+pub mod query;
 pub mod scene;
+pub mod schemas;
 pub mod signals;
 pub mod start;
 pub mod sun;
 pub mod threads;
+pub mod verify;
 
 /// Prints a line on stdout. Errors are ignored, so a closed pipe or a full disk behind stdout does not end the work.
 #[macro_export]

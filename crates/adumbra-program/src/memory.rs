@@ -109,7 +109,6 @@ impl Share {
     pub fn whole(&self, failure: Failure) -> Failure {
         use adumbra_bake::Error as Bake;
         use adumbra_scene::Error as Scene;
-        use adumbra_tree::Error as Tree;
         let (Some(limit), Some(allowed)) = (self.limit_bytes, self.bytes()) else { return failure };
         let more = |needed: u64| needed.saturating_add(self.beside_bytes).max(limit.saturating_add(1));
         let bake = |error| match error {
@@ -120,7 +119,6 @@ impl Share {
         };
         match failure {
             Failure::Bake(error) => Failure::Bake(bake(error)),
-            Failure::Tree(Tree::Bake(error)) => Failure::Tree(Tree::Bake(bake(error))),
             Failure::Scene(Scene::SceneMemory { path, what, needed_bytes, limit_bytes })
                 if limit_bytes == allowed =>
             {

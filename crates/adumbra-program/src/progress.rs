@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use adumbra_bake::Progress;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How progress is shown.
@@ -24,16 +25,15 @@ pub enum Style {
 }
 
 /// A line of [`Style::Json`].
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 pub struct Line {
     /// Always `bake`.
     event: &'static str,
-    /// Number of tiles that are done. With `--frame world` a tile is one of 512 equal cubes.
+    /// Number of tiles that are done. Of a tree, a tile is one of 512 equal cubes.
     done_tiles: usize,
     /// Total number of tiles.
     total_tiles: usize,
-    /// Texels per second since the bake began. With `--frame world` these are voxels.
+    /// Texels per second since the bake began. Of a tree, these are voxels.
     texels_per_second: f64,
     /// Estimated seconds until the bake is done, extrapolated from the time so far. Null at first.
     eta_seconds: Option<f64>,

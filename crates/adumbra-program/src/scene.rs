@@ -5,6 +5,7 @@ use std::path::Path;
 use adumbra_scene as scene;
 use adumbra_scene::{LoadOptions, Scene};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::exit::Failure;
@@ -12,8 +13,7 @@ use crate::memory::MemoryLimit;
 use crate::output::note_scene;
 
 /// A kind of thing that a scene's file holds and the loader leaves out.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 pub struct Omitted {
     /// What was left out, as a plural.
     pub what: String,

@@ -6,14 +6,14 @@ use std::path::Path;
 
 use adumbra::Sun;
 use adumbra_scene::Scene;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Direction towards the sun where nothing else gives one.
 pub const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
 /// Where the direction of a sun comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SunSource {
     /// From `--sun`, or from `--azimuth` and `--elevation`.
@@ -29,8 +29,7 @@ pub enum SunSource {
 }
 
 /// Where the direction of a sun comes from, with the light's name.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct SunOrigin {
     /// What gave the direction.
     pub source: SunSource,
@@ -117,6 +116,19 @@ pub fn sun_of_scene_with_warnings(scene: &Scene, path: &Path) -> Result<ChosenSu
         eprintln!("warning: {}: {message}", path.display());
     }
     Ok(sun)
+}
+
+/// Elevation below which level ground comes close to the steepest plane that look-ups follow, degrees.
+const LOWEST_SUN_DEGREES: f64 = 1.0;
+
+/// Warns on stderr of a sun under which look-ups on level ground are inexact.
+pub fn warn_of_low_sun(sun: &Sun) {
+    if sun.elevation_degrees() < LOWEST_SUN_DEGREES {
+        eprintln!(
+            "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is too steep relative to the light for exact look-ups; check the file with verify",
+            sun.elevation_degrees()
+        );
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 
 use std::error::Error;
 
-use adumbra::{Query, ShadowFile, Sun};
+use adumbra::{Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_render::gpu::{Gpu, binding};
 use adumbra_render::readback::read_buffer;
@@ -22,11 +22,11 @@ const PIXELS: u32 = 512;
 const METRES_PER_PIXEL: f64 = 200.0 / PIXELS as f64;
 /// Corner of the square that is drawn, above the pavements.
 const CORNER_WORLD: [f64; 3] = [-150.0, 0.25, -50.0];
-/// Width of the filter, texels.
-const FILTER: u32 = 9;
+/// The filter.
+const FILTER: Filter = Filter::Box9;
 /// Tolerance of the visibility: the shader's `f32` positions may put a point into the texel next to the one that the
 /// CPU's `f64` gives.
-const ROW_OF_TAPS: f32 = 1.001 / FILTER as f32;
+const ROW_OF_TAPS: f32 = 1.001 / FILTER.width() as f32;
 
 /// The engine's own shader, with its own group 0. An engine fills `AdumbraSurface` from its G-buffer or in its fragment
 /// shader; this one shades a square in mid-air.
@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let anchor = [-50.0, 1.7, 50.0];
     light.set_anchor(&gpu, anchor)?;
 
-    // Once: assemble the shader from the files that the layout needs and the engine's own text, and build its pipeline.
+    // Once: assemble the shader from the files of the look-up and the engine's own text, and build its pipeline.
     let mut files = vec![source::SURFACE];
     files.extend(light.visibility_sources());
     files.push(Source { name: "engine", text: ENGINE_WGSL });
@@ -107,11 +107,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let bytes: Vec<u8> = visibility.iter().map(|v| (255.0 * v).round() as u8).collect();
     image::save_buffer(&picture, &bytes, PIXELS, PIXELS, image::ExtendedColorType::L8)?;
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, FILTER)?;
+    let shadow = file.sampler(FILTER);
     let differ = (0..).zip(&visibility).filter(|&(i, v): &(u32, _)| {
         let [x, z] = [i % PIXELS, i / PIXELS].map(|n| (f64::from(n) + 0.5) * METRES_PER_PIXEL);
         let p_world = [CORNER_WORLD[0] + x, CORNER_WORLD[1], CORNER_WORLD[2] + z];
-        (query.visibility(p_world, Some([0.0, 1.0, 0.0])) - v).abs() > ROW_OF_TAPS
+        (shadow.visibility(p_world, Some([0.0, 1.0, 0.0])) - v).abs() > ROW_OF_TAPS
     });
     let (differ, mean) = (differ.count(), visibility.iter().sum::<f32>() / pixels as f32);
     println!(

@@ -11,10 +11,6 @@ pub enum Fix {
     SmallerScene,
     /// A bake at a lower resolution.
     LowerResolution,
-    /// Pages with fewer pixels per side.
-    SmallerPages,
-    /// Pages with more pixels per side, or a bake at a lower resolution.
-    LargerPages,
     /// Anything else: a fix that no program has an option for, or a parameter of the technique.
     Other(&'static str),
 }
@@ -25,8 +21,6 @@ impl fmt::Display for Fix {
             Self::SmallerPicture => "draw fewer pixels, or fewer samples per pixel",
             Self::SmallerScene => "leave parts of the scene out, or split it",
             Self::LowerResolution => "bake at a lower resolution",
-            Self::SmallerPages => "export again with smaller pages",
-            Self::LargerPages => "export again with larger pages, or bake at a lower resolution",
             Self::Other(what) => what,
         })
     }
@@ -104,12 +98,6 @@ pub enum RenderError {
         /// What to do about it.
         fix: Fix,
     },
-    /// Words that are not the pages of a texture, or do not fit into them.
-    #[error("the texture's pages: {source}")]
-    Pages {
-        /// What is wrong.
-        source: adumbra_tree::TextureError,
-    },
     /// A technique that does not exist, or a parameter value that it does not accept.
     #[error("technique {name}: {reason}")]
     Technique {
@@ -133,9 +121,9 @@ pub enum RenderError {
     /// An error of [`adumbra`].
     #[error(transparent)]
     Library(#[from] adumbra::Error),
-    /// An error of [`adumbra_tree`].
+    /// An error of a technique that a crate above adds.
     #[error(transparent)]
-    Tree(#[from] adumbra_tree::Error),
+    Other(Box<dyn std::error::Error + Send + Sync>),
 }
 
 /// The result type of this crate.

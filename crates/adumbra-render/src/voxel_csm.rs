@@ -1,4 +1,4 @@
-//! The technique `voxel+csm`: shadows of static casters from a baked file of any layout, those of movers from cascaded
+//! The technique `voxel+csm`: shadows of static casters from a baked file, those of movers from cascaded
 //! shadow maps. The darker of the two is used.
 //!
 //! Source: the future work of *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm*,
@@ -6,14 +6,14 @@
 
 use std::any::Any;
 
-use adumbra::{Bias, ShadowFile};
+use adumbra::{Bias, Filter, ShadowFile};
 use adumbra_shaders::{Source, source};
 
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapCasters, MapKind, MapSettings, ShadowMap};
 use crate::technique::{Answer, FrameInput, SpecReader, SpecText, Technique};
-use crate::voxel::{BakedLight, NO_FILE, VoxelFilter, VoxelSettings, read_width};
+use crate::voxel::{BakedLight, NO_FILE, VoxelSettings, read_filter};
 
 /// A baked file and a shadow map of the movers.
 pub struct VoxelCsm {
@@ -25,8 +25,8 @@ pub struct VoxelCsm {
 /// Settings of [`VoxelCsm`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoxelCsmSettings {
-    /// Width of the file's filter, texels.
-    pub filter: u32,
+    /// The file's filter.
+    pub filter: Filter,
     /// The cascades, which contain only movers.
     pub map: MapSettings,
 }
@@ -44,7 +44,7 @@ impl VoxelCsmSettings {
 
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>) -> Result<Self> {
         let spec = reader.spec();
-        let filter = read_width(reader)?;
+        let filter = read_filter(reader)?;
         let map = reader.technique("csm", "the cascades for movers", Some("csm"), "")?;
         let map = MapSettings::from_spec(&map, MapKind::CSM)?;
         if map.cache_static {
@@ -55,7 +55,7 @@ impl VoxelCsmSettings {
 
     /// Look-up settings of the file, with this bias.
     fn voxel(&self, bias: Bias) -> VoxelSettings {
-        VoxelSettings { filter: VoxelFilter::Taps(self.filter), bias }
+        VoxelSettings::taps(self.filter, bias)
     }
 }
 

@@ -178,6 +178,7 @@ fn assert_memory_is_bounded() {
 
 /// Elements of a few bytes become structures of hundreds.
 #[test]
+#[ignore = "slow: 180 files of up to 10 MB"]
 fn gltf_the_densest_files_take_no_more_memory_than_allowed() {
     let _turn = alone();
     let options = LoadOptions { max_memory_bytes: Some(MAX_BYTES), ..LoadOptions::default() };

@@ -69,21 +69,7 @@ shared! {
     MAX_GRADIENT: i32 = 30720;
     /// Distance beyond a grid at which positions are clamped, in voxels.
     MARGIN_VOXELS: i32 = 4096;
-    /// 1 in the fixed-point normal and height of a tree receiver.
-    NORMAL_ONE: i32 = 1024;
-    /// Limit to which heights above a receiver's plane are clamped, in cells.
-    MAX_HEIGHT_CELLS: i32 = 8;
-    /// Largest number of regions with different depths that a tree's look-up supports.
-    MAX_PLAN_REGIONS: u32 = 16;
-    /// Top-grid entry: the whole root cube is lit (`adumbra::layout::plain::LIT`).
-    TOP_LIT: u32 = u32::MAX;
-    /// Top-grid entry: the whole root cube is shadowed (`adumbra::layout::plain::SHADOWED`).
-    TOP_SHADOWED: u32 = u32::MAX - 1;
-    /// Number of words before the columns in a packed graph's top (`adumbra::layout::packed::POOL_WORDS`).
-    PACKED_POOL_WORDS: u32 = 19;
-    /// Slot values below this are offsets from the end of their node's slots (`adumbra::layout::packed::NEAR_UNITS`).
-    PACKED_NEAR_UNITS: u32 = 1024;
-    /// Layout "depths": replaces a shape's address if the whole block switches at its base
+    /// Replaces a shape's address if the whole block switches at its base
     /// (`adumbra::layout::depths::UNIFORM`).
     DEPTHS_UNIFORM: u32 = u32::MAX;
     /// Switch depth of a column that is lit to its end (`adumbra::layout::depths::NEVER`).

@@ -3,7 +3,7 @@
 //! | folder | contents |
 //! |---|---|
 //! | `wgsl/core/` | functions without bindings: look-ups, filters, cascades. Engines include these |
-//! | `wgsl/access/` | functions that fetch words: from one buffer, several buffers or a texture, or from a hybrid map |
+//! | `wgsl/access/` | functions that fetch words: from one buffer, several buffers or a look-up texture, or from a hybrid map |
 //! | `wgsl/passes/` | bindings and entry points |
 //!
 //! [`assemble`] makes a module: the parts of [`layout::STRUCTS`] and [`constants::declarations`] that the chosen files

@@ -39,36 +39,20 @@ sources! {
     GRID = "core/grid.wgsl";
     /// Code shared by look-ups in light-aligned files.
     VOXEL = "core/voxel.wgsl";
-    /// Look-up in a light-aligned graph.
-    VOXEL_GRAPH = "core/voxel_graph.wgsl";
-    /// Nodes of a light-aligned graph in the plain layout.
-    VOXEL_PLAIN = "core/voxel_plain.wgsl";
-    /// Nodes of a light-aligned graph in the packed layout.
-    VOXEL_PACKED = "core/voxel_packed.wgsl";
-    /// Look-up in a light-aligned file in the layout "depths".
+    /// Look-up in a light-aligned file.
     DEPTHS = "core/depths.wgsl";
-    /// Leaves of the layout "depths".
+    /// Leaves of the quadtree.
     DEPTHS_LEAF = "core/depths_leaf.wgsl";
     /// Penumbrae from switch depths.
     DEPTHS_SOFT = "core/depths_soft.wgsl";
-    /// The level at which a look-up in a light-aligned graph ends.
-    VOXEL_LEVEL = "core/voxel_level.wgsl";
-    /// The level at which a look-up in the layout "depths" ends.
+    /// The level at which a look-up ends.
     DEPTHS_LEVEL = "core/depths_level.wgsl";
-    /// The level at which a look-up in a tree ends.
-    VOXEL_CUBES_LEVEL = "core/voxel_cubes_level.wgsl";
-    /// Look-up in a tree.
-    VOXEL_CUBES = "core/voxel_cubes.wgsl";
-    /// Converts a surface to a receiver, for trees.
-    VOXEL_CUBES_RECEIVER = "core/voxel_cubes_receiver.wgsl";
     /// Words from one storage buffer.
     WORDS_1 = "access/words_1.wgsl";
     /// Words from one storage buffer, each noted as it is read.
     WORDS_LOGGED = "access/words_logged.wgsl";
     /// Words from six storage buffers.
     WORDS_6 = "access/words_6.wgsl";
-    /// Words from the pages of an RGBA8 texture.
-    WORDS_TEXTURE = "access/words_texture.wgsl";
     /// Texels of a look-up texture of format `R32Uint`.
     TEXTURE_R32UINT = "access/texture_r32uint.wgsl";
     /// Texels of a look-up texture of format `Rgba8Unorm`.
@@ -205,7 +189,7 @@ sources! {
     VOXEL_CSM = "passes/voxel_csm.wgsl";
     /// The technique `voxel:soft`.
     VOXEL_SOFT_PASS = "passes/voxel_soft.wgsl";
-    /// Lit taps, switch depths and penumbrae of the layout "depths" for receivers in fixed point.
+    /// Lit taps, switch depths and penumbrae for receivers in fixed point.
     DEPTHS_FIXED = "passes/depths_fixed.wgsl";
     /// Lit taps of `voxel` for receivers in fixed point.
     VOXEL_FIXED = "passes/voxel_fixed.wgsl";
@@ -213,16 +197,6 @@ sources! {
     VOXEL_READS = "passes/voxel_reads.wgsl";
     /// The level at which a look-up of `voxel` ends, as a pass.
     VOXEL_LEVEL_PASS = "passes/voxel_level.wgsl";
-    /// The level at which a look-up in a tree ends, as a pass.
-    VOXEL_CUBES_LEVEL_PASS = "passes/voxel_cubes_level.wgsl";
-    /// A tree's uniform and regions.
-    VOXEL_CUBES_MAP = "passes/voxel_cubes_map.wgsl";
-    /// The techniques `voxel-cubes` and `voxel-texture`.
-    VOXEL_CUBES_PASS = "passes/voxel_cubes.wgsl";
-    /// Tap weights of `voxel-cubes` and `voxel-texture` for receivers in fixed point.
-    VOXEL_CUBES_FIXED = "passes/voxel_cubes_fixed.wgsl";
-    /// Decodes a texture's words into a storage buffer.
-    DECODE_TEXTURE = "passes/decode_texture.wgsl";
     /// Conversions between texels and view space, for ambient occlusion.
     OCCLUSION = "core/occlusion.wgsl";
     /// Depth extrapolated along a screen axis, for ambient occlusion.

@@ -1,13 +1,15 @@
-//! Code shared by the tests of several crates: folders next to the repository, bakes by layout, hand-made files, depths
-//! and solids, runs of the programs, test vectors, and truth files.
+//! Code shared by the tests of several crates: folders next to the repository, bakes, hand-made files, depths
+//! and solids, runs of the programs, at the least memory too, JSON and its schemas, test vectors, and truth files.
 
 mod bakes;
 mod by_hand;
+mod described;
 mod earlier;
 mod fuzz;
 mod glb;
 pub mod help;
 mod leaves;
+mod limits;
 mod ply;
 mod programs;
 mod shared_folder;
@@ -16,15 +18,17 @@ mod teeth;
 mod truth_files;
 mod vectors;
 
-pub use bakes::{BakedGraph, bake_depths, bake_file, bake_graph};
+pub use bakes::bake_file;
 pub use by_hand::{overhead_grid, settings_for};
+pub use described::{assert_described, undescribed_fields};
 pub use earlier::EarlierFile;
 pub use fuzz::{fuzz_time, peak_bytes};
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
+pub use limits::assert_keeps_to_limits;
 pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{
-    Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_program, program, read_f32, stderr,
+    Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_json, lab_program, program, read_f32, stderr,
 };
 pub use shared_folder::{full, scene_file, shared};
 pub use solids::{add_box, add_quad, cuboid, scene_of};

@@ -3,10 +3,12 @@
 //! A test of one program may run the other, which is in the same folder once the workspace is built.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
+
+use crate::described::assert_described;
 
 /// Returns the path of the program `adumbra`.
 pub fn program() -> PathBuf {
@@ -44,11 +46,32 @@ fn ended(output: &Output) -> (i32, String) {
     (output.status.code().unwrap(), stderr(output))
 }
 
-/// Runs `adumbra` and returns the JSON that it prints. The run must succeed.
+/// Runs `adumbra` and returns the JSON that it prints. The run must succeed, and the verb's schema must describe the JSON.
 pub fn json(arguments: &[&str]) -> Value {
-    let output = Command::new(program()).args(arguments).output().unwrap();
+    printed(&program(), arguments)
+}
+
+/// Runs `adumbra-lab` and returns the JSON that it prints. The run must succeed, and the verb's schema must describe the
+/// JSON.
+pub fn lab_json(arguments: &[&str]) -> Value {
+    printed(&lab_program(), arguments)
+}
+
+fn printed(program: &Path, arguments: &[&str]) -> Value {
+    let output = Command::new(program).args(arguments).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
-    serde_json::from_slice(&output.stdout).unwrap()
+    let value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_described(&schema(program, arguments), &value);
+    value
+}
+
+/// Returns the schema that a program prints for a verb: for the first of the words, or for the first two.
+fn schema(program: &Path, words: &[&str]) -> Value {
+    let printed = (1..=2).find_map(|n| {
+        let output = Command::new(program).arg("schema").args(&words[..n]).output().unwrap();
+        output.status.success().then_some(output.stdout)
+    });
+    serde_json::from_slice(&printed.unwrap_or_else(|| panic!("{words:?}: no schema"))).unwrap()
 }
 
 /// Returns what a run printed on stderr.

@@ -7,7 +7,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use adumbra::{Query, ShadowFile, Sun};
+use adumbra::{Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_files::replace_file;
 use adumbra_scene::{GeneratedKind, LoadOptions, generate, load};
@@ -33,9 +33,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bytes = replace_file(&path, |out| baked.file.write_to(out))?;
     println!("{}: {bytes} bytes, baked in {:.1} s", path.display(), baked.report.seconds);
 
-    // What a game does: read the file, create a look-up of 1 × 1 texels, query points.
+    // What a game does: read the file, take look-ups of 1 × 1 texels, look points up.
     let file = ShadowFile::read(&path)?;
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1)?;
+    let shadow = file.sampler(Filter::Nearest);
 
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let bounds = scene.bounds();
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let p_world = [sky[0], sky[1] - hit.t, sky[2]];
-        let visibility = query.visibility(p_world, Some(normal));
+        let visibility = shadow.visibility(p_world, Some(normal));
         let lifted = std::array::from_fn(|a| p_world[a] + LIFT_WORLD * normal[a]);
         asked += 1;
         shadowed += u32::from(visibility < 0.5);

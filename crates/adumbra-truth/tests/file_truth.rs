@@ -3,23 +3,23 @@
 //! CI bakes at an eighth of the resolution; `ADUMBRA_FULL=1` bakes at the full one. The shared folder is
 //! `ADUMBRA_SHARED`, or `shared` beside the checkout. Without it the tests print a message and pass.
 
-use adumbra::{Bounds, Query, Receivers, Sun};
+use adumbra::{Bounds, Filter, Receivers, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
-use adumbra_testing::{BakedGraph, bake_graph};
-use adumbra_testing::{full, npz_array, npz_camera, shared};
+use adumbra_testing::{bake_file, full, npz_array, npz_camera, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
 };
 use std::path::Path;
+use std::sync::Arc;
 
-fn bake_quietly(scene: &Scene, options: &BakeOptions) -> BakedGraph {
-    bake_graph(scene, options).unwrap()
+fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
+    bake_file(scene, options).unwrap()
 }
 
-fn verify(scene: &Scene, baked: &BakedGraph, volume: bool, samples: u64) -> Verification {
+fn verify(scene: &Scene, baked: &ShadowFile, volume: bool, samples: u64) -> Verification {
     let tracer = Tracer::build(scene, TraceOptions { ignore_alpha: false });
     let solids = Solids::of(scene);
     let sampler = if volume {
@@ -27,8 +27,7 @@ fn verify(scene: &Scene, baked: &BakedGraph, volume: bool, samples: u64) -> Veri
     } else {
         Sampler::Surface(SurfaceSampler::new(scene, &solids, baked.grid.sun.towards(), false))
     };
-    let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, 1).unwrap();
-    let answers = LightAnswers::new(&baked.grid, &baked.settings, query);
+    let answers = LightAnswers::of(baked, baked.sampler(Filter::Nearest));
     Verifier::new(&answers, &tracer, &solids).run(&sampler, &VerifyOptions { samples, seed: 3 })
 }
 
@@ -52,7 +51,7 @@ fn shared_file_matches_another_renderers_images() {
             ["pos", "normal", "ndotl", "sun"].map(|name| npz_array::<f32>(&view, name));
         let scene = load(&scenes.join(file), &options).unwrap();
         let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(resolution)));
-        let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, 1).unwrap();
+        let query = baked.sampler(Filter::Nearest);
         let triple = |v: &[f32], i: usize| [0, 1, 2].map(|a| f64::from(v[3 * i + a]));
         let checked: Vec<usize> = (0..valid.len()).filter(|&i| valid[i] && ndotl[i] > 0.1).collect();
         let agreeing = checked
@@ -139,17 +138,17 @@ fn interior_agrees_with_rays_on_generated_scenes() {
         assert!(surface.interior_agreement >= 0.998 && surface.interior_share > 0.5, "{kind:?} {surface:?}");
         assert!(volume.interior_agreement >= 0.999, "{kind:?} {volume:?}");
         assert!(still.interior_agreement >= 0.998, "{kind:?} {still:?}");
-        assert!(on_surfaces.dag.nodes.len() < baked.dag.nodes.len());
+        assert!(on_surfaces.tree.code.len() < baked.tree.code.len());
         let difference = mean_filter_difference(&scene, &baked, &on_surfaces);
         assert!(difference < 0.01, "{kind:?}: {difference}");
     }
 }
 
 /// Mean difference between the answers of two bakes on surfaces, with a 9 × 9 filter.
-fn mean_filter_difference(scene: &Scene, a: &BakedGraph, b: &BakedGraph) -> f64 {
+fn mean_filter_difference(scene: &Scene, a: &ShadowFile, b: &ShadowFile) -> f64 {
     let solids = Solids::of(scene);
     let sampler = SurfaceSampler::new(scene, &solids, a.grid.sun.towards(), false);
-    let [qa, qb] = [a, b].map(|x| Query::new(&x.grid, &x.dag, x.settings.bias, 9).unwrap());
+    let [qa, qb] = [a, b].map(|file| file.sampler(Filter::Box9));
     let mut random = Random::for_batch(5, 0);
     let samples: Vec<_> = (0..20_000).map(|_| sampler.sample(&mut random)).collect();
     let lit_side = samples.iter().filter(|s| {
@@ -179,8 +178,9 @@ fn a_wrong_file_is_found_out() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let mut baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(512)));
-    for leaf_mask in &mut baked.dag.leaf_masks {
-        *leaf_mask = !*leaf_mask;
+    // Every root that switches somewhere switches elsewhere.
+    for [_, base] in &mut Arc::make_mut(&mut baked.tree).top {
+        *base = base.saturating_sub(40);
     }
     let v = verify(&scene, &baked, false, 20_000);
     assert!(v.agreement < 0.99, "{v:?}");

@@ -1,18 +1,18 @@
 //! Tests of `verify` itself: whether it draws its points uniformly, omits none, and finds each kind of wrong answer.
 
 use adumbra::query::{Receiver, receiver};
-use adumbra::{Query, Sun};
+use adumbra::{Filter, Sampler as FileSampler, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_scene::{GeneratedKind, Instance, Scene, generate};
-use adumbra_testing::{BakedGraph, bake_graph, cuboid, scene_of};
+use adumbra_testing::{bake_file, cuboid, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Answers, Class, LightAnswers, Replaced, Sampler, Solids, SurfaceSampler, Verification, Verifier,
     VerifyOptions,
 };
 
-fn bake_quietly(scene: &Scene, options: &BakeOptions) -> BakedGraph {
-    bake_graph(scene, options).expect("a small bake fits")
+fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
+    bake_file(scene, options).expect("a small bake fits")
 }
 
 fn check(scene: &Scene, sun: Sun, answers: &impl Answers, samples: u64) -> Verification {
@@ -22,9 +22,9 @@ fn check(scene: &Scene, sun: Sun, answers: &impl Answers, samples: u64) -> Verif
     Verifier::new(answers, &tracer, &solids).run(&sampler, &VerifyOptions { samples, seed: 5 })
 }
 
-fn verify(scene: &Scene, baked: &BakedGraph, filter: u32, samples: u64) -> Verification {
-    let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
-    check(scene, baked.grid.sun, &LightAnswers::new(&baked.grid, &baked.settings, query), samples)
+fn verify(scene: &Scene, baked: &ShadowFile, filter: u32, samples: u64) -> Verification {
+    let filter = Filter::try_from(filter).expect("a filter");
+    check(scene, baked.grid.sun, &LightAnswers::of(baked, baked.sampler(filter)), samples)
 }
 
 fn placed(scale: [f64; 3], at: [f64; 3]) -> Instance {
@@ -113,10 +113,10 @@ fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
     let scene = generate(GeneratedKind::City, 2);
     let sun = Sun::from_angles(37.0, 5.0).expect("above the horizon");
     let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(2048)));
-    let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
-    let honest = LightAnswers::new(&baked.grid, &baked.settings, query);
+    let filter = Filter::try_from(filter).expect("a filter");
+    let honest = LightAnswers::of(&baked, baked.sampler(filter));
     let grid = &baked.grid;
-    let visibility = |honest: &LightAnswers<'_>, p_world, normal: Option<[f64; 3]>| {
+    let visibility = |honest: &LightAnswers<FileSampler>, p_world, normal: Option<[f64; 3]>| {
         let p_grid = grid.to_grid(p_world);
         let moved = grid.to_world([p_grid[0] + shift_texels, p_grid[1], p_grid[2]]);
         let n_dot_l = normal.map_or(1.0, |n| (0..3).map(|a| n[a] * honest.towards_sun()[a]).sum());
@@ -132,16 +132,18 @@ fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
     let scene = cubes_over_a_scaled_floor();
     for (elevation, filter, is_right) in [(6.0, 9, true), (3.0, 9, false), (2.0, 5, false), (2.0, 9, false)] {
         let sun = Sun::from_angles(37.0, elevation).expect("above the horizon");
-        let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(1024)));
-        let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, filter).expect("a filter");
-        let honest = || LightAnswers::new(&baked.grid, &baked.settings, query);
+        // Without assumed ground, the columns of the floor switch to shadow below it.
+        let options = BakeOptions { assume_ground: false, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+        let baked = bake_quietly(&scene, &options);
+        let query = baked.sampler(Filter::try_from(filter).expect("a filter"));
+        let honest = || LightAnswers::of(&baked, query.clone());
         let v = check(&scene, sun, &honest(), 10_000);
         assert!(
             v.holds() && (is_right || v.class(Class::Grazing).points > 1_000),
             "{elevation}° {filter}: {v:?}"
         );
         // The same look-ups, with the slope of their plane clamped to 9.95.
-        let clamped = |honest: &LightAnswers<'_>, p_world, normal| {
+        let clamped = |honest: &LightAnswers<FileSampler>, p_world, normal| {
             let r = receiver(&baked.grid, &honest.bias(), p_world, normal);
             let slope = r.gradient[0].hypot(r.gradient[1]);
             let gradient = r.gradient.map(|g| g * (9.95 / slope).min(1.0));

@@ -1,10 +1,9 @@
 //! Vertex alpha cuts masked materials: rays, the bake and its look-ups agree on where.
 
-use adumbra::layout::LeafMasks;
-use adumbra::{Query, Sun};
+use adumbra::{Filter, Sun};
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_scene::{AlphaMode, Instance, Material, Mesh, Scene};
-use adumbra_testing::{bake_depths, bake_graph};
+use adumbra_testing::bake_file;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -40,24 +39,21 @@ fn what_vertex_alpha_cuts_away_lets_the_sun_through() {
     let scene = scene();
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(512));
-    let (baked, depths) = (bake_graph(&scene, &options).unwrap(), bake_depths(&scene, &options).unwrap());
+    let baked = bake_file(&scene, &options).unwrap();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let texel = baked.grid.voxel_size;
-    let structures: [&dyn LeafMasks; 2] = [&baked.dag, &depths];
-    for leaf_masks in structures {
-        let query = Query::new(&baked.grid, leaf_masks, baked.settings.bias, 1).unwrap();
-        for i in 0..400 {
-            let x = -5.0 + 0.025 * f64::from(i);
-            let p = [x, 0.0, 0.3];
-            let shadowed = (-1.0..=2.0).contains(&x);
-            let origin = [x, 0.001, 0.3];
-            let ray = Ray { origin, direction: sun.towards(), t_min: 0.0, t_max: f64::INFINITY };
-            assert_eq!(tracer.occluded(&ray), shadowed, "the ray at {x}");
-            let near_edge = [-1.0, 2.0].iter().any(|edge| (x - edge).abs() < 1.5 * texel);
-            if !near_edge {
-                let visibility = query.visibility(p, Some([0.0, 1.0, 0.0]));
-                assert_eq!(visibility, if shadowed { 0.0 } else { 1.0 }, "the file at {x}");
-            }
+    let sampler = baked.sampler(Filter::Nearest);
+    for i in 0..400 {
+        let x = -5.0 + 0.025 * f64::from(i);
+        let p = [x, 0.0, 0.3];
+        let shadowed = (-1.0..=2.0).contains(&x);
+        let origin = [x, 0.001, 0.3];
+        let ray = Ray { origin, direction: sun.towards(), t_min: 0.0, t_max: f64::INFINITY };
+        assert_eq!(tracer.occluded(&ray), shadowed, "the ray at {x}");
+        let near_edge = [-1.0, 2.0].iter().any(|edge| (x - edge).abs() < 1.5 * texel);
+        if !near_edge {
+            let visibility = sampler.visibility(p, Some([0.0, 1.0, 0.0]));
+            assert_eq!(visibility, if shadowed { 0.0 } else { 1.0 }, "the file at {x}");
         }
     }
     let ignoring = Tracer::build(&scene, TraceOptions { ignore_alpha: true });

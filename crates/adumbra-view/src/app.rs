@@ -7,12 +7,12 @@ mod results;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
+use adumbra::ShadowFile;
 use adumbra_compare::camera_file::CameraFile;
 use adumbra_compare::pictures::png;
 use adumbra_files::{replace_file, same_file};
 use adumbra_render::{FrameTimes, Gpu, RenderError};
 use adumbra_scene::Camera;
-use adumbra_tree::AnyFile;
 use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::picture::Picture;
 
@@ -79,8 +79,8 @@ pub(crate) struct App {
     dirty: bool,
     /// Number of shadow files being read; the script waits for them.
     reading: u32,
-    /// Files that were read while a scene was loading; they belong to that scene.
-    held_files: Vec<(AnyFile, PathBuf)>,
+    /// The file that was read last while a scene was loading; it belongs to that scene.
+    held_file: Option<(ShadowFile, PathBuf)>,
     /// A camera that was requested while a scene was loading; it belongs to that scene.
     held_camera: Option<Camera>,
     pub(crate) resize: Option<[u32; 2]>,
@@ -94,11 +94,11 @@ pub(crate) struct App {
 impl App {
     /// Creates the view and starts to load the scene.
     pub(crate) fn new(startup: Startup, gpu: Gpu, sender: EventSender, say: Say) -> Self {
-        let Startup { mut options, settings, files } = startup;
+        let Startup { mut options, settings, file } = startup;
         let player = options.script.take().map(Player::new);
         let mut shadows = Shadows::new(options.max_memory_bytes, sender.clone());
-        for (file, path) in files.into_iter().zip(&options.shadow_files) {
-            shadows.give(file, Some(path.clone()));
+        if let Some(file) = file {
+            shadows.give(file, options.shadow_file.clone());
         }
         let mut app = Self {
             gpu,
@@ -117,7 +117,7 @@ impl App {
             times: VecDeque::new(),
             dirty: true,
             reading: 0,
-            held_files: Vec::new(),
+            held_file: None,
             held_camera: None,
             resize: None,
             window_shot: None,
@@ -280,10 +280,10 @@ impl App {
 
     /// Returns an error if `output` is one of the input files, which would be overwritten.
     fn refuse_inputs(&self, output: &Path) -> Result<(), String> {
-        let ViewOptions { scene: first, shadow_files, inputs, .. } = &self.options;
+        let ViewOptions { scene: first, shadow_file, inputs, .. } = &self.options;
         let scene = self.stage.as_ref().map_or(first, |stage| &stage.scene().path);
-        let given = [scene, first].into_iter().chain(shadow_files).chain(inputs);
-        let mut inputs = given.map(|path| &**path).chain(self.shadows.given_paths(&self.settings));
+        let given = [scene, first].into_iter().chain(shadow_file).chain(inputs);
+        let mut inputs = given.map(|path| &**path).chain(self.shadows.given_path(&self.settings));
         if let Some(input) = inputs.find(|input| same_file(output, input)) {
             return Err(format!(
                 "{}: it would overwrite {}, which is in use; give another path",
@@ -317,13 +317,13 @@ impl App {
         self.gpu.name()
     }
 
-    /// Returns the command line that reproduces this view. It includes shadow files that were given or dropped, if they
-    /// were baked for the current sun.
+    /// Returns the command line that reproduces this view. It includes a shadow file that was given or dropped, if it was
+    /// baked for the current sun.
     pub(crate) fn command_line(&self) -> String {
         let scene = self.stage.as_ref().map_or(&self.options.scene, |s| &s.scene().path);
         let ball = self.options.ball_text.as_deref();
-        let files = self.shadows.given_paths(&self.settings);
-        let words = command_line::of(scene, &files, ball, &self.settings);
+        let file = self.shadows.given_path(&self.settings);
+        let words = command_line::of(scene, file, ball, &self.settings);
         [&[words], &self.options.repeated[..]].concat().join(" ")
     }
 
@@ -353,7 +353,7 @@ impl App {
             self.dirty = true;
         }
         if self.shadows.reconcile(&self.settings, stage.scene()) {
-            stage.forget_files();
+            stage.forget_file();
             self.dirty = true;
         }
         match stage.trace_key(&self.settings).filter(|key| !self.settings.playing && !stage.has_traced(key)) {
@@ -397,12 +397,15 @@ impl App {
         self.dirty = false;
         let Some(stage) = &mut self.stage else { return Ok(()) };
         let lines = if self.settings.show_box {
-            let file = self.settings.seen().iter().find_map(|s| self.shadows.files.of(s));
-            file.map(wireframes::of_file).unwrap_or_default()
+            self.shadows
+                .file()
+                .filter(|_| self.settings.uses_file())
+                .map(wireframes::of_file)
+                .unwrap_or_default()
         } else {
             Vec::new()
         };
-        let context = FrameContext { files: &self.shadows.files, lines: &lines };
+        let context = FrameContext { file: self.shadows.file(), lines: &lines };
         let drawn = stage.draw(&self.settings, &context);
         stage.take_faults().for_each(|what| self.messages.error(what));
         drawn?;

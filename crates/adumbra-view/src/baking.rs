@@ -6,7 +6,6 @@ use std::thread;
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, Progress, Size, Watch, bake};
-use adumbra_tree::{AnyFile, TreeOptions, TreeProgress, bake_tree};
 
 use crate::background::{background_pool, caught};
 use crate::event::{Event, EventSender};
@@ -17,26 +16,14 @@ use crate::settings::Settings;
 const COARSEST: u64 = 512;
 /// Ratio of the resolutions of consecutive levels.
 const STEP: u64 = 4;
-/// Resolution of the finest world-aligned tree, in voxels a side.
-const FINEST_TREE: u64 = 2048;
-
-/// The kind of a shadow file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FileKind {
-    /// Light-aligned, for `voxel` and `voxel+csm`.
-    Light,
-    /// World-aligned, for `voxel-cubes` and `voxel-texture`.
-    Tree,
-}
 
 /// The inputs of a bake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BakeKey {
-    pub(crate) kind: FileKind,
     /// Number of the scene.
     pub(crate) scene: u64,
     pub(crate) sun: Sun,
-    /// Resolution of the finest level, in texels or voxels.
+    /// Resolution of the finest level, in texels on the longest side.
     pub(crate) resolution: u64,
 }
 
@@ -53,12 +40,8 @@ pub(crate) struct RunningBake {
 
 impl BakeKey {
     /// Returns the key of the bake that these settings require.
-    pub(crate) fn new(kind: FileKind, scene: u64, settings: &Settings) -> Self {
-        let resolution = match kind {
-            FileKind::Light => settings.resolution,
-            FileKind::Tree => settings.resolution.min(FINEST_TREE),
-        };
-        Self { kind, scene, sun: settings.sun, resolution }
+    pub(crate) fn new(scene: u64, settings: &Settings) -> Self {
+        Self { scene, sun: settings.sun, resolution: settings.resolution }
     }
 }
 
@@ -118,36 +101,23 @@ fn bake_levels(
     max_memory: Option<u64>,
     cancel: &AtomicBool,
     sender: &EventSender,
-) -> adumbra_tree::Result<()> {
+) -> adumbra_bake::Result<()> {
     for resolution in levels(key.resolution) {
         // Reports each percent once, because the window redraws its panel for each report.
         let reported = AtomicU32::new(0);
-        let report = |share: f64| {
+        let done = |p: Progress| {
+            let share = p.done_tiles as f64 / p.total_tiles.max(1) as f64;
             let percent = (100.0 * share) as u32;
             if reported.fetch_max(percent, Ordering::Relaxed) < percent {
                 sender.send(Event::Baking { bake: number, resolution, share: share as f32 });
             }
         };
-        let file = match key.kind {
-            FileKind::Light => {
-                let options = BakeOptions {
-                    ignore_alpha: scene.ignore_alpha,
-                    max_memory_bytes: max_memory,
-                    ..BakeOptions::new(key.sun, Size::Resolution(resolution))
-                };
-                let done = |p: Progress| report(p.done_tiles as f64 / p.total_tiles.max(1) as f64);
-                AnyFile::Light(bake(&scene.still, &options, Watch::new(&done, cancel))?.file)
-            }
-            FileKind::Tree => {
-                let options = TreeOptions {
-                    ignore_alpha: scene.ignore_alpha,
-                    max_memory_bytes: max_memory,
-                    ..TreeOptions::new(key.sun, Size::Resolution(resolution))
-                };
-                let done = |p: TreeProgress| report(p.done_share);
-                AnyFile::Tree(bake_tree(&scene.still, &options, Watch::new(&done, cancel))?.into())
-            }
+        let options = BakeOptions {
+            ignore_alpha: scene.ignore_alpha,
+            max_memory_bytes: max_memory,
+            ..BakeOptions::new(key.sun, Size::Resolution(resolution))
         };
+        let file = bake(&scene.still, &options, Watch::new(&done, cancel))?.file;
         sender.send(Event::Baked { bake: number, file, last: resolution == key.resolution });
     }
     Ok(())
@@ -176,32 +146,24 @@ mod tests {
     }
 
     #[test]
-    fn bake_sends_every_level_of_either_kind() {
+    fn bake_sends_every_level() {
         let sun = Sun::from_angles(40.0, 50.0).unwrap();
-        for (kind, finest) in [(FileKind::Light, 2048), (FileKind::Tree, 512)] {
-            let (channel, events) = mpsc::channel();
-            let sender = EventSender::new(move |event| channel.send(event).unwrap());
-            let key = BakeKey::new(kind, 1, &Settings { sun, resolution: finest, ..settings() });
-            let running = RunningBake::start(key, scene(), None, sender);
-            let mut landed = Vec::new();
-            for event in events {
-                match event {
-                    Event::Baked { bake, file, last } => {
-                        assert_eq!(bake, running.number);
-                        let (is, resolution) = match file {
-                            AnyFile::Light(file) => (FileKind::Light, file.settings.resolution),
-                            AnyFile::Tree(file) => (FileKind::Tree, file.space.side_voxels()),
-                        };
-                        assert_eq!(is, kind);
-                        landed.push((u64::from(resolution), last));
-                    }
-                    Event::BakeEnded { error, .. } => panic!("{error:?}"),
-                    _ => {}
+        let (channel, events) = mpsc::channel();
+        let sender = EventSender::new(move |event| channel.send(event).unwrap());
+        let key = BakeKey::new(1, &Settings { sun, resolution: 2048, ..settings() });
+        let running = RunningBake::start(key, scene(), None, sender);
+        let mut landed = Vec::new();
+        for event in events {
+            match event {
+                Event::Baked { bake, file, last } => {
+                    assert_eq!(bake, running.number);
+                    landed.push((file.settings.resolution, last));
                 }
+                Event::BakeEnded { error, .. } => panic!("{error:?}"),
+                _ => {}
             }
-            let expected = levels(finest).into_iter().map(|r| (r, r == finest));
-            assert_eq!(landed, expected.collect::<Vec<_>>());
         }
+        assert_eq!(landed, [(512, false), (2048, true)]);
     }
 
     #[test]
@@ -212,17 +174,12 @@ mod tests {
         let (whole, still) = (Arc::new(broken.clone()), Arc::new(broken));
         let sound = LoadedScene::new(path, generate(GeneratedKind::Primitives, 1), false);
         let scene = Arc::new(LoadedScene { whole, still, ..sound });
-        for kind in [FileKind::Light, FileKind::Tree] {
-            let (channel, events) = mpsc::channel();
-            let sender = EventSender::new(move |event| channel.send(event).unwrap());
-            let key = BakeKey::new(kind, 1, &settings());
-            let running = RunningBake::start(key, scene.clone(), None, sender);
-            let ended: Vec<_> = events.iter().collect();
-            let [Event::BakeEnded { bake, error: Some(error) }] = &ended[..] else {
-                panic!("{}", ended.len())
-            };
-            assert!(*bake == running.number && error.contains("please report it"), "{error}");
-        }
+        let (channel, events) = mpsc::channel();
+        let sender = EventSender::new(move |event| channel.send(event).unwrap());
+        let running = RunningBake::start(BakeKey::new(1, &settings()), scene, None, sender);
+        let ended: Vec<_> = events.iter().collect();
+        let [Event::BakeEnded { bake, error: Some(error) }] = &ended[..] else { panic!("{}", ended.len()) };
+        assert!(*bake == running.number && error.contains("please report it"), "{error}");
     }
 
     #[test]
@@ -230,7 +187,7 @@ mod tests {
         let sun = Sun::from_angles(40.0, 50.0).unwrap();
         let (channel, events) = mpsc::channel();
         let sender = EventSender::new(move |event| channel.send(event).unwrap());
-        let key = BakeKey::new(FileKind::Light, 1, &Settings { sun, resolution: 32_768, ..settings() });
+        let key = BakeKey::new(1, &Settings { sun, resolution: 32_768, ..settings() });
         let running = RunningBake::start(key, scene(), None, sender);
         running.cancel();
         let ended: Vec<_> =

@@ -109,7 +109,7 @@ pub enum Command {
     Antialias(u32),
     /// Draws frames continuously, or only when something changed.
     Continuous(bool),
-    /// Starts a new bake with this many texels on the longest side. A world-aligned file has at most 2048.
+    /// Starts a new bake with this many texels on the longest side.
     Bake(u64),
     /// Stops the bake; completed levels stay.
     CancelBake,

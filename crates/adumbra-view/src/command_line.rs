@@ -18,15 +18,19 @@ fn quoted(word: &str) -> String {
 }
 
 /// Returns `adumbra view …` with all settings; `ball` is the text with which the ball was requested.
-pub(crate) fn of(scene: &Path, shadow_files: &[&Path], ball: Option<&str>, settings: &Settings) -> String {
+pub(crate) fn of(
+    scene: &Path,
+    shadow_file: Option<&Path>,
+    ball: Option<&str>,
+    settings: &Settings,
+) -> String {
     let s = settings;
     let point = |p: [f64; 3]| format!("{},{},{}", p[0], p[1], p[2]);
     let mut words = vec!["adumbra".to_owned(), "view".to_owned(), quoted(&scene.display().to_string())];
     let mut add = |name: &str, value: String| words.extend([format!("--{name}"), quoted(&value)]);
-    for path in shadow_files {
+    if let Some(path) = shadow_file {
         add("shadow-file", path.display().to_string());
-    }
-    if shadow_files.is_empty() {
+    } else {
         let [azimuth, elevation] = navigation::angles(s.sun.towards());
         add("azimuth", azimuth.to_string());
         add("elevation", elevation.to_string());
@@ -78,7 +82,7 @@ mod tests {
         let mut s = settings();
         s.shown = Shown::Split(0.25);
         s.ball = true;
-        let line = of(Path::new("my city.glb"), &[], Some("sphere:radius=2"), &s);
+        let line = of(Path::new("my city.glb"), None, Some("sphere:radius=2"), &s);
         assert!(line.starts_with("adumbra view 'my city.glb' --azimuth "), "{line}");
         for part in [
             "--shadow voxel --shadow csm:cascades=3",
@@ -89,7 +93,7 @@ mod tests {
         ] {
             assert!(line.contains(part), "{line}");
         }
-        let line = of(Path::new("a.glb"), &[Path::new("it's.adumbra")], None, &s);
+        let line = of(Path::new("a.glb"), Some(Path::new("it's.adumbra")), None, &s);
         assert!(line.contains(r"--shadow-file 'it'\''s.adumbra'") && !line.contains("azimuth"), "{line}");
     }
 }

@@ -57,9 +57,9 @@ pub enum ViewError {
     /// A file cannot be read.
     #[error(transparent)]
     Io(#[from] IoError),
-    /// An error in a baked file or in another part of the core crates.
+    /// A shadow file cannot be read, or a sun is not valid.
     #[error(transparent)]
-    Library(#[from] adumbra_tree::Error),
+    Library(#[from] adumbra::Error),
     /// An error of the device.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -69,8 +69,6 @@ pub enum ViewError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OptionField {
-    /// The shadow files.
-    ShadowFiles,
     /// The shadow techniques.
     Shadows,
     /// Ambient occlusion.

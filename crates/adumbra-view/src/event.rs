@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use adumbra_tree::AnyFile;
+use adumbra::ShadowFile;
 use adumbra_truth::movers::BallPath;
 
 use crate::error::Result;
@@ -15,11 +15,11 @@ pub(crate) enum Event {
     /// A loaded scene, or the error; `load` is the number of the load.
     Scene { load: u64, loaded: Result<Arc<LoadedScene>> },
     /// A shadow file that was read, or the error.
-    File { path: PathBuf, read: Result<AnyFile, String> },
+    File { path: PathBuf, read: Result<ShadowFile, String> },
     /// Progress of a bake, identified by its number: texels on the longest side, and the completed fraction.
     Baking { bake: u64, resolution: u64, share: f32 },
     /// A completed level of a bake.
-    Baked { bake: u64, file: AnyFile, last: bool },
+    Baked { bake: u64, file: ShadowFile, last: bool },
     /// A bake ended without a file: it was cancelled, or failed with this error.
     BakeEnded { bake: u64, error: Option<String> },
     /// Traced visibilities.

@@ -9,8 +9,8 @@
 //! Before each frame the view compares its state with what the settings require. No part is notified of changes.
 //!
 //! - `Stage` keeps the scene on the device and rebuilds a technique if it is not the requested one.
-//! - `Shadows` starts and cancels bakes until every shadow file in use matches the current sun. Given files are
-//!   preferred to bakes.
+//! - `Shadows` starts and cancels bakes until the shadow file in use matches the current sun. A given file is preferred
+//!   to a bake.
 //! - `TraceThread` traces the rays of the current camera if a technique uses them. A new request cancels the previous
 //!   one.
 //!

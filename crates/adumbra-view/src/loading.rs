@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use adumbra::ShadowFile;
 use adumbra_scene as scene;
 use adumbra_scene::LoadOptions;
-use adumbra_tree::AnyFile;
 
 use crate::background::in_background;
 use crate::error::ViewError;
@@ -98,7 +98,7 @@ pub(crate) fn load_scene(load: u64, path: PathBuf, options: LoadOptions, sender:
 /// Reads a shadow file and sends it.
 pub(crate) fn read_file(path: PathBuf, sender: EventSender) {
     let file = path.clone();
-    let work = move || AnyFile::read(&file).map_err(|e| e.to_string());
+    let work = move || ShadowFile::read(&file).map_err(|e| e.to_string());
     in_background(work, move |read| sender.send(Event::File { path, read }));
 }
 

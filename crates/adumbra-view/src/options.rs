@@ -16,10 +16,9 @@ pub struct ViewOptions {
     pub scene: PathBuf,
     /// How scenes are loaded, including dropped ones.
     pub load: LoadOptions,
-    /// Shadow files that replace bakes, at most one of each kind. A bake starts when the sun moves. The files are used
-    /// again when it returns.
-    pub shadow_files: Vec<PathBuf>,
-    /// Shadow techniques of both sides. The defaults are the technique that reads the shadow file, and cascades.
+    /// A shadow file that replaces a bake. A bake starts when the sun moves. The file is used again when it returns.
+    pub shadow_file: Option<PathBuf>,
+    /// Shadow techniques of both sides. The defaults are `voxel`, which reads the shadow file, and cascades.
     pub shadows: [Option<TechniqueSpec>; 2],
     /// Ambient occlusion.
     pub ambient: SpecText,

@@ -26,7 +26,7 @@ pub(crate) const TIMEOUT: Duration = Duration::from_secs(600);
 pub enum Until {
     /// The scene is loaded.
     Loaded,
-    /// No bake is running, and all shadow files in use were baked for the current sun.
+    /// No bake is running, and the shadow file in use was baked for the current sun.
     Baked,
     /// At least one level of the bake is complete.
     Landed,

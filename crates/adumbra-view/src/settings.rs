@@ -74,9 +74,9 @@ impl Settings {
         self.seen().iter().any(TechniqueSpec::is_traced)
     }
 
-    /// Whether a visible technique needs penumbrae, which only a file in the layout "depths" provides.
-    pub(crate) fn uses_penumbrae(&self) -> bool {
-        self.seen().iter().any(|s| s.reads() == Reads::LightDepths)
+    /// Whether a visible technique reads a shadow file.
+    pub(crate) fn uses_file(&self) -> bool {
+        self.seen().iter().any(|s| s.reads() == Reads::LightFile)
     }
 
     /// Returns the visible techniques.
@@ -241,8 +241,6 @@ fn within(what: &str, value: f64, least: f64, most: f64) -> Result<f64, String> 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::baking::FileKind;
-    use crate::shadows::is_used;
 
     pub(crate) fn settings() -> Settings {
         Settings {
@@ -290,12 +288,11 @@ pub(crate) mod tests {
         assert_eq!((s.ambient.name(), s.layer, s.shown), ("issao", Layer::HybridLevels, Shown::Split(0.25)));
         assert!((s.sun.elevation_degrees() - 10.0).abs() < 1e-9 && s.sun.towards()[0] > 0.9);
         assert_eq!((s.antialias, s.resolution, s.show_box), (2, 1024, true));
-        let uses = |s: &Settings| [FileKind::Light, FileKind::Tree].map(|kind| is_used(kind, s));
-        assert_eq!((uses(&s), s.uses_traced()), ([true, false], false));
-        s.shadows[1] = "blur:base=voxel-cubes/filter=3".parse().unwrap();
-        assert_eq!(uses(&s), [true, true]);
+        assert_eq!((s.uses_file(), s.uses_traced()), (true, false));
+        s.shadows = ["csm", "blur:base=voxel/filter=3"].map(|text| text.parse().unwrap());
+        assert!(s.uses_file());
         s.shadows = ["csm", "truth"].map(|text| text.parse().unwrap());
-        assert_eq!((uses(&s), s.uses_traced()), ([false, false], true));
+        assert_eq!((s.uses_file(), s.uses_traced()), (false, true));
         s.shown = Shown::Single;
         assert!(!s.uses_traced());
     }

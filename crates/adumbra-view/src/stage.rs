@@ -5,7 +5,7 @@ mod sides;
 
 use std::sync::Arc;
 
-use adumbra::Bounds;
+use adumbra::{Bounds, ShadowFile};
 use adumbra_compare::pictures::picture_of_rgba;
 use adumbra_render::layers::{Layer, LayerPass, LinePass, PresentKind, PresentPass, WorldLine};
 use adumbra_render::occlusion::{
@@ -17,7 +17,7 @@ use adumbra_scene::{Camera, Scene};
 use adumbra_truth::movers::BallPath;
 use adumbra_truth::picture::Picture;
 
-pub(crate) use self::sides::{Files, SideView};
+pub(crate) use self::sides::SideView;
 use crate::command::Side;
 use crate::loaded_scene::LoadedScene;
 use crate::settings::{Settings, Shown};
@@ -44,7 +44,7 @@ pub(crate) struct Stage {
 
 /// Inputs of a frame besides the settings.
 pub(crate) struct FrameContext<'a> {
-    pub(crate) files: &'a Files,
+    pub(crate) file: Option<&'a ShadowFile>,
     pub(crate) lines: &'a [WorldLine],
 }
 
@@ -116,8 +116,8 @@ impl Stage {
         self.renderer.set_movers(&self.moving, options)
     }
 
-    /// Marks the files as changed: techniques that read them are rebuilt.
-    pub(crate) fn forget_files(&mut self) {
+    /// Marks the shadow file as changed: techniques that read it are rebuilt.
+    pub(crate) fn forget_file(&mut self) {
         self.sides.iter_mut().for_each(SideView::forget_file);
     }
 
@@ -168,7 +168,7 @@ impl Stage {
         let seen = if settings.shows_both() { 2 } else { 1 };
         for (side, spec) in self.sides.iter_mut().zip(&settings.shadows).take(seen) {
             let traced = self.traced.as_ref().filter(|t| Some(&t.key) == key.as_ref());
-            side.prepare(&self.renderer, spec, context.files, traced, size, settings.antialias)?;
+            side.prepare(&self.renderer, spec, context.file, traced, size, settings.antialias)?;
             side.draw(&mut self.renderer, &shot, (settings.layer, settings.antialias), &self.layer_pass)?;
             let anchor = settings.camera.eye.map(|c| f64::from(c as f32));
             self.renderer.draw_lines(&self.line_pass, side.picture(), anchor, context.lines)?;

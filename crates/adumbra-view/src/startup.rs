@@ -1,55 +1,44 @@
 //! From options to the state a view starts with. Invalid options are reported before a window opens.
 
-use adumbra::Sun;
+use adumbra::{ShadowFile, Sun};
 use adumbra_program::sun::DEFAULT_SUN;
 use adumbra_scene::{Camera, MoverPolicy};
-use adumbra_tree::AnyFile;
 
 use crate::command::{Command, Side};
 use crate::error::{OptionField as Field, Result, ViewError};
 use crate::options::ViewOptions;
 use crate::settings::{Settings, Shown};
-use crate::shadow_file::{ignored_alpha, is_same_sun, sun_of};
+use crate::shadow_file::is_same_sun;
 
 /// The state a view starts with.
 pub(crate) struct Startup {
     pub(crate) options: ViewOptions,
     pub(crate) settings: Settings,
-    /// The shadow files, in the order of the options' paths.
-    pub(crate) files: Vec<AnyFile>,
+    pub(crate) file: Option<ShadowFile>,
 }
 
 impl Startup {
-    /// Derives the settings and reads the shadow files.
+    /// Derives the settings and reads the shadow file.
     ///
     /// # Errors
-    /// Returns an error if options are invalid or a file cannot be read.
+    /// Returns an error if options are invalid or the file cannot be read.
     pub(crate) fn new(mut options: ViewOptions) -> Result<Self> {
         let mut settings = settings_of(&options)?;
         options.load.color_textures = true;
         if options.load.movers == MoverPolicy::Skip {
             options.load.movers = MoverPolicy::Keep;
         }
-        let files = options.shadow_files.iter().map(AnyFile::read).collect::<Result<Vec<_>, _>>()?;
-        if let [first, rest @ ..] = &files[..] {
-            if rest.iter().any(|file| std::mem::discriminant(file) == std::mem::discriminant(first))
-                || rest.len() > 1
-            {
-                let what = "give at most one shadow file of each kind, light-aligned and world-aligned";
-                return Err(wrong(Field::ShadowFiles)(what.to_owned()));
-            }
-            let asked = options.sun.filter(|sun| !is_same_sun(sun, &sun_of(first)));
-            settings.sun = asked.unwrap_or_else(|| sun_of(first));
-            if files.iter().any(ignored_alpha) && !options.load.ignore_alpha {
+        let file = options.shadow_file.as_ref().map(ShadowFile::read).transpose()?;
+        if let Some(file) = &file {
+            let asked = options.sun.filter(|sun| !is_same_sun(sun, &file.sun()));
+            settings.sun = asked.unwrap_or_else(|| file.sun());
+            if file.ignores_alpha() && !options.load.ignore_alpha {
                 options.load.ignore_alpha = true;
-                // The files were baked with this option, so a bake that replaces them needs it too.
+                // The file was baked with this option, so a bake that replaces it needs it too.
                 options.repeated.push("--ignore-alpha".to_owned());
             }
-            if options.shadows[0].is_none() && files.iter().all(|file| matches!(file, AnyFile::Tree(_))) {
-                settings.shadows[0] = "voxel-cubes".parse()?;
-            }
         }
-        Ok(Self { options, settings, files })
+        Ok(Self { options, settings, file })
     }
 }
 
@@ -67,10 +56,7 @@ fn settings_of(options: &ViewOptions) -> Result<Settings> {
         ambient: options.ambient.clone(),
         layer: Default::default(),
         shown: options.shown,
-        sun: options
-            .sun
-            .map_or_else(|| Sun::from_direction(DEFAULT_SUN), Ok)
-            .map_err(adumbra_tree::Error::from)?,
+        sun: options.sun.map_or_else(|| Sun::from_direction(DEFAULT_SUN), Ok)?,
         camera: Camera {
             eye: [0.0, 1.0, 1.0],
             target: [0.0; 3],

@@ -6,7 +6,6 @@ use crate::grid::Bounds;
 /// How far a look-up moves its point before it reads the grid. All terms are in texels of the light's plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bias {
     /// Distance towards the sun, on every surface.
     pub constant_texels: f64,
@@ -54,7 +53,6 @@ impl Bias {
 /// The points at which a file must be correct.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Receivers {
     /// All points in space.
     #[default]
@@ -66,7 +64,6 @@ pub enum Receivers {
 /// The settings that determine what a file returns. Nothing here varies between runs of the same bake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FileSettings {
     /// Number of texels on the longest side of the scene in the light's plane. If a voxel size was given, the smallest
     /// power of two that is at least that number.

@@ -11,13 +11,13 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 
 use adumbra::file::VERSION;
-use adumbra::layout::plain::LIT;
-use adumbra::{Bounds, Error, Frame, IoError, Layout, LightBody, Receivers, ShadowFile};
+use adumbra::layout::depths::DepthTree;
+use adumbra::{Bounds, Error, Frame, IoError, Receivers, ShadowFile};
 use adumbra_testing::{
     assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors, specified_example,
     vector_answers, vectors,
 };
-use format_support::{LAYOUT, encode, exercise, is_lit, sweep};
+use format_support::{LAYOUT, encode, exercise, sweep};
 
 /// Returns name and bytes of every valid vector, sorted by name.
 fn valid() -> Vec<(String, Vec<u8>)> {
@@ -25,7 +25,7 @@ fn valid() -> Vec<(String, Vec<u8>)> {
 }
 
 fn example() -> Vec<u8> {
-    fs::read(vectors("valid/example_8.adumbra")).expect("the example")
+    fs::read(vectors("valid/example_8_depths.adumbra")).expect("the example")
 }
 
 #[test]
@@ -34,17 +34,12 @@ fn valid_vectors_give_their_answers() {
 }
 
 #[test]
-fn earlier_versions_are_read_and_written_as_the_latest() {
-    for version in 1..VERSION {
-        let folder = format!("valid_v{version}");
-        give_their_answers(&folder);
-        for (name, bytes) in named_vectors(&folder, 10) {
-            let file = ShadowFile::from_bytes(&bytes).unwrap();
-            let written = u32::from(encode(&file)[8]);
-            assert_eq!((u32::from(bytes[8]), written), (version, VERSION), "{name}");
-            assert!(version > 1 || file.body.layout() == Layout::Plain, "{name}");
-            assert_eq!(file.grid.frame, Frame::Light, "{name}");
-        }
+fn earlier_version_is_read_and_written_as_the_latest() {
+    give_their_answers("valid_v2");
+    for (name, bytes) in named_vectors("valid_v2", 10) {
+        let file = ShadowFile::from_bytes(&bytes).unwrap();
+        assert_eq!((u32::from(bytes[8]), u32::from(encode(&file)[8])), (2, VERSION), "{name}");
+        assert_eq!(file.grid.frame, Frame::Light, "{name}");
     }
 }
 
@@ -56,15 +51,15 @@ fn give_their_answers(folder: &str) {
             assert_eq!(u64::from(reference::visibility(&bytes, point.world)), expected, "{name}: {what}");
             let at = file.grid.to_grid(point.world);
             if (0..3).all(|a| at[a] >= 0.0 && at[a] < f64::from(file.grid.size[a])) {
-                let lit = is_lit(&file, at.map(|c| c.floor() as u32));
-                assert_eq!(u64::from(lit), expected, "{name}: {what}");
+                let [i, j, k] = at.map(|c| c.floor() as u32);
+                assert_eq!(u64::from(file.tree.voxel(i, j, k)), expected, "{name}: {what}");
             }
         }
     }
 }
 
 #[test]
-fn decoded_graph_agrees_with_the_reference_on_every_voxel() {
+fn decoded_quadtree_agrees_with_the_reference_on_every_voxel() {
     for (name, bytes) in valid() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         let size = file.grid.size;
@@ -73,7 +68,7 @@ fn decoded_graph_agrees_with_the_reference_on_every_voxel() {
             for y in 0..size[1] {
                 for x in 0..size[0] {
                     let expected = reference::voxel(&bytes, [x, y, z]) == 1;
-                    assert_eq!(is_lit(&file, [x, y, z]), expected, "{name} ({x}, {y}, {z})");
+                    assert_eq!(file.tree.voxel(x, y, z), expected, "{name} ({x}, {y}, {z})");
                     lit += u64::from(expected);
                 }
             }
@@ -152,12 +147,10 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
     for at in 0..24 {
         let spread =
             |a: u64| (seed.wrapping_add(at * 7 + a).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32;
-        let [i, j, mut k] = [0, 1, 2].map(|a| spread(a as u64) % size[a]);
-        if let LightBody::Depths(depths) = &file.body {
-            k = depths.value(i, j).wrapping_sub(at as u32 & 1).min(size[2] - 1);
-        }
+        let [i, j] = [0, 1].map(|a| spread(a as u64) % size[a]);
+        let k = file.tree.value(i, j).wrapping_sub(at as u32 & 1).min(size[2] - 1);
         let expected = reference::voxel(bytes, [i, j, k]) == 1;
-        assert_eq!(is_lit(file, [i, j, k]), expected, "seed {seed}: ({i}, {j}, {k})");
+        assert_eq!(file.tree.voxel(i, j, k), expected, "seed {seed}: ({i}, {j}, {k})");
     }
 }
 
@@ -170,34 +163,9 @@ fn mutations_are_refused_or_answer_everywhere() {
         agrees_with_the_reference(&file, &mutated, seed);
         Ok(())
     });
-    // The mutations reach every check, and also produce graphs that are still valid.
+    // The mutations reach every check, and also produce quadtrees that are still valid.
     assert!(accepted > 10_000, "{accepted} accepted");
-    assert_faults_found(
-        &faults,
-        &[
-            "PointerRange",
-            "Order",
-            "NotAHeader",
-            "TwoLevels",
-            "HeaderBits",
-            "ChildState",
-            "NodeEnd",
-            "Uniform",
-            "Unreachable",
-            "TopLength",
-            "Pools",
-            "Filler",
-            "Column",
-            "NodeBits",
-            "LeafMaskRange",
-            "LeafMasks",
-            "Pointer",
-            "Unreached",
-            "Bits",
-            "End",
-            "Ranks",
-        ],
-    );
+    assert_faults_found(&faults, &["Layout", "RootLevel", "Order", "End", "Wide", "Bits", "Ranks"]);
 }
 
 #[test]
@@ -240,12 +208,20 @@ fn failing_writer_is_an_error_after_any_byte() {
 
 #[test]
 fn invalid_file_is_not_written() {
-    let mut file = ShadowFile::from_bytes(&example()).unwrap();
-    let LightBody::Plain(dag) = &mut file.body else { panic!("another layout") };
-    dag.nodes.push(LIT);
-    let mut written = Vec::new();
-    assert_eq!(file.write_to(&mut written).unwrap_err().kind(), ErrorKind::InvalidData);
-    assert!(written.is_empty());
+    let file = ShadowFile::from_bytes(&example()).unwrap();
+    let breaks: [&dyn Fn(&mut DepthTree); 3] = [
+        // No shape begins at the end of the code.
+        &|tree| tree.top[0] = [2 * tree.code.len() as u32, 0],
+        &|tree| tree.root_level = 6,
+        &|tree| tree.size[2] += 1,
+    ];
+    for (i, change) in breaks.into_iter().enumerate() {
+        let mut tree = (*file.tree).clone();
+        change(&mut tree);
+        let mut written = Vec::new();
+        let error = ShadowFile::new(file.grid, file.settings, tree).write_to(&mut written).unwrap_err();
+        assert_eq!((error.kind(), written.len()), (ErrorKind::InvalidData, 0), "{i}: {error}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod common;
 
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
-use bevy_adumbra::{BakeProgress, BakeSettings, BakeShadowCommands, BakedStatic};
+use bevy_adumbra::prelude::*;
 
 #[derive(Resource)]
 struct Town {
@@ -63,6 +63,6 @@ fn build(mut commands: Commands, mut town: ResMut<Town>, keys: Option<Res<Button
 
 fn report(progress: Query<&BakeProgress, Changed<BakeProgress>>) {
     for progress in &progress {
-        info!("bake: {progress:?}");
+        info!("bake: {progress}");
     }
 }

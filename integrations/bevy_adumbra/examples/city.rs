@@ -3,7 +3,7 @@
 mod common;
 
 use bevy::prelude::*;
-use bevy_adumbra::{BakedShadow, BakedStatic};
+use bevy_adumbra::prelude::*;
 
 fn main() {
     common::app().add_systems(Startup, setup).run();

@@ -9,7 +9,7 @@ use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, LogDiagnosticsPlugin};
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
-use bevy_adumbra::{BakedShadow, BakedStatic};
+use bevy_adumbra::prelude::*;
 
 /// The half of the window that a camera draws.
 #[derive(Component, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ mod common;
 
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
-use bevy_adumbra::{BakedShadow, BakedShadowChanged, BakedStatic};
+use bevy_adumbra::prelude::*;
 
 fn main() {
     common::app().add_systems(Startup, setup).add_systems(Update, turn).run();
@@ -18,7 +18,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
             cascades.build(),
             BakedShadow { align: false, ..BakedShadow::new(assets.load("city.adumbra")) },
         ))
-        .observe(|change: On<BakedShadowChanged>| info!("shadows: {:?}", change.status));
+        .observe(|change: On<BakedShadowChanged>| info!("the baked shadow is {}", change.status));
     commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
     commands.spawn(common::camera());
 }

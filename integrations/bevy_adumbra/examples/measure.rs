@@ -22,7 +22,8 @@ use bevy::render::render_resource::{Extent3d, PollType, TextureDimension, Textur
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice};
 use bevy::render::{Render, RenderApp, RenderPlugin, RenderSystems};
 use bevy::window::ExitCondition;
-use bevy_adumbra::{AdumbraPlugin, BakedShadow, BakedShadowFile, BakedStatic};
+use bevy_adumbra::DeviceLimits;
+use bevy_adumbra::prelude::*;
 
 /// Milliseconds of a frame's stages, in the order of [`STAGES`].
 #[derive(Resource, Default, Clone)]
@@ -116,8 +117,8 @@ fn set_up(app: &mut App, file: ShadowFile) -> Entity {
     let world = app.world_mut();
     let scene: Handle<WorldAsset> = world.resource::<AssetServer>().load("scene.glb#Scene0");
     world.spawn((WorldAssetRoot(scene.clone()), BakedStatic));
-    let side = device_limit(world);
-    let file = BakedShadowFile::new(file, side).expect("a file that fits");
+    let limits = *world.resource::<DeviceLimits>();
+    let file = BakedShadowFile::new(file, limits).expect("a file that fits");
     let file = world.resource_mut::<Assets<BakedShadowFile>>().add(file);
     let size = Extent3d { width: 320, height: 180, depth_or_array_layers: 1 };
     let format = TextureFormat::Rgba8UnormSrgb;
@@ -149,10 +150,6 @@ fn set_up(app: &mut App, file: ShadowFile) -> Entity {
         }
     }
     light
-}
-
-fn device_limit(world: &World) -> u32 {
-    world.resource::<RenderDevice>().limits().max_texture_dimension_2d
 }
 
 /// Draws frames, and returns the rows of one column.

@@ -3,7 +3,7 @@
 mod common;
 
 use bevy::prelude::*;
-use bevy_adumbra::{BakedShadow, BakedStatic};
+use bevy_adumbra::prelude::*;
 
 #[derive(Component)]
 struct Ball(f32);

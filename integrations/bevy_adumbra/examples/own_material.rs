@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::AsBindGroup;
 use bevy::shader::ShaderRef;
-use bevy_adumbra::{BakedShadow, BakedStatic};
+use bevy_adumbra::prelude::*;
 
 const SHADER: Handle<Shader> = uuid_handle!("7a1e7a0e-6a3f-4c02-9d5c-0d2f6f2f5a51");
 

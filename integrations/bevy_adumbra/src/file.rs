@@ -1,31 +1,36 @@
 //! The asset: a parsed `.adumbra` file and its look-up texture.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 
-use adumbra::gpu::LookUpTexture;
+use adumbra::gpu::{LookUp, LookUpTexture};
 use adumbra::{Error, FormatError, LightGrid, RangeError, ShadowFile};
 use bevy::asset::io::Reader;
 use bevy::asset::{Asset, AssetLoader, LoadContext};
 use bevy::math::Vec3;
 use bevy::reflect::TypePath;
+use bevy::reflect::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::DeviceLimits;
+
 /// A baked shadow file: the asset of `.adumbra` files.
-#[derive(Asset, TypePath, Clone, Debug)]
+#[derive(Asset, Clone, Debug, Reflect)]
+#[reflect(opaque)]
+#[reflect(Clone)]
 pub struct BakedShadowFile {
     file: Arc<ShadowFile>,
     texture: Result<Arc<LookUpTexture>, RangeError>,
 }
 
 impl BakedShadowFile {
-    /// Makes the asset of a file that was read or baked. `max_texture_side` is the device's limit in texels; a file that
-    /// needs a larger texture is an asset all the same, but casts no shadows. Cost: one copy of the file's words.
+    /// Makes the asset of a file that was read or baked. A file that needs a larger texture than the device allows is an
+    /// asset all the same, but casts no shadows. Cost: one copy of the file's words.
     ///
     /// # Errors
     /// Returns the errors of [`LookUpTexture::new`] but that of the size.
-    pub fn new(file: ShadowFile, max_texture_side: u32) -> Result<Self, Error> {
-        let texture = match LookUpTexture::new(&file, file.settings.bias, 5, max_texture_side) {
+    pub fn new(file: ShadowFile, limits: DeviceLimits) -> Result<Self, Error> {
+        let max_side = limits.max_texture_side;
+        let texture = match LookUpTexture::new(&file, &LookUp::default(), max_side) {
             Ok(texture) => Ok(Arc::new(texture)),
             Err(Error::Range(error)) => Err(error),
             Err(error) => return Err(error),
@@ -33,7 +38,7 @@ impl BakedShadowFile {
         Ok(Self { file: Arc::new(file), texture })
     }
 
-    /// Returns the file, for look-ups on the CPU with [`adumbra::Query`].
+    /// Returns the file, for look-ups on the CPU with [`ShadowFile::sampler`].
     pub fn file(&self) -> &Arc<ShadowFile> {
         &self.file
     }
@@ -61,12 +66,14 @@ pub struct ShadowFileSettings {}
 /// Loads `.adumbra` files. Checksums and structure are verified.
 #[derive(TypePath, Clone, Debug)]
 pub struct ShadowFileLoader {
-    max_texture_side: Arc<AtomicU32>,
+    limits: DeviceLimits,
 }
 
 impl ShadowFileLoader {
-    pub(crate) fn new(max_texture_side: Arc<AtomicU32>) -> Self {
-        Self { max_texture_side }
+    pub(crate) const EXTENSIONS: [&str; 1] = ["adumbra"];
+
+    pub(crate) fn new(limits: DeviceLimits) -> Self {
+        Self { limits }
     }
 }
 
@@ -99,10 +106,10 @@ impl AssetLoader for ShadowFileLoader {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         let file = ShadowFile::from_bytes(&bytes)?;
-        Ok(BakedShadowFile::new(file, self.max_texture_side.load(Ordering::Relaxed))?)
+        Ok(BakedShadowFile::new(file, self.limits)?)
     }
 
     fn extensions(&self) -> &[&str] {
-        &["adumbra"]
+        &Self::EXTENSIONS
     }
 }

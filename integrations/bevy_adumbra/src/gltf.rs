@@ -1,14 +1,16 @@
 //! Lights of glTF files that name their shadow file.
 //!
 //! A directional light of `KHR_lights_punctual` may have `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`.
-//! The path is relative to the glTF file. `adumbra bake --into city.glb` writes it.
+//! The path is relative to the glTF file, and the filter is its width in texels. `adumbra bake --into city.glb` writes it.
 
+use adumbra::Filter;
 use bevy::asset::{AssetPath, AssetServer};
 use bevy::ecs::prelude::*;
 use bevy::gltf::GltfExtras;
 use bevy::log::warn;
 use bevy::prelude::{ChildOf, DirectionalLight, WorldAssetRoot};
 use serde::Deserialize;
+use serde_json::Number;
 
 use crate::components::BakedShadow;
 
@@ -21,7 +23,7 @@ struct Extras {
 #[derive(Deserialize)]
 struct Shadow {
     shadow: Option<String>,
-    filter: Option<u32>,
+    filter: Option<Number>,
 }
 
 /// Gives lights of glTF files the shadow files that they name.
@@ -58,9 +60,40 @@ pub(crate) fn attach_files(
         };
         light.shadow_maps_enabled = true;
         let mut shadow = BakedShadow::new(server.load(path));
-        if let Some(filter) = filter {
-            shadow.filter = filter;
+        if let Some(width) = filter {
+            match filter_of_width(&width) {
+                Some(filter) => shadow.filter = filter.into(),
+                None => warn!(
+                    "light {entity} in {scene} names a filter {width} texels wide, and the widths are {:?}; it has the \
+                     default, {}",
+                    Filter::ALL.map(Filter::width),
+                    Filter::default().width()
+                ),
+            }
         }
         commands.entity(entity).insert(shadow);
+    }
+}
+
+/// Returns the filter of this width, `None` if there is none.
+fn filter_of_width(width: &Number) -> Option<Filter> {
+    let width = u32::try_from(width.as_u64()?).ok()?;
+    Filter::try_from(width).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_widths_of_filters_are_taken() {
+        let filter = |extras: &str| {
+            let extras: Extras = serde_json::from_str(extras).unwrap();
+            filter_of_width(&extras.adumbra.unwrap().filter.unwrap())
+        };
+        assert_eq!(filter(r#"{"adumbra": {"shadow": "a.adumbra", "filter": 9}}"#), Some(Filter::Box9));
+        for wrong in ["4", "0", "-1", "2.5", "4294967301"] {
+            assert_eq!(filter(&format!(r#"{{"adumbra": {{"filter": {wrong}}}}}"#)), None, "{wrong}");
+        }
     }
 }

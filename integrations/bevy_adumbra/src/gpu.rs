@@ -23,6 +23,7 @@ use bevy::render::render_resource::{
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
 
+use crate::DeviceLimits;
 use crate::lights::{FileInUse, FilesInUse};
 
 /// First word of the directory, `ADUD`.
@@ -113,7 +114,7 @@ fn parameters(files: &[FileInUse]) -> Vec<(u32, Vec<u8>)> {
     for (n, file) in files.iter().enumerate() {
         let of_file = &mut directory[FILE_WORDS[0] + FILE_WORDS[1] * n..][..4];
         let alone = u32::from(file.is_alone(files));
-        of_file.copy_from_slice(&[row, file.texture.width().ilog2(), file.look_up.code(), alone]);
+        of_file.copy_from_slice(&[row, file.texture.width().ilog2(), file.way.code(), alone]);
         parts.push((row, file.header.clone()));
         row += file.texture.height();
     }
@@ -167,7 +168,7 @@ pub(crate) fn give_words(
     mut commands: Commands,
     files: Res<ExtractedFiles>,
     mut textures: ResMut<WordTextures>,
-    (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
+    (device, queue, limits): (Res<RenderDevice>, Res<RenderQueue>, Res<DeviceLimits>),
     transmissive: Res<ViewSortedRenderPhases<Transmissive3d>>,
     views: Query<(Entity, &ExtractedView, &ExtractedCamera, Has<HasWords>)>,
 ) {
@@ -202,7 +203,7 @@ pub(crate) fn give_words(
             used.push(key);
             let known = textures.below.get(&key).cloned();
             known.or_else(|| {
-                let words = below_a_picture(&device, &queue, &files.files, size, key)?;
+                let words = below_a_picture(&device, &queue, *limits, &files.files, size, key)?;
                 textures.below.insert(key, words.clone());
                 Some(words)
             })
@@ -224,13 +225,14 @@ pub(crate) fn give_words(
 fn below_a_picture(
     device: &RenderDevice,
     queue: &RenderQueue,
+    limits: DeviceLimits,
     files: &[FileInUse],
     size: UVec2,
     (picture, format): (UVec2, TextureFormat),
 ) -> Option<WordTexture> {
     let bytes = encoded(&rows(files), format)?;
     let whole = UVec2::new(picture.x.max(size.x), picture.y + size.y);
-    if whole.max_element() > device.limits().max_texture_dimension_2d {
+    if whole.max_element() > limits.max_texture_side {
         return None;
     }
     let words = word_texture(device, whole, format);

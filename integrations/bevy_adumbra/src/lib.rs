@@ -3,7 +3,7 @@
 //!
 //! ```no_run
 //! use bevy::prelude::*;
-//! use bevy_adumbra::{AdumbraPlugin, BakedShadow, BakedStatic};
+//! use bevy_adumbra::prelude::*;
 //!
 //! fn main() {
 //!     App::new().add_plugins((DefaultPlugins, AdumbraPlugin)).add_systems(Startup, setup).run();
@@ -23,9 +23,13 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`prelude`] | what most apps need |
 //! | `file` | the asset and its loader |
 //! | `shaders`, `patch` | the WGSL of look-ups, and the places in Bevy's shaders that call it |
 //! | `lights` | which files are in use |
+//! | `status`, `error` | what a light's shadows come from, and why not from its files |
+//! | `systems` | where the plugin's systems run |
+//! | `limits` | what the device allows |
 //! | `statics` | which meshes are in the files, and how they leave the cascades |
 //! | `gpu` | the texture with the files' words |
 //! | `gltf` | lights of glTF files that name their file (feature `gltf`) |
@@ -37,69 +41,73 @@
 #[cfg(feature = "bake")]
 mod bake;
 mod components;
+mod error;
 mod file;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod gpu;
 mod lights;
+mod limits;
 mod patch;
+pub mod prelude;
 #[cfg(feature = "processor")]
 mod processor;
 mod shaders;
 mod statics;
+mod status;
+mod systems;
 #[cfg(any(feature = "bake", feature = "processor"))]
 mod threads;
-
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use bevy::app::{App, Plugin, PostUpdate, PreUpdate};
 use bevy::asset::{AssetApp, Assets};
 use bevy::ecs::schedule::IntoScheduleConfigs;
-use bevy::light::SimulationLightSystems;
 use bevy::render::renderer::RenderDevice;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 use bevy::shader::Shader;
-use bevy::transform::TransformSystems;
 
 #[cfg(feature = "bake")]
-pub use bake::{BakeProgress, BakeSettings, BakeShadow, BakeShadowCommands};
-pub use components::{
-    BakedShadow, BakedShadowChanged, BakedShadowStatus, BakedStatic, InBake, NotBaked, StaticCasters,
-};
+pub use bake::{BakeError, BakeProgress, BakeSettings, BakeShadow, BakeShadowCommands};
+pub use components::{BakedShadow, BakedStatic, InBake, NotBaked, ShadowBias, ShadowFilter, StaticCasters};
+pub use error::{BakedShadowError, SharedError};
 pub use file::{BakedShadowFile, ShadowFileError, ShadowFileLoader, ShadowFileSettings};
+pub use limits::DeviceLimits;
 #[cfg(feature = "processor")]
 pub use processor::{ShadowBake, ShadowBakeError, ShadowBakeLoader, ShadowFileSaver};
 pub use statics::CascadeCasters;
+pub use status::{BakedShadowChanged, BakedShadowStatus};
+pub use systems::AdumbraSystems;
 
-/// Texels that every device allows along a side of a texture.
-const MIN_MAX_TEXTURE_SIDE: u32 = 8192;
+/// Registers what an app finds in its world. Bevy registers types by itself only with its feature `reflect_auto_register`.
+fn register_types(app: &mut App) {
+    app.register_type::<BakedShadow>()
+        .register_type::<BakedShadowStatus>()
+        .register_type::<BakedShadowChanged>()
+        .register_type::<BakedStatic>()
+        .register_type::<NotBaked>()
+        .register_type::<InBake>()
+        .register_type::<StaticCasters>()
+        .register_type::<CascadeCasters>()
+        .register_type::<DeviceLimits>();
+    #[cfg(feature = "bake")]
+    app.register_type::<BakeShadow>().register_type::<BakeProgress>();
+}
 
 /// Adds baked shadows to an app. It goes after `DefaultPlugins`.
 #[derive(Clone, Debug, Default)]
 pub struct AdumbraPlugin;
 
-/// Texels that the device allows along a side of a texture. It is known once there is a device.
-#[derive(bevy::ecs::resource::Resource, Clone)]
-struct MaxTextureSide(Arc<AtomicU32>);
-
-impl MaxTextureSide {
-    #[cfg(feature = "bake")]
-    fn get(&self) -> u32 {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
 impl Plugin for AdumbraPlugin {
     fn build(&self, app: &mut App) {
-        let max_side = MaxTextureSide(Arc::new(AtomicU32::new(MIN_MAX_TEXTURE_SIDE)));
+        register_types(app);
         app.init_asset::<BakedShadowFile>()
-            .register_asset_loader(ShadowFileLoader::new(Arc::clone(&max_side.0)));
+            .register_asset_reflect::<BakedShadowFile>()
+            .preregister_asset_loader::<ShadowFileLoader>(&ShadowFileLoader::EXTENSIONS);
         #[cfg(feature = "processor")]
-        app.register_asset_loader(ShadowBakeLoader::new(Arc::clone(&max_side.0)))
+        app.preregister_asset_loader::<ShadowBakeLoader>(&ShadowBakeLoader::EXTENSIONS)
             .register_asset_processor(processor::ShadowBakeProcess::from(ShadowFileSaver))
             .set_default_asset_processor::<processor::ShadowBakeProcess>("shadow.ron");
-        app.insert_resource(max_side)
+        app.init_resource::<DeviceLimits>()
             .init_resource::<StaticCasters>()
             .init_resource::<CascadeCasters>()
             .init_resource::<lights::FilesInUse>();
@@ -110,50 +118,58 @@ impl Plugin for AdumbraPlugin {
             return;
         };
         let patch = patch::ShaderPatch::new(&mut shaders);
-        app.insert_resource(patch).add_systems(PreUpdate, patch::patch_shaders).add_systems(
-            PostUpdate,
-            (
-                statics::mark_meshes,
-                lights::align_lights.before(TransformSystems::Propagate),
+        systems::order(app);
+        app.insert_resource(patch)
+            .add_systems(PreUpdate, patch::patch_shaders.in_set(AdumbraSystems::PatchShaders))
+            .add_systems(
+                PostUpdate,
                 (
-                    lights::find_files_in_use,
-                    lights::add_ways,
-                    statics::warn_of_movers,
-                    statics::rest_cascades,
-                )
-                    .chain()
-                    .after(TransformSystems::Propagate)
-                    .after(statics::mark_meshes)
-                    .before(SimulationLightSystems::UpdateDirectionalLightCascades),
-                statics::leave_out.after(SimulationLightSystems::CheckLightVisibility),
-            ),
-        );
+                    lights::align_lights.in_set(AdumbraSystems::AlignLights),
+                    statics::mark_meshes.in_set(AdumbraSystems::MarkStatics),
+                    (
+                        lights::find_files_in_use,
+                        lights::add_ways,
+                        statics::warn_of_movers,
+                        statics::rest_cascades,
+                    )
+                        .chain()
+                        .in_set(AdumbraSystems::ApplyFiles),
+                    statics::leave_out.in_set(AdumbraSystems::LeaveCascades),
+                ),
+            );
         #[cfg(feature = "gltf")]
-        app.add_systems(PreUpdate, gltf::attach_files);
+        app.add_systems(PreUpdate, gltf::attach_files.in_set(AdumbraSystems::AttachFiles));
         #[cfg(feature = "bake")]
         app.init_resource::<bake::StaticKeys>().add_systems(
             PostUpdate,
-            (bake::find_meshes, bake::bake_shadows, bake::mark_changes)
-                .chain()
-                .after(TransformSystems::Propagate)
-                .after(statics::mark_meshes)
-                .before(lights::find_files_in_use),
+            (bake::find_meshes, bake::bake_shadows, bake::mark_changes).chain().in_set(AdumbraSystems::Bake),
         );
         let Some(render) = app.get_sub_app_mut(RenderApp) else { return };
         render
+            .init_resource::<DeviceLimits>()
             .init_resource::<gpu::ExtractedFiles>()
             .init_resource::<gpu::WordTextures>()
-            .add_systems(ExtractSchedule, gpu::extract_files)
+            .add_systems(ExtractSchedule, gpu::extract_files.in_set(AdumbraSystems::Upload))
             // After Bevy's own transmission textures, and before bind groups.
-            .add_systems(Render, gpu::give_words.in_set(RenderSystems::PrepareResourcesCollectPhaseBuffers));
+            .add_systems(
+                Render,
+                gpu::give_words
+                    .in_set(AdumbraSystems::Upload)
+                    .in_set(RenderSystems::PrepareResourcesCollectPhaseBuffers),
+            );
     }
 
+    /// Registers the loaders, which need the limits of the device. It is known by now.
     fn finish(&self, app: &mut App) {
-        let Some(device) = app.world().get_resource::<RenderDevice>() else { return };
-        let side = device.limits().max_texture_dimension_2d;
-        app.world().resource::<MaxTextureSide>().0.store(side, Ordering::Relaxed);
-        if let Some(mut patch) = app.world_mut().get_resource_mut::<patch::ShaderPatch>() {
-            patch.set_max_rows(side);
+        if let Some(limits) = app.world().get_resource::<RenderDevice>().map(DeviceLimits::from) {
+            app.insert_resource(limits);
+            if let Some(render) = app.get_sub_app_mut(RenderApp) {
+                render.insert_resource(limits);
+            }
         }
+        let limits = *app.world().resource::<DeviceLimits>();
+        app.register_asset_loader(ShadowFileLoader::new(limits));
+        #[cfg(feature = "processor")]
+        app.register_asset_loader(ShadowBakeLoader::new(limits));
     }
 }

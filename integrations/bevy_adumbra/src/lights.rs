@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use adumbra::ShadowFile;
-use adumbra::gpu::{LookUpTexture, Parameters};
+use adumbra::gpu::{LookUp, LookUpTexture, Penumbra};
 use bevy::asset::{AssetServer, Assets, LoadState};
 use bevy::ecs::prelude::*;
 use bevy::log::{info, warn};
@@ -12,10 +11,12 @@ use bevy::math::{Quat, Vec3};
 use bevy::prelude::{ChildOf, DirectionalLight, GlobalTransform, Transform};
 use bevy::shader::Shader;
 
-use crate::BakedShadowFile;
-use crate::components::{BakedShadow, BakedShadowChanged, BakedShadowStatus};
+use crate::components::BakedShadow;
+use crate::error::BakedShadowError;
 use crate::patch::{PatchState, ShaderPatch};
-use crate::shaders::LookUp;
+use crate::shaders::Way;
+use crate::status::{BakedShadowChanged, BakedShadowStatus};
+use crate::{BakedShadowFile, DeviceLimits};
 
 /// Largest number of files in use at once.
 pub(crate) const MAX_FILES: usize = 8;
@@ -23,14 +24,11 @@ pub(crate) const MAX_FILES: usize = 8;
 /// A light has a file's sun if the distance of their unit vectors is at most this, 0.05 degrees.
 const SAME_SUN: f32 = 1e-3;
 
-/// Largest radius of a penumbra, texels.
-const MAX_RADIUS_TEXELS: f64 = 32.0;
-
 /// A file that is in use.
 #[derive(Clone, Debug)]
 pub(crate) struct FileInUse {
     pub(crate) texture: Arc<LookUpTexture>,
-    pub(crate) look_up: LookUp,
+    pub(crate) way: Way,
     /// The first row's texels: the texture's own header with the light's filter and bias.
     pub(crate) header: Vec<u8>,
     towards_sun: Vec3,
@@ -46,8 +44,7 @@ impl FileInUse {
 
 impl PartialEq for FileInUse {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.texture, &other.texture)
-            && (self.look_up, &self.header) == (other.look_up, &other.header)
+        Arc::ptr_eq(&self.texture, &other.texture) && (self.way, &self.header) == (other.way, &other.header)
     }
 }
 
@@ -84,7 +81,7 @@ pub(crate) fn find_files_in_use(
     without_files: Query<Entity, (With<BakedShadowStatus>, Without<BakedShadow>)>,
     files: Res<Assets<BakedShadowFile>>,
     server: Res<AssetServer>,
-    patch: Res<ShaderPatch>,
+    (patch, limits): (Res<ShaderPatch>, Res<DeviceLimits>),
     mut in_use: ResMut<FilesInUse>,
 ) {
     for light in &without_files {
@@ -94,32 +91,34 @@ pub(crate) fn find_files_in_use(
     for (entity, shadow, transform, light, mut status) in &mut lights {
         let new = match patch.state() {
             PatchState::Pending => BakedShadowStatus::Waiting,
-            PatchState::Failed(reason) => BakedShadowStatus::Unusable(reason.to_string()),
-            PatchState::Done if !light.shadow_maps_enabled => BakedShadowStatus::Unusable(
-                "the light has no shadows; set DirectionalLight::shadow_maps_enabled".to_owned(),
-            ),
+            PatchState::Failed(error) => BakedShadowStatus::Unusable(error.clone()),
+            PatchState::Done if !light.shadow_maps_enabled => {
+                BakedShadowStatus::Unusable(BakedShadowError::NoShadowMaps)
+            }
             PatchState::Done => {
-                add_files(shadow, transform.back().as_vec3(), &files, &server, patch.max_rows(), &mut found.0)
+                add_files(shadow, transform.back().as_vec3(), &files, &server, *limits, &mut found.0)
             }
         };
         if *status != new {
-            let name = format!("the baked shadow of light {entity}");
-            match &new {
-                BakedShadowStatus::Waiting => info!("{name} is loading"),
-                BakedShadowStatus::Active(_) => info!("{name} is in use"),
-                BakedShadowStatus::Misaligned(degrees) => warn!(
-                    "{name} is not in use: the light is {degrees:.2} degrees off the file's sun; set \
-                     BakedShadow::align, or turn the light. Shadows come from its cascades"
-                ),
-                BakedShadowStatus::Unusable(reason) => {
-                    warn!("{name} is not in use: {reason}. Shadows come from the light's cascades");
-                }
-            }
+            log_change(entity, &status, &new);
             commands.trigger(BakedShadowChanged { entity, status: new.clone() });
             *status = new;
         }
     }
     in_use.set_if_neq(found);
+}
+
+fn log_change(light: Entity, before: &BakedShadowStatus, now: &BakedShadowStatus) {
+    match (before, now) {
+        // A sun that moves changes the angle in every frame.
+        (BakedShadowStatus::Misaligned { .. }, BakedShadowStatus::Misaligned { .. }) => {}
+        (_, BakedShadowStatus::Waiting | BakedShadowStatus::Active { .. }) => {
+            info!("the baked shadow of light {light} is {now}");
+        }
+        (_, BakedShadowStatus::Misaligned { .. } | BakedShadowStatus::Unusable(_)) => {
+            warn!("the baked shadow of light {light} is {now}. Shadows come from the light's cascades");
+        }
+    }
 }
 
 /// Adds the ways in which files in use are looked up to the shaders, when the first one needs it.
@@ -128,7 +127,7 @@ pub(crate) fn add_ways(
     mut shaders: ResMut<Assets<Shader>>,
     mut patch: ResMut<ShaderPatch>,
 ) {
-    let ways = in_use.0.iter().map(|file| file.look_up);
+    let ways = in_use.0.iter().map(|file| file.way);
     // Neither resource is marked as changed for nothing.
     if !ways.clone().all(|way| patch.has_way(way)) {
         patch.add_ways(ways, &mut shaders);
@@ -141,16 +140,16 @@ fn add_files(
     towards_light: Vec3,
     files: &Assets<BakedShadowFile>,
     server: &AssetServer,
-    max_rows: u32,
+    limits: DeviceLimits,
     in_use: &mut Vec<FileInUse>,
 ) -> BakedShadowStatus {
     let mut added = 0;
     let mut nearest_degrees = f32::INFINITY;
-    let mut reason = None;
+    let mut error = None;
     for handle in &shadow.files {
         let Some(file) = files.get(handle) else {
-            if let Some(LoadState::Failed(error)) = server.get_load_state(handle) {
-                reason = Some(error.to_string());
+            if let Some(LoadState::Failed(cause)) = server.get_load_state(handle) {
+                error = Some(BakedShadowError::NotLoaded(cause.into()));
             }
             continue;
         };
@@ -166,53 +165,37 @@ fn add_files(
                 if is_known {
                     added += 1;
                 } else if in_use.len() == MAX_FILES {
-                    reason = Some(format!("more than {MAX_FILES} files are in use; load fewer at a time"));
-                } else if rows >= max_rows {
-                    reason = Some(format!(
-                        "the files need {rows} rows of texels, and the device allows {max_rows}; bake at a lower \
-                         resolution, or load fewer at a time"
-                    ));
+                    error = Some(BakedShadowError::TooManyFiles { limit: MAX_FILES });
+                } else if rows >= limits.max_texture_side {
+                    error = Some(BakedShadowError::TooManyRows { rows, limit: limits.max_texture_side });
                 } else {
                     in_use.push(new);
                     added += 1;
                 }
             }
-            Err(error) => reason = Some(error),
+            Err(cause) => error = Some(cause),
         }
     }
-    match reason {
-        _ if added > 0 => BakedShadowStatus::Active(added),
-        Some(reason) => BakedShadowStatus::Unusable(reason),
-        None if nearest_degrees.is_finite() => BakedShadowStatus::Misaligned(nearest_degrees),
-        None if shadow.files.is_empty() => {
-            BakedShadowStatus::Unusable("BakedShadow::files is empty".to_owned())
-        }
+    match error {
+        _ if added > 0 => BakedShadowStatus::Active { files: added },
+        Some(error) => BakedShadowStatus::Unusable(error),
+        None if nearest_degrees.is_finite() => BakedShadowStatus::Misaligned { degrees: nearest_degrees },
+        None if shadow.files.is_empty() => BakedShadowStatus::Unusable(BakedShadowError::NoFiles),
         None => BakedShadowStatus::Waiting,
     }
 }
 
-fn file_in_use(asset: &BakedShadowFile, shadow: &BakedShadow) -> Result<FileInUse, String> {
-    let texture = asset.texture().map_err(|error| error.to_string())?;
-    let file = asset.file();
-    let parameters = parameters(file, texture, shadow).map_err(|error| format!("BakedShadow: {error}"))?;
+fn file_in_use(asset: &BakedShadowFile, shadow: &BakedShadow) -> Result<FileInUse, BakedShadowError> {
+    let texture = asset.texture().map_err(|error| BakedShadowError::File(error.clone()))?;
+    let penumbra = shadow.softness.map(|angle| Penumbra { sun_degrees: angle.into(), ..Penumbra::default() });
+    let look_up = LookUp { filter: shadow.filter.into(), bias: shadow.bias.map(Into::into), penumbra };
+    let anchor = texture.anchor_world().map(f64::from);
+    let parameters = asset.file().gpu().parameters(&look_up, anchor);
+    let parameters = parameters.map_err(|error| BakedShadowError::Setting(error.into()))?;
     Ok(FileInUse {
-        look_up: LookUp::new(file.body.layout(), shadow.softness.is_some()),
+        way: if penumbra.is_some() { Way::Soft } else { Way::Filtered },
         texture: Arc::clone(texture),
         header: texture.header_with(parameters),
         towards_sun: asset.towards_sun(),
     })
-}
-
-fn parameters(
-    file: &ShadowFile,
-    texture: &LookUpTexture,
-    shadow: &BakedShadow,
-) -> adumbra::Result<Parameters> {
-    let bias = shadow.bias.unwrap_or(file.settings.bias);
-    let anchor = texture.anchor_world().map(f64::from);
-    let mut parameters = Parameters::new(&file.grid, &file.body, bias, shadow.filter, anchor)?;
-    if let Some(angle) = shadow.softness {
-        parameters.set_penumbrae(&file.grid, angle.into(), MAX_RADIUS_TEXELS)?;
-    }
-    Ok(parameters)
 }

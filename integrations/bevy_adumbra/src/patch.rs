@@ -7,17 +7,18 @@ use bevy::ecs::prelude::*;
 use bevy::log::error;
 use bevy::shader::{Shader, Source};
 
-use crate::shaders::{LookUp, PATCHES, WORDS, look_up_module};
+use crate::error::BakedShadowError;
+use crate::shaders::{PATCHES, WORDS, Way, look_up_module};
 
 /// The state of Bevy's shaders.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PatchState<'p> {
     /// Some are not loaded yet.
     Pending,
     /// All are patched.
     Done,
     /// One is not as expected.
-    Failed(&'p str),
+    Failed(&'p BakedShadowError),
 }
 
 /// The modules of look-ups, and what is known of Bevy's shaders.
@@ -26,10 +27,9 @@ pub(crate) struct ShaderPatch {
     look_up: Handle<Shader>,
     /// Kept so that the modules stay.
     _modules: Vec<Handle<Shader>>,
-    ways: BTreeSet<LookUp>,
+    ways: BTreeSet<Way>,
     done: [bool; PATCHES.len()],
-    failure: Option<String>,
-    max_rows: u32,
+    failure: Option<BakedShadowError>,
 }
 
 impl ShaderPatch {
@@ -38,8 +38,8 @@ impl ShaderPatch {
         let mut add = |name: &str, text: String| {
             shaders.add(Shader::from_wgsl(text, format!("bevy_adumbra/{name}.wgsl")))
         };
-        let ways = BTreeSet::from([LookUp::Depths]);
-        let mut modules: Vec<_> = LookUp::ALL.map(|way| add(&format!("{way:?}"), way.module())).into();
+        let ways = BTreeSet::from([Way::Filtered]);
+        let mut modules: Vec<_> = Way::ALL.map(|way| add(way.name(), way.module())).into();
         modules.push(add("words", WORDS.to_owned()));
         Self {
             look_up: add("look_up", look_up_module(&ways)),
@@ -47,41 +47,30 @@ impl ShaderPatch {
             ways,
             done: [false; PATCHES.len()],
             failure: None,
-            max_rows: 8192,
         }
     }
 
     pub(crate) fn state(&self) -> PatchState<'_> {
         match &self.failure {
-            Some(reason) => PatchState::Failed(reason),
+            Some(error) => PatchState::Failed(error),
             None if self.done == [true; PATCHES.len()] => PatchState::Done,
             None => PatchState::Pending,
         }
     }
 
     /// Whether the module that calls look-ups has this way.
-    pub(crate) fn has_way(&self, way: LookUp) -> bool {
+    pub(crate) fn has_way(&self, way: Way) -> bool {
         self.ways.contains(&way)
     }
 
     /// Adds ways of looking up to the module that calls them. Pipelines are compiled anew.
-    pub(crate) fn add_ways(&mut self, more: impl Iterator<Item = LookUp>, shaders: &mut Assets<Shader>) {
+    pub(crate) fn add_ways(&mut self, more: impl Iterator<Item = Way>, shaders: &mut Assets<Shader>) {
         let mut ways = self.ways.clone();
         ways.extend(more);
         if let Some(mut module) = shaders.get_mut(&self.look_up) {
             *module = Shader::from_wgsl(look_up_module(&ways), module.path.clone());
             self.ways = ways;
         }
-    }
-
-    /// Sets how many texels a texture may have along a side.
-    pub(crate) fn set_max_rows(&mut self, rows: u32) {
-        self.max_rows = rows;
-    }
-
-    /// Returns how many rows a texture may have.
-    pub(crate) fn max_rows(&self) -> u32 {
-        self.max_rows
     }
 }
 
@@ -101,7 +90,7 @@ pub(crate) fn patch_shaders(
         let Some(shader) = shaders.get(&handle) else { continue };
         let patched = match &shader.source {
             Source::Wgsl(text) => patch.apply(text),
-            _ => Err(("WGSL", 0)),
+            _ => Err(BakedShadowError::ShaderLanguage { shader: patch.asset }),
         };
         match patched {
             Ok(None) => state.done[n] = true,
@@ -114,15 +103,9 @@ pub(crate) fn patch_shaders(
                 }
                 state.done[n] = true;
             }
-            Err((text, count)) => {
-                let reason = format!(
-                    "{} has {text:?} {count} times where bevy_adumbra {} expects it once; use the bevy_adumbra of \
-                     this version of Bevy, and no other plugin that changes this shader",
-                    patch.asset,
-                    env!("CARGO_PKG_VERSION"),
-                );
-                error!("{reason}. All shadows come from cascades");
-                state.failure = Some(reason);
+            Err(error) => {
+                error!("{error}. All shadows come from cascades");
+                state.failure = Some(error);
                 return;
             }
         }

@@ -13,8 +13,6 @@
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::{fs, io};
 
 use adumbra::{Error, ShadowFile, Sun};
@@ -32,7 +30,7 @@ use serde::Deserialize;
 use tempfile::TempDir;
 
 use crate::threads::pool;
-use crate::{BakedShadowFile, ShadowFileLoader, ShadowFileSettings};
+use crate::{BakedShadowFile, DeviceLimits, ShadowFileLoader, ShadowFileSettings};
 
 /// What a `.shadow.ron` says: the scene to bake, and how.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -61,12 +59,14 @@ pub(crate) type ShadowBakeProcess =
 /// Loads `.shadow.ron` files: reads the scene that they name and bakes it, on threads of its own.
 #[derive(TypePath, Clone, Debug)]
 pub struct ShadowBakeLoader {
-    max_texture_side: Arc<AtomicU32>,
+    limits: DeviceLimits,
 }
 
 impl ShadowBakeLoader {
-    pub(crate) fn new(max_texture_side: Arc<AtomicU32>) -> Self {
-        Self { max_texture_side }
+    pub(crate) const EXTENSIONS: [&str; 1] = ["shadow.ron"];
+
+    pub(crate) fn new(limits: DeviceLimits) -> Self {
+        Self { limits }
     }
 }
 
@@ -127,11 +127,11 @@ impl AssetLoader for ShadowBakeLoader {
             let _ = sender.send_blocking(bake_copy(&copy, &settings, sun));
         });
         let file = receiver.recv().await.map_err(|_| ShadowBakeError::Lost)??;
-        Ok(BakedShadowFile::new(file, self.max_texture_side.load(Ordering::Relaxed))?)
+        Ok(BakedShadowFile::new(file, self.limits)?)
     }
 
     fn extensions(&self) -> &[&str] {
-        &["shadow.ron"]
+        &Self::EXTENSIONS
     }
 }
 

@@ -6,70 +6,54 @@
 
 use std::collections::BTreeSet;
 
-use adumbra::Layout;
 use adumbra::gpu::{WordSource, wgsl_files};
 use adumbra_shaders::{Source, assemble, source};
 
-/// How a file is looked up.
+use crate::error::BakedShadowError;
+
+/// A way of looking up a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) enum LookUp {
-    Plain,
-    Packed,
-    Depths,
-    /// Layout depths, with penumbrae.
+pub(crate) enum Way {
+    /// With a filter.
+    Filtered,
+    /// With penumbrae.
     Soft,
 }
 
-impl LookUp {
-    pub(crate) const ALL: [Self; 4] = [Self::Plain, Self::Packed, Self::Depths, Self::Soft];
-
-    pub(crate) fn new(layout: Layout, soft: bool) -> Self {
-        match layout {
-            Layout::Plain => Self::Plain,
-            Layout::Packed => Self::Packed,
-            Layout::Depths if soft => Self::Soft,
-            Layout::Depths => Self::Depths,
-        }
-    }
+impl Way {
+    pub(crate) const ALL: [Self; 2] = [Self::Filtered, Self::Soft];
 
     /// Returns the number that stands for it in the directory.
     pub(crate) fn code(self) -> u32 {
         self as u32
     }
 
-    fn layout(self) -> Layout {
-        match self {
-            Self::Plain => Layout::Plain,
-            Self::Packed => Layout::Packed,
-            Self::Depths | Self::Soft => Layout::Depths,
-        }
-    }
-
     /// Returns the last part of its module's name.
-    fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Plain => "plain",
-            Self::Packed => "packed",
-            Self::Depths => "depths",
+            Self::Filtered => "filtered",
             Self::Soft => "soft",
         }
     }
 
     /// Returns its module, `adumbra::NAME`.
     pub(crate) fn module(self) -> String {
-        let files = wgsl_files(self.layout(), WordSource::Rgba8Unorm);
+        let files = wgsl_files(WordSource::Rgba8Unorm);
         // The texels come from `adumbra::words`, not from a binding of their own.
         let files = files.into_iter().filter(|path| *path != "access/texture_rgba8unorm.wgsl");
         let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
         if self == Self::Soft {
             texts.extend([source::DISC, source::DEPTHS_SOFT]);
         }
-        texts.push(Source { name: "bevy_adumbra/layout.wgsl", text: include_str!("wgsl/layout.wgsl") });
+        texts.push(Source {
+            name: "bevy_adumbra/selected_file.wgsl",
+            text: include_str!("wgsl/selected_file.wgsl"),
+        });
         texts.push(match self {
+            Self::Filtered => Source { name: "bevy_adumbra/taps.wgsl", text: include_str!("wgsl/taps.wgsl") },
             Self::Soft => {
                 Source { name: "bevy_adumbra/penumbrae.wgsl", text: include_str!("wgsl/penumbrae.wgsl") }
             }
-            _ => Source { name: "bevy_adumbra/taps.wgsl", text: include_str!("wgsl/taps.wgsl") },
         });
         format!("#define_import_path adumbra::{}\n#import adumbra::words\n{}", self.name(), assemble(&texts))
     }
@@ -78,9 +62,9 @@ impl LookUp {
 /// The module `adumbra::words`.
 pub(crate) const WORDS: &str = include_str!("wgsl/words.wgsl");
 
-/// Returns the module `adumbra::look_up`, which looks files up in any of these ways. The fewer there are, the sooner
+/// Returns the module `adumbra::look_up`, which looks up files in any of these ways. The fewer there are, the sooner
 /// pipelines compile.
-pub(crate) fn look_up_module(ways: &BTreeSet<LookUp>) -> String {
+pub(crate) fn look_up_module(ways: &BTreeSet<Way>) -> String {
     let mut text = "#define_import_path adumbra::look_up\n#import adumbra::words\n".to_owned();
     for way in ways {
         text += &format!("#import adumbra::{}\n", way.name());
@@ -95,11 +79,11 @@ pub(crate) fn look_up_module(ways: &BTreeSet<LookUp>) -> String {
             "1.0",
         ),
     ];
-    for (name, of_layout, parameters, result, otherwise) in functions {
+    for (name, of_way, parameters, result, otherwise) in functions {
         let names: Vec<_> = parameters.split(", ").filter_map(|p| p.split(':').next()).collect();
         text += &format!("fn {name}(kind: u32, {parameters}) -> {result} {{\n");
         for way in ways {
-            let call = format!("{}::{of_layout}({})", way.name(), names.join(", "));
+            let call = format!("{}::{of_way}({})", way.name(), names.join(", "));
             text += &format!("    if (kind == {}u) {{\n        return {call};\n    }}\n", way.code());
         }
         text += &format!("    return {otherwise};\n}}\n");
@@ -170,8 +154,8 @@ impl Patch {
     /// Returns the patched text; `None` if it is patched already.
     ///
     /// # Errors
-    /// Returns the first text that does not occur exactly once, and how often it does.
-    pub(crate) fn apply(&self, text: &str) -> Result<Option<String>, (&'static str, usize)> {
+    /// Returns the first text that does not occur exactly once.
+    pub(crate) fn apply(&self, text: &str) -> Result<Option<String>, BakedShadowError> {
         if text.contains(MARK) {
             return Ok(None);
         }
@@ -179,7 +163,9 @@ impl Patch {
         for &[before, after] in self.replacements {
             match patched.matches(before).count() {
                 1 => patched = patched.replace(before, after),
-                count => return Err((before, count)),
+                found => {
+                    return Err(BakedShadowError::ShaderText { shader: self.asset, text: before, found });
+                }
             }
         }
         Ok(Some(patched + self.end))
@@ -197,13 +183,14 @@ mod tests {
         let patched = patch.apply("this one").unwrap().unwrap();
         assert_eq!(patched, "this #import adumbra::look_up two end");
         assert_eq!(patch.apply(&patched), Ok(None));
-        assert_eq!(patch.apply("one one"), Err(("one", 2)));
-        assert_eq!(patch.apply("none of it".replace("one", "1").as_str()), Err(("one", 0)));
+        let times = |found| Err(BakedShadowError::ShaderText { shader: "", text: "one", found });
+        assert_eq!(patch.apply("one one"), times(2));
+        assert_eq!(patch.apply("two"), times(0));
     }
 
     #[test]
     fn only_ways_in_use_are_imported() {
-        let module = look_up_module(&BTreeSet::from([LookUp::Depths]));
-        assert!(module.contains("depths::visibility(") && !module.contains("packed::"), "{module}");
+        let module = look_up_module(&BTreeSet::from([Way::Filtered]));
+        assert!(module.contains("filtered::visibility(") && !module.contains("soft::"), "{module}");
     }
 }

@@ -9,9 +9,11 @@ use bevy::log::warn;
 use bevy::mesh::Mesh3d;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::{Assets, ChildOf, Children, DirectionalLight};
+use bevy::reflect::prelude::*;
 
 use crate::BakedShadowFile;
-use crate::components::{BakedShadow, BakedShadowStatus, BakedStatic, InBake, NotBaked, StaticCasters};
+use crate::components::{BakedShadow, BakedStatic, InBake, NotBaked, StaticCasters};
+use crate::status::BakedShadowStatus;
 
 /// Whether an entity is moved by an animation.
 #[cfg(feature = "animation")]
@@ -145,7 +147,8 @@ pub(crate) fn warn_of_movers(
 }
 
 /// Number of casters in all cascades of lights whose files are in use, in the last frame. A resource, to observe.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default, Clone, Debug, PartialEq)]
 pub struct CascadeCasters {
     /// Before meshes in the files were left out.
     pub found: usize,

@@ -38,7 +38,7 @@ mkdirSync(folder, { recursive: true });
 const city = join(folder, 'city.glb');
 const sun = SUN.join(',');
 make('city.glb', 'generate', 'city');
-make('city.adumbra', 'bake', city, '--sun', sun, '--resolution', String(COLUMNS), '--layout', 'depths', '--progress', 'none');
+make('city.adumbra', 'bake', city, '--sun', sun, '--resolution', String(COLUMNS), '--progress', 'none');
 writeFileSync(join(folder, 'city.adumbra.gz'), gzipSync(readFileSync(join(folder, 'city.adumbra')), { level: 9 }));
 const { eye, target, fov, width, height } = VIEW;
 make(

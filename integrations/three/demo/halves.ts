@@ -6,7 +6,7 @@ import type { BakedShadowFile } from 'adumbra-three';
 import type { LookUp } from 'adumbra-three/look-ups';
 
 import { drive } from './bus.js';
-import type { Drawing, FileSettings, Shadows } from './renderers.js';
+import type { Drawing, FileSettings, Shadows } from './drawing.js';
 import { disposeStage, makeStage } from './scene.js';
 import type { Stage, World } from './scene.js';
 import type { Technique } from './stock-shadows.js';
@@ -61,8 +61,8 @@ export class Half {
   }
 
   /** Changes how the file is looked up. */
-  setLookUp(settings: FileSettings): void {
-    this.#shadows?.setLookUp(settings);
+  setOptions(settings: FileSettings): void {
+    this.#shadows?.setOptions(settings);
   }
 
   /** Makes the shadows as strong as this, 0 to 1. */

@@ -9,13 +9,13 @@ import { Controls } from './controls.js';
 import type { Way } from './controls.js';
 import { Divider } from './divider.js';
 import { choose, element, onChoice, say } from './dom.js';
+import type { Drawing, FileSettings, RendererKind } from './drawing.js';
 import { takeFiles } from './drop.js';
 import type { Read } from './drop.js';
 import { DepthPasses, bakedHalf, stockHalf } from './halves.js';
 import type { Half } from './halves.js';
 import { ReadOuts, megabytes, write } from './read-outs.js';
 import { available, open } from './renderers.js';
-import type { Drawing, FileSettings, RendererKind } from './renderers.js';
 import { disposeWorld, loadCity } from './scene.js';
 import type { World } from './scene.js';
 import { loadPacked } from './shadows.js';
@@ -102,7 +102,7 @@ class Page {
       this.#drop('stock');
       this.#rebuild();
     });
-    filter.addEventListener('change', () => this.#baked?.setLookUp(this.#settings));
+    filter.addEventListener('change', () => this.#baked?.setOptions(this.#settings));
     softness.addEventListener('change', () => void this.#soften());
     element('home', HTMLButtonElement).addEventListener('click', () => this.#showHome());
     busButton.addEventListener('click', () => {
@@ -177,19 +177,18 @@ class Page {
       needsStock ? TECHNIQUE_NAMES[technique.value as Technique] : null,
     );
     filter.disabled = this.#lookUp?.isSoft === true;
-    softness.disabled = this.#file !== null && this.#file.layout !== 'depths';
     truthButton.disabled = !this.#hasTruth;
     this.#readOuts.restart();
   }
 
-  /** Takes the look-up that file and softness need. */
+  /** Takes the look-up that softness needs. */
   async #soften(): Promise<void> {
-    const name = lookUpFor(this.#file);
-    const lookUp = await loadLookUp(name);
-    // Something has changed meanwhile, which brings a look-up of its own.
-    if (name !== lookUpFor(this.#file)) return;
+    const isSoft = wantsSoftness();
+    const lookUp = await loadLookUp(isSoft);
+    // The panel has changed meanwhile, which brings a look-up of its own.
+    if (isSoft !== wantsSoftness()) return;
     if (lookUp === this.#lookUp) {
-      this.#baked?.setLookUp(this.#settings);
+      this.#baked?.setOptions(this.#settings);
       return;
     }
     this.#lookUp = lookUp;
@@ -202,8 +201,7 @@ class Page {
     if (world === undefined && file === undefined) return;
     // The shadows of another world would be wrong.
     const shown = file ?? (world === undefined ? this.#file : null);
-    if (shown !== null && shown.layout !== 'depths') softness.value = '';
-    const lookUp = await loadLookUp(lookUpFor(shown));
+    const lookUp = await loadLookUp(wantsSoftness());
     if (this.#isComparing) {
       say('The comparison with rays is not done yet. Bring the files again afterwards.', 'error');
       return;
@@ -298,15 +296,14 @@ class Page {
   }
 }
 
-/** The name of the look-up that a file needs, with the softness of the panel. */
-function lookUpFor(file: BakedShadowFile | null): LookUp['name'] {
-  const layout = file?.layout ?? 'depths';
-  return layout === 'depths' && softness.value !== '' ? 'soft' : layout;
+/** Whether the panel asks for soft shadows. */
+function wantsSoftness(): boolean {
+  return softness.value !== '';
 }
 
-/** Returns a look-up. Those beside `depths`, which needs no naming, are loaded as they are needed. */
-async function loadLookUp(name: LookUp['name']): Promise<LookUp | undefined> {
-  return name === 'depths' ? undefined : (await import('adumbra-three/look-ups'))[name];
+/** Returns a look-up. The one with a filter needs no naming, and the soft one is loaded when it is needed. */
+async function loadLookUp(isSoft: boolean): Promise<LookUp | undefined> {
+  return isSoft ? (await import('adumbra-three/look-ups')).soft : undefined;
 }
 
 /** Sets the panel up as the address says. */

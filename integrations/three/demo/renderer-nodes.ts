@@ -5,8 +5,8 @@ import { RenderTarget, WebGPURenderer } from 'three/webgpu';
 import { CSMShadowNode } from 'three/addons/csm/CSMShadowNode.js';
 import { BakedShadowNode } from 'adumbra-three/webgpu';
 
+import type { Drawing, RendererKind } from './drawing.js';
 import { fitToMover, follow } from './mover-light.js';
-import type { Drawing, RendererKind } from './renderers.js';
 import { CSM, Reach, fitToBox } from './stock-shadows.js';
 
 /** Opens WebGPURenderer. */
@@ -56,14 +56,14 @@ export async function open(
         setIntensity(intensity) {
           sun.shadow.intensity = intensity;
         },
-        setLookUp: (changed) => node.setLookUp(changed),
+        setOptions: (changed) => node.setOptions(changed),
         dispose: () => node.dispose(),
       };
     },
     stock({ sun, box }, technique, camera) {
       sun.castShadow = true;
       const { shadow } = sun;
-      const common = { setLookUp() {} };
+      const common = { setOptions() {} };
       if (technique === 'default') {
         fitToBox(sun, box);
         return {

@@ -5,8 +5,8 @@ import type { Material } from 'three';
 import { CSM as Cascades } from 'three/addons/csm/CSM.js';
 import { attachBakedShadow } from 'adumbra-three/webgl';
 
+import type { Drawing } from './drawing.js';
 import { fitToMover, follow } from './mover-light.js';
-import type { Drawing } from './renderers.js';
 import { CSM, Reach, fitToBox } from './stock-shadows.js';
 
 /** Opens WebGLRenderer. */
@@ -55,12 +55,12 @@ export function open(canvas: HTMLCanvasElement, antialias: boolean): Drawing {
         setIntensity(intensity) {
           sun.shadow.intensity = intensity;
         },
-        setLookUp: (changed) => attached.setLookUp(changed),
+        setOptions: (changed) => attached.setOptions(changed),
         dispose: () => attached.dispose(),
       };
     },
     stock({ scene, sun, box, materials }, technique, camera) {
-      const common = { setLookUp() {} };
+      const common = { setOptions() {} };
       if (technique === 'default') {
         sun.castShadow = true;
         fitToBox(sun, box);

@@ -3,8 +3,8 @@
 import { Color } from 'three';
 import type { PerspectiveCamera } from 'three';
 
+import type { Drawing } from './drawing.js';
 import type { Half } from './halves.js';
-import type { Drawing } from './renderers.js';
 
 /** A view and its truth. */
 export interface Truth {

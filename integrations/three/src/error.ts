@@ -4,8 +4,8 @@
 /**
  * What is wrong with a file.
  *
- * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU. `Layout`: it is valid, but the look-up
- * reads another layout. All others are those of the specification: the file is not valid.
+ * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU. `Layout`: its voxels have a layout that
+ * this version does not read. All others are those of the specification: the file is not valid.
  */
 export type ShadowFileErrorKind =
   | 'Magic'
@@ -18,38 +18,13 @@ export type ShadowFileErrorKind =
   | 'HeaderField'
   | 'SectionBounds'
   | 'Padding'
-  | 'Graph'
-  | 'Packed'
   | 'Depths'
   | 'Layout'
   | 'TooLarge'
   | 'Io';
 
-/** A fault in the voxels, for the kinds `Graph`, `Packed` and `Depths`. */
-export type ShadowFileFault =
-  | 'PointerRange'
-  | 'Order'
-  | 'NotAHeader'
-  | 'TwoLevels'
-  | 'HeaderBits'
-  | 'ChildState'
-  | 'NodeEnd'
-  | 'Uniform'
-  | 'Unreachable'
-  | 'TopLength'
-  | 'Pools'
-  | 'Filler'
-  | 'Column'
-  | 'NodeBits'
-  | 'LeafMaskRange'
-  | 'LeafMasks'
-  | 'Pointer'
-  | 'Unreached'
-  | 'RootLevel'
-  | 'End'
-  | 'Bits'
-  | 'Ranks'
-  | 'Wide';
+/** A fault in the voxels, for the kind `Depths`. */
+export type ShadowFileFault = 'RootLevel' | 'Order' | 'End' | 'Bits' | 'Ranks' | 'Wide';
 
 /** The values that an error found, by name. */
 export type ShadowFileErrorDetails = Readonly<Record<string, number | string>>;
@@ -59,7 +34,7 @@ export class ShadowFileError extends Error {
   override readonly name = 'ShadowFileError';
   /** What is wrong. Stable across versions. */
   declare readonly kind: ShadowFileErrorKind;
-  /** The fault in the voxels, for the kinds `Graph`, `Packed` and `Depths`. Stable across versions. */
+  /** The fault in the voxels, for the kind `Depths`. Stable across versions. */
   declare readonly fault: ShadowFileFault | undefined;
   /** The values found, by name. Those of a fault in the voxels are in the message alone. */
   declare readonly details: ShadowFileErrorDetails;
@@ -76,4 +51,9 @@ export class ShadowFileError extends Error {
     super(url === undefined ? message : `${url}: ${message}`, { cause });
     Object.assign(this, { kind, details, fault, url });
   }
+}
+
+/** Returns a word as eight hexadecimal digits. */
+export function hex(word: number): string {
+  return `0x${word.toString(16).padStart(8, '0')}`;
 }

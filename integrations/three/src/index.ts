@@ -17,6 +17,6 @@ export type { Bounds, LightGrid } from './grid/light-grid.js';
 export type { Mat3, PointLike, Vec3 } from './grid/vec3.js';
 export { MissingHookError } from './light/three.js';
 export { ShadowFileLoader } from './loader.js';
-export { BakedShadowQuery } from './query/query.js';
+export { Sampler } from './sampler/sampler.js';
 export { FILTER_WIDTHS } from './settings.js';
-export type { Bias, FileSettings, FilterWidth, Layout, LookUpOptions } from './settings.js';
+export type { Bias, FileSettings, FilterWidth, LookUpOptions } from './settings.js';

@@ -13,11 +13,8 @@ export interface Bias {
   readonly normalOffsetTexels: number;
 }
 
-/** The layout of the voxels in a file, see the specification. */
-export type Layout = 'plain' | 'packed' | 'depths';
-
-/** The layouts in the order of their numbers in the header. */
-export const LAYOUTS: readonly Layout[] = ['plain', 'packed', 'depths'];
+/** The number of the quadtree of switch depths, in the field `layout` of headers. */
+export const QUADTREE = 2;
 
 /** The settings that determine what a file answers. */
 export interface FileSettings {

@@ -40,6 +40,8 @@ pub(crate) fn write(all: &[Broken], folder: &Path) -> io::Result<()> {
 pub(crate) struct Bytes<const TABLE: usize, const HEADER: usize>(pub(crate) Vec<u8>);
 
 impl<const TABLE: usize, const HEADER: usize> Bytes<TABLE, HEADER> {
+    pub(crate) const HEADER_BYTES: usize = HEADER;
+
     pub(crate) fn word(&self, at: usize) -> u32 {
         u32::from_le_bytes(self.0[at..at + 4].try_into().expect("four bytes"))
     }

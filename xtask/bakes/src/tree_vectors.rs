@@ -7,12 +7,12 @@ use std::fs;
 use std::path::Path;
 
 use adumbra::{Bias, Bounds, Sun};
-use adumbra_tree::symmetric::SymmetricTree;
-use adumbra_tree::{
+use adumbra_papers::tree::symmetric::SymmetricTree;
+use adumbra_papers::tree::{
     AttributeKind, CaptureBias, LossyChange, Region, Regions, TreeBody, TreeFile, TreeSettings, TreeSpace,
     VoxelTree,
 };
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::broken::{self, Broken};
 use crate::voxels::{Scatter, noise, point_in};
@@ -107,11 +107,13 @@ impl Vector {
         let mut rows = Vec::new();
         let mut add = |what: &str, at: [f64; 3], visibility: bool, attribute: Option<Value>| {
             let world = self.file.space.to_world(at);
-            let mut row = json!({"world": world, "visibility": u8::from(visibility), "where": what});
-            if let Some(value) = attribute {
-                row["attribute"] = value;
-            }
-            rows.push(format!("    {row}"));
+            // In alphabetical order, whether or not serde_json keeps it.
+            let mut row = Map::new();
+            row.extend(attribute.map(|value| ("attribute".to_owned(), value)));
+            row.insert("visibility".to_owned(), u8::from(visibility).into());
+            row.insert("where".to_owned(), what.into());
+            row.insert("world".to_owned(), json!(world));
+            rows.push(format!("    {}", Value::Object(row)));
         };
         let scattered = (0..24).map(|_| [side; 3].map(|n| scatter.below(n)));
         let voxels: Vec<[u32; 3]> = self.shown.iter().copied().chain(scattered).collect();

@@ -1,4 +1,4 @@
-//! What the test vectors of both kinds of file share: a function of voxels without any pattern, and the voxels whose
+//! What the test vectors of all kinds of file share: a function of voxels without any pattern, and the voxels whose
 //! answers are given.
 
 /// Whether a voxel of the noise is lit.

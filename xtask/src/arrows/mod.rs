@@ -22,7 +22,6 @@ const ORDER: [&str; 14] = [
     "adumbra-files",
     "adumbra-scene",
     "adumbra-bake",
-    "adumbra-tree",
     "adumbra-shaders",
     "adumbra-render",
     "adumbra-truth",
@@ -31,6 +30,7 @@ const ORDER: [&str; 14] = [
     "adumbra-view",
     "adumbra-testing",
     "adumbra-cli",
+    "adumbra-papers",
     "adumbra-lab",
 ];
 
@@ -265,8 +265,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in [
             ("a.ts", "import { b } from \"./b.js\";"),
-            ("b.ts", "export * from \"./a.js\";"),
-            ("m/x.ts", "import type { N } from \"../n/index.js\";"),
+            ("b.ts", "export * from './a.js';"),
+            ("m/x.ts", "import type { N } from '../n/index.js';"),
             ("m/index.ts", "export { x } from \"./x.js\"; import fs from \"node:fs\";"),
             ("n/index.ts", "const later = () => import(\"../m/x\");"),
         ] {

@@ -33,9 +33,12 @@ fn file_module(folder: &ModulePath, stem: &str) -> ModulePath {
 
 /// Returns the specifiers of relative imports and re-exports.
 fn imports(text: &str) -> Vec<&str> {
-    let before = ["from \"", "import \"", "import(\""];
-    let after = before.iter().flat_map(|before| text.split(before).skip(1));
-    after.filter_map(|rest| rest.split('"').next()).filter(|path| path.starts_with('.')).collect()
+    let after = ["from ", "import ", "import("].iter().flat_map(|before| text.split(before).skip(1));
+    let quoted = after.filter_map(|rest| {
+        let quote = rest.chars().next().filter(|c| ['\'', '"'].contains(c))?;
+        rest[1..].split(quote).next()
+    });
+    quoted.filter(|path| path.starts_with('.')).collect()
 }
 
 /// Returns the module of a file that is imported by a file in `folder`.

@@ -235,8 +235,8 @@ impl Program {
         let mut verb: Vec<String> = Vec::new();
         for word in words {
             let is_verb = !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c == '-');
-            let most = if verb.first().is_some_and(|v| v == "bench") { 2 } else { 1 };
-            if verb.len() < most && is_verb && !word.starts_with('-') {
+            let takes_verb = verb.is_empty() || verb.len() == 1 && self.help(&verb)?.contains("\nCommands:");
+            if takes_verb && is_verb && !word.starts_with('-') {
                 verb.push(word.to_owned());
             } else if let Some(option) = word.strip_prefix("--") {
                 let name: String =

@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::error::{Error, Result};
 use crate::fast::descent::{self, DescentBuffers};
+use crate::options::Builder;
+use crate::plain::{self, PlainBuffers};
 use crate::plan::Plan;
 use crate::sink::BlockSink;
 use crate::sink::limit::LimitSink;
@@ -18,19 +20,35 @@ pub(crate) struct Run<'a, 's> {
 }
 
 impl Run<'_, '_> {
-    /// Builds each root block into `sink` by descent; blocks are returned in order.
-    pub(crate) fn each_block<S: BlockSink>(&self, sink: &S, tally: &Tally<'_, '_>) -> Result<Vec<S::Block>> {
-        let sink = LimitSink { limit: self.plan.switch_limit(), sink };
-        self.each_tile(|worker: &mut DescentBuffers, tile| {
-            worker.drawn_texels = 0;
-            let block = descent::build_root(&self.plan.tiles, tile, &sink, worker, self.cancel);
-            tally.drew(worker.drawn_texels);
-            block
-        })
+    /// Builds each root block into `sink`; blocks are returned in order.
+    pub(crate) fn each_block<S: BlockSink>(
+        &self,
+        builder: Builder,
+        sink: &S,
+        tally: &Tally<'_, '_>,
+    ) -> Result<Vec<S::Block>> {
+        let tiles = &self.plan.tiles;
+        let limit = self.plan.switch_limit();
+        match builder {
+            Builder::Fast => {
+                let sink = LimitSink { limit, sink };
+                self.each_tile(|worker: &mut DescentBuffers, tile| {
+                    worker.drawn_texels = 0;
+                    let block = descent::build_root(tiles, tile, &sink, worker, self.cancel);
+                    tally.drew(worker.drawn_texels);
+                    block
+                })
+            }
+            Builder::Plain => self.each_tile(|worker: &mut PlainBuffers, tile| {
+                let rect = tiles.rect(tile);
+                tally.drew(u64::from(rect.width) * u64::from(rect.height));
+                Ok(plain::build_root(tiles, limit, tile, sink, worker))
+            }),
+        }
     }
 
     /// Returns the result of each tile, in order. Every worker has its own `W`.
-    pub(crate) fn each_tile<W: Default, T: Send>(
+    fn each_tile<W: Default, T: Send>(
         &self,
         build: impl Fn(&mut W, usize) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {

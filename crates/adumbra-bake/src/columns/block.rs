@@ -1,32 +1,23 @@
 //! The columns of an 8 × 8 block, the input of sinks.
 
 use super::rules::{BESIDE_GRID, Columns};
-use crate::texel_mask::texels_where;
 
 /// Side of the smallest block, in columns.
 pub(crate) const BLOCK_SIDE: usize = 8;
 
 /// `[e, x]` of an 8 × 8 block of columns, texel y·8 + x. Columns outside the grid are `[0, BESIDE_GRID]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct BlockColumns {
-    pub(crate) e: [u32; BLOCK_SIDE * BLOCK_SIDE],
-    pub(crate) x: [u32; BLOCK_SIDE * BLOCK_SIDE],
+pub struct BlockColumns {
+    /// First voxel of each column that need not be lit.
+    pub e: [u32; BLOCK_SIDE * BLOCK_SIDE],
+    /// First voxel of each column that must be shadowed.
+    pub x: [u32; BLOCK_SIDE * BLOCK_SIDE],
 }
 
 impl BlockColumns {
     /// Returns columns that may be anything.
-    pub(crate) fn free() -> Self {
+    pub fn free() -> Self {
         Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [BESIDE_GRID; BLOCK_SIDE * BLOCK_SIDE] }
-    }
-
-    /// Returns the columns whose voxel k must be lit.
-    pub(crate) fn must_be_lit(&self, k: u32) -> u64 {
-        texels_where(|i| k < self.e[i])
-    }
-
-    /// Returns the columns whose voxel k must be shadowed.
-    pub(crate) fn must_be_shadowed(&self, k: u32) -> u64 {
-        texels_where(|i| k >= self.x[i])
     }
 
     /// Pads at most 8 × 8 columns to a block. Missing columns are free.

@@ -5,4 +5,5 @@ pub(crate) mod capture;
 pub(crate) mod masked;
 pub(crate) mod rules;
 
-pub(crate) use block::{BLOCK_SIDE, BlockColumns};
+pub(crate) use block::BLOCK_SIDE;
+pub use block::BlockColumns;

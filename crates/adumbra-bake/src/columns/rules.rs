@@ -232,9 +232,9 @@ impl NormalOffset {
 }
 
 /// The x of a column in which no voxel of the grid must be shadowed. [`BESIDE_GRID`] also has this meaning.
-pub(crate) const FREE_TO_END: u32 = u32::MAX - 1;
+pub const FREE_TO_END: u32 = u32::MAX - 1;
 /// The x of a column outside the grid, with e = 0. Nothing samples such a column.
-pub(crate) const BESIDE_GRID: u32 = u32::MAX;
+pub const BESIDE_GRID: u32 = u32::MAX;
 
 /// Half the side of a texel's footprint, with 1/256 for snapping.
 const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;

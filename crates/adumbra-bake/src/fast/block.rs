@@ -54,6 +54,7 @@ pub(crate) struct SnappedBox {
 }
 
 impl SnappedBox {
+    #[inline]
     pub(crate) fn of(triangle: &Projected) -> Self {
         // Grids are less than 2^27 wide in these units, and blocks reach little beyond them.
         const LIMIT: i64 = 1 << 30;
@@ -86,11 +87,13 @@ impl Block {
 
 impl SnappedRect {
     /// Whether the triangle touches the rectangle. May return true for a triangle that is only near it.
+    #[inline]
     pub(crate) fn touches(&self, triangle: &Projected) -> bool {
         self.meets(&SnappedBox::of(triangle)) && self.touches_within_box(triangle)
     }
 
     /// Whether the boxes meet.
+    #[inline]
     pub(crate) fn meets(&self, SnappedBox { low, high }: &SnappedBox) -> bool {
         (0..2).all(|a| i64::from(high[a]) >= self.low[a] && i64::from(low[a]) <= self.high[a])
     }
@@ -193,6 +196,7 @@ pub(crate) struct Front {
 
 impl BlockSurface {
     /// Returns the surface's depth bounds over the block.
+    #[inline]
     pub(crate) fn range_over(&self, block: &Block, rules: &ColumnRules) -> SurfaceRange {
         let footprint = rules.footprint_half_texels(ReceiverKind::Footprint);
         let half_side = f64::from(1_u32 << block.level) / 2.0;
@@ -258,6 +262,7 @@ impl BlockSurface {
     }
 
     /// Whether this surface may change the number of layers within `rect`.
+    #[inline]
     pub(crate) fn contour_crosses(&self, rect: &SnappedRect) -> bool {
         let c = &self.surface.shape.snapped;
         (0..3).any(|e| self.contour[e] && rect.crossed_by(c[e], c[(e + 1) % 3]))

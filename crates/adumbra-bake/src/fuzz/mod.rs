@@ -1,11 +1,11 @@
-//! Fuzzes random scenes under every option: builders and layouts are compared with each other, and look-ups with rays.
+//! Fuzzes random scenes under every option: both builders are compared with each other, and look-ups with rays.
 //!
 //! A case depends on its seed alone. `ADUMBRA_FUZZ_SEEDS=100..200` runs those seeds instead of the default ones.
 //! `ADUMBRA_FUZZ_SECONDS=600` runs from the first seed on for that many seconds. See CONTRIBUTING.md.
 
+mod baked;
 mod dice;
 mod found;
-mod layouts;
 mod parts;
 mod receivers;
 mod scenes;
@@ -19,8 +19,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, thread};
 
+use baked::Baked;
 use dice::Dice;
-use layouts::Layouts;
 use receivers::Checker;
 use scenes::Case;
 use totals::Totals;
@@ -61,12 +61,11 @@ fn check_case(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Totals,
         totals.refused += 1;
         return Ok(totals);
     }
-    let layouts = Layouts::bake(seed, scene, options)?;
-    let dice = &mut Dice::new(seed, 1);
-    layouts.check_columns(&plan, dice, &mut totals)?;
+    let baked = Baked::new(seed, scene, options)?;
+    baked.check_columns(&plan, &mut totals)?;
     let truth = Truth::new(scene, options, &plan);
-    let checker = Checker { scene, truth: &truth, layouts: &layouts, bias: options.bias };
-    checker.check(dice, &mut totals)?;
+    let checker = Checker { scene, truth: &truth, baked: &baked, bias: options.bias };
+    checker.check(&mut Dice::new(seed, 1), &mut totals)?;
     Ok(totals)
 }
 

@@ -6,14 +6,14 @@
 //! surfaces are looked up here. So do `assume_ground`, which frees only columns that no surface samples, and
 //! `closed_regions = false`, which makes solids open.
 
+use crate::fuzz::baked::Baked;
 use crate::fuzz::dice::Dice;
-use crate::fuzz::layouts::Layouts;
 use crate::fuzz::totals::{Skip, Totals};
 use crate::fuzz::truth::Truth;
-use adumbra::Bias;
 use adumbra::grid::vec3::{cross, dot};
-use adumbra::layout::LeafMasks;
-use adumbra::query::{Cursor, FIXED_BITS, FixedReceiver, GRADIENT_BITS, Query, receiver};
+use adumbra::layout::depths::DepthTree;
+use adumbra::query::{Cursor, FIXED_BITS, FixedReceiver, GRADIENT_BITS, receiver};
+use adumbra::{Bias, Filter};
 use adumbra_scene::Scene;
 
 /// Number of receivers tried per scene.
@@ -36,7 +36,7 @@ struct Point {
 pub(crate) struct Checker<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) truth: &'a Truth<'a>,
-    pub(crate) layouts: &'a Layouts,
+    pub(crate) baked: &'a Baked,
     pub(crate) bias: Bias,
 }
 
@@ -117,13 +117,11 @@ impl Checker<'_> {
             Ok(lit) => {
                 totals.receivers[0] += 1;
                 totals.receivers[1] += u64::from(lit);
-                for (name, leaf_masks) in self.layouts.each() {
-                    let query =
-                        Query::new(&self.truth.grid, leaf_masks, self.bias, 1).map_err(|e| e.to_string())?;
-                    let found = query.visibility(p_world, Some(normal));
+                for (name, file) in self.baked.each() {
+                    let found = file.sampler(Filter::Nearest).visibility(p_world, Some(normal));
                     if found != f32::from(u8::from(lit)) {
                         return Err(format!(
-                            "rays say lit = {lit}, the {name} says {found} in {texel:?}, {fixed:?}"
+                            "rays say lit = {lit}, the file of the {name} says {found} in {texel:?}, {fixed:?}"
                         ));
                     }
                 }
@@ -179,10 +177,10 @@ impl Checker<'_> {
                 }
                 totals.taps[0] += 1;
                 totals.taps[1] += u64::from(lit);
-                for (name, leaf_masks) in self.layouts.each() {
-                    if tap(leaf_masks, fixed, [x, y]) != lit {
+                for (name, file) in self.baked.each() {
+                    if tap(&file.tree, fixed, [x, y]) != lit {
                         return Err(format!(
-                            "rays say lit = {lit} at tap ({x}, {y}), the {name} does not: {fixed:?}"
+                            "rays say lit = {lit} at tap ({x}, {y}), the file of the {name} does not: {fixed:?}"
                         ));
                     }
                 }
@@ -191,25 +189,25 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Compares every filter with the sum of single voxels, by [`Query`] and by [`Cursor`].
+    /// Compares filters with the sum of single voxels, as a sampler and as a cursor counts them.
     fn check_filters(
         &self,
         fixed: &FixedReceiver,
         [i, j]: [i64; 2],
         totals: &mut Totals,
     ) -> Result<(), String> {
-        for (name, leaf_masks) in self.layouts.each() {
-            for width in [1, 3, 5, 9] {
+        for (name, file) in self.baked.each() {
+            for filter in [Filter::Nearest, Filter::Box3, Filter::Box5, Filter::Box9] {
+                let width = filter.width();
                 let reach = i64::from(width) / 2;
                 let taps = (j - reach..=j + reach).flat_map(|y| (i - reach..=i + reach).map(move |x| [x, y]));
-                let expected = taps.filter(|&texel| tap(leaf_masks, fixed, texel)).count() as u32;
-                let query =
-                    Query::new(&self.truth.grid, leaf_masks, self.bias, width).map_err(|e| e.to_string())?;
-                let found = [query.lit_taps(fixed), Cursor::new(query).lit_taps(fixed)];
+                let expected = taps.filter(|&texel| tap(&file.tree, fixed, texel)).count() as u32;
+                let sampler = file.sampler(filter);
+                let found = [sampler.lit_taps(fixed), Cursor::new(&sampler).lit_taps(fixed)];
                 totals.filters += 1;
                 if found != [expected; 2] {
                     return Err(format!(
-                        "{width} × {width} taps of the {name}: {found:?} are lit, of single voxels {expected}: {fixed:?}"
+                        "{width} × {width} taps of the file of the {name}: {found:?} are lit, of single voxels {expected}: {fixed:?}"
                     ));
                 }
             }
@@ -228,12 +226,12 @@ fn depth_at(fixed: &FixedReceiver, texel: [i64; 2]) -> i64 {
 
 /// Whether one tap is lit, straight from the definition: everything beside and before the grid is lit, and behind the
 /// grid its last layer answers.
-fn tap(leaf_masks: &dyn LeafMasks, fixed: &FixedReceiver, texel: [i64; 2]) -> bool {
-    let [nx, ny, nz] = leaf_masks.size().map(i64::from);
+fn tap(tree: &DepthTree, fixed: &FixedReceiver, texel: [i64; 2]) -> bool {
+    let [nx, ny, nz] = tree.size.map(i64::from);
     let [x, y] = texel;
     let layer = (depth_at(fixed, texel) >> (FIXED_BITS + GRADIENT_BITS)).min(nz - 1);
     if !(0..nx).contains(&x) || !(0..ny).contains(&y) || layer < 0 {
         return true;
     }
-    leaf_masks.voxel(x as u32, y as u32, layer as u32)
+    tree.voxel(x as u32, y as u32, layer as u32)
 }

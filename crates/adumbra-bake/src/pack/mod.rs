@@ -1,7 +1,7 @@
-//! Encoders that write what was built in the words of a layout.
+//! Encodes the quadtree of depths as half-words: leaves sorted into few depths or planes, and the order of shapes.
 
-pub(crate) mod depths;
-mod packed;
-
-pub use packed::pack;
-pub(crate) use packed::pack_paged;
+pub(crate) mod choose;
+pub(crate) mod encode;
+mod intervals;
+pub(crate) mod leaf;
+mod slant;

@@ -7,14 +7,12 @@ use crate::choose;
 use crate::columns::rules::{ColumnRules, FREE_TO_END};
 use crate::options::{BakeOptions, Builder, FrameChoice, Size};
 use crate::plan::Plan;
-use crate::test_bakes::{BakedGraph, bake_graph};
+use crate::progress::Watch;
 use crate::triangles::project::{
     FixedDepth, Projected, SEAM_MARGIN, SUBTEXEL, fixed_depth, floor_fixed_depth,
 };
 use adumbra::grid::{Bounds, Sun};
-use adumbra::layout::LeafMasks;
-use adumbra::query::Query;
-use adumbra::{MAX_PLANE_SLOPE, Receivers};
+use adumbra::{Filter, MAX_PLANE_SLOPE, Receivers, ShadowFile};
 use adumbra_scene::{Instance, Material, Mesh, Scene, topology};
 
 /// One column of the dense grid, straight from the text of §3.
@@ -283,8 +281,8 @@ prop_compose! {
     }
 }
 
-fn bake_quietly(scene: &Scene, options: &BakeOptions) -> BakedGraph {
-    bake_graph(scene, options).expect("a small bake fits")
+fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
+    crate::bake(scene, options, Watch::none()).expect("a small bake fits").file
 }
 
 proptest! {
@@ -292,17 +290,17 @@ proptest! {
 
     #[test]
     #[ignore = "slow: compares every voxel"]
-    fn dag_equals_dense_grid_on_every_defined_voxel(scene in any_scene(), options in any_options()) {
+    fn file_equals_dense_grid_on_every_defined_voxel(scene in any_scene(), options in any_options()) {
         let baked = bake_quietly(&scene, &options);
         let plan = choose::plan(&scene, &options).expect("the bake had one");
         let triangles = grid_triangles(&scene, &plan, options.closed_regions);
-        let [nx, ny, nz] = baked.dag.size;
-        prop_assert!(baked.dag.validate().is_ok());
+        let [nx, ny, nz] = baked.tree.size;
+        prop_assert!(baked.tree.validate().is_ok());
         for j in 0..ny {
             for i in 0..nx {
                 let column = dense_column(&triangles, &plan.tiles.rules, i.into(), j.into());
                 for k in 0..nz {
-                    let lit = baked.dag.voxel(i, j, k);
+                    let lit = baked.tree.voxel(i, j, k);
                     prop_assert!(k >= column.e || lit, "({i}, {j}, {k}) is defined lit, e = {}", column.e);
                     prop_assert!(k < column.x || !lit, "({i}, {j}, {k}) is defined shadowed, x = {}", column.x);
                 }
@@ -324,21 +322,21 @@ fn bake_does_not_depend_on_threads_or_triangle_order() {
     }
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
     let options = BakeOptions::new(sun, Size::Resolution(256));
-    let reference = bake_quietly(&scene_of(mesh.clone(), false), &options).dag;
+    let reference = bake_quietly(&scene_of(mesh.clone(), false), &options).tree;
     let mut reversed = mesh.clone();
     reversed.triangles.reverse();
-    assert_eq!(reference, bake_quietly(&scene_of(reversed, false), &options).dag);
+    assert_eq!(reference, bake_quietly(&scene_of(reversed, false), &options).tree);
     let mut rotated = mesh.clone();
     for t in &mut rotated.triangles {
         t.rotate_left(1);
     }
-    assert_eq!(reference, bake_quietly(&scene_of(rotated, false), &options).dag);
+    assert_eq!(reference, bake_quietly(&scene_of(rotated, false), &options).tree);
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
-        assert_eq!(reference, pool.install(|| bake_quietly(&scene_of(mesh.clone(), false), &options).dag));
+        assert_eq!(reference, pool.install(|| bake_quietly(&scene_of(mesh.clone(), false), &options).tree));
     }
     let tight = BakeOptions { max_memory_bytes: Some(80 << 20), ..options };
-    assert_eq!(reference, bake_quietly(&scene_of(mesh, false), &tight).dag);
+    assert_eq!(reference, bake_quietly(&scene_of(mesh, false), &tight).tree);
 }
 
 #[test]
@@ -353,9 +351,9 @@ fn closed_box_leaves_its_inside_free_and_its_shadow_defined() {
     // 16 texels over 2 m. The roof is 16 voxels above the world's origin, and the page before it begins at 24.
     let column = dense_column(&triangles, &plan.tiles.rules, 8, 8);
     assert_eq!((column.e, column.x), (8, 24));
-    let dag = bake_quietly(&scene, &options).dag;
-    assert!(dag.voxel(8, 8, 7));
-    assert!(!dag.voxel(8, 8, 24));
+    let tree = bake_quietly(&scene, &options).tree;
+    assert!(tree.voxel(8, 8, 7));
+    assert!(!tree.voxel(8, 8, 24));
 }
 
 #[test]
@@ -376,14 +374,14 @@ fn surfaces_that_do_not_cast_still_receive() {
     for receivers in [Receivers::All, Receivers::Static] {
         let baked =
             bake_quietly(&scene, &BakeOptions { receivers, ..BakeOptions::new(sun, Size::Resolution(256)) });
-        let query = Query::new(&baked.grid, &baked.dag, baked.settings.bias, 1).expect("one texel");
+        let sampler = baked.sampler(Filter::Nearest);
         let mut shadowed = 0;
         for i in 0..200 {
             for j in 0..200 {
                 let p = [f64::from(i) * 0.1 - 9.95, 0.0, f64::from(j) * 0.1 - 9.95];
                 // Where the sun ray crosses the roof's height, away from its rim.
                 let across = [p[0] + 4.1 / 0.9 * 0.3, p[2] + 4.1 / 0.9 * 0.2];
-                let answer = query.visibility(p, Some([0.0, 1.0, 0.0]));
+                let answer = sampler.visibility(p, Some([0.0, 1.0, 0.0]));
                 if across.iter().all(|c| c.abs() < 1.6) {
                     assert_eq!(answer, 0.0, "{receivers:?} {p:?}");
                     shadowed += 1;
@@ -405,5 +403,5 @@ fn many_thin_layers_in_one_row_are_captured() {
     }
     let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
     let baked = bake_quietly(&scene_of(mesh, false), &BakeOptions::new(sun, Size::Resolution(64)));
-    assert!(baked.dag.voxel(32, 32, 0));
+    assert!(baked.tree.voxel(32, 32, 0));
 }

@@ -10,10 +10,10 @@ use std::sync::{Arc, Mutex};
 
 use crate::columns::BlockColumns;
 use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
-use crate::pack::depths::choose::{holds_any, intersection, most_shared};
-use crate::pack::depths::encode;
-use crate::pack::depths::leaf::{Leaf, sort_columns};
-use crate::sink::BlockSink;
+use crate::pack::choose::{holds_any, intersection, most_shared};
+use crate::pack::encode;
+use crate::pack::leaf::{Leaf, sort_columns};
+use crate::sink::{BlockSink, Structure};
 use crate::store::paged::Spill;
 use crate::store::shapes::{INHERITS, NEVER, OWN, SHARES, ShapeStore};
 use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
@@ -24,7 +24,7 @@ const MAX_HALVES: u64 = (1 << 32) - (1 << 28);
 const MAX_ROOT_LEVEL: u32 = 9;
 
 /// Builds a [`DepthTree`] from blocks.
-pub(crate) struct DepthsSink {
+pub struct DepthsSink {
     root_level: u32,
     /// Whether equal shapes are stored once.
     merged: bool,
@@ -34,7 +34,7 @@ pub(crate) struct DepthsSink {
 }
 
 /// A finished block.
-pub(crate) struct DepthsBlock(Parts);
+pub struct DepthsBlock(Parts);
 
 enum Parts {
     /// The whole block, at a level that nodes have, or uniform at any level.
@@ -106,66 +106,30 @@ impl Undecided {
     }
 }
 
+/// Returns the bytes of what this many root blocks of `level` become, and of the top grid.
+pub(crate) fn top_bytes(blocks: u64, level: u32) -> u64 {
+    let roots = blocks << (2 * (level - tree_root_level(level)));
+    // Index and base of each root, in its block and in the top grid.
+    blocks * size_of::<DepthsBlock>() as u64 + 2 * roots * size_of::<[u32; 2]>() as u64
+}
+
+/// Returns the level of the tree's roots for a bake whose own roots have this one.
+fn tree_root_level(level: u32) -> u32 {
+    let level = level.min(MAX_ROOT_LEVEL);
+    level - (level - LEAF_LEVEL) % NODE_LEVELS
+}
+
 impl DepthsSink {
-    /// Creates a sink for a bake whose own roots have `root_level`, at least 5. `merged`: equal shapes are stored once.
-    /// Shapes go to `spill`, if there is one.
+    /// Creates a sink in memory for a bake whose own roots have `root_level`, at least 5. `merged`: equal shapes are
+    /// stored once, as in every file.
+    pub fn in_memory(root_level: u32, merged: bool) -> Self {
+        Self::new(root_level, merged, None)
+    }
+
+    /// Creates a sink whose shapes go to `spill`, if there is one. See [`DepthsSink::in_memory`].
     pub(crate) fn new(root_level: u32, merged: bool, spill: Option<&Arc<Spill>>) -> Self {
-        let level = root_level.min(MAX_ROOT_LEVEL);
-        let root_level = level - (level - LEAF_LEVEL) % NODE_LEVELS;
+        let root_level = tree_root_level(root_level);
         Self { root_level, merged, arch: pulp::Arch::new(), store: Mutex::new(ShapeStore::new(spill)) }
-    }
-
-    /// Bytes held for finished roots, apart from what is paged.
-    pub(crate) fn memory_bytes(&self) -> u64 {
-        self.lock().memory_bytes()
-    }
-
-    /// Bytes of the shapes, in memory or on disk.
-    pub(crate) fn shape_bytes(&self) -> u64 {
-        2 * self.lock().halves() as u64
-    }
-
-    /// Checks that addresses can tell all half-words apart, with room for what the roots in progress add.
-    ///
-    /// # Errors
-    /// Returns [`Error::TooManyWords`](crate::Error::TooManyWords).
-    pub(crate) fn check_room(&self) -> crate::Result<()> {
-        if self.lock().halves() as u64 > MAX_HALVES {
-            return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
-        }
-        Ok(())
-    }
-
-    /// Bytes that [`DepthsSink::finish`] needs in addition to the shapes: five numbers per shape, and twice the result.
-    pub(crate) fn finish_bytes(&self) -> u64 {
-        let store = self.lock();
-        20 * store.shapes() as u64 + 4 * store.halves() as u64
-    }
-
-    /// Builds the depths of a grid of `size` voxels from blocks of `level`, the bake's root level, x fastest.
-    pub(crate) fn finish(self, size: [u32; 3], level: u32, blocks: Vec<DepthsBlock>) -> DepthTree {
-        let side = 1 << (level - self.root_level);
-        let top_dims = [size[0], size[1]].map(|n| n.div_ceil(1 << self.root_level));
-        let across = size[0].div_ceil(1 << level);
-        let mut top = vec![[UNIFORM, adumbra::layout::depths::NEVER]; (top_dims[0] * top_dims[1]) as usize];
-        for (b, block) in blocks.into_iter().enumerate() {
-            let roots = self.roots(level, block);
-            let (bx, by) = (b as u32 % across * side, b as u32 / across * side);
-            for (r, root) in roots.into_iter().enumerate() {
-                // Quarters are numbered x_bit << 1 | y_bit at every level.
-                let bit = |shift: u32| {
-                    (0..level - self.root_level).fold(0, |c, l| c | (r as u32 >> (2 * l + shift) & 1) << l)
-                };
-                let (x, y) = (bx + bit(1), by + bit(0));
-                if x < top_dims[0] && y < top_dims[1] {
-                    top[(y * top_dims[0] + x) as usize] = root;
-                }
-            }
-        }
-        let mut store = self.store.into_inner().unwrap_or_else(|e| e.into_inner());
-        store.seal();
-        let (top, wide, code) = encode::encode(&store, self.root_level, top);
-        DepthTree { size, root_level: self.root_level, top_dims, top, wide, code }
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, ShapeStore> {
@@ -240,6 +204,58 @@ impl BlockSink for DepthsSink {
             }
         }
         self.resolve(level, Undecided::over(children))
+    }
+}
+
+impl Structure for DepthsSink {
+    type Made = DepthTree;
+    const SO_FAR: &'static str = "the depths so far";
+    const FINISHING: &'static str = "numbering the depths";
+
+    fn memory_bytes(&self) -> u64 {
+        self.lock().memory_bytes()
+    }
+
+    fn result_bytes(&self) -> u64 {
+        2 * self.lock().halves() as u64
+    }
+
+    /// Five numbers per shape, and twice the result.
+    fn finish_bytes(&self) -> u64 {
+        let store = self.lock();
+        20 * store.shapes() as u64 + 4 * store.halves() as u64
+    }
+
+    fn check_room(&self) -> crate::Result<()> {
+        if self.lock().halves() as u64 > MAX_HALVES {
+            return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
+        }
+        Ok(())
+    }
+
+    fn finish(self, size: [u32; 3], level: u32, blocks: Vec<DepthsBlock>) -> DepthTree {
+        let side = 1 << (level - self.root_level);
+        let top_dims = [size[0], size[1]].map(|n| n.div_ceil(1 << self.root_level));
+        let across = size[0].div_ceil(1 << level);
+        let mut top = vec![[UNIFORM, adumbra::layout::depths::NEVER]; (top_dims[0] * top_dims[1]) as usize];
+        for (b, block) in blocks.into_iter().enumerate() {
+            let roots = self.roots(level, block);
+            let (bx, by) = (b as u32 % across * side, b as u32 / across * side);
+            for (r, root) in roots.into_iter().enumerate() {
+                // Quarters are numbered x_bit << 1 | y_bit at every level.
+                let bit = |shift: u32| {
+                    (0..level - self.root_level).fold(0, |c, l| c | (r as u32 >> (2 * l + shift) & 1) << l)
+                };
+                let (x, y) = (bx + bit(1), by + bit(0));
+                if x < top_dims[0] && y < top_dims[1] {
+                    top[(y * top_dims[0] + x) as usize] = root;
+                }
+            }
+        }
+        let mut store = self.store.into_inner().unwrap_or_else(|e| e.into_inner());
+        store.seal();
+        let (top, wide, code) = encode::encode(&store, self.root_level, top);
+        DepthTree { size, root_level: self.root_level, top_dims, top, wide, code }
     }
 }
 

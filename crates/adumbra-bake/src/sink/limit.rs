@@ -2,7 +2,7 @@
 //! distance counts from the deepest first surface of the block.
 //!
 //! The column rules bound a column where receivers of the scene and the filters around them read it. A filter around a
-//! point that is no part of the scene, such as a mover's beside a wall, may read elsewhere.
+//! point that is not part of the scene, such as a mover's beside a wall, may read elsewhere.
 //!
 //! `docs/layouts.md` documents the cost and the benefit.
 

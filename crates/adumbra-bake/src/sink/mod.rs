@@ -7,15 +7,14 @@
 
 pub(crate) mod depths;
 #[cfg(test)]
+mod depths_tests;
 pub(crate) mod from_columns;
 pub(crate) mod limit;
-pub(crate) mod pair;
-pub(crate) mod runs;
-mod switches;
 
 use adumbra::layout::LEAF_NODE_LEVEL;
 
 use crate::columns::BlockColumns;
+use crate::error::Result;
 
 /// Level of the largest blocks that sinks hold undecided.
 const MAX_HELD_LEVEL: u32 = 9;
@@ -30,7 +29,7 @@ pub(crate) fn building_bytes(root_level: u32) -> u64 {
 
 /// A structure that is built from blocks. Calls come from many threads. Equal calls must return blocks of equal meaning
 /// in whatever order they come, because the finished bytes must not depend on it.
-pub(crate) trait BlockSink: Sync {
+pub trait BlockSink: Sync {
     /// A finished block, held until its parent takes it.
     type Block: Send;
 
@@ -43,4 +42,32 @@ pub(crate) trait BlockSink: Sync {
 
     /// Joins four quarters of the level below into a block of `level`; a quarter's index is `x_bit << 1 | y_bit`.
     fn join(&self, level: u32, quarters: [Self::Block; 4]) -> Self::Block;
+}
+
+/// A sink that makes something of all root blocks.
+pub trait Structure: BlockSink + Sized {
+    /// What it makes.
+    type Made;
+    /// What errors call the structure while blocks are added to it.
+    const SO_FAR: &'static str;
+    /// What errors call the work of [`Structure::finish`].
+    const FINISHING: &'static str;
+
+    /// Bytes held for finished blocks, apart from what is paged.
+    fn memory_bytes(&self) -> u64;
+
+    /// Bytes of the result so far, in memory or on disk.
+    fn result_bytes(&self) -> u64;
+
+    /// Bytes that [`Structure::finish`] needs in addition to what is held.
+    fn finish_bytes(&self) -> u64;
+
+    /// Checks that addresses can tell all parts of the structure apart, with room for what the blocks in progress add.
+    ///
+    /// # Errors
+    /// Returns [`Error::TooManyWords`](crate::Error::TooManyWords).
+    fn check_room(&self) -> Result<()>;
+
+    /// Makes the result for a grid of `size` voxels along x, y, z, from its root blocks of `level`, x fastest.
+    fn finish(self, size: [u32; 3], level: u32, blocks: Vec<Self::Block>) -> Self::Made;
 }

@@ -1,10 +1,4 @@
-//! Storage of what is built: nodes and shapes without duplicates, in memory or in pages on disk, and their canonical
-//! numbering.
+//! Storage of what is built: shapes without duplicates, in memory or in pages on disk.
 
-mod canonical;
-pub(crate) mod graph;
 pub(crate) mod paged;
 pub(crate) mod shapes;
-
-pub(crate) use canonical::PagedDag;
-pub use graph::{NodeState, NodeStore};

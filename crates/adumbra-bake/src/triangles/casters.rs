@@ -13,7 +13,7 @@ use adumbra_scene::{Mesh, Scene, topology};
 /// Largest number of triangles in a cluster.
 const CLUSTER_TRIANGLES: usize = 128;
 
-/// What of a scene is the same in every grid.
+/// The parts of a scene that are the same in every grid.
 pub(crate) struct SceneClusters {
     /// One for each mesh.
     meshes: Vec<MeshClusters>,

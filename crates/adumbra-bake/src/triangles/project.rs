@@ -40,7 +40,7 @@ fn fixed_depth_within(z: f64) -> FixedDepth {
 /// Rounds a number from 0 to 2^31 - 1 down. Unlike a conversion with `as`, it compiles to vector instructions.
 #[inline(always)]
 fn floor_to_integer(v: f64) -> i32 {
-    /// Numbers from this one to its double have no binary places.
+    /// Numbers from this one to its double have no fraction bits.
     const WHOLE: f64 = (1_u64 << 52) as f64;
     let nearest = v + WHOLE;
     let rounded_up = nearest - WHOLE > v;

@@ -1,11 +1,11 @@
 //! Compares level ground under low suns with directly computed shadows of the boxes on it.
 
-use adumbra::Sun;
 use adumbra::query::receiver;
+use adumbra::{Filter, Sun};
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_scene::random::Random;
 
-use super::model::{Model, Point, UP, bake_quietly, query, scene};
+use super::model::{Model, Point, UP, bake_quietly, scene};
 
 const HALF: f64 = 50.0;
 
@@ -57,7 +57,7 @@ fn level_ground_under_a_low_sun_is_right() {
         let sun = Sun::from_angles(37.0, elevation).unwrap();
         let towards = sun.towards();
         let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(2048)));
-        let (single, filtered) = (query(&baked, 1), query(&baked, 9));
+        let (single, filtered) = (baked.sampler(Filter::Nearest), baked.sampler(Filter::Box9));
         let (mut acne, mut leak) = (0, 0);
         let (mut from_rays, mut from_truth, mut compared) = (0.0, 0.0, 0.0);
         for (n, &p) in points.iter().enumerate() {

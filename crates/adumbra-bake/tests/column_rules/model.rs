@@ -1,9 +1,9 @@
 //! Small scenes built by hand, and helpers to bake and query them.
 
-use adumbra::Query;
+use adumbra::{Filter, ShadowFile};
 use adumbra_bake::BakeOptions;
 use adumbra_scene::{Instance, Material, Mesh, Scene};
-use adumbra_testing::{BakedGraph, bake_graph, toothed_bar};
+use adumbra_testing::{bake_file, toothed_bar};
 
 pub(crate) type Point = [f64; 3];
 
@@ -73,17 +73,12 @@ pub(crate) fn scene(models: &[Model]) -> Scene {
     }
 }
 
-pub(crate) fn bake_quietly(scene: &Scene, options: &BakeOptions) -> BakedGraph {
-    bake_graph(scene, options).expect("a small bake fits")
-}
-
-/// Creates a query with `width` × `width` taps and the bias for which the bake was made.
-pub(crate) fn query(baked: &BakedGraph, width: u32) -> Query<'_> {
-    Query::new(&baked.grid, &baked.dag, baked.settings.bias, width).expect("a width that there is")
+pub(crate) fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
+    bake_file(scene, options).expect("a small bake fits")
 }
 
 /// Returns how many of these points on level ground are lit.
-pub(crate) fn lit_on_ground(baked: &BakedGraph, points: &[Point]) -> usize {
-    let query = query(baked, 1);
-    points.iter().filter(|&&p| query.visibility(p, Some(UP)) > 0.5).count()
+pub(crate) fn lit_on_ground(baked: &ShadowFile, points: &[Point]) -> usize {
+    let sampler = baked.sampler(Filter::Nearest);
+    points.iter().filter(|&&p| sampler.visibility(p, Some(UP)) > 0.5).count()
 }

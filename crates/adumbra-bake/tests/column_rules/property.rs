@@ -1,16 +1,15 @@
 //! The rule itself, over random layers: a look-up finds what a ray finds, unless a blocker is within the receiver's
 //! bias.
 
-use adumbra::Sun;
 use adumbra::query::receiver;
+use adumbra::{Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Builder, FrameChoice, Size};
 use adumbra_scene::Scene;
 use adumbra_scene::random::Random;
-use adumbra_testing::BakedGraph;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 use proptest::prelude::*;
 
-use super::model::{Model, Point, UP, bake_quietly, query, scene};
+use super::model::{Model, Point, UP, bake_quietly, scene};
 
 const VOXEL: f64 = 0.1;
 const FLOOR_HALF: f64 = 4.0;
@@ -109,7 +108,7 @@ impl Layers {
 
 /// Whether a ray from the point that a look-up samples reaches the sun, or `None` if nothing is guaranteed. `own` is
 /// the receiver's instance.
-fn expected(tracer: &Tracer<'_>, baked: &BakedGraph, p: Point, own: u32) -> Option<bool> {
+fn expected(tracer: &Tracer<'_>, baked: &ShadowFile, p: Point, own: u32) -> Option<bool> {
     let r = receiver(&baked.grid, &baked.settings.bias, p, Some(UP));
     let center = [0, 1].map(|a| r.p_grid[a].floor() + 0.5);
     let [dx, dy] = [0, 1].map(|a| center[a] - r.p_grid[a]);
@@ -146,7 +145,7 @@ proptest! {
         let scene = layers.scene();
         let baked = bake_quietly(&scene, &layers.options());
         let tracer = Tracer::build(&scene, TraceOptions::default());
-        let query = query(&baked, 1);
+        let sampler = baked.sampler(Filter::Nearest);
         let mut random = Random::for_batch(layers.seed, 0);
         let mut any = |half: f64| half * (2.0 * random.unit() - 1.0);
         let top = match layers.upper {
@@ -166,7 +165,7 @@ proptest! {
             // Vertices are stored as 32-bit floats.
             let p = [any(half), f64::from(y as f32), any(half)];
             let Some(lit) = expected(&tracer, &baked, p, own) else { continue };
-            let found = query.visibility(p, Some(UP)) > 0.5;
+            let found = sampler.visibility(p, Some(UP)) > 0.5;
             prop_assert!(found == lit, "at {p:?}: a ray says lit = {lit}, the look-up {found}");
         }
     }

@@ -3,14 +3,11 @@
 use std::path::PathBuf;
 
 use adumbra::{Bounds, Receivers, Sun};
-use adumbra_bake::{BakeOptions, Builder, LayoutChoice, Preset, Size};
-use adumbra_program::args::{LayoutArg, RunArgs, SceneArgs, SunArgs, numbers};
+use adumbra_bake::{BakeOptions, FrameChoice, Preset, Size};
+use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds};
 use adumbra_program::exit::Failure;
 use adumbra_program::progress::Style;
-use adumbra_tree::TreeOptions;
 use clap::ValueEnum;
-
-use super::tree::TreeArgs;
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum PresetArg {
@@ -24,6 +21,16 @@ pub(crate) enum PresetArg {
     High,
     /// 32768 texels
     Ultra,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FrameArg {
+    /// Oblique or light, whichever file a forecast says is smaller; light below 5° of sun
+    Auto,
+    /// Columns along the light, in a plane across it
+    Light,
+    /// Columns along the light, over level ground: small where roofs are flat and walls are parallel
+    Oblique,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -42,15 +49,15 @@ pub(crate) struct BakeSettings {
     pub(crate) sun: SunArgs,
     /// Texels on the longest side: a power of two, 8 to 262144
     ///
-    /// The longest side as the sun sees the scene. World frame: voxels along the cube's side, at most 32768.
+    /// The longest side as the sun sees the scene.
     #[arg(long, value_name = "N", conflicts_with = "voxel_size")]
     resolution: Option<u64>,
     /// Edge of a voxel in metres, instead of a resolution
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     voxel_size: Option<f64>,
-    /// Preset resolution [default: medium; with --frame world, draft]
-    #[arg(long, value_enum)]
-    preset: Option<PresetArg>,
+    /// Preset resolution
+    #[arg(long, value_enum, default_value = "medium")]
+    preset: PresetArg,
     /// How far below an open surface its shadow may begin, in metres along the light [default: the bias at the surface's
     /// slope]
     ///
@@ -87,34 +94,36 @@ pub(crate) struct BakeSettings {
     /// Casters outside it towards the sun still cast shadows into it.
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     bounds: Option<Bounds>,
-    /// How the file stores the voxels [default: depths; with --builder plain, packed]
-    #[arg(long, value_enum, hide_short_help = true)]
-    layout: Option<LayoutArg>,
-    #[command(flatten)]
-    pub(crate) tree: TreeArgs,
+    /// How the voxels lie in the world
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(crate) frame: FrameArg,
+    /// Oblique frame: turn of the grid [default: along most of the scene's edges]
+    ///
+    /// The angle from +X to the grid's x axis, towards +Z.
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    yaw: Option<f64>,
 }
 
 impl BakeSettings {
-    /// Returns the options that trees do not have, and whether each was given.
-    fn columns_only(&self) -> [(bool, &'static str); 5] {
-        [
-            (self.thickness != 0.0, "--thickness"),
-            (self.no_assume_ground, "--no-assume-ground"),
-            (matches!(self.receivers, ReceiversArg::Static), "--receivers static"),
-            (self.switch_within != 0, "--switch-within"),
-            (self.layout.is_some(), "--layout"),
-        ]
+    /// Checks that the options belong together.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        if self.yaw.is_some() && self.frame != FrameArg::Oblique {
+            let frame = self.frame.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+            return Err(Failure::Usage(format!(
+                "--yaw does not apply to --frame {frame}; remove it, or bake with --frame oblique"
+            )));
+        }
+        Ok(())
     }
 
-    /// Returns the options of a light-aligned bake under a sun.
+    /// Returns the options of a bake under a sun.
     pub(crate) fn options(&self, sun: Sun, ignore_alpha: bool) -> BakeOptions {
         let preset = match self.preset {
-            Some(PresetArg::Draft) => Preset::Draft,
-            Some(PresetArg::Low) => Preset::Low,
-            None if self.tree.frame.is_world() => Preset::Draft,
-            None | Some(PresetArg::Medium) => Preset::Medium,
-            Some(PresetArg::High) => Preset::High,
-            Some(PresetArg::Ultra) => Preset::Ultra,
+            PresetArg::Draft => Preset::Draft,
+            PresetArg::Low => Preset::Low,
+            PresetArg::Medium => Preset::Medium,
+            PresetArg::High => Preset::High,
+            PresetArg::Ultra => Preset::Ultra,
         };
         let size = match (self.resolution, self.voxel_size) {
             (Some(n), _) => Size::Resolution(n),
@@ -122,11 +131,11 @@ impl BakeSettings {
             (None, None) => Size::Resolution(preset.resolution().into()),
         };
         BakeOptions {
-            frame: self.tree.columns_frame(),
-            layout: match (self.layout, self.tree.light_builder()) {
-                (Some(layout), _) => layout.into(),
-                (None, Builder::Plain) => LayoutChoice::Packed,
-                (None, Builder::Fast) => LayoutChoice::default(),
+            frame: match (self.frame, self.yaw) {
+                (FrameArg::Auto, _) => FrameChoice::Auto,
+                (FrameArg::Light, _) => FrameChoice::Light,
+                (FrameArg::Oblique, None) => FrameChoice::Oblique,
+                (FrameArg::Oblique, Some(degrees)) => FrameChoice::ObliqueAt(degrees.to_radians()),
             },
             thickness_world: self.thickness,
             switch_within_voxels: self.switch_within,
@@ -138,20 +147,8 @@ impl BakeSettings {
                 ReceiversArg::Static => Receivers::Static,
             },
             bounds: self.bounds,
-            builder: self.tree.light_builder(),
             ..BakeOptions::new(sun, size)
         }
-    }
-
-    /// Whether the bake is a world-aligned tree. An error if options of both kinds are mixed.
-    pub(crate) fn is_tree(&self) -> Result<bool, Failure> {
-        self.tree.check(&self.columns_only())?;
-        Ok(self.tree.frame.is_world())
-    }
-
-    /// Returns the options of a world-aligned bake. Options that both kinds of file share come from `common`.
-    pub(crate) fn tree_options(&self, common: &BakeOptions) -> TreeOptions {
-        self.tree.options(common)
     }
 }
 
@@ -182,9 +179,4 @@ pub(crate) struct Bake {
     pub(crate) progress: Style,
     #[command(flatten)]
     pub(crate) run: RunArgs,
-}
-
-fn parse_bounds(text: &str) -> Result<Bounds, String> {
-    let [x0, y0, z0, x1, y1, z1] = numbers::<6>(text)?;
-    Ok(Bounds { min: [x0, y0, z0], max: [x1, y1, z1] })
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use adumbra_compare::args::DeviceArgs;
 use adumbra_program::args::{SceneArgs, SunArgs, parse_bytes};
 
-use super::render::{CameraArgs, LayerArg};
+use adumbra_compare::verbs::render::{CameraArgs, LayerArg};
 
 pub(super) const AFTER_HELP: &str = "Drop a scene, a shadow file or a camera on the window to open it. A script is a JSON array of user actions, \
     played one after the other: commands such as {\"layer\": \"shadow\"}, {\"shadow\": {\"side\": \"second\", \"technique\": \"csm\"}}, {\"key\": \"t\"}, \
@@ -18,11 +18,11 @@ pub(super) const AFTER_HELP: &str = "Drop a scene, a shadow file or a camera on 
 pub(crate) struct View {
     /// Scene: .glb, .gltf, .obj or .ply
     pub(crate) scene: PathBuf,
-    /// The file whose shadows to show; may be given twice, once per kind; a bake begins when the sun moves [default:
-    /// baked in the background, coarse to fine]
+    /// The file whose shadows to show; a bake begins when the sun moves [default: baked in the background, coarse to
+    /// fine]
     #[arg(long, value_name = "FILE")]
-    pub(crate) shadow_file: Vec<PathBuf>,
-    /// A technique, as for render; the second one given is for the other side [default: the file's, and csm]
+    pub(crate) shadow_file: Option<PathBuf>,
+    /// A technique, as for render; the second one given is for the other side [default: voxel, and csm]
     #[arg(long, value_name = "NAME[:KEY=VALUE...]")]
     pub(crate) shadow: Vec<String>,
     /// Ambient occlusion, as for render

@@ -4,30 +4,36 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use adumbra::file::Layout;
-use adumbra::{Bounds, Frame, Sun};
-use adumbra_bake::{BakeOptions, Estimate, LayoutChoice, Watch, bake, estimate};
+use adumbra::Frame;
+use adumbra_bake::{BakeOptions, Estimate, Watch, bake, estimate};
 use adumbra_files as files;
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
 use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
 use adumbra_program::progress::{Reporter, Units};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
-use adumbra_program::sun::{ChosenSun, SunOrigin};
+use adumbra_program::sun::{ChosenSun, SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
-use adumbra_program::{memory, say, signals};
+use adumbra_program::{bounds, memory, mirrors, say, signals};
 use adumbra_scene::{Scene, write_shadow_name};
+use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{GraphFigures, bake_tree, bounds};
+use super::FileFigures;
 use crate::args::Bake;
 
-/// Elevation below which level ground comes close to the steepest plane that look-ups follow, degrees.
-const LOWEST_SUN_DEGREES: f64 = 1.0;
+/// What is printed with `--json`.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum Printed {
+    /// Of a bake.
+    Baked(Baked),
+    /// With `--dry-run`.
+    Forecast(Forecast),
+}
 
 /// The result of a bake.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Baked {
     /// The shadow file that was written.
     file: String,
@@ -45,13 +51,9 @@ pub(super) struct Baked {
     file_bytes: u64,
     /// Bits of the shadow file per texel of its grid.
     bits_per_texel: f64,
-    /// How the file stores its shadows.
-    layout: Layout,
-    /// The sizes that `--layout auto` chose from. Null with every other `--layout`.
-    candidate_bytes: Option<CandidateBytes>,
     /// Number of nodes of the result.
     nodes: u64,
-    /// Number of leaf masks and planes of 64 bits, wherever the file stores them.
+    /// Number of planes of 64 bits.
     leaf_masks: u64,
     /// Number of threads that baked.
     threads: usize,
@@ -60,6 +62,7 @@ pub(super) struct Baked {
     /// Number of texels that were processed one by one.
     drawn_texels: u64,
     /// How the grid lies in the world.
+    #[schemars(with = "mirrors::Frame")]
     frame: Frame,
     /// Number of texels on the longest side of the scene as the sun sees it.
     resolution: u32,
@@ -79,19 +82,8 @@ pub(super) struct Baked {
     empty_bounds: bool,
 }
 
-/// Sizes of the two layouts that `--layout auto` chooses from. It keeps the smaller.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct CandidateBytes {
-    /// Bytes in the layout `packed`. Null if it cannot represent the voxels.
-    packed: Option<u64>,
-    /// Bytes in the layout `depths`.
-    depths: u64,
-}
-
 /// The forecast costs of a bake. Each pair is the least and the most.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Forecast {
     /// Number of tiles of the whole bake.
     tiles: usize,
@@ -123,19 +115,14 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
-    let is_tree = args.settings.is_tree()?;
-    if is_tree && args.dry_run {
-        return Err(Failure::Usage(
-            "--dry-run does not support --frame world; a draft of a tree bakes in seconds".to_owned(),
-        ));
-    }
+    args.settings.check()?;
     // A wrong sun is refused before the scene is loaded.
     args.settings.sun.given()?;
     if !args.dry_run {
         refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
         files::check_output(&output)?;
     }
-    let shadow_name = args.into.as_ref().map(|gltf| name_for(gltf, &output, is_tree)).transpose()?;
+    let shadow_name = args.into.as_ref().map(|gltf| name_for(gltf, &output)).transpose()?;
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
@@ -153,25 +140,12 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         if !args.dry_run {
             refuse_read("--output", &output).map_err(bad_input)?;
         }
-        // Bounds that are not a box are refused later, with the allowed range.
-        let empty_bounds =
-            options.bounds.is_some_and(|b| bounds::is_box(&b) && !bounds::hold_geometry(&b, &scene));
-        if empty_bounds {
-            let Bounds { min, max } = scene.bounds();
-            eprintln!(
-                "warning: --bounds contain no part of {}, which extends from {min:?} to {max:?}; check the box's position and unit",
-                args.scene.display()
-            );
-        }
+        let empty_bounds = bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
         if args.dry_run {
             let forecast = estimate(&scene, &options).map_err(|error| share.whole(error.into()))?;
             return dry_run(args, (&scene, &sun), (&options, &forecast), empty_bounds);
         }
         let guard = Guard::new(limit, &cancel);
-        if is_tree {
-            let job = bake_tree::Job { args, scene: &scene, sun: &sun, empty_bounds, output: &output, start };
-            return job.run(&args.settings.tree_options(&options), &guard, &share, &cancel);
-        }
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| {
             guard.look();
@@ -180,18 +154,16 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let baked = bake(&scene, &options, Watch::new(&progress, &cancel));
         let baked = guard.end("the bake", &share, baked)?;
         let (file, report) = (baked.file, baked.report);
-        // A layout that cannot represent the voxels has no size.
-        let candidate_bytes = baked.candidates.map(|c| CandidateBytes { packed: c.packed, depths: c.depths });
         let (grid, settings) = (file.grid, file.settings);
         let file_bytes = files::replace_file(&output, |out| file.write_to(out))?;
         if let Some((gltf, name)) = args.into.as_ref().zip(shadow_name.as_ref()) {
             write_shadow_name(gltf, name, file.sun())?;
         }
-        let figures = GraphFigures::of(&file, file_bytes)?;
+        let figures = FileFigures::of(&file, file_bytes);
         let seconds = start.elapsed().as_secs_f64();
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
         if args.run.json {
-            print_json(&Baked {
+            print_json(&Printed::Baked(Baked {
                 file: output.display().to_string(),
                 seconds,
                 bake_seconds: report.seconds,
@@ -200,8 +172,6 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 spilled_bytes: report.spilled_bytes,
                 file_bytes: figures.file_bytes,
                 bits_per_texel: figures.bits_per_texel,
-                layout: file.body.layout(),
-                candidate_bytes,
                 nodes: figures.composition.nodes,
                 leaf_masks: figures.composition.leaf_masks,
                 threads: report.threads,
@@ -216,13 +186,12 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 sun_origin: sun.origin,
                 omissions: omitted(&scene),
                 empty_bounds,
-            })?;
+            }))?;
         } else {
             say!(
-                "{} -> {} ({}, {} frame, {}, {:.4} bits per texel) in {seconds:.1} s, peak memory {}",
+                "{} -> {} ({} frame, {}, {:.4} bits per texel) in {seconds:.1} s, peak memory {}",
                 args.scene.display(),
                 output.display(),
-                file.body.layout().name(),
                 grid.frame.name(),
                 format_bytes(figures.file_bytes),
                 figures.bits_per_texel,
@@ -235,12 +204,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
 }
 
 /// Returns the name under which `gltf` refers to the shadow file `output`: its path from the folder of `gltf`.
-fn name_for(gltf: &Path, output: &Path, is_tree: bool) -> Result<String, Failure> {
+fn name_for(gltf: &Path, output: &Path) -> Result<String, Failure> {
     let usage = |what: String| Err(Failure::Usage(format!("--into {}: {what}", gltf.display())));
     let is_gltf = |e: &std::ffi::OsStr| ["glb", "gltf"].iter().any(|known| e.eq_ignore_ascii_case(known));
-    if is_tree {
-        return usage("engines do not load trees; bake without --frame world".to_owned());
-    }
     if !gltf.extension().is_some_and(is_gltf) || !gltf.is_file() {
         return usage("give an existing .glb or .gltf file".to_owned());
     }
@@ -258,51 +224,30 @@ fn name_for(gltf: &Path, output: &Path, is_tree: bool) -> Result<String, Failure
     }
 }
 
-/// Returns the least and the most size of a layout as a share of the plain layout's size, which is what is forecast.
-/// Measured: 0.3 to 0.46 on the scenes of `docs/layouts.md`, 0.14 to 0.36 on those of `docs/layouts-depths.md`.
-fn share_of_plain(layout: LayoutChoice) -> [f64; 2] {
-    match layout {
-        LayoutChoice::Plain => [1.0; 2],
-        LayoutChoice::Packed => [0.25, 0.5],
-        LayoutChoice::Depths | LayoutChoice::Auto => [0.1, 0.4],
-    }
-}
-
-fn warn_of_low_sun(sun: &Sun) {
-    if sun.elevation_degrees() < LOWEST_SUN_DEGREES {
-        eprintln!(
-            "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is too steep relative to the light for exact look-ups; check the file with verify",
-            sun.elevation_degrees()
-        );
-    }
-}
-
 fn dry_run(
     args: &Bake,
     (scene, sun): (&Scene, &ChosenSun),
     (options, e): (&BakeOptions, &Estimate),
     empty_bounds: bool,
 ) -> Outcome {
-    let share = share_of_plain(options.layout);
-    let file_bytes: [u64; 2] = std::array::from_fn(|i| (e.file_bytes[i] as f64 * share[i]) as u64);
     if args.run.json {
-        print_json(&Forecast {
+        print_json(&Printed::Forecast(Forecast {
             tiles: e.tiles,
             sampled_tiles: e.sampled_tiles,
             seconds: e.seconds,
-            file_bytes,
+            file_bytes: e.file_bytes,
             memory_bytes: e.memory_bytes,
             sun: sun.sun.towards(),
             sun_origin: sun.origin.clone(),
             omissions: omitted(scene),
             empty_bounds,
-        })?;
+        }))?;
     } else {
         let range = |r: [u64; 2]| format!("{} to {}", format_bytes(r[0]), format_bytes(r[1]));
         say!("{}: {} of {} tiles drawn", args.scene.display(), e.sampled_tiles, e.tiles);
         say!("  time    {:.0} to {:.0} s", e.seconds[0], e.seconds[1]);
         say!("  memory  {}", range(e.memory_bytes));
-        say!("  file    {}", range(file_bytes));
+        say!("  file    {}", range(e.file_bytes));
         say!("  {sun}");
         say!("  a lower --resolution, a larger --thickness or --receivers static makes the file smaller");
     }

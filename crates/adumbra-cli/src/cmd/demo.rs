@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use adumbra::{IoError, Query, ShadowFile, Sun};
+use adumbra::{Filter, IoError, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_compare::page::{Body, Embedded, Encoding, Page, Pair, Table};
 use adumbra_files::replace_file;
@@ -23,9 +23,10 @@ use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::GraphFigures;
+use super::FileFigures;
 use crate::args::Demo;
 
 const SEED: u64 = 1;
@@ -37,8 +38,7 @@ const SAMPLES: u64 = 200_000;
 const WIDEST: u32 = 1280;
 
 /// The results of the demo.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Shown {
     /// The generated scene.
     scene: String,
@@ -105,7 +105,7 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
     let file = guard.end("the bake", &share, bake(&scene, &options, Watch::new(&progress, cancel)))?.file;
     let file_bytes = replace_file(&file_path, |out| file.write_to(out))?;
     let bake_seconds = start.elapsed().as_secs_f64();
-    let figures = GraphFigures::of(&file, file_bytes)?;
+    let figures = FileFigures::of(&file, file_bytes);
     tell!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), format_bytes(figures.file_bytes));
 
     let go_on =
@@ -116,8 +116,8 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
     args.run.check_memory("the scene, its acceleration structure and its mip levels", held, held)?;
     let solids = Solids::of(&scene);
     let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
-    let exact = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1)?;
-    let answers = LightAnswers::new(&file.grid, &file.settings, exact);
+    let exact = file.sampler(Filter::Nearest);
+    let answers = LightAnswers::of(&file, exact.clone());
     let check = VerifyOptions { samples: SAMPLES, seed: 1 };
     let verification = Verifier::new(&answers, &tracer, &solids).run(&sampler, &check);
     tell!("verified  interior agreement {:.4} %", 100.0 * verification.interior_agreement);
@@ -127,9 +127,9 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
     for (camera, paths) in [whole, street].into_iter().zip(&pictures) {
         for (suffix, path) in LAYERS.into_iter().zip(paths) {
             go_on()?;
-            let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 5)?;
+            let filtered = file.sampler(Filter::Box5);
             let shadows = match suffix {
-                "" => Shadows::File(&query),
+                "" => Shadows::File(&filtered),
                 "-truth" => Shadows::Truth,
                 _ => Shadows::Difference(&exact),
             };
@@ -163,7 +163,7 @@ fn write_report(
     path: &Path,
     resolution: u64,
     file: &ShadowFile,
-    figures: &GraphFigures,
+    figures: &FileFigures,
     bake_seconds: f64,
     v: &Verification,
 ) -> Result<(), Failure> {

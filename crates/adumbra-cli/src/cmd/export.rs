@@ -1,128 +1,138 @@
-//! `adumbra export`: writes a shadow file as PNG pages of words.
+//! `adumbra export`: a shadow file as a web page fetches it, and compressed beside it.
+//!
+//! Servers and bundlers send `NAME.br` with `Content-Encoding: br` where it lies next to the file. Brotli at its highest
+//! quality takes minutes for large files, so it is done once, here, and not for every visitor.
 
-use std::path::Path;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
-use adumbra::IoError;
-use adumbra_program::exit::{Code, Failure, Outcome};
-use adumbra_program::output::{format_bytes, print_json, refuse_inputs, refuse_same};
+use adumbra::{Error, IoError, ShadowFile};
+use adumbra_files::{StagedFile, same_file};
+use adumbra_program::exit::{Code, Outcome};
+use adumbra_program::output::{format_bytes, print_json, refuse_same};
 use adumbra_program::say;
-use adumbra_program::threads::with_threads;
-use adumbra_tree::texture::{Layout, page_path, write};
-use adumbra_tree::{AnyFile, Error, TreeBody, words_of};
+use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::export_web;
 use crate::args::Export;
 
-/// The PNG pages that were written.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub(super) struct Exported {
+/// Brotli's highest quality, and the largest window that browsers accept: 2^24 bytes.
+const QUALITY: u32 = 11;
+const WINDOW_BITS: u32 = 24;
+/// Bytes that are compressed at a time.
+const BUFFER_BYTES: usize = 1 << 16;
+
+/// The files for a web page.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct WebExported {
     /// The shadow file that was read.
     file: String,
-    /// Length of the shadow file, in bytes.
-    file_bytes: u64,
-    /// `light-aligned` or `world-aligned`.
-    kind: &'static str,
-    /// Levels of the tree. It has 2^depth voxels along each side.
-    depth: u32,
-    /// Path of page 0. Every other page has its number before the extension.
-    texture: String,
-    /// Number of 32-bit words. Word i is pixel `i mod (width · rows)` of page `i / (width · rows)`.
-    words: usize,
-    /// Number of pages.
-    pages: u32,
-    /// Pixels per row.
-    width: u32,
-    /// Rows of words of every page but the last. A row with a signature follows them.
-    rows: u32,
-    /// Bytes of all pages.
-    texture_bytes: u64,
+    /// The copy that a page fetches.
+    web: String,
+    /// Bytes of the copy.
+    web_bytes: u64,
+    /// The copy compressed with Brotli.
+    compressed: String,
+    /// Bytes that a page fetches from a server that sends the compressed copy.
+    compressed_bytes: u64,
 }
 
 pub(crate) fn run(args: &Export) -> Outcome {
-    match (&args.texture, &args.web) {
-        (Some(texture), _) => with_threads(args.run.threads, || export(args, texture))?,
-        (None, Some(web)) => export_web::run(args, web),
-        (None, None) => Err(Failure::Usage("give --texture or --web".to_owned())),
+    let web = &*args.web;
+    let length = fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
+    // The bytes, the decoded file, and what compression holds.
+    args.run.check_memory("the shadow file", 0, 2 * length + compression_bytes(length))?;
+    // The copy has the same bytes, also where the file is of an earlier version.
+    let bytes = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
+    ShadowFile::from_bytes(&bytes)
+        .map_err(|e| Error::Format { path: args.file.clone(), source: Box::new(e) })?;
+    let compressed = compressed_path(web);
+    refuse_same([&*args.file, &*compressed])?;
+    refuse_same([web, &*compressed])?;
+    let mut staged = Vec::new();
+    if !same_file(&args.file, web) {
+        staged.push(StagedFile::new(web, |out| out.write_all(&bytes).map(|()| bytes.len() as u64))?);
     }
-}
-
-fn export(args: &Export, texture: &Path) -> Outcome {
-    let refuse = |path: &Path| refuse_inputs("--texture", path, [("the shadow file itself", &*args.file)]);
-    refuse(texture)?;
-    // The file's bytes, and the decoded file.
-    let bytes = std::fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
-    args.run.check_memory("the shadow file", 0, 2 * bytes)?;
-    let parts = Parts::of(&args.file)?;
-    let words = parts.words.len();
-    // The words, and the pages that contain them.
-    let held = (4 * words + parts.rest.len()) as u64;
-    args.run.check_memory("the words and their pages", held, 2 * held)?;
-    let layout = Layout::new(words, parts.rest.len(), args.max_side)
-        .map_err(|source| Error::WordTexture { path: texture.to_owned(), source })?;
-    let pages: Vec<_> = (0..layout.pages).map(|page| page_path(texture, page)).collect();
-    pages.iter().try_for_each(|page| refuse(page))?;
-    refuse_same(pages.iter().map(|page| &**page))?;
-    let written = write(texture, &parts.words, &parts.rest, args.max_side)?;
-    let layout = written.layout;
+    let squeezed = StagedFile::new(&compressed, |out| {
+        let mut counted = Counted { out, bytes: 0 };
+        let mut writer = brotli::CompressorWriter::new(&mut counted, BUFFER_BYTES, QUALITY, WINDOW_BITS);
+        writer.write_all(&bytes)?;
+        writer.flush()?;
+        drop(writer);
+        Ok(counted.bytes)
+    })?;
+    let compressed_bytes = squeezed.bytes();
+    staged.push(squeezed);
+    StagedFile::place(staged)?;
     if args.run.json {
-        print_json(&Exported {
+        print_json(&WebExported {
             file: args.file.display().to_string(),
-            file_bytes: parts.file_bytes,
-            kind: parts.kind,
-            depth: parts.depth,
-            texture: texture.display().to_string(),
-            words,
-            pages: layout.pages,
-            width: layout.width,
-            rows: layout.rows,
-            texture_bytes: written.bytes,
+            web: web.display().to_string(),
+            web_bytes: bytes.len() as u64,
+            compressed: compressed.display().to_string(),
+            compressed_bytes,
         })?;
     } else {
         say!(
-            "{}: {words} words on {} of {} pixels per row, {}",
-            texture.display(),
-            if layout.pages == 1 { "1 page".to_owned() } else { format!("{} pages", layout.pages) },
-            layout.width,
-            format_bytes(written.bytes)
+            "{}: {}; {}: {}",
+            web.display(),
+            format_bytes(bytes.len() as u64),
+            compressed.display(),
+            format_bytes(compressed_bytes)
         );
+        say!("{}", lines_to_paste(web));
     }
     Ok(Code::Fine)
 }
 
-/// The parts of a file that a picture stores.
-struct Parts {
-    kind: &'static str,
-    /// Levels of the tree: 2^depth voxels along each side.
-    depth: u32,
-    words: Vec<u32>,
-    /// What the file contains besides its words. Its first eight bytes are the file's magic.
-    rest: Vec<u8>,
-    file_bytes: u64,
+/// Memory that Brotli takes at these settings, measured: 16 times what is in its window, and 16 MiB.
+fn compression_bytes(length: u64) -> u64 {
+    (16 << 20) + 16 * length.min(1 << WINDOW_BITS)
 }
 
-impl Parts {
-    /// Reads a file. Each kind of shadow file has a match arm here and one in `import`.
-    fn of(path: &Path) -> Result<Self, Failure> {
-        let file = AnyFile::read(path)?;
-        let file_bytes = file.encoded_len();
-        let (kind, tree, rest) = match file {
-            AnyFile::Light(file) => {
-                let (tree, rest) =
-                    words_of(&file).map_err(|source| Error::Words { path: path.to_owned(), source })?;
-                ("light-aligned", tree, rest)
-            }
-            AnyFile::Tree(file) => match (file.without_words(), file.body) {
-                (Some(rest), TreeBody::Words(tree)) => ("world-aligned", tree, rest),
-                _ => {
-                    return Err(Failure::BadInput(format!(
-                        "{}: holds a symmetric tree, which has no words; bake it without --symmetry",
-                        path.display()
-                    )));
-                }
-            },
-        };
-        Ok(Self { kind, depth: tree.depth(), words: tree.into_words(), rest, file_bytes })
+/// The path of the compressed copy: that of the copy with `.br` added to it.
+fn compressed_path(web: &Path) -> PathBuf {
+    let mut path = web.as_os_str().to_owned();
+    path.push(".br");
+    path.into()
+}
+
+/// What a page needs, for three.js.
+fn lines_to_paste(web: &Path) -> String {
+    let name = web.file_name().unwrap_or_default().to_string_lossy();
+    format!(
+        "
+Serve both files from one folder, the compressed one as {name} with Content-Encoding: br. In the page:
+
+import {{ ShadowFileLoader }} from 'adumbra-three';
+import {{ BakedShadowNode }} from 'adumbra-three/webgpu';
+
+const file = await new ShadowFileLoader().loadAsync('{name}');
+renderer.shadowMap.enabled = sun.castShadow = true;
+sun.shadow.shadowNode = new BakedShadowNode(sun, {{ file }});
+
+With WebGLRenderer:
+
+import {{ attachBakedShadow }} from 'adumbra-three/webgl';
+attachBakedShadow(scene, sun, file);"
+    )
+}
+
+/// Counts what is written.
+struct Counted<W> {
+    out: W,
+    bytes: u64,
+}
+
+impl<W: Write> Write for Counted<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
     }
 }

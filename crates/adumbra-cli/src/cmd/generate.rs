@@ -6,13 +6,13 @@ use adumbra_program::say;
 use adumbra_program::threads::with_threads;
 use adumbra_scene::{generate, write_glb};
 use clap::ValueEnum;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::args::Generate;
 
 /// A generated scene.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Generated {
     /// The scene's file.
     output: String,

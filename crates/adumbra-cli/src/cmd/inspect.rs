@@ -3,18 +3,18 @@
 use adumbra::{Bounds, LightExtent, Sun};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::print_json;
-use adumbra_program::say;
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{SunOrigin, sun_of_scene_with_warnings};
 use adumbra_program::threads::with_threads;
+use adumbra_program::{mirrors, say};
 use adumbra_scene::{AlphaMode, Counts, FileSun, Scene, topology};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::args::Inspect;
 
 /// The properties of a scene.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Inspected {
     /// The scene's file.
     scene: String,
@@ -41,6 +41,7 @@ pub(super) struct Inspected {
     /// Number of polygons of OBJ and PLY files that were cut into fans, which may cover too much or too little.
     untriangulated_polygons: u64,
     /// Bounding box of the scene.
+    #[schemars(with = "mirrors::Bounds")]
     bounds: Bounds,
     /// Share of the instanced triangles that are in closed components.
     closed_share: f64,
@@ -63,8 +64,7 @@ pub(super) struct Inspected {
 }
 
 /// A directional light of a scene's file.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 struct Light {
     /// The name of its node.
     name: String,
@@ -79,8 +79,7 @@ impl Light {
 }
 
 /// What was read from a scene's file.
-#[derive(Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Serialize, JsonSchema)]
 struct Read {
     /// Meshes of a glTF file, objects and groups of an OBJ file, 1 for a PLY file.
     meshes: u64,

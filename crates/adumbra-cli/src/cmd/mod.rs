@@ -1,31 +1,23 @@
 //! One file per verb.
 
 mod bake;
-mod bake_tree;
-mod bounds;
-#[cfg(feature = "render")]
-mod compare;
 #[cfg(feature = "render")]
 mod demo;
 mod export;
-mod export_web;
 mod generate;
-mod import;
 mod info;
 mod inspect;
-#[cfg(all(test, feature = "view"))]
-mod json_document;
-mod lookup;
 mod query;
-#[cfg(feature = "render")]
-mod render;
+mod schema;
 mod verify;
 #[cfg(feature = "view")]
 mod view;
 
+use adumbra::ShadowFile;
 use adumbra::layout::Composition;
-use adumbra::{FormatError, ShadowFile};
-use adumbra_program::exit::{Failure, Outcome};
+#[cfg(feature = "render")]
+use adumbra_compare::verbs::{Offer, compare, render};
+use adumbra_program::exit::Outcome;
 
 use crate::args::Verb;
 
@@ -38,34 +30,30 @@ pub(crate) fn run(verb: Verb) -> Outcome {
         Verb::Verify(a) => verify::run(&a),
         Verb::Query(a) => query::run(&a),
         Verb::Export(a) => export::run(&a),
-        Verb::Import(a) => import::run(&a),
         #[cfg(feature = "render")]
-        Verb::Render(a) => Ok(render::run(&a)?),
+        Verb::Render(a) => Ok(render::run(&a, Offer::PRODUCT)?),
         #[cfg(feature = "view")]
         Verb::View(a) => Ok(view::run(&a)?),
         #[cfg(feature = "render")]
-        Verb::Compare(a) => Ok(compare::run(&a)?),
+        Verb::Compare(a) => Ok(compare::run(&a, Offer::PRODUCT)?),
         #[cfg(feature = "render")]
         Verb::Demo(a) => demo::run(&a),
+        Verb::Schema(a) => schema::run(&a),
     }
 }
 
 /// Figures of a file that `bake` and `info` share.
-struct GraphFigures {
+struct FileFigures {
     file_bytes: u64,
     bits_per_texel: f64,
     composition: Composition,
 }
 
-impl GraphFigures {
+impl FileFigures {
     /// Computes the figures. `file_bytes` is the length of the file as it was read or written.
-    fn of(file: &ShadowFile, file_bytes: u64) -> Result<Self, Failure> {
+    fn of(file: &ShadowFile, file_bytes: u64) -> Self {
         let texels = f64::from(file.grid.size[0]) * f64::from(file.grid.size[1]);
-        let invalid = |e: FormatError| Failure::BadInput(e.to_string());
-        Ok(Self {
-            file_bytes,
-            bits_per_texel: file_bytes as f64 * 8.0 / texels,
-            composition: file.body.composition().map_err(invalid)?,
-        })
+        let bits_per_texel = file_bytes as f64 * 8.0 / texels;
+        Self { file_bytes, bits_per_texel, composition: file.composition() }
     }
 }

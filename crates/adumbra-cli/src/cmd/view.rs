@@ -52,7 +52,7 @@ fn options(args: &View) -> Result<ViewOptions> {
     Ok(ViewOptions {
         scene: args.scene.clone(),
         load: LoadOptions { max_memory_bytes: args.max_memory, ..args.load.load_options()? },
-        shadow_files: args.shadow_file.clone(),
+        shadow_file: args.shadow_file.clone(),
         shadows: [shadow(0)?, shadow(1)?],
         ambient: args.ao.parse()?,
         layer,
@@ -96,7 +96,6 @@ fn failure(error: ViewError) -> adumbra_compare::Error {
 /// Returns the options that set a field of the view.
 fn options_of(field: OptionField) -> Option<&'static str> {
     Some(match field {
-        OptionField::ShadowFiles => "--shadow-file",
         OptionField::Shadows => "--shadow",
         OptionField::Ambient => "--ao",
         OptionField::Layer => "--layer",

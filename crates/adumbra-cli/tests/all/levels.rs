@@ -97,38 +97,36 @@ fn render_gives_the_time_of_the_build() {
 fn render_shows_the_size_of_the_voxels_that_answer() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
-    for frame in ["light", "world"] {
-        let file = folder.path(&format!("{frame}.adumbra"));
-        let (code, error) = adumbra(&["bake", &scene, "--frame", frame, "--resolution", "256", "-o", &file]);
-        assert_eq!(code, 0, "{error}");
-        let raw = folder.path(&format!("{frame}.exr"));
-        let render = ["render", &scene, "--shadow-file", &file, "--layer", "voxel-size"];
-        let said = json(&[&render[..], &SIZE, &["--json", "-o", &raw]].concat());
-        let levels = read_first_flat_layer_from_file(&raw).unwrap().layer_data;
-        let values: Vec<f32> = levels.channel_data.list[0].sample_data.values_as_f32().collect();
-        let rows = said["voxel_levels"].as_array().unwrap();
-        assert!(rows.len() > 1, "{said}");
-        let edge = |row: &serde_json::Value| row["edge_world"].as_f64().unwrap();
-        for row in rows {
-            let level = row["level"].as_f64().unwrap();
-            let share = values.iter().filter(|v| **v == level as f32).count() as f64 / values.len() as f64;
-            assert!((row["share"].as_f64().unwrap() - share).abs() < 1e-9 && share > 0.0, "{row}");
-            let finer = rows[0]["level"].as_f64().unwrap();
-            assert!((edge(row) / edge(&rows[0]) - (level - finer).exp2()).abs() < 1e-9, "{row}");
-            assert_eq!(row["color"].as_array().unwrap().len(), 3);
-        }
-        let shares: f64 = rows.iter().map(|r| r["share"].as_f64().unwrap()).sum();
-        let nothing = values.iter().filter(|v| **v == -1.0).count() as f64 / values.len() as f64;
-        assert!((shares + nothing - 1.0).abs() < 1e-9, "{said}");
-        // As a picture, with its legend printed.
-        let picture = folder.path(&format!("{frame}.png"));
-        let arguments = [&render[..], &SIZE, &["-o", &picture]].concat();
-        let legend = Command::new(program()).args(arguments).output().unwrap().stdout;
-        let legend = String::from_utf8(legend).unwrap();
-        assert!(folder.exists(&format!("{frame}.png")));
-        let line = format!("level {}: {:.4} m, ", rows[0]["level"], edge(&rows[0]));
-        assert!(legend.contains(&line), "{line} is not in {legend}");
+    let file = folder.path("a.adumbra");
+    let (code, error) = adumbra(&["bake", &scene, "--frame", "light", "--resolution", "256", "-o", &file]);
+    assert_eq!(code, 0, "{error}");
+    let raw = folder.path("a.exr");
+    let render = ["render", &scene, "--shadow-file", &file, "--layer", "voxel-size"];
+    let said = json(&[&render[..], &SIZE, &["--json", "-o", &raw]].concat());
+    let levels = read_first_flat_layer_from_file(&raw).unwrap().layer_data;
+    let values: Vec<f32> = levels.channel_data.list[0].sample_data.values_as_f32().collect();
+    let rows = said["voxel_levels"].as_array().unwrap();
+    assert!(rows.len() > 1, "{said}");
+    let edge = |row: &serde_json::Value| row["edge_world"].as_f64().unwrap();
+    for row in rows {
+        let level = row["level"].as_f64().unwrap();
+        let share = values.iter().filter(|v| **v == level as f32).count() as f64 / values.len() as f64;
+        assert!((row["share"].as_f64().unwrap() - share).abs() < 1e-9 && share > 0.0, "{row}");
+        let finer = rows[0]["level"].as_f64().unwrap();
+        assert!((edge(row) / edge(&rows[0]) - (level - finer).exp2()).abs() < 1e-9, "{row}");
+        assert_eq!(row["color"].as_array().unwrap().len(), 3);
     }
+    let shares: f64 = rows.iter().map(|r| r["share"].as_f64().unwrap()).sum();
+    let nothing = values.iter().filter(|v| **v == -1.0).count() as f64 / values.len() as f64;
+    assert!((shares + nothing - 1.0).abs() < 1e-9, "{said}");
+    // As a picture, with its legend printed.
+    let picture = folder.path("a.png");
+    let arguments = [&render[..], &SIZE, &["-o", &picture]].concat();
+    let legend = Command::new(program()).args(arguments).output().unwrap().stdout;
+    let legend = String::from_utf8(legend).unwrap();
+    assert!(folder.exists("a.png"));
+    let line = format!("level {}: {:.4} m, ", rows[0]["level"], edge(&rows[0]));
+    assert!(legend.contains(&line), "{line} is not in {legend}");
     let output = folder.path("none.png");
     let (code, error) =
         adumbra(&["render", &scene, "--shadow", "none", "--layer", "voxel-size", "-o", &output]);

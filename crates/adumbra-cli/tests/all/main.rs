@@ -3,7 +3,9 @@
 mod compare;
 mod compressed;
 mod device;
+#[cfg(feature = "view")]
 mod display;
+mod export;
 mod levels;
 mod memory;
 mod movers;
@@ -13,6 +15,4 @@ mod options;
 mod program;
 mod scenes;
 mod suns;
-mod texture;
-mod tree;
 mod view;

@@ -28,9 +28,7 @@ fn baked() -> Baked {
 fn bake(scene: &str, output: &str, more: &[&str]) -> (i32, String) {
     let base = ["bake", scene, "-o", output, "--sun", "0,1,0", "--progress", "none"];
     let resolution = if more.contains(&"--resolution") { &[][..] } else { &["--resolution", "256"] };
-    // A layout that can be exported.
-    let layout = if more.contains(&"--frame") { &[][..] } else { &["--layout", "packed"] };
-    adumbra(&[&base[..], resolution, layout, more].concat())
+    adumbra(&[&base[..], resolution, more].concat())
 }
 
 /// Returns other names of a file: another spelling, a symbolic link, a hard link.
@@ -65,11 +63,7 @@ fn bake_keeps_its_scene_and_what_the_scene_names() {
     let Baked { folder, scene, .. } = baked();
     let library = folder.path("board.mtl");
     for name in names(&folder, "board.obj") {
-        is_kept(
-            &scene,
-            3,
-            &[vec!["bake", &scene, "-o", &name], vec!["bake", &scene, "--frame", "world", "-o", &name]],
-        );
+        is_kept(&scene, 3, &[vec!["bake", &scene, "-o", &name]]);
     }
     for name in names(&folder, "board.mtl") {
         is_kept(&library, 3, &[vec!["bake", &scene, "-o", &name]]);
@@ -121,15 +115,7 @@ fn query_keeps_its_file_points_and_normals() {
     let query = ["query", &file, "--points", &points, "--normals", &normals];
     for (path, name) in [(&file, "board.adumbra"), (&points, "p.f32"), (&normals, "n.f32")] {
         for other in names(&folder, name) {
-            let new = folder.path("new.f32");
-            is_kept(
-                path,
-                2,
-                &[
-                    [&query[..], &["-o", &other]].concat(),
-                    [&query[..], &["-o", &new, "--penumbra", &other]].concat(),
-                ],
-            );
+            is_kept(path, 2, &[[&query[..], &["-o", &other]].concat()]);
         }
     }
     let doubles = folder.write("p.f64", &[0; 24]);
@@ -137,27 +123,8 @@ fn query_keeps_its_file_points_and_normals() {
 }
 
 #[test]
-fn export_import_and_render_keep_what_they_read() {
+fn render_keeps_what_it_reads() {
     let Baked { folder, scene, file } = baked();
-    // Page 1 of an export to page 0 would replace the shadow file.
-    let city = folder.path("city.adumbra");
-    let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
-    assert_eq!(code, 0, "{error}");
-    let pages = ["--max-side", "64", "--texture"];
-    fs::rename(&city, folder.path("page.1.png")).unwrap();
-    let second = folder.path("page.1.png");
-    let texture = folder.path("page.png");
-    is_kept(&second, 2, &[[&["export", &second][..], &pages, &[&texture]].concat()]);
-    for name in names(&folder, "board.adumbra") {
-        is_kept(&file, 2, &[vec!["export", &file, "--texture", &name]]);
-    }
-    let page = folder.path("whole.png");
-    let (code, error) = adumbra(&[&["export", &second][..], &pages, &[&page]].concat());
-    assert_eq!(code, 0, "{error}");
-    let later = folder.path("whole.1.png");
-    is_kept(&page, 2, &[vec!["import", &page, "-o", &page]]);
-    is_kept(&later, 2, &[vec!["import", &page, "-o", &later]]);
-
     // Pictures have extensions of their own, but links can have any.
     let picture = folder.path("picture.png");
     for (path, name) in [(&scene, "scene"), (&file, "file")] {
@@ -205,19 +172,6 @@ fn compare_keeps_its_camera_and_its_path() {
 fn two_outputs_are_not_one_file() {
     use std::os::unix::fs::symlink;
     let Baked { folder, scene, file } = baked();
-    // An export that has a second page.
-    let city = folder.path("city.adumbra");
-    let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
-    assert_eq!(code, 0, "{error}");
-    let (first, second) = (folder.path("p.png"), folder.path("p.1.png"));
-    let export = ["export", &city, "--max-side", "64", "--texture", &first];
-    symlink("p.png", &second).unwrap();
-    for there_already in [false, true] {
-        let (code, error) = adumbra(&export);
-        assert_eq!((code, error.contains("are one file")), (2, true), "{error}");
-        assert_eq!(folder.exists("p.png"), there_already);
-        fs::write(&first, "earlier").unwrap();
-    }
     // Frames of a render, and tables of a comparison.
     let frames = [0, 1].map(|i| folder.path(&format!("r.000{i}.png")));
     symlink(&frames[0], &frames[1]).unwrap();
@@ -245,43 +199,31 @@ fn two_outputs_are_not_one_file() {
 
 #[test]
 fn a_failed_export_or_query_leaves_every_earlier_file() {
-    let Baked { folder, scene, .. } = baked();
-    let tree = folder.path("tree.adumbra");
-    let (code, error) =
-        bake(&scene, &tree, &["--frame", "world", "--attribute", "penumbra", "--resolution", "64"]);
-    assert_eq!(code, 0, "{error}");
+    let Baked { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0; 3]);
-    let widths = folder.write("w.f32", b"earlier");
     let missing = folder.path("missing/v.f32");
-    let (code, error) =
-        adumbra(&["query", &tree, "--points", &points, "--penumbra", &widths, "-o", &missing]);
+    let (code, error) = adumbra(&["query", &file, "--points", &points, "-o", &missing]);
     assert_eq!((code, error.contains("create it first")), (3, true), "{error}");
-    assert_eq!(fs::read(&widths).unwrap(), b"earlier");
 
     #[cfg(target_os = "linux")]
     {
+        let (web, compressed) = (folder.write("web.adumbra", b"earlier"), folder.path("web.adumbra.br"));
         let city = folder.path("city.adumbra");
         let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
         assert_eq!(code, 0, "{error}");
-        let page = folder.path("page.png");
-        let export = ["export", &city, "--max-side", "256", "--texture", &page];
-        let (code, error) = adumbra(&[&export[..3], &["128"], &export[4..]].concat());
-        assert_eq!((code, folder.exists("page.1.png")), (0, true), "{error}");
-        let pages = ["page.png", "page.1.png"].map(|name| folder.path(name));
-        let before = pages.each_ref().map(|page| fs::read(page).unwrap());
-        // A limit on file sizes has the effect of a full disk. A page with sides of 128 pixels is smaller than the
-        // limit, one with sides of 256 is not.
-        let limit = before.iter().map(Vec::len).max().unwrap().div_ceil(512);
-        let limited = format!("ulimit -f {limit}; exec \"$@\"");
+        // A limit on file sizes has the effect of a full disk: the file is larger than one block of 512 bytes.
+        let limited = "ulimit -f 1; exec \"$@\"";
+        let export = ["export", &city, "--web", &web];
         let output =
-            Command::new("sh").args(["-c", &limited, "sh"]).arg(program()).args(export).output().unwrap();
+            Command::new("sh").args(["-c", limited, "sh"]).arg(program()).args(export).output().unwrap();
         let said = stderr(&output);
         assert_eq!(
             (output.status.code(), said.contains("raise the file size limit")),
             (Some(4), true),
             "{said}"
         );
-        assert_eq!(pages.each_ref().map(|page| fs::read(page).unwrap()), before);
+        assert_eq!(fs::read(&web).unwrap(), b"earlier");
+        assert!(!std::path::Path::new(&compressed).exists());
     }
     assert!(folder.no_temporary_files());
 }
@@ -387,11 +329,9 @@ fn bounds_that_hold_nothing_are_said() {
     assert_eq!(code, 0);
     assert!(error.contains("--bounds contain no part of"), "{error}");
     for (bounds, empty) in [(beside, true), (["--bounds", "-1,-1,-1,1,1,1"], false)] {
-        for frame in ["light", "world"] {
-            let base = ["bake", &scene, "-o", &output, "--resolution", "64", "--progress", "none", "--json"];
-            let found = json(&[&base[..], &bounds, &["--frame", frame]].concat());
-            assert_eq!(found["empty_bounds"], empty, "{bounds:?} {frame}");
-        }
+        let base = ["bake", &scene, "-o", &output, "--resolution", "64", "--progress", "none", "--json"];
+        let found = json(&[&base[..], &bounds].concat());
+        assert_eq!(found["empty_bounds"], empty, "{bounds:?}");
     }
     let (code, error) = bake(&scene, &output, &[]);
     assert_eq!((code, error.as_str()), (0, ""));
@@ -400,11 +340,9 @@ fn bounds_that_hold_nothing_are_said() {
     let run = ["bake", &slope, "--resolution", "64", "--dry-run", "--json", "--bounds"];
     assert_eq!(json(&[&run[..], &["90,80,90,95,95,95"]].concat())["empty_bounds"], true);
     assert_eq!(json(&[&run[..], &["30,30,30,31,31,31"]].concat())["empty_bounds"], false);
-    for frame in ["light", "world"] {
-        let (code, error) = bake(&scene, &output, &["--frame", frame, "--bounds", "nan,0,0,1,1,1"]);
-        assert_eq!((code, error.contains("warning")), (2, false), "{error}");
-        assert!(error.contains("six finite numbers"), "{error}");
-    }
+    let (code, error) = bake(&scene, &output, &["--bounds", "nan,0,0,1,1,1"]);
+    assert_eq!((code, error.contains("warning")), (2, false), "{error}");
+    assert!(error.contains("six finite numbers"), "{error}");
 }
 
 #[test]

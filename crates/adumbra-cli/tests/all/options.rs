@@ -10,20 +10,13 @@ fn values_out_of_range_are_wrong_calls() {
     let folder = Folder::new();
     let (scene, out, picture) = (folder.generate("primitives"), folder.path("out"), folder.path("a.png"));
     let bake = ["bake", &scene, "-o", &out];
-    let world = ["bake", &scene, "--frame", "world", "-o", &out];
     let render = ["render", &scene, "--shadow", "voxel", "--size", "32x32", "-o", &picture];
-    let cubes = ["render", &scene, "--shadow", "voxel-cubes", "--size", "32x32", "-o", &picture];
     let compare = ["compare", &scene, "--shadow", "voxel", "--size", "32x32", "-o", &out];
     let demo = ["demo", "--out", &out];
     let with_a_sun = [&bake[..], &render, &compare].into_iter().flat_map(|call| {
         [["--sun", "0,0,0"], ["--sun", "0,nan,0"], ["--resolution", "1000"]].map(|wrong| (call, wrong))
     });
-    let others = [
-        (&bake[..], ["--sun", "0,-1,0"]),
-        (&world, ["--resolution", "1000"]),
-        (&cubes, ["--cube-resolution", "1000"]),
-        (&demo, ["--resolution", "1000"]),
-    ];
+    let others = [(&bake[..], ["--sun", "0,-1,0"]), (&demo, ["--resolution", "1000"])];
     for (call, wrong) in with_a_sun.chain(others) {
         let (code, error) = adumbra(&[call, &wrong].concat());
         assert_eq!(code, 2, "{call:?} {wrong:?}: {error}");
@@ -36,16 +29,15 @@ fn values_out_of_range_are_wrong_calls() {
 fn threads_memory_and_json_go_with_every_long_verb() {
     let folder = Folder::new();
     let (scene, file, picture) = (folder.path("city.glb"), folder.path("a.adumbra"), folder.path("a.png"));
-    let (texture, back, out) = (folder.path("t.png"), folder.path("b.adumbra"), folder.path("out"));
+    let (web, out) = (folder.path("web.adumbra"), folder.path("out"));
     let (points, answers) = (folder.write_f32("p.f32", &[0.0, 500.0, 0.0]), folder.path("v.f32"));
     let calls: &[(&[&str], &str)] = &[
         (&["generate", "city", "-o", &scene], "triangles"),
         (&["inspect", &scene], "triangles"),
-        (&["bake", &scene, "--resolution", "256", "--frame", "world", "-o", &file], "file_bytes"),
+        (&["bake", &scene, "--resolution", "256", "-o", &file], "file_bytes"),
         (&["verify", &file, "--scene", &scene, "--samples", "10000", "--min-interior", "0"], "agreement"),
         (&["query", &file, "--points", &points, "-o", &answers], "points"),
-        (&["export", &file, "--texture", &texture], "words"),
-        (&["import", &texture, "-o", &back], "words"),
+        (&["export", &file, "--web", &web], "compressed_bytes"),
         (&["render", &scene, "--shadow-file", &file, "--size", "32x32", "-o", &picture], "width"),
         (
             &["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out],
@@ -57,7 +49,6 @@ fn threads_memory_and_json_go_with_every_long_verb() {
         let said = json(&[*call, &["--threads", "2", "--max-memory", "2GiB", "--json"]].concat());
         assert!(said[field].is_number(), "{call:?}: {said}");
     }
-    assert_eq!(std::fs::read(&file).unwrap(), std::fs::read(&back).unwrap());
     for (call, _) in calls {
         let (code, error) = adumbra(&[*call, &["--max-memory", "1KiB"]].concat());
         assert_eq!(code, 4, "{call:?}: {error}");
@@ -100,27 +91,13 @@ fn render_bakes_on_the_way_what_a_technique_reads() {
         assert_eq!(code, 0, "{error}");
         (error, std::fs::read(&picture).unwrap())
     };
-    for (shadow, frame, option, note) in [
-        (
-            "voxel:filter=3",
-            "auto",
-            "--resolution",
-            "no light-aligned --shadow-file; baking one with 256 texels",
-        ),
-        ("voxel+csm:csm=size=256", "auto", "--resolution", "baking one with 256 texels"),
-        ("blur:base=voxel", "auto", "--resolution", "baking one with 256 texels"),
-        (
-            "voxel-cubes",
-            "world",
-            "--cube-resolution",
-            "no world-aligned --shadow-file; baking one with 256 voxels",
-        ),
-    ] {
-        let (said, on_demand) = draw(shadow, &[option, "256"], "on-the-way.png");
-        assert!(said.contains("note: ") && said.contains(note), "{shadow}: {said}");
-        let file = folder.path(&format!("{frame}.adumbra"));
-        let (code, error) = adumbra(&["bake", &scene, "--frame", frame, "--resolution", "256", "-o", &file]);
-        assert_eq!(code, 0, "{error}");
+    let file = folder.path("a.adumbra");
+    let (code, error) = adumbra(&["bake", &scene, "--resolution", "256", "-o", &file]);
+    assert_eq!(code, 0, "{error}");
+    let note = "note: no light-aligned --shadow-file; baking one with 256 texels";
+    for shadow in ["voxel:filter=3", "voxel+csm:csm=size=256", "blur:base=voxel"] {
+        let (said, on_demand) = draw(shadow, &["--resolution", "256"], "on-the-way.png");
+        assert!(said.contains(note), "{shadow}: {said}");
         let (said, given) = draw(shadow, &["--shadow-file", &file], "given.png");
         assert!(!said.contains("baking"), "{shadow}: {said}");
         assert!(on_demand == given, "{shadow} draws another picture of a file that is baked on the way");

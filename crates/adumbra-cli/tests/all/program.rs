@@ -127,10 +127,10 @@ fn usage_faults_exit_with_2() {
         &["bake", &scene, "--sun", "a,b,c"],
         &["bake", &scene, "--resolution", "many"],
         &["bake", &scene, "--azimuth", "10"],
+        &["bake", &scene, "--yaw", "10"],
+        &["bake", &scene, "--frame", "oblique", "--yaw", "200"],
         &["bake", &scene, "--thickness", "-1", "-o", &file],
         &["bake", &scene, "--switch-within", "65536", "-o", &file],
-        &["bake", &scene, "--builder", "plain", "--layout", "depths", "-o", &file],
-        &["bake", &scene, "--builder", "plain", "--layout", "auto", "-o", &file],
         &["bake", &scene, "--bounds", "1,0,0,0,1,1", "-o", &file],
         &["bake", &scene, "--voxel-size", "0", "-o", &file],
         &["bake", &scene, "--only", "[", "-o", &file],
@@ -334,9 +334,7 @@ fn inspect_says_what_a_scene_holds() {
 
 #[test]
 fn every_verb_shows_an_example() {
-    for verb in
-        ["generate", "inspect", "bake", "info", "verify", "query", "export", "import", "render", "demo"]
-    {
+    for verb in ["generate", "inspect", "bake", "info", "verify", "query", "export", "render", "demo"] {
         let output = Command::new(program()).args([verb, "--help"]).output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let text = String::from_utf8(output.stdout).unwrap();
@@ -360,37 +358,6 @@ fn demo_leaves_the_file_pictures_and_a_report() {
     assert!(report.contains("interior agreement"));
     assert_eq!(report.matches("<figure class=\"pair\"").count(), 2);
     assert_eq!(report.matches("src=\"data:image/").count(), 6, "pictures are embedded in the page");
-}
-
-#[test]
-fn bake_layout_auto_keeps_the_smaller_file() {
-    let folder = Folder::new();
-    let scene = folder.generate("city");
-    let file = |name: &str| folder.path(&format!("{name}.adumbra"));
-    let bake = |layout: &str| {
-        let output = file(layout);
-        json(&[
-            "bake",
-            &scene,
-            "--resolution",
-            "512",
-            "--layout",
-            layout,
-            "-o",
-            &output,
-            "--json",
-            "--progress",
-            "none",
-        ])
-    };
-    let [packed, depths, auto] = ["packed", "depths", "auto"].map(bake);
-    let bytes = |said: &Value| said["file_bytes"].as_u64().unwrap();
-    assert!(packed["candidate_bytes"].is_null());
-    assert_eq!(auto["candidate_bytes"]["packed"], packed["file_bytes"]);
-    assert_eq!(auto["candidate_bytes"]["depths"], depths["file_bytes"]);
-    assert_eq!(bytes(&auto), bytes(&packed).min(bytes(&depths)));
-    let kept = auto["layout"].as_str().unwrap();
-    assert!(fs::read(file("auto")).unwrap() == fs::read(file(kept)).unwrap(), "{kept}");
 }
 
 #[test]

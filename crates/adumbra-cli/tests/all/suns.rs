@@ -54,12 +54,11 @@ fn light_of_the_scene_is_the_default_sun_of_every_verb() {
     let scene = lit_scene(&folder, "lit.gltf", &[("Sun", 60.0), ("Moon", 30.0)]);
     let (file, picture) = (folder.path("a.adumbra"), folder.path("a.png"));
     let bake = ["bake", &scene, "--resolution", "64", "--progress", "none", "--json", "-o", &file];
-    let world = [&bake[..], &["--frame", "world"]].concat();
     let forecast = [&bake[..], &["--dry-run"]].concat();
     let render =
         ["render", &scene, "--truth", "--size", "16x16", "--device", "cpu", "--json", "-o", &picture];
     let inspect = ["inspect", &scene, "--json"];
-    for call in [&bake[..], &world, &forecast, &render, &inspect] {
+    for call in [&bake[..], &forecast, &render, &inspect] {
         let said = json(call);
         assert_eq!(said["sun_origin"], json!({"source": "light", "light": "Sun"}), "{call:?}");
         assert!(near(&said["sun"], [0.0, HIGH, HALF]), "{call:?}: {said}");
@@ -69,7 +68,7 @@ fn light_of_the_scene_is_the_default_sun_of_every_verb() {
     assert_eq!((&lights[0]["name"], &lights[1]["name"]), (&json!("Sun"), &json!("Moon")));
     assert!(near(&lights[1]["towards"], [0.0, HALF, HIGH]), "{lights}");
     // The options go before it, and the shadow file before both.
-    for call in [&bake[..], &world, &render] {
+    for call in [&bake[..], &render] {
         for (option, sun) in [
             (&["--sun", "-1,2,0"][..], [-1.0, 2.0, 0.0]),
             (&["--azimuth", "90", "--elevation", "30"], [HIGH, HALF, 0.0]),
@@ -98,9 +97,8 @@ fn sun_and_its_origin_are_printed() {
         (&lit, &["--sun", "0.5,2,0"], "sun 0.5,2,0 (--sun)"),
     ] {
         let bake = ["bake", scene, "--resolution", "64", "-o", &file];
-        let world = [&bake[..], &["--frame", "world"]].concat();
         let render = ["render", scene, "--truth", "--size", "16x16", "--device", "cpu", "-o", &picture];
-        for call in [&bake[..], &world, &render] {
+        for call in [&bake[..], &render] {
             let output = Command::new(program()).args([call, option].concat()).output().unwrap();
             let text = String::from_utf8(output.stdout.clone()).unwrap();
             assert!(text.contains(said), "{call:?}: {text} {}", stderr(&output));

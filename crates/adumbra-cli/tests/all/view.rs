@@ -225,7 +225,7 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     assert!(colored(&difference) > 20 && colored(&kept) == 0, "the file differs from rays along edges");
     let (file, drawn) = (folder.path("soft.adumbra"), folder.path("render.png"));
     let sun = ["--azimuth", "250", "--elevation", "30"];
-    let baked = ["bake", &scene, "--resolution", "1024", "--layout", "depths", "-o", &file];
+    let baked = ["bake", &scene, "--resolution", "1024", "-o", &file];
     let (code, error) = adumbra(&[&baked[..], &sun].concat());
     assert_eq!(code, 0, "{error}");
     let rendered = ["render", &scene, "--shadow-file", &file, "--shadow", "voxel:soft:angle=4"];

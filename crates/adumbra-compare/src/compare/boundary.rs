@@ -5,11 +5,11 @@
 //! 2^(`merges` - `level`) times finer than the coarsest. The gain is the mean of this ratio over the pixels at edges,
 //! minus 1. A map with coarsest texels only has a gain of 0.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The gain of a hybrid-resolution map's levels at the edges of the true shadow.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BoundaryGain {
     /// Number of pixels at edges.
     pub pixels: u64,

@@ -12,10 +12,10 @@ pub const CLEAR_TEXELS: f64 = 2.0;
 /// Largest number of pixels examined. Of more pixels, every second, third, … is examined.
 const MAX_PIXELS: usize = 1 << 16;
 
-/// Returns the errors of `factors` at the pixels that are `is_compared` and more than [`CLEAR_TEXELS`] texels from an edge.
+/// Returns the errors of `factors` at the compared pixels that are more than [`CLEAR_TEXELS`] texels from an edge.
 ///
 /// `texel_world` gives the texel size at a pixel in world units. Returns `None` if there is no such pixel, or if a
-/// is_compared pixel has no texel size.
+/// compared pixel has no texel size.
 ///
 /// Cost: up to 17 rays per pixel, for at most 65,536 pixels.
 pub(crate) fn clear_errors(

@@ -51,7 +51,7 @@ pub fn near_edges(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], rad
     (0..surfaces.pixels()).map(|i| surfaces.is_valid(i) && near(i)).collect()
 }
 
-/// Returns the errors of `factors` at the pixels that are `is_compared` and not `near` an edge: acne and leaks. Returns
+/// Returns the errors of `factors` at the compared pixels that are not `near` an edge: acne and leaks. Returns
 /// `None` if there is no such pixel.
 pub fn errors_off_edges(
     factors: &[f32],

@@ -1,5 +1,6 @@
 //! Errors by distance from the camera, in bands whose bounds are 1, 2 and 5 times powers of ten.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{FactorErrors, factor_errors};
@@ -9,8 +10,7 @@ use crate::error::Result;
 const MAX_BANDS: usize = 8;
 
 /// Errors of the pixels in a range of view depths.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Band {
     /// Lower bound of the view depth, in world units along the camera's forward direction.
     pub from_world: f64,

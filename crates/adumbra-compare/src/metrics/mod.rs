@@ -9,14 +9,14 @@ mod ssim;
 
 pub use bands::{Band, bands};
 pub use flip::flip;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use ssim::ssim;
 
 use crate::error::{Error, Result};
 
 /// Errors of shadow factors over a set of pixels. Shares are of those pixels, 0 to 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FactorErrors {
     /// Number of pixels compared.
     pub pixels: u64,

@@ -2,7 +2,7 @@
 //! voxels have smaller errors than cascades, as required.
 
 use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_bake::{BakeOptions, Size};
 use adumbra_compare::compare::{Comparison, Contender, Reference, camera_figures, compare, truth_for, walk};
 use adumbra_compare::paths::CameraPath;
 use adumbra_compare::report::{BakedFigures, Report, TruthKind};
@@ -300,7 +300,7 @@ fn shared_voxels_are_wrong_at_fewer_pixels_than_cascades() {
         let truth = TruthTracer::build(&scene, false);
         let (given, sun) = truth_camera(&truths.join(format!("{name}.npz"))).unwrap();
         let options = BakeOptions::new(sun, Size::Resolution(16384));
-        let file = bake_file(&scene, &options, LayoutChoice::Plain).unwrap();
+        let file = bake_file(&scene, &options).unwrap();
         let options = StreetOptions { width, height, ..StreetOptions::default() };
         let street = street_camera(&truth, sun.towards(), &options).unwrap();
         for (from, camera) in [("truth camera", Camera { width, height, ..given }), ("street", street)] {

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_bake::{BakeOptions, Size};
 use adumbra_compare::compare::{Compared, Comparison};
 use adumbra_compare::paths::CameraPath;
 use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera};
@@ -68,7 +68,7 @@ fn moved(scene: &Scene, place: [f64; 3]) -> Scene {
 
 fn compare_at(scene: &Scene, sun: Sun, place: [f64; 3], cameras: &[Camera]) -> Vec<Comparison> {
     let options = BakeOptions::new(sun, Size::Resolution(2048));
-    let file = compared::moved(bake_file(scene, &options, LayoutChoice::Depths).unwrap(), place);
+    let file = compared::moved(bake_file(scene, &options).unwrap(), place);
     let scene = moved(scene, place);
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();

@@ -4,7 +4,7 @@
 //! triangle, or are at map coordinates.
 
 use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_bake::{BakeOptions, Size};
 use adumbra_compare::compare::Comparison;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
@@ -147,7 +147,7 @@ fn a_town_at_map_coordinates_looks_as_at_zero() {
         let mut scene = generate(GeneratedKind::City, 1);
         let sun = Sun::from_direction(SUN).unwrap();
         let options = BakeOptions::new(sun, Size::Resolution(4096));
-        let file = compared::moved(bake_file(&scene, &options, LayoutChoice::Plain).unwrap(), origin);
+        let file = compared::moved(bake_file(&scene, &options).unwrap(), origin);
         for instance in &mut scene.instances {
             (0..3).for_each(|a| instance.world_from_mesh[a][3] += origin[a]);
         }

@@ -1,8 +1,7 @@
 //! Penumbrae from baked switch depths compared with rays to a sun's disc, on shared scenes.
 
-use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_bake::{BakeOptions, Size};
 use adumbra_compare::truth::{StreetOptions, SunShape, TruthTracer, street_camera, truth_camera};
-use adumbra_render::voxel::{BakedLight, Voxel, VoxelSettings};
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build};
 use adumbra_scene::{Camera, LoadOptions, load};
 use adumbra_testing::bake_file;
@@ -19,7 +18,7 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let truth = TruthTracer::build(&scene, false);
     let street = street_camera(&truth, sun.towards(), &StreetOptions::default()).unwrap();
     let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(8192)) };
-    let baked = bake_file(&scene, &options, LayoutChoice::Depths).unwrap();
+    let baked = bake_file(&scene, &options).unwrap();
     let gpu = Gpu::request(&GpuOptions::default()).unwrap();
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     for (view, camera) in [("afar", camera), ("street", street)] {
@@ -33,14 +32,7 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
         let shot = Shot { camera, towards_sun: sun.towards(), number: 0 };
         let mut error = |name: &str| {
             let spec: TechniqueSpec = name.parse().unwrap();
-            let technique = if spec.name() == "voxel" {
-                let settings = VoxelSettings::from_spec(spec.text(), None).unwrap();
-                let settings = VoxelSettings { bias: baked.settings.bias, ..settings };
-                let light = BakedLight::from_file(renderer.gpu(), &baked, settings).unwrap();
-                Box::new(Voxel::new(spec.to_string(), light))
-            } else {
-                build(renderer.gpu(), &spec, Baked::default()).unwrap()
-            };
+            let technique = build(renderer.gpu(), &spec, Baked::of(&baked)).unwrap();
             let mut technique = renderer.prepare(technique).unwrap();
             renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
             let factors = renderer.read_factor(&technique).unwrap();

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use adumbra_program::args::{LayoutArg, parse_size};
+use adumbra_program::args::parse_size;
 use clap::{Subcommand, ValueEnum};
+
+use super::CubeArgs;
 
 use adumbra_compare::args::{CacheArgs, DeviceArgs, ResolutionArgs};
 
@@ -86,6 +88,8 @@ pub(crate) struct TruthBench {
     #[command(flatten)]
     pub(crate) resolutions: ResolutionArgs,
     #[command(flatten)]
+    pub(crate) cube: CubeArgs,
+    #[command(flatten)]
     pub(crate) device: DeviceArgs,
     /// Folder for the tables
     #[arg(short, long, value_name = "DIR")]
@@ -137,9 +141,6 @@ pub struct BenchBake {
     /// --suite fast: skip rows of a higher resolution
     #[arg(long, value_name = "N")]
     pub(crate) max_n: Option<u64>,
-    /// --suite fast: layout of the voxels in the files [default: that of bake]
-    #[arg(long, value_enum)]
-    pub(crate) layout: Option<LayoutArg>,
     /// --suite fast: points per row that are compared with rays
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub(crate) samples: u64,

@@ -2,13 +2,21 @@
 
 use std::path::Path;
 
+use adumbra::Sun;
+use adumbra_bake::{FrameChoice, Size};
+use adumbra_compare::args::{CacheArgs, DeviceArgs};
+use adumbra_compare::truth::Cache;
+use adumbra_compare::verbs;
+use adumbra_papers::dag::build::DagOptions;
+use adumbra_papers::tree::{Detail, TREE_PROMISES};
+use adumbra_program::args::{RunArgs, SceneArgs, SunArgs};
 use adumbra_program::output::format_bytes;
-use adumbra_testing::help::{assert_defaults, verbs};
-use clap::{CommandFactory, Parser, ValueEnum};
+use adumbra_program::query::Query;
+use adumbra_program::verify::Verify;
+use adumbra_testing::help::{assert_defaults, stated_defaults, verbs as verbs_of};
+use clap::{Command, CommandFactory, Parser, ValueEnum};
 
 use super::*;
-use adumbra_compare::args::{CacheArgs, DeviceArgs, ResolutionArgs};
-use adumbra_compare::truth::Cache;
 
 #[derive(Parser)]
 #[command(name = "adumbra-lab")]
@@ -59,15 +67,90 @@ fn cache(args: &CacheArgs) -> Used {
     vec![("--cache", format!("{name} in the output folder")), ("--cache-limit", limit)]
 }
 
-fn resolutions(args: &ResolutionArgs) -> Used {
-    vec![
-        ("--resolution", args.resolution.to_string()),
-        ("--cube-resolution", args.cube_resolution.to_string()),
-    ]
+/// The defaults of arguments that `adumbra` takes too. Its tests compare them with the values that are used.
+fn of_adumbra<A: clap::Args>() -> Used {
+    let stated = stated_defaults(&A::augment_args(Command::new("adumbra")));
+    stated.into_iter().map(|(option, text)| (&*option.leak(), text.unwrap_or_default())).collect()
+}
+
+fn cube(args: &CubeArgs) -> Used {
+    vec![("--cube-resolution", args.cube_resolution.to_string())]
 }
 
 fn truth_bench(args: &bench::TruthBench) -> Used {
-    [resolutions(&args.resolutions), device(&args.device)].concat()
+    let resolution = vec![("--resolution", args.resolutions.resolution.to_string())];
+    [resolution, cube(&args.cube), device(&args.device)].concat()
+}
+
+fn tree_bake(args: &TreeBake) -> Used {
+    let up = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
+    let options = args.options(up, None);
+    let Size::Resolution(resolution) = options.size else { panic!("{:?}", options.size) };
+    assert_eq!(options.detail, Detail::Uniform);
+    let lower = |text: String| text.to_lowercase();
+    let own = vec![
+        ("--resolution", resolution.to_string()),
+        ("--voxel-size", String::new()),
+        ("--bounds", nothing(options.bounds.as_ref())),
+        ("--region", String::new()),
+        ("--rings", String::new()),
+        ("--lossy", nothing(args.lossy.as_ref())),
+        ("--attribute", nothing(args.attribute.as_ref())),
+        ("--builder", lower(format!("{:?}", options.builder))),
+        ("--reduction", lower(format!("{:?}", options.reduction))),
+        ("--capture-bias-constant", options.capture_bias.constant_texels.to_string()),
+        ("--capture-bias-slope", options.capture_bias.slope_texels.to_string()),
+        ("--output", nothing(args.output.as_ref()) + "the scene's path with the extension .adumtree"),
+        ("--progress", name(&args.progress)),
+    ];
+    [own, of_adumbra::<SunArgs>(), of_adumbra::<SceneArgs>(), of_adumbra::<RunArgs>()].concat()
+}
+
+fn dag_bake(args: &DagBake) -> Used {
+    let up = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
+    let DagOptions { bake: options, layout } = args.options(up, None);
+    let Size::Resolution(resolution) = options.size else { panic!("{:?}", options.size) };
+    assert_eq!(options.frame, FrameChoice::Auto);
+    let own = vec![
+        ("--resolution", resolution.to_string()),
+        ("--layout", layout.name().to_owned()),
+        ("--frame", "auto".to_owned()),
+        ("--builder", format!("{:?}", options.builder).to_lowercase()),
+        ("--bounds", nothing(options.bounds.as_ref())),
+        ("--output", nothing(args.output.as_ref()) + "the scene's path with the extension .adumdag"),
+        ("--progress", name(&args.progress)),
+    ];
+    [own, of_adumbra::<SunArgs>(), of_adumbra::<SceneArgs>(), of_adumbra::<RunArgs>()].concat()
+}
+
+fn dag(verb: &DagVerb) -> Used {
+    match verb {
+        DagVerb::Bake(args) => dag_bake(args),
+        DagVerb::Info(_) => Vec::new(),
+        DagVerb::Verify(_) => of_adumbra::<Verify>(),
+        DagVerb::Query(_) => of_adumbra::<Query>(),
+    }
+}
+
+fn tree(verb: &TreeVerb) -> Used {
+    match verb {
+        TreeVerb::Bake(args) => tree_bake(args),
+        TreeVerb::Info(_) => Vec::new(),
+        TreeVerb::Verify(args) => {
+            let least = nothing(args.verify.min_interior.as_ref()) + &TREE_PROMISES.interior.to_string();
+            let own = vec![("--weights", name(&args.weights)), ("--min-interior", least)];
+            [of_adumbra::<Verify>(), own].concat()
+        }
+        TreeVerb::Query(args) => {
+            let own =
+                vec![("--weights", name(&args.weights)), ("--penumbra", nothing(args.penumbra.as_ref()))];
+            [of_adumbra::<Query>(), own].concat()
+        }
+        TreeVerb::Export(args) => {
+            [vec![("--max-side", args.max_side.to_string())], of_adumbra::<RunArgs>()].concat()
+        }
+        TreeVerb::Import(_) => of_adumbra::<RunArgs>(),
+    }
 }
 
 fn picture_bench(args: &bench::PictureBench) -> Used {
@@ -99,6 +182,13 @@ fn used(verb: &Verb) -> Used {
             ];
             return [own, device(&args.device)].concat();
         }
+        Verb::Schema(_) => return vec![("words", String::new())],
+        Verb::Dag { what } => return dag(what),
+        Verb::Tree { what } => return tree(what),
+        Verb::Compare(args) => {
+            return [of_adumbra::<verbs::compare::Compare>(), cube(&args.cube)].concat();
+        }
+        Verb::Render(args) => return [of_adumbra::<verbs::render::Render>(), cube(&args.cube)].concat(),
     };
     match bench {
         BenchVerb::Bake(args) => vec![
@@ -108,7 +198,6 @@ fn used(verb: &Verb) -> Used {
             ("--variant-resolution", args.variant_resolution.to_string()),
             ("--only", empty(&args.only)),
             ("--max-n", nothing(args.max_n.as_ref())),
-            ("--layout", nothing(args.layout.as_ref()) + "that of bake"),
             ("--samples", args.samples.to_string()),
         ],
         BenchVerb::Verify(args) => vec![
@@ -191,9 +280,18 @@ fn required(verb: &str) -> &'static [&'static str] {
         "report" => &["-o", "OUT"],
         "tune-ao" => &["--scenes", "SCENES"],
         "bench blur" | "bench gpu" => &["-o", "OUT"],
+        "dag bake" | "tree bake" => &["a.glb"],
+        "dag info" | "tree info" => &["a.file"],
+        "dag verify" | "tree verify" => &["a.file", "--scene", "a.glb"],
+        "dag query" | "tree query" => &["a.file", "--points", "p.f32", "-o", "v.f32"],
+        "tree export" => &["a.adumtree", "--texture", "a.png"],
+        "tree import" => &["a.png", "-o", "a.adumtree"],
+        "compare" => &["a.glb", "--shadow", "csm", "-o", "OUT"],
+        "render" => &["a.glb", "-o", "a.png"],
         "bench shadows" | "bench lookup" | "bench peers" => {
             &["--scenes", "SCENES", "--truth", "TRUTH", "-o", "OUT"]
         }
+        "schema" => &[],
         _ => &["--scenes", "SCENES", "-o", "OUT"],
     }
 }
@@ -201,7 +299,7 @@ fn required(verb: &str) -> &'static [&'static str] {
 #[test]
 fn defaults_in_the_help_are_those_that_are_used() {
     Program::command().debug_assert();
-    for (name, command) in verbs(&Program::command()) {
+    for (name, command) in verbs_of(&Program::command()) {
         let words = ["adumbra-lab"].into_iter().chain(name.split(' ')).chain(required(&name).iter().copied());
         let program = Program::try_parse_from(words).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_defaults(&name, &command, &used(&program.verb));

@@ -10,6 +10,7 @@ use adumbra_render::readback::read_floats;
 use adumbra_render::screen_blur::twin::{Surfaces, bleeding};
 use adumbra_render::{Answer, Baked, Gpu, Renderer, SceneOptions, Shot, Stage, build};
 use adumbra_scene::{Camera, GeneratedKind, generate};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::args::BenchBlur;
@@ -44,8 +45,7 @@ const SPOIL_SAMPLES: u32 = 32;
 const SCENE_SEED: u64 = 1;
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// Name of the device that drew.
     device: String,
@@ -64,8 +64,7 @@ pub(crate) struct Document {
 }
 
 /// The cost of a variant.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Cost {
     /// Name.
     name: String,
@@ -78,8 +77,7 @@ pub(crate) struct Cost {
 }
 
 /// The pixels that a variant wrongly changes by blurring across silhouettes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Bleeding {
     /// Name.
     pub(crate) name: String,

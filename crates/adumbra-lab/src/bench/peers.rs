@@ -5,20 +5,22 @@ use std::path::{Path, PathBuf};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::{make_folder, note_input};
 use adumbra_program::scene::load_scene;
-use adumbra_render::{Answer, Gpu, Renderer, SceneOptions, Shot, TECHNIQUES, TechniqueSpec, build};
+use adumbra_render::{Answer, Gpu, Renderer, SceneOptions, Shot, TechniqueSpec, build};
+
+use crate::TECHNIQUES;
 use adumbra_scene::LoadOptions;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::args::BenchPeers;
 use crate::peers::{self, PeerRow, RowSource, SCENES};
 use adumbra_compare::Result;
-use adumbra_compare::baked::{BakeOnDemand, BakedFiles};
+use adumbra_compare::baked::BakeOnDemand;
 use adumbra_compare::contenders::parse;
 use adumbra_compare::truth::TruthView;
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// Adapter that drew, with its driver.
     adapter: String,
@@ -39,7 +41,7 @@ const VARIANTS: [&str; 5] =
 pub(super) fn run(args: &BenchPeers) -> Result<Code> {
     let specs = match args.shadow.as_slice() {
         [] => every_technique()?,
-        names => parse(names)?,
+        names => parse(TECHNIQUES, names)?,
     };
     make_folder(&args.common.output)?;
     let mut rows: Vec<PeerRow> = specs
@@ -58,13 +60,13 @@ pub(super) fn run(args: &BenchPeers) -> Result<Code> {
         {adapter}; voxel files of {} (light-aligned) and {} (world-aligned) voxels per side. Rows marked \
         *elsewhere* were measured with those engines on the same cameras.\n\n{}",
         args.common.resolutions.resolution,
-        args.common.resolutions.cube_resolution,
+        args.common.cube.cube_resolution,
         peers::markdown(&rows)
     );
     let document = Document {
         adapter,
         resolution: args.common.resolutions.resolution,
-        cube_resolution: args.common.resolutions.cube_resolution,
+        cube_resolution: args.common.cube.cube_resolution,
         scenes: SCENES.map(str::to_owned).into(),
         rows,
     };
@@ -78,7 +80,7 @@ fn every_technique() -> Result<Vec<TechniqueSpec>> {
     let names = || TECHNIQUES.iter().filter(|t| !t.is_reference()).map(|t| t.name);
     let exists = |variant: &&str| names().any(|n| Some(n) == variant.split(':').next());
     let all: Vec<String> = names().chain(VARIANTS.into_iter().filter(exists)).map(str::to_owned).collect();
-    parse(&all)
+    parse(TECHNIQUES, &all)
 }
 
 /// Fills one scene's column. Returns the adapter's name.
@@ -96,7 +98,7 @@ fn measure(
     let scene = load_scene(&scene_file(&args.common.scenes, name)?, &options)?;
     let gpu = Gpu::request(&args.common.device.gpu_options())?;
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions { ignore_alpha: true })?;
-    let mut files = BakedFiles::default();
+    let mut files = args.common.cube.files();
     files.complete(
         specs,
         &BakeOnDemand {
@@ -104,7 +106,6 @@ fn measure(
             sun: view.sun,
             ignore_alpha: true,
             resolution: args.common.resolutions.resolution,
-            cube_resolution: args.common.resolutions.cube_resolution,
             max_memory_bytes: None,
         },
     )?;

@@ -10,6 +10,7 @@ use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec};
 use adumbra_scene::{Camera, LoadOptions, Scene};
 
 use super::peers::scene_file;
+use crate::TECHNIQUES;
 use crate::args::BenchShadows;
 use adumbra_compare::Result;
 use adumbra_compare::args::ReferenceArg;
@@ -36,7 +37,7 @@ const WALK: [f64; 2] = [0.4, 0.2];
 const COST_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
 pub(super) fn run(args: &BenchShadows) -> Result<Code> {
-    let specs = parse(&args.shadow)?;
+    let specs = parse(TECHNIQUES, &args.shadow)?;
     make_folder(&args.common.output)?;
     let mut reports = Vec::new();
     for name in &args.names {
@@ -84,7 +85,7 @@ fn measure(args: &BenchShadows, name: &str, specs: &[TechniqueSpec]) -> Result<V
 
 /// Measures the cost of the shadows of a very large scene.
 fn cost(args: &BenchShadows) -> Result<Vec<Report>> {
-    let specs = parse(&args.cost_shadow)?;
+    let specs = parse(TECHNIQUES, &args.cost_shadow)?;
     let sun = Sun::from_direction(COST_SUN)?;
     let scene = load(args, &args.cost_scene)?;
     let truth = TruthTracer::build(&scene, false);
@@ -112,13 +113,12 @@ impl<'a, 's> Stage<'a, 's> {
     ) -> Result<Self> {
         let gpu = Gpu::request(&args.common.device.gpu_options())?;
         let renderer = Renderer::new(gpu, scene, SceneOptions::default())?;
-        let mut files = BakedFiles::default();
+        let mut files = args.common.cube.files();
         let how = BakeOnDemand {
             scene,
             sun,
             ignore_alpha: false,
             resolution: args.common.resolutions.resolution,
-            cube_resolution: args.common.resolutions.cube_resolution,
             max_memory_bytes: None,
         };
         files.complete(specs, &how)?;

@@ -1,27 +1,27 @@
 //! `adumbra-lab bench verify`: compares files of several scenes under several suns with rays.
 
-use adumbra::{Query, Sun};
-use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch, bake};
+use adumbra::{Filter, Sun};
+use adumbra_bake::{BakeOptions, Size};
 use adumbra_program::exit::Code;
 use adumbra_program::output::make_folder;
 use adumbra_program::scene::load_scene;
 use adumbra_scene::LoadOptions;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
-    Class, ClassResult, LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
-    VolumeSampler,
+    Class, ClassResult, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{DEFAULT_SUN, say_tables, write};
 use crate::args::BenchVerify;
+use crate::light_file::{Kind, LightFile};
 use adumbra_compare::Result;
 use adumbra_compare::page::Table;
 use adumbra_compare::report::percent;
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// Voxels along the longer side of each grid.
     resolution: u64,
@@ -30,8 +30,8 @@ pub(crate) struct Document {
 }
 
 /// One file looked up with one filter.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "VerifyRow"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "VerifyRow")]
 struct Row {
     /// Name of the scene.
     scene: String,
@@ -74,18 +74,17 @@ pub(super) fn run(args: &BenchVerify) -> Result<Code> {
                 assume_ground: !args.volume,
                 ..BakeOptions::new(sun, Size::Resolution(args.resolution))
             };
-            let bake_as = |layout| bake(&scene, &BakeOptions { layout, ..options.clone() }, Watch::none());
-            let files = [bake_as(LayoutChoice::Packed)?.file, bake_as(LayoutChoice::Depths)?.file];
+            let [packed, quadtree] = Kind::ALL.map(|kind| LightFile::bake(&scene, &options, kind));
+            let files = [packed?, quadtree?];
             let sampler = if args.volume {
-                Sampler::Volume(VolumeSampler::new(&files[0].grid))
+                Sampler::Volume(VolumeSampler::new(files[0].grid()))
             } else {
                 Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false))
             };
             for file in &files {
-                let layout = file.body.layout().name();
+                let layout = file.kind().name();
                 for &filter in &args.filter {
-                    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, filter)?;
-                    let answers = LightAnswers::new(&file.grid, &file.settings, query);
+                    let answers = file.answers(Filter::try_from(filter)?);
                     let options = VerifyOptions { samples: args.samples, seed: 1 };
                     let v = Verifier::new(&answers, &tracer, &solids).run(&sampler, &options);
                     all_hold &= v.holds();

@@ -5,6 +5,7 @@
 //! pixels that count.
 
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::errors::occlusion_errors;
@@ -27,8 +28,7 @@ pub(crate) const EDGE_COSINE: f64 = 0.7;
 pub const FLAT: f64 = 0.02;
 
 /// The numbers of one picture, each `None` if no pixel is of its kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Claims {
     /// Correlation of the high pass with the truth's, -1 to 1.
     pub detail_correlation: Option<f64>,

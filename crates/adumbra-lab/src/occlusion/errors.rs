@@ -1,13 +1,13 @@
 //! Errors of ambient visibility against the truth of the same radius, and the picture that SSIM and FLIP compare.
 
 use adumbra_truth::picture::Picture;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use adumbra_compare::error::{Error, Result};
 
 /// Errors of ambient visibility over some pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OcclusionErrors {
     /// Number of pixels compared.
     pub pixels: u64,

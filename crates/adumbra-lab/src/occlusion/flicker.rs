@@ -12,6 +12,7 @@
 
 use adumbra_scene::{Camera, View};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use adumbra_compare::error::{Error, Result};
@@ -40,8 +41,7 @@ pub struct FlickerFrame<'a> {
 }
 
 /// The flicker over a path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Flicker {
     /// Number of pixels counted, once per pair of frames.
     pub pixels: u64,

@@ -5,13 +5,13 @@ use std::fmt::Write as _;
 use std::sync::LazyLock;
 
 use adumbra_render::occlusion::{Estimator, MAX_PARAMETERS, OcclusionSettings, Search};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::views::{Fold, scene_named};
 
 /// The scenes that a setting was tuned on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TunedOn {
     /// The scenes of [`Fold::A`].

@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use adumbra_compare::error::Result;
@@ -23,8 +24,7 @@ const MODEL_RADIUS: f64 = 0.12;
 const SEED: u64 = 1;
 
 /// One half of the scenes. Settings measured on one half were tuned on the other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Fold {
     /// The first half.
     A,

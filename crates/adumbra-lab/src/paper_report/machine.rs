@@ -5,13 +5,13 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use adumbra_program::output::format_bytes;
 use adumbra_render::{Gpu, GpuOptions};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::programs::REVISION;
 
 /// The machine, its adapter and the program. Values that the system does not report are empty.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct Machine {
     /// Date in UTC.
     pub(super) date: String,

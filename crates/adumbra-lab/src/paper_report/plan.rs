@@ -142,7 +142,7 @@ fn beside_truth(size: &str, frames: u32) -> Vec<Step> {
         let words = format!(
             "compare {OWN}/{scene}.glb {rest} --frames {frames} --size {size} -o data/shadows/{name}"
         );
-        Step::product(name, &words)
+        Step::laboratory(name, &words)
     };
     let shadow = |names: &[&str]| names.iter().map(|n| format!(" --shadow {n}")).collect::<String>();
     let street = [

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use adumbra_program::exit::Failure;
 use adumbra_program::output::write_whole;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -16,8 +17,7 @@ use adumbra_compare::Result;
 const NAME: &str = "report.json";
 
 /// The whole file.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Record {
     /// Machine of the last run. Sections that it did not measure keep their own.
     pub(super) machine: Machine,
@@ -26,8 +26,7 @@ pub(crate) struct Record {
 }
 
 /// One section.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(super) struct SectionRecord {
     /// Name for `--only`.
     pub(super) section: String,
@@ -44,8 +43,7 @@ pub(super) struct SectionRecord {
 }
 
 /// One command.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(super) struct StepRecord {
     /// Name on the page.
     pub(super) name: String,
@@ -57,8 +55,7 @@ pub(super) struct StepRecord {
     pub(super) error: Option<String>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Outcome {
     /// Measured; every requirement holds.

@@ -3,14 +3,14 @@
 pub mod occlusion;
 mod sun;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use sun::{PeerFigures, PeerRow, SCENES, engines, figures, markdown};
 
 use adumbra_compare::page::Table;
 
 /// The origin of a row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RowSource {
     /// Measured by this program, in this run.

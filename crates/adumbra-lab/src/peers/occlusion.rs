@@ -4,6 +4,7 @@
 //! rows that say "radius matched", the technique had the truth's radius in world units. The errors are the RMSE of
 //! visibility and the mean of visibility minus truth; above 0 is too light.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{RowSource, table};
@@ -15,8 +16,7 @@ use adumbra_compare::truth::TruthView;
 pub const SCENES: [&str; 3] = ["kaykit_city_21", "box-city-5k", "zdm2"];
 
 /// Both errors on one scene.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OcclusionFigures {
     /// Root-mean-square error of visibility.
     pub rmse: f64,
@@ -25,8 +25,7 @@ pub struct OcclusionFigures {
 }
 
 /// A row of the table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OcclusionRow {
     /// Name of the technique or program.
     pub name: String,

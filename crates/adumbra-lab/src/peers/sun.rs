@@ -4,6 +4,7 @@
 //! count. The first error is the share of pixels on the wrong side of 1/2, the second the mean |shadow factor - truth|,
 //! both in %. Quote both: the first does not show acne at half strength.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{RowSource, table};
@@ -17,8 +18,7 @@ pub const SCENES: [&str; 4] = ["kaykit_city_21", "box-city-5k", "zdm2", "alpine-
 const MIN_N_DOT_L: f32 = 0.1;
 
 /// Both errors on one scene, in %.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PeerFigures {
     /// Share of pixels on the wrong side of 1/2, 0 to 100.
     pub wrong_percent: f64,
@@ -27,8 +27,7 @@ pub struct PeerFigures {
 }
 
 /// A row of the table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PeerRow {
     /// Name of the technique or program.
     pub name: String,

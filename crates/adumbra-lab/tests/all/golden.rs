@@ -11,14 +11,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, LayoutChoice, Size, Watch};
+use adumbra_bake::{BakeOptions, Size, Watch};
 use adumbra_compare::metrics::flip;
+use adumbra_lab::TECHNIQUES;
 use adumbra_lab::occlusion::grey_picture;
+use adumbra_papers::dag::DagLayout;
+use adumbra_papers::dag::build::{DagOptions, bake as bake_graph};
+use adumbra_papers::techniques::PaperFiles;
+use adumbra_papers::tree::{TreeOptions, bake_tree};
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
-use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TECHNIQUES, build};
+use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{Camera, GeneratedKind, Projection, generate};
 use adumbra_testing::bake_file;
-use adumbra_tree::{TreeFile, TreeOptions, bake_tree};
 use adumbra_truth::picture::Picture;
 use image::{ExtendedColorType, ImageEncoder};
 
@@ -37,7 +41,8 @@ const VARIANTS: &[&str] = &[
     "hrsm:test=paper",
 ];
 /// Techniques whose golden pictures were made with an earlier default filter width, each with the equivalent name.
-const DRAWN_AS: [(&str, &str); 2] = [("voxel", "voxel:filter=9"), ("voxel+csm", "voxel+csm:filter=9")];
+const DRAWN_AS: [(&str, &str); 3] =
+    [("voxel", "voxel:filter=9"), ("voxel+csm", "voxel+csm:filter=9"), ("voxel-dag", "voxel-dag:filter=9")];
 /// Pairs of pictures that must differ, as otherwise the feature that distinguishes the first is not visible.
 const DIFFERENT: &[[&str; 2]] = &[
     ["csm:far=24:filter=5", "pcf"],
@@ -161,10 +166,12 @@ fn every_technique_draws_its_golden_picture() {
     let moving = moving.take_movers();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(1024));
-    let light = bake_file(&scene, &options, LayoutChoice::Plain).unwrap();
+    let light = bake_file(&scene, &options).unwrap();
+    let options = DagOptions { bake: options, layout: DagLayout::Plain };
+    let graph = bake_graph(&scene, &options, Watch::none()).unwrap().file;
     let tree = bake_tree(&scene, &TreeOptions::new(sun, Size::Resolution(512)), Watch::none()).unwrap();
-    let tree = TreeFile::from(tree);
-    let baked = Baked { light: Some(&light), tree: Some(&tree) };
+    let papers = PaperFiles { graph: Some(graph), tree: Some(tree.into()), ..PaperFiles::default() };
+    let baked = Baked { light: Some(&light), ..papers.baked() };
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();
@@ -173,7 +180,7 @@ fn every_technique_draws_its_golden_picture() {
     let mut pictures = BTreeMap::new();
     for name in TECHNIQUES.iter().filter(|t| !t.is_traced()).map(|t| t.name).chain(VARIANTS.iter().copied()) {
         let drawn = DRAWN_AS.iter().find(|(of, _)| *of == name).map_or(name, |(_, drawn)| *drawn);
-        let technique = build(renderer.gpu(), &drawn.parse().unwrap(), baked).unwrap();
+        let technique = build(renderer.gpu(), &TECHNIQUES.parse(drawn).unwrap(), baked).unwrap();
         let mut technique = renderer.prepare(technique).unwrap();
         renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
         let picture = color(&renderer);

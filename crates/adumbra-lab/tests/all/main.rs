@@ -1,4 +1,4 @@
-//! Tests of the benchmarks, the report, and the techniques' pictures.
+//! Tests of the benchmarks, the report, the trees of the 2021 paper, and the techniques' pictures.
 
 mod bench_ao;
 mod bench_bakes;
@@ -15,4 +15,9 @@ mod occlusion_peers;
 mod occlusion_tune;
 mod report;
 mod report_inputs;
+mod tree;
+mod tree_files;
+mod tree_memory;
+mod tree_options;
+mod tree_texture;
 mod truth;

@@ -5,10 +5,8 @@ mod values;
 use std::path::Path;
 
 use adumbra::Sun;
-use adumbra_bake::LayoutChoice;
 use adumbra_scene::{LoadOptions, MoverPolicy, NameFilter, Scene};
-use clap::ValueEnum;
-pub use values::{numbers, parse_bytes, parse_size, parse_triple};
+pub use values::{numbers, parse_bounds, parse_bytes, parse_size, parse_triple};
 
 use crate::exit::Failure;
 use crate::memory::MemoryLimit;
@@ -174,29 +172,5 @@ impl RunArgs {
         needed_bytes: u64,
     ) -> Result<(), Failure> {
         self.memory_limit().share(held_bytes).check(what, needed_bytes)
-    }
-}
-
-/// How a file stores its voxels.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum LayoutArg {
-    /// A quadtree of switch depths: about a quarter of the bytes of plain, and penumbrae (voxel:soft)
-    Depths,
-    /// A graph of voxels in 16-bit units: about a third of the bytes of plain
-    Packed,
-    /// A graph of voxels in 32-bit words
-    Plain,
-    /// Packed or depths, whichever is smaller; the bake builds both
-    Auto,
-}
-
-impl From<LayoutArg> for LayoutChoice {
-    fn from(layout: LayoutArg) -> Self {
-        match layout {
-            LayoutArg::Packed => Self::Packed,
-            LayoutArg::Plain => Self::Plain,
-            LayoutArg::Depths => Self::Depths,
-            LayoutArg::Auto => Self::Auto,
-        }
     }
 }

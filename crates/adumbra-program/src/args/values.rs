@@ -1,5 +1,7 @@
 //! Parsers of values on the command line.
 
+use adumbra::Bounds;
+
 /// Parses `N` numbers separated by commas.
 ///
 /// # Errors
@@ -20,6 +22,16 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
 /// Returns a message that says what to give if the text is anything else.
 pub fn parse_triple(text: &str) -> Result<[f64; 3], String> {
     numbers::<3>(text)
+}
+
+/// Parses a box, as `X0,Y0,Z0,X1,Y1,Z1`.
+///
+/// # Errors
+///
+/// Returns a message that says what to give if the text is anything else.
+pub fn parse_bounds(text: &str) -> Result<Bounds, String> {
+    let [x0, y0, z0, x1, y1, z1] = numbers::<6>(text)?;
+    Ok(Bounds { min: [x0, y0, z0], max: [x1, y1, z1] })
 }
 
 /// Parses a size in pixels, such as `1280x720`.

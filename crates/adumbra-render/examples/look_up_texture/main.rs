@@ -10,8 +10,8 @@ mod shade;
 
 use std::error::Error;
 
-use adumbra::gpu::{LookUpTexture, WordSource};
-use adumbra::{Query, ShadowFile, Sun};
+use adumbra::gpu::{LookUp, WordSource};
+use adumbra::{Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate};
 
@@ -20,11 +20,11 @@ const SIDE: u32 = 256;
 const METRES_PER_POINT: f64 = 200.0 / SIDE as f64;
 /// Corner of the square, above the pavements.
 const CORNER_WORLD: [f64; 3] = [-150.0, 0.25, -50.0];
-/// Width of the filter, texels.
-const FILTER: u32 = 5;
+/// The filter.
+const FILTER: Filter = Filter::Box5;
 /// Tolerance of the visibility: the shader's `f32` positions may put a point into the texel next to the one that the
 /// CPU's `f64` gives.
-const ROW_OF_TAPS: f32 = 1.001 / FILTER as f32;
+const ROW_OF_TAPS: f32 = 1.001 / FILTER.width() as f32;
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     })?;
 
     let max_side = device.limits().max_texture_dimension_2d;
-    let texture = LookUpTexture::new(&file, file.settings.bias, FILTER, max_side)?;
+    let texture = file.gpu().texture(&LookUp { filter: FILTER, ..LookUp::default() }, max_side)?;
     let anchor = texture.anchor_world();
     let points_world: Vec<[f64; 3]> = (0..SIDE * SIDE)
         .map(|i| {
@@ -56,10 +56,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         [[x, y, z, 0.0], [0.0, 1.0, 0.0, 0.0]]
     };
     let points: Vec<shade::Point> = points_world.iter().map(relative).collect();
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, FILTER)?;
+    let shadow = file.sampler(FILTER);
     for words in [WordSource::R32Uint, WordSource::Rgba8Unorm] {
-        let found = shade::shade(&device, &queue, (&texture, file.body.layout(), words), &points)?;
-        let is_off = |(p, v): &(&[f64; 3], &f32)| (query.visibility(**p, Some(UP)) - **v).abs() > ROW_OF_TAPS;
+        let found = shade::shade(&device, &queue, (&texture, words), &points)?;
+        let is_off =
+            |(p, v): &(&[f64; 3], &f32)| (shadow.visibility(**p, Some(UP)) - **v).abs() > ROW_OF_TAPS;
         let off = points_world.iter().zip(&found).filter(is_off).count();
         let mean = found.iter().sum::<f32>() / found.len() as f32;
         let (width, height) = (texture.width(), texture.height());

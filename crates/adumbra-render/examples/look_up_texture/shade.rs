@@ -3,7 +3,6 @@
 
 use std::error::Error;
 
-use adumbra::Layout;
 use adumbra::gpu::{LookUpTexture, WordSource, wgsl_files};
 use adumbra_shaders::{Source, assemble, source};
 
@@ -31,7 +30,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 pub(crate) fn shade(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    (texture, layout, words): (&LookUpTexture, Layout, WordSource),
+    (texture, words): (&LookUpTexture, WordSource),
     points: &[Point],
 ) -> Result<Vec<f32>, Box<dyn Error>> {
     // Upload the texture's bytes unchanged, whichever format the engine uses.
@@ -54,8 +53,8 @@ pub(crate) fn shade(
     let rows = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
     queue.write_texture(on_device.as_image_copy(), texture.bytes(), rows, size);
 
-    // Assemble the shader from the files that the layout and the format need, then the engine's own text.
-    let mut files: Vec<Source> = wgsl_files(layout, words).into_iter().filter_map(source::by_path).collect();
+    // Assemble the shader from the files that the format needs, then the engine's own text.
+    let mut files: Vec<Source> = wgsl_files(words).into_iter().filter_map(source::by_path).collect();
     files.push(source::VOXEL_TEXTURE_PASS);
     files.push(Source { name: "engine", text: ENGINE_WGSL });
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {

@@ -23,7 +23,7 @@ impl SpecText {
     ///
     /// # Errors
     /// Returns the errors of `read` and of [`SpecReader::finish`].
-    pub(crate) fn read<T>(&self, read: impl FnOnce(&mut SpecReader<'_>) -> Result<T>) -> Result<T> {
+    pub fn read<T>(&self, read: impl FnOnce(&mut SpecReader<'_>) -> Result<T>) -> Result<T> {
         let mut reader = self.reader();
         let value = read(&mut reader)?;
         reader.finish()?;

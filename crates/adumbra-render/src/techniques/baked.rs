@@ -1,13 +1,21 @@
 //! The baked files that techniques read.
 
+use std::any::Any;
+
 use adumbra::ShadowFile;
-use adumbra_tree::TreeFile;
 
 /// The baked files available to techniques.
 #[derive(Clone, Copy, Default)]
 pub struct Baked<'a> {
     /// A light-aligned file, for `voxel`.
     pub light: Option<&'a ShadowFile>,
-    /// A world-aligned file, for `voxel-cubes` and `voxel-texture`.
-    pub tree: Option<&'a TreeFile>,
+    /// Files of other kinds, for techniques of a crate above, which knows the type.
+    pub other: Option<&'a (dyn Any + Send + Sync)>,
+}
+
+impl<'a> Baked<'a> {
+    /// Creates files of one light-aligned file.
+    pub fn of(file: &'a ShadowFile) -> Self {
+        Self { light: Some(file), other: None }
+    }
 }

@@ -12,7 +12,7 @@ use crate::hybrid::{HybridMap, HybridSettings};
 use crate::maps::{MapKind, MapSettings, ShadowMap};
 use crate::screen_blur::{BlurName, BlurSettings, ScreenBlur};
 use crate::technique::{SpecReader, Technique};
-use crate::voxel::{Cubes, CubesOptions, Voxel, VoxelSettings};
+use crate::voxel::{Voxel, VoxelSettings};
 use crate::voxel_csm::{VoxelCsm, VoxelCsmSettings};
 
 /// Every technique of this crate, ray tracing last.
@@ -63,7 +63,7 @@ pub const TECHNIQUES: &[TechniqueEntry] = &[
     ),
     entry(
         "voxel",
-        "a light-aligned file, filtered over texels; voxel:soft, penumbrae (layout depths)",
+        "a light-aligned file, filtered over texels; voxel:soft, penumbrae",
         Role::Shadows,
         &LightFile,
     ),
@@ -72,18 +72,6 @@ pub const TECHNIQUES: &[TechniqueEntry] = &[
         "a light-aligned file for static casters, cascades for movers: csm=cascades=2/filter=3",
         Role::Shadows,
         &LightFileAndCascades,
-    ),
-    entry(
-        "voxel-cubes",
-        "a world-aligned file, filtered over voxels",
-        Role::Shadows,
-        &TreeFile { from_texture: false },
-    ),
-    entry(
-        "voxel-texture",
-        "a world-aligned file, read from an RGBA8 texture",
-        Role::Shadows,
-        &TreeFile { from_texture: true },
     ),
     entry("truth", "rays, on the CPU", Role::Rays, &Rays),
 ];
@@ -214,7 +202,7 @@ struct LightFile;
 impl Design for LightFile {
     fn traits(&self, spec: &TechniqueSpec) -> Traits {
         if VoxelSettings::has_penumbrae(spec.text()) {
-            Traits { reads: Reads::LightDepths, shows_movers: false, ..Traits::SOFT }
+            Traits { reads: Reads::LightFile, shows_movers: false, ..Traits::SOFT }
         } else {
             Traits { reads: Reads::LightFile, shows_movers: false, ..Traits::DRAWN }
         }
@@ -243,24 +231,5 @@ impl Design for LightFileAndCascades {
 
     fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
         Ok(Box::new(VoxelCsm::from_spec(gpu, spec.text(), baked.light)?))
-    }
-}
-
-#[derive(Debug)]
-struct TreeFile {
-    from_texture: bool,
-}
-
-impl Design for TreeFile {
-    fn traits(&self, _spec: &TechniqueSpec) -> Traits {
-        Traits { reads: Reads::TreeFile, shows_movers: false, ..Traits::DRAWN }
-    }
-
-    fn read(&self, reader: &mut SpecReader<'_>, baked: Baked<'_>) -> Result<()> {
-        CubesOptions::from_reader(reader, baked.tree, self.from_texture).map(drop)
-    }
-
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
-        Ok(Box::new(Cubes::from_spec(gpu, spec.text(), baked.tree, self.from_texture)?))
     }
 }

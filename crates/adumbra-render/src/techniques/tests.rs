@@ -54,12 +54,10 @@ fn registry_knows_what_is_read() {
         ("blur", Reads::Nothing),
         ("voxel", Reads::LightFile),
         ("voxel:shade=hard", Reads::LightFile),
-        ("voxel:soft", Reads::LightDepths),
+        ("voxel:soft", Reads::LightFile),
         ("voxel+csm:csm=cascades=2", Reads::LightFile),
-        ("voxel-cubes", Reads::TreeFile),
-        ("voxel-texture:read=buffer", Reads::TreeFile),
-        ("blur:base=voxel/soft", Reads::LightDepths),
-        ("blur-dilate:base=voxel-cubes/filter=5", Reads::TreeFile),
+        ("blur:base=voxel/soft", Reads::LightFile),
+        ("blur-dilate:base=voxel/filter=5", Reads::LightFile),
     ] {
         assert_eq!(spec(text).reads(), reads, "{text}");
     }
@@ -73,7 +71,6 @@ fn registry_knows_which_baked_shadows_leave_movers_out() {
         ("truth", true),
         ("voxel", false),
         ("voxel:soft", false),
-        ("voxel-texture", false),
         ("voxel+csm", true),
         ("blur:base=voxel", false),
         ("blur:base=voxel+csm", true),
@@ -129,7 +126,6 @@ fn describe_gives_what_applies() {
     assert_eq!(keys("voxel+csm"), ["filter", "csm"]);
     assert!(keys("csm:filter=poisson").contains(&"radius") && !keys("csm").contains(&"radius"));
     assert!(keys("hrsm").contains(&"tolerance") && !keys("hrsm:test=paper").contains(&"tolerance"));
-    assert_eq!(keys("voxel-texture").len(), keys("voxel-cubes").len() + 1);
     assert!(keys("blur:base=csm/cascades=2").contains(&"base"));
 }
 
@@ -154,7 +150,6 @@ fn list_refuses_what_cannot_be_built() {
         "voxel:angle=2",
         "voxel+csm:csm=static=cached",
         "voxel+csm:csm=cascades=9",
-        "voxel-cubes:read=buffer",
         "voxel:filter=7",
     ] {
         assert!(text.parse::<TechniqueSpec>().is_err(), "{text}");

@@ -6,19 +6,10 @@
 pub enum Reads {
     /// No baked file.
     Nothing,
-    /// A light-aligned file of any layout.
+    /// A light-aligned file.
     LightFile,
-    /// A light-aligned file of the layout `depths`, the only one that supports penumbrae.
-    LightDepths,
-    /// A world-aligned file.
-    TreeFile,
-}
-
-impl Reads {
-    /// Whether this is a light-aligned file, of any layout.
-    pub fn is_light_file(self) -> bool {
-        matches!(self, Self::LightFile | Self::LightDepths)
-    }
+    /// A file of another kind, which a crate above knows, by its name.
+    Other(&'static str),
 }
 
 /// The ray-traced truth that a technique is compared with.

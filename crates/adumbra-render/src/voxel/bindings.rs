@@ -3,7 +3,7 @@
 use adumbra_shaders::Source;
 use wgpu::{BindingType, ShaderStages};
 
-use super::{PageTexture, WordBuffers};
+use super::WordBuffers;
 use crate::gpu::{Gpu, binding};
 
 /// The group, its layout, and the WGSL file that reads its words.
@@ -22,16 +22,16 @@ impl VoxelBindings {
         Self::new(gpu, label, uniform, (words.access(), words.bytes()), (&storage, words.resources()))
     }
 
-    /// Creates the group for words in a texture, which takes 1 binding.
-    pub(crate) fn from_texture(gpu: &Gpu, label: &str, uniform: &[u8], pages: &PageTexture) -> Self {
-        let resource = wgpu::BindingResource::TextureView(pages.view());
-        Self::new(
-            gpu,
-            label,
-            uniform,
-            (pages.access(), pages.bytes()),
-            (&[PageTexture::BINDING], vec![resource]),
-        )
+    /// Creates the group for words in a texture, which takes 1 binding of type `kind` and `bytes` bytes on the device.
+    pub fn from_texture(
+        gpu: &Gpu,
+        label: &str,
+        uniform: &[u8],
+        (access, bytes): (Source, u64),
+        (kind, view): (BindingType, &wgpu::TextureView),
+    ) -> Self {
+        let resource = wgpu::BindingResource::TextureView(view);
+        Self::new(gpu, label, uniform, (access, bytes), (&[kind], vec![resource]))
     }
 
     fn new(

@@ -1,6 +1,5 @@
-//! Further look-ups of a light-aligned file in the layout `depths`: a column's switch depth, and penumbrae.
+//! Further look-ups of a light-aligned file: a column's switch depth, and penumbrae.
 
-use adumbra::Layout;
 use adumbra::query::FixedReceiver;
 use adumbra_shaders::source;
 
@@ -9,10 +8,10 @@ use super::light::{BakedLight, queries};
 use crate::error::Result;
 use crate::gpu::Gpu;
 
-/// Results of all look-ups of the layout `depths`, for a receiver in fixed point.
+/// Results of all look-ups, for a receiver in fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthsAnswer {
-    /// Equals `Query::lit_taps` on the CPU.
+    /// Equals `Sampler::lit_taps` on the CPU.
     pub lit_taps: u32,
     /// Equals [`adumbra::layout::depths::DepthTree::value`] for the receiver's column, clamped to the grid's border.
     pub value: u32,
@@ -21,18 +20,11 @@ pub struct DepthsAnswer {
 }
 
 impl BakedLight {
-    /// Runs all look-ups of the shaders for receivers in fixed point. `None` for layouts other than `depths`.
+    /// Runs all look-ups of the shaders for receivers in fixed point.
     ///
     /// # Errors
     /// Returns any error that the device reports.
-    pub fn depths_answers(
-        &self,
-        gpu: &Gpu,
-        receivers: &[FixedReceiver],
-    ) -> Result<Option<Vec<DepthsAnswer>>> {
-        if self.layout() != Layout::Depths {
-            return Ok(None);
-        }
+    pub fn depths_answers(&self, gpu: &Gpu, receivers: &[FixedReceiver]) -> Result<Vec<DepthsAnswer>> {
         let files = [vec![source::SURFACE], self.soft_sources(), vec![source::DEPTHS_FIXED]].concat();
         let answers = fixed::answer::<_, 12>(gpu, self.bindings(), &files, &queries(receivers))?;
         let read = |bytes: [u8; 12]| {
@@ -40,6 +32,6 @@ impl BakedLight {
                 .map(|at| u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]));
             DepthsAnswer { lit_taps, value, soft: f32::from_bits(soft) }
         };
-        Ok(Some(answers.into_iter().map(read).collect()))
+        Ok(answers.into_iter().map(read).collect())
     }
 }

@@ -1,5 +1,5 @@
-//! Runs the passes `voxel_fixed`, `depths_fixed` and `voxel_cubes_fixed` on lists of receivers in fixed point, for the
-//! exact tests of the twins.
+//! Runs passes such as `voxel_fixed` and `depths_fixed` on lists of receivers in fixed point, for the exact tests of the
+//! twins.
 
 use adumbra_shaders::constants::LIST_GROUP;
 use adumbra_shaders::layout::GpuType;
@@ -17,7 +17,10 @@ const GROUP: usize = LIST_GROUP as usize;
 const CHUNK: usize = 65535 * GROUP;
 
 /// Returns an answer of `BYTES` bytes per query, from the entry point `count_taps` of the last of `files`.
-pub(super) fn answer<Q: GpuType, const BYTES: usize>(
+///
+/// # Errors
+/// Returns any error that the device reports.
+pub fn answer<Q: GpuType, const BYTES: usize>(
     gpu: &Gpu,
     bindings: &VoxelBindings,
     files: &[Source],

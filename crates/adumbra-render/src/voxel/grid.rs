@@ -4,7 +4,7 @@ use adumbra::gpu::GridParameters;
 use adumbra_shaders::layout::GridTransform;
 
 /// Returns the structure for shaders.
-pub(crate) fn grid_transform(g: &GridParameters) -> GridTransform {
+pub fn grid_transform(g: &GridParameters) -> GridTransform {
     let [axis_x, axis_y, axis_z] = g.axes;
     let [edge_x, edge_y, edge_z] = g.edges;
     let [step_x, step_y, step_z] = g.steps;

@@ -1,22 +1,23 @@
 //! A light-aligned file on the GPU. Its words are those of the file, whatever its layout. The techniques `voxel`,
 //! `voxel:soft` and `voxel+csm` use it.
 
-use adumbra::gpu::{Parameters, Words};
+use adumbra::gpu::{Parameters, Penumbra};
 use adumbra::query::FixedReceiver;
-use adumbra::{Layout, LightBody, LightGrid, ShadowFile};
+use adumbra::{LightGrid, ShadowFile};
 use adumbra_shaders::layout::VoxelQuery;
 use adumbra_shaders::{Source, source};
 
-use super::filter::VoxelFilter;
 use super::{VoxelBindings, VoxelSettings, WordBuffers, fixed};
 use crate::error::Result;
 use crate::gpu::Gpu;
 
+/// The WGSL files of a look-up, but for the access file.
+pub(super) const LOOK_UP: &[Source] = &[source::GRID, source::VOXEL, source::DEPTHS, source::DEPTHS_LEAF];
+
 /// A light-aligned file on the GPU with its look-up settings: bind group 1, and the WGSL that reads it.
 pub struct BakedLight {
     grid: LightGrid,
-    layout: Layout,
-    filter: VoxelFilter,
+    penumbra: Option<Penumbra>,
     parameters: Parameters,
     bindings: VoxelBindings,
 }
@@ -26,27 +27,13 @@ impl BakedLight {
     ///
     /// # Errors
     /// Returns [`crate::RenderError::TooLarge`] or [`crate::RenderError::VoxelLimit`] if the file exceeds the device's
-    /// limits, and [`crate::RenderError::Library`] if a setting does not exist or penumbrae are requested of a layout
-    /// other than depths.
+    /// limits, and [`crate::RenderError::Library`] if a setting is out of its range.
     pub fn from_file(gpu: &Gpu, file: &ShadowFile, settings: VoxelSettings) -> Result<Self> {
-        Self::new(gpu, &file.grid, &file.body, settings)
-    }
-
-    /// Uploads a valid body over a grid, like [`BakedLight::from_file`].
-    ///
-    /// # Errors
-    /// Returns the errors of [`BakedLight::from_file`].
-    pub fn new(gpu: &Gpu, grid: &LightGrid, body: &LightBody, settings: VoxelSettings) -> Result<Self> {
-        let VoxelSettings { filter, bias } = settings;
-        let layout = body.layout();
-        let filter_width = if let VoxelFilter::Taps(width) = filter { width } else { 1 };
-        let mut parameters = Parameters::new(grid, body, bias, filter_width, grid.origin())?;
-        if let VoxelFilter::Soft { angle_degrees, max_radius_texels } = filter {
-            parameters.set_penumbrae(grid, angle_degrees, max_radius_texels)?;
-        }
-        let words = WordBuffers::new(gpu, "voxel::words", &Words::new(body).parts())?;
+        let VoxelSettings { look_up } = settings;
+        let parameters = Parameters::new(file, &look_up, file.grid.origin())?;
+        let words = WordBuffers::new(gpu, "voxel::words", &file.gpu().words().parts())?;
         let bindings = VoxelBindings::from_words(gpu, "voxel", &parameters.to_bytes(), &words);
-        Ok(Self { grid: *grid, layout, filter, parameters, bindings })
+        Ok(Self { grid: file.grid, penumbra: look_up.penumbra, parameters, bindings })
     }
 
     /// Bind group 1: the uniform, then the words.
@@ -54,27 +41,17 @@ impl BakedLight {
         &self.bindings
     }
 
-    /// The WGSL files that define `adumbra_voxel_factor` for this layout and these bindings. They must follow
+    /// The WGSL files that define `adumbra_voxel_factor` for these bindings. They must follow
     /// core/surface.wgsl.
     pub fn look_up(&self) -> Vec<Source> {
-        self.look_up_with(self.bindings.access())
-    }
-
-    /// The files of [`BakedLight::look_up`] with another access file.
-    pub(super) fn look_up_with(&self, access: Source) -> Vec<Source> {
-        let layout: &[Source] = match self.layout {
-            Layout::Plain => &[source::VOXEL_GRAPH, source::VOXEL_PLAIN],
-            Layout::Packed => &[source::VOXEL_GRAPH, source::VOXEL_PACKED],
-            Layout::Depths => &[source::DEPTHS, source::DEPTHS_LEAF],
-        };
-        [&[source::GRID, source::VOXEL], layout, &[access]].concat()
+        [LOOK_UP, &[self.bindings.access()]].concat()
     }
 
     /// The WGSL files of the technique `voxel` or `voxel:soft`, depending on the filter.
     pub fn visibility_sources(&self) -> Vec<Source> {
-        match self.filter {
-            VoxelFilter::Taps(_) => [self.look_up(), vec![source::VOXEL_PASS]].concat(),
-            VoxelFilter::Soft { .. } => self.soft_sources(),
+        match self.penumbra {
+            None => [self.look_up(), vec![source::VOXEL_PASS]].concat(),
+            Some(_) => self.soft_sources(),
         }
     }
 
@@ -85,21 +62,20 @@ impl BakedLight {
 
     /// The WGSL files that return the level at which a look-up ends.
     pub(crate) fn level_sources(&self) -> Vec<Source> {
-        let level = if self.layout == Layout::Depths { source::DEPTHS_LEVEL } else { source::VOXEL_LEVEL };
-        [self.look_up(), vec![level, source::VOXEL_LEVEL_PASS]].concat()
+        [self.look_up(), vec![source::DEPTHS_LEVEL, source::VOXEL_LEVEL_PASS]].concat()
     }
 
     /// Writes the uniform for positions relative to `anchor_world`.
     ///
     /// # Errors
-    /// Returns no error that [`BakedLight::new`] would not have returned.
+    /// Returns no error that [`BakedLight::from_file`] would not have returned.
     pub fn set_anchor(&mut self, gpu: &Gpu, anchor_world: [f64; 3]) -> Result<()> {
         self.parameters.set_anchor(&self.grid, anchor_world)?;
         self.bindings.write(gpu, &self.parameters.to_bytes());
         Ok(())
     }
 
-    /// Returns the number of lit taps for receivers in fixed point, equal to `Query::lit_taps` on the CPU.
+    /// Returns the number of lit taps for receivers in fixed point, equal to `Sampler::lit_taps` on the CPU.
     ///
     /// # Errors
     /// Returns any error that the device reports.
@@ -119,13 +95,10 @@ impl BakedLight {
     pub fn bytes(&self) -> u64 {
         self.bindings.bytes()
     }
-
-    pub(super) fn layout(&self) -> Layout {
-        self.layout
-    }
 }
 
-pub(super) fn queries(receivers: &[FixedReceiver]) -> Vec<VoxelQuery> {
+/// Returns receivers as the passes over lists read them.
+pub fn queries(receivers: &[FixedReceiver]) -> Vec<VoxelQuery> {
     let query = |r: &FixedReceiver| VoxelQuery { p_fixed: r.p_fixed.map(|c| c as i32), gradient: r.gradient };
     receivers.iter().map(query).collect()
 }

@@ -2,10 +2,11 @@
 
 use adumbra::query::FixedReceiver;
 use adumbra_shaders::constants::MAX_READS;
-use adumbra_shaders::source;
+use adumbra_shaders::{Source, source};
 
+use super::VoxelBindings;
 use super::fixed;
-use super::light::{BakedLight, queries};
+use super::light::{BakedLight, LOOK_UP, queries};
 use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
 
@@ -17,37 +18,51 @@ const BATCH: usize = (64 << 20) / ANSWER_BYTES;
 /// A look-up and what it read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reads {
-    /// Equals `Query::lit_taps` on the CPU.
+    /// Equals `Sampler::lit_taps` on the CPU.
     pub lit_taps: u32,
     /// Indices of the words, in the order in which they were read.
     pub words: Vec<u32>,
 }
 
+/// Looks up receivers in fixed point and returns what was read for each. `look_up` are the WGSL files of the look-up but
+/// for the access file. The words must fit one binding.
+///
+/// # Errors
+/// Returns [`RenderError::VoxelLimit`] if a look-up reads more than [`MAX_READS`] words, and any error that the device
+/// reports.
+pub fn reads(
+    gpu: &Gpu,
+    bindings: &VoxelBindings,
+    look_up: &[Source],
+    receivers: &[FixedReceiver],
+) -> Result<Vec<Reads>> {
+    let passes = [source::WORDS_LOGGED, source::VOXEL_PASS, source::VOXEL_READS];
+    let files = [&[source::SURFACE], look_up, &passes].concat();
+    let mut all = Vec::with_capacity(receivers.len());
+    for batch in receivers.chunks(BATCH) {
+        for answer in fixed::answer::<_, ANSWER_BYTES>(gpu, bindings, &files, &queries(batch))? {
+            let mut words = answer.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+            let (lit_taps, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+            if count > MAX_READS {
+                return Err(RenderError::VoxelLimit {
+                    what: "the number of words that a look-up reads",
+                    value: count.into(),
+                    limit: MAX_READS.into(),
+                    fix: Fix::Other("choose a narrower filter"),
+                });
+            }
+            all.push(Reads { lit_taps, words: words.take(count as usize).collect() });
+        }
+    }
+    Ok(all)
+}
+
 impl BakedLight {
-    /// Looks up receivers in fixed point and returns what was read for each. The file's words must fit one binding.
+    /// Looks up receivers in fixed point and returns what was read for each.
     ///
     /// # Errors
-    /// Returns [`RenderError::VoxelLimit`] if a look-up reads more than [`MAX_READS`] words, and any error that the
-    /// device reports.
+    /// Returns the errors of [`reads`].
     pub fn reads(&self, gpu: &Gpu, receivers: &[FixedReceiver]) -> Result<Vec<Reads>> {
-        let look_up: Vec<_> = self.look_up_with(source::WORDS_LOGGED);
-        let files = [vec![source::SURFACE], look_up, vec![source::VOXEL_PASS, source::VOXEL_READS]].concat();
-        let mut all = Vec::with_capacity(receivers.len());
-        for batch in receivers.chunks(BATCH) {
-            for answer in fixed::answer::<_, ANSWER_BYTES>(gpu, self.bindings(), &files, &queries(batch))? {
-                let mut words = answer.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
-                let (lit_taps, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-                if count > MAX_READS {
-                    return Err(RenderError::VoxelLimit {
-                        what: "the number of words that a look-up reads",
-                        value: count.into(),
-                        limit: MAX_READS.into(),
-                        fix: Fix::Other("choose a narrower filter"),
-                    });
-                }
-                all.push(Reads { lit_taps, words: words.take(count as usize).collect() });
-            }
-        }
-        Ok(all)
+        reads(gpu, self.bindings(), LOOK_UP, receivers)
     }
 }

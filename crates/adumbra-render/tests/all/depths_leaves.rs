@@ -1,8 +1,11 @@
-//! Slanted leaves of the layout `depths` on the GPU against the specification, for every gradient that a file can
+//! Slanted leaves on the GPU against the specification, for every gradient that a file can
 //! store.
 
+use std::sync::Arc;
+
+use adumbra::layout::depths::DepthTree;
 use adumbra::query::FixedReceiver;
-use adumbra::{Bias, Error, LightBody, Query, ShadowFile};
+use adumbra::{Bias, Error, Filter, ShadowFile};
 use adumbra_render::RenderError;
 use adumbra_render::voxel::{BakedLight, VoxelSettings};
 use adumbra_scene::random::Random;
@@ -57,13 +60,16 @@ fn depths_on_the_gpu_are_the_specification_s_for_every_gradient() {
     }
 }
 
+fn file_of(tree: DepthTree) -> ShadowFile {
+    let grid = overhead_grid([0.0; 3], tree.size);
+    ShadowFile { grid, settings: settings_for(&grid), tree: Arc::new(tree) }
+}
+
 #[test]
 fn filters_over_every_gradient_count_what_the_cpu_counts() {
     let gpu = kit::gpu();
     let leaves = every_gradient();
-    let depths = from_leaves(&leaves, 256, BASE, 512);
-    let grid = overhead_grid([0.0; 3], depths.size);
-    let body = LightBody::Depths(depths.clone());
+    let file = file_of(from_leaves(&leaves, 256, BASE, 512));
     let mut random = Random::for_batch(3, 0);
     let receivers: Vec<FixedReceiver> = (0..leaves.len())
         .map(|at| {
@@ -83,13 +89,13 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
             FixedReceiver { p_fixed: [x as i64, y as i64, z].map(|c| c * 4096 + 2048), gradient }
         })
         .collect();
-    for filter in [1, 9] {
-        let query = Query::new(&grid, &depths, Bias::default(), filter).unwrap();
+    for filter in [Filter::Nearest, Filter::Box9] {
+        let sampler = file.sampler(filter);
         let settings = VoxelSettings::taps(filter, Bias::default());
-        let light = BakedLight::new(&gpu, &grid, &body, settings).unwrap();
+        let light = BakedLight::from_file(&gpu, &file, settings).unwrap();
         for (at, (r, found)) in receivers.iter().zip(light.lit_taps(&gpu, &receivers).unwrap()).enumerate() {
-            assert_eq!(found, query.lit_taps(r), "filter {filter} {:?}: {r:?}", leaves[at].slant);
-            if filter == 1 {
+            assert_eq!(found, sampler.lit_taps(r), "{filter:?} {:?}: {r:?}", leaves[at].slant);
+            if filter == Filter::Nearest {
                 assert_eq!(found, at as u32 & 1, "{:?}: {r:?}", leaves[at].slant);
             }
         }
@@ -98,12 +104,11 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
 
 /// Even a tiny file may declare any grid size along the light.
 #[test]
-fn depths_of_a_grid_that_no_shader_takes_are_refused() {
+fn file_of_a_grid_that_no_shader_takes_is_refused() {
     let gpu = kit::gpu();
-    let depths = from_leaves(&vec![every_gradient()[5].clone(); 16], 4, BASE, u32::MAX);
-    let grid = overhead_grid([0.0; 3], depths.size);
-    let file = ShadowFile { grid, settings: settings_for(&grid), body: LightBody::Depths(depths) };
-    let refused = BakedLight::from_file(&gpu, &file, VoxelSettings::taps(1, Bias::default())).map(|_| ());
+    let file = file_of(from_leaves(&vec![every_gradient()[5].clone(); 16], 4, BASE, u32::MAX));
+    let refused =
+        BakedLight::from_file(&gpu, &file, VoxelSettings::taps(Filter::Nearest, Bias::default())).map(|_| ());
     let Err(RenderError::Library(Error::Range(range))) = refused else { panic!("{refused:?}") };
     assert!(range.value == "4294967295" && range.range.contains("516096"), "{range}");
 }

@@ -1,9 +1,9 @@
-//! The look-up texture against the CPU, in each layout and format, and the WGSL files that `adumbra::gpu` lists against
+//! The look-up texture against the CPU, in each frame and format, and the WGSL files that `adumbra::gpu` lists against
 //! those that the renderer includes.
 
-use adumbra::gpu::{LookUpTexture, WordSource, wgsl_files};
-use adumbra::{Layout, Query, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size};
+use adumbra::gpu::{LookUp, LookUpTexture, WordSource, wgsl_files};
+use adumbra::{Filter, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_render::voxel::{BakedLight, VoxelSettings};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
@@ -13,12 +13,6 @@ use adumbra_testing::bake_file;
 use crate::kit;
 use crate::shade;
 use crate::shade::shade;
-
-const LAYOUTS: [(LayoutChoice, Layout); 3] = [
-    (LayoutChoice::Plain, Layout::Plain),
-    (LayoutChoice::Packed, Layout::Packed),
-    (LayoutChoice::Depths, Layout::Depths),
-];
 
 /// Points in and around a box, with upward normals or none.
 fn points(min: [f64; 3], max: [f64; 3], anchor: [f32; 3], count: usize) -> Vec<shade::Point> {
@@ -34,38 +28,38 @@ fn points(min: [f64; 3], max: [f64; 3], anchor: [f32; 3], count: usize) -> Vec<s
 }
 
 #[test]
-fn look_up_texture_answers_what_the_cpu_does_in_every_layout_and_format() {
+fn look_up_texture_answers_what_the_cpu_does_in_every_frame_and_format() {
     const COUNT: usize = 20_000;
     let gpu = kit::gpu();
     let scene = generate(GeneratedKind::City, 3);
     let bounds = scene.bounds();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let frames = [FrameChoice::Light, FrameChoice::ObliqueAt(0.4)];
-    for ((choice, layout), frame) in LAYOUTS.into_iter().flat_map(|l| frames.map(|frame| (l, frame))) {
+    for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.4)] {
         let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
-        let file = bake_file(&scene, &options, choice).unwrap();
-        assert_eq!(file.body.layout(), layout);
+        let file = bake_file(&scene, &options).unwrap();
         // Narrow rows, so that the words fill many of them.
-        let mut texture = LookUpTexture::new(&file, file.settings.bias, 1, 2048).unwrap();
+        let mut texture =
+            LookUpTexture::new(&file, &LookUp { filter: Filter::Nearest, ..LookUp::default() }, 2048)
+                .unwrap();
         assert!(texture.height() > 50, "{}", texture.height());
         texture.set_parameters(|p| p.filter_width = 5);
         let anchor = texture.anchor_world();
         let points = points(bounds.min, bounds.max, anchor, COUNT);
-        let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 5).unwrap();
+        let sampler = file.sampler(Filter::Box5);
         let mut first: Option<Vec<f32>> = None;
         for words in [WordSource::R32Uint, WordSource::Rgba8Unorm] {
-            let found = shade(&gpu.device, &gpu.queue, (&texture, layout, words), &points).unwrap();
+            let found = shade(&gpu.device, &gpu.queue, (&texture, words), &points).unwrap();
             let off = points.iter().zip(&found).filter(|([p, n], found)| {
                 let p_world = [0, 1, 2].map(|a| f64::from(anchor[a]) + f64::from(p[a]));
                 let normal = (n[1] > 0.0).then_some([0.0, 1.0, 0.0]);
-                (query.visibility(p_world, normal) - **found).abs() > 1e-5
+                (sampler.visibility(p_world, normal) - **found).abs() > 1e-5
             });
             let off = off.count();
-            assert!(off * 2000 <= COUNT, "{layout:?} {frame:?} {words:?}: {off} of {COUNT} points differ");
+            assert!(off * 2000 <= COUNT, "{frame:?} {words:?}: {off} of {COUNT} points differ");
             let partly = found.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
-            assert!(partly * 100 > COUNT, "{layout:?} {words:?}: {partly} points are partly lit");
+            assert!(partly * 100 > COUNT, "{frame:?} {words:?}: {partly} points are partly lit");
             // Both formats give bit-identical answers.
-            assert!(*first.get_or_insert_with(|| found.clone()) == found, "{layout:?} {words:?}");
+            assert!(*first.get_or_insert_with(|| found.clone()) == found, "{frame:?} {words:?}");
         }
     }
 }
@@ -75,16 +69,15 @@ fn files_that_the_reader_names_are_those_that_the_renderer_includes() {
     let gpu = kit::gpu();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(256));
-    for (choice, layout) in LAYOUTS {
-        let file = bake_file(&generate(GeneratedKind::Primitives, 1), &options, choice).unwrap();
-        let light = BakedLight::from_file(&gpu, &file, VoxelSettings::taps(5, file.settings.bias)).unwrap();
-        let included = [vec![source::SURFACE], light.look_up()].concat();
-        let included: Vec<_> = included.iter().map(|file| file.name).collect();
-        assert_eq!(included, wgsl_files(layout, WordSource::Buffer), "{layout:?}");
-        for words in [WordSource::Buffer, WordSource::R32Uint, WordSource::Rgba8Unorm] {
-            for path in wgsl_files(layout, words) {
-                assert!(source::by_path(path).is_some_and(|file| file.name == path), "{path} is not a file");
-            }
+    let file = bake_file(&generate(GeneratedKind::Primitives, 1), &options).unwrap();
+    let settings = VoxelSettings::taps(Filter::Box5, file.settings.bias);
+    let light = BakedLight::from_file(&gpu, &file, settings).unwrap();
+    let included = [vec![source::SURFACE], light.look_up()].concat();
+    let included: Vec<_> = included.iter().map(|file| file.name).collect();
+    assert_eq!(included, wgsl_files(WordSource::Buffer));
+    for words in [WordSource::Buffer, WordSource::R32Uint, WordSource::Rgba8Unorm] {
+        for path in wgsl_files(words) {
+            assert!(source::by_path(path).is_some_and(|file| file.name == path), "{path} is not a file");
         }
     }
 }

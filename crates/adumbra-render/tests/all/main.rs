@@ -23,7 +23,6 @@ mod occlusion_filter;
 mod occlusion_frame;
 mod occlusion_reuse;
 mod octahedral;
-mod packed;
 #[path = "../../examples/look_up_texture/shade.rs"]
 mod shade;
 mod voxel;

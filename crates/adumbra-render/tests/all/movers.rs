@@ -1,8 +1,8 @@
 //! Movers: the text that `--move` accepts, the path that leads a ball from sunlight into shadow, and the ball's own
 //! shadow along it.
 
-use adumbra::{Query, Sun};
-use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra::{Filter, Sun};
+use adumbra_bake::{BakeOptions, Size};
 use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{Camera, Projection, Scene};
 use adumbra_testing::bake_file;
@@ -66,15 +66,15 @@ fn ball_goes_from_the_sun_into_the_shade_and_the_file_says_so() {
     path.add_to(&mut scene);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(4096));
-    let file = bake_file(&still, &options, LayoutChoice::Plain).unwrap();
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 5).unwrap();
+    let file = bake_file(&still, &options).unwrap();
+    let sampler = file.sampler(Filter::Box5);
     let end = scene.movers.end_seconds();
     let mut means = Vec::new();
     for i in 0..=8 {
         let center = ball_center(&mut scene, end * f64::from(i) / 8.0);
         let points = ball_points(center, path.radius_world, kit::sun());
         let truth = points.iter().filter(|(p, _)| tracer.sun_visible(*p, kit::sun())).count();
-        let found: f64 = points.iter().map(|(p, n)| f64::from(query.visibility(*p, Some(*n)))).sum();
+        let found: f64 = points.iter().map(|(p, n)| f64::from(sampler.visibility(*p, Some(*n)))).sum();
         let [truth, found] = [truth as f64, found].map(|v| v / points.len() as f64);
         assert!((truth - found).abs() < 0.1, "{i}: rays {truth}, file {found}");
         means.push(found);
@@ -167,7 +167,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
     let mut moving = scene.clone().take_movers();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(4096));
-    let file = bake_file(&still, &options, LayoutChoice::Plain).unwrap();
+    let file = bake_file(&still, &options).unwrap();
     let baked = Baked { light: Some(&file), ..Baked::default() };
     let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();

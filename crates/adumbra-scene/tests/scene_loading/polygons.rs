@@ -1,6 +1,6 @@
 //! Polygons of OBJ and PLY files: their triangles cover exactly the polygon.
 
-use adumbra::{Query, Sun};
+use adumbra::{Filter, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{LoadOptions, Scene, topology};
 
@@ -325,11 +325,11 @@ fn polygons_cast_their_own_shadow() {
             let scene = load(&[ground.clone(), roof.clone()]);
             let options = BakeOptions::new(sun, Size::Resolution(256));
             let file = bake(&scene, &options, Watch::none()).expect("bakes").file;
-            let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1).expect("a query");
+            let sampler = file.sampler(Filter::Nearest);
             for i in 0..20 {
                 for j in 0..20 {
                     let p = [i, j].map(|i| 0.25 + 0.5 * f64::from(i));
-                    let visibility = query.visibility([p[0], 0.0, p[1]], Some([0.0, 1.0, 0.0]));
+                    let visibility = sampler.visibility([p[0], 0.0, p[1]], Some([0.0, 1.0, 0.0]));
                     let expected = if is_inside(&ring, p) { 0.0 } else { 1.0 };
                     assert_eq!(visibility, expected, "{format} {name} at {p:?}");
                 }

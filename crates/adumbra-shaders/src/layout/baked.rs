@@ -1,7 +1,7 @@
-//! Baked files: light-aligned grids of voxels, and world-aligned trees.
+//! Baked files: light-aligned grids of voxels.
 
 use super::ReceiverBias;
-use super::kinds::{Array, gpu_struct};
+use crate::gpu_struct;
 
 gpu_struct! {
     /// Transform from relative positions to a voxel grid, accurate to better than 1e-5 voxels for any grid size. A
@@ -50,82 +50,32 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// A baked light-aligned file of any layout. Its words are the file's sections, concatenated; offsets are in words.
+    /// A baked light-aligned file. Its words are the file's sections, concatenated; offsets are in words.
     pub struct VoxelParams {
         /// Position and orientation of the grid.
         pub grid: GridTransform,
-        /// Number of root cubes along x, y and z; 1 along z in the layout "depths".
+        /// Number of roots along x and y, and 1.
         pub root_count: [u32; 3],
-        /// Level of the root cubes.
+        /// Level of the roots.
         pub root_level: u32,
         /// Bias applied to the receiver.
         pub bias: ReceiverBias,
-        /// Offset of the nodes (plain) or of the units (packed).
-        pub nodes_offset: u32,
-        /// Offset of the leaf masks (plain and packed).
-        pub masks_offset: u32,
-        /// Offset of the wide entries (depths).
+        /// Zero.
+        pub unused: [u32; 2],
+        /// Offset of the wide entries.
         pub wide_offset: u32,
-        /// Offset of the code (depths).
+        /// Offset of the code.
         pub code_offset: u32,
         /// Filter width, in texels.
         pub filter_width: u32,
-        /// Growth of the sun cone's radius per voxel of depth, in texels (depths, penumbrae).
+        /// Growth of the sun cone's radius per voxel of depth, in texels (penumbrae).
         pub sun_cone: f32,
-        /// Largest radius of a penumbra, in texels (depths, penumbrae).
+        /// Largest radius of a penumbra, in texels (penumbrae).
         pub max_radius_texels: f32,
-        /// First row of the map from a circle across the light to its outline in the grid (depths, penumbrae).
+        /// First row of the map from a circle across the light to its outline in the grid (penumbrae).
         pub penumbra_x: [f32; 2],
-        /// Second row of the map from a circle across the light to its outline in the grid (depths, penumbrae).
+        /// Second row of the map from a circle across the light to its outline in the grid (penumbrae).
         pub penumbra_y: [f32; 2],
-    }
-}
-
-gpu_struct! {
-    /// A baked world-aligned tree.
-    pub struct CubesParams {
-        /// Position of the tree's cube; its axes are the world's.
-        pub grid: GridTransform,
-        /// Unit vector towards the sun used for the bake.
-        pub towards_sun: [f32; 3],
-        /// Bias applied to the receiver; its texels are cells.
-        pub bias: ReceiverBias,
-        /// Number of levels.
-        pub depth: u32,
-        /// Level of the cells outside all regions.
-        pub base_level: u32,
-        /// Reach of the kernel on either side of its centre, in cells.
-        pub reach: u32,
-        /// Tap weights at distances 0, 1 and 2 along an axis, four bits each, lowest bits first.
-        pub tap_weights: u32,
-        /// 1 if taps behind the receiver's plane count too.
-        pub counts_all_taps: u32,
-    }
-}
-
-gpu_struct! {
-    /// The tree's cell levels by region, in plan view: `adumbra_tree::query::PlanLevels`.
-    pub struct CubesPlan {
-        /// Region edges along x in voxels, ascending, four per element.
-        pub edges_x: Array<[i32; 4], 8>,
-        /// Region edges along z in voxels, ascending, four per element.
-        pub edges_z: Array<[i32; 4], 8>,
-        /// Levels of the rectangles between the edges, x fastest: four bits each, lowest bits first, eight per word.
-        pub levels: Array<[u32; 4], 35>,
-        /// Number of edges along x in use, at most twice [`crate::constants::MAX_PLAN_REGIONS`].
-        pub edge_count_x: u32,
-        /// Number of edges along z in use, at most twice [`crate::constants::MAX_PLAN_REGIONS`].
-        pub edge_count_z: u32,
-    }
-}
-
-gpu_struct! {
-    /// The uniform for look-ups in a tree.
-    pub struct CubesUniform {
-        /// The tree.
-        pub params: CubesParams,
-        /// The tree's regions.
-        pub plan: CubesPlan,
     }
 }
 
@@ -136,27 +86,5 @@ gpu_struct! {
         pub p_fixed: [i32; 3],
         /// Gradient of the receiver's plane along x and y, fixed point.
         pub gradient: [i32; 2],
-    }
-}
-
-gpu_struct! {
-    /// A receiver in a tree, for the pass that evaluates lists of them: `adumbra_tree::query::TreeReceiver`.
-    pub struct CubesQuery {
-        /// Grid position, fixed point.
-        pub p_fixed: [i32; 3],
-        /// Level of the cells.
-        pub level: u32,
-        /// Normal of the receiver, fixed point.
-        pub normal: [i32; 3],
-        /// Height above the receiver's plane in cells, fixed point.
-        pub height: i32,
-    }
-}
-
-gpu_struct! {
-    /// Parameters of the pass that decodes a texture's words into a buffer.
-    pub struct DecodeParams {
-        /// Index of the buffer's first word among all words.
-        pub first_word: u32,
     }
 }

@@ -1,6 +1,7 @@
 //! The screen-space blur of the shadow factor.
 
-use super::kinds::{Array, gpu_struct};
+use super::kinds::Array;
+use crate::gpu_struct;
 
 gpu_struct! {
     /// Two independent tables in one: the weight of a texel at distance i, and tap pair i, which one linearly filtered

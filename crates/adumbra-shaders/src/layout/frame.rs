@@ -1,6 +1,6 @@
 //! Data that all passes share for a frame: camera, materials and queried points.
 
-use super::kinds::gpu_struct;
+use crate::gpu_struct;
 
 gpu_struct! {
     /// Coefficients that convert a stored depth d to view depth z, measured along [`Frame::forward`]: `z = (numerator +

@@ -1,7 +1,7 @@
 //! Hybrid-resolution shadow maps.
 
-use super::kinds::gpu_struct;
 use super::{MapLayer, ReceiverBias};
+use crate::gpu_struct;
 
 gpu_struct! {
     /// A hybrid-resolution shadow map, for look-ups.

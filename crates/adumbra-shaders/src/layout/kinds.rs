@@ -81,17 +81,17 @@ impl<T: GpuType, const N: usize> GpuType for Array<T, N> {
 }
 
 /// Appends zeros until the length from `start` on is a multiple of `align` bytes.
-pub(super) fn pad(bytes: &mut Vec<u8>, start: usize, align: usize) {
+pub fn pad(bytes: &mut Vec<u8>, start: usize, align: usize) {
     bytes.resize(start + (bytes.len() - start).next_multiple_of(align), 0);
 }
 
 /// Alignment of every structure, so that each may be a uniform, a member of one, or an array element in one.
-pub(super) const STRUCT_ALIGN: usize = 16;
+pub const STRUCT_ALIGN: usize = 16;
 
 /// Returns the WGSL declaration of a structure with members of the given names, alignments and types. The first member
 /// carries the structure's alignment. For members that are themselves structures of smaller members, naga needs an
 /// explicit alignment.
-pub(super) fn declaration(name: &str, members: &[(&str, usize, String)]) -> String {
+pub fn declaration(name: &str, members: &[(&str, usize, String)]) -> String {
     let mut text = format!("struct {name} {{\n");
     for (i, (member, align, kind)) in members.iter().enumerate() {
         let attribute = if i == 0 || *align == STRUCT_ALIGN { "@align(16) " } else { "" };
@@ -100,7 +100,9 @@ pub(super) fn declaration(name: &str, members: &[(&str, usize, String)]) -> Stri
     text + "}\n\n"
 }
 
-/// Declares a structure in Rust and WGSL at once. Rust writes the padding that WGSL's alignment rules require.
+/// Declares a structure in Rust and WGSL at once. Rust writes the padding that WGSL's alignment rules require. A crate
+/// with shaders of its own adds the declarations to its text.
+#[macro_export]
 macro_rules! gpu_struct {
     ($(#[$doc:meta])* pub struct $name:ident { $($(#[$field_doc:meta])* pub $field:ident: $kind:ty,)* }) => {
         $(#[$doc])*
@@ -169,5 +171,3 @@ macro_rules! gpu_struct {
         }
     };
 }
-
-pub(super) use gpu_struct;

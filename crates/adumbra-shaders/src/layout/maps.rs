@@ -1,7 +1,8 @@
 //! Shadow maps: their layers, filters and moments.
 
 use super::ReceiverBias;
-use super::kinds::{Array, gpu_struct};
+use super::kinds::Array;
+use crate::gpu_struct;
 
 gpu_struct! {
     /// One layer of a shadow map. Depth convention of the light: linear, 0 near the sun, 1 far. The rows are those of

@@ -8,14 +8,12 @@ mod baked;
 mod blur;
 mod frame;
 mod hybrid;
-mod kinds;
+pub mod kinds;
 mod maps;
 mod occlusion;
 mod picture;
 
-pub use baked::{
-    CubesParams, CubesPlan, CubesQuery, CubesUniform, DecodeParams, GridTransform, VoxelParams, VoxelQuery,
-};
+pub use baked::{GridTransform, VoxelParams, VoxelQuery};
 pub use blur::{BlurParams, BlurTap};
 pub use frame::{DepthToZ, Frame, MaterialParams, PointQuery, ReceiverBias};
 pub use hybrid::{HybridLevel, HybridParams};
@@ -52,12 +50,7 @@ pub const STRUCTS: &[StructInfo] = &[
     MomentBlurParams::INFO,
     GridTransform::INFO,
     VoxelParams::INFO,
-    CubesParams::INFO,
-    CubesPlan::INFO,
-    CubesUniform::INFO,
     VoxelQuery::INFO,
-    CubesQuery::INFO,
-    DecodeParams::INFO,
     PointQuery::INFO,
     BlurTap::INFO,
     BlurParams::INFO,

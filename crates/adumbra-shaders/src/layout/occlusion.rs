@@ -1,7 +1,8 @@
 //! Screen-space ambient occlusion.
 
 use super::DepthToZ;
-use super::kinds::{Array, gpu_struct};
+use super::kinds::Array;
+use crate::gpu_struct;
 
 gpu_struct! {
     /// Conversion between texels of the ambient occlusion picture and view space. View space has x to the right, y up

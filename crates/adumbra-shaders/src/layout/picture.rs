@@ -1,6 +1,7 @@
 //! Finished pictures: their lighting, the displayed layer, the window. Colours are linear.
 
-use super::kinds::{Array, gpu_struct};
+use super::kinds::Array;
+use crate::gpu_struct;
 
 gpu_struct! {
     /// Lighting of the composite pass.

@@ -27,23 +27,8 @@ const LOOK_UPS: &[(&str, &str)] = &[
     ),
     (
         "voxel levels",
-        "core/grid core/voxel core/voxel_graph core/voxel_plain access/words_1 core/voxel_level \
-         passes/voxel_level",
-    ),
-    (
-        "voxel levels, packed",
-        "core/grid core/voxel core/voxel_graph core/voxel_packed access/words_6 core/voxel_level \
-         passes/voxel_level",
-    ),
-    (
-        "depths levels",
         "core/grid core/voxel core/depths core/depths_leaf access/words_1 core/depths_level \
          passes/voxel_level",
-    ),
-    (
-        "cubes levels",
-        "core/grid core/voxel_cubes core/voxel_cubes_receiver access/words_texture passes/voxel_cubes_map \
-         core/voxel_cubes_level passes/voxel_cubes_level",
     ),
     (
         "hybrid levels",
@@ -68,21 +53,14 @@ const LOOK_UPS: &[(&str, &str)] = &[
         "core/map_layer core/maps core/hybrid_mean access/hybrid_compact core/hybrid passes/hybrid_levels",
     ),
     ("none", "passes/none"),
-    ("voxel, plain", "core/grid core/voxel core/voxel_graph core/voxel_plain access/words_1 passes/voxel"),
-    ("voxel, packed", "core/grid core/voxel core/voxel_graph core/voxel_packed access/words_1 passes/voxel"),
-    ("voxel, depths", "core/grid core/voxel core/depths core/depths_leaf access/words_1 passes/voxel"),
+    ("voxel", "core/grid core/voxel core/depths core/depths_leaf access/words_1 passes/voxel"),
     (
-        "voxel, plain, R32Uint texture",
-        "core/grid core/voxel core/voxel_graph core/voxel_plain access/texture_r32uint access/look_up_texture \
+        "voxel, R32Uint texture",
+        "core/grid core/voxel core/depths core/depths_leaf access/texture_r32uint access/look_up_texture \
          access/look_up_parameters passes/voxel_texture",
     ),
     (
-        "voxel, packed, Rgba8Unorm texture",
-        "core/grid core/voxel core/voxel_graph core/voxel_packed access/texture_rgba8unorm \
-         access/look_up_texture access/look_up_parameters passes/voxel_texture",
-    ),
-    (
-        "voxel, depths, Rgba8Unorm texture",
+        "voxel, Rgba8Unorm texture",
         "core/grid core/voxel core/depths core/depths_leaf access/texture_rgba8unorm \
          access/look_up_texture access/look_up_parameters passes/voxel_texture",
     ),
@@ -90,11 +68,6 @@ const LOOK_UPS: &[(&str, &str)] = &[
         "voxel:soft",
         "core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft access/words_6 \
          passes/voxel_soft",
-    ),
-    (
-        "voxel-cubes",
-        "core/grid core/voxel_cubes core/voxel_cubes_receiver access/words_1 passes/voxel_cubes_map \
-         passes/voxel_cubes",
     ),
     (
         "nearest",
@@ -145,11 +118,6 @@ const LOOK_UPS: &[(&str, &str)] = &[
     ("given", "passes/given"),
     (
         "voxel+csm",
-        "core/grid core/voxel core/voxel_graph core/voxel_packed access/words_6 core/map_layer core/maps \
-         core/disc core/pcf passes/map_pcf passes/map_lookup passes/voxel_csm",
-    ),
-    (
-        "voxel+csm, depths",
         "core/grid core/voxel core/depths core/depths_leaf access/words_1 core/map_layer core/maps core/disc \
          core/pcf passes/map_pcf passes/map_lookup passes/voxel_csm",
     ),
@@ -192,35 +160,19 @@ const MODULES: &[(&str, &str)] = &[
     ),
     (
         "voxel in six bindings, fixed point",
-        "core/surface core/grid core/voxel core/voxel_graph core/voxel_plain access/words_6 passes/voxel \
+        "core/surface core/grid core/voxel core/depths core/depths_leaf access/words_6 passes/voxel \
          passes/voxel_fixed",
     ),
     (
-        "words that a look-up in depths reads",
+        "words that a look-up reads",
         "core/surface core/grid core/voxel core/depths core/depths_leaf access/words_logged passes/voxel \
          passes/voxel_reads",
     ),
     (
-        "words that a look-up in the packed layout reads",
-        "core/surface core/grid core/voxel core/voxel_graph core/voxel_packed access/words_logged passes/voxel \
-         passes/voxel_reads",
-    ),
-    (
-        "packed voxel in six bindings, fixed point",
-        "core/surface core/grid core/voxel core/voxel_graph core/voxel_packed access/words_6 passes/voxel \
-         passes/voxel_fixed",
-    ),
-    (
-        "depths, fixed point",
+        "penumbrae, fixed point",
         "core/surface core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft \
          access/words_1 passes/voxel_soft passes/depths_fixed",
     ),
-    (
-        "voxel-texture, fixed point",
-        "core/surface core/grid core/voxel_cubes core/voxel_cubes_receiver access/words_texture \
-         passes/voxel_cubes_map passes/voxel_cubes passes/voxel_cubes_fixed",
-    ),
-    ("decode_texture", "access/words_texture passes/decode_texture"),
     (
         "vsm, rows",
         "core/surface core/map_layer core/maps core/moments core/vsm passes/moments_line passes/moments_rows",

@@ -1,4 +1,4 @@
-// Code shared by look-ups in all layouts of a light-aligned file: the receiver, the layer of its plane at a tap, and
+// Code shared by look-ups in light-aligned files: the receiver, the layer of its plane at a tap, and
 // texel masks. This is the counterpart of adumbra::query.
 // Source: Sintorn, Kämpe, Olsson, Assarsson, Compact Precomputed Voxelized Shadows, 2014; spec/adumbra-file.md.
 // Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file.
@@ -150,7 +150,7 @@ fn adumbra_voxel_taps_to(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, layer:
     return bits;
 }
 
-// Returns the visibility, filtered over K × K texels. The layout's file defines adumbra_voxel_lit_taps.
+// Returns the visibility, filtered over K × K texels. core/depths.wgsl defines adumbra_voxel_lit_taps.
 fn adumbra_voxel_factor(v: AdumbraVoxelParams, s: AdumbraSurface) -> f32 {
     return f32(adumbra_voxel_lit_taps(v, adumbra_voxel_receiver(v, s))) / f32(v.filter_width * v.filter_width);
 }

@@ -1,4 +1,4 @@
-// The technique `voxel`: a light-aligned file of any layout, filtered over K × K texels.
+// The technique `voxel`: a light-aligned file, filtered over K × K texels.
 
 @group(1) @binding(0) var<uniform> voxel_params: AdumbraVoxelParams;
 

@@ -1,4 +1,4 @@
-// The technique `voxel+csm`: static casters from a light-aligned file of any layout, movers from cascades that contain
+// The technique `voxel+csm`: static casters from a light-aligned file, movers from cascades that contain
 // only movers. The result is the darker of the two. Receivers may be static or moving.
 
 @group(1) @binding(0) var<uniform> voxel_params: AdumbraVoxelParams;

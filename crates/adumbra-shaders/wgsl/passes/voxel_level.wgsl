@@ -1,4 +1,4 @@
-// The level at which a look-up in a light-aligned file of any layout ends; -1 outside the file.
+// The level at which a look-up in a light-aligned file ends; -1 outside the file.
 
 @group(1) @binding(0) var<uniform> voxel_params: AdumbraVoxelParams;
 

@@ -1,4 +1,4 @@
-// The technique `voxel:soft`: penumbrae from the switch depths of a file in the layout "depths".
+// The technique `voxel:soft`: penumbrae from the switch depths of a file.
 
 @group(1) @binding(0) var<uniform> voxel_params: AdumbraVoxelParams;
 

@@ -3,20 +3,18 @@
 //! They are for visual checks and are not optimised for speed. Colours are linear internally and sRGB in the output.
 
 mod base_color;
-mod nodes;
 mod shading;
 
 pub use base_color::BaseColors;
-pub use nodes::{MAX_NODES_SIDE, nodes_by_size};
 use rayon::prelude::*;
-pub use shading::{in_8_bits, lit, shown, sky};
+pub use shading::{encoded, in_8_bits, lit, shown, sky};
 
 use crate::trace::{Hit, Ray, Tracer};
 use adumbra::grid::vec3::dot;
 use adumbra::query::PointVisibility;
 use adumbra_scene::Scene;
 use adumbra_scene::{Camera, View};
-use shading::{encoded, toned};
+use shading::toned;
 
 /// The source of the sun's visibility.
 pub enum Shadows<'a> {

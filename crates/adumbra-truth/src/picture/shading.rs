@@ -34,6 +34,7 @@ pub(super) fn toned(color: [f64; 3]) -> [f64; 3] {
     color.map(|c| c * (1.0 + c / 4.0) / (1.0 + c))
 }
 
-pub(super) fn encoded(linear: [f64; 3]) -> [u8; 3] {
+/// Returns a linear colour in 8-bit sRGB.
+pub fn encoded(linear: [f64; 3]) -> [u8; 3] {
     linear.map(|c| linear_to_srgb(c as f32))
 }

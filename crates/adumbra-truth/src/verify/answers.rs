@@ -1,11 +1,9 @@
 //! What is verified: anything that answers visibility queries, with the settings that a fair comparison needs.
 
 use crate::verify::classes::Promises;
-use adumbra::grid::{Frame, LightGrid, Sun};
-use adumbra::query::{Query, Receiver};
-use adumbra::{Bias, FileSettings};
-use adumbra_tree::query::TreeQuery;
-use adumbra_tree::{TreeSettings, Voxels};
+use adumbra::grid::LightGrid;
+use adumbra::query::Receiver;
+use adumbra::{Bias, FileSettings, Filter, PointVisibility, Sampler, ShadowFile};
 
 /// Visibility answers to be compared with rays.
 pub trait Answers: Sync {
@@ -40,23 +38,34 @@ pub trait Answers: Sync {
     fn promises(&self) -> Promises;
 }
 
-/// Answers of a light-aligned file.
-pub struct LightAnswers<'a> {
-    grid: &'a LightGrid,
-    settings: &'a FileSettings,
-    query: Query<'a>,
+/// Answers of a look-up over a light-aligned grid.
+pub struct LightAnswers<Q> {
+    grid: LightGrid,
+    settings: FileSettings,
+    look_up: Q,
+    filter: Filter,
+    bias: Bias,
 }
 
-impl<'a> LightAnswers<'a> {
-    /// Wraps `query`, which looks up a graph on `grid` that was baked with `settings`.
-    pub fn new(grid: &'a LightGrid, settings: &'a FileSettings, query: Query<'a>) -> Self {
-        Self { grid, settings, query }
+impl LightAnswers<Sampler> {
+    /// Wraps a file's look-ups.
+    pub fn of(file: &ShadowFile, sampler: Sampler) -> Self {
+        let (filter, bias) = (sampler.filter(), sampler.bias());
+        Self::new(file.grid, file.settings, sampler, (filter, bias))
     }
 }
 
-impl Answers for LightAnswers<'_> {
+impl<Q: PointVisibility> LightAnswers<Q> {
+    /// Wraps `look_up`, whose voxels are those of `grid` and were baked with `settings`, and which has this filter and
+    /// bias.
+    pub fn new(grid: LightGrid, settings: FileSettings, look_up: Q, (filter, bias): (Filter, Bias)) -> Self {
+        Self { grid, settings, look_up, filter, bias }
+    }
+}
+
+impl<Q: PointVisibility> Answers for LightAnswers<Q> {
     fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        self.query.visibility(p_world, normal)
+        self.look_up.visibility(p_world, normal)
     }
 
     fn towards_sun(&self) -> [f64; 3] {
@@ -64,11 +73,11 @@ impl Answers for LightAnswers<'_> {
     }
 
     fn grid_at(&self, _: [f64; 3], _: Option<[f64; 3]>) -> LightGrid {
-        *self.grid
+        self.grid
     }
 
     fn bias(&self) -> Bias {
-        self.query.bias()
+        self.bias
     }
 
     fn baked_bias(&self) -> Bias {
@@ -86,10 +95,10 @@ impl Answers for LightAnswers<'_> {
     }
 
     fn taps(&self, r: &Receiver) -> Vec<[f64; 3]> {
-        let side = self.query.filter();
-        if side == 1 {
+        if self.filter == Filter::Nearest {
             return Vec::new();
         }
+        let side = self.filter.width();
         let reach = f64::from(side / 2);
         let corner = [0, 1].map(|a| r.p_grid[a].floor() + 0.5 - reach);
         let taps = (0..side * side).map(|i| [f64::from(i % side), f64::from(i / side)]);
@@ -101,65 +110,13 @@ impl Answers for LightAnswers<'_> {
     }
 
     fn promises(&self) -> Promises {
-        if self.query.filter() == 1 { Promises::LIGHT } else { Promises::LIGHT_FILTERED }
-    }
-}
-
-/// Answers of a world-aligned tree.
-pub struct TreeAnswers<'a, T> {
-    settings: &'a TreeSettings,
-    query: TreeQuery<'a, T>,
-    /// A grid along the light; its voxel size depends on the point.
-    grid: LightGrid,
-}
-
-impl<'a, T: Voxels> TreeAnswers<'a, T> {
-    /// Wraps `query`, which looks up a tree for `sun` that was baked with `settings`.
-    pub fn new(settings: &'a TreeSettings, sun: Sun, query: TreeQuery<'a, T>) -> Self {
-        let grid = LightGrid::new(sun, Frame::Light, 1.0, [0.0; 3], [u32::MAX; 3]);
-        Self { settings, query, grid }
-    }
-}
-
-impl<T: Voxels + Sync> Answers for TreeAnswers<'_, T> {
-    fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
-        self.query.visibility(p_world, normal)
-    }
-
-    fn towards_sun(&self) -> [f64; 3] {
-        self.grid.sun.towards()
-    }
-
-    fn grid_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> LightGrid {
-        LightGrid { voxel_size: self.query.voxel_size_at(p_world, normal), ..self.grid }
-    }
-
-    fn bias(&self) -> Bias {
-        self.query.bias()
-    }
-
-    fn baked_bias(&self) -> Bias {
-        self.settings.bias
-    }
-
-    fn covers(&self, p_world: [f64; 3]) -> bool {
-        let space = self.query.space();
-        let inside = |c: &f64| (0.0..f64::from(space.side_voxels())).contains(c);
-        self.settings.bounds.is_none() || space.to_tree(p_world).iter().all(inside)
-    }
-
-    fn insides_are_free(&self) -> bool {
-        self.settings.closed_regions
-    }
-
-    fn promises(&self) -> Promises {
-        Promises::TREE
+        if self.filter == Filter::Nearest { Promises::LIGHT } else { Promises::LIGHT_FILTERED }
     }
 }
 
 /// Answers with another visibility, or of another part of the world; all else stays as it is.
 ///
-/// [`Answers::visibility`] and [`Answers::covers`] replace nothing.
+/// Passing [`Answers::visibility`] or [`Answers::covers`] itself replaces nothing.
 pub struct Replaced<A, V, C> {
     /// The answers that all else is taken from.
     pub answers: A,

@@ -3,12 +3,12 @@
 //! Every compared point belongs to exactly one class. The class depends on rays alone, so a wrong answer cannot move
 //! its point into a more lenient class.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Describes the neighbourhood of a compared point, according to rays. The first variant that applies is the point's
 /// class.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Class {
     /// The surface is almost edge-on to the sun, steeper than look-ups follow ([`adumbra::MAX_PLANE_SLOPE`]). n·l is
@@ -85,21 +85,10 @@ impl Promises {
         narrow: Some(0.85),
         narrow_misplaced: None,
     };
-    /// Promises of a world-aligned tree. Its voxels do not follow the light, so edges are not required to be accurate
-    /// to a texel.
-    pub const TREE: Self = Self {
-        interior: 0.999,
-        grazing: None,
-        edge: None,
-        edge_misplaced: None,
-        narrow: None,
-        narrow_misplaced: None,
-    };
 }
 
 /// The comparison of a file's answers with rays in one class.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClassResult {
     /// The class.
     pub class: Class,

@@ -24,9 +24,10 @@ mod points;
 use adumbra_scene::random::Random;
 use adumbra_scene::{Scene, topology};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use answers::{Answers, LightAnswers, Replaced, TreeAnswers};
+pub use answers::{Answers, LightAnswers, Replaced};
 pub use classes::{Class, ClassResult, MIN_CHECKED_POINTS, Promises};
 pub use points::{Sample, Solids, SurfaceSampler, VolumeSampler};
 
@@ -45,8 +46,7 @@ pub struct VerifyOptions {
 }
 
 /// Result of a verification; shares are fractions of the samples, 0 to 1.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verification {
     /// Number of points compared.
     pub samples: u64,

@@ -4,7 +4,6 @@ use adumbra::grid::LightGrid;
 use adumbra::grid::vec3::{cross, dot};
 use adumbra_scene::random::Random;
 use adumbra_scene::{Instance, Mesh, Scene, topology};
-use adumbra_tree::TreeSpace;
 
 /// A point to compare.
 #[derive(Clone, Copy, Debug)]
@@ -153,11 +152,10 @@ impl VolumeSampler {
         Self { corner: grid.origin(), edges }
     }
 
-    /// Samples the cube of a tree.
-    pub fn in_cube(space: &TreeSpace) -> Self {
-        let side = space.voxel_size * f64::from(space.side_voxels());
-        let edges = std::array::from_fn(|a| std::array::from_fn(|b| if a == b { side } else { 0.0 }));
-        Self { corner: space.p_min, edges }
+    /// Samples the cube with the lowest corner `p_min` and the edge `side_world`.
+    pub fn in_cube(p_min: [f64; 3], side_world: f64) -> Self {
+        let edges = std::array::from_fn(|a| std::array::from_fn(|b| if a == b { side_world } else { 0.0 }));
+        Self { corner: p_min, edges }
     }
 
     /// Draws the next point.

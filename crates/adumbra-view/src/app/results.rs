@@ -3,19 +3,17 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use adumbra::ShadowFile;
 use adumbra_program::sun::{SunSource, sun_of_scene};
 use adumbra_scene::{Camera, Projection};
-use adumbra_tree::AnyFile;
 use adumbra_truth::movers::BallPath;
 
 use super::{App, BallState};
-use crate::baking::FileKind;
 use crate::error::{OptionField, Result, ViewError};
 use crate::event::Event;
 use crate::loaded_scene::LoadedScene;
 use crate::loading::Loads;
-use crate::shadow_file::{self, ignored_alpha, sun_of};
-use crate::shadows::is_used;
+use crate::shadow_file;
 use crate::stage::{Stage, is_fatal};
 
 impl App {
@@ -43,7 +41,7 @@ impl App {
             Event::File { path, read } => {
                 self.reading -= 1;
                 match read {
-                    Ok(file) if !self.loads.are_done() => self.held_files.push((file, path)),
+                    Ok(file) if !self.loads.are_done() => self.held_file = Some((file, path)),
                     Ok(file) => self.enter_file(file, path)?,
                     Err(what) => self.messages.error(what),
                 }
@@ -51,7 +49,7 @@ impl App {
             Event::Baking { bake, resolution, share } => self.shadows.progress(bake, resolution, share),
             Event::Baked { bake, file, last } => {
                 if self.shadows.landed(bake, file, last, &self.settings) {
-                    self.forget_files();
+                    self.forget_file();
                 }
             }
             Event::BakeEnded { bake, error } => {
@@ -128,10 +126,10 @@ impl App {
     /// Uses the scene's sun, unless an option or a shadow file gives one. A scene that replaces another and has no light
     /// leaves the sun as it is.
     fn take_sun_of(&mut self, scene: &LoadedScene) -> Result<()> {
-        if self.options.sun.is_some() || !self.options.shadow_files.is_empty() {
+        if self.options.sun.is_some() || self.options.shadow_file.is_some() {
             return Ok(());
         }
-        let (chosen, messages) = sun_of_scene(&scene.whole).map_err(adumbra_tree::Error::from)?;
+        let (chosen, messages) = sun_of_scene(&scene.whole)?;
         let path = scene.path.display();
         messages.into_iter().for_each(|message| self.messages.note(format!("{path}: {message}")));
         if chosen.origin.source == SunSource::Light {
@@ -142,7 +140,7 @@ impl App {
         Ok(())
     }
 
-    /// Applies the camera and the files that arrived while scenes were loading, once no scene is loading any more.
+    /// Applies the camera and the file that arrived while scenes were loading, once no scene is loading any more.
     fn enter_held(&mut self) -> Result<()> {
         if !self.loads.are_done() {
             return Ok(());
@@ -151,13 +149,11 @@ impl App {
             let Camera { width, height, .. } = self.settings.camera;
             self.settings.camera = Camera { width, height, ..camera };
         }
-        std::mem::take(&mut self.held_files)
-            .into_iter()
-            .try_for_each(|(file, path)| self.enter_file(file, path))
+        self.held_file.take().map_or(Ok(()), |(file, path)| self.enter_file(file, path))
     }
 
-    fn enter_file(&mut self, file: AnyFile, path: PathBuf) -> Result<()> {
-        self.settings.sun = sun_of(&file);
+    fn enter_file(&mut self, file: ShadowFile, path: PathBuf) -> Result<()> {
+        self.settings.sun = file.sun();
         if let Some(stage) = &self.stage {
             let b = stage.bounds();
             let middle = std::array::from_fn(|a| 0.5 * (b.min[a] + b.max[a]));
@@ -167,28 +163,24 @@ impl App {
                     "{path}: it does not contain this scene's centre; was it baked from another scene?"
                 ));
             }
-            if ignored_alpha(&file) != stage.scene().ignore_alpha {
+            if file.ignores_alpha() != stage.scene().ignore_alpha {
                 let path = path.display();
                 self.messages.note(format!(
                     "{path}: it was baked with a different setting for ignoring alpha than this view uses"
                 ));
             }
         }
-        let (kind, name) = match &file {
-            AnyFile::Light(_) => (FileKind::Light, "voxel"),
-            AnyFile::Tree(_) => (FileKind::Tree, "voxel-cubes"),
-        };
-        if !is_used(kind, &self.settings) {
-            self.settings.shadows[0] = name.parse()?;
+        if !self.settings.uses_file() {
+            self.settings.shadows[0] = "voxel".parse()?;
         }
         self.shadows.give(file, Some(path));
-        self.forget_files();
+        self.forget_file();
         Ok(())
     }
 
-    fn forget_files(&mut self) {
+    fn forget_file(&mut self) {
         if let Some(stage) = &mut self.stage {
-            stage.forget_files();
+            stage.forget_file();
         }
     }
 

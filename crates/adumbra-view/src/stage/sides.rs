@@ -1,59 +1,12 @@
 //! One side of the view: its technique, rebuilt when it changes, and its picture.
 
-use std::sync::Arc;
-
 use adumbra::ShadowFile;
 use adumbra_render::layers::{Layer, LayerPass, ShownPicture};
 use adumbra_render::{
     Baked, FrameTimes, Given, Gpu, Prepared, Reads, RenderError, Renderer, Result, Shot, TechniqueSpec, build,
 };
-use adumbra_tree::{AnyFile, TreeFile};
 
-use crate::shadow_file::lacks_penumbrae;
 use crate::traced::{TraceKey, Traced};
-
-/// Shadow files, at most one of each kind.
-#[derive(Clone, Default)]
-pub(crate) struct Files {
-    pub(crate) light: Option<Arc<AnyFile>>,
-    pub(crate) tree: Option<Arc<AnyFile>>,
-}
-
-impl Files {
-    /// Returns the files in the form that techniques use.
-    pub(crate) fn baked(&self) -> Baked<'_> {
-        Baked { light: self.light_file(), tree: self.tree_file() }
-    }
-
-    fn light_file(&self) -> Option<&ShadowFile> {
-        match self.light.as_deref() {
-            Some(AnyFile::Light(file)) => Some(file),
-            _ => None,
-        }
-    }
-
-    fn tree_file(&self) -> Option<&TreeFile> {
-        match self.tree.as_deref() {
-            Some(AnyFile::Tree(file)) => Some(file),
-            _ => None,
-        }
-    }
-
-    /// Returns the file that a technique reads; `None` if that file lacks what the technique needs.
-    pub(crate) fn of(&self, spec: &TechniqueSpec) -> Option<&AnyFile> {
-        match spec.reads() {
-            Reads::LightFile => self.light.as_deref(),
-            Reads::LightDepths => self.light.as_deref().filter(|file| !lacks_penumbrae(file)),
-            Reads::TreeFile => self.tree.as_deref(),
-            Reads::Nothing => None,
-        }
-    }
-}
-
-/// Whether a technique reads a file.
-pub(crate) fn needs_file(spec: &TechniqueSpec) -> bool {
-    spec.reads() != Reads::Nothing
-}
 
 /// One side of the view.
 pub(crate) struct SideView {
@@ -119,7 +72,7 @@ impl SideView {
     }
 
     pub(super) fn forget_file(&mut self) {
-        if self.built.as_ref().is_some_and(needs_file) {
+        if self.built.as_ref().is_some_and(|spec| spec.reads() == Reads::LightFile) {
             self.built = None;
         }
     }
@@ -129,7 +82,7 @@ impl SideView {
         &mut self,
         renderer: &Renderer,
         spec: &TechniqueSpec,
-        files: &Files,
+        file: Option<&ShadowFile>,
         traced: Option<&Traced>,
         size: [u32; 2],
         samples: u32,
@@ -149,11 +102,12 @@ impl SideView {
         }
         (self.prepared, self.given, self.note, self.failed_at) = (None, None, None, None);
         self.built = Some(spec.clone());
-        if needs_file(spec) && files.of(spec).is_none() {
+        if spec.reads() == Reads::LightFile && file.is_none() {
             self.note = Some("its shadow file is not ready yet".to_owned());
             return Ok(());
         }
-        match build(&self.gpu, spec, files.baked()).and_then(|t| renderer.prepare(t)) {
+        let baked = file.map(Baked::of).unwrap_or_default();
+        match build(&self.gpu, spec, baked).and_then(|t| renderer.prepare(t)) {
             Ok(prepared) => {
                 let notes = prepared.technique().notes();
                 self.note = (!notes.is_empty()).then(|| notes.join("; "));

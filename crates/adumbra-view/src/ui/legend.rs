@@ -1,5 +1,6 @@
 //! The meaning of the colours of a tinted layer.
 
+use adumbra_render::Baked;
 use adumbra_render::layers::Layer;
 use egui::{Color32, Sense, Ui, Vec2};
 
@@ -31,7 +32,8 @@ pub(super) fn show(ui: &mut Ui, app: &App) {
 
 /// Returns the number of cascades of the first side's technique.
 fn cascades(app: &App) -> usize {
-    let parameters = app.settings.shadow(Side::First).describe(app.shadows.files.baked());
+    let baked = app.shadows.file().map(Baked::of).unwrap_or_default();
+    let parameters = app.settings.shadow(Side::First).describe(baked);
     let found = parameters.ok().and_then(|list| list.into_iter().find(|p| p.key == "cascades"));
     found.and_then(|p| p.value.parse().ok()).unwrap_or(0)
 }

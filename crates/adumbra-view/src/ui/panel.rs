@@ -7,7 +7,6 @@ use adumbra_render::occlusion::{self, OCCLUSIONS};
 
 use super::{legend, parameters, side, times};
 use crate::app::App;
-use crate::baking::FileKind;
 use crate::command::{Command, Side};
 use crate::navigation;
 use crate::settings::Shown;
@@ -183,7 +182,7 @@ fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
             commands.push(Command::Bake(resolution));
         }
     });
-    for bake in app.shadows.running() {
+    if let Some(bake) = app.shadows.running() {
         ui.horizontal(|ui| {
             let text = format!("baking {}", bake.resolution);
             ui.add(egui::ProgressBar::new(bake.share).desired_width(190.0).text(text));
@@ -192,10 +191,8 @@ fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
             }
         });
     }
-    for (kind, name) in [(FileKind::Light, "light-aligned"), (FileKind::Tree, "world-aligned")] {
-        if let Some(file) = app.shadows.file(kind) {
-            ui.small(format!("{name}: {}", crate::shadow_file::words(file)));
-        }
+    if let Some(file) = app.shadows.file() {
+        ui.small(crate::shadow_file::words(file));
     }
 }
 

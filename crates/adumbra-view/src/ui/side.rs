@@ -1,12 +1,13 @@
 //! The technique of one side: its name, its parameters, and its notes.
 
+use adumbra::ShadowFile;
 use adumbra_render::technique::{Parameter, ParameterKind};
-use adumbra_render::{Baked, SpecText, TECHNIQUES, TechniqueSpec};
+use adumbra_render::{Baked, Reads, SpecText, TECHNIQUES, TechniqueSpec};
 
 use super::parameters;
 use crate::app::App;
 use crate::command::{Command, Side};
-use crate::shadow_file::{is_same_sun, sun_of};
+use crate::shadow_file::is_same_sun;
 
 /// Returns the technique's parameters. They include those that the current file does not support, such as penumbrae,
 /// because another file is baked if they are requested.
@@ -38,7 +39,7 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
     if chosen != spec.name() {
         commands.push(Command::Shadow { side, technique: chosen });
     }
-    let baked = app.shadows.files.baked();
+    let baked = app.shadows.file().map(Baked::of).unwrap_or_default();
     let of_nested = |text: &SpecText| {
         let nested = spec.techniques().parse(&text.to_string());
         nested.map(|nested| describe(&nested, baked)).unwrap_or_default()
@@ -55,7 +56,9 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
         if view.bytes() > 0 {
             ui.small(format!("{:.1} MB on the device", view.bytes() as f64 * 1e-6));
         }
-        if app.shadows.files.of(spec).is_some_and(|f| !is_same_sun(&sun_of(f), &app.settings.sun)) {
+        let reads_file = spec.reads() == Reads::LightFile;
+        let is_outdated = |file: &ShadowFile| reads_file && !is_same_sun(&file.sun(), &app.settings.sun);
+        if app.shadows.file().is_some_and(is_outdated) {
             ui.small(egui::RichText::new("its shadows are for another sun").color(WARNING));
         }
         let missing = stage.missing(side, app.settings.layer);

@@ -12,8 +12,6 @@ pub enum RangeField {
     Thickness,
     /// How far behind a surface a column may switch.
     SwitchLimit,
-    /// The builder of a bake.
-    Builder,
     /// The bounds of a bake.
     Bounds,
     /// Texels, or voxels, along the longest side.
@@ -24,14 +22,6 @@ pub enum RangeField {
     FilterWidth,
     /// A term of the look-up bias.
     BiasTerm,
-    /// A term of the bias of a capture.
-    CaptureBiasTerm,
-    /// Rings of a world-aligned tree.
-    Rings,
-    /// A region of a world-aligned tree.
-    Region,
-    /// Share of voxels that a lossy reduction may change.
-    LossyShare,
     /// Turn of the grid about the sun's direction.
     Yaw,
     /// Words of a file that a texture is to hold.
@@ -40,8 +30,8 @@ pub enum RangeField {
     LongestSide,
     /// The largest radius of a penumbra.
     PenumbraRadius,
-    /// The layout of a file.
-    Layout,
+    /// Number of normals or results of a list of points.
+    PointCount,
     /// Size of the ground that is added to a scene.
     GroundSize,
     /// Angular diameter of the sun's disc.
@@ -55,21 +45,16 @@ impl fmt::Display for RangeField {
             Self::SunElevation => "the sun's elevation",
             Self::Thickness => "the thickness",
             Self::SwitchLimit => "the switch limit",
-            Self::Builder => "the builder",
             Self::Bounds => "the bounds",
             Self::Resolution => "the resolution",
             Self::VoxelSize => "the voxel size",
             Self::FilterWidth => "the filter's width",
             Self::BiasTerm => "a term of the bias",
-            Self::CaptureBiasTerm => "a term of the capture bias",
-            Self::Rings => "the rings",
-            Self::Region => "a region",
-            Self::LossyShare => "the lossy share",
             Self::Yaw => "the yaw",
             Self::TextureWords => "the file's size in words",
             Self::LongestSide => "the grid's longest side",
             Self::PenumbraRadius => "the largest radius",
-            Self::Layout => "the layout",
+            Self::PointCount => "the number of normals or results",
             Self::GroundSize => "the size of the ground",
             Self::SunAngle => "the sun's angle",
         })

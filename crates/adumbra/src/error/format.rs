@@ -1,9 +1,6 @@
 //! Faults of a shadow file, with the values found.
 
-use crate::layout::TooLarge;
 use crate::layout::depths::DepthsError;
-use crate::layout::packed::PackedError;
-use crate::layout::plain::GraphError;
 
 /// A fault of a shadow file. The message names the fault and its location, and says what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -110,19 +107,13 @@ pub enum FormatError {
         /// The byte's value.
         value: u8,
     },
-    /// The graph cannot be traversed, or is not canonical.
-    #[error("the graph is not valid: {fault}; bake it again")]
-    Graph {
-        /// The fault in the graph.
-        #[from]
-        fault: GraphError,
-    },
-    /// The packed graph cannot be traversed.
-    #[error("the packed graph is not valid: {fault}; bake it again")]
-    Packed {
-        /// The fault in the graph.
-        #[from]
-        fault: PackedError,
+    /// The file has a layout that is no longer in use.
+    #[error(
+        "the file has the layout {name}, and only a quadtree of switch depths can be read; bake it again"
+    )]
+    Layout {
+        /// The layout's name.
+        name: &'static str,
     },
     /// The quadtree of depths cannot be looked up in.
     #[error("the quadtree of depths is not valid: {fault}; bake it again")]
@@ -131,9 +122,6 @@ pub enum FormatError {
         #[from]
         fault: DepthsError,
     },
-    /// The file is valid, but its conversion to another layout would be too large.
-    #[error(transparent)]
-    TooLarge(#[from] TooLarge),
 }
 
 impl FormatError {
@@ -150,10 +138,8 @@ impl FormatError {
             Self::HeaderField { .. } => "HeaderField",
             Self::SectionBounds { .. } => "SectionBounds",
             Self::Padding { .. } => "Padding",
-            Self::Graph { .. } => "Graph",
-            Self::Packed { .. } => "Packed",
+            Self::Layout { .. } => "Layout",
             Self::Depths { .. } => "Depths",
-            Self::TooLarge(_) => "TooLarge",
         }
     }
 
@@ -161,8 +147,6 @@ impl FormatError {
     /// used by the test vectors.
     pub fn fault(&self) -> Option<&'static str> {
         match self {
-            Self::Graph { fault } => Some(fault.kind()),
-            Self::Packed { fault } => Some(fault.kind()),
             Self::Depths { fault } => Some(fault.kind()),
             _ => None,
         }

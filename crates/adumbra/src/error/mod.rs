@@ -53,7 +53,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {value} is out of range; it must be {range}")]
 pub struct RangeError {
-    /// What it is the value of.
+    /// The field or parameter that has the value.
     pub field: RangeField,
     /// The value that was given.
     pub value: String,

@@ -1,146 +1,41 @@
-//! The voxels of a light-aligned file, by layout. Each function here has one arm per layout: its header number, the
-//! elements of its sections, and how they are read, written and validated.
+//! The sections of a file's voxels: their lengths, their bytes and back.
 
-use crate::error::FormatError;
-use crate::file::header::HEADER_BYTES;
-use crate::file::header::Header;
-use crate::file::layout::Layout;
-use crate::file::sections::{lay_out, u16_chunks, u32_chunks, u32_words, u64_chunks};
+use crate::file::header::{HEADER_BYTES, Header};
+use crate::file::sections::{lay_out, u32_chunks, u32_words};
 use crate::layout::depths::DepthTree;
-use crate::layout::packed::PackedDag;
-use crate::layout::plain::Dag;
-use crate::layout::top_dims;
-use crate::layout::{Composition, LeafMasks};
 
-/// The voxels of a light-aligned file.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightBody {
-    /// The plain layout: the graph as a bake builds it.
-    Plain(Dag),
-    /// The packed layout: the same graph in about a third of the bytes.
-    Packed(PackedDag),
-    /// The layout `depths`: a quadtree of switch depths.
-    Depths(DepthTree),
+/// Number of roots along x, y and z as the header has them.
+pub(super) fn top_dims(tree: &DepthTree) -> [u32; 3] {
+    crate::layout::top_dims(tree.size, tree.root_level)
 }
 
-impl LightBody {
-    /// Returns the layout.
-    pub fn layout(&self) -> Layout {
-        match self {
-            Self::Plain(_) => Layout::Plain,
-            Self::Packed(_) => Layout::Packed,
-            Self::Depths(_) => Layout::Depths,
-        }
-    }
+/// Returns the sizes of the sections in bytes: top, nodes, leaf masks.
+pub(super) fn section_lengths(tree: &DepthTree) -> [u64; 3] {
+    [tree.top.len() * 8, tree.code.len() * 4, tree.wide.len() * 8].map(|bytes| bytes as u64)
+}
 
-    /// Returns the voxels for look-ups.
-    pub fn leaf_masks(&self) -> &dyn LeafMasks {
-        match self {
-            Self::Plain(dag) => dag,
-            Self::Packed(packed) => packed,
-            Self::Depths(depths) => depths,
-        }
-    }
+/// Returns the size in bytes of a file with these voxels.
+pub(super) fn encoded_len(tree: &DepthTree) -> u64 {
+    lay_out(HEADER_BYTES, section_lengths(tree))[2].end()
+}
 
-    /// Returns the breakdown of the bytes.
-    ///
-    /// # Errors
-    /// Returns [`FormatError::Packed`] if a packed graph is not valid.
-    pub fn composition(&self) -> Result<Composition, FormatError> {
-        Ok(match self {
-            Self::Plain(dag) => dag.composition(),
-            Self::Packed(packed) => packed.composition()?,
-            Self::Depths(depths) => depths.composition(),
-        })
-    }
+/// Returns the bytes of a section, in pieces of some 64 KiB.
+pub(super) fn chunks(tree: &DepthTree, section: usize) -> impl Iterator<Item = Vec<u8>> + '_ {
+    u32_chunks(match section {
+        0 => tree.top.as_flattened(),
+        1 => &tree.code,
+        _ => tree.wide.as_flattened(),
+    })
+}
 
-    pub(super) fn validate(&self) -> Result<(), FormatError> {
-        match self {
-            Self::Plain(dag) => dag.validate()?,
-            Self::Packed(packed) => packed.validate()?,
-            Self::Depths(depths) => depths.validate()?,
-        }
-        Ok(())
-    }
-
-    /// Returns the root level: a root cube spans 2^root_level voxels along each side.
-    pub fn root_level(&self) -> u32 {
-        self.space().1
-    }
-
-    /// Returns the number of root cubes along x, y, z.
-    pub fn top_dims(&self) -> [u32; 3] {
-        self.space().2
-    }
-
-    /// Returns the size in voxels, the root level, and the number of roots along each axis.
-    pub fn space(&self) -> ([u32; 3], u32, [u32; 3]) {
-        match self {
-            Self::Plain(dag) => (dag.size, dag.root_level, dag.top_dims),
-            Self::Packed(packed) => (packed.size, packed.root_level, packed.top_dims),
-            Self::Depths(DepthTree { size, root_level, .. }) => {
-                (*size, *root_level, top_dims(*size, *root_level))
-            }
-        }
-    }
-
-    /// Returns the size in bytes of a file with these voxels.
-    pub fn encoded_len(&self) -> u64 {
-        lay_out(HEADER_BYTES, self.section_lengths())[2].end()
-    }
-
-    /// Returns the sizes of the sections in bytes: top, nodes, leaf masks.
-    pub fn section_lengths(&self) -> [u64; 3] {
-        let [top, nodes, leaf_masks] = match self {
-            Self::Plain(dag) => [dag.top.len() * 4, dag.nodes.len() * 4, dag.leaf_masks.len() * 8],
-            Self::Packed(packed) => {
-                [packed.top.len() * 4, packed.units.len() * 2, packed.leaf_masks.len() * 8]
-            }
-            Self::Depths(h) => [h.top.len() * 8, h.code.len() * 4, h.wide.len() * 8],
-        };
-        [top as u64, nodes as u64, leaf_masks as u64]
-    }
-
-    /// Returns the bytes of a section, in pieces of some 64 KiB.
-    pub(super) fn chunks(&self, section: usize) -> Box<dyn Iterator<Item = Vec<u8>> + '_> {
-        match (self, section) {
-            (Self::Plain(dag), 0) => Box::new(u32_chunks(&dag.top)),
-            (Self::Plain(dag), 1) => Box::new(u32_chunks(&dag.nodes)),
-            (Self::Plain(dag), _) => Box::new(u64_chunks(&dag.leaf_masks)),
-            (Self::Packed(packed), 0) => Box::new(u32_chunks(&packed.top)),
-            (Self::Packed(packed), 1) => Box::new(u16_chunks(&packed.units)),
-            (Self::Packed(packed), _) => Box::new(u64_chunks(&packed.leaf_masks)),
-            (Self::Depths(h), 0) => Box::new(u32_chunks(h.top.as_flattened())),
-            (Self::Depths(h), 1) => Box::new(u32_chunks(&h.code)),
-            (Self::Depths(h), _) => Box::new(u32_chunks(h.wide.as_flattened())),
-        }
-    }
-
-    /// Decodes the sections without validating them.
-    pub(super) fn parse(header: &Header, [top, nodes, leaf_masks]: [&[u8]; 3]) -> Self {
-        let (size, root_level, top_dims) = (header.grid.size, header.root_level, header.top_dims);
-        let top = u32_words(top);
-        let wide = leaf_masks;
-        let leaf_masks = || leaf_masks.as_chunks().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
-        match header.layout {
-            Layout::Plain => Self::Plain(Dag {
-                size,
-                root_level,
-                top_dims,
-                top,
-                nodes: u32_words(nodes),
-                leaf_masks: leaf_masks(),
-            }),
-            Layout::Packed => {
-                let units = nodes.as_chunks().0.iter().map(|&b| u16::from_le_bytes(b)).collect();
-                Self::Packed(PackedDag { size, root_level, top_dims, top, units, leaf_masks: leaf_masks() })
-            }
-            Layout::Depths => {
-                let top = top.as_chunks().0.to_vec();
-                let wide = u32_words(wide).as_chunks().0.to_vec();
-                let top_dims = [top_dims[0], top_dims[1]];
-                Self::Depths(DepthTree { size, root_level, top_dims, top, wide, code: u32_words(nodes) })
-            }
-        }
+/// Decodes the sections without validating them.
+pub(super) fn parse(header: &Header, [top, code, wide]: [&[u8]; 3]) -> DepthTree {
+    DepthTree {
+        size: header.grid.size,
+        root_level: header.root_level,
+        top_dims: [header.top_dims[0], header.top_dims[1]],
+        top: u32_words(top).as_chunks().0.to_vec(),
+        wide: u32_words(wide).as_chunks().0.to_vec(),
+        code: u32_words(code),
     }
 }

@@ -1,5 +1,5 @@
 //! Reading, writing and checking the header fields that all kinds of file share. They are public for crates that define
-//! another kind, as `adumbra-tree` does.
+//! another kind, as `adumbra-papers` does.
 
 use crate::error::FormatError;
 use crate::file::sections::Section;

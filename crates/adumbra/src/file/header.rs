@@ -8,11 +8,9 @@ use crate::file::fields::{
     Encoder, LIGHT, UNIT_TOLERANCE, bounds, check_bounds, check_finite, check_voxel_size, field, identify,
     reserved, sun,
 };
-use crate::file::layout::Layout;
 use crate::file::sections::{Section, check_sections};
 use crate::grid::vec3::{cross, dot};
 use crate::grid::{Bounds, Frame, LightGrid};
-use crate::layout::packed::POOL_WORDS;
 use crate::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL, top_dims};
 use crate::settings::{Bias, FileSettings, Receivers};
 
@@ -28,6 +26,8 @@ const CLOSED_REGIONS: u32 = 1 << 1;
 const IGNORE_ALPHA: u32 = 1 << 2;
 const STATIC_RECEIVERS: u32 = 1 << 3;
 const HAS_BOUNDS: u32 = 1 << 4;
+/// The field `layout`: a quadtree of switch depths.
+const DEPTHS: u32 = 2;
 /// Values of the field `frame`.
 const LIGHT_FRAME: u32 = 0;
 const OBLIQUE_FRAME: u32 = 1;
@@ -47,8 +47,6 @@ pub struct Header {
     pub root_level: u32,
     /// Number of root cubes along x, y, z.
     pub top_dims: [u32; 3],
-    /// Layout of the voxels.
-    pub layout: Layout,
     /// Section table: top, nodes and leaf masks.
     pub sections: [Section; 3],
 }
@@ -67,7 +65,7 @@ impl Header {
         out.u32s(&grid.size);
         out.u32s(&[self.root_level]);
         out.u32s(&self.top_dims);
-        out.u32s(&[self.layout.number()]);
+        out.u32s(&[DEPTHS]);
         out.f64s(&[grid.voxel_size]);
         out.f64s(&grid.sun.towards());
         out.f64s(&grid.corner);
@@ -120,9 +118,12 @@ impl Header {
         if version < 3 {
             reserved("reserved word 89", frame_number)?;
         }
-        let Some(layout) = Layout::from_number(layout) else {
-            return Err(field("layout", layout.to_string(), "0 (plain), 1 (packed) or 2 (depths)"));
-        };
+        match layout {
+            DEPTHS => {}
+            0 => return Err(FormatError::Layout { name: "plain" }),
+            1 => return Err(FormatError::Layout { name: "packed" }),
+            _ => return Err(field("layout", layout.to_string(), "2 (the quadtree of switch depths)")),
+        }
         if flags & !ALL_FLAGS != 0 {
             return Err(field("flags", format!("{flags:#x}"), "limited to bits 0 to 4"));
         }
@@ -146,7 +147,7 @@ impl Header {
             triangles,
             instances,
         };
-        let header = Self { grid, settings, root_level, top_dims, layout, sections };
+        let header = Self { grid, settings, root_level, top_dims, sections };
         header.check()?;
         Ok(header)
     }
@@ -169,29 +170,13 @@ impl Header {
     }
 
     fn check_sections(&self) -> Result<(), FormatError> {
-        let product = |dims: &[u32]| dims.iter().try_fold(4_u64, |n, &d| n.checked_mul(u64::from(d)));
-        let too_much = || "more than a file can hold".to_owned();
         check_sections(HEADER_BYTES, &SECTIONS, &self.sections, |i, length| {
-            let (element, limit) = self.layout.elements()[i];
-            match (i, self.layout) {
-                (0, Layout::Plain) => {
-                    let roots = product(&self.top_dims);
-                    return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
-                }
-                (0, Layout::Depths) => {
-                    let roots = product(&self.top_dims[..2]).and_then(|bytes| bytes.checked_mul(2));
-                    return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
-                }
-                (0, Layout::Packed) => {
-                    // Pools, columns and roots. The number of roots is stored in the section itself.
-                    let columns = product(&self.top_dims[..2]).and_then(|c| c.checked_mul(2));
-                    let least = columns.and_then(|c| c.checked_add(4 * (POOL_WORDS as u64 + 1)));
-                    let good = length % 4 == 0 && least.is_some_and(|least| length >= least);
-                    let at_least = |l| format!("a multiple of 4, at least {l}");
-                    return (!good).then(|| least.map_or_else(too_much, at_least));
-                }
-                _ => {}
+            if i == 0 {
+                let roots = self.top_dims[..2].iter().try_fold(8_u64, |n, &d| n.checked_mul(u64::from(d)));
+                let too_much = || "more than a file can hold".to_owned();
+                return (Some(length) != roots).then(|| roots.map_or_else(too_much, |r| r.to_string()));
             }
+            let (element, limit) = if i == 1 { (4, 2 * u64::from(u32::MAX)) } else { (8, 8 << 32) };
             let fits = length % element == 0 && length <= limit;
             (!fits).then(|| format!("a multiple of {element} up to {limit}"))
         })

@@ -1,12 +1,11 @@
-//! The `.adumbra` file: conversion between its bytes and a grid, settings and voxels. Version 3 is written, and versions
-//! 1 to 3 are read. `spec/adumbra-file.md` specifies the format for readers in other languages.
+//! The `.adumbra` file: conversion between its bytes and a grid, settings and voxels. `spec/adumbra-file.md` specifies the format for readers in other languages.
 //!
 //! | part | bytes | meaning |
 //! |---|---|---|
 //! | header | 384 | magic, version, grid, settings, section table, checksum (`header.rs`) |
-//! | top | 4 per word | the top grid |
-//! | nodes | 4 per word | headers and pointers; packed: two units per word; depths: two half-words of code per word |
-//! | leaf masks | 8 each | 8 × 8 × 1 visibility masks; depths: wide entries |
+//! | top | 8 per root | the top grid |
+//! | nodes | 4 per word | two half-words of code per word |
+//! | leaf masks | 8 each | wide entries |
 //!
 //! All values are little-endian. Sections begin at multiples of 16 bytes, with zeros in the gaps, and each has a
 //! CRC-32. There is exactly one file for a given grid, settings and voxels, and it contains nothing that varies between
@@ -15,17 +14,17 @@
 mod body;
 pub mod fields;
 mod header;
-mod layout;
 mod read;
 pub mod sections;
 mod write;
 
-pub use body::LightBody;
 pub use header::{HEADER_BYTES, Header, MAGIC, VERSION};
-pub use layout::Layout;
+
+use std::sync::Arc;
 
 use crate::grid::{LightGrid, Sun};
-use crate::layout::LeafMasks;
+use crate::layout::Composition;
+use crate::layout::depths::DepthTree;
 use crate::settings::FileSettings;
 
 /// The contents of a `.adumbra` file.
@@ -35,11 +34,18 @@ pub struct ShadowFile {
     pub grid: LightGrid,
     /// Settings of the bake.
     pub settings: FileSettings,
-    /// The voxels.
-    pub body: LightBody,
+    /// The voxels. Look-ups share them.
+    #[doc(hidden)]
+    pub tree: Arc<DepthTree>,
 }
 
 impl ShadowFile {
+    /// Creates a file of its contents, which [`ShadowFile::write_to`] checks.
+    #[doc(hidden)]
+    pub fn new(grid: LightGrid, settings: FileSettings, tree: DepthTree) -> Self {
+        Self { grid, settings, tree: Arc::new(tree) }
+    }
+
     /// Returns the sun that the file was baked for.
     pub fn sun(&self) -> Sun {
         self.grid.sun
@@ -50,8 +56,8 @@ impl ShadowFile {
         self.settings.ignore_alpha
     }
 
-    /// Returns the voxels for look-ups, whatever their layout.
-    pub fn leaf_masks(&self) -> &dyn LeafMasks {
-        self.body.leaf_masks()
+    /// Returns the breakdown of the bytes. Cost: one pass over the voxels.
+    pub fn composition(&self) -> Composition {
+        self.tree.composition()
     }
 }

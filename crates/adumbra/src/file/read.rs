@@ -6,7 +6,7 @@ use crate::error::FormatError;
 use crate::error::{Error, Result};
 use crate::file::header::{Header, SECTIONS};
 use crate::file::sections::{read_file, split};
-use crate::file::{HEADER_BYTES, LightBody, ShadowFile};
+use crate::file::{HEADER_BYTES, ShadowFile, body};
 
 impl ShadowFile {
     /// Reads and validates the file at `path`.
@@ -32,8 +32,8 @@ impl ShadowFile {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let header = Header::parse(bytes)?;
         let sections = split(bytes, HEADER_BYTES, &SECTIONS, &header.sections)?;
-        let body = LightBody::parse(&header, sections);
-        body.validate()?;
-        Ok(Self { grid: header.grid, settings: header.settings, body })
+        let tree = body::parse(&header, sections);
+        tree.validate()?;
+        Ok(Self::new(header.grid, header.settings, tree))
     }
 }

@@ -150,16 +150,6 @@ pub fn u32_chunks(words: &[u32]) -> impl Iterator<Item = Vec<u8>> {
     words.chunks(CHUNK_BYTES / 4).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
 }
 
-/// Encodes `units` in little-endian, in pieces of 64 KiB.
-pub(crate) fn u16_chunks(units: &[u16]) -> impl Iterator<Item = Vec<u8>> {
-    units.chunks(CHUNK_BYTES / 2).map(|c| c.iter().flat_map(|u| u.to_le_bytes()).collect())
-}
-
-/// Encodes `words` in little-endian, in pieces of 64 KiB.
-pub(crate) fn u64_chunks(words: &[u64]) -> impl Iterator<Item = Vec<u8>> {
-    words.chunks(CHUNK_BYTES / 8).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
-}
-
 /// Returns the CRC-32 of successive pieces of bytes.
 pub fn checksum(chunks: impl Iterator<Item = Vec<u8>>) -> u32 {
     let mut hasher = crc32fast::Hasher::new();

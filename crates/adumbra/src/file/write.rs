@@ -6,7 +6,7 @@ use crate::error::FormatError;
 use crate::file::fields::field;
 use crate::file::header::Header;
 use crate::file::sections::{checksum, gap, lay_out, put};
-use crate::file::{HEADER_BYTES, ShadowFile};
+use crate::file::{HEADER_BYTES, ShadowFile, body};
 
 impl ShadowFile {
     /// Writes the bytes of the file to `out`, in pieces of some 64 KiB. Returns their number.
@@ -21,7 +21,7 @@ impl ShadowFile {
 
     /// Returns the size of the file in bytes.
     pub fn encoded_len(&self) -> u64 {
-        self.body.encoded_len()
+        body::encoded_len(&self.tree)
     }
 
     /// Returns the header of the file, with the checksums of its sections. Cost: one pass over the voxels.
@@ -29,22 +29,25 @@ impl ShadowFile {
     /// # Errors
     /// Returns the fault in the contents, with the values found.
     pub fn header(&self) -> Result<Header, FormatError> {
-        let (size, root_level, top_dims) = self.body.space();
-        if size != self.grid.size {
-            return Err(field("size", format!("{size:?}"), format!("the grid's {:?}", self.grid.size)));
+        let tree = &*self.tree;
+        if tree.size != self.grid.size {
+            return Err(field(
+                "size",
+                format!("{:?}", tree.size),
+                format!("the grid's {:?}", self.grid.size),
+            ));
         }
-        self.body.validate()?;
+        tree.validate()?;
         let mut header = Header {
             grid: self.grid,
             settings: self.settings,
-            root_level,
-            top_dims,
-            layout: self.body.layout(),
-            sections: lay_out(HEADER_BYTES, self.body.section_lengths()),
+            root_level: tree.root_level,
+            top_dims: body::top_dims(tree),
+            sections: lay_out(HEADER_BYTES, body::section_lengths(tree)),
         };
         header.check()?;
         for (i, section) in header.sections.iter_mut().enumerate() {
-            section.checksum = checksum(self.body.chunks(i));
+            section.checksum = checksum(body::chunks(tree, i));
         }
         Ok(header)
     }
@@ -54,7 +57,7 @@ impl ShadowFile {
         let mut at = HEADER_BYTES as u64;
         for (i, section) in header.sections.iter().enumerate() {
             out.write_all(gap(at, section.offset))?;
-            at = put(out, section.offset, self.body.chunks(i))?;
+            at = put(out, section.offset, body::chunks(&self.tree, i))?;
         }
         out.flush()?;
         Ok(at)

@@ -3,19 +3,22 @@
 //!
 //! There are two ways to give a shader a file:
 //!
-//! - *Buffers.* [`Words`] go into a storage buffer, [`Parameters`] into a uniform buffer.
+//! - *Buffers.* [`FileForGpu::words`] go into a storage buffer, [`Parameters`] into a uniform buffer.
 //! - *A texture.* [`LookUpTexture`] holds both in rows of texels, `R32Uint` or `Rgba8Unorm`, for engines whose
 //!   materials can add a texture but no buffer. `spec/look-up-texture.md` describes it.
 //!
 //! [`wgsl_files`] lists the files of `adumbra-shaders` for either way.
 //!
 //! ```no_run
-//! use adumbra::ShadowFile;
-//! use adumbra::gpu::LookUpTexture;
+//! use adumbra::gpu::LookUp;
+//! use adumbra::{Filter, ShadowFile};
 //!
 //! let file = ShadowFile::read("city.adumbra")?;
-//! let texture = LookUpTexture::new(&file, file.settings.bias, 5, 8192)?;
-//! println!("{} x {} texels, {} bytes", texture.width(), texture.height(), texture.bytes().len());
+//! let gpu = file.gpu();
+//! let words: Vec<u32> = gpu.words().to_vec();
+//! let look_up = LookUp { filter: Filter::Box5, ..LookUp::default() };
+//! let parameters = gpu.parameters(&look_up, [10.0, 1.8, 4.0])?.to_bytes();
+//! println!("{} words, {} bytes of parameters", words.len(), parameters.len());
 //! # Ok::<(), adumbra::Error>(())
 //! ```
 
@@ -26,7 +29,47 @@ mod wgsl;
 mod words;
 
 pub use grid::GridParameters;
-pub use parameters::{PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS, Parameters};
+pub use parameters::{LookUp, PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS, Parameters, Penumbra};
 pub use texture::{HEADER_WORDS, LookUpTexture, TEXTURE_MAGIC, TEXTURE_VERSION};
 pub use wgsl::{WordSource, wgsl_files};
 pub use words::Words;
+
+use crate::error::Result;
+use crate::file::ShadowFile;
+
+/// A file as shaders read it.
+#[derive(Clone, Copy, Debug)]
+pub struct FileForGpu<'f> {
+    file: &'f ShadowFile,
+}
+
+impl ShadowFile {
+    /// Returns what a shader needs of the file.
+    pub fn gpu(&self) -> FileForGpu<'_> {
+        FileForGpu { file: self }
+    }
+}
+
+impl<'f> FileForGpu<'f> {
+    /// Returns the words of the file's voxels, for a storage buffer.
+    pub fn words(self) -> Words<'f> {
+        Words::new(&self.file.tree)
+    }
+
+    /// Returns the parameters of a look-up, for a uniform buffer. Positions in the shader are relative to `anchor_world`,
+    /// which is near the camera.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Parameters::new`].
+    pub fn parameters(self, look_up: &LookUp, anchor_world: [f64; 3]) -> Result<Parameters> {
+        Parameters::new(self.file, look_up, anchor_world)
+    }
+
+    /// Returns words and parameters as one texture of at most `max_side` texels along each side.
+    ///
+    /// # Errors
+    /// Returns the errors of [`LookUpTexture::new`].
+    pub fn texture(self, look_up: &LookUp, max_side: u32) -> Result<LookUpTexture> {
+        LookUpTexture::new(self.file, look_up, max_side)
+    }
+}

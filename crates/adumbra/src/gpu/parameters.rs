@@ -6,9 +6,9 @@ use std::ops::RangeInclusive;
 use super::grid::GridParameters;
 use super::words::Words;
 use crate::error::{RangeError, RangeField, Result};
-use crate::file::LightBody;
+use crate::file::ShadowFile;
 use crate::grid::LightGrid;
-use crate::query::FILTER_WIDTHS;
+use crate::query::Filter;
 use crate::settings::Bias;
 
 /// Full angles of a sun whose penumbrae can be looked up, degrees.
@@ -16,6 +16,50 @@ pub const PENUMBRA_ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
 /// Largest radii of penumbrae that can be looked up, texels. With larger ones, depths on the receiver's plane would
 /// overflow 32 bits.
 pub const PENUMBRA_RADII_TEXELS: RangeInclusive<f64> = 1.0..=64.0;
+
+/// Penumbrae of a sun's disc in place of a filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Penumbra {
+    /// The sun's full angle, in [`PENUMBRA_ANGLES_DEGREES`].
+    pub sun_degrees: f64,
+    /// The largest radius of a penumbra, from its middle to its edge, in [`PENUMBRA_RADII_TEXELS`].
+    pub max_radius_texels: f64,
+}
+
+impl Default for Penumbra {
+    /// The sun as seen from the Earth, and penumbrae of up to 32 texels.
+    fn default() -> Self {
+        Self { sun_degrees: 0.53, max_radius_texels: 32.0 }
+    }
+}
+
+impl Penumbra {
+    fn check(&self) -> Result<(), RangeError> {
+        let Self { sun_degrees, max_radius_texels } = *self;
+        if !PENUMBRA_ANGLES_DEGREES.contains(&sun_degrees) {
+            return Err(RangeError::new(RangeField::SunAngle, sun_degrees, "from 0.01 to 20 degrees"));
+        }
+        if !PENUMBRA_RADII_TEXELS.contains(&max_radius_texels) {
+            return Err(RangeError::new(
+                RangeField::PenumbraRadius,
+                max_radius_texels,
+                "from 1 to 64 texels",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// How a shader looks up a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LookUp {
+    /// The filter.
+    pub filter: Filter,
+    /// The bias; `None`: the bias that the file was baked for.
+    pub bias: Option<Bias>,
+    /// Penumbrae in place of the filter, for `core/depths_soft.wgsl`.
+    pub penumbra: Option<Penumbra>,
+}
 
 /// The WGSL structure `AdumbraVoxelParams`.
 ///
@@ -25,10 +69,9 @@ pub const PENUMBRA_RADII_TEXELS: RangeInclusive<f64> = 1.0..=64.0;
 /// | 272 | 12 | root count |
 /// | 284 | 4 | root level |
 /// | 288 | 16 | bias: constant, slope, normal offset in texels; factor 1 |
-/// | 304 | 4 | first word of nodes (plain) or units (packed) |
-/// | 308 | 4 | first word of leaf masks (plain, packed) |
-/// | 312 | 4 | first word of wide entries (depths) |
-/// | 316 | 4 | first word of code (depths) |
+/// | 304 | 8 | zero |
+/// | 312 | 4 | first word of wide entries |
+/// | 316 | 4 | first word of code |
 /// | 320 | 4 | filter width, texels |
 /// | 324 | 4 | texels by which the sun's cone widens per voxel of depth; 0 without penumbrae |
 /// | 328 | 4 | largest radius of a penumbra, texels; 0 without penumbrae |
@@ -38,7 +81,7 @@ pub const PENUMBRA_RADII_TEXELS: RangeInclusive<f64> = 1.0..=64.0;
 pub struct Parameters {
     /// Transform from world to grid.
     pub grid: GridParameters,
-    /// Number of root cubes along x, y and z; 1 along z for the layout `depths`.
+    /// Number of roots along x and y, and 1.
     pub root_count: [u32; 3],
     /// A root spans 2^root_level voxels along each side.
     pub root_level: u32,
@@ -46,8 +89,6 @@ pub struct Parameters {
     pub bias: Bias,
     /// Index of the first word of the second and the third part of the words.
     pub offsets: [u32; 2],
-    /// Whether the layout is `depths`, for which the offsets have separate fields.
-    pub is_depths: bool,
     /// Width of the filter, texels.
     pub filter_width: u32,
     /// Texels by which the sun's cone widens per voxel of depth; 0 without penumbrae.
@@ -63,67 +104,34 @@ impl Parameters {
     /// Size of the structure in bytes.
     pub const BYTES: usize = 352;
 
-    /// Creates the parameters of a look-up in a file's voxels with a filter of `filter_width` × `filter_width` texels.
-    /// Positions in the shader are relative to `anchor_world`.
+    /// Creates the parameters of a look-up in a file. Positions in the shader are relative to `anchor_world`.
     ///
     /// # Errors
-    /// Returns [`Error::Range`](crate::Error::Range) if the width is not in [`FILTER_WIDTHS`], the bias is out of
-    /// range, or the grid is too large for look-ups on a GPU.
-    pub fn new(
-        grid: &LightGrid,
-        body: &LightBody,
-        bias: Bias,
-        filter_width: u32,
-        anchor_world: [f64; 3],
-    ) -> Result<Self> {
-        if !FILTER_WIDTHS.contains(&filter_width) {
-            return Err(RangeError::new(RangeField::FilterWidth, filter_width, "1, 3, 5, 9 or 17").into());
-        }
+    /// Returns [`Error::Range`](crate::Error::Range) if the bias or the penumbrae are out of range, or the grid is too
+    /// large for look-ups on a GPU.
+    pub fn new(file: &ShadowFile, look_up: &LookUp, anchor_world: [f64; 3]) -> Result<Self> {
+        let (grid, tree) = (&file.grid, &*file.tree);
+        let bias = look_up.bias.unwrap_or(file.settings.bias);
         bias.check()?;
-        let (_, root_level, [nx, ny, nz]) = body.space();
-        let is_depths = matches!(body, LightBody::Depths(_));
-        Ok(Self {
+        let [nx, ny] = tree.top_dims;
+        let mut parameters = Self {
             grid: GridParameters::new(grid, anchor_world)?,
-            root_count: [nx, ny, if is_depths { 1 } else { nz }],
-            root_level,
+            root_count: [nx, ny, 1],
+            root_level: tree.root_level,
             bias,
-            offsets: Words::offsets(body),
-            is_depths,
-            filter_width,
+            offsets: Words::offsets(tree),
+            filter_width: look_up.filter.width(),
             sun_cone: 0.0,
             max_radius_texels: 0.0,
             penumbra: grid.circle_across_light().map(|row| row.map(|c| c as f32)),
-        })
-    }
-
-    /// Sets up penumbrae of a sun in place of a filter, for `core/depths_soft.wgsl`. The sun's full angle is in
-    /// [`PENUMBRA_ANGLES_DEGREES`], the largest radius of a penumbra in [`PENUMBRA_RADII_TEXELS`].
-    ///
-    /// # Errors
-    /// Returns [`RangeError`] if the layout is not `depths`, or a value is out of range.
-    pub fn set_penumbrae(
-        &mut self,
-        grid: &LightGrid,
-        angle_degrees: f64,
-        max_radius_texels: f64,
-    ) -> Result<(), RangeError> {
-        if !self.is_depths {
-            return Err(RangeError::new(RangeField::Layout, "packed or plain", "depths, for penumbrae"));
+        };
+        if let Some(penumbra) = look_up.penumbra {
+            penumbra.check()?;
+            parameters.filter_width = 1;
+            parameters.sun_cone = grid.cone_texels_per_voxel(penumbra.sun_degrees) as f32;
+            parameters.max_radius_texels = penumbra.max_radius_texels as f32;
         }
-        if !PENUMBRA_ANGLES_DEGREES.contains(&angle_degrees) {
-            return Err(RangeError::new(RangeField::SunAngle, angle_degrees, "from 0.01 to 20 degrees"));
-        }
-        if !PENUMBRA_RADII_TEXELS.contains(&max_radius_texels) {
-            return Err(RangeError::new(
-                RangeField::PenumbraRadius,
-                max_radius_texels,
-                "from 1 to 64 texels",
-            ));
-        }
-        self.filter_width = 1;
-        self.sun_cone = grid.cone_texels_per_voxel(angle_degrees) as f32;
-        self.max_radius_texels = max_radius_texels as f32;
-        Ok(())
+        Ok(parameters)
     }
 
     /// Sets the world position that positions in the shader are relative to.
@@ -142,12 +150,11 @@ impl Parameters {
         let Bias { constant_texels, slope_texels, normal_offset_texels } = self.bias;
         let bias = [constant_texels as f32, slope_texels as f32, normal_offset_texels as f32, 1.0];
         let [first, second] = self.offsets;
-        let offsets = if self.is_depths { [0, 0, first, second] } else { [first, second, 0, 0] };
         let [nx, ny, nz] = self.root_count;
         let words = [nx, ny, nz, self.root_level]
             .into_iter()
             .chain(bias.map(f32::to_bits))
-            .chain(offsets)
+            .chain([0, 0, first, second])
             .chain([self.filter_width, self.sun_cone.to_bits(), self.max_radius_texels.to_bits(), 0])
             .chain(self.penumbra.as_flattened().iter().map(|c| c.to_bits()));
         words.for_each(|word| out.extend(word.to_le_bytes()));

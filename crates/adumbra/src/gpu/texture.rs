@@ -9,7 +9,7 @@
 //! |---|---|
 //! | 0 | [`TEXTURE_MAGIC`] |
 //! | 1 | [`TEXTURE_VERSION`] |
-//! | 2 | layout: 0 plain, 1 packed, 2 depths |
+//! | 2 | layout: 2, the quadtree |
 //! | 3 | number of words after the header |
 //! | 4 to 6 | the anchor: world position that look-ups are relative to, `f32` |
 //! | 7 | zero |
@@ -18,11 +18,10 @@
 //! | 16 to 103 | the parameter block, [`Parameters`] |
 //! | 104 to 127 | zero |
 
-use super::parameters::Parameters;
+use super::parameters::{LookUp, Parameters};
 use super::words::Words;
 use crate::error::{RangeError, RangeField, Result};
-use crate::file::{Layout, ShadowFile};
-use crate::settings::Bias;
+use crate::file::ShadowFile;
 
 /// First word of a look-up texture: "ADUT" as bytes.
 pub const TEXTURE_MAGIC: u32 = u32::from_le_bytes(*b"ADUT");
@@ -31,6 +30,8 @@ pub const TEXTURE_VERSION: u32 = 2;
 /// Number of words of a look-up texture's header, which precede the file's words.
 pub const HEADER_WORDS: usize = 128;
 
+/// The header's layout: a quadtree of switch depths.
+const QUADTREE: u32 = 2;
 /// Index of the first word of the parameter block.
 const PARAMETERS_AT: usize = 16;
 /// Width of the narrowest texture. Its first row is the header.
@@ -56,11 +57,10 @@ impl LookUpTexture {
     /// # Errors
     /// Returns [`Error::Range`](crate::Error::Range) if the file needs more texels, and the errors of
     /// [`Parameters::new`].
-    pub fn new(file: &ShadowFile, bias: Bias, filter_width: u32, max_side: u32) -> Result<Self> {
+    pub fn new(file: &ShadowFile, look_up: &LookUp, max_side: u32) -> Result<Self> {
         let anchor_world = middle(file);
-        let parameters =
-            Parameters::new(&file.grid, &file.body, bias, filter_width, anchor_world.map(f64::from))?;
-        let words = Words::new(&file.body);
+        let parameters = Parameters::new(file, look_up, anchor_world.map(f64::from))?;
+        let words = Words::new(&file.tree);
         let texels = HEADER_WORDS as u64 + words.count();
         let Some((width, height)) = size(texels, max_side) else {
             let range = "at most the square of the largest side in texels; bake at a lower resolution";
@@ -70,14 +70,9 @@ impl LookUpTexture {
         bytes.resize(4 * HEADER_WORDS, 0);
         words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
         bytes.resize(4 * width as usize * height as usize, 0);
-        let layout = match file.body.layout() {
-            Layout::Plain => 0,
-            Layout::Packed => 1,
-            Layout::Depths => 2_u32,
-        };
         let mut texture = Self { width, height, bytes, parameters, anchor_world };
         // The number of words of a texture fits 32 bits.
-        texture.put(0, &[TEXTURE_MAGIC, TEXTURE_VERSION, layout, words.count() as u32]);
+        texture.put(0, &[TEXTURE_MAGIC, TEXTURE_VERSION, QUADTREE, words.count() as u32]);
         texture.put(4, &anchor_world.map(f32::to_bits));
         texture.put(8, &file.sun().towards().map(|c| (c as f32).to_bits()));
         texture.write_parameters();
@@ -127,10 +122,9 @@ impl LookUpTexture {
     /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor, the roots
     /// and the offsets are kept.
     pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
-        let Parameters { grid, root_count, root_level, offsets, is_depths, penumbra, .. } = self.parameters;
+        let Parameters { grid, root_count, root_level, offsets, penumbra, .. } = self.parameters;
         change(&mut self.parameters);
-        self.parameters =
-            Parameters { grid, root_count, root_level, offsets, is_depths, penumbra, ..self.parameters };
+        self.parameters = Parameters { grid, root_count, root_level, offsets, penumbra, ..self.parameters };
         self.write_parameters();
     }
 

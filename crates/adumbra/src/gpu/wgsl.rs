@@ -1,7 +1,5 @@
 //! The WGSL files that a look-up needs.
 
-use crate::file::Layout;
-
 /// The source of a shader's words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WordSource {
@@ -13,16 +11,17 @@ pub enum WordSource {
     Rgba8Unorm,
 }
 
-/// Returns the paths, relative to `adumbra-shaders/wgsl`, of the files that define `adumbra_voxel_factor` for a layout,
-/// in the order in which they must be included. `adumbra_shaders::source::by_path` returns their texts, and
+/// Returns the paths, relative to `adumbra-shaders/wgsl`, of the files that define `adumbra_voxel_factor` in
+/// the order in which they must be included. `adumbra_shaders::source::by_path` returns their texts, and
 /// `adumbra_shaders::assemble` puts the shared structures before them.
-pub fn wgsl_files(layout: Layout, words: WordSource) -> Vec<&'static str> {
-    let mut files = vec!["core/surface.wgsl", "core/grid.wgsl", "core/voxel.wgsl"];
-    files.extend(match layout {
-        Layout::Plain => &["core/voxel_graph.wgsl", "core/voxel_plain.wgsl"][..],
-        Layout::Packed => &["core/voxel_graph.wgsl", "core/voxel_packed.wgsl"],
-        Layout::Depths => &["core/depths.wgsl", "core/depths_leaf.wgsl"],
-    });
+pub fn wgsl_files(words: WordSource) -> Vec<&'static str> {
+    let mut files = vec![
+        "core/surface.wgsl",
+        "core/grid.wgsl",
+        "core/voxel.wgsl",
+        "core/depths.wgsl",
+        "core/depths_leaf.wgsl",
+    ];
     let texels = match words {
         WordSource::Buffer => {
             files.push("access/words_1.wgsl");

@@ -3,7 +3,6 @@
 /// An axis-aligned box in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounds {
     /// Corner with the smallest coordinates, world units.
     pub min: [f64; 3],

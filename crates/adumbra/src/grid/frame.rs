@@ -6,7 +6,6 @@ use super::vec3::{cross, dot, normalize};
 /// How a grid lies in the world. In either frame a sun ray is one column of voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Frame {
     /// Perpendicular to the light. Voxels are cubes, with z away from the sun and x horizontal.
     #[default]
@@ -24,7 +23,7 @@ impl Frame {
     /// Returns the rows of the linear map from world to grid for voxels of size 1.
     ///
     /// In the light's frame they are unit vectors at right angles: x, y across the light, z away from the sun. In the
-    /// oblique frame they are not: z is straight down, and x and y have a part along the height, with which the light
+    /// oblique frame they are not: z is straight down, and x and y have a part along the height, by which the light
     /// shifts what is higher.
     pub fn axes(self, sun: &Sun) -> [[f64; 3]; 3] {
         match self {

@@ -1,15 +1,15 @@
-//! The taps of a filter, one block of 8 × 8 columns at a time, in layouts that store the depths at which columns switch.
+//! The taps of a filter, one block of 8 × 8 columns at a time, from the depths at which columns switch.
 //!
-//! A tap is lit where the receiver's plane passes its column before the column's depth. A block whose nearest depth is
-//! behind all of its taps is lit, one whose farthest depth is before them is shadowed; only in between are columns
+//! A tap is lit where the receiver's plane crosses its column before the column's depth. A block whose nearest depth is
+//! behind all of its taps is lit, and one whose farthest depth is before them is shadowed. Only in between are columns
 //! compared, a row of eight at once.
 
-use crate::layout::LeafMasks;
+use crate::layout::depths::DepthTree;
 use crate::query::fixed::{FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, MAX_FIXED_SIDE};
 
 /// Cached blocks. The slot is chosen by the parity of the block along both axes.
 pub(super) struct Columns<'d> {
-    leaf_masks: &'d dyn LeafMasks,
+    tree: &'d DepthTree,
     size: [i32; 3],
     kept: [Block; 4],
 }
@@ -29,14 +29,13 @@ struct Block {
 }
 
 impl<'d> Columns<'d> {
-    /// Returns `None` for a layout without depths, and for grids in which a filter's depths do not fit 32 bits.
-    pub(super) fn new(leaf_masks: &'d dyn LeafMasks) -> Option<Self> {
-        let size = leaf_masks.size();
-        if size.iter().any(|side| *side > MAX_FIXED_SIDE) || leaf_masks.switches(0, 0).is_none() {
+    /// Returns `None` for grids in which a filter's depths do not fit 32 bits.
+    pub(super) fn new(tree: &'d DepthTree) -> Option<Self> {
+        if tree.size.iter().any(|side| *side > MAX_FIXED_SIDE) {
             return None;
         }
         let nowhere = Block { place: [-1; 2], nearest: 0, farthest: 0, leaf: None, depths: [[0; 8]; 8] };
-        Some(Self { leaf_masks, size: size.map(|side| side as i32), kept: [nowhere; 4] })
+        Some(Self { tree, size: tree.size.map(|side| side as i32), kept: [nowhere; 4] })
     }
 
     /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the grid and
@@ -80,7 +79,7 @@ impl<'d> Columns<'d> {
             .map(|end| layer(first.wrapping_add(end(spans[0], 0)).wrapping_add(end(spans[1], 0))));
         let taps = (x[1] - x[0] + 1) * (y[1] - y[0] + 1);
 
-        let block = fetch(&mut self.kept, self.leaf_masks, last, [x[0] >> 3, y[0] >> 3]);
+        let block = fetch(&mut self.kept, self.tree, last, [x[0] >> 3, y[0] >> 3]);
         if farthest < block.nearest {
             return taps as u32;
         }
@@ -88,7 +87,7 @@ impl<'d> Columns<'d> {
             return 0;
         }
         if let Some(leaf) = block.leaf.take() {
-            block.read(self.leaf_masks, leaf, last);
+            block.read(self.tree, leaf, last);
         }
         let row_start = first.wrapping_sub(step[0].wrapping_mul(x[0] & 7));
         let lanes: [i32; 8] =
@@ -109,24 +108,17 @@ impl<'d> Columns<'d> {
 }
 
 /// Returns the block at `place` of `kept`, with its bounds.
-fn fetch<'k>(
-    kept: &'k mut [Block; 4],
-    leaf_masks: &dyn LeafMasks,
-    last: i32,
-    place: [i32; 2],
-) -> &'k mut Block {
+fn fetch<'k>(kept: &'k mut [Block; 4], tree: &DepthTree, last: i32, place: [i32; 2]) -> &'k mut Block {
     let block = &mut kept[(place[0] & 1 | (place[1] & 1) << 1) as usize];
     if block.place != place {
         let [i, j] = place.map(|c| (c as u32) << 3);
-        // `Columns::new` checked that there are depths.
-        if let Some(switches) = leaf_masks.switches(i, j) {
-            block.place = place;
-            block.nearest = depth_in_grid(switches.nearest, last);
-            block.farthest = depth_in_grid(switches.farthest, last);
-            block.leaf = switches.leaf;
-            if switches.leaf.is_none() {
-                block.depths = [[block.nearest; 8]; 8];
-            }
+        let switches = tree.switches(i, j);
+        block.place = place;
+        block.nearest = depth_in_grid(switches.nearest, last);
+        block.farthest = depth_in_grid(switches.farthest, last);
+        block.leaf = switches.leaf;
+        if switches.leaf.is_none() {
+            block.depths = [[block.nearest; 8]; 8];
         }
     }
     block
@@ -134,9 +126,8 @@ fn fetch<'k>(
 
 impl Block {
     /// Reads the columns' depths.
-    fn read(&mut self, leaf_masks: &dyn LeafMasks, leaf: [u32; 2], last: i32) {
-        let mut depths = [0; 64];
-        leaf_masks.fill_switches(leaf, &mut depths);
+    fn read(&mut self, tree: &DepthTree, leaf: [u32; 2], last: i32) {
+        let depths = tree.switches_of_leaf(leaf);
         for (to, depth) in self.depths.as_flattened_mut().iter_mut().zip(depths) {
             *to = depth_in_grid(depth, last);
         }

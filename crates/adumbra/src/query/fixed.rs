@@ -69,7 +69,7 @@ impl FixedReceiver {
         [0, 1].map(|a| self.p_fixed[a] >> FIXED_BITS)
     }
 
-    /// Returns the layer in which the receiver's plane passes the centre of a texel: negative before the grid, and not
+    /// Returns the layer in which the receiver's plane crosses the centre of a texel: negative before the grid, and not
     /// limited behind it.
     pub fn layer(&self, texel: [i64; 2]) -> i64 {
         self.depth(texel) >> (FIXED_BITS + GRADIENT_BITS)
@@ -77,7 +77,7 @@ impl FixedReceiver {
 
     /// Returns the depth of the receiver's plane at the centre of a texel, in 2^-20 voxels. The layer index is in the
     /// bits above [`FIXED_BITS`] + [`GRADIENT_BITS`]. It is negative before the grid.
-    pub(super) fn depth(&self, [x, y]: [i64; 2]) -> i64 {
+    pub fn depth(&self, [x, y]: [i64; 2]) -> i64 {
         let half = i64::from(FIXED_ONE / 2);
         let along = |a: usize, texel: i64| {
             i64::from(self.gradient[a]) * ((texel << FIXED_BITS) + half - self.p_fixed[a])

@@ -1,20 +1,20 @@
 //! Shared code of the quick test and the fuzz target. It damages a file, repairs the checksums, and checks that the
-//! reader either refuses the file or returns a graph in which every voxel can be looked up.
+//! reader either refuses the file or returns a quadtree in which every voxel can be looked up.
 
 mod damage;
 
 use adumbra::file::{HEADER_BYTES, VERSION};
-use adumbra::layout::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
-use adumbra::layout::{LEAF_NODE_LEVEL, LeafMasks, Trail};
-use adumbra::{FormatError, LightBody, ShadowFile};
+use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::{Switches, UNIFORM};
+use adumbra::{FormatError, ShadowFile};
 use damage::Layout;
 
-/// Offsets and sizes of the light-aligned file. Its nodes are words, and its leaf masks have eight bytes.
+/// Offsets and sizes of the shadow file. Its code is words, and its wide entries have eight bytes.
 pub(crate) const LAYOUT: Layout = Layout {
     header_bytes: HEADER_BYTES,
     table: 280,
     resizable: [(1, 4), (2, 8)],
-    values: &[0, 1, 0x5555, 0xAAAA, 0xFFFF, LIT, SHADOWED],
+    values: &[0, 1, 0x0041, 0x5555, 0x8003, 0xAAAA, 0xFFFF, UNIFORM],
     step: 1,
 };
 
@@ -53,7 +53,6 @@ pub(crate) fn encode(file: &ShadowFile) -> Vec<u8> {
 /// # Panics
 /// If two ways give different results.
 pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
-    let mut trail = Trail::new();
     let size = file.grid.size;
     let all: u64 = size.iter().map(|&n| u64::from(n)).fold(1, u64::saturating_mul);
     let step = all.div_ceil(most).max(1) | 1;
@@ -62,59 +61,33 @@ pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
     while i < all {
         let [sx, sy, _] = size.map(u64::from);
         let v = [(i % sx) as u32, (i / sx % sy) as u32, (i / (sx * sy)) as u32];
-        lit += u64::from(is_lit_in_every_way(file, &mut trail, v));
+        lit += u64::from(is_lit_in_every_way(file, v));
         let Some(next) = i.checked_add(step) else { break };
         i = next;
     }
     lit
 }
 
-/// Returns whether a voxel is lit. Checks that its own look-up, its leaf mask, and the leaf masks that a walk along the
-/// light finds together agree.
-fn is_lit_in_every_way(file: &ShadowFile, trail: &mut Trail, [i, j, k]: [u32; 3]) -> bool {
-    let lit = is_lit(file, [i, j, k]);
-    let leaf_mask = file.leaf_masks().look_up(i, j, k);
-    assert_eq!(file.leaf_masks().voxel(i, j, k), lit, "leaf mask of ({i}, {j}, {k})");
-    let mut leaf_masks = [0; 8];
-    let known = file.leaf_masks().fill(trail, [i, j, k], &mut leaf_masks);
-    assert_eq!((known >> (k & 7) & 1, leaf_masks[k as usize & 7]), (1, leaf_mask), "walk to ({i}, {j}, {k})");
-    for (other, &leaf_mask) in leaf_masks.iter().enumerate().filter(|(other, _)| known >> other & 1 == 1) {
-        let beside = k & !7 | other as u32;
-        if beside < file.grid.size[2] {
-            assert_eq!(file.leaf_masks().look_up(i, j, beside), leaf_mask, "({i}, {j}, {beside}) beside {k}");
-        }
-    }
-    lit
-}
-
-/// Returns whether a voxel is lit. All accesses are bounds-checked, and the number of steps is limited.
-pub(crate) fn is_lit(file: &ShadowFile, v: [u32; 3]) -> bool {
-    match &file.body {
-        LightBody::Plain(dag) => is_lit_in(dag, v),
-        LightBody::Packed(packed) => packed.voxel(v[0], v[1], v[2]),
-        LightBody::Depths(depths) => v[2] < depths.value(v[0], v[1]),
-    }
-}
-
-fn is_lit_in(dag: &Dag, [x, y, z]: [u32; 3]) -> bool {
-    let [gx, gy, gz] = [x, y, z].map(|c| (c >> dag.root_level) as usize);
-    let [dx, dy, _] = dag.top_dims.map(|d| d as usize);
-    let mut at = match dag.top[(gz * dy + gy) * dx + gx] {
-        LIT => return true,
-        SHADOWED => return false,
-        root => root as usize,
+/// Returns whether a voxel is lit. Checks that its column's depth, the depths and bounds of its block, and the leaf
+/// masks of its leaf agree.
+fn is_lit_in_every_way(file: &ShadowFile, [i, j, k]: [u32; 3]) -> bool {
+    let tree = &file.tree;
+    let column = (j & 7) * 8 + (i & 7);
+    let depth = tree.value(i, j);
+    let lit = tree.voxel(i, j, k);
+    assert_eq!(lit, k < depth, "({i}, {j}, {k})");
+    let Switches { nearest, farthest, leaf } = tree.switches(i, j);
+    assert!((nearest..=farthest).contains(&depth), "{nearest} to {farthest}: ({i}, {j})");
+    let (place, _) = tree.place(i, j);
+    let Place::Leaf { at, base } = place else {
+        assert_eq!((place, leaf), (Place::Uniform(depth), None), "({i}, {j})");
+        return lit;
     };
-    for level in (LEAF_NODE_LEVEL..=dag.root_level).rev() {
-        let bit = |c: u32| c >> (level - 1) & 1;
-        let child = if level == LEAF_NODE_LEVEL { z & 7 } else { bit(x) << 2 | bit(y) << 1 | bit(z) };
-        let header = dag.nodes[at];
-        match header >> (2 * child) & 3 {
-            STATE_SHADOWED => return false,
-            STATE_LIT => return true,
-            state => assert_eq!(state, STATE_MIXED),
-        }
-        let before = (header & ((1 << (2 * child)) - 1) & 0xAAAA).count_ones() as usize;
-        at = dag.nodes[at + 1 + before] as usize;
-    }
-    dag.leaf_masks[at] >> ((y & 7) * 8 + (x & 7)) & 1 == 1
+    assert_eq!(leaf, Some([at, base]), "({i}, {j})");
+    assert_eq!(tree.switches_of_leaf([at, base])[column as usize], depth, "({i}, {j})");
+    let leaf = tree.shapes().leaf(at, base);
+    let mask = leaf.leaf_mask(k);
+    assert_eq!(mask >> column & 1 == 1, lit, "leaf mask of ({i}, {j}, {k})");
+    assert_eq!(leaf.cube(k & !7)[(k & 7) as usize], mask, "cube of ({i}, {j}, {k})");
+    lit
 }

@@ -16,7 +16,7 @@ use bevy::render::RenderPlugin;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy::window::{ExitCondition, WindowResolution};
-use bevy_adumbra::{AdumbraPlugin, BakedShadowStatus};
+use bevy_adumbra::prelude::*;
 
 /// Direction towards the sun that the city's file is baked for.
 pub const TOWARDS_SUN: [f64; 3] = [0.5, 0.8, 0.35];

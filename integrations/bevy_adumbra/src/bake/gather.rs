@@ -7,10 +7,14 @@ use adumbra_scene::{AlphaMode, Instance, Material, Mesh, Pixels, Scene, Texture,
 use bevy::asset::{AssetId, Assets};
 use bevy::ecs::prelude::Entity;
 use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
-use bevy::mesh::{Indices, Mesh as BevyMesh, Mesh3d, PrimitiveTopology, VertexAttributeValues};
+use bevy::mesh::{
+    Indices, Mesh as BevyMesh, Mesh3d, MeshAccessError, PrimitiveTopology, VertexAttributeValues,
+};
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::prelude::{AlphaMode as BevyAlphaMode, GlobalTransform};
 use bevy::render::render_resource::TextureFormat;
+
+use super::progress::BakeError;
 
 /// A mesh in its place.
 pub(super) struct Placed<'w> {
@@ -41,13 +45,13 @@ impl Placed<'_> {
 /// Copies the meshes with their materials. Returns `None` while some are not loaded.
 ///
 /// # Errors
-/// Returns what cannot be read, and what to do about it.
+/// Returns what is wrong with the meshes.
 pub(super) fn gather<'w>(
     placed: impl Iterator<Item = Placed<'w>>,
     meshes: &Assets<BevyMesh>,
     materials: &Assets<StandardMaterial>,
     images: &Assets<Image>,
-) -> Result<Option<Scene>, String> {
+) -> Result<Option<Scene>, BakeError> {
     let mut scene = Scene::default();
     // By mesh and material: a mesh of the scene has the material of each of its triangles.
     let mut known: HashMap<_, Option<u32>> = HashMap::new();
@@ -86,27 +90,23 @@ pub(super) fn gather<'w>(
         scene.instances.push(Instance { name, mesh, world_from_mesh: [0, 1, 2].map(row), casts: p.casts });
     }
     if scene.instances.is_empty() {
-        return Err("no mesh below a BakedStatic has triangles".to_owned());
+        return Err(BakeError::NoTriangles);
     }
     Ok(Some(scene))
 }
 
 /// Copies a mesh. Returns `None` if it has no triangles.
-fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, String> {
+fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, BakeError> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return Ok(None);
     }
-    let no_access = |error| {
-        format!(
-            "a mesh below a BakedStatic cannot be read ({error}); load it with RenderAssetUsages::MAIN_WORLD too"
-        )
-    };
+    let no_access = |error: MeshAccessError| BakeError::Unreadable(error.into());
     let positions = match mesh.try_attribute_option(BevyMesh::ATTRIBUTE_POSITION).map_err(no_access)? {
         Some(VertexAttributeValues::Float32x3(positions)) => positions.clone(),
         _ => return Ok(None),
     };
     if positions.iter().flatten().any(|c| !c.is_finite()) {
-        return Err("a mesh below a BakedStatic has a vertex that is not finite".to_owned());
+        return Err(BakeError::NotFinite);
     }
     let uvs = match mesh.try_attribute_option(BevyMesh::ATTRIBUTE_UV_0).map_err(no_access)? {
         Some(VertexAttributeValues::Float32x2(uvs)) if uvs.len() == positions.len() => uvs.clone(),

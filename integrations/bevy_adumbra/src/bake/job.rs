@@ -11,13 +11,14 @@ use adumbra_scene::Scene;
 use bevy::math::Vec3;
 
 use super::BakeSettings;
-use crate::BakedShadowFile;
+use super::progress::BakeError;
 use crate::threads::pool;
+use crate::{BakedShadowFile, DeviceLimits};
 
 /// A bake that is under way. It ends soon after this is dropped.
 #[derive(Debug)]
 pub(super) struct Job {
-    results: Mutex<Receiver<Result<Finished, String>>>,
+    results: Mutex<Receiver<Result<Finished, BakeError>>>,
     state: Arc<State>,
 }
 
@@ -39,28 +40,33 @@ pub(super) struct Finished {
 }
 
 impl Job {
-    pub(super) fn start(scene: Scene, settings: BakeSettings, towards_light: Vec3, max_side: u32) -> Self {
+    pub(super) fn start(
+        scene: Scene,
+        settings: BakeSettings,
+        towards_light: Vec3,
+        limits: DeviceLimits,
+    ) -> Self {
         let (sender, receiver) = channel();
         let state = Arc::new(State::default());
         let of_thread = Arc::clone(&state);
         let work = move || {
-            if let Err(reason) = work(&scene, settings, towards_light, max_side, &of_thread, &sender) {
+            if let Err(error) = work(&scene, settings, towards_light, limits, &of_thread, &sender) {
                 // The app may have dropped the bake.
-                let _ = sender.send(Err(reason));
+                let _ = sender.send(Err(error));
             }
             of_thread.done.store(true, Ordering::Release);
         };
         if let Err(error) = thread::Builder::new().name("bake shadows".to_owned()).spawn(work) {
             state.done.store(true, Ordering::Release);
             let (sender, results) = channel();
-            let _ = sender.send(Err(format!("no thread could be started: {error}")));
+            let _ = sender.send(Err(BakeError::Threads(error.into())));
             return Self { results: Mutex::new(results), state };
         }
         Self { results: Mutex::new(receiver), state }
     }
 
     /// Returns what was finished since the last call.
-    pub(super) fn finished(&self) -> Vec<Result<Finished, String>> {
+    pub(super) fn finished(&self) -> Vec<Result<Finished, BakeError>> {
         self.results.lock().map(|results| results.try_iter().collect()).unwrap_or_default()
     }
 
@@ -81,12 +87,13 @@ fn work(
     scene: &Scene,
     settings: BakeSettings,
     towards_light: Vec3,
-    max_side: u32,
+    limits: DeviceLimits,
     state: &State,
-    results: &Sender<Result<Finished, String>>,
-) -> Result<(), String> {
-    let sun = Sun::from_direction(towards_light.to_array().map(f64::from)).map_err(|e| e.to_string())?;
-    let pool = pool(settings.threads).map_err(|e| e.to_string())?;
+    results: &Sender<Result<Finished, BakeError>>,
+) -> Result<(), BakeError> {
+    let sun = Sun::from_direction(towards_light.to_array().map(f64::from));
+    let sun = sun.map_err(|e| BakeError::Sun(e.into()))?;
+    let pool = pool(settings.threads).map_err(|e| BakeError::Threads(e.into()))?;
     let coarse = settings.first_resolution.min(settings.resolution);
     let resolutions =
         if coarse == settings.resolution { vec![coarse] } else { vec![coarse, settings.resolution] };
@@ -105,8 +112,9 @@ fn work(
         if state.cancel.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let baked = baked.map_err(|e| e.to_string())?;
-        let file = BakedShadowFile::new(baked.file, max_side).map_err(|e| e.to_string())?;
+        let baked = baked.map_err(|e| BakeError::Bake(e.into()))?;
+        let file = BakedShadowFile::new(baked.file, limits);
+        let file = file.map_err(|e| BakeError::File(e.into()))?;
         let is_last = resolution == settings.resolution;
         let finished = Finished { file, seconds: baked.report.seconds, triangles, is_last };
         if results.send(Ok(finished)).is_err() {

@@ -7,6 +7,7 @@
 
 mod gather;
 mod job;
+mod progress;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,16 +22,19 @@ use bevy::math::Vec3;
 use bevy::mesh::{Mesh, Mesh3d};
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::prelude::{DirectionalLight, GlobalTransform};
+use bevy::reflect::prelude::*;
 use bevy::time::{Real, Time};
 
 use crate::components::{BakedShadow, InBake};
 use crate::statics::NotYetBaked;
-use crate::{BakedShadowFile, MaxTextureSide};
+use crate::{BakedShadowFile, DeviceLimits};
 use gather::{Placed, gather};
 use job::{Finished, Job};
+pub use progress::{BakeError, BakeProgress};
 
 /// Settings of a bake while the app runs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Default, Clone, Debug, PartialEq)]
 pub struct BakeSettings {
     /// Texels on the longest side of the world as the sun sees it, a power of two from 8 to 262,144.
     pub resolution: u32,
@@ -58,17 +62,23 @@ impl Default for BakeSettings {
 
 /// Bakes the shadow of this directional light, and again when meshes below a [`BakedStatic`](crate::BakedStatic) or the
 /// light change. Removing it ends a bake that is under way; the last file stays.
-#[derive(Component, Debug, Default)]
+#[derive(Component, Debug, Default, Reflect)]
+#[reflect(Component, Default, Debug)]
 #[require(BakeProgress)]
 pub struct BakeShadow {
     /// The settings. A change of them bakes again.
     pub settings: BakeSettings,
+    // Work under way is no data, so reflection leaves the rest out.
     /// What the newest bake saw, and the bake itself while it is under way.
+    #[reflect(ignore)]
     seen: Option<Seen>,
+    #[reflect(ignore)]
     job: Option<Job>,
     /// What there is now if the newest bake saw something else, and since when.
+    #[reflect(ignore)]
     pending: Option<(Seen, Duration)>,
     /// The meshes in the file that is in use.
+    #[reflect(ignore)]
     in_use: Option<Arc<Keys>>,
 }
 
@@ -100,21 +110,6 @@ impl PartialEq for Seen {
 /// The meshes that a bake would see now.
 #[derive(Resource, Default)]
 pub(crate) struct StaticKeys(Arc<Keys>);
-
-/// How far the bake of a [`BakeShadow`] is. The plugin keeps it on the light.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub enum BakeProgress {
-    /// Nothing has begun: there are no meshes yet, or they still change.
-    #[default]
-    Waiting,
-    /// A bake of this resolution is under way; the share of it that is done.
-    Baking(u32, f32),
-    /// The last file is in use; its seconds of baking and its number of triangles.
-    Done(f64, u64),
-    /// The bake failed. It begins again when something changes.
-    Failed(String),
-}
 
 /// Adds [`BakeShadowCommands::bake_shadow`] to `Commands`.
 pub trait BakeShadowCommands {
@@ -182,7 +177,7 @@ pub(crate) fn bake_shadows(
     placed: Meshes,
     (meshes, materials, images): (Res<Assets<Mesh>>, Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
     mut files: ResMut<Assets<BakedShadowFile>>,
-    (keys, max_side, time): (Res<StaticKeys>, Res<MaxTextureSide>, Res<Time<Real>>),
+    (keys, limits, time): (Res<StaticKeys>, Res<DeviceLimits>, Res<Time<Real>>),
 ) {
     for (light, transform, mut bake, mut progress, mut shadow) in &mut lights {
         let bake = bake.bypass_change_detection();
@@ -201,11 +196,11 @@ pub(crate) fn bake_shadows(
                 // Some meshes are not loaded yet.
                 Ok(None) => {}
                 Ok(Some(scene)) => {
-                    bake.job = Some(Job::start(scene, now.settings, now.towards_light, max_side.get()));
+                    bake.job = Some(Job::start(scene, now.settings, now.towards_light, *limits));
                     bake.seen = Some(now);
                 }
-                Err(reason) => {
-                    fail(light, &mut progress, reason);
+                Err(error) => {
+                    fail(light, &mut progress, error);
                     bake.seen = Some(now);
                 }
             }
@@ -227,15 +222,15 @@ pub(crate) fn bake_shadows(
                     }
                     bake.in_use = bake.seen.as_ref().map(|seen| Arc::clone(&seen.keys));
                     if is_last {
-                        progress.set_if_neq(BakeProgress::Done(seconds, triangles));
+                        progress.set_if_neq(BakeProgress::Done { seconds, triangles });
                     }
                 }
-                Err(reason) => fail(light, &mut progress, reason),
+                Err(error) => fail(light, &mut progress, error),
             }
         }
         match under_way {
             Some((resolution, share)) => {
-                progress.set_if_neq(BakeProgress::Baking(resolution, share));
+                progress.set_if_neq(BakeProgress::Baking { resolution, share });
             }
             None => bake.job = None,
         }
@@ -256,9 +251,9 @@ fn is_still(pending: &mut Option<(Seen, Duration)>, now: &Seen, is_first: bool, 
     }
 }
 
-fn fail(light: Entity, progress: &mut Mut<BakeProgress>, reason: String) {
-    warn!("the shadow of light {light} is not baked: {reason}. Shadows come from the light's cascades");
-    progress.set_if_neq(BakeProgress::Failed(reason));
+fn fail(light: Entity, progress: &mut Mut<BakeProgress>, error: BakeError) {
+    warn!("the shadow of light {light} is not baked: {error}. Shadows come from the light's cascades");
+    progress.set_if_neq(BakeProgress::Failed(error));
 }
 
 /// Marks the meshes that the file in use does not have where they are now. They cast through the cascades.

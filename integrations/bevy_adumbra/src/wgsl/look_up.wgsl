@@ -1,5 +1,5 @@
 // The visibility of a directional light from the files in use. `texels_inside_file` and `visibility_from_file`, which
-// come before this text, call the modules of the layouts in use.
+// come before this text, call the modules of the ways in use.
 
 // Files whose sun is farther than this from a light are not the light's: the distance of two unit vectors.
 const SAME_SUN: f32 = 1.5e-3;

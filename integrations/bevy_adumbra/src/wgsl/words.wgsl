@@ -8,11 +8,10 @@
 // | 2 | number of rows, with the directory's |
 // | 8 + 8 i | first row of file i, counted from the first of these rows |
 // | 9 + 8 i | log2 of its width in texels |
-// | 10 + 8 i | how it is looked up: 0 plain, 1 packed, 2 depths, 3 depths with penumbrae |
+// | 10 + 8 i | how it is looked up: 0 with a filter, 1 with penumbrae |
 // | 11 + 8 i | 1 if no other file has this sun |
 //
-// Worked value: one file of 256 × 126 texels in the layout depths has the words MAGIC, 1, 127, and from word 8 on 0, 8,
-// 2, 1.
+// Worked value: one file of 256 × 126 texels with penumbrae has the words MAGIC, 1, 127, and from word 8 on 0, 8, 1, 1.
 #define_import_path adumbra::words
 #import bevy_pbr::mesh_view_bindings as view_bindings
 

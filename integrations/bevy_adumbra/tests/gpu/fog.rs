@@ -1,9 +1,10 @@
 //! Volumetric fog is lit where the file says so.
 
-use adumbra::Query;
-use adumbra_bake::{FrameChoice, LayoutChoice};
+use adumbra::Filter;
+use adumbra_bake::FrameChoice;
 use bevy::light::{FogVolume, VolumetricFog, VolumetricLight};
 use bevy::prelude::*;
+use bevy_adumbra::prelude::*;
 
 use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, baked};
 
@@ -12,9 +13,9 @@ const LAYER: f32 = 40.0;
 
 #[test]
 fn fog_is_lit_where_the_file_says() {
-    let file = baked(LayoutChoice::Depths, FrameChoice::Oblique);
+    let file = baked(FrameChoice::Oblique);
     let mut stage = Stage::new(|_| {});
-    stage.give(file.clone(), |shadow| shadow.filter = 1);
+    stage.give(file.clone(), |shadow| shadow.filter = ShadowFilter::Nearest);
     let world = stage.app.world_mut();
     world.despawn(stage.square);
     world.entity_mut(stage.light).insert(VolumetricLight);
@@ -35,7 +36,7 @@ fn fog_is_lit_where_the_file_says() {
     ));
     let picture = stage.picture.clone();
     let bytes = stage.draw(&picture);
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1).unwrap();
+    let shadow = file.sampler(Filter::Nearest);
     let (mut found, mut lit) = (Vec::new(), Vec::new());
     // Every fourth pixel, away from the border.
     for (x, y) in (8..SIDE - 8).step_by(4).flat_map(|y| (8..SIDE - 8).step_by(4).map(move |x| (x, y))) {
@@ -44,7 +45,7 @@ fn fog_is_lit_where_the_file_says() {
         let across = |n: u32| f64::from(((n as f32 + 0.5) / SIDE as f32 - 0.5) * SQUARE);
         let heights = (0..64).map(|n| f64::from(MIDDLE.y + LAYER) * (f64::from(n) + 0.5) / 64.0);
         let visible =
-            heights.map(|y_world| f64::from(query.visibility([across(x), y_world, across(y)], None)));
+            heights.map(|y_world| f64::from(shadow.visibility([across(x), y_world, across(y)], None)));
         lit.push(visible.sum::<f64>() / 64.0);
     }
     let r = correlation(&found, &lit);

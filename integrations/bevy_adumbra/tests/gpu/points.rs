@@ -1,7 +1,7 @@
 //! Points in every kind of view and material, compared with look-ups on the CPU.
 
-use adumbra::Bias;
-use adumbra_bake::{FrameChoice, LayoutChoice};
+use adumbra::{Bias, Error, Filter, RangeError, RangeField};
+use adumbra_bake::FrameChoice;
 use bevy::camera::{RenderTarget, Viewport};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::light::CascadeShadowConfig;
@@ -9,36 +9,39 @@ use bevy::pbr::{DefaultOpaqueRendererMethod, ExtendedMaterial, MaterialExtension
 use bevy::prelude::*;
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::{AsBindGroup, TextureFormat};
-use bevy_adumbra::{BakedShadowStatus, BakedStatic, CascadeCasters};
+use bevy_adumbra::CascadeCasters;
+use bevy_adumbra::prelude::*;
 
 use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, assert_alike, baked, expected, from_above, picture};
 
-fn depths() -> adumbra::ShadowFile {
-    baked(LayoutChoice::Depths, FrameChoice::Oblique)
+fn oblique() -> adumbra::ShadowFile {
+    baked(FrameChoice::Oblique)
 }
 
 #[test]
-fn every_layout_and_frame_is_looked_up() {
+fn every_frame_is_looked_up() {
     let mut stage = Stage::new(|_| {});
-    for layout in [LayoutChoice::Depths, LayoutChoice::Packed, LayoutChoice::Plain] {
-        for (frame, filter) in [(FrameChoice::Oblique, 1), (FrameChoice::Light, 5), (FrameChoice::Oblique, 9)]
-        {
-            let file = baked(layout, frame);
-            stage.give(file.clone(), |shadow| shadow.filter = filter);
-            assert_alike(&stage.visibility(), &expected(&file, filter), filter);
-            assert_eq!(stage.status(), BakedShadowStatus::Active(1));
-        }
+    let cases = [
+        (FrameChoice::Oblique, Filter::Nearest),
+        (FrameChoice::Light, Filter::Box5),
+        (FrameChoice::Oblique, Filter::Box9),
+    ];
+    for (frame, filter) in cases {
+        let file = baked(frame);
+        stage.give(file.clone(), |shadow| shadow.filter = filter.into());
+        assert_alike(&stage.visibility(), &expected(&file, filter), filter);
+        assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
     }
 }
 
 #[test]
 fn deferred_multisampled_and_transparent_surfaces_are_shadowed() {
-    let file = depths();
-    let expected = expected(&file, 5);
+    let file = oblique();
+    let expected = expected(&file, Filter::Box5);
     let mut stage = Stage::new(|_| {});
     stage.give(file, |_| {});
     stage.app.world_mut().entity_mut(stage.camera).insert(Msaa::Sample4);
-    assert_alike(&stage.visibility(), &expected, 5);
+    assert_alike(&stage.visibility(), &expected, Filter::Box5);
     stage.app.world_mut().entity_mut(stage.camera).insert(Msaa::Off);
     let material = stage.material.clone();
     let blend = |stage: &mut Stage, mode| {
@@ -46,46 +49,47 @@ fn deferred_multisampled_and_transparent_surfaces_are_shadowed() {
         materials.get_mut(&material).unwrap().alpha_mode = mode;
     };
     blend(&mut stage, AlphaMode::Blend);
-    assert_alike(&stage.visibility(), &expected, 5);
+    assert_alike(&stage.visibility(), &expected, Filter::Box5);
     blend(&mut stage, AlphaMode::Opaque);
     let world = stage.app.world_mut();
     world.insert_resource(DefaultOpaqueRendererMethod::deferred());
     world.entity_mut(stage.camera).insert((DepthPrepass, DeferredPrepass));
     // Materials are prepared anew.
     world.resource_mut::<Assets<StandardMaterial>>().get_mut(&material).unwrap().reflectance = 0.0;
-    assert_alike(&stage.visibility(), &expected, 5);
+    assert_alike(&stage.visibility(), &expected, Filter::Box5);
 }
 
 #[derive(Asset, TypePath, AsBindGroup, Clone, Default)]
-struct Plain {}
+struct Unchanged {}
 
-impl MaterialExtension for Plain {}
+impl MaterialExtension for Unchanged {}
 
 #[test]
 fn extended_materials_are_shadowed() {
-    let file = depths();
+    let file = oblique();
     let mut stage = Stage::new(|app| {
-        app.add_plugins(MaterialPlugin::<ExtendedMaterial<StandardMaterial, Plain>>::default());
+        app.add_plugins(MaterialPlugin::<ExtendedMaterial<StandardMaterial, Unchanged>>::default());
     });
-    stage.give(file.clone(), |shadow| shadow.filter = 3);
+    stage.give(file.clone(), |shadow| shadow.filter = ShadowFilter::Box3);
     let world = stage.app.world_mut();
     let base = StandardMaterial { perceptual_roughness: 1.0, reflectance: 0.0, ..default() };
-    let material = ExtendedMaterial { base, extension: Plain {} };
-    let material = world.resource_mut::<Assets<ExtendedMaterial<StandardMaterial, Plain>>>().add(material);
+    let material = ExtendedMaterial { base, extension: Unchanged {} };
+    let material =
+        world.resource_mut::<Assets<ExtendedMaterial<StandardMaterial, Unchanged>>>().add(material);
     world
         .entity_mut(stage.square)
         .remove::<MeshMaterial3d<StandardMaterial>>()
         .insert(MeshMaterial3d(material));
-    assert_alike(&stage.visibility(), &expected(&file, 3), 3);
+    assert_alike(&stage.visibility(), &expected(&file, Filter::Box3), Filter::Box3);
 }
 
 /// Two cameras side by side, and one of another size and format.
 #[test]
 fn all_cameras_are_shadowed() {
-    let file = depths();
+    let file = oblique();
     let mut stage = Stage::new(|_| {});
     stage.give(file.clone(), |_| {});
-    let all = expected(&file, 5);
+    let all = expected(&file, Filter::Box5);
     let world = stage.app.world_mut();
     let other = picture(world, UVec2::splat(SIDE), TextureFormat::Rgba8UnormSrgb);
     let above = Transform::from_translation(MIDDLE + 90.0 * Vec3::Y).looking_at(MIDDLE, Vec3::NEG_Z);
@@ -128,12 +132,12 @@ fn assert_alike_in_columns(found: &[f32], expected: &[f32], columns: std::ops::R
 
 #[test]
 fn shadows_are_kept_beside_glass() {
-    let file = depths();
-    let expected = expected(&file, 5);
+    let file = oblique();
+    let expected = expected(&file, Filter::Box5);
     let mut stage = Stage::new(|_| {});
     stage.give(file, |_| {});
     let before = stage.visibility();
-    assert_alike(&before, &expected, 5);
+    assert_alike(&before, &expected, Filter::Box5);
     let world = stage.app.world_mut();
     let ball = world.resource_mut::<Assets<Mesh>>().add(Sphere::new(2.0));
     let glass = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial {
@@ -157,10 +161,10 @@ fn shadows_are_kept_beside_glass() {
 /// A camera that is not HDR draws glass too: words are read back from an sRGB texture.
 #[test]
 fn shadows_are_kept_beside_glass_without_hdr() {
-    let file = depths();
-    let expected = expected(&file, 1);
+    let file = oblique();
+    let expected = expected(&file, Filter::Nearest);
     let mut stage = Stage::new(|_| {});
-    stage.give(file, |shadow| shadow.filter = 1);
+    stage.give(file, |shadow| shadow.filter = ShadowFilter::Nearest);
     let world = stage.app.world_mut();
     let other = picture(world, UVec2::splat(SIDE), TextureFormat::Rgba8UnormSrgb);
     world.entity_mut(stage.camera).remove::<bevy::camera::Hdr>().insert(RenderTarget::from(other.clone()));
@@ -183,7 +187,7 @@ fn shadows_are_kept_beside_glass_without_hdr() {
 /// What is in the file leaves the cascades, and comes back in the frame in which the light turns away.
 #[test]
 fn statics_leave_the_cascades_while_the_file_is_in_use() {
-    let file = depths();
+    let file = oblique();
     let mut stage = Stage::new(|_| {});
     let world = stage.app.world_mut();
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(2.0));
@@ -208,7 +212,7 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     let turned = Transform::default().looking_to(Vec3::new(-0.3, -1.0, 0.2), Vec3::Y);
     *stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap() = turned;
     stage.update();
-    assert!(matches!(stage.status(), BakedShadowStatus::Misaligned(_)), "{:?}", stage.status());
+    assert!(matches!(stage.status(), BakedShadowStatus::Misaligned { .. }), "{:?}", stage.status());
     assert_eq!(casters(&stage), CascadeCasters::default());
     // It turns back, and nothing moves any more: there are no cascades.
     let towards_sun = Vec3::from_array(crate::stage::towards_sun().map(|c| c as f32));
@@ -218,7 +222,7 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     let bounds =
         |stage: &Stage| stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds.len();
     stage.update();
-    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active(1), 4));
+    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active { files: 1 }, 4));
     stage.app.world_mut().despawn(mover);
     stage.update();
     assert_eq!(bounds(&stage), 0);
@@ -228,8 +232,8 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     // The light loses its file while it rests: everything casts through the cascades again.
     stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(-0.1);
     stage.update();
-    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active(1), 0));
-    stage.app.world_mut().entity_mut(stage.light).remove::<bevy_adumbra::BakedShadow>();
+    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active { files: 1 }, 0));
+    stage.app.world_mut().entity_mut(stage.light).remove::<BakedShadow>();
     stage.update();
     stage.update();
     assert_eq!((casters(&stage), bounds(&stage)), (CascadeCasters::default(), 4));
@@ -241,24 +245,24 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
 
 #[test]
 fn filter_bias_and_softness_change_while_running() {
-    let file = depths();
+    let file = oblique();
     let mut stage = Stage::new(|_| {});
     stage.give(file.clone(), |_| {});
-    let shadow = |stage: &mut Stage, change: &dyn Fn(&mut bevy_adumbra::BakedShadow)| {
-        change(&mut stage.app.world_mut().get_mut::<bevy_adumbra::BakedShadow>(stage.light).unwrap());
+    let shadow = |stage: &mut Stage, change: &dyn Fn(&mut BakedShadow)| {
+        change(&mut stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap());
         stage.visibility()
     };
-    for filter in [1, 3, 17] {
-        let found = shadow(&mut stage, &|s| s.filter = filter);
+    for filter in [Filter::Nearest, Filter::Box3, Filter::Box17] {
+        let found = shadow(&mut stage, &|s| s.filter = filter.into());
         assert_alike(&found, &expected(&file, filter), filter);
     }
     let bias = Bias { constant_texels: 6.0, ..file.settings.bias };
     let lifted =
         adumbra::ShadowFile { settings: adumbra::FileSettings { bias, ..file.settings }, ..file.clone() };
-    let found = shadow(&mut stage, &|s| (s.filter, s.bias) = (5, Some(bias)));
-    assert_alike(&found, &expected(&lifted, 5), 5);
+    let found = shadow(&mut stage, &|s| (s.filter, s.bias) = (ShadowFilter::Box5, Some(bias.into())));
+    assert_alike(&found, &expected(&lifted, Filter::Box5), Filter::Box5);
     // Penumbrae: values in between where the hard shadow has edges, and alike in the mean.
-    let hard = expected(&file, 1);
+    let hard = expected(&file, Filter::Nearest);
     let found = shadow(&mut stage, &|s| (s.bias, s.softness) = (None, Some(2.0)));
     let mean = |v: &[f32]| v.iter().sum::<f32>() / v.len() as f32;
     let between = found.iter().filter(|v| (0.05..0.95).contains(*v)).count();
@@ -267,8 +271,18 @@ fn filter_bias_and_softness_change_while_running() {
     let wrong = found.iter().zip(&hard).filter(|(a, b)| (*a - *b).abs() > 0.8).count();
     assert!(wrong * 100 < found.len(), "{wrong}");
     // What cannot be is said.
-    shadow(&mut stage, &|s| (s.softness, s.filter) = (None, 4));
-    assert!(
-        matches!(stage.status(), BakedShadowStatus::Unusable(reason) if reason.contains("1, 3, 5, 9 or 17"))
-    );
+    let mut wrong_field = |change: &dyn Fn(&mut BakedShadow)| {
+        change(&mut stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap());
+        stage.update();
+        match stage.status() {
+            BakedShadowStatus::Unusable(BakedShadowError::Setting(error)) => match &*error {
+                Error::Range(RangeError { field, .. }) => *field,
+                error => panic!("{error}"),
+            },
+            status => panic!("{status:?}"),
+        }
+    };
+    assert_eq!(wrong_field(&|s| s.softness = Some(21.0)), RangeField::SunAngle);
+    let bias = ShadowBias { constant_texels: 17.0, ..default() };
+    assert_eq!(wrong_field(&|s| (s.softness, s.bias) = (None, Some(bias))), RangeField::BiasTerm);
 }

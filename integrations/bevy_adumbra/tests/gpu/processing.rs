@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use adumbra::{ShadowFile, Sun};
+use adumbra::{Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, Scene, generate, to_glb, write_glb};
 use bevy::asset::{AssetMode, AssetPlugin, LoadState};
 use bevy::prelude::*;
-use bevy_adumbra::{BakedShadow, BakedShadowFile};
+use bevy_adumbra::prelude::*;
 
 use crate::stage::{Stage, assert_alike, expected, towards_sun};
 
@@ -59,7 +59,7 @@ fn a_scene_is_baked_as_an_asset_step_and_again_when_it_changes() {
     let mut stage = processing(folder.path());
     let handle = load(&mut stage);
     stage.wait_for(|stage| stage.status().is_active());
-    assert_alike(&stage.visibility(), &expected(&file, 5), 5);
+    assert_alike(&stage.visibility(), &expected(&file, Filter::Box5), Filter::Box5);
     // What ships is the file that `adumbra bake` writes.
     let mut bytes = Vec::new();
     file.write_to(&mut bytes).unwrap();
@@ -71,7 +71,7 @@ fn a_scene_is_baked_as_an_asset_step_and_again_when_it_changes() {
     let file = baked(&second);
     stage.wait_for(|stage| triangles(stage, &handle) == file.settings.triangles);
     stage.update();
-    assert_alike(&stage.visibility(), &expected(&file, 5), 5);
+    assert_alike(&stage.visibility(), &expected(&file, Filter::Box5), Filter::Box5);
     let written = fs::metadata(&imported).unwrap().modified().unwrap();
 
     // Another run bakes nothing.

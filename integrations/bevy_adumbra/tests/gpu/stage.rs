@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use adumbra::{Query, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size, Watch, bake};
+use adumbra::{Filter, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate};
 use bevy::app::PluginsState;
 use bevy::asset::RenderAssetUsages;
@@ -17,7 +17,8 @@ use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{Extent3d, PollType, TextureDimension, TextureFormat, TextureUsages};
 use bevy::render::renderer::RenderDevice;
 use bevy::window::ExitCondition;
-use bevy_adumbra::{AdumbraPlugin, BakedShadow, BakedShadowFile, BakedShadowStatus};
+use bevy_adumbra::DeviceLimits;
+use bevy_adumbra::prelude::*;
 
 /// Pixels along a side of a picture.
 pub const SIDE: u32 = 192;
@@ -44,9 +45,9 @@ pub fn towards_sun() -> [f64; 3] {
 }
 
 /// Bakes the generated city.
-pub fn baked(layout: LayoutChoice, frame: FrameChoice) -> ShadowFile {
+pub fn baked(frame: FrameChoice) -> ShadowFile {
     let sun = Sun::from_direction(towards_sun()).unwrap();
-    let options = BakeOptions { layout, frame, ..BakeOptions::new(sun, Size::Resolution(2048)) };
+    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(2048)) };
     bake(&generate(GeneratedKind::City, 1), &options, Watch::none()).unwrap().file
 }
 
@@ -132,7 +133,7 @@ impl Stage {
         change: impl FnOnce(&mut BakedShadow),
     ) -> Handle<BakedShadowFile> {
         let world = self.app.world_mut();
-        let asset = BakedShadowFile::new(file, 8192).unwrap();
+        let asset = BakedShadowFile::new(file, DeviceLimits::default()).unwrap();
         let handle = world.resource_mut::<Assets<BakedShadowFile>>().add(asset);
         let mut shadow = BakedShadow::new(handle.clone());
         change(&mut shadow);
@@ -205,20 +206,20 @@ pub fn from_above(side: f32) -> Projection {
 }
 
 /// Returns the visibility of each pixel's point by look-ups on the CPU.
-pub fn expected(file: &ShadowFile, filter: u32) -> Vec<f32> {
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, filter).unwrap();
+pub fn expected(file: &ShadowFile, filter: Filter) -> Vec<f32> {
+    let shadow = file.sampler(filter);
     let across = |n: u32| ((n as f32 + 0.5) / SIDE as f32 - 0.5) * SQUARE;
     let rows = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
     rows.map(|(x, y)| {
         let p = [MIDDLE.x + across(x), HEIGHT, MIDDLE.z + across(y)].map(f64::from);
-        query.visibility(p, Some([0.0, 1.0, 0.0]))
+        shadow.visibility(p, Some([0.0, 1.0, 0.0]))
     })
     .collect()
 }
 
 /// Checks that at most 0.2 % of the pixels differ, none by more than a row of taps.
 #[track_caller]
-pub fn assert_alike(found: &[f32], expected: &[f32], filter: u32) {
+pub fn assert_alike(found: &[f32], expected: &[f32], filter: Filter) {
     assert_eq!(found.len(), expected.len());
     let difference = |(a, b): (&f32, &f32)| (a - b).abs();
     let off = found.iter().zip(expected).filter(|&pair| difference(pair) > 0.004).count();
@@ -227,7 +228,7 @@ pub fn assert_alike(found: &[f32], expected: &[f32], filter: u32) {
     println!("{off} of {} pixels differ, by at most {most}; {shadowed} in shadow", found.len());
     assert!(shadowed > found.len() / 20 && shadowed < found.len() * 19 / 20, "{shadowed} in shadow");
     assert!(off * 500 <= found.len(), "{off} of {} pixels differ", found.len());
-    assert!(most <= 1.0 / filter as f32 + 0.004, "a pixel differs by {most}");
+    assert!(most <= 1.0 / filter.width() as f32 + 0.004, "a pixel differs by {most}");
 }
 
 pub fn half([low, high]: [u8; 2]) -> f32 {

@@ -1,7 +1,7 @@
 //! Bevy draws the views of another renderer's truth images, and that renderer's rays judge. Skipped where these are
 //! absent, see CONTRIBUTING.md.
 
-use adumbra::{Query, ShadowFile, Sun};
+use adumbra::{Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{LoadOptions, Scene, load};
 use adumbra_testing::{npz_array, npz_camera, scene_file, shared};
@@ -11,7 +11,7 @@ use bevy::math::Affine3A;
 use bevy::mesh::PrimitiveTopology;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
-use bevy_adumbra::BakedStatic;
+use bevy_adumbra::prelude::*;
 
 use crate::stage::{Stage, picture};
 
@@ -40,12 +40,12 @@ fn shared_views_are_as_right_as_the_file() {
         let file = bake(&scene, &options, Watch::none()).unwrap().file;
         // What the file answers at the points that the other renderer saw.
         let [positions, normals]: [Vec<f32>; 2] = ["pos", "normal"].map(|array| npz_array(&truth, array));
-        let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1).unwrap();
+        let shadow = file.sampler(Filter::Nearest);
         let at = |v: &[f32], i: usize| [0, 1, 2].map(|a| f64::from(v[3 * i + a]));
         let asked: Vec<f32> = (0..sun.len())
             .map(|i| {
                 if n_dot_l[i] > 0.1 {
-                    query.visibility(at(&positions, i), Some(at(&normals, i)))
+                    shadow.visibility(at(&positions, i), Some(at(&normals, i)))
                 } else {
                     1.0
                 }
@@ -63,7 +63,7 @@ fn shared_views_are_as_right_as_the_file() {
 /// Returns the visibility that Bevy draws at each pixel.
 fn draw(scene: &Scene, file: ShadowFile, eye: [f64; 3], target: [f64; 3], fov: f32) -> Vec<f32> {
     let mut stage = Stage::new(|_| {});
-    stage.give(file, |shadow| shadow.filter = 1);
+    stage.give(file, |shadow| shadow.filter = ShadowFilter::Nearest);
     let world = stage.app.world_mut();
     world.despawn(stage.square);
     let picture = picture(world, SIZE, TextureFormat::Rgba16Float);

@@ -7,7 +7,6 @@ mod headers;
 
 use std::collections::HashMap;
 
-use adumbra::Layout;
 use adumbra::gpu::{WordSource, wgsl_files};
 use adumbra_shaders::{Source, assemble, source};
 use naga::back;
@@ -19,19 +18,14 @@ pub use headers::golden;
 /// A file of `src/generated`, or of `tests/golden`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Generated {
-    /// Its name, such as `depths.wgsl.ts`.
+    /// Its name, such as `filtered.wgsl.ts`.
     pub name: String,
     /// Its text.
     pub text: String,
 }
 
-/// A way of looking a file up: its name, the layout, and whether there are penumbrae.
-const WAYS: [(&str, Layout, bool); 4] = [
-    ("plain", Layout::Plain, false),
-    ("packed", Layout::Packed, false),
-    ("depths", Layout::Depths, false),
-    ("soft", Layout::Depths, true),
-];
+/// A way of looking a file up: its name, and whether there are penumbrae in place of a filter.
+const WAYS: [(&str, bool); 2] = [("filtered", false), ("soft", true)];
 
 /// Returns all generated files.
 ///
@@ -39,8 +33,8 @@ const WAYS: [(&str, Layout, bool); 4] = [
 /// Returns naga's message if a module is not valid or cannot be written.
 pub fn generate() -> Result<Vec<Generated>, String> {
     let mut files = Vec::new();
-    for (name, layout, is_soft) in WAYS {
-        let (module, info) = module(layout, is_soft)?;
+    for (name, is_soft) in WAYS {
+        let (module, info) = module(is_soft)?;
         for (language, text) in [("wgsl", wgsl(&module, &info)?), ("glsl", glsl(&module, &info)?)] {
             files.push(Generated {
                 name: format!("{name}.{language}.ts"),
@@ -61,9 +55,9 @@ macro_rules! own {
 }
 
 /// Returns the module of a look-up without what it does not use.
-fn module(layout: Layout, is_soft: bool) -> Result<(naga::Module, ModuleInfo), String> {
+fn module(is_soft: bool) -> Result<(naga::Module, ModuleInfo), String> {
     let from_texture = ["access/texture_r32uint.wgsl", "access/look_up_texture.wgsl"];
-    let files = wgsl_files(layout, WordSource::R32Uint);
+    let files = wgsl_files(WordSource::R32Uint);
     let files = files.into_iter().filter(|path| !from_texture.contains(path));
     let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
     if is_soft {

@@ -1,7 +1,7 @@
 // Errors that several parts of the reader have in common.
 
-import { ShadowFileError } from '../error.js';
-import type { ShadowFileErrorDetails, ShadowFileErrorKind, ShadowFileFault } from '../error.js';
+import { ShadowFileError, hex } from '../error.js';
+import type { ShadowFileErrorDetails, ShadowFileErrorKind } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
 import { crc32 } from './crc32.js';
 
@@ -42,14 +42,4 @@ export function checkChecksum(
     `the ${what} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy the file again, or bake it again`,
     { ...details, stored, computed },
   );
-}
-
-/** Returns a word as eight hexadecimal digits. */
-export function hex(word: number): string {
-  return `0x${word.toString(16).padStart(8, '0')}`;
-}
-
-/** Throws the error for voxels that are not valid. */
-export function voxelFault(kind: ShadowFileErrorKind, fault: ShadowFileFault, message: string): never {
-  throw new ShadowFileError(kind, `the voxels are not valid: ${message}; bake it again`, {}, { fault });
 }

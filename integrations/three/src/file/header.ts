@@ -1,14 +1,14 @@
 // The 384 bytes before the sections. `spec/adumbra-file.md`, "Header", has the words; the checks are in its order, so
 // that every reader names the same fault. Counterpart of `crates/adumbra/src/file/header.rs` and `fields.rs`.
 
-import { ShadowFileError } from '../error.js';
+import { ShadowFileError, hex } from '../error.js';
 import { obliqueEdges } from '../grid/light-grid.js';
 import type { Bounds, LightGrid } from '../grid/light-grid.js';
 import { dot, map3 } from '../grid/vec3.js';
 import type { Mat3, Vec3 } from '../grid/vec3.js';
-import { LAYOUTS } from '../settings.js';
-import type { FileSettings, Layout } from '../settings.js';
-import { HEADER_BYTES, check, checkChecksum, hex, truncated } from './faults.js';
+import { QUADTREE } from '../settings.js';
+import type { FileSettings } from '../settings.js';
+import { HEADER_BYTES, check, checkChecksum, truncated } from './faults.js';
 import { checkGrid, checkSettings, isNear } from './header-checks.js';
 import { checkSections, readSections } from './sections.js';
 import type { Sections } from './sections.js';
@@ -18,7 +18,6 @@ export const LATEST_VERSION = 3;
 
 const MAGIC = 'ADUMBRA\n';
 
-
 /** The header of a file. Every field has been checked. */
 export interface ShadowFileHeader {
   /** Version of the format, 1 to 3. */
@@ -27,12 +26,10 @@ export interface ShadowFileHeader {
   readonly grid: LightGrid;
   /** Settings of the bake. */
   readonly settings: FileSettings;
-  /** A root spans 2^rootLevel voxels along each side; 3 to 20. */
+  /** A root spans 2^rootLevel columns along each side; 3 to 20. */
   readonly rootLevel: number;
-  /** Number of roots along x, y, z. In the layout `depths` only x and y count. */
+  /** Number of roots along x, y, z. Only x and y count. */
   readonly topDims: Vec3;
-  /** Layout of the voxels. */
-  readonly layout: Layout;
   /** The section table. */
   readonly sections: Sections;
   /** Length of the whole file, bytes. */
@@ -43,7 +40,7 @@ export interface ShadowFileHeader {
  * Reads and checks the header at the start of `bytes`, which may go on behind it. The first 384 bytes of a file are
  * enough.
  *
- * @throws ShadowFileError of the kind `Magic`, `OtherKind`, `FutureVersion`, `Truncated`, `HeaderChecksum`,
+ * @throws ShadowFileError of the kind `Magic`, `OtherKind`, `FutureVersion`, `Truncated`, `HeaderChecksum`, `Layout`,
  * `HeaderField` or `SectionBounds`.
  */
 export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
@@ -61,8 +58,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const reserved = [92, 93, 94, ...(version === 1 ? [13, 88] : []), ...(version < 3 ? [89] : [])];
   reserved.forEach(zero);
 
-  const layout = LAYOUTS[u32(13)]!;
-  check(layout !== undefined, 'layout', u32(13), '0 (plain), 1 (packed) or 2 (depths)');
+  checkLayout(u32(13));
   const ASSUME_GROUND = 1;
   const CLOSED_REGIONS = 2;
   const IGNORE_ALPHA = 4;
@@ -120,8 +116,17 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const topDims = u32s(10);
   const expected = map3(grid.size, (n) => Math.ceil(n / 2 ** rootLevel)).join();
   check(topDims.join() === expected, 'top_dims', topDims, `${expected}, for size ${grid.size} and root_level ${rootLevel}`);
-  const fileBytes = checkSections(sections, layout, topDims);
-  return { version, grid, settings, rootLevel, topDims, layout, sections, fileBytes };
+  const fileBytes = checkSections(sections, topDims);
+  return { version, grid, settings, rootLevel, topDims, sections, fileBytes };
+}
+
+/** Checks that the voxels are a quadtree. Other layouts are refused by name. */
+function checkLayout(layout: number): void {
+  const name = ['plain', 'packed'][layout];
+  if (name !== undefined) {
+    throw new ShadowFileError('Layout', `this file has the layout ${name}, which this version does not read; bake it again`, { layout: name });
+  }
+  check(layout === QUADTREE, 'layout', layout, `${QUADTREE} (depths)`);
 }
 
 /** Checks that `bytes` begin with a header: magic, version, length, and the checksum in its last word. */

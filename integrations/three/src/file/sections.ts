@@ -4,7 +4,6 @@
 
 import { ShadowFileError } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
-import type { Layout } from '../settings.js';
 import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
 
 /** A section as the header's table names it. */
@@ -40,13 +39,13 @@ export function readSections(view: DataView, zero: (word: number) => void): Sect
  * Checks that sections are where the specification wants them and have possible lengths. Returns the length of the whole
  * file in bytes.
  */
-export function checkSections(sections: Sections, layout: Layout, topDims: Vec3): number {
+export function checkSections(sections: Sections, topDims: Vec3): number {
   let end = HEADER_BYTES;
   for (const section of sections) {
     const { name, offset, length } = section;
     const begin = Math.ceil(end / 16) * 16;
     if (offset !== begin) throw bounds(section, 'offset', begin);
-    const [multiple, least, most] = lengthsOf(name, layout, topDims);
+    const [multiple, least, most] = lengthsOf(name, topDims);
     if (length % multiple !== 0 || length < least || length > most) {
       throw bounds(section, 'length', least === most ? least : `a multiple of ${multiple} from ${least} to ${most}`);
     }
@@ -56,14 +55,11 @@ export function checkSections(sections: Sections, layout: Layout, topDims: Vec3)
 }
 
 /** Returns what a section's length must be a multiple of, and the least and the greatest length. */
-function lengthsOf(name: string, layout: Layout, [x, y, z]: Vec3): [multiple: number, least: number, most: number] {
-  const words = 2 ** 32;
-  if (name === 'nodes') return [4, 0, { plain: 4 * (words - 2), packed: words, depths: 2 * (words - 1) }[layout]];
-  if (name !== 'top') return [8, 0, layout === 'packed' ? 2 ** 19 : 8 * words];
-  const columns = 8 * x * y;
-  // The number of roots of a packed file is in the section itself.
-  if (layout === 'packed') return [4, columns + 80, 2 ** 64];
-  const length = layout === 'plain' ? 4 * x * y * z : columns;
+function lengthsOf(name: string, [x, y]: Vec3): [multiple: number, least: number, most: number] {
+  const WORDS = 2 ** 32;
+  if (name === 'nodes') return [4, 0, 2 * (WORDS - 1)];
+  if (name === 'leaf_masks') return [8, 0, 8 * WORDS];
+  const length = 8 * x * y;
   return [4, length, length];
 }
 

@@ -3,10 +3,9 @@
 
 import type { LightGrid } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
-import { validateDepths } from '../layout/validate-depths.js';
-import { validatePacked } from '../layout/validate-packed.js';
-import { validatePlain } from '../layout/validate-plain.js';
-import type { FileSettings, Layout } from '../settings.js';
+import type { Quadtree } from '../quadtree/quadtree.js';
+import { validate } from '../quadtree/validate.js';
+import type { FileSettings } from '../settings.js';
 import { parseHeader } from './header.js';
 import { split } from './sections.js';
 
@@ -21,24 +20,22 @@ export interface ParseOptions {
 }
 
 /** The contents of a `.adumbra` file. Its words are views of the bytes that it was made from. */
-export class BakedShadowFile {
+export class BakedShadowFile implements Quadtree {
   /** Version of the format, 1 to 3. */
   declare readonly version: number;
   /** Placement of the voxels in the world, and the sun. */
   declare readonly grid: LightGrid;
   /** Settings of the bake. */
   declare readonly settings: FileSettings;
-  /** Layout of the voxels. */
-  declare readonly layout: Layout;
-  /** A root spans 2^rootLevel voxels along each side; 3 to 20. */
+  /** A root spans 2^rootLevel columns along each side; 5, 7 or 9. */
   declare readonly rootLevel: number;
-  /** Number of roots along x, y, z. In the layout `depths` only x and y count. */
+  /** Number of roots along x, y, z. Only x and y count. */
   declare readonly topDims: Vec3;
-  /** The section `top`. */
+  /** The section `top`: two words per root, an address and a base. */
   declare readonly top: Uint32Array;
-  /** The section `nodes`: headers and pointers; packed: two units per word; depths: two half-words per word. */
+  /** The section `nodes`: the code, two half-words per word. */
   declare readonly nodes: Uint32Array;
-  /** The section `leaf_masks`: two words per mask, the lower first; depths: two words per wide entry. */
+  /** The section `leaf_masks`: two words per wide entry, a difference and an address. */
   declare readonly leafMasks: Uint32Array;
   /** Length of the file, bytes. */
   declare readonly byteLength: number;
@@ -57,9 +54,6 @@ export class BakedShadowFile {
     const { sections, fileBytes: byteLength, ...header } = parseHeader(whole);
     const [top, nodes, leafMasks] = split(whole, sections, verify === true);
     Object.freeze(Object.assign(this, header, { top, nodes, leafMasks, byteLength }));
-    if (verify === true) {
-      const validate = { plain: validatePlain, packed: validatePacked, depths: validateDepths }[header.layout];
-      validate(this);
-    }
+    if (verify === true) validate(this);
   }
 }

@@ -31,8 +31,7 @@ grid: AdumbraGridTransform,
 root_count: vec3<u32>,
 root_level: u32,
 bias: AdumbraReceiverBias,
-nodes_offset: u32,
-masks_offset: u32,
+unused: vec2<u32>,
 wide_offset: u32,
 code_offset: u32,
 filter_width: u32,
@@ -494,28 +493,24 @@ let _e110 = adumbra_texture_params_f32_(74u);
 v_13.bias.normal_offset_texels = _e110;
 let _e114 = adumbra_texture_params_f32_(75u);
 v_13.bias.width_factor = _e114;
-let _e117 = adumbra_texture_params_u32_(76u);
-v_13.nodes_offset = _e117;
-let _e120 = adumbra_texture_params_u32_(77u);
-v_13.masks_offset = _e120;
-let _e123 = adumbra_texture_params_u32_(78u);
-v_13.wide_offset = _e123;
-let _e126 = adumbra_texture_params_u32_(79u);
-v_13.code_offset = _e126;
-let _e129 = adumbra_texture_params_u32_(80u);
-v_13.filter_width = _e129;
-let _e132 = adumbra_texture_params_f32_(81u);
-v_13.sun_cone = _e132;
-let _e135 = adumbra_texture_params_f32_(82u);
-v_13.max_radius_texels = _e135;
-let _e138 = adumbra_texture_params_f32_(84u);
-let _e140 = adumbra_texture_params_f32_(85u);
-v_13.penumbra_x = vec2<f32>(_e138, _e140);
-let _e144 = adumbra_texture_params_f32_(86u);
-let _e146 = adumbra_texture_params_f32_(87u);
-v_13.penumbra_y = vec2<f32>(_e144, _e146);
-let _e148 = v_13;
-return _e148;
+let _e117 = adumbra_texture_params_u32_(78u);
+v_13.wide_offset = _e117;
+let _e120 = adumbra_texture_params_u32_(79u);
+v_13.code_offset = _e120;
+let _e123 = adumbra_texture_params_u32_(80u);
+v_13.filter_width = _e123;
+let _e126 = adumbra_texture_params_f32_(81u);
+v_13.sun_cone = _e126;
+let _e129 = adumbra_texture_params_f32_(82u);
+v_13.max_radius_texels = _e129;
+let _e132 = adumbra_texture_params_f32_(84u);
+let _e134 = adumbra_texture_params_f32_(85u);
+v_13.penumbra_x = vec2<f32>(_e132, _e134);
+let _e138 = adumbra_texture_params_f32_(86u);
+let _e140 = adumbra_texture_params_f32_(87u);
+v_13.penumbra_y = vec2<f32>(_e138, _e140);
+let _e142 = v_13;
+return _e142;
 }
 fn adumbra_interleaved_gradient_noise(pixel: vec2<u32>) -> f32 {
 let ramp = (((pixel.x * 288237660u) + (pixel.y * 25070368u)) >> 16u);

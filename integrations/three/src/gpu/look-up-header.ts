@@ -4,7 +4,7 @@
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { circleAcrossLight, coneTexelsPerVoxel, middle } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
-import { LAYOUTS, checkFilter } from '../settings.js';
+import { QUADTREE, checkFilter } from '../settings.js';
 import type { LookUpOptions } from '../settings.js';
 import { writeGridParameters } from './grid-parameters.js';
 import type { WordViews } from './grid-parameters.js';
@@ -24,7 +24,7 @@ export interface Penumbra {
 
 /** Settings of look-ups on a GPU. */
 export interface GpuLookUpOptions extends LookUpOptions {
-  /** Penumbrae, for which the filter must be 1; in files of the layout `depths` only. */
+  /** Penumbrae, for which the filter must be 1. */
   readonly penumbra?: Penumbra;
 }
 
@@ -57,21 +57,19 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
   const MAGIC = 0x54554441;
   /** Version of the look-up texture that is made. */
   const VERSION = 2;
-  const { layout, grid, settings, top, nodes, leafMasks, topDims, rootLevel } = file;
-  const isDepths = layout === 'depths';
-  const sections = isDepths ? [top, leafMasks, nodes] : [top, nodes, leafMasks];
+  const { grid, settings, top, nodes, leafMasks, topDims, rootLevel } = file;
   const count = wordCount(file);
   const anchorWorld = middle(grid);
   const header = viewsOf(all, 0, HEADER_WORDS);
-  header.words.set([MAGIC, VERSION, LAYOUTS.indexOf(layout), count]);
+  header.words.set([MAGIC, VERSION, QUADTREE, count]);
   header.floats.set(anchorWorld, 4);
   header.floats.set(grid.sun, 8);
 
   const parameters = viewsOf(header.words, PARAMETERS_AT, 88);
   const { words, floats } = parameters;
   writeGridParameters(parameters, grid, anchorWorld);
-  words.set([topDims[0], topDims[1], isDepths ? 1 : topDims[2], rootLevel], 68);
-  words.set([top.length, top.length + sections[1]!.length], isDepths ? 78 : 76);
+  words.set([topDims[0], topDims[1], 1, rootLevel], 68);
+  words.set([top.length, top.length + leafMasks.length], 78);
   floats.set(circleAcrossLight(grid), 84);
 
   const setLookUp = ({ filter, bias = settings.bias, penumbra }: GpuLookUpOptions): void => {
@@ -79,7 +77,6 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
     const terms = [bias.constantTexels, bias.slopeTexels, bias.normalOffsetTexels];
     for (const texels of terms) checkRange('a term of the bias in texels', texels, 0, 16);
     if (penumbra !== undefined) {
-      if (!isDepths) throw new RangeError(`penumbrae need a file of the layout depths, but this is ${layout}`);
       if (filter !== 1) throw new RangeError(`penumbrae need a filter of width 1, but it is ${filter}`);
       checkRange("the sun's angle in degrees", penumbra.angleDegrees, 0.01, 20);
       checkRange('the largest radius of a penumbra in texels', penumbra.maxRadiusTexels, 1, 64);
@@ -90,7 +87,7 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
     floats[82] = penumbra?.maxRadiusTexels ?? 0;
   };
   setLookUp(options);
-  return { words: header.words, sections, count, anchorWorld, setLookUp };
+  return { words: header.words, sections: [top, leafMasks, nodes], count, anchorWorld, setLookUp };
 }
 
 /** Returns the number of words of a file's sections. */

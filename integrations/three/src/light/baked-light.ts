@@ -4,12 +4,12 @@ import { Vector3 } from 'three';
 import type { DataTexture, Object3D } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
-import { depths } from '../look-ups/depths.js';
+import { filtered } from '../look-ups/filtered.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import { alignLight, towardsLight } from './direction.js';
 import type { SunLike } from './direction.js';
 import { asList } from './options.js';
-import type { BakedShadowOptions, ShadowSettings } from './options.js';
+import type { BakedShadowOptions, ShadowOptions } from './options.js';
 import { isMover, staticsOf } from './statics.js';
 import { lightTextures } from './textures.js';
 import { warnOnce } from './warn.js';
@@ -25,9 +25,9 @@ export interface BakedLight {
   readonly words: DataTexture;
   /** The files' parameters, one row per file. The files in use come first. */
   readonly headers: DataTexture;
-  /** Changes filter, bias or softness; what is left out stays. Nothing is changed if it throws a RangeError. */
-  setLookUp(settings: ShadowSettings): void;
-  /** Follows the light. Returns whether it shines from the sun of a file. */
+  /** Changes options; what is left out stays. Nothing is changed if it throws a RangeError. */
+  setOptions(options: ShadowOptions): void;
+  /** Whether the light shines from the sun of a file. */
   isActive(): boolean;
   /** Follows the light, and takes casters out of shadow maps while a file is in use. Returns false after `dispose`. */
   update(): boolean;
@@ -39,13 +39,16 @@ export interface BakedLight {
   dispose(): boolean;
 }
 
+/** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
+const SAME_SUN = 1.5e-3;
+
 /** Numbers in use. A number that is free is used again, so that shaders are too. */
 const inUse = new Set<number>();
 
 /** Reads the options of a light, and prepares its files. */
 export function bakedLight(light: SunLike, file: BakedShadowFile | readonly BakedShadowFile[], options: BakedShadowOptions): BakedLight {
   const files = asList(file);
-  const lookUp = options.lookUp ?? depths;
+  const lookUp = options.lookUp ?? filtered;
   const textures = lightTextures(files, lookUp, options);
   if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
   const roots = asList(options.statics);
@@ -56,18 +59,26 @@ export function bakedLight(light: SunLike, file: BakedShadowFile | readonly Bake
   let number = 1;
   while (inUse.has(number)) number += 1;
   inUse.add(number);
-  const isActive = (): boolean => !isDisposed && textures.use(towardsLight(light, towards)) > 0;
+  /** The numbers of the files whose sun is in a direction. */
+  const filesTowards = ({ x, y, z }: Vector3): number[] =>
+    [...files.keys()].filter((i) => {
+      const { sun } = files[i]!.grid;
+      return Math.hypot(sun[0] - x, sun[1] - y, sun[2] - z) <= SAME_SUN;
+    });
   return {
     lookUp,
     prefix: `adumbra${number}`,
     towards,
     words: textures.words,
     headers: textures.headers,
-    setLookUp: textures.setLookUp,
-    isActive,
+    setOptions: textures.setOptions,
+    isActive: () => !isDisposed && filesTowards(towardsLight(light, new Vector3())).length > 0,
     update() {
-      statics.rest(isActive());
-      return !isDisposed;
+      if (isDisposed) return false;
+      const now = filesTowards(towardsLight(light, towards));
+      textures.use(now);
+      statics.rest(now.length > 0);
+      return true;
     },
     rest: () => statics.rest(false),
     warnOfMovers(object) {

@@ -2,7 +2,6 @@
 
 import type { Object3D } from 'three';
 
-import { ShadowFileError } from '../error.js';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
 import type { LookUp } from '../look-ups/look-up.js';
@@ -11,8 +10,8 @@ import type { Bias, FilterWidth } from '../settings.js';
 /** Most files on one light. */
 export const MAX_FILES = 8;
 
-/** How shadows are looked up; may change at any time. `undefined` is the default. */
-export interface ShadowSettings {
+/** The options that may change at any time. `undefined` is the default. */
+export interface ShadowOptions {
   /** Width of the filter in texels, by default 5; 1 is a hard edge. Not with `softnessDegrees`. */
   filter?: FilterWidth | undefined;
   /** The bias; each file's own by default. */
@@ -21,24 +20,38 @@ export interface ShadowSettings {
   softnessDegrees?: number | undefined;
 }
 
+/** The shadow of a light from its files, with either renderer. */
+export interface BakedShadow {
+  /** Whether the light shines from the sun of a file. Otherwise shadows are those of three's own, if there are any. */
+  readonly isActive: boolean;
+  /**
+   * Changes options; what is left out stays. Nothing is compiled anew.
+   *
+   * @throws RangeError if an option is out of its range. Nothing is changed then.
+   */
+  setOptions(options: ShadowOptions): void;
+  /** Gives all back as it was, and frees what the GPU holds. */
+  dispose(): void;
+}
+
 /** Options of baked shadows on a light. */
-export interface BakedShadowOptions extends ShadowSettings {
-  /** The shader text; `depths` by default. */
+export interface BakedShadowOptions extends ShadowOptions {
+  /** The shader text; `filtered` by default. */
   lookUp?: LookUp;
   /** Turns the light to the sun of the first file. True by default. */
   align?: boolean;
   /**
    * The roots of what the files hold. While a file is in use, nothing below them casts in three's own shadow maps but
-   * skinned meshes, which a bake leaves out. Set `userData.adumbra = { cast: true }` on what else moves.
+   * skinned meshes, which a bake leaves out. Set `userData.adumbra = { cast: true }` on what else moves. What is added below
+   * them later rests from the next frame on, and what is removed casts again.
    */
   statics?: Object3D | readonly Object3D[];
   /** Largest side of a texture, texels. 8192 by default, which every device with WebGPU has. */
   maxTextureSize?: number;
 }
 
-
-/** Returns the settings as a look-up of a file takes them. */
-export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lookUp: LookUp): GpuLookUpOptions {
+/** Returns the options as a look-up of a file takes them. */
+export function gpuOptions({ filter, bias, softnessDegrees }: ShadowOptions, lookUp: LookUp): GpuLookUpOptions {
   if (!lookUp.isSoft) {
     if (softnessDegrees !== undefined) {
       throw new RangeError("softnessDegrees needs lookUp: soft, from 'adumbra-three/look-ups'");
@@ -52,19 +65,9 @@ export function gpuOptions({ filter, bias, softnessDegrees }: ShadowSettings, lo
 }
 
 /** Checks that files can be on one light. */
-export function checkFiles(files: readonly BakedShadowFile[], lookUp: LookUp): void {
+export function checkFiles(files: readonly BakedShadowFile[]): void {
   if (files.length === 0 || files.length > MAX_FILES) {
     throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but got ${files.length}`);
-  }
-  for (const file of files) {
-    if (file.layout !== lookUp.layout) {
-      throw new ShadowFileError(
-        'Layout',
-        `the file has the layout ${file.layout}, but the look-up ${lookUp.name} reads ${lookUp.layout}; ` +
-          `pass lookUp: ${file.layout}, from 'adumbra-three/look-ups', or bake with --layout ${lookUp.layout}`,
-        { layout: file.layout, lookUp: lookUp.name },
-      );
-    }
   }
 }
 

@@ -1,18 +1,13 @@
 // The files of one light as two textures, as `wgsl/words.wgsl` reads them: all words, and one row of parameters per file.
 
 import { DataTexture, RedIntegerFormat, UnsignedIntType } from 'three';
-import type { Vector3 } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { HEADER_WORDS, lookUpHeader } from '../gpu/look-up-header.js';
 import { textureSize, writeSections } from '../gpu/look-up-texture.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import { checkFiles, gpuOptions } from './options.js';
-import type { BakedShadowOptions, ShadowSettings } from './options.js';
-
-
-/** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
-export const SAME_SUN = 1.5e-3;
+import type { BakedShadowOptions, ShadowOptions } from './options.js';
 
 /** The textures of one light. */
 export interface LightTextures {
@@ -21,17 +16,13 @@ export interface LightTextures {
   /** The files' parameters, one row per file. The files in use come first. */
   readonly headers: DataTexture;
   /**
-   * Changes filter, bias or softness; what is left out stays. Less than 1 KiB per file is uploaded.
+   * Changes options; what is left out stays. Less than 1 KiB per file is uploaded.
    *
-   * @throws RangeError if a setting is out of its range. Nothing is changed then.
+   * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
-  setLookUp(changed: ShadowSettings): void;
-  /**
-   * Puts the files into use whose sun is in this direction, a unit vector in world space.
-   *
-   * @returns How many there are. With 0, look-ups return 1.
-   */
-  use(towardsLight: Vector3): number;
+  setOptions(changed: ShadowOptions): void;
+  /** Puts the files with these numbers into use. With none, look-ups return 1. */
+  use(now: readonly number[]): void;
   /** Frees what the GPU holds. */
   dispose(): void;
 }
@@ -39,12 +30,12 @@ export interface LightTextures {
 /**
  * Makes the textures. Cost: one copy of the files' words.
  *
- * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the texture.
+ * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the texture.
  * @throws RangeError if an option is out of its range.
  */
 export function lightTextures(files: readonly BakedShadowFile[], lookUp: LookUp, options: BakedShadowOptions): LightTextures {
-  checkFiles(files, lookUp);
-  let settings: ShadowSettings = options;
+  checkFiles(files);
+  let current: ShadowOptions = options;
   const lookUps = files.map((file) => lookUpHeader(file, gpuOptions(options, lookUp)));
   /** Numbers of the files in use. */
   let inUse: readonly number[] = [];
@@ -75,23 +66,17 @@ export function lightTextures(files: readonly BakedShadowFile[], lookUp: LookUp,
   return {
     words,
     headers,
-    setLookUp(changed) {
-      const all = { ...settings, ...changed };
+    setOptions(changed) {
+      const all = { ...current, ...changed };
       const ofGpu = gpuOptions(all, lookUp);
       for (const each of lookUps) each.setLookUp(ofGpu);
-      settings = all;
+      current = all;
       writeHeaders();
     },
-    use({ x, y, z }) {
-      const now = [...files.keys()].filter((i) => {
-        const { sun } = files[i]!.grid;
-        return Math.hypot(sun[0] - x, sun[1] - y, sun[2] - z) <= SAME_SUN;
-      });
-      if (now.join() !== inUse.join()) {
-        inUse = now;
-        writeHeaders();
-      }
-      return now.length;
+    use(now) {
+      if (now.join() === inUse.join()) return;
+      inUse = now;
+      writeHeaders();
     },
     dispose() {
       words.dispose();

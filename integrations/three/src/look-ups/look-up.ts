@@ -1,13 +1,9 @@
-// What a look-up is: the shader text for files of one layout, in the two languages of a browser.
-
-import type { Layout } from '../settings.js';
+// What a look-up is: a shader text in the two languages of a browser.
 
 /** The shader text of a look-up, as `adumbra-three/look-ups` exports it. */
 export interface LookUp {
   /** Its name. */
-  readonly name: 'plain' | 'packed' | 'depths' | 'soft';
-  /** The layout of the files that it reads. */
-  readonly layout: Layout;
+  readonly name: 'filtered' | 'soft';
   /** Whether it softens shadows with distance; otherwise it is a filter of K × K taps. */
   readonly isSoft: boolean;
   /** The text for WebGPU. */

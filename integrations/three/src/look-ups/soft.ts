@@ -4,5 +4,5 @@ import glsl from '../generated/soft.glsl.js';
 import wgsl from '../generated/soft.wgsl.js';
 import type { LookUp } from './look-up.js';
 
-/** Looks up files of the layout `depths`, with penumbrae of a sun that is a disc. */
-export const soft: LookUp = { name: 'soft', layout: 'depths', isSoft: true, wgsl, glsl };
+/** Looks up with the penumbrae of a sun that is a disc. */
+export const soft: LookUp = { name: 'soft', isSoft: true, wgsl, glsl };

@@ -7,7 +7,7 @@ import type { BakedShadowFile } from '../file/shadow-file.js';
 import { bakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
-import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
+import type { BakedShadow, BakedShadowOptions } from '../light/options.js';
 import { checkThree } from '../light/three.js';
 import { hookIn } from './material-hook.js';
 import type { MaterialHook, ShaderChange } from './material-hook.js';
@@ -15,21 +15,13 @@ import { beforeRender } from './scene-hook.js';
 import { shaderHooks, withLookUp } from './shader.js';
 
 /** Baked shadows that are attached to a scene. */
-export interface AttachedShadow {
-  /** Whether the light shines from the sun of a file. Otherwise shadows are those of three's shadow map, if it has one. */
-  readonly isActive: boolean;
+export interface AttachedShadow extends BakedShadow {
   /** Names of materials that are not lit as three's own are, and were left alone. Known once they were drawn. */
   readonly skipped: readonly string[];
   /** Gives the materials below an object that was added later the shadows too, or gives them back to what lost them. */
   attach(object: Object3D): void;
   /** Takes the shadows from the materials below an object, which are held until then: for parts of the world that go. */
   detach(object: Object3D): void;
-  /**
-   * Changes filter, bias or softness; what is left out stays. Nothing is compiled anew.
-   *
-   * @throws RangeError if a setting is out of its range.
-   */
-  setLookUp(settings: ShadowSettings): void;
   /** Gives materials and casters back as they were, and frees what the GPU holds. What is attached afterwards stays as it is. */
   dispose(): void;
 }
@@ -42,7 +34,7 @@ const OLDEST = 166;
  * them, for what moves. The light need not cast for the baked shadows alone. Objects must have `receiveShadow`.
  *
  * @throws MissingHookError if this version of three lacks what is needed.
- * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
+ * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU.
  * @throws RangeError if an option is out of its range.
  */
 export function attachBakedShadow(
@@ -118,7 +110,7 @@ export function attachBakedShadow(
         hooks.delete(material);
       });
     },
-    setLookUp: baked.setLookUp,
+    setOptions: baked.setOptions,
     dispose() {
       isDisposed = true;
       if (!baked.dispose()) return;

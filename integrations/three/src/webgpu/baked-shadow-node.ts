@@ -11,7 +11,7 @@ import { bakedLight } from '../light/baked-light.js';
 import type { BakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
-import type { BakedShadowOptions, ShadowSettings } from '../light/options.js';
+import type { BakedShadow, BakedShadowOptions, ShadowOptions } from '../light/options.js';
 import { checkThree } from '../light/three.js';
 import { OLDEST, nodeHooks } from './hooks.js';
 import { visibilityNode } from './look-up-node.js';
@@ -49,7 +49,7 @@ const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
  * cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind that the light had before is
  * disposed.
  */
-export class BakedShadowNode extends Base {
+export class BakedShadowNode extends Base implements BakedShadow {
   readonly #sun: SunLike;
   readonly #baked: BakedLight;
   readonly #movers: Node | null;
@@ -59,7 +59,7 @@ export class BakedShadowNode extends Base {
    * Creates a node. Cost: one copy of the files' words.
    *
    * @throws MissingHookError if this version of three lacks what is needed.
-   * @throws ShadowFileError of the kind `Layout` or `TooLarge`, if a file does not fit the look-up or the GPU.
+   * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU.
    * @throws RangeError if an option is out of its range.
    */
   constructor(light: SunLike, options: BakedShadowNodeOptions) {
@@ -87,12 +87,12 @@ export class BakedShadowNode extends Base {
   }
 
   /**
-   * Changes filter, bias or softness; what is left out stays. Nothing is compiled anew.
+   * Changes options; what is left out stays. Nothing is compiled anew.
    *
-   * @throws RangeError if a setting is out of its range.
+   * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
-  setLookUp(settings: ShadowSettings): void {
-    this.#baked.setLookUp(settings);
+  setOptions(options: ShadowOptions): void {
+    this.#baked.setOptions(options);
   }
 
   /** For three: builds the shadow's node. */

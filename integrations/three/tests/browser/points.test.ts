@@ -1,4 +1,4 @@
-// What three draws with baked shadows, compared with look-ups on the CPU: three back ends, all layouts and settings,
+// What three draws with baked shadows, compared with look-ups on the CPU: three back ends, all settings,
 // materials, kinds of objects and depth buffers. A pixel may differ where a position in 32-bit floats falls into the next
 // texel: at most 0.2 % of them, by at most one row of taps.
 
@@ -11,7 +11,7 @@ import { decode } from 'fast-png';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 
-import { BakedShadowFile, BakedShadowQuery } from '../../src/index.js';
+import { BakedShadowFile, Sampler } from '../../src/index.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../../src/index.js';
 import { Stage, VERSIONS } from './stage.js';
 
@@ -63,12 +63,11 @@ beforeAll(async () => {
   if (program === undefined) throw new Error('the browser tests need the program: ADUMBRA_BIN=…/adumbra');
   folder = mkdtempSync(join(tmpdir(), 'adumbra-three-'));
   execFileSync(program, ['generate', 'city', '-o', join(folder, 'city.glb')]);
-  bake('depths.adumbra', '--layout', 'depths');
-  bake('packed.adumbra', '--layout', 'packed', '--frame', 'light');
-  bake('other.adumbra', '--layout', 'depths', '--bounds', '-70,-10,-70,70,100,70', '--frame', 'light');
-  bake('plain.adumbra', '--layout', 'plain');
-  bake('low.adumbra', '--layout', 'depths', '--bounds', '-300,-10,-300,2,100,300');
-  bake('high.adumbra', '--layout', 'depths', '--bounds', '-2,-10,-300,300,100,300');
+  bake('city.adumbra');
+  bake('light.adumbra', '--frame', 'light');
+  bake('other.adumbra', '--bounds', '-70,-10,-70,70,100,70', '--frame', 'light');
+  bake('low.adumbra', '--bounds', '-300,-10,-300,2,100,300');
+  bake('high.adumbra', '--bounds', '-2,-10,-300,300,100,300');
   writeFileSync(join(folder, 'tower.obj'), TOWER_OBJ);
   execFileSync(program, ['bake', join(folder, 'tower.obj'), '--sun', SUN, '-o', join(folder, 'tower.adumbra'), '--resolution', '2048']);
   stage = await Stage.start(folder);
@@ -124,11 +123,11 @@ function read(name: string): BakedShadowFile {
 
 /** The visibility of each pixel's point, by look-ups on the CPU. */
 function expected(file: BakedShadowFile, options: LookUpOptions): Float32Array {
-  const query = new BakedShadowQuery(file, options);
+  const sampler = new Sampler(file, options);
   const across = (n: number) => ((n + 0.5) / SIDE - 0.5) * SQUARE.width;
   return Float32Array.from({ length: SIDE * SIDE }, (_, i) => {
     const point = { x: across(i % SIDE), y: SQUARE.height, z: across(Math.floor(i / SIDE)) };
-    return query.visibility(point, { x: 0, y: 1, z: 0 });
+    return sampler.visibility(point, { x: 0, y: 1, z: 0 });
   });
 }
 
@@ -149,17 +148,16 @@ const alike = (name: string, found: Float32Array, filter: FilterWidth, bias?: Bi
   expectAlike(found, expected(read(name), bias === undefined ? { filter } : { filter, bias }), filter);
 
 describe.each(BACKENDS)('%s', (backend) => {
-  test.each(['depths', 'packed', 'plain'])('draws what a file of the layout %s answers', async (layout) => {
-    const files = [`${layout}.adumbra`];
-    const { pictures } = await draw({ backend, files, lookUp: layout, settings: { filter: 5 } });
-    alike(files[0]!, pictures[0]!, 5);
+  test.each(['city.adumbra', 'light.adumbra'])('draws what %s answers', async (name) => {
+    const { pictures } = await draw({ backend, files: [name], lookUp: 'filtered', settings: { filter: 5 } });
+    alike(name, pictures[0]!, 5);
   });
 
   test('follows filter and bias', async () => {
-    const files = ['depths.adumbra'];
+    const files = ['city.adumbra'];
     const bias = { constantTexels: 4, slopeTexels: 2, normalOffsetTexels: 1 };
     const later = [{ filter: 1 }, { filter: 9, bias }];
-    const { pictures } = await draw({ backend, files, lookUp: 'depths', later });
+    const { pictures } = await draw({ backend, files, lookUp: 'filtered', later });
     alike(files[0]!, pictures[0]!, 5);
     alike(files[0]!, pictures[1]!, 1);
     alike(files[0]!, pictures[2]!, 9, bias);
@@ -192,7 +190,7 @@ describe.each(BACKENDS)('%s', (backend) => {
 
   test('joins tiles', async () => {
     const files = ['low.adumbra', 'high.adumbra'];
-    const { pictures } = await draw({ backend, files, lookUp: 'depths', settings: { filter: 5 } });
+    const { pictures } = await draw({ backend, files, lookUp: 'filtered', settings: { filter: 5 } });
     const [low, high] = files.map((name) => expected(read(name), { filter: 5 }));
     const found = pictures[0]!;
     const half = (keep: (x: number) => boolean) => (_: number, i: number) => keep(i % SIDE);
@@ -200,7 +198,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     expectAlike(found.filter(half((x) => x > 136)), high!.filter(half((x) => x > 136)), 5);
     // No seam: where they meet, the tiles, which have grids of their own, answer as one file of the whole does.
     const seam = half((x) => x >= 120 && x <= 136);
-    const whole = expected(read('depths.adumbra'), { filter: 5 }).filter(seam);
+    const whole = expected(read('city.adumbra'), { filter: 5 }).filter(seam);
     const off = found.filter(seam).filter((value, i) => !(Math.abs(value - whole[i]!) < 0.5)).length;
     console.log(`tiles, ${backend}: ${off} of ${whole.length} differ where they meet; ${whole.filter((v) => v < 0.5).length} are in shadow`);
     expect(off).toBeLessThan(whole.length / 50);
@@ -220,14 +218,14 @@ describe.each(BACKENDS)('%s', (backend) => {
     { depth: 'reversed' },
   ];
   test.each(kinds)('draws %o', async (kind) => {
-    const files = ['depths.adumbra'];
-    const { pictures } = await draw({ backend, files, lookUp: 'depths', settings: { filter: 5 }, ...kind });
+    const files = ['city.adumbra'];
+    const { pictures } = await draw({ backend, files, lookUp: 'filtered', settings: { filter: 5 }, ...kind });
     alike(files[0]!, pictures[0]!, 5);
   });
 
   test('leaves nothing behind when it goes, and comes back with another file', async () => {
-    const files = ['depths.adumbra', 'other.adumbra'];
-    const task = { backend, files, lookUp: 'depths', settings: { filter: 5 }, cycles: 10 };
+    const files = ['city.adumbra', 'other.adumbra'];
+    const task = { backend, files, lookUp: 'filtered', settings: { filter: 5 }, cycles: 10 };
     const { pictures, memory } = await draw(task);
     expect(memory).toHaveLength(10);
     for (const each of memory) expect(each).toEqual(memory[0]);
@@ -237,8 +235,8 @@ describe.each(BACKENDS)('%s', (backend) => {
   const versions = Object.entries(VERSIONS).filter(([version]) => backend === 'webgl' || version !== '0.166.0');
   test.each(versions)('works with three %s', async (_, three) => {
     const other = await stage.open(three, 'points.js');
-    const files = ['depths.adumbra'];
-    const { pictures } = await draw({ backend, files, lookUp: 'depths', settings: { filter: 5 } }, other.page);
+    const files = ['city.adumbra'];
+    const { pictures } = await draw({ backend, files, lookUp: 'filtered', settings: { filter: 5 } }, other.page);
     alike(files[0]!, pictures[0]!, 5);
     expect(other.complaints).toEqual([]);
     await other.page.close();

@@ -145,6 +145,12 @@ describe.each(BACKENDS)('%s', (backend) => {
     states.forEach(({ isActive: _, cast: __, ...seen }, i) => expectShadows(seen, ...shadowed[i]!));
   });
 
+  test('what comes below a static root casts no more, and casts again once it goes', async () => {
+    const states = await play<Seen[]>('comingAndGoing', backend);
+    states.forEach((seen) => expectShadows(seen, 'wallA', 'boxA'));
+    expect(states.map(({ casters }) => casters.wall > 0)).toEqual([false, false, true]);
+  });
+
   test('the file of the light’s sun is used', async () => {
     const states = await play<(Seen & { isActive: boolean })[]>('severalSuns', backend);
     expect(states.map(({ isActive }) => isActive)).toEqual([true, true, false, true]);
@@ -298,6 +304,7 @@ test.each([
   ['0.183.0', 'movers', 'webgl'],
   ['0.183.0', 'runTime', 'webgpu'],
   ['0.183.0', 'switchedOff', 'webgl2'],
+  ['0.183.0', 'comingAndGoing', 'webgl2'],
   ['0.183.0', 'twoLights', 'webgl2'],
   ['0.183.0', 'compileAsync', 'webgpu'],
   ['0.183.0', 'materials', 'webgpu'],
@@ -306,6 +313,7 @@ test.each([
   ['0.166.0', 'movers', 'webgl'],
   ['0.166.0', 'filesAlone', 'webgl'],
   ['0.166.0', 'turning', 'webgl'],
+  ['0.166.0', 'comingAndGoing', 'webgl'],
   ['0.166.0', 'twoLights', 'webgl'],
   ['0.166.0', 'runTime', 'webgl'],
   ['0.166.0', 'materials', 'webgl'],

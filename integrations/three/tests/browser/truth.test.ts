@@ -10,7 +10,7 @@ import { fileURLToPath } from 'node:url';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 
-import { BakedShadowFile, BakedShadowQuery } from '../../src/index.js';
+import { BakedShadowFile, Sampler } from '../../src/index.js';
 import { Npz } from './npz.js';
 import type { TruthCamera } from './npz.js';
 import { isOpenGl, Stage, VERSIONS } from './stage.js';
@@ -87,8 +87,8 @@ test.for(Object.entries(VIEWS))('%s is as right as its file', async ([name, limi
   const options = ['--resolution', '16384', '--sun', camera.sun.join(','), '--ignore-alpha', '--progress', 'none'];
   execFileSync(program!, ['bake', join(SHARED, 'scenes', scene), ...options, '-o', baked], { stdio: 'pipe' });
   // What the file answers at the points that the other renderer saw.
-  const query = new BakedShadowQuery(new BakedShadowFile(readFileSync(baked)), { filter: 1 });
-  const byFile = errors(query.visibilities(truth.floats('pos'), truth.floats('normal')), sun, nDotL).wrong;
+  const sampler = new Sampler(new BakedShadowFile(readFileSync(baked)), { filter: 1 });
+  const byFile = errors(sampler.visibilities(truth.floats('pos'), truth.floats('normal')), sun, nDotL).wrong;
   expect(byFile).toBeLessThan(limit);
   for (const backend of BACKENDS) {
     const drawn = await draw(backend, scene, `${name}.adumbra`, camera);

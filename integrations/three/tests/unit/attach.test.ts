@@ -1,7 +1,7 @@
 // What attaching a file does to materials and scenes of WebGLRenderer, without a GPU.
 
 import { DirectionalLight, Group, Material, Mesh, MeshLambertMaterial, Scene, ShaderChunk, ShaderLib, ShaderMaterial } from 'three';
-import type { WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
+import type { Vector3, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
 import { afterEach, expect, test } from 'vitest';
 
 import { BakedShadowFile } from '../../src/index.js';
@@ -11,8 +11,6 @@ import { validBytes } from './vectors.js';
 
 const file = new BakedShadowFile(validBytes('valid', 'upright_depths'));
 const LAMBERT = ShaderLib.lambert.fragmentShader;
-/** Header words: width of the filter, first term of the bias. */
-const [FILTER, BIAS] = [96, 88];
 
 const attached: AttachedShadow[] = [];
 afterEach(() => {
@@ -45,22 +43,17 @@ function lookUps(fragmentShader: string, prefix = 'adumbra1'): number {
   return fragmentShader.split(`${prefix}_visibility( ${prefix}_p`).length - 1;
 }
 
-function header(material: Material): Uint32Array {
-  return (compiled(material).uniforms['adumbra1_headers']!.value as { image: { data: Uint32Array } }).image.data;
-}
-
-test('settings that are left out stay, and undefined is the default', () => {
+test('isActive leaves the direction that is drawn', () => {
   const { scene, material } = world();
-  const shadow = attach(scene, { filter: 9 });
-  expect(header(material)[FILTER]).toBe(9);
-  shadow.setLookUp({ bias: { constantTexels: 4, slopeTexels: 2, normalOffsetTexels: 1 } });
-  expect(header(material)[FILTER]).toBe(9);
-  const four = new Uint32Array(new Float32Array([4]).buffer)[0];
-  expect(header(material)[BIAS]).toBe(four);
-  expect(() => shadow.setLookUp({ filter: 4 as 5 })).toThrow(RangeError);
-  shadow.setLookUp({ filter: undefined });
-  expect(header(material)[FILTER]).toBe(5);
-  expect(header(material)[BIAS]).toBe(four);
+  const light = new DirectionalLight();
+  const shadow = attachBakedShadow(scene, light, file);
+  attached.push(shadow);
+  const { value } = compiled(material).uniforms['adumbra1_towards_light'] as { value: Vector3 };
+  const drawn = value.clone();
+  light.position.negate();
+  light.updateMatrixWorld();
+  expect(shadow.isActive).toBe(false);
+  expect(value).toEqual(drawn);
 });
 
 test('what is attached after dispose stays as it is', () => {

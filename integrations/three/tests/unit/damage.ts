@@ -7,8 +7,8 @@ import { HEADER_BYTES } from '../../src/index.js';
 const TABLE = 280;
 const ROW = 24;
 
-/** Words that mean something special in one of the layouts, and others that are out of range everywhere. */
-const SPECIAL = [0, 1, 2, 0x25, 0x5555, 0xaaaa, 0xffff, 0x10000, 0x7fffffff, 0xfffffffe, 0xffffffff];
+/** Words that mean something special in a quadtree, and others that are out of range everywhere. */
+const SPECIAL = [0, 1, 2, 0x41, 0x200, 0x8000, 0xffff, 0x10000, 0x7fffffff, 0xfffffffe, 0xffffffff];
 
 /** Returns begin and end of the sections of a valid file, bytes. */
 export function sectionBorders(bytes: Uint8Array<ArrayBuffer>): number[] {

@@ -5,11 +5,10 @@ import type { NodeFrame } from 'three/webgpu';
 import { beforeEach, expect, it, vi } from 'vitest';
 
 import { BakedShadowFile } from '../../src/index.js';
-import { plain } from '../../src/look-ups/index.js';
 import { validBytes } from './vectors.js';
 
-const ofStatics = new BakedShadowFile(validBytes('valid', 'sphere'));
-const ofAll = new BakedShadowFile(validBytes('valid', 'example_8'));
+const ofStatics = new BakedShadowFile(validBytes('valid', 'sphere_depths'));
+const ofAll = new BakedShadowFile(validBytes('valid', 'example_8_depths'));
 
 const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
 
@@ -34,12 +33,12 @@ type World = ReturnType<typeof world>;
 
 async function attach({ scene }: World, file: BakedShadowFile, statics?: Group): Promise<void> {
   const { attachBakedShadow } = await import('../../src/webgl/index.js');
-  attachBakedShadow(scene, new DirectionalLight(), file, { lookUp: plain, ...(statics && { statics }) }).dispose();
+  attachBakedShadow(scene, new DirectionalLight(), file, statics && { statics }).dispose();
 }
 
 async function draw({ scene }: World, file: BakedShadowFile, statics?: Group): Promise<void> {
   const { BakedShadowNode } = await import('../../src/webgpu/index.js');
-  const node = new BakedShadowNode(new DirectionalLight(), { file, lookUp: plain, ...(statics && { statics }) });
+  const node = new BakedShadowNode(new DirectionalLight(), { file, ...(statics && { statics }) });
   for (let frame = 0; frame < 2; frame += 1) node.updateBefore({ renderer: null, scene } as unknown as NodeFrame);
   node.dispose();
 }
@@ -48,7 +47,6 @@ const EACH = [['WebGLRenderer', attach], ['WebGPURenderer', draw]] as const;
 
 it('the files are what the tests need', () => {
   expect([ofStatics.settings.receivers, ofAll.settings.receivers]).toEqual(['static', 'all']);
-  expect([ofStatics.layout, ofAll.layout]).toEqual(['plain', 'plain']);
 });
 
 it.each(EACH)('with %s what is beside the statics and receives is named, once', async (_, show) => {

@@ -1,7 +1,7 @@
 // Points and normals that exercise look-ups in a file: near the depths at which columns switch, all over the grid and
 // outside of it, with normals of every kind.
 
-import { BakedShadowQuery, toWorld } from '../../src/index.js';
+import { Sampler, toWorld } from '../../src/index.js';
 import type { BakedShadowFile, Vec3 } from '../../src/index.js';
 import { scatter } from './vectors.js';
 
@@ -14,7 +14,7 @@ export interface Surfaces {
 /** Returns `count` points of a file. They follow from `seed`. */
 export function surfacesOf(file: BakedShadowFile, count: number, seed: number): Surfaces {
   const random = scatter(seed);
-  const query = new BakedShadowQuery(file, { filter: 1 });
+  const sampler = new Sampler(file, { filter: 1 });
   const points = new Float64Array(3 * count);
   const normals = new Float32Array(3 * count);
   const { size, sun } = file.grid;
@@ -27,7 +27,7 @@ export function surfacesOf(file: BakedShadowFile, count: number, seed: number): 
       const spread = kind < 0.2 ? 1.4 : 1.01;
       const [u, v, w] = [0, 1, 2].map((a) => size[a as 0 | 1 | 2] * (0.5 + spread * (random() - 0.5)));
       // Most points are within a few voxels of where their column switches.
-      const depth = kind < 0.3 ? w : switchDepth(query, u, v) + 6 * (random() - 0.5);
+      const depth = kind < 0.3 ? w : switchDepth(sampler, u, v) + 6 * (random() - 0.5);
       p = toWorld(file.grid, [u, v, depth]);
     }
     points.set(p, 3 * i);
@@ -37,14 +37,14 @@ export function surfacesOf(file: BakedShadowFile, count: number, seed: number): 
 }
 
 /** Returns a depth at which the column of a grid position switches, found by bisection. */
-function switchDepth(query: BakedShadowQuery, u: number, v: number): number {
-  const { grid } = query.file;
+function switchDepth(sampler: Sampler, u: number, v: number): number {
+  const { grid } = sampler.file;
   let lit = -1;
   let dark = grid.size[2];
   while (dark - lit > 0.5) {
     const middle = (lit + dark) / 2;
     const [x, y, z] = toWorld(grid, [u, v, middle]);
-    if (query.pointVisibility({ x, y, z }) === 1) lit = middle;
+    if (sampler.pointVisibility({ x, y, z }) === 1) lit = middle;
     else dark = middle;
   }
   return lit;

@@ -8,7 +8,13 @@ import { fileURLToPath } from 'node:url';
 export const VECTORS = fileURLToPath(new URL('../../../../test_vectors', import.meta.url));
 
 /** The folders of valid files, one for each version of the format. */
-export const VALID_FOLDERS = ['valid', 'valid_v1', 'valid_v2'];
+export const VALID_FOLDERS = ['valid', 'valid_v2'];
+
+/** Offset of the header's field `layout`, bytes. */
+export const LAYOUT_AT = 52;
+
+/** The numbers of the layouts that are not read, in the header. */
+export const REFUSED_LAYOUTS = { plain: 0, packed: 1 };
 
 /** A point with the answer that every reader must give. */
 export interface ExpectedPoint {
@@ -24,8 +30,8 @@ export function readBytes(path: string): Uint8Array<ArrayBuffer> {
 
 /** Returns the names of the files of a folder of valid vectors, sorted, without `.adumbra`. */
 export function validNames(folder: string): string[] {
-  const names = readdirSync(join(VECTORS, folder)).filter((name) => name.endsWith('.adumbra'));
-  return names.map((name) => name.slice(0, -'.adumbra'.length)).sort();
+  const files = readdirSync(join(VECTORS, folder)).filter((name) => name.endsWith('.adumbra'));
+  return files.map((name) => name.slice(0, -'.adumbra'.length)).sort();
 }
 
 /** Returns the bytes of a valid vector. */

@@ -4,12 +4,13 @@
 
 use std::hint::black_box;
 
-use adumbra::layout::LeafMasks;
 use adumbra::layout::depths::DepthTree;
-use adumbra::layout::packed::PackedDag;
-use adumbra::layout::plain::Dag;
-use adumbra::{Bias, Cursor, LightBody, LightGrid, Query, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Error, LayoutChoice, Size, Watch, bake, pack};
+use adumbra::{Bias, Filter, LightGrid, PointVisibility, Sampler, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_papers::dag::build::{self, DagOptions, pack};
+use adumbra_papers::dag::packed::PackedDag;
+use adumbra_papers::dag::plain::Dag;
+use adumbra_papers::dag::{DagBody, DagFile, DagLayout, DagQuery, Error, LeafMasks};
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
 /// The displayed name of a step, and two strings that identify the symbols of its functions: one that they contain, and
@@ -24,22 +25,23 @@ const fn step(name: &'static str, symbol: [&'static str; 2]) -> Step {
 }
 
 /// All steps. Those of the library are counted over both bakes.
-pub(super) const STEPS: [Step; 15] = [
+pub(super) const STEPS: [Step; 16] = [
     step("bake into the graph", ["count::steps", "bake_graph"]),
     step("bake into depths", ["count::steps", "bake_depths"]),
     step("surfaces of the root blocks", ["fast::gather", "gather"]),
     step("descent of the root blocks", ["fast::descent", "build_root"]),
     step("bounds of blocks", ["fast::classify", "classify"]),
     step("columns of leaves", ["fast::leaf", "leaf_columns"]),
-    step("graph: leaf masks", ["runs::GraphSink", "::leaf"]),
-    step("graph: join", ["runs::GraphSink", "::join"]),
+    step("graph: leaf masks", ["sink::GraphSink", "::leaf"]),
+    step("graph: join", ["sink::GraphSink", "::join"]),
     step("depths: leaves", ["depths::DepthsSink", "::leaf"]),
     step("packed: encode", ["count::steps", "packed_encode"]),
     step("plain: look-up", ["count::steps", "plain_leaf_masks"]),
     step("packed: look-up", ["count::steps", "packed_leaf_masks"]),
-    step("packed: cursor, 9 x 9 in rows", ["count::steps", "cursor_rows"]),
+    step("packed: 9 x 9 in rows", ["count::steps", "packed_rows"]),
     step("depths: value", ["count::steps", "depths_values"]),
     step("depths: look-up", ["count::steps", "depths_leaf_masks"]),
+    step("depths: 9 x 9 in rows", ["count::steps", "depths_rows"]),
 ];
 
 const RESOLUTION: u64 = 1024;
@@ -57,31 +59,32 @@ pub(super) fn run() -> Result<(), Box<dyn std::error::Error>> {
     // Runs on a thread of the pool, so that work that it distributes comes back to it and is counted under the step.
     rayon::ThreadPoolBuilder::new().num_threads(1).build()?.install(|| -> Result<(), Error> {
         let graph = bake_graph(&scene, &options)?;
-        let depths = bake_depths(&scene, &options)?;
-        let (LightBody::Plain(dag), LightBody::Depths(depths)) = (&graph.body, &depths.body) else {
-            unreachable!("the layouts are those requested")
-        };
+        let file = bake_depths(&scene, &options)?;
+        let depths = &file.tree;
+        let points = rows(&graph.grid);
+        let DagBody::Plain(dag) = &graph.body else { unreachable!("the layout is the one requested") };
         let packed = packed_encode(dag)?;
         black_box(plain_leaf_masks(dag));
         black_box(packed_leaf_masks(&packed));
         black_box(depths_leaf_masks(depths));
         black_box(depths_values(depths));
-        black_box(cursor_rows(&graph.grid, &packed)?);
+        let graph = DagQuery::new(&graph.grid, &packed, Bias::default(), Filter::Box9);
+        black_box(packed_rows(&points, &graph));
+        black_box(depths_rows(&points, &file.sampler(Filter::Box9)));
         Ok(())
     })?;
     Ok(())
 }
 
 #[inline(never)]
-fn bake_graph(scene: &Scene, options: &BakeOptions) -> Result<ShadowFile, Error> {
-    let options = BakeOptions { layout: LayoutChoice::Plain, ..options.clone() };
-    Ok(bake(scene, &options, Watch::none())?.file)
+fn bake_graph(scene: &Scene, options: &BakeOptions) -> Result<DagFile, Error> {
+    let options = DagOptions { bake: options.clone(), layout: DagLayout::Plain };
+    Ok(build::bake(scene, &options, Watch::none())?.file)
 }
 
 #[inline(never)]
 fn bake_depths(scene: &Scene, options: &BakeOptions) -> Result<ShadowFile, Error> {
-    let options = BakeOptions { layout: LayoutChoice::Depths, ..options.clone() };
-    Ok(bake(scene, &options, Watch::none())?.file)
+    Ok(bake(scene, options, Watch::none())?.file)
 }
 
 #[inline(never)]
@@ -109,17 +112,29 @@ fn depths_values(depths: &DepthTree) -> u64 {
     voxels(depths.size).map(|[i, j, _]| u64::from(depths.value(i, j))).fold(0, u64::wrapping_add)
 }
 
-/// Looks up points one texel apart, on a horizontal plane through the middle of the grid.
 #[inline(never)]
-fn cursor_rows(grid: &LightGrid, leaf_masks: &dyn LeafMasks) -> Result<f64, Error> {
-    let mut cursor = Cursor::new(Query::new(grid, leaf_masks, Bias::default(), 9)?);
+fn packed_rows(points: &[[f64; 3]], graph: &DagQuery<'_>) -> f64 {
+    look_up_level(points, graph)
+}
+
+#[inline(never)]
+fn depths_rows(points: &[[f64; 3]], sampler: &Sampler) -> f64 {
+    look_up_level(points, sampler)
+}
+
+fn look_up_level(points: &[[f64; 3]], look_up: &impl PointVisibility) -> f64 {
+    let normals = vec![[0.0, 1.0, 0.0]; points.len()];
+    look_up.visibilities(points, Some(&normals)).into_iter().map(f64::from).sum()
+}
+
+/// Returns points one texel apart, on a horizontal plane through the middle of the grid.
+fn rows(grid: &LightGrid) -> Vec<[f64; 3]> {
     let middle = grid.to_world(grid.size.map(|n| 0.5 * f64::from(n)));
     let across = 200;
     let place = |n: u32| f64::from(n) * grid.voxel_size;
-    let points = (0..LOOK_UPS).map(|n| {
-        [middle[0] + place(n % across) - 0.5 * place(across), middle[1], middle[2] + place(n / across)]
-    });
-    Ok(points.map(|p| f64::from(cursor.visibility(p, Some([0.0, 1.0, 0.0])))).sum())
+    let point =
+        |n| [middle[0] + place(n % across) - 0.5 * place(across), middle[1], middle[2] + place(n / across)];
+    (0..LOOK_UPS).map(point).collect()
 }
 
 /// Returns pseudo-random voxels.

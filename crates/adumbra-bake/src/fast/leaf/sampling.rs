@@ -1,4 +1,4 @@
-//! First surfaces of a leaf's columns, and where the solids end that are hit first.
+//! First surfaces of a leaf's columns, and where the solids that are hit first end.
 
 use super::texels::{LANES, rows_of};
 use super::{Crossings, Leaf, Near};

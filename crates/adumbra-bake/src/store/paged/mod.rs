@@ -29,9 +29,9 @@ macro_rules! word {
         }
     )*};
 }
-word!(u16, u32, u64);
+word!(u16, u32);
 
-/// A vector of words that supports reading, appending and overwriting runs of words.
+/// A vector of words that supports appending and reading runs of words.
 pub(crate) struct PagedVec<T> {
     /// All words, if there is no spill.
     whole: Vec<T>,
@@ -46,40 +46,15 @@ struct Pages {
     length: usize,
 }
 
-impl<T> Default for PagedVec<T> {
-    fn default() -> Self {
-        Self { whole: Vec::new(), paged: None }
-    }
-}
-
 impl<T: Word> PagedVec<T> {
-    const PAGE: usize = PAGE_BYTES / size_of::<T>();
-
     /// Creates an empty vector. If there is a `spill`, words beyond its room go to disk.
     pub(crate) fn new(spill: Option<&Arc<Spill>>) -> Self {
         let paged = spill.map(|spill| Pages { spill: Arc::clone(spill), pages: Vec::new(), length: 0 });
         Self { whole: Vec::new(), paged }
     }
 
-    /// Whether words may be on disk.
-    pub(crate) fn is_paged(&self) -> bool {
-        self.paged.is_some()
-    }
-
-    /// Whether words may have been lost, which then read as zeros; see [`Spill::check`].
-    pub(crate) fn has_failed(&self) -> bool {
-        self.paged.as_ref().is_some_and(|paged| paged.spill.has_failed())
-    }
-
     pub(crate) fn len(&self) -> usize {
         self.paged.as_ref().map_or(self.whole.len(), |paged| paged.length)
-    }
-
-    /// Reserves room for this many more words if all words are in memory.
-    pub(crate) fn reserve_exact(&mut self, words: usize) {
-        if self.paged.is_none() {
-            self.whole.reserve_exact(words);
-        }
     }
 
     /// Frees unused capacity.
@@ -93,32 +68,10 @@ impl<T: Word> PagedVec<T> {
         self.whole.capacity() * size_of::<T>() + pages * 4
     }
 
-    pub(crate) fn push(&mut self, word: T) {
-        if self.paged.is_none() {
-            self.whole.push(word);
-        } else {
-            self.extend_from_slice(&[word]);
-        }
-    }
-
     pub(crate) fn extend_from_slice(&mut self, words: &[T]) {
-        let Some(Pages { spill, pages, length }) = &mut self.paged else {
-            return self.whole.extend_from_slice(words);
-        };
-        let from = *length;
-        *length += words.len();
-        while pages.len() * Self::PAGE < *length {
-            pages.push(spill.new_page());
-        }
-        self.overwrite(from, words);
-    }
-
-    pub(crate) fn get(&self, at: usize) -> T {
-        match &self.paged {
-            None => self.whole[at],
-            Some(Pages { spill, pages, .. }) => {
-                spill.read(pages[at / Self::PAGE], |bytes| word_in(bytes, at % Self::PAGE))
-            }
+        match &mut self.paged {
+            None => self.whole.extend_from_slice(words),
+            Some(paged) => paged.extend(words),
         }
     }
 
@@ -129,32 +82,35 @@ impl<T: Word> PagedVec<T> {
         length: impl FnOnce(T) -> usize,
         f: impl FnOnce(&[T]) -> R,
     ) -> R {
-        if self.paged.is_none() {
+        let Some(paged) = &self.paged else {
             return f(&self.whole[at..at + length(self.whole[at])]);
-        }
+        };
         let mut buffer = [T::default(); MOST];
         // As many words as may be needed and are on one page.
-        let known = MOST.min(Self::PAGE - at % Self::PAGE).min(self.len() - at);
-        self.read(at, &mut buffer[..known]);
+        let known = MOST.min(words_per_page::<T>() - at % words_per_page::<T>()).min(paged.length - at);
+        paged.read(at, &mut buffer[..known]);
         // Lost words may give any length.
-        let length = length(buffer[0]).min(MOST).min(self.len() - at);
+        let length = length(buffer[0]).min(MOST).min(paged.length - at);
         if length > known {
-            self.read(at + known, &mut buffer[known..length]);
+            paged.read(at + known, &mut buffer[known..length]);
         }
         f(&buffer[..length])
     }
+}
 
-    /// Overwrites words from `at` on.
-    pub(crate) fn overwrite(&mut self, at: usize, words: &[T]) {
-        let Some(Pages { spill, pages, .. }) = &self.paged else {
-            return self.whole[at..at + words.len()].copy_from_slice(words);
-        };
-        let mut at = at;
-        let mut words = words;
+impl Pages {
+    /// Appends words.
+    fn extend<T: Word>(&mut self, words: &[T]) {
+        let page = words_per_page::<T>();
+        let (mut at, mut words) = (self.length, words);
+        self.length += words.len();
+        while self.pages.len() * page < self.length {
+            self.pages.push(self.spill.new_page());
+        }
         while !words.is_empty() {
-            let (part, rest) = words.split_at(words.len().min(Self::PAGE - at % Self::PAGE));
-            spill.write(pages[at / Self::PAGE], |bytes| {
-                let bytes = bytes[at % Self::PAGE * size_of::<T>()..].chunks_exact_mut(size_of::<T>());
+            let (part, rest) = words.split_at(words.len().min(page - at % page));
+            self.spill.write(self.pages[at / page], |bytes| {
+                let bytes = bytes[at % page * size_of::<T>()..].chunks_exact_mut(size_of::<T>());
                 bytes.zip(part).for_each(|(bytes, word)| word.to_bytes(bytes));
             });
             (at, words) = (at + part.len(), rest);
@@ -162,46 +118,26 @@ impl<T: Word> PagedVec<T> {
     }
 
     /// Fills `words` with the words from `at` on.
-    pub(crate) fn read(&self, at: usize, words: &mut [T]) {
-        let Some(Pages { spill, pages, .. }) = &self.paged else {
-            return words.copy_from_slice(&self.whole[at..at + words.len()]);
-        };
-        let mut at = at;
-        let mut words = words;
+    fn read<T: Word>(&self, at: usize, words: &mut [T]) {
+        let page = words_per_page::<T>();
+        let (mut at, mut words) = (at, words);
         while !words.is_empty() {
-            let (part, rest) = words.split_at_mut(words.len().min(Self::PAGE - at % Self::PAGE));
-            spill.read(pages[at / Self::PAGE], |bytes| {
-                let bytes = bytes[at % Self::PAGE * size_of::<T>()..].chunks_exact(size_of::<T>());
+            let (part, rest) = words.split_at_mut(words.len().min(page - at % page));
+            self.spill.read(self.pages[at / page], |bytes| {
+                let bytes = bytes[at % page * size_of::<T>()..].chunks_exact(size_of::<T>());
                 part.iter_mut().zip(bytes).for_each(|(word, bytes)| *word = T::from_bytes(bytes));
             });
             (at, words) = (at + part.len(), rest);
         }
     }
-
-    /// Loads all words into memory, releasing pages on the way.
-    pub(crate) fn into_vec(mut self) -> Vec<T> {
-        let length = self.len();
-        let Some(Pages { spill, pages, .. }) = &mut self.paged else {
-            return std::mem::take(&mut self.whole);
-        };
-        let mut words = Vec::with_capacity(length);
-        for page in pages.drain(..) {
-            let count = Self::PAGE.min(length - words.len());
-            spill.read(page, |bytes| words.extend((0..count).map(|at| word_in::<T>(bytes, at))));
-            spill.drop_page(page);
-        }
-        words
-    }
 }
 
-impl<T> Drop for PagedVec<T> {
+impl Drop for Pages {
     fn drop(&mut self) {
-        if let Some(Pages { spill, pages, .. }) = &self.paged {
-            pages.iter().for_each(|&page| spill.drop_page(page));
-        }
+        self.pages.iter().for_each(|&page| self.spill.drop_page(page));
     }
 }
 
-fn word_in<T: Word>(bytes: &[u8], at: usize) -> T {
-    T::from_bytes(&bytes[at * size_of::<T>()..][..size_of::<T>()])
+const fn words_per_page<T>() -> usize {
+    PAGE_BYTES / size_of::<T>()
 }

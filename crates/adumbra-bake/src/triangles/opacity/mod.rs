@@ -1,4 +1,4 @@
-//! Textures with holes in the form that the fast builder asks: exact samples, many at a time, and whether a rectangle of
+//! Textures with holes in the form that the fast builder needs: exact samples, many at a time, and whether a rectangle of
 //! texture coordinates is opaque or clear throughout.
 //!
 //! A bilinear sample is a mean of four texels. So the plane is cut into cells between four texel centres, and a table of

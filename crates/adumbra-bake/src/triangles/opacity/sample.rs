@@ -4,7 +4,7 @@ use adumbra_scene::Wrap;
 
 use super::OpacityTable;
 
-/// Numbers from this one to its double have no binary places.
+/// Numbers from this one to its double have no fraction bits.
 const WHOLE: f32 = (1_u32 << 23) as f32;
 
 const BITS: [u32; 16] = {

@@ -3,6 +3,7 @@
 use adumbra_render::occlusion::{Estimator, Filter, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{FrameTimes, Stage};
 use adumbra_scene::Camera;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -17,8 +18,8 @@ use adumbra_compare::metrics::{flip, ssim};
 pub(super) type Pictures = Vec<(String, Vec<f32>)>;
 
 /// An estimator's results; milliseconds are medians.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "AoRow"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "AoRow")]
 pub(crate) struct Row {
     /// Name of the estimator.
     pub(crate) estimator: Cow<'static, str>,
@@ -36,12 +37,15 @@ pub(crate) struct Row {
     pub(crate) raw_ms: f64,
     /// `ms` divided by alchemy's, the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) by_alchemy: f64,
     /// `raw_ms` divided by alchemy's, the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) raw_by_alchemy: f64,
     /// Least and greatest of the ratios that `by_alchemy` is the median of.
     #[serde(deserialize_with = "pair_or_nan")]
+    #[schemars(with = "[Option<f64>; 2]")]
     pub(crate) by_alchemy_range: [f64; 2],
     /// The picture with the filter.
     pub(crate) filtered: PictureFigures,
@@ -50,8 +54,7 @@ pub(crate) struct Row {
 }
 
 /// A picture compared with the truth.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct PictureFigures {
     /// Errors with the filter.
     pub(crate) errors: OcclusionErrors,

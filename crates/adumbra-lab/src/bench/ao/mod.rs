@@ -19,6 +19,7 @@ use adumbra_program::exit::Code;
 use adumbra_program::output::make_folder;
 use adumbra_render::occlusion::{Estimator, OcclusionSettings};
 use adumbra_render::{Gpu, SceneOptions};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -44,8 +45,7 @@ const FLOOR_FRAMES: usize = 3;
 const ERROR_STEP: usize = 37;
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// How the pictures were drawn and timed.
     #[serde(flatten)]
@@ -71,8 +71,7 @@ pub(crate) struct Document {
 }
 
 /// One scene's results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct SceneFigures {
     /// Name.
     pub(crate) name: Cow<'static, str>,

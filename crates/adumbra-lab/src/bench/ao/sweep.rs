@@ -5,6 +5,7 @@ use std::path::Path;
 
 use adumbra_render::FrameTimes;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Bench, Document, SceneFigures};
@@ -20,8 +21,7 @@ const FRAMES: u32 = 3;
 const TRIES: u32 = 6;
 
 /// The results of an estimator with its filter at one number of taps.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Point {
     /// Name of the estimator.
     pub(crate) estimator: Cow<'static, str>,
@@ -34,8 +34,7 @@ pub(crate) struct Point {
 }
 
 /// The results of issao with as many taps as gtao's time allows.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct EqualTime {
     /// Taps per pixel of issao.
     pub(crate) issao_samples: u32,
@@ -45,6 +44,7 @@ pub(crate) struct EqualTime {
     pub(crate) gtao_ms: f64,
     /// issao's time divided by gtao's, the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) ratio: f64,
     /// Root mean square error of issao.
     pub(crate) issao_rmse: f64,

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
 use adumbra_render::{FrameTimes, SpecText};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Bench;
@@ -37,8 +38,7 @@ pub(super) const FIG_5: &str = "preset=fig5";
 const STILL_FRAMES: u32 = 16;
 
 /// A variant's results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Variant {
     /// Options as given to `--ao issao:…`.
     pub(crate) options: Cow<'static, str>,
@@ -48,6 +48,7 @@ pub(crate) struct Variant {
     pub(crate) ms: f64,
     /// Time divided by that of the first variant, issao itself: the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) by_issao: f64,
     /// Errors with the filter.
     pub(crate) errors: OcclusionErrors,

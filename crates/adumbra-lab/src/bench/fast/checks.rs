@@ -1,5 +1,6 @@
 //! The requirements and their outcome.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rows::{
@@ -8,8 +9,8 @@ use super::rows::{
 use super::{Document, Figures};
 
 /// A requirement and its outcome.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "BakeCheck"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "BakeCheck")]
 pub(crate) struct Check {
     /// What is measured: a bake, or several together.
     pub(super) row: String,

@@ -11,9 +11,8 @@ use std::path::Path;
 
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::make_folder;
-use clap::ValueEnum;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use self::checks::Check;
 use self::rows::{QUERY_OF, Row, rows};
@@ -28,8 +27,7 @@ const QUERY: &str = "query";
 const NO_THREADS: u64 = 0;
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// Command that measured.
     command: String,
@@ -46,8 +44,8 @@ pub(crate) struct Document {
 }
 
 /// One bake's results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "FastBake"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "FastBake")]
 pub(crate) struct Figures {
     /// Name.
     name: String,
@@ -59,8 +57,6 @@ pub(crate) struct Figures {
     thickness_world: f64,
     /// Direction towards the sun.
     sun: [f64; 3],
-    /// Layout of the file.
-    layout: Value,
     /// Wall time in seconds, the median of the runs.
     seconds: f64,
     /// Largest resident size of the process.
@@ -140,7 +136,6 @@ fn command(args: &BenchBake) -> String {
     let mut command = "adumbra-lab bench bake --suite fast --scenes DIR".to_owned();
     for (option, value) in [
         ("--only", (!args.only.is_empty()).then(|| args.only.join(","))),
-        ("--layout", layout(args)),
         ("--max-n", args.max_n.map(|n| n.to_string())),
         ("--samples", Some(args.samples.to_string())),
     ] {
@@ -151,19 +146,14 @@ fn command(args: &BenchBake) -> String {
     command + " -o DIR"
 }
 
-fn layout(args: &BenchBake) -> Option<String> {
-    args.layout.and_then(|l| l.to_possible_value()).map(|l| l.get_name().to_owned())
-}
-
 /// Bakes a row into `file` and compares it with rays.
 fn bake(args: &BenchBake, row: &Row, file: &Path, document: &mut Document) -> Result<Figures> {
     let scene = scene_file(args, row.scene);
     let sun = row.sun.map(|c| c.to_string()).join(",");
     let (resolution, thickness) = (row.resolution.to_string(), row.thickness.to_string());
     let mut options = vec!["--sun", &sun, "--resolution", &resolution, "--thickness", &thickness];
-    let (layout, memory) = (layout(args), row.max_memory_bytes().map(|bytes| bytes.to_string()));
+    let memory = row.max_memory_bytes().map(|bytes| bytes.to_string());
     options.extend(memory.iter().flat_map(|bytes| ["--max-memory", bytes.as_str()]));
-    options.extend(layout.iter().flat_map(|l| ["--layout", l.as_str()]));
     let said = child::bake_into(file, &scene, &options)?;
     let number = |key: &str| said[key].as_f64().unwrap_or(f64::NAN);
     eprintln!("{}: {:.2} s, {} bytes", row.name(), number("seconds"), number("file_bytes"));
@@ -177,7 +167,6 @@ fn bake(args: &BenchBake, row: &Row, file: &Path, document: &mut Document) -> Re
         resolution: row.resolution,
         thickness_world: row.thickness,
         sun: row.sun,
-        layout: said["layout"].clone(),
         seconds: number("seconds"),
         peak_bytes: number("peak_bytes"),
         file_bytes: number("file_bytes"),

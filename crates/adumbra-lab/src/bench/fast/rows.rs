@@ -1,5 +1,6 @@
 //! The bakes of the suite, and the limit of each figure.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A bake of the suite.
@@ -27,8 +28,7 @@ impl Row {
 }
 
 /// A figure that is bounded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Figure {
     /// Wall time of the bake.

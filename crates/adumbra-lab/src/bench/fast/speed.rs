@@ -3,16 +3,18 @@
 use std::path::Path;
 use std::time::Instant;
 
-use adumbra::{Cursor, Query, ShadowFile};
+use adumbra::query::Cursor;
+use adumbra::{Filter, ShadowFile};
 use adumbra_program::scene::load_scene;
 use adumbra_scene::LoadOptions;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use adumbra_compare::Result;
 
-const FILTER: u32 = 9;
+const FILTER: Filter = Filter::Box9;
 /// Points per row, and number of rows.
 const POINTS: [u32; 2] = [2000, 1000];
 /// Spacing of the points in texels.
@@ -21,8 +23,7 @@ const STEPS_TEXELS: [f64; 3] = [1.0, 4.0, 0.25];
 const RUNS: usize = 3;
 
 /// The results for rows of points at one spacing.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Scan {
     /// Distance between neighbouring points in texels.
     pub(super) step_texels: f64,
@@ -42,7 +43,7 @@ pub(super) fn measure(file: &Path, scene: &Path) -> Result<Vec<Scan>> {
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let bounds = scene.bounds();
     let file = ShadowFile::read(file)?;
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, FILTER)?;
+    let sampler = file.sampler(FILTER);
     let middle = [0, 2].map(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
     let scan = |step_texels: f64| {
         let step = step_texels * file.grid.voxel_size;
@@ -61,7 +62,7 @@ pub(super) fn measure(file: &Path, scene: &Path) -> Result<Vec<Scan>> {
         let mut sum = 0.0;
         for _ in 0..RUNS {
             let start = Instant::now();
-            let mut cursor = Cursor::new(query);
+            let mut cursor = Cursor::new(&sampler);
             sum = points.iter().map(|&(p, normal)| f64::from(cursor.visibility(p, Some(normal)))).sum();
             seconds.push(start.elapsed().as_secs_f64());
         }

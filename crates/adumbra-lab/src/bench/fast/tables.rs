@@ -23,7 +23,7 @@ pub(super) fn markdown(document: &Document) -> String {
     );
     if !document.query.is_empty() {
         text.push_str(
-            "\n## Look-ups\n\nbox-city-51k at 65,536, 9 × 9 texels, `adumbra::Cursor` on one core. The points, \
+            "\n## Look-ups\n\nbox-city-51k at 65,536, 9 × 9 texels, `adumbra::Sampler` on one core. The points, \
             with normals, are those seen from straight above around the middle of the scene, in rows of 2000 \
             that are visited one after the other. Median of three runs.\n\n",
         );
@@ -59,7 +59,6 @@ fn bakes(rows: &[Figures]) -> String {
             ("scene", |r| r.scene.clone()),
             ("N", |r| r.resolution.to_string()),
             ("thickness, m", |r| r.thickness_world.to_string()),
-            ("layout", |r| r.layout.as_str().unwrap_or_default().to_owned()),
             ("s", |r| figure(r.seconds, 2)),
             ("peak MB", |r| figure(r.peak_bytes / 1e6, 0)),
             ("file MB", |r| figure(r.file_bytes / 1e6, 2)),

@@ -12,14 +12,15 @@ use std::time::{Duration, Instant};
 use adumbra_program::exit::Code;
 use adumbra_program::output::make_folder;
 use adumbra_render::Gpu;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::args::BenchGpu;
 use adumbra_compare::Result;
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "GpuDocument"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "GpuDocument")]
 pub(crate) struct Document {
     /// Adapter and driver.
     adapter: String,
@@ -38,8 +39,8 @@ pub(crate) struct Document {
 }
 
 /// One table.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "GpuSection"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "GpuSection")]
 pub(crate) struct Section {
     /// Title.
     title: String,
@@ -52,8 +53,8 @@ pub(crate) struct Section {
 }
 
 /// One technique.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "GpuRow"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "GpuRow")]
 pub(crate) struct Row {
     /// The technique, written as for `render`, with the file that it reads.
     technique: String,
@@ -64,8 +65,8 @@ pub(crate) struct Row {
 }
 
 /// The median times of one view.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "GpuView"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "GpuView")]
 pub(crate) struct View {
     /// Name of the view.
     view: String,

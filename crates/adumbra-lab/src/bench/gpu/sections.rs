@@ -1,9 +1,13 @@
 //! What is measured, the most important first.
 
-use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size, Watch, bake};
+use adumbra::Sun;
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_papers::techniques::PaperFiles;
 use adumbra_render::occlusion::{Estimator, Filter, OcclusionPasses, OcclusionSettings};
-use adumbra_render::{Baked, Renderer, SceneOptions, TECHNIQUES, TechniqueSpec};
+use adumbra_render::{Baked, Renderer, SceneOptions, TechniqueSpec};
+
+use crate::TECHNIQUES;
+use crate::light_file::{Kind, LightFile};
 use adumbra_scene::Scene;
 
 use super::scenes::{Seen, city, movers, tiled, triangles, views};
@@ -58,16 +62,18 @@ impl Bench<'_> {
     }
 }
 
-fn baked(on: &OnDevice<'_>, resolution: u64, frame: FrameChoice, layout: LayoutChoice) -> Result<ShadowFile> {
-    let options = BakeOptions { frame, layout, ..BakeOptions::new(on.sun, Size::Resolution(resolution)) };
-    Ok(bake(on.scene, &options, Watch::none())?.file)
+fn baked(on: &OnDevice<'_>, resolution: u64, frame: FrameChoice, kind: Kind) -> Result<LightFile> {
+    let options = BakeOptions { frame, ..BakeOptions::new(on.sun, Size::Resolution(resolution)) };
+    LightFile::bake(on.scene, &options, kind)
 }
 
 /// Every technique with its defaults.
 fn techniques(bench: &mut Bench<'_>, on: &mut OnDevice<'_>) -> Result<()> {
     let names = TECHNIQUES.iter().filter(|entry| !entry.is_reference()).map(|entry| entry.name);
-    let specs: Vec<TechniqueSpec> = names.map(str::parse).collect::<std::result::Result<_, _>>()?;
-    let mut files = BakedFiles::default();
+    let specs: Vec<TechniqueSpec> =
+        names.map(|name| TECHNIQUES.parse(name)).collect::<std::result::Result<_, _>>()?;
+    let cube_resolution = CUBES.min(bench.args.resolution);
+    let mut files = BakedFiles::with(Some(Box::new(PaperFiles { cube_resolution, ..PaperFiles::default() })));
     files.complete(
         &specs,
         &BakeOnDemand {
@@ -75,11 +81,10 @@ fn techniques(bench: &mut Bench<'_>, on: &mut OnDevice<'_>) -> Result<()> {
             sun: on.sun,
             ignore_alpha: false,
             resolution: bench.args.resolution,
-            cube_resolution: CUBES.min(bench.args.resolution),
             max_memory_bytes: None,
         },
     )?;
-    let given = Baked { light: files.light.as_ref(), tree: files.tree.as_ref() };
+    let given = files.baked();
     let mut rows = Vec::new();
     for spec in &specs {
         rows.push(bench.technique(&mut on.renderer, on.views, [&spec.to_string(), ""], given, None)?);
@@ -91,12 +96,12 @@ fn techniques(bench: &mut Bench<'_>, on: &mut OnDevice<'_>) -> Result<()> {
 fn filters(bench: &mut Bench<'_>, on: &mut OnDevice<'_>) -> Result<()> {
     let mut rows = Vec::new();
     for frame in [FrameChoice::Light, FrameChoice::Oblique] {
-        for layout in [LayoutChoice::Packed, LayoutChoice::Depths] {
-            let file = baked(on, bench.args.resolution, frame, layout)?;
-            let named = format!("{} {}", file.grid.frame.name(), file.body.layout().name());
-            let given = Baked { light: Some(&file), tree: None };
+        for kind in Kind::ALL {
+            let file = baked(on, bench.args.resolution, frame, kind)?;
+            let named = format!("{} {}", file.grid().frame.name(), kind.name());
+            let given = file.baked();
             for filter in FILTERS {
-                let technique = format!("voxel:filter={filter}");
+                let technique = file.technique(filter);
                 rows.push(bench.technique(&mut on.renderer, on.views, [&technique, &named], given, None)?);
             }
         }
@@ -116,8 +121,8 @@ fn large(bench: &mut Bench<'_>, on: &OnDevice<'_>) -> Result<()> {
     renderer.set_movers(&moving, SceneOptions::default())?;
     let name = format!("{side} × {side} copies of the city, and 25 spheres that move");
     let mut large = OnDevice { name, scene: &scene, renderer, views: on.views, sun: on.sun };
-    let file = baked(&large, bench.args.resolution, FrameChoice::Auto, LayoutChoice::Depths)?;
-    let given = Baked { light: Some(&file), tree: None };
+    let file = baked(&large, bench.args.resolution, FrameChoice::Auto, Kind::Quadtree)?;
+    let given = file.baked();
     let mut rows = Vec::new();
     for technique in ["csm:filter=5", "csm:filter=5:static=cached", "voxel+csm:filter=5", "voxel:filter=5"] {
         let spec = [technique, ""];
@@ -134,10 +139,10 @@ fn resolutions(bench: &mut Bench<'_>, on: &mut OnDevice<'_>) -> Result<()> {
         if bench.is_over(&named) {
             continue;
         }
-        let file = baked(on, resolution, FrameChoice::Auto, LayoutChoice::Depths)?;
+        let file = baked(on, resolution, FrameChoice::Auto, Kind::Quadtree)?;
         for filter in [1, 5, 9] {
             let technique = [&format!("voxel:filter={filter}"), named.as_str()];
-            let given = Baked { light: Some(&file), tree: None };
+            let given = file.baked();
             rows.push(bench.technique(&mut on.renderer, on.views, technique, given, None)?);
         }
     }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use adumbra_render::occlusion::OcclusionPasses;
-use adumbra_render::{Answer, Baked, FrameTimes, Renderer, Stage, TechniqueSpec, build};
+use adumbra_render::{Answer, Baked, FrameTimes, Renderer, Stage, build};
 use adumbra_scene::Scene;
 
 use super::scenes::{Seen, moved};
@@ -43,7 +43,7 @@ impl Bench<'_> {
         if self.is_over(&named) {
             return Ok(None);
         }
-        let spec: TechniqueSpec = technique.parse()?;
+        let spec = crate::TECHNIQUES.parse(technique)?;
         let prepared = build(&self.gpu, &spec, baked).and_then(|built| renderer.prepare(built));
         let mut prepared = match prepared {
             Ok(prepared) => prepared,

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use adumbra_program::exit::Failure;
 use adumbra_render::hybrid::twin::level_shares;
 use adumbra_render::{Answer, Baked, FrameTimes, Prepared, RenderError, Renderer, Shot, Stage, build};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::{or_nan, pair_or_nan};
@@ -18,8 +19,8 @@ use adumbra_compare::report::{ClearErrors, PixelCounts};
 use adumbra_compare::truth::{SunShape, Surfaces};
 
 /// A technique's results; milliseconds are medians.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "HrsmRow"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "HrsmRow")]
 pub(crate) struct Row {
     /// Name as given to `--shadow`.
     pub(crate) name: String,
@@ -37,21 +38,27 @@ pub(crate) struct Row {
     pub(crate) still_ms: f64,
     /// Look-up time divided by that of the shadow map at START: the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) lookup_ratio: f64,
     /// Least and greatest of the ratios that `lookup_ratio` is the median of.
     #[serde(deserialize_with = "pair_or_nan")]
+    #[schemars(with = "[Option<f64>; 2]")]
     pub(crate) lookup_ratio_range: [f64; 2],
     /// `shadow_ms` compared with the shadow map at START, the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) shadow_ratio: f64,
     /// `frame_ms` compared with the shadow map at START, the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) frame_ratio: f64,
     /// `still_ms` compared with the shadow map at START, the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) still_ratio: f64,
     /// Whole frame with a cached map, compared with the shadow map at START, the median of the ratios frame by frame.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) still_frame_ratio: f64,
     /// GPU memory of a map that is redrawn every frame.
     pub(crate) moving_bytes: u64,
@@ -61,9 +68,11 @@ pub(crate) struct Row {
     ///
     /// A cached shadow map is not the reference, because it holds a second layer for moving casters.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) moving_share: f64,
     /// `still_bytes` divided by the same reference.
     #[serde(deserialize_with = "or_nan")]
+    #[schemars(with = "Option<f64>")]
     pub(crate) still_share: f64,
     /// Share of the area that is answered at each level of the map, finest first.
     pub(crate) levels: Option<Vec<f64>>,
@@ -88,8 +97,7 @@ impl Row {
 }
 
 /// The results of one start and filter.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Group {
     /// Texels per side of the finest level.
     pub(crate) start: u32,

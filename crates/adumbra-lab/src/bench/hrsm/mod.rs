@@ -16,6 +16,7 @@ use adumbra::Sun;
 use adumbra_program::exit::Code;
 use adumbra_program::output::make_folder;
 use adumbra_render::{Gpu, RenderError, Renderer, SceneOptions, Shot};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::figures::{Levels, Stage};
@@ -35,8 +36,7 @@ use adumbra_compare::{Error, Result};
 const FILTERS: [u32; 2] = [1, 5];
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// How the pictures were drawn and timed.
     #[serde(flatten)]
@@ -58,8 +58,7 @@ pub(crate) struct Document {
 }
 
 /// One model's results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct ModelFigures {
     /// Name.
     pub(crate) name: String,

@@ -12,21 +12,21 @@ mod voxels;
 
 use std::fmt::Write as _;
 
-use adumbra::{Frame, Layout, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size, Watch, bake};
+use adumbra::{Filter, Frame};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_program::exit::Code;
 use adumbra_program::output::{make_folder, note_input};
 use adumbra_program::scene::load_scene;
-use adumbra_render::voxel::{BakedLight, VoxelSettings};
-use adumbra_render::{
-    Answer, Baked, FrameTimes, Gpu, Prepared, Renderer, SceneOptions, Shot, Stage, TechniqueSpec, build,
-};
-use adumbra_scene::{Camera, LoadOptions, Scene};
+use adumbra_render::{Answer, Baked, FrameTimes, Gpu, Prepared, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_scene::{Camera, LoadOptions};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::pixels::{Group, groups};
 use super::peers::scene_file;
+use crate::TECHNIQUES;
 use crate::args::BenchLookup;
+use crate::light_file::{Kind, LightFile};
 use adumbra_compare::Result;
 use adumbra_compare::compare::{interleaved, median_time};
 use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera, truth_camera};
@@ -39,8 +39,7 @@ const CASCADE_FILTERS: [u32; 3] = [3, 5, 7];
 const EYE_HEIGHT: f64 = 1.7;
 
 /// All results.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// Texels along the longest side of the files.
     resolution: u64,
@@ -59,8 +58,7 @@ pub(crate) struct Document {
 }
 
 /// What the look-ups of one view read.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 struct Row {
     /// Name of the scene.
     scene: String,
@@ -68,8 +66,8 @@ struct Row {
     view: String,
     /// Frame of the file: `light` or `oblique`.
     frame: String,
-    /// How the file stores its shadows.
-    layout: Layout,
+    /// How the file stores its shadows: `packed`, a graph, or `depths`, the quadtree.
+    layout: String,
     /// Texels along each side of the filter.
     filter: u32,
     /// What was counted, and the milliseconds of a look-up pass.
@@ -78,8 +76,7 @@ struct Row {
 }
 
 /// What look-ups in cascades read in one view.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 struct CascadeRow {
     /// Name of the scene.
     scene: String,
@@ -93,8 +90,7 @@ struct CascadeRow {
 }
 
 /// The reads of one view.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 struct Figures {
     /// Number of pixels that were counted: those that face the sun.
     pixels: usize,
@@ -176,7 +172,7 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
         });
     let mut renderer = Renderer::new(gpu.clone(), &scene, SceneOptions::default())?;
     for filter in CASCADE_FILTERS {
-        let mut technique = prepare(&renderer, &format!("csm:filter={filter}"), None)?;
+        let mut technique = prepare(&renderer, &format!("csm:filter={filter}"), Baked::default())?;
         for Seen { name: view, shot, groups } in &views {
             let times = time(&mut renderer, shot, &mut technique, args.frames)?;
             let Some(map) = technique.technique().map() else { continue };
@@ -187,19 +183,19 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
         }
     }
     for frame in [FrameChoice::Light, FrameChoice::Oblique] {
-        for layout in [LayoutChoice::Packed, LayoutChoice::Depths] {
-            let file = baked(&scene, sun, args.common.resolutions.resolution, frame, layout)?;
+        for kind in Kind::ALL {
+            let size = Size::Resolution(args.common.resolutions.resolution);
+            let options = BakeOptions { frame, ..BakeOptions::new(sun, size) };
+            let file = LightFile::bake(&scene, &options, kind)?;
             for &filter in &args.filter {
-                let settings = VoxelSettings::taps(filter, file.settings.bias);
-                let light = BakedLight::from_file(gpu, &file, settings)?;
-                let mut technique = prepare(&renderer, &format!("voxel:filter={filter}"), Some(&file))?;
+                let mut technique = prepare(&renderer, &file.technique(filter), file.baked())?;
                 for Seen { name: view, shot, groups } in &views {
                     let times = time(&mut renderer, shot, &mut technique, args.frames)?;
-                    let counts = voxels::count(gpu, &light, &file, groups, filter)?;
+                    let counts = voxels::count(gpu, &file, groups, Filter::try_from(filter)?)?;
                     let figures = counts.figures(groups.len(), &times);
-                    let (frame, layout) = (file.grid.frame.name(), file.body.layout());
-                    say(name, view, &format!("{frame} {}, {filter}", layout.name()), &figures);
-                    let [scene, view, frame] = [name, *view, frame].map(str::to_owned);
+                    let (frame, layout) = (file.grid().frame.name(), kind.name());
+                    say(name, view, &format!("{frame} {layout}, {filter}"), &figures);
+                    let [scene, view, frame, layout] = [name, *view, frame, layout].map(str::to_owned);
                     document.rows.push(Row { scene, view, frame, layout, filter, figures });
                 }
             }
@@ -216,9 +212,9 @@ fn say(scene: &str, view: &str, what: &str, figures: &Figures) {
     );
 }
 
-fn prepare(renderer: &Renderer, technique: &str, light: Option<&ShadowFile>) -> Result<Prepared> {
-    let spec: TechniqueSpec = technique.parse()?;
-    Ok(renderer.prepare(build(renderer.gpu(), &spec, Baked { light, tree: None })?)?)
+fn prepare(renderer: &Renderer, technique: &str, baked: Baked<'_>) -> Result<Prepared> {
+    let spec = TECHNIQUES.parse(technique)?;
+    Ok(renderer.prepare(build(renderer.gpu(), &spec, baked)?)?)
 }
 
 /// Draws one frame that does not count, and `frames` that do.
@@ -230,17 +226,6 @@ fn time(
 ) -> Result<Vec<FrameTimes>> {
     renderer.draw(shot, technique, Answer::Visibility)?;
     Ok(interleaved(renderer, shot, &mut [technique], frames)?.remove(0))
-}
-
-fn baked(
-    scene: &Scene,
-    sun: Sun,
-    resolution: u64,
-    frame: FrameChoice,
-    layout: LayoutChoice,
-) -> Result<ShadowFile> {
-    let options = BakeOptions { frame, layout, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
-    Ok(bake(scene, &options, Watch::none())?.file)
 }
 
 fn markdown(document: &Document) -> String {
@@ -282,8 +267,8 @@ fn markdown(document: &Document) -> String {
         }
         text.push('\n');
         for frame in [Frame::Light.name(), "oblique"] {
-            for layout in [Layout::Packed, Layout::Depths] {
-                let _ = write!(text, "| {frame}, {} |", layout.name());
+            for layout in Kind::ALL.map(Kind::name) {
+                let _ = write!(text, "| {frame}, {layout} |");
                 for &filter in &filters {
                     let of_file = |r: &&Row| {
                         (r.scene == scene && r.view == view)

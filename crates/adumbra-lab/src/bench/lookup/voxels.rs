@@ -2,32 +2,38 @@
 
 use std::collections::HashSet;
 
+use adumbra::Filter;
 use adumbra::query::{FixedReceiver, receiver};
-use adumbra::{Layout, ShadowFile};
+use adumbra_papers::dag::DagBody;
+use adumbra_papers::techniques::{Graph, GraphSettings};
 use adumbra_render::Gpu;
-use adumbra_render::voxel::{BakedLight, Reads};
+use adumbra_render::voxel::{BakedLight, Reads, VoxelSettings};
 
 use super::pixels::Group;
 use super::{Counts, SECTOR_WORDS};
+use crate::light_file::LightFile;
 use adumbra_compare::Result;
 
 /// Looks up all points of a view.
-pub(super) fn count(
-    gpu: &Gpu,
-    light: &BakedLight,
-    file: &ShadowFile,
-    groups: &[Group],
-    filter: u32,
-) -> Result<Counts> {
+pub(super) fn count(gpu: &Gpu, file: &LightFile, groups: &[Group], filter: Filter) -> Result<Counts> {
+    let bias = file.settings().bias;
     let receivers: Vec<_> = groups
         .iter()
         .flatten()
         .map(|pixel| {
-            let receiver = receiver(&file.grid, &file.settings.bias, pixel.p_world, Some(pixel.normal));
-            FixedReceiver::new(&receiver, file.grid.size)
+            let receiver = receiver(file.grid(), &bias, pixel.p_world, Some(pixel.normal));
+            FixedReceiver::new(&receiver, file.grid().size)
         })
         .collect();
-    let reads = light.reads(gpu, &receivers)?;
+    let reads = match file {
+        LightFile::Quadtree(file) => {
+            BakedLight::from_file(gpu, file, VoxelSettings::taps(filter, bias))?.reads(gpu, &receivers)?
+        }
+        LightFile::Graph { graph, .. } => {
+            let settings = GraphSettings { filter, bias };
+            Graph::new(gpu, "voxel-dag".to_owned(), graph, settings)?.reads(gpu, &receivers)?
+        }
+    };
     let mut rest = receivers.iter().zip(&reads);
     let mut counts = Counts::default();
     for group in groups {
@@ -37,14 +43,14 @@ pub(super) fn count(
         counts.reads += words().count();
         counts.sectors += words().map(|word| word / SECTOR_WORDS).collect::<HashSet<u32>>().len();
         counts.chains +=
-            of_group.iter().map(|(r, _)| longest_chain(file, r, filter)).max().unwrap_or_default();
+            of_group.iter().map(|(r, _)| longest_chain(file, r, filter.width())).max().unwrap_or_default();
     }
     Ok(counts)
 }
 
 /// Returns the largest number of reads of a look-up of which each needs the one before for its address.
-fn longest_chain(file: &ShadowFile, r: &FixedReceiver, filter: u32) -> usize {
-    let size = file.grid.size.map(i64::from);
+fn longest_chain(file: &LightFile, r: &FixedReceiver, filter: u32) -> usize {
+    let size = file.grid().size.map(i64::from);
     let reach = i64::from(filter / 2);
     let texel = r.texel();
     let mut longest = 0;
@@ -66,19 +72,25 @@ fn longest_chain(file: &ShadowFile, r: &FixedReceiver, filter: u32) -> usize {
 
 /// Returns the reads of one voxel of which each needs the one before for its address. Rare pointers that are spelled out
 /// elsewhere, because they do not fit their place, add one that is not counted.
-fn chain(file: &ShadowFile, [i, j, k]: [u32; 3]) -> usize {
-    let voxels = file.leaf_masks();
-    let end = voxels.end_level(i, j, k);
-    let below = |levels: u32| (file.body.root_level() - end.max(3)) / levels;
-    let in_leaf = end == 0;
+fn chain(file: &LightFile, [i, j, k]: [u32; 3]) -> usize {
+    let below = |root_level: u32, end: u32, levels: u32| (root_level - end.max(3)) / levels;
     // A node is read in two steps: which children it has, then the pointer to one of them.
-    let reads = match file.body.layout() {
+    let reads = match file {
         // The root. In a leaf its head, then its planes and differences.
-        Layout::Depths => 1 + 2 * below(2) + if in_leaf { 2 } else { 0 },
-        // The column of roots and the root. In a cube its head, then the mask.
-        Layout::Packed => 2 + 2 * below(1) + if in_leaf { 2 } else { 0 },
-        // The root. In a cube its head, the pointer, then the mask.
-        Layout::Plain => 1 + 2 * below(1) + if in_leaf { 3 } else { 0 },
+        LightFile::Quadtree(file) => {
+            let end = file.tree.end_level(i, j);
+            1 + 2 * below(file.tree.root_level, end, 2) + if end == 0 { 2 } else { 0 }
+        }
+        LightFile::Graph { graph, .. } => {
+            let end = graph.body.leaf_masks().end_level(i, j, k);
+            let nodes = 2 * below(graph.body.root_level(), end, 1);
+            match graph.body {
+                // The column of roots and the root. In a cube its head, then the mask.
+                DagBody::Packed(_) => 2 + nodes + if end == 0 { 2 } else { 0 },
+                // The root. In a cube its head, the pointer, then the mask.
+                DagBody::Plain(_) => 1 + nodes + if end == 0 { 3 } else { 0 },
+            }
+        }
     };
     reads as usize
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use adumbra_tree::{Builder, TreeOptions};
+use adumbra_papers::tree::{Builder, TreeOptions};
 
 use super::document::{BuilderRow, ByBuilder, Part};
 use super::{

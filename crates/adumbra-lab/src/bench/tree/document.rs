@@ -1,10 +1,10 @@
 //! All results of `bench tree`: one part per section, kept when a later run measures only other sections.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The whole file.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Document {
     /// Section `builders`; `None` if it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -24,8 +24,8 @@ pub(crate) struct Document {
 }
 
 /// One section.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "PartOf{R}"))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "PartOf{R}")]
 pub(crate) struct Part<R> {
     /// Number of runs that each median is taken over.
     pub(crate) runs: usize,
@@ -38,8 +38,8 @@ pub(crate) struct Part<R> {
 }
 
 /// One value per builder.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "ByBuilder_{T}"))]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "ByBuilder_{T}")]
 pub(crate) struct ByBuilder<T> {
     /// Of the recursive builder.
     pub(crate) recursive: T,
@@ -57,8 +57,8 @@ impl<T> ByBuilder<T> {
 }
 
 /// One value per reduction.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "ByReduction_{T}"))]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "ByReduction_{T}")]
 pub(crate) struct ByReduction<T> {
     /// Of the reduction by sorting.
     pub(crate) sort: T,
@@ -69,8 +69,7 @@ pub(crate) struct ByReduction<T> {
 }
 
 /// The builders' results on a scene at one depth.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct BuilderRow {
     /// Name of the scene.
     pub(crate) scene: String,
@@ -91,8 +90,7 @@ pub(crate) struct BuilderRow {
 }
 
 /// The reductions' results on a scene at one depth.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct ReductionRow {
     /// Name of the scene.
     pub(crate) scene: String,
@@ -129,8 +127,7 @@ impl ReductionRow {
 }
 
 /// The rows of both tables of the section on frames.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct FrameRows {
     /// One row per scene, depth and frame.
     pub(crate) frames: Vec<FrameRow>,
@@ -139,8 +136,7 @@ pub(crate) struct FrameRows {
 }
 
 /// A frame's results on a scene at one depth.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct FrameRow {
     /// Name of the scene.
     pub(crate) scene: String,
@@ -165,8 +161,7 @@ pub(crate) struct FrameRow {
 }
 
 /// Tree sizes of a scene with or without closed regions.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct ClosedRow {
     /// Name of the scene.
     pub(crate) scene: String,
@@ -181,8 +176,7 @@ pub(crate) struct ClosedRow {
 }
 
 /// An option's results on a scene.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct OptionRow {
     /// Name of the scene.
     pub(crate) scene: String,
@@ -205,8 +199,7 @@ pub(crate) struct OptionRow {
 }
 
 /// A look-up variant's results on a scene.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct FilterRow {
     /// Name of the scene.
     pub(crate) scene: String,

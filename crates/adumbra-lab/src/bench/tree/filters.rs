@@ -2,13 +2,14 @@
 
 use adumbra::{Bias, Sun};
 use adumbra_bake::Size;
+use adumbra_papers::tree::TreeAnswers;
+use adumbra_papers::tree::query::{TreeQuery, Weights};
+use adumbra_papers::tree::{BakedTree, TreeOptions, VoxelTree};
 use adumbra_program::output::write_png;
 use adumbra_scene::Camera;
-use adumbra_tree::query::{TreeQuery, Weights};
-use adumbra_tree::{BakedTree, TreeOptions, VoxelTree};
 use adumbra_truth::picture;
 use adumbra_truth::picture::{Picture, Shadows};
-use adumbra_truth::verify::{Answers, Class, Replaced, TreeAnswers};
+use adumbra_truth::verify::{Answers, Class, Replaced};
 
 use super::document::{FilterRow, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};

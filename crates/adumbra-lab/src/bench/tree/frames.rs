@@ -1,13 +1,15 @@
 //! World-aligned against light-aligned at equal voxel size, and trees with and without closed regions (Fig. 3-3).
 
-use adumbra::{Query, Sun};
-use adumbra_bake as bake;
+use adumbra::{Filter, Sun};
 use adumbra_bake::Watch;
-use adumbra_bake::{BakeOptions, LayoutChoice, Size};
+use adumbra_bake::{BakeOptions, Size};
+use adumbra_papers::dag::build::{DagOptions, bake as bake_graph};
+use adumbra_papers::dag::{DagLayout, DagQuery};
+use adumbra_papers::tree::TreeAnswers;
+use adumbra_papers::tree::nodes_by_size;
+use adumbra_papers::tree::{Reduction, TreeOptions};
 use adumbra_program::output::write_png;
-use adumbra_tree::{Reduction, TreeOptions};
-use adumbra_truth::picture::nodes_by_size;
-use adumbra_truth::verify::{LightAnswers, TreeAnswers, Verification};
+use adumbra_truth::verify::{LightAnswers, Verification};
 
 use super::document::{ClosedRow, FrameRow, FrameRows, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
@@ -76,17 +78,18 @@ fn compare(args: &BenchTree, scene: &BenchScene, check: &Check<'_>, depth: u32) 
     };
     let world = row("world", seconds, baked.tree.bytes(), &world);
 
-    let options =
-        BakeOptions { layout: LayoutChoice::Plain, ..BakeOptions::new(sun, Size::VoxelSize(voxel_size)) };
+    let bake = BakeOptions::new(sun, Size::VoxelSize(voxel_size));
+    let options = DagOptions { bake, layout: DagLayout::Plain };
     let mut seconds = Vec::new();
-    let mut light = bake::bake(&scene.scene, &options, Watch::none())?;
+    let mut light = bake_graph(&scene.scene, &options, Watch::none())?;
     for _ in 0..args.runs.min(MAX_RUNS) {
-        light = bake::bake(&scene.scene, &options, Watch::none())?;
+        light = bake_graph(&scene.scene, &options, Watch::none())?;
         seconds.push(light.report.seconds);
     }
     let file = light.file;
-    let query = Query::new(&file.grid, file.leaf_masks(), file.settings.bias, 1)?;
-    let v = check.run(&LightAnswers::new(&file.grid, &file.settings, query));
+    let (filter, bias) = (Filter::Nearest, file.settings.bias);
+    let query = DagQuery::new(&file.grid, file.body.leaf_masks(), bias, filter);
+    let v = check.run(&LightAnswers::new(file.grid, file.settings, query, (filter, bias)));
     Ok([world, row("light", seconds, file.encoded_len(), &v)])
 }
 

@@ -19,12 +19,12 @@ use self::document::Part;
 pub(crate) use self::document::{Document, FrameRow, OptionRow, ReductionRow};
 use adumbra::Sun;
 use adumbra_bake::Size;
+use adumbra_papers::tree::query::{TreeQuery, Weights};
+use adumbra_papers::tree::{BakedTree, PreparedTree, TreeOptions, VoxelTree, bake_tree};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::make_folder;
 use adumbra_program::scene::load_scene;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, write_glb};
-use adumbra_tree::query::{TreeQuery, Weights};
-use adumbra_tree::{BakedTree, PreparedTree, TreeOptions, VoxelTree, bake_tree};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Answers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
@@ -212,7 +212,7 @@ fn yes_or_no(agree: bool) -> &'static str {
 /// Returns the largest resident size of a bake in a process of its own, or `None` if the system does not report it.
 fn peak_bytes(scene: &BenchScene, options: &[&str]) -> Result<Option<u64>> {
     let outside: &[&str] = if scene.allow_outside { &["--allow-outside"] } else { &[] };
-    let said: Value = child::bake(&scene.path, &[&["--frame", "world"], options, outside].concat())?;
+    let said: Value = child::bake_tree(&scene.path, &[options, outside].concat())?;
     Ok(said["peak_bytes"].as_u64())
 }
 

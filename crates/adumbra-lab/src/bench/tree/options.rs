@@ -7,11 +7,11 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::Sun;
+use adumbra_papers::tree::attribute::AttributeIndex;
+use adumbra_papers::tree::lossy::merge_similar;
+use adumbra_papers::tree::symmetric::SymmetricTree;
+use adumbra_papers::tree::{BakedTree, PreparedTree};
 use adumbra_scene::random::Random;
-use adumbra_tree::attribute::AttributeIndex;
-use adumbra_tree::lossy::merge_similar;
-use adumbra_tree::symmetric::SymmetricTree;
-use adumbra_tree::{BakedTree, PreparedTree};
 use adumbra_truth::verify::{Solids, SurfaceSampler};
 
 use super::document::{OptionRow, Part};

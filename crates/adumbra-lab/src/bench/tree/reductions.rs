@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use adumbra_tree::{Builder, Reduction, TreeOptions};
+use adumbra_papers::tree::{Builder, Reduction, TreeOptions};
 
 use super::document::{ByReduction, Part, ReductionRow};
 use super::{BenchScene, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no};

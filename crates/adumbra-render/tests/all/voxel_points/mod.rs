@@ -1,82 +1,46 @@
-//! Scenes baked into light-aligned and world-aligned files, points on and around them, and comparisons with the CPU
-//! twins.
+//! Scenes baked into light-aligned files, points on and around them, and comparisons with the CPU twins.
 
 use adumbra::query::{FixedReceiver, Receiver, receiver};
-use adumbra::{Bias, Layout, Query, ShadowFile, Sun};
-use adumbra_bake::convert::{body_in, graph_of};
-use adumbra_bake::{BakeOptions, FrameChoice, LayoutChoice, Size, Watch};
+use adumbra::{Filter, Sampler, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_render::Gpu;
 use adumbra_render::technique::{Resolver, Technique};
-use adumbra_render::voxel::{BakedLight, Cubes, CubesOptions, CubesStore, Voxel, VoxelSettings};
-use adumbra_render::{Gpu, Result};
+use adumbra_render::voxel::{BakedLight, Voxel, VoxelSettings};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_shaders::layout::{Frame, GpuType, PointQuery};
 use adumbra_testing::bake_file;
-use adumbra_tree::query::{TreeQuery, Weights};
-use adumbra_tree::{Detail, TreeBody, TreeFile, TreeOptions, VoxelTree, bake_tree};
 use adumbra_truth::verify::{Solids, SurfaceSampler};
 
-/// A scene with its baked files.
+/// A scene with its baked file.
 pub(crate) struct BakedScene {
     pub(crate) scene: Scene,
     pub(crate) light: ShadowFile,
-    pub(crate) tree: TreeFile,
 }
 
 impl BakedScene {
-    pub(crate) fn new(scene: Scene, sun: [f64; 3], resolution: u64, tree_side: u64) -> Self {
-        Self::with_detail(scene, sun, resolution, tree_side, Detail::Uniform)
+    pub(crate) fn new(scene: Scene, sun: [f64; 3], resolution: u64) -> Self {
+        Self::in_frame(scene, sun, resolution, FrameChoice::Light)
+    }
+
+    fn in_frame(scene: Scene, sun: [f64; 3], resolution: u64, frame: FrameChoice) -> Self {
+        let sun = Sun::from_direction(sun).unwrap();
+        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+        let light = bake_file(&scene, &options).unwrap();
+        Self { scene, light }
     }
 
     /// Bakes generated scenes under a sun that is half high: one in the light's frame and one in the oblique frame.
-    pub(crate) fn in_each_frame(resolution: u64, tree_side: u64) -> [Self; 2] {
-        let sun = [0.5, 0.8, 0.35];
-        let primitives = Self::new(generate(GeneratedKind::Primitives, 3), sun, resolution, tree_side);
-        let frame = FrameChoice::ObliqueAt(0.4);
-        let mut city = Self::new(generate(GeneratedKind::City, 3), sun, resolution, tree_side);
-        city.light = light_file(&city.scene, sun, resolution, frame);
-        [primitives, city]
+    pub(crate) fn in_each_frame(resolution: u64) -> [Self; 2] {
+        let bake = |kind, frame| Self::in_frame(generate(kind, 3), [0.5, 0.8, 0.35], resolution, frame);
+        [
+            bake(GeneratedKind::Primitives, FrameChoice::Light),
+            bake(GeneratedKind::City, FrameChoice::ObliqueAt(0.4)),
+        ]
     }
 
-    pub(crate) fn with_detail(
-        scene: Scene,
-        sun: [f64; 3],
-        resolution: u64,
-        side: u64,
-        detail: Detail,
-    ) -> Self {
-        let light = light_file(&scene, sun, resolution, FrameChoice::Light);
-        let options = TreeOptions { detail, ..TreeOptions::new(light.grid.sun, Size::Resolution(side)) };
-        let tree = TreeFile::from(bake_tree(&scene, &options, Watch::none()).unwrap());
-        Self { scene, light, tree }
-    }
-
-    /// Returns a copy with the light-aligned file in another layout.
-    pub(crate) fn in_layout(&self, layout: Layout) -> Self {
-        let light = &self.light;
-        let body = body_in(layout, graph_of(&light.body).unwrap().into_owned()).unwrap();
-        let light = ShadowFile { grid: light.grid, settings: light.settings, body };
-        Self { scene: self.scene.clone(), light, tree: self.tree.clone() }
-    }
-
-    fn voxels(&self) -> &VoxelTree {
-        match &self.tree.body {
-            TreeBody::Words(tree) => tree,
-            TreeBody::Symmetric(_) => unreachable!("made of words"),
-        }
-    }
-
-    pub(crate) fn words(&self) -> &[u32] {
-        self.voxels().words()
-    }
-
-    fn query(&self, filter: u32) -> Query<'_> {
-        Query::new(&self.light.grid, self.light.leaf_masks(), self.light.settings.bias, filter).unwrap()
-    }
-
-    fn tree_query(&self, (side, weights): (u32, Weights)) -> TreeQuery<'_, VoxelTree> {
-        let t = &self.tree;
-        TreeQuery::new(&t.space, &t.regions, &t.sun, self.voxels(), t.settings.bias, side, weights).unwrap()
+    fn sampler(&self, filter: Filter) -> Sampler {
+        self.light.sampler(filter)
     }
 
     /// Returns random points: half on surfaces, a quarter in the scene's bounding box, a quarter in that box enlarged
@@ -117,22 +81,16 @@ impl BakedScene {
     }
 }
 
-fn light_file(scene: &Scene, sun: [f64; 3], resolution: u64, frame: FrameChoice) -> ShadowFile {
-    let sun = Sun::from_direction(sun).unwrap();
-    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
-    bake_file(scene, &options, LayoutChoice::Plain).unwrap()
-}
-
 fn as_cpu(anchor: [f64; 3], q: &PointQuery) -> ([f64; 3], Option<[f64; 3]>) {
     let p = std::array::from_fn(|a| anchor[a] + f64::from(q.p_relative[a]));
     let n: [f64; 3] = std::array::from_fn(|a| f64::from(q.normal[a]));
     (p, (n != [0.0; 3]).then_some(n))
 }
 
-pub(crate) fn exact_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
+pub(crate) fn exact_light(gpu: &Gpu, baked: &BakedScene, filter: Filter, count: usize) {
     let (grid, settings) = (&baked.light.grid, &baked.light.settings);
     let light = BakedLight::from_file(gpu, &baked.light, VoxelSettings::taps(filter, settings.bias)).unwrap();
-    let query = baked.query(filter);
+    let sampler = baked.sampler(filter);
     let receivers: Vec<FixedReceiver> = baked
         .points(count)
         .into_iter()
@@ -141,46 +99,14 @@ pub(crate) fn exact_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usi
     let counts = light.lit_taps(gpu, &receivers).unwrap();
     let mut partly = 0;
     for (r, found) in receivers.iter().zip(&counts) {
-        let expected = query.lit_taps(r);
-        assert_eq!(*found, expected, "filter {filter}: {r:?}");
-        partly += usize::from(expected > 0 && expected < filter * filter);
+        let expected = sampler.lit_taps(r);
+        assert_eq!(*found, expected, "{filter:?}: {r:?}");
+        partly += usize::from(expected > 0 && expected < filter.width().pow(2));
     }
-    assert!(counts.len() == count && (filter == 1 || partly * 200 > count), "{partly} partly lit");
-}
-
-pub(crate) fn try_cubes(
-    gpu: &Gpu,
-    baked: &BakedScene,
-    store: CubesStore,
-    (filter, weights): (u32, Weights),
-) -> Result<Cubes> {
-    let bias: Bias = baked.tree.settings.bias;
-    Cubes::new(gpu, &baked.tree, CubesOptions { bias, filter, weights, all_taps: false, store })
-}
-
-pub(crate) fn exact_cubes(
-    gpu: &Gpu,
-    baked: &BakedScene,
-    store: CubesStore,
-    kernel: (u32, Weights),
-    count: usize,
-) {
-    let cubes = try_cubes(gpu, baked, store, kernel).unwrap();
-    let query = baked.tree_query(kernel);
-    let receivers: Vec<_> =
-        baked.points(count).into_iter().filter_map(|(p, n)| query.receiver(p, n)).collect();
-    let found = cubes.lit_weights(gpu, &receivers).unwrap();
-    let mut partly = 0;
-    for (r, found) in receivers.iter().zip(&found) {
-        let expected = query.lit_weights(r);
-        // The quotients of whole numbers must be equal.
-        assert!(
-            found[1] > 0 && found[0] * expected[1] == expected[0] * found[1],
-            "{kernel:?}: {r:?} {found:?} {expected:?}"
-        );
-        partly += usize::from(expected[0] > 0 && expected[0] < expected[1]);
-    }
-    assert!(found.len() * 2 > count && (kernel.0 == 1 || partly * 200 > count), "{partly} partly lit");
+    assert!(
+        counts.len() == count && (filter == Filter::Nearest || partly * 200 > count),
+        "{partly} partly lit"
+    );
 }
 
 /// Looks up points with a technique whose anchor they are relative to.
@@ -217,14 +143,14 @@ fn compare(
     }
 }
 
-pub(crate) fn float_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usize) {
+pub(crate) fn float_light(gpu: &Gpu, baked: &BakedScene, filter: Filter, count: usize) {
     let (grid, bias) = (&baked.light.grid, baked.light.settings.bias);
     let (anchor, points) = baked.float_points(count);
     let mut light = BakedLight::from_file(gpu, &baked.light, VoxelSettings::taps(filter, bias)).unwrap();
     light.set_anchor(gpu, anchor).unwrap();
-    let voxel = Voxel::new(format!("voxel:filter={filter}"), light);
+    let voxel = Voxel::new(format!("voxel:filter={}", filter.width()), light);
     let found = answer(gpu, &voxel, &points);
-    let query = baked.query(filter);
+    let sampler = baked.sampler(filter);
     let receiver_of = |i: usize| {
         let (p, n) = as_cpu(anchor, &points[i]);
         receiver(grid, &bias, p, n)
@@ -232,32 +158,11 @@ pub(crate) fn float_light(gpu: &Gpu, baked: &BakedScene, filter: u32, count: usi
     compare(
         &voxel.name(),
         &found,
-        |i| query.receiver_visibility(&receiver_of(i)),
+        |i| sampler.receiver_visibility(&receiver_of(i)),
         |i, offset| {
             let r = receiver_of(i);
             let p_grid = std::array::from_fn(|a| r.p_grid[a] + offset[a]);
-            query.receiver_visibility(&Receiver { p_grid, ..r })
-        },
-    );
-}
-
-pub(crate) fn float_cubes(gpu: &Gpu, baked: &BakedScene, kernel: (u32, Weights), count: usize) {
-    let (anchor, points) = baked.float_points(count);
-    let mut cubes = try_cubes(gpu, baked, CubesStore::Words, kernel).unwrap();
-    cubes.set_anchor(gpu, anchor).unwrap();
-    let found = answer(gpu, &cubes, &points);
-    let query = baked.tree_query(kernel);
-    compare(
-        &cubes.name(),
-        &found,
-        |i| {
-            let (p, n) = as_cpu(anchor, &points[i]);
-            query.visibility(p, n)
-        },
-        |i, offset| {
-            let (p, n) = as_cpu(anchor, &points[i]);
-            let size = query.voxel_size_at(p, n);
-            query.visibility(std::array::from_fn(|a| p[a] + size * offset[a]), n)
+            sampler.receiver_visibility(&Receiver { p_grid, ..r })
         },
     );
 }

@@ -163,6 +163,7 @@ impl<'c> Code<'c> {
     }
 
     /// Returns a reader of the leaf at `at`.
+    #[inline]
     pub fn leaf(self, at: u32, base: u32) -> LeafCode<'c> {
         let head = LeafHead::new(self.half(at));
         let slant = if head.slanted { Slant::from_half(self.half(at + 1)) } else { Slant::default() };
@@ -247,6 +248,7 @@ impl LeafCode<'_> {
     }
 
     /// Returns the columns that are lit at depth k.
+    #[inline]
     pub fn leaf_mask(self, k: u32) -> u64 {
         let largest_rise = self.slant.largest_rise();
         // Number of ranks whose columns are all shadowed, and the shadowed columns of other ranks.

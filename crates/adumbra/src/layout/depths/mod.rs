@@ -62,7 +62,6 @@ mod validate;
 pub use census::Census;
 pub use validate::DepthsError;
 
-use crate::layout::{LeafMasks, Switches, Trail};
 use code::{Code, Place};
 
 /// Depth of a column that never switches, that is, one that is lit to its end.
@@ -93,6 +92,18 @@ pub struct DepthTree {
     pub code: Vec<u32>,
 }
 
+/// Bounds of the depths at which the columns of a block of 8 × 8 switch from lit to shadowed: voxel k of a column is lit
+/// if k is less than the column's depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Switches {
+    /// No column switches nearer to the sun.
+    pub nearest: u32,
+    /// No column switches deeper.
+    pub farthest: u32,
+    /// What [`DepthTree::switches_of_leaf`] reads the columns' depths from; `None` if all are equal to both bounds.
+    pub leaf: Option<[u32; 2]>,
+}
+
 impl DepthTree {
     /// Returns the depth at which column (i, j) switches: voxel k is lit if k is less than it. [`NEVER`] if all voxels
     /// of the column are lit, and outside the grid.
@@ -111,13 +122,14 @@ impl DepthTree {
     }
 
     /// Returns a reader of the individual shapes.
+    #[inline]
     pub fn shapes(&self) -> Code<'_> {
         Code { words: &self.code, wide: &self.wide }
     }
 
     /// Returns the block or leaf that contains a column, and its level.
     #[inline]
-    fn place(&self, i: u32, j: u32) -> (Place, u32) {
+    pub fn place(&self, i: u32, j: u32) -> (Place, u32) {
         let [x, y] = [i, j].map(|c| c >> self.root_level);
         if x >= self.top_dims[0] || y >= self.top_dims[1] {
             return (Place::Uniform(NEVER), self.root_level);
@@ -125,50 +137,37 @@ impl DepthTree {
         let [at, base] = self.top[(y * self.top_dims[0] + x) as usize];
         self.shapes().descend(at, base, self.root_level, [i, j])
     }
-}
 
-impl LeafMasks for DepthTree {
-    fn size(&self) -> [u32; 3] {
-        self.size
+    /// Returns whether voxel (i, j, k) is lit. The voxel must be in the grid.
+    pub fn voxel(&self, i: u32, j: u32, k: u32) -> bool {
+        k < self.value(i, j)
     }
 
-    fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        match self.place(i, j).0 {
-            Place::Uniform(value) if k < value => u64::MAX,
-            Place::Uniform(_) => 0,
-            Place::Leaf { at, base } => self.shapes().leaf(at, base).leaf_mask(k),
-        }
-    }
-
-    fn fill(&self, _trail: &mut Trail, [i, j, k]: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {
-        let first = k & !7;
-        *leaf_masks = match self.place(i, j).0 {
-            Place::Uniform(value) => {
-                std::array::from_fn(|z| if first + (z as u32) < value { u64::MAX } else { 0 })
-            }
-            Place::Leaf { at, base } => self.shapes().leaf(at, base).cube(first),
-        };
-        u8::MAX
-    }
-
-    fn end_level(&self, i: u32, j: u32, _k: u32) -> u32 {
+    /// Returns the level of the block in which a look-up in column (i, j) ends. The column must be in the grid.
+    ///
+    /// The block switches at one depth and spans 2^level columns along each side. Level 0 is a single column.
+    pub fn end_level(&self, i: u32, j: u32) -> u32 {
         match self.place(i, j) {
             (Place::Uniform(_), level) => level,
             (Place::Leaf { .. }, _) => 0,
         }
     }
 
-    fn switches(&self, i: u32, j: u32) -> Option<Switches> {
-        Some(match self.place(i, j).0 {
+    /// Returns bounds of the depths at which the columns of the block of 8 × 8 that contains column (i, j) switch. The
+    /// column must be in the grid. Columns outside the grid may have any depth.
+    pub fn switches(&self, i: u32, j: u32) -> Switches {
+        match self.place(i, j).0 {
             Place::Uniform(value) => Switches { nearest: value, farthest: value, leaf: None },
             Place::Leaf { at, base } => {
                 let [nearest, farthest] = self.shapes().leaf(at, base).bounds();
                 Switches { nearest, farthest, leaf: Some([at, base]) }
             }
-        })
+        }
     }
 
-    fn fill_switches(&self, [at, base]: [u32; 2], depths: &mut [u32; 64]) {
-        *depths = self.shapes().leaf(at, base).values();
+    /// Returns the depths at which the columns of a block switch, in the order y·8 + x. `leaf` is from
+    /// [`DepthTree::switches`] of the same tree.
+    pub fn switches_of_leaf(&self, [at, base]: [u32; 2]) -> [u32; 64] {
+        self.shapes().leaf(at, base).values()
     }
 }

@@ -36,7 +36,7 @@ pub enum DepthsError {
         /// The largest allowed number.
         limit: usize,
     },
-    /// A pointer does not lead to before the shape that contains it.
+    /// A pointer does not lead to a place before the shape that contains it.
     #[error("the shape at half-word {from} points to {to}, which is not before it")]
     Order {
         /// Address of the shape, or the end of the code for a root.

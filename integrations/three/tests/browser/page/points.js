@@ -151,7 +151,7 @@ window.draw = async (task) => {
   let baked = parts.attach({ scene, light, files, ...options });
   const drawn = [await picture()];
   for (const settings of task.later ?? []) {
-    baked.setLookUp(settings);
+    baked.setOptions(settings);
     drawn.push(await picture());
   }
   const memory = [];

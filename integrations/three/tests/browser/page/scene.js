@@ -207,6 +207,20 @@ const plays = {
     return states;
   },
 
+  async comingAndGoing(backend) {
+    const w = await world(backend);
+    const [file] = await load('a');
+    w.statics.remove(w.wall);
+    w.mover.visible = true;
+    w.bake(w.sunLight(), file, { statics: w.statics, movers: 'shadow' });
+    const states = [await w.look()];
+    w.statics.add(w.wall);
+    states.push(await w.look());
+    w.scene.add(w.wall);
+    states.push(await w.look());
+    return states;
+  },
+
   async severalSuns(backend) {
     const w = await world(backend);
     const files = await load('a', 'b');
@@ -324,7 +338,7 @@ const plays = {
     const light = w.sunLight();
     let baked = w.bake(light, a, { filter: 1 });
     const states = [await w.look()];
-    baked.setLookUp({ filter: 9, bias: { constantTexels: 4, slopeTexels: 2, normalOffsetTexels: 1 } });
+    baked.setOptions({ filter: 9, bias: { constantTexels: 4, slopeTexels: 2, normalOffsetTexels: 1 } });
     states.push(await w.look());
     baked.dispose();
     baked = w.bake(light, b);
@@ -335,7 +349,7 @@ const plays = {
     states.push(await w.look());
     baked = w.bake(light, a);
     states.push(await w.look());
-    return { states, refusal: thrown(() => baked.setLookUp({ filter: 4 })).name };
+    return { states, refusal: thrown(() => baked.setOptions({ filter: 4 })).name };
   },
 
   async switchedOff(backend) {
@@ -508,7 +522,7 @@ const plays = {
   async gltf(backend, name) {
     const { GLTFLoader } = await import('three/addons/loaders/GLTFLoader.js');
     const { GLTFBakedShadow } = await import('adumbra-three/gltf');
-    const { BakedShadowQuery } = await import('adumbra-three');
+    const { Sampler } = await import('adumbra-three');
     const w = await world(backend);
     w.scene.clear();
     const attached = [];
@@ -530,12 +544,12 @@ const plays = {
     const { colours } = await w.draw();
     light.shadow.intensity = 0;
     const { colours: open } = await w.draw();
-    const query = new BakedShadowQuery(file, { filter: options.filter ?? 5 });
+    const sampler = new Sampler(file, { filter: options.filter ?? 5 });
     const across = (n) => ((n + 0.5) / SIDE - 0.5) * width;
     let [off, shadowed] = [0, 0];
     for (let i = 0; i < SIDE * SIDE; i += 1) {
       const point = { x: across(i % SIDE), y: height, z: across(Math.floor(i / SIDE)) };
-      const wanted = query.visibility(point, { x: 0, y: 1, z: 0 });
+      const wanted = sampler.visibility(point, { x: 0, y: 1, z: 0 });
       shadowed += Number(wanted < 0.5);
       off += Number(!(Math.abs(colours[3 * i] / open[3 * i] - wanted) <= 0.004));
     }

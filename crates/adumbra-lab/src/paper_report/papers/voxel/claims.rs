@@ -1,6 +1,6 @@
 //! Verdicts on the claims of 2021.
 
-use adumbra_tree::morton;
+use adumbra_papers::tree::morton;
 
 use super::super::Verdict;
 use super::{PATH, closed_bytes, document};

@@ -8,7 +8,7 @@ use crate::bench::tree::{Document, FrameRow, ReductionRow};
 use crate::paper_report::data::Data;
 use adumbra_compare::page::{Body, Table};
 use adumbra_compare::report::{Report, figure, megabytes, percent};
-use adumbra_tree::morton;
+use adumbra_papers::tree::morton;
 
 const SECTION: &str = "tree";
 const FILE: &str = "tree/tree.json";
@@ -77,12 +77,12 @@ fn quadtree_path(_: &mut Seen<'_>, body: &mut Body) {
     // In the plane, a child's bits of x and y are those of an octree's child without z.
     let plane: Vec<String> =
         morton::path([5, 3, 0], 3).iter().map(|child| (child >> 1).to_string()).collect();
-    body.paragraph(&format!("Ours, from `adumbra_tree::morton`: {}.", plane.join(", ")));
+    body.paragraph(&format!("Ours, from `adumbra_papers::tree::morton`: {}.", plane.join(", ")));
 }
 
 fn octree_path(_: &mut Seen<'_>, body: &mut Body) {
     body.paragraph(&format!(
-        "Ours, from `adumbra_tree::morton`: {}; decoded: {:?}.",
+        "Ours, from `adumbra_papers::tree::morton`: {}; decoded: {:?}.",
         path([5, 3, 5]),
         morton::voxel(&[5, 2, 7])
     ));

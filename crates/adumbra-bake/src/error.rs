@@ -1,0 +1,57 @@
+//! Errors of a bake.
+
+use adumbra::{IoError, RangeError};
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system refused to read or write something.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// Data that does not fit the memory limit cannot be kept on disk.
+    #[error("{0}; the bake stores there what exceeds its memory limit")]
+    Spill(#[source] IoError),
+    /// A value is out of its range.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+    /// The sun or another part of the file's description is not valid.
+    #[error(transparent)]
+    File(#[from] adumbra::Error),
+    /// The resolution is not a power of two within its range.
+    #[error("resolution {resolution} is not a power of two from {min} to {max}; try {suggestion}")]
+    Resolution {
+        /// The given resolution.
+        resolution: u64,
+        /// Smallest allowed resolution.
+        min: u32,
+        /// Largest allowed resolution.
+        max: u32,
+        /// The next allowed resolution.
+        suggestion: u32,
+    },
+    /// The result has more words than its pointers can address.
+    #[error(
+        "{what} has more words than its pointers can address; lower the resolution, or bake parts of the scene with bounds"
+    )]
+    TooManyWords {
+        /// What was being built.
+        what: &'static str,
+    },
+    /// The work does not fit into the allowed memory.
+    #[error("{what} would take at least {} MiB, but {} MiB are allowed; raise the memory limit, lower the resolution or use fewer threads", needed_bytes.div_ceil(1 << 20), limit_bytes >> 20)]
+    MemoryLimit {
+        /// What was being done.
+        what: &'static str,
+        /// Estimated number of bytes needed.
+        needed_bytes: u64,
+        /// The limit in force.
+        limit_bytes: u64,
+    },
+    /// The caller asked to stop.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+}
+
+/// Shorthand used across the crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;

@@ -1,0 +1,210 @@
+//! Depths compared with what their columns allow.
+
+use proptest::prelude::*;
+
+use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
+use crate::options::{BakeOptions, Size};
+use crate::sink::Structure;
+use crate::sink::depths::DepthsSink;
+use crate::sink::from_columns::block_of;
+use crate::test_bakes::{bake_depths, for_each_column};
+use adumbra::Sun;
+use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::{DepthTree, NEVER};
+use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+
+/// An object above the ground: x, y, width, height, depth, thickness, slope, whether its columns end.
+type Part = (u32, u32, u32, u32, u32, u32, u32, bool);
+
+/// A few objects above a tilted ground.
+#[derive(Debug)]
+struct World {
+    size: [u32; 2],
+    parts: Vec<Part>,
+    rough: bool,
+}
+
+fn any_world() -> impl Strategy<Value = World> {
+    let part =
+        (0_u32..80, 0_u32..80, 1_u32..60, 1_u32..60, 0_u32..300_000, 0_u32..300, 0_u32..4, any::<bool>());
+    let size = [1_u32..150, 1_u32..150];
+    let all = (size, prop::collection::vec(part, 0..12), any::<bool>());
+    all.prop_map(|(size, parts, rough)| World { size, parts, rough })
+}
+
+impl World {
+    fn columns(&self) -> Columns {
+        let [width, height] = self.size;
+        let mut columns = Columns::default();
+        columns.reset(width, height);
+        for i in 0..width * height {
+            columns.set(i as usize, [400_000 + i % width, FREE_TO_END]);
+        }
+        for &(x0, y0, w, h, depth, thick, slope, ends) in &self.parts {
+            for (y, x) in
+                (y0..(y0 + h).min(height)).flat_map(|y| (x0..(x0 + w).min(width)).map(move |x| (y, x)))
+            {
+                let rough = if self.rough { (x * 7919 + y * 104_729) % 97 } else { 0 };
+                let e = depth + slope * (x + 2 * y) + rough;
+                let end = if ends { e + thick } else { FREE_TO_END };
+                columns.set((y * width + x) as usize, [e, end]);
+            }
+        }
+        columns
+    }
+}
+
+/// Builds depths from root blocks of `level`.
+fn build(columns: &Columns, level: u32, merged: bool) -> DepthTree {
+    let size = [columns.width, columns.height, 500_000];
+    let sink = DepthsSink::in_memory(level, merged);
+    let column = |i, j| {
+        if i >= columns.width || j >= columns.height {
+            return [0, BESIDE_GRID];
+        }
+        let at = (j * columns.width + i) as usize;
+        [columns.e[at], columns.x[at]]
+    };
+    let corners = |n: u32| (0..n).step_by(1 << level);
+    let all = corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| [x, y]));
+    let blocks = all.map(|corner| block_of(&sink, &column, level, corner)).collect();
+    sink.finish(size, level, blocks)
+}
+
+/// Checks that a column's answers satisfy `[e, x]`, and that its leaf's leaf masks say the same.
+fn check_column(found: &DepthTree, i: u32, j: u32, [e, x]: [u32; 2]) {
+    let value = found.value(i, j);
+    assert!(e <= value && (value <= x || x == FREE_TO_END), "({i}, {j}): {value} is not in [{e}, {x}]");
+    let Place::Leaf { at, base } = found.place(i, j).0 else { return };
+    let leaf = found.shapes().leaf(at, base);
+    let depths = [value.wrapping_sub(1), value, e.wrapping_sub(1), x, 0].into_iter();
+    for k in depths.filter(|&k| k < found.size[2]) {
+        let lit = leaf.leaf_mask(k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
+        assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn depths_answer_every_defined_voxel(world in any_world(), level in 5_u32..=10, merged in any::<bool>()) {
+        let columns = world.columns();
+        let found = build(&columns, level, merged);
+        prop_assert_eq!(found.validate(), Ok(()));
+        for j in 0..columns.height {
+            for i in 0..columns.width {
+                let at = (j * columns.width + i) as usize;
+                check_column(&found, i, j, [columns.e[at], columns.x[at]]);
+            }
+        }
+    }
+
+    #[test]
+    fn depths_of_any_words_are_refused_or_answer(
+        world in any_world(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>(), 0_u32..3), 1..6),
+    ) {
+        let columns = world.columns();
+        let mut found = build(&columns, 7, true);
+        for (at, word, part) in changes {
+            let words = match part {
+                0 => found.wide.as_flattened_mut(),
+                1 => found.top.as_flattened_mut(),
+                _ => &mut found.code[..],
+            };
+            match words.len() {
+                0 => {}
+                count if part == 2 => words[at.index(count)] ^= 1 << (word & 31),
+                count => words[at.index(count)] = word % 9000,
+            }
+        }
+        if found.validate().is_ok() {
+            for j in 0..columns.height {
+                for i in 0..columns.width {
+                    let value = found.value(i, j);
+                    if let Place::Leaf { at, base } = found.place(i, j).0 {
+                        found.shapes().leaf(at, base).leaf_mask(value.wrapping_sub(1));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn depths_of_one_row_are_the_worked_value() {
+    let mut columns = Columns::default();
+    columns.reset(32, 32);
+    (0..1024).for_each(|i| columns.set(i, if i < 8 { [7, 7] } else { [500, FREE_TO_END] }));
+    let found = build(&columns, 5, true);
+    assert_eq!(found.top, [[5, 7]]);
+    // The leaf, then the node: child 0 is a shape at half-word 0, all others are never.
+    assert_eq!(found.code, [0xff00_0041, 0xffff_ffff, 0x0001_ffff, 0xfffe_0000, 0x0000_0000]);
+    assert_eq!((found.value(7, 0), found.value(8, 0), found.value(0, 1)), (7, NEVER, NEVER));
+    let leaf = found.shapes().leaf(0, 7);
+    assert_eq!((leaf.leaf_mask(6), leaf.leaf_mask(7)), (u64::MAX, !0xff));
+}
+
+#[test]
+fn depths_keep_equal_shapes_at_different_depths_once() {
+    let mut columns = Columns::default();
+    columns.reset(256, 32);
+    for i in 0..256 * 32 {
+        let (x, y) = (i % 256, i / 256);
+        let inside = (3..29).contains(&(x % 32)) && (5..21).contains(&y);
+        columns.set(
+            i,
+            if inside { [1000 * (x / 32) as u32, 1000 * (x / 32) as u32 + 3] } else { [20_000, FREE_TO_END] },
+        );
+    }
+    let [merged, plain] = [true, false].map(|merged| build(&columns, 5, merged));
+    assert!(merged.top.iter().all(|root| root[0] == merged.top[0][0]));
+    assert!(plain.code.len() >= 8 * merged.code.len());
+    assert_eq!((merged.value(40, 10), plain.value(240, 20)), (1000, 7000));
+}
+
+fn bake(scene: &Scene, options: &BakeOptions, merged: bool) -> DepthTree {
+    bake_depths(scene, options, merged).expect("a good bake").0
+}
+
+#[test]
+fn depths_are_the_same_whatever_the_order_of_blocks() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
+    let options = BakeOptions::new(sun, Size::Resolution(256));
+    let of_threads = |threads, merged| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
+        pool.install(|| bake(&scene, &options, merged))
+    };
+    for merged in [true, false] {
+        let one = of_threads(1, merged);
+        assert_eq!(one, of_threads(4, merged));
+        assert_eq!(one.validate(), Ok(()));
+    }
+}
+
+/// Options for a shared scene as in the tables, with the sun's direction chosen by name.
+fn shared_options(name: &str, resolution: u64) -> BakeOptions {
+    let sun = if name == "jacksboro" { [-0.77, 0.105, -0.63] } else { [0.5, 0.8, 0.35] };
+    let sun = Sun::from_direction(sun).expect("above the horizon");
+    BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(resolution)) }
+}
+
+fn shared_scene(name: &str) -> Option<Scene> {
+    let path = adumbra_testing::scene_file(&adumbra_testing::shared("scenes")?, name);
+    Some(load(&path, &LoadOptions::default()).expect("a good scene"))
+}
+
+#[test]
+#[ignore = "slow: real scenes"]
+fn shared_depths_answer_every_defined_voxel() {
+    for name in ["kaykit_city_21", "alpine-2"] {
+        let Some(scene) = shared_scene(name) else { return };
+        let options = shared_options(name, 1024);
+        let found = bake(&scene, &options, true);
+        assert_eq!(found.validate(), Ok(()));
+        for_each_column(&scene, &options, |i, j, column| check_column(&found, i, j, column))
+            .expect("a good plan");
+    }
+}

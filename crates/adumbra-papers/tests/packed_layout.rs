@@ -1,0 +1,70 @@
+//! Packed graphs of real bakes: always monotone, equal answers, a lossless round trip to the plain graph, at about a
+//! third of the bytes.
+
+use adumbra::{Receivers, Sun};
+use adumbra_bake::{BakeOptions, Size, Watch};
+use adumbra_papers::dag::build::convert::{graph_of, unpack};
+use adumbra_papers::dag::build::{DagOptions, bake, pack};
+use adumbra_papers::dag::plain::Dag;
+use adumbra_papers::dag::{DagLayout, LeafMasks};
+use adumbra_scene::random::Random;
+use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+
+fn baked(scene: &Scene, sun: [f64; 3], options: impl Fn(BakeOptions) -> BakeOptions) -> Dag {
+    let sun = Sun::from_direction(sun).unwrap();
+    let options = options(BakeOptions::new(sun, Size::Resolution(1024)));
+    let options = DagOptions { bake: options, layout: DagLayout::Plain };
+    graph_of(&bake(scene, &options, Watch::none()).unwrap().file.body).unwrap().into_owned()
+}
+
+/// Packs a graph, checks it, and returns its size relative to the plain graph's.
+fn share_of_packed(dag: &Dag) -> f64 {
+    let packed = pack(dag).unwrap();
+    packed.validate().unwrap();
+    assert!(unpack(&packed).unwrap() == *dag);
+    let mut random = Random::for_batch(3, 0);
+    for _ in 0..200_000 {
+        let [i, j, k] = dag.size.map(|n| (random.unit() * f64::from(n)) as u32);
+        assert_eq!(packed.look_up(i, j, k), dag.look_up(i, j, k), "{i} {j} {k}");
+    }
+    let plain = dag.top.len() * 4 + dag.nodes.len() * 4 + dag.leaf_masks.len() * 8;
+    (packed.top.len() * 4 + packed.units.len() * 2 + packed.leaf_masks.len() * 8) as f64 / plain as f64
+}
+
+#[test]
+fn packed_bakes_answer_alike_whatever_the_options() {
+    for kind in [GeneratedKind::City, GeneratedKind::Primitives] {
+        let scene = generate(kind, 1);
+        for (sun, receivers, ground, closed) in [
+            ([0.5, 0.8, 0.35], Receivers::All, true, true),
+            ([0.0, 1.0, 0.0], Receivers::Static, true, true),
+            ([-0.9, 0.1, 0.2], Receivers::All, false, false),
+        ] {
+            let options = |o| BakeOptions { receivers, assume_ground: ground, closed_regions: closed, ..o };
+            let share = share_of_packed(&baked(&scene, sun, options));
+            assert!(share < 0.5, "{kind:?} {sun:?}: {share}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "slow: real scenes"]
+fn shared_scenes_pack_to_two_fifths_and_answer_alike() {
+    let Some(scenes) = adumbra_testing::shared("scenes") else { return };
+    for name in [
+        "kaykit_city_21",
+        "alpine-2",
+        "street-1",
+        "zdm2",
+        "delft",
+        "bridge_garden",
+        "jacksboro",
+        "box-city-5k",
+    ] {
+        let scene = load(&adumbra_testing::scene_file(&scenes, name), &LoadOptions::default()).unwrap();
+        let share =
+            share_of_packed(&baked(&scene, [0.5, 0.8, 0.35], |o| BakeOptions { thickness_world: 0.1, ..o }));
+        eprintln!("{name}: {share:.3}");
+        assert!(share < 0.45, "{name}: {share}");
+    }
+}

@@ -1,0 +1,146 @@
+//! Small valid files that declare huge grids: they can be looked up as they are, but conversion to another layout is
+//! refused.
+
+use std::time::{Duration, Instant};
+
+use adumbra::layout::depths::{DepthTree, NEVER, UNIFORM};
+use adumbra::{Bias, FileSettings, Filter, PointVisibility, ShadowFile};
+use adumbra_papers::dag::build::convert::{depths_of, graph_of, graph_of_depths, unpack};
+use adumbra_papers::dag::packed::{PackedDag, PackedError};
+use adumbra_papers::dag::plain::{Dag, LIT};
+use adumbra_papers::dag::{DagBody, DagFile, DagFileError, DagQuery, LeafMasks, TooLarge};
+use adumbra_papers::tree::{LightTreeError, WordsError, words_of};
+use adumbra_testing::{Leaf, from_leaves, overhead_grid, settings_for};
+
+/// Makes a file by way of its bytes, so that it is one that a reader accepts.
+fn file(body: DagBody) -> DagFile {
+    let grid = overhead_grid([0.0, 8.0, 0.0], body.space().0);
+    let settings = FileSettings { resolution: 8, ..settings_for(&grid) };
+    let mut bytes = Vec::new();
+    DagFile { grid, settings, body }.write_to(&mut bytes).unwrap();
+    assert!(bytes.len() < 100_000, "{} bytes", bytes.len());
+    DagFile::from_bytes(&bytes).unwrap()
+}
+
+/// 64 lit roots, in a grid of 2^32 - 1 voxels along the light.
+fn tall_depths() -> ShadowFile {
+    let top = vec![[UNIFORM, NEVER]; 64];
+    let size = [256, 256, u32::MAX];
+    let tree = DepthTree { size, root_level: 5, top_dims: [8, 8], top, wide: vec![], code: vec![] };
+    let grid = overhead_grid([0.0, 8.0, 0.0], size);
+    let settings = FileSettings { resolution: 8, ..settings_for(&grid) };
+    let mut bytes = Vec::new();
+    ShadowFile::new(grid, settings, tree).write_to(&mut bytes).unwrap();
+    ShadowFile::from_bytes(&bytes).unwrap()
+}
+
+fn tall_packed() -> DagFile {
+    let size = [64, 64, u32::MAX];
+    let depth = u32::MAX.div_ceil(8);
+    // No pool has a node, and no column has a root cube that is not lit.
+    let mut top = vec![0; 19];
+    top.extend([0, depth].repeat(64));
+    top.push(0);
+    let (units, leaf_masks) = (vec![], vec![]);
+    file(DagBody::Packed(PackedDag { size, root_level: 3, top_dims: [8, 8, depth], top, units, leaf_masks }))
+}
+
+/// Runs work that must end soon.
+fn soon<T>(work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let found = work();
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    found
+}
+
+#[test]
+fn small_files_of_tall_grids_are_looked_up_in_but_not_converted() {
+    let (packed, depths) = (tall_packed(), tall_depths());
+    let query = DagQuery::new(&packed.grid, packed.body.leaf_masks(), Bias::default(), Filter::Box9);
+    let sampler = depths.sampler(Filter::Box9);
+    for look_ups in [&query as &dyn PointVisibility, &sampler] {
+        assert_eq!(look_ups.visibility([30.0, -1e9, 30.0], Some([0.0, 1.0, 0.0])), 1.0);
+    }
+    let Err(DagFileError::TooLarge(of_packed)) = soon(|| graph_of(&packed.body).map(|_| ())) else {
+        panic!("the graph is made")
+    };
+    let of_depths = soon(|| graph_of_depths(&depths.tree)).unwrap_err();
+    for limit in [of_packed, of_depths] {
+        assert_eq!((limit.count, limit.what), (u32::MAX.into(), "voxels along the light"));
+        let message = limit.to_string();
+        assert!(
+            message.contains("look up in the file as it is") && message.contains("4294967295"),
+            "{message}"
+        );
+    }
+    let error = soon(|| words_of(&packed)).unwrap_err();
+    assert!(matches!(error, WordsError::Light(LightTreeError::TooDeep { .. })), "{error}");
+}
+
+#[test]
+fn top_grid_of_too_many_root_cubes_is_refused() {
+    let DagBody::Packed(mut packed) = tall_packed().body else { panic!("another layout") };
+    let depth = 1 << 20;
+    (packed.size[2], packed.top_dims[2]) = (8 * depth, depth);
+    packed.top[20..147].iter_mut().step_by(2).for_each(|z0| *z0 = depth);
+    assert_eq!(packed.validate(), Ok(()));
+    let Err(PackedError::TooLarge(limit)) = soon(|| unpack(&packed)) else { panic!("made") };
+    assert_eq!(limit, TooLarge { what: "root cubes", count: 64 << 20, limit: 1 << 24 });
+    // A sixteenth of the limit is accepted.
+    let depth = 1 << 14;
+    (packed.size[2], packed.top_dims[2]) = (8 * depth, depth);
+    packed.top[20..147].iter_mut().step_by(2).for_each(|z0| *z0 = depth);
+    let dag = soon(|| unpack(&packed)).unwrap();
+    assert_eq!((dag.top.len(), dag.validate()), (1 << 20, Ok(())));
+    assert!(dag.top.iter().all(|&root| root == LIT));
+}
+
+/// Roots that share one shape of 16 leaves, each with many depths.
+fn one_shape(roots: u32, base: impl Fn(u32) -> u32) -> DepthTree {
+    let leaf = Leaf { width: 1, differences: vec![3; 63], ranks: (0..64).collect(), ..Leaf::default() };
+    let mut found = from_leaves(&vec![leaf; 16], 4, 0, 1 << 20);
+    let shape = found.top[0][0];
+    found.top = (0..roots).map(|i| [shape, base(i)]).collect();
+    found.top_dims = [1 << 10, roots >> 10];
+    found.size = [32 << 10, 32 * (roots >> 10), 512];
+    assert_eq!(found.validate(), Ok(()));
+    found
+}
+
+#[test]
+#[ignore = "slow: real scenes"]
+fn shapes_that_are_shared_are_converted_once() {
+    // Converted as if no root were shared, it would be 2 million leaves of 64 depths.
+    let found = one_shape(1 << 17, |i| 100 * (i & 1));
+    let dag = soon(|| graph_of_depths(&found)).unwrap();
+    assert_eq!(dag.validate(), Ok(()));
+    for at in 0..2000_u32 {
+        let [i, j] = [at.wrapping_mul(2_654_435_761) % found.size[0], at * 2 % found.size[1]];
+        for k in [50, 100, 150, 200, 250, 300] {
+            assert_eq!(dag.voxel(i, j, k), k < found.value(i, j), "{i} {j} {k}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "slow: real scenes"]
+fn shape_that_is_shared_at_too_many_depths_is_refused() {
+    let found = one_shape(1 << 20, |i| i);
+    let limit = soon(|| graph_of_depths(&found)).unwrap_err();
+    assert_eq!(limit, TooLarge { what: "shapes", count: 17 << 20, limit: 1 << 24 });
+}
+
+#[test]
+fn grid_of_too_many_columns_has_no_depths() {
+    let dag = Dag {
+        size: [1 << 20, 1 << 20, 8],
+        root_level: 20,
+        top_dims: [1; 3],
+        top: vec![LIT],
+        nodes: vec![],
+        leaf_masks: vec![],
+    };
+    file(DagBody::Plain(dag.clone()));
+    let refused = soon(|| depths_of(&dag, dag.root_level)).unwrap_err();
+    assert!(refused.to_string().contains("17179869184 blocks of 8 x 8 columns"), "{refused}");
+}

@@ -1,0 +1,227 @@
+//! The verb `verify`: compares a file's answers with rays.
+
+use std::path::PathBuf;
+
+use adumbra::Sun;
+use adumbra_scene::LoadOptions;
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use adumbra_truth::verify::{
+    Answers, Class, ClassResult, MIN_CHECKED_POINTS, Sampler, Solids, SurfaceSampler, Verification, Verifier,
+    VerifyOptions, VolumeSampler, building_bytes,
+};
+
+use crate::args::{RunArgs, SceneArgs};
+use crate::exit::{Code, Failure, Outcome};
+use crate::lookup::LookupArgs;
+use crate::output::print_json;
+use crate::say;
+use crate::scene::load_scene_within;
+use crate::threads::with_threads;
+
+/// The arguments of `verify`.
+#[derive(clap::Args)]
+#[command(mut_arg("filter", |filter| filter.help("Filter width, as for query")))]
+pub struct Verify {
+    /// Shadow file
+    pub file: PathBuf,
+    /// The scene that the file was baked from, loaded with the same filters
+    #[arg(long)]
+    pub scene: PathBuf,
+    /// Number of points to compare
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub samples: u64,
+    /// Seed of the points
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Sample points in free space instead of points on surfaces; for files baked with --no-assume-ground
+    #[arg(long)]
+    pub volume: bool,
+    /// Look-up.
+    #[command(flatten)]
+    pub lookup: LookupArgs,
+    /// Interior agreement below which the check fails, from 0 to 1 [default: 0.999, or 0.995 with a filter]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = parse_share)]
+    pub min_interior: Option<f64>,
+    /// Loading of the scene.
+    #[command(flatten)]
+    pub load: SceneArgs,
+    /// Run.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// What the comparison needs to know of a file besides its answers.
+pub struct Verified {
+    /// The sun that it was baked for.
+    pub sun: Sun,
+    /// Edge of a voxel, world units.
+    pub voxel_size: f64,
+    /// Whether the bake treated masked materials as opaque.
+    pub ignores_alpha: bool,
+    /// Its volume, for points in free space.
+    pub volume: VolumeSampler,
+}
+
+impl Verify {
+    /// Refuses a file whose bytes and decoded contents do not fit into memory.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure::Bake`] if they do not.
+    pub fn check_file_memory(&self) -> Result<(), Failure> {
+        let bytes = std::fs::metadata(&self.file).map_or(0, |file| file.len());
+        self.run.check_memory("the shadow file", 0, 2 * bytes)
+    }
+
+    /// Compares `answers`, which are those of `file`, with rays, and reports the result.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if the scene cannot be loaded or memory is not enough.
+    pub fn compare(&self, file: Verified, answers: &impl Answers) -> Outcome {
+        let mut load = self.load.load_options()?;
+        load.ignore_alpha |= file.ignores_alpha;
+        let (sun, voxel_size) = (file.sun, file.voxel_size);
+        let volume = self.volume.then_some(file.volume);
+        let result = with_threads(self.run.threads, || self.trace(&load, sun, volume, answers))??;
+        if self.run.json {
+            print_json(&result)?;
+        } else {
+            say!("{} against {}", self.file.display(), self.scene.display());
+            print_file(sun, voxel_size, file.ignores_alpha);
+            print_result(&result, self.lookup.filter);
+        }
+        if !result.is_checked() {
+            eprintln!(
+                "check failed: {} interior points were compared, but the check needs at least {MIN_CHECKED_POINTS}; give more --samples, \
+                 and make sure that file and scene overlap",
+                result.class(Class::Interior).points
+            );
+            return Ok(Code::CheckFailed);
+        }
+        if result.holds() {
+            return Ok(Code::Fine);
+        }
+        for class in result.classes.iter().filter(|c| !c.holds) {
+            eprintln!(
+                "check failed: {} points {}; is this the scene that the file was baked from, read with the same options?",
+                class.class.name(),
+                missed(class)
+            );
+        }
+        Ok(Code::CheckFailed)
+    }
+
+    fn trace(
+        &self,
+        load: &LoadOptions,
+        sun: Sun,
+        volume: Option<VolumeSampler>,
+        answers: &impl Answers,
+    ) -> Result<Verification, Failure> {
+        let limit = self.run.memory_limit();
+        let scene = load_scene_within(limit, &self.scene, load)?;
+        self.run.check_memory(
+            "the scene and its acceleration structure",
+            scene.memory_bytes(),
+            scene.memory_bytes() + building_bytes(&scene),
+        )?;
+        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        limit.check_peak("the scene and its acceleration structure")?;
+        let solids = Solids::of(&scene);
+        let sampler = match volume {
+            Some(volume) => Sampler::Volume(volume),
+            None => {
+                let (towards, ignore_alpha) = (sun.towards(), load.ignore_alpha);
+                Sampler::Surface(SurfaceSampler::new(&scene, &solids, towards, ignore_alpha))
+            }
+        };
+        let verifier = Verifier::new(answers, &tracer, &solids);
+        let verifier = match self.min_interior {
+            Some(least) => verifier.with_interior_promise(least),
+            None => verifier,
+        };
+        let result = verifier.run(&sampler, &VerifyOptions { samples: self.samples, seed: self.seed });
+        limit.check_peak("the comparison")?;
+        Ok(result)
+    }
+}
+
+/// Says which promise a class misses.
+fn missed(class: &ClassResult) -> String {
+    match (class.promised_agreement, class.promised_misplaced) {
+        (Some(least), _) if !(class.agreement >= least) => {
+            format!(
+                "agree with rays in {:.4} %, less than the required {:.4} %",
+                100.0 * class.agreement,
+                100.0 * least
+            )
+        }
+        (_, most) => format!(
+            "are off by more than a texel in {:.4} %, more than the allowed {:.4} %",
+            100.0 * class.misplaced_share(),
+            100.0 * most.unwrap_or_default()
+        ),
+    }
+}
+
+/// Prints the properties of the file that affect the comparison. They show if the file is for another sun or too
+/// coarse.
+fn print_file(sun: Sun, voxel_size: f64, ignores_alpha: bool) {
+    let [x, y, z] = sun.towards();
+    let elevation = y.asin().to_degrees();
+    let masks = if ignores_alpha { ", masks ignored" } else { "" };
+    say!(
+        "  file                sun ({x:.3}, {y:.3}, {z:.3}), {elevation:.1}° high; voxels of {voxel_size:.4}{masks}"
+    );
+}
+
+fn print_result(result: &Verification, filter: u32) {
+    say!(
+        "  samples             {} (not compared: {} facing away, {} inside solids, {} outside the bounds)",
+        result.samples,
+        result.facing_away,
+        result.inside_solids,
+        result.outside_bounds
+    );
+    say!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
+    say!("  agreement           {:.4} %", 100.0 * result.agreement);
+    say!("  interior agreement  {:.4} %", 100.0 * result.interior_agreement);
+    say!();
+    say!("  class       points   share  agreement       acne       leak  misplaced  promise");
+    for class in &result.classes {
+        let share = 100.0 * class.points as f64 / result.samples.max(1) as f64;
+        let misplaced = if filter == 1 { class.misplaced.to_string() } else { "–".to_owned() };
+        let agreement =
+            if class.points == 0 { "–".to_owned() } else { format!("{:.4} %", 100.0 * class.agreement) };
+        say!(
+            "  {:<9}{:>9}{share:>6.1} %{agreement:>11}{:>11}{:>11}{misplaced:>11}  {}",
+            class.class.name(),
+            class.points,
+            class.acne,
+            class.leak,
+            promise(class)
+        );
+    }
+}
+
+/// Says what a class promises and whether it holds.
+fn promise(class: &ClassResult) -> String {
+    let promised = match (class.promised_agreement, class.promised_misplaced) {
+        (Some(least), _) => format!("agreement >= {} %", 100.0 * least),
+        (None, Some(most)) => format!("misplaced <= {} %", 100.0 * most),
+        (None, None) => return "none".to_owned(),
+    };
+    match (class.checked, class.holds) {
+        (false, _) => format!("{promised}: not checked, fewer than {MIN_CHECKED_POINTS} points"),
+        (true, true) => promised,
+        (true, false) => format!("{promised}: MISSED"),
+    }
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("give a number from 0 to 1, such as 0.999".to_owned()),
+    }
+}

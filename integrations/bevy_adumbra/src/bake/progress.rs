@@ -1,0 +1,97 @@
+//! How far a bake is, and why it failed.
+
+use std::{fmt, io};
+
+use bevy::ecs::prelude::*;
+use bevy::mesh::MeshAccessError;
+use bevy::reflect::prelude::*;
+
+use crate::error::SharedError;
+
+/// How far the bake of a [`BakeShadow`](crate::BakeShadow) is. The plugin keeps it on the light.
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BakeProgress {
+    /// Nothing has begun: there are no meshes yet, or they still change.
+    #[default]
+    Waiting,
+    /// A bake is under way.
+    Baking {
+        /// Resolution of the file that is being made.
+        resolution: u32,
+        /// Share of it that is done.
+        share: f32,
+    },
+    /// The last file is in use.
+    Done {
+        /// How long it was baked.
+        seconds: f64,
+        /// Number of its triangles.
+        triangles: u64,
+    },
+    /// The bake failed. It begins again when something changes.
+    Failed(BakeError),
+}
+
+impl fmt::Display for BakeProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Waiting => f.write_str("waiting for meshes that stand still"),
+            Self::Baking { resolution, share } => {
+                write!(f, "{:.0} % of resolution {resolution}", 100.0 * share)
+            }
+            Self::Done { seconds, triangles } => write!(f, "{triangles} triangles in {seconds:.2} s"),
+            Self::Failed(error) => write!(f, "failed: {error}"),
+        }
+    }
+}
+
+/// Why a bake failed. The message says what to do where something can be done.
+// Errors of the crates below know nothing of reflection.
+#[derive(Clone, Debug, PartialEq, Reflect, thiserror::Error)]
+#[reflect(opaque)]
+#[reflect(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BakeError {
+    /// There is nothing to bake.
+    #[error("no mesh below a BakedStatic has triangles")]
+    NoTriangles,
+    /// A mesh is not in the main world.
+    #[error(
+        "a mesh below a BakedStatic cannot be read ({0}); load it with RenderAssetUsages::MAIN_WORLD too"
+    )]
+    Unreadable(#[source] SharedError<MeshAccessError>),
+    /// A vertex is not finite.
+    #[error("a mesh below a BakedStatic has a vertex that is not finite")]
+    NotFinite,
+    /// The threads of the bake could not be started.
+    #[error("no thread could be started: {0}")]
+    Threads(#[source] SharedError<io::Error>),
+    /// The light is no sun: it shines from below.
+    #[error(transparent)]
+    Sun(SharedError<adumbra::Error>),
+    /// The scene could not be baked.
+    #[error(transparent)]
+    Bake(SharedError<adumbra_bake::Error>),
+    /// The file that was baked cannot be looked up.
+    #[error(transparent)]
+    File(SharedError<adumbra::Error>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_is_said() {
+        let all = [
+            (BakeProgress::Baking { resolution: 2048, share: 0.254 }, "25 % of resolution 2048"),
+            (BakeProgress::Done { seconds: 1.234, triangles: 12 }, "12 triangles in 1.23 s"),
+            (BakeProgress::Failed(BakeError::NoTriangles), "failed: no mesh below a BakedStatic"),
+        ];
+        for (progress, words) in all {
+            assert!(progress.to_string().contains(words), "{progress}");
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Why no file of a light is in use.
+
+use std::error::Error;
+use std::ops::Deref;
+use std::sync::Arc;
+
+use adumbra::RangeError;
+use bevy::asset::AssetLoadError;
+use bevy::reflect::prelude::*;
+
+/// Why no file of a light is in use. The message says what to do.
+// Errors of the crates below know nothing of reflection.
+#[derive(Clone, Debug, PartialEq, Reflect, thiserror::Error)]
+#[reflect(opaque)]
+#[reflect(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BakedShadowError {
+    /// The light casts no shadows.
+    #[error("the light has no shadows; set DirectionalLight::shadow_maps_enabled")]
+    NoShadowMaps,
+    /// The light's list of files is empty.
+    #[error("BakedShadow::files is empty; give it a file")]
+    NoFiles,
+    /// A file could not be loaded.
+    #[error(transparent)]
+    NotLoaded(SharedError<AssetLoadError>),
+    /// A file is too large for look-ups on this device.
+    #[error(transparent)]
+    File(RangeError),
+    /// A setting of the light is out of range.
+    #[error("BakedShadow: {0}")]
+    Setting(#[source] SharedError<adumbra::Error>),
+    /// All files of the app together are too many.
+    #[error("more than {limit} files are in use; load fewer at a time")]
+    TooManyFiles {
+        /// How many may be in use at once.
+        limit: usize,
+    },
+    /// All files of the app together are too large for the device.
+    #[error(
+        "the files need {rows} rows of texels, and the device allows {limit}; bake at a lower resolution, or load \
+         fewer at a time"
+    )]
+    TooManyRows {
+        /// Rows of a texture that they need.
+        rows: u32,
+        /// Rows of a texture that the device allows.
+        limit: u32,
+    },
+    /// One of Bevy's shaders is not as expected. No shader is changed.
+    #[error(
+        "{shader} has {text:?} {found} times where bevy_adumbra {} expects it once; use the bevy_adumbra of this \
+         version of Bevy, and no other plugin that changes this shader",
+        env!("CARGO_PKG_VERSION")
+    )]
+    ShaderText {
+        /// Path of the shader's asset.
+        shader: &'static str,
+        /// The text that should be there once.
+        text: &'static str,
+        /// How often it is there.
+        found: usize,
+    },
+    /// One of Bevy's shaders is no longer WGSL. No shader is changed.
+    #[error(
+        "{shader} is not WGSL; use the bevy_adumbra of this version of Bevy, and no other plugin that changes this \
+         shader"
+    )]
+    ShaderLanguage {
+        /// Path of the shader's asset.
+        shader: &'static str,
+    },
+}
+
+/// An error that its clones share. Two are equal if they say the same.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct SharedError<E: Error + 'static>(Arc<E>);
+
+impl<E: Error> From<E> for SharedError<E> {
+    fn from(error: E) -> Self {
+        Self(Arc::new(error))
+    }
+}
+
+impl<E: Error> From<Arc<E>> for SharedError<E> {
+    fn from(error: Arc<E>) -> Self {
+        Self(error)
+    }
+}
+
+impl<E: Error> Clone for SharedError<E> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<E: Error> PartialEq for SharedError<E> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0.to_string() == other.0.to_string()
+    }
+}
+
+impl<E: Error> Deref for SharedError<E> {
+    type Target = E;
+
+    fn deref(&self) -> &E {
+        &self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_equal_if_they_say_the_same() {
+        let error = |text: &str| SharedError::from(std::io::Error::other(text.to_owned()));
+        assert_eq!(error("one"), error("one"));
+        assert_ne!(error("one"), error("two"));
+        assert_eq!(error("one").to_string(), "one");
+    }
+}

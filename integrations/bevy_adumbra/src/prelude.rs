@@ -1,0 +1,10 @@
+//! What most apps need: `use bevy_adumbra::prelude::*;`.
+
+pub use crate::AdumbraPlugin;
+#[cfg(feature = "bake")]
+pub use crate::bake::{BakeError, BakeProgress, BakeSettings, BakeShadow, BakeShadowCommands};
+pub use crate::components::{BakedShadow, BakedStatic, NotBaked, ShadowBias, ShadowFilter};
+pub use crate::error::BakedShadowError;
+pub use crate::file::BakedShadowFile;
+pub use crate::status::{BakedShadowChanged, BakedShadowStatus};
+pub use crate::systems::AdumbraSystems;

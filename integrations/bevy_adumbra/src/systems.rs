@@ -1,0 +1,48 @@
+//! Where the plugin's systems run.
+
+use bevy::app::{App, PostUpdate};
+use bevy::ecs::prelude::*;
+use bevy::light::SimulationLightSystems;
+use bevy::transform::TransformSystems;
+
+/// Where the plugin's systems run, so that an app can order its own against them.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub enum AdumbraSystems {
+    /// Bevy's shaders get their look-ups. In `PreUpdate`.
+    PatchShaders,
+    /// Lights of glTF files get the files that they name. In `PreUpdate`, with the feature `gltf`.
+    AttachFiles,
+    /// Lights turn to the suns of their files. In `PostUpdate`, before [`TransformSystems::Propagate`].
+    AlignLights,
+    /// Meshes below a [`BakedStatic`](crate::BakedStatic) get [`InBake`](crate::InBake), others lose it. In `PostUpdate`.
+    MarkStatics,
+    /// Bakes begin, and the files of those that are done are put on their lights. In `PostUpdate`, after
+    /// [`TransformSystems::Propagate`] and [`AdumbraSystems::MarkStatics`], with the feature `bake`.
+    Bake,
+    /// Loaded files are applied to their lights. After that, [`BakedShadowStatus`](crate::BakedShadowStatus) is that of
+    /// this frame. In `PostUpdate`, after [`AdumbraSystems::Bake`] and before
+    /// [`SimulationLightSystems::UpdateDirectionalLightCascades`].
+    ApplyFiles,
+    /// Meshes in the files leave the cascades. After that, [`CascadeCasters`](crate::CascadeCasters) are those of this
+    /// frame. In `PostUpdate`, after [`SimulationLightSystems::CheckLightVisibility`].
+    LeaveCascades,
+    /// Files in use go to the device. In the render world's `ExtractSchedule`, and in `Render` in
+    /// [`RenderSystems::PrepareResourcesCollectPhaseBuffers`](bevy::render::RenderSystems).
+    Upload,
+}
+
+/// Orders the sets of `PostUpdate`.
+pub(crate) fn order(app: &mut App) {
+    app.configure_sets(
+        PostUpdate,
+        (
+            AdumbraSystems::AlignLights.before(TransformSystems::Propagate),
+            (AdumbraSystems::MarkStatics, AdumbraSystems::Bake, AdumbraSystems::ApplyFiles).chain(),
+            AdumbraSystems::Bake.after(TransformSystems::Propagate),
+            AdumbraSystems::ApplyFiles
+                .after(TransformSystems::Propagate)
+                .before(SimulationLightSystems::UpdateDirectionalLightCascades),
+            AdumbraSystems::LeaveCascades.after(SimulationLightSystems::CheckLightVisibility),
+        ),
+    );
+}
