@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
-use crate::plan::{Plan, caster_options};
-use crate::sink::Structure;
+use crate::plan::{Placement, Plan, caster_options};
+use crate::sink::{BlockSink, Structure};
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
 use crate::triangles::casters::{CasterOptions, SceneClusters, sorting_bytes};
@@ -23,24 +23,47 @@ const FORECAST_RESOLUTIONS: [u32; 2] = [512, 2048];
 /// A scene with more corners of triangles is forecast from a part of its blocks with about as many.
 const FORECAST_CORNERS: u64 = 1_000_000;
 
-/// Plans the bake of `scene`.
-pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
-    options.check()?;
-    check_sorting(scene, options)?;
-    let clusters = SceneClusters::new(scene, caster_options(options));
-    let frame = match options.frame {
-        FrameChoice::Light => Frame::Light,
-        FrameChoice::Oblique => upright(scene),
-        FrameChoice::ObliqueAt(yaw_radians) => Frame::Oblique { yaw_radians },
-        FrameChoice::Auto => smaller(scene, options, &clusters)?,
-    };
-    match Plan::in_frame(scene, options, frame, &clusters) {
-        // Under a low sun the upright grid may be too wide.
-        Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
-            Plan::in_frame(scene, options, Frame::Light, &clusters)
-        }
-        plan => plan,
+/// What holds for every level of a bake.
+pub(crate) struct Choice {
+    clusters: Arc<SceneClusters>,
+    /// The grid of each level, the finest first.
+    pub(crate) levels: Vec<Placement>,
+}
+
+impl Choice {
+    /// Chooses the frame, and places the grids of all levels.
+    pub(crate) fn new(scene: &Scene, options: &BakeOptions) -> Result<Self> {
+        options.check()?;
+        check_sorting(scene, options)?;
+        let clusters = SceneClusters::new(scene, caster_options(options));
+        let frame = match options.frame {
+            FrameChoice::Light => Frame::Light,
+            FrameChoice::Oblique => upright(scene),
+            FrameChoice::ObliqueAt(yaw_radians) => Frame::Oblique { yaw_radians },
+            FrameChoice::Auto => smaller(scene, options, &clusters)?,
+        };
+        let (frame, finest) = match Placement::new(scene, options, frame, 0) {
+            // Under a low sun the upright grid may be too wide.
+            Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
+                (Frame::Light, Placement::new(scene, options, Frame::Light, 0)?)
+            }
+            placement => (frame, placement?),
+        };
+        let coarser = 1..options.level_count(finest.resolution);
+        let coarser = coarser.map(|level| Placement::new(scene, options, frame, level));
+        let levels = std::iter::once(Ok(finest)).chain(coarser).collect::<Result<_>>()?;
+        Ok(Self { clusters, levels })
     }
+
+    /// Plans the bake of a level.
+    pub(crate) fn plan<'s>(&self, scene: &'s Scene, options: &BakeOptions, level: usize) -> Result<Plan<'s>> {
+        Plan::placed(scene, options, self.levels[level], &self.clusters)
+    }
+}
+
+/// Plans the bake of the finest level of `scene`.
+pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
+    Choice::new(scene, options)?.plan(scene, options, 0)
 }
 
 /// Checks that sorting the scene's triangles fits the memory limit.
@@ -95,25 +118,32 @@ fn forecast_bytes(
     frame: Frame,
     clusters: &Arc<SceneClusters>,
 ) -> Result<f64> {
-    let plan = Plan::in_frame(scene, options, frame, clusters)?;
+    let plan = Plan::placed(scene, options, Placement::new(scene, options, frame, 0)?, clusters)?;
     let blocks = plan.tiles.count();
     let corners = plan.tiles.corners_over();
     let all = corners.iter().sum::<u64>().max(1);
     let samples = (blocks as u64 * FORECAST_CORNERS / all).clamp(1, blocks as u64) as usize;
-    let depths = DepthsSink::new(plan.tiles.root_level, true, plan.spill.as_ref());
+    // The blocks side by side, as if they were a row of the grid.
+    let level = plan.tiles.root_level;
+    let row = [(samples as u32) << level, 1 << level, plan.tiles.grid.size[2]];
+    let depths = DepthsSink::new(row, level, true, &plan.spill);
     let sink = LimitSink { limit: plan.switch_limit(), sink: &depths };
     let sampled: Vec<usize> = plan.tiles.sampled(samples, |block| corners[block]).collect();
     let held_bytes = || Ok::<_, Error>(plan.baking_bytes() + depths.memory_bytes() + plan.paged_bytes()?);
     let next = AtomicUsize::new(0);
     let work = || -> Result<()> {
         let mut buffers = DescentBuffers::default();
-        while let Some(&block) = sampled.get(next.fetch_add(1, Ordering::Relaxed)) {
-            build_root(&plan.tiles, block, &sink, &mut buffers, &AtomicBool::new(false))?;
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&block) = sampled.get(number) else { break };
+            let built = build_root(&plan.tiles, block, &sink, &mut buffers, &AtomicBool::new(false))?;
+            depths.taken(number, built);
             plan.check_memory("the forecast of the frame", held_bytes()?)?;
         }
         Ok(())
     };
     // No more workers than the limit has room for.
     (0..plan.workers).into_par_iter().with_max_len(1).try_for_each(|_| work())?;
-    Ok(depths.result_bytes() as f64 * blocks as f64 / samples as f64)
+    let bytes = 4 * depths.into_pages().tree()?.code().len();
+    Ok(bytes as f64 * blocks as f64 / samples as f64)
 }

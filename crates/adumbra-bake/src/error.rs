@@ -9,6 +9,9 @@ pub enum Error {
     /// The operating system refused to read or write something.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// The file could not be written.
+    #[error("cannot write the file: {0}")]
+    Output(#[source] std::io::Error),
     /// Data that does not fit the memory limit cannot be kept on disk.
     #[error("{0}; the bake stores there what exceeds its memory limit")]
     Spill(#[source] IoError),

@@ -7,10 +7,10 @@ use adumbra::file::HEADER_BYTES;
 use adumbra_scene::Scene;
 
 use crate::choose;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::BakeOptions;
-use crate::sink::Structure;
+use crate::sink::{BlockSink, Structure};
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
 
@@ -51,30 +51,27 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
         let sink = LimitSink { limit: plan.switch_limit(), sink };
         build_root(&plan.tiles, tile, &sink, &mut buffers, &AtomicBool::new(false))
     };
-    // What a grid of that many tiles in a row would take.
-    let bytes = |sink: DepthsSink, blocks: Vec<_>| {
-        let row = [(blocks.len() as u32) << level, 1 << level, depth];
-        sink.finish(row, level, blocks).bytes()
-    };
-    let merged = DepthsSink::in_memory(level, true);
-    let mut blocks = Vec::with_capacity(sampled);
+    // The blocks side by side, as if they were a row of the grid.
+    let row = |blocks: usize| [(blocks as u32) << level, 1 << level, depth];
+    let bytes = |sink: DepthsSink| Ok::<_, Error>(4 * sink.into_pages().tree()?.code().len() as u64);
+    let merged = DepthsSink::in_memory(row(sampled), level, true);
     let mut separate_bytes = 0;
     let start = Instant::now();
     let fullness = |tile| plan.tiles.casters.in_tile(tile).len() as u64;
-    for tile in plan.tiles.sampled(sampled, fullness) {
-        let alone = DepthsSink::in_memory(level, true);
-        let block = build(tile, &alone)?;
-        blocks.push(build(tile, &merged)?);
+    for (number, tile) in plan.tiles.sampled(sampled, fullness).enumerate() {
+        let alone = DepthsSink::in_memory(row(1), level, true);
+        alone.taken(0, build(tile, &alone)?);
+        merged.taken(number, build(tile, &merged)?);
         let held_bytes = plan.scene_bytes + plan.worker_bytes + merged.memory_bytes() + alone.memory_bytes();
         plan.check_memory("the forecast", held_bytes)?;
-        separate_bytes += bytes(alone, vec![block]);
+        separate_bytes += bytes(alone)?;
     }
     // Each tile was built twice.
     let seconds = start.elapsed().as_secs_f64() / 2.0 * tiles as f64 / (sampled * plan.workers) as f64;
     let scale = tiles as f64 / sampled as f64;
     let [built_bytes, finish_bytes] =
         [merged.memory_bytes(), merged.finish_bytes()].map(|bytes| bytes as f64);
-    let merged_bytes = bytes(merged, blocks) as f64;
+    let merged_bytes = bytes(merged)? as f64;
     // Upper bound: every tile adds as many bytes as the sampled ones. Lower bound: the sharing seen among the samples
     // continues over all tiles.
     let sharing = merged_bytes / (separate_bytes as f64).max(1.0);

@@ -80,11 +80,12 @@ mod fuzz;
 pub mod layers;
 mod options;
 mod pack;
+mod pages;
 mod plain;
 mod plan;
 mod progress;
 mod sink;
-mod store;
+
 mod tally;
 #[cfg(test)]
 mod test_bakes;
@@ -93,11 +94,11 @@ mod tiles;
 mod triangles;
 mod yaw;
 
-pub use bake::{Bake, bake};
+pub use bake::{Bake, Written, bake, bake_to};
 pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
 pub use options::{
-    BakeOptions, Builder, FrameChoice, LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN,
+    BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS, LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN,
     MIN_RESOLUTION, Preset, Size, check_bounds,
 };
 pub use progress::{Progress, Report, Watch};
@@ -108,6 +109,7 @@ pub mod structure {
     pub use crate::bake::{Built, build};
     pub use crate::columns::BlockColumns;
     pub use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
+    pub use crate::pages::Pages;
     pub use crate::sink::depths::{DepthsBlock, DepthsSink};
     pub use crate::sink::{BlockSink, Structure};
 }

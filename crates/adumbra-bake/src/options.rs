@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
+use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
 use adumbra::{Bias, Bounds, RangeError, RangeField, Receivers, Sun};
 
 use crate::error::{Error, Result};
@@ -91,10 +92,18 @@ pub struct BakeOptions {
     /// counts from the block's deepest first surface for all of its columns. A limit makes files larger. It serves
     /// filters around points that are not part of the scene, such as movers beside a wall.
     pub switch_within_voxels: u32,
+    /// Number of levels of detail, from 1 to [`MAX_LEVELS`](adumbra::file::MAX_LEVELS). Each has voxels four times as
+    /// large as the one before it. Levels of fewer than [`LEAST_LEVEL_TEXELS`] texels are left out.
+    pub levels: u32,
     /// The method that finds the columns.
     #[doc(hidden)]
     pub builder: Builder,
 }
+
+/// Levels of detail of a bake, unless another number is asked for.
+pub const DEFAULT_LEVELS: u32 = 3;
+/// Texels on the longest side of the scene below which a bake has no coarser level.
+pub const LEAST_LEVEL_TEXELS: u32 = 64;
 
 impl BakeOptions {
     /// Creates default options for a sun and a size: ground assumed, closed regions used, every point answered.
@@ -113,8 +122,15 @@ impl BakeOptions {
             max_memory_bytes: None,
             spill_folder: None,
             switch_within_voxels: 0,
+            levels: DEFAULT_LEVELS,
             builder: Builder::Fast,
         }
+    }
+
+    /// Returns the number of levels of a bake at this resolution.
+    pub(crate) fn level_count(&self, resolution: u32) -> u32 {
+        let is_fine = |level: &u32| resolution / LEVEL_STEP.pow(*level) >= LEAST_LEVEL_TEXELS;
+        1 + (1..self.levels).take_while(is_fine).count() as u32
     }
 
     pub(crate) fn check(&self) -> Result<()> {
@@ -125,6 +141,9 @@ impl BakeOptions {
         if self.switch_within_voxels > MAX_SWITCH_WITHIN {
             let range = "a number of voxels up to 65535";
             return Err(RangeError::new(RangeField::SwitchLimit, self.switch_within_voxels, range).into());
+        }
+        if !(1..=MAX_LEVELS).contains(&self.levels) {
+            return Err(RangeError::new(RangeField::Levels, self.levels, "from 1 to 8").into());
         }
         if let FrameChoice::ObliqueAt(yaw_radians) = self.frame
             && !(-PI..=PI).contains(&yaw_radians)

@@ -8,12 +8,14 @@ use crate::error::{Error, Result};
 use crate::options::{BakeOptions, Builder};
 use crate::sink::depths::top_bytes;
 use crate::sink::limit::SwitchLimit;
-use crate::store::paged::Spill;
+use crate::pages::Spill;
 use crate::tiles::Tiles;
 use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
 use crate::triangles::project;
 use adumbra::FileSettings;
+use adumbra::file::LEVEL_STEP;
 use adumbra::grid::{Frame, LightExtent, LightGrid};
+use adumbra::layout::depths::page::PAGE_LEVEL;
 use adumbra::query::MAX_FIXED_SIDE;
 use adumbra::{RangeError, RangeField};
 use adumbra_scene::{Instance, Scene};
@@ -28,47 +30,35 @@ pub(crate) struct Plan<'s> {
     /// Bytes that each worker holds.
     pub(crate) worker_bytes: u64,
     limit_bytes: Option<u64>,
-    /// Storage for the pages of what is built, if there is a memory limit.
-    pub(crate) spill: Option<Arc<Spill>>,
+    /// Storage for the pages of what is built.
+    pub(crate) spill: Arc<Spill>,
 }
 
-/// Smallest level of the root cubes.
-const MIN_ROOT_LEVEL: u32 = 5;
-/// Largest root level for the plain builder, which holds all columns of a root block at once.
-const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
-/// log2 of the number of root cubes that the top grid aims at across the longer side.
-const TOP_GRID_LEVEL: u32 = 5;
-
-/// Grids begin and end at multiples of a page from the world's origin, so that texels stay where they are when a scene
-/// grows. A page is this share of the resolution, within the limits below: small grids are not to be mostly margin.
-const PAGES_ACROSS: u32 = 8;
-const MIN_PAGE: u32 = 8;
-/// Largest page, texels.
-const MAX_PAGE: u32 = 1024;
-
-/// Returns which triangles are casters.
-pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
-    CasterOptions {
-        closed_regions: options.closed_regions,
-        ignore_alpha: options.ignore_alpha,
-        outlines: options.builder == Builder::Fast,
-    }
+/// Where the grid of one level is, and how it is cut into root blocks.
+#[derive(Clone, Copy)]
+pub(crate) struct Placement {
+    pub(crate) grid: LightGrid,
+    /// Texels on the longest side of the scene, at this level.
+    pub(crate) resolution: u32,
+    /// A root block is 2^root_level texels a side.
+    pub(crate) root_level: u32,
 }
 
-impl<'s> Plan<'s> {
-    /// Plans a bake in `frame`. `clusters` are those for [`caster_options`].
-    pub(crate) fn in_frame(
-        scene: &'s Scene,
-        options: &BakeOptions,
-        frame: Frame,
-        clusters: &Arc<SceneClusters>,
-    ) -> Result<Self> {
+impl Placement {
+    /// Places the grid of a level, 0 = the finest, in `frame`.
+    ///
+    /// # Errors
+    /// Returns [`Error::Range`] if the grid has too many voxels along an axis.
+    pub(crate) fn new(scene: &Scene, options: &BakeOptions, frame: Frame, level: u32) -> Result<Self> {
         let extent = extent(scene, options, frame);
-        let (resolution, voxel_size) = match frame {
+        let (finest, voxel_size) = match frame {
             Frame::Light => options.size.resolve(extent.longest_side())?,
-            Frame::Oblique { .. } => Self::resolution_and_voxel_size(scene, options)?,
+            Frame::Oblique { .. } => Plan::resolution_and_voxel_size(scene, options)?,
         };
-        let page = (resolution / PAGES_ACROSS).clamp(MIN_PAGE, MAX_PAGE);
+        let step = LEVEL_STEP.pow(level);
+        let (resolution, voxel_size) = (finest.div_ceil(step), voxel_size * f64::from(step));
+        // One rule for all levels, so that each has whole pages where the finest one has.
+        let page = (finest / PAGES_ACROSS).clamp(MIN_PAGE, MAX_PAGE);
         let grid = LightGrid::covering(options.sun, &extent, voxel_size).on_pages_of(page);
         if f64::from(grid.size[2]) > project::DEPTH_MAX_VOXELS {
             return Err(RangeError::new(
@@ -92,7 +82,48 @@ impl<'s> Plan<'s> {
             Builder::Fast => aim,
             Builder::Plain => aim.min(MAX_PLAIN_ROOT_LEVEL),
         };
-        let top_dims = grid.size.map(|s| s.div_ceil(1 << root_level));
+        Ok(Self { grid, resolution, root_level })
+    }
+
+    /// Returns the number of root blocks along x, y, z.
+    pub(crate) fn blocks(&self) -> [u32; 3] {
+        self.grid.size.map(|s| s.div_ceil(1 << self.root_level))
+    }
+}
+
+/// Smallest level of the root cubes.
+const MIN_ROOT_LEVEL: u32 = 5;
+/// Largest root level for the plain builder, which holds all columns of a root block at once.
+const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
+/// log2 of the number of root cubes that the top grid aims at across the longer side.
+const TOP_GRID_LEVEL: u32 = 5;
+
+/// Grids begin and end at multiples of a page from the world's origin, so that texels stay where they are when a scene
+/// grows. A page is this share of the resolution, within the limits below: small grids are not to be mostly margin.
+const PAGES_ACROSS: u32 = 8;
+const MIN_PAGE: u32 = 8;
+/// Largest page, texels: a page of the quadtree.
+const MAX_PAGE: u32 = 1 << PAGE_LEVEL;
+
+/// Returns which triangles are casters.
+pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
+    CasterOptions {
+        closed_regions: options.closed_regions,
+        ignore_alpha: options.ignore_alpha,
+        outlines: options.builder == Builder::Fast,
+    }
+}
+
+impl<'s> Plan<'s> {
+    /// Plans a bake of the grid that was placed. `clusters` are those for [`caster_options`].
+    pub(crate) fn placed(
+        scene: &'s Scene,
+        options: &BakeOptions,
+        placement: Placement,
+        clusters: &Arc<SceneClusters>,
+    ) -> Result<Self> {
+        let Placement { grid, resolution, root_level } = placement;
+        let top_dims = placement.blocks();
         let rules = ColumnRules {
             bias: options.bias,
             thickness: ColumnRules::thickness_of(options.thickness_world / grid.voxel_along_light()),
@@ -131,7 +162,7 @@ impl<'s> Plan<'s> {
             scene_bytes,
             worker_bytes,
             limit_bytes: options.max_memory_bytes,
-            spill: None,
+            spill: Arc::new(Spill::unlimited()),
         };
         if let Some(limit) = plan.limit_bytes {
             // At least one worker. Half of the remaining memory is for what is built.
@@ -142,7 +173,7 @@ impl<'s> Plan<'s> {
         if let Some(limit) = plan.limit_bytes {
             let room = limit.saturating_sub(plan.baking_bytes());
             let folder = options.spill_folder.clone().unwrap_or_else(std::env::temp_dir);
-            plan.spill = Some(Arc::new(Spill::new(room, folder)));
+            plan.spill = Arc::new(Spill::new(room, folder));
         }
         Ok(plan)
     }
@@ -171,15 +202,14 @@ impl<'s> Plan<'s> {
     /// # Errors
     /// Returns [`Error::Spill`] if reading or writing the disk failed.
     pub(crate) fn paged_bytes(&self) -> Result<u64> {
-        let Some(spill) = &self.spill else { return Ok(0) };
-        spill.check()?;
-        Ok(spill.resident_bytes())
+        self.spill.check()?;
+        Ok(self.spill.resident_bytes())
     }
 
-    /// Shrinks the pages to make room for `held_bytes` besides the scene.
-    pub(crate) fn make_room(&self, held_bytes: u64) {
-        if let (Some(spill), Some(limit)) = (&self.spill, self.limit_bytes) {
-            spill.shrink_to(limit.saturating_sub(self.scene_bytes + held_bytes));
+    /// Limits the memory for pages to what `held_bytes` leave.
+    pub(crate) fn limit_pages(&self, held_bytes: u64) {
+        if let Some(limit) = self.limit_bytes {
+            self.spill.limit_to(limit.saturating_sub(held_bytes));
         }
     }
 

@@ -32,6 +32,20 @@ pub struct Report {
     pub spilled_bytes: u64,
 }
 
+impl Report {
+    /// Returns the statistics of this work and of more, one after the other.
+    pub(crate) fn with(&self, more: &Self) -> Self {
+        Self {
+            seconds: self.seconds + more.seconds,
+            tiles: self.tiles + more.tiles,
+            threads: self.threads.max(more.threads),
+            drawn_texels: self.drawn_texels + more.drawn_texels,
+            accounted_bytes: self.accounted_bytes.max(more.accounted_bytes),
+            spilled_bytes: self.spilled_bytes + more.spilled_bytes,
+        }
+    }
+}
+
 /// A caller's hooks into long-running work: progress reports and cancellation.
 #[derive(Clone, Copy)]
 pub struct Watch<'a, P = Progress> {

@@ -47,13 +47,11 @@ impl<'a, 's> Tally<'a, 's> {
         Ok(())
     }
 
-    /// Checks the memory after the last tile, when `held_bytes` are needed besides the scene and the pages. Pages are
-    /// shrunk to make room.
+    /// Checks the memory after the last tile, when `held_bytes` are needed besides the scene and the pages.
     ///
     /// # Errors
     /// Returns the errors of [`Tally::finished_tile`].
     pub(crate) fn check_end(&self, what: &'static str, held_bytes: u64) -> Result<()> {
-        self.plan.make_room(held_bytes);
         let held = self.plan.scene_bytes + held_bytes + self.plan.paged_bytes()?;
         self.accounted_bytes.fetch_max(held, Ordering::Relaxed);
         self.plan.check_memory(what, held)
@@ -67,7 +65,7 @@ impl<'a, 's> Tally<'a, 's> {
             threads: self.plan.workers,
             drawn_texels: self.drawn_texels.load(Ordering::Relaxed),
             accounted_bytes: self.accounted_bytes.load(Ordering::Relaxed),
-            spilled_bytes: self.plan.spill.as_ref().map_or(0, |spill| spill.spilled_bytes()),
+            spilled_bytes: self.plan.spill.spilled_bytes(),
         }
     }
 }

@@ -13,12 +13,13 @@ use crate::progress::{Report, Watch};
 use crate::sink::depths::DepthsSink;
 use crate::triangles::surface::TileSurfaces;
 
-/// Bakes the depths for `options`. `merged`: equal shapes are stored once, as in every file.
+/// Bakes the depths of the finest level for `options`. `merged`: equal shapes are stored once, as in every file.
 pub(crate) fn bake_depths(scene: &Scene, options: &BakeOptions, merged: bool) -> Result<(DepthTree, Report)> {
-    let built = build_planned(scene, options, Watch::none(), |plan| {
-        DepthsSink::new(plan.tiles.root_level, merged, plan.spill.as_ref())
+    let plan = choose::plan(scene, options)?;
+    let built = build_planned(&plan, options, Watch::none(), |plan| {
+        DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, merged, &plan.spill)
     })?;
-    Ok((built.made, built.report))
+    Ok((built.made.tree()?, built.report))
 }
 
 /// Calls `visit(i, j, [e, x])` for every column of the grid. Every texel is drawn.

@@ -6,7 +6,7 @@ use adumbra_bake::{BakeOptions, Size};
 use adumbra_files::replace_file;
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_testing::bake_file;
+use adumbra_testing::{TreeParts, bake_file};
 
 fn baked(kind: GeneratedKind, resolution: u64) -> ShadowFile {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
@@ -30,8 +30,7 @@ fn depths_file_that_is_cut_or_changed_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("spheres.adumbra");
     let file = baked(GeneratedKind::Spheres, 64);
-    let mut bytes = Vec::new();
-    file.write_to(&mut bytes).unwrap();
+    let bytes = file.to_bytes().unwrap();
     let refused = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
         ShadowFile::read(&path).is_err()
@@ -48,32 +47,37 @@ fn depths_file_that_is_cut_or_changed_is_refused() {
 
 #[test]
 fn damaged_shapes_of_a_bake_are_refused_or_give_one_answer_in_every_way() {
-    let good = &*baked(GeneratedKind::City, 256).tree;
+    let good = TreeParts::of(&baked(GeneratedKind::City, 256).tree);
     let mut random = Random::for_batch(1, 0);
     let mut below = |n: usize| (random.unit() * n as f64) as usize;
     let (mut accepted, mut ranks) = (0, 0);
     for _ in 0..4000 {
         let mut damaged = good.clone();
+        let mut code: Vec<&mut u32> = damaged.words_mut().collect();
         for _ in 0..1 + below(4) {
-            let (at, shift) = (below(damaged.code.len()), 16 * below(2));
+            let (at, shift) = (below(code.len()), 16 * below(2));
             let half = match below(4) {
                 0 => below(1 << 16) as u32,
                 1 => 0xffff,
-                2 => damaged.code[below(good.code.len())] & 0xffff,
-                _ => damaged.code[at] >> shift & 0xffff ^ 1 << below(16),
+                2 => *code[below(code.len())] & 0xffff,
+                _ => *code[at] >> shift & 0xffff ^ 1 << below(16),
             };
-            damaged.code[at] = damaged.code[at] & !(0xffff << shift) | half << shift;
+            *code[at] = *code[at] & !(0xffff << shift) | half << shift;
         }
-        if let Err(fault) = damaged.validate() {
-            ranks += usize::from(fault.kind() == "Ranks");
-            continue;
-        }
+        let damaged = match damaged.tree() {
+            Ok(damaged) => damaged,
+            Err(fault) => {
+                ranks += usize::from(fault.kind() == "Ranks");
+                continue;
+            }
+        };
         accepted += 1;
+        let size = damaged.size();
         for _ in 0..100 {
-            let [i, j] = [0, 1].map(|a| below(damaged.size[a] as usize) as u32);
+            let [i, j] = [0, 1].map(|a| below(size[a] as usize) as u32);
             let value = damaged.value(i, j);
-            for k in [value.wrapping_sub(1), value, below(damaged.size[2] as usize) as u32] {
-                let k = k.min(damaged.size[2] - 1);
+            for k in [value.wrapping_sub(1), value, below(size[2] as usize) as u32] {
+                let k = k.min(size[2] - 1);
                 if let Place::Leaf { at, base } = damaged.place(i, j).0 {
                     let mask = damaged.shapes().leaf(at, base).leaf_mask(k);
                     let lit = mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1;

@@ -1,9 +1,12 @@
 //! Leaves of the quadtree: columns' depths and leaf masks agree, and follow the specification.
 
 use adumbra::layout::depths::code::Place;
-use adumbra::layout::depths::{DepthTree, DepthsError};
+use adumbra::layout::depths::{DepthTree, DepthsError, Part};
 use adumbra_scene::random::Random;
-use adumbra_testing::{Leaf, every_gradient, from_leaves};
+use adumbra_testing::{Leaf, TreeParts, every_gradient, from_leaves};
+
+/// The page of a small tree.
+const PAGE: Part = Part::Page([0, 0]);
 
 /// Queries every column of a leaf at layers `layers` in each of the ways.
 fn check_leaf(found: &DepthTree, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layers: std::ops::Range<u32>) {
@@ -28,8 +31,7 @@ fn check_leaf(found: &DepthTree, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layer
 fn every_gradient_gives_one_answer_in_every_way() {
     let base = 452;
     let leaves = every_gradient();
-    let found = from_leaves(&leaves, 256, base, 1024);
-    assert_eq!(found.validate(), Ok(()));
+    let found = from_leaves(&leaves, 256, base, 1024).expect("valid leaves");
     for (at, leaf) in leaves.iter().enumerate() {
         let corner = [at % 256, at / 256].map(|c| 8 * c as u32);
         let nearest = (0..64).filter_map(|c| leaf.depth(base, c)).min().expect("64 columns");
@@ -66,8 +68,7 @@ fn any_ranks_and_bases_give_one_answer_in_every_way() {
             .collect();
         let bases = [0, 1, 13, 448, 5000, 1 << 31, u32::MAX - 449, u32::MAX - 7, u32::MAX];
         let base = bases[case % bases.len()];
-        let found = from_leaves(&leaves, 4, base, u32::MAX);
-        assert_eq!(found.validate(), Ok(()));
+        let found = from_leaves(&leaves, 4, base, u32::MAX).expect("valid leaves");
         for (at, leaf) in leaves.iter().enumerate() {
             let corner = [at % 4, at / 4].map(|c| 8 * c as u32);
             check_leaf(&found, leaf, base, corner, layers_about(base));
@@ -81,7 +82,7 @@ fn any_ranks_and_bases_give_one_answer_in_every_way() {
 
 /// Returns the error for which depths of sixteen equal leaves are refused.
 fn fault(leaf: &Leaf) -> Option<DepthsError> {
-    from_leaves(&vec![leaf.clone(); 16], 4, 10, 64).validate().err()
+    from_leaves(&vec![leaf.clone(); 16], 4, 10, 64).err()
 }
 
 #[test]
@@ -89,22 +90,22 @@ fn rank_above_the_last_depth_is_refused() {
     let mut leaf = Leaf { width: 1, differences: vec![5, 5], ranks: vec![0; 64], ..Leaf::default() };
     assert_eq!(fault(&leaf), None);
     leaf.ranks[9] = 3;
-    assert_eq!(fault(&leaf), Some(DepthsError::Ranks { at: 0, column: 9, last: 2 }));
+    assert_eq!(fault(&leaf), Some(DepthsError::Ranks { part: PAGE, at: 0, column: 9, last: 2 }));
     // The last depth, which never switches, is a rank; the number after it is not.
     leaf.never = true;
     assert_eq!(fault(&leaf), None);
     leaf.differences.push(1);
     leaf.ranks[9] = 5;
-    assert_eq!(fault(&leaf), Some(DepthsError::Ranks { at: 0, column: 9, last: 4 }));
+    assert_eq!(fault(&leaf), Some(DepthsError::Ranks { part: PAGE, at: 0, column: 9, last: 4 }));
 }
 
 #[test]
 fn byte_behind_an_odd_number_of_differences_must_be_zero() {
     let leaf = Leaf { width: 1, differences: vec![5; 3], ranks: vec![3; 64], ..Leaf::default() };
-    let mut found = from_leaves(&vec![leaf; 16], 4, 10, 64);
-    assert_eq!(found.validate(), Ok(()));
+    let mut found = TreeParts::of(&from_leaves(&vec![leaf; 16], 4, 10, 64).expect("valid leaves"));
     // Half-words 1 and 2 are the differences.
-    assert_eq!((found.code[0] >> 16, found.code[1] & 0xffff), (0x0505, 0x0005));
-    found.code[1] |= 0x0100;
-    assert_eq!(found.validate(), Err(DepthsError::Bits { at: 0, level: 3, half: 0x0105 }));
+    let words = &mut found.pages[0].words;
+    assert_eq!((words[0] >> 16, words[1] & 0xffff), (0x0505, 0x0005));
+    words[1] |= 0x0100;
+    assert_eq!(found.tree(), Err(DepthsError::Bits { part: PAGE, at: 0, level: 3, half: 0x0105 }));
 }

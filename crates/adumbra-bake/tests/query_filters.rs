@@ -23,7 +23,7 @@ fn baked_in(frame: FrameChoice) -> ShadowFile {
 fn by_definition(voxels: &DepthTree, r: &FixedReceiver, filter: Filter) -> u32 {
     let texel = [0, 1].map(|a| r.p_fixed[a].div_euclid(4096));
     let reach = i64::from(filter.width()) / 2;
-    let [nx, ny, nz] = voxels.size.map(i64::from);
+    let [nx, ny, nz] = voxels.size().map(i64::from);
     let mut lit = 0;
     for y in texel[1] - reach..=texel[1] + reach {
         for x in texel[0] - reach..=texel[0] + reach {
@@ -41,7 +41,7 @@ fn by_definition(voxels: &DepthTree, r: &FixedReceiver, filter: Filter) -> u32 {
 fn sampler_counts_the_taps_that_the_definition_names() {
     let file = baked();
     let mut random = Random::for_batch(11, 0);
-    let size = file.tree.size.map(f64::from);
+    let size = file.tree.size().map(f64::from);
     let mut partly_lit = 0;
     for _ in 0..4000 {
         // Slightly beyond the grid on every side.
@@ -49,7 +49,7 @@ fn sampler_counts_the_taps_that_the_definition_names() {
         // Up to the steepest gradients allowed, with some along an axis and some flat.
         let steep = [0.0, 0.5, 6.0, 20.0][(random.unit() * 4.0) as usize];
         let gradient = [0, 1].map(|_| steep * (random.unit() - 0.5));
-        let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size);
+        let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size());
         for filter in Filter::ALL {
             let sampler = file.sampler(filter);
             let lit = sampler.lit_taps(&fixed);
@@ -82,9 +82,10 @@ fn sampler_counts_the_taps_of_any_leaves_that_the_definition_names() {
         .collect();
     let ShadowFile { grid, settings, .. } = baked();
     // The second grid ends before its columns switch.
-    for tree in [from_leaves(&leaves, 4, 300, 700), from_leaves(&leaves, 4, 300, 310)] {
+    for depth in [700, 310] {
+        let tree = from_leaves(&leaves, 4, 300, depth).unwrap();
         let file = ShadowFile::new(grid, settings, tree);
-        let size = file.tree.size.map(f64::from);
+        let size = file.tree.size().map(f64::from);
         let mut partly_lit = 0;
         let samplers = Filter::ALL.map(|filter| file.sampler(filter));
         let mut cursors = samplers.each_ref().map(Cursor::new);
@@ -98,7 +99,7 @@ fn sampler_counts_the_taps_of_any_leaves_that_the_definition_names() {
             }
             let steep = [0.0, 0.5, 6.0, 240.0][(random.unit() * 4.0) as usize];
             let gradient = [0, 1].map(|_| steep * (random.unit() - 0.5));
-            let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size);
+            let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size());
             for (sampler, cursor) in samplers.iter().zip(&mut cursors) {
                 let filter = sampler.filter();
                 let expected = by_definition(&file.tree, &fixed, filter);
@@ -114,7 +115,7 @@ fn sampler_counts_the_taps_of_any_leaves_that_the_definition_names() {
 #[test]
 fn cursor_gives_the_samplers_answers_in_any_order() {
     let file = baked();
-    let size = file.tree.size.map(f64::from);
+    let size = file.tree.size().map(f64::from);
     for filter in Filter::ALL {
         let sampler = file.sampler(filter);
         let mut cursor = Cursor::new(&sampler);
@@ -130,7 +131,7 @@ fn cursor_gives_the_samplers_answers_in_any_order() {
                 };
             }
             let gradient = [random.unit() * 2.0 - 1.0, random.unit() * 2.0 - 1.0];
-            let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size);
+            let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size());
             let lit = cursor.lit_taps(&fixed);
             assert_eq!(lit, sampler.lit_taps(&fixed), "{fixed:?} {filter:?}");
             partly_lit += u32::from(lit > 0 && lit < filter.width().pow(2));

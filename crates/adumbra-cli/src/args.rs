@@ -6,11 +6,14 @@ mod defaults;
 #[cfg(feature = "view")]
 mod view;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use adumbra::ShadowFile;
 
 #[cfg(feature = "render")]
 use adumbra_compare::verbs::{compare::Compare, render, render::Render};
 use adumbra_program::args::{RunArgs, SceneArgs};
+use adumbra_program::exit::Failure;
 use adumbra_program::query::Query;
 use adumbra_program::schemas::SchemaArgs;
 use adumbra_program::verify::Verify;
@@ -62,14 +65,14 @@ pub(crate) enum Verb {
     /// Compare a shadow file's answers with rays at random points; exit code 1 if a promise is missed, such as
     /// --min-interior
     #[command(after_help = "Example: adumbra verify city.adumbra --scene city.glb --samples 1000000")]
-    Verify(Verify),
+    Verify(VerifyFile),
     /// Look up the visibility of points in a shadow file
     #[command(
         after_help = "Points and normals are little-endian float32 triples (float64 for points given by --points-f64). Each \
         answer is one float32: 1 lit, 0 shadowed.\n\n\
         Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
     )]
-    Query(Query),
+    Query(QueryFile),
     /// Write a shadow file for a web page
     #[command(after_help = "Writes the file, and next to it FILE.br, which servers send in its place.\n\n\
         Example: adumbra export city.adumbra --web public/city.adumbra")]
@@ -174,6 +177,40 @@ pub(crate) struct Info {
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A level of detail of a shadow file.
+#[derive(clap::Args)]
+pub(crate) struct LevelArg {
+    /// Level of detail, 0 = the finest
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) level: u32,
+}
+
+impl LevelArg {
+    /// Returns the level of a file that was read from `path`.
+    pub(crate) fn of(&self, file: &ShadowFile, path: &Path) -> Result<ShadowFile, Failure> {
+        file.level(self.level).ok_or_else(|| {
+            let last = file.level_count() - 1;
+            Failure::Usage(format!("--level {}: the levels of {} are 0 to {last}", self.level, path.display()))
+        })
+    }
+}
+
+#[derive(clap::Args)]
+pub(crate) struct VerifyFile {
+    #[command(flatten)]
+    pub(crate) verify: Verify,
+    #[command(flatten)]
+    pub(crate) level: LevelArg,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct QueryFile {
+    #[command(flatten)]
+    pub(crate) query: Query,
+    #[command(flatten)]
+    pub(crate) level: LevelArg,
 }
 
 #[derive(clap::Args)]

@@ -19,7 +19,10 @@ struct Columns {
 }
 
 /// Keeps columns as they come: those of a block row by row.
-struct Recorder;
+struct Recorder {
+    size: [u32; 3],
+    level: u32,
+}
 
 impl BlockSink for Recorder {
     type Block = Vec<[u32; 2]>;
@@ -63,7 +66,8 @@ impl Structure for Recorder {
         Ok(())
     }
 
-    fn finish(self, size: [u32; 3], level: u32, blocks: Vec<Self::Block>) -> Columns {
+    fn finish(self, blocks: Vec<Self::Block>) -> Columns {
+        let Self { size, level } = self;
         let across = size[0].div_ceil(1 << level);
         let column = |i: u32, j: u32| {
             let inside = ((j % (1 << level)) << level) + i % (1 << level);
@@ -85,7 +89,7 @@ struct Made {
 impl Made {
     fn of(scene: &Scene, options: &BakeOptions) -> Self {
         let Built { grid, settings, made: columns, .. } =
-            build(scene, options, Watch::none(), |_, _| Recorder).unwrap();
+            build(scene, options, Watch::none(), |size, level| Recorder { size, level }).unwrap();
         let dag = build(scene, options, Watch::none(), GraphSink::new).unwrap().made;
         let in_layout = |layout| {
             let options = DagOptions { bake: options.clone(), layout };
@@ -104,7 +108,7 @@ impl Made {
     /// of columns with an end.
     fn check(&self, random: &mut Random) -> u32 {
         let [nx, ny, nz] = self.columns.size;
-        assert_eq!((self.dag.size, self.depths.size), ([nx, ny, nz], [nx, ny, nz]));
+        assert_eq!((self.dag.size, self.depths.size()), ([nx, ny, nz], [nx, ny, nz]));
         let again = graph_of_depths(&self.depths).unwrap();
         let structures: [(&str, &dyn LeafMasks); 4] = [
             ("graph", &self.dag),

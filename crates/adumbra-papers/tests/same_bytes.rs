@@ -1,6 +1,7 @@
 //! Same input, same bytes: compares files with those that an earlier revision wrote, byte for byte. A change that is
 //! meant to alter them must rewrite the lists in `same_bytes/` and give the reason.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use adumbra::Sun;
@@ -25,7 +26,7 @@ fn listed(text: &str) -> impl Iterator<Item = [&str; 3]> {
 fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) -> String {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let in_frame = |frame| BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
-    let mut bytes = Vec::new();
+    let mut bytes = Cursor::new(Vec::new());
     let mut quadtree =
         |frame| bake(scene, &in_frame(frame), Watch::none()).unwrap().file.write_to(&mut bytes);
     match kind {
@@ -44,7 +45,7 @@ fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) ->
         other => panic!("no kind of file is called {other}"),
     }
     .unwrap();
-    hex(&bytes)
+    hex(bytes.get_ref())
 }
 
 fn hex(bytes: &[u8]) -> String {

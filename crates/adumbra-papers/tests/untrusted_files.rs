@@ -3,14 +3,16 @@
 
 use std::time::{Duration, Instant};
 
-use adumbra::layout::depths::{DepthTree, NEVER, UNIFORM};
+use adumbra::layout::depths::code::LeafHead;
+use adumbra::layout::depths::page::PAGE_LEVEL;
+use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, TreeBuilder};
 use adumbra::{Bias, FileSettings, Filter, PointVisibility, ShadowFile};
 use adumbra_papers::dag::build::convert::{depths_of, graph_of, graph_of_depths, unpack};
 use adumbra_papers::dag::packed::{PackedDag, PackedError};
 use adumbra_papers::dag::plain::{Dag, LIT};
 use adumbra_papers::dag::{DagBody, DagFile, DagFileError, DagQuery, LeafMasks, TooLarge};
 use adumbra_papers::tree::{LightTreeError, WordsError, words_of};
-use adumbra_testing::{Leaf, from_leaves, overhead_grid, settings_for};
+use adumbra_testing::{Leaf, PageParts, TreeParts, from_leaves, overhead_grid, settings_for};
 
 /// Makes a file by way of its bytes, so that it is one that a reader accepts.
 fn file(body: DagBody) -> DagFile {
@@ -22,15 +24,14 @@ fn file(body: DagBody) -> DagFile {
     DagFile::from_bytes(&bytes).unwrap()
 }
 
-/// 64 lit roots, in a grid of 2^32 - 1 voxels along the light.
+/// A lit page, in a grid of 2^32 - 1 voxels along the light.
 fn tall_depths() -> ShadowFile {
-    let top = vec![[UNIFORM, NEVER]; 64];
     let size = [256, 256, u32::MAX];
-    let tree = DepthTree { size, root_level: 5, top_dims: [8, 8], top, wide: vec![], code: vec![] };
+    let tree = TreeBuilder::new(size, Vec::new()).finish().unwrap();
     let grid = overhead_grid([0.0, 8.0, 0.0], size);
     let settings = FileSettings { resolution: 8, ..settings_for(&grid) };
-    let mut bytes = Vec::new();
-    ShadowFile::new(grid, settings, tree).write_to(&mut bytes).unwrap();
+    let bytes = ShadowFile::new(grid, settings, tree).to_bytes().unwrap();
+    assert!(bytes.len() < 1_000, "{} bytes", bytes.len());
     ShadowFile::from_bytes(&bytes).unwrap()
 }
 
@@ -95,27 +96,34 @@ fn top_grid_of_too_many_root_cubes_is_refused() {
     assert!(dag.top.iter().all(|&root| root == LIT));
 }
 
-/// Roots that share one shape of 16 leaves, each with many depths.
-fn one_shape(roots: u32, base: impl Fn(u32) -> u32) -> DepthTree {
+/// Pages that share one shape of 64 x 64 leaves, which are all the same one of many depths.
+fn one_shape([across, down]: [u32; 2], base: impl Fn(u32) -> u32) -> DepthTree {
     let leaf = Leaf { width: 1, differences: vec![3; 63], ranks: (0..64).collect(), ..Leaf::default() };
-    let mut found = from_leaves(&vec![leaf; 16], 4, 0, 1 << 20);
-    let shape = found.top[0][0];
-    found.top = (0..roots).map(|i| [shape, base(i)]).collect();
-    found.top_dims = [1 << 10, roots >> 10];
-    found.size = [32 << 10, 32 * (roots >> 10), 512];
-    assert_eq!(found.validate(), Ok(()));
-    found
+    let of_leaf = from_leaves(&[leaf], 1, 0, 1 << 20).unwrap();
+    let length = LeafHead::new(of_leaf.shapes().half(0)).length();
+    let mut halves: Vec<u16> = (0..length).map(|at| of_leaf.shapes().half(at) as u16).collect();
+    let mut root = 0;
+    for _ in (LEAF_LEVEL..PAGE_LEVEL).step_by(NODE_LEVELS as usize) {
+        let below = std::mem::replace(&mut root, halves.len() as u16);
+        // Sixteen times the shape below, with the same base.
+        halves.extend([0xffff, 0, 0]);
+        halves.extend([below; 16]);
+    }
+    let common = halves.chunks(2).map(|h| u32::from(h[0]) | u32::from(*h.get(1).unwrap_or(&0)) << 16).collect();
+    let page = |i| PageParts { root: root.into(), base: base(i), words: Vec::new() };
+    let size = [across << PAGE_LEVEL, down << PAGE_LEVEL, 512];
+    TreeParts { size, common, pages: (0..across * down).map(page).collect() }.tree().unwrap()
 }
 
 #[test]
 #[ignore = "slow: real scenes"]
 fn shapes_that_are_shared_are_converted_once() {
-    // Converted as if no root were shared, it would be 2 million leaves of 64 depths.
-    let found = one_shape(1 << 17, |i| 100 * (i & 1));
+    // Converted as if no page were shared, it would be 2 million leaves of 64 depths.
+    let found = one_shape([64, 8], |i| 100 * (i & 1));
     let dag = soon(|| graph_of_depths(&found)).unwrap();
     assert_eq!(dag.validate(), Ok(()));
     for at in 0..2000_u32 {
-        let [i, j] = [at.wrapping_mul(2_654_435_761) % found.size[0], at * 2 % found.size[1]];
+        let [i, j] = [at.wrapping_mul(2_654_435_761) % found.size()[0], at * 2 % found.size()[1]];
         for k in [50, 100, 150, 200, 250, 300] {
             assert_eq!(dag.voxel(i, j, k), k < found.value(i, j), "{i} {j} {k}");
         }
@@ -125,9 +133,11 @@ fn shapes_that_are_shared_are_converted_once() {
 #[test]
 #[ignore = "slow: real scenes"]
 fn shape_that_is_shared_at_too_many_depths_is_refused() {
-    let found = one_shape(1 << 20, |i| i);
+    let found = one_shape([64, 64], |i| i);
     let limit = soon(|| graph_of_depths(&found)).unwrap_err();
-    assert_eq!(limit, TooLarge { what: "shapes", count: 17 << 20, limit: 1 << 24 });
+    // The leaves of each page, and its nodes of levels 5, 7 and 9.
+    let count = (4096 + 256 + 16 + 1) << 12;
+    assert_eq!(limit, TooLarge { what: "shapes", count, limit: 1 << 24 });
 }
 
 #[test]

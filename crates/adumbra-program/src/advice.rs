@@ -15,6 +15,7 @@ fn options_of_range(error: &RangeError) -> Option<&'static str> {
         RangeField::SunElevation => "--elevation",
         RangeField::Thickness => "--thickness",
         RangeField::SwitchLimit => "--switch-within",
+        RangeField::Levels => "--levels",
         RangeField::Bounds => "--bounds",
         RangeField::Resolution => "--resolution",
         RangeField::VoxelSize => "--voxel-size",

@@ -1,10 +1,12 @@
 //! Encodes trees of the layout `depths` half-word by half-word, and decodes their leaves according to the
 //! specification.
 
-use adumbra::layout::depths::DepthTree;
+use adumbra::layout::depths::code::FAR;
+use adumbra::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page, bundles, page_dims, pages_of};
+use adumbra::layout::depths::{DepthTree, DepthsError, LEAF_LEVEL, NODE_LEVELS, TreeBuilder};
 
-/// Number of leaves along a side of a root of level 5.
-const LEAVES: usize = 4;
+/// Number of leaves along a side of a page.
+const LEAVES_ACROSS: usize = 1 << (PAGE_LEVEL - LEAF_LEVEL);
 
 /// A leaf as the specification describes it.
 #[derive(Clone, Debug, Default)]
@@ -58,38 +60,67 @@ impl Leaf {
     }
 }
 
-/// Builds a tree with roots of level 5 from `leaves`, in rows of `row` leaves. `row` and the number of rows are
-/// multiples of four, so that every root is complete. All leaves have the base `base`.
-pub fn from_leaves(leaves: &[Leaf], row: usize, base: u32, depth: u32) -> DepthTree {
+/// Builds a tree from `leaves`, in rows of `row` leaves, each written once per place and reached through far pointers. All
+/// leaves have the base `base`.
+///
+/// # Errors
+/// Returns the fault if a leaf is not valid.
+pub fn from_leaves(leaves: &[Leaf], row: usize, base: u32, depth: u32) -> Result<DepthTree, DepthsError> {
     let rows = leaves.len() / row;
-    let mut halves: Vec<u16> = Vec::new();
-    let places: Vec<u32> = leaves
-        .iter()
-        .map(|leaf| {
-            let at = halves.len() as u32;
-            halves.extend(leaf.halves());
-            at
-        })
+    let size = [8 * row as u32, 8 * rows as u32, depth];
+    let mut builder = TreeBuilder::new(size, Vec::new());
+    let dims = page_dims(size);
+    for bundle in bundles(dims) {
+        let made = pages_of(bundle, dims).map(|place| {
+            place.map(|[x, y]| {
+                let mut halves = Vec::new();
+                let leaf = |[i, j]: [usize; 2]| (i < row && j < rows).then(|| &leaves[j * row + i]);
+                let corner = [x, y].map(|c| c as usize * LEAVES_ACROSS);
+                let root = shape(&mut halves, &leaf, PAGE_LEVEL, corner).expect("a page with leaves");
+                halves.resize(halves.len().next_multiple_of(2), 0);
+                let word = |h: &[u16; 2]| u32::from(h[0]) | u32::from(h[1]) << 16;
+                (root, halves.as_chunks::<2>().0.iter().map(word).collect::<Vec<u32>>())
+            })
+        });
+        builder.add(
+            bundle,
+            &made.each_ref().map(|page| match page {
+                Some((root, words)) => Page { root: IN_PAGE | root, base, words },
+                None => Page::OUTSIDE,
+            }),
+        );
+    }
+    builder.finish()
+}
+
+/// Writes the block of `level` whose first leaf is at a place, and returns its address. `None` if it has no leaves.
+fn shape<'l>(
+    halves: &mut Vec<u16>,
+    leaf: &impl Fn([usize; 2]) -> Option<&'l Leaf>,
+    level: u32,
+    [x, y]: [usize; 2],
+) -> Option<u32> {
+    if level == LEAF_LEVEL {
+        let at = halves.len() as u32;
+        halves.extend(leaf([x, y])?.halves());
+        return Some(at);
+    }
+    let step = 1 << (level - NODE_LEVELS - LEAF_LEVEL);
+    let children: Vec<Option<u32>> = (0..16)
+        .map(|c| shape(halves, leaf, level - NODE_LEVELS, [x + c % 4 * step, y + c / 4 * step]))
         .collect();
-    let mut top = Vec::new();
-    for y in (0..rows).step_by(LEAVES) {
-        for x in (0..row).step_by(LEAVES) {
-            top.push([halves.len() as u32, base]);
-            // Sixteen shapes with the same base, each through a far pointer.
-            halves.extend([0, 0xffff, 0]);
-            let places = (0..16).map(|c| places[(y + c / LEAVES) * row + x + c % LEAVES]);
-            halves.extend(places.flat_map(|at| [at as u16, (at >> 16) as u16]));
-        }
+    if children.iter().all(Option::is_none) {
+        return None;
     }
-    halves.resize(halves.len().next_multiple_of(2), 0);
-    DepthTree {
-        size: [8 * row as u32, 8 * rows as u32, depth],
-        root_level: 5,
-        top_dims: [(row / LEAVES) as u32, (rows / LEAVES) as u32],
-        top,
-        wide: Vec::new(),
-        code: halves.as_chunks::<2>().0.iter().map(|h| u32::from(h[0]) | u32::from(h[1]) << 16).collect(),
-    }
+    let at = halves.len() as u32;
+    let there = (0..16).filter(|&c| children[c].is_some()).fold(0_u16, |bits, c| bits | 1 << c);
+    // Shapes with the same base, each through a far pointer; the others never switch.
+    halves.extend([0, there, !there]);
+    halves.extend(children.into_iter().flatten().flat_map(|to| {
+        let far = FAR | (at - to);
+        [far as u16, (far >> 16) as u16]
+    }));
+    Some(at)
 }
 
 /// Returns one plane leaf for every gradient, in rows of 256.

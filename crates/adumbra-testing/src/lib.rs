@@ -10,6 +10,7 @@ mod glb;
 pub mod help;
 mod leaves;
 mod limits;
+mod parts;
 mod ply;
 mod programs;
 mod shared_folder;
@@ -26,6 +27,7 @@ pub use fuzz::{fuzz_time, peak_bytes};
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
 pub use limits::assert_keeps_to_limits;
+pub use parts::{PageParts, TreeParts};
 pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_json, lab_program, program, read_f32, stderr,

@@ -7,7 +7,7 @@ use adumbra::{Bounds, Filter, Receivers, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
-use adumbra_testing::{bake_file, full, npz_array, npz_camera, shared};
+use adumbra_testing::{TreeParts, bake_file, full, npz_array, npz_camera, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
@@ -138,7 +138,7 @@ fn interior_agrees_with_rays_on_generated_scenes() {
         assert!(surface.interior_agreement >= 0.998 && surface.interior_share > 0.5, "{kind:?} {surface:?}");
         assert!(volume.interior_agreement >= 0.999, "{kind:?} {volume:?}");
         assert!(still.interior_agreement >= 0.998, "{kind:?} {still:?}");
-        assert!(on_surfaces.tree.code.len() < baked.tree.code.len());
+        assert!(on_surfaces.tree.code().len() < baked.tree.code().len());
         let difference = mean_filter_difference(&scene, &baked, &on_surfaces);
         assert!(difference < 0.01, "{kind:?}: {difference}");
     }
@@ -178,10 +178,12 @@ fn a_wrong_file_is_found_out() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let mut baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(512)));
-    // Every root that switches somewhere switches elsewhere.
-    for [_, base] in &mut Arc::make_mut(&mut baked.tree).top {
-        *base = base.saturating_sub(40);
+    // Every page that switches somewhere switches elsewhere.
+    let mut parts = TreeParts::of(&baked.tree);
+    for page in &mut parts.pages {
+        page.base = page.base.saturating_sub(40);
     }
+    baked.tree = Arc::new(parts.tree().unwrap());
     let v = verify(&scene, &baked, false, 20_000);
     assert!(v.agreement < 0.99, "{v:?}");
 }

@@ -8,16 +8,16 @@ mod format_support;
 mod reference;
 
 use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 
-use adumbra::file::VERSION;
-use adumbra::layout::depths::DepthTree;
-use adumbra::{Bounds, Error, Frame, IoError, Receivers, ShadowFile};
+use adumbra::layout::depths::UNIFORM;
+use adumbra::layout::depths::page::{IN_PAGE, Page};
+use adumbra::{Bounds, Error, IoError, Receivers, ShadowFile};
 use adumbra_testing::{
     assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors, specified_example,
     vector_answers, vectors,
 };
-use format_support::{LAYOUT, encode, exercise, sweep};
+use format_support::{encode, exercise, interpret, mutate, sweep};
 
 /// Returns name and bytes of every valid vector, sorted by name.
 fn valid() -> Vec<(String, Vec<u8>)> {
@@ -30,20 +30,7 @@ fn example() -> Vec<u8> {
 
 #[test]
 fn valid_vectors_give_their_answers() {
-    give_their_answers("valid");
-}
-
-#[test]
-fn earlier_version_is_read_and_written_as_the_latest() {
-    give_their_answers("valid_v2");
-    for (name, bytes) in named_vectors("valid_v2", 10) {
-        let file = ShadowFile::from_bytes(&bytes).unwrap();
-        assert_eq!((u32::from(bytes[8]), u32::from(encode(&file)[8])), (2, VERSION), "{name}");
-        assert_eq!(file.grid.frame, Frame::Light, "{name}");
-    }
-}
-
-fn give_their_answers(folder: &str) {
+    let folder = "valid";
     for (name, bytes) in named_vectors(folder, 10) {
         let file = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
         for point in expected_points(&vector_answers(folder, &name)) {
@@ -58,23 +45,59 @@ fn give_their_answers(folder: &str) {
     }
 }
 
+/// Number of voxels above which a level is compared at some of them.
+const MOST_VOXELS: u64 = 1 << 18;
+
 #[test]
-fn decoded_quadtree_agrees_with_the_reference_on_every_voxel() {
+fn decoded_quadtree_agrees_with_the_reference() {
     for (name, bytes) in valid() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
-        let size = file.grid.size;
-        let mut lit = 0;
-        for z in 0..size[2] {
-            for y in 0..size[1] {
-                for x in 0..size[0] {
-                    let expected = reference::voxel(&bytes, [x, y, z]) == 1;
-                    assert_eq!(file.tree.voxel(x, y, z), expected, "{name} ({x}, {y}, {z})");
-                    lit += u64::from(expected);
-                }
+        for number in 0..file.level_count() {
+            let level = file.level(number).unwrap();
+            let [nx, ny, nz] = level.grid.size.map(u64::from);
+            let all = nx * ny * nz;
+            // An odd step visits every column of a small grid, and spreads over a large one.
+            let step = all.div_ceil(MOST_VOXELS) as usize | 1;
+            let mut lit = 0;
+            for at in (0..all).step_by(step) {
+                let [x, y, z] = [at % nx, at / nx % ny, at / (nx * ny)].map(|c| c as u32);
+                let expected = reference::voxel(&bytes, number.into(), [x, y, z]) == 1;
+                assert_eq!(level.tree.voxel(x, y, z), expected, "{name}, level {number}: ({x}, {y}, {z})");
+                lit += u64::from(expected);
+            }
+            if step == 1 {
+                assert_eq!(sweep(&level, u64::MAX), lit, "{name}, level {number}");
             }
         }
-        assert_eq!(sweep(&file, u64::MAX), lit, "{name}");
     }
+}
+
+#[test]
+fn levels_are_files_of_their_own() {
+    let bytes = fs::read(vectors("valid/levels_depths.adumbra")).unwrap();
+    let file = ShadowFile::from_bytes(&bytes).unwrap();
+    assert_eq!(file.level_count(), 3);
+    assert_eq!(file.level(0).as_ref(), Some(&file));
+    let coarse = file.level(1).unwrap();
+    assert_eq!(coarse.grid.voxel_size, 4.0 * file.grid.voxel_size);
+    assert_eq!(coarse.settings.resolution, file.settings.resolution.div_ceil(4));
+    assert_eq!((coarse.level_count(), coarse.level(1)), (2, file.level(2)));
+    assert_eq!(file.level(3), None);
+    // A level is written as a file whose finest level it is.
+    let again = ShadowFile::from_bytes(&encode(&coarse)).unwrap();
+    assert_eq!(again, coarse);
+}
+
+#[test]
+fn pages_share_what_is_common() {
+    let bytes = fs::read(vectors("valid/many_pages_depths.adumbra")).unwrap();
+    let tree = &ShadowFile::from_bytes(&bytes).unwrap().tree;
+    assert_eq!(tree.page_dims(), [5, 5]);
+    assert!(!tree.common().is_empty());
+    let pages: Vec<Page<'_>> = (0..25).map(|i| tree.page([i % 5, i / 5])).collect();
+    let is_common = |page: &&Page<'_>| page.root != UNIFORM && page.root & IN_PAGE == 0;
+    assert!(pages.iter().filter(is_common).count() >= 3, "whole pages are equal");
+    assert!(pages.iter().any(|page| page.root & IN_PAGE != 0 && page.root != UNIFORM));
 }
 
 #[test]
@@ -122,7 +145,9 @@ fn settings_and_grid_come_back_bit_for_bit() {
 #[test]
 fn truncation_at_every_length_is_an_error() {
     for (name, bytes) in valid() {
-        for length in 0..bytes.len() {
+        // Every length of the small files, and some of the others.
+        let step = 1 + bytes.len() / 1024;
+        for length in (0..bytes.len()).step_by(step) {
             let error = exercise(&bytes[..length]).expect_err(&name);
             assert_eq!(error.kind(), "Truncated", "{name} at {length}: {error}");
         }
@@ -149,7 +174,7 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
             |a: u64| (seed.wrapping_add(at * 7 + a).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32;
         let [i, j] = [0, 1].map(|a| spread(a as u64) % size[a]);
         let k = file.tree.value(i, j).wrapping_sub(at as u32 & 1).min(size[2] - 1);
-        let expected = reference::voxel(bytes, [i, j, k]) == 1;
+        let expected = reference::voxel(bytes, 0, [i, j, k]) == 1;
         assert_eq!(file.tree.voxel(i, j, k), expected, "seed {seed}: ({i}, {j}, {k})");
     }
 }
@@ -158,36 +183,46 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
 #[ignore = "slow: thousands of damaged files"]
 fn mutations_are_refused_or_answer_everywhere() {
     let (accepted, faults) = count_faults(&valid(), 200_000, |bytes, seed| {
-        let mutated = LAYOUT.mutate(bytes, seed);
+        let mutated = mutate(bytes, seed);
         let file = exercise(&mutated).map_err(|error| error.fault().unwrap_or(error.kind()))?;
         agrees_with_the_reference(&file, &mutated, seed);
         Ok(())
     });
     // The mutations reach every check, and also produce quadtrees that are still valid.
     assert!(accepted > 10_000, "{accepted} accepted");
-    assert_faults_found(&faults, &["Layout", "RootLevel", "Order", "End", "Wide", "Bits", "Ranks"]);
+    assert_faults_found(&faults, &["Bundle", "Root", "Order", "End", "Bits", "Ranks"]);
 }
 
 #[test]
 fn fuzz_input_of_even_first_byte_gets_its_checksums() {
     let mut input = example();
-    assert_eq!(LAYOUT.interpret(&input), example());
+    assert_eq!(interpret(&input), example());
     input[0] = b'@';
     input[20] = 99;
-    assert_eq!(exercise(&LAYOUT.interpret(&input)).unwrap().settings.resolution, 99);
-    assert_eq!(exercise(&LAYOUT.interpret(&[])).unwrap_err().kind(), "Truncated");
+    assert_eq!(exercise(&interpret(&input)).unwrap().settings.resolution, 99);
+    assert_eq!(exercise(&interpret(&[])).unwrap_err().kind(), "Truncated");
 }
 
-/// A writer that accepts `room` bytes and then reports that the disk is full.
+/// A file of at most `room` bytes, after which the disk is full.
 struct FullDisk {
-    room: usize,
+    room: u64,
+    file: Cursor<Vec<u8>>,
+}
+
+impl Seek for FullDisk {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
 }
 
 impl Write for FullDisk {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let taken = bytes.len().min(self.room);
-        self.room -= taken;
-        if taken == 0 && !bytes.is_empty() { Err(ErrorKind::StorageFull.into()) } else { Ok(taken) }
+        let left = self.room.saturating_sub(self.file.position());
+        let taken = bytes.len().min(left as usize);
+        if taken == 0 && !bytes.is_empty() {
+            return Err(ErrorKind::StorageFull.into());
+        }
+        self.file.write(&bytes[..taken])
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -199,28 +234,45 @@ impl Write for FullDisk {
 fn failing_writer_is_an_error_after_any_byte() {
     for (_, bytes) in valid() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
-        for room in 0..bytes.len() {
-            assert_eq!(file.write_to(&mut FullDisk { room }).unwrap_err().kind(), ErrorKind::StorageFull);
+        let write = |room: usize| {
+            let mut disk = FullDisk { room: room as u64, file: Cursor::default() };
+            file.write_to(&mut disk).map(|length| (length, disk.file.into_inner()))
+        };
+        for room in (0..bytes.len()).step_by(1 + bytes.len() / 1024) {
+            assert_eq!(write(room).unwrap_err().kind(), ErrorKind::StorageFull);
         }
-        assert_eq!(file.write_to(&mut FullDisk { room: bytes.len() }).unwrap(), bytes.len() as u64);
+        assert_eq!(write(bytes.len()).unwrap(), (bytes.len() as u64, bytes));
     }
 }
 
 #[test]
-fn invalid_file_is_not_written() {
+fn file_is_written_where_the_output_stands() {
     let file = ShadowFile::from_bytes(&example()).unwrap();
-    let breaks: [&dyn Fn(&mut DepthTree); 3] = [
-        // No shape begins at the end of the code.
-        &|tree| tree.top[0] = [2 * tree.code.len() as u32, 0],
-        &|tree| tree.root_level = 6,
-        &|tree| tree.size[2] += 1,
-    ];
-    for (i, change) in breaks.into_iter().enumerate() {
-        let mut tree = (*file.tree).clone();
-        change(&mut tree);
-        let mut written = Vec::new();
-        let error = ShadowFile::new(file.grid, file.settings, tree).write_to(&mut written).unwrap_err();
-        assert_eq!((error.kind(), written.len()), (ErrorKind::InvalidData, 0), "{i}: {error}");
+    let mut out = Cursor::new(b"before".to_vec());
+    out.set_position(6);
+    file.write_to(&mut out).unwrap();
+    assert_eq!(out.position() as usize, out.get_ref().len());
+    assert_eq!(out.into_inner(), [b"before".as_slice(), &example()].concat());
+}
+
+#[test]
+fn file_that_cannot_be_read_is_not_written() {
+    let file = ShadowFile::from_bytes(&example()).unwrap();
+    let tree = || (*file.tree).clone();
+    let mut grids = [file.grid; 3];
+    grids[0].size[2] += 1;
+    grids[1].voxel_size = f64::NAN;
+    grids[2].corner[1] = f64::INFINITY;
+    let mut settings = file.settings;
+    settings.resolution = 0;
+    let level_of_one_size = ShadowFile::new(file.grid, file.settings, tree()).with_coarser([(file.grid, tree())]);
+    let wrong = grids.map(|grid| ShadowFile::new(grid, file.settings, tree()));
+    let all = wrong.into_iter().chain([ShadowFile::new(file.grid, settings, tree()), level_of_one_size]);
+    for (i, wrong) in all.enumerate() {
+        let mut written = Cursor::new(Vec::new());
+        let error = wrong.write_to(&mut written).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::InvalidData, "{i}: {error}");
+        assert_eq!(wrong.to_bytes().unwrap_err().kind(), "HeaderField", "{i}");
     }
 }
 

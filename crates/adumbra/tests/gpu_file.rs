@@ -3,7 +3,7 @@
 use adumbra::gpu::{
     HEADER_WORDS, LookUp, Parameters, Penumbra, TEXTURE_MAGIC, TEXTURE_VERSION, WordSource, wgsl_files,
 };
-use adumbra::layout::depths::{DepthTree, NEVER, UNIFORM};
+use adumbra::layout::depths::TreeBuilder;
 use adumbra::query::MAX_FIXED_SIDE;
 use adumbra::{Bias, Error, Filter, RangeField, ShadowFile};
 use adumbra_testing::{overhead_grid, settings_for, vectors};
@@ -32,10 +32,10 @@ fn refused<T>(result: adumbra::Result<T>) -> RangeField {
 }
 
 #[test]
-fn words_are_roots_then_wide_entries_then_code() {
-    let file = file("cliff");
+fn words_are_blocks_then_code() {
+    let file = file("many_pages");
     let (gpu, tree) = (file.gpu(), &file.tree);
-    let expected = [tree.top.as_flattened(), tree.wide.as_flattened(), &tree.code];
+    let expected = [tree.top().as_flattened(), tree.code()];
     assert!(expected.iter().all(|part| !part.is_empty()));
     assert_eq!(gpu.words().parts(), expected);
     assert_eq!(gpu.words().to_vec(), expected.concat());
@@ -59,10 +59,9 @@ fn parameters_are_where_their_table_says() {
         assert_eq!(floats(&words[56..]), grid.to_grid(ANCHOR).map(|c| c as f32), "{name}");
         assert_eq!(words[60..63], grid.size, "{name}");
         assert_eq!(floats(&words[63..]), [(1.0 / grid.voxel_size) as f32], "{name}");
-        assert_eq!(words[68..72], [tree.top_dims[0], tree.top_dims[1], 1, tree.root_level], "{name}");
+        assert_eq!(words[68..72], [tree.top_dims()[0], tree.top_dims()[1], 1, tree.root_level()], "{name}");
         assert_eq!(floats(&words[72..]), [1.0, 0.5, 0.0, 1.0], "{name}: the file's own bias");
-        let wide = 2 * tree.top.len() as u32;
-        assert_eq!(words[76..80], [0, 0, wide, wide + 2 * tree.wide.len() as u32], "{name}");
+        assert_eq!(words[76..80], [0, 0, 0, 2 * tree.top().len() as u32], "{name}");
         assert_eq!(words[80..84], [9, 0, 0, 0], "{name}");
         let [[a, b], [c, d]] = grid.circle_across_light();
         assert_eq!(floats(&words[84..]), [a, b, c, d].map(|c| c as f32), "{name}");
@@ -113,8 +112,7 @@ fn look_up_out_of_range_is_refused() {
     assert_eq!(both_ways(LookUp { bias, ..LookUp::default() }), RangeField::BiasTerm);
 
     let size = [8, 8, MAX_FIXED_SIDE + 1];
-    let top = vec![[UNIFORM, NEVER]];
-    let tree = DepthTree { size, root_level: 5, top_dims: [1; 2], top, ..DepthTree::default() };
+    let tree = TreeBuilder::new(size, Vec::new()).finish().unwrap();
     let grid = overhead_grid([0.0, 8.0, 0.0], size);
     let tall = ShadowFile::new(grid, settings_for(&grid), tree);
     assert_eq!(refused(tall.gpu().parameters(&LookUp::default(), ANCHOR)), RangeField::LongestSide);
@@ -122,7 +120,7 @@ fn look_up_out_of_range_is_refused() {
 
 #[test]
 fn texture_holds_words_and_parameters() {
-    for name in ["cliff", "slopes", "upright"] {
+    for name in ["cliff", "slopes", "upright", "many_pages"] {
         let file = file(name);
         let gpu = file.gpu();
         let look_up = LookUp::default();

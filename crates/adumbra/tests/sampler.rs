@@ -2,14 +2,16 @@
 
 use std::thread;
 
-use adumbra::layout::depths::{DepthTree, NEVER, UNIFORM};
+use adumbra::layout::depths::page::{Page, bundles, page_dims};
+use adumbra::layout::depths::{DepthTree, NEVER, TreeBuilder};
 use adumbra::query::MAX_FIXED_SIDE;
 use adumbra::{Bias, Error, Filter, PointVisibility, RangeField, Sampler, ShadowFile};
 use adumbra_scene::random::Random;
 use adumbra_testing::{Leaf, from_leaves, overhead_grid, settings_for, vectors};
 
-/// A file of each shape: both frames, odd sizes, wide entries, slanted leaves, a low sun.
-const NAMES: [&str; 6] = ["sphere", "upright", "upright_turned_low", "odd_sizes", "cliff", "low_sun_tall"];
+/// A file of each shape: both frames, odd sizes, wide differences, slanted leaves, a low sun, many pages.
+const NAMES: [&str; 7] =
+    ["sphere", "upright", "upright_turned_low", "odd_sizes", "cliff", "low_sun_tall", "many_pages"];
 
 /// A bias of which every term is in use.
 const BIAS: Bias = Bias { constant_texels: 0.7, slope_texels: 1.3, normal_offset_texels: 0.4 };
@@ -245,8 +247,7 @@ fn filter_is_made_of_its_width() {
 
 /// Returns a file of this quadtree, with the sun overhead.
 fn file_of(tree: DepthTree) -> ShadowFile {
-    tree.validate().expect("a valid quadtree");
-    let grid = overhead_grid([0.0, 8.0, 0.0], tree.size);
+    let grid = overhead_grid([0.0, 8.0, 0.0], tree.size());
     ShadowFile::new(grid, settings_for(&grid), tree)
 }
 
@@ -260,12 +261,13 @@ fn grids_too_long_for_32_bits_are_counted_too() {
         ..Leaf::default()
     };
     let leaves: Vec<Leaf> = (0..64).map(|at| leaf(vec![3 + at, 2 * at + 1], 5 + at)).collect();
-    let deep = from_leaves(&leaves, 8, MAX_FIXED_SIDE - 50, MAX_FIXED_SIDE + 200);
-    let width = MAX_FIXED_SIDE + 512;
-    let roots = width.div_ceil(512);
-    let top = (0..roots).map(|at| [UNIFORM, if at % 5 == 0 { NEVER } else { 7 * at % 40 }]).collect();
-    let wide =
-        DepthTree { size: [width, 8, 48], root_level: 9, top_dims: [roots, 1], top, ..DepthTree::default() };
+    let deep = from_leaves(&leaves, 8, MAX_FIXED_SIDE - 50, MAX_FIXED_SIDE + 200).unwrap();
+    let mut wide = TreeBuilder::new([MAX_FIXED_SIDE + 512, 8, 48], Vec::new());
+    for [x, y] in bundles(page_dims([MAX_FIXED_SIDE + 512, 8, 48])) {
+        let base = |slot: u32| if slot.is_multiple_of(5) { NEVER } else { 7 * (4 * x + slot) % 40 };
+        wide.add([x, y], &std::array::from_fn(|slot| Page::uniform(base(slot as u32))));
+    }
+    let wide = wide.finish().unwrap();
     let mut random = Random::new(9, 0);
     for file in [file_of(deep), file_of(wide)] {
         let points = points(&file, 3000, &mut random);

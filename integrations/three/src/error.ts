@@ -4,8 +4,8 @@
 /**
  * What is wrong with a file.
  *
- * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU. `Layout`: its voxels have a layout that
- * this version does not read. All others are those of the specification: the file is not valid.
+ * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU. All others are those of the
+ * specification: the file is not valid.
  */
 export type ShadowFileErrorKind =
   | 'Magic'
@@ -17,14 +17,13 @@ export type ShadowFileErrorKind =
   | 'SectionChecksum'
   | 'HeaderField'
   | 'SectionBounds'
-  | 'Padding'
+  | 'Bundle'
   | 'Depths'
-  | 'Layout'
   | 'TooLarge'
   | 'Io';
 
 /** A fault in the voxels, for the kind `Depths`. */
-export type ShadowFileFault = 'RootLevel' | 'Order' | 'End' | 'Bits' | 'Ranks' | 'Wide';
+export type ShadowFileFault = 'TooLong' | 'Root' | 'Order' | 'End' | 'Bits' | 'Ranks';
 
 /** The values that an error found, by name. */
 export type ShadowFileErrorDetails = Readonly<Record<string, number | string>>;
@@ -36,7 +35,7 @@ export class ShadowFileError extends Error {
   declare readonly kind: ShadowFileErrorKind;
   /** The fault in the voxels, for the kind `Depths`. Stable across versions. */
   declare readonly fault: ShadowFileFault | undefined;
-  /** The values found, by name. Those of a fault in the voxels are in the message alone. */
+  /** The values found, by name. Of a fault in the voxels, only its level is among them. */
   declare readonly details: ShadowFileErrorDetails;
   /** Where the file came from, if a loader read it. */
   declare readonly url: string | undefined;

@@ -6,7 +6,6 @@ export type { ShadowFileErrorDetails, ShadowFileErrorKind, ShadowFileFault } fro
 export { HEADER_BYTES } from './file/faults.js';
 export { LATEST_VERSION, parseHeader } from './file/header.js';
 export type { ShadowFileHeader } from './file/header.js';
-export type { Section, Sections } from './file/sections.js';
 export { BakedShadowFile } from './file/shadow-file.js';
 export type { ParseOptions } from './file/shadow-file.js';
 export { HEADER_WORDS, PARAMETERS_AT } from './gpu/look-up-header.js';

@@ -91,7 +91,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
   }
 
   /**
-   * Parses the bytes of a file. The file goes on using the buffer, which must not be changed.
+   * Parses the bytes of a file. It keeps nothing of the buffer.
    *
    * @throws ShadowFileError if the bytes are not exactly one valid file.
    */

@@ -13,9 +13,6 @@ export interface Bias {
   readonly normalOffsetTexels: number;
 }
 
-/** The number of the quadtree of switch depths, in the field `layout` of headers. */
-export const QUADTREE = 2;
-
 /** The settings that determine what a file answers. */
 export interface FileSettings {
   /** Number of texels that were requested on the longest side; at least 1. */

@@ -3,7 +3,7 @@
 //
 // | texture | texel |
 // |---|---|
-// | adumbra_words | a word of the files' sections, one file behind the other, from the left to the right and row by row. The width is a power of two |
+// | adumbra_words | a word of the files, one file behind the other, from the left to the right and row by row. The width is a power of two |
 // | adumbra_headers | column w of row f is word w of the header of file f |
 //
 // Headers have two more words:

@@ -4,16 +4,21 @@
 mod memory_tests;
 mod run;
 
+use std::io::{Seek, Write};
 use std::time::Instant;
 
+use adumbra::file::{FileWriter, StoredBundle};
+use adumbra::layout::depths::Ranges;
+use adumbra::layout::depths::page::{BUNDLE_PAGES, Page, page_dims};
 use adumbra::{FileSettings, LightGrid, ShadowFile};
 use adumbra_scene::Scene;
 
-use crate::choose;
-use crate::error::Result;
+use crate::choose::{self, Choice};
+use crate::error::{Error, Result};
 use crate::options::BakeOptions;
-use crate::plan::Plan;
-use crate::progress::{Report, Watch};
+use crate::pages::Pages;
+use crate::plan::{Placement, Plan};
+use crate::progress::{Progress, Report, Watch};
 use crate::sink::Structure;
 use crate::sink::depths::DepthsSink;
 use crate::tally::Tally;
@@ -28,19 +33,97 @@ pub struct Bake {
     pub report: Report,
 }
 
-/// Bakes `scene`.
+/// A finished bake whose file has been written.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// Placement of the finest level's voxels in the world.
+    pub grid: LightGrid,
+    /// Settings of the bake, as the file has them.
+    pub settings: FileSettings,
+    /// Number of levels of detail.
+    pub levels: u32,
+    /// Length of the file in bytes.
+    pub bytes: u64,
+    /// Statistics of the bake.
+    pub report: Report,
+}
+
+/// Bakes `scene` into a file in memory.
 ///
 /// Progress is reported from worker threads after each root block, and the cancel flag is read before each. Runs on the
 /// current rayon pool. Time and memory grow with the scene and with the length of the silhouettes in texels.
 ///
 /// # Errors
 /// Returns an error if an option is out of range, or if a scene, tables or a result do not fit `max_memory_bytes`.
-/// Returns [`Error::Spill`](crate::Error::Spill) if data that does not fit into memory cannot be written to disk, and
-/// [`Error::Interrupted`](crate::Error::Interrupted) if the caller cancels.
+/// Returns [`Error::Spill`] if data that does not fit into memory cannot be written to disk, and
+/// [`Error::Interrupted`] if the caller cancels.
 pub fn bake(scene: &Scene, options: &BakeOptions, watch: Watch<'_>) -> Result<Bake> {
-    let sink = |plan: &Plan<'_>| DepthsSink::new(plan.tiles.root_level, true, plan.spill.as_ref());
-    let Built { grid, settings, made, report } = build_planned(scene, options, watch, sink)?;
-    Ok(Bake { file: ShadowFile::new(grid, settings, made), report })
+    let choice = Choice::new(scene, options)?;
+    let mut levels = Vec::with_capacity(choice.levels.len());
+    let mut report = Report::default();
+    let mut settings = None;
+    for level in (0..choice.levels.len()).rev() {
+        let built = build_level(scene, options, &choice, level, watch)?;
+        report = report.with(&built.report);
+        settings = Some(built.settings);
+        levels.push((built.grid, built.made.tree()?));
+    }
+    match (levels.pop(), settings) {
+        (Some((grid, tree)), Some(settings)) => {
+            let file = ShadowFile::new(grid, settings, tree).with_coarser(levels.into_iter().rev());
+            Ok(Bake { file, report })
+        }
+        _ => unreachable!("there is at least one level"),
+    }
+}
+
+/// Bakes `scene` into `out`, from its position on. The file is never whole in memory. See [`bake`].
+///
+/// # Errors
+/// Returns the errors of [`bake`], and [`Error::Output`] with those of `out`.
+pub fn bake_to(
+    scene: &Scene,
+    options: &BakeOptions,
+    watch: Watch<'_>,
+    out: impl Write + Seek,
+) -> Result<Written> {
+    let choice = Choice::new(scene, options)?;
+    let settings = choice.plan(scene, options, 0)?.settings;
+    let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
+    let mut writer = FileWriter::new(out, settings, &grids).map_err(Error::Output)?;
+    let mut report = Report::default();
+    for level in (0..grids.len()).rev() {
+        let built = build_level(scene, options, &choice, level, watch)?;
+        report = report.with(&built.report);
+        let linked = built.made.link()?;
+        writer.common(linked.common()).map_err(Error::Output)?;
+        let dims = page_dims(grids[level].size);
+        let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| StoredBundle::new(at, dims, pages, &mut Ranges::new(linked.common()));
+        linked.for_each_bundle(stored, |_, bundle| writer.bundle(&bundle).map_err(Error::Output))?;
+    }
+    let bytes = writer.finish().map_err(Error::Output)?;
+    Ok(Written { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
+}
+
+/// Bakes the pages of a level. Progress counts the root blocks of all levels, the coarsest first.
+fn build_level(
+    scene: &Scene,
+    options: &BakeOptions,
+    choice: &Choice,
+    level: usize,
+    watch: Watch<'_>,
+) -> Result<Built<Pages>> {
+    let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
+    let before: usize = choice.levels[level + 1..].iter().map(blocks).sum();
+    let total_tiles: usize = choice.levels.iter().map(blocks).sum();
+    let progress = |p: Progress| {
+        (watch.progress)(Progress { done_tiles: before + p.done_tiles, total_tiles, ..p });
+    };
+    let plan = choice.plan(scene, options, level)?;
+    let sink = |plan: &Plan<'_>| {
+        DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, true, &plan.spill)
+    };
+    build_planned(&plan, options, Watch::new(&progress, watch.cancel), sink)
 }
 
 /// What was built from a scene.
@@ -67,28 +150,33 @@ pub fn build<S: Structure>(
     watch: Watch<'_>,
     sink: impl FnOnce([u32; 3], u32) -> S,
 ) -> Result<Built<S::Made>> {
-    build_planned(scene, options, watch, |plan| sink(plan.tiles.grid.size, plan.tiles.root_level))
+    let plan = choose::plan(scene, options)?;
+    build_planned(&plan, options, watch, |plan| sink(plan.tiles.grid.size, plan.tiles.root_level))
 }
 
 /// Builds the structure that `sink` creates for a plan. See [`build`].
 pub(crate) fn build_planned<S: Structure>(
-    scene: &Scene,
+    plan: &Plan<'_>,
     options: &BakeOptions,
     watch: Watch<'_>,
     sink: impl FnOnce(&Plan<'_>) -> S,
 ) -> Result<Built<S::Made>> {
     let start = Instant::now();
-    let plan = choose::plan(scene, options)?;
-    let tally = Tally::new(&plan, start, watch.progress);
-    let sink = sink(&plan);
+    let tally = Tally::new(plan, start, watch.progress);
+    let sink = sink(plan);
     let finished_tile = || {
         sink.check_room()?;
+        plan.limit_pages(plan.baking_bytes() + sink.memory_bytes());
+        sink.make_room();
         tally.finished_tile(S::SO_FAR, sink.memory_bytes(), sink.result_bytes())
     };
-    let run = Run { plan: &plan, cancel: watch.cancel, finished_tile: &finished_tile };
+    let run = Run { plan, cancel: watch.cancel, finished_tile: &finished_tile };
     let blocks = run.each_block(options.builder, &sink, &tally)?;
-    tally.check_end(S::FINISHING, sink.memory_bytes() + sink.finish_bytes())?;
-    let made = sink.finish(plan.tiles.grid.size, plan.tiles.root_level, blocks);
+    let held_bytes = sink.memory_bytes() + sink.finish_bytes();
+    plan.limit_pages(plan.scene_bytes + held_bytes);
+    sink.make_room();
+    tally.check_end(S::FINISHING, held_bytes)?;
+    let made = sink.finish(blocks);
     plan.paged_bytes()?;
     Ok(Built { grid: plan.tiles.grid, settings: plan.settings, made, report: tally.report() })
 }

@@ -34,15 +34,15 @@ impl Run<'_, '_> {
                 let sink = LimitSink { limit, sink };
                 self.each_tile(|worker: &mut DescentBuffers, tile| {
                     worker.drawn_texels = 0;
-                    let block = descent::build_root(tiles, tile, &sink, worker, self.cancel);
+                    let block = descent::build_root(tiles, tile, &sink, worker, self.cancel)?;
                     tally.drew(worker.drawn_texels);
-                    block
+                    Ok(sink.taken(tile, block))
                 })
             }
             Builder::Plain => self.each_tile(|worker: &mut PlainBuffers, tile| {
                 let rect = tiles.rect(tile);
                 tally.drew(u64::from(rect.width) * u64::from(rect.height));
-                Ok(plain::build_root(tiles, limit, tile, sink, worker))
+                Ok(sink.taken(tile, plain::build_root(tiles, limit, tile, sink, worker)))
             }),
         }
     }

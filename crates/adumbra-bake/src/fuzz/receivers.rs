@@ -227,7 +227,7 @@ fn depth_at(fixed: &FixedReceiver, texel: [i64; 2]) -> i64 {
 /// Whether one tap is lit, straight from the definition: everything beside and before the grid is lit, and behind the
 /// grid its last layer answers.
 fn tap(tree: &DepthTree, fixed: &FixedReceiver, texel: [i64; 2]) -> bool {
-    let [nx, ny, nz] = tree.size.map(i64::from);
+    let [nx, ny, nz] = tree.size().map(i64::from);
     let [x, y] = texel;
     let layer = (depth_at(fixed, texel) >> (FIXED_BITS + GRADIENT_BITS)).min(nz - 1);
     if !(0..nx).contains(&x) || !(0..ny).contains(&y) || layer < 0 {

@@ -1,7 +1,6 @@
-//! Encodes the quadtree of depths as half-words: leaves sorted into few depths or planes, and the order of shapes.
+//! Leaves of the quadtree of depths: columns sorted into few depths or planes, and written as half-words.
 
 pub(crate) mod choose;
-pub(crate) mod encode;
 mod intervals;
 pub(crate) mod leaf;
 mod slant;

@@ -3,34 +3,51 @@
 //!
 //! Where a depth is free, the nearest one is chosen: the first surface, which penumbrae need.
 //!
-//! A root's shapes depend on its columns alone, so neither the number of threads nor their order matters. Until a root
-//! is done, its own undecided blocks are held; after that, the shapes that no earlier root had.
+//! A root's shapes depend on its columns alone, so a finished root becomes a page at once, and neither the number of
+//! threads nor their order matters. Where the bake's own root blocks are smaller than pages, they wait for their
+//! neighbours.
 
-use std::sync::{Arc, Mutex};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use crate::columns::BlockColumns;
 use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
 use crate::pack::choose::{holds_any, intersection, most_shared};
-use crate::pack::encode;
 use crate::pack::leaf::{Leaf, sort_columns};
-use crate::sink::{BlockSink, Structure};
-use crate::store::paged::Spill;
-use crate::store::shapes::{INHERITS, NEVER, OWN, SHARES, ShapeStore};
-use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
+use crate::pages::{Child, Children, Draft, PageStore, Pages, Spill};
+use crate::sink::{BlockSink, HELD_LEAF_BYTES, Structure};
+use adumbra::layout::depths::page::{PAGE_LEVEL, page_dims};
+use adumbra::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
 /// Number of half-words above which no more roots are accepted.
 const MAX_HALVES: u64 = (1 << 32) - (1 << 28);
-/// Largest level of the roots.
-const MAX_ROOT_LEVEL: u32 = 9;
 
-/// Builds a [`DepthTree`] from blocks.
+/// Builds the pages of a quadtree of depths from blocks.
 pub struct DepthsSink {
-    root_level: u32,
+    size: [u32; 3],
+    /// Level of the bake's own root blocks.
+    level: u32,
     /// Whether equal shapes are stored once.
     merged: bool,
     /// The processor's vectors.
     arch: pulp::Arch,
-    store: Mutex<ShapeStore>,
+    store: PageStore,
+    /// Number in the store, or [`UNIFORM`], and base of each page, x fastest.
+    places: Mutex<Vec<[u32; 2]>>,
+    /// Root blocks that are smaller than their pages, by page.
+    waiting: Mutex<HashMap<[u32; 2], Waiting>>,
+    waiting_leaves: AtomicU64,
+    /// Memory that workers reuse.
+    drafts: Mutex<Vec<Draft>>,
+}
+
+/// The root blocks of a page that are done.
+struct Waiting {
+    /// In rows of [`DepthsSink::blocks_across`].
+    blocks: Vec<Option<DepthsBlock>>,
+    /// Number of blocks inside the grid that are not done.
+    missing: usize,
 }
 
 /// A finished block.
@@ -41,8 +58,10 @@ enum Parts {
     One(Undecided),
     /// Four quarters, at a level between two node levels.
     Four(Box<[Undecided; 4]>),
-    /// Above the roots: what the roots became, with the quarters' order at every level.
-    Roots(Vec<[u32; 2]>),
+    /// At the pages' level and above: what the pages became, with the quarters' order at every level.
+    Pages(Vec<[u32; 2]>),
+    /// A root block that the sink has taken.
+    Taken,
 }
 
 /// A block whose base may still be any depth in an interval.
@@ -62,7 +81,7 @@ impl DepthsBlock {
     fn whole(self) -> Undecided {
         match self.0 {
             Parts::One(block) => block,
-            Parts::Four(_) | Parts::Roots(_) => {
+            Parts::Four(_) | Parts::Pages(_) | Parts::Taken => {
                 unreachable!("only levels between node levels are held in quarters")
             }
         }
@@ -73,7 +92,7 @@ impl DepthsBlock {
         match self.0 {
             Parts::Four(quarters) => *quarters,
             Parts::One(all) => [all.base; 4].map(Undecided::uniform),
-            Parts::Roots(_) => unreachable!("roots are not quarters of nodes"),
+            Parts::Pages(_) | Parts::Taken => unreachable!("pages are not quarters of nodes"),
         }
     }
 }
@@ -86,6 +105,15 @@ impl Undecided {
 
     fn uniform(base: [u32; 2]) -> Self {
         Self { base, shape: Shape::Uniform }
+    }
+
+    /// Returns the number of leaves.
+    fn leaves(&self) -> u64 {
+        match &self.shape {
+            Shape::Uniform => 0,
+            Shape::Leaf(_) => 1,
+            Shape::Node(children) => children.iter().map(Self::leaves).sum(),
+        }
     }
 
     /// Whether no column in the block must ever switch.
@@ -106,34 +134,38 @@ impl Undecided {
     }
 }
 
-/// Returns the bytes of what this many root blocks of `level` become, and of the top grid.
+/// Returns the bytes of what this many root blocks of `level` become, apart from the pages' words.
 pub(crate) fn top_bytes(blocks: u64, level: u32) -> u64 {
-    let roots = blocks << (2 * (level - tree_root_level(level)));
-    // Index and base of each root, in its block and in the top grid.
-    blocks * size_of::<DepthsBlock>() as u64 + 2 * roots * size_of::<[u32; 2]>() as u64
+    let pages = blocks << (2 * level.saturating_sub(PAGE_LEVEL));
+    // Number and base of each page, in its block and in the grid.
+    blocks * size_of::<DepthsBlock>() as u64 + 2 * pages * size_of::<[u32; 2]>() as u64
 }
 
-/// Returns the level of the tree's roots for a bake whose own roots have this one.
-fn tree_root_level(level: u32) -> u32 {
-    let level = level.min(MAX_ROOT_LEVEL);
-    level - (level - LEAF_LEVEL) % NODE_LEVELS
+fn lock<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
+    slot.lock().unwrap_or_else(|e| e.into_inner())
 }
 
 impl DepthsSink {
-    /// Creates a sink in memory for a bake whose own roots have `root_level`, at least 5. `merged`: equal shapes are
-    /// stored once, as in every file.
-    pub fn in_memory(root_level: u32, merged: bool) -> Self {
-        Self::new(root_level, merged, None)
+    /// Creates a sink in memory for a grid of `size` voxels along x, y, z, and a bake whose own roots have `level`, at
+    /// least 3. `merged`: equal shapes are stored once, as in every file.
+    pub fn in_memory(size: [u32; 3], level: u32, merged: bool) -> Self {
+        Self::new(size, level, merged, &Arc::new(Spill::unlimited()))
     }
 
-    /// Creates a sink whose shapes go to `spill`, if there is one. See [`DepthsSink::in_memory`].
-    pub(crate) fn new(root_level: u32, merged: bool, spill: Option<&Arc<Spill>>) -> Self {
-        let root_level = tree_root_level(root_level);
-        Self { root_level, merged, arch: pulp::Arch::new(), store: Mutex::new(ShapeStore::new(spill)) }
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, ShapeStore> {
-        self.store.lock().unwrap_or_else(|e| e.into_inner())
+    /// Creates a sink whose pages go to `spill`. See [`DepthsSink::in_memory`].
+    pub(crate) fn new(size: [u32; 3], level: u32, merged: bool, spill: &Arc<Spill>) -> Self {
+        let pages = page_dims(size).map(|n| n as usize).iter().product();
+        Self {
+            size,
+            level,
+            merged,
+            arch: pulp::Arch::new(),
+            store: PageStore::new(Arc::clone(spill)),
+            places: Mutex::new(vec![[UNIFORM, NEVER]; pages]),
+            waiting: Mutex::default(),
+            waiting_leaves: AtomicU64::new(0),
+            drafts: Mutex::default(),
+        }
     }
 
     /// Whether blocks of this level are nodes or leaves.
@@ -141,31 +173,107 @@ impl DepthsSink {
         (level - LEAF_LEVEL).is_multiple_of(NODE_LEVELS)
     }
 
-    /// Decides a root, and returns its index and base.
-    fn decide_root(&self, block: &Undecided) -> [u32; 2] {
+    /// Makes a page of a block, and returns its number and base.
+    fn page(&self, block: &Undecided) -> [u32; 2] {
         if block.is_endless() {
-            return [UNIFORM, adumbra::layout::depths::NEVER];
+            return [UNIFORM, NEVER];
         }
         let base = block.base[0];
-        let mut deciding = Deciding { store: &mut self.lock(), merged: self.merged, halves: Vec::new() };
-        [deciding.shape(block, base, self.root_level), base]
+        let mut draft = lock(&self.drafts).pop().unwrap_or_default();
+        draft.clear();
+        let mut deciding = Deciding { draft: &mut draft, merged: self.merged, halves: Vec::new() };
+        let is_uniform = deciding.shape(block, base, PAGE_LEVEL).is_none();
+        let number = if is_uniform {
+            UNIFORM
+        } else {
+            let (words, root) = draft.page();
+            self.store.add(root, words)
+        };
+        lock(&self.drafts).push(draft);
+        [number, base]
     }
 
-    fn roots(&self, level: u32, block: DepthsBlock) -> Vec<[u32; 2]> {
+    /// Returns the pages of a block of `level`, which is at least the pages' own.
+    fn pages(&self, level: u32, block: DepthsBlock) -> Vec<[u32; 2]> {
         match block.0 {
-            Parts::Roots(roots) => roots,
-            Parts::One(all) => vec![self.decide_root(&all); 1 << (2 * (level - self.root_level))],
-            Parts::Four(quarters) => quarters.iter().map(|q| self.decide_root(q)).collect(),
+            Parts::Pages(pages) => pages,
+            Parts::One(all) => vec![self.page(&all); 1 << (2 * (level - PAGE_LEVEL))],
+            Parts::Four(quarters) => quarters.iter().map(|q| self.page(q)).collect(),
+            Parts::Taken => unreachable!("it has been taken"),
         }
     }
 
-    /// Wraps a block. Roots are decided at once.
+    /// Wraps a block. Pages are made at once.
     fn resolve(&self, level: u32, block: Undecided) -> DepthsBlock {
-        DepthsBlock(if level == self.root_level {
-            Parts::Roots(vec![self.decide_root(&block)])
+        DepthsBlock(if level == PAGE_LEVEL {
+            Parts::Pages(vec![self.page(&block)])
         } else {
             Parts::One(block)
         })
+    }
+
+    /// Returns the number of root blocks along a side of a page, if they are smaller than pages.
+    fn blocks_across(&self) -> u32 {
+        1 << PAGE_LEVEL.saturating_sub(self.level)
+    }
+
+    /// Takes a root block that is smaller than a page, and makes the page if it was the last one missing.
+    fn take_small(&self, [x, y]: [u32; 2], block: DepthsBlock) {
+        let across = self.blocks_across();
+        let page = [x / across, y / across];
+        let leaves = |block: &DepthsBlock| match &block.0 {
+            Parts::One(block) => block.leaves(),
+            Parts::Four(quarters) => quarters.iter().map(Undecided::leaves).sum(),
+            Parts::Pages(_) | Parts::Taken => 0,
+        };
+        self.waiting_leaves.fetch_add(leaves(&block), Ordering::Relaxed);
+        let blocks = {
+            let mut waiting = lock(&self.waiting);
+            let here = waiting.entry(page).or_insert_with(|| {
+                // Pages at the grid's end have fewer blocks.
+                let inside = [0, 1].map(|a| {
+                    (self.size[a].div_ceil(1 << self.level) - page[a] * across).min(across) as usize
+                });
+                let blocks = (0..across * across).map(|_| None).collect();
+                Waiting { blocks, missing: inside[0] * inside[1] }
+            });
+            here.blocks[(y % across * across + x % across) as usize] = Some(block);
+            here.missing -= 1;
+            if here.missing > 0 {
+                return;
+            }
+            waiting.remove(&page).map(|here| here.blocks).unwrap_or_default()
+        };
+        let done: u64 = blocks.iter().flatten().map(leaves).sum();
+        let mut blocks = blocks;
+        let whole = self.joined(&mut blocks, PAGE_LEVEL, [0, 0]);
+        self.waiting_leaves.fetch_sub(done, Ordering::Relaxed);
+        self.put(page, self.pages(PAGE_LEVEL, whole)[0]);
+    }
+
+    /// Joins the root blocks of a page's part of `level` that begins at this block.
+    fn joined(&self, blocks: &mut [Option<DepthsBlock>], level: u32, [x, y]: [u32; 2]) -> DepthsBlock {
+        if level == self.level {
+            let block = blocks[(y * self.blocks_across() + x) as usize].take();
+            return block.unwrap_or(DepthsBlock(Parts::One(Undecided::free())));
+        }
+        let half = 1 << (level - 1 - self.level);
+        let quarters = [0, 1, 2, 3]
+            .map(|q| self.joined(blocks, level - 1, [x + (q >> 1) * half, y + (q & 1) * half]));
+        self.join(level, quarters)
+    }
+
+    fn put(&self, [x, y]: [u32; 2], page: [u32; 2]) {
+        let dims = page_dims(self.size);
+        if x < dims[0] && y < dims[1] {
+            lock(&self.places)[(y * dims[0] + x) as usize] = page;
+        }
+    }
+
+    /// Returns the pages for a file. All root blocks must have been taken.
+    pub(crate) fn into_pages(self) -> Pages {
+        let places = self.places.into_inner().unwrap_or_else(|e| e.into_inner());
+        Pages { size: self.size, places, store: self.store, merged: self.merged }
     }
 }
 
@@ -174,9 +282,9 @@ impl BlockSink for DepthsSink {
 
     fn uniform(&self, level: u32, interval: [u32; 2]) -> DepthsBlock {
         let block = Undecided::uniform(interval);
-        if level > self.root_level {
-            let roots = 1 << (2 * (level - self.root_level));
-            return DepthsBlock(Parts::Roots(vec![self.decide_root(&block); roots]));
+        if level > PAGE_LEVEL {
+            let pages = 1 << (2 * (level - PAGE_LEVEL));
+            return DepthsBlock(Parts::Pages(vec![self.page(&block); pages]));
         }
         self.resolve(level, block)
     }
@@ -189,9 +297,9 @@ impl BlockSink for DepthsSink {
     }
 
     fn join(&self, level: u32, quarters: [DepthsBlock; 4]) -> DepthsBlock {
-        if level > self.root_level {
-            let roots = quarters.into_iter().flat_map(|q| self.roots(level - 1, q)).collect();
-            return DepthsBlock(Parts::Roots(roots));
+        if level > PAGE_LEVEL {
+            let pages = quarters.into_iter().flat_map(|q| self.pages(level - 1, q)).collect();
+            return DepthsBlock(Parts::Pages(pages));
         }
         if !Self::is_node_level(level) {
             return DepthsBlock(Parts::Four(Box::new(quarters.map(DepthsBlock::whole))));
@@ -205,104 +313,94 @@ impl BlockSink for DepthsSink {
         }
         self.resolve(level, Undecided::over(children))
     }
+
+    fn taken(&self, block: usize, made: DepthsBlock) -> DepthsBlock {
+        if matches!(made.0, Parts::Taken) {
+            return made;
+        }
+        let across = self.size[0].div_ceil(1 << self.level);
+        let place = [block as u32 % across, block as u32 / across];
+        if self.level < PAGE_LEVEL {
+            self.take_small(place, made);
+        } else {
+            let side = self.level - PAGE_LEVEL;
+            for (number, page) in (0_u32..).zip(self.pages(self.level, made)) {
+                // Quarters are numbered x_bit << 1 | y_bit at every level.
+                let bits = |shift: u32| (0..side).fold(0, |c, l| c | (number >> (2 * l + shift) & 1) << l);
+                self.put([(place[0] << side) + bits(1), (place[1] << side) + bits(0)], page);
+            }
+        }
+        DepthsBlock(Parts::Taken)
+    }
 }
 
 impl Structure for DepthsSink {
-    type Made = DepthTree;
+    type Made = Pages;
     const SO_FAR: &'static str = "the depths so far";
-    const FINISHING: &'static str = "numbering the depths";
+    const FINISHING: &'static str = "linking the pages";
 
     fn memory_bytes(&self) -> u64 {
-        self.lock().memory_bytes()
+        self.store.table_bytes() + self.waiting_leaves.load(Ordering::Relaxed) * HELD_LEAF_BYTES
     }
 
     fn result_bytes(&self) -> u64 {
-        2 * self.lock().halves() as u64
+        2 * self.store.halves()
     }
 
-    /// Five numbers per shape, and twice the result.
     fn finish_bytes(&self) -> u64 {
-        let store = self.lock();
-        20 * store.shapes() as u64 + 4 * store.halves() as u64
+        Pages::link_bytes(&self.store)
     }
 
     fn check_room(&self) -> crate::Result<()> {
-        if self.lock().halves() as u64 > MAX_HALVES {
+        if self.store.halves() > MAX_HALVES {
             return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
         }
         Ok(())
     }
 
-    fn finish(self, size: [u32; 3], level: u32, blocks: Vec<DepthsBlock>) -> DepthTree {
-        let side = 1 << (level - self.root_level);
-        let top_dims = [size[0], size[1]].map(|n| n.div_ceil(1 << self.root_level));
-        let across = size[0].div_ceil(1 << level);
-        let mut top = vec![[UNIFORM, adumbra::layout::depths::NEVER]; (top_dims[0] * top_dims[1]) as usize];
-        for (b, block) in blocks.into_iter().enumerate() {
-            let roots = self.roots(level, block);
-            let (bx, by) = (b as u32 % across * side, b as u32 / across * side);
-            for (r, root) in roots.into_iter().enumerate() {
-                // Quarters are numbered x_bit << 1 | y_bit at every level.
-                let bit = |shift: u32| {
-                    (0..level - self.root_level).fold(0, |c, l| c | (r as u32 >> (2 * l + shift) & 1) << l)
-                };
-                let (x, y) = (bx + bit(1), by + bit(0));
-                if x < top_dims[0] && y < top_dims[1] {
-                    top[(y * top_dims[0] + x) as usize] = root;
-                }
-            }
+    fn make_room(&self) {
+        self.store.shrink();
+    }
+
+    fn finish(self, blocks: Vec<DepthsBlock>) -> Pages {
+        for (number, block) in blocks.into_iter().enumerate() {
+            self.taken(number, block);
         }
-        let mut store = self.store.into_inner().unwrap_or_else(|e| e.into_inner());
-        store.seal();
-        let (top, wide, code) = encode::encode(&store, self.root_level, top);
-        DepthTree { size, root_level: self.root_level, top_dims, top, wide, code }
+        self.into_pages()
     }
 }
 
-/// Chooses depths from the root down, and adds shapes to the store from the leaves up.
-struct Deciding<'s> {
-    store: &'s mut ShapeStore,
+/// Chooses depths from the root down, and drafts shapes from the leaves up.
+struct Deciding<'d> {
+    draft: &'d mut Draft,
     merged: bool,
     halves: Vec<u16>,
 }
 
 impl Deciding<'_> {
-    /// Returns the index of a block's shape at `base`, or [`UNIFORM`].
-    fn shape(&mut self, block: &Undecided, base: u32, level: u32) -> u32 {
+    /// Returns the index of a block's shape at `base`. `None` if all columns switch there.
+    fn shape(&mut self, block: &Undecided, base: u32, level: u32) -> Option<u32> {
         match &block.shape {
-            Shape::Uniform => UNIFORM,
+            Shape::Uniform => None,
             Shape::Leaf(leaf) => {
                 leaf.encode(base, &mut self.halves);
-                self.store.leaves.intern(&self.halves, self.merged)
+                Some(self.draft.leaf(&self.halves, self.merged))
             }
-            Shape::Node(children) => {
-                let mut words = [0; 33];
-                let mut length = 1;
-                let mut push = |word| {
-                    words[length] = word;
-                    length += 1;
-                };
-                let mut states = 0;
-                for (c, child) in children.iter().enumerate() {
+            Shape::Node(blocks) => {
+                let children: Children = std::array::from_fn(|c| {
+                    let child = &blocks[c];
+                    if child.is_endless() {
+                        return Child::Never;
+                    }
                     let inherits = child.base[0] <= base && base <= child.base[1];
-                    let state = if child.is_endless() {
-                        NEVER
-                    } else if !inherits {
-                        let own = child.base[0];
-                        push(own.wrapping_sub(base));
-                        push(self.shape(child, own, level - NODE_LEVELS));
-                        OWN
-                    } else if matches!(child.shape, Shape::Uniform) {
-                        INHERITS
-                    } else {
-                        push(self.shape(child, base, level - NODE_LEVELS));
-                        SHARES
-                    };
-                    states |= state << (2 * c);
-                }
-                words[0] = states;
-                let arena = ((level - LEAF_LEVEL) / NODE_LEVELS - 1) as usize;
-                self.store.nodes[arena].intern(&words[..length], self.merged)
+                    let own = if inherits { base } else { child.base[0] };
+                    let delta = own.wrapping_sub(base);
+                    match self.shape(child, own, level - NODE_LEVELS) {
+                        None => Child::Uniform(delta),
+                        Some(index) => Child::Shape { delta, index },
+                    }
+                });
+                Some(self.draft.node(&children, level, self.merged))
             }
         }
     }

@@ -10,8 +10,10 @@ use crate::sink::from_columns::block_of;
 use crate::test_bakes::{bake_depths, for_each_column};
 use adumbra::Sun;
 use adumbra::layout::depths::code::Place;
-use adumbra::layout::depths::{DepthTree, NEVER};
+use adumbra::layout::depths::page::{IN_PAGE, Page};
+use adumbra::layout::depths::{Census, DepthTree, NEVER};
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+use adumbra_testing::TreeParts;
 
 /// An object above the ground: x, y, width, height, depth, thickness, slope, whether its columns end.
 type Part = (u32, u32, u32, u32, u32, u32, u32, bool);
@@ -57,7 +59,7 @@ impl World {
 /// Builds depths from root blocks of `level`.
 fn build(columns: &Columns, level: u32, merged: bool) -> DepthTree {
     let size = [columns.width, columns.height, 500_000];
-    let sink = DepthsSink::in_memory(level, merged);
+    let sink = DepthsSink::in_memory(size, level, merged);
     let column = |i, j| {
         if i >= columns.width || j >= columns.height {
             return [0, BESIDE_GRID];
@@ -68,7 +70,7 @@ fn build(columns: &Columns, level: u32, merged: bool) -> DepthTree {
     let corners = |n: u32| (0..n).step_by(1 << level);
     let all = corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| [x, y]));
     let blocks = all.map(|corner| block_of(&sink, &column, level, corner)).collect();
-    sink.finish(size, level, blocks)
+    sink.finish(blocks).tree().expect("room for all words")
 }
 
 /// Checks that a column's answers satisfy `[e, x]`, and that its leaf's leaf masks say the same.
@@ -78,7 +80,7 @@ fn check_column(found: &DepthTree, i: u32, j: u32, [e, x]: [u32; 2]) {
     let Place::Leaf { at, base } = found.place(i, j).0 else { return };
     let leaf = found.shapes().leaf(at, base);
     let depths = [value.wrapping_sub(1), value, e.wrapping_sub(1), x, 0].into_iter();
-    for k in depths.filter(|&k| k < found.size[2]) {
+    for k in depths.filter(|&k| k < found.size()[2]) {
         let lit = leaf.leaf_mask(k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
         assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");
     }
@@ -91,7 +93,6 @@ proptest! {
     fn depths_answer_every_defined_voxel(world in any_world(), level in 5_u32..=10, merged in any::<bool>()) {
         let columns = world.columns();
         let found = build(&columns, level, merged);
-        prop_assert_eq!(found.validate(), Ok(()));
         for j in 0..columns.height {
             for i in 0..columns.width {
                 let at = (j * columns.width + i) as usize;
@@ -106,20 +107,17 @@ proptest! {
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>(), 0_u32..3), 1..6),
     ) {
         let columns = world.columns();
-        let mut found = build(&columns, 7, true);
+        let mut parts = TreeParts::of(&build(&columns, 7, true));
         for (at, word, part) in changes {
-            let words = match part {
-                0 => found.wide.as_flattened_mut(),
-                1 => found.top.as_flattened_mut(),
-                _ => &mut found.code[..],
-            };
-            match words.len() {
-                0 => {}
-                count if part == 2 => words[at.index(count)] ^= 1 << (word & 31),
-                count => words[at.index(count)] = word % 9000,
+            let page = at.get_mut(&mut parts.pages);
+            match part {
+                0 => page.root = IN_PAGE | word % 9000,
+                1 => page.base = word % 9000,
+                _ if page.words.is_empty() => {}
+                _ => *at.get_mut(&mut page.words) ^= 1 << (word & 31),
             }
         }
-        if found.validate().is_ok() {
+        if let Ok(found) = parts.tree() {
             for j in 0..columns.height {
                 for i in 0..columns.width {
                     let value = found.value(i, j);
@@ -138,9 +136,22 @@ fn depths_of_one_row_are_the_worked_value() {
     columns.reset(32, 32);
     (0..1024).for_each(|i| columns.set(i, if i < 8 { [7, 7] } else { [500, FREE_TO_END] }));
     let found = build(&columns, 5, true);
-    assert_eq!(found.top, [[5, 7]]);
-    // The leaf, then the node: child 0 is a shape at half-word 0, all others are never.
-    assert_eq!(found.code, [0xff00_0041, 0xffff_ffff, 0x0001_ffff, 0xfffe_0000, 0x0000_0000]);
+    assert_eq!(found.top(), [[5, 7]]);
+    // The leaf, then the nodes of levels 5, 7 and 9 at half-words 5, 9 and 13: child 0 is a shape 5, 4 and 4 half-words
+    // back, all others are never.
+    let leaf_and_nodes = [
+        0xff00_0041,
+        0xffff_ffff,
+        0x0001_ffff,
+        0xfffe_0000,
+        0x0001_8005,
+        0xfffe_0000,
+        0x0001_8004,
+        0xfffe_0000,
+        0x0000_8004,
+    ];
+    assert_eq!(found.page([0, 0]), Page { root: IN_PAGE | 13, base: 7, words: &leaf_and_nodes });
+    assert_eq!((found.common(), found.code()), (&[][..], &leaf_and_nodes[..]));
     assert_eq!((found.value(7, 0), found.value(8, 0), found.value(0, 1)), (7, NEVER, NEVER));
     let leaf = found.shapes().leaf(0, 7);
     assert_eq!((leaf.leaf_mask(6), leaf.leaf_mask(7)), (u64::MAX, !0xff));
@@ -159,8 +170,12 @@ fn depths_keep_equal_shapes_at_different_depths_once() {
         );
     }
     let [merged, plain] = [true, false].map(|merged| build(&columns, 5, merged));
-    assert!(merged.top.iter().all(|root| root[0] == merged.top[0][0]));
-    assert!(plain.code.len() >= 8 * merged.code.len());
+    assert!(merged.top().iter().all(|root| root[0] == merged.top()[0][0]));
+    let [of_merged, of_plain] = [&merged, &plain].map(DepthTree::census);
+    let leaf_bytes = |census: &Census| census.depth_bytes + census.plane_bytes;
+    assert!(leaf_bytes(&of_plain) >= 8 * leaf_bytes(&of_merged), "{of_plain:?}, {of_merged:?}");
+    // Eight nodes of level 5, two of level 7, and the root.
+    assert_eq!((of_plain.nodes, of_merged.nodes), (11, 3));
     assert_eq!((merged.value(40, 10), plain.value(240, 20)), (1000, 7000));
 }
 
@@ -178,9 +193,7 @@ fn depths_are_the_same_whatever_the_order_of_blocks() {
         pool.install(|| bake(&scene, &options, merged))
     };
     for merged in [true, false] {
-        let one = of_threads(1, merged);
-        assert_eq!(one, of_threads(4, merged));
-        assert_eq!(one.validate(), Ok(()));
+        assert_eq!(of_threads(1, merged), of_threads(4, merged));
     }
 }
 
@@ -203,7 +216,6 @@ fn shared_depths_answer_every_defined_voxel() {
         let Some(scene) = shared_scene(name) else { return };
         let options = shared_options(name, 1024);
         let found = bake(&scene, &options, true);
-        assert_eq!(found.validate(), Ok(()));
         for_each_column(&scene, &options, |i, j, column| check_column(&found, i, j, column))
             .expect("a good plan");
     }

@@ -63,6 +63,10 @@ impl<S: BlockSink> BlockSink for LimitSink<'_, S> {
     fn join(&self, level: u32, quarters: [S::Block; 4]) -> S::Block {
         self.sink.join(level, quarters)
     }
+
+    fn taken(&self, number: usize, block: S::Block) -> S::Block {
+        self.sink.taken(number, block)
+    }
 }
 
 #[cfg(test)]

@@ -42,6 +42,13 @@ pub trait BlockSink: Sync {
 
     /// Joins four quarters of the level below into a block of `level`; a quarter's index is `x_bit << 1 | y_bit`.
     fn join(&self, level: u32, quarters: [Self::Block; 4]) -> Self::Block;
+
+    /// Offers root block `number`, x fastest, as soon as it is done. The sink may take it and return another in its
+    /// place.
+    fn taken(&self, number: usize, block: Self::Block) -> Self::Block {
+        let _ = number;
+        block
+    }
 }
 
 /// A sink that makes something of all root blocks.
@@ -68,6 +75,9 @@ pub trait Structure: BlockSink + Sized {
     /// Returns [`Error::TooManyWords`](crate::Error::TooManyWords).
     fn check_room(&self) -> Result<()>;
 
-    /// Makes the result for a grid of `size` voxels along x, y, z, from its root blocks of `level`, x fastest.
-    fn finish(self, size: [u32; 3], level: u32, blocks: Vec<Self::Block>) -> Self::Made;
+    /// Moves to disk what is in memory beyond the room there is, if anything can be moved.
+    fn make_room(&self) {}
+
+    /// Makes the result from the root blocks, x fastest.
+    fn finish(self, blocks: Vec<Self::Block>) -> Self::Made;
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::{Bounds, Receivers, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Preset, Size};
+use adumbra_bake::{BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds};
 use adumbra_program::exit::Failure;
 use adumbra_program::progress::Style;
@@ -76,6 +76,12 @@ pub(crate) struct BakeSettings {
     /// that touch walls.
     #[arg(long, value_name = "VOXELS", default_value_t = 0)]
     switch_within: u32,
+    /// Number of levels of detail, each with voxels four times as large as the one before
+    ///
+    /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer than 64 texels
+    /// are left out.
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_LEVELS)]
+    levels: u32,
     /// Keep shadows below the last surface of a column too
     ///
     /// For movers under bridges with nothing below.
@@ -139,6 +145,7 @@ impl BakeSettings {
             },
             thickness_world: self.thickness,
             switch_within_voxels: self.switch_within,
+            levels: self.levels,
             assume_ground: !self.no_assume_ground,
             closed_regions: !self.no_closed_regions,
             ignore_alpha,

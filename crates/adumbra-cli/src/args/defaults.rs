@@ -131,6 +131,7 @@ fn bake(args: &Bake) -> Used {
         ("--preset", "medium".to_owned()),
         ("--thickness", "the bias at the surface's slope".to_owned()),
         ("--switch-within", options.switch_within_voxels.to_string()),
+        ("--levels", options.levels.to_string()),
         ("--receivers", lower(format!("{:?}", options.receivers))),
         ("--bounds", absent(options.bounds.as_ref(), "")),
         ("--frame", name(&args.settings.frame)),
@@ -223,6 +224,10 @@ fn verify(args: &Verify) -> Used {
     [own, lookup(&args.lookup), load(&args.load), run(&args.run)].concat()
 }
 
+fn level(args: &LevelArg) -> Used {
+    vec![("--level", args.level.to_string())]
+}
+
 fn used(verb: &Verb) -> Used {
     match verb {
         Verb::Generate(args) => [vec![("--seed", args.seed.to_string())], run(&args.run)].concat(),
@@ -230,14 +235,14 @@ fn used(verb: &Verb) -> Used {
         Verb::Bake(args) => bake(args),
         Verb::Info(_) => Vec::new(),
         Verb::Schema(_) => vec![("words", String::new())],
-        Verb::Verify(args) => verify(args),
-        Verb::Query(args) => {
+        Verb::Verify(args) => [verify(&args.verify), level(&args.level)].concat(),
+        Verb::Query(QueryFile { query: args, level: of_level }) => {
             let own = vec![
                 ("--points", String::new()),
                 ("--points-f64", absent(args.points_f64.as_ref(), "")),
                 ("--normals", absent(args.normals.as_ref(), "")),
             ];
-            [own, lookup(&args.lookup), run(&args.run)].concat()
+            [own, level(of_level), lookup(&args.lookup), run(&args.run)].concat()
         }
         Verb::Export(args) => run(&args.run),
         Verb::Render(args) => render(args),

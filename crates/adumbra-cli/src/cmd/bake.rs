@@ -1,12 +1,13 @@
 //! `adumbra bake`: bakes a scene into a shadow file.
 
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::Frame;
-use adumbra_bake::{BakeOptions, Estimate, Watch, bake, estimate};
-use adumbra_files as files;
+use adumbra_bake::{BakeOptions, Error, Estimate, Watch, Written, bake_to, estimate};
+use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
 use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
@@ -19,7 +20,7 @@ use adumbra_scene::{Scene, write_shadow_name};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::FileFigures;
+use super::bits_per_texel;
 use crate::args::Bake;
 
 /// What is printed with `--json`.
@@ -51,10 +52,8 @@ pub(super) struct Baked {
     file_bytes: u64,
     /// Bits of the shadow file per texel of its grid.
     bits_per_texel: f64,
-    /// Number of nodes of the result.
-    nodes: u64,
-    /// Number of planes of 64 bits.
-    leaf_masks: u64,
+    /// Number of levels of detail.
+    levels: u32,
     /// Number of threads that baked.
     threads: usize,
     /// Number of tiles that were baked.
@@ -151,15 +150,29 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             guard.look();
             reporter.update(p);
         };
-        let baked = bake(&scene, &options, Watch::new(&progress, &cancel));
-        let baked = guard.end("the bake", &share, baked)?;
-        let (file, report) = (baked.file, baked.report);
-        let (grid, settings) = (file.grid, file.settings);
-        let file_bytes = files::replace_file(&output, |out| file.write_to(out))?;
+        let mut stopped = None;
+        let mut written = None;
+        let staged = StagedFile::new(&output, |out| {
+            match bake_to(&scene, &options, Watch::new(&progress, &cancel), out) {
+                Ok(done) => Ok(written.insert(done).bytes),
+                Err(Error::Output(error)) => Err(error),
+                Err(error) => {
+                    stopped = Some(error);
+                    Err(io::Error::other("the bake was not finished"))
+                }
+            }
+        });
+        // What stopped the bake says more than that its file is not complete.
+        let staged = stopped.map_or_else(|| staged.map_err(Failure::from), |error| Err(error.into()));
+        let staged = guard.end("the bake", &share, staged)?;
+        StagedFile::place([staged])?;
+        let Some(Written { grid, settings, levels, bytes: file_bytes, report }) = written else {
+            unreachable!("a file that is staged has been written")
+        };
         if let Some((gltf, name)) = args.into.as_ref().zip(shadow_name.as_ref()) {
-            write_shadow_name(gltf, name, file.sun())?;
+            write_shadow_name(gltf, name, grid.sun)?;
         }
-        let figures = FileFigures::of(&file, file_bytes);
+        let bits_per_texel = bits_per_texel(&grid, file_bytes);
         let seconds = start.elapsed().as_secs_f64();
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
         if args.run.json {
@@ -170,16 +183,15 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 peak_bytes: peak,
                 accounted_bytes: report.accounted_bytes,
                 spilled_bytes: report.spilled_bytes,
-                file_bytes: figures.file_bytes,
-                bits_per_texel: figures.bits_per_texel,
-                nodes: figures.composition.nodes,
-                leaf_masks: figures.composition.leaf_masks,
+                file_bytes,
+                bits_per_texel,
+                levels,
                 threads: report.threads,
                 tiles: report.tiles,
                 drawn_texels: report.drawn_texels,
                 frame: grid.frame,
                 resolution: settings.resolution,
-                size: file.grid.size,
+                size: grid.size,
                 voxel_size: grid.voxel_size,
                 triangles: settings.triangles,
                 sun: sun.sun.towards(),
@@ -193,8 +205,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 args.scene.display(),
                 output.display(),
                 grid.frame.name(),
-                format_bytes(figures.file_bytes),
-                figures.bits_per_texel,
+                format_bytes(file_bytes),
+                bits_per_texel,
                 format_bytes(peak)
             );
             say!("  {sun}");

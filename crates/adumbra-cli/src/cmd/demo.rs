@@ -26,7 +26,7 @@ use adumbra_truth::verify::{
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::FileFigures;
+use super::bits_per_texel;
 use crate::args::Demo;
 
 const SEED: u64 = 1;
@@ -105,8 +105,7 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
     let file = guard.end("the bake", &share, bake(&scene, &options, Watch::new(&progress, cancel)))?.file;
     let file_bytes = replace_file(&file_path, |out| file.write_to(out))?;
     let bake_seconds = start.elapsed().as_secs_f64();
-    let figures = FileFigures::of(&file, file_bytes);
-    tell!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), format_bytes(figures.file_bytes));
+    tell!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), format_bytes(file_bytes));
 
     let go_on =
         || if cancel.load(Ordering::Relaxed) { Err(adumbra_bake::Error::Interrupted) } else { Ok(()) };
@@ -138,7 +137,7 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
             tell!("picture   {}", path.display());
         }
     }
-    write_report(&report, args.resolution, &file, &figures, bake_seconds, &verification)?;
+    write_report(&report, args.resolution, &file, file_bytes, bake_seconds, &verification)?;
     if args.run.json {
         print_json(&Shown {
             scene: scene_path.display().to_string(),
@@ -148,8 +147,8 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
             resolution: args.resolution,
             triangles: scene.instanced_triangles(),
             bake_seconds,
-            file_bytes: figures.file_bytes,
-            bits_per_texel: figures.bits_per_texel,
+            file_bytes,
+            bits_per_texel: bits_per_texel(&file.grid, file_bytes),
             samples: verification.samples,
             agreement: verification.agreement,
             interior_agreement: verification.interior_agreement,
@@ -163,7 +162,7 @@ fn write_report(
     path: &Path,
     resolution: u64,
     file: &ShadowFile,
-    figures: &FileFigures,
+    file_bytes: u64,
     bake_seconds: f64,
     v: &Verification,
 ) -> Result<(), Failure> {
@@ -173,9 +172,8 @@ fn write_report(
         ("bake", format!("{bake_seconds:.1} s on {} threads", rayon::current_num_threads())),
         (
             "file",
-            format!("{}, {:.3} bits per texel", format_bytes(figures.file_bytes), figures.bits_per_texel),
+            format!("{}, {:.3} bits per texel", format_bytes(file_bytes), bits_per_texel(&file.grid, file_bytes)),
         ),
-        ("nodes, leaf masks", format!("{}, {}", figures.composition.nodes, figures.composition.leaf_masks)),
         ("points compared with rays", v.samples.to_string()),
         ("interior agreement", format!("{:.4} %", 100.0 * v.interior_agreement)),
         ("agreement, including edges", format!("{:.3} %", 100.0 * v.agreement)),

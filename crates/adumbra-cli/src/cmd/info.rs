@@ -1,13 +1,16 @@
 //! `adumbra info`: what a shadow file contains.
 
-use adumbra::{FileSettings, Frame, Receivers, ShadowFile};
+use std::fs;
+
+use adumbra::file::{BUNDLE_ENTRY_BYTES, BundleEntry, Contents, GRID_BYTES, GridEntry, HEADER_BYTES, Level};
+use adumbra::{Error, FileSettings, Frame, IoError, Receivers, ShadowFile};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::{mirrors, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::FileFigures;
+use super::bits_per_texel;
 use crate::args::Info;
 
 /// What a shadow file contains.
@@ -17,112 +20,176 @@ pub(super) struct FileInfo {
     file: String,
     /// Length of the shadow file, in bytes.
     file_bytes: u64,
-    /// Bits of the shadow file per texel of its grid.
+    /// Bytes of header and directory.
+    front_bytes: u64,
+    /// Bits of the shadow file per texel of its finest grid.
     bits_per_texel: f64,
-    /// How the grid lies in the world.
+    /// How many times smaller the file is than a shadow map of the finest grid's texels with 32 bits per texel.
+    times_smaller: f64,
+    /// How the grids lie in the world.
     #[schemars(with = "mirrors::Frame")]
     frame: Frame,
-    /// Number of nodes of the quadtree.
-    nodes: u64,
-    /// Number of planes of 64 bits.
-    leaf_masks: u64,
-    /// How many times smaller the file is than a shadow map of the grid's texels with 32 bits per texel.
-    times_smaller: f64,
-    /// Bytes of the top grid.
-    top_bytes: u64,
-    /// Bytes of the nodes: headers and pointers.
-    node_bytes: u64,
-    /// Bytes of the nodes' headers.
-    header_bytes: u64,
-    /// Bytes of the nodes' pointers.
-    pointer_bytes: u64,
-    /// Bytes of leaves: depths and planes.
-    leaf_mask_bytes: u64,
-    /// Number of voxels along x, y and z of the grid.
-    size: [u32; 3],
-    /// Level of the roots. A root is 2^level columns wide.
-    root_level: u32,
-    /// Number of roots along x and y.
-    top_dims: [u32; 2],
-    /// Edge of a voxel, world units.
-    voxel_size: f64,
     /// Unit vector towards the sun.
     sun: [f64; 3],
     /// The settings of the bake.
     #[schemars(with = "mirrors::FileSettings")]
     settings: FileSettings,
+    /// The levels of detail, the finest first.
+    levels: Vec<LevelInfo>,
+}
+
+/// A level of detail.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct LevelInfo {
+    /// Number of voxels along x, y and z of the grid.
+    size: [u32; 3],
+    /// Edge of a voxel, world units.
+    voxel_size: f64,
+    /// Number of pages along x and y.
+    pages: [u32; 2],
+    /// Number of bundles of 4 x 4 pages.
+    bundles: usize,
+    /// Number of bundles without bytes, because all of their columns switch at one depth.
+    uniform_bundles: usize,
+    /// Bytes of the table of bundles.
+    table_bytes: u64,
+    /// Bytes of the common section in the file.
+    common_bytes: u64,
+    /// Bytes of all bundles in the file.
+    bundle_bytes: u64,
+    /// Bytes that look-ups read, all pages resident: common section, pages, and the table of blocks at which they begin.
+    resident_bytes: u64,
+    /// Level of the blocks at which look-ups begin. A block is 2^level columns wide.
+    root_level: u32,
+    /// Number of nodes of the quadtree.
+    nodes: u64,
+    /// Number of leaves.
+    leaves: u64,
+    /// Number of leaves whose depths are on parallel planes.
+    slanted_leaves: u64,
+    /// Bytes of the nodes' heads.
+    head_bytes: u64,
+    /// Bytes of the nodes' pointers and differences.
+    field_bytes: u64,
+    /// Bytes of the leaves' heads and differences.
+    depth_bytes: u64,
+    /// Bytes of the leaves' planes.
+    plane_bytes: u64,
 }
 
 pub(crate) fn run(args: &Info) -> Outcome {
-    let file = &ShadowFile::read(&args.file)?;
-    let figures = FileFigures::of(file, file.encoded_len());
-    let s = &file.settings;
-    let (size, made_of) = (file.grid.size, &figures.composition);
-    let raw = f64::from(size[0]) * f64::from(size[1]) * 4.0;
-    let times_smaller = raw / figures.file_bytes as f64;
+    let bytes = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
+    let error = |source| Error::Format { path: args.file.clone(), source: Box::new(source) };
+    let contents = Contents::parse(&bytes).map_err(error)?;
+    let file = ShadowFile::from_bytes(&bytes).map_err(error)?;
+    let file_bytes = bytes.len() as u64;
+    let [nx, ny, _] = file.grid.size.map(f64::from);
+    let info = FileInfo {
+        file: args.file.display().to_string(),
+        file_bytes,
+        front_bytes: (HEADER_BYTES + GRID_BYTES * contents.grids.len()) as u64,
+        bits_per_texel: bits_per_texel(&file.grid, file_bytes),
+        times_smaller: 4.0 * nx * ny / file_bytes as f64,
+        frame: file.grid.frame,
+        sun: file.sun().towards(),
+        settings: file.settings,
+        levels: levels(&contents, &file),
+    };
     if args.json {
-        print_json(&FileInfo {
-            file: args.file.display().to_string(),
-            file_bytes: figures.file_bytes,
-            bits_per_texel: figures.bits_per_texel,
-            frame: file.grid.frame,
-            nodes: made_of.nodes,
-            leaf_masks: made_of.leaf_masks,
-            times_smaller,
-            top_bytes: made_of.top_bytes,
-            node_bytes: made_of.header_bytes + made_of.pointer_bytes,
-            header_bytes: made_of.header_bytes,
-            pointer_bytes: made_of.pointer_bytes,
-            leaf_mask_bytes: made_of.leaf_mask_bytes,
-            size,
-            root_level: file.tree.root_level,
-            top_dims: file.tree.top_dims,
-            voxel_size: file.grid.voxel_size,
-            sun: file.grid.sun.towards(),
-            settings: *s,
-        })?;
+        print_json(&info)?;
     } else {
-        let sun = file.grid.sun.towards();
-        say!("{}: {}", args.file.display(), format_bytes(figures.file_bytes));
-        say!("  sun towards     {:.6}, {:.6}, {:.6}", sun[0], sun[1], sun[2]);
-        say!("  resolution      {}, {:?} voxels of {:.6}", s.resolution, size, file.grid.voxel_size);
-        say!(
-            "  bits per texel  {:.4} ({times_smaller:.0} times smaller than 32 bits)",
-            figures.bits_per_texel
-        );
-        match file.grid.frame {
-            Frame::Light => say!("  frame           light"),
-            Frame::Oblique { yaw_radians } => {
-                say!("  frame           oblique, x turned by {:.4}° from +X to +Z", yaw_radians.to_degrees());
-            }
-        }
-        say!("  nodes, leaf masks    {}, {}", made_of.nodes, made_of.leaf_masks);
-        say!(
-            "  bytes           top grid {}, headers {}, pointers {}, leaf masks {}",
-            made_of.top_bytes,
-            made_of.header_bytes,
-            made_of.pointer_bytes,
-            made_of.leaf_mask_bytes
-        );
-        say!("  baked from      {} triangles in {} instances", s.triangles, s.instances);
-        say!(
-            "  ground assumed {}, closed regions {}, receivers {:?}, thickness {} m, switch within {} voxels, alpha ignored {}",
-            s.assume_ground,
-            s.closed_regions,
-            s.receivers,
-            s.thickness_world,
-            s.switch_within_voxels,
-            s.ignore_alpha
-        );
-        if s.receivers == Receivers::Static {
-            say!("  static receivers: what moves and receives this file is wrong in 1 to 3 % of its points");
-        }
-        say!(
-            "  bias            constant {}, slope {}, normal {} texels",
-            s.bias.constant_texels,
-            s.bias.slope_texels,
-            s.bias.normal_offset_texels
-        );
+        print(&info);
     }
     Ok(Code::Fine)
+}
+
+fn levels(contents: &Contents, file: &ShadowFile) -> Vec<LevelInfo> {
+    let levels = file.levels().into_iter().zip(&contents.grids).zip(&contents.tables);
+    let level = |((level, entry), table): ((Level, &GridEntry), &Vec<BundleEntry>)| {
+        let census = level.tree.census();
+        LevelInfo {
+            size: level.grid.size,
+            voxel_size: level.grid.voxel_size,
+            pages: level.tree.page_dims(),
+            bundles: table.len(),
+            uniform_bundles: table.iter().filter(|bundle| bundle.stored_bytes == 0).count(),
+            table_bytes: (BUNDLE_ENTRY_BYTES * table.len()) as u64,
+            common_bytes: entry.common.length,
+            bundle_bytes: entry.bundles.length,
+            resident_bytes: level.tree.bytes(),
+            root_level: level.tree.root_level(),
+            nodes: census.nodes,
+            leaves: census.leaves,
+            slanted_leaves: census.slanted_leaves,
+            head_bytes: census.head_bytes,
+            field_bytes: census.field_bytes,
+            depth_bytes: census.depth_bytes,
+            plane_bytes: census.plane_bytes,
+        }
+    };
+    levels.map(level).collect()
+}
+
+fn print(info: &FileInfo) {
+    let s = &info.settings;
+    say!("{}: {}", info.file, format_bytes(info.file_bytes));
+    say!("  sun towards     {:.6}, {:.6}, {:.6}", info.sun[0], info.sun[1], info.sun[2]);
+    say!("  resolution      {}", s.resolution);
+    say!(
+        "  bits per texel  {:.4} ({:.0} times smaller than 32 bits)",
+        info.bits_per_texel,
+        info.times_smaller
+    );
+    match info.frame {
+        Frame::Light => say!("  frame           light"),
+        Frame::Oblique { yaw_radians } => {
+            say!("  frame           oblique, x turned by {:.4}° from +X to +Z", yaw_radians.to_degrees());
+        }
+    }
+    say!("  header          {} bytes with the directory", info.front_bytes);
+    for (number, level) in info.levels.iter().enumerate() {
+        let [px, py] = level.pages;
+        say!("  level {number}         {:?} voxels of {:.6}", level.size, level.voxel_size);
+        say!(
+            "    {px} x {py} pages in {} bundles, {} of them uniform; {} in memory, look-ups begin at level {}",
+            level.bundles,
+            level.uniform_bundles,
+            format_bytes(level.resident_bytes),
+            level.root_level
+        );
+        say!(
+            "    bytes         table {}, common section {}, bundles {}",
+            level.table_bytes,
+            level.common_bytes,
+            level.bundle_bytes
+        );
+        say!(
+            "    {} nodes: heads {}, pointers {} bytes; {} leaves: depths {}, planes {} bytes",
+            level.nodes,
+            level.head_bytes,
+            level.field_bytes,
+            level.leaves,
+            level.depth_bytes,
+            level.plane_bytes
+        );
+    }
+    say!("  baked from      {} triangles in {} instances", s.triangles, s.instances);
+    say!(
+        "  ground assumed {}, closed regions {}, receivers {:?}, thickness {} m, switch within {} voxels, alpha ignored {}",
+        s.assume_ground,
+        s.closed_regions,
+        s.receivers,
+        s.thickness_world,
+        s.switch_within_voxels,
+        s.ignore_alpha
+    );
+    if s.receivers == Receivers::Static {
+        say!("  static receivers: what moves and receives this file is wrong in 1 to 3 % of its points");
+    }
+    say!(
+        "  bias            constant {}, slope {}, normal {} texels",
+        s.bias.constant_texels,
+        s.bias.slope_texels,
+        s.bias.normal_offset_texels
+    );
 }

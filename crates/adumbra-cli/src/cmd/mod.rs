@@ -13,8 +13,7 @@ mod verify;
 #[cfg(feature = "view")]
 mod view;
 
-use adumbra::ShadowFile;
-use adumbra::layout::Composition;
+use adumbra::LightGrid;
 #[cfg(feature = "render")]
 use adumbra_compare::verbs::{Offer, compare, render};
 use adumbra_program::exit::Outcome;
@@ -42,18 +41,7 @@ pub(crate) fn run(verb: Verb) -> Outcome {
     }
 }
 
-/// Figures of a file that `bake` and `info` share.
-struct FileFigures {
-    file_bytes: u64,
-    bits_per_texel: f64,
-    composition: Composition,
-}
-
-impl FileFigures {
-    /// Computes the figures. `file_bytes` is the length of the file as it was read or written.
-    fn of(file: &ShadowFile, file_bytes: u64) -> Self {
-        let texels = f64::from(file.grid.size[0]) * f64::from(file.grid.size[1]);
-        let bits_per_texel = file_bytes as f64 * 8.0 / texels;
-        Self { file_bytes, bits_per_texel, composition: file.composition() }
-    }
+/// Returns the bits of a file per texel of its finest grid.
+fn bits_per_texel(grid: &LightGrid, file_bytes: u64) -> f64 {
+    file_bytes as f64 * 8.0 / (f64::from(grid.size[0]) * f64::from(grid.size[1]))
 }

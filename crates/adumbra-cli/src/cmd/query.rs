@@ -2,11 +2,12 @@
 
 use adumbra::ShadowFile;
 use adumbra_program::exit::Outcome;
-use adumbra_program::query::Query;
 
-pub(crate) fn run(args: &Query) -> Outcome {
+use crate::args::QueryFile;
+
+pub(crate) fn run(QueryFile { query: args, level }: &QueryFile) -> Outcome {
     args.check_outputs(None)?;
-    let file = ShadowFile::read(&args.file)?;
+    let file = level.of(&ShadowFile::read(&args.file)?, &args.file)?;
     let points = args.read(file.encoded_len())?;
     args.answer(&points, &args.lookup.sampler(&file)?, None)
 }

@@ -2,12 +2,14 @@
 
 use adumbra::ShadowFile;
 use adumbra_program::exit::{Failure, Outcome};
-use adumbra_program::verify::{Verified, Verify};
+use adumbra_program::verify::Verified;
 use adumbra_truth::verify::{LightAnswers, VolumeSampler};
 
-pub(crate) fn run(args: &Verify) -> Outcome {
+use crate::args::VerifyFile;
+
+pub(crate) fn run(VerifyFile { verify: args, level }: &VerifyFile) -> Outcome {
     args.check_file_memory()?;
-    let file = ShadowFile::read(&args.file)?;
+    let file = level.of(&ShadowFile::read(&args.file)?, &args.file)?;
     if args.volume && file.settings.assume_ground {
         return Err(Failure::Usage(format!(
             "{} was baked with ground assumed, so it promises nothing about points in free space; bake with --no-assume-ground",

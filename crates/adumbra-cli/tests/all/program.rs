@@ -25,13 +25,21 @@ fn bake_info_verify_query_and_render_work_together() {
         "--progress",
         "none",
     ]);
-    for key in ["seconds", "peak_bytes", "file_bytes", "bits_per_texel", "nodes", "leaf_masks"] {
+    for key in ["seconds", "peak_bytes", "file_bytes", "bits_per_texel", "levels"] {
         assert!(baked[key].as_f64().is_some_and(|v| v > 0.0), "bake says {key}: {baked}");
     }
     let info = json(&["info", &file, "--json"]);
-    for key in ["file_bytes", "bits_per_texel", "nodes", "leaf_masks"] {
+    for key in ["file_bytes", "bits_per_texel"] {
         assert_eq!(info[key], baked[key], "{key}");
     }
+    // 512 and 128 texels; the next level would have 32.
+    let levels = info["levels"].as_array().unwrap();
+    assert_eq!((levels.len() as u64, baked["levels"].as_u64()), (2, Some(2)));
+    let sum = |key: &str| levels.iter().map(|level| level[key].as_u64().unwrap()).sum::<u64>();
+    let parts = ["table_bytes", "common_bytes", "bundle_bytes"].map(sum);
+    let all = info["front_bytes"].as_u64().unwrap() + parts.iter().sum::<u64>();
+    assert_eq!(Some(all), info["file_bytes"].as_u64(), "{info}");
+    assert!(levels.iter().all(|level| level["leaves"].as_u64() > Some(0)), "{info}");
     assert_eq!(info["file_bytes"].as_u64(), Some(fs::metadata(&file).unwrap().len()));
     assert_eq!(info["settings"]["resolution"], 512);
     assert!(info["sun"][0].as_f64().unwrap() < 0.0);
@@ -42,6 +50,13 @@ fn bake_info_verify_query_and_render_work_together() {
         assert!(verified[key].is_number(), "verify says {key}: {verified}");
     }
     assert!(verified["interior_agreement"].as_f64().unwrap() >= 0.999, "{verified}");
+    let of_level =
+        |level| ["verify", &file, "--scene", &scene, "--samples", "20000", "--level", level, "--json"];
+    let coarse = json(&of_level("1"));
+    assert!(coarse["interior_agreement"].as_f64().unwrap() >= 0.999, "{coarse}");
+    assert_ne!(coarse["agreement"], verified["agreement"]);
+    let (code, error) = adumbra(&of_level("2"));
+    assert!(code == 2 && error.contains("are 0 to 1"), "{error}");
 
     // A point high above everything is lit, and so is one next to the grid, far beyond the edge of the ground.
     let points = folder.write_f32("points.f32", &[0.0, 500.0, 0.0, 9000.0, 0.0, 0.0]);

@@ -43,7 +43,7 @@ pub trait LeafMasks: Sync {
 
 impl LeafMasks for DepthTree {
     fn size(&self) -> [u32; 3] {
-        self.size
+        self.size()
     }
 
     fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {

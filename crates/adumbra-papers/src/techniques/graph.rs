@@ -55,7 +55,7 @@ impl Graph {
         let grid = file.grid;
         let (_, root_level, root_count) = file.body.space();
         let parts = words(&file.body);
-        // `wide_offset` and `code_offset` are those of the second and of the third part.
+        // The second part begins at `extra.x`, the third at `code_offset`.
         let second = parts[0].len();
         let third = second + parts[1].len();
         let params = VoxelParams {
@@ -63,8 +63,7 @@ impl Graph {
             root_count,
             root_level,
             bias: bias_uniform(settings.bias),
-            unused: [0; 2],
-            wide_offset: second as u32,
+            extra: [second as u32, 0, 0],
             code_offset: third as u32,
             filter_width: settings.filter.width(),
             sun_cone: 0.0,

@@ -1,13 +1,13 @@
 //! The part that the quick test and the fuzz target share: damage a graph file, repair its checksums, and check that the
 //! reader either refuses it or returns a graph in which every voxel can be looked up.
 
-#[path = "../../../adumbra/tests/format_support/damage.rs"]
-mod damage;
+#[path = "../format_damage/mod.rs"]
+mod format_damage;
 
 use adumbra::layout::LEAF_NODE_LEVEL;
 use adumbra_papers::dag::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
 use adumbra_papers::dag::{DAG_HEADER_BYTES, DagBody, DagFile, DagFileError, Trail};
-use damage::Layout;
+use format_damage::Layout;
 
 /// Offsets and sizes of the graph file. Its nodes are words, and its leaf masks have eight bytes.
 pub(crate) const LAYOUT: Layout = Layout {

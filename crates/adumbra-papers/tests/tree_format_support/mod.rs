@@ -1,11 +1,11 @@
 //! The part that the quick test and the fuzz target share: damage a tree file, correct its checksums, and check that
 //! the reader either refuses it or gives a tree that can be looked up everywhere.
 
-#[path = "../../../adumbra/tests/format_support/damage.rs"]
-mod damage;
+#[path = "../format_damage/mod.rs"]
+mod format_damage;
 
 use adumbra_papers::tree::{TREE_HEADER_BYTES, TreeBody, TreeFile, TreeFileError, Voxels, leaf_voxels};
-use damage::Layout;
+use format_damage::Layout;
 
 /// Blocks are words of the body; an attribute has one byte per leaf voxel.
 pub(crate) const LAYOUT: Layout = Layout {

@@ -1,6 +1,6 @@
 // Nodes of a light-aligned graph in the packed layout; the counterpart of adumbra_papers::dag::packed, which documents the
 // bits and the sources. Words: top, units and shared leaf masks are concatenated as they are in the file, the latter
-// two from `wide_offset` and `code_offset` on. A node's position is that of its first unit.
+// two from `extra.x` and `code_offset` on. A node's position is that of its first unit.
 
 // States of a quarter's nearer and farther child by the quarter's code, two bits per code.
 const ADUMBRA_PACKED_NEARER: u32 = 0x2994u;
@@ -10,12 +10,12 @@ const ADUMBRA_PACKED_TWO_MIXED: u32 = 3u;
 const ADUMBRA_PACKED_NO_FOLLOWER: u32 = 7u;
 
 fn adumbra_packed_unit(v: AdumbraVoxelParams, at: u32) -> u32 {
-    return (adumbra_voxel_word(v.wide_offset + (at >> 1u)) >> (16u * (at & 1u))) & 0xffffu;
+    return (adumbra_voxel_word(v.extra.x + (at >> 1u)) >> (16u * (at & 1u))) & 0xffffu;
 }
 
 // Returns two units, the lower one in the low half.
 fn adumbra_packed_two_units(v: AdumbraVoxelParams, at: u32) -> u32 {
-    let word = v.wide_offset + (at >> 1u);
+    let word = v.extra.x + (at >> 1u);
     if ((at & 1u) == 0u) {
         return adumbra_voxel_word(word);
     }

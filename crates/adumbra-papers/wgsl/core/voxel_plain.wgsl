@@ -1,5 +1,5 @@
 // Nodes of a light-aligned graph in the plain layout; the counterpart of adumbra_papers::dag::plain::Dag, which documents
-// the words. Words: top, nodes and leaf masks are concatenated, the latter two from `wide_offset` and `code_offset`
+// the words. Words: top, nodes and leaf masks are concatenated, the latter two from `extra.x` and `code_offset`
 // on. A node's position is that of its header. Source: see core/voxel.wgsl.
 
 // Returns the root that contains a voxel.
@@ -9,7 +9,7 @@ fn adumbra_voxel_root(v: AdumbraVoxelParams, voxel: vec3u) -> AdumbraVoxelNode {
     if (word >= ADUMBRA_TOP_SHADOWED) {
         return AdumbraVoxelNode(select(0u, 1u, word == ADUMBRA_TOP_LIT), v.root_level, 0u);
     }
-    return AdumbraVoxelNode(ADUMBRA_VOXEL_MIXED, v.root_level, v.wide_offset + word);
+    return AdumbraVoxelNode(ADUMBRA_VOXEL_MIXED, v.root_level, v.extra.x + word);
 }
 
 // Returns the state of a child, two bits of a mixed node's header.
@@ -32,7 +32,7 @@ fn adumbra_voxel_descend(v: AdumbraVoxelParams, node: AdumbraVoxelNode, voxel: v
     if (state < ADUMBRA_VOXEL_MIXED) {
         return AdumbraVoxelNode(state, level, 0u);
     }
-    return AdumbraVoxelNode(ADUMBRA_VOXEL_MIXED, level, v.wide_offset + adumbra_voxel_pointer(node, header, child));
+    return AdumbraVoxelNode(ADUMBRA_VOXEL_MIXED, level, v.extra.x + adumbra_voxel_pointer(node, header, child));
 }
 
 // Returns the lit bits of `mask` in leaf mask z of a mixed node of level 3.

@@ -73,7 +73,7 @@ impl<'d> SoftTwin<'d> {
         let along: i64 =
             (0..2).map(|a| i64::from(r.gradient[a]) * (texel[a] * one + one / 2 - r.p_fixed[a])).sum();
         let layer = (r.p_fixed[2] + (along >> GRADIENT_BITS)).min(r.p_fixed[2]) >> FIXED_BITS;
-        let size = self.depths.size.map(i64::from);
+        let size = self.depths.size().map(i64::from);
         if (0..2).any(|a| texel[a] < 0 || texel[a] >= size[a]) || layer < 0 {
             return None;
         }

@@ -1,8 +1,6 @@
 //! Slanted leaves on the GPU against the specification, for every gradient that a file can
 //! store.
 
-use std::sync::Arc;
-
 use adumbra::layout::depths::DepthTree;
 use adumbra::query::FixedReceiver;
 use adumbra::{Bias, Error, Filter, ShadowFile};
@@ -61,15 +59,15 @@ fn depths_on_the_gpu_are_the_specification_s_for_every_gradient() {
 }
 
 fn file_of(tree: DepthTree) -> ShadowFile {
-    let grid = overhead_grid([0.0; 3], tree.size);
-    ShadowFile { grid, settings: settings_for(&grid), tree: Arc::new(tree) }
+    let grid = overhead_grid([0.0; 3], tree.size());
+    ShadowFile::new(grid, settings_for(&grid), tree)
 }
 
 #[test]
 fn filters_over_every_gradient_count_what_the_cpu_counts() {
     let gpu = kit::gpu();
     let leaves = every_gradient();
-    let file = file_of(from_leaves(&leaves, 256, BASE, 512));
+    let file = file_of(from_leaves(&leaves, 256, BASE, 512).unwrap());
     let mut random = Random::for_batch(3, 0);
     let receivers: Vec<FixedReceiver> = (0..leaves.len())
         .map(|at| {
@@ -106,7 +104,8 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
 #[test]
 fn file_of_a_grid_that_no_shader_takes_is_refused() {
     let gpu = kit::gpu();
-    let file = file_of(from_leaves(&vec![every_gradient()[5].clone(); 16], 4, BASE, u32::MAX));
+    let leaves = vec![every_gradient()[5].clone(); 16];
+    let file = file_of(from_leaves(&leaves, 4, BASE, u32::MAX).unwrap());
     let refused =
         BakedLight::from_file(&gpu, &file, VoxelSettings::taps(Filter::Nearest, Bias::default())).map(|_| ());
     let Err(RenderError::Library(Error::Range(range))) = refused else { panic!("{refused:?}") };

@@ -50,20 +50,19 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// A baked light-aligned file. Its words are the file's sections, concatenated; offsets are in words.
+    /// A baked light-aligned file. Its words are the blocks at which look-ups begin, and the code; offsets are in
+    /// words.
     pub struct VoxelParams {
         /// Position and orientation of the grid.
         pub grid: GridTransform,
-        /// Number of roots along x and y, and 1.
+        /// Number of blocks at which look-ups begin along x and y, and 1.
         pub root_count: [u32; 3],
-        /// Level of the roots.
+        /// Level of these blocks.
         pub root_level: u32,
         /// Bias applied to the receiver.
         pub bias: ReceiverBias,
-        /// Zero.
-        pub unused: [u32; 2],
-        /// Offset of the wide entries.
-        pub wide_offset: u32,
+        /// Zero for a quadtree. Other structures with the same filters keep offsets here.
+        pub extra: [u32; 3],
         /// Offset of the code.
         pub code_offset: u32,
         /// Filter width, in texels.

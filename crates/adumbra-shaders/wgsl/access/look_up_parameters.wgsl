@@ -58,7 +58,6 @@ fn adumbra_texture_params() -> AdumbraVoxelParams {
     v.bias.slope_texels = adumbra_texture_params_f32(73u);
     v.bias.normal_offset_texels = adumbra_texture_params_f32(74u);
     v.bias.width_factor = adumbra_texture_params_f32(75u);
-    v.wide_offset = adumbra_texture_params_u32(78u);
     v.code_offset = adumbra_texture_params_u32(79u);
     v.filter_width = adumbra_texture_params_u32(80u);
     v.sun_cone = adumbra_texture_params_f32(81u);

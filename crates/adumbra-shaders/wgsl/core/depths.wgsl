@@ -1,8 +1,8 @@
 // Look-up in a light-aligned file in the layout "depths", a quadtree of switch depths. This is the counterpart of
 // adumbra::layout::depths, which documents the words. Both give the same result for every tap.
 // Source: Scandolo, Bauszat, Eisemann, Merged Multiresolution Hierarchies for Shadow Map Compression, 2016.
-// Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file: top, wide entries and code are
-// concatenated, the latter two from `wide_offset` and `code_offset` on. Receivers, masks and layers are defined in
+// Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file: top and code are concatenated, the
+// latter from `code_offset` on: the common section, then pages. Receivers, masks and layers are defined in
 // core/voxel.wgsl, leaves in core/depths_leaf.wgsl.
 
 // A block of columns and their switch depths: all at `base`, or given by the shape at half-word `at`.
@@ -29,10 +29,17 @@ fn adumbra_depths_delta(v: AdumbraVoxelParams, at: u32) -> u32 {
     return u32(extractBits(i32(adumbra_depths_half(v, at)), 0u, 16u));
 }
 
-// Returns the address encoded by the near pointer at half-word `field` of a shape.
+// Returns the address encoded by the near pointer at half-word `field` of a shape: one in the common section, or that of
+// a shape before this one in its page.
 fn adumbra_depths_near(v: AdumbraVoxelParams, shape: u32, field: u32) -> u32 {
     let half = adumbra_depths_half(v, field);
     return select(half, shape - (half & 0x7fffu), (half & 0x8000u) != 0u);
+}
+
+// Returns the address encoded by the far pointer at half-word `field` of a shape.
+fn adumbra_depths_far(v: AdumbraVoxelParams, shape: u32, field: u32) -> u32 {
+    let far = adumbra_depths_two_halves(v, field);
+    return select(far, shape - (far & 0x7fffffffu), (far & 0x80000000u) != 0u);
 }
 
 // Returns one of a node's sixteen children.
@@ -61,17 +68,19 @@ fn adumbra_depths_child(v: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u
             return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base + adumbra_depths_delta(v, field));
         }
         case 4u: {
-            return AdumbraDepthsNode(adumbra_depths_two_halves(v, field), node.base);
+            return AdumbraDepthsNode(adumbra_depths_far(v, node.at, field), node.base);
         }
         case 5u: {
             return AdumbraDepthsNode(adumbra_depths_near(v, node.at, field + 1u), node.base + adumbra_depths_delta(v, field));
         }
         case 6u: {
-            return AdumbraDepthsNode(adumbra_depths_two_halves(v, field + 1u), node.base + adumbra_depths_delta(v, field));
+            return AdumbraDepthsNode(adumbra_depths_far(v, node.at, field + 1u), node.base + adumbra_depths_delta(v, field));
         }
         default: {
-            let entry = v.wide_offset + 2u * adumbra_depths_two_halves(v, field);
-            return AdumbraDepthsNode(adumbra_voxel_word(entry + 1u), node.base + adumbra_voxel_word(entry));
+            let at = adumbra_depths_near(v, node.at, field + 2u);
+            let base = node.base + adumbra_depths_two_halves(v, field);
+            // A pointer to the node itself says that there is no shape.
+            return AdumbraDepthsNode(select(at, ADUMBRA_DEPTHS_UNIFORM, at == node.at), base);
         }
     }
 }

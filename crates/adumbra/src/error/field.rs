@@ -12,6 +12,8 @@ pub enum RangeField {
     Thickness,
     /// How far behind a surface a column may switch.
     SwitchLimit,
+    /// Number of levels of detail.
+    Levels,
     /// The bounds of a bake.
     Bounds,
     /// Texels, or voxels, along the longest side.
@@ -45,6 +47,7 @@ impl fmt::Display for RangeField {
             Self::SunElevation => "the sun's elevation",
             Self::Thickness => "the thickness",
             Self::SwitchLimit => "the switch limit",
+            Self::Levels => "the number of levels",
             Self::Bounds => "the bounds",
             Self::Resolution => "the resolution",
             Self::VoxelSize => "the voxel size",

@@ -1,5 +1,7 @@
 //! Faults of a shadow file, with the values found.
 
+use std::borrow::Cow;
+
 use crate::layout::depths::DepthsError;
 
 /// A fault of a shadow file. The message names the fault and its location, and says what to do about it.
@@ -41,7 +43,7 @@ pub enum FormatError {
     )]
     Truncated {
         /// "header", or the section's name.
-        what: &'static str,
+        what: Cow<'static, str>,
         /// Number of bytes that the file must have up to the end of this part.
         needed: u64,
         /// Number of bytes that the file has.
@@ -69,7 +71,7 @@ pub enum FormatError {
     )]
     SectionChecksum {
         /// The section's name.
-        section: &'static str,
+        section: Cow<'static, str>,
         /// The stored checksum.
         stored: u32,
         /// The checksum of the bytes.
@@ -89,7 +91,7 @@ pub enum FormatError {
     #[error("the section {section} has {field} {value}, but must have {expected}; bake it again")]
     SectionBounds {
         /// The section's name.
-        section: &'static str,
+        section: Cow<'static, str>,
         /// "offset" or "length".
         field: &'static str,
         /// The value found.
@@ -107,19 +109,22 @@ pub enum FormatError {
         /// The byte's value.
         value: u8,
     },
-    /// The file has a layout that is no longer in use.
-    #[error(
-        "the file has the layout {name}, and only a quadtree of switch depths can be read; bake it again"
-    )]
-    Layout {
-        /// The layout's name.
-        name: &'static str,
+    /// A bundle of pages does not fit its entry in the table, or the grid.
+    #[error("the {section} has {found}, but must have {expected}; bake it again")]
+    Bundle {
+        /// The bundle.
+        section: String,
+        /// What was found.
+        found: String,
+        /// What is required.
+        expected: &'static str,
     },
     /// The quadtree of depths cannot be looked up in.
-    #[error("the quadtree of depths is not valid: {fault}; bake it again")]
+    #[error("the quadtree of depths of level {level} is not valid: {fault}; bake it again")]
     Depths {
+        /// The level, 0 = the finest.
+        level: u32,
         /// The fault in the quadtree.
-        #[from]
         fault: DepthsError,
     },
 }
@@ -138,7 +143,7 @@ impl FormatError {
             Self::HeaderField { .. } => "HeaderField",
             Self::SectionBounds { .. } => "SectionBounds",
             Self::Padding { .. } => "Padding",
-            Self::Layout { .. } => "Layout",
+            Self::Bundle { .. } => "Bundle",
             Self::Depths { .. } => "Depths",
         }
     }
@@ -147,7 +152,7 @@ impl FormatError {
     /// used by the test vectors.
     pub fn fault(&self) -> Option<&'static str> {
         match self {
-            Self::Depths { fault } => Some(fault.kind()),
+            Self::Depths { fault, .. } => Some(fault.kind()),
             _ => None,
         }
     }

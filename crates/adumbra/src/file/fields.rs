@@ -32,8 +32,8 @@ pub const LIGHT: Kind = Kind {
     magic: *b"ADUMBRA\n",
     shown: "\"ADUMBRA\\n\"",
     name: "light-aligned shadow file",
-    version: 3,
-    oldest: 1,
+    version: 4,
+    oldest: 4,
 };
 /// A file with a world-aligned tree.
 pub const TREE: Kind =
@@ -69,7 +69,7 @@ pub fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<(u32
     }
     let Some(header) = bytes.first_chunk::<N>() else {
         let (needed, have) = (N as u64, bytes.len() as u64);
-        return Err(FormatError::Truncated { what: "header", needed, have });
+        return Err(FormatError::Truncated { what: "header".into(), needed, have });
     };
     let (covered, last) = header.split_at(N - 4);
     let computed = crc32fast::hash(covered);
@@ -167,10 +167,15 @@ pub struct Encoder<const N: usize> {
 impl<const N: usize> Encoder<N> {
     /// Begins a header of this kind with its magic, version and length.
     pub fn new(kind: &Kind) -> Self {
-        let mut encoder = Self { bytes: [0; N], at: 0 };
+        let mut encoder = Self::blank();
         encoder.put(kind.magic);
         encoder.u32s(&[kind.version, N as u32]);
         encoder
+    }
+
+    /// Begins a record that has no magic and no checksum of its own.
+    pub fn blank() -> Self {
+        Self { bytes: [0; N], at: 0 }
     }
 
     fn put<const B: usize>(&mut self, bytes: [u8; B]) {
@@ -208,6 +213,11 @@ impl<const N: usize> Encoder<N> {
         }
     }
 
+    /// Returns the record without a checksum. Bytes that were not written are zero.
+    pub fn bytes(self) -> [u8; N] {
+        self.bytes
+    }
+
     /// Returns the header with its checksum. Bytes that were not written are zero.
     pub fn sealed(mut self) -> [u8; N] {
         let checksum = crc32fast::hash(&self.bytes[..N - 4]);
@@ -227,7 +237,7 @@ impl Decoder<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], FormatError> {
         let Some((first, rest)) = self.bytes.split_first_chunk::<N>() else {
             let (needed, have) = (N as u64, self.bytes.len() as u64);
-            return Err(FormatError::Truncated { what: "header", needed, have });
+            return Err(FormatError::Truncated { what: "header".into(), needed, have });
         };
         self.bytes = rest;
         Ok(*first)

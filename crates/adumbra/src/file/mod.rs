@@ -1,24 +1,30 @@
-//! The `.adumbra` file: conversion between its bytes and a grid, settings and voxels. `spec/adumbra-file.md` specifies the format for readers in other languages.
+//! The `.adumbra` file: conversion between its bytes and grids, settings and voxels. `spec/adumbra-file.md` specifies the
+//! format for readers in other languages.
 //!
 //! | part | bytes | meaning |
 //! |---|---|---|
-//! | header | 384 | magic, version, grid, settings, section table, checksum (`header.rs`) |
-//! | top | 8 per root | the top grid |
-//! | nodes | 4 per word | two half-words of code per word |
-//! | leaf masks | 8 each | wide entries |
+//! | header | 256 | magic, version, settings, checksum (`header.rs`) |
+//! | directory | 256 per grid | placement in the world, and where the grid's parts are (`directory.rs`) |
+//! | tables | 24 per bundle | lengths, checksum and depths of each bundle (`table.rs`) |
+//! | common section | 4 per word | of the coarsest grid: shapes that several pages need |
+//! | bundles | | of the coarsest grid: 4 × 4 pages each, along a Hilbert curve |
+//! | … | | common section and bundles of the finer grids |
 //!
-//! All values are little-endian. Sections begin at multiples of 16 bytes, with zeros in the gaps, and each has a
-//! CRC-32. There is exactly one file for a given grid, settings and voxels, and it contains nothing that varies between
-//! runs.
+//! All values are little-endian. Nothing is stored twice and nothing varies between runs: there is one file for given
+//! contents.
 
-mod body;
+mod directory;
 pub mod fields;
 mod header;
 mod read;
 pub mod sections;
+mod table;
 mod write;
 
-pub use header::{HEADER_BYTES, Header, MAGIC, VERSION};
+pub use directory::{GRID_BYTES, GridEntry, LEVEL_STEP};
+pub use header::{HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
+pub use table::{BUNDLE_ENTRY_BYTES, BundleEntry, StoredBundle};
+pub use write::FileWriter;
 
 use std::sync::Arc;
 
@@ -37,13 +43,71 @@ pub struct ShadowFile {
     /// The voxels. Look-ups share them.
     #[doc(hidden)]
     pub tree: Arc<DepthTree>,
+    /// Levels of less detail, the finest first.
+    coarser: Vec<Level>,
+}
+
+/// The voxels of one level of detail, and their placement in the world.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Placement of the voxels in the world.
+    pub grid: LightGrid,
+    /// The voxels.
+    pub tree: Arc<DepthTree>,
+}
+
+/// What a file says about its parts.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contents {
+    /// The header.
+    pub header: Header,
+    /// The directory.
+    pub grids: Vec<GridEntry>,
+    /// The table of each grid.
+    pub tables: Vec<Vec<BundleEntry>>,
 }
 
 impl ShadowFile {
-    /// Creates a file of its contents, which [`ShadowFile::write_to`] checks.
+    /// Creates a file of one level from its contents, which [`ShadowFile::write_to`] checks.
     #[doc(hidden)]
     pub fn new(grid: LightGrid, settings: FileSettings, tree: DepthTree) -> Self {
-        Self { grid, settings, tree: Arc::new(tree) }
+        Self { grid, settings, tree: Arc::new(tree), coarser: Vec::new() }
+    }
+
+    /// Adds coarser levels, the finest of them first.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_coarser(mut self, levels: impl IntoIterator<Item = (LightGrid, DepthTree)>) -> Self {
+        self.coarser.extend(levels.into_iter().map(|(grid, tree)| Level { grid, tree: Arc::new(tree) }));
+        self
+    }
+
+    /// Returns the number of levels of detail, at least 1. Level 0 is the finest, and each has voxels four times as large
+    /// as the one before it.
+    pub fn level_count(&self) -> u32 {
+        1 + self.coarser.len() as u32
+    }
+
+    /// Returns a level as a file of its own, with the levels coarser than it. `None` if there is no such level. The
+    /// voxels are shared, so this is cheap.
+    pub fn level(&self, level: u32) -> Option<Self> {
+        if level == 0 {
+            return Some(self.clone());
+        }
+        let at = level as usize - 1;
+        let Level { grid, tree } = self.coarser.get(at)?.clone();
+        let resolution = self.settings.resolution.div_ceil(LEVEL_STEP.pow(level));
+        let settings = FileSettings { resolution, ..self.settings };
+        Some(Self { grid, settings, tree, coarser: self.coarser[at + 1..].to_vec() })
+    }
+
+    /// Returns all levels, the finest first.
+    #[doc(hidden)]
+    pub fn levels(&self) -> Vec<Level> {
+        let finest = Level { grid: self.grid, tree: Arc::clone(&self.tree) };
+        std::iter::once(finest).chain(self.coarser.iter().cloned()).collect()
     }
 
     /// Returns the sun that the file was baked for.
@@ -56,7 +120,7 @@ impl ShadowFile {
         self.settings.ignore_alpha
     }
 
-    /// Returns the breakdown of the bytes. Cost: one pass over the voxels.
+    /// Returns the breakdown of the bytes of the finest level. Cost: one pass over its voxels.
     pub fn composition(&self) -> Composition {
         self.tree.composition()
     }

@@ -4,9 +4,14 @@ use std::path::Path;
 
 use crate::error::FormatError;
 use crate::error::{Error, Result};
-use crate::file::header::{Header, SECTIONS};
-use crate::file::sections::{read_file, split};
-use crate::file::{HEADER_BYTES, ShadowFile, body};
+use crate::file::directory::{self, GridEntry, directory_bytes};
+use crate::file::fields::field;
+use crate::file::header::Header;
+use crate::file::sections::{Section, read_file, u32_words};
+use crate::file::table::{BUNDLE_ENTRY_BYTES, Bundle, BundleEntry};
+use crate::file::{Contents, HEADER_BYTES, ShadowFile};
+use crate::layout::depths::page::{bundles, page_dims};
+use crate::layout::depths::{DepthTree, Ranges, TreeBuilder};
 
 impl ShadowFile {
     /// Reads and validates the file at `path`.
@@ -18,22 +23,131 @@ impl ShadowFile {
     /// valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = read_file(path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes()))?;
+        let bytes = read_file(path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
         Self::from_bytes(&bytes)
             .map_err(|source| Error::Format { path: path.to_owned(), source: Box::new(source) })
     }
 
     /// Decodes and validates a whole file.
     ///
-    /// Cost: time linear in `bytes`; memory for the decoded words and at most one byte per node word.
+    /// Cost: time linear in `bytes`; memory for the decoded words, and some 16 bytes per page.
     ///
     /// # Errors
     /// Returns the fault with the values found. All bytes that are not exactly one valid file are refused.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let contents = Contents::parse(bytes)?;
+        let levels = (0..).zip(&contents.grids).map(|(level, grid)| {
+            let part = Part { bytes, level };
+            Ok((grid.grid, part.tree(grid, &contents.tables[level as usize])?))
+        });
+        let mut levels = levels.collect::<Result<Vec<_>, FormatError>>()?.into_iter();
+        let Some((grid, tree)) = levels.next() else {
+            return Err(field("grids", "0", "at least 1"));
+        };
+        Ok(Self::new(grid, contents.header.settings, tree).with_coarser(levels))
+    }
+}
+
+impl Contents {
+    /// Reads and checks header, directory and tables of a whole file.
+    ///
+    /// # Errors
+    /// Returns the fault with the values found.
+    pub fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
         let header = Header::parse(bytes)?;
-        let sections = split(bytes, HEADER_BYTES, &SECTIONS, &header.sections)?;
-        let tree = body::parse(&header, sections);
-        tree.validate()?;
-        Ok(Self::new(header.grid, header.settings, tree))
+        let (have, end) = (bytes.len() as u64, header.file_bytes);
+        let directory = Section {
+            offset: HEADER_BYTES as u64,
+            length: directory_bytes(header.grids) as u64,
+            checksum: header.directory_checksum,
+        };
+        let grids = directory::parse(checked(bytes, directory, || "directory".to_owned())?, end)?;
+        let parts = (0..).zip(&grids).flat_map(|(level, grid): (u32, _)| {
+            let names = ["table", "common section", "bundles"].map(|what| format!("{what} of level {level}"));
+            [grid.table, grid.common, grid.bundles].into_iter().zip(names)
+        });
+        let cut = parts.filter(|(part, _)| part.end() > have).min_by_key(|(part, _)| part.offset);
+        if let Some((part, name)) = cut {
+            return Err(FormatError::Truncated { what: name.into(), needed: part.end(), have });
+        }
+        if have > end {
+            return Err(FormatError::TrailingBytes { end });
+        }
+        let tables = (0..).zip(&grids).map(|(level, grid)| Part { bytes, level }.table(grid));
+        let tables = tables.collect::<Result<_, _>>()?;
+        Ok(Self { header, grids, tables })
+    }
+}
+
+/// Returns the bytes of a section, after comparing them with its checksum.
+fn checked(bytes: &[u8], section: Section, name: impl Fn() -> String) -> Result<&[u8], FormatError> {
+    let found = usize::try_from(section.end()).ok().and_then(|end| bytes.get(section.offset as usize..end));
+    let Some(found) = found else {
+        let (needed, have) = (section.end(), bytes.len() as u64);
+        return Err(FormatError::Truncated { what: name().into(), needed, have });
+    };
+    let (stored, computed) = (section.checksum, crc32fast::hash(found));
+    if stored == computed {
+        return Ok(found);
+    }
+    Err(FormatError::SectionChecksum { section: name().into(), stored, computed })
+}
+
+/// The parts of one grid in a file whose directory fits its length.
+struct Part<'b> {
+    bytes: &'b [u8],
+    level: u32,
+}
+
+impl Part<'_> {
+    fn name_of_bundle(&self, index: usize) -> String {
+        format!("bundle {index} of level {}", self.level)
+    }
+
+    /// Reads the table, and checks that its bundles are as long as all bundles together.
+    fn table(&self, grid: &GridEntry) -> Result<Vec<BundleEntry>, FormatError> {
+        let level = self.level;
+        let bytes = checked(self.bytes, grid.table, || format!("table of level {level}"))?;
+        let entries = bytes.chunks_exact(BUNDLE_ENTRY_BYTES).enumerate();
+        let entries: Vec<BundleEntry> = entries
+            .map(|(i, bytes)| BundleEntry::parse(bytes, || self.name_of_bundle(i)))
+            .collect::<Result<_, _>>()?;
+        let sum: u64 = entries.iter().map(|entry| u64::from(entry.stored_bytes)).sum();
+        if sum != grid.bundles.length {
+            let section = format!("table of level {level}");
+            let found = format!("bundles of {sum} bytes in all");
+            return Err(FormatError::Bundle { section, found, expected: "the directory's length of all bundles" });
+        }
+        Ok(entries)
+    }
+
+    fn tree(&self, grid: &GridEntry, table: &[BundleEntry]) -> Result<DepthTree, FormatError> {
+        let level = self.level;
+        let common = checked(self.bytes, grid.common, || format!("common section of level {level}"))?;
+        if !common.len().is_multiple_of(4) {
+            let section = format!("common section of level {level}");
+            let found = format!("{} bytes", common.len());
+            return Err(FormatError::Bundle { section, found, expected: "whole words" });
+        }
+        let common = u32_words(common);
+        let size = grid.grid.size;
+        let mut builder = TreeBuilder::new(size, common.clone());
+        builder.reserve(table.iter().map(|entry| entry.raw_bytes as usize / 4).sum());
+        let mut at = grid.bundles.offset as usize;
+        let places = bundles(page_dims(size));
+        let mut stored = Vec::with_capacity(table.len());
+        for (i, (entry, &place)) in table.iter().zip(&places).enumerate() {
+            let bytes = &self.bytes[at..][..entry.stored_bytes as usize];
+            at += bytes.len();
+            let bundle = Bundle::parse(entry, bytes, || self.name_of_bundle(i))?;
+            builder.add(place, &bundle.pages());
+            stored.push(bundle);
+        }
+        let tree = builder.finish().map_err(|fault| FormatError::Depths { level, fault })?;
+        let mut ranges = Ranges::new(&common);
+        for (i, ((bundle, entry), &place)) in stored.iter().zip(table).zip(&places).enumerate() {
+            bundle.check(entry, (place, page_dims(size)), &mut ranges, || self.name_of_bundle(i))?;
+        }
+        Ok(tree)
     }
 }

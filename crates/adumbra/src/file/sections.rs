@@ -1,6 +1,7 @@
 //! The sections after a header: their offsets, padding and checksums, and reading and writing files that consist of
 //! them.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -71,12 +72,12 @@ pub fn check_sections<const N: usize>(
 
 /// Returns the error for an entry of the section table that contradicts the rest of the header.
 pub fn bounds(
-    section: &'static str,
+    section: impl Into<Cow<'static, str>>,
     field: &'static str,
     value: u64,
     expected: impl Into<String>,
 ) -> FormatError {
-    FormatError::SectionBounds { section, field, value, expected: expected.into() }
+    FormatError::SectionBounds { section: section.into(), field, value, expected: expected.into() }
 }
 
 /// Returns the bytes of each section, after checking padding, lengths and checksums. The order of the sections must
@@ -99,7 +100,7 @@ pub fn split<'a, const N: usize>(
         let (true, Some(gap), Some(found)) =
             (section.end() <= have, bytes.get(gap_from..from), bytes.get(from..to))
         else {
-            return Err(FormatError::Truncated { what, needed: section.end(), have });
+            return Err(FormatError::Truncated { what: what.into(), needed: section.end(), have });
         };
         if let Some(i) = gap.iter().position(|&b| b != 0) {
             return Err(FormatError::Padding { offset: (gap_from + i) as u64, value: gap[i] });
@@ -112,7 +113,7 @@ pub fn split<'a, const N: usize>(
     for ((part, section), &name) in parts.iter().zip(sections).zip(names) {
         let (stored, computed) = (section.checksum, crc32fast::hash(part));
         if stored != computed {
-            return Err(FormatError::SectionChecksum { section: name, stored, computed });
+            return Err(FormatError::SectionChecksum { section: name.into(), stored, computed });
         }
     }
     Ok(parts)

@@ -1,65 +1,170 @@
 //! Encoding of a [`ShadowFile`].
 
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 
 use crate::error::FormatError;
-use crate::file::fields::field;
+use crate::file::directory::{GridEntry, check_grids, directory_bytes, place, table_bytes};
 use crate::file::header::Header;
-use crate::file::sections::{checksum, gap, lay_out, put};
-use crate::file::{HEADER_BYTES, ShadowFile, body};
+use crate::file::sections::{Section, u32_chunks};
+use crate::file::table::{StoredBundle, raw_bytes};
+use crate::file::{HEADER_BYTES, Level, ShadowFile};
+use crate::grid::LightGrid;
+use crate::layout::depths::page::{bundles, page_dims};
+use crate::layout::depths::{DepthTree, Ranges};
+use crate::settings::FileSettings;
 
 impl ShadowFile {
-    /// Writes the bytes of the file to `out`, in pieces of some 64 KiB. Returns their number.
+    /// Writes the bytes of the file to `out`, from its position on. Returns their number.
     ///
     /// # Errors
     /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if the contents are not
     /// valid.
-    pub fn write_to(&self, out: &mut impl Write) -> io::Result<u64> {
-        let header = self.header().map_err(|e| io::Error::new(ErrorKind::InvalidData, e))?;
-        self.encode(&header, out)
+    pub fn write_to(&self, out: impl Write + Seek) -> io::Result<u64> {
+        let levels = self.levels();
+        let grids: Vec<LightGrid> = levels.iter().map(|level| level.grid).collect();
+        let mut writer = FileWriter::new(out, self.settings, &grids)?;
+        for level in levels.iter().rev() {
+            let tree = &*level.tree;
+            if tree.size() != level.grid.size {
+                return Err(invalid(FormatError::HeaderField {
+                    field: "size",
+                    value: format!("{:?}", level.grid.size),
+                    expected: format!("the quadtree's {:?}", tree.size()),
+                }));
+            }
+            writer.write_level(tree)?;
+        }
+        writer.finish()
     }
+}
 
-    /// Returns the size of the file in bytes.
-    pub fn encoded_len(&self) -> u64 {
-        body::encoded_len(&self.tree)
-    }
-
-    /// Returns the header of the file, with the checksums of its sections. Cost: one pass over the voxels.
+impl ShadowFile {
+    /// Returns the bytes of the file.
     ///
     /// # Errors
-    /// Returns the fault in the contents, with the values found.
-    pub fn header(&self) -> Result<Header, FormatError> {
-        let tree = &*self.tree;
-        if tree.size != self.grid.size {
-            return Err(field(
-                "size",
-                format!("{:?}", tree.size),
-                format!("the grid's {:?}", self.grid.size),
-            ));
+    /// Returns the fault if the contents are not valid.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
+        let mut bytes = Cursor::new(Vec::with_capacity(self.encoded_len() as usize));
+        match self.write_to(&mut bytes) {
+            Ok(_) => Ok(bytes.into_inner()),
+            // Memory itself gives no errors.
+            Err(error) => Err(error.downcast().unwrap_or(FormatError::TrailingBytes { end: 0 })),
         }
-        tree.validate()?;
-        let mut header = Header {
-            grid: self.grid,
-            settings: self.settings,
-            root_level: tree.root_level,
-            top_dims: body::top_dims(tree),
-            sections: lay_out(HEADER_BYTES, body::section_lengths(tree)),
-        };
-        header.check()?;
-        for (i, section) in header.sections.iter_mut().enumerate() {
-            section.checksum = checksum(body::chunks(tree, i));
-        }
-        Ok(header)
     }
 
-    fn encode(&self, header: &Header, out: &mut impl Write) -> io::Result<u64> {
-        out.write_all(&header.encode())?;
-        let mut at = HEADER_BYTES as u64;
-        for (i, section) in header.sections.iter().enumerate() {
-            out.write_all(gap(at, section.offset))?;
-            at = put(out, section.offset, body::chunks(&self.tree, i))?;
+    /// Returns the size in bytes of the file that [`ShadowFile::write_to`] writes. Cost: a pass over the pages.
+    pub fn encoded_len(&self) -> u64 {
+        let levels = self.levels();
+        let front = HEADER_BYTES + directory_bytes(levels.len() as u32);
+        levels.iter().fold(front as u64, |sum, Level { tree, .. }| {
+            let dims = tree.page_dims();
+            let bundles = bundles(dims).into_iter().map(|at| raw_bytes(at, dims, &tree.bundle(at)));
+            sum + table_bytes(tree.size()) + 4 * tree.common().len() as u64 + bundles.sum::<u64>()
+        })
+    }
+}
+
+/// Writes a file part by part: for each grid, the coarsest first, its common section and then its bundles in order.
+pub struct FileWriter<W> {
+    out: W,
+    /// Position of the file's first byte.
+    start: u64,
+    settings: FileSettings,
+    grids: Vec<GridEntry>,
+    /// The tables of grids whose bundles have been added.
+    tables: Vec<Vec<u8>>,
+    /// Number of grids whose common section has not been written.
+    left: usize,
+}
+
+fn invalid(fault: FormatError) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, fault)
+}
+
+impl<W: Write + Seek> FileWriter<W> {
+    /// Begins a file with these grids, the finest first.
+    ///
+    /// # Errors
+    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if settings or grids are not
+    /// valid. Nothing has been written then.
+    pub fn new(mut out: W, settings: FileSettings, grids: &[LightGrid]) -> io::Result<Self> {
+        let none = Section::default();
+        let grids: Vec<GridEntry> =
+            grids.iter().map(|&grid| GridEntry { grid, table: none, common: none, bundles: none }).collect();
+        let count = grids.len() as u32;
+        let header = Header { settings, grids: count, directory_checksum: 0, file_bytes: 0 };
+        header.check().and_then(|()| check_grids(&grids)).map_err(invalid)?;
+        let start = out.stream_position()?;
+        let tables: u64 = grids.iter().map(|entry| table_bytes(entry.grid.size)).sum();
+        let front = (HEADER_BYTES + directory_bytes(count)) as u64 + tables;
+        io::copy(&mut io::Read::take(io::repeat(0), front), &mut out)?;
+        let left = grids.len();
+        Ok(Self { out, start, settings, tables: vec![Vec::new(); left], grids, left })
+    }
+
+    /// Writes the common section of the next grid, the coarsest first.
+    ///
+    /// # Errors
+    /// Returns the errors of the output.
+    pub fn common(&mut self, words: &[u32]) -> io::Result<()> {
+        self.left -= 1;
+        let mut hasher = crc32fast::Hasher::new();
+        for chunk in u32_chunks(words) {
+            hasher.update(&chunk);
+            self.out.write_all(&chunk)?;
         }
-        out.flush()?;
-        Ok(at)
+        let length = 4 * words.len() as u64;
+        self.grids[self.left].common = Section { offset: 0, length, checksum: hasher.finalize() };
+        Ok(())
+    }
+
+    /// Writes the next bundle of the grid whose common section was written last.
+    ///
+    /// # Errors
+    /// Returns the errors of the output.
+    pub fn bundle(&mut self, bundle: &StoredBundle) -> io::Result<()> {
+        self.out.write_all(&bundle.bytes)?;
+        self.grids[self.left].bundles.length += bundle.bytes.len() as u64;
+        self.tables[self.left].extend(bundle.entry.encode());
+        Ok(())
+    }
+
+    fn write_level(&mut self, tree: &DepthTree) -> io::Result<()> {
+        self.common(tree.common())?;
+        let mut ranges = Ranges::new(tree.common());
+        let dims = page_dims(tree.size());
+        bundles(dims)
+            .into_iter()
+            .try_for_each(|at| self.bundle(&StoredBundle::new(at, dims, &tree.bundle(at), &mut ranges)))
+    }
+
+    /// Writes tables, directory and header, and returns the number of bytes of the file. Every bundle of every grid
+    /// must have been written.
+    ///
+    /// # Errors
+    /// Returns the errors of the output.
+    pub fn finish(mut self) -> io::Result<u64> {
+        let file_bytes = place(&mut self.grids);
+        for (entry, table) in self.grids.iter_mut().zip(&self.tables) {
+            debug_assert_eq!(entry.table.length, table.len() as u64);
+            entry.table.checksum = crc32fast::hash(table);
+        }
+        let directory: Vec<u8> =
+            (0..).zip(&self.grids).flat_map(|(level, entry)| entry.encode(level)).collect();
+        let header = Header {
+            settings: self.settings,
+            grids: self.grids.len() as u32,
+            directory_checksum: crc32fast::hash(&directory),
+            file_bytes,
+        };
+        self.out.seek(SeekFrom::Start(self.start))?;
+        self.out.write_all(&header.encode())?;
+        self.out.write_all(&directory)?;
+        for table in &self.tables {
+            self.out.write_all(table)?;
+        }
+        self.out.seek(SeekFrom::Start(self.start + file_bytes))?;
+        self.out.flush()?;
+        Ok(file_bytes)
     }
 }

@@ -4,7 +4,6 @@
 use std::ops::RangeInclusive;
 
 use super::grid::GridParameters;
-use super::words::Words;
 use crate::error::{RangeError, RangeField, Result};
 use crate::file::ShadowFile;
 use crate::grid::LightGrid;
@@ -69,8 +68,7 @@ pub struct LookUp {
 /// | 272 | 12 | root count |
 /// | 284 | 4 | root level |
 /// | 288 | 16 | bias: constant, slope, normal offset in texels; factor 1 |
-/// | 304 | 8 | zero |
-/// | 312 | 4 | first word of wide entries |
+/// | 304 | 12 | zero |
 /// | 316 | 4 | first word of code |
 /// | 320 | 4 | filter width, texels |
 /// | 324 | 4 | texels by which the sun's cone widens per voxel of depth; 0 without penumbrae |
@@ -81,14 +79,14 @@ pub struct LookUp {
 pub struct Parameters {
     /// Transform from world to grid.
     pub grid: GridParameters,
-    /// Number of roots along x and y, and 1.
+    /// Number of blocks at which look-ups begin along x and y, and 1.
     pub root_count: [u32; 3],
-    /// A root spans 2^root_level voxels along each side.
+    /// Such a block spans 2^root_level voxels along each side.
     pub root_level: u32,
     /// Look-up bias.
     pub bias: Bias,
-    /// Index of the first word of the second and the third part of the words.
-    pub offsets: [u32; 2],
+    /// Index of the first word of code among the words.
+    pub code_offset: u32,
     /// Width of the filter, texels.
     pub filter_width: u32,
     /// Texels by which the sun's cone widens per voxel of depth; 0 without penumbrae.
@@ -113,13 +111,13 @@ impl Parameters {
         let (grid, tree) = (&file.grid, &*file.tree);
         let bias = look_up.bias.unwrap_or(file.settings.bias);
         bias.check()?;
-        let [nx, ny] = tree.top_dims;
+        let [nx, ny] = tree.top_dims();
         let mut parameters = Self {
             grid: GridParameters::new(grid, anchor_world)?,
             root_count: [nx, ny, 1],
-            root_level: tree.root_level,
+            root_level: tree.root_level(),
             bias,
-            offsets: Words::offsets(tree),
+            code_offset: 2 * tree.top().len() as u32,
             filter_width: look_up.filter.width(),
             sun_cone: 0.0,
             max_radius_texels: 0.0,
@@ -149,12 +147,11 @@ impl Parameters {
         self.grid.put(&mut out);
         let Bias { constant_texels, slope_texels, normal_offset_texels } = self.bias;
         let bias = [constant_texels as f32, slope_texels as f32, normal_offset_texels as f32, 1.0];
-        let [first, second] = self.offsets;
         let [nx, ny, nz] = self.root_count;
         let words = [nx, ny, nz, self.root_level]
             .into_iter()
             .chain(bias.map(f32::to_bits))
-            .chain([0, 0, first, second])
+            .chain([0, 0, 0, self.code_offset])
             .chain([self.filter_width, self.sun_cone.to_bits(), self.max_radius_texels.to_bits(), 0])
             .chain(self.penumbra.as_flattened().iter().map(|c| c.to_bits()));
         words.for_each(|word| out.extend(word.to_le_bytes()));

@@ -122,9 +122,9 @@ impl LookUpTexture {
     /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor, the roots
     /// and the offsets are kept.
     pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
-        let Parameters { grid, root_count, root_level, offsets, penumbra, .. } = self.parameters;
+        let Parameters { grid, root_count, root_level, code_offset, penumbra, .. } = self.parameters;
         change(&mut self.parameters);
-        self.parameters = Parameters { grid, root_count, root_level, offsets, penumbra, ..self.parameters };
+        self.parameters = Parameters { grid, root_count, root_level, code_offset, penumbra, ..self.parameters };
         self.write_parameters();
     }
 

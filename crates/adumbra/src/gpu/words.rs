@@ -2,21 +2,21 @@
 
 use crate::layout::depths::DepthTree;
 
-/// The 32-bit words of a file's voxels, in three consecutive parts: roots, two words each; wide entries, two words each;
+/// The 32-bit words of a file's voxels, in two consecutive parts: the blocks at which look-ups begin, two words each;
 /// code, two half-words per word.
 #[derive(Clone, Copy, Debug)]
 pub struct Words<'f> {
-    parts: [&'f [u32]; 3],
+    parts: [&'f [u32]; 2],
 }
 
 impl<'f> Words<'f> {
     /// Returns the words of a file's voxels, which are borrowed.
     pub(super) fn new(tree: &'f DepthTree) -> Self {
-        Self { parts: [tree.top.as_flattened(), tree.wide.as_flattened(), &tree.code] }
+        Self { parts: [tree.top().as_flattened(), tree.code()] }
     }
 
-    /// Returns the three parts, in order.
-    pub fn parts(&self) -> [&'f [u32]; 3] {
+    /// Returns both parts, in order.
+    pub fn parts(&self) -> [&'f [u32]; 2] {
         self.parts
     }
 
@@ -33,11 +33,5 @@ impl<'f> Words<'f> {
     /// Returns the number of words.
     pub fn count(&self) -> u64 {
         self.parts.iter().map(|part| part.len() as u64).sum()
-    }
-
-    /// Returns the indices of the first words of the second and the third part.
-    pub(super) fn offsets(tree: &DepthTree) -> [u32; 2] {
-        let [first, second] = [2 * tree.top.len(), 2 * tree.wide.len()];
-        [first as u32, (first + second) as u32]
     }
 }

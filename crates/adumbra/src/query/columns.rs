@@ -31,11 +31,11 @@ struct Block {
 impl<'d> Columns<'d> {
     /// Returns `None` for grids in which a filter's depths do not fit 32 bits.
     pub(super) fn new(tree: &'d DepthTree) -> Option<Self> {
-        if tree.size.iter().any(|side| *side > MAX_FIXED_SIDE) {
+        if tree.size().iter().any(|side| *side > MAX_FIXED_SIDE) {
             return None;
         }
         let nowhere = Block { place: [-1; 2], nearest: 0, farthest: 0, leaf: None, depths: [[0; 8]; 8] };
-        Some(Self { tree, size: tree.size.map(|side| side as i32), kept: [nowhere; 4] })
+        Some(Self { tree, size: tree.size().map(|side| side as i32), kept: [nowhere; 4] })
     }
 
     /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the grid and

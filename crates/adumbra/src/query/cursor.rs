@@ -23,7 +23,7 @@ impl<'s> Cursor<'s> {
     pub fn visibility(&mut self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
         let sampler = self.sampler;
         let r = receiver(sampler.grid(), &sampler.bias(), p_world, normal);
-        sampler.share(self.lit_taps(&FixedReceiver::new(&r, sampler.tree().size)))
+        sampler.share(self.lit_taps(&FixedReceiver::new(&r, sampler.tree().size())))
     }
 
     /// Returns the number of lit taps, as [`Sampler::lit_taps`] does.

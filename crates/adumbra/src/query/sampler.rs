@@ -61,7 +61,7 @@ impl Sampler {
     /// Returns the visibility of a point that is already biased.
     #[doc(hidden)]
     pub fn receiver_visibility(&self, r: &Receiver) -> f32 {
-        self.share(self.lit_taps(&FixedReceiver::new(r, self.tree.size)))
+        self.share(self.lit_taps(&FixedReceiver::new(r, self.tree.size())))
     }
 
     /// Returns how many of the filter's taps are lit, for a receiver in fixed point. A shader returns the same count.
@@ -119,7 +119,7 @@ impl Sampler {
     /// Returns the voxel that answers a tap, or `None` outside the grid's texels and before the grid. Behind the last
     /// layer, the last layer answers.
     fn voxel_at(&self, r: &FixedReceiver, [x, y]: [i64; 2]) -> Option<[u32; 3]> {
-        let [nx, ny, nz] = self.tree.size.map(i64::from);
+        let [nx, ny, nz] = self.tree.size().map(i64::from);
         let layer = r.depth([x, y]) >> (FIXED_BITS + GRADIENT_BITS);
         let is_inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
         is_inside.then(|| [x as u32, y as u32, layer.min(nz - 1) as u32])

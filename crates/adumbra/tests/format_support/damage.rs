@@ -1,67 +1,78 @@
-//! Damages files that have a header with a table of three sections, and repairs their checksums.
+//! Damages shadow files, and repairs their checksums.
 
-/// Offsets and sizes of a kind of file.
-pub(crate) struct Layout {
-    /// Size of the header in bytes. The checksum is its last word.
-    pub(crate) header_bytes: usize,
-    /// Offset of the section table in bytes.
-    pub(crate) table: usize,
-    /// Sections in which elements may be inserted or removed, each with the size of an element in bytes.
-    pub(crate) resizable: [(usize, usize); 2],
-    /// Words that have a special meaning somewhere in the file.
-    pub(crate) values: &'static [u32],
-    /// Distance between neighbouring items that a word may refer to.
-    pub(crate) step: u32,
-}
-
-/// Size of an entry of the section table in bytes.
+/// Size of the header, of a directory entry and of a table's entry in bytes.
+const HEADER: usize = 256;
+const GRID: usize = 256;
 const ROW: usize = 24;
 
-impl Layout {
-    /// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is the file
-    /// as it is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are repaired.
-    pub(crate) fn interpret(&self, input: &[u8]) -> Vec<u8> {
-        let mut bytes = input.to_vec();
-        if let Some(first) = bytes.first_mut()
-            && *first & 1 == 0
-        {
-            *first = b'A';
-            self.repair(&mut bytes);
-        }
-        bytes
-    }
+/// Words that have a special meaning somewhere in a file.
+const VALUES: [u32; 10] =
+    [0, 1, 0x0041, 0x5555, 0x8000, 0x8003, 0xAAAA, 0xFFFF, 0x8000_0000, u32::MAX];
 
-    /// Returns `valid` with one to four faults that follow from `seed`. In most cases the checksums are repaired, in
-    /// some the sections are resized.
-    pub(crate) fn mutate(&self, valid: &[u8], seed: u64) -> Vec<u8> {
-        Mutator { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1, layout: self }.mutate(valid)
+/// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is the file as it
+/// is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are repaired.
+pub(crate) fn interpret(input: &[u8]) -> Vec<u8> {
+    let mut bytes = input.to_vec();
+    if let Some(first) = bytes.first_mut()
+        && *first & 1 == 0
+    {
+        *first = b'A';
+        repair(&mut bytes);
     }
+    bytes
+}
 
-    /// Repairs the checksums of the header and of the sections that are within the file.
-    fn repair(&self, bytes: &mut [u8]) {
-        if bytes.len() < self.header_bytes {
-            return;
-        }
-        for row in [0, 1, 2].map(|i| self.table + i * ROW) {
-            let (from, length) = (u64_at(bytes, row), u64_at(bytes, row + 8));
-            let end = from.saturating_add(length).min(usize::MAX as u64);
-            if let Some(section) = bytes.get(from as usize..end as usize) {
-                let checksum = crc32fast::hash(section);
-                put_u32(bytes, row + 16, checksum);
+/// Returns `valid` with one to four faults that follow from `seed`. In most cases the checksums are repaired, in some a
+/// bundle or the common section is resized.
+pub(crate) fn mutate(valid: &[u8], seed: u64) -> Vec<u8> {
+    Mutator { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1 }.mutate(valid)
+}
+
+/// Returns offset and length of a section of a level, 0 = table, 1 = common section, 2 = bundles. `None` if it is not in
+/// the file.
+fn section(bytes: &[u8], level: usize, section: usize) -> Option<[usize; 2]> {
+    let at = HEADER + GRID * level + 160 + 24 * section;
+    let entry = bytes.get(at..at + 16)?;
+    let [from, length] = [0, 8].map(|i| u64_at(entry, i));
+    let end = from.checked_add(length).filter(|&end| end <= bytes.len() as u64)?;
+    Some([from as usize, (end - from) as usize])
+}
+
+/// Repairs all checksums of parts that are within the file.
+fn repair(bytes: &mut [u8]) {
+    if bytes.len() < HEADER {
+        return;
+    }
+    let levels = (u32_at(bytes, 24) as usize).min((bytes.len() - HEADER) / GRID);
+    for level in 0..levels {
+        if let (Some([table, length]), Some([mut at, _])) = (section(bytes, level, 0), section(bytes, level, 2)) {
+            for row in (table..table + length / ROW * ROW).step_by(ROW) {
+                let stored = u32_at(bytes, row) as usize;
+                let Some(bundle) = at.checked_add(stored).and_then(|end| bytes.get(at..end)) else { break };
+                let checksum = if stored == 0 { 0 } else { crc32fast::hash(bundle) };
+                put_u32(bytes, row + 8, checksum);
+                at += stored;
             }
         }
-        let checksum = crc32fast::hash(&bytes[..self.header_bytes - 4]);
-        put_u32(bytes, self.header_bytes - 4, checksum);
+        for part in [0, 1] {
+            if let Some([from, length]) = section(bytes, level, part) {
+                let checksum = crc32fast::hash(&bytes[from..from + length]);
+                put_u32(bytes, HEADER + GRID * level + 176 + 24 * part, checksum);
+            }
+        }
     }
+    let directory = crc32fast::hash(&bytes[HEADER..HEADER + GRID * levels]);
+    put_u32(bytes, 132, directory);
+    let checksum = crc32fast::hash(&bytes[..HEADER - 4]);
+    put_u32(bytes, HEADER - 4, checksum);
 }
 
 /// A deterministic source of mutations.
-struct Mutator<'l> {
+struct Mutator {
     state: u64,
-    layout: &'l Layout,
 }
 
-impl Mutator<'_> {
+impl Mutator {
     fn random(&mut self) -> u64 {
         self.state ^= self.state << 13;
         self.state ^= self.state >> 7;
@@ -82,14 +93,15 @@ impl Mutator<'_> {
             self.one(&mut bytes);
         }
         if self.below(8) != 0 {
-            self.layout.repair(&mut bytes);
+            repair(&mut bytes);
         }
         bytes
     }
 
     fn one(&mut self, bytes: &mut Vec<u8>) {
-        // Three of four faults go into the sections, because less can go wrong in the header.
-        let from = if self.below(4) == 0 { 0 } else { self.layout.header_bytes.min(bytes.len()) };
+        // Half of the faults go into the words of pages, where most can go wrong.
+        let code = section(bytes, 0, 2).map_or(0, |[from, length]| from + length.min(192));
+        let from = [0, HEADER + GRID, code, code][self.below(4)].min(bytes.len());
         let at = from + self.below(bytes.len() - from);
         let word = at & !3;
         if word + 4 > bytes.len() {
@@ -100,10 +112,9 @@ impl Mutator<'_> {
             4..7 => bytes[at] = self.random() as u8,
             7..11 => {
                 let near = u32_at(bytes, word);
-                let Layout { values, step, .. } = *self.layout;
-                let beside = [near.wrapping_add(step), near.wrapping_sub(step)];
-                let pick = self.below(values.len() + 2);
-                let value = values.get(pick).copied().unwrap_or_else(|| beside[pick - values.len()]);
+                let beside = [near.wrapping_add(1), near.wrapping_sub(1)];
+                let pick = self.below(VALUES.len() + 2);
+                let value = VALUES.get(pick).copied().unwrap_or_else(|| beside[pick - VALUES.len()]);
                 put_u32(bytes, word, value);
             }
             11..13 => {
@@ -123,32 +134,33 @@ impl Mutator<'_> {
         }
     }
 
-    /// Inserts or removes an element of one section and lays the file out again, so that only the contents are wrong.
+    /// Inserts or removes a word of the finest level's first page with words, and lays the file out again, so that only the
+    /// page is wrong.
     fn resized(&mut self, bytes: &[u8]) -> Vec<u8> {
-        let table = self.layout.table;
-        let mut sections = [0, 1, 2].map(|i| {
-            let (from, length) =
-                (u64_at(bytes, table + i * ROW) as usize, u64_at(bytes, table + i * ROW + 8) as usize);
-            bytes[from..from + length].to_vec()
-        });
-        let (which, element) = self.layout.resizable[self.below(2)];
-        let section = &mut sections[which];
-        let at = self.below(section.len() / element + 1) * element;
-        if self.below(2) == 0 {
-            let fresh = self.random().to_le_bytes();
-            section.splice(at..at, fresh.into_iter().cycle().take(element));
-        } else if at < section.len() {
-            section.drain(at..at + element);
+        let mut out = bytes.to_vec();
+        let (Some([table, length]), Some([mut at, _])) = (section(bytes, 0, 0), section(bytes, 0, 2)) else {
+            return out;
+        };
+        let rows = (table..table + length).step_by(ROW);
+        let Some(row) = rows.clone().find(|&row| u32_at(bytes, row) > 0) else { return out };
+        at += rows.take_while(|&before| before < row).map(|row| u32_at(bytes, row) as usize).sum::<usize>();
+        let Some(slot) = (0..16).find(|slot| u32_at(bytes, at + 12 * slot + 8) > 0) else { return out };
+        let words = u32_at(bytes, at + 12 * slot + 8);
+        let before: u32 = (0..slot).map(|slot| u32_at(bytes, at + 12 * slot + 8)).sum();
+        let word = at + 192 + 4 * (before as usize + self.below(words as usize));
+        let step = if self.below(2) == 0 {
+            out.splice(word..word, (self.random() as u32).to_le_bytes());
+            1
+        } else {
+            out.drain(word..word + 4);
+            u32::MAX
+        };
+        let mut add = |at: usize, by: u32| put_u32(&mut out, at, u32_at(bytes, at).wrapping_add(by));
+        add(at + 12 * slot + 8, step);
+        for place in [row, row + 4, HEADER + 216, 136] {
+            add(place, step.wrapping_mul(4));
         }
-        let mut out = bytes[..self.layout.header_bytes].to_vec();
-        for (i, section) in sections.iter().enumerate() {
-            out.resize(out.len().next_multiple_of(16), 0);
-            let (offset, length) = (out.len() as u64, section.len() as u64);
-            out[table + i * ROW..][..8].copy_from_slice(&offset.to_le_bytes());
-            out[table + i * ROW + 8..][..8].copy_from_slice(&length.to_le_bytes());
-            out.extend_from_slice(section);
-        }
-        self.layout.repair(&mut out);
+        repair(&mut out);
         out
     }
 }

@@ -3,62 +3,124 @@
 
 use adumbra_testing::{f64_at, u32_at, u64_at};
 
+/// Offset of the directory's first entry, the finest grid.
+const GRID: u64 = 256;
+
 /// Returns the visibility of a world point: 1 = lit, 0 = shadowed.
 pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
-    // Up to version 2 the header holds the world position of the corner.
-    let has_origin = u32_at(file, 8) < 3;
     let mut grid = [0.0; 3];
     for (r, g) in (0_u64..).zip(&mut grid) {
         let mut sum = 0.0;
         for (c, p) in (0_u64..).zip(world) {
-            let axis = f64_at(file, 112 + 24 * r + 8 * c);
-            let origin = if has_origin { f64_at(file, 88 + 8 * c) } else { 0.0 };
-            sum += axis * (p - origin);
+            sum += f64_at(file, GRID + 72 + 24 * r + 8 * c) * p;
         }
-        *g = sum / f64_at(file, 56) - if has_origin { 0.0 } else { f64_at(file, 88 + 8 * r) };
+        *g = sum / f64_at(file, GRID + 16) - f64_at(file, GRID + 48 + 8 * r);
     }
-    let size = [24, 28, 32].map(|at| f64::from(u32_at(file, at)));
+    let size = [0, 4, 8].map(|at| f64::from(u32_at(file, GRID + at)));
     let beside = !(grid[0] >= 0.0 && grid[0] < size[0] && grid[1] >= 0.0 && grid[1] < size[1]);
     if beside || grid[2].is_nan() || grid[2] < 0.0 {
         return 1;
     }
     let z = if grid[2] >= size[2] { size[2] - 1.0 } else { grid[2] };
-    voxel(file, [grid[0].floor() as u32, grid[1].floor() as u32, z.floor() as u32])
+    voxel(file, 0, [grid[0].floor() as u32, grid[1].floor() as u32, z.floor() as u32])
 }
 
-/// Returns the visibility of a voxel of the grid: 1 = lit, 0 = shadowed.
-pub(crate) fn voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
+/// Returns the place of the `d`-th point of the Hilbert curve through a square of `side` points, by the rule of the
+/// specification, with everything inside.
+fn hilbert(d: u64, side: i64) -> [i64; 2] {
+    let (mut d, mut corner, mut u, mut v) = (d, [0_i64; 2], [side, 0], [0, side]);
+    let mut count = (side * side) as u64;
+    while count > 1 {
+        count /= 4;
+        let (quarter, half) = (d / count, |e: [i64; 2]| e.map(|c| c / 2));
+        d %= count;
+        let (hu, hv) = (half(u), half(v));
+        let plus = |a: [i64; 2], b: [i64; 2]| [a[0] + b[0], a[1] + b[1]];
+        (corner, u, v) = match quarter {
+            0 => (corner, hv, hu),
+            1 => (plus(corner, hu), hu, hv),
+            2 => (plus(corner, plus(hu, hv)), hu, hv),
+            _ => (plus(corner, plus(hu, v)), hv.map(|c| -c), hu.map(|c| -c)),
+        };
+    }
+    // An edge that points backwards has the point on its other side.
+    [0, 1].map(|a| corner[a] + u[a].min(0) + v[a].min(0))
+}
+
+/// Where a page is in a file.
+struct Page {
+    root: u32,
+    base: u32,
+    /// Offset of its words.
+    words: u64,
+}
+
+/// Finds the page at a place of the grid at `entry` of the directory.
+fn page(file: &[u8], entry: u64, [px, py]: [u32; 2]) -> Page {
+    let pages = [0, 4].map(|at| u32_at(file, entry + at).div_ceil(512));
+    let dims = pages.map(|n| i64::from(n.div_ceil(4)));
+    let side = (dims[0].max(dims[1]) as u64).next_power_of_two() as i64;
+    let (mut row, mut at) = (u64_at(file, entry + 160), u64_at(file, entry + 208));
+    for d in 0.. {
+        let place = hilbert(d, side);
+        if place[0] >= dims[0] || place[1] >= dims[1] {
+            continue;
+        }
+        if place == [px, py].map(|c| i64::from(c / 4)) {
+            break;
+        }
+        at += u64::from(u32_at(file, row));
+        row += 24;
+    }
+    if u32_at(file, row) == 0 {
+        return Page { root: u32::MAX, base: u32_at(file, row + 12), words: at };
+    }
+    let slot = u64::from(py % 4 * 4 + px % 4);
+    let before: u32 = (0..slot).map(|p| u32_at(file, at + 12 * p + 8)).sum();
+    let [root, base] = [0, 4].map(|field| u32_at(file, at + 12 * slot + field));
+    Page { root, base, words: at + 192 + 4 * u64::from(before) }
+}
+
+/// Returns the visibility of a voxel of a level's grid: 1 = lit, 0 = shadowed.
+pub(crate) fn voxel(file: &[u8], level_of_detail: u64, [x, y, z]: [u32; 3]) -> u8 {
     const NONE: u32 = 0xFFFF_FFFF;
-    let (top, code, entries) = (u64_at(file, 280), u64_at(file, 304), u64_at(file, 328));
-    let byte = |b: u32| u32::from(file[code as usize + b as usize]);
-    let half = |h: u32| byte(2 * h) + 256 * byte(2 * h + 1);
-    let two = |h: u32| half(h) + 65536 * half(h + 1);
-    let mut level = u32_at(file, 36);
-    let root = u64::from(y >> level) * u64::from(u32_at(file, 40)) + u64::from(x >> level);
-    let (mut at, mut base) = (u32_at(file, top + 8 * root), u32_at(file, top + 8 * root + 4));
+    let entry = GRID + 256 * level_of_detail;
+    let common = u64_at(file, entry + 184);
+    let Page { root, mut base, words } = page(file, entry, [x / 512, y / 512]);
+    // Addresses within the page, or within the common section.
+    let (mut at, mut in_page) =
+        if root == NONE || root < 1 << 31 { (root, false) } else { (root - (1 << 31), true) };
+    let mut level = 9;
     while at != NONE && level > 3 {
+        let code = if in_page { words } else { common };
+        let byte = |b: u32| u32::from(file[code as usize + b as usize]);
+        let half = |h: u32| byte(2 * h) + 256 * byte(2 * h + 1);
+        let two = |h: u32| half(h) + 65536 * half(h + 1);
         let digit = |c: u32| c >> (level - 2) & 3;
         let child = 4 * digit(y) + digit(x);
         let size = |c: u32| (half(at) >> c & 1) + 2 * (half(at + 1) >> c & 1);
         let field = at + 3 + (0..child).map(size).sum::<u32>();
-        let near = |h: u32| if half(h) < 32768 { half(h) } else { at - (half(h) - 32768) };
+        let near = |h: u32| if half(h) < 32768 { (half(h), false) } else { (at - (half(h) - 32768), in_page) };
+        let far = |h: u32| if two(h) < 1 << 31 { (two(h), false) } else { (at - (two(h) - (1 << 31)), in_page) };
         // A half-word of 32768 or more represents its value less 65536.
         let moved = |h: u32| base.wrapping_add(half(h)).wrapping_sub(if half(h) < 32768 { 0 } else { 65536 });
-        (at, base) = match (size(child), half(at + 2) >> child & 1) {
-            (0, 0) => (NONE, base),
-            (0, _) => (NONE, NONE),
+        let none = (NONE, false);
+        ((at, in_page), base) = match (size(child), half(at + 2) >> child & 1) {
+            (0, 0) => (none, base),
+            (0, _) => (none, NONE),
             (1, 0) => (near(field), base),
-            (1, _) => (NONE, moved(field)),
-            (2, 0) => (two(field), base),
+            (1, _) => (none, moved(field)),
+            (2, 0) => (far(field), base),
             (2, _) => (near(field + 1), moved(field)),
-            (_, 0) => (two(field + 1), moved(field)),
-            _ => {
-                let entry = entries + 8 * u64::from(two(field));
-                (u32_at(file, entry + 4), base.wrapping_add(u32_at(file, entry)))
-            }
+            (_, 0) => (far(field + 1), moved(field)),
+            _ if half(field + 2) == 32768 => (none, base.wrapping_add(two(field))),
+            _ => (near(field + 2), base.wrapping_add(two(field))),
         };
         level -= 2;
     }
+    let code = if in_page { words } else { common };
+    let byte = |b: u32| u32::from(file[code as usize + b as usize]);
+    let half = |h: u32| byte(2 * h) + 256 * byte(2 * h + 1);
     if at == NONE {
         return u8::from(z < base);
     }

@@ -1,4 +1,4 @@
-//! Headers of look-up textures as the Rust crate makes them, which `tests/unit/look-up-texture.test.ts` compares with the
+//! Look-up textures as the Rust crate makes them, in figures that `tests/unit/look-up-texture.test.ts` compares with the
 //! package's.
 
 use std::path::Path;
@@ -8,44 +8,53 @@ use adumbra::{Bias, Filter, ShadowFile};
 
 use crate::Generated;
 
-/// The files, below `test_vectors`: every frame and version.
-const FILES: [&str; 6] = [
+/// The files, below `test_vectors`: every frame, and files of several pages and levels.
+const FILES: [&str; 7] = [
     "valid/cliff_depths",
+    "valid/levels_depths",
     "valid/low_sun_tall_depths",
+    "valid/many_pages_depths",
     "valid/odd_sizes_depths",
     "valid/slopes_depths",
     "valid/upright_turned_low_depths",
-    "valid_v2/sphere_depths",
 ];
 
-/// Returns a JSON object: for each file the size of its texture, and its 128 words with the file's own bias and a filter
-/// of 5; with another bias and a filter of 9; and with penumbrae.
+/// Returns a JSON object: for each file, and within it for each level, the size of its texture; the CRC-32 of all of its
+/// bytes; and its first 128 words with the file's own bias and a filter of 5, which the CRC-32 is of; with another bias and
+/// a filter of 9; and with penumbrae.
 ///
 /// # Errors
 /// Returns the crate's message if a file cannot be read or looked up.
 pub fn golden(vectors: &Path) -> Result<Generated, String> {
-    let rows: Result<Vec<String>, String> = FILES.iter().map(|name| row(vectors, name)).collect();
+    let rows: Result<Vec<String>, String> = FILES.iter().map(|name| file(vectors, name)).collect();
     Ok(Generated {
         name: "look_up_texture.json".to_owned(),
         text: format!("{{\n{}\n}}\n", rows?.join(",\n")),
     })
 }
 
-fn row(vectors: &Path, name: &str) -> Result<String, String> {
+fn file(vectors: &Path, name: &str) -> Result<String, String> {
     let name = format!("{name}.adumbra");
     let file = ShadowFile::read(vectors.join(&name)).map_err(|e| e.to_string())?;
+    let levels: Result<Vec<String>, String> =
+        (0..file.level_count()).filter_map(|n| file.level(n)).map(|file| level(&file)).collect();
+    Ok(format!("\"{name}\": [{}]", levels?.join(",\n")))
+}
+
+fn level(file: &ShadowFile) -> Result<String, String> {
     let own = LookUp::default();
     let bias = Bias { constant_texels: 0.7, slope_texels: 1.3, normal_offset_texels: 0.1 };
     let other = LookUp { filter: Filter::Box9, bias: Some(bias), penumbra: None };
     let soft = LookUp { penumbra: Some(Penumbra { sun_degrees: 0.53, max_radius_texels: 20.5 }), ..other };
-    let mut headers = Vec::new();
-    let (mut width, mut height) = (0, 0);
-    for look_up in [own, other, soft] {
-        let texture = file.gpu().texture(&look_up, 4096).map_err(|e| e.to_string())?;
-        (width, height) = (texture.width(), texture.height());
-        headers.push(words(&texture));
+    let texture = file.gpu().texture(&own, 4096).map_err(|e| e.to_string())?;
+    let (width, height) = (texture.width(), texture.height());
+    let checksum = crc32fast::hash(texture.bytes());
+    let mut headers = vec![words(&texture)];
+    for look_up in [other, soft] {
+        headers.push(words(&file.gpu().texture(&look_up, 4096).map_err(|e| e.to_string())?));
     }
-    Ok(format!("\"{name}\": {{\"size\": [{width}, {height}], \"headers\": [\n{}]}}", headers.join(",\n")))
+    let headers = headers.join(",\n");
+    Ok(format!("{{\"size\": [{width}, {height}], \"checksum\": {checksum}, \"headers\": [\n{headers}]}}"))
 }
 
 fn words(texture: &LookUpTexture) -> String {

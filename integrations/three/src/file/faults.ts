@@ -1,20 +1,29 @@
 // Errors that several parts of the reader have in common.
 
 import { ShadowFileError, hex } from '../error.js';
-import type { ShadowFileErrorDetails, ShadowFileErrorKind } from '../error.js';
 import type { Vec3 } from '../grid/vec3.js';
 import { crc32 } from './crc32.js';
 
 /** Size of the header in bytes. */
-export const HEADER_BYTES = 384;
+export const HEADER_BYTES = 256;
 
-/** Throws the error for a field of the header with a value that is not allowed, unless `isGood`. */
+/** Throws the error for a field with a value that is not allowed, unless `isGood`. */
 export function check(isGood: boolean, name: string, value: number | Vec3 | string, expected: number | string): void {
   if (isGood) return;
   throw new ShadowFileError('HeaderField', `the header's ${name} is ${value}, but must be ${expected}; bake it again`, {
     field: name,
     value: String(value),
     expected: String(expected),
+  });
+}
+
+/** Throws the error for a bundle that fits neither its entry in the table nor the grid, unless `isGood`. */
+export function checkBundle(isGood: boolean, section: string, found: string, expected: string): void {
+  if (isGood) return;
+  throw new ShadowFileError('Bundle', `the ${section} has ${found}, but must have ${expected}; bake it again`, {
+    section,
+    found,
+    expected,
   });
 }
 
@@ -27,19 +36,14 @@ export function truncated(what: string, needed: number, have: number): ShadowFil
   );
 }
 
-/** Checks the checksum of a part of the file. */
-export function checkChecksum(
-  kind: ShadowFileErrorKind,
-  what: string,
-  bytes: Uint8Array,
-  stored: number,
-  details: ShadowFileErrorDetails = {},
-): void {
+/** Checks the checksum of a section, or of the header if none is named. */
+export function checkChecksum(bytes: Uint8Array, stored: number, section?: string): void {
   const computed = crc32(bytes);
   if (stored === computed) return;
+  const isHeader = section === undefined;
   throw new ShadowFileError(
-    kind,
-    `the ${what} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy the file again, or bake it again`,
-    { ...details, stored, computed },
+    isHeader ? 'HeaderChecksum' : 'SectionChecksum',
+    `the ${isHeader ? 'header' : `section ${section}`} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy the file again, or bake it again`,
+    { ...(isHeader ? {} : { section }), stored, computed },
   );
 }

@@ -1,136 +1,88 @@
-// The 384 bytes before the sections. `spec/adumbra-file.md`, "Header", has the words; the checks are in its order, so
-// that every reader names the same fault. Counterpart of `crates/adumbra/src/file/header.rs` and `fields.rs`.
+// The first 256 bytes of a file: what holds for all of its levels. `spec/adumbra-file.md`, "Header", has the words; the
+// checks are in its order, so that every reader names the same fault. Counterpart of `crates/adumbra/src/file/header.rs`
+// and `fields.rs`.
 
 import { ShadowFileError, hex } from '../error.js';
-import { obliqueEdges } from '../grid/light-grid.js';
-import type { Bounds, LightGrid } from '../grid/light-grid.js';
-import { dot, map3 } from '../grid/vec3.js';
-import type { Mat3, Vec3 } from '../grid/vec3.js';
-import { QUADTREE } from '../settings.js';
+import type { Bounds } from '../grid/light-grid.js';
 import type { FileSettings } from '../settings.js';
 import { HEADER_BYTES, check, checkChecksum, truncated } from './faults.js';
-import { checkGrid, checkSettings, isNear } from './header-checks.js';
-import { checkSections, readSections } from './sections.js';
-import type { Sections } from './sections.js';
+import { Fields } from './fields.js';
 
-/** The latest version of the format that is read; the earliest is 1. */
-export const LATEST_VERSION = 3;
+/** The version of the format that is read. */
+export const LATEST_VERSION = 4;
 
 const MAGIC = 'ADUMBRA\n';
 
 /** The header of a file. Every field has been checked. */
 export interface ShadowFileHeader {
-  /** Version of the format, 1 to 3. */
+  /** Version of the format. */
   readonly version: number;
-  /** Placement of the voxels in the world. */
-  readonly grid: LightGrid;
   /** Settings of the bake. */
   readonly settings: FileSettings;
-  /** A root spans 2^rootLevel columns along each side; 3 to 20. */
-  readonly rootLevel: number;
-  /** Number of roots along x, y, z. Only x and y count. */
-  readonly topDims: Vec3;
-  /** The section table. */
-  readonly sections: Sections;
+  /** Number of levels of detail, 1 to 8. */
+  readonly levelCount: number;
+  /** CRC-32 of the directory of levels, which follows the header. */
+  readonly directoryChecksum: number;
   /** Length of the whole file, bytes. */
   readonly fileBytes: number;
 }
 
 /**
- * Reads and checks the header at the start of `bytes`, which may go on behind it. The first 384 bytes of a file are
+ * Reads and checks the header at the start of `bytes`, which may go on behind it. The first 256 bytes of a file are
  * enough.
  *
- * @throws ShadowFileError of the kind `Magic`, `OtherKind`, `FutureVersion`, `Truncated`, `HeaderChecksum`, `Layout`,
- * `HeaderField` or `SectionBounds`.
+ * @throws ShadowFileError of the kind `Magic`, `OtherKind`, `FutureVersion`, `Truncated`, `HeaderChecksum` or
+ * `HeaderField`.
  */
 export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  const u32 = (word: number): number => view.getUint32(4 * word, true);
-  const f64 = (word: number): number => view.getFloat64(4 * word, true);
-  const u32s = (word: number): Vec3 => [u32(word), u32(word + 1), u32(word + 2)];
-  const f64s = (word: number): Vec3 => [f64(word), f64(word + 2), f64(word + 4)];
-  const u64 = (word: number): number => Number(view.getBigUint64(4 * word, true));
-  const zero = (word: number): void => check(u32(word) === 0, `reserved word ${word}`, hex(u32(word)), 0);
-
-  identify(bytes, view);
-  const version = u32(2);
-  const sections = readSections(view, zero);
-  const reserved = [92, 93, 94, ...(version === 1 ? [13, 88] : []), ...(version < 3 ? [89] : [])];
-  reserved.forEach(zero);
-
-  checkLayout(u32(13));
   const ASSUME_GROUND = 1;
   const CLOSED_REGIONS = 2;
   const IGNORE_ALPHA = 4;
   const STATIC_RECEIVERS = 8;
   const HAS_BOUNDS = 16;
-  const flags = u32(4);
+  const MAX_LEVELS = 8;
+  const fields = new Fields(bytes);
+
+  identify(bytes, fields);
+  fields.reserved(36, 63);
+  const flags = fields.u32(4);
   check(flags <= 31, 'flags', hex(flags), 'limited to bits 0 to 4');
   const has = (flag: number): boolean => (flags & flag) !== 0;
-  const box: Bounds = { min: f64s(54), max: f64s(60) };
-  for (let word = 54; word < 66; word++) {
-    check(has(HAS_BOUNDS) || u32(word) === 0, 'bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');
-  }
-  const sun = f64s(16);
-  check(isNear(dot(sun, sun), 1) && sun[1] > 0, 'sun', sun, 'a unit vector with y above zero');
-  const frame = u32(89);
-  const yawRadians = f64(90);
-  check(frame <= 1, 'frame', frame, '0 (light) or 1 (oblique)');
-  const isOblique = frame === 1;
-  check(isOblique || (u32(90) | u32(91)) === 0, 'yaw', yawRadians, 'zero, because the frame is that of the light');
-  check(Math.abs(yawRadians) <= Math.PI, 'yaw', yawRadians, 'from -pi to pi');
+  const atRest = fields.u32(7);
+  check(atRest === 0, 'at_rest', atRest, '0 (raw)');
+  const box: Bounds = { min: fields.f64s(16), max: fields.f64s(22) };
+  const isGiven = has(HAS_BOUNDS);
+  check(isGiven || fields.isZero(16, 28), 'bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');
 
-  const voxelSize = f64(14);
-  const axes: Mat3 = [f64s(28), f64s(34), f64s(40)];
-  // Up to version 2 the header held the world position of the corner.
-  const place = f64s(22);
-  const corner = version < 3 ? map3(place, (_, a) => dot(axes[a], place) / voxelSize) : place;
-  const grid: LightGrid = {
-    sun,
-    frame: isOblique ? 'oblique' : 'light',
-    yawRadians,
-    voxelSize,
-    corner,
-    axes,
-    edges: isOblique ? obliqueEdges(sun, axes) : axes,
-    size: u32s(6),
-  };
-  const [constantTexels, slopeTexels, normalOffsetTexels] = f64s(48);
+  const levelCount = fields.u32(6);
+  const [constantTexels, slopeTexels, normalOffsetTexels] = fields.f64s(10);
   const settings: FileSettings = {
-    resolution: u32(5),
-    thicknessWorld: f64(46),
+    resolution: fields.u32(5),
+    thicknessWorld: fields.f64(8),
     assumeGround: has(ASSUME_GROUND),
     closedRegions: has(CLOSED_REGIONS),
     ignoreAlpha: has(IGNORE_ALPHA),
     receivers: has(STATIC_RECEIVERS) ? 'static' : 'all',
-    switchWithinVoxels: u32(88),
-    bounds: has(HAS_BOUNDS) ? box : null,
+    switchWithinVoxels: fields.u32(32),
+    bounds: isGiven ? box : null,
     bias: { constantTexels, slopeTexels, normalOffsetTexels },
-    triangles: u64(66),
-    instances: u64(68),
+    triangles: fields.u64(28),
+    instances: fields.u64(30),
   };
-  checkSettings(settings);
-  checkGrid(grid);
-  const rootLevel = u32(9);
-  check(rootLevel >= 3 && rootLevel <= 20, 'root_level', rootLevel, 'from 3 to 20');
-  const topDims = u32s(10);
-  const expected = map3(grid.size, (n) => Math.ceil(n / 2 ** rootLevel)).join();
-  check(topDims.join() === expected, 'top_dims', topDims, `${expected}, for size ${grid.size} and root_level ${rootLevel}`);
-  const fileBytes = checkSections(sections, topDims);
-  return { version, grid, settings, rootLevel, topDims, sections, fileBytes };
-}
-
-/** Checks that the voxels are a quadtree. Other layouts are refused by name. */
-function checkLayout(layout: number): void {
-  const name = ['plain', 'packed'][layout];
-  if (name !== undefined) {
-    throw new ShadowFileError('Layout', `this file has the layout ${name}, which this version does not read; bake it again`, { layout: name });
-  }
-  check(layout === QUADTREE, 'layout', layout, `${QUADTREE} (depths)`);
+  const { resolution, thicknessWorld } = settings;
+  check(resolution > 0, 'resolution', resolution, 'at least 1');
+  check(levelCount > 0 && levelCount <= MAX_LEVELS, 'grids', levelCount, `from 1 to ${MAX_LEVELS}`);
+  check(isFinite(thicknessWorld) && thicknessWorld >= 0, 'thickness', thicknessWorld, 'a finite number, zero or more');
+  const bias = fields.f64s(10);
+  check(bias.every(isFinite), 'bias', bias, 'finite numbers');
+  const { min, max } = box;
+  const isBox = [...min, ...max].every(isFinite) && min.every((c, a) => c <= max[a as 0 | 1 | 2]);
+  check(isBox, 'bounds', `${min}, ${max}`, 'finite, with no minimum above its maximum');
+  return { version: LATEST_VERSION, settings, levelCount, directoryChecksum: fields.u32(33), fileBytes: fields.u64(34) };
 }
 
 /** Checks that `bytes` begin with a header: magic, version, length, and the checksum in its last word. */
-function identify(bytes: Uint8Array, view: DataView): void {
+function identify(bytes: Uint8Array, fields: Fields): void {
   /** The first bytes of a file with a world-aligned tree, see `spec/adumbra-tree.md`. */
   const TREE_MAGIC = 'ADUMTREE';
   const start = String.fromCharCode(...bytes.subarray(0, MAGIC.length));
@@ -149,8 +101,8 @@ function identify(bytes: Uint8Array, view: DataView): void {
   }
   // Another version may have a shorter header, so the version is checked before the length.
   if (bytes.length >= 16) {
-    const version = view.getUint32(8, true);
-    const length = view.getUint32(12, true);
+    const version = fields.u32(2);
+    const length = fields.u32(3);
     if (version > LATEST_VERSION) {
       throw new ShadowFileError(
         'FutureVersion',
@@ -158,10 +110,9 @@ function identify(bytes: Uint8Array, view: DataView): void {
         { version, supported: LATEST_VERSION },
       );
     }
-    check(version >= 1, 'version', version, `1 to ${LATEST_VERSION}`);
+    check(version === LATEST_VERSION, 'version', version, LATEST_VERSION);
     check(length === HEADER_BYTES, 'header_bytes', length, HEADER_BYTES);
   }
   if (bytes.length < HEADER_BYTES) throw truncated('header', HEADER_BYTES, bytes.length);
-  const end = HEADER_BYTES - 4;
-  checkChecksum('HeaderChecksum', 'header', bytes.subarray(0, end), view.getUint32(end, true));
+  checkChecksum(bytes.subarray(0, HEADER_BYTES - 4), fields.u32(63));
 }

@@ -1,59 +1,97 @@
 // The `.adumbra` file: parses its bytes into the placement, the settings and the words of its voxels. The format is in
-// `spec/adumbra-file.md`. Counterpart of `crates/adumbra/src/file/read.rs`.
+// `spec/adumbra-file.md`. Counterpart of `crates/adumbra/src/file/mod.rs` and `read.rs`.
 
+import { ShadowFileError } from '../error.js';
 import type { LightGrid } from '../grid/light-grid.js';
-import type { Vec3 } from '../grid/vec3.js';
+import type { Dims } from '../quadtree/pages.js';
 import type { Quadtree } from '../quadtree/quadtree.js';
-import { validate } from '../quadtree/validate.js';
 import type { FileSettings } from '../settings.js';
+import { GRID_BYTES, LEVEL_STEP, parseDirectory, partsOf } from './directory.js';
+import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
 import { parseHeader } from './header.js';
-import { split } from './sections.js';
+import { readLevel } from './level.js';
+import { parseTable } from './table.js';
 
 /** What is checked when a file is read. */
 export interface ParseOptions {
   /**
    * `true`, the default: everything that the specification demands, so that no bytes but those of a valid file are taken.
-   * `'header'`: the header with its checksum, the length of the file and the places of its sections. For files that you
-   * trust: one that is damaged elsewhere gives wrong answers, but every look-up still ends.
+   * `'header'`: header, directory and tables with their checksums, the length of the file and the places of its parts. For
+   * files that you trust: one that is damaged elsewhere gives wrong answers, but every look-up still ends.
    */
   readonly verify?: true | 'header';
 }
 
-/** The contents of a `.adumbra` file. Its words are views of the bytes that it was made from. */
+/**
+ * The contents of a `.adumbra` file. Look-ups use its finest level of detail; {@link BakedShadowFile.level} gives the
+ * others. It keeps nothing of the bytes that it was made from.
+ */
 export class BakedShadowFile implements Quadtree {
-  /** Version of the format, 1 to 3. */
+  /** Version of the format. */
   declare readonly version: number;
   /** Placement of the voxels in the world, and the sun. */
   declare readonly grid: LightGrid;
   /** Settings of the bake. */
   declare readonly settings: FileSettings;
-  /** A root spans 2^rootLevel columns along each side; 5, 7 or 9. */
+  /** The blocks at which look-ups begin span 2^rootLevel columns along each side; 5, 7 or 9. */
   declare readonly rootLevel: number;
-  /** Number of roots along x, y, z. Only x and y count. */
-  declare readonly topDims: Vec3;
-  /** The section `top`: two words per root, an address and a base. */
+  /** Number of these blocks along x and y. */
+  declare readonly topDims: Dims;
+  /** Two words per block, x fastest: the address of its node in the code, or 0xFFFFFFFF, and its base. */
   declare readonly top: Uint32Array;
-  /** The section `nodes`: the code, two half-words per word. */
-  declare readonly nodes: Uint32Array;
-  /** The section `leaf_masks`: two words per wide entry, a difference and an address. */
-  declare readonly leafMasks: Uint32Array;
-  /** Length of the file, bytes. */
+  /** The code, two half-words per word: the common section, then the pages. */
+  declare readonly code: Uint32Array;
+  /** Length of the whole file, with all levels, bytes. */
   declare readonly byteLength: number;
+  /** Levels of less detail, the finest first. */
+  private declare readonly coarser: readonly BakedShadowFile[];
 
   /**
-   * Parses and checks a whole file. Cost: one pass over the bytes; half their size in memory while it checks.
-   *
-   * The file goes on using the buffer of `bytes`, which must not be changed. Bytes that are not at a multiple of 4 in
-   * their buffer are copied.
+   * Parses and checks a whole file. Cost: one pass over the bytes, and memory for the words.
    *
    * @throws ShadowFileError if `bytes` are not exactly one valid file.
    */
   constructor(bytes: ArrayBufferLike | Uint8Array, { verify = true }: ParseOptions = {}) {
-    let whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
-    if (whole.byteOffset % 4 !== 0) whole = new Uint8Array(whole);
-    const { sections, fileBytes: byteLength, ...header } = parseHeader(whole);
-    const [top, nodes, leafMasks] = split(whole, sections, verify === true);
-    Object.freeze(Object.assign(this, header, { top, nodes, leafMasks, byteLength }));
-    if (verify === true) validate(this);
+    const whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
+    const { version, settings, levelCount, directoryChecksum, fileBytes: byteLength } = parseHeader(whole);
+    const have = whole.length;
+    const directoryEnd = HEADER_BYTES + GRID_BYTES * levelCount;
+    if (have < directoryEnd) throw truncated('directory', directoryEnd, have);
+    const directory = whole.subarray(HEADER_BYTES, directoryEnd);
+    checkChecksum(directory, directoryChecksum, 'directory');
+    const entries = parseDirectory(directory, byteLength);
+    const cut = partsOf(entries).find(({ offset, length }) => offset + length > have);
+    if (cut !== undefined) throw truncated(cut.name, cut.offset + cut.length, have);
+    if (have > byteLength) {
+      throw new ShadowFileError('TrailingBytes', `continues past its end at byte ${byteLength}; copy it again, or bake it again`, {
+        end: byteLength,
+      });
+    }
+    const tables = entries.map(({ table: { name, offset, length, checksum }, bundles }, level) => {
+      const table = whole.subarray(offset, offset + length);
+      checkChecksum(table, checksum, name);
+      return parseTable(table, level, name, bundles.length);
+    });
+    const trees = entries.map((entry, level) => readLevel(whole, level, entry, tables[level], verify === true));
+    let coarser: readonly BakedShadowFile[] = [];
+    for (let level = levelCount - 1; level >= 0; level--) {
+      const file: BakedShadowFile = level === 0 ? this : Object.create(BakedShadowFile.prototype);
+      const resolution = Math.ceil(settings.resolution / LEVEL_STEP ** level);
+      const contents = { version, grid: entries[level].grid, settings: { ...settings, resolution }, ...trees[level], byteLength, coarser };
+      coarser = [Object.freeze(Object.assign(file, contents)), ...coarser];
+    }
+  }
+
+  /** Number of levels of detail, at least 1. Each has voxels four times as large as those of the one before it. */
+  get levelCount(): number {
+    return 1 + this.coarser.length;
+  }
+
+  /**
+   * Returns a level as a file of its own, with the levels coarser than it; `undefined` if there is no such level. Level 0 is
+   * the file itself, the finest.
+   */
+  level(level: number): BakedShadowFile | undefined {
+    return level === 0 ? this : this.coarser[level - 1];
   }
 }

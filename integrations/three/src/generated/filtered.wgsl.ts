@@ -31,8 +31,7 @@ grid: AdumbraGridTransform,
 root_count: vec3<u32>,
 root_level: u32,
 bias: AdumbraReceiverBias,
-unused: vec2<u32>,
-wide_offset: u32,
+extra: vec3<u32>,
 code_offset: u32,
 filter_width: u32,
 sun_cone: f32,
@@ -309,8 +308,12 @@ return _e6;
 let _e19 = adumbra_voxel_word(((v_5.code_offset + (at_3 >> 1u)) + 1u));
 return ((_e6 >> 16u) | (_e19 << 16u));
 }
-fn adumbra_depths_child(v_6: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
-let word_5 = (v_6.code_offset + (node.at >> 1u));
+fn adumbra_depths_far(v_6: AdumbraVoxelParams, shape_1: u32, field_1: u32) -> u32 {
+let _e3 = adumbra_depths_two_halves(v_6, field_1);
+return select(_e3, (shape_1 - (_e3 & 2147483647u)), ((_e3 & 2147483648u) != 0u));
+}
+fn adumbra_depths_child(v_7: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
+let word_5 = (v_7.code_offset + (node.at >> 1u));
 let _e8 = adumbra_voxel_word(word_5);
 let _e11 = adumbra_voxel_word((word_5 + 1u));
 let is_odd = ((node.at & 1u) == 1u);
@@ -318,7 +321,7 @@ let sizes = select(_e8, ((_e8 >> 16u) | (_e11 << 16u)), is_odd);
 let kinds = select(_e11, (_e11 >> 16u), is_odd);
 let kind = extractBits(kinds, child, 1u);
 let below_1 = ((1u << child) - 1u);
-let field_1 = (((node.at + 3u) + countOneBits((sizes & below_1))) + (2u * countOneBits(((sizes >> 16u) & below_1))));
+let field_2 = (((node.at + 3u) + countOneBits((sizes & below_1))) + (2u * countOneBits(((sizes >> 16u) & below_1))));
 switch (((4u * extractBits(sizes, (16u + child), 1u)) + (2u * extractBits(sizes, child, 1u))) + kind) {
 case 0u: {
 return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base);
@@ -327,37 +330,36 @@ case 1u: {
 return AdumbraDepthsNode(4294967295u, 4294967295u);
 }
 case 2u: {
-let _e64 = adumbra_depths_near(v_6, node.at, field_1);
+let _e64 = adumbra_depths_near(v_7, node.at, field_2);
 return AdumbraDepthsNode(_e64, node.base);
 }
 case 3u: {
-let _e69 = adumbra_depths_delta(v_6, field_1);
+let _e69 = adumbra_depths_delta(v_7, field_2);
 return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node.base + _e69));
 }
 case 4u: {
-let _e72 = adumbra_depths_two_halves(v_6, field_1);
-return AdumbraDepthsNode(_e72, node.base);
+let _e73 = adumbra_depths_far(v_7, node.at, field_2);
+return AdumbraDepthsNode(_e73, node.base);
 }
 case 5u: {
-let _e78 = adumbra_depths_near(v_6, node.at, (field_1 + 1u));
-let _e80 = adumbra_depths_delta(v_6, field_1);
-return AdumbraDepthsNode(_e78, (node.base + _e80));
+let _e79 = adumbra_depths_near(v_7, node.at, (field_2 + 1u));
+let _e81 = adumbra_depths_delta(v_7, field_2);
+return AdumbraDepthsNode(_e79, (node.base + _e81));
 }
 case 6u: {
-let _e85 = adumbra_depths_two_halves(v_6, (field_1 + 1u));
-let _e87 = adumbra_depths_delta(v_6, field_1);
-return AdumbraDepthsNode(_e85, (node.base + _e87));
+let _e87 = adumbra_depths_far(v_7, node.at, (field_2 + 1u));
+let _e89 = adumbra_depths_delta(v_7, field_2);
+return AdumbraDepthsNode(_e87, (node.base + _e89));
 }
 default: {
-let _e92 = adumbra_depths_two_halves(v_6, field_1);
-let entry = (v_6.wide_offset + (2u * _e92));
-let _e97 = adumbra_voxel_word((entry + 1u));
-let _e99 = adumbra_voxel_word(entry);
-return AdumbraDepthsNode(_e97, (node.base + _e99));
+let _e95 = adumbra_depths_near(v_7, node.at, (field_2 + 2u));
+let _e97 = adumbra_depths_two_halves(v_7, field_2);
+let base = (node.base + _e97);
+return AdumbraDepthsNode(select(_e95, ADUMBRA_DEPTHS_UNIFORM, (_e95 == node.at)), base);
 }
 }
 }
-fn adumbra_depths_descend(v_7: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2<u32>, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
+fn adumbra_depths_descend(v_8: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2<u32>, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
 var node_1: AdumbraDepthsNode;
 var level: u32;
 var local_2: bool;
@@ -380,7 +382,7 @@ break;
 let _e17 = level;
 let bits_3 = ((column >> vec2((_e17 - 2u))) & vec2(3u));
 let _e25 = node_1;
-let _e31 = adumbra_depths_child(v_7, _e25, ((bits_3.y << 2u) | bits_3.x));
+let _e31 = adumbra_depths_child(v_8, _e25, ((bits_3.y << 2u) | bits_3.x));
 node_1 = _e31;
 }
 continuing {
@@ -391,11 +393,11 @@ level = (_e32 - 2u);
 let _e35 = node_1;
 return _e35;
 }
-fn adumbra_depths_root(v_8: AdumbraVoxelParams, column_1: vec2<u32>) -> AdumbraDepthsNode {
-let root = (column_1 >> vec2(v_8.root_level));
-let entry_1 = (2u * ((root.y * v_8.root_count.x) + root.x));
-let _e13 = adumbra_voxel_word(entry_1);
-let _e16 = adumbra_voxel_word((entry_1 + 1u));
+fn adumbra_depths_root(v_9: AdumbraVoxelParams, column_1: vec2<u32>) -> AdumbraDepthsNode {
+let root = (column_1 >> vec2(v_9.root_level));
+let entry = (2u * ((root.y * v_9.root_count.x) + root.x));
+let _e13 = adumbra_voxel_word(entry);
+let _e16 = adumbra_voxel_word((entry + 1u));
 return AdumbraDepthsNode(_e13, _e16);
 }
 fn adumbra_depths_largest_quarters(slant: vec2<i32>) -> u32 {
@@ -405,16 +407,16 @@ return u32((7i * (steep_2.x + steep_2.y)));
 fn adumbra_depths_deeper(depth: u32, difference: u32) -> u32 {
 return (depth + min(difference, ~(depth)));
 }
-fn adumbra_depths_difference(v_9: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, index_1: u32) -> u32 {
+fn adumbra_depths_difference(v_10: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, index_1: u32) -> u32 {
 if (leaf.width == 0u) {
-let _e10 = adumbra_depths_half(v_9, (leaf.first + (index_1 >> 1u)));
+let _e10 = adumbra_depths_half(v_10, (leaf.first + (index_1 >> 1u)));
 return extractBits(_e10, (8u * (index_1 & 1u)), 8u);
 }
 if (leaf.width == 1u) {
-let _e22 = adumbra_depths_half(v_9, (leaf.first + index_1));
+let _e22 = adumbra_depths_half(v_10, (leaf.first + index_1));
 return _e22;
 }
-let _e27 = adumbra_depths_two_halves(v_9, (leaf.first + (2u * index_1)));
+let _e27 = adumbra_depths_two_halves(v_10, (leaf.first + (2u * index_1)));
 return _e27;
 }
 fn adumbra_depths_of_rank(leaf_1: AdumbraDepthsLeaf, rank: u32) -> vec2<u32> {
@@ -584,7 +586,7 @@ let _e41 = more;
 let _e42 = equal;
 return (_e41 | _e42);
 }
-fn adumbra_depths_leaf_taps(v_10: AdumbraVoxelParams, r_6: AdumbraVoxelReceiver, leaf_3: AdumbraDepthsLeaf, taps_3: AdumbraVoxelTaps) -> u32 {
+fn adumbra_depths_leaf_taps(v_11: AdumbraVoxelParams, r_6: AdumbraVoxelReceiver, leaf_3: AdumbraDepthsLeaf, taps_3: AdumbraVoxelTaps) -> u32 {
 var lit_1: vec2<u32> = vec2(0u);
 var depth_2: u32;
 var rank_2: u32 = 0u;
@@ -601,7 +603,7 @@ let _e23 = rank_2;
 if (_e23 > 0u) {
 let _e26 = depth_2;
 let _e27 = rank_2;
-let _e30 = adumbra_depths_difference(v_10, leaf_3, (_e27 - 1u));
+let _e30 = adumbra_depths_difference(v_11, leaf_3, (_e27 - 1u));
 let _e31 = adumbra_depths_deeper(_e26, _e30);
 depth_2 = _e31;
 }
@@ -630,8 +632,8 @@ let _e59 = adumbra_depths_from_rank(leaf_3, _e58);
 let _e62 = adumbra_voxel_count((_e57 | (_e59 & _e6)));
 return _e62;
 }
-fn adumbra_depths_plane(v_11: AdumbraVoxelParams, at_4: u32) -> vec2<u32> {
-let word_6 = (v_11.code_offset + (at_4 >> 1u));
+fn adumbra_depths_plane(v_12: AdumbraVoxelParams, at_4: u32) -> vec2<u32> {
+let word_6 = (v_12.code_offset + (at_4 >> 1u));
 let _e6 = adumbra_voxel_word(word_6);
 let _e9 = adumbra_voxel_word((word_6 + 1u));
 let plane_2 = vec2<u32>(_e6, _e9);
@@ -641,10 +643,10 @@ return plane_2;
 let _e21 = adumbra_voxel_word((word_6 + 2u));
 return ((plane_2 >> vec2(16u)) | (vec2<u32>(plane_2.y, _e21) << vec2(16u)));
 }
-fn adumbra_depths_leaf(v_12: AdumbraVoxelParams, node_2: AdumbraDepthsNode) -> AdumbraDepthsLeaf {
+fn adumbra_depths_leaf(v_13: AdumbraVoxelParams, node_2: AdumbraDepthsNode) -> AdumbraDepthsLeaf {
 var leaf_4: AdumbraDepthsLeaf;
 var p_1: u32 = 0u;
-let _e3 = adumbra_depths_half(v_12, node_2.at);
+let _e3 = adumbra_depths_half(v_13, node_2.at);
 leaf_4.base = node_2.base;
 leaf_4.last = (_e3 & 63u);
 let _e12 = leaf_4.last;
@@ -652,7 +654,7 @@ leaf_4.differences = (_e12 - extractBits(_e3, 6u, 1u));
 leaf_4.width = extractBits(_e3, 7u, 2u);
 leaf_4.first = (node_2.at + 1u);
 if (extractBits(_e3, 9u, 1u) == 1u) {
-let _e33 = adumbra_depths_half(v_12, (node_2.at + 1u));
+let _e33 = adumbra_depths_half(v_13, (node_2.at + 1u));
 let gradient_1 = i32(_e33);
 leaf_4.slant = vec2<i32>(extractBits(gradient_1, 0u, 8u), extractBits(gradient_1, 8u, 8u));
 let _e44 = leaf_4.first;
@@ -674,7 +676,7 @@ break;
 {
 let _e72 = p_1;
 let _e75 = p_1;
-let _e78 = adumbra_depths_plane(v_12, (planes + (4u * _e75)));
+let _e78 = adumbra_depths_plane(v_13, (planes + (4u * _e75)));
 leaf_4.planes[_e72] = _e78;
 }
 continuing {
@@ -685,31 +687,31 @@ p_1 = (_e80 + 1u);
 let _e82 = leaf_4;
 return _e82;
 }
-fn adumbra_depths_block(v_13: AdumbraVoxelParams, r_7: AdumbraVoxelReceiver, node_3: AdumbraDepthsNode, level_1: u32, low_2: vec2<i32>, high_2: vec2<i32>) -> u32 {
+fn adumbra_depths_block(v_14: AdumbraVoxelParams, r_7: AdumbraVoxelReceiver, node_3: AdumbraDepthsNode, level_1: u32, low_2: vec2<i32>, high_2: vec2<i32>) -> u32 {
 var block: AdumbraDepthsNode;
-let _e6 = adumbra_voxel_taps(v_13, r_7, low_2, high_2);
+let _e6 = adumbra_voxel_taps(v_14, r_7, low_2, high_2);
 if (_e6.farthest < 0i) {
 return _e6.beside;
 }
 let column_5 = vec2<u32>(_e6.low);
 block = node_3;
 if (level_1 == 0u) {
-let _e16 = adumbra_depths_root(v_13, column_5);
-let _e19 = adumbra_depths_descend(v_13, _e16, column_5, v_13.root_level, 3u);
+let _e16 = adumbra_depths_root(v_14, column_5);
+let _e19 = adumbra_depths_descend(v_14, _e16, column_5, v_14.root_level, 3u);
 block = _e19;
 } else {
-let _e21 = adumbra_depths_descend(v_13, node_3, column_5, level_1, 3u);
+let _e21 = adumbra_depths_descend(v_14, node_3, column_5, level_1, 3u);
 block = _e21;
 }
 let _e23 = block.at;
 if (_e23 != ADUMBRA_DEPTHS_UNIFORM) {
 let _e27 = block;
-let _e28 = adumbra_depths_leaf(v_13, _e27);
-let _e29 = adumbra_depths_leaf_taps(v_13, r_7, _e28, _e6);
+let _e28 = adumbra_depths_leaf(v_14, _e27);
+let _e29 = adumbra_depths_leaf_taps(v_14, r_7, _e28, _e6);
 return (_e6.beside + _e29);
 }
 let _e32 = block.base;
-let last_lit = (min(_e32, u32(v_13.grid.size.z)) - 1u);
+let last_lit = (min(_e32, u32(v_14.grid.size.z)) - 1u);
 if (i32(last_lit) < _e6.nearest) {
 return _e6.beside;
 }
@@ -717,24 +719,24 @@ let _e46 = adumbra_voxel_taps_to(r_7, _e6, i32(last_lit));
 let _e47 = adumbra_voxel_count(_e46);
 return (_e6.beside + _e47);
 }
-fn adumbra_voxel_lit_taps(v_14: AdumbraVoxelParams, r_8: AdumbraVoxelReceiver) -> u32 {
+fn adumbra_voxel_lit_taps(v_15: AdumbraVoxelParams, r_8: AdumbraVoxelReceiver) -> u32 {
 var node_4: AdumbraDepthsNode = AdumbraDepthsNode(0u, 0u);
 var level_2: u32 = 0u;
 var lit_2: u32 = 0u;
 var y: i32;
 var x: i32;
-let reach = i32((v_14.filter_width >> 1u));
+let reach = i32((v_15.filter_width >> 1u));
 let low_4 = ((r_8.p_fixed.xy >> vec2(12u)) - vec2(reach));
 let high_4 = (low_4 + vec2((2i * reach)));
-let from_column = vec2<u32>(clamp(low_4, vec2(0i), (v_14.grid.size.xy - vec2(1i))));
-let to_column = vec2<u32>(clamp(high_4, vec2(0i), (v_14.grid.size.xy - vec2(1i))));
+let from_column = vec2<u32>(clamp(low_4, vec2(0i), (v_15.grid.size.xy - vec2(1i))));
+let to_column = vec2<u32>(clamp(high_4, vec2(0i), (v_15.grid.size.xy - vec2(1i))));
 let differs = ((from_column.x ^ to_column.x) | (from_column.y ^ to_column.y));
 let shared_level = max((32u - countLeadingZeros(differs)), 3u);
-if (shared_level <= v_14.root_level) {
+if (shared_level <= v_15.root_level) {
 level_2 = (shared_level | 1u);
-let _e59 = adumbra_depths_root(v_14, from_column);
+let _e59 = adumbra_depths_root(v_15, from_column);
 let _e61 = level_2;
-let _e62 = adumbra_depths_descend(v_14, _e59, from_column, v_14.root_level, _e61);
+let _e62 = adumbra_depths_descend(v_15, _e59, from_column, v_15.root_level, _e61);
 node_4 = _e62;
 }
 y = low_4.y;
@@ -760,7 +762,7 @@ let _e78 = x;
 let _e79 = y;
 let _e81 = x;
 let _e82 = y;
-let _e88 = adumbra_depths_block(v_14, r_8, _e76, _e77, vec2<i32>(_e78, _e79), min((vec2<i32>(_e81, _e82) | vec2(7i)), high_4));
+let _e88 = adumbra_depths_block(v_15, r_8, _e76, _e77, vec2<i32>(_e78, _e79), min((vec2<i32>(_e81, _e82) | vec2(7i)), high_4));
 lit_2 = (_e75 + _e88);
 }
 continuing {
@@ -777,10 +779,10 @@ y = ((_e95 | 7i) + 1i);
 let _e100 = lit_2;
 return _e100;
 }
-fn adumbra_voxel_factor(v_15: AdumbraVoxelParams, s_1: AdumbraSurface) -> f32 {
-let _e2 = adumbra_voxel_receiver(v_15, s_1);
-let _e3 = adumbra_voxel_lit_taps(v_15, _e2);
-return (f32(_e3) / f32((v_15.filter_width * v_15.filter_width)));
+fn adumbra_voxel_factor(v_16: AdumbraVoxelParams, s_1: AdumbraSurface) -> f32 {
+let _e2 = adumbra_voxel_receiver(v_16, s_1);
+let _e3 = adumbra_voxel_lit_taps(v_16, _e2);
+return (f32(_e3) / f32((v_16.filter_width * v_16.filter_width)));
 }
 fn adumbra_texture_word(word: u32) -> u32 {
 let _e3 = adumbra_file;
@@ -815,78 +817,76 @@ let _e5 = adumbra_texture_word(10u);
 return bitcast<vec3<f32>>(vec3<u32>(_e1, _e3, _e5));
 }
 fn adumbra_texture_params() -> AdumbraVoxelParams {
-var v_16: AdumbraVoxelParams;
+var v_17: AdumbraVoxelParams;
 let _e4 = adumbra_texture_params_row(0u);
-v_16.grid.axis_x = bitcast<vec3<f32>>(_e4);
+v_17.grid.axis_x = bitcast<vec3<f32>>(_e4);
 let _e9 = adumbra_texture_params_row(4u);
-v_16.grid.axis_y = bitcast<vec3<f32>>(_e9);
+v_17.grid.axis_y = bitcast<vec3<f32>>(_e9);
 let _e14 = adumbra_texture_params_row(8u);
-v_16.grid.axis_z = bitcast<vec3<f32>>(_e14);
+v_17.grid.axis_z = bitcast<vec3<f32>>(_e14);
 let _e19 = adumbra_texture_params_row(12u);
-v_16.grid.edge_x = bitcast<vec3<f32>>(_e19);
+v_17.grid.edge_x = bitcast<vec3<f32>>(_e19);
 let _e24 = adumbra_texture_params_row(16u);
-v_16.grid.edge_y = bitcast<vec3<f32>>(_e24);
+v_17.grid.edge_y = bitcast<vec3<f32>>(_e24);
 let _e29 = adumbra_texture_params_row(20u);
-v_16.grid.edge_z = bitcast<vec3<f32>>(_e29);
+v_17.grid.edge_z = bitcast<vec3<f32>>(_e29);
 let _e34 = adumbra_texture_params_row(24u);
-v_16.grid.step_x = bitcast<vec3<i32>>(_e34);
+v_17.grid.step_x = bitcast<vec3<i32>>(_e34);
 let _e39 = adumbra_texture_params_row(28u);
-v_16.grid.step_y = bitcast<vec3<i32>>(_e39);
+v_17.grid.step_y = bitcast<vec3<i32>>(_e39);
 let _e44 = adumbra_texture_params_row(32u);
-v_16.grid.step_z = bitcast<vec3<i32>>(_e44);
+v_17.grid.step_z = bitcast<vec3<i32>>(_e44);
 let _e49 = adumbra_texture_params_row(36u);
-v_16.grid.rest_x = bitcast<vec3<f32>>(_e49);
+v_17.grid.rest_x = bitcast<vec3<f32>>(_e49);
 let _e54 = adumbra_texture_params_row(40u);
-v_16.grid.rest_y = bitcast<vec3<f32>>(_e54);
+v_17.grid.rest_y = bitcast<vec3<f32>>(_e54);
 let _e59 = adumbra_texture_params_row(44u);
-v_16.grid.rest_z = bitcast<vec3<f32>>(_e59);
+v_17.grid.rest_z = bitcast<vec3<f32>>(_e59);
 let _e64 = adumbra_texture_params_row(48u);
-v_16.grid.anchor_fixed = bitcast<vec3<i32>>(_e64);
+v_17.grid.anchor_fixed = bitcast<vec3<i32>>(_e64);
 let _e69 = adumbra_texture_params_row(52u);
-v_16.grid.anchor_remainder = bitcast<vec3<f32>>(_e69);
+v_17.grid.anchor_remainder = bitcast<vec3<f32>>(_e69);
 let _e74 = adumbra_texture_params_row(56u);
-v_16.grid.anchor_voxels = bitcast<vec3<f32>>(_e74);
+v_17.grid.anchor_voxels = bitcast<vec3<f32>>(_e74);
 let _e79 = adumbra_texture_params_row(60u);
-v_16.grid.size = bitcast<vec3<i32>>(_e79);
+v_17.grid.size = bitcast<vec3<i32>>(_e79);
 let _e84 = adumbra_texture_params_f32_(63u);
-v_16.grid.voxels_per_world = _e84;
+v_17.grid.voxels_per_world = _e84;
 let _e88 = adumbra_texture_params_f32_(64u);
-v_16.grid.step_world = _e88;
+v_17.grid.step_world = _e88;
 let _e92 = adumbra_texture_params_f32_(65u);
-v_16.grid.steps_per_world = _e92;
+v_17.grid.steps_per_world = _e92;
 let _e95 = adumbra_texture_params_row(68u);
-v_16.root_count = _e95;
+v_17.root_count = _e95;
 let _e98 = adumbra_texture_params_u32_(71u);
-v_16.root_level = _e98;
+v_17.root_level = _e98;
 let _e102 = adumbra_texture_params_f32_(72u);
-v_16.bias.constant_texels = _e102;
+v_17.bias.constant_texels = _e102;
 let _e106 = adumbra_texture_params_f32_(73u);
-v_16.bias.slope_texels = _e106;
+v_17.bias.slope_texels = _e106;
 let _e110 = adumbra_texture_params_f32_(74u);
-v_16.bias.normal_offset_texels = _e110;
+v_17.bias.normal_offset_texels = _e110;
 let _e114 = adumbra_texture_params_f32_(75u);
-v_16.bias.width_factor = _e114;
-let _e117 = adumbra_texture_params_u32_(78u);
-v_16.wide_offset = _e117;
-let _e120 = adumbra_texture_params_u32_(79u);
-v_16.code_offset = _e120;
-let _e123 = adumbra_texture_params_u32_(80u);
-v_16.filter_width = _e123;
-let _e126 = adumbra_texture_params_f32_(81u);
-v_16.sun_cone = _e126;
-let _e129 = adumbra_texture_params_f32_(82u);
-v_16.max_radius_texels = _e129;
-let _e132 = adumbra_texture_params_f32_(84u);
-let _e134 = adumbra_texture_params_f32_(85u);
-v_16.penumbra_x = vec2<f32>(_e132, _e134);
-let _e138 = adumbra_texture_params_f32_(86u);
-let _e140 = adumbra_texture_params_f32_(87u);
-v_16.penumbra_y = vec2<f32>(_e138, _e140);
-let _e142 = v_16;
-return _e142;
+v_17.bias.width_factor = _e114;
+let _e117 = adumbra_texture_params_u32_(79u);
+v_17.code_offset = _e117;
+let _e120 = adumbra_texture_params_u32_(80u);
+v_17.filter_width = _e120;
+let _e123 = adumbra_texture_params_f32_(81u);
+v_17.sun_cone = _e123;
+let _e126 = adumbra_texture_params_f32_(82u);
+v_17.max_radius_texels = _e126;
+let _e129 = adumbra_texture_params_f32_(84u);
+let _e131 = adumbra_texture_params_f32_(85u);
+v_17.penumbra_x = vec2<f32>(_e129, _e131);
+let _e135 = adumbra_texture_params_f32_(86u);
+let _e137 = adumbra_texture_params_f32_(87u);
+v_17.penumbra_y = vec2<f32>(_e135, _e137);
+let _e139 = v_17;
+return _e139;
 }
-fn adumbra_look_up(v_17: AdumbraVoxelParams, s_2: AdumbraSurface) -> f32 {
-let _e2 = adumbra_voxel_factor(v_17, s_2);
+fn adumbra_look_up(v_18: AdumbraVoxelParams, s_2: AdumbraSurface) -> f32 {
+let _e2 = adumbra_voxel_factor(v_18, s_2);
 return _e2;
 }
 fn adumbra_file_count() -> u32 {

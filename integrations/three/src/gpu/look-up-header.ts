@@ -4,7 +4,7 @@
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { circleAcrossLight, coneTexelsPerVoxel, middle } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
-import { QUADTREE, checkFilter } from '../settings.js';
+import { checkFilter } from '../settings.js';
 import type { LookUpOptions } from '../settings.js';
 import { writeGridParameters } from './grid-parameters.js';
 import type { WordViews } from './grid-parameters.js';
@@ -32,9 +32,9 @@ export interface GpuLookUpOptions extends LookUpOptions {
 export interface LookUpHeader {
   /** The 128 words. */
   readonly words: Uint32Array<ArrayBuffer>;
-  /** The file's sections in the order of the texture. */
-  readonly sections: readonly Uint32Array[];
-  /** Number of words of the sections. */
+  /** The file's words, in two parts one after the other. */
+  readonly parts: readonly Uint32Array[];
+  /** Number of words of both. */
   readonly count: number;
   /** World position that positions in the shader are relative to; each coordinate is a 32-bit floating-point number. */
   readonly anchorWorld: Vec3;
@@ -57,7 +57,9 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
   const MAGIC = 0x54554441;
   /** Version of the look-up texture that is made. */
   const VERSION = 2;
-  const { grid, settings, top, nodes, leafMasks, topDims, rootLevel } = file;
+  /** The layout: a quadtree of switch depths. */
+  const QUADTREE = 2;
+  const { grid, settings, top, code, topDims, rootLevel } = file;
   const count = wordCount(file);
   const anchorWorld = middle(grid);
   const header = viewsOf(all, 0, HEADER_WORDS);
@@ -68,8 +70,8 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
   const parameters = viewsOf(header.words, PARAMETERS_AT, 88);
   const { words, floats } = parameters;
   writeGridParameters(parameters, grid, anchorWorld);
-  words.set([topDims[0], topDims[1], 1, rootLevel], 68);
-  words.set([top.length, top.length + leafMasks.length], 78);
+  words.set([...topDims, 1, rootLevel], 68);
+  words[79] = top.length;
   floats.set(circleAcrossLight(grid), 84);
 
   const setLookUp = ({ filter, bias = settings.bias, penumbra }: GpuLookUpOptions): void => {
@@ -87,12 +89,12 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
     floats[82] = penumbra?.maxRadiusTexels ?? 0;
   };
   setLookUp(options);
-  return { words: header.words, sections: [top, leafMasks, nodes], count, anchorWorld, setLookUp };
+  return { words: header.words, parts: [top, code], count, anchorWorld, setLookUp };
 }
 
-/** Returns the number of words of a file's sections. */
-export function wordCount({ top, nodes, leafMasks }: BakedShadowFile): number {
-  return top.length + nodes.length + leafMasks.length;
+/** Returns the number of a file's words. */
+export function wordCount({ top, code }: BakedShadowFile): number {
+  return top.length + code.length;
 }
 
 function checkRange(name: string, value: number, low: number, high: number): void {

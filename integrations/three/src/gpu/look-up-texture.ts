@@ -34,7 +34,7 @@ export class LookUpTexture {
     [this.width, this.height] = textureSize(wordCount(file), maxSide);
     this.words = new Uint32Array(this.width * this.height);
     this.#header = lookUpHeader(file, options, this.words);
-    writeSections(this.#header, this.words, HEADER_WORDS);
+    writeWords(this.#header, this.words, HEADER_WORDS);
   }
 
   /** World position that positions in the shader are relative to; each coordinate is a 32-bit floating-point number. */
@@ -58,11 +58,11 @@ export class LookUpTexture {
 }
 
 /** Writes a file's words from a place of `words` on. */
-export function writeSections({ sections }: LookUpHeader, words: Uint32Array, from: number): void {
+export function writeWords({ parts }: LookUpHeader, words: Uint32Array, from: number): void {
   let at = from;
-  for (const section of sections) {
-    words.set(section, at);
-    at += section.length;
+  for (const part of parts) {
+    words.set(part, at);
+    at += part.length;
   }
 }
 

@@ -4,7 +4,7 @@ import { DataTexture, RedIntegerFormat, UnsignedIntType } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { HEADER_WORDS, lookUpHeader } from '../gpu/look-up-header.js';
-import { textureSize, writeSections } from '../gpu/look-up-texture.js';
+import { textureSize, writeWords } from '../gpu/look-up-texture.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import { checkFiles, gpuOptions } from './options.js';
 import type { BakedShadowOptions, ShadowOptions } from './options.js';
@@ -43,7 +43,7 @@ export function lightTextures(files: readonly BakedShadowFile[], lookUp: LookUp,
   const firstWords = lookUps.map(({ count }) => (total += count) - count);
   const [width, height] = textureSize(total, options.maxTextureSize ?? 8192);
   const allWords = new Uint32Array(width * height);
-  lookUps.forEach((each, i) => writeSections(each, allWords, firstWords[i]!));
+  lookUps.forEach((each, i) => writeWords(each, allWords, firstWords[i]!));
   const words = dataTexture(allWords, width, height);
   const rows = new Uint32Array(HEADER_WORDS * files.length);
   const headers = dataTexture(rows, HEADER_WORDS, files.length);

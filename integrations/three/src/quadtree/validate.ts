@@ -1,101 +1,145 @@
-// Validates a quadtree: every shape is within the code, every pointer leads to an earlier shape of the right
-// level, and every column of a leaf has one of its depths.
+// Validates a quadtree: every shape is within its page or the common section, every pointer leads to an earlier shape of
+// the same page or to one of the common section, and every column of a leaf has one of its depths. The same walk finds the
+// depths at which columns switch. Counterpart of `crates/adumbra/src/layout/depths/validate.rs` and `ranges.rs`.
 //
-// The levels at which an address was proved are remembered, so the walk takes time linear in the half-words.
+// What was found at an address is remembered, so the walk takes time linear in the half-words.
 
 import { ShadowFileError, hex } from '../error.js';
 import type { ShadowFileFault } from '../error.js';
-import { halvesOf, lowestBit, popCount, twoHalves } from './bits.js';
-import { UNIFORM, leafHead } from './leaf.js';
-import { LEAF_LEVEL } from './quadtree.js';
-import type { Quadtree } from './quadtree.js';
+import { halvesOf, lowestBit, popCount } from './bits.js';
+import { NEVER, UNIFORM, differenceAt, largestRise, leafHead } from './leaf.js';
+import { childrenOf } from './node.js';
+import { IN_PAGE, PAGE_LEVEL } from './pages.js';
+import type { Page } from './pages.js';
+import { LEAF_LEVEL, NODE_LEVELS } from './quadtree.js';
 
-function fail(fault: ShadowFileFault, message: string): never {
-  throw new ShadowFileError('Depths', `the voxels are not valid: ${message}; bake it again`, {}, { fault });
+/**
+ * Depths at which columns switch: none does so nearer, none that switches does so deeper, and whether some column never
+ * switches. If none switches, both depths are {@link NEVER}.
+ */
+export type DepthRange = readonly [nearest: number, farthest: number, hasNever: boolean];
+
+/** Checks the shape at an address, and returns its range relative to its base. Without switches the range is inverted. */
+type Walk = (at: number, level: number) => DepthRange;
+
+/** The range of no columns. */
+const NONE: DepthRange = [Infinity, -Infinity, false];
+
+/** Returns the error for a quadtree that cannot be looked up in. */
+export function depthsError(level: number, fault: ShadowFileFault, message: string): ShadowFileError {
+  return new ShadowFileError(
+    'Depths',
+    `the quadtree of depths of level ${level} is not valid: ${message}; bake it again`,
+    { level },
+    { fault },
+  );
 }
 
 /**
- * Checks the words of a quadtree. Cost: one pass over them, and one byte of memory per half-word.
+ * Checks the pages of a level, of which there are `across` in a row. The code begins with `commonWords` words of the
+ * common section. Cost: one pass over all shapes.
  *
+ * @returns the range of each page.
  * @throws ShadowFileError of the kind `Depths`.
  */
-export function validate({ top, nodes, leafMasks, rootLevel }: Quadtree): void {
-  if (rootLevel !== 5 && rootLevel !== 7 && rootLevel !== 9) {
-    fail('RootLevel', `root level ${rootLevel} is not 5, 7 or 9`);
-  }
-  const code = halvesOf(nodes);
-  const wideCount = leafMasks.length >>> 1;
-  /** For each address, the levels at which it was proved, one bit per level. */
-  const proved = new Uint8Array(code.length);
-
-  const badBits = (at: number, half: number): never => fail('Bits', `the shape at half-word ${at} has invalid bits: ${hex(half)}`);
-  const checkEnd = (at: number, length: number): void => {
-    if (length > code.length - at) fail('End', `the shape at half-word ${at} extends past the end of the code`);
+export function validate(words: Uint32Array, commonWords: number, pages: readonly Page[], across: number, level: number): DepthRange[] {
+  const code = halvesOf(words);
+  const children = childrenOf(code);
+  const commonEnd = 2 * commonWords;
+  const fail = (fault: ShadowFileFault, message: string): never => {
+    throw depthsError(level, fault, message);
   };
 
-  const pointer = (from: number, to: number, level: number): void => {
-    if (to >= from) {
-      fail('Order', `the shape at half-word ${from} points to ${to}, which is not before it`);
-    }
-    const bit = 1 << ((level - LEAF_LEVEL) >>> 1);
-    if ((proved[to] & bit) !== 0) return;
-    if (level === LEAF_LEVEL) leaf(to);
-    else node(to, level);
-    proved[to] |= bit;
-  };
+  /** Returns the walk in a part of the code. `common` is that of the common section, unless the part is. */
+  const walkIn = (part: string, start: number, end: number, common?: Walk): Walk => {
+    /** Ranges of shapes by address and level. */
+    const known = new Map<number, DepthRange>();
+    const named = (at: number): string => `the shape at half-word ${at - start} of ${part}`;
+    const badBits = (at: number, half: number): never => fail('Bits', `${named(at)} has invalid bits: ${hex(half)}`);
+    const checkEnd = (at: number, length: number): void => {
+      if (length > end - at) fail('End', `${named(at)} extends past its end`);
+    };
 
-  const leaf = (at: number): void => {
-    const half = code[at];
-    const [last, differences, width, isSlanted, , planesAt, planes] = leafHead(half);
-    if (half >>> 10 !== 0 || width > 2 || (last === 0 && (differences !== 0 || !isSlanted))) {
-      badBits(at, half);
-    }
-    checkEnd(at, planesAt + 4 * planes);
-    const padded = code[at + planesAt - 1];
-    if (width === 0 && (differences & 1) === 1 && padded >>> 8 !== 0) badBits(at, padded);
-    // A rank above the last can be written only where the last is not all ones.
-    if ((last + 1) >>> planes !== 0) return;
-    for (let quarter = 0; quarter < 4; quarter++) {
-      const above = columnsAbove(code, at + planesAt + quarter, planes, last);
-      if (above !== 0) {
-        const column = 16 * quarter + lowestBit(above);
-        fail('Ranks', `the shape at half-word ${at} has a rank above its last, ${last}, in column ${column}`);
+    const leaf = (at: number): DepthRange => {
+      const half = code[at];
+      const [last, differences, width, isSlanted, differencesAt, planesAt, planes] = leafHead(half);
+      if (half >>> 10 !== 0 || width > 2 || (last === 0 && (differences !== 0 || !isSlanted))) {
+        badBits(at, half);
       }
-    }
-  };
-
-  const node = (at: number, level: number): void => {
-    checkEnd(at, 3);
-    const low = code[at];
-    const high = code[at + 1];
-    const kind = code[at + 2];
-    checkEnd(at, 3 + popCount(low) + 2 * popCount(high));
-    const near = (field: number): number => (code[field] < 32768 ? code[field] : (at - (code[field] - 32768)) >>> 0);
-    for (let c = 0, field = at + 3; c < 16; c++) {
-      const size = ((low >>> c) & 1) + 2 * ((high >>> c) & 1);
-      const isKind = ((kind >>> c) & 1) === 1;
-      let to = UNIFORM;
-      if (size === 3 && isKind) {
-        const index = twoHalves(code, field);
-        if (index >= wideCount) {
-          fail('Wide', `the shape at half-word ${at} refers to wide entry ${index}, but there are only ${wideCount}`);
+      checkEnd(at, planesAt + 4 * planes);
+      const padded = code[at + planesAt - 1];
+      if (width === 0 && (differences & 1) === 1 && padded >>> 8 !== 0) badBits(at, padded);
+      // A rank above the last can be written only where the last is not all ones.
+      for (let quarter = 0; quarter < 4 && (last + 1) >>> planes === 0; quarter++) {
+        const above = columnsAbove(code, at + planesAt + quarter, planes, last);
+        if (above !== 0) {
+          const column = 16 * quarter + lowestBit(above);
+          fail('Ranks', `${named(at)} gives column ${column} a rank above its last, ${last}`);
         }
-        if (code[field + 2] !== 0) badBits(at, code[field + 2]);
-        to = leafMasks[2 * index + 1];
-        if (to !== UNIFORM) pointer(at, to, level - 2);
-      } else if (size > 0 && !(size === 1 && isKind)) {
-        if (size === 1) to = near(field);
-        else if (size === 2) to = isKind ? near(field + 1) : twoHalves(code, field);
-        else to = twoHalves(code, field + 1);
-        pointer(at, to, level - 2);
       }
-      field += size;
-    }
+      let deepest = 0;
+      for (let i = 0; i < differences; i++) deepest += differenceAt(code, at + differencesAt, width, i);
+      return [isSlanted ? -largestRise(code[at + 1]) : 0, deepest, differences < last];
+    };
+
+    const node = (at: number, below: number): DepthRange => {
+      checkEnd(at, 3);
+      checkEnd(at, 3 + popCount(code[at]) + 2 * popCount(code[at + 1]));
+      let range = NONE;
+      for (let index = 0; index < 16; index++) {
+        const { at: to, delta, isNever, isRelative } = children(at, index);
+        let found: DepthRange = isNever ? [Infinity, -Infinity, true] : [0, 0, false];
+        if (to !== UNIFORM) {
+          const isOfCommon = common !== undefined && !isRelative;
+          if (isOfCommon ? to >= commonEnd : to < start || to >= at) {
+            fail('Order', `${named(at)} has a pointer for child ${index} that leads neither to an earlier shape of that part nor to the common section`);
+          }
+          found = (isOfCommon ? common : shape)(to, below);
+        }
+        range = joined(range, [found[0] + delta, found[1] + delta, found[2]]);
+      }
+      return range;
+    };
+
+    const shape: Walk = (at, ofLevel) => {
+      const key = 4 * at + (ofLevel - LEAF_LEVEL) / NODE_LEVELS;
+      let range = known.get(key);
+      if (range === undefined) {
+        range = ofLevel === LEAF_LEVEL ? leaf(at) : node(at, ofLevel - NODE_LEVELS);
+        known.set(key, range);
+      }
+      return range;
+    };
+    return shape;
   };
 
-  for (let root = 0; root < top.length; root += 2) {
-    if (top[root] !== UNIFORM) pointer(code.length, top[root], rootLevel);
-  }
+  const common = walkIn('the common section', 0, commonEnd);
+  return pages.map(({ root, base, firstWord, words: count }, i) => {
+    if (root === UNIFORM) return [base, base, base === NEVER];
+    const part = `page (${i % across}, ${Math.floor(i / across)})`;
+    const isInPage = root >= IN_PAGE;
+    if (isInPage ? root - IN_PAGE >= 2 * count : root >= commonEnd) {
+      fail('Root', `the root of ${part} is ${hex(root)}, which is neither in it nor in the common section`);
+    }
+    const start = 2 * firstWord;
+    const [nearest, farthest, hasNever] = isInPage
+      ? walkIn(part, start, start + 2 * count, common)(start + root - IN_PAGE, PAGE_LEVEL)
+      : common(root, PAGE_LEVEL);
+    if (nearest > farthest) return [NEVER, NEVER, true];
+    const depth = (difference: number): number => Math.min(Math.max(base + difference, 0), NEVER - 1);
+    return [depth(nearest), depth(farthest), hasNever];
+  });
+}
+
+/** Returns the range of the columns of all ranges, which are those of pages. */
+export function rangeOf(ranges: readonly DepthRange[]): DepthRange {
+  // Depths at which columns never switch are no farthest ones.
+  const [nearest, farthest, hasNever] = ranges.reduce((all, [near, far, never]) => joined(all, [near, far === NEVER ? -1 : far, never]), NONE);
+  return [nearest, farthest < 0 ? NEVER : farthest, hasNever];
+}
+
+function joined(a: DepthRange, b: DepthRange): DepthRange {
+  return [Math.min(a[0], b[0]), Math.max(a[1], b[1]), a[2] || b[2]];
 }
 
 /**

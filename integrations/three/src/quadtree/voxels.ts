@@ -1,7 +1,9 @@
 // Look-ups of voxels in the quadtree. `spec/adumbra-file.md`, "Look-up of a point", has the steps and their names.
 
-import { bitsBelow, halvesOf, popCount, twoHalves } from './bits.js';
-import { NEVER, UNIFORM, leafHead } from './leaf.js';
+import { halvesOf } from './bits.js';
+import { NEVER, UNIFORM, differenceAt, leafHead, rise } from './leaf.js';
+import { childrenOf, descend } from './node.js';
+import { LEAF_LEVEL } from './quadtree.js';
 import type { Quadtree } from './quadtree.js';
 
 /**
@@ -11,8 +13,9 @@ import type { Quadtree } from './quadtree.js';
 export type Voxels = (x: number, y: number, z: number) => boolean;
 
 /** Returns the look-up of voxels in a quadtree. */
-export function voxelsOf({ top, nodes, leafMasks: wide, rootLevel, topDims }: Quadtree): Voxels {
-  const code = halvesOf(nodes);
+export function voxelsOf({ top, code: words, rootLevel, topDims }: Quadtree): Voxels {
+  const code = halvesOf(words);
+  const children = childrenOf(code);
   let lastX = -1;
   let lastY = -1;
   /** Address of the last leaf, or {@link UNIFORM}. */
@@ -20,45 +23,10 @@ export function voxelsOf({ top, nodes, leafMasks: wide, rootLevel, topDims }: Qu
   let base = NEVER;
   let head = leafHead(0);
 
-  /** Returns the address in a half-word, which may be a distance from the node at `at`. */
-  const near = (field: number): number => {
-    const half = code[field];
-    return half < 32768 ? half : at - (half - 32768);
-  };
-
   /** Descends to the block or leaf that contains a column. */
   const findBlock = (x: number, y: number): void => {
     const root = 2 * ((y >>> rootLevel) * topDims[0] + (x >>> rootLevel));
-    at = top[root];
-    base = top[root + 1];
-    for (let level = rootLevel - 2; at !== UNIFORM && level >= 3; level -= 2) {
-      const child = (((y >>> level) & 3) << 2) | ((x >>> level) & 3);
-      const below = bitsBelow(child);
-      const low = code[at];
-      const high = code[at + 1];
-      const field = at + 3 + popCount(low & below) + 2 * popCount(high & below);
-      const size = ((low >>> child) & 1) | (((high >>> child) & 1) << 1);
-      const isKind = ((code[at + 2] >>> child) & 1) === 1;
-      // A signed half-word.
-      let delta = (code[field] << 16) >> 16;
-      if (size === 0) {
-        at = UNIFORM;
-        delta = 0;
-        if (isKind) base = NEVER;
-      } else if (size === 3 && isKind) {
-        const entry = 2 * twoHalves(code, field);
-        delta = wide[entry];
-        at = wide[entry + 1];
-      } else if (isKind) {
-        at = size === 1 ? UNIFORM : near(field + 1);
-      } else if (size === 3) {
-        at = twoHalves(code, field + 1);
-      } else {
-        delta = 0;
-        at = size === 1 ? near(field) : twoHalves(code, field);
-      }
-      base = (base + delta) >>> 0;
-    }
+    [at, base] = descend(children, [top[root], top[root + 1]], rootLevel, LEAF_LEVEL, x, y);
     if (at !== UNIFORM) head = leafHead(code[at]);
   };
 
@@ -73,10 +41,7 @@ export function voxelsOf({ top, nodes, leafMasks: wide, rootLevel, topDims }: Qu
 
     const first = at + differencesAt;
     let depth = base;
-    for (let i = 0; i < rank; i++) {
-      if (width === 0) depth += (code[first + (i >>> 1)] >>> (8 * (i & 1))) & 0xff;
-      else depth += width === 1 ? code[first + i] : twoHalves(code, first + 2 * i);
-    }
+    for (let i = 0; i < rank; i++) depth += differenceAt(code, first, width, i);
     depth = Math.min(depth, NEVER);
     return isSlanted ? Math.max(depth - rise(code[at + 1], x, y), 0) : depth;
   };
@@ -91,10 +56,4 @@ export function voxelsOf({ top, nodes, leafMasks: wide, rootLevel, topDims }: Qu
     }
     return z < (at === UNIFORM ? base : depthOf(x & 7, y & 7));
   };
-}
-
-/** Returns by how much a column switches nearer to the sun than the deepest corner of its plane, voxels. */
-function rise(gradient: number, x: number, y: number): number {
-  const along = (g: number, c: number): number => Math.abs(g) * (g > 0 ? 7 - c : c);
-  return (along((gradient << 24) >> 24, x) + along((gradient << 16) >> 24, y) + 3) >> 2;
 }

@@ -9,7 +9,7 @@ import { attachBakedShadow } from '../../src/webgl/index.js';
 import type { AttachedShadow } from '../../src/webgl/index.js';
 import { validBytes } from './vectors.js';
 
-const file = new BakedShadowFile(validBytes('valid', 'upright_depths'));
+const file = new BakedShadowFile(validBytes('upright_depths'));
 const LAMBERT = ShaderLib.lambert.fragmentShader;
 
 const attached: AttachedShadow[] = [];

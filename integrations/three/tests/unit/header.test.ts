@@ -1,47 +1,58 @@
 // Faults before the voxels: each is made in a valid file, and must give the error that names it.
 
-import { describe, expect, it } from 'vitest';
+import { expect, it } from 'vitest';
 
 import { BakedShadowFile, HEADER_BYTES, ShadowFileError } from '../../src/index.js';
-import { repair, sectionBorders } from './damage.js';
-import { LAYOUT_AT, REFUSED_LAYOUTS, caught, validBytes } from './vectors.js';
+import { partsOfFile, repair } from './damage.js';
+import { caught, validBytes } from './vectors.js';
 
 /** A file in the frame of the light, with bounds. */
-const LIGHT = validBytes('valid', 'sphere_depths');
+const LIGHT = validBytes('sphere_depths');
 /** A file in the oblique frame, without bounds. */
-const OBLIQUE = validBytes('valid', 'upright_turned_low_depths');
+const OBLIQUE = validBytes('upright_turned_low_depths');
+/** A file of three levels, in the oblique frame. */
+const LEVELS = validBytes('levels_depths');
 
-/** A header. Words are numbered as in the specification. */
-class Header {
+/** The fields of a file. Words are numbered as in the specification, from the beginning of the part. */
+class Fields {
   readonly #view: DataView;
+  readonly #from: number;
 
-  constructor(bytes: Uint8Array<ArrayBuffer>) {
+  constructor(bytes: Uint8Array<ArrayBuffer>, from: number) {
     this.#view = new DataView(bytes.buffer);
+    this.#from = from;
   }
 
   u32(word: number, value: number): void {
-    this.#view.setUint32(4 * word, value, true);
+    this.#view.setUint32(this.#from + 4 * word, value, true);
   }
 
   f64(word: number, value: number): void {
-    this.#view.setFloat64(4 * word, value, true);
+    this.#view.setFloat64(this.#from + 4 * word, value, true);
   }
 
   add(word: number, more: number): void {
-    this.u32(word, this.#view.getUint32(4 * word, true) + more);
+    this.u32(word, this.#view.getUint32(this.#from + 4 * word, true) + more);
   }
 
   negate(word: number): void {
-    this.f64(word, -this.#view.getFloat64(4 * word, true));
+    this.f64(word, -this.#view.getFloat64(this.#from + 4 * word, true));
   }
 }
 
-/** Returns a file with a fault in its header, and good checksums. */
-function faulty(valid: Uint8Array<ArrayBuffer>, fault: (header: Header) => void): Uint8Array<ArrayBuffer> {
+type Fault = (fields: Fields) => void;
+
+/** Returns a file with a fault in the fields from a byte on, and good checksums. */
+function faulty(valid: Uint8Array<ArrayBuffer>, fault: Fault, from = 0): Uint8Array<ArrayBuffer> {
   const bytes = valid.slice();
-  fault(new Header(bytes));
+  fault(new Fields(bytes, from));
   repair(bytes);
   return bytes;
+}
+
+/** Returns a file with a fault in the entry of a level. */
+function faultyEntry(valid: Uint8Array<ArrayBuffer>, fault: Fault, level = 0): Uint8Array<ArrayBuffer> {
+  return faulty(valid, fault, HEADER_BYTES + 256 * level);
 }
 
 /** Returns the error of a file, which must say what to do. */
@@ -52,76 +63,69 @@ function errorOf(bytes: Uint8Array): ShadowFileError {
   return error;
 }
 
-/** Faults in fields: the name of the field, and what is done to a header in the frame of the light. */
-const FIELDS: [name: string, fault: (header: Header) => void][] = [
+/** Checks that the error names a field. */
+function expectField(bytes: Uint8Array, name: string): void {
+  const { kind, message } = errorOf(bytes);
+  expect({ kind, message }).toEqual({ kind: 'HeaderField', message: expect.stringContaining(`the header's ${name} is `) });
+}
+
+it.each<[name: string, fault: Fault]>([
   ['version', (h) => h.u32(2, 0)],
-  ['header_bytes', (h) => h.u32(3, 380)],
-  ['layout', (h) => h.u32(13, 7)],
+  ['version', (h) => h.u32(2, 3)],
+  ['header_bytes', (h) => h.u32(3, 384)],
+  ['reserved word 36', (h) => h.u32(36, 1)],
+  ['reserved word 62', (h) => h.u32(62, 1)],
   ['flags', (h) => h.u32(4, 32)],
+  ['at_rest', (h) => h.u32(7, 1)],
   ['bounds', (h) => h.u32(4, 0)],
-  ['bounds', (h) => h.f64(54, 1e9)],
-  ['bounds', (h) => h.f64(60, NaN)],
-  ['sun', (h) => h.negate(18)],
-  ['sun', (h) => h.f64(16, 2)],
-  ['frame', (h) => h.u32(89, 2)],
-  ['yaw', (h) => h.f64(90, 0.1)],
+  ['bounds', (h) => h.f64(16, 1e9)],
+  ['bounds', (h) => h.f64(22, NaN)],
   ['resolution', (h) => h.u32(5, 0)],
-  ['thickness', (h) => h.f64(46, -1)],
-  ['bias', (h) => h.f64(50, Infinity)],
-  ['size', (h) => h.u32(7, 0)],
-  ['voxel_size', (h) => h.f64(14, 0)],
-  ['voxel_size', (h) => h.f64(14, Infinity)],
-  ['corner', (h) => h.f64(24, NaN)],
-  ['axes', (h) => h.f64(28, 2)],
-  ['axes', (h) => [28, 30, 32].forEach((word) => h.negate(word))],
-  ['root_level', (h) => h.u32(9, 2)],
-  ['root_level', (h) => h.u32(9, 21)],
-  ['top_dims', (h) => h.add(10, 1)],
-  ['reserved word 92', (h) => h.u32(92, 1)],
-  ['reserved word 75', (h) => h.u32(75, 1)],
-];
+  ['grids', (h) => h.u32(6, 0)],
+  ['grids', (h) => h.u32(6, 9)],
+  ['thickness', (h) => h.f64(8, -1)],
+  ['bias', (h) => h.f64(12, Infinity)],
+  ['file_bytes', (h) => h.add(34, 1)],
+  ['file_bytes', (h) => h.add(35, 1)],
+])('a fault in %s of the header is named', (name, fault) => expectField(faulty(LIGHT, fault), name));
 
-it.each(FIELDS)('a fault in %s is named', (name, fault) => {
-  const { kind, message } = errorOf(faulty(LIGHT, fault));
-  expect({ kind, message }).toEqual({ kind: 'HeaderField', message: expect.stringContaining(`the header's ${name} is `) });
-});
+it.each<[name: string, fault: Fault]>([
+  ['reserved word 37 of level 0', (e) => e.u32(37, 1)],
+  ['reserved word 45 of level 0', (e) => e.u32(45, 1)],
+  ['reserved word 51 of level 0', (e) => e.u32(51, 1)],
+  ['reserved word 57 of level 0', (e) => e.u32(57, 1)],
+  ['reserved word 58 of level 0', (e) => e.u32(58, 1)],
+  ['reserved word 63 of level 0', (e) => e.u32(63, 1)],
+  ['level', (e) => e.u32(3, 1)],
+  ['checksum of all bundles', (e) => e.u32(56, 1)],
+  ['sun', (e) => e.negate(8)],
+  ['sun', (e) => e.f64(6, 2)],
+  ['frame', (e) => e.u32(36, 2)],
+  ['yaw', (e) => e.f64(38, 0.1)],
+  ['yaw', (e) => e.f64(38, -0)],
+  ['size', (e) => e.u32(1, 0)],
+  ['voxel_size', (e) => e.f64(4, 0)],
+  ['voxel_size', (e) => e.f64(4, Infinity)],
+  ['corner', (e) => e.f64(14, NaN)],
+  ['axes', (e) => e.f64(18, 2)],
+  ['axes', (e) => [18, 20, 22].forEach((word) => e.negate(word))],
+])('a fault in %s of the entry of a level is named', (name, fault) => expectField(faultyEntry(LIGHT, fault), name));
 
-it.each([
-  ['yaw', 90, NaN],
-  ['axes', 90, 0.25],
-])('a fault in %s of the oblique frame is named', (name, word, value) => {
-  const { kind, message } = errorOf(faulty(OBLIQUE, (h) => h.f64(word, value)));
-  expect({ kind, message }).toEqual({ kind: 'HeaderField', message: expect.stringContaining(`the header's ${name} is `) });
-});
+it.each<[name: string, fault: Fault]>([
+  ['yaw', (e) => e.f64(38, NaN)],
+  ['yaw', (e) => e.f64(38, 3.2)],
+  ['axes', (e) => e.f64(38, 0.25)],
+])('a fault in %s of the oblique frame is named', (name, fault) => expectField(faultyEntry(OBLIQUE, fault), name));
 
-it.each([
-  [1, 13],
-  [1, 88],
-  [2, 89],
-])('version %i has the reserved word %i', (version, word) => {
-  const { kind, message } = errorOf(faulty(LIGHT, (h) => {
-    h.u32(2, version);
-    h.u32(13, 0);
-    h.u32(word, 1);
-  }));
-  expect({ kind, message }).toEqual({ kind: 'HeaderField', message: expect.stringContaining(`reserved word ${word}`) });
-});
-
-describe.each(Object.entries(REFUSED_LAYOUTS))('the layout %s', (layout, number) => {
-  it('is refused by name', () => {
-    const error = errorOf(faulty(LIGHT, (h) => h.u32(LAYOUT_AT / 4, number)));
-    expect(error).toMatchObject({ kind: 'Layout', details: { layout } });
-    expect(error.message).toBe(`this file has the layout ${layout}, which this version does not read; bake it again`);
-  });
-});
-
-it('version 1 has the layout plain alone', () => {
-  const error = errorOf(faulty(LIGHT, (h) => [2, 13, 88].forEach((word) => h.u32(word, word === 2 ? 1 : 0))));
-  expect(error).toMatchObject({ kind: 'Layout', details: { layout: 'plain' } });
-});
+it.each<[name: string, level: number, fault: Fault]>([
+  ['level', 2, (e) => e.u32(3, 1)],
+  ['voxel_size', 1, (e) => e.f64(4, 0.25)],
+  // A sun overhead, and the axes for it.
+  ['sun', 1, (e) => [0, 1, 0, ...[1, 0, 0, 0, 0, 1, 0, -1, 0]].forEach((value, i) => e.f64(i < 3 ? 6 + 2 * i : 12 + 2 * i, value))],
+])('a fault in %s of another level is named', (name, level, fault) => expectField(faultyEntry(LEVELS, fault, level), name));
 
 it('a later version is named with the versions that are read', () => {
-  expect(errorOf(faulty(LIGHT, (h) => h.u32(2, 4)))).toMatchObject({ kind: 'FutureVersion', details: { version: 4, supported: 3 } });
+  expect(errorOf(faulty(LIGHT, (h) => h.u32(2, 5)))).toMatchObject({ kind: 'FutureVersion', details: { version: 5, supported: 4 } });
 });
 
 it('other bytes are no shadow file', () => {
@@ -130,49 +134,69 @@ it('other bytes are no shadow file', () => {
 });
 
 it.each([
-  ['top', 'offset', 70, 8],
-  ['top', 'length', 72, 8],
-  ['top', 'length', 72, -8],
-  ['nodes', 'offset', 76, 16],
-  ['nodes', 'length', 78, 2],
-  ['nodes', 'length', 79, 2],
-  ['leaf_masks', 'offset', 82, -16],
-  ['leaf_masks', 'length', 84, 4],
-  ['leaf_masks', 'length', 85, 9],
-])('the section %s has a wrong %s in word %i', (section, field, word, more) => {
-  expect(errorOf(faulty(LIGHT, (h) => h.add(word, more)))).toMatchObject({ kind: 'SectionBounds', details: { section, field } });
+  ['table', 0, 'offset', 40, 8],
+  ['table', 0, 'offset', 41, 1],
+  ['table', 0, 'length', 42, 24],
+  ['table', 0, 'length', 42, -24],
+  ['common section', 0, 'offset', 46, 4],
+  ['bundles', 0, 'offset', 52, -4],
+  ['bundles', 0, 'offset', 53, 2],
+  ['table', 1, 'length', 42, 24],
+  ['common section', 2, 'offset', 46, 4],
+  // What a part of a coarser level has more moves those of the finer ones.
+  ['common section', 0, 'offset', [54, 1], 4],
+] as const)('the %s of level %i has a wrong %s', (section, level, field, word, more) => {
+  const [at, of] = typeof word === 'number' ? [word, level] : word;
+  expect(errorOf(faultyEntry(LEVELS, (e) => e.add(at, more), of))).toMatchObject({
+    kind: 'SectionBounds',
+    details: { section: `${section} of level ${level}`, field },
+  });
 });
 
-it('a section that goes on behind the file is cut off', () => {
-  expect(errorOf(faulty(LIGHT, (h) => h.add(84, 8)))).toMatchObject({ kind: 'Truncated', details: { what: 'leaf_masks' } });
+it('a part that goes on behind the file is cut off', () => {
+  const bytes = faultyEntry(LIGHT, (e) => e.add(54, 8));
+  new Fields(bytes, 0).add(34, 8);
+  repair(bytes);
+  expect(errorOf(bytes)).toMatchObject({ kind: 'Truncated', details: { what: 'bundles of level 0', needed: LIGHT.length + 8 } });
 });
 
-it('a file that goes on behind its last section is named', () => {
+it('a file that goes on behind its last part is named', () => {
   expect(errorOf(Uint8Array.of(...LIGHT, 0))).toMatchObject({ kind: 'TrailingBytes', details: { end: LIGHT.length } });
 });
 
-it('a byte between sections is zero', () => {
-  const bytes = validBytes('valid', 'example_8_depths');
-  const [, end, begin] = sectionBorders(bytes);
-  expect(begin).toBeGreaterThan(end!);
-  bytes[end!] = 1;
-  expect(errorOf(bytes)).toMatchObject({ kind: 'Padding', details: { offset: end } });
+/** Offset of the table of a file of one level. */
+const TABLE = HEADER_BYTES + 256;
+
+it.each<[what: string, fault: Fault]>([
+  ['too few raw bytes', (t) => [0, 1].forEach((word) => t.u32(word, 188))],
+  ['raw bytes that are no whole words', (t) => [0, 1].forEach((word) => t.add(word, 2))],
+  ['more raw than stored bytes', (t) => t.add(1, 4)],
+  ['no bytes, but raw ones', (t) => t.u32(0, 0)],
+  ['no bytes, but two depths', (t) => [0, 1, 2].forEach((word) => t.u32(word, 0))],
+])('the entry of a bundle has %s', (_, fault) => {
+  expect(errorOf(faulty(LIGHT, fault, TABLE))).toMatchObject({ kind: 'Bundle', details: { section: 'bundle 0 of level 0' } });
 });
 
-it('damage in the header and in each section is found by checksums', () => {
+it('an entry of a table has reserved bits', () => {
+  expectField(faulty(LIGHT, (t) => t.u32(5, 2), TABLE), 'reserved bits of bundle 0 of level 0');
+});
+
+it('bundles that are not as long together as the directory says are named', () => {
+  const fault: Fault = (t) => [0, 1].forEach((word) => t.add(word, -4));
+  expect(errorOf(faulty(LIGHT, fault, TABLE))).toMatchObject({ kind: 'Bundle', details: { section: 'table of level 0' } });
+});
+
+it('damage in the header and in each part is found by checksums', () => {
   const flipped = (at: number): Uint8Array => {
-    const bytes = LIGHT.slice();
+    const bytes = LEVELS.slice();
     bytes[at]! ^= 1;
     return bytes;
   };
   expect(errorOf(flipped(HEADER_BYTES - 10))).toMatchObject({ kind: 'HeaderChecksum' });
-  const sections = ['top', 'nodes', 'leaf_masks'];
-  const borders = sectionBorders(LIGHT);
-  const found = sections.filter((section, i) => {
-    const [begin, end] = [borders[2 * i]!, borders[2 * i + 1]!];
-    if (begin === end) return false;
-    expect(errorOf(flipped(begin))).toMatchObject({ kind: 'SectionChecksum', details: { section } });
-    return true;
-  });
-  expect(found).toContain('nodes');
+  const parts = partsOfFile(LEVELS).filter(({ length }) => length > 0);
+  expect(parts.length).toBe(8);
+  for (const { name, offset } of parts) {
+    const section = name.replace('bundles', 'bundle 0');
+    expect(errorOf(flipped(offset))).toMatchObject({ kind: 'SectionChecksum', details: { section } });
+  }
 });

@@ -9,7 +9,7 @@ import { afterAll, beforeAll, expect, it, vi } from 'vitest';
 import { BakedShadowFile, ShadowFileError, ShadowFileLoader } from '../../src/index.js';
 import { invalidVector, validBytes } from './vectors.js';
 
-const GOOD = validBytes('valid', 'upright_depths');
+const GOOD = validBytes('upright_depths');
 const DAMAGED = GOOD.slice();
 DAMAGED[DAMAGED.length - 1] ^= 1;
 const FILES: Record<string, Uint8Array> = {

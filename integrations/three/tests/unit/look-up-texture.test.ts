@@ -1,4 +1,4 @@
-// The look-up texture equals that of the Rust crate, whose headers are in `tests/golden/`, in every bit.
+// The look-up texture equals that of the Rust crate, whose headers and checksums are in `tests/golden/`, in every bit.
 
 import { readFileSync } from 'node:fs';
 
@@ -6,17 +6,24 @@ import { describe, expect, it } from 'vitest';
 
 import { BakedShadowFile, HEADER_WORDS, LookUpTexture, ShadowFileError } from '../../src/index.js';
 import type { FilterWidth, GpuLookUpOptions } from '../../src/index.js';
+import { crc32 } from '../../src/file/crc32.js';
 import { textureSize } from '../../src/gpu/look-up-texture.js';
 import { caught, validBytes } from './vectors.js';
 
 interface Golden {
   readonly size: [number, number];
+  readonly checksum: number;
   readonly headers: number[][];
 }
 
 const GOLDEN = JSON.parse(
   readFileSync(new URL('../golden/look_up_texture.json', import.meta.url), 'utf8'),
-) as Record<string, Golden>;
+) as Record<string, Golden[]>;
+/** The levels of all files. */
+const LEVELS = Object.entries(GOLDEN).flatMap(([path, levels]) =>
+  levels.map((golden, level) => ({ name: path.replace(/^valid\/|\.adumbra$/g, ''), level, golden })),
+);
+
 /** The settings for which the golden headers were made. */
 const OPTIONS: GpuLookUpOptions[] = [
   { filter: 5 },
@@ -28,18 +35,22 @@ const OPTIONS: GpuLookUpOptions[] = [
   },
 ];
 
-function vector(name: string, folder = 'valid'): BakedShadowFile {
-  return new BakedShadowFile(validBytes(folder, name));
+function vector(name: string, level = 0): BakedShadowFile {
+  return new BakedShadowFile(validBytes(name)).level(level)!;
 }
 
-describe.each(Object.keys(GOLDEN))('%s', (path) => {
-  const [folder, name] = path.replace('.adumbra', '').split('/');
-  const { size, headers } = GOLDEN[path];
+it('all levels are compared', () => {
+  for (const [path, levels] of Object.entries(GOLDEN)) {
+    expect(vector(path.replace(/^valid\/|\.adumbra$/g, '')).levelCount).toBe(levels.length);
+  }
+});
 
-  it('has the header of the Rust crate', () => {
-    const file = vector(name, folder);
+describe.each(LEVELS)('$name, level $level', ({ name, level, golden: { size, checksum, headers } }) => {
+  it('is the texture of the Rust crate', () => {
+    const file = vector(name, level);
     const texture = new LookUpTexture(file, 4096, OPTIONS[0]);
     expect([texture.width, texture.height]).toEqual(size);
+    expect(crc32(new Uint8Array(texture.words.buffer))).toBe(checksum);
     headers.forEach((header, i) => {
       texture.setLookUp(OPTIONS[i]);
       expect([...texture.header], `header ${i}`).toEqual(header);
@@ -50,9 +61,9 @@ describe.each(Object.keys(GOLDEN))('%s', (path) => {
   });
 
   it('has the words of the file and zeros behind them', () => {
-    const file = vector(name, folder);
+    const file = vector(name, level);
     const { words } = new LookUpTexture(file, 4096, OPTIONS[0]);
-    const all = [...file.top, ...file.leafMasks, ...file.nodes];
+    const all = [...file.top, ...file.code];
     expect(words[3]).toBe(all.length);
     expect([...words.subarray(HEADER_WORDS, HEADER_WORDS + all.length)]).toEqual(all);
     expect(words.subarray(HEADER_WORDS + all.length).every((word) => word === 0)).toBe(true);

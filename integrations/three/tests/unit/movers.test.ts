@@ -7,8 +7,8 @@ import { beforeEach, expect, it, vi } from 'vitest';
 import { BakedShadowFile } from '../../src/index.js';
 import { validBytes } from './vectors.js';
 
-const ofStatics = new BakedShadowFile(validBytes('valid', 'sphere_depths'));
-const ofAll = new BakedShadowFile(validBytes('valid', 'example_8_depths'));
+const ofStatics = new BakedShadowFile(validBytes('sphere_depths'));
+const ofAll = new BakedShadowFile(validBytes('example_8_depths'));
 
 const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
 

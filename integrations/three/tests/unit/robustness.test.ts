@@ -3,13 +3,16 @@
 import { expect, it } from 'vitest';
 
 import { BakedShadowFile, HEADER_BYTES, LookUpTexture, Sampler, ShadowFileError, parseHeader } from '../../src/index.js';
-import { mutate, sectionBorders } from './damage.js';
+import { mutate, partsOfFile } from './damage.js';
 import { surfacesOf } from './points.js';
-import { VALID_FOLDERS, caught, scatter, validBytes, validNames } from './vectors.js';
+import { caught, scatter, validBytes, validNames } from './vectors.js';
 
-const VALID = VALID_FOLDERS.flatMap((folder) =>
-  validNames(folder).map((name) => ({ name: `${folder}/${name}`, bytes: validBytes(folder, name) })),
-);
+const VALID = validNames().map((name) => ({ name, bytes: validBytes(name) }));
+
+/** A part of a file. */
+type Part = Pick<ReturnType<typeof partsOfFile>[0], 'name' | 'offset' | 'length'>;
+
+const endOf = ({ offset, length }: Part): number => offset + length;
 
 /** Reads a file; where it is taken, looks points up in it. Returns the fault, or `undefined`. */
 function exercise(bytes: Uint8Array, seed: number): string | undefined {
@@ -21,7 +24,7 @@ function exercise(bytes: Uint8Array, seed: number): string | undefined {
     const { kind, fault } = error as ShadowFileError;
     return fault === undefined ? kind : `${kind} ${fault}`;
   }
-  lookUp(file, seed);
+  for (let level = 0; level < file.levelCount; level++) lookUp(file.level(level)!, seed);
   return undefined;
 }
 
@@ -33,17 +36,20 @@ function lookUp(file: BakedShadowFile, seed: number): void {
   }
 }
 
-it('a file that is cut off anywhere is Truncated', () => {
-  for (const { name, bytes } of VALID) {
-    const borders = sectionBorders(bytes);
-    const around = [HEADER_BYTES, ...borders].flatMap((at) => [at - 1, at, at + 1]);
-    const lengths = [0, 1, 7, 8, 12, 15, 16, 200, ...around].filter((length) => length < bytes.length);
-    for (const length of lengths) expect(exercise(bytes.slice(0, length), 0), `${name}, ${length}`).toBe('Truncated');
+it.each(VALID)('$name, cut off anywhere, is Truncated and names the first part that is not whole', ({ bytes }) => {
+  const header: Part = { name: 'header', offset: 0, length: HEADER_BYTES };
+  const parts = [header, ...partsOfFile(bytes)];
+  const around = parts.flatMap(({ offset, length }) => [offset, offset + length]).flatMap((at) => [at - 1, at, at + 1]);
+  const lengths = [0, 1, 7, 8, 12, 15, 16, 200, ...around].filter((length) => length >= 0 && length < bytes.length);
+  for (const length of lengths) {
+    const { name: what, offset, length: whole } = parts.find((part) => endOf(part) > length)!;
+    const error = caught(() => new BakedShadowFile(bytes.slice(0, length)));
+    expect(error, `${length}`).toMatchObject({ kind: 'Truncated', details: { what, needed: offset + whole, have: length } });
   }
 });
 
 it('every flipped bit is an error', () => {
-  const valid = validBytes('valid', 'example_8_depths');
+  const valid = validBytes('example_8_depths');
   for (let at = 0; at < valid.length; at++) {
     for (let bit = 0; bit < 8; bit++) {
       const bytes = valid.slice();
@@ -62,8 +68,8 @@ it('mutations are refused or can be looked up in', () => {
   }
   // The mutations reach the checks, and also leave files that are valid.
   expect(found.get(undefined)).toBeGreaterThan(1000);
-  const kinds = 'Magic FutureVersion Truncated TrailingBytes HeaderChecksum SectionChecksum HeaderField SectionBounds Padding';
-  const all = [...kinds.split(' '), ...['Order', 'End', 'Bits', 'Ranks'].map((fault) => `Depths ${fault}`)];
+  const kinds = 'Magic FutureVersion Truncated TrailingBytes HeaderChecksum SectionChecksum HeaderField SectionBounds Bundle';
+  const all = [...kinds.split(' '), ...['Root', 'Order', 'End', 'Bits', 'Ranks'].map((fault) => `Depths ${fault}`)];
   expect(all.filter((fault) => !found.has(fault))).toEqual([]);
 });
 
@@ -72,27 +78,41 @@ it('damaged voxels that were not verified still end every look-up', () => {
   let read = 0;
   for (let seed = 0; seed < 5000; seed++) {
     const bytes = VALID[seed % VALID.length].bytes.slice();
+    const tablesEnd = Math.max(...partsOfFile(bytes).filter(({ name }) => name.startsWith('table')).map(endOf));
     for (let faults = 0; faults < 8; faults++) {
-      bytes[HEADER_BYTES + Math.floor(random() * (bytes.length - HEADER_BYTES))] = 256 * random();
+      bytes[tablesEnd + Math.floor(random() * (bytes.length - tablesEnd))] = 256 * random();
     }
     try {
       lookUp(new BakedShadowFile(bytes, { verify: 'header' }), seed);
       read++;
     } catch (error) {
-      expect(error).toMatchObject({ name: 'ShadowFileError', kind: 'Padding' });
+      // The lengths of pages say where the next one begins.
+      expect(error).toMatchObject({ name: 'ShadowFileError', kind: 'Bundle' });
     }
   }
   expect(read).toBeGreaterThan(2000);
 });
 
-it('verifying the header alone does not take a damaged header', () => {
-  const bytes = validBytes('valid', 'sphere_depths');
-  bytes[100] ^= 1;
-  expect(caught(() => new BakedShadowFile(bytes, { verify: 'header' }))).toMatchObject({ kind: 'HeaderChecksum' });
+it.each([
+  ['HeaderChecksum', 100],
+  ['SectionChecksum', HEADER_BYTES + 100],
+  ['SectionChecksum', HEADER_BYTES + 256 + 8],
+])('verifying the header alone finds the %s at byte %i', (kind, at) => {
+  const bytes = validBytes('sphere_depths');
+  bytes[at]! ^= 1;
+  expect(caught(() => new BakedShadowFile(bytes, { verify: 'header' }))).toMatchObject({ kind });
+});
+
+it('a file keeps nothing of the bytes that it was made from', () => {
+  const bytes = validBytes('upright_depths');
+  const file = new BakedShadowFile(bytes);
+  const expected = new LookUpTexture(file, 4096, { filter: 3 }).words;
+  bytes.fill(0);
+  expect(new LookUpTexture(file, 4096, { filter: 3 }).words).toEqual(expected);
 });
 
 it('bytes at any place in their buffer are read', () => {
-  const valid = validBytes('valid', 'upright_depths');
+  const valid = validBytes('upright_depths');
   const expected = new LookUpTexture(new BakedShadowFile(valid.buffer), 4096, { filter: 3 }).words;
   for (const from of [1, 2, 4, 8]) {
     const padded = new Uint8Array(valid.length + 20);
@@ -103,9 +123,9 @@ it('bytes at any place in their buffer are read', () => {
 });
 
 it('the header can be read without the rest', () => {
-  const bytes = validBytes('valid', 'sphere_depths');
+  const bytes = validBytes('sphere_depths');
   const header = parseHeader(bytes.subarray(0, HEADER_BYTES));
-  expect(header.fileBytes).toBe(bytes.length);
+  expect(header).toMatchObject({ fileBytes: bytes.length, levelCount: 1 });
   expect(header.settings).toMatchObject({
     receivers: 'static',
     bounds: { min: [-8, 0, -8], max: [8, 12.5, 8] },

@@ -10,7 +10,7 @@ import { surfacesOf } from './points.js';
 import { caught, validBytes } from './vectors.js';
 
 function open(name: string): BakedShadowFile {
-  return new BakedShadowFile(validBytes('valid', name));
+  return new BakedShadowFile(validBytes(name));
 }
 
 /** A grid that is the world. */
@@ -60,7 +60,7 @@ it.each([
   expect(new Sampler(open('example_8_depths'), { filter: 1 }).pointVisibility({ x, y, z })).toBe(visibility);
 });
 
-describe.each(['cliff', 'low_sun_tall', 'odd_sizes', 'slopes', 'terraces', 'upright', 'upright_turned_low'])('%s', (name) => {
+describe.each(['cliff', 'levels', 'low_sun_tall', 'many_pages', 'odd_sizes', 'slopes', 'terraces', 'upright', 'upright_turned_low'])('%s', (name) => {
   it.each(FILTER_WIDTHS)('has the share of lit taps at filter %i', (filter) => {
     const file = open(`${name}_depths`);
     const { points, normals } = surfacesOf(file, 300, filter);

@@ -12,7 +12,7 @@ import type { BakedShadow, BakedShadowOptions } from '../../src/webgl/index.js';
 import { BakedShadowNode } from '../../src/webgpu/index.js';
 import { validBytes } from './vectors.js';
 
-const file = new BakedShadowFile(validBytes('valid', 'upright_depths'));
+const file = new BakedShadowFile(validBytes('upright_depths'));
 
 /** Words of a row of parameters: width of the filter, first term of the bias, cone of the sun, number of files in use. */
 const [FILTER, BIAS, CONE, FILE_COUNT] = [96, 88, 97, 105];

@@ -1,4 +1,4 @@
-// What the package adds to a page, with one renderer or with both: at most 12.5 KB gzip without shaders, 22 KB with one,
+// What the package adds to a page, with one renderer or with both: at most 14 KB gzip without shaders, 23.5 KB with one,
 // and nothing but three besides.
 
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -52,16 +52,16 @@ const PAGES = {
 /** The files whose text is GLSL or WGSL: look-ups, and what calls them. */
 const SHADERS = [/generated/, /\.shader\.js$/];
 
-test.each(Object.entries(PAGES))('all of %s takes at most 12.5 KB, 22 KB with a shader', async (page, names) => {
+test.each(Object.entries(PAGES))('all of %s takes at most 14 KB, 23.5 KB with a shader', async (page, names) => {
   const { bytes, imports } = await bundled(exportAll(...names), SHADERS);
   console.log(`all of ${page} without shaders: ${bytes} bytes after gzip`);
   expect(bytes).toBeGreaterThan(5 * KB);
-  expect(bytes).toBeLessThanOrEqual(12.5 * KB);
+  expect(bytes).toBeLessThanOrEqual(14 * KB);
   expect(imports.filter((name) => !SHADERS.some((shader) => shader.test(name))).every((name) => name.startsWith('three'))).toBe(true);
   for (const [kept, left] of [['wgsl', /glsl/], ['glsl', /wgsl/]] as const) {
     const { bytes: withShader } = await bundled(exportAll(...names), [left]);
     console.log(`all of ${page} with the shader in ${kept}: ${withShader} bytes after gzip`);
-    expect(withShader).toBeLessThanOrEqual(22 * KB);
+    expect(withShader).toBeLessThanOrEqual(23.5 * KB);
   }
 });
 

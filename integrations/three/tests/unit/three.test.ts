@@ -9,7 +9,7 @@ import { shaderHooks } from '../../src/webgl/shader.js';
 import { nodeHooks } from '../../src/webgpu/hooks.js';
 import { validBytes } from './vectors.js';
 
-const file = new BakedShadowFile(validBytes('valid', 'upright_depths'));
+const file = new BakedShadowFile(validBytes('upright_depths'));
 
 const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
 

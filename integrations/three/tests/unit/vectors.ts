@@ -7,15 +7,6 @@ import { fileURLToPath } from 'node:url';
 /** The folder `test_vectors`. */
 export const VECTORS = fileURLToPath(new URL('../../../../test_vectors', import.meta.url));
 
-/** The folders of valid files, one for each version of the format. */
-export const VALID_FOLDERS = ['valid', 'valid_v2'];
-
-/** Offset of the header's field `layout`, bytes. */
-export const LAYOUT_AT = 52;
-
-/** The numbers of the layouts that are not read, in the header. */
-export const REFUSED_LAYOUTS = { plain: 0, packed: 1 };
-
 /** A point with the answer that every reader must give. */
 export interface ExpectedPoint {
   readonly world: [number, number, number];
@@ -28,20 +19,20 @@ export function readBytes(path: string): Uint8Array<ArrayBuffer> {
   return new Uint8Array(readFileSync(path));
 }
 
-/** Returns the names of the files of a folder of valid vectors, sorted, without `.adumbra`. */
-export function validNames(folder: string): string[] {
-  const files = readdirSync(join(VECTORS, folder)).filter((name) => name.endsWith('.adumbra'));
+/** Returns the names of the valid vectors, sorted, without `.adumbra`. */
+export function validNames(): string[] {
+  const files = readdirSync(join(VECTORS, 'valid')).filter((name) => name.endsWith('.adumbra'));
   return files.map((name) => name.slice(0, -'.adumbra'.length)).sort();
 }
 
 /** Returns the bytes of a valid vector. */
-export function validBytes(folder: string, name: string): Uint8Array<ArrayBuffer> {
-  return readBytes(join(VECTORS, folder, `${name}.adumbra`));
+export function validBytes(name: string): Uint8Array<ArrayBuffer> {
+  return readBytes(join(VECTORS, 'valid', `${name}.adumbra`));
 }
 
 /** Returns the points of a valid vector with their answers. */
-export function expectedPoints(folder: string, name: string): ExpectedPoint[] {
-  const text = readFileSync(join(VECTORS, folder, `${name}.json`), 'utf8');
+export function expectedPoints(name: string): ExpectedPoint[] {
+  const text = readFileSync(join(VECTORS, 'valid', `${name}.json`), 'utf8');
   return (JSON.parse(text) as { points: ExpectedPoint[] }).points;
 }
 

@@ -104,12 +104,12 @@ fn packed_leaf_masks(packed: &PackedDag) -> u64 {
 
 #[inline(never)]
 fn depths_leaf_masks(depths: &DepthTree) -> u64 {
-    voxels(depths.size).map(|[i, j, k]| depths.look_up(i, j, k)).fold(0, u64::wrapping_add)
+    voxels(depths.size()).map(|[i, j, k]| depths.look_up(i, j, k)).fold(0, u64::wrapping_add)
 }
 
 #[inline(never)]
 fn depths_values(depths: &DepthTree) -> u64 {
-    voxels(depths.size).map(|[i, j, _]| u64::from(depths.value(i, j))).fold(0, u64::wrapping_add)
+    voxels(depths.size()).map(|[i, j, _]| u64::from(depths.value(i, j))).fold(0, u64::wrapping_add)
 }
 
 #[inline(never)]

@@ -1,14 +1,55 @@
 //! Broken files of which one bit is flipped.
 
 use super::Bytes;
+use super::shadow_bytes::ShadowBytes;
 use crate::broken::Broken;
+
+/// A file whose bits can be flipped.
+pub(super) trait Flip {
+    /// Returns the bytes.
+    fn bytes(&self) -> &[u8];
+
+    /// Returns the file with a bit of a byte flipped, and correct checksums.
+    fn flipped(&self, at: usize, bit: u32) -> Vec<u8>;
+
+    /// Returns the first byte whose bits are flipped.
+    fn first(&self) -> usize;
+}
+
+impl Flip for Bytes {
+    fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
+    fn flipped(&self, at: usize, bit: u32) -> Vec<u8> {
+        self.clone().put(at, &[self.0[at] ^ 1 << bit]).sealed()
+    }
+
+    fn first(&self) -> usize {
+        Self::HEADER_BYTES
+    }
+}
+
+impl Flip for ShadowBytes {
+    fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
+    fn flipped(&self, at: usize, bit: u32) -> Vec<u8> {
+        self.clone().put(at, &[self.0[at] ^ 1 << bit]).sealed()
+    }
+
+    fn first(&self) -> usize {
+        self.common(0)
+    }
+}
 
 /// Returns a broken file per entry of `faults`, which has its name, its fault and what the message names. Each is the
 /// first file of `valid` in which a flipped bit causes the fault. `fault_of` returns the fault in the voxels that
 /// reading a file gives.
 pub(super) fn flipped(
     error: &'static str,
-    valid: &[Bytes],
+    valid: &[impl Flip],
     fault_of: impl Fn(&[u8]) -> Option<&'static str>,
     faults: &[(&'static str, &'static str, &'static str)],
 ) -> Result<Vec<Broken>, String> {
@@ -22,8 +63,8 @@ pub(super) fn flipped(
 
 /// Returns the file with one bit of its sections flipped, the first with which it is the one that is wanted. `None` if
 /// there is no such bit.
-fn with_bit_flipped(valid: &Bytes, is_wanted: impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
-    let bits = (Bytes::HEADER_BYTES..valid.0.len()).flat_map(|at| (0..8).map(move |bit| (at, bit)));
-    bits.map(|(at, bit)| valid.clone().put(at, &[valid.0[at] ^ 1 << bit]).sealed())
+fn with_bit_flipped(valid: &impl Flip, is_wanted: impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
+    let bits = (valid.first()..valid.bytes().len()).flat_map(|at| (0..8).map(move |bit| (at, bit)));
+    bits.map(|(at, bit)| valid.flipped(at, bit))
         .find(|bytes| is_wanted(bytes))
 }

@@ -9,7 +9,7 @@ use crate::by_hand::{overhead_grid, settings_for};
 use crate::voxels::{Scatter, noise, point_in};
 
 /// Whether the voxel (x, y, z) is lit.
-pub(super) type Voxels = dyn Fn(u32, u32, u32) -> bool;
+pub(super) type Voxels = dyn Fn(u32, u32, u32) -> bool + Sync;
 
 /// A grid whose voxels are known.
 pub(super) struct Grid {
@@ -28,7 +28,7 @@ impl Grid {
         what: &'static str,
         grid: LightGrid,
         root_level: u32,
-        lit: impl Fn(u32, u32, u32) -> bool + 'static,
+        lit: impl Fn(u32, u32, u32) -> bool + Sync + 'static,
     ) -> Self {
         Self { name, what, grid, settings: settings_for(&grid), root_level, lit: Box::new(lit) }
     }
@@ -176,6 +176,39 @@ pub(super) fn all() -> Result<Vec<Grid>, Box<dyn Error>> {
     let settings = &mut all[7].settings;
     (settings.assume_ground, settings.closed_regions, settings.ignore_alpha) = (false, false, true);
     Ok(all)
+}
+
+/// Returns grids of several pages, too large for a graph, each with its coarser levels: the finest first.
+pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
+    let upright = |step: u32, size| {
+        let frame = Frame::Oblique { yaw_radians: 0.0 };
+        let corner = [-512.0, 1024.0, 16.0].map(|c| c / f64::from(step));
+        LightGrid::new(sun, frame, 0.25 * f64::from(step), corner, size)
+    };
+    // Towers on a lattice, the same in every page but for a few; on a slope that is not.
+    let towers = |x: u32, y: u32, z: u32| {
+        let [i, j] = [x % 64, y % 64];
+        let is_tower = (10..40).contains(&i) && (20..30).contains(&j) && x / 64 != 3;
+        z < if is_tower { 7 + j % 3 } else if y >= 1900 { 20 + x % 11 } else { 40 }
+    };
+    let many = Grid::new(
+        "many_pages",
+        "pages of several bundles that share shapes, some of them uniform",
+        upright(1, [2200, 2100, 64]),
+        9,
+        towers,
+    );
+    let hill = |step: u32| move |x: u32, y: u32, z: u32| {
+        let [x, y, z] = [x, y, z].map(|c| c * step);
+        let bump = (x % 256) * (255 - x % 256) / 1024 + (y % 256) * (255 - y % 256) / 1024;
+        z < 60 - bump.min(50)
+    };
+    let levels = [1, 4, 16].map(|step: u32| {
+        let size = [576, 530, 64].map(|n: u32| n.div_ceil(step));
+        Grid::new("levels", "three levels of detail", upright(step, size), 9, hill(step))
+    });
+    Ok(vec![vec![many], levels.into()])
 }
 
 /// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from y = 8.

@@ -1,4 +1,4 @@
-//! Faults of the header and the sections, which shadow files and graph files have alike.
+//! Faults of the header and the sections of graph files.
 
 use super::{Bytes, LEAF_MASKS, NODES, TOP};
 use crate::broken::Broken;

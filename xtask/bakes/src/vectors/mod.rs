@@ -8,7 +8,7 @@
 //!
 //! Valid files are made from functions voxel -> lit, and their answers come from these functions, not from the file. A
 //! reader that agrees with them has therefore decoded the file correctly. Each broken file is a valid one with one
-//! fault. `valid_v2` and `invalid/version_1` contain shadow files written by earlier versions and never change.
+//! fault.
 
 mod dag;
 mod flipped;
@@ -16,6 +16,7 @@ mod graph;
 mod grids;
 mod headers;
 mod quadtree;
+mod shadow_bytes;
 
 use std::error::Error;
 use std::fs;
@@ -34,11 +35,11 @@ pub(crate) fn run(root: &Path) -> Result<(), Box<dyn Error>> {
     let folder = root.join("test_vectors");
     let known: Vec<Known> = grids::all()?.into_iter().map(Known::new).collect();
     let graphs = dag::valid(&known)?;
-    let quadtrees = quadtree::valid(&known)?;
+    let quadtrees = quadtree::valid(&known, &grids::large()?)?;
     write(&graphs, &folder.join("dag/valid"))?;
     write(&quadtrees, &folder.join("valid"))?;
     broken::write(&dag::broken(&graphs, &quadtrees)?, &folder.join("dag/invalid"))?;
-    broken::write(&quadtree::broken(&quadtrees, &graphs)?, &folder.join("invalid"))?;
+    broken::write(&quadtree::broken(&quadtrees)?, &folder.join("invalid"))?;
     tree_vectors::run(&folder.join("tree"))
 }
 
@@ -76,7 +77,7 @@ fn write(vectors: &[Vector], folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A shadow file or graph file that is being broken. Both have the same table of sections.
+/// A graph file that is being broken.
 type Bytes = broken::Bytes<280, 384>;
 
 const TOP: usize = 0;

@@ -3,53 +3,188 @@
 use std::error::Error;
 
 use adumbra::ShadowFile;
+use adumbra_papers::dag::LeafMasks;
 use adumbra_papers::dag::build::convert::depths_of;
 
-use super::flipped::flipped;
-use super::headers::Files;
-use super::{Known, Vector, bytes_of};
+use super::grids::{Grid, Voxels};
+use super::shadow_bytes::ShadowBytes;
+use super::{Known, Vector, flipped};
 use crate::broken::Broken;
 
-/// Returns the vectors whose columns are lit and then shadowed.
-pub(super) fn valid(known: &[Known]) -> Result<Vec<Vector>, Box<dyn Error>> {
-    let made = |Known { grid, dag }: &Known| {
-        let file = ShadowFile::new(grid.grid, grid.settings, depths_of(dag, grid.root_level)?);
-        let mut bytes = Vec::new();
-        file.write_to(&mut bytes)?;
-        Ok(Vector { name: format!("{}_depths", grid.name), bytes, answers: grid.answers() })
+/// Voxels as the converter asks for them.
+struct Masks<'g> {
+    size: [u32; 3],
+    lit: &'g Voxels,
+}
+
+impl LeafMasks for Masks<'_> {
+    fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    fn look_up(&self, x: u32, y: u32, z: u32) -> u64 {
+        (0..64).fold(0, |mask, bit| mask | u64::from((self.lit)(x + bit % 8, y + bit / 8, z)) << bit)
+    }
+
+    /// No block larger than a column is known to be uniform.
+    fn end_level(&self, _: u32, _: u32, _: u32) -> u32 {
+        0
+    }
+}
+
+/// Returns the vectors whose columns are lit and then shadowed, and those that only a quadtree can be made of.
+pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>, Box<dyn Error>> {
+    let small = known.iter().filter(|known| known.is_monotone()).map(|known| std::slice::from_ref(&known.grid));
+    small.chain(large.iter().map(Vec::as_slice)).map(vector).collect()
+}
+
+/// Returns the vector of these levels, the finest first.
+fn vector(levels: &[Grid]) -> Result<Vector, Box<dyn Error>> {
+    let tree = |grid: &Grid| {
+        let size = grid.grid.size;
+        depths_of(&Masks { size, lit: &grid.lit }, grid.root_level)
     };
-    known.iter().filter(|known| known.is_monotone()).map(made).collect()
+    let Some((finest, coarser)) = levels.split_first() else { return Err("a vector has a level".into()) };
+    let coarser: Vec<_> =
+        coarser.iter().map(|grid| Ok((grid.grid, tree(grid)?))).collect::<Result<_, Box<dyn Error>>>()?;
+    let file = ShadowFile::new(finest.grid, finest.settings, tree(finest)?).with_coarser(coarser);
+    Ok(Vector {
+        name: format!("{}_depths", finest.name),
+        bytes: file.to_bytes()?,
+        answers: finest.answers(),
+    })
+}
+
+fn bytes_of(name: &str, vectors: &[Vector]) -> Result<ShadowBytes, String> {
+    let vector = vectors.iter().find(|v| v.name == name).ok_or_else(|| format!("no vector {name}"))?;
+    Ok(ShadowBytes(vector.bytes.clone()))
 }
 
 /// Returns files with one fault each.
-pub(super) fn broken(valid: &[Vector], graphs: &[Vector]) -> Result<Vec<Broken>, Box<dyn Error>> {
+pub(super) fn broken(valid: &[Vector]) -> Result<Vec<Broken>, Box<dyn Error>> {
     let small = bytes_of("example_8_depths", valid)?;
-    let [sphere, cliff] = [bytes_of("sphere_depths", valid)?, bytes_of("cliff_depths", valid)?];
-    let files = Files { magic: "ADUMBRA", later: "version 4", small: small.clone(), full: cliff.clone() };
-    let mut all = files.broken();
-    let s = || small.clone();
-    let mut add = |name, error, names, bytes| all.push(Broken { name, error, fault: None, names, bytes });
-    // The layouts of earlier versions, whose headers are those of graph files.
-    let earlier = |name| bytes_of(name, graphs).map(|graph| graph.put(0, b"ADUMBRA\n").put_word(8, 3));
-    add("layout_plain", "Layout", "layout plain", earlier("example_8")?.sealed());
-    add("layout_packed", "Layout", "layout packed", earlier("example_8_packed")?.sealed());
-    add("layout_in_version_1", "HeaderField", "reserved", s().put_word(8, 1).sealed());
-    add("frame_in_version_2", "HeaderField", "reserved", s().put_word(8, 2).put_word(356, 1).sealed());
-
-    let (name, fault) = ("depths_root_level", Some("RootLevel"));
-    let bytes = s().put_word(36, 6).sealed();
-    all.push(Broken { name, error: "Depths", fault, names: "root level 6", bytes });
-    all.extend(flipped(
+    let many = bytes_of("many_pages_depths", valid)?;
+    let levels = bytes_of("levels_depths", valid)?;
+    let mut all = headers(&small, &levels);
+    all.extend(parts(&small, &many, &levels));
+    let flips = [bytes_of("sphere_depths", valid)?, bytes_of("cliff_depths", valid)?, many];
+    all.extend(flipped::flipped(
         "Depths",
-        &[sphere, cliff],
+        &flips,
         |bytes| ShadowFile::from_bytes(bytes).err()?.fault(),
         &[
-            ("depths_order", "Order", "which is not before it"),
-            ("depths_end", "End", "past the end of the code"),
-            ("depths_wide", "Wide", "refers to wide entry"),
+            ("depths_root", "Root", "neither in it nor in the common section"),
+            ("depths_order", "Order", "leads neither to an earlier shape"),
+            ("depths_end", "End", "extends past its end"),
             ("depths_bits", "Bits", "invalid bits"),
             ("depths_ranks", "Ranks", "above its last"),
         ],
     )?);
     Ok(all)
+}
+
+/// Faults of header and directory.
+fn headers(small: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
+    let (s, l) = (|| small.clone(), || levels.clone());
+    let nan = f64::NAN;
+    let mut all = Vec::new();
+    let mut add = |name, error, names, bytes| all.push(Broken { name, error, fault: None, names, bytes });
+
+    add("empty", "Truncated", "header", Vec::new());
+    add("magic", "Magic", "ADUMBRA", s().put(0, b"GIF89a\0\0").0);
+    add("copied_as_text", "Magic", "ADUMBRA", s().put(7, b"\r").0);
+    add("future_version", "FutureVersion", "version 5", s().put_word(8, 5).sealed());
+    add("version_0", "HeaderField", "version", s().put_word(8, 0).sealed());
+    add("version_3", "HeaderField", "version", s().put_word(8, 3).sealed());
+    add("header_length", "HeaderField", "header_bytes", s().put_word(12, 384).sealed());
+    add("cut_in_header", "Truncated", "header", s().cut(200).0);
+    add("header_damaged", "HeaderChecksum", "header", s().put_word(20, 16).0);
+    add("unknown_flag", "HeaderField", "flags", s().put_word(16, 1 << 5).sealed());
+    add("resolution_0", "HeaderField", "resolution", s().put_word(20, 0).sealed());
+    add("grids_0", "HeaderField", "grids", s().put_word(24, 0).sealed_header());
+    add("grids_9", "HeaderField", "grids", s().put_word(24, 9).sealed_header());
+    add("at_rest_unknown", "HeaderField", "at_rest", s().put_word(28, 7).sealed_header());
+    add("thickness_negative", "HeaderField", "thickness", s().put_f64(32, -0.1).sealed());
+    add("bias_infinite", "HeaderField", "bias", s().put_f64(48, f64::NEG_INFINITY).sealed());
+    add("bounds_without_flag", "HeaderField", "bounds", s().put_f64(64, 1.0).sealed());
+    add("bounds_inverted", "HeaderField", "bounds", s().put_word(16, 0x13).put_f64(64, 1.0).sealed());
+    add("reserved_of_header", "HeaderField", "reserved", s().put_word(200, 1).sealed());
+    add("file_bytes", "HeaderField", "file_bytes", s().put_word(136, 768).sealed());
+    add("file_bytes_small", "HeaderField", "file_bytes", s().put_word(136, 300).sealed());
+
+    // The first entry of the directory begins at byte 256, the second at 512.
+    let grid = |at: usize| 256 + at;
+    add("cut_in_directory", "Truncated", "directory", s().cut(300).0);
+    add("directory_damaged", "SectionChecksum", "directory", s().put_word(grid(4), 9).0);
+    add("more_grids_than_there_are", "Truncated", "directory", s().put_word(24, 8).put_word(136, 5000).sealed_header());
+    add("size_0", "HeaderField", "size", s().put_word(grid(4), 0).sealed());
+    add("level_of_first", "HeaderField", "level", s().put_word(grid(12), 1).sealed());
+    add("level_twice", "HeaderField", "level", l().put_word(512 + 12, 0).sealed());
+    add("voxel_size_0", "HeaderField", "voxel_size", s().put_f64(grid(16), 0.0).sealed());
+    add("voxel_size_infinite", "HeaderField", "voxel_size", s().put_f64(grid(16), f64::INFINITY).sealed());
+    add("voxel_size_of_level", "HeaderField", "voxel_size", l().put_f64(512 + 16, 3.0).sealed());
+    add("sun_not_unit", "HeaderField", "sun", s().put_f64(grid(32), 1.001).sealed());
+    add("sun_below", "HeaderField", "sun", s().put_f64(grid(32), -1.0).sealed());
+    add("corner_nan", "HeaderField", "corner", s().put_f64(grid(48), nan).sealed());
+    add("frame_unknown", "HeaderField", "frame", s().put_word(grid(144), 2).sealed());
+    add("reserved_after_frame", "HeaderField", "reserved", s().put_word(grid(148), 2).sealed());
+    add("yaw_of_light", "HeaderField", "yaw", s().put_f64(grid(152), 0.5).sealed());
+    add("yaw_nan", "HeaderField", "yaw", s().put_word(grid(144), 1).put_f64(grid(152), nan).sealed());
+    let turned = s().put_word(grid(144), 1).put_f64(grid(152), 0.5);
+    add("yaw_of_other_axes", "HeaderField", "axes", turned.sealed());
+    add("axes_skew", "HeaderField", "axes", s().put_f64(grid(80), 1e-6).sealed());
+    add("axes_left_handed", "HeaderField", "axes", s().put_f64(grid(72), -1.0).sealed());
+    add("reserved_of_grid", "HeaderField", "reserved", s().put_word(grid(252), 1).sealed());
+    add("checksum_of_bundles", "HeaderField", "checksum", s().put_word(grid(224), 1).sealed_front());
+    all
+}
+
+/// Faults of the parts behind the directory.
+fn parts(small: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
+    let (s, m, l) = (|| small.clone(), || many.clone(), || levels.clone());
+    let grid = |at: usize| 256 + at;
+    let damaged = |at: usize| m().put(at, &[many.0[at] ^ 0x5A]).0;
+    let mut all = Vec::new();
+    let mut add = |name, error, names, bytes| all.push(Broken { name, error, fault: None, names, bytes });
+
+    add("table_offset", "SectionBounds", "table", s().put_word(grid(160), 0).sealed_front());
+    add("table_length", "SectionBounds", "table", s().put_word(grid(168), 48).sealed_front());
+    add("common_offset", "SectionBounds", "common section", s().put_word(grid(184), 384).sealed_front());
+    add("common_far_away", "SectionBounds", "common section", s().put_word(grid(188), 0x7FFF_FFFF).sealed_front());
+    add("bundles_offset", "SectionBounds", "bundles", s().put_word(grid(208), 512).sealed_front());
+    add("bundles_huge", "HeaderField", "file_bytes", s().put_word(grid(220), 0x1000_0000).sealed_front());
+    add("size_of_another", "SectionBounds", "table", s().put_word(grid(0), 8192).sealed_front());
+    add("cut_in_table", "Truncated", "table of level 0", m().cut(many.table(0) + 20).0);
+    add("cut_in_common", "Truncated", "common section of level 0", m().cut(many.common(0) + 5).0);
+    add("cut_last_byte", "Truncated", "bundles of level 0", m().cut(many.0.len() - 1).0);
+    add("goes_on", "TrailingBytes", "end", [s().0, vec![0]].concat());
+    add("table_damaged", "SectionChecksum", "table of level 0", damaged(many.table(0) + 20));
+    add("common_damaged", "SectionChecksum", "common section of level 0", damaged(many.common(0)));
+    add("bundle_damaged", "SectionChecksum", "bundle 0 of level 0", damaged(many.bundle(0, 0) + 200));
+    add("last_level_damaged", "SectionChecksum", "of level 2", {
+        let at = levels.common(2);
+        l().put(at, &[levels.0[at] ^ 1]).0
+    });
+    add("bundles_swapped", "SectionChecksum", "bundle 0 of level 0", m().swapped(0, 0, 1));
+    let table = many.table(0);
+    add("bundle_of_no_bytes", "Bundle", "bundle 0 of level 0", m().put_word(table, 0).sealed_front());
+    add("bundle_short", "Bundle", "bundle 0 of level 0", m().put_word(table, 100).put_word(table + 4, 100).sealed_front());
+    add("bundle_raw_length", "Bundle", "bundle 0 of level 0", m().put_word(table + 4, 4).sealed_front());
+    add("bundle_longer_than_all", "Bundle", "table of level 0", {
+        let longer = many.word(table) + 400;
+        m().put_word(table, longer).put_word(table + 4, longer).sealed_front()
+    });
+    add("table_flags", "HeaderField", "reserved", m().put_word(table + 20, 2).sealed());
+    let bundle = many.bundle(0, 0);
+    let words = many.word(bundle + 8);
+    add("page_longer_than_its_bundle", "Bundle", "words of pages", m().put_word(bundle + 8, words + 1).sealed());
+    add("page_outside_the_grid", "Bundle", "outside the grid", {
+        // The last slot of the last bundle.
+        let last = many.bundle(0, many.bundles(0) - 1);
+        m().put_word(last + 4 * 46, 5).sealed()
+    });
+    add("range_of_depths", "Bundle", "range of depths", m().put_word(table + 12, 0).sealed());
+    add("range_of_another", "Bundle", "range of depths", m().put_word(table + 20, 1 - many.word(table + 20)).sealed());
+    add("bytes_for_nothing", "Bundle", "one depth", s().uniform_with_bytes());
+    all
 }

@@ -71,7 +71,7 @@ impl OpacityTable {
             let reach = reach[axis] * size * (1.0 + REACH_ERROR) + error;
             corners *= 2.0 * reach + 4.0;
             window.reach[axis] = reach as f32;
-            window.span[axis] = (2.0 * window.reach[axis]) as u32 + 1;
+            window.span[axis] = ((2.0 * window.reach[axis]) as u32).saturating_add(1);
         }
         // Does not hold if it is not a number.
         (corners < TOO_MANY_CORNERS).then_some(window)

@@ -79,7 +79,7 @@ fn chain(file: &LightFile, [i, j, k]: [u32; 3]) -> usize {
         // The root. In a leaf its head, then its planes and differences.
         LightFile::Quadtree(file) => {
             let end = file.tree.end_level(i, j);
-            1 + 2 * below(file.tree.root_level, end, 2) + if end == 0 { 2 } else { 0 }
+            1 + 2 * below(file.tree.root_level(), end, 2) + if end == 0 { 2 } else { 0 }
         }
         LightFile::Graph { graph, .. } => {
             let end = graph.body.leaf_masks().end_level(i, j, k);

@@ -98,7 +98,7 @@ impl TreeFile {
         // An offset within `rest` fits `usize`.
         let Some((before, after)) = rest.split_at_checked(body.offset as usize).filter(|_| needed <= have)
         else {
-            return Err(FormatError::Truncated { what: SECTIONS[BODY], needed, have }.into());
+            return Err(FormatError::Truncated { what: SECTIONS[BODY].into(), needed, have }.into());
         };
         let mut whole = Vec::with_capacity(rest.len() + words.len() * 4);
         whole.extend_from_slice(before);

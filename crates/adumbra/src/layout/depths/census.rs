@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use crate::layout::Composition;
 use crate::layout::depths::code::{Child, LeafHead};
+use crate::layout::depths::page::PAGE_LEVEL;
 use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
 
 /// Bytes of a quadtree of depths by kind, and the number of its shapes.
@@ -19,10 +20,10 @@ pub struct Census {
     pub leaves_by_planes: [u64; 7],
     /// Number of leaves with a gradient.
     pub slanted_leaves: u64,
-    /// Bytes of the addresses and bases of roots.
+    /// Bytes of the addresses and bases of the blocks at which look-ups begin.
     pub top_bytes: u64,
-    /// Bytes of the wide entries.
-    pub wide_bytes: u64,
+    /// Bytes of the common section.
+    pub common_bytes: u64,
     /// Bytes of the heads of nodes.
     pub head_bytes: u64,
     /// Bytes of the pointers and differences of nodes.
@@ -34,33 +35,34 @@ pub struct Census {
 }
 
 impl DepthTree {
-    /// Returns the breakdown of the bytes in the terms of a graph: wide entries count as top grid, and contours and
-    /// depths of leaves as leaf masks. The words must be valid.
+    /// Returns the breakdown of the bytes in the terms of a graph: contours and
+    /// depths of leaves count as leaf masks.
     pub fn composition(&self) -> Composition {
         let census = self.census();
         Composition {
             nodes: census.nodes,
             leaf_masks: census.plane_bytes / 8,
-            top_bytes: census.top_bytes + census.wide_bytes,
+            top_bytes: census.top_bytes,
             header_bytes: census.head_bytes,
             pointer_bytes: census.field_bytes,
             leaf_mask_bytes: census.depth_bytes + census.plane_bytes,
         }
     }
 
-    /// Counts the shapes and their bytes. The words must be valid. Cost: one pass, and a set of all addresses.
+    /// Counts the shapes and their bytes. Cost: one pass, and a set of all addresses.
     pub fn census(&self) -> Census {
         let mut census = Census {
-            top_bytes: 8 * self.top.len() as u64,
-            wide_bytes: 8 * self.wide.len() as u64,
+            top_bytes: 8 * self.top().len() as u64,
+            common_bytes: 4 * self.common_words as u64,
             ..Census::default()
         };
         let code = self.shapes();
         let mut seen = HashSet::new();
-        let mut open: Vec<_> =
-            self.top.iter().filter(|r| r[0] != UNIFORM).map(|r| (r[0], self.root_level)).collect();
+        let [across, down] = self.page_dims;
+        let roots = (0..down).flat_map(|y| (0..across).map(move |x| self.root([x, y])[0]));
+        let mut open: Vec<_> = roots.filter(|&at| at != UNIFORM).map(|at| (at, PAGE_LEVEL)).collect();
         while let Some((at, level)) = open.pop() {
-            if !seen.insert(at) {
+            if !seen.insert((at, level)) {
                 continue;
             }
             if level == LEAF_LEVEL {

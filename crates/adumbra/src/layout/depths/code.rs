@@ -3,8 +3,12 @@
 use crate::layout::depths::slant::Slant;
 use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
-/// Near pointers below this value are absolute addresses. The others have this bit set and are relative.
+/// Near pointers below this value are addresses in the common section. The others have this bit set and are relative.
 pub const NEAR: u32 = 1 << 15;
+/// Far pointers below this value are addresses in the common section. The others have this bit set and are relative.
+pub const FAR: u32 = 1 << 31;
+/// In place of the near pointer of a child with a wide difference: the child has no shape.
+pub const NO_SHAPE: u32 = NEAR;
 
 /// Bit of a leaf's first half-word: the last depth is [`NEVER`].
 pub const LEAF_NEVER: u32 = 1 << 6;
@@ -40,7 +44,15 @@ pub enum Child {
         at: u32,
         /// Difference that is added to the base, wrapping.
         delta: u32,
+        /// Whether the pointer counts back from the node. Otherwise it is an address in the common section.
+        is_relative: bool,
     },
+}
+
+impl Child {
+    fn shape((at, is_relative): (u32, bool), delta: u32) -> Self {
+        Self::Shape { at, delta, is_relative }
+    }
 }
 
 /// The first half-word of a leaf, which determines the sizes of its parts.
@@ -96,10 +108,8 @@ impl LeafHead {
 /// Words that contain shapes.
 #[derive(Clone, Copy)]
 pub struct Code<'c> {
-    /// Half-words, two per word.
+    /// Half-words, two per word: the common section, then pages.
     pub words: &'c [u32],
-    /// Differences that need more than 16 bits, each with an address.
-    pub wide: &'c [[u32; 2]],
 }
 
 impl<'c> Code<'c> {
@@ -126,21 +136,24 @@ impl<'c> Code<'c> {
         match (high >> child & 1, low >> child & 1, kind >> child & 1) {
             (0, 0, 0) => Child::Uniform(0),
             (0, 0, _) => Child::Never,
-            (0, _, 0) => Child::Shape { at: self.near(at, field), delta: 0 },
+            (0, _, 0) => Child::shape(self.near(at, field), 0),
             (0, ..) => Child::Uniform(delta(field)),
-            (_, 0, 0) => Child::Shape { at: self.two_halves(field), delta: 0 },
-            (_, 0, _) => Child::Shape { at: self.near(at, field + 1), delta: delta(field) },
-            (_, _, 0) => Child::Shape { at: self.two_halves(field + 1), delta: delta(field) },
-            _ => match self.wide[self.two_halves(field) as usize] {
-                [delta, UNIFORM] => Child::Uniform(delta),
-                [delta, at] => Child::Shape { at, delta },
-            },
+            (_, 0, 0) => Child::shape(self.far(at, field), 0),
+            (_, 0, _) => Child::shape(self.near(at, field + 1), delta(field)),
+            (_, _, 0) => Child::shape(self.far(at, field + 1), delta(field)),
+            _ if self.half(field + 2) == NO_SHAPE => Child::Uniform(self.two_halves(field)),
+            _ => Child::shape(self.near(at, field + 2), self.two_halves(field)),
         }
     }
 
-    fn near(self, from: u32, field: u32) -> u32 {
+    fn near(self, from: u32, field: u32) -> (u32, bool) {
         let half = self.half(field);
-        if half & NEAR == 0 { half } else { from.wrapping_sub(half & (NEAR - 1)) }
+        if half & NEAR == 0 { (half, false) } else { (from.wrapping_sub(half & (NEAR - 1)), true) }
+    }
+
+    fn far(self, from: u32, field: u32) -> (u32, bool) {
+        let far = self.two_halves(field);
+        if far & FAR == 0 { (far, false) } else { (from.wrapping_sub(far & (FAR - 1)), true) }
     }
 
     /// Descends from a root of `level` to the block or leaf that contains a column. Returns it with its level.
@@ -153,7 +166,7 @@ impl<'c> Code<'c> {
             match self.child(at, (j >> level & 3) << 2 | i >> level & 3) {
                 Child::Never => return (Place::Uniform(NEVER), level),
                 Child::Uniform(delta) => return (Place::Uniform(base.wrapping_add(delta)), level),
-                Child::Shape { at: next, delta } => {
+                Child::Shape { at: next, delta, .. } => {
                     at = next;
                     base = base.wrapping_add(delta);
                 }
@@ -219,6 +232,18 @@ impl LeafCode<'_> {
         let farthest =
             if self.head.never { NEVER } else { (0..self.head.differences()).fold(self.base, deepest) };
         [nearest, farthest]
+    }
+
+    /// Whether columns of the last rank never switch.
+    pub(crate) fn has_never(self) -> bool {
+        self.head.never
+    }
+
+    /// Returns by how much columns switch at most nearer to the sun than the base, and deeper, without those that never
+    /// switch.
+    pub(crate) fn reach(self) -> [i64; 2] {
+        let differences = (0..self.head.differences()).map(|index| i64::from(self.difference(index)));
+        [i64::from(self.slant.largest_rise()), differences.sum()]
     }
 
     /// Returns [`LeafCode::value`] of every column.

@@ -10,17 +10,15 @@
 //!
 //! # Words
 //! `code` is a sequence of half-words of 16 bits, two per word, the lower first. A *shape* begins at a half-word, its
-//! address. It has no depth of its own, but receives a *base* depth. The shapes that it points to come before it. A
-//! root spans 2^root_level columns along each side, where root_level is 5, 7 or 9.
+//! address. It has no depth of its own, but receives a *base* depth. The shapes that it points to come before it.
 //!
-//! | part | words | meaning |
-//! |---|---|---|
-//! | top | 2 per root, x fastest | address, or [`UNIFORM`]; base, or [`NEVER`] |
-//! | wide | 2 each | delta that does not fit a half-word, 32 bits, two's complement; address, or [`UNIFORM`] |
-//! | code | | shapes: nodes at levels above 3, leaves at level 3 |
+//! The code has parts: first the *common section*, then *pages*. A page is what lies below one root, 512 × 512 columns.
+//! Its shapes point to each other by distance, and to shapes of the common section by address, so a page means the same
+//! wherever its words are. What several pages need is in the common section.
 //!
-//! A node of level n has 4 × 4 children of level n − 2, with index `y·4 + x`. Its first three half-words have one bit
-//! per child. The fields that these bits call for follow in the children's order.
+//! A node of level n has 4 × 4 children of level n − 2, with index `y·4 + x`. The root of a page has level 9, leaves have
+//! level 3. A node's first three half-words have one bit per child. The fields that these bits call for follow in the
+//! children's order.
 //!
 //! | size (half-words 0 and 1) | kind (half-word 2) | fields | child |
 //! |---|---|---|---|
@@ -31,11 +29,13 @@
 //! | 2 | 0 | far | a shape, same base |
 //! | 2 | 1 | delta, near | a shape, base + delta |
 //! | 3 | 0 | delta, far | a shape, base + delta |
-//! | 3 | 1 | index, lower half first; 0 | entry of `wide`: a shape or a switch, base + its delta |
+//! | 3 | 1 | wide, near | base + wide: a shape, or a switch if near is `0x8000` |
 //!
-//! *near*: an address below 2^15, or bit 15 = 1 and bits 14..0 = number of half-words from the shape's address back to
-//! it. *far*: an address, lower half first. *delta*: two's complement.
+//! *near*: an address in the common section below 2^15, or bit 15 = 1 and bits 14..0 = number of half-words from the
+//! node's address back to the shape. *far*: two half-words, lower first: an address in the common section, or bit 31 = 1
+//! and bits 30..0 as in near. *delta*: two's complement. *wide*: two half-words, lower first.
 //!
+//! # Leaves
 //! A leaf has n = 1 to 64 different depths v0 < v1 < …, of which the last may be [`NEVER`]; v0 is the base. A *slanted*
 //! leaf has parallel planes instead of depths. Their gradient is gx and gy quarters of a voxel per column, and the
 //! stored depths are those at the deepest corner of each plane. Column (x, y) then switches nearer to the sun by
@@ -56,13 +56,19 @@
 
 mod census;
 pub mod code;
+pub mod page;
+mod ranges;
 pub mod slant;
+mod top;
 mod validate;
 
 pub use census::Census;
-pub use validate::DepthsError;
+pub use ranges::{Range, Ranges};
+pub use validate::{DepthsError, Part};
 
 use code::{Code, Place};
+use page::{BUNDLE_PAGES, IN_PAGE, Page};
+use top::Top;
 
 /// Depth of a column that never switches, that is, one that is lit to its end.
 pub const NEVER: u32 = u32::MAX;
@@ -73,23 +79,86 @@ pub const LEAF_LEVEL: u32 = 3;
 /// Number of levels from a node to its children.
 pub const NODE_LEVELS: u32 = 2;
 
-/// A complete quadtree of switch depths.
+/// A complete quadtree of switch depths. Every look-up in it ends with a valid result.
 ///
 /// A look-up of a leaf mask costs one step per two levels above 3, then one step per depth of the leaf.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DepthTree {
-    /// Number of voxels along x, y, z.
-    pub size: [u32; 3],
-    /// A root spans 2^root_level columns along each side: 5, 7 or 9.
-    pub root_level: u32,
-    /// Number of roots along x, y: `ceil(size / 2^root_level)`.
-    pub top_dims: [u32; 2],
-    /// Address and base of each root, x fastest.
-    pub top: Vec<[u32; 2]>,
-    /// Differences of depth that need more than 16 bits, each with the address of its shape, or [`UNIFORM`].
-    pub wide: Vec<[u32; 2]>,
-    /// Half-words of all shapes, two per word.
-    pub code: Vec<u32>,
+    size: [u32; 3],
+    page_dims: [u32; 2],
+    /// Number of words of the common section, with which the code begins.
+    common_words: usize,
+    /// The pages, x fastest.
+    places: Vec<PlacedPage>,
+    code: Vec<u32>,
+    top: Top,
+}
+
+/// A page of a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct PlacedPage {
+    /// As in [`Page`].
+    root: u32,
+    base: u32,
+    /// Index of the page's first word in the code.
+    first_word: usize,
+    words: usize,
+}
+
+/// A tree whose pages are added bundle by bundle.
+#[derive(Debug)]
+pub struct TreeBuilder {
+    tree: DepthTree,
+}
+
+impl TreeBuilder {
+    /// Begins a tree of `size` voxels along x, y, z with the words of its common section. Pages are outside the grid
+    /// until they are added.
+    pub fn new(size: [u32; 3], common: Vec<u32>) -> Self {
+        let page_dims = page::page_dims(size);
+        let pages = page_dims.iter().map(|&n| n as usize).product();
+        let outside = PlacedPage { root: UNIFORM, base: NEVER, first_word: common.len(), words: 0 };
+        let tree = DepthTree {
+            size,
+            page_dims,
+            common_words: common.len(),
+            places: vec![outside; pages],
+            code: common,
+            top: Top::default(),
+        };
+        Self { tree }
+    }
+
+    /// Makes room for this many words of pages.
+    pub fn reserve(&mut self, words: usize) {
+        self.tree.code.reserve_exact(words);
+    }
+
+    /// Adds the pages of the bundle at this place. Those outside the grid are ignored.
+    pub fn add(&mut self, bundle: [u32; 2], pages: &[Page<'_>; BUNDLE_PAGES]) {
+        let dims = self.tree.page_dims;
+        for (place, page) in page::pages_of(bundle, dims).into_iter().zip(pages) {
+            let Some([x, y]) = place else { continue };
+            let Page { root, base, words } = *page;
+            let first_word = self.tree.code.len();
+            self.tree.code.extend_from_slice(words);
+            self.tree.places[(y * dims[0] + x) as usize] =
+                PlacedPage { root, base, first_word, words: words.len() };
+        }
+    }
+
+    /// Returns the tree, after checking that every look-up in it ends with a valid result.
+    ///
+    /// Cost: one pass over all shapes, and some 40 bytes of memory per shape of the common section and of one page.
+    ///
+    /// # Errors
+    /// Returns the first fault of a traversal from the roots down.
+    pub fn finish(self) -> Result<DepthTree, DepthsError> {
+        let mut tree = self.tree;
+        validate::validate(&tree)?;
+        tree.top = Top::of(&tree);
+        Ok(tree)
+    }
 }
 
 /// Bounds of the depths at which the columns of a block of 8 × 8 switch from lit to shadowed: voxel k of a column is lit
@@ -105,6 +174,66 @@ pub struct Switches {
 }
 
 impl DepthTree {
+    /// Returns the number of voxels along x, y, z.
+    pub fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    /// Returns the number of pages along x and y.
+    pub fn page_dims(&self) -> [u32; 2] {
+        self.page_dims
+    }
+
+    /// Returns the words of the common section, with which the code begins.
+    pub fn common(&self) -> &[u32] {
+        &self.code[..self.common_words]
+    }
+
+    /// Returns the page at this place along x and y, as it is in a file.
+    pub fn page(&self, [x, y]: [u32; 2]) -> Page<'_> {
+        let PlacedPage { root, base, first_word, words } =
+            self.places[(y * self.page_dims[0] + x) as usize];
+        Page { root, base, words: &self.code[first_word..][..words] }
+    }
+
+    /// Returns the pages of a bundle, as they are in a file.
+    pub fn bundle(&self, bundle: [u32; 2]) -> [Page<'_>; BUNDLE_PAGES] {
+        page::pages_of(bundle, self.page_dims)
+            .map(|place| place.map_or(Page::OUTSIDE, |place| self.page(place)))
+    }
+
+    /// Returns the level of the blocks at which look-ups begin: they span 2^level columns along each side. It is 5, 7 or
+    /// 9, the lowest for which the table of these blocks is small.
+    pub fn root_level(&self) -> u32 {
+        self.top.level
+    }
+
+    /// Returns the number of blocks at which look-ups begin along x and y: `ceil(size / 2^root_level)`.
+    pub fn top_dims(&self) -> [u32; 2] {
+        self.top.dims
+    }
+
+    /// Returns address in the code and base of each block at which look-ups begin, x fastest.
+    pub fn top(&self) -> &[[u32; 2]] {
+        &self.top.entries
+    }
+
+    /// Returns the half-words of all shapes, two per word: the common section, then the pages.
+    pub fn code(&self) -> &[u32] {
+        &self.code
+    }
+
+    /// Returns the address in the code, or [`UNIFORM`], and the base of the root of a page.
+    fn root(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        let page = self.places[(y * self.page_dims[0] + x) as usize];
+        let at = match page.root {
+            UNIFORM => UNIFORM,
+            root if root & IN_PAGE != 0 => 2 * page.first_word as u32 + (root & !IN_PAGE),
+            root => root,
+        };
+        [at, page.base]
+    }
+
     /// Returns the depth at which column (i, j) switches: voxel k is lit if k is less than it. [`NEVER`] if all voxels
     /// of the column are lit, and outside the grid.
     ///
@@ -116,26 +245,27 @@ impl DepthTree {
         }
     }
 
-    /// Returns the size of all words in bytes.
+    /// Returns the size in bytes of all words that look-ups read.
     pub fn bytes(&self) -> u64 {
-        8 * (self.top.len() + self.wide.len()) as u64 + 4 * self.code.len() as u64
+        8 * self.top.entries.len() as u64 + 4 * self.code.len() as u64
     }
 
     /// Returns a reader of the individual shapes.
     #[inline]
     pub fn shapes(&self) -> Code<'_> {
-        Code { words: &self.code, wide: &self.wide }
+        Code { words: &self.code }
     }
 
     /// Returns the block or leaf that contains a column, and its level.
     #[inline]
     pub fn place(&self, i: u32, j: u32) -> (Place, u32) {
-        let [x, y] = [i, j].map(|c| c >> self.root_level);
-        if x >= self.top_dims[0] || y >= self.top_dims[1] {
-            return (Place::Uniform(NEVER), self.root_level);
+        let Top { level, dims, entries } = &self.top;
+        let [x, y] = [i, j].map(|c| c >> level);
+        if x >= dims[0] || y >= dims[1] {
+            return (Place::Uniform(NEVER), *level);
         }
-        let [at, base] = self.top[(y * self.top_dims[0] + x) as usize];
-        self.shapes().descend(at, base, self.root_level, [i, j])
+        let [at, base] = entries[(y * dims[0] + x) as usize];
+        self.shapes().descend(at, base, *level, [i, j])
     }
 
     /// Returns whether voxel (i, j, k) is lit. The voxel must be in the grid.

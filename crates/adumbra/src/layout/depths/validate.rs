@@ -1,33 +1,39 @@
-//! Validates a quadtree from an untrusted source: every shape is within the code, every pointer leads to an earlier
-//! shape of the required level, and every column of a leaf has one of its depths.
+//! Validates a quadtree from an untrusted source: every shape is within its page or the common section, every pointer
+//! leads to an earlier shape of the same page or to one of the common section, and every column of a leaf has one of its
+//! depths.
 //!
 //! The levels at which an address has been validated are remembered, so the walk takes time linear in the half-words.
 //! Whether equal shapes were merged and whether all half-words are in use is not checked, since that affects the size
 //! and not the results.
 
-use crate::layout::depths::code::{Child, Code, LeafHead};
-use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
+use std::fmt;
 
-/// A structural fault of a quadtree of depths.
+use crate::layout::depths::code::{Child, Code, LeafHead};
+use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL};
+use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, PlacedPage, UNIFORM};
+
+/// A part of the code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The common section.
+    Common,
+    /// The page at this place along x and y.
+    Page([u32; 2]),
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Common => f.write_str("the common section"),
+            Self::Page([x, y]) => write!(f, "page ({x}, {y})"),
+        }
+    }
+}
+
+/// A structural fault of a quadtree of depths. Addresses count half-words from the beginning of their part.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthsError {
-    /// The root level is not one of those that a quadtree can have.
-    #[error("root level {root_level} is not 5, 7 or 9")]
-    RootLevel {
-        /// The root level found.
-        root_level: u32,
-    },
-    /// The number of roots does not match the size and the root level.
-    #[error("{found} roots in rows of {row}, but the size and the root level require {expected:?}")]
-    Roots {
-        /// Number of roots found.
-        found: usize,
-        /// Number of roots per row according to the quadtree.
-        row: u32,
-        /// Number of roots along x and y that follows from the size.
-        expected: [u32; 2],
-    },
     /// There are more words of code than addresses can address.
     #[error("{words} words of code, but addresses can reach at most {limit}")]
     TooLong {
@@ -36,35 +42,42 @@ pub enum DepthsError {
         /// The largest allowed number.
         limit: usize,
     },
-    /// A pointer does not lead to a place before the shape that contains it.
-    #[error("the shape at half-word {from} points to {to}, which is not before it")]
-    Order {
-        /// Address of the shape, or the end of the code for a root.
-        from: u32,
-        /// The pointer.
-        to: u32,
+    /// The root of a page is neither within the page nor within the common section.
+    #[error("the root of {page} is {root:#010x}, which is neither in it nor in the common section")]
+    Root {
+        /// The page.
+        page: Part,
+        /// The root as it is stored.
+        root: u32,
     },
-    /// A shape extends past the end of the code.
-    #[error("the shape of level {level} at half-word {at} extends past the end of the code")]
+    /// A pointer leads neither to a place before the shape that contains it, in the same part, nor from a page to the
+    /// common section.
+    #[error(
+        "the shape at half-word {at} of {part} has a pointer for child {child} that leads neither to an earlier shape of that part nor to the common section"
+    )]
+    Order {
+        /// The part of the shape.
+        part: Part,
+        /// Address of the shape.
+        at: u32,
+        /// The child.
+        child: u32,
+    },
+    /// A shape extends past the end of its part.
+    #[error("the shape of level {level} at half-word {at} of {part} extends past its end")]
     End {
+        /// The part of the shape.
+        part: Part,
         /// Address of the shape.
         at: u32,
         /// Level of the shape.
         level: u32,
     },
-    /// A node refers to an entry of `wide` that does not exist.
-    #[error("the node at half-word {at} refers to wide entry {index}, but there are only {count}")]
-    Wide {
-        /// Address of the node.
-        at: u32,
-        /// Index of the entry.
-        index: u32,
-        /// Number of entries.
-        count: usize,
-    },
     /// Bits are invalid, or a leaf has a single depth and is not slanted.
-    #[error("the shape of level {level} at half-word {at} has invalid bits: {half:#06x}")]
+    #[error("the shape of level {level} at half-word {at} of {part} has invalid bits: {half:#06x}")]
     Bits {
+        /// The part of the shape.
+        part: Part,
         /// Address of the shape.
         at: u32,
         /// Level of the shape.
@@ -73,8 +86,10 @@ pub enum DepthsError {
         half: u32,
     },
     /// A column of a leaf has a rank above the last one.
-    #[error("the leaf at half-word {at} gives column {column} a rank above its last, {last}")]
+    #[error("the leaf at half-word {at} of {part} gives column {column} a rank above its last, {last}")]
     Ranks {
+        /// The part of the leaf.
+        part: Part,
         /// Address of the leaf.
         at: u32,
         /// The column, y · 8 + x.
@@ -88,112 +103,137 @@ impl DepthsError {
     /// Returns the variant's name. It is stable across versions and is used by the test vectors.
     pub fn kind(&self) -> &'static str {
         match self {
-            Self::RootLevel { .. } => "RootLevel",
-            Self::Roots { .. } => "Roots",
             Self::TooLong { .. } => "TooLong",
+            Self::Root { .. } => "Root",
             Self::Order { .. } => "Order",
             Self::End { .. } => "End",
-            Self::Wide { .. } => "Wide",
             Self::Bits { .. } => "Bits",
             Self::Ranks { .. } => "Ranks",
         }
     }
 }
 
-impl DepthTree {
-    /// Checks that every look-up in the quadtree terminates with a valid result.
-    ///
-    /// Cost: one pass over all shapes, and one byte of memory per half-word.
-    ///
-    /// # Errors
-    /// Returns the first fault of a traversal from the roots down.
-    pub fn validate(&self) -> Result<(), DepthsError> {
-        let root_level = self.root_level;
-        if ![5, 7, 9].contains(&root_level) {
-            return Err(DepthsError::RootLevel { root_level });
-        }
-        let expected = [self.size[0], self.size[1]].map(|n| n.div_ceil(1 << root_level));
-        let roots = u64::from(expected[0]) * u64::from(expected[1]);
-        if self.top_dims != expected || self.top.len() as u64 != roots {
-            return Err(DepthsError::Roots { found: self.top.len(), row: self.top_dims[0], expected });
-        }
-        let limit = (u32::MAX / 2) as usize;
-        if self.code.len() > limit {
-            return Err(DepthsError::TooLong { words: self.code.len(), limit });
-        }
-        let end = 2 * self.code.len() as u32;
-        let mut walk = Walk { code: self.shapes(), end, proved: vec![0; end as usize] };
-        for &[at, _] in self.top.iter().filter(|entry| entry[0] != UNIFORM) {
-            walk.pointer(end, at, root_level)?;
-        }
-        Ok(())
+/// Checks that every look-up in the quadtree ends with a valid result.
+pub(super) fn validate(tree: &DepthTree) -> Result<(), DepthsError> {
+    let limit = (u32::MAX / 2) as usize;
+    if tree.code.len() > limit {
+        return Err(DepthsError::TooLong { words: tree.code.len(), limit });
     }
+    let whole = Code { words: &tree.code };
+    let mut common = Walk::new(whole, Part::Common, 0, tree.common_words);
+    let mut proved = Vec::new();
+    let across = tree.page_dims[0];
+    for (i, page) in (0_u32..).zip(&tree.places) {
+        let PlacedPage { root, first_word, words, .. } = *page;
+        if root == UNIFORM {
+            continue;
+        }
+        let part = Part::Page([i % across, i / across]);
+        let unfit = DepthsError::Root { page: part, root };
+        if root & IN_PAGE == 0 {
+            if root >= common.end {
+                return Err(unfit);
+            }
+            common.shape(None, root, PAGE_LEVEL)?;
+            continue;
+        }
+        let mut walk = Walk::new(whole, part, first_word, words);
+        walk.proved = proved;
+        walk.proved.clear();
+        walk.proved.resize(2 * words, 0);
+        let at = walk.start.checked_add(root & !IN_PAGE).filter(|&at| at < walk.end).ok_or(unfit)?;
+        walk.shape(Some(&mut common), at, PAGE_LEVEL)?;
+        proved = walk.proved;
+    }
+    Ok(())
 }
 
+/// Walks through a part of the code.
 struct Walk<'c> {
+    /// The whole code.
     code: Code<'c>,
-    /// Number of half-words.
+    part: Part,
+    /// First half-word of the part, and the one after its last.
+    start: u32,
     end: u32,
-    /// For each address, the levels at which it has been validated, one bit per level.
+    /// For each half-word of the part, the levels at which it has been validated, one bit per level.
     proved: Vec<u8>,
 }
 
-impl Walk<'_> {
-    fn pointer(&mut self, from: u32, to: u32, level: u32) -> Result<(), DepthsError> {
-        if to >= from {
-            return Err(DepthsError::Order { from, to });
-        }
+impl<'c> Walk<'c> {
+    fn new(code: Code<'c>, part: Part, first_word: usize, words: usize) -> Self {
+        let (start, end) = (2 * first_word as u32, 2 * (first_word + words) as u32);
+        let proved = if part == Part::Common { vec![0; 2 * words] } else { Vec::new() };
+        Self { code, part, start, end, proved }
+    }
+
+    /// Validates the shape at an address within the part. `common` is the common section, unless the part is.
+    fn shape(&mut self, common: Option<&mut Walk<'_>>, at: u32, level: u32) -> Result<(), DepthsError> {
         let bit = 1 << ((level - LEAF_LEVEL) / NODE_LEVELS);
-        if self.proved[to as usize] & bit == 0 {
-            if level == LEAF_LEVEL { self.leaf(to) } else { self.node(to, level) }?;
-            self.proved[to as usize] |= bit;
+        let slot = (at - self.start) as usize;
+        if self.proved[slot] & bit == 0 {
+            if level == LEAF_LEVEL { self.leaf(at) } else { self.node(common, at, level) }?;
+            self.proved[slot] |= bit;
         }
         Ok(())
     }
 
     fn ends_within(&self, at: u32, length: u32, level: u32) -> Result<(), DepthsError> {
-        if length > self.end - at { Err(DepthsError::End { at, level }) } else { Ok(()) }
+        if length <= self.end - at {
+            return Ok(());
+        }
+        Err(DepthsError::End { part: self.part, at: at - self.start, level })
+    }
+
+    fn bits(&self, at: u32, level: u32, half: u32) -> DepthsError {
+        DepthsError::Bits { part: self.part, at: at - self.start, level, half }
     }
 
     fn leaf(&self, at: u32) -> Result<(), DepthsError> {
         let half = self.code.half(at);
         let head = LeafHead::new(half);
         if half >> 10 != 0 || head.width > 2 || (head.last == 0 && (head.never || !head.slanted)) {
-            return Err(DepthsError::Bits { at, level: LEAF_LEVEL, half });
+            return Err(self.bits(at, LEAF_LEVEL, half));
         }
         self.ends_within(at, head.length(), LEAF_LEVEL)?;
         let leaf = self.code.leaf(at, 0);
         if let Some(half) = leaf.padding().filter(|half| half >> 8 != 0) {
-            return Err(DepthsError::Bits { at, level: LEAF_LEVEL, half });
+            return Err(self.bits(at, LEAF_LEVEL, half));
         }
         match leaf.without_depth() {
             0 => Ok(()),
-            columns => Err(DepthsError::Ranks { at, column: columns.trailing_zeros(), last: head.last }),
+            columns => Err(DepthsError::Ranks {
+                part: self.part,
+                at: at - self.start,
+                column: columns.trailing_zeros(),
+                last: head.last,
+            }),
         }
     }
 
-    fn node(&mut self, at: u32, level: u32) -> Result<(), DepthsError> {
+    fn node(
+        &mut self,
+        mut common: Option<&mut Walk<'_>>,
+        at: u32,
+        level: u32,
+    ) -> Result<(), DepthsError> {
         self.ends_within(at, 3, level)?;
-        let [low, high, kind] = [0, 1, 2].map(|h| self.code.half(at + h));
+        let [low, high] = [0, 1].map(|h| self.code.half(at + h));
         self.ends_within(at, 3 + low.count_ones() + 2 * high.count_ones(), level)?;
-        let mut field = at + 3;
-        for c in 0..16 {
-            let size = (low >> c & 1) + 2 * (high >> c & 1);
-            if size == 3 && kind >> c & 1 == 1 {
-                let (index, zero) = (self.code.two_halves(field), self.code.half(field + 2));
-                let count = self.code.wide.len();
-                if index as usize >= count {
-                    return Err(DepthsError::Wide { at, index, count });
-                }
-                if zero != 0 {
-                    return Err(DepthsError::Bits { at, level, half: zero });
-                }
+        for child in 0..16 {
+            let Child::Shape { at: to, is_relative, .. } = self.code.child(at, child) else { continue };
+            let below = level - NODE_LEVELS;
+            match &mut common {
+                Some(common) if !is_relative && to < common.end => common.shape(None, to, below)?,
+                Some(_) if !is_relative => return Err(self.order(at, child)),
+                _ if to < self.start || to >= at => return Err(self.order(at, child)),
+                common => self.shape(common.as_deref_mut(), to, below)?,
             }
-            if let Child::Shape { at: to, .. } = self.code.child(at, c) {
-                self.pointer(at, to, level - NODE_LEVELS)?;
-            }
-            field += size;
         }
         Ok(())
+    }
+
+    fn order(&self, at: u32, child: u32) -> DepthsError {
+        DepthsError::Order { part: self.part, at: at - self.start, child }
     }
 }

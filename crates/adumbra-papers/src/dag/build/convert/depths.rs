@@ -36,12 +36,13 @@ pub fn depths_of(leaf_masks: &dyn LeafMasks, root_level: u32) -> Result<DepthTre
     let blocks = u128::from(nx.div_ceil(8)) * u128::from(ny.div_ceil(8));
     TooLarge::check("blocks of 8 x 8 columns", blocks, MAX_BLOCKS)?;
     let level = root_level.max(LEAF_LEVEL + NODE_LEVELS);
-    let sink = DepthsSink::in_memory(level, true);
     let size = leaf_masks.size();
+    let sink = DepthsSink::in_memory(size, level, true);
     let corners = |n: u32| (0..n).step_by(1 << level);
     let block = |(y, x)| block_of(leaf_masks, &sink, level, [x, y]);
     let blocks = corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| (y, x))).map(block).collect();
-    Ok(sink.finish(size, level, blocks))
+    // Nothing is on disk, and no depth is beyond a quadtree's.
+    sink.finish(blocks).tree().map_err(|_| TooLarge::words())
 }
 
 /// Builds the graph of the same voxels as `depths`, which must be valid. Cost: one visit to each shape below each
@@ -51,21 +52,21 @@ pub fn depths_of(leaf_masks: &dyn LeafMasks, root_level: u32) -> Result<DepthTre
 /// Returns [`TooLarge`] if a small input would expand too far: more than 2^24 root cubes, more than 2^31 voxels along
 /// the light, more than 2^24 shapes and 64 times as many as there are, or more than 2^30 bytes and 64 times its own.
 pub fn graph_of_depths(depths: &DepthTree) -> Result<Dag, TooLarge> {
-    TooLarge::check_roots(depths.size, depths.root_level)?;
+    TooLarge::check_roots(depths.size(), depths.root_level())?;
     let reader = Reader { depths };
     reader.check_shapes()?;
     let max_bytes = MIN_BYTES_LIMIT + MAX_GROWTH * depths.bytes();
-    let sink = GraphSink::new(depths.size, depths.root_level);
-    let dims = top_dims(depths.size, depths.root_level);
+    let sink = GraphSink::new(depths.size(), depths.root_level());
+    let dims = top_dims(depths.size(), depths.root_level());
     // The roots along the light of each distinct root of the depths, and for each column the index of its entry.
     let mut roots: Vec<Vec<NodeState>> = Vec::new();
     let mut known = HashMap::new();
-    let mut columns = Vec::with_capacity(depths.top.len());
-    for &[at, base] in &depths.top {
+    let mut columns = Vec::with_capacity(depths.top().len());
+    for &[at, base] in depths.top() {
         let column = *known.entry([at, base]).or_insert(roots.len());
         if column == roots.len() {
-            let runs = reader.blocks(&sink, at, base, depths.root_level);
-            roots.push(sink.roots(&runs, depths.root_level, dims[2]));
+            let runs = reader.blocks(&sink, at, base, depths.root_level());
+            roots.push(sink.roots(&runs, depths.root_level(), dims[2]));
             TooLarge::check("bytes of nodes", sink.store().graph_bytes().into(), max_bytes)?;
         }
         columns.push(column);
@@ -77,7 +78,7 @@ pub fn graph_of_depths(depths: &DepthTree) -> Result<Dag, TooLarge> {
         .flat_map(|z| columns.iter().map(move |&column| (column, z)))
         .map(|(column, z)| roots[column][z])
         .collect();
-    Ok(sink.into_store().finish(depths.size, depths.root_level, dims, &top))
+    Ok(sink.into_store().finish(depths.size(), depths.root_level(), dims, &top))
 }
 
 /// Traverses shapes.
@@ -91,10 +92,10 @@ impl Reader<'_> {
     fn check_shapes(&self) -> Result<(), TooLarge> {
         let mut known = HashMap::new();
         let roots: HashSet<[u32; 2]> =
-            self.depths.top.iter().filter(|root| root[0] != UNIFORM).copied().collect();
+            self.depths.top().iter().filter(|root| root[0] != UNIFORM).copied().collect();
         let visits = roots
             .iter()
-            .map(|&[at, _]| u128::from(self.visits(&mut known, at, self.depths.root_level)))
+            .map(|&[at, _]| u128::from(self.visits(&mut known, at, self.depths.root_level())))
             .sum();
         TooLarge::check("shapes", visits, MIN_SHAPES_LIMIT.max(MAX_GROWTH * known.len() as u64))
     }
@@ -132,7 +133,7 @@ impl Reader<'_> {
         let child = |c: u32| match shapes.child(at, c) {
             Child::Never => sink.uniform(below, self.interval(NEVER)),
             Child::Uniform(delta) => sink.uniform(below, self.interval(base.wrapping_add(delta))),
-            Child::Shape { at, delta } => self.blocks(sink, at, base.wrapping_add(delta), below),
+            Child::Shape { at, delta, .. } => self.blocks(sink, at, base.wrapping_add(delta), below),
         };
         let place =
             |quarter: u32, part: u32| ((quarter & 1) * 2 + (part & 1)) * 4 + (quarter >> 1) * 2 + (part >> 1);
@@ -142,7 +143,7 @@ impl Reader<'_> {
 
     /// Returns the `[e, x]` of a column that may switch at `value` only.
     fn interval(&self, value: u32) -> [u32; 2] {
-        if value >= self.depths.size[2] { [self.depths.size[2], FREE_TO_END] } else { [value; 2] }
+        if value >= self.depths.size()[2] { [self.depths.size()[2], FREE_TO_END] } else { [value; 2] }
     }
 }
 

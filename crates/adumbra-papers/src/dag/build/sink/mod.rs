@@ -17,8 +17,10 @@ use switches::{FOREVER, for_each_cube, roundest};
 /// Builds a [`Dag`] from blocks.
 pub struct GraphSink {
     store: NodeStore,
-    /// Voxels along the light. Everything behind is free.
-    depth: u32,
+    /// Number of voxels along x, y, z. Everything behind the last along the light is free.
+    size: [u32; 3],
+    /// Level of the root cubes.
+    level: u32,
     /// Number of root cubes.
     roots: u64,
 }
@@ -62,7 +64,7 @@ impl GraphSink {
     /// Creates a sink for a grid of `size` voxels along x, y, z, whose root cubes have `root_level`.
     pub fn new(size: [u32; 3], root_level: u32) -> Self {
         let roots = top_dims(size, root_level).iter().map(|&n| u64::from(n)).product();
-        Self { store: NodeStore::default(), depth: size[2], roots }
+        Self { store: NodeStore::default(), size, level: root_level, roots }
     }
 
     /// Returns the store that the nodes are in.
@@ -77,7 +79,7 @@ impl GraphSink {
 
     /// Returns the first `count` nodes of a root block.
     pub(super) fn roots(&self, runs: &Runs, level: u32, count: u32) -> Vec<NodeState> {
-        debug_assert!(count.saturating_sub(1) << level < self.depth.max(1));
+        debug_assert!(count.saturating_sub(1) << level < self.size[2].max(1));
         let mut cursor = Cursor { runs: &runs.0, at: 0 };
         (0..count).map(|z| cursor.state(z).state).collect()
     }
@@ -86,7 +88,7 @@ impl GraphSink {
     fn switch_at(&self, level: u32, depth: u32) -> Runs {
         let whole = depth >> level;
         let mut runs = Runs(Vec::with_capacity(3));
-        if depth >= self.depth {
+        if depth >= self.size[2] {
             runs.push(FOREVER, NodeState::Lit);
             return runs;
         }
@@ -129,7 +131,7 @@ impl BlockSink for GraphSink {
     #[inline(never)] // Counted by `cargo xtask count`.
     fn leaf(&self, columns: &BlockColumns) -> Runs {
         let mut runs = Runs(Vec::with_capacity(8));
-        for_each_cube(columns, self.depth, |end, masks| {
+        for_each_cube(columns, self.size[2], |end, masks| {
             let states = masks.map(|mask| self.store.leaf_mask(mask));
             runs.push(end, self.store.cube(&states));
         });
@@ -186,7 +188,8 @@ impl Structure for GraphSink {
         if self.store.is_full() { Err(Error::TooManyWords { what: "the graph" }) } else { Ok(()) }
     }
 
-    fn finish(self, size: [u32; 3], level: u32, blocks: Vec<Runs>) -> Dag {
+    fn finish(self, blocks: Vec<Runs>) -> Dag {
+        let (size, level) = (self.size, self.level);
         let dims = top_dims(size, level);
         let columns: Vec<_> = blocks.iter().map(|runs| self.roots(runs, level, dims[2])).collect();
         // x fastest, then y, then z.

@@ -1,0 +1,145 @@
+//! Links pages: chooses their common section, and writes each page again with pointers into it.
+
+use adumbra::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page, bundles, page_dims, pages_of};
+use adumbra::layout::depths::{DepthTree, NEVER, TreeBuilder, UNIFORM};
+use rayon::prelude::*;
+
+use super::common::Common;
+use super::layout::{Layout, Place};
+use super::shapes::Reader;
+use super::store::PageStore;
+use crate::error::{Error, Result};
+
+/// Number of bundles that are written at a time, on all threads.
+const BUNDLES_AT_A_TIME: usize = 64;
+
+/// All pages of a grid, each on its own.
+pub struct Pages {
+    pub(crate) size: [u32; 3],
+    /// Number in the store, or [`UNIFORM`], and base of each page, x fastest.
+    pub(crate) places: Vec<[u32; 2]>,
+    pub(crate) store: PageStore,
+    /// Whether equal shapes are stored once, in a page and in all.
+    pub(crate) merged: bool,
+}
+
+impl Pages {
+    /// Finds the common section.
+    ///
+    /// # Errors
+    /// Returns [`Error::Spill`] if pages could not be kept on disk.
+    pub(crate) fn link(self) -> Result<Linked> {
+        let numbers: Vec<u32> =
+            self.places.iter().map(|place| place[0]).filter(|&number| number != UNIFORM).collect();
+        let common = if self.merged { Common::of(&self.store, &numbers) } else { Common::default() };
+        self.store.spill().check()?;
+        Ok(Linked { pages: self, common })
+    }
+
+    /// Returns the bytes that linking needs besides the pages: hashes that are sorted, and what is written at a time.
+    pub(crate) fn link_bytes(store: &PageStore) -> u64 {
+        super::common::sorting_bytes(store) + store.halves() / 4
+    }
+
+    /// Links the pages to a tree in memory.
+    ///
+    /// # Errors
+    /// Returns [`Error::Spill`] if pages could not be kept on disk.
+    pub fn tree(self) -> Result<DepthTree> {
+        self.link()?.tree()
+    }
+}
+
+/// Pages and their common section.
+pub(crate) struct Linked {
+    pages: Pages,
+    common: Common,
+}
+
+/// A page with pointers into the common section.
+pub(crate) struct LinkedPage {
+    root: u32,
+    base: u32,
+    words: Vec<u32>,
+}
+
+impl LinkedPage {
+    fn as_page(&self) -> Page<'_> {
+        Page { root: self.root, base: self.base, words: &self.words }
+    }
+}
+
+/// The scratch memory of a worker.
+#[derive(Default)]
+struct Scratch {
+    reader: Reader,
+    places: Vec<Place>,
+}
+
+impl Linked {
+    /// Returns the words of the common section.
+    pub(crate) fn common(&self) -> &[u32] {
+        &self.common.words
+    }
+
+    /// Writes the bundles, on all threads, and frees their pages. `make` is called with a bundle's place and pages, and
+    /// `put` with what it returned, in order.
+    ///
+    /// # Errors
+    /// Returns the errors of `put`, and [`Error::Spill`] if pages could not be kept on disk.
+    pub(crate) fn for_each_bundle<T: Send>(
+        &self,
+        make: impl Fn([u32; 2], &[Page<'_>; BUNDLE_PAGES]) -> T + Sync,
+        mut put: impl FnMut([u32; 2], T) -> Result<()>,
+    ) -> Result<()> {
+        let dims = page_dims(self.pages.size);
+        for some in bundles(dims).chunks(BUNDLES_AT_A_TIME) {
+            let one = |scratch: &mut Scratch, &at: &[u32; 2]| {
+                let pages = pages_of(at, dims).map(|place| self.page(scratch, dims, place));
+                make(at, &pages.each_ref().map(LinkedPage::as_page))
+            };
+            let made: Vec<T> = some.par_iter().map_init(Scratch::default, one).collect();
+            self.pages.store.spill().check()?;
+            some.iter().zip(made).try_for_each(|(&at, made)| put(at, made))?;
+        }
+        Ok(())
+    }
+
+    fn page(&self, scratch: &mut Scratch, dims: [u32; 2], place: Option<[u32; 2]>) -> LinkedPage {
+        let at = |[x, y]: [u32; 2]| self.pages.places[(y * dims[0] + x) as usize];
+        let [number, base] = place.map_or([UNIFORM, NEVER], at);
+        let uniform = |base| LinkedPage { root: UNIFORM, base, words: Vec::new() };
+        if number == UNIFORM {
+            return uniform(base);
+        }
+        // A lost page is an error of the spill, which the caller looks for.
+        let Some((words, root)) = self.pages.store.get(number) else { return uniform(base) };
+        self.pages.store.forget(number);
+        let Scratch { reader, places } = scratch;
+        reader.read(&words, root, self.pages.merged);
+        let address = |index: usize| self.common.addresses.get(&reader.hashes[index]).copied();
+        let mut layout = Layout::page(&self.common.words);
+        layout.shapes(reader.shapes(), address, places);
+        let (root, words) = match places.last() {
+            Some(Place::Here(at)) => (IN_PAGE | at, layout.words()),
+            Some(Place::Common(at)) => (*at, Vec::new()),
+            None => unreachable!("a page has a root"),
+        };
+        LinkedPage { root, base, words }
+    }
+
+    /// Makes a tree in memory.
+    pub(crate) fn tree(self) -> Result<DepthTree> {
+        let mut builder = TreeBuilder::new(self.pages.size, self.common.words.clone());
+        let dims = page_dims(self.pages.size);
+        let owned = |_, pages: &[Page<'_>; BUNDLE_PAGES]| {
+            pages.map(|page| LinkedPage { root: page.root, base: page.base, words: page.words.to_vec() })
+        };
+        debug_assert_eq!(self.pages.places.len(), (dims[0] * dims[1]) as usize);
+        self.for_each_bundle(owned, |at, pages| {
+            builder.add(at, &pages.each_ref().map(LinkedPage::as_page));
+            Ok(())
+        })?;
+        builder.finish().map_err(|_| Error::TooManyWords { what: "the quadtree of depths" })
+    }
+}

@@ -1,0 +1,257 @@
+//! The shapes of a page as a list: drafted from blocks whose depths have been chosen, or read from the page's words.
+//!
+//! Shapes are in order of last visit: children come before their parents, and the root is last.
+
+use adumbra::layout::depths::code::{self, Code, LeafHead};
+use adumbra::layout::depths::page::PAGE_LEVEL;
+use adumbra::layout::depths::{LEAF_LEVEL, NODE_LEVELS};
+use super::layout::{Layout, Place};
+use adumbra_scene::random::mix;
+use hashbrown::HashTable;
+use xxhash_rust::xxh3::xxh3_128;
+
+/// A child of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Child {
+    /// All columns switch at the base plus this difference.
+    Uniform(u32),
+    /// No column switches.
+    Never,
+    /// A shape, by its index in the list.
+    Shape {
+        /// Difference between the shape's base and the node's, wrapping.
+        delta: u32,
+        index: u32,
+    },
+}
+
+/// The children of a node, in the order `y·4 + x`.
+pub(crate) type Children = [Child; 16];
+
+/// A shape of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// A leaf: where its half-words are.
+    Leaf { first: u32, length: u32 },
+    /// A node: its level, and the index of its children.
+    Node { level: u8, children: u32 },
+}
+
+impl Shape {
+    pub(super) fn level(self) -> u32 {
+        match self {
+            Self::Leaf { .. } => LEAF_LEVEL,
+            Self::Node { level, .. } => level.into(),
+        }
+    }
+}
+
+/// The shapes of a page.
+#[derive(Debug, Default)]
+pub(crate) struct Shapes {
+    pub(super) list: Vec<Shape>,
+    leaf_halves: Vec<u16>,
+    nodes: Vec<Children>,
+}
+
+impl Shapes {
+    pub(super) fn clear(&mut self) {
+        self.list.clear();
+        self.leaf_halves.clear();
+        self.nodes.clear();
+    }
+
+    pub(super) fn leaf(&self, first: u32, length: u32) -> &[u16] {
+        &self.leaf_halves[first as usize..][..length as usize]
+    }
+
+    pub(super) fn children(&self, index: u32) -> &Children {
+        &self.nodes[index as usize]
+    }
+
+    fn push_leaf(&mut self, halves: impl IntoIterator<Item = u16>) -> u32 {
+        let first = self.leaf_halves.len() as u32;
+        self.leaf_halves.extend(halves);
+        self.list.push(Shape::Leaf { first, length: self.leaf_halves.len() as u32 - first });
+        self.list.len() as u32 - 1
+    }
+
+    fn push_node(&mut self, children: Children, level: u32) -> u32 {
+        self.nodes.push(children);
+        self.list.push(Shape::Node { level: level as u8, children: self.nodes.len() as u32 - 1 });
+        self.list.len() as u32 - 1
+    }
+}
+
+/// Collects the shapes of a page from the leaves up.
+#[derive(Debug, Default)]
+pub(crate) struct Draft {
+    pub(super) shapes: Shapes,
+    /// Indices of the shapes in the list, by content.
+    table: HashTable<u32>,
+}
+
+impl Draft {
+    /// Begins another page.
+    pub(crate) fn clear(&mut self) {
+        self.shapes.clear();
+        self.table.clear();
+    }
+
+    /// Returns the index of a leaf with these half-words. `merged`: if there is one already, it is used again.
+    pub(crate) fn leaf(&mut self, halves: &[u16], merged: bool) -> u32 {
+        let is_same = |shapes: &Shapes, index: u32| match shapes.list[index as usize] {
+            Shape::Leaf { first, length } => shapes.leaf(first, length) == halves,
+            Shape::Node { .. } => false,
+        };
+        let add = |shapes: &mut Shapes| shapes.push_leaf(halves.iter().copied());
+        self.shape(hash_of_leaf(halves), merged, is_same, add)
+    }
+
+    /// Returns the index of a node with these children. See [`Draft::leaf`].
+    pub(crate) fn node(&mut self, children: &Children, level: u32, merged: bool) -> u32 {
+        let is_same = |shapes: &Shapes, index: u32| match shapes.list[index as usize] {
+            shape @ Shape::Node { children: found, .. } => {
+                shape.level() == level && shapes.children(found) == children
+            }
+            Shape::Leaf { .. } => false,
+        };
+        let add = |shapes: &mut Shapes| shapes.push_node(*children, level);
+        self.shape(hash_of_node(children, level), merged, is_same, add)
+    }
+
+    /// Returns the words of the page whose root was drafted last, and the root's address.
+    pub(crate) fn page(&self) -> (Vec<u32>, u32) {
+        let (mut layout, mut places) = (Layout::page(&[]), Vec::new());
+        layout.shapes(&self.shapes, |_| None, &mut places);
+        let root = match places.last() {
+            Some(Place::Here(at)) => *at,
+            Some(Place::Common(_)) | None => unreachable!("the root is in the page"),
+        };
+        (layout.words(), root)
+    }
+
+    fn shape(
+        &mut self,
+        hash: u64,
+        merged: bool,
+        is_same: impl Fn(&Shapes, u32) -> bool,
+        add: impl FnOnce(&mut Shapes) -> u32,
+    ) -> u32 {
+        let Self { shapes, table } = self;
+        if !merged {
+            return add(shapes);
+        }
+        let hash_of = |index: &u32| match shapes.list[*index as usize] {
+            Shape::Leaf { first, length } => hash_of_leaf(shapes.leaf(first, length)),
+            shape @ Shape::Node { children, .. } => hash_of_node(shapes.children(children), shape.level()),
+        };
+        let next = shapes.list.len() as u32;
+        let found = *table.entry(hash, |&index| is_same(shapes, index), hash_of).or_insert(next).get();
+        if found == next { add(shapes) } else { found }
+    }
+}
+
+fn hash_of_leaf(halves: &[u16]) -> u64 {
+    halves.chunks(4).fold(halves.len() as u64, |hash, four| {
+        mix(hash ^ four.iter().fold(0, |word, &half| word << 16 | u64::from(half)))
+    })
+}
+
+fn hash_of_node(children: &Children, level: u32) -> u64 {
+    children.iter().fold(level.into(), |hash, child| {
+        mix(hash
+            ^ match *child {
+                Child::Never => u64::MAX,
+                Child::Uniform(delta) => u64::from(delta),
+                Child::Shape { delta, index } => u64::from(index + 1) << 32 | u64::from(delta),
+            })
+    })
+}
+
+/// Reads the shapes of pages, and hashes them: equal shapes have equal hashes in every page.
+#[derive(Debug, Default)]
+pub(super) struct Reader {
+    draft: Draft,
+    /// The hash of each shape of the list, from its level and all that is below it.
+    pub(super) hashes: Vec<u128>,
+    /// For each half-word of the page, one more than the index of the shape that begins there.
+    places: Vec<u32>,
+    hashed: Vec<u8>,
+}
+
+impl Reader {
+    /// Reads a page without a common section, from its words and the address of its root. `merged`: equal shapes are
+    /// listed once.
+    pub(super) fn read(&mut self, words: &[u32], root: u32, merged: bool) {
+        self.draft.clear();
+        self.hashes.clear();
+        self.places.clear();
+        self.places.resize(2 * words.len(), 0);
+        self.shape(Code { words }, root, PAGE_LEVEL, merged);
+    }
+
+    pub(super) fn shapes(&self) -> &Shapes {
+        &self.draft.shapes
+    }
+
+    fn shape(&mut self, code: Code<'_>, at: u32, level: u32, merged: bool) -> u32 {
+        if let Some(known) = self.places[at as usize].checked_sub(1) {
+            return known;
+        }
+        let index = if level == LEAF_LEVEL {
+            self.leaf(code, at, merged)
+        } else {
+            let children = std::array::from_fn(|child| match code.child(at, child as u32) {
+                code::Child::Never => Child::Never,
+                code::Child::Uniform(delta) => Child::Uniform(delta),
+                code::Child::Shape { at, delta, .. } => {
+                    Child::Shape { delta, index: self.shape(code, at, level - NODE_LEVELS, merged) }
+                }
+            });
+            self.node(&children, level, merged)
+        };
+        self.places[at as usize] = index + 1;
+        index
+    }
+
+    fn leaf(&mut self, code: Code<'_>, at: u32, merged: bool) -> u32 {
+        let length = LeafHead::new(code.half(at)).length();
+        let halves: Vec<u16> = (at..at + length).map(|at| code.half(at) as u16).collect();
+        let index = self.draft.leaf(&halves, merged);
+        if index as usize == self.hashes.len() {
+            self.hashed.clear();
+            self.hashed.extend(halves.iter().flat_map(|half| half.to_le_bytes()));
+            self.add_hash(LEAF_LEVEL);
+        }
+        index
+    }
+
+    fn node(&mut self, children: &Children, level: u32, merged: bool) -> u32 {
+        let index = self.draft.node(children, level, merged);
+        if index as usize == self.hashes.len() {
+            self.hashed.clear();
+            for child in children {
+                match *child {
+                    Child::Never => self.hashed.push(0),
+                    Child::Uniform(delta) => {
+                        self.hashed.push(1);
+                        self.hashed.extend(delta.to_le_bytes());
+                    }
+                    Child::Shape { delta, index } => {
+                        self.hashed.push(2);
+                        self.hashed.extend(delta.to_le_bytes());
+                        self.hashed.extend(self.hashes[index as usize].to_le_bytes());
+                    }
+                }
+            }
+            self.add_hash(level);
+        }
+        index
+    }
+
+    fn add_hash(&mut self, level: u32) {
+        self.hashed.push(level as u8);
+        self.hashes.push(xxh3_128(&self.hashed));
+    }
+}

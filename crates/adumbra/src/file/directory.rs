@@ -1,0 +1,208 @@
+//! The directory: an entry of 256 bytes per grid, and where the grid's parts are in the file.
+//!
+//! The tables of all grids follow the directory, finest grid first. Then come common section and bundles of each grid,
+//! coarsest grid first, so that a reader that has the beginning of a file can already answer.
+
+use std::f64::consts::PI;
+
+use crate::error::FormatError;
+use crate::file::HEADER_BYTES;
+use crate::file::fields::{Decoder, Encoder, UNIT_TOLERANCE, check_finite, check_voxel_size, field, reserved, sun};
+use crate::file::sections::{Section, bounds};
+use crate::file::table::BUNDLE_ENTRY_BYTES;
+use crate::grid::vec3::{cross, dot};
+use crate::grid::{Frame, LightGrid};
+use crate::layout::depths::page::{bundle_count, page_dims};
+
+/// Size of a directory entry in bytes.
+pub const GRID_BYTES: usize = 256;
+/// A level has voxels this many times as large as those of the level before it.
+pub const LEVEL_STEP: u32 = 4;
+
+/// Values of the field `frame`.
+const LIGHT_FRAME: u32 = 0;
+const OBLIQUE_FRAME: u32 = 1;
+
+/// A directory entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridEntry {
+    /// Placement of the voxels in the world.
+    pub grid: LightGrid,
+    /// The page table.
+    pub table: Section,
+    /// The common section.
+    pub common: Section,
+    /// The bundles, one after the other. Each has a checksum of its own, in the table.
+    pub bundles: Section,
+}
+
+impl GridEntry {
+    /// Encodes the entry.
+    pub(super) fn encode(&self, level: u32) -> [u8; GRID_BYTES] {
+        let grid = &self.grid;
+        let mut out = Encoder::<GRID_BYTES>::blank();
+        out.u32s(&grid.size);
+        out.u32s(&[level]);
+        out.f64s(&[grid.voxel_size]);
+        out.f64s(&grid.sun.towards());
+        out.f64s(&grid.corner);
+        out.f64s(grid.axes.as_flattened());
+        let (frame, yaw_radians) = match grid.frame {
+            Frame::Light => (LIGHT_FRAME, 0.0),
+            Frame::Oblique { yaw_radians } => (OBLIQUE_FRAME, yaw_radians),
+        };
+        out.u32s(&[frame, 0]);
+        out.f64s(&[yaw_radians]);
+        out.sections(&[self.table, self.common, self.bundles]);
+        out.bytes()
+    }
+
+    fn parse(bytes: &[u8], level: u32) -> Result<Self, FormatError> {
+        let mut fields = Decoder { bytes };
+        let size = fields.u32s()?;
+        let found_level = fields.u32()?;
+        let voxel_size = fields.f64()?;
+        let towards = fields.f64s()?;
+        let corner = fields.f64s()?;
+        let axes = [fields.f64s()?, fields.f64s()?, fields.f64s()?];
+        let frame_number = fields.u32()?;
+        reserved("reserved word of a grid", fields.u32()?)?;
+        let [yaw_radians] = fields.f64s()?;
+        let [table, common, bundles] = fields.sections()?;
+        fields.end("reserved words of a grid")?;
+        if found_level != level {
+            return Err(field("level", found_level.to_string(), level.to_string()));
+        }
+        reserved("checksum of all bundles", bundles.checksum)?;
+        let sun = sun(towards)?;
+        let frame = frame(frame_number, yaw_radians)?;
+        let edges = frame.edges(&sun, &axes);
+        let grid = LightGrid { sun, frame, voxel_size, corner, axes, edges, size };
+        Ok(Self { grid, table, common, bundles })
+    }
+}
+
+/// Returns the length in bytes of a directory of this many grids.
+pub(super) fn directory_bytes(grids: u32) -> usize {
+    grids as usize * GRID_BYTES
+}
+
+/// Reads and checks a directory. `file_bytes` is the header's.
+pub(super) fn parse(bytes: &[u8], file_bytes: u64) -> Result<Vec<GridEntry>, FormatError> {
+    let entries = (0..).zip(bytes.chunks_exact(GRID_BYTES)).map(|(level, b)| GridEntry::parse(b, level));
+    let entries: Vec<GridEntry> = entries.collect::<Result<_, _>>()?;
+    check_grids(&entries)?;
+    check_places(&entries, file_bytes)?;
+    Ok(entries)
+}
+
+/// Checks the placement of all grids.
+pub(super) fn check_grids(entries: &[GridEntry]) -> Result<(), FormatError> {
+    let mut expected_voxel = None;
+    for entry in entries {
+        let grid = &entry.grid;
+        check_grid(grid)?;
+        let first = &entries[0].grid;
+        if grid.sun != first.sun || grid.frame != first.frame {
+            return Err(field("sun", format!("{:?}, {:?}", grid.sun, grid.frame), "that of the first grid"));
+        }
+        let voxel = expected_voxel.unwrap_or(grid.voxel_size);
+        if grid.voxel_size != voxel {
+            return Err(field("voxel_size", grid.voxel_size.to_string(), voxel.to_string()));
+        }
+        expected_voxel = Some(voxel * f64::from(LEVEL_STEP));
+    }
+    Ok(())
+}
+
+/// Returns the length of a grid's table in bytes.
+pub(super) fn table_bytes(size: [u32; 3]) -> u64 {
+    bundle_count(page_dims(size)) * BUNDLE_ENTRY_BYTES as u64
+}
+
+/// Sets all offsets from the lengths of common sections and bundles. Returns the length of the file.
+pub(super) fn place(entries: &mut [GridEntry]) -> u64 {
+    let mut end = HEADER_BYTES as u64 + directory_bytes(entries.len() as u32) as u64;
+    let mut put = |section: &mut Section| {
+        section.offset = end;
+        end = section.end();
+    };
+    for entry in entries.iter_mut() {
+        entry.table.length = table_bytes(entry.grid.size);
+        put(&mut entry.table);
+    }
+    for entry in entries.iter_mut().rev() {
+        put(&mut entry.common);
+        put(&mut entry.bundles);
+    }
+    end
+}
+
+/// Checks that every part begins where the parts before it end, and that the file ends with the last one.
+fn check_places(entries: &[GridEntry], file_bytes: u64) -> Result<(), FormatError> {
+    let mut expected = entries.to_vec();
+    let end = place(&mut expected);
+    for (level, (found, expected)) in entries.iter().zip(&expected).enumerate() {
+        let parts = [
+            ("table", found.table, expected.table),
+            ("common section", found.common, expected.common),
+            ("bundles", found.bundles, expected.bundles),
+        ];
+        for (what, found, expected) in parts {
+            let fields =
+                [("offset", found.offset, expected.offset), ("length", found.length, expected.length)];
+            if let Some((name, value, expected)) = fields.into_iter().find(|(_, a, b)| a != b) {
+                return Err(bounds(format!("{what} of level {level}"), name, value, expected.to_string()));
+            }
+        }
+    }
+    if end != file_bytes {
+        return Err(field("file_bytes", file_bytes.to_string(), end.to_string()));
+    }
+    Ok(())
+}
+
+fn check_grid(grid: &LightGrid) -> Result<(), FormatError> {
+    if grid.size.contains(&0) {
+        return Err(field("size", format!("{:?}", grid.size), "at least 1 along each axis"));
+    }
+    check_voxel_size(grid.voxel_size)?;
+    check_finite("corner", &grid.corner, grid.corner)?;
+    let expected = match grid.frame {
+        Frame::Light if !is_along_light(grid) => "orthonormal and right-handed, the third away from the sun",
+        Frame::Oblique { .. } if !is_upright(grid) => "those of the oblique frame for this sun and yaw",
+        _ => return Ok(()),
+    };
+    Err(field("axes", format!("{:?}", grid.axes), expected))
+}
+
+// Both are written so that a NaN anywhere fails.
+
+fn is_along_light(grid: &LightGrid) -> bool {
+    let [x, y, z] = grid.axes;
+    let to_sun = grid.sun.towards();
+    let unit = [x, y, z].iter().all(|a| (dot(*a, *a) - 1.0).abs() <= UNIT_TOLERANCE);
+    let square = [dot(x, y), dot(y, z), dot(z, x)].iter().all(|d| d.abs() <= UNIT_TOLERANCE);
+    let right_handed = dot(cross(x, y), z) > 0.0;
+    unit && square && right_handed && (0..3).all(|a| (z[a] + to_sun[a]).abs() <= UNIT_TOLERANCE)
+}
+
+fn is_upright(grid: &LightGrid) -> bool {
+    let expected = grid.frame.axes(&grid.sun);
+    let pairs = grid.axes.as_flattened().iter().zip(expected.as_flattened());
+    // Under a low sun the shear is large.
+    pairs.into_iter().all(|(a, b)| (a - b).abs() <= UNIT_TOLERANCE * (1.0 + b.abs()))
+}
+
+/// Returns the frame of a grid.
+fn frame(number: u32, yaw_radians: f64) -> Result<Frame, FormatError> {
+    match number {
+        LIGHT_FRAME if yaw_radians.to_bits() == 0 => Ok(Frame::Light),
+        LIGHT_FRAME => {
+            Err(field("yaw", yaw_radians.to_string(), "zero, because the frame is that of the light"))
+        }
+        OBLIQUE_FRAME if (-PI..=PI).contains(&yaw_radians) => Ok(Frame::Oblique { yaw_radians }),
+        OBLIQUE_FRAME => Err(field("yaw", yaw_radians.to_string(), "from -pi to pi")),
+        _ => Err(field("frame", number.to_string(), "0 (light) or 1 (oblique)")),
+    }
+}

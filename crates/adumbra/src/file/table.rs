@@ -1,0 +1,203 @@
+//! Bundles: an entry per bundle in a grid's table, and the words of a bundle.
+//!
+//! | bundle's word | meaning |
+//! |---|---|
+//! | 3·p | root of page p: uniform, in the common section, or in the page |
+//! | 3·p + 1 | base of the root |
+//! | 3·p + 2 | number of words of the page |
+//! | from 48 on | the words of the pages, one after the other |
+
+use crate::error::FormatError;
+use crate::file::fields::{Decoder, reserved};
+use crate::file::sections::u32_words;
+use crate::layout::depths::page::{BUNDLE_PAGES, Page, pages_of};
+use crate::layout::depths::{Range, Ranges, UNIFORM};
+
+/// Size of an entry of the table in bytes.
+pub const BUNDLE_ENTRY_BYTES: usize = 24;
+/// Number of words before those of the pages.
+const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
+
+/// The entry's word 5: some column never switches.
+const HAS_NEVER: u32 = 1;
+
+/// An entry of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BundleEntry {
+    /// Length in the file in bytes. 0 if all columns switch at the range's nearest depth.
+    pub stored_bytes: u32,
+    /// Length of the bundle's words in bytes.
+    pub raw_bytes: u32,
+    /// CRC-32 of the stored bytes.
+    pub checksum: u32,
+    /// Depths at which columns switch.
+    pub range: Range,
+}
+
+impl BundleEntry {
+    /// Encodes the entry.
+    pub(super) fn encode(&self) -> [u8; BUNDLE_ENTRY_BYTES] {
+        let flags = if self.range.has_never { HAS_NEVER } else { 0 };
+        let Range { nearest, farthest, .. } = self.range;
+        let words = [self.stored_bytes, self.raw_bytes, self.checksum, nearest, farthest, flags];
+        let mut bytes = [0; BUNDLE_ENTRY_BYTES];
+        bytes.as_chunks_mut().0.iter_mut().zip(words).for_each(|(b, word)| *b = word.to_le_bytes());
+        bytes
+    }
+
+    /// Decodes an entry. `section` names the bundle.
+    pub(super) fn parse(bytes: &[u8], section: impl Fn() -> String) -> Result<Self, FormatError> {
+        let [stored_bytes, raw_bytes, checksum, nearest, farthest, flags] = Decoder { bytes }.u32s()?;
+        reserved("bundle's reserved bits", flags & !HAS_NEVER)?;
+        let range = Range { nearest, farthest, has_never: flags & HAS_NEVER != 0 };
+        let entry = Self { stored_bytes, raw_bytes, checksum, range };
+        let fits = if stored_bytes == 0 {
+            raw_bytes == 0 && checksum == 0 && range == Range::uniform(nearest)
+        } else {
+            raw_bytes as usize >= 4 * HEAD_WORDS && raw_bytes.is_multiple_of(4) && raw_bytes == stored_bytes
+        };
+        if fits {
+            return Ok(entry);
+        }
+        let expected = "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on";
+        Err(FormatError::Bundle { section: section(), found: format!("{entry:?}"), expected })
+    }
+}
+
+/// A bundle as it is stored.
+#[derive(Clone, Debug)]
+pub struct StoredBundle {
+    pub(super) entry: BundleEntry,
+    pub(super) bytes: Vec<u8>,
+}
+
+impl StoredBundle {
+    /// Encodes the pages of a bundle at this place, in a grid of so many pages.
+    pub fn new(
+        bundle: [u32; 2],
+        page_dims: [u32; 2],
+        pages: &[Page<'_>; BUNDLE_PAGES],
+        ranges: &mut Ranges<'_>,
+    ) -> Self {
+        let (range, is_uniform) = range_of(bundle, page_dims, pages, ranges);
+        if is_uniform {
+            let entry = BundleEntry { stored_bytes: 0, raw_bytes: 0, checksum: 0, range };
+            return Self { entry, bytes: Vec::new() };
+        }
+        let heads = pages.iter().flat_map(|page| [page.root, page.base, page.words.len() as u32]);
+        let words = heads.chain(pages.iter().flat_map(|page| page.words.iter().copied()));
+        let bytes: Vec<u8> = words.flat_map(u32::to_le_bytes).collect();
+        let length = bytes.len() as u32;
+        let checksum = crc32fast::hash(&bytes);
+        Self { entry: BundleEntry { stored_bytes: length, raw_bytes: length, checksum, range }, bytes }
+    }
+}
+
+/// A bundle's pages, decoded.
+pub(super) struct Bundle {
+    heads: [[u32; 3]; BUNDLE_PAGES],
+    words: Vec<u32>,
+}
+
+impl Bundle {
+    /// Decodes the stored bytes of a bundle. `section` names it.
+    pub(super) fn parse(
+        entry: &BundleEntry,
+        bytes: &[u8],
+        section: impl Fn() -> String,
+    ) -> Result<Self, FormatError> {
+        let computed = crc32fast::hash(bytes);
+        if computed != entry.checksum {
+            let (section, stored) = (section().into(), entry.checksum);
+            return Err(FormatError::SectionChecksum { section, stored, computed });
+        }
+        if entry.stored_bytes == 0 {
+            return Ok(Self { heads: [[UNIFORM, entry.range.nearest, 0]; BUNDLE_PAGES], words: Vec::new() });
+        }
+        let mut words = u32_words(bytes);
+        let heads: [[u32; 3]; BUNDLE_PAGES] =
+            std::array::from_fn(|page| [0, 1, 2].map(|field| words[3 * page + field]));
+        words.drain(..HEAD_WORDS);
+        let sum: u64 = heads.iter().map(|head| u64::from(head[2])).sum();
+        if sum != words.len() as u64 {
+            let found = format!("{sum} words of pages");
+            let expected = "as many words of pages as the bundle has after its head";
+            return Err(FormatError::Bundle { section: section(), found, expected });
+        }
+        Ok(Self { heads, words })
+    }
+
+    /// Returns the pages. Those outside the grid are as they are stored.
+    pub(super) fn pages(&self) -> [Page<'_>; BUNDLE_PAGES] {
+        let mut first = 0;
+        self.heads.map(|[root, base, words]| {
+            let from = first;
+            first += words as usize;
+            Page { root, base, words: &self.words[from..first] }
+        })
+    }
+
+    /// Checks what a valid tree does not depend on: that pages outside the grid are as writers write them, that the
+    /// stored range is the pages' own, and that nothing is stored where one depth suffices.
+    pub(super) fn check(
+        &self,
+        entry: &BundleEntry,
+        (bundle, page_dims): ([u32; 2], [u32; 2]),
+        ranges: &mut Ranges<'_>,
+        section: impl Fn() -> String,
+    ) -> Result<(), FormatError> {
+        if entry.stored_bytes == 0 {
+            return Ok(());
+        }
+        let fault = |found: &str, expected| {
+            Err(FormatError::Bundle { section: section(), found: found.to_owned(), expected })
+        };
+        let pages = self.pages();
+        for (place, page) in pages_of(bundle, page_dims).into_iter().zip(&pages) {
+            if place.is_none() && *page != Page::OUTSIDE {
+                return fault("something outside the grid", "no switches there");
+            }
+            if page.root == UNIFORM && !page.words.is_empty() {
+                return fault("words in a uniform page", "none");
+            }
+        }
+        let (range, is_uniform) = range_of(bundle, page_dims, &pages, ranges);
+        if is_uniform {
+            return fault("bytes although all columns switch at one depth", "none");
+        }
+        if range != entry.range {
+            return fault(&format!("{:?}", entry.range), "the range of depths of its columns");
+        }
+        Ok(())
+    }
+}
+
+/// Returns the length in bytes of a bundle's words. 0 if all of its columns switch at one depth.
+pub(super) fn raw_bytes(bundle: [u32; 2], page_dims: [u32; 2], pages: &[Page<'_>; BUNDLE_PAGES]) -> u64 {
+    if is_uniform(&inside(bundle, page_dims, pages)) {
+        return 0;
+    }
+    4 * (HEAD_WORDS + pages.iter().map(|page| page.words.len()).sum::<usize>()) as u64
+}
+
+/// Returns the pages of a bundle that are inside the grid.
+fn inside<'w>(bundle: [u32; 2], page_dims: [u32; 2], pages: &[Page<'w>; BUNDLE_PAGES]) -> Vec<Page<'w>> {
+    let inside = pages_of(bundle, page_dims).into_iter().zip(pages).filter(|(place, _)| place.is_some());
+    inside.map(|(_, page)| *page).collect()
+}
+
+/// Whether all columns of some pages switch at one depth.
+fn is_uniform(pages: &[Page<'_>]) -> bool {
+    pages.iter().all(|page| *page == Page::uniform(pages[0].base))
+}
+
+/// Returns the range of a bundle's pages that are inside the grid, and whether all of their columns switch at one depth.
+fn range_of(
+    bundle: [u32; 2],
+    page_dims: [u32; 2],
+    pages: &[Page<'_>; BUNDLE_PAGES],
+    ranges: &mut Ranges<'_>,
+) -> (Range, bool) {
+    let inside = inside(bundle, page_dims, pages);
+    (ranges.of_bundle(&inside), is_uniform(&inside))
+}

@@ -1,0 +1,99 @@
+// Reading of a level of detail: its common section and bundles become the words that look-ups read. Counterpart of
+// `crates/adumbra/src/file/read.rs`.
+
+import { NEVER, UNIFORM } from '../quadtree/leaf.js';
+import { BUNDLE_PAGES, BUNDLE_SIDE, PAGE_LEVEL, blockDims, bundleDims, bundleOrder, isUniform } from '../quadtree/pages.js';
+import type { Page } from '../quadtree/pages.js';
+import type { Quadtree } from '../quadtree/quadtree.js';
+import { quadtreeOf } from '../quadtree/top.js';
+import { depthsError, rangeOf, validate } from '../quadtree/validate.js';
+import type { DepthRange } from '../quadtree/validate.js';
+import type { GridEntry } from './directory.js';
+import { checkBundle, checkChecksum } from './faults.js';
+import { HEAD_WORDS, decodeBundle, decodeCommon } from './table.js';
+import type { BundleEntry } from './table.js';
+
+/** A bundle of a level. */
+interface Bundle {
+  readonly entry: BundleEntry;
+  /** Its pages in rows, also those outside the grid. */
+  readonly pages: Page[];
+  /** Of each page, its number in the grid, x fastest, or {@link OUTSIDE}. */
+  readonly numbers: number[];
+}
+
+/** In place of the number of a page outside the grid. */
+const OUTSIDE = -1;
+
+/**
+ * Reads a level of a file that has all of its parts. Where `isVerified` is false, neither the checksums of its common
+ * section and bundles are checked nor their shapes.
+ */
+export function readLevel(
+  bytes: Uint8Array,
+  level: number,
+  { grid, common, bundles }: GridEntry,
+  table: readonly BundleEntry[],
+  isVerified: boolean,
+): Quadtree {
+  /** Addresses of half-words have 32 bits. */
+  const MAX_WORDS = 2 ** 31 - 1;
+  const stored = (offset: number, length: number, checksum: number, name: string): Uint8Array => {
+    const part = bytes.subarray(offset, offset + length);
+    if (isVerified) checkChecksum(part, checksum, name);
+    return part;
+  };
+  const shared = decodeCommon(stored(common.offset, common.length, common.checksum, common.name), common.name);
+  const wordCount = table.reduce((sum, { pageWords }) => sum + pageWords, shared.length);
+  if (wordCount > MAX_WORDS) {
+    throw depthsError(level, 'TooLong', `${wordCount} words of code, but addresses can reach at most ${MAX_WORDS}`);
+  }
+  const code = new Uint32Array(wordCount);
+  code.set(shared);
+  const [across, down] = blockDims(grid.size, PAGE_LEVEL);
+  const pages: Page[] = Array(across * down);
+  let offset = bundles.offset;
+  let firstWord = shared.length;
+  const all = bundleOrder(bundleDims(grid.size)).map(([bundleX, bundleY], i): Bundle => {
+    const entry = table[i];
+    const words = decodeBundle(stored(offset, entry.storedBytes, entry.checksum, entry.name), entry);
+    offset += entry.storedBytes;
+    code.set(words.subarray(HEAD_WORDS), firstWord);
+    const bundle: Bundle = { entry, pages: [], numbers: [] };
+    for (let slot = 0; slot < BUNDLE_PAGES; slot++) {
+      const x = BUNDLE_SIDE * bundleX + (slot % BUNDLE_SIDE);
+      const y = BUNDLE_SIDE * bundleY + Math.floor(slot / BUNDLE_SIDE);
+      const number = x < across && y < down ? across * y + x : OUTSIDE;
+      const [root, base, count] = words.subarray(3 * slot);
+      const page: Page = { root, base, firstWord, words: count };
+      if (number !== OUTSIDE) pages[number] = page;
+      bundle.pages.push(page);
+      bundle.numbers.push(number);
+      firstWord += count;
+    }
+    return bundle;
+  });
+  if (isVerified) {
+    const ranges = validate(code, shared.length, pages, across, level);
+    for (const bundle of all) checkPages(bundle, ranges);
+  }
+  return quadtreeOf(grid.size, code, pages);
+}
+
+/**
+ * Checks what no look-up depends on: that pages outside the grid are as writers write them, that the stored range is the
+ * pages' own, and that nothing is stored where one depth suffices.
+ */
+function checkPages({ entry: { name, storedBytes, range }, pages, numbers }: Bundle, ranges: readonly DepthRange[]): void {
+  if (storedBytes === 0) return;
+  pages.forEach((page, slot) => {
+    checkBundle(numbers[slot] !== OUTSIDE || isUniform(page, NEVER), name, 'something outside the grid', 'no switches there');
+    checkBundle(page.root !== UNIFORM || page.words === 0, name, 'words in a uniform page', 'none');
+  });
+  const inside = numbers.filter((number) => number !== OUTSIDE);
+  // The first page of a bundle is inside.
+  const isOneDepth = pages.every((page, slot) => numbers[slot] === OUTSIDE || isUniform(page, pages[0].base));
+  checkBundle(!isOneDepth, name, 'bytes although all columns switch at one depth', 'none');
+  const isOwn = rangeOf(inside.map((number) => ranges[number])).join() === range.join();
+  checkBundle(isOwn, name, `the depths ${range.join()}`, 'the range of depths of its columns');
+}

@@ -1,0 +1,85 @@
+// The table of a level, with an entry per bundle, and decoding of what is stored. Counterpart of
+// `crates/adumbra/src/file/table.rs`.
+
+import { hex } from '../error.js';
+import { NEVER, UNIFORM } from '../quadtree/leaf.js';
+import { BUNDLE_PAGES } from '../quadtree/pages.js';
+import type { DepthRange } from '../quadtree/validate.js';
+import { check, checkBundle } from './faults.js';
+import { Fields } from './fields.js';
+
+/** Size of an entry in bytes. */
+export const BUNDLE_ENTRY_BYTES = 24;
+/** Number of words of a bundle before those of its pages: root, base and number of words of each. */
+export const HEAD_WORDS = 3 * BUNDLE_PAGES;
+
+/** An entry of the table. */
+export interface BundleEntry {
+  /** Its name in messages. */
+  readonly name: string;
+  /** Length in the file, bytes. 0 if all columns switch at the range's nearest depth. */
+  readonly storedBytes: number;
+  /** Number of words of the bundle's pages. */
+  readonly pageWords: number;
+  /** CRC-32 of the stored bytes. */
+  readonly checksum: number;
+  /** Depths at which columns switch. */
+  readonly range: DepthRange;
+}
+
+/** Reads and checks a table. `name` names it, and its bundles are `bundlesBytes` long together. */
+export function parseTable(bytes: Uint8Array, level: number, name: string, bundlesBytes: number): BundleEntry[] {
+  const entries: BundleEntry[] = [];
+  let sum = 0;
+  for (let at = 0; at < bytes.length; at += BUNDLE_ENTRY_BYTES) {
+    const entry = parseEntry(bytes.subarray(at, at + BUNDLE_ENTRY_BYTES), `bundle ${entries.length} of level ${level}`);
+    sum += entry.storedBytes;
+    entries.push(entry);
+  }
+  checkBundle(sum === bundlesBytes, name, `bundles of ${sum} bytes in all`, "the directory's length of all bundles");
+  return entries;
+}
+
+function parseEntry(bytes: Uint8Array, name: string): BundleEntry {
+  const fields = new Fields(bytes);
+  const [storedBytes, rawBytes, checksum] = fields.u32s(0);
+  const [nearest, farthest, flags] = fields.u32s(3);
+  check((flags & ~1) === 0, `reserved bits of ${name}`, hex(flags), 'limited to bit 0');
+  const range: DepthRange = [nearest, farthest, flags === 1];
+  const fits =
+    storedBytes === 0
+      ? rawBytes === 0 && checksum === 0 && farthest === nearest && range[2] === (nearest === NEVER)
+      : rawBytes >= 4 * HEAD_WORDS && rawBytes % 4 === 0 && rawBytes === storedBytes;
+  checkBundle(
+    fits,
+    name,
+    `${storedBytes} stored and ${rawBytes} raw bytes, checksum ${checksum} and depths ${range}`,
+    'no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on',
+  );
+  return { name, storedBytes, pageWords: Math.max(rawBytes / 4 - HEAD_WORDS, 0), checksum, range };
+}
+
+/** Returns the words of a common section from its stored bytes. `name` names it. */
+export function decodeCommon(stored: Uint8Array, name: string): Uint32Array {
+  checkBundle(stored.length % 4 === 0, name, `${stored.length} bytes`, 'whole words');
+  return wordsOf(stored);
+}
+
+/** Returns the words of a bundle from its stored bytes: {@link HEAD_WORDS} of its pages' heads, then those of its pages. */
+export function decodeBundle(stored: Uint8Array, { name, range, pageWords }: BundleEntry): Uint32Array {
+  if (stored.length === 0) {
+    const words = new Uint32Array(HEAD_WORDS);
+    for (let head = 0; head < HEAD_WORDS; head += 3) words.set([UNIFORM, range[0]], head);
+    return words;
+  }
+  const words = wordsOf(stored);
+  let sum = 0;
+  for (let head = 0; head < HEAD_WORDS; head += 3) sum += words[head + 2];
+  checkBundle(sum === pageWords, name, `${sum} words of pages`, 'as many words of pages as the bundle has after its head');
+  return words;
+}
+
+/** Returns bytes as words. They are copied, since they may begin anywhere in their buffer. */
+function wordsOf(bytes: Uint8Array): Uint32Array {
+  return new Uint32Array(bytes.slice().buffer);
+}
