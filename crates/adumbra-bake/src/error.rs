@@ -1,5 +1,6 @@
 //! Errors of a bake.
 
+use adumbra::layout::depths::write::OutOfReach;
 use adumbra::{IoError, RangeError};
 
 /// An error of this crate.
@@ -54,6 +55,12 @@ pub enum Error {
     /// The caller asked to stop.
     #[error("interrupted; nothing was written")]
     Interrupted,
+}
+
+impl From<OutOfReach> for Error {
+    fn from(_: OutOfReach) -> Self {
+        Self::TooManyWords { what: "a page of the quadtree of depths" }
+    }
 }
 
 /// Shorthand used across the crate.

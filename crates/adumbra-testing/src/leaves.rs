@@ -115,10 +115,10 @@ fn shape<'l>(
     let at = halves.len() as u32;
     let there = (0..16).filter(|&c| children[c].is_some()).fold(0_u16, |bits, c| bits | 1 << c);
     // Shapes with the same base, each through a far pointer; the others never switch.
-    halves.extend([0, there, !there]);
+    halves.extend([there, there, !there]);
     halves.extend(children.into_iter().flatten().flat_map(|to| {
         let far = FAR | (at - to);
-        [far as u16, (far >> 16) as u16]
+        [0, far as u16, (far >> 16) as u16]
     }));
     Some(at)
 }

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use adumbra::layout::depths::write::{OutOfReach, Place, Writer};
 use rayon::prelude::*;
 
-use super::layout::{Layout, Place, PlacedChild};
-use super::shapes::{Child, Children, Reader, Shape};
+use super::shapes::{Child, Children, Reader, Shape, placed};
 use super::store::PageStore;
 
 /// Number of pages that must have a shape. In the common section a shape of three pages saves twice its bytes for each
@@ -31,7 +31,10 @@ impl Common {
     /// Finds the shapes that several pages of a store have, and lays them out. `numbers` are those of the pages.
     ///
     /// Lost pages are skipped; the store's spill knows of them.
-    pub(super) fn of(store: &PageStore, numbers: &[u32]) -> Self {
+    ///
+    /// # Errors
+    /// Returns [`OutOfReach`] if the section is too large.
+    pub(super) fn of(store: &PageStore, numbers: &[u32]) -> Result<Self, OutOfReach> {
         let shared = Shared::new(hashes_of_several_pages(store, numbers));
         numbers.par_iter().for_each_init(Reader::default, |reader, &number| {
             if let Some((words, root)) = store.get(number) {
@@ -99,7 +102,7 @@ enum Content {
 }
 
 impl Content {
-    /// Returns the number of half-words, if all pointers are near.
+    /// Returns the number of half-words, if all pointers are near and none is short.
     fn length(&self) -> u64 {
         let narrow = |delta: u32| i16::try_from(delta as i32).is_ok();
         match self {
@@ -169,7 +172,7 @@ impl Shared {
     }
 
     /// Writes the shapes, those with the most pointers for their length first, each after what it leads to.
-    fn lay_out(&self) -> Common {
+    fn lay_out(&self) -> Result<Common, OutOfReach> {
         let mut order: Vec<u32> =
             (0..self.found.len() as u32).filter(|&i| self.found[i as usize].content.get().is_some()).collect();
         order.sort_by_cached_key(|&index| {
@@ -179,36 +182,39 @@ impl Shared {
             let pointers = u64::from(found.pointers.load(Ordering::Relaxed)) << 16;
             (Reverse(pointers / length), level, self.hashes[index as usize])
         });
-        let mut layout = Layout::common();
+        let mut writer = Writer::common();
         let mut addresses = vec![None; self.found.len()];
         for index in order {
-            self.emit(index, &mut layout, &mut addresses);
+            self.emit(index, &mut writer, &mut addresses)?;
         }
         let places = self.hashes.iter().zip(addresses);
         let addresses = places.filter_map(|(&hash, at)| at.map(|at| (hash, at))).collect();
-        Common { words: layout.words(), addresses }
+        Ok(Common { words: writer.words(), addresses })
     }
 
-    fn emit(&self, index: u32, layout: &mut Layout<'_>, addresses: &mut [Option<u32>]) -> u32 {
+    fn emit(
+        &self,
+        index: u32,
+        writer: &mut Writer,
+        addresses: &mut [Option<u32>],
+    ) -> Result<u32, OutOfReach> {
         if let Some(known) = addresses[index as usize] {
-            return known;
+            return Ok(known);
         }
         let at = match self.found[index as usize].content.get() {
             None => unreachable!("a page has every shape that is pointed to"),
-            Some((_, Content::Leaf(halves))) => layout.leaf(halves),
-            Some((level, Content::Node(children))) => {
-                let children = children.map(|child| match child {
-                    Child::Never => PlacedChild::Never,
-                    Child::Uniform(delta) => PlacedChild::Uniform(delta),
-                    Child::Shape { delta, index } => {
-                        let place = Place::Here(self.emit(index, layout, addresses));
-                        PlacedChild::Shape { delta, place }
+            Some((_, Content::Leaf(halves))) => writer.leaf(halves),
+            Some((_, Content::Node(children))) => {
+                for child in children.iter() {
+                    if let Child::Shape { index, .. } = *child {
+                        self.emit(index, writer, addresses)?;
                     }
-                });
-                layout.node(children, *level)
+                }
+                let place = |child: u32| Place::Here(addresses[child as usize].unwrap_or_default());
+                writer.node(&placed(children, place))?
             }
         };
         addresses[index as usize] = Some(at);
-        at
+        Ok(at)
     }
 }

@@ -1,11 +1,11 @@
 //! Links pages: chooses their common section, and writes each page again with pointers into it.
 
 use adumbra::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page, bundles, page_dims, pages_of};
+use adumbra::layout::depths::write::Place;
 use adumbra::layout::depths::{DepthTree, NEVER, TreeBuilder, UNIFORM};
 use rayon::prelude::*;
 
 use super::common::Common;
-use super::layout::{Layout, Place};
 use super::shapes::Reader;
 use super::store::PageStore;
 use crate::error::{Error, Result};
@@ -27,11 +27,11 @@ impl Pages {
     /// Finds the common section.
     ///
     /// # Errors
-    /// Returns [`Error::Spill`] if pages could not be kept on disk.
+    /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is too large.
     pub(crate) fn link(self) -> Result<Linked> {
         let numbers: Vec<u32> =
             self.places.iter().map(|place| place[0]).filter(|&number| number != UNIFORM).collect();
-        let common = if self.merged { Common::of(&self.store, &numbers) } else { Common::default() };
+        let common = if self.merged { Common::of(&self.store, &numbers)? } else { Common::default() };
         self.store.spill().check()?;
         Ok(Linked { pages: self, common })
     }
@@ -44,7 +44,7 @@ impl Pages {
     /// Links the pages to a tree in memory.
     ///
     /// # Errors
-    /// Returns [`Error::Spill`] if pages could not be kept on disk.
+    /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is too large.
     pub fn tree(self) -> Result<DepthTree> {
         self.link()?.tree()
     }
@@ -95,37 +95,37 @@ impl Linked {
         let dims = page_dims(self.pages.size);
         for some in bundles(dims).chunks(BUNDLES_AT_A_TIME) {
             let one = |scratch: &mut Scratch, &at: &[u32; 2]| {
-                let pages = pages_of(at, dims).map(|place| self.page(scratch, dims, place));
-                make(at, &pages.each_ref().map(LinkedPage::as_page))
+                let pages = pages_of(at, dims).into_iter().map(|place| self.page(scratch, dims, place));
+                let pages = pages.collect::<Result<Vec<_>>>()?;
+                Ok(make(at, &std::array::from_fn(|slot| pages[slot].as_page())))
             };
-            let made: Vec<T> = some.par_iter().map_init(Scratch::default, one).collect();
+            let made: Vec<T> = some.par_iter().map_init(Scratch::default, one).collect::<Result<_>>()?;
             self.pages.store.spill().check()?;
             some.iter().zip(made).try_for_each(|(&at, made)| put(at, made))?;
         }
         Ok(())
     }
 
-    fn page(&self, scratch: &mut Scratch, dims: [u32; 2], place: Option<[u32; 2]>) -> LinkedPage {
+    fn page(&self, scratch: &mut Scratch, dims: [u32; 2], place: Option<[u32; 2]>) -> Result<LinkedPage> {
         let at = |[x, y]: [u32; 2]| self.pages.places[(y * dims[0] + x) as usize];
         let [number, base] = place.map_or([UNIFORM, NEVER], at);
         let uniform = |base| LinkedPage { root: UNIFORM, base, words: Vec::new() };
         if number == UNIFORM {
-            return uniform(base);
+            return Ok(uniform(base));
         }
         // A lost page is an error of the spill, which the caller looks for.
-        let Some((words, root)) = self.pages.store.get(number) else { return uniform(base) };
+        let Some((words, root)) = self.pages.store.get(number) else { return Ok(uniform(base)) };
         self.pages.store.forget(number);
         let Scratch { reader, places } = scratch;
         reader.read(&words, root, self.pages.merged);
         let address = |index: usize| self.common.addresses.get(&reader.hashes[index]).copied();
-        let mut layout = Layout::page(&self.common.words);
-        layout.shapes(reader.shapes(), address, places);
+        let words = reader.shapes().write(address, places)?;
         let (root, words) = match places.last() {
-            Some(Place::Here(at)) => (IN_PAGE | at, layout.words()),
-            Some(Place::Common(at)) => (*at, Vec::new()),
+            Some(Place::Here(at)) => (IN_PAGE | at, words),
+            Some(Place::Common(at)) => (*at, words),
             None => unreachable!("a page has a root"),
         };
-        LinkedPage { root, base, words }
+        Ok(LinkedPage { root, base, words })
     }
 
     /// Makes a tree in memory.

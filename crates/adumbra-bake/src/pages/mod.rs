@@ -6,10 +6,13 @@
 //! on the order in which pages were made.
 
 mod common;
-mod layout;
 mod link;
 mod shapes;
 mod store;
+#[cfg(test)]
+mod store_tests;
+#[cfg(test)]
+mod tests;
 
 pub use link::Pages;
 pub(crate) use shapes::{Child, Children, Draft};

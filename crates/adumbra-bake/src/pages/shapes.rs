@@ -4,8 +4,8 @@
 
 use adumbra::layout::depths::code::{self, Code, LeafHead};
 use adumbra::layout::depths::page::PAGE_LEVEL;
+use adumbra::layout::depths::write::{OutOfReach, Place, PlacedChild, Writer};
 use adumbra::layout::depths::{LEAF_LEVEL, NODE_LEVELS};
-use super::layout::{Layout, Place};
 use adumbra_scene::random::mix;
 use hashbrown::HashTable;
 use xxhash_rust::xxh3::xxh3_128;
@@ -69,6 +69,28 @@ impl Shapes {
         &self.nodes[index as usize]
     }
 
+    /// Writes those shapes of a page that are not in the common section, in order, and sets the places of all.
+    /// `in_common` returns the address of a shape of the list there.
+    pub(super) fn write(
+        &self,
+        in_common: impl Fn(usize) -> Option<u32>,
+        places: &mut Vec<Place>,
+    ) -> Result<Vec<u32>, OutOfReach> {
+        places.clear();
+        let mut writer = Writer::page();
+        for (index, shape) in self.list.iter().enumerate() {
+            let place = match (in_common(index), *shape) {
+                (Some(at), _) => Place::Common(at),
+                (None, Shape::Leaf { first, length }) => Place::Here(writer.leaf(self.leaf(first, length))),
+                (None, Shape::Node { children, .. }) => {
+                    Place::Here(writer.node(&placed(self.children(children), |child| places[child as usize]))?)
+                }
+            };
+            places.push(place);
+        }
+        Ok(writer.words())
+    }
+
     fn push_leaf(&mut self, halves: impl IntoIterator<Item = u16>) -> u32 {
         let first = self.leaf_halves.len() as u32;
         self.leaf_halves.extend(halves);
@@ -81,6 +103,15 @@ impl Shapes {
         self.list.push(Shape::Node { level: level as u8, children: self.nodes.len() as u32 - 1 });
         self.list.len() as u32 - 1
     }
+}
+
+/// Returns children with the places of their shapes.
+pub(super) fn placed(children: &Children, mut place_of: impl FnMut(u32) -> Place) -> [PlacedChild; 16] {
+    children.map(|child| match child {
+        Child::Never => PlacedChild::Never,
+        Child::Uniform(delta) => PlacedChild::Uniform(delta),
+        Child::Shape { delta, index } => PlacedChild::Shape { delta, place: place_of(index) },
+    })
 }
 
 /// Collects the shapes of a page from the leaves up.
@@ -121,14 +152,16 @@ impl Draft {
     }
 
     /// Returns the words of the page whose root was drafted last, and the root's address.
-    pub(crate) fn page(&self) -> (Vec<u32>, u32) {
-        let (mut layout, mut places) = (Layout::page(&[]), Vec::new());
-        layout.shapes(&self.shapes, |_| None, &mut places);
-        let root = match places.last() {
-            Some(Place::Here(at)) => *at,
+    ///
+    /// # Errors
+    /// Returns [`OutOfReach`] if the page is too large.
+    pub(crate) fn page(&self) -> Result<(Vec<u32>, u32), OutOfReach> {
+        let mut places = Vec::new();
+        let words = self.shapes.write(|_| None, &mut places)?;
+        match places.last() {
+            Some(Place::Here(at)) => Ok((words, *at)),
             Some(Place::Common(_)) | None => unreachable!("the root is in the page"),
-        };
-        (layout.words(), root)
+        }
     }
 
     fn shape(

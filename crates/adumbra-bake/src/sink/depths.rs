@@ -8,7 +8,7 @@
 //! neighbours.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use crate::columns::BlockColumns;
@@ -38,6 +38,8 @@ pub struct DepthsSink {
     /// Root blocks that are smaller than their pages, by page.
     waiting: Mutex<HashMap<[u32; 2], Waiting>>,
     waiting_leaves: AtomicU64,
+    /// Whether there was a page beyond the reach of pointers.
+    is_too_large: AtomicBool,
     /// Memory that workers reuse.
     drafts: Mutex<Vec<Draft>>,
 }
@@ -164,6 +166,7 @@ impl DepthsSink {
             places: Mutex::new(vec![[UNIFORM, NEVER]; pages]),
             waiting: Mutex::default(),
             waiting_leaves: AtomicU64::new(0),
+            is_too_large: AtomicBool::new(false),
             drafts: Mutex::default(),
         }
     }
@@ -186,8 +189,14 @@ impl DepthsSink {
         let number = if is_uniform {
             UNIFORM
         } else {
-            let (words, root) = draft.page();
-            self.store.add(root, words)
+            // A page that cannot be written is an error when the next root block is done, and at the end.
+            draft.page().map_or_else(
+                |_| {
+                    self.is_too_large.store(true, Ordering::Relaxed);
+                    UNIFORM
+                },
+                |(words, root)| self.store.add(root, words),
+            )
         };
         lock(&self.drafts).push(draft);
         [number, base]
@@ -352,7 +361,7 @@ impl Structure for DepthsSink {
     }
 
     fn check_room(&self) -> crate::Result<()> {
-        if self.store.halves() > MAX_HALVES {
+        if self.is_too_large.load(Ordering::Relaxed) || self.store.halves() > MAX_HALVES {
             return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
         }
         Ok(())

@@ -36,10 +36,20 @@ fn adumbra_depths_near(v: AdumbraVoxelParams, shape: u32, field: u32) -> u32 {
     return select(half, shape - (half & 0x7fffu), (half & 0x8000u) != 0u);
 }
 
-// Returns the address encoded by the far pointer at half-word `field` of a shape.
-fn adumbra_depths_far(v: AdumbraVoxelParams, shape: u32, field: u32) -> u32 {
-    let far = adumbra_depths_two_halves(v, field);
-    return select(far, shape - (far & 0x7fffffffu), (far & 0x80000000u) != 0u);
+// Returns the child of the far pointer at half-word `field` of a shape: a shape, or a switch if there is no distance.
+fn adumbra_depths_far(v: AdumbraVoxelParams, node: AdumbraDepthsNode, field: u32) -> AdumbraDepthsNode {
+    let far = adumbra_depths_two_halves(v, field + 1u);
+    let delta = extractBits(i32(adumbra_depths_half(v, field) | (extractBits(far, 25u, 6u) << 16u)), 0u, 22u);
+    let place = far & 0x1ffffffu;
+    let at = select(place, node.at - place, (far & 0x80000000u) != 0u);
+    // A pointer to the node itself says that there is no shape.
+    return AdumbraDepthsNode(select(at, ADUMBRA_DEPTHS_UNIFORM, at == node.at), node.base + u32(delta));
+}
+
+// Returns the child of the short pointer at half-word `field` of a shape.
+fn adumbra_depths_short(v: AdumbraVoxelParams, node: AdumbraDepthsNode, field: u32) -> AdumbraDepthsNode {
+    let short = adumbra_depths_half(v, field);
+    return AdumbraDepthsNode(node.at - (short & 0xffu), node.base + u32(extractBits(i32(short), 8u, 8u)));
 }
 
 // Returns one of a node's sixteen children.
@@ -53,8 +63,11 @@ fn adumbra_depths_child(v: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u
     let kinds = select(second, second >> 16u, is_odd);
     let kind = extractBits(kinds, child, 1u);
     let below = (1u << child) - 1u;
-    let field = node.at + 3u + countOneBits(sizes & below) + 2u * countOneBits((sizes >> 16u) & below);
-    switch 4u * extractBits(sizes, 16u + child, 1u) + 2u * extractBits(sizes, child, 1u) + kind {
+    let low = sizes & 0xffffu;
+    let high = sizes >> 16u;
+    let shorts = high & ~(low | kinds);
+    let field = node.at + 3u + countOneBits(low & below) + 2u * countOneBits(high & below) - countOneBits(shorts & below);
+    switch 4u * extractBits(high, child, 1u) + 2u * extractBits(low, child, 1u) + kind {
         case 0u: {
             return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base);
         }
@@ -68,19 +81,13 @@ fn adumbra_depths_child(v: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u
             return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base + adumbra_depths_delta(v, field));
         }
         case 4u: {
-            return AdumbraDepthsNode(adumbra_depths_far(v, node.at, field), node.base);
+            return adumbra_depths_short(v, node, field);
         }
         case 5u: {
             return AdumbraDepthsNode(adumbra_depths_near(v, node.at, field + 1u), node.base + adumbra_depths_delta(v, field));
         }
-        case 6u: {
-            return AdumbraDepthsNode(adumbra_depths_far(v, node.at, field + 1u), node.base + adumbra_depths_delta(v, field));
-        }
         default: {
-            let at = adumbra_depths_near(v, node.at, field + 2u);
-            let base = node.base + adumbra_depths_two_halves(v, field);
-            // A pointer to the node itself says that there is no shape.
-            return AdumbraDepthsNode(select(at, ADUMBRA_DEPTHS_UNIFORM, at == node.at), base);
+            return adumbra_depths_far(v, node, field);
         }
     }
 }

@@ -98,23 +98,35 @@ pub(crate) fn voxel(file: &[u8], level_of_detail: u64, [x, y, z]: [u32; 3]) -> u
         let two = |h: u32| half(h) + 65536 * half(h + 1);
         let digit = |c: u32| c >> (level - 2) & 3;
         let child = 4 * digit(y) + digit(x);
-        let size = |c: u32| (half(at) >> c & 1) + 2 * (half(at + 1) >> c & 1);
-        let field = at + 3 + (0..child).map(size).sum::<u32>();
+        // The bits of a child, high first, as one number.
+        let form = |c: u32| 4 * (half(at + 1) >> c & 1) + 2 * (half(at) >> c & 1) + (half(at + 2) >> c & 1);
+        let field = at + 3 + (0..child).map(|c| [0, 0, 1, 1, 1, 2, 3][form(c) as usize]).sum::<u32>();
         let near = |h: u32| if half(h) < 32768 { (half(h), false) } else { (at - (half(h) - 32768), in_page) };
-        let far = |h: u32| if two(h) < 1 << 31 { (two(h), false) } else { (at - (two(h) - (1 << 31)), in_page) };
         // A half-word of 32768 or more represents its value less 65536.
         let moved = |h: u32| base.wrapping_add(half(h)).wrapping_sub(if half(h) < 32768 { 0 } else { 65536 });
         let none = (NONE, false);
-        ((at, in_page), base) = match (size(child), half(at + 2) >> child & 1) {
-            (0, 0) => (none, base),
-            (0, _) => (none, NONE),
-            (1, 0) => (near(field), base),
-            (1, _) => (none, moved(field)),
-            (2, 0) => (far(field), base),
-            (2, _) => (near(field + 1), moved(field)),
-            (_, 0) => (far(field + 1), moved(field)),
-            _ if half(field + 2) == 32768 => (none, base.wrapping_add(two(field))),
-            _ => (near(field + 2), base.wrapping_add(two(field))),
+        ((at, in_page), base) = match form(child) {
+            0 => (none, base),
+            1 => (none, NONE),
+            2 => (near(field), base),
+            3 => (none, moved(field)),
+            4 => {
+                let (back, delta) = (half(field) % 256, half(field) / 256);
+                let less = if delta < 128 { 0 } else { 256 };
+                ((at - back, in_page), base.wrapping_add(delta).wrapping_sub(less))
+            }
+            5 => (near(field + 1), moved(field)),
+            _ => {
+                let far = two(field + 1);
+                let (place, delta) = (far % (1 << 25), half(field) + (far >> 25) % 64 * 65536);
+                let less = if delta < 1 << 21 { 0 } else { 1 << 22 };
+                let to = match (far >> 31, place) {
+                    (0, _) => (place, false),
+                    (_, 0) => none,
+                    _ => (at - place, in_page),
+                };
+                (to, base.wrapping_add(delta).wrapping_sub(less))
+            }
         };
         level -= 2;
     }

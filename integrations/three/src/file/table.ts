@@ -81,5 +81,6 @@ export function decodeBundle(stored: Uint8Array, { name, range, pageWords }: Bun
 
 /** Returns bytes as words. They are copied, since they may begin anywhere in their buffer. */
 function wordsOf(bytes: Uint8Array): Uint32Array {
-  return new Uint32Array(bytes.slice().buffer);
+  // The method `slice` of Node's Buffer makes no copy.
+  return new Uint32Array(new Uint8Array(bytes).buffer);
 }

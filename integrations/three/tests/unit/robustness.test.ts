@@ -120,6 +120,9 @@ it('bytes at any place in their buffer are read', () => {
     const file = new BakedShadowFile(padded.subarray(from, from + valid.length));
     expect(new LookUpTexture(file, 4096, { filter: 3 }).words).toEqual(expected);
   }
+  // A Buffer of Node, whose bytes lie within others.
+  const file = new BakedShadowFile(Buffer.from(Buffer.concat([Buffer.alloc(5), valid])).subarray(5));
+  expect(new LookUpTexture(file, 4096, { filter: 3 }).words).toEqual(expected);
 });
 
 it('the header can be read without the rest', () => {

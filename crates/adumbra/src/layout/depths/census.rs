@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::layout::Composition;
-use crate::layout::depths::code::{Child, LeafHead};
+use crate::layout::depths::code::{Child, LeafHead, fields_length};
 use crate::layout::depths::page::PAGE_LEVEL;
 use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
 
@@ -14,7 +14,7 @@ pub struct Census {
     pub nodes: u64,
     /// Number of leaves.
     pub leaves: u64,
-    /// Number of children of nodes by encoding: size · 2 + kind of the table in [`crate::layout::depths`].
+    /// Number of children of nodes by encoding, 4·high + 2·low + kind of the table in [`crate::layout::depths`].
     pub children: [u64; 8],
     /// Number of leaves by their number of planes, from 0 on.
     pub leaves_by_planes: [u64; 7],
@@ -77,7 +77,7 @@ impl DepthTree {
             census.nodes += 1;
             census.head_bytes += 6;
             let [low, high, kind] = [0, 1, 2].map(|h| code.half(at + h));
-            census.field_bytes += 2 * u64::from(low.count_ones() + 2 * high.count_ones());
+            census.field_bytes += 2 * u64::from(fields_length(low, high, kind, 0xffff));
             for c in 0..16 {
                 let [low, high, kind] = [low, high, kind].map(|half| half >> c & 1);
                 census.children[(4 * high + 2 * low + kind) as usize] += 1;

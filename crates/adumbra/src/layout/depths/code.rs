@@ -5,10 +5,14 @@ use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
 /// Near pointers below this value are addresses in the common section. The others have this bit set and are relative.
 pub const NEAR: u32 = 1 << 15;
-/// Far pointers below this value are addresses in the common section. The others have this bit set and are relative.
+/// Far pointers have this bit set if they are relative.
 pub const FAR: u32 = 1 << 31;
-/// In place of the near pointer of a child with a wide difference: the child has no shape.
-pub const NO_SHAPE: u32 = NEAR;
+/// Number of bits of a far pointer's address or distance. The bits above, up to [`FAR`], are the highest of a difference.
+pub const FAR_BITS: u32 = 25;
+/// Number of bits of a difference beside a far pointer.
+pub const FAR_DELTA_BITS: u32 = 22;
+/// Lowest bit of the difference in a short pointer, whose lower bits are a distance.
+pub const SHORT_BITS: u32 = 8;
 
 /// Bit of a leaf's first half-word: the last depth is [`NEVER`].
 pub const LEAF_NEVER: u32 = 1 << 6;
@@ -105,6 +109,19 @@ impl LeafHead {
     }
 }
 
+/// Returns the number of half-words of the fields of those children of a node that are in `children`. The other arguments
+/// are its first half-words.
+pub(super) fn fields_length(low: u32, high: u32, kind: u32, children: u32) -> u32 {
+    let short = high & !low & !kind;
+    (low & children).count_ones() + 2 * (high & children).count_ones() - (short & children).count_ones()
+}
+
+/// Returns a number of so many bits in two's complement, as 32 bits.
+fn signed(value: u32, bits: u32) -> u32 {
+    let unused = 32 - bits;
+    ((value << unused) as i32 >> unused) as u32
+}
+
 /// Words that contain shapes.
 #[derive(Clone, Copy)]
 pub struct Code<'c> {
@@ -130,30 +147,34 @@ impl<'c> Code<'c> {
     /// Decodes child `child` of the node at `at`.
     pub fn child(self, at: u32, child: u32) -> Child {
         let [low, high, kind] = [0, 1, 2].map(|h| self.half(at + h));
-        let below = (1 << child) - 1;
-        let field = at + 3 + (low & below).count_ones() + 2 * (high & below).count_ones();
-        let delta = |at| i32::from(self.half(at) as i16) as u32;
+        let field = at + 3 + fields_length(low, high, kind, (1 << child) - 1);
+        let back = |distance: u32| (at.wrapping_sub(distance), true);
         match (high >> child & 1, low >> child & 1, kind >> child & 1) {
             (0, 0, 0) => Child::Uniform(0),
             (0, 0, _) => Child::Never,
             (0, _, 0) => Child::shape(self.near(at, field), 0),
-            (0, ..) => Child::Uniform(delta(field)),
-            (_, 0, 0) => Child::shape(self.far(at, field), 0),
-            (_, 0, _) => Child::shape(self.near(at, field + 1), delta(field)),
-            (_, _, 0) => Child::shape(self.far(at, field + 1), delta(field)),
-            _ if self.half(field + 2) == NO_SHAPE => Child::Uniform(self.two_halves(field)),
-            _ => Child::shape(self.near(at, field + 2), self.two_halves(field)),
+            (0, ..) => Child::Uniform(signed(self.half(field), 16)),
+            (_, 0, 0) => {
+                let short = self.half(field);
+                Child::shape(back(short & 0xff), signed(short >> SHORT_BITS, 8))
+            }
+            (_, 0, _) => Child::shape(self.near(at, field + 1), signed(self.half(field), 16)),
+            _ => {
+                let (low, far) = (self.half(field), self.two_halves(field + 1));
+                let delta = signed(low | (far & !FAR) >> FAR_BITS << 16, FAR_DELTA_BITS);
+                let place = far & ((1 << FAR_BITS) - 1);
+                match far & FAR {
+                    0 => Child::shape((place, false), delta),
+                    _ if place == 0 => Child::Uniform(delta),
+                    _ => Child::shape(back(place), delta),
+                }
+            }
         }
     }
 
     fn near(self, from: u32, field: u32) -> (u32, bool) {
         let half = self.half(field);
         if half & NEAR == 0 { (half, false) } else { (from.wrapping_sub(half & (NEAR - 1)), true) }
-    }
-
-    fn far(self, from: u32, field: u32) -> (u32, bool) {
-        let far = self.two_halves(field);
-        if far & FAR == 0 { (far, false) } else { (from.wrapping_sub(far & (FAR - 1)), true) }
     }
 
     /// Descends from a root of `level` to the block or leaf that contains a column. Returns it with its level.

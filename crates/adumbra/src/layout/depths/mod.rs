@@ -20,20 +20,26 @@
 //! level 3. A node's first three half-words have one bit per child. The fields that these bits call for follow in the
 //! children's order.
 //!
-//! | size (half-words 0 and 1) | kind (half-word 2) | fields | child |
-//! |---|---|---|---|
-//! | 0 | 0 | | switches at the base |
-//! | 0 | 1 | | never switches |
-//! | 1 | 0 | near | a shape, same base |
-//! | 1 | 1 | delta | switches at base + delta |
-//! | 2 | 0 | far | a shape, same base |
-//! | 2 | 1 | delta, near | a shape, base + delta |
-//! | 3 | 0 | delta, far | a shape, base + delta |
-//! | 3 | 1 | wide, near | base + wide: a shape, or a switch if near is `0x8000` |
+//! | half-word 1 (high) | 0 (low) | 2 (kind) | fields | child |
+//! |---|---|---|---|---|
+//! | 0 | 0 | 0 | | switches at the base |
+//! | 0 | 0 | 1 | | never switches |
+//! | 0 | 1 | 0 | near | a shape, same base |
+//! | 0 | 1 | 1 | delta | switches at base + delta |
+//! | 1 | 0 | 0 | short | a shape, base + its delta |
+//! | 1 | 0 | 1 | delta, near | a shape, base + delta |
+//! | 1 | 1 | 0 | far | a shape, base + its delta; without a distance, a switch there |
+//! | 1 | 1 | 1 | | not used |
 //!
-//! *near*: an address in the common section below 2^15, or bit 15 = 1 and bits 14..0 = number of half-words from the
-//! node's address back to the shape. *far*: two half-words, lower first: an address in the common section, or bit 31 = 1
-//! and bits 30..0 as in near. *delta*: two's complement. *wide*: two half-words, lower first.
+//! | field | half-words | meaning |
+//! |---|---|---|
+//! | near | 1 | an address in the common section below 2^15; or bit 15 = 1 and bits 14..0 = number of half-words from the node's address back to the shape |
+//! | delta | 1 | two's complement |
+//! | short | 1 | bits 7..0: half-words back; bits 15..8: delta, two's complement |
+//! | far | 3 | half-word 0: bits 15..0 of delta; of the word of half-words 1 and 2, lower first: bits 24..0 an address in the common section, or if bit 31 = 1 half-words back; bits 30..25 = bits 21..16 of delta, two's complement |
+//!
+//! Worked value: `0x0001`, `0x0000`, `0x8200` is far, with a delta of 1 + 2^16 (bit 25 is its bit 16) and bit 31 without a
+//! distance, so the child switches at base + 65,537.
 //!
 //! # Leaves
 //! A leaf has n = 1 to 64 different depths v0 < v1 < …, of which the last may be [`NEVER`]; v0 is the base. A *slanted*
@@ -61,6 +67,7 @@ mod ranges;
 pub mod slant;
 mod top;
 mod validate;
+pub mod write;
 
 pub use census::Census;
 pub use ranges::{Range, Ranges};

@@ -8,7 +8,7 @@
 
 use std::fmt;
 
-use crate::layout::depths::code::{Child, Code, LeafHead};
+use crate::layout::depths::code::{Child, Code, LeafHead, fields_length};
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL};
 use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, PlacedPage, UNIFORM};
 
@@ -218,8 +218,11 @@ impl<'c> Walk<'c> {
         level: u32,
     ) -> Result<(), DepthsError> {
         self.ends_within(at, 3, level)?;
-        let [low, high] = [0, 1].map(|h| self.code.half(at + h));
-        self.ends_within(at, 3 + low.count_ones() + 2 * high.count_ones(), level)?;
+        let [low, high, kind] = [0, 1, 2].map(|h| self.code.half(at + h));
+        if low & high & kind != 0 {
+            return Err(self.bits(at, level, kind));
+        }
+        self.ends_within(at, 3 + fields_length(low, high, kind, 0xffff), level)?;
         for child in 0..16 {
             let Child::Shape { at: to, is_relative, .. } = self.code.child(at, child) else { continue };
             let below = level - NODE_LEVELS;

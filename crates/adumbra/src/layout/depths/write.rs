@@ -1,0 +1,202 @@
+//! Writes shapes as half-words, each after what it points to, in the shortest form that holds it. There is one way to
+//! write given shapes in a given order.
+
+use crate::layout::depths::code::{FAR, FAR_BITS, FAR_DELTA_BITS, NEAR, SHORT_BITS};
+
+/// Where a shape is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// At an address of the common section, seen from a page.
+    Common(u32),
+    /// At an address of the part that is being written.
+    Here(u32),
+}
+
+/// A child whose shape has been written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlacedChild {
+    /// All columns switch at the base plus this difference.
+    Uniform(u32),
+    /// No column switches.
+    Never,
+    /// A shape.
+    Shape {
+        /// Difference that is added to the base, wrapping.
+        delta: u32,
+        /// Where the shape is.
+        place: Place,
+    },
+}
+
+/// A shape or a difference is out of reach of the longest pointer. Bakes are limited so that none is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a part of the quadtree is too large: a distance above 2^25 half-words, or a difference of depths above 2^21")]
+pub struct OutOfReach;
+
+/// Writes the shapes of a page, or of the common section.
+#[derive(Debug)]
+pub struct Writer {
+    is_common: bool,
+    halves: Vec<u16>,
+}
+
+impl Writer {
+    /// Begins a page.
+    pub fn page() -> Self {
+        Self { is_common: false, halves: Vec::new() }
+    }
+
+    /// Begins a common section.
+    pub fn common() -> Self {
+        Self { is_common: true, halves: Vec::new() }
+    }
+
+    /// Writes a leaf and returns its address.
+    pub fn leaf(&mut self, halves: &[u16]) -> u32 {
+        let at = self.halves.len() as u32;
+        self.halves.extend_from_slice(halves);
+        at
+    }
+
+    /// Writes a node and returns its address.
+    ///
+    /// # Errors
+    /// Returns [`OutOfReach`] if a child needs more bits than there are.
+    pub fn node(&mut self, children: &[PlacedChild; 16]) -> Result<u32, OutOfReach> {
+        let from = self.halves.len() as u32;
+        let mut bits = [0_u16; 3];
+        self.halves.extend(bits);
+        for (c, child) in children.iter().enumerate() {
+            let mut put = |[high, low, kind]: [u16; 3], fields: &[u16]| {
+                bits[0] |= low << c;
+                bits[1] |= high << c;
+                bits[2] |= kind << c;
+                self.halves.extend_from_slice(fields);
+            };
+            match *child {
+                PlacedChild::Never => put([0, 0, 1], &[]),
+                PlacedChild::Uniform(0) => put([0, 0, 0], &[]),
+                PlacedChild::Uniform(delta) => match fits(delta, 16) {
+                    true => put([0, 1, 1], &[delta as u16]),
+                    false => put([1, 1, 0], &far(delta, FAR)?),
+                },
+                PlacedChild::Shape { delta, place } => {
+                    let (address, distance) = match place {
+                        Place::Common(at) => (Some(at), None),
+                        Place::Here(at) => (self.is_common.then_some(at), Some(from - at)),
+                    };
+                    let near = match (address, distance) {
+                        (Some(at), _) if at < NEAR => Some(at as u16),
+                        (_, Some(back)) if back < NEAR => Some((NEAR | back) as u16),
+                        _ => None,
+                    };
+                    let short = distance.filter(|&back| back < 1 << SHORT_BITS && fits(delta, 8));
+                    match (near, short) {
+                        (Some(near), _) if delta == 0 => put([0, 1, 0], &[near]),
+                        (_, Some(back)) => put([1, 0, 0], &[(delta << SHORT_BITS | back) as u16]),
+                        (Some(near), _) if fits(delta, 16) => put([1, 0, 1], &[delta as u16, near]),
+                        _ => {
+                            let pointer = match (address, distance) {
+                                (Some(at), _) => at,
+                                (None, back) => FAR | back.unwrap_or_default(),
+                            };
+                            put([1, 1, 0], &far(delta, pointer)?);
+                        }
+                    }
+                }
+            }
+        }
+        self.halves[from as usize..][..3].copy_from_slice(&bits);
+        Ok(from)
+    }
+
+    /// Returns what has been written, as words.
+    pub fn words(&self) -> Vec<u32> {
+        let word = |two: &[u16]| u32::from(two[0]) | two.get(1).map_or(0, |&high| u32::from(high) << 16);
+        self.halves.chunks(2).map(word).collect()
+    }
+}
+
+/// Whether a difference fits so many bits in two's complement.
+fn fits(delta: u32, bits: u32) -> bool {
+    let limit = 1 << (bits - 1);
+    (-limit..limit).contains(&(delta as i32))
+}
+
+/// Returns the half-words of a far pointer with a difference. `pointer` is an address, or [`FAR`] and a distance.
+fn far(delta: u32, pointer: u32) -> Result<[u16; 3], OutOfReach> {
+    if !fits(delta, FAR_DELTA_BITS) || (pointer & !FAR) >> FAR_BITS != 0 {
+        return Err(OutOfReach);
+    }
+    let word = pointer | delta >> 16 << FAR_BITS & !FAR;
+    Ok([delta as u16, word as u16, (word >> 16) as u16])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::depths::code::{Child, Code};
+
+    /// Writes a node behind so many half-words, and reads its first child back.
+    fn there_and_back(mut writer: Writer, filler: usize, child: PlacedChild) -> (usize, Child) {
+        writer.leaf(&vec![0; filler]);
+        let mut children = [PlacedChild::Never; 16];
+        children[0] = child;
+        let at = writer.node(&children).unwrap();
+        let fields = writer.halves.len() - at as usize - 3;
+        (fields, Code { words: &writer.words() }.child(at, 0))
+    }
+
+    #[test]
+    fn child_takes_the_shortest_form() {
+        let shape = |delta: i32, place| PlacedChild::Shape { delta: delta as u32, place };
+        let read = |at, delta: i32, is_relative| Child::Shape { at, delta: delta as u32, is_relative };
+        for (filler, child, fields, expected) in [
+            (300, PlacedChild::Never, 0, Child::Never),
+            (300, PlacedChild::Uniform(0), 0, Child::Uniform(0)),
+            (300, PlacedChild::Uniform(-32_768_i32 as u32), 1, Child::Uniform(-32_768_i32 as u32)),
+            (300, PlacedChild::Uniform(32_768), 3, Child::Uniform(32_768)),
+            (300, PlacedChild::Uniform(-2_097_152_i32 as u32), 3, Child::Uniform(-2_097_152_i32 as u32)),
+            (300, shape(0, Place::Here(0)), 1, read(0, 0, true)),
+            (300, shape(0, Place::Common(32_767)), 1, read(32_767, 0, false)),
+            (300, shape(0, Place::Common(32_768)), 3, read(32_768, 0, false)),
+            (300, shape(-128, Place::Here(45)), 1, read(45, -128, true)),
+            (300, shape(127, Place::Here(298)), 1, read(298, 127, true)),
+            (300, shape(128, Place::Here(298)), 2, read(298, 128, true)),
+            (300, shape(1, Place::Here(44)), 2, read(44, 1, true)),
+            (300, shape(1, Place::Common(44)), 2, read(44, 1, false)),
+            (300, shape(32_768, Place::Common(44)), 3, read(44, 32_768, false)),
+            (40_000, shape(0, Place::Here(7_233)), 1, read(7_233, 0, true)),
+            (40_000, shape(0, Place::Here(7_232)), 3, read(7_232, 0, true)),
+            (40_000, shape(2_097_151, Place::Here(3)), 3, read(3, 2_097_151, true)),
+            (40_000, shape(-2_097_152, Place::Common(1 << 24)), 3, read(1 << 24, -2_097_152, false)),
+        ] {
+            assert_eq!(there_and_back(Writer::page(), filler, child), (fields, expected), "{child:?}");
+        }
+    }
+
+    #[test]
+    fn common_section_prefers_addresses() {
+        let shape = |at| PlacedChild::Shape { delta: 0, place: Place::Here(at) };
+        for (at, fields, is_relative) in [(300, 1, false), (32_768, 1, true), (39_999, 1, true)] {
+            let expected = Child::Shape { at, delta: 0, is_relative };
+            assert_eq!(there_and_back(Writer::common(), 40_000, shape(at)), (fields, expected));
+        }
+        let far = there_and_back(Writer::common(), 80_000, shape(33_000));
+        assert_eq!(far, (3, Child::Shape { at: 33_000, delta: 0, is_relative: false }));
+    }
+
+    #[test]
+    fn out_of_reach_is_an_error() {
+        let mut writer = Writer::page();
+        for child in [
+            PlacedChild::Uniform(2_097_152),
+            PlacedChild::Shape { delta: 0, place: Place::Common(1 << 25) },
+            PlacedChild::Shape { delta: 1 << 30, place: Place::Common(3) },
+        ] {
+            let mut children = [PlacedChild::Never; 16];
+            children[5] = child;
+            assert_eq!(writer.node(&children), Err(OutOfReach), "{child:?}");
+        }
+    }
+}
