@@ -15,7 +15,7 @@
 //! let scene = adumbra_scene::load(Path::new("city.glb"), &LoadOptions::default())?;
 //! let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
 //! let baked = bake(&scene, &BakeOptions::new(sun, Size::Resolution(8192)), Watch::none())?;
-//! adumbra_files::replace_file(Path::new("city.adumbra"), |out| baked.file.write_to(out))?;
+//! adumbra_files::replace_file(Path::new("city.adumbra"), |out| baked.file.write_to(out, adumbra::AtRest::default()))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -26,8 +26,8 @@
 //!    snapped to 1/256 texel; its depth comes from the unsnapped plane.
 //! 2. `columns/`: the column rules. A column's first surface, the end of its solid and the next receiver give `e` and
 //!    `x`: lit before `e`, shadowed from `x` on, free in between.
-//! 3. `tiles`, `plan`: workers take root blocks one after another. At the end the shapes are put in an order that does
-//!    not depend on which worker built what, or when.
+//! 3. `tiles`, `plan`: workers take root blocks one after another. No result depends on which worker built what, or
+//!    when.
 //! 4. `fast/`: the surfaces of a root block are gathered into connected components that face one way, and edges that
 //!    are a *contour* under this sun are marked. A component without a contour in a block covers either all of its
 //!    texels or none, and one sample decides which. This bounds the block's largest `e` and smallest `x`; if `x >= e`,
@@ -36,10 +36,11 @@
 //! 5. `sink/`: the interface between the descent and what it fills. A sink takes resolved blocks and leaves, and joins
 //!    four into one. The quadtree's sink intersects intervals on the way up, and chooses depths from each root down.
 //!    Before that the switch limit cuts the columns' freedom, for filters beside a wall's foot.
-//! 6. `store/`: equal shapes are stored once, whichever root they are in. With a memory limit, those that were not used
-//!    recently go to unnamed temporary files. Hash tables stay in memory, and pages make room for them.
-//! 7. `pack/`: leaves are encoded as few depths or planes, and all shapes as half-words, the most referenced ones where
-//!    short pointers reach them.
+//! 6. `pack/`: leaves are encoded as few depths or planes, whichever suffice.
+//! 7. `pages/`: a finished root becomes a page at once, in which equal shapes are stored once. With a memory limit, pages
+//!    go to an unnamed temporary file. At the end they are linked: shapes are hashed to 128 bits, those of three or more
+//!    pages become the common section, and every page is written again with pointers into it, on all threads. The file is
+//!    streamed out bundle by bundle.
 //!
 //! `plain/` is a second builder, for tests: it draws every texel, in two passes, surfaces and crossings of solids at
 //! texel centres first, then the nearest receiver behind each column's caster. The tests compare the fast builder with
@@ -48,7 +49,7 @@
 //!
 //! `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better.
 //!
-//! Dependencies go one way: triangles → columns → tiles → store → pack → sink → fast and plain → plan → choose → bake.
+//! Dependencies go one way: triangles → columns → tiles → pack → pages → sink → fast and plain → plan → choose → bake.
 //! [`layers`] provides first surfaces and insides of solids to structures that voxelize depth themselves.
 //!
 //! # Design decisions, and departures from the specification
@@ -64,8 +65,9 @@
 //! - *Masked surfaces* are sampled over a texel's area, not at its centre: `docs/figures.md` has the measurement.
 //! - *Inside solids* the file may say either lit or shadowed, since no camera sees it; `verify` does not compare such
 //!   points.
-//! - Root blocks are 2^5 to 2^13 texels a side, about 32 across the longer side of the light's plane. The quadtree's own
-//!   roots are 2^5 to 2^9.
+//! - Root blocks are 2^5 to 2^13 texels a side, about 32 across the longer side of the light's plane. Those smaller than
+//!   a page of 2^9 wait for their neighbours.
+//! - A file has coarser levels, each a bake of its own with voxels four times as large, on a lattice with the same origin.
 //! - The grid has a margin of one voxel before the first surface and behind the last.
 //! - Static receivers are answered for filters up to 9 texels wide, with normals.
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
-use adumbra::{Bias, Bounds, RangeError, RangeField, Receivers, Sun};
+use adumbra::{AtRest, Bias, Bounds, RangeError, RangeField, Receivers, Sun};
 
 use crate::error::{Error, Result};
 
@@ -95,6 +95,8 @@ pub struct BakeOptions {
     /// Number of levels of detail, from 1 to [`MAX_LEVELS`](adumbra::file::MAX_LEVELS). Each has voxels four times as
     /// large as the one before it. Levels of fewer than [`LEAST_LEVEL_TEXELS`] texels are left out.
     pub levels: u32,
+    /// How [`bake_to`](crate::bake_to) stores the voxels.
+    pub at_rest: AtRest,
     /// The method that finds the columns.
     #[doc(hidden)]
     pub builder: Builder,
@@ -123,6 +125,7 @@ impl BakeOptions {
             spill_folder: None,
             switch_within_voxels: 0,
             levels: DEFAULT_LEVELS,
+            at_rest: AtRest::default(),
             builder: Builder::Fast,
         }
     }

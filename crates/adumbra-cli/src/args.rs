@@ -77,6 +77,12 @@ pub(crate) enum Verb {
     #[command(after_help = "Writes the file, and next to it FILE.br, which servers send in its place.\n\n\
         Example: adumbra export city.adumbra --web public/city.adumbra")]
     Export(Export),
+    /// Store a shadow file with the context coder, at about a third of its bytes
+    #[command(after_help = "Example: adumbra pack city.adumbra")]
+    Pack(Convert),
+    /// Store a shadow file as it is in memory, for loading without decoding
+    #[command(after_help = "Example: adumbra unpack city.adumbra -o city.raw.adumbra")]
+    Unpack(Convert),
     #[cfg(feature = "render")]
     /// Draw a scene with a file's shadows, with a real-time technique or with rays, or mark where file and rays differ
     #[command(after_help = render::after_help("adumbra", adumbra_render::Techniques::product()))]
@@ -211,6 +217,17 @@ pub(crate) struct QueryFile {
     pub(crate) query: Query,
     #[command(flatten)]
     pub(crate) level: LevelArg,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct Convert {
+    /// Shadow file
+    pub(crate) file: PathBuf,
+    /// The shadow file to write [default: the file itself]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
 }
 
 #[derive(clap::Args)]

@@ -36,6 +36,16 @@ pub struct Bias {
     pub normal_offset_texels: f64,
 }
 
+/// How the voxels of a file are stored.
+#[derive(JsonSchema)]
+#[schemars(rename_all = "lowercase")]
+pub enum AtRest {
+    /// As they are in memory.
+    Raw,
+    /// Coded, in about a third of the bytes.
+    Coded,
+}
+
 /// The points at which a file must be correct.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "lowercase")]
@@ -103,6 +113,10 @@ mod tests {
         let schema = schemars::schema_for!(FileSettings).to_value();
         assert_described(&schema, &json!(settings));
         assert_described(&schema, &json!(elsewhere));
+        let at_rest = schemars::schema_for!(AtRest).to_value();
+        for way in [adumbra::AtRest::Raw, adumbra::AtRest::Coded] {
+            assert_described(&at_rest, &json!(way));
+        }
         let frame = schemars::schema_for!(Frame).to_value();
         assert_described(&frame, &json!(adumbra::Frame::Light));
         assert_described(&frame, &json!(adumbra::Frame::Oblique { yaw_radians: 0.5 }));

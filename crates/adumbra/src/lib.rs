@@ -18,6 +18,7 @@
 //! # Ok::<(), adumbra::Error>(())
 //! ```
 
+mod coder;
 mod error;
 #[doc(hidden)]
 pub mod file;
@@ -34,4 +35,4 @@ pub use error::{Error, FormatError, IoError, RangeError, RangeField, Result};
 pub use file::ShadowFile;
 pub use grid::{Bounds, Frame, LightExtent, LightGrid, Sun};
 pub use query::{Filter, PointVisibility, Sampler};
-pub use settings::{Bias, FileSettings, MAX_PLANE_SLOPE, MAX_SLOPE, Receivers};
+pub use settings::{AtRest, Bias, FileSettings, MAX_PLANE_SLOPE, MAX_SLOPE, Receivers};

@@ -50,6 +50,17 @@ impl Bias {
     }
 }
 
+/// How the voxels of a file are stored. A reader accepts either, and both hold the same voxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum AtRest {
+    /// As they are in memory, so that a page can be used without decoding it.
+    Raw,
+    /// Coded: about a third of the bytes.
+    #[default]
+    Coded,
+}
+
 /// The points at which a file must be correct.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]

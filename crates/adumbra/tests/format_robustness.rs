@@ -10,9 +10,10 @@ mod reference;
 use std::fs;
 use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 
+use adumbra::file::Header;
 use adumbra::layout::depths::UNIFORM;
 use adumbra::layout::depths::page::{IN_PAGE, Page};
-use adumbra::{Bounds, Error, IoError, Receivers, ShadowFile};
+use adumbra::{AtRest, Bounds, Error, IoError, Receivers, ShadowFile};
 use adumbra_testing::{
     assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors, specified_example,
     vector_answers, vectors,
@@ -24,6 +25,15 @@ fn valid() -> Vec<(String, Vec<u8>)> {
     named_vectors("valid", 10)
 }
 
+/// Returns name and bytes of every raw vector, sorted by name.
+fn raw() -> Vec<(String, Vec<u8>)> {
+    valid().into_iter().filter(|(_, bytes)| at_rest(bytes) == AtRest::Raw).collect()
+}
+
+fn at_rest(bytes: &[u8]) -> AtRest {
+    Header::parse(bytes).expect("a header").at_rest
+}
+
 fn example() -> Vec<u8> {
     fs::read(vectors("valid/example_8_depths.adumbra")).expect("the example")
 }
@@ -33,9 +43,11 @@ fn valid_vectors_give_their_answers() {
     let folder = "valid";
     for (name, bytes) in named_vectors(folder, 10) {
         let file = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(file.to_bytes(at_rest(&bytes)), Ok(bytes), "{name}");
+        let raw = encode(&file);
         for point in expected_points(&vector_answers(folder, &name)) {
             let (expected, what) = (point.visibility, point.all);
-            assert_eq!(u64::from(reference::visibility(&bytes, point.world)), expected, "{name}: {what}");
+            assert_eq!(u64::from(reference::visibility(&raw, point.world)), expected, "{name}: {what}");
             let at = file.grid.to_grid(point.world);
             if (0..3).all(|a| at[a] >= 0.0 && at[a] < f64::from(file.grid.size[a])) {
                 let [i, j, k] = at.map(|c| c.floor() as u32);
@@ -50,7 +62,7 @@ const MOST_VOXELS: u64 = 1 << 18;
 
 #[test]
 fn decoded_quadtree_agrees_with_the_reference() {
-    for (name, bytes) in valid() {
+    for (name, bytes) in raw() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         for number in 0..file.level_count() {
             let level = file.level(number).unwrap();
@@ -125,6 +137,36 @@ fn specification_shows_the_example_as_it_is() {
 }
 
 #[test]
+fn coded_files_hold_the_same_words() {
+    for (name, bytes) in raw() {
+        let file = ShadowFile::from_bytes(&bytes).unwrap();
+        let coded = file.to_bytes(AtRest::Coded).unwrap();
+        assert_eq!(at_rest(&coded), AtRest::Coded);
+        let decoded = exercise(&coded).unwrap();
+        assert_eq!(decoded, file, "{name}");
+        assert_eq!(encode(&decoded), bytes, "{name}");
+        assert_eq!(decoded.to_bytes(AtRest::Coded), Ok(coded), "{name}");
+    }
+}
+
+#[test]
+fn file_of_another_writer_is_not_coded_if_it_would_change() {
+    // The example's page begins at byte 0x2d8 and has nine words. A tenth that nothing leads to is valid.
+    let mut bytes = example();
+    bytes.extend([0; 4]);
+    for (at, value) in [(0x220, 10_u32), (0x200, 232), (0x204, 232), (0x1d8, 232), (136, 768)] {
+        bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+    }
+    bytes[0] = b'@';
+    let bytes = interpret(&bytes);
+    let file = exercise(&bytes).unwrap();
+    let error = file.to_bytes(AtRest::Coded).unwrap_err();
+    assert_eq!((error.kind(), error.to_string().contains("bundle (0, 0)")), ("Uncodable", true), "{error}");
+    let error = file.write_to(Cursor::new(Vec::new()), AtRest::Coded).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::InvalidData);
+}
+
+#[test]
 fn settings_and_grid_come_back_bit_for_bit() {
     let mut file = ShadowFile::from_bytes(&example()).unwrap();
     for bits in 0..16_u32 {
@@ -182,15 +224,20 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
 #[test]
 #[ignore = "slow: thousands of damaged files"]
 fn mutations_are_refused_or_answer_everywhere() {
-    let (accepted, faults) = count_faults(&valid(), 200_000, |bytes, seed| {
+    let coded = raw().into_iter().map(|(name, bytes)| {
+        let file = ShadowFile::from_bytes(&bytes).expect("a valid vector");
+        (format!("{name}, coded"), file.to_bytes(AtRest::Coded).expect("a file of a writer"))
+    });
+    let all: Vec<_> = raw().into_iter().chain(coded).collect();
+    let (accepted, faults) = count_faults(&all, 400_000, |bytes, seed| {
         let mutated = mutate(bytes, seed);
         let file = exercise(&mutated).map_err(|error| error.fault().unwrap_or(error.kind()))?;
-        agrees_with_the_reference(&file, &mutated, seed);
+        agrees_with_the_reference(&file, &encode(&file), seed);
         Ok(())
     });
     // The mutations reach every check, and also produce quadtrees that are still valid.
     assert!(accepted > 10_000, "{accepted} accepted");
-    assert_faults_found(&faults, &["Bundle", "Root", "Order", "End", "Bits", "Ranks"]);
+    assert_faults_found(&faults, &["Bundle", "Coded", "Root", "Order", "End", "Bits", "Ranks"]);
 }
 
 #[test]
@@ -236,7 +283,7 @@ fn failing_writer_is_an_error_after_any_byte() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         let write = |room: usize| {
             let mut disk = FullDisk { room: room as u64, file: Cursor::default() };
-            file.write_to(&mut disk).map(|length| (length, disk.file.into_inner()))
+            file.write_to(&mut disk, at_rest(&bytes)).map(|length| (length, disk.file.into_inner()))
         };
         for room in (0..bytes.len()).step_by(1 + bytes.len() / 1024) {
             assert_eq!(write(room).unwrap_err().kind(), ErrorKind::StorageFull);
@@ -250,7 +297,7 @@ fn file_is_written_where_the_output_stands() {
     let file = ShadowFile::from_bytes(&example()).unwrap();
     let mut out = Cursor::new(b"before".to_vec());
     out.set_position(6);
-    file.write_to(&mut out).unwrap();
+    file.write_to(&mut out, AtRest::Raw).unwrap();
     assert_eq!(out.position() as usize, out.get_ref().len());
     assert_eq!(out.into_inner(), [b"before".as_slice(), &example()].concat());
 }
@@ -270,9 +317,9 @@ fn file_that_cannot_be_read_is_not_written() {
     let all = wrong.into_iter().chain([ShadowFile::new(file.grid, settings, tree()), level_of_one_size]);
     for (i, wrong) in all.enumerate() {
         let mut written = Cursor::new(Vec::new());
-        let error = wrong.write_to(&mut written).unwrap_err();
+        let error = wrong.write_to(&mut written, AtRest::Coded).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::InvalidData, "{i}: {error}");
-        assert_eq!(wrong.to_bytes().unwrap_err().kind(), "HeaderField", "{i}");
+        assert_eq!(wrong.to_bytes(AtRest::Raw).unwrap_err().kind(), "HeaderField", "{i}");
     }
 }
 

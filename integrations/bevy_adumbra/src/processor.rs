@@ -15,7 +15,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::{fs, io};
 
-use adumbra::{Error, ShadowFile, Sun};
+use adumbra::{AtRest, Error, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::LoadOptions;
 use bevy::asset::io::{Reader, Writer};
@@ -196,8 +196,7 @@ impl AssetSaver for ShadowFileSaver {
         _settings: &(),
         _asset_path: AssetPath<'_>,
     ) -> Result<ShadowFileSettings, io::Error> {
-        let mut bytes = Vec::new();
-        asset.file().write_to(&mut bytes)?;
+        let bytes = asset.file().to_bytes(AtRest::default()).map_err(io::Error::other)?;
         writer.write_all(&bytes).await?;
         Ok(ShadowFileSettings::default())
     }

@@ -1,16 +1,18 @@
 //! The bake.
 
 #[cfg(test)]
+mod level_tests;
+#[cfg(test)]
 mod memory_tests;
 mod run;
 
-use std::io::{Seek, Write};
+use std::io::{self, ErrorKind, Seek, Write};
 use std::time::Instant;
 
-use adumbra::file::{FileWriter, StoredBundle};
+use adumbra::file::{CommonSection, FileWriter, StoredBundle};
 use adumbra::layout::depths::Ranges;
 use adumbra::layout::depths::page::{BUNDLE_PAGES, Page, page_dims};
-use adumbra::{FileSettings, LightGrid, ShadowFile};
+use adumbra::{FileSettings, FormatError, LightGrid, ShadowFile};
 use adumbra_scene::Scene;
 
 use crate::choose::{self, Choice};
@@ -90,19 +92,30 @@ pub fn bake_to(
     let choice = Choice::new(scene, options)?;
     let settings = choice.plan(scene, options, 0)?.settings;
     let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
-    let mut writer = FileWriter::new(out, settings, &grids).map_err(Error::Output)?;
+    let mut writer = FileWriter::new(out, settings, &grids, options.at_rest).map_err(Error::Output)?;
     let mut report = Report::default();
     for level in (0..grids.len()).rev() {
         let built = build_level(scene, options, &choice, level, watch)?;
         report = report.with(&built.report);
         let linked = built.made.link()?;
-        writer.common(linked.common()).map_err(Error::Output)?;
+        let common = CommonSection::new(linked.common().to_vec(), || linked.common_shapes(), options.at_rest)
+            .map_err(invalid)?;
+        writer.common(&common).map_err(Error::Output)?;
         let dims = page_dims(grids[level].size);
-        let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| StoredBundle::new(at, dims, pages, &mut Ranges::new(linked.common()));
-        linked.for_each_bundle(stored, |_, bundle| writer.bundle(&bundle).map_err(Error::Output))?;
+        let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| {
+            StoredBundle::new(at, dims, pages, &mut Ranges::new(common.words()), &common)
+        };
+        linked.for_each_bundle(stored, |_, bundle| {
+            writer.bundle(&bundle.map_err(invalid)?).map_err(Error::Output)
+        })?;
     }
     let bytes = writer.finish().map_err(Error::Output)?;
     Ok(Written { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
+}
+
+/// Returns the error for pages that cannot be written.
+fn invalid(fault: FormatError) -> Error {
+    Error::Output(io::Error::new(ErrorKind::InvalidData, fault))
 }
 
 /// Bakes the pages of a level. Progress counts the root blocks of all levels, the coarsest first.

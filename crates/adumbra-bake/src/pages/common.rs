@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use adumbra::layout::depths::ShapePlace;
 use adumbra::layout::depths::write::{OutOfReach, Place, Writer};
 use rayon::prelude::*;
 
@@ -23,6 +24,8 @@ const HALVES_PER_SHAPE: u64 = 8;
 #[derive(Debug, Default)]
 pub(super) struct Common {
     pub(super) words: Vec<u32>,
+    /// The shapes, by address.
+    pub(super) shapes: Vec<ShapePlace>,
     /// The address of each shape, by its hash.
     pub(super) addresses: HashMap<u128, u32>,
 }
@@ -187,9 +190,15 @@ impl Shared {
         for index in order {
             self.emit(index, &mut writer, &mut addresses)?;
         }
+        let contents = self.found.iter().map(|found| found.content.get());
+        let shape = |(content, at): (Option<&(u32, Content)>, &Option<u32>)| {
+            Some(ShapePlace { at: (*at)?, level: content?.0 })
+        };
+        let mut shapes: Vec<ShapePlace> = contents.zip(&addresses).filter_map(shape).collect();
+        shapes.sort_unstable();
         let places = self.hashes.iter().zip(addresses);
         let addresses = places.filter_map(|(&hash, at)| at.map(|at| (hash, at))).collect();
-        Ok(Common { words: writer.words(), addresses })
+        Ok(Common { words: writer.words(), shapes, addresses })
     }
 
     fn emit(

@@ -1,8 +1,8 @@
 //! Links pages: chooses their common section, and writes each page again with pointers into it.
 
 use adumbra::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page, bundles, page_dims, pages_of};
-use adumbra::layout::depths::write::Place;
-use adumbra::layout::depths::{DepthTree, NEVER, TreeBuilder, UNIFORM};
+use adumbra::layout::depths::write::{OutOfReach, Place};
+use adumbra::layout::depths::{DepthTree, NEVER, ShapePlace, TreeBuilder, UNIFORM};
 use rayon::prelude::*;
 
 use super::common::Common;
@@ -21,6 +21,8 @@ pub struct Pages {
     pub(crate) store: PageStore,
     /// Whether equal shapes are stored once, in a page and in all.
     pub(crate) merged: bool,
+    /// Whether a page is missing, because it was beyond the reach of pointers.
+    pub(crate) is_too_large: bool,
 }
 
 impl Pages {
@@ -29,6 +31,9 @@ impl Pages {
     /// # Errors
     /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is too large.
     pub(crate) fn link(self) -> Result<Linked> {
+        if self.is_too_large {
+            return Err(OutOfReach.into());
+        }
         let numbers: Vec<u32> =
             self.places.iter().map(|place| place[0]).filter(|&number| number != UNIFORM).collect();
         let common = if self.merged { Common::of(&self.store, &numbers)? } else { Common::default() };
@@ -80,6 +85,11 @@ impl Linked {
     /// Returns the words of the common section.
     pub(crate) fn common(&self) -> &[u32] {
         &self.common.words
+    }
+
+    /// Returns the shapes of the common section, by address.
+    pub(crate) fn common_shapes(&self) -> Vec<ShapePlace> {
+        self.common.shapes.clone()
     }
 
     /// Writes the bundles, on all threads, and frees their pages. `make` is called with a bundle's place and pages, and

@@ -82,13 +82,33 @@ type Where = Option<usize>;
 struct Meanings {
     numbers: HashMap<Meaning, usize>,
     shapes: Vec<Found>,
+    pointers: Vec<Pointer>,
+}
+
+/// A pointer of a node in a page.
+struct Pointer {
+    delta: i32,
+    /// Half-words back, if the pointer is relative.
+    back: Option<u32>,
+    /// Where it leads to.
+    at: u32,
+}
+
+impl Pointer {
+    fn is_wide(&self) -> bool {
+        i16::try_from(self.delta).is_err()
+    }
+
+    fn is_far(&self) -> bool {
+        self.back.unwrap_or(self.at) >= NEAR
+    }
 }
 
 /// A shape.
 #[derive(Default)]
 struct Found {
     level: u32,
-    /// Half-words of all places.
+    /// Its places, and its half-words there.
     halves: HashMap<(Where, u32), u32>,
     /// The pages that have the shape.
     pages: HashSet<usize>,
@@ -135,13 +155,19 @@ impl Meanings {
             let child = |c| match code.child(at, c) {
                 Child::Never => [0, 0, 0],
                 Child::Uniform(delta) => [1, delta as usize, 0],
-                Child::Shape { at, delta, is_relative } => {
+                Child::Shape { at: to, delta, is_relative } => {
+                    if part.is_some() {
+                        let back = is_relative.then(|| at - to);
+                        self.pointers.push(Pointer { delta: delta as i32, back, at: to });
+                    }
                     let part = if is_relative { part } else { None };
-                    [2, delta as usize, self.shape(visit, part, at, level - NODE_LEVELS)]
+                    [2, delta as usize, self.shape(visit, part, to, level - NODE_LEVELS)]
                 }
             };
             let content = (0..16).map(child).collect();
-            (3 + code.half(at).count_ones() + 2 * code.half(at + 1).count_ones(), content)
+            let [low, high, kind] = [0, 1, 2].map(|h| code.half(at + h));
+            let short = high & !low & !kind;
+            (3 + low.count_ones() + 2 * high.count_ones() - short.count_ones(), content)
         };
         let next = self.numbers.len();
         let number = *self.numbers.entry((level, content)).or_insert(next);
@@ -153,14 +179,6 @@ impl Meanings {
         shape.pages.insert(visit.number);
         visit.known.insert((part, at, level), number);
         number
-    }
-
-    /// Returns the shapes of a level that are at more than one place of a part.
-    fn copied(&self, level: u32) -> impl Iterator<Item = &Found> {
-        self.shapes.iter().filter(move |shape| {
-            let parts: HashSet<Where> = shape.halves.keys().map(|&(part, _)| part).collect();
-            shape.level == level && parts.len() < shape.halves.len()
-        })
     }
 }
 
@@ -237,7 +255,7 @@ fn made_in_order(pages: &Pages, order: &[usize], spill: &Arc<Spill>) -> Pages {
             places[page][0] = store.add(root, words.to_vec());
         }
     }
-    Pages { size: pages.size, places, store, merged: pages.merged }
+    Pages { size: pages.size, places, store, merged: pages.merged, is_too_large: false }
 }
 
 fn shuffled(count: usize, random: &mut Random) -> Vec<usize> {
@@ -316,12 +334,6 @@ fn rough(i: u32, j: u32) -> u32 {
     noise(60_000, [7, i, j])
 }
 
-/// Returns how many children of nodes are encoded with a far pointer, without and with a difference.
-fn far_pointers(tree: &DepthTree) -> [u64; 2] {
-    let children = tree.census().children;
-    [children[4], children[6]]
-}
-
 #[test]
 fn page_above_the_reach_of_near_pointers_has_far_ones() {
     // One page has nothing in common with others.
@@ -330,15 +342,19 @@ fn page_above_the_reach_of_near_pointers_has_far_ones() {
     let Page { root, words, .. } = tree.page([0, 0]);
     assert!(tree.common().is_empty() && 2 * words.len() > 8 * NEAR as usize && root & IN_PAGE != 0);
     alone.check(&tree);
-    let of_children = |c| match (Code { words }).child(root & !IN_PAGE, c) {
-        Child::Shape { at, is_relative, .. } => (is_relative, (root & !IN_PAGE) - at >= NEAR),
+    let pointers = Meanings::of(&tree).pointers;
+    assert!(pointers.iter().all(|pointer| pointer.back.is_some()));
+    // All but the last children of the root are far.
+    let root = root & !IN_PAGE;
+    let distance = |c| match (Code { words }).child(root, c) {
+        Child::Shape { at, is_relative: true, .. } => root - at,
         other => panic!("{other:?}"),
     };
-    let children: Vec<(bool, bool)> = (0..16).map(of_children).collect();
-    assert!(children.iter().all(|&(is_relative, _)| is_relative));
-    assert!(children[..15].iter().all(|&(_, is_far)| is_far) && !children[15].1, "{children:?}");
-    let [inherited, own] = far_pointers(&tree);
-    assert!(inherited > 0 && own > 10, "{inherited}, {own}");
+    assert!((0..14).all(|c| distance(c) >= NEAR) && distance(15) < NEAR);
+    // Those of level 5 are short.
+    let short = pointers.iter().filter(|pointer| pointer.back < Some(256) && pointer.delta.abs() < 100);
+    assert!(short.count() > 10);
+    assert_eq!(pointers.iter().filter(|pointer| pointer.is_far()).count() as u64, tree.census().children[6]);
 }
 
 #[test]
@@ -398,43 +414,30 @@ const CLIFFS: World = World {
     },
 };
 
-/// Returns how many children of nodes have a difference beyond 16 bits: deeper and nearer ones without a shape, and those
-/// with one.
-fn wide_differences(tree: &DepthTree) -> [usize; 3] {
-    let found = Meanings::of(tree);
-    let mut counts = [0; 3];
-    for [kind, delta, _] in found.numbers.keys().filter(|(level, _)| *level > LEAF_LEVEL).flat_map(|(_, c)| c) {
-        let delta = *delta as u32 as i32;
-        if i16::try_from(delta).is_err() {
-            counts[if *kind == 2 { 2 } else { usize::from(delta < 0) }] += 1;
-        }
-    }
-    counts
-}
-
 #[test]
-fn wide_differences_have_near_pointers_or_copies_of_their_shapes() {
+fn wide_differences_are_beside_near_and_far_pointers_and_without_any() {
     let tree = CLIFFS.tree(true);
     assert!(2 * tree.page([0, 0]).words.len() > 2 * NEAR as usize);
     CLIFFS.check(&tree);
     CLIFFS.check(&CLIFFS.tree(false));
-    // Deeper: block 5. Nearer: the first part of block 7. With a shape: blocks 7 and 15, the second part of 7, eight
-    // leaves of 6, the leaf of 8, and the part of the pattern.
-    assert_eq!(wide_differences(&tree), [1, 1, 13]);
     let found = Meanings::of(&tree);
-    // Out of reach of a near pointer: the last block, its part that is far behind, and the leaf in block 8. Within
-    // reach, nothing is copied.
-    let copied = [3, 5, 7, 9].map(|level| found.copied(level).count());
-    assert_eq!(copied, [1, 1, 1, 0]);
-    for level in [3, 5, 7] {
-        let places: Vec<u32> = found.copied(level).flat_map(|s| s.halves.keys().map(|&(_, at)| at)).collect();
-        let apart = places.iter().max().zip(places.iter().min()).map(|(last, first)| last - first);
-        assert!(places.len() == 2 && apart >= Some(NEAR), "{level}: {places:?}");
-    }
+    let children = found.numbers.keys().filter(|(level, _)| *level > LEAF_LEVEL).flat_map(|(_, c)| c);
+    let uniform = children.filter(|[kind, ..]| *kind == 1).map(|[_, delta, _]| *delta as u32 as i32);
+    let wide: HashSet<i32> = uniform.filter(|&delta| i16::try_from(delta).is_err()).collect();
+    // Block 5 from the root's base, which is that of blocks 0 and 8, and the first part of block 7 from that of the block.
+    assert_eq!(wide, [1_000_000 - 10, 20 - 300_000].into());
+    // Near: block 7 and its second part, eight leaves of block 6, and the part of the pattern. Far: the last block, and
+    // the leaf of block 8.
+    let is_far: Vec<bool> = found.pointers.iter().filter(|p| p.is_wide()).map(Pointer::is_far).collect();
+    let far = is_far.iter().filter(|&&is_far| is_far).count();
+    assert_eq!((is_far.len() - far, far), (11, 2));
+    assert!(found.pointers.iter().any(|p| p.is_far() && !p.is_wide()));
+    // Each shape once.
+    assert!(found.shapes.iter().all(|shape| shape.halves.len() == 1));
 }
 
 #[test]
-fn wide_difference_to_a_far_shape_of_the_common_section_takes_a_copy_into_the_page() {
+fn wide_differences_are_beside_far_addresses_of_the_common_section() {
     // Rough blocks that each page has three times come first in the common section.
     let world = World {
         pages: [2, 2],
@@ -452,25 +455,22 @@ fn wide_difference_to_a_far_shape_of_the_common_section_takes_a_copy_into_the_pa
     let tree = world.tree(true);
     world.check(&tree);
     let found = Meanings::of(&tree);
-    for s in found.shapes.iter().filter(|s| s.level == 7) { eprintln!("{:?} {:?}", s.halves, s.pages); }
-    let page = tree.page([0, 0]);
-    let root = page.root & !IN_PAGE;
-    let code = Code { words: page.words };
-    eprintln!("{root} {:?} {:x?}", (0..16).map(|c| code.child(root, c)).collect::<Vec<_>>(), (0..50).map(|k| code.half(root + k)).collect::<Vec<_>>());
-    eprintln!("{} {:?}", tree.common().len(), wide_differences(&tree));
-    let copied: Vec<&Found> = found
-        .shapes
-        .iter()
-        .filter(|shape| {
-            let is_common = |&(part, at): &(Where, u32)| part.is_none() && at >= NEAR;
-            shape.halves.keys().any(is_common) && shape.halves.len() > 1
-        })
-        .collect();
-    let levels: Vec<u32> = copied.iter().map(|shape| shape.level).collect();
-    assert!(levels.contains(&7), "{levels:?}");
-    for shape in copied {
-        let parts: HashSet<Where> = shape.halves.keys().map(|&(part, _)| part).collect();
-        assert_eq!(parts, [None, Some(0), Some(1), Some(2), Some(3)].into(), "level {}", shape.level);
-        assert_eq!(shape.halves.len(), 5);
+    let wide: Vec<&Pointer> = found.pointers.iter().filter(|pointer| pointer.is_wide()).collect();
+    assert_eq!(wide.len(), 4);
+    assert!(wide.iter().all(|pointer| pointer.back.is_none() && pointer.at == wide[0].at && pointer.is_far()));
+    assert!(found.shapes.iter().all(|shape| shape.pages.len() == 1 || shape.pages.len() == 4));
+}
+
+#[test]
+fn differences_beyond_the_longest_form_are_an_error() {
+    // The base is that of most columns, the deepest.
+    for (deepest, fits) in [(1 << 21, true), ((1 << 21) + 1, false)] {
+        let sink = DepthsSink::in_memory([16, 8, DEPTH << 1], PAGE_LEVEL, true);
+        let column = |i, _| if i < 8 { [0; 2] } else { [deepest; 2] };
+        let block = block_of(&sink, &column, PAGE_LEVEL, [0, 0]);
+        match sink.finish(vec![block]).tree() {
+            Ok(tree) => assert!(fits && tree.value(8, 0) == deepest && tree.value(7, 0) == 0),
+            Err(error) => assert!(!fits && matches!(error, Error::TooManyWords { .. }), "{error}"),
+        }
     }
 }

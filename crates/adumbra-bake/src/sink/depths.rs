@@ -282,7 +282,8 @@ impl DepthsSink {
     /// Returns the pages for a file. All root blocks must have been taken.
     pub(crate) fn into_pages(self) -> Pages {
         let places = self.places.into_inner().unwrap_or_else(|e| e.into_inner());
-        Pages { size: self.size, places, store: self.store, merged: self.merged }
+        let is_too_large = self.is_too_large.into_inner();
+        Pages { size: self.size, places, store: self.store, merged: self.merged, is_too_large }
     }
 }
 

@@ -4,14 +4,14 @@ use proptest::prelude::*;
 
 use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
 use crate::options::{BakeOptions, Size};
-use crate::sink::Structure;
-use crate::sink::depths::DepthsSink;
+use crate::sink::depths::{DepthsBlock, DepthsSink};
 use crate::sink::from_columns::block_of;
+use crate::sink::{BlockSink, Structure};
 use crate::test_bakes::{bake_depths, for_each_column};
 use adumbra::Sun;
 use adumbra::layout::depths::code::Place;
 use adumbra::layout::depths::page::{IN_PAGE, Page};
-use adumbra::layout::depths::{Census, DepthTree, NEVER};
+use adumbra::layout::depths::{Census, DepthTree, LEAF_LEVEL, NEVER};
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra_testing::TreeParts;
 
@@ -58,6 +58,47 @@ impl World {
 
 /// Builds depths from root blocks of `level`.
 fn build(columns: &Columns, level: u32, merged: bool) -> DepthTree {
+    build_in_order(columns, level, merged, std::iter::empty(), whole)
+}
+
+/// Makes a block of columns, see [`block_of`].
+type MakeBlock = fn(&DepthsSink, &dyn Fn(u32, u32) -> [u32; 2], u32, [u32; 2]) -> DepthsBlock;
+
+/// Makes a block that is uniform at the highest level at which it can be.
+fn whole(
+    sink: &DepthsSink,
+    column: &dyn Fn(u32, u32) -> [u32; 2],
+    level: u32,
+    corner: [u32; 2],
+) -> DepthsBlock {
+    block_of(sink, &column, level, corner)
+}
+
+/// Makes a block by joining all of its leaves.
+fn of_leaves(
+    sink: &DepthsSink,
+    column: &dyn Fn(u32, u32) -> [u32; 2],
+    level: u32,
+    corner: [u32; 2],
+) -> DepthsBlock {
+    if level == LEAF_LEVEL {
+        return whole(sink, column, level, corner);
+    }
+    let [x, y] = corner;
+    let half = 1 << (level - 1);
+    let quarter = |q: u32| of_leaves(sink, column, level - 1, [x + (q >> 1) * half, y + (q & 1) * half]);
+    sink.join(level, [0, 1, 2, 3].map(quarter))
+}
+
+/// Builds depths from root blocks of `level`. The sink takes those in `order` as soon as they are done, the others at the
+/// end.
+fn build_in_order(
+    columns: &Columns,
+    level: u32,
+    merged: bool,
+    order: impl Iterator<Item = usize>,
+    make: MakeBlock,
+) -> DepthTree {
     let size = [columns.width, columns.height, 500_000];
     let sink = DepthsSink::in_memory(size, level, merged);
     let column = |i, j| {
@@ -68,8 +109,15 @@ fn build(columns: &Columns, level: u32, merged: bool) -> DepthTree {
         [columns.e[at], columns.x[at]]
     };
     let corners = |n: u32| (0..n).step_by(1 << level);
-    let all = corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| [x, y]));
-    let blocks = all.map(|corner| block_of(&sink, &column, level, corner)).collect();
+    let corners: Vec<[u32; 2]> =
+        corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| [x, y])).collect();
+    let block = |number: usize| make(&sink, &column, level, corners[number]);
+    let mut taken: Vec<_> = corners.iter().map(|_| None).collect();
+    for number in order {
+        taken[number] = Some(sink.taken(number, block(number)));
+    }
+    let rest = |(number, taken): (usize, Option<_>)| taken.unwrap_or_else(|| block(number));
+    let blocks = taken.into_iter().enumerate().map(rest).collect();
     sink.finish(blocks).tree().expect("room for all words")
 }
 
@@ -125,6 +173,43 @@ proptest! {
                         found.shapes().leaf(at, base).leaf_mask(value.wrapping_sub(1));
                     }
                 }
+            }
+        }
+    }
+}
+
+/// A world of several pages, the last of which the grid's end cuts.
+fn wide_world([width, height]: [u32; 2], seed: u32) -> Columns {
+    let part = |n: u32| {
+        let at = |k: u32| (n * 7919 + k * 104_729 + seed * 31) % 1000;
+        let place = [at(1) * width / 1000, at(2) * height / 1000];
+        (place[0], place[1], 1 + at(3) / 8, 1 + at(4) / 8, 200 * at(5), at(6) / 4, at(7) % 3, at(8) % 2 == 0)
+    };
+    World { size: [width, height], parts: (0..60).map(part).collect(), rough: seed % 2 == 1 }.columns()
+}
+
+#[test]
+fn depths_are_the_same_whatever_the_size_and_order_of_root_blocks() {
+    for (size, seed) in [([1100, 700], 0), ([513, 300], 1), ([40, 600], 2), ([512, 512], 3), ([5, 3], 4)] {
+        let free = wide_world(size, seed);
+        // Columns that are not free are the same columns in a uniform block of any level.
+        let mut fixed = wide_world(size, seed);
+        for (e, x) in fixed.e.iter_mut().zip(&mut fixed.x) {
+            [*e, *x] = if *x < FREE_TO_END { [*e; 2] } else { [500_000, FREE_TO_END] };
+        }
+        for (columns, make, merged) in
+            [(&free, of_leaves as MakeBlock, true), (&fixed, whole, true), (&fixed, whole, false)]
+        {
+            let build = |level, order: &mut dyn Iterator<Item = usize>| {
+                build_in_order(columns, level, merged, order, make)
+            };
+            let expected = build(9, &mut std::iter::empty());
+            for level in [3, 4, 5, 6, 7, 8, 10, 11] {
+                let across = size[0].div_ceil(1 << level) as usize;
+                let count = across * size[1].div_ceil(1 << level) as usize;
+                // Every second block, then half of the others backwards, and the rest at the end.
+                let mut order = (0..count).step_by(2).chain((1..count).step_by(4).rev());
+                assert!(build(level, &mut order) == expected, "{size:?}, {level}, merged: {merged}");
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use adumbra::{Bounds, Receivers, Sun};
+use adumbra::{AtRest, Bounds, Receivers, Sun};
 use adumbra_bake::{BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds};
 use adumbra_program::exit::Failure;
@@ -31,6 +31,14 @@ pub(crate) enum FrameArg {
     Light,
     /// Columns along the light, over level ground: small where roofs are flat and walls are parallel
     Oblique,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum AtRestArg {
+    /// With the context coder.
+    Coded,
+    /// As it is in memory.
+    Raw,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -76,6 +84,12 @@ pub(crate) struct BakeSettings {
     /// that touch walls.
     #[arg(long, value_name = "VOXELS", default_value_t = 0)]
     switch_within: u32,
+    /// How the file is stored
+    ///
+    /// coded is about a third of the bytes, and is decoded while it is loaded. Either gives the same look-ups, and pack and
+    /// unpack turn one into the other.
+    #[arg(long, value_enum, default_value = "coded")]
+    at_rest: AtRestArg,
     /// Number of levels of detail, each with voxels four times as large as the one before
     ///
     /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer than 64 texels
@@ -146,6 +160,10 @@ impl BakeSettings {
             thickness_world: self.thickness,
             switch_within_voxels: self.switch_within,
             levels: self.levels,
+            at_rest: match self.at_rest {
+                AtRestArg::Coded => AtRest::Coded,
+                AtRestArg::Raw => AtRest::Raw,
+            },
             assume_ground: !self.no_assume_ground,
             closed_regions: !self.no_closed_regions,
             ignore_alpha,

@@ -131,6 +131,7 @@ fn bake(args: &Bake) -> Used {
         ("--preset", "medium".to_owned()),
         ("--thickness", "the bias at the surface's slope".to_owned()),
         ("--switch-within", options.switch_within_voxels.to_string()),
+        ("--at-rest", lower(format!("{:?}", options.at_rest))),
         ("--levels", options.levels.to_string()),
         ("--receivers", lower(format!("{:?}", options.receivers))),
         ("--bounds", absent(options.bounds.as_ref(), "")),
@@ -245,6 +246,10 @@ fn used(verb: &Verb) -> Used {
             [own, level(of_level), lookup(&args.lookup), run(&args.run)].concat()
         }
         Verb::Export(args) => run(&args.run),
+        Verb::Pack(args) | Verb::Unpack(args) => {
+            let output = ("--output", absent(args.output.as_ref(), "the file itself"));
+            [vec![output], run(&args.run)].concat()
+        }
         Verb::Render(args) => render(args),
         Verb::View(args) => view(args),
         Verb::Compare(args) => compare(args),

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use adumbra::{Filter, IoError, ShadowFile, Sun};
+use adumbra::{AtRest, Filter, IoError, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_compare::page::{Body, Embedded, Encoding, Page, Pair, Table};
 use adumbra_files::replace_file;
@@ -103,7 +103,7 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
         reporter.update(p);
     };
     let file = guard.end("the bake", &share, bake(&scene, &options, Watch::new(&progress, cancel)))?.file;
-    let file_bytes = replace_file(&file_path, |out| file.write_to(out))?;
+    let file_bytes = replace_file(&file_path, |out| file.write_to(out, AtRest::default()))?;
     let bake_seconds = start.elapsed().as_secs_f64();
     tell!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), format_bytes(file_bytes));
 

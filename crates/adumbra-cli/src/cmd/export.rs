@@ -7,7 +7,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use adumbra::{Error, IoError, ShadowFile};
+use adumbra::{AtRest, Error, IoError, ShadowFile};
 use adumbra_files::{StagedFile, same_file};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json, refuse_same};
@@ -42,16 +42,16 @@ pub(crate) fn run(args: &Export) -> Outcome {
     let web = &*args.web;
     let length = fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
     // The bytes, the decoded file, and what compression holds.
-    args.run.check_memory("the shadow file", 0, 2 * length + compression_bytes(length))?;
-    // The copy has the same bytes, also where the file is of an earlier version.
-    let bytes = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
-    ShadowFile::from_bytes(&bytes)
-        .map_err(|e| Error::Format { path: args.file.clone(), source: Box::new(e) })?;
+    args.run.check_memory("the shadow file", 0, 8 * length + compression_bytes(length))?;
+    let error = |e| Error::Format { path: args.file.clone(), source: Box::new(e) };
+    let found = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
+    // Pages decode Brotli themselves, and a coded file would not become smaller by it.
+    let bytes = ShadowFile::from_bytes(&found).and_then(|file| file.to_bytes(AtRest::Raw)).map_err(error)?;
     let compressed = compressed_path(web);
     refuse_same([&*args.file, &*compressed])?;
     refuse_same([web, &*compressed])?;
     let mut staged = Vec::new();
-    if !same_file(&args.file, web) {
+    if !same_file(&args.file, web) || bytes != found {
         staged.push(StagedFile::new(web, |out| out.write_all(&bytes).map(|()| bytes.len() as u64))?);
     }
     let squeezed = StagedFile::new(&compressed, |out| {

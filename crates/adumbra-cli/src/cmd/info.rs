@@ -3,7 +3,7 @@
 use std::fs;
 
 use adumbra::file::{BUNDLE_ENTRY_BYTES, BundleEntry, Contents, GRID_BYTES, GridEntry, HEADER_BYTES, Level};
-use adumbra::{Error, FileSettings, Frame, IoError, Receivers, ShadowFile};
+use adumbra::{AtRest, Error, FileSettings, Frame, IoError, Receivers, ShadowFile};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::{mirrors, say};
@@ -20,6 +20,9 @@ pub(super) struct FileInfo {
     file: String,
     /// Length of the shadow file, in bytes.
     file_bytes: u64,
+    /// How the file is stored.
+    #[schemars(with = "mirrors::AtRest")]
+    at_rest: AtRest,
     /// Bytes of header and directory.
     front_bytes: u64,
     /// Bits of the shadow file per texel of its finest grid.
@@ -57,6 +60,8 @@ pub(super) struct LevelInfo {
     common_bytes: u64,
     /// Bytes of all bundles in the file.
     bundle_bytes: u64,
+    /// Bytes of common section and bundles once decoded.
+    raw_bytes: u64,
     /// Bytes that look-ups read, all pages resident: common section, pages, and the table of blocks at which they begin.
     resident_bytes: u64,
     /// Level of the blocks at which look-ups begin. A block is 2^level columns wide.
@@ -87,6 +92,7 @@ pub(crate) fn run(args: &Info) -> Outcome {
     let info = FileInfo {
         file: args.file.display().to_string(),
         file_bytes,
+        at_rest: contents.header.at_rest,
         front_bytes: (HEADER_BYTES + GRID_BYTES * contents.grids.len()) as u64,
         bits_per_texel: bits_per_texel(&file.grid, file_bytes),
         times_smaller: 4.0 * nx * ny / file_bytes as f64,
@@ -116,6 +122,7 @@ fn levels(contents: &Contents, file: &ShadowFile) -> Vec<LevelInfo> {
             table_bytes: (BUNDLE_ENTRY_BYTES * table.len()) as u64,
             common_bytes: entry.common.length,
             bundle_bytes: entry.bundles.length,
+            raw_bytes: entry.common_raw_bytes + table.iter().map(|bundle| u64::from(bundle.raw_bytes)).sum::<u64>(),
             resident_bytes: level.tree.bytes(),
             root_level: level.tree.root_level(),
             nodes: census.nodes,
@@ -132,7 +139,8 @@ fn levels(contents: &Contents, file: &ShadowFile) -> Vec<LevelInfo> {
 
 fn print(info: &FileInfo) {
     let s = &info.settings;
-    say!("{}: {}", info.file, format_bytes(info.file_bytes));
+    let at_rest = if info.at_rest == AtRest::Raw { "raw" } else { "coded" };
+    say!("{}: {}, {at_rest}", info.file, format_bytes(info.file_bytes));
     say!("  sun towards     {:.6}, {:.6}, {:.6}", info.sun[0], info.sun[1], info.sun[2]);
     say!("  resolution      {}", s.resolution);
     say!(
@@ -158,10 +166,11 @@ fn print(info: &FileInfo) {
             level.root_level
         );
         say!(
-            "    bytes         table {}, common section {}, bundles {}",
+            "    bytes         table {}, common section {}, bundles {}; {} decoded",
             level.table_bytes,
             level.common_bytes,
-            level.bundle_bytes
+            level.bundle_bytes,
+            level.raw_bytes
         );
         say!(
             "    {} nodes: heads {}, pointers {} bytes; {} leaves: depths {}, planes {} bytes",

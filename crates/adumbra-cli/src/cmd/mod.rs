@@ -1,6 +1,7 @@
 //! One file per verb.
 
 mod bake;
+mod convert;
 #[cfg(feature = "render")]
 mod demo;
 mod export;
@@ -13,7 +14,7 @@ mod verify;
 #[cfg(feature = "view")]
 mod view;
 
-use adumbra::LightGrid;
+use adumbra::{AtRest, LightGrid};
 #[cfg(feature = "render")]
 use adumbra_compare::verbs::{Offer, compare, render};
 use adumbra_program::exit::Outcome;
@@ -29,6 +30,8 @@ pub(crate) fn run(verb: Verb) -> Outcome {
         Verb::Verify(a) => verify::run(&a),
         Verb::Query(a) => query::run(&a),
         Verb::Export(a) => export::run(&a),
+        Verb::Pack(a) => convert::run(&a, AtRest::Coded),
+        Verb::Unpack(a) => convert::run(&a, AtRest::Raw),
         #[cfg(feature = "render")]
         Verb::Render(a) => Ok(render::run(&a, Offer::PRODUCT)?),
         #[cfg(feature = "view")]

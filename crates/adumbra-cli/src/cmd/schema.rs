@@ -13,7 +13,7 @@ use adumbra_truth::verify::Verification;
 
 #[cfg(feature = "render")]
 use super::demo;
-use super::{bake, export, generate, info, inspect};
+use super::{bake, convert, export, generate, info, inspect};
 
 const DESCRIBED: &[Described] = &[
     Described::of::<generate::Generated>("generate", "the scene that was written"),
@@ -24,6 +24,7 @@ const DESCRIBED: &[Described] = &[
     Described::of::<Verification>("verify", "the comparison with rays"),
     Described::of::<query::Answered>("query", "the look-ups"),
     Described::of::<export::WebExported>("export", "the files that were written"),
+    Described::of::<convert::Converted>("pack", "the file that was written; unpack prints the same"),
     #[cfg(feature = "render")]
     Described::of::<render::Printed>("render", "the picture, or the list of several"),
     #[cfg(feature = "render")]

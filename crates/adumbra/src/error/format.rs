@@ -92,7 +92,7 @@ pub enum FormatError {
     SectionBounds {
         /// The section's name.
         section: Cow<'static, str>,
-        /// "offset" or "length".
+        /// "offset", "length" or "raw length".
         field: &'static str,
         /// The value found.
         value: u64,
@@ -119,6 +119,18 @@ pub enum FormatError {
         /// What is required.
         expected: &'static str,
     },
+    /// A coded part of a file cannot be decoded.
+    #[error("the {section} cannot be decoded; copy the file again, or bake it again")]
+    Coded {
+        /// The common section or the bundle.
+        section: String,
+    },
+    /// A part is not stored as bakes store it, so a decoder would not restore it. Nothing was lost: it can be stored raw.
+    #[error("the {section} is not written as this program does, so it cannot be coded; keep it raw, or bake it again")]
+    Uncodable {
+        /// The common section or the bundle.
+        section: String,
+    },
     /// The quadtree of depths cannot be looked up in.
     #[error("the quadtree of depths of level {level} is not valid: {fault}; bake it again")]
     Depths {
@@ -144,6 +156,8 @@ impl FormatError {
             Self::SectionBounds { .. } => "SectionBounds",
             Self::Padding { .. } => "Padding",
             Self::Bundle { .. } => "Bundle",
+            Self::Coded { .. } => "Coded",
+            Self::Uncodable { .. } => "Uncodable",
             Self::Depths { .. } => "Depths",
         }
     }

@@ -5,14 +5,17 @@
 
 use std::f64::consts::PI;
 
+use crate::coder::LARGEST_RATIO;
 use crate::error::FormatError;
 use crate::file::HEADER_BYTES;
+use crate::file::common::is_plausible;
 use crate::file::fields::{Decoder, Encoder, UNIT_TOLERANCE, check_finite, check_voxel_size, field, reserved, sun};
 use crate::file::sections::{Section, bounds};
 use crate::file::table::BUNDLE_ENTRY_BYTES;
 use crate::grid::vec3::{cross, dot};
 use crate::grid::{Frame, LightGrid};
 use crate::layout::depths::page::{bundle_count, page_dims};
+use crate::settings::AtRest;
 
 /// Size of a directory entry in bytes.
 pub const GRID_BYTES: usize = 256;
@@ -32,6 +35,8 @@ pub struct GridEntry {
     pub table: Section,
     /// The common section.
     pub common: Section,
+    /// Length of the common section's words in bytes.
+    pub common_raw_bytes: u64,
     /// The bundles, one after the other. Each has a checksum of its own, in the table.
     pub bundles: Section,
 }
@@ -54,6 +59,7 @@ impl GridEntry {
         out.u32s(&[frame, 0]);
         out.f64s(&[yaw_radians]);
         out.sections(&[self.table, self.common, self.bundles]);
+        out.u64s(&[self.common_raw_bytes]);
         out.bytes()
     }
 
@@ -69,6 +75,7 @@ impl GridEntry {
         reserved("reserved word of a grid", fields.u32()?)?;
         let [yaw_radians] = fields.f64s()?;
         let [table, common, bundles] = fields.sections()?;
+        let common_raw_bytes = fields.u64()?;
         fields.end("reserved words of a grid")?;
         if found_level != level {
             return Err(field("level", found_level.to_string(), level.to_string()));
@@ -78,7 +85,7 @@ impl GridEntry {
         let frame = frame(frame_number, yaw_radians)?;
         let edges = frame.edges(&sun, &axes);
         let grid = LightGrid { sun, frame, voxel_size, corner, axes, edges, size };
-        Ok(Self { grid, table, common, bundles })
+        Ok(Self { grid, table, common, common_raw_bytes, bundles })
     }
 }
 
@@ -87,12 +94,12 @@ pub(super) fn directory_bytes(grids: u32) -> usize {
     grids as usize * GRID_BYTES
 }
 
-/// Reads and checks a directory. `file_bytes` is the header's.
-pub(super) fn parse(bytes: &[u8], file_bytes: u64) -> Result<Vec<GridEntry>, FormatError> {
+/// Reads and checks a directory. `file_bytes` and `at_rest` are the header's.
+pub(super) fn parse(bytes: &[u8], file_bytes: u64, at_rest: AtRest) -> Result<Vec<GridEntry>, FormatError> {
     let entries = (0..).zip(bytes.chunks_exact(GRID_BYTES)).map(|(level, b)| GridEntry::parse(b, level));
     let entries: Vec<GridEntry> = entries.collect::<Result<_, _>>()?;
     check_grids(&entries)?;
-    check_places(&entries, file_bytes)?;
+    check_places(&entries, file_bytes, at_rest)?;
     Ok(entries)
 }
 
@@ -138,8 +145,9 @@ pub(super) fn place(entries: &mut [GridEntry]) -> u64 {
     end
 }
 
-/// Checks that every part begins where the parts before it end, and that the file ends with the last one.
-fn check_places(entries: &[GridEntry], file_bytes: u64) -> Result<(), FormatError> {
+/// Checks that every part begins where the parts before it end, that common sections can be as long as the directory says
+/// once they are decoded, and that the file ends with the last part.
+fn check_places(entries: &[GridEntry], file_bytes: u64, at_rest: AtRest) -> Result<(), FormatError> {
     let mut expected = entries.to_vec();
     let end = place(&mut expected);
     for (level, (found, expected)) in entries.iter().zip(&expected).enumerate() {
@@ -155,11 +163,25 @@ fn check_places(entries: &[GridEntry], file_bytes: u64) -> Result<(), FormatErro
                 return Err(bounds(format!("{what} of level {level}"), name, value, expected.to_string()));
             }
         }
+        if let Some(expected) = required_raw_bytes(found, at_rest) {
+            let section = format!("common section of level {level}");
+            return Err(bounds(section, "raw length", found.common_raw_bytes, expected));
+        }
     }
     if end != file_bytes {
         return Err(field("file_bytes", file_bytes.to_string(), end.to_string()));
     }
     Ok(())
+}
+
+/// Returns the raw length that a common section must have, as text, if it has another.
+fn required_raw_bytes(entry: &GridEntry, at_rest: AtRest) -> Option<String> {
+    let GridEntry { common: Section { length, .. }, common_raw_bytes, .. } = *entry;
+    match at_rest {
+        AtRest::Raw => (common_raw_bytes != length).then(|| length.to_string()),
+        AtRest::Coded => (!is_plausible(length, common_raw_bytes))
+            .then(|| format!("whole words, and at most {LARGEST_RATIO} times its length")),
+    }
 }
 
 fn check_grid(grid: &LightGrid) -> Result<(), FormatError> {

@@ -5,7 +5,7 @@ use crate::error::FormatError;
 use crate::file::directory::directory_bytes;
 use crate::file::fields::{Encoder, LIGHT, bounds, check_bounds, check_finite, field, identify};
 use crate::grid::Bounds;
-use crate::settings::{Bias, FileSettings, Receivers};
+use crate::settings::{AtRest, Bias, FileSettings, Receivers};
 
 /// The first eight bytes. The line break reveals files that were copied in text mode.
 pub const MAGIC: [u8; 8] = LIGHT.magic;
@@ -28,6 +28,8 @@ const ALL_FLAGS: u32 = (1 << 5) - 1;
 pub struct Header {
     /// Settings of the bake.
     pub settings: FileSettings,
+    /// How common sections and bundles are stored.
+    pub at_rest: AtRest,
     /// Number of grids in the directory.
     pub grids: u32,
     /// CRC-32 of the directory.
@@ -41,7 +43,8 @@ impl Header {
     pub fn encode(&self) -> [u8; HEADER_BYTES] {
         let settings = &self.settings;
         let mut out = Encoder::new(&LIGHT);
-        out.u32s(&[flags(settings), settings.resolution, self.grids, RAW]);
+        let at_rest = if self.at_rest == AtRest::Raw { RAW } else { CODED };
+        out.u32s(&[flags(settings), settings.resolution, self.grids, at_rest]);
         out.f64s(&[settings.thickness_world]);
         let bias = settings.bias;
         out.f64s(&[bias.constant_texels, bias.slope_texels, bias.normal_offset_texels]);
@@ -70,9 +73,11 @@ impl Header {
         if flags & !ALL_FLAGS != 0 {
             return Err(field("flags", format!("{flags:#x}"), "limited to bits 0 to 4"));
         }
-        if at_rest != RAW {
-            return Err(field("at_rest", at_rest.to_string(), "0 (raw)"));
-        }
+        let at_rest = match at_rest {
+            RAW => AtRest::Raw,
+            CODED => AtRest::Coded,
+            _ => return Err(field("at_rest", at_rest.to_string(), "0 (raw) or 1 (coded)")),
+        };
         let settings = FileSettings {
             resolution,
             thickness_world,
@@ -86,7 +91,7 @@ impl Header {
             triangles,
             instances,
         };
-        let header = Self { settings, grids, directory_checksum, file_bytes };
+        let header = Self { settings, at_rest, grids, directory_checksum, file_bytes };
         header.check()?;
         let front = (HEADER_BYTES + directory_bytes(grids)) as u64;
         if file_bytes < front {
@@ -114,8 +119,9 @@ impl Header {
     }
 }
 
-/// The field `at_rest`: common sections and bundles are stored as they are.
+/// Values of the field `at_rest`.
 const RAW: u32 = 0;
+const CODED: u32 = 1;
 
 fn flags(settings: &FileSettings) -> u32 {
     let bit = |set: bool, flag: u32| if set { flag } else { 0 };

@@ -10,9 +10,10 @@
 //! | bundles | | of the coarsest grid: 4 × 4 pages each, along a Hilbert curve |
 //! | … | | common section and bundles of the finer grids |
 //!
-//! All values are little-endian. Nothing is stored twice and nothing varies between runs: there is one file for given
-//! contents.
+//! All values are little-endian. Nothing is stored twice and nothing varies between runs: there is one raw file for given
+//! contents, and one coded file. In a coded file common sections and bundles are stored in fewer bytes (`common.rs`).
 
+mod common;
 mod directory;
 pub mod fields;
 mod header;
@@ -21,6 +22,7 @@ pub mod sections;
 mod table;
 mod write;
 
+pub use common::CommonSection;
 pub use directory::{GRID_BYTES, GridEntry, LEVEL_STEP};
 pub use header::{HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
 pub use table::{BUNDLE_ENTRY_BYTES, BundleEntry, StoredBundle};
@@ -124,4 +126,16 @@ impl ShadowFile {
     pub fn composition(&self) -> Composition {
         self.tree.composition()
     }
+}
+
+/// Calls `f` with each item, on the threads of the current rayon pool if the feature `rayon` is enabled.
+fn each<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+
+        items.par_iter().map(f).collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    items.iter().map(f).collect()
 }

@@ -4,14 +4,16 @@ use std::path::Path;
 
 use crate::error::FormatError;
 use crate::error::{Error, Result};
+use crate::file::common::CommonSection;
 use crate::file::directory::{self, GridEntry, directory_bytes};
 use crate::file::fields::field;
 use crate::file::header::Header;
-use crate::file::sections::{Section, read_file, u32_words};
+use crate::file::sections::{Section, read_file};
 use crate::file::table::{BUNDLE_ENTRY_BYTES, Bundle, BundleEntry};
-use crate::file::{Contents, HEADER_BYTES, ShadowFile};
+use crate::file::{Contents, HEADER_BYTES, ShadowFile, each};
 use crate::layout::depths::page::{bundles, page_dims};
 use crate::layout::depths::{DepthTree, Ranges, TreeBuilder};
+use crate::settings::AtRest;
 
 impl ShadowFile {
     /// Reads and validates the file at `path`.
@@ -37,7 +39,7 @@ impl ShadowFile {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let contents = Contents::parse(bytes)?;
         let levels = (0..).zip(&contents.grids).map(|(level, grid)| {
-            let part = Part { bytes, level };
+            let part = Part { bytes, at_rest: contents.header.at_rest, level };
             Ok((grid.grid, part.tree(grid, &contents.tables[level as usize])?))
         });
         let mut levels = levels.collect::<Result<Vec<_>, FormatError>>()?.into_iter();
@@ -61,7 +63,8 @@ impl Contents {
             length: directory_bytes(header.grids) as u64,
             checksum: header.directory_checksum,
         };
-        let grids = directory::parse(checked(bytes, directory, || "directory".to_owned())?, end)?;
+        let directory = checked(bytes, directory, || "directory".to_owned())?;
+        let grids = directory::parse(directory, end, header.at_rest)?;
         let parts = (0..).zip(&grids).flat_map(|(level, grid): (u32, _)| {
             let names = ["table", "common section", "bundles"].map(|what| format!("{what} of level {level}"));
             [grid.table, grid.common, grid.bundles].into_iter().zip(names)
@@ -73,7 +76,8 @@ impl Contents {
         if have > end {
             return Err(FormatError::TrailingBytes { end });
         }
-        let tables = (0..).zip(&grids).map(|(level, grid)| Part { bytes, level }.table(grid));
+        let part = |level| Part { bytes, at_rest: header.at_rest, level };
+        let tables = (0..).zip(&grids).map(|(level, grid)| part(level).table(grid));
         let tables = tables.collect::<Result<_, _>>()?;
         Ok(Self { header, grids, tables })
     }
@@ -96,6 +100,7 @@ fn checked(bytes: &[u8], section: Section, name: impl Fn() -> String) -> Result<
 /// The parts of one grid in a file whose directory fits its length.
 struct Part<'b> {
     bytes: &'b [u8],
+    at_rest: AtRest,
     level: u32,
 }
 
@@ -110,7 +115,7 @@ impl Part<'_> {
         let bytes = checked(self.bytes, grid.table, || format!("table of level {level}"))?;
         let entries = bytes.chunks_exact(BUNDLE_ENTRY_BYTES).enumerate();
         let entries: Vec<BundleEntry> = entries
-            .map(|(i, bytes)| BundleEntry::parse(bytes, || self.name_of_bundle(i)))
+            .map(|(i, bytes)| BundleEntry::parse(bytes, self.at_rest, || self.name_of_bundle(i)))
             .collect::<Result<_, _>>()?;
         let sum: u64 = entries.iter().map(|entry| u64::from(entry.stored_bytes)).sum();
         if sum != grid.bundles.length {
@@ -123,31 +128,44 @@ impl Part<'_> {
 
     fn tree(&self, grid: &GridEntry, table: &[BundleEntry]) -> Result<DepthTree, FormatError> {
         let level = self.level;
-        let common = checked(self.bytes, grid.common, || format!("common section of level {level}"))?;
-        if !common.len().is_multiple_of(4) {
-            let section = format!("common section of level {level}");
-            let found = format!("{} bytes", common.len());
-            return Err(FormatError::Bundle { section, found, expected: "whole words" });
-        }
-        let common = u32_words(common);
+        let name = || format!("common section of level {level}");
+        let common = checked(self.bytes, grid.common, name)?;
+        let common = CommonSection::parse(common, grid.common_raw_bytes, self.at_rest, name)?;
+        let stored = self.bundles(grid, table, &common)?;
         let size = grid.grid.size;
-        let mut builder = TreeBuilder::new(size, common.clone());
-        builder.reserve(table.iter().map(|entry| entry.raw_bytes as usize / 4).sum());
-        let mut at = grid.bundles.offset as usize;
         let places = bundles(page_dims(size));
-        let mut stored = Vec::with_capacity(table.len());
-        for (i, (entry, &place)) in table.iter().zip(&places).enumerate() {
-            let bytes = &self.bytes[at..][..entry.stored_bytes as usize];
-            at += bytes.len();
-            let bundle = Bundle::parse(entry, bytes, || self.name_of_bundle(i))?;
+        let mut builder = TreeBuilder::new(size, common.words().to_vec());
+        builder.reserve(stored.iter().map(Bundle::page_words).sum());
+        for (bundle, &place) in stored.iter().zip(&places) {
             builder.add(place, &bundle.pages());
-            stored.push(bundle);
         }
         let tree = builder.finish().map_err(|fault| FormatError::Depths { level, fault })?;
-        let mut ranges = Ranges::new(&common);
+        let mut ranges = Ranges::new(common.words());
         for (i, ((bundle, entry), &place)) in stored.iter().zip(table).zip(&places).enumerate() {
             bundle.check(entry, (place, page_dims(size)), &mut ranges, || self.name_of_bundle(i))?;
         }
         Ok(tree)
+    }
+
+    /// Reads the bundles. The error is that of the first that has one.
+    fn bundles(
+        &self,
+        grid: &GridEntry,
+        table: &[BundleEntry],
+        common: &CommonSection,
+    ) -> Result<Vec<Bundle>, FormatError> {
+        let mut at = grid.bundles.offset as usize;
+        let stored: Vec<(usize, &BundleEntry, &[u8])> = (0..)
+            .zip(table)
+            .map(|(i, entry)| {
+                let bytes = &self.bytes[at..][..entry.stored_bytes as usize];
+                at += bytes.len();
+                (i, entry, bytes)
+            })
+            .collect();
+        let parse = |&(i, entry, bytes): &(usize, &BundleEntry, &[u8])| {
+            Bundle::parse(entry, bytes, common, || self.name_of_bundle(i))
+        };
+        each(&stored, parse).into_iter().collect()
     }
 }

@@ -6,18 +6,18 @@
 //! | 3·p + 1 | base of the root |
 //! | 3·p + 2 | number of words of the page |
 //! | from 48 on | the words of the pages, one after the other |
+//!
+//! In a coded file these words are coded, see [`CommonSection`].
 
 use crate::error::FormatError;
+use crate::file::common::{CommonSection, HEAD_WORDS, is_plausible};
 use crate::file::fields::{Decoder, reserved};
-use crate::file::sections::u32_words;
 use crate::layout::depths::page::{BUNDLE_PAGES, Page, pages_of};
 use crate::layout::depths::{Range, Ranges, UNIFORM};
+use crate::settings::AtRest;
 
 /// Size of an entry of the table in bytes.
 pub const BUNDLE_ENTRY_BYTES: usize = 24;
-/// Number of words before those of the pages.
-const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
-
 /// The entry's word 5: some column never switches.
 const HAS_NEVER: u32 = 1;
 
@@ -46,20 +46,30 @@ impl BundleEntry {
     }
 
     /// Decodes an entry. `section` names the bundle.
-    pub(super) fn parse(bytes: &[u8], section: impl Fn() -> String) -> Result<Self, FormatError> {
+    pub(super) fn parse(
+        bytes: &[u8],
+        at_rest: AtRest,
+        section: impl Fn() -> String,
+    ) -> Result<Self, FormatError> {
         let [stored_bytes, raw_bytes, checksum, nearest, farthest, flags] = Decoder { bytes }.u32s()?;
         reserved("bundle's reserved bits", flags & !HAS_NEVER)?;
         let range = Range { nearest, farthest, has_never: flags & HAS_NEVER != 0 };
         let entry = Self { stored_bytes, raw_bytes, checksum, range };
-        let fits = if stored_bytes == 0 {
-            raw_bytes == 0 && checksum == 0 && range == Range::uniform(nearest)
-        } else {
-            raw_bytes as usize >= 4 * HEAD_WORDS && raw_bytes.is_multiple_of(4) && raw_bytes == stored_bytes
+        let is_long = raw_bytes as usize >= 4 * HEAD_WORDS && raw_bytes.is_multiple_of(4);
+        let fits = match at_rest {
+            _ if stored_bytes == 0 => raw_bytes == 0 && checksum == 0 && range == Range::uniform(nearest),
+            AtRest::Raw => is_long && raw_bytes == stored_bytes,
+            AtRest::Coded => is_long && is_plausible(stored_bytes.into(), raw_bytes.into()),
         };
         if fits {
             return Ok(entry);
         }
-        let expected = "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on";
+        let expected = match at_rest {
+            AtRest::Raw => "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on",
+            AtRest::Coded => {
+                "no bytes and one depth, or whole words of raw bytes, from 192 to 4096 times the stored ones"
+            }
+        };
         Err(FormatError::Bundle { section: section(), found: format!("{entry:?}"), expected })
     }
 }
@@ -73,23 +83,30 @@ pub struct StoredBundle {
 
 impl StoredBundle {
     /// Encodes the pages of a bundle at this place, in a grid of so many pages.
+    ///
+    /// # Errors
+    /// Returns [`FormatError::Uncodable`] if the file is coded and the pages are not written as bakes do.
     pub fn new(
         bundle: [u32; 2],
         page_dims: [u32; 2],
         pages: &[Page<'_>; BUNDLE_PAGES],
         ranges: &mut Ranges<'_>,
-    ) -> Self {
+        common: &CommonSection,
+    ) -> Result<Self, FormatError> {
         let (range, is_uniform) = range_of(bundle, page_dims, pages, ranges);
         if is_uniform {
             let entry = BundleEntry { stored_bytes: 0, raw_bytes: 0, checksum: 0, range };
-            return Self { entry, bytes: Vec::new() };
+            return Ok(Self { entry, bytes: Vec::new() });
         }
-        let heads = pages.iter().flat_map(|page| [page.root, page.base, page.words.len() as u32]);
-        let words = heads.chain(pages.iter().flat_map(|page| page.words.iter().copied()));
-        let bytes: Vec<u8> = words.flat_map(u32::to_le_bytes).collect();
-        let length = bytes.len() as u32;
-        let checksum = crc32fast::hash(&bytes);
-        Self { entry: BundleEntry { stored_bytes: length, raw_bytes: length, checksum, range }, bytes }
+        let [x, y] = bundle;
+        let bytes = common.bundle_to_bytes(pages, format_args!("bundle ({x}, {y})"))?;
+        let entry = BundleEntry {
+            stored_bytes: bytes.len() as u32,
+            raw_bytes: raw_bytes(bundle, page_dims, pages) as u32,
+            checksum: crc32fast::hash(&bytes),
+            range,
+        };
+        Ok(Self { entry, bytes })
     }
 }
 
@@ -104,6 +121,7 @@ impl Bundle {
     pub(super) fn parse(
         entry: &BundleEntry,
         bytes: &[u8],
+        common: &CommonSection,
         section: impl Fn() -> String,
     ) -> Result<Self, FormatError> {
         let computed = crc32fast::hash(bytes);
@@ -114,7 +132,7 @@ impl Bundle {
         if entry.stored_bytes == 0 {
             return Ok(Self { heads: [[UNIFORM, entry.range.nearest, 0]; BUNDLE_PAGES], words: Vec::new() });
         }
-        let mut words = u32_words(bytes);
+        let mut words = common.parse_bundle(bytes, entry.raw_bytes, &section)?;
         let heads: [[u32; 3]; BUNDLE_PAGES] =
             std::array::from_fn(|page| [0, 1, 2].map(|field| words[3 * page + field]));
         words.drain(..HEAD_WORDS);
@@ -125,6 +143,11 @@ impl Bundle {
             return Err(FormatError::Bundle { section: section(), found, expected });
         }
         Ok(Self { heads, words })
+    }
+
+    /// Returns the number of words of all pages.
+    pub(super) fn page_words(&self) -> usize {
+        self.words.len()
     }
 
     /// Returns the pages. Those outside the grid are as they are stored.

@@ -3,26 +3,30 @@
 use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 
 use crate::error::FormatError;
+use crate::file::common::CommonSection;
 use crate::file::directory::{GridEntry, check_grids, directory_bytes, place, table_bytes};
 use crate::file::header::Header;
-use crate::file::sections::{Section, u32_chunks};
+use crate::file::sections::Section;
 use crate::file::table::{StoredBundle, raw_bytes};
-use crate::file::{HEADER_BYTES, Level, ShadowFile};
+use crate::file::{HEADER_BYTES, Level, ShadowFile, each};
 use crate::grid::LightGrid;
 use crate::layout::depths::page::{bundles, page_dims};
 use crate::layout::depths::{DepthTree, Ranges};
-use crate::settings::FileSettings;
+use crate::settings::{AtRest, FileSettings};
+
+/// Number of bundles that are held in memory until they are written.
+const BUNDLES_AT_A_TIME: usize = 64;
 
 impl ShadowFile {
     /// Writes the bytes of the file to `out`, from its position on. Returns their number.
     ///
     /// # Errors
-    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if the contents are not
-    /// valid.
-    pub fn write_to(&self, out: impl Write + Seek) -> io::Result<u64> {
+    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if the contents are not valid,
+    /// or cannot be coded although they are to be.
+    pub fn write_to(&self, out: impl Write + Seek, at_rest: AtRest) -> io::Result<u64> {
         let levels = self.levels();
         let grids: Vec<LightGrid> = levels.iter().map(|level| level.grid).collect();
-        let mut writer = FileWriter::new(out, self.settings, &grids)?;
+        let mut writer = FileWriter::new(out, self.settings, &grids, at_rest)?;
         for level in levels.iter().rev() {
             let tree = &*level.tree;
             if tree.size() != level.grid.size {
@@ -42,17 +46,18 @@ impl ShadowFile {
     /// Returns the bytes of the file.
     ///
     /// # Errors
-    /// Returns the fault if the contents are not valid.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
-        let mut bytes = Cursor::new(Vec::with_capacity(self.encoded_len() as usize));
-        match self.write_to(&mut bytes) {
+    /// Returns the fault if the contents are not valid, or cannot be coded although they are to be.
+    pub fn to_bytes(&self, at_rest: AtRest) -> Result<Vec<u8>, FormatError> {
+        let capacity = if at_rest == AtRest::Raw { self.encoded_len() } else { 0 };
+        let mut bytes = Cursor::new(Vec::with_capacity(capacity as usize));
+        match self.write_to(&mut bytes, at_rest) {
             Ok(_) => Ok(bytes.into_inner()),
             // Memory itself gives no errors.
             Err(error) => Err(error.downcast().unwrap_or(FormatError::TrailingBytes { end: 0 })),
         }
     }
 
-    /// Returns the size in bytes of the file that [`ShadowFile::write_to`] writes. Cost: a pass over the pages.
+    /// Returns the size in bytes of the raw file. Cost: a pass over the pages.
     pub fn encoded_len(&self) -> u64 {
         let levels = self.levels();
         let front = HEADER_BYTES + directory_bytes(levels.len() as u32);
@@ -70,6 +75,7 @@ pub struct FileWriter<W> {
     /// Position of the file's first byte.
     start: u64,
     settings: FileSettings,
+    at_rest: AtRest,
     grids: Vec<GridEntry>,
     /// The tables of grids whose bundles have been added.
     tables: Vec<Vec<u8>>,
@@ -87,34 +93,39 @@ impl<W: Write + Seek> FileWriter<W> {
     /// # Errors
     /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if settings or grids are not
     /// valid. Nothing has been written then.
-    pub fn new(mut out: W, settings: FileSettings, grids: &[LightGrid]) -> io::Result<Self> {
+    pub fn new(
+        mut out: W,
+        settings: FileSettings,
+        grids: &[LightGrid],
+        at_rest: AtRest,
+    ) -> io::Result<Self> {
         let none = Section::default();
-        let grids: Vec<GridEntry> =
-            grids.iter().map(|&grid| GridEntry { grid, table: none, common: none, bundles: none }).collect();
+        let entry =
+            |&grid| GridEntry { grid, table: none, common: none, common_raw_bytes: 0, bundles: none };
+        let grids: Vec<GridEntry> = grids.iter().map(entry).collect();
         let count = grids.len() as u32;
-        let header = Header { settings, grids: count, directory_checksum: 0, file_bytes: 0 };
+        let header = Header { settings, at_rest, grids: count, directory_checksum: 0, file_bytes: 0 };
         header.check().and_then(|()| check_grids(&grids)).map_err(invalid)?;
         let start = out.stream_position()?;
         let tables: u64 = grids.iter().map(|entry| table_bytes(entry.grid.size)).sum();
         let front = (HEADER_BYTES + directory_bytes(count)) as u64 + tables;
         io::copy(&mut io::Read::take(io::repeat(0), front), &mut out)?;
         let left = grids.len();
-        Ok(Self { out, start, settings, tables: vec![Vec::new(); left], grids, left })
+        Ok(Self { out, start, settings, at_rest, tables: vec![Vec::new(); left], grids, left })
     }
 
     /// Writes the common section of the next grid, the coarsest first.
     ///
     /// # Errors
-    /// Returns the errors of the output.
-    pub fn common(&mut self, words: &[u32]) -> io::Result<()> {
+    /// Returns the errors of the output, and [`ErrorKind::InvalidData`] with [`FormatError::Uncodable`].
+    pub fn common(&mut self, common: &CommonSection) -> io::Result<()> {
+        debug_assert_eq!(common.at_rest(), self.at_rest);
+        let bytes = common.to_bytes().map_err(invalid)?;
+        self.out.write_all(&bytes)?;
         self.left -= 1;
-        let mut hasher = crc32fast::Hasher::new();
-        for chunk in u32_chunks(words) {
-            hasher.update(&chunk);
-            self.out.write_all(&chunk)?;
-        }
-        let length = 4 * words.len() as u64;
-        self.grids[self.left].common = Section { offset: 0, length, checksum: hasher.finalize() };
+        let grid = &mut self.grids[self.left];
+        grid.common = Section { offset: 0, length: bytes.len() as u64, checksum: crc32fast::hash(&bytes) };
+        grid.common_raw_bytes = 4 * common.words().len() as u64;
         Ok(())
     }
 
@@ -130,12 +141,20 @@ impl<W: Write + Seek> FileWriter<W> {
     }
 
     fn write_level(&mut self, tree: &DepthTree) -> io::Result<()> {
-        self.common(tree.common())?;
-        let mut ranges = Ranges::new(tree.common());
+        let words = tree.common().to_vec();
+        let common =
+            CommonSection::new(words, || tree.common_shapes(), self.at_rest).map_err(invalid)?;
+        self.common(&common)?;
         let dims = page_dims(tree.size());
-        bundles(dims)
-            .into_iter()
-            .try_for_each(|at| self.bundle(&StoredBundle::new(at, dims, &tree.bundle(at), &mut ranges)))
+        let stored = |&at: &[u32; 2]| {
+            StoredBundle::new(at, dims, &tree.bundle(at), &mut Ranges::new(common.words()), &common)
+        };
+        for some in bundles(dims).chunks(BUNDLES_AT_A_TIME) {
+            each(some, stored)
+                .into_iter()
+                .try_for_each(|stored| self.bundle(&stored.map_err(invalid)?))?;
+        }
+        Ok(())
     }
 
     /// Writes tables, directory and header, and returns the number of bytes of the file. Every bundle of every grid
@@ -153,6 +172,7 @@ impl<W: Write + Seek> FileWriter<W> {
             (0..).zip(&self.grids).flat_map(|(level, entry)| entry.encode(level)).collect();
         let header = Header {
             settings: self.settings,
+            at_rest: self.at_rest,
             grids: self.grids.len() as u32,
             directory_checksum: crc32fast::hash(&directory),
             file_bytes,

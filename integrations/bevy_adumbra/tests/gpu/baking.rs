@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::Duration;
 
-use adumbra::{Filter, ShadowFile, Sun};
+use adumbra::{AtRest, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate, write_glb, write_shadow_name};
 use bevy::light::CascadeShadowConfig;
@@ -108,7 +108,7 @@ fn a_light_of_a_gltf_file_loads_the_file_that_it_names() {
     let sun = Sun::from_direction(towards_sun()).unwrap();
     write_glb(&scene, &scene_path).unwrap();
     let baked = bake(&scene, &BakeOptions::new(sun, Size::Resolution(256)), Watch::none()).unwrap();
-    baked.file.write_to(&mut fs::File::create(file_path).unwrap()).unwrap();
+    fs::write(file_path, baked.file.to_bytes(AtRest::default()).unwrap()).unwrap();
     write_shadow_name(&scene_path, "p.adumbra", sun).unwrap();
     let mut stage = Stage::with_assets(&folder.path().to_string_lossy());
     let root = stage.app.world().resource::<AssetServer>().load("p.glb#Scene0");

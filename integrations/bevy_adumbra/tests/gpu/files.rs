@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use adumbra::{Bounds, Filter, FormatError, ShadowFile, Sun};
+use adumbra::{AtRest, Bounds, Filter, FormatError, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate};
 use bevy::asset::{AssetLoadError, AssetPlugin, LoadState};
@@ -16,9 +16,7 @@ use bevy_adumbra::{DeviceLimits, ShadowFileError};
 use crate::stage::{Stage, assert_alike, baked, expected, towards_sun};
 
 fn bytes(file: &ShadowFile) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    file.write_to(&mut bytes).unwrap();
-    bytes
+    file.to_bytes(AtRest::default()).unwrap()
 }
 
 #[test]

@@ -257,8 +257,8 @@ fn filter_bias_and_softness_change_while_running() {
         assert_alike(&found, &expected(&file, filter), filter);
     }
     let bias = Bias { constant_texels: 6.0, ..file.settings.bias };
-    let lifted =
-        adumbra::ShadowFile { settings: adumbra::FileSettings { bias, ..file.settings }, ..file.clone() };
+    let mut lifted = file.clone();
+    lifted.settings.bias = bias;
     let found = shadow(&mut stage, &|s| (s.filter, s.bias) = (ShadowFilter::Box5, Some(bias.into())));
     assert_alike(&found, &expected(&lifted, Filter::Box5), Filter::Box5);
     // Penumbrae: values in between where the hard shadow has edges, and alike in the mean.

@@ -10,12 +10,11 @@ import type { LightGrid } from '../grid/light-grid.js';
 import { cross, dot } from '../grid/vec3.js';
 import type { Mat3 } from '../grid/vec3.js';
 import { bundleDims } from '../quadtree/pages.js';
-import { HEADER_BYTES, check } from './faults.js';
+import { GRID_BYTES, check } from './faults.js';
 import { Fields } from './fields.js';
+import { directoryEndOf } from './header.js';
 import { BUNDLE_ENTRY_BYTES } from './table.js';
 
-/** Size of a directory entry in bytes. */
-export const GRID_BYTES = 256;
 /** A level has voxels this many times as large as those of the level before it. */
 export const LEVEL_STEP = 4;
 
@@ -125,7 +124,7 @@ function checkPlaces(entries: readonly GridEntry[], fileBytes: number): void {
     }),
   );
   const begins = new Map<Section, number>();
-  let end = HEADER_BYTES + GRID_BYTES * entries.length;
+  let end = directoryEndOf(entries.length);
   for (const section of partsOf(entries)) {
     begins.set(section, end);
     end += tableBytes.get(section) ?? section.length;

@@ -6,6 +6,8 @@ import { crc32 } from './crc32.js';
 
 /** Size of the header in bytes. */
 export const HEADER_BYTES = 256;
+/** Size of a directory entry in bytes. */
+export const GRID_BYTES = 256;
 
 /** Throws the error for a field with a value that is not allowed, unless `isGood`. */
 export function check(isGood: boolean, name: string, value: number | Vec3 | string, expected: number | string): void {

@@ -5,7 +5,7 @@
 import { ShadowFileError, hex } from '../error.js';
 import type { Bounds } from '../grid/light-grid.js';
 import type { FileSettings } from '../settings.js';
-import { HEADER_BYTES, check, checkChecksum, truncated } from './faults.js';
+import { GRID_BYTES, HEADER_BYTES, check, checkChecksum, truncated } from './faults.js';
 import { Fields } from './fields.js';
 
 /** The version of the format that is read. */
@@ -78,7 +78,15 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const { min, max } = box;
   const isBox = [...min, ...max].every(isFinite) && min.every((c, a) => c <= max[a as 0 | 1 | 2]);
   check(isBox, 'bounds', `${min}, ${max}`, 'finite, with no minimum above its maximum');
-  return { version: LATEST_VERSION, settings, levelCount, directoryChecksum: fields.u32(33), fileBytes: fields.u64(34) };
+  const fileBytes = fields.u64(34);
+  const directoryEnd = directoryEndOf(levelCount);
+  check(fileBytes >= directoryEnd, 'file_bytes', fileBytes, `at least ${directoryEnd}`);
+  return { version: LATEST_VERSION, settings, levelCount, directoryChecksum: fields.u32(33), fileBytes };
+}
+
+/** Returns the offset at which the directory of so many levels ends. */
+export function directoryEndOf(levelCount: number): number {
+  return HEADER_BYTES + GRID_BYTES * levelCount;
 }
 
 /** Checks that `bytes` begin with a header: magic, version, length, and the checksum in its last word. */

@@ -6,9 +6,9 @@ import type { LightGrid } from '../grid/light-grid.js';
 import type { Dims } from '../quadtree/pages.js';
 import type { Quadtree } from '../quadtree/quadtree.js';
 import type { FileSettings } from '../settings.js';
-import { GRID_BYTES, LEVEL_STEP, parseDirectory, partsOf } from './directory.js';
+import { LEVEL_STEP, parseDirectory, partsOf } from './directory.js';
 import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
-import { parseHeader } from './header.js';
+import { directoryEndOf, parseHeader } from './header.js';
 import { readLevel } from './level.js';
 import { parseTable } from './table.js';
 
@@ -55,7 +55,7 @@ export class BakedShadowFile implements Quadtree {
     const whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
     const { version, settings, levelCount, directoryChecksum, fileBytes: byteLength } = parseHeader(whole);
     const have = whole.length;
-    const directoryEnd = HEADER_BYTES + GRID_BYTES * levelCount;
+    const directoryEnd = directoryEndOf(levelCount);
     if (have < directoryEnd) throw truncated('directory', directoryEnd, have);
     const directory = whole.subarray(HEADER_BYTES, directoryEnd);
     checkChecksum(directory, directoryChecksum, 'directory');

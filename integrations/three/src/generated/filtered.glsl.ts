@@ -341,71 +341,74 @@ uint adumbra_depths_delta(AdumbraVoxelParams v_4, uint at_2) {
 uint _e2 = adumbra_depths_half(v_4, at_2);
 return uint(adumbra_bitfield_extract(int(_e2), int(min(0u, 32u)), int(min(16u, 32u - min(0u, 32u)))));
 }
-uint adumbra_depths_two_halves(AdumbraVoxelParams v_5, uint at_3) {
-uint _e6 = adumbra_voxel_word((v_5.code_offset + (at_3 >> 1u)));
+AdumbraDepthsNode adumbra_depths_short(AdumbraVoxelParams v_5, AdumbraDepthsNode node, uint field_1) {
+uint _e3 = adumbra_depths_half(v_5, field_1);
+return AdumbraDepthsNode((node.at - (_e3 & 255u)), (node.base + uint(adumbra_bitfield_extract(int(_e3), int(min(8u, 32u)), int(min(8u, 32u - min(8u, 32u)))))));
+}
+uint adumbra_depths_two_halves(AdumbraVoxelParams v_6, uint at_3) {
+uint _e6 = adumbra_voxel_word((v_6.code_offset + (at_3 >> 1u)));
 if (((at_3 & 1u) == 0u)) {
 return _e6;
 }
-uint _e19 = adumbra_voxel_word(((v_5.code_offset + (at_3 >> 1u)) + 1u));
+uint _e19 = adumbra_voxel_word(((v_6.code_offset + (at_3 >> 1u)) + 1u));
 return ((_e6 >> 16u) | (_e19 << 16u));
 }
-uint adumbra_depths_far(AdumbraVoxelParams v_6, uint shape_1, uint field_1) {
-uint _e3 = adumbra_depths_two_halves(v_6, field_1);
-return (((_e3 & 2147483648u) != 0u) ? (shape_1 - (_e3 & 2147483647u)) : _e3);
+AdumbraDepthsNode adumbra_depths_far(AdumbraVoxelParams v_7, AdumbraDepthsNode node_1, uint field_2) {
+uint _e5 = adumbra_depths_two_halves(v_7, (field_2 + 1u));
+uint _e6 = adumbra_depths_half(v_7, field_2);
+int delta = adumbra_bitfield_extract(int((_e6 | (adumbra_bitfield_extract(_e5, int(min(25u, 32u)), int(min(6u, 32u - min(25u, 32u)))) << 16u))), int(min(0u, 32u)), int(min(22u, 32u - min(0u, 32u))));
+uint place = (_e5 & 33554431u);
+uint at_6 = (((_e5 & 2147483648u) != 0u) ? (node_1.at - place) : place);
+return AdumbraDepthsNode(((at_6 == node_1.at) ? ADUMBRA_DEPTHS_UNIFORM : at_6), (node_1.base + uint(delta)));
 }
-AdumbraDepthsNode adumbra_depths_child(AdumbraVoxelParams v_7, AdumbraDepthsNode node, uint child) {
-uint word_5 = (v_7.code_offset + (node.at >> 1u));
+AdumbraDepthsNode adumbra_depths_child(AdumbraVoxelParams v_8, AdumbraDepthsNode node_2, uint child) {
+uint word_5 = (v_8.code_offset + (node_2.at >> 1u));
 uint _e8 = adumbra_voxel_word(word_5);
 uint _e11 = adumbra_voxel_word((word_5 + 1u));
-bool is_odd = ((node.at & 1u) == 1u);
+bool is_odd = ((node_2.at & 1u) == 1u);
 uint sizes = (is_odd ? ((_e8 >> 16u) | (_e11 << 16u)) : _e8);
 uint kinds = (is_odd ? (_e11 >> 16u) : _e11);
 uint kind = adumbra_bitfield_extract(kinds, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u))));
 uint below_1 = ((1u << child) - 1u);
-uint field_2 = (((node.at + 3u) + uint(adumbra_bit_count((sizes & below_1)))) + (2u * uint(adumbra_bit_count(((sizes >> 16u) & below_1)))));
-uint _e47 = (16u + child);
-switch((((4u * adumbra_bitfield_extract(sizes, int(min(_e47, 32u)), int(min(1u, 32u - min(_e47, 32u))))) + (2u * adumbra_bitfield_extract(sizes, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u)))))) + kind)) {
+uint low_4 = (sizes & 65535u);
+uint high_4 = (sizes >> 16u);
+uint shorts = (high_4 & ~((low_4 | kinds)));
+uint field_3 = ((((node_2.at + 3u) + uint(adumbra_bit_count((low_4 & below_1)))) + (2u * uint(adumbra_bit_count((high_4 & below_1))))) - uint(adumbra_bit_count((shorts & below_1))));
+switch((((4u * adumbra_bitfield_extract(high_4, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u))))) + (2u * adumbra_bitfield_extract(low_4, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u)))))) + kind)) {
 case 0u: {
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node_2.base);
 }
 case 1u: {
 return AdumbraDepthsNode(4294967295u, 4294967295u);
 }
 case 2u: {
-uint _e64 = adumbra_depths_near(v_7, node.at, field_2);
-return AdumbraDepthsNode(_e64, node.base);
+uint _e70 = adumbra_depths_near(v_8, node_2.at, field_3);
+return AdumbraDepthsNode(_e70, node_2.base);
 }
 case 3u: {
-uint _e69 = adumbra_depths_delta(v_7, field_2);
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node.base + _e69));
+uint _e75 = adumbra_depths_delta(v_8, field_3);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node_2.base + _e75));
 }
 case 4u: {
-uint _e73 = adumbra_depths_far(v_7, node.at, field_2);
-return AdumbraDepthsNode(_e73, node.base);
+AdumbraDepthsNode _e78 = adumbra_depths_short(v_8, node_2, field_3);
+return _e78;
 }
 case 5u: {
-uint _e79 = adumbra_depths_near(v_7, node.at, (field_2 + 1u));
-uint _e81 = adumbra_depths_delta(v_7, field_2);
-return AdumbraDepthsNode(_e79, (node.base + _e81));
-}
-case 6u: {
-uint _e87 = adumbra_depths_far(v_7, node.at, (field_2 + 1u));
-uint _e89 = adumbra_depths_delta(v_7, field_2);
-return AdumbraDepthsNode(_e87, (node.base + _e89));
+uint _e82 = adumbra_depths_near(v_8, node_2.at, (field_3 + 1u));
+uint _e84 = adumbra_depths_delta(v_8, field_3);
+return AdumbraDepthsNode(_e82, (node_2.base + _e84));
 }
 default: {
-uint _e95 = adumbra_depths_near(v_7, node.at, (field_2 + 2u));
-uint _e97 = adumbra_depths_two_halves(v_7, field_2);
-uint base = (node.base + _e97);
-return AdumbraDepthsNode(((_e95 == node.at) ? ADUMBRA_DEPTHS_UNIFORM : _e95), base);
+AdumbraDepthsNode _e87 = adumbra_depths_far(v_8, node_2, field_3);
+return _e87;
 }
 }
 }
-AdumbraDepthsNode adumbra_depths_descend(AdumbraVoxelParams v_8, AdumbraDepthsNode from_node, uvec2 column, uint from_level, uint to_level) {
-AdumbraDepthsNode node_1 = AdumbraDepthsNode(0u, 0u);
+AdumbraDepthsNode adumbra_depths_descend(AdumbraVoxelParams v_9, AdumbraDepthsNode from_node, uvec2 column, uint from_level, uint to_level) {
+AdumbraDepthsNode node_3 = AdumbraDepthsNode(0u, 0u);
 uint level = 0u;
 bool local_2 = false;
-node_1 = from_node;
+node_3 = from_node;
 level = from_level;
 bool loop_init_1 = true;
 while(true) {
@@ -416,7 +419,7 @@ level = (_e32 - 2u);
 loop_init_1 = false;
 uint _e7 = level;
 if ((_e7 > to_level)) {
-uint _e12 = node_1.at;
+uint _e12 = node_3.at;
 local_2 = (_e12 != ADUMBRA_DEPTHS_UNIFORM);
 } else {
 local_2 = false;
@@ -429,17 +432,17 @@ break;
 {
 uint _e17 = level;
 uvec2 bits_3 = ((column >> uvec2((_e17 - 2u))) & uvec2(3u));
-AdumbraDepthsNode _e25 = node_1;
-AdumbraDepthsNode _e31 = adumbra_depths_child(v_8, _e25, ((bits_3.y << 2u) | bits_3.x));
-node_1 = _e31;
+AdumbraDepthsNode _e25 = node_3;
+AdumbraDepthsNode _e31 = adumbra_depths_child(v_9, _e25, ((bits_3.y << 2u) | bits_3.x));
+node_3 = _e31;
 }
 }
-AdumbraDepthsNode _e35 = node_1;
+AdumbraDepthsNode _e35 = node_3;
 return _e35;
 }
-AdumbraDepthsNode adumbra_depths_root(AdumbraVoxelParams v_9, uvec2 column_1) {
-uvec2 root = (column_1 >> uvec2(v_9.root_level));
-uint entry = (2u * ((root.y * v_9.root_count.x) + root.x));
+AdumbraDepthsNode adumbra_depths_root(AdumbraVoxelParams v_10, uvec2 column_1) {
+uvec2 root = (column_1 >> uvec2(v_10.root_level));
+uint entry = (2u * ((root.y * v_10.root_count.x) + root.x));
 uint _e13 = adumbra_voxel_word(entry);
 uint _e16 = adumbra_voxel_word((entry + 1u));
 return AdumbraDepthsNode(_e13, _e16);
@@ -451,17 +454,17 @@ return uint((7 * (steep_2.x + steep_2.y)));
 uint adumbra_depths_deeper(uint depth, uint difference) {
 return (depth + min(difference, ~(depth)));
 }
-uint adumbra_depths_difference(AdumbraVoxelParams v_10, AdumbraDepthsLeaf leaf, uint index_1) {
+uint adumbra_depths_difference(AdumbraVoxelParams v_11, AdumbraDepthsLeaf leaf, uint index_1) {
 if ((leaf.width == 0u)) {
-uint _e10 = adumbra_depths_half(v_10, (leaf.first + (index_1 >> 1u)));
+uint _e10 = adumbra_depths_half(v_11, (leaf.first + (index_1 >> 1u)));
 uint _e14 = (8u * (index_1 & 1u));
 return adumbra_bitfield_extract(_e10, int(min(_e14, 32u)), int(min(8u, 32u - min(_e14, 32u))));
 }
 if ((leaf.width == 1u)) {
-uint _e22 = adumbra_depths_half(v_10, (leaf.first + index_1));
+uint _e22 = adumbra_depths_half(v_11, (leaf.first + index_1));
 return _e22;
 }
-uint _e27 = adumbra_depths_two_halves(v_10, (leaf.first + (2u * index_1)));
+uint _e27 = adumbra_depths_two_halves(v_11, (leaf.first + (2u * index_1)));
 return _e27;
 }
 uvec2 adumbra_depths_of_rank(AdumbraDepthsLeaf leaf_1, uint rank) {
@@ -640,7 +643,7 @@ uvec2 _e41 = more;
 uvec2 _e42 = equal_;
 return (_e41 | _e42);
 }
-uint adumbra_depths_leaf_taps(AdumbraVoxelParams v_11, AdumbraVoxelReceiver r_6, AdumbraDepthsLeaf leaf_3, AdumbraVoxelTaps taps_3) {
+uint adumbra_depths_leaf_taps(AdumbraVoxelParams v_12, AdumbraVoxelReceiver r_6, AdumbraDepthsLeaf leaf_3, AdumbraVoxelTaps taps_3) {
 uvec2 lit_1 = uvec2(0u);
 uint depth_2 = 0u;
 uint rank_2 = 0u;
@@ -657,7 +660,7 @@ uint _e23 = rank_2;
 if ((_e23 > 0u)) {
 uint _e26 = depth_2;
 uint _e27 = rank_2;
-uint _e30 = adumbra_depths_difference(v_11, leaf_3, (_e27 - 1u));
+uint _e30 = adumbra_depths_difference(v_12, leaf_3, (_e27 - 1u));
 uint _e31 = adumbra_depths_deeper(_e26, _e30);
 depth_2 = _e31;
 }
@@ -686,8 +689,8 @@ uvec2 _e59 = adumbra_depths_from_rank(leaf_3, _e58);
 uint _e62 = adumbra_voxel_count((_e57 | (_e59 & _e6)));
 return _e62;
 }
-uvec2 adumbra_depths_plane(AdumbraVoxelParams v_12, uint at_4) {
-uint word_6 = (v_12.code_offset + (at_4 >> 1u));
+uvec2 adumbra_depths_plane(AdumbraVoxelParams v_13, uint at_4) {
+uint word_6 = (v_13.code_offset + (at_4 >> 1u));
 uint _e6 = adumbra_voxel_word(word_6);
 uint _e9 = adumbra_voxel_word((word_6 + 1u));
 uvec2 plane_2 = uvec2(_e6, _e9);
@@ -697,18 +700,18 @@ return plane_2;
 uint _e21 = adumbra_voxel_word((word_6 + 2u));
 return ((plane_2 >> uvec2(16u)) | (uvec2(plane_2.y, _e21) << uvec2(16u)));
 }
-AdumbraDepthsLeaf adumbra_depths_leaf(AdumbraVoxelParams v_13, AdumbraDepthsNode node_2) {
+AdumbraDepthsLeaf adumbra_depths_leaf(AdumbraVoxelParams v_14, AdumbraDepthsNode node_4) {
 AdumbraDepthsLeaf leaf_4 = AdumbraDepthsLeaf(0u, 0u, 0u, 0u, 0u, 0u, uvec2[6](uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u)), ivec2(0));
 uint p_1 = 0u;
-uint _e3 = adumbra_depths_half(v_13, node_2.at);
-leaf_4.base = node_2.base;
+uint _e3 = adumbra_depths_half(v_14, node_4.at);
+leaf_4.base = node_4.base;
 leaf_4.last = (_e3 & 63u);
 uint _e12 = leaf_4.last;
 leaf_4.differences = (_e12 - adumbra_bitfield_extract(_e3, int(min(6u, 32u)), int(min(1u, 32u - min(6u, 32u)))));
 leaf_4.width = adumbra_bitfield_extract(_e3, int(min(7u, 32u)), int(min(2u, 32u - min(7u, 32u))));
-leaf_4.first = (node_2.at + 1u);
+leaf_4.first = (node_4.at + 1u);
 if ((adumbra_bitfield_extract(_e3, int(min(9u, 32u)), int(min(1u, 32u - min(9u, 32u)))) == 1u)) {
-uint _e33 = adumbra_depths_half(v_13, (node_2.at + 1u));
+uint _e33 = adumbra_depths_half(v_14, (node_4.at + 1u));
 int gradient_1 = int(_e33);
 leaf_4.slant = ivec2(adumbra_bitfield_extract(gradient_1, int(min(0u, 32u)), int(min(8u, 32u - min(0u, 32u)))), adumbra_bitfield_extract(gradient_1, int(min(8u, 32u)), int(min(8u, 32u - min(8u, 32u)))));
 uint _e44 = leaf_4.first;
@@ -736,38 +739,38 @@ break;
 {
 uint _e72 = p_1;
 uint _e75 = p_1;
-uvec2 _e78 = adumbra_depths_plane(v_13, (planes + (4u * _e75)));
+uvec2 _e78 = adumbra_depths_plane(v_14, (planes + (4u * _e75)));
 leaf_4.planes[_e72] = _e78;
 }
 }
 AdumbraDepthsLeaf _e82 = leaf_4;
 return _e82;
 }
-uint adumbra_depths_block(AdumbraVoxelParams v_14, AdumbraVoxelReceiver r_7, AdumbraDepthsNode node_3, uint level_1, ivec2 low_2, ivec2 high_2) {
+uint adumbra_depths_block(AdumbraVoxelParams v_15, AdumbraVoxelReceiver r_7, AdumbraDepthsNode node_5, uint level_1, ivec2 low_2, ivec2 high_2) {
 AdumbraDepthsNode block = AdumbraDepthsNode(0u, 0u);
-AdumbraVoxelTaps _e6 = adumbra_voxel_taps(v_14, r_7, low_2, high_2);
+AdumbraVoxelTaps _e6 = adumbra_voxel_taps(v_15, r_7, low_2, high_2);
 if ((_e6.farthest < 0)) {
 return _e6.beside;
 }
 uvec2 column_5 = uvec2(_e6.low);
-block = node_3;
+block = node_5;
 if ((level_1 == 0u)) {
-AdumbraDepthsNode _e16 = adumbra_depths_root(v_14, column_5);
-AdumbraDepthsNode _e19 = adumbra_depths_descend(v_14, _e16, column_5, v_14.root_level, 3u);
+AdumbraDepthsNode _e16 = adumbra_depths_root(v_15, column_5);
+AdumbraDepthsNode _e19 = adumbra_depths_descend(v_15, _e16, column_5, v_15.root_level, 3u);
 block = _e19;
 } else {
-AdumbraDepthsNode _e21 = adumbra_depths_descend(v_14, node_3, column_5, level_1, 3u);
+AdumbraDepthsNode _e21 = adumbra_depths_descend(v_15, node_5, column_5, level_1, 3u);
 block = _e21;
 }
 uint _e23 = block.at;
 if ((_e23 != ADUMBRA_DEPTHS_UNIFORM)) {
 AdumbraDepthsNode _e27 = block;
-AdumbraDepthsLeaf _e28 = adumbra_depths_leaf(v_14, _e27);
-uint _e29 = adumbra_depths_leaf_taps(v_14, r_7, _e28, _e6);
+AdumbraDepthsLeaf _e28 = adumbra_depths_leaf(v_15, _e27);
+uint _e29 = adumbra_depths_leaf_taps(v_15, r_7, _e28, _e6);
 return (_e6.beside + _e29);
 }
 uint _e32 = block.base;
-uint last_lit = (min(_e32, uint(v_14.grid.size.z)) - 1u);
+uint last_lit = (min(_e32, uint(v_15.grid.size.z)) - 1u);
 if ((int(last_lit) < _e6.nearest)) {
 return _e6.beside;
 }
@@ -775,27 +778,27 @@ uvec2 _e46 = adumbra_voxel_taps_to(r_7, _e6, int(last_lit));
 uint _e47 = adumbra_voxel_count(_e46);
 return (_e6.beside + _e47);
 }
-uint adumbra_voxel_lit_taps(AdumbraVoxelParams v_15, AdumbraVoxelReceiver r_8) {
-AdumbraDepthsNode node_4 = AdumbraDepthsNode(0u, 0u);
+uint adumbra_voxel_lit_taps(AdumbraVoxelParams v_16, AdumbraVoxelReceiver r_8) {
+AdumbraDepthsNode node_6 = AdumbraDepthsNode(0u, 0u);
 uint level_2 = 0u;
 uint lit_2 = 0u;
 int y = 0;
 int x = 0;
-int reach = int((v_15.filter_width >> 1u));
-ivec2 low_4 = ((r_8.p_fixed.xy >> uvec2(12u)) - ivec2(reach));
-ivec2 high_4 = (low_4 + ivec2((2 * reach)));
-uvec2 from_column = uvec2(min(max(low_4, ivec2(0)), (v_15.grid.size.xy - ivec2(1))));
-uvec2 to_column = uvec2(min(max(high_4, ivec2(0)), (v_15.grid.size.xy - ivec2(1))));
+int reach = int((v_16.filter_width >> 1u));
+ivec2 low_5 = ((r_8.p_fixed.xy >> uvec2(12u)) - ivec2(reach));
+ivec2 high_5 = (low_5 + ivec2((2 * reach)));
+uvec2 from_column = uvec2(min(max(low_5, ivec2(0)), (v_16.grid.size.xy - ivec2(1))));
+uvec2 to_column = uvec2(min(max(high_5, ivec2(0)), (v_16.grid.size.xy - ivec2(1))));
 uint differs = ((from_column.x ^ to_column.x) | (from_column.y ^ to_column.y));
 uint shared_level = max((32u - uint(31.0 - floor(log2(float(differs) + 0.5)))), 3u);
-if ((shared_level <= v_15.root_level)) {
+if ((shared_level <= v_16.root_level)) {
 level_2 = (shared_level | 1u);
-AdumbraDepthsNode _e59 = adumbra_depths_root(v_15, from_column);
+AdumbraDepthsNode _e59 = adumbra_depths_root(v_16, from_column);
 uint _e61 = level_2;
-AdumbraDepthsNode _e62 = adumbra_depths_descend(v_15, _e59, from_column, v_15.root_level, _e61);
-node_4 = _e62;
+AdumbraDepthsNode _e62 = adumbra_depths_descend(v_16, _e59, from_column, v_16.root_level, _e61);
+node_6 = _e62;
 }
-y = low_4.y;
+y = low_5.y;
 bool loop_init_7 = true;
 while(true) {
 if (!loop_init_7) {
@@ -804,12 +807,12 @@ y = ((_e95 | 7) + 1);
 }
 loop_init_7 = false;
 int _e67 = y;
-if ((_e67 <= high_4.y)) {
+if ((_e67 <= high_5.y)) {
 } else {
 break;
 }
 {
-x = low_4.x;
+x = low_5.x;
 bool loop_init_8 = true;
 while(true) {
 if (!loop_init_8) {
@@ -818,19 +821,19 @@ x = ((_e90 | 7) + 1);
 }
 loop_init_8 = false;
 int _e72 = x;
-if ((_e72 <= high_4.x)) {
+if ((_e72 <= high_5.x)) {
 } else {
 break;
 }
 {
 uint _e75 = lit_2;
-AdumbraDepthsNode _e76 = node_4;
+AdumbraDepthsNode _e76 = node_6;
 uint _e77 = level_2;
 int _e78 = x;
 int _e79 = y;
 int _e81 = x;
 int _e82 = y;
-uint _e88 = adumbra_depths_block(v_15, r_8, _e76, _e77, ivec2(_e78, _e79), min((ivec2(_e81, _e82) | ivec2(7)), high_4));
+uint _e88 = adumbra_depths_block(v_16, r_8, _e76, _e77, ivec2(_e78, _e79), min((ivec2(_e81, _e82) | ivec2(7)), high_5));
 lit_2 = (_e75 + _e88);
 }
 }
@@ -839,10 +842,10 @@ lit_2 = (_e75 + _e88);
 uint _e100 = lit_2;
 return _e100;
 }
-float adumbra_voxel_factor(AdumbraVoxelParams v_16, AdumbraSurface s_1) {
-AdumbraVoxelReceiver _e2 = adumbra_voxel_receiver(v_16, s_1);
-uint _e3 = adumbra_voxel_lit_taps(v_16, _e2);
-return (float(_e3) / float((v_16.filter_width * v_16.filter_width)));
+float adumbra_voxel_factor(AdumbraVoxelParams v_17, AdumbraSurface s_1) {
+AdumbraVoxelReceiver _e2 = adumbra_voxel_receiver(v_17, s_1);
+uint _e3 = adumbra_voxel_lit_taps(v_17, _e2);
+return (float(_e3) / float((v_17.filter_width * v_17.filter_width)));
 }
 uint adumbra_texture_word(uint word) {
 uint _e3 = adumbra_file;
@@ -850,10 +853,10 @@ uvec4 _e6 = texelFetch(adumbra_headers, ivec2(uvec2(word, _e3)), 0);
 return _e6.x;
 }
 uvec3 adumbra_texture_params_row(uint word_1) {
-uint at_6 = (ADUMBRA_TEXTURE_PARAMS + word_1);
-uint _e3 = adumbra_texture_word(at_6);
-uint _e6 = adumbra_texture_word((at_6 + 1u));
-uint _e9 = adumbra_texture_word((at_6 + 2u));
+uint at_7 = (ADUMBRA_TEXTURE_PARAMS + word_1);
+uint _e3 = adumbra_texture_word(at_7);
+uint _e6 = adumbra_texture_word((at_7 + 1u));
+uint _e9 = adumbra_texture_word((at_7 + 2u));
 return uvec3(_e3, _e6, _e9);
 }
 uint adumbra_texture_params_u32_(uint word_2) {
@@ -877,76 +880,76 @@ uint _e5 = adumbra_texture_word(10u);
 return uintBitsToFloat(uvec3(_e1, _e3, _e5));
 }
 AdumbraVoxelParams adumbra_texture_params() {
-AdumbraVoxelParams v_17 = AdumbraVoxelParams(AdumbraGridTransform(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), ivec3(0), ivec3(0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), vec3(0.0), vec3(0.0), ivec3(0), 0.0, 0.0, 0.0), uvec3(0u), 0u, AdumbraReceiverBias(0.0, 0.0, 0.0, 0.0), uvec3(0u), 0u, 0u, 0.0, 0.0, vec2(0.0), vec2(0.0));
+AdumbraVoxelParams v_18 = AdumbraVoxelParams(AdumbraGridTransform(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), ivec3(0), ivec3(0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), vec3(0.0), vec3(0.0), ivec3(0), 0.0, 0.0, 0.0), uvec3(0u), 0u, AdumbraReceiverBias(0.0, 0.0, 0.0, 0.0), uvec3(0u), 0u, 0u, 0.0, 0.0, vec2(0.0), vec2(0.0));
 uvec3 _e4 = adumbra_texture_params_row(0u);
-v_17.grid.axis_x = uintBitsToFloat(_e4);
+v_18.grid.axis_x = uintBitsToFloat(_e4);
 uvec3 _e9 = adumbra_texture_params_row(4u);
-v_17.grid.axis_y = uintBitsToFloat(_e9);
+v_18.grid.axis_y = uintBitsToFloat(_e9);
 uvec3 _e14 = adumbra_texture_params_row(8u);
-v_17.grid.axis_z = uintBitsToFloat(_e14);
+v_18.grid.axis_z = uintBitsToFloat(_e14);
 uvec3 _e19 = adumbra_texture_params_row(12u);
-v_17.grid.edge_x = uintBitsToFloat(_e19);
+v_18.grid.edge_x = uintBitsToFloat(_e19);
 uvec3 _e24 = adumbra_texture_params_row(16u);
-v_17.grid.edge_y = uintBitsToFloat(_e24);
+v_18.grid.edge_y = uintBitsToFloat(_e24);
 uvec3 _e29 = adumbra_texture_params_row(20u);
-v_17.grid.edge_z = uintBitsToFloat(_e29);
+v_18.grid.edge_z = uintBitsToFloat(_e29);
 uvec3 _e34 = adumbra_texture_params_row(24u);
-v_17.grid.step_x = ivec3(_e34);
+v_18.grid.step_x = ivec3(_e34);
 uvec3 _e39 = adumbra_texture_params_row(28u);
-v_17.grid.step_y = ivec3(_e39);
+v_18.grid.step_y = ivec3(_e39);
 uvec3 _e44 = adumbra_texture_params_row(32u);
-v_17.grid.step_z = ivec3(_e44);
+v_18.grid.step_z = ivec3(_e44);
 uvec3 _e49 = adumbra_texture_params_row(36u);
-v_17.grid.rest_x = uintBitsToFloat(_e49);
+v_18.grid.rest_x = uintBitsToFloat(_e49);
 uvec3 _e54 = adumbra_texture_params_row(40u);
-v_17.grid.rest_y = uintBitsToFloat(_e54);
+v_18.grid.rest_y = uintBitsToFloat(_e54);
 uvec3 _e59 = adumbra_texture_params_row(44u);
-v_17.grid.rest_z = uintBitsToFloat(_e59);
+v_18.grid.rest_z = uintBitsToFloat(_e59);
 uvec3 _e64 = adumbra_texture_params_row(48u);
-v_17.grid.anchor_fixed = ivec3(_e64);
+v_18.grid.anchor_fixed = ivec3(_e64);
 uvec3 _e69 = adumbra_texture_params_row(52u);
-v_17.grid.anchor_remainder = uintBitsToFloat(_e69);
+v_18.grid.anchor_remainder = uintBitsToFloat(_e69);
 uvec3 _e74 = adumbra_texture_params_row(56u);
-v_17.grid.anchor_voxels = uintBitsToFloat(_e74);
+v_18.grid.anchor_voxels = uintBitsToFloat(_e74);
 uvec3 _e79 = adumbra_texture_params_row(60u);
-v_17.grid.size = ivec3(_e79);
+v_18.grid.size = ivec3(_e79);
 float _e84 = adumbra_texture_params_f32_(63u);
-v_17.grid.voxels_per_world = _e84;
+v_18.grid.voxels_per_world = _e84;
 float _e88 = adumbra_texture_params_f32_(64u);
-v_17.grid.step_world = _e88;
+v_18.grid.step_world = _e88;
 float _e92 = adumbra_texture_params_f32_(65u);
-v_17.grid.steps_per_world = _e92;
+v_18.grid.steps_per_world = _e92;
 uvec3 _e95 = adumbra_texture_params_row(68u);
-v_17.root_count = _e95;
+v_18.root_count = _e95;
 uint _e98 = adumbra_texture_params_u32_(71u);
-v_17.root_level = _e98;
+v_18.root_level = _e98;
 float _e102 = adumbra_texture_params_f32_(72u);
-v_17.bias.constant_texels = _e102;
+v_18.bias.constant_texels = _e102;
 float _e106 = adumbra_texture_params_f32_(73u);
-v_17.bias.slope_texels = _e106;
+v_18.bias.slope_texels = _e106;
 float _e110 = adumbra_texture_params_f32_(74u);
-v_17.bias.normal_offset_texels = _e110;
+v_18.bias.normal_offset_texels = _e110;
 float _e114 = adumbra_texture_params_f32_(75u);
-v_17.bias.width_factor = _e114;
+v_18.bias.width_factor = _e114;
 uint _e117 = adumbra_texture_params_u32_(79u);
-v_17.code_offset = _e117;
+v_18.code_offset = _e117;
 uint _e120 = adumbra_texture_params_u32_(80u);
-v_17.filter_width = _e120;
+v_18.filter_width = _e120;
 float _e123 = adumbra_texture_params_f32_(81u);
-v_17.sun_cone = _e123;
+v_18.sun_cone = _e123;
 float _e126 = adumbra_texture_params_f32_(82u);
-v_17.max_radius_texels = _e126;
+v_18.max_radius_texels = _e126;
 float _e129 = adumbra_texture_params_f32_(84u);
 float _e131 = adumbra_texture_params_f32_(85u);
-v_17.penumbra_x = vec2(_e129, _e131);
+v_18.penumbra_x = vec2(_e129, _e131);
 float _e135 = adumbra_texture_params_f32_(86u);
 float _e137 = adumbra_texture_params_f32_(87u);
-v_17.penumbra_y = vec2(_e135, _e137);
-AdumbraVoxelParams _e139 = v_17;
+v_18.penumbra_y = vec2(_e135, _e137);
+AdumbraVoxelParams _e139 = v_18;
 return _e139;
 }
-float adumbra_look_up(AdumbraVoxelParams v_18, AdumbraSurface s_2) {
-float _e2 = adumbra_voxel_factor(v_18, s_2);
+float adumbra_look_up(AdumbraVoxelParams v_19, AdumbraSurface s_2) {
+float _e2 = adumbra_voxel_factor(v_19, s_2);
 return _e2;
 }
 uint adumbra_file_count() {

@@ -300,75 +300,79 @@ fn adumbra_depths_delta(v_4: AdumbraVoxelParams, at_2: u32) -> u32 {
 let _e2 = adumbra_depths_half(v_4, at_2);
 return u32(extractBits(i32(_e2), 0u, 16u));
 }
-fn adumbra_depths_two_halves(v_5: AdumbraVoxelParams, at_3: u32) -> u32 {
-let _e6 = adumbra_voxel_word((v_5.code_offset + (at_3 >> 1u)));
+fn adumbra_depths_short(v_5: AdumbraVoxelParams, node: AdumbraDepthsNode, field_1: u32) -> AdumbraDepthsNode {
+let _e3 = adumbra_depths_half(v_5, field_1);
+return AdumbraDepthsNode((node.at - (_e3 & 255u)), (node.base + u32(extractBits(i32(_e3), 8u, 8u))));
+}
+fn adumbra_depths_two_halves(v_6: AdumbraVoxelParams, at_3: u32) -> u32 {
+let _e6 = adumbra_voxel_word((v_6.code_offset + (at_3 >> 1u)));
 if ((at_3 & 1u) == 0u) {
 return _e6;
 }
-let _e19 = adumbra_voxel_word(((v_5.code_offset + (at_3 >> 1u)) + 1u));
+let _e19 = adumbra_voxel_word(((v_6.code_offset + (at_3 >> 1u)) + 1u));
 return ((_e6 >> 16u) | (_e19 << 16u));
 }
-fn adumbra_depths_far(v_6: AdumbraVoxelParams, shape_1: u32, field_1: u32) -> u32 {
-let _e3 = adumbra_depths_two_halves(v_6, field_1);
-return select(_e3, (shape_1 - (_e3 & 2147483647u)), ((_e3 & 2147483648u) != 0u));
+fn adumbra_depths_far(v_7: AdumbraVoxelParams, node_1: AdumbraDepthsNode, field_2: u32) -> AdumbraDepthsNode {
+let _e5 = adumbra_depths_two_halves(v_7, (field_2 + 1u));
+let _e6 = adumbra_depths_half(v_7, field_2);
+let delta = extractBits(i32((_e6 | (extractBits(_e5, 25u, 6u) << 16u))), 0u, 22u);
+let place = (_e5 & 33554431u);
+let at_6 = select(place, (node_1.at - place), ((_e5 & 2147483648u) != 0u));
+return AdumbraDepthsNode(select(at_6, ADUMBRA_DEPTHS_UNIFORM, (at_6 == node_1.at)), (node_1.base + u32(delta)));
 }
-fn adumbra_depths_child(v_7: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
-let word_5 = (v_7.code_offset + (node.at >> 1u));
+fn adumbra_depths_child(v_8: AdumbraVoxelParams, node_2: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
+let word_5 = (v_8.code_offset + (node_2.at >> 1u));
 let _e8 = adumbra_voxel_word(word_5);
 let _e11 = adumbra_voxel_word((word_5 + 1u));
-let is_odd = ((node.at & 1u) == 1u);
+let is_odd = ((node_2.at & 1u) == 1u);
 let sizes = select(_e8, ((_e8 >> 16u) | (_e11 << 16u)), is_odd);
 let kinds = select(_e11, (_e11 >> 16u), is_odd);
 let kind = extractBits(kinds, child, 1u);
 let below_1 = ((1u << child) - 1u);
-let field_2 = (((node.at + 3u) + countOneBits((sizes & below_1))) + (2u * countOneBits(((sizes >> 16u) & below_1))));
-switch (((4u * extractBits(sizes, (16u + child), 1u)) + (2u * extractBits(sizes, child, 1u))) + kind) {
+let low_4 = (sizes & 65535u);
+let high_4 = (sizes >> 16u);
+let shorts = (high_4 & ~((low_4 | kinds)));
+let field_3 = ((((node_2.at + 3u) + countOneBits((low_4 & below_1))) + (2u * countOneBits((high_4 & below_1)))) - countOneBits((shorts & below_1)));
+switch (((4u * extractBits(high_4, child, 1u)) + (2u * extractBits(low_4, child, 1u))) + kind) {
 case 0u: {
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node_2.base);
 }
 case 1u: {
 return AdumbraDepthsNode(4294967295u, 4294967295u);
 }
 case 2u: {
-let _e64 = adumbra_depths_near(v_7, node.at, field_2);
-return AdumbraDepthsNode(_e64, node.base);
+let _e70 = adumbra_depths_near(v_8, node_2.at, field_3);
+return AdumbraDepthsNode(_e70, node_2.base);
 }
 case 3u: {
-let _e69 = adumbra_depths_delta(v_7, field_2);
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node.base + _e69));
+let _e75 = adumbra_depths_delta(v_8, field_3);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node_2.base + _e75));
 }
 case 4u: {
-let _e73 = adumbra_depths_far(v_7, node.at, field_2);
-return AdumbraDepthsNode(_e73, node.base);
+let _e78 = adumbra_depths_short(v_8, node_2, field_3);
+return _e78;
 }
 case 5u: {
-let _e79 = adumbra_depths_near(v_7, node.at, (field_2 + 1u));
-let _e81 = adumbra_depths_delta(v_7, field_2);
-return AdumbraDepthsNode(_e79, (node.base + _e81));
-}
-case 6u: {
-let _e87 = adumbra_depths_far(v_7, node.at, (field_2 + 1u));
-let _e89 = adumbra_depths_delta(v_7, field_2);
-return AdumbraDepthsNode(_e87, (node.base + _e89));
+let _e82 = adumbra_depths_near(v_8, node_2.at, (field_3 + 1u));
+let _e84 = adumbra_depths_delta(v_8, field_3);
+return AdumbraDepthsNode(_e82, (node_2.base + _e84));
 }
 default: {
-let _e95 = adumbra_depths_near(v_7, node.at, (field_2 + 2u));
-let _e97 = adumbra_depths_two_halves(v_7, field_2);
-let base = (node.base + _e97);
-return AdumbraDepthsNode(select(_e95, ADUMBRA_DEPTHS_UNIFORM, (_e95 == node.at)), base);
+let _e87 = adumbra_depths_far(v_8, node_2, field_3);
+return _e87;
 }
 }
 }
-fn adumbra_depths_descend(v_8: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2<u32>, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
-var node_1: AdumbraDepthsNode;
+fn adumbra_depths_descend(v_9: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2<u32>, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
+var node_3: AdumbraDepthsNode;
 var level: u32;
 var local_2: bool;
-node_1 = from_node;
+node_3 = from_node;
 level = from_level;
 loop {
 let _e7 = level;
 if (_e7 > to_level) {
-let _e12 = node_1.at;
+let _e12 = node_3.at;
 local_2 = (_e12 != ADUMBRA_DEPTHS_UNIFORM);
 } else {
 local_2 = false;
@@ -381,21 +385,21 @@ break;
 {
 let _e17 = level;
 let bits_3 = ((column >> vec2((_e17 - 2u))) & vec2(3u));
-let _e25 = node_1;
-let _e31 = adumbra_depths_child(v_8, _e25, ((bits_3.y << 2u) | bits_3.x));
-node_1 = _e31;
+let _e25 = node_3;
+let _e31 = adumbra_depths_child(v_9, _e25, ((bits_3.y << 2u) | bits_3.x));
+node_3 = _e31;
 }
 continuing {
 let _e32 = level;
 level = (_e32 - 2u);
 }
 }
-let _e35 = node_1;
+let _e35 = node_3;
 return _e35;
 }
-fn adumbra_depths_root(v_9: AdumbraVoxelParams, column_1: vec2<u32>) -> AdumbraDepthsNode {
-let root = (column_1 >> vec2(v_9.root_level));
-let entry = (2u * ((root.y * v_9.root_count.x) + root.x));
+fn adumbra_depths_root(v_10: AdumbraVoxelParams, column_1: vec2<u32>) -> AdumbraDepthsNode {
+let root = (column_1 >> vec2(v_10.root_level));
+let entry = (2u * ((root.y * v_10.root_count.x) + root.x));
 let _e13 = adumbra_voxel_word(entry);
 let _e16 = adumbra_voxel_word((entry + 1u));
 return AdumbraDepthsNode(_e13, _e16);
@@ -407,16 +411,16 @@ return u32((7i * (steep_2.x + steep_2.y)));
 fn adumbra_depths_deeper(depth: u32, difference: u32) -> u32 {
 return (depth + min(difference, ~(depth)));
 }
-fn adumbra_depths_difference(v_10: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, index_1: u32) -> u32 {
+fn adumbra_depths_difference(v_11: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, index_1: u32) -> u32 {
 if (leaf.width == 0u) {
-let _e10 = adumbra_depths_half(v_10, (leaf.first + (index_1 >> 1u)));
+let _e10 = adumbra_depths_half(v_11, (leaf.first + (index_1 >> 1u)));
 return extractBits(_e10, (8u * (index_1 & 1u)), 8u);
 }
 if (leaf.width == 1u) {
-let _e22 = adumbra_depths_half(v_10, (leaf.first + index_1));
+let _e22 = adumbra_depths_half(v_11, (leaf.first + index_1));
 return _e22;
 }
-let _e27 = adumbra_depths_two_halves(v_10, (leaf.first + (2u * index_1)));
+let _e27 = adumbra_depths_two_halves(v_11, (leaf.first + (2u * index_1)));
 return _e27;
 }
 fn adumbra_depths_of_rank(leaf_1: AdumbraDepthsLeaf, rank: u32) -> vec2<u32> {
@@ -586,7 +590,7 @@ let _e41 = more;
 let _e42 = equal;
 return (_e41 | _e42);
 }
-fn adumbra_depths_leaf_taps(v_11: AdumbraVoxelParams, r_6: AdumbraVoxelReceiver, leaf_3: AdumbraDepthsLeaf, taps_3: AdumbraVoxelTaps) -> u32 {
+fn adumbra_depths_leaf_taps(v_12: AdumbraVoxelParams, r_6: AdumbraVoxelReceiver, leaf_3: AdumbraDepthsLeaf, taps_3: AdumbraVoxelTaps) -> u32 {
 var lit_1: vec2<u32> = vec2(0u);
 var depth_2: u32;
 var rank_2: u32 = 0u;
@@ -603,7 +607,7 @@ let _e23 = rank_2;
 if (_e23 > 0u) {
 let _e26 = depth_2;
 let _e27 = rank_2;
-let _e30 = adumbra_depths_difference(v_11, leaf_3, (_e27 - 1u));
+let _e30 = adumbra_depths_difference(v_12, leaf_3, (_e27 - 1u));
 let _e31 = adumbra_depths_deeper(_e26, _e30);
 depth_2 = _e31;
 }
@@ -632,8 +636,8 @@ let _e59 = adumbra_depths_from_rank(leaf_3, _e58);
 let _e62 = adumbra_voxel_count((_e57 | (_e59 & _e6)));
 return _e62;
 }
-fn adumbra_depths_plane(v_12: AdumbraVoxelParams, at_4: u32) -> vec2<u32> {
-let word_6 = (v_12.code_offset + (at_4 >> 1u));
+fn adumbra_depths_plane(v_13: AdumbraVoxelParams, at_4: u32) -> vec2<u32> {
+let word_6 = (v_13.code_offset + (at_4 >> 1u));
 let _e6 = adumbra_voxel_word(word_6);
 let _e9 = adumbra_voxel_word((word_6 + 1u));
 let plane_2 = vec2<u32>(_e6, _e9);
@@ -643,18 +647,18 @@ return plane_2;
 let _e21 = adumbra_voxel_word((word_6 + 2u));
 return ((plane_2 >> vec2(16u)) | (vec2<u32>(plane_2.y, _e21) << vec2(16u)));
 }
-fn adumbra_depths_leaf(v_13: AdumbraVoxelParams, node_2: AdumbraDepthsNode) -> AdumbraDepthsLeaf {
+fn adumbra_depths_leaf(v_14: AdumbraVoxelParams, node_4: AdumbraDepthsNode) -> AdumbraDepthsLeaf {
 var leaf_4: AdumbraDepthsLeaf;
 var p_1: u32 = 0u;
-let _e3 = adumbra_depths_half(v_13, node_2.at);
-leaf_4.base = node_2.base;
+let _e3 = adumbra_depths_half(v_14, node_4.at);
+leaf_4.base = node_4.base;
 leaf_4.last = (_e3 & 63u);
 let _e12 = leaf_4.last;
 leaf_4.differences = (_e12 - extractBits(_e3, 6u, 1u));
 leaf_4.width = extractBits(_e3, 7u, 2u);
-leaf_4.first = (node_2.at + 1u);
+leaf_4.first = (node_4.at + 1u);
 if (extractBits(_e3, 9u, 1u) == 1u) {
-let _e33 = adumbra_depths_half(v_13, (node_2.at + 1u));
+let _e33 = adumbra_depths_half(v_14, (node_4.at + 1u));
 let gradient_1 = i32(_e33);
 leaf_4.slant = vec2<i32>(extractBits(gradient_1, 0u, 8u), extractBits(gradient_1, 8u, 8u));
 let _e44 = leaf_4.first;
@@ -676,7 +680,7 @@ break;
 {
 let _e72 = p_1;
 let _e75 = p_1;
-let _e78 = adumbra_depths_plane(v_13, (planes + (4u * _e75)));
+let _e78 = adumbra_depths_plane(v_14, (planes + (4u * _e75)));
 leaf_4.planes[_e72] = _e78;
 }
 continuing {
@@ -687,31 +691,31 @@ p_1 = (_e80 + 1u);
 let _e82 = leaf_4;
 return _e82;
 }
-fn adumbra_depths_block(v_14: AdumbraVoxelParams, r_7: AdumbraVoxelReceiver, node_3: AdumbraDepthsNode, level_1: u32, low_2: vec2<i32>, high_2: vec2<i32>) -> u32 {
+fn adumbra_depths_block(v_15: AdumbraVoxelParams, r_7: AdumbraVoxelReceiver, node_5: AdumbraDepthsNode, level_1: u32, low_2: vec2<i32>, high_2: vec2<i32>) -> u32 {
 var block: AdumbraDepthsNode;
-let _e6 = adumbra_voxel_taps(v_14, r_7, low_2, high_2);
+let _e6 = adumbra_voxel_taps(v_15, r_7, low_2, high_2);
 if (_e6.farthest < 0i) {
 return _e6.beside;
 }
 let column_5 = vec2<u32>(_e6.low);
-block = node_3;
+block = node_5;
 if (level_1 == 0u) {
-let _e16 = adumbra_depths_root(v_14, column_5);
-let _e19 = adumbra_depths_descend(v_14, _e16, column_5, v_14.root_level, 3u);
+let _e16 = adumbra_depths_root(v_15, column_5);
+let _e19 = adumbra_depths_descend(v_15, _e16, column_5, v_15.root_level, 3u);
 block = _e19;
 } else {
-let _e21 = adumbra_depths_descend(v_14, node_3, column_5, level_1, 3u);
+let _e21 = adumbra_depths_descend(v_15, node_5, column_5, level_1, 3u);
 block = _e21;
 }
 let _e23 = block.at;
 if (_e23 != ADUMBRA_DEPTHS_UNIFORM) {
 let _e27 = block;
-let _e28 = adumbra_depths_leaf(v_14, _e27);
-let _e29 = adumbra_depths_leaf_taps(v_14, r_7, _e28, _e6);
+let _e28 = adumbra_depths_leaf(v_15, _e27);
+let _e29 = adumbra_depths_leaf_taps(v_15, r_7, _e28, _e6);
 return (_e6.beside + _e29);
 }
 let _e32 = block.base;
-let last_lit = (min(_e32, u32(v_14.grid.size.z)) - 1u);
+let last_lit = (min(_e32, u32(v_15.grid.size.z)) - 1u);
 if (i32(last_lit) < _e6.nearest) {
 return _e6.beside;
 }
@@ -719,50 +723,50 @@ let _e46 = adumbra_voxel_taps_to(r_7, _e6, i32(last_lit));
 let _e47 = adumbra_voxel_count(_e46);
 return (_e6.beside + _e47);
 }
-fn adumbra_voxel_lit_taps(v_15: AdumbraVoxelParams, r_8: AdumbraVoxelReceiver) -> u32 {
-var node_4: AdumbraDepthsNode = AdumbraDepthsNode(0u, 0u);
+fn adumbra_voxel_lit_taps(v_16: AdumbraVoxelParams, r_8: AdumbraVoxelReceiver) -> u32 {
+var node_6: AdumbraDepthsNode = AdumbraDepthsNode(0u, 0u);
 var level_2: u32 = 0u;
 var lit_2: u32 = 0u;
 var y: i32;
 var x: i32;
-let reach = i32((v_15.filter_width >> 1u));
-let low_4 = ((r_8.p_fixed.xy >> vec2(12u)) - vec2(reach));
-let high_4 = (low_4 + vec2((2i * reach)));
-let from_column = vec2<u32>(clamp(low_4, vec2(0i), (v_15.grid.size.xy - vec2(1i))));
-let to_column = vec2<u32>(clamp(high_4, vec2(0i), (v_15.grid.size.xy - vec2(1i))));
+let reach = i32((v_16.filter_width >> 1u));
+let low_5 = ((r_8.p_fixed.xy >> vec2(12u)) - vec2(reach));
+let high_5 = (low_5 + vec2((2i * reach)));
+let from_column = vec2<u32>(clamp(low_5, vec2(0i), (v_16.grid.size.xy - vec2(1i))));
+let to_column = vec2<u32>(clamp(high_5, vec2(0i), (v_16.grid.size.xy - vec2(1i))));
 let differs = ((from_column.x ^ to_column.x) | (from_column.y ^ to_column.y));
 let shared_level = max((32u - countLeadingZeros(differs)), 3u);
-if (shared_level <= v_15.root_level) {
+if (shared_level <= v_16.root_level) {
 level_2 = (shared_level | 1u);
-let _e59 = adumbra_depths_root(v_15, from_column);
+let _e59 = adumbra_depths_root(v_16, from_column);
 let _e61 = level_2;
-let _e62 = adumbra_depths_descend(v_15, _e59, from_column, v_15.root_level, _e61);
-node_4 = _e62;
+let _e62 = adumbra_depths_descend(v_16, _e59, from_column, v_16.root_level, _e61);
+node_6 = _e62;
 }
-y = low_4.y;
+y = low_5.y;
 loop {
 let _e67 = y;
-if (_e67 <= high_4.y) {
+if (_e67 <= high_5.y) {
 } else {
 break;
 }
 {
-x = low_4.x;
+x = low_5.x;
 loop {
 let _e72 = x;
-if (_e72 <= high_4.x) {
+if (_e72 <= high_5.x) {
 } else {
 break;
 }
 {
 let _e75 = lit_2;
-let _e76 = node_4;
+let _e76 = node_6;
 let _e77 = level_2;
 let _e78 = x;
 let _e79 = y;
 let _e81 = x;
 let _e82 = y;
-let _e88 = adumbra_depths_block(v_15, r_8, _e76, _e77, vec2<i32>(_e78, _e79), min((vec2<i32>(_e81, _e82) | vec2(7i)), high_4));
+let _e88 = adumbra_depths_block(v_16, r_8, _e76, _e77, vec2<i32>(_e78, _e79), min((vec2<i32>(_e81, _e82) | vec2(7i)), high_5));
 lit_2 = (_e75 + _e88);
 }
 continuing {
@@ -779,10 +783,10 @@ y = ((_e95 | 7i) + 1i);
 let _e100 = lit_2;
 return _e100;
 }
-fn adumbra_voxel_factor(v_16: AdumbraVoxelParams, s_1: AdumbraSurface) -> f32 {
-let _e2 = adumbra_voxel_receiver(v_16, s_1);
-let _e3 = adumbra_voxel_lit_taps(v_16, _e2);
-return (f32(_e3) / f32((v_16.filter_width * v_16.filter_width)));
+fn adumbra_voxel_factor(v_17: AdumbraVoxelParams, s_1: AdumbraSurface) -> f32 {
+let _e2 = adumbra_voxel_receiver(v_17, s_1);
+let _e3 = adumbra_voxel_lit_taps(v_17, _e2);
+return (f32(_e3) / f32((v_17.filter_width * v_17.filter_width)));
 }
 fn adumbra_texture_word(word: u32) -> u32 {
 let _e3 = adumbra_file;
@@ -790,10 +794,10 @@ let _e6 = textureLoad(adumbra_headers, vec2<u32>(word, _e3), 0i);
 return _e6.x;
 }
 fn adumbra_texture_params_row(word_1: u32) -> vec3<u32> {
-let at_6 = (ADUMBRA_TEXTURE_PARAMS + word_1);
-let _e3 = adumbra_texture_word(at_6);
-let _e6 = adumbra_texture_word((at_6 + 1u));
-let _e9 = adumbra_texture_word((at_6 + 2u));
+let at_7 = (ADUMBRA_TEXTURE_PARAMS + word_1);
+let _e3 = adumbra_texture_word(at_7);
+let _e6 = adumbra_texture_word((at_7 + 1u));
+let _e9 = adumbra_texture_word((at_7 + 2u));
 return vec3<u32>(_e3, _e6, _e9);
 }
 fn adumbra_texture_params_u32_(word_2: u32) -> u32 {
@@ -817,76 +821,76 @@ let _e5 = adumbra_texture_word(10u);
 return bitcast<vec3<f32>>(vec3<u32>(_e1, _e3, _e5));
 }
 fn adumbra_texture_params() -> AdumbraVoxelParams {
-var v_17: AdumbraVoxelParams;
+var v_18: AdumbraVoxelParams;
 let _e4 = adumbra_texture_params_row(0u);
-v_17.grid.axis_x = bitcast<vec3<f32>>(_e4);
+v_18.grid.axis_x = bitcast<vec3<f32>>(_e4);
 let _e9 = adumbra_texture_params_row(4u);
-v_17.grid.axis_y = bitcast<vec3<f32>>(_e9);
+v_18.grid.axis_y = bitcast<vec3<f32>>(_e9);
 let _e14 = adumbra_texture_params_row(8u);
-v_17.grid.axis_z = bitcast<vec3<f32>>(_e14);
+v_18.grid.axis_z = bitcast<vec3<f32>>(_e14);
 let _e19 = adumbra_texture_params_row(12u);
-v_17.grid.edge_x = bitcast<vec3<f32>>(_e19);
+v_18.grid.edge_x = bitcast<vec3<f32>>(_e19);
 let _e24 = adumbra_texture_params_row(16u);
-v_17.grid.edge_y = bitcast<vec3<f32>>(_e24);
+v_18.grid.edge_y = bitcast<vec3<f32>>(_e24);
 let _e29 = adumbra_texture_params_row(20u);
-v_17.grid.edge_z = bitcast<vec3<f32>>(_e29);
+v_18.grid.edge_z = bitcast<vec3<f32>>(_e29);
 let _e34 = adumbra_texture_params_row(24u);
-v_17.grid.step_x = bitcast<vec3<i32>>(_e34);
+v_18.grid.step_x = bitcast<vec3<i32>>(_e34);
 let _e39 = adumbra_texture_params_row(28u);
-v_17.grid.step_y = bitcast<vec3<i32>>(_e39);
+v_18.grid.step_y = bitcast<vec3<i32>>(_e39);
 let _e44 = adumbra_texture_params_row(32u);
-v_17.grid.step_z = bitcast<vec3<i32>>(_e44);
+v_18.grid.step_z = bitcast<vec3<i32>>(_e44);
 let _e49 = adumbra_texture_params_row(36u);
-v_17.grid.rest_x = bitcast<vec3<f32>>(_e49);
+v_18.grid.rest_x = bitcast<vec3<f32>>(_e49);
 let _e54 = adumbra_texture_params_row(40u);
-v_17.grid.rest_y = bitcast<vec3<f32>>(_e54);
+v_18.grid.rest_y = bitcast<vec3<f32>>(_e54);
 let _e59 = adumbra_texture_params_row(44u);
-v_17.grid.rest_z = bitcast<vec3<f32>>(_e59);
+v_18.grid.rest_z = bitcast<vec3<f32>>(_e59);
 let _e64 = adumbra_texture_params_row(48u);
-v_17.grid.anchor_fixed = bitcast<vec3<i32>>(_e64);
+v_18.grid.anchor_fixed = bitcast<vec3<i32>>(_e64);
 let _e69 = adumbra_texture_params_row(52u);
-v_17.grid.anchor_remainder = bitcast<vec3<f32>>(_e69);
+v_18.grid.anchor_remainder = bitcast<vec3<f32>>(_e69);
 let _e74 = adumbra_texture_params_row(56u);
-v_17.grid.anchor_voxels = bitcast<vec3<f32>>(_e74);
+v_18.grid.anchor_voxels = bitcast<vec3<f32>>(_e74);
 let _e79 = adumbra_texture_params_row(60u);
-v_17.grid.size = bitcast<vec3<i32>>(_e79);
+v_18.grid.size = bitcast<vec3<i32>>(_e79);
 let _e84 = adumbra_texture_params_f32_(63u);
-v_17.grid.voxels_per_world = _e84;
+v_18.grid.voxels_per_world = _e84;
 let _e88 = adumbra_texture_params_f32_(64u);
-v_17.grid.step_world = _e88;
+v_18.grid.step_world = _e88;
 let _e92 = adumbra_texture_params_f32_(65u);
-v_17.grid.steps_per_world = _e92;
+v_18.grid.steps_per_world = _e92;
 let _e95 = adumbra_texture_params_row(68u);
-v_17.root_count = _e95;
+v_18.root_count = _e95;
 let _e98 = adumbra_texture_params_u32_(71u);
-v_17.root_level = _e98;
+v_18.root_level = _e98;
 let _e102 = adumbra_texture_params_f32_(72u);
-v_17.bias.constant_texels = _e102;
+v_18.bias.constant_texels = _e102;
 let _e106 = adumbra_texture_params_f32_(73u);
-v_17.bias.slope_texels = _e106;
+v_18.bias.slope_texels = _e106;
 let _e110 = adumbra_texture_params_f32_(74u);
-v_17.bias.normal_offset_texels = _e110;
+v_18.bias.normal_offset_texels = _e110;
 let _e114 = adumbra_texture_params_f32_(75u);
-v_17.bias.width_factor = _e114;
+v_18.bias.width_factor = _e114;
 let _e117 = adumbra_texture_params_u32_(79u);
-v_17.code_offset = _e117;
+v_18.code_offset = _e117;
 let _e120 = adumbra_texture_params_u32_(80u);
-v_17.filter_width = _e120;
+v_18.filter_width = _e120;
 let _e123 = adumbra_texture_params_f32_(81u);
-v_17.sun_cone = _e123;
+v_18.sun_cone = _e123;
 let _e126 = adumbra_texture_params_f32_(82u);
-v_17.max_radius_texels = _e126;
+v_18.max_radius_texels = _e126;
 let _e129 = adumbra_texture_params_f32_(84u);
 let _e131 = adumbra_texture_params_f32_(85u);
-v_17.penumbra_x = vec2<f32>(_e129, _e131);
+v_18.penumbra_x = vec2<f32>(_e129, _e131);
 let _e135 = adumbra_texture_params_f32_(86u);
 let _e137 = adumbra_texture_params_f32_(87u);
-v_17.penumbra_y = vec2<f32>(_e135, _e137);
-let _e139 = v_17;
+v_18.penumbra_y = vec2<f32>(_e135, _e137);
+let _e139 = v_18;
 return _e139;
 }
-fn adumbra_look_up(v_18: AdumbraVoxelParams, s_2: AdumbraSurface) -> f32 {
-let _e2 = adumbra_voxel_factor(v_18, s_2);
+fn adumbra_look_up(v_19: AdumbraVoxelParams, s_2: AdumbraSurface) -> f32 {
+let _e2 = adumbra_voxel_factor(v_19, s_2);
 return _e2;
 }
 fn adumbra_file_count() -> u32 {

@@ -203,71 +203,74 @@ uint adumbra_depths_delta(AdumbraVoxelParams v_3, uint at_2) {
 uint _e2 = adumbra_depths_half(v_3, at_2);
 return uint(adumbra_bitfield_extract(int(_e2), int(min(0u, 32u)), int(min(16u, 32u - min(0u, 32u)))));
 }
-uint adumbra_depths_two_halves(AdumbraVoxelParams v_4, uint at_3) {
-uint _e6 = adumbra_voxel_word((v_4.code_offset + (at_3 >> 1u)));
+AdumbraDepthsNode adumbra_depths_short(AdumbraVoxelParams v_4, AdumbraDepthsNode node, uint field_1) {
+uint _e3 = adumbra_depths_half(v_4, field_1);
+return AdumbraDepthsNode((node.at - (_e3 & 255u)), (node.base + uint(adumbra_bitfield_extract(int(_e3), int(min(8u, 32u)), int(min(8u, 32u - min(8u, 32u)))))));
+}
+uint adumbra_depths_two_halves(AdumbraVoxelParams v_5, uint at_3) {
+uint _e6 = adumbra_voxel_word((v_5.code_offset + (at_3 >> 1u)));
 if (((at_3 & 1u) == 0u)) {
 return _e6;
 }
-uint _e19 = adumbra_voxel_word(((v_4.code_offset + (at_3 >> 1u)) + 1u));
+uint _e19 = adumbra_voxel_word(((v_5.code_offset + (at_3 >> 1u)) + 1u));
 return ((_e6 >> 16u) | (_e19 << 16u));
 }
-uint adumbra_depths_far(AdumbraVoxelParams v_5, uint shape_1, uint field_1) {
-uint _e3 = adumbra_depths_two_halves(v_5, field_1);
-return (((_e3 & 2147483648u) != 0u) ? (shape_1 - (_e3 & 2147483647u)) : _e3);
+AdumbraDepthsNode adumbra_depths_far(AdumbraVoxelParams v_6, AdumbraDepthsNode node_1, uint field_2) {
+uint _e5 = adumbra_depths_two_halves(v_6, (field_2 + 1u));
+uint _e6 = adumbra_depths_half(v_6, field_2);
+int delta = adumbra_bitfield_extract(int((_e6 | (adumbra_bitfield_extract(_e5, int(min(25u, 32u)), int(min(6u, 32u - min(25u, 32u)))) << 16u))), int(min(0u, 32u)), int(min(22u, 32u - min(0u, 32u))));
+uint place = (_e5 & 33554431u);
+uint at_6 = (((_e5 & 2147483648u) != 0u) ? (node_1.at - place) : place);
+return AdumbraDepthsNode(((at_6 == node_1.at) ? ADUMBRA_DEPTHS_UNIFORM : at_6), (node_1.base + uint(delta)));
 }
-AdumbraDepthsNode adumbra_depths_child(AdumbraVoxelParams v_6, AdumbraDepthsNode node, uint child) {
-uint word_5 = (v_6.code_offset + (node.at >> 1u));
+AdumbraDepthsNode adumbra_depths_child(AdumbraVoxelParams v_7, AdumbraDepthsNode node_2, uint child) {
+uint word_5 = (v_7.code_offset + (node_2.at >> 1u));
 uint _e8 = adumbra_voxel_word(word_5);
 uint _e11 = adumbra_voxel_word((word_5 + 1u));
-bool is_odd = ((node.at & 1u) == 1u);
+bool is_odd = ((node_2.at & 1u) == 1u);
 uint sizes = (is_odd ? ((_e8 >> 16u) | (_e11 << 16u)) : _e8);
 uint kinds = (is_odd ? (_e11 >> 16u) : _e11);
 uint kind = adumbra_bitfield_extract(kinds, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u))));
 uint below_1 = ((1u << child) - 1u);
-uint field_2 = (((node.at + 3u) + uint(adumbra_bit_count((sizes & below_1)))) + (2u * uint(adumbra_bit_count(((sizes >> 16u) & below_1)))));
-uint _e47 = (16u + child);
-switch((((4u * adumbra_bitfield_extract(sizes, int(min(_e47, 32u)), int(min(1u, 32u - min(_e47, 32u))))) + (2u * adumbra_bitfield_extract(sizes, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u)))))) + kind)) {
+uint low_1 = (sizes & 65535u);
+uint high_1 = (sizes >> 16u);
+uint shorts = (high_1 & ~((low_1 | kinds)));
+uint field_3 = ((((node_2.at + 3u) + uint(adumbra_bit_count((low_1 & below_1)))) + (2u * uint(adumbra_bit_count((high_1 & below_1))))) - uint(adumbra_bit_count((shorts & below_1))));
+switch((((4u * adumbra_bitfield_extract(high_1, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u))))) + (2u * adumbra_bitfield_extract(low_1, int(min(child, 32u)), int(min(1u, 32u - min(child, 32u)))))) + kind)) {
 case 0u: {
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node_2.base);
 }
 case 1u: {
 return AdumbraDepthsNode(4294967295u, 4294967295u);
 }
 case 2u: {
-uint _e64 = adumbra_depths_near(v_6, node.at, field_2);
-return AdumbraDepthsNode(_e64, node.base);
+uint _e70 = adumbra_depths_near(v_7, node_2.at, field_3);
+return AdumbraDepthsNode(_e70, node_2.base);
 }
 case 3u: {
-uint _e69 = adumbra_depths_delta(v_6, field_2);
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node.base + _e69));
+uint _e75 = adumbra_depths_delta(v_7, field_3);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node_2.base + _e75));
 }
 case 4u: {
-uint _e73 = adumbra_depths_far(v_6, node.at, field_2);
-return AdumbraDepthsNode(_e73, node.base);
+AdumbraDepthsNode _e78 = adumbra_depths_short(v_7, node_2, field_3);
+return _e78;
 }
 case 5u: {
-uint _e79 = adumbra_depths_near(v_6, node.at, (field_2 + 1u));
-uint _e81 = adumbra_depths_delta(v_6, field_2);
-return AdumbraDepthsNode(_e79, (node.base + _e81));
-}
-case 6u: {
-uint _e87 = adumbra_depths_far(v_6, node.at, (field_2 + 1u));
-uint _e89 = adumbra_depths_delta(v_6, field_2);
-return AdumbraDepthsNode(_e87, (node.base + _e89));
+uint _e82 = adumbra_depths_near(v_7, node_2.at, (field_3 + 1u));
+uint _e84 = adumbra_depths_delta(v_7, field_3);
+return AdumbraDepthsNode(_e82, (node_2.base + _e84));
 }
 default: {
-uint _e95 = adumbra_depths_near(v_6, node.at, (field_2 + 2u));
-uint _e97 = adumbra_depths_two_halves(v_6, field_2);
-uint base = (node.base + _e97);
-return AdumbraDepthsNode(((_e95 == node.at) ? ADUMBRA_DEPTHS_UNIFORM : _e95), base);
+AdumbraDepthsNode _e87 = adumbra_depths_far(v_7, node_2, field_3);
+return _e87;
 }
 }
 }
-AdumbraDepthsNode adumbra_depths_descend(AdumbraVoxelParams v_7, AdumbraDepthsNode from_node, uvec2 column, uint from_level, uint to_level) {
-AdumbraDepthsNode node_1 = AdumbraDepthsNode(0u, 0u);
+AdumbraDepthsNode adumbra_depths_descend(AdumbraVoxelParams v_8, AdumbraDepthsNode from_node, uvec2 column, uint from_level, uint to_level) {
+AdumbraDepthsNode node_3 = AdumbraDepthsNode(0u, 0u);
 uint level = 0u;
 bool local = false;
-node_1 = from_node;
+node_3 = from_node;
 level = from_level;
 bool loop_init = true;
 while(true) {
@@ -278,7 +281,7 @@ level = (_e32 - 2u);
 loop_init = false;
 uint _e7 = level;
 if ((_e7 > to_level)) {
-uint _e12 = node_1.at;
+uint _e12 = node_3.at;
 local = (_e12 != ADUMBRA_DEPTHS_UNIFORM);
 } else {
 local = false;
@@ -291,17 +294,17 @@ break;
 {
 uint _e17 = level;
 uvec2 bits = ((column >> uvec2((_e17 - 2u))) & uvec2(3u));
-AdumbraDepthsNode _e25 = node_1;
-AdumbraDepthsNode _e31 = adumbra_depths_child(v_7, _e25, ((bits.y << 2u) | bits.x));
-node_1 = _e31;
+AdumbraDepthsNode _e25 = node_3;
+AdumbraDepthsNode _e31 = adumbra_depths_child(v_8, _e25, ((bits.y << 2u) | bits.x));
+node_3 = _e31;
 }
 }
-AdumbraDepthsNode _e35 = node_1;
+AdumbraDepthsNode _e35 = node_3;
 return _e35;
 }
-AdumbraDepthsNode adumbra_depths_root(AdumbraVoxelParams v_8, uvec2 column_1) {
-uvec2 root = (column_1 >> uvec2(v_8.root_level));
-uint entry = (2u * ((root.y * v_8.root_count.x) + root.x));
+AdumbraDepthsNode adumbra_depths_root(AdumbraVoxelParams v_9, uvec2 column_1) {
+uvec2 root = (column_1 >> uvec2(v_9.root_level));
+uint entry = (2u * ((root.y * v_9.root_count.x) + root.x));
 uint _e13 = adumbra_voxel_word(entry);
 uint _e16 = adumbra_voxel_word((entry + 1u));
 return AdumbraDepthsNode(_e13, _e16);
@@ -309,17 +312,17 @@ return AdumbraDepthsNode(_e13, _e16);
 uint adumbra_depths_deeper(uint depth, uint difference) {
 return (depth + min(difference, ~(depth)));
 }
-uint adumbra_depths_difference(AdumbraVoxelParams v_9, AdumbraDepthsLeaf leaf, uint index_1) {
+uint adumbra_depths_difference(AdumbraVoxelParams v_10, AdumbraDepthsLeaf leaf, uint index_1) {
 if ((leaf.width == 0u)) {
-uint _e10 = adumbra_depths_half(v_9, (leaf.first + (index_1 >> 1u)));
+uint _e10 = adumbra_depths_half(v_10, (leaf.first + (index_1 >> 1u)));
 uint _e14 = (8u * (index_1 & 1u));
 return adumbra_bitfield_extract(_e10, int(min(_e14, 32u)), int(min(8u, 32u - min(_e14, 32u))));
 }
 if ((leaf.width == 1u)) {
-uint _e22 = adumbra_depths_half(v_9, (leaf.first + index_1));
+uint _e22 = adumbra_depths_half(v_10, (leaf.first + index_1));
 return _e22;
 }
-uint _e27 = adumbra_depths_two_halves(v_9, (leaf.first + (2u * index_1)));
+uint _e27 = adumbra_depths_two_halves(v_10, (leaf.first + (2u * index_1)));
 return _e27;
 }
 int adumbra_depths_quarters(ivec2 slant, ivec2 column_2) {
@@ -331,8 +334,8 @@ uint adumbra_depths_rise(ivec2 slant_1, ivec2 column_3) {
 int _e2 = adumbra_depths_quarters(slant_1, column_3);
 return (uint((_e2 + 3)) >> 2u);
 }
-uvec2 adumbra_depths_plane(AdumbraVoxelParams v_10, uint at_4) {
-uint word_6 = (v_10.code_offset + (at_4 >> 1u));
+uvec2 adumbra_depths_plane(AdumbraVoxelParams v_11, uint at_4) {
+uint word_6 = (v_11.code_offset + (at_4 >> 1u));
 uint _e6 = adumbra_voxel_word(word_6);
 uint _e9 = adumbra_voxel_word((word_6 + 1u));
 uvec2 plane = uvec2(_e6, _e9);
@@ -342,18 +345,18 @@ return plane;
 uint _e21 = adumbra_voxel_word((word_6 + 2u));
 return ((plane >> uvec2(16u)) | (uvec2(plane.y, _e21) << uvec2(16u)));
 }
-AdumbraDepthsLeaf adumbra_depths_leaf(AdumbraVoxelParams v_11, AdumbraDepthsNode node_2) {
+AdumbraDepthsLeaf adumbra_depths_leaf(AdumbraVoxelParams v_12, AdumbraDepthsNode node_4) {
 AdumbraDepthsLeaf leaf_1 = AdumbraDepthsLeaf(0u, 0u, 0u, 0u, 0u, 0u, uvec2[6](uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u)), ivec2(0));
 uint p = 0u;
-uint _e3 = adumbra_depths_half(v_11, node_2.at);
-leaf_1.base = node_2.base;
+uint _e3 = adumbra_depths_half(v_12, node_4.at);
+leaf_1.base = node_4.base;
 leaf_1.last = (_e3 & 63u);
 uint _e12 = leaf_1.last;
 leaf_1.differences = (_e12 - adumbra_bitfield_extract(_e3, int(min(6u, 32u)), int(min(1u, 32u - min(6u, 32u)))));
 leaf_1.width = adumbra_bitfield_extract(_e3, int(min(7u, 32u)), int(min(2u, 32u - min(7u, 32u))));
-leaf_1.first = (node_2.at + 1u);
+leaf_1.first = (node_4.at + 1u);
 if ((adumbra_bitfield_extract(_e3, int(min(9u, 32u)), int(min(1u, 32u - min(9u, 32u)))) == 1u)) {
-uint _e33 = adumbra_depths_half(v_11, (node_2.at + 1u));
+uint _e33 = adumbra_depths_half(v_12, (node_4.at + 1u));
 int gradient_1 = int(_e33);
 leaf_1.slant = ivec2(adumbra_bitfield_extract(gradient_1, int(min(0u, 32u)), int(min(8u, 32u - min(0u, 32u)))), adumbra_bitfield_extract(gradient_1, int(min(8u, 32u)), int(min(8u, 32u - min(8u, 32u)))));
 uint _e44 = leaf_1.first;
@@ -381,14 +384,14 @@ break;
 {
 uint _e72 = p;
 uint _e75 = p;
-uvec2 _e78 = adumbra_depths_plane(v_11, (planes + (4u * _e75)));
+uvec2 _e78 = adumbra_depths_plane(v_12, (planes + (4u * _e75)));
 leaf_1.planes[_e72] = _e78;
 }
 }
 AdumbraDepthsLeaf _e82 = leaf_1;
 return _e82;
 }
-uint adumbra_depths_leaf_value(AdumbraVoxelParams v_12, AdumbraDepthsLeaf leaf_2, uvec2 column_4) {
+uint adumbra_depths_leaf_value(AdumbraVoxelParams v_13, AdumbraDepthsLeaf leaf_2, uvec2 column_4) {
 uint rank = 0u;
 uint p_1 = 0u;
 uint depth_1 = 0u;
@@ -434,7 +437,7 @@ break;
 {
 uint _e44 = depth_1;
 uint _e45 = d_1;
-uint _e46 = adumbra_depths_difference(v_12, leaf_2, _e45);
+uint _e46 = adumbra_depths_difference(v_13, leaf_2, _e45);
 uint _e47 = adumbra_depths_deeper(_e44, _e46);
 depth_1 = _e47;
 }
@@ -444,14 +447,14 @@ uint _e54 = adumbra_depths_rise(leaf_2.slant, ivec2(column_4));
 uint _e55 = depth_1;
 return (_e51 - min(_e54, _e55));
 }
-uint adumbra_depths_value(AdumbraVoxelParams v_13, uvec2 column_5) {
-AdumbraDepthsNode _e2 = adumbra_depths_root(v_13, column_5);
-AdumbraDepthsNode _e5 = adumbra_depths_descend(v_13, _e2, column_5, v_13.root_level, 3u);
+uint adumbra_depths_value(AdumbraVoxelParams v_14, uvec2 column_5) {
+AdumbraDepthsNode _e2 = adumbra_depths_root(v_14, column_5);
+AdumbraDepthsNode _e5 = adumbra_depths_descend(v_14, _e2, column_5, v_14.root_level, 3u);
 if ((_e5.at == ADUMBRA_DEPTHS_UNIFORM)) {
 return _e5.base;
 }
-AdumbraDepthsLeaf _e10 = adumbra_depths_leaf(v_13, _e5);
-uint _e14 = adumbra_depths_leaf_value(v_13, _e10, (column_5 & uvec2(7u)));
+AdumbraDepthsLeaf _e10 = adumbra_depths_leaf(v_14, _e5);
+uint _e14 = adumbra_depths_leaf_value(v_14, _e10, (column_5 & uvec2(7u)));
 return _e14;
 }
 uint adumbra_texture_word(uint word) {
@@ -460,10 +463,10 @@ uvec4 _e6 = texelFetch(adumbra_headers, ivec2(uvec2(word, _e3)), 0);
 return _e6.x;
 }
 uvec3 adumbra_texture_params_row(uint word_1) {
-uint at_6 = (ADUMBRA_TEXTURE_PARAMS + word_1);
-uint _e3 = adumbra_texture_word(at_6);
-uint _e6 = adumbra_texture_word((at_6 + 1u));
-uint _e9 = adumbra_texture_word((at_6 + 2u));
+uint at_7 = (ADUMBRA_TEXTURE_PARAMS + word_1);
+uint _e3 = adumbra_texture_word(at_7);
+uint _e6 = adumbra_texture_word((at_7 + 1u));
+uint _e9 = adumbra_texture_word((at_7 + 2u));
 return uvec3(_e3, _e6, _e9);
 }
 uint adumbra_texture_params_u32_(uint word_2) {
@@ -487,72 +490,72 @@ uint _e5 = adumbra_texture_word(10u);
 return uintBitsToFloat(uvec3(_e1, _e3, _e5));
 }
 AdumbraVoxelParams adumbra_texture_params() {
-AdumbraVoxelParams v_14 = AdumbraVoxelParams(AdumbraGridTransform(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), ivec3(0), ivec3(0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), vec3(0.0), vec3(0.0), ivec3(0), 0.0, 0.0, 0.0), uvec3(0u), 0u, AdumbraReceiverBias(0.0, 0.0, 0.0, 0.0), uvec3(0u), 0u, 0u, 0.0, 0.0, vec2(0.0), vec2(0.0));
+AdumbraVoxelParams v_15 = AdumbraVoxelParams(AdumbraGridTransform(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), ivec3(0), ivec3(0), vec3(0.0), vec3(0.0), vec3(0.0), ivec3(0), vec3(0.0), vec3(0.0), ivec3(0), 0.0, 0.0, 0.0), uvec3(0u), 0u, AdumbraReceiverBias(0.0, 0.0, 0.0, 0.0), uvec3(0u), 0u, 0u, 0.0, 0.0, vec2(0.0), vec2(0.0));
 uvec3 _e4 = adumbra_texture_params_row(0u);
-v_14.grid.axis_x = uintBitsToFloat(_e4);
+v_15.grid.axis_x = uintBitsToFloat(_e4);
 uvec3 _e9 = adumbra_texture_params_row(4u);
-v_14.grid.axis_y = uintBitsToFloat(_e9);
+v_15.grid.axis_y = uintBitsToFloat(_e9);
 uvec3 _e14 = adumbra_texture_params_row(8u);
-v_14.grid.axis_z = uintBitsToFloat(_e14);
+v_15.grid.axis_z = uintBitsToFloat(_e14);
 uvec3 _e19 = adumbra_texture_params_row(12u);
-v_14.grid.edge_x = uintBitsToFloat(_e19);
+v_15.grid.edge_x = uintBitsToFloat(_e19);
 uvec3 _e24 = adumbra_texture_params_row(16u);
-v_14.grid.edge_y = uintBitsToFloat(_e24);
+v_15.grid.edge_y = uintBitsToFloat(_e24);
 uvec3 _e29 = adumbra_texture_params_row(20u);
-v_14.grid.edge_z = uintBitsToFloat(_e29);
+v_15.grid.edge_z = uintBitsToFloat(_e29);
 uvec3 _e34 = adumbra_texture_params_row(24u);
-v_14.grid.step_x = ivec3(_e34);
+v_15.grid.step_x = ivec3(_e34);
 uvec3 _e39 = adumbra_texture_params_row(28u);
-v_14.grid.step_y = ivec3(_e39);
+v_15.grid.step_y = ivec3(_e39);
 uvec3 _e44 = adumbra_texture_params_row(32u);
-v_14.grid.step_z = ivec3(_e44);
+v_15.grid.step_z = ivec3(_e44);
 uvec3 _e49 = adumbra_texture_params_row(36u);
-v_14.grid.rest_x = uintBitsToFloat(_e49);
+v_15.grid.rest_x = uintBitsToFloat(_e49);
 uvec3 _e54 = adumbra_texture_params_row(40u);
-v_14.grid.rest_y = uintBitsToFloat(_e54);
+v_15.grid.rest_y = uintBitsToFloat(_e54);
 uvec3 _e59 = adumbra_texture_params_row(44u);
-v_14.grid.rest_z = uintBitsToFloat(_e59);
+v_15.grid.rest_z = uintBitsToFloat(_e59);
 uvec3 _e64 = adumbra_texture_params_row(48u);
-v_14.grid.anchor_fixed = ivec3(_e64);
+v_15.grid.anchor_fixed = ivec3(_e64);
 uvec3 _e69 = adumbra_texture_params_row(52u);
-v_14.grid.anchor_remainder = uintBitsToFloat(_e69);
+v_15.grid.anchor_remainder = uintBitsToFloat(_e69);
 uvec3 _e74 = adumbra_texture_params_row(56u);
-v_14.grid.anchor_voxels = uintBitsToFloat(_e74);
+v_15.grid.anchor_voxels = uintBitsToFloat(_e74);
 uvec3 _e79 = adumbra_texture_params_row(60u);
-v_14.grid.size = ivec3(_e79);
+v_15.grid.size = ivec3(_e79);
 float _e84 = adumbra_texture_params_f32_(63u);
-v_14.grid.voxels_per_world = _e84;
+v_15.grid.voxels_per_world = _e84;
 float _e88 = adumbra_texture_params_f32_(64u);
-v_14.grid.step_world = _e88;
+v_15.grid.step_world = _e88;
 float _e92 = adumbra_texture_params_f32_(65u);
-v_14.grid.steps_per_world = _e92;
+v_15.grid.steps_per_world = _e92;
 uvec3 _e95 = adumbra_texture_params_row(68u);
-v_14.root_count = _e95;
+v_15.root_count = _e95;
 uint _e98 = adumbra_texture_params_u32_(71u);
-v_14.root_level = _e98;
+v_15.root_level = _e98;
 float _e102 = adumbra_texture_params_f32_(72u);
-v_14.bias.constant_texels = _e102;
+v_15.bias.constant_texels = _e102;
 float _e106 = adumbra_texture_params_f32_(73u);
-v_14.bias.slope_texels = _e106;
+v_15.bias.slope_texels = _e106;
 float _e110 = adumbra_texture_params_f32_(74u);
-v_14.bias.normal_offset_texels = _e110;
+v_15.bias.normal_offset_texels = _e110;
 float _e114 = adumbra_texture_params_f32_(75u);
-v_14.bias.width_factor = _e114;
+v_15.bias.width_factor = _e114;
 uint _e117 = adumbra_texture_params_u32_(79u);
-v_14.code_offset = _e117;
+v_15.code_offset = _e117;
 uint _e120 = adumbra_texture_params_u32_(80u);
-v_14.filter_width = _e120;
+v_15.filter_width = _e120;
 float _e123 = adumbra_texture_params_f32_(81u);
-v_14.sun_cone = _e123;
+v_15.sun_cone = _e123;
 float _e126 = adumbra_texture_params_f32_(82u);
-v_14.max_radius_texels = _e126;
+v_15.max_radius_texels = _e126;
 float _e129 = adumbra_texture_params_f32_(84u);
 float _e131 = adumbra_texture_params_f32_(85u);
-v_14.penumbra_x = vec2(_e129, _e131);
+v_15.penumbra_x = vec2(_e129, _e131);
 float _e135 = adumbra_texture_params_f32_(86u);
 float _e137 = adumbra_texture_params_f32_(87u);
-v_14.penumbra_y = vec2(_e135, _e137);
-AdumbraVoxelParams _e139 = v_14;
+v_15.penumbra_y = vec2(_e135, _e137);
+AdumbraVoxelParams _e139 = v_15;
 return _e139;
 }
 float adumbra_interleaved_gradient_noise(uvec2 pixel) {
@@ -568,18 +571,18 @@ vec2 adumbra_disc_tap(uint index_2, vec2 turn) {
 vec2 p_2 = ADUMBRA_POISSON_DISC[index_2];
 return vec2(((turn.x * p_2.x) - (turn.y * p_2.y)), ((turn.y * p_2.x) + (turn.x * p_2.y)));
 }
-ivec2 adumbra_depths_disc(AdumbraVoxelParams v_15, AdumbraVoxelReceiver r_3, vec2 offset) {
-vec2 texels = vec2(dot(v_15.penumbra_x, offset), dot(v_15.penumbra_y, offset));
+ivec2 adumbra_depths_disc(AdumbraVoxelParams v_16, AdumbraVoxelReceiver r_3, vec2 offset) {
+vec2 texels = vec2(dot(v_16.penumbra_x, offset), dot(v_16.penumbra_y, offset));
 return (r_3.p_fixed.xy + ivec2(floor((texels * 4096.0))));
 }
-int adumbra_depths_blocker(AdumbraVoxelParams v_16, AdumbraVoxelReceiver r_4, ivec2 texel) {
+int adumbra_depths_blocker(AdumbraVoxelParams v_17, AdumbraVoxelReceiver r_4, ivec2 texel) {
 bool local_1 = false;
 bool local_2 = false;
 int own = (r_4.p_fixed.z >> ADUMBRA_FIXED_BITS);
 int _e7 = adumbra_voxel_layer(r_4, texel);
 int layer = min(_e7, own);
 if (!(any(lessThan(texel, ivec2(0))))) {
-local_1 = any(greaterThanEqual(texel, v_16.grid.size.xy));
+local_1 = any(greaterThanEqual(texel, v_17.grid.size.xy));
 } else {
 local_1 = true;
 }
@@ -593,19 +596,19 @@ bool _e29 = local_2;
 if (_e29) {
 return -1;
 }
-uint _e32 = adumbra_depths_value(v_16, uvec2(texel));
-if ((uint(min(layer, (v_16.grid.size.z - 1))) < _e32)) {
+uint _e32 = adumbra_depths_value(v_17, uvec2(texel));
+if ((uint(min(layer, (v_17.grid.size.z - 1))) < _e32)) {
 return -1;
 }
 return max((r_4.p_fixed.z - (int(_e32) * ADUMBRA_FIXED_ONE)), 0);
 }
-float adumbra_depths_blocker_distance(AdumbraVoxelParams v_17, AdumbraVoxelReceiver r_5, vec2 turn_1) {
+float adumbra_depths_blocker_distance(AdumbraVoxelParams v_18, AdumbraVoxelReceiver r_5, vec2 turn_1) {
 float sum = 0.0;
 float count = 0.0;
 uint i = 0u;
 bool local_3 = false;
-float cone = v_17.sun_cone;
-float search = clamp(((cone * float(r_5.p_fixed.z)) / 4096.0), 1.0, v_17.max_radius_texels);
+float cone = v_18.sun_cone;
+float search = clamp(((cone * float(r_5.p_fixed.z)) / 4096.0), 1.0, v_18.max_radius_texels);
 bool loop_init_4 = true;
 while(true) {
 if (!loop_init_4) {
@@ -622,8 +625,8 @@ break;
 uint _e22 = i;
 vec2 _e23 = adumbra_disc_tap(_e22, turn_1);
 vec2 offset_1 = ((search * length(_e23)) * _e23);
-ivec2 _e27 = adumbra_depths_disc(v_17, r_5, offset_1);
-int _e31 = adumbra_depths_blocker(v_17, r_5, (_e27 >> uvec2(12u)));
+ivec2 _e27 = adumbra_depths_disc(v_18, r_5, offset_1);
+int _e31 = adumbra_depths_blocker(v_18, r_5, (_e27 >> uvec2(12u)));
 float distance_ = (float(_e31) / 4096.0);
 if ((distance_ >= 0.0)) {
 local_3 = (length(offset_1) <= max((cone * distance_), 1.0));
@@ -644,12 +647,12 @@ float _e55 = count;
 float _e59 = count;
 return ((_e59 > 0.0) ? (_e54 / max(_e55, 1.0)) : -1.0);
 }
-float adumbra_depths_bilinear(AdumbraVoxelParams v_18, AdumbraVoxelReceiver r_6, ivec2 p_fixed) {
+float adumbra_depths_bilinear(AdumbraVoxelParams v_19, AdumbraVoxelReceiver r_6, ivec2 p_fixed) {
 vec4 lit = vec4(0.0);
 int i_1 = 0;
-ivec2 low_1 = (p_fixed - ivec2(2048));
-ivec2 corner = (low_1 >> uvec2(12u));
-vec2 share = (vec2((low_1 & ivec2(4095))) / vec2(4096.0));
+ivec2 low_2 = (p_fixed - ivec2(2048));
+ivec2 corner = (low_2 >> uvec2(12u));
+vec2 share = (vec2((low_2 & ivec2(4095))) / vec2(4096.0));
 bool loop_init_5 = true;
 while(true) {
 if (!loop_init_5) {
@@ -666,7 +669,7 @@ break;
 int _e24 = i_1;
 int _e26 = i_1;
 int _e29 = i_1;
-int _e34 = adumbra_depths_blocker(v_18, r_6, (corner + ivec2((_e26 & 1), (_e29 >> 1u))));
+int _e34 = adumbra_depths_blocker(v_19, r_6, (corner + ivec2((_e26 & 1), (_e29 >> 1u))));
 lit[_e24] = ((_e34 < 0) ? 1.0 : 0.0);
 }
 }
@@ -675,14 +678,14 @@ vec4 _e45 = lit;
 vec2 rows = adumbra_mix(_e43.xz, _e45.yw, share.x);
 return adumbra_mix(rows.x, rows.y, share.y);
 }
-float adumbra_depths_soft(AdumbraVoxelParams v_19, AdumbraVoxelReceiver r_7, vec2 turn_2) {
+float adumbra_depths_soft(AdumbraVoxelParams v_20, AdumbraVoxelReceiver r_7, vec2 turn_2) {
 float lit_1 = 0.0;
 uint i_2 = 0u;
-float _e3 = adumbra_depths_blocker_distance(v_19, r_7, turn_2);
+float _e3 = adumbra_depths_blocker_distance(v_20, r_7, turn_2);
 if ((_e3 < 0.0)) {
 return 1.0;
 }
-float radius = clamp((v_19.sun_cone * _e3), 0.5, v_19.max_radius_texels);
+float radius = clamp((v_20.sun_cone * _e3), 0.5, v_20.max_radius_texels);
 bool loop_init_6 = true;
 while(true) {
 if (!loop_init_6) {
@@ -700,18 +703,18 @@ uint _e19 = i_2;
 vec2 _e20 = adumbra_disc_tap(_e19, turn_2);
 vec2 offset_2 = (radius * _e20);
 float _e22 = lit_1;
-ivec2 _e23 = adumbra_depths_disc(v_19, r_7, offset_2);
-float _e24 = adumbra_depths_bilinear(v_19, r_7, _e23);
+ivec2 _e23 = adumbra_depths_disc(v_20, r_7, offset_2);
+float _e24 = adumbra_depths_bilinear(v_20, r_7, _e23);
 lit_1 = (_e22 + _e24);
 }
 }
 float _e29 = lit_1;
 return (_e29 / 32.0);
 }
-float adumbra_look_up(AdumbraVoxelParams v_20, AdumbraSurface s_1) {
-AdumbraVoxelReceiver _e2 = adumbra_voxel_receiver(v_20, s_1);
+float adumbra_look_up(AdumbraVoxelParams v_21, AdumbraSurface s_1) {
+AdumbraVoxelReceiver _e2 = adumbra_voxel_receiver(v_21, s_1);
 vec2 _e4 = adumbra_disc_turn(s_1.pixel);
-float _e5 = adumbra_depths_soft(v_20, _e2, _e4);
+float _e5 = adumbra_depths_soft(v_21, _e2, _e4);
 return _e5;
 }
 uint adumbra_file_count() {

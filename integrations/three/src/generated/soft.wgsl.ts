@@ -171,75 +171,79 @@ fn adumbra_depths_delta(v_3: AdumbraVoxelParams, at_2: u32) -> u32 {
 let _e2 = adumbra_depths_half(v_3, at_2);
 return u32(extractBits(i32(_e2), 0u, 16u));
 }
-fn adumbra_depths_two_halves(v_4: AdumbraVoxelParams, at_3: u32) -> u32 {
-let _e6 = adumbra_voxel_word((v_4.code_offset + (at_3 >> 1u)));
+fn adumbra_depths_short(v_4: AdumbraVoxelParams, node: AdumbraDepthsNode, field_1: u32) -> AdumbraDepthsNode {
+let _e3 = adumbra_depths_half(v_4, field_1);
+return AdumbraDepthsNode((node.at - (_e3 & 255u)), (node.base + u32(extractBits(i32(_e3), 8u, 8u))));
+}
+fn adumbra_depths_two_halves(v_5: AdumbraVoxelParams, at_3: u32) -> u32 {
+let _e6 = adumbra_voxel_word((v_5.code_offset + (at_3 >> 1u)));
 if ((at_3 & 1u) == 0u) {
 return _e6;
 }
-let _e19 = adumbra_voxel_word(((v_4.code_offset + (at_3 >> 1u)) + 1u));
+let _e19 = adumbra_voxel_word(((v_5.code_offset + (at_3 >> 1u)) + 1u));
 return ((_e6 >> 16u) | (_e19 << 16u));
 }
-fn adumbra_depths_far(v_5: AdumbraVoxelParams, shape_1: u32, field_1: u32) -> u32 {
-let _e3 = adumbra_depths_two_halves(v_5, field_1);
-return select(_e3, (shape_1 - (_e3 & 2147483647u)), ((_e3 & 2147483648u) != 0u));
+fn adumbra_depths_far(v_6: AdumbraVoxelParams, node_1: AdumbraDepthsNode, field_2: u32) -> AdumbraDepthsNode {
+let _e5 = adumbra_depths_two_halves(v_6, (field_2 + 1u));
+let _e6 = adumbra_depths_half(v_6, field_2);
+let delta = extractBits(i32((_e6 | (extractBits(_e5, 25u, 6u) << 16u))), 0u, 22u);
+let place = (_e5 & 33554431u);
+let at_6 = select(place, (node_1.at - place), ((_e5 & 2147483648u) != 0u));
+return AdumbraDepthsNode(select(at_6, ADUMBRA_DEPTHS_UNIFORM, (at_6 == node_1.at)), (node_1.base + u32(delta)));
 }
-fn adumbra_depths_child(v_6: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
-let word_5 = (v_6.code_offset + (node.at >> 1u));
+fn adumbra_depths_child(v_7: AdumbraVoxelParams, node_2: AdumbraDepthsNode, child: u32) -> AdumbraDepthsNode {
+let word_5 = (v_7.code_offset + (node_2.at >> 1u));
 let _e8 = adumbra_voxel_word(word_5);
 let _e11 = adumbra_voxel_word((word_5 + 1u));
-let is_odd = ((node.at & 1u) == 1u);
+let is_odd = ((node_2.at & 1u) == 1u);
 let sizes = select(_e8, ((_e8 >> 16u) | (_e11 << 16u)), is_odd);
 let kinds = select(_e11, (_e11 >> 16u), is_odd);
 let kind = extractBits(kinds, child, 1u);
 let below_1 = ((1u << child) - 1u);
-let field_2 = (((node.at + 3u) + countOneBits((sizes & below_1))) + (2u * countOneBits(((sizes >> 16u) & below_1))));
-switch (((4u * extractBits(sizes, (16u + child), 1u)) + (2u * extractBits(sizes, child, 1u))) + kind) {
+let low_1 = (sizes & 65535u);
+let high_1 = (sizes >> 16u);
+let shorts = (high_1 & ~((low_1 | kinds)));
+let field_3 = ((((node_2.at + 3u) + countOneBits((low_1 & below_1))) + (2u * countOneBits((high_1 & below_1)))) - countOneBits((shorts & below_1)));
+switch (((4u * extractBits(high_1, child, 1u)) + (2u * extractBits(low_1, child, 1u))) + kind) {
 case 0u: {
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node.base);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, node_2.base);
 }
 case 1u: {
 return AdumbraDepthsNode(4294967295u, 4294967295u);
 }
 case 2u: {
-let _e64 = adumbra_depths_near(v_6, node.at, field_2);
-return AdumbraDepthsNode(_e64, node.base);
+let _e70 = adumbra_depths_near(v_7, node_2.at, field_3);
+return AdumbraDepthsNode(_e70, node_2.base);
 }
 case 3u: {
-let _e69 = adumbra_depths_delta(v_6, field_2);
-return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node.base + _e69));
+let _e75 = adumbra_depths_delta(v_7, field_3);
+return AdumbraDepthsNode(ADUMBRA_DEPTHS_UNIFORM, (node_2.base + _e75));
 }
 case 4u: {
-let _e73 = adumbra_depths_far(v_6, node.at, field_2);
-return AdumbraDepthsNode(_e73, node.base);
+let _e78 = adumbra_depths_short(v_7, node_2, field_3);
+return _e78;
 }
 case 5u: {
-let _e79 = adumbra_depths_near(v_6, node.at, (field_2 + 1u));
-let _e81 = adumbra_depths_delta(v_6, field_2);
-return AdumbraDepthsNode(_e79, (node.base + _e81));
-}
-case 6u: {
-let _e87 = adumbra_depths_far(v_6, node.at, (field_2 + 1u));
-let _e89 = adumbra_depths_delta(v_6, field_2);
-return AdumbraDepthsNode(_e87, (node.base + _e89));
+let _e82 = adumbra_depths_near(v_7, node_2.at, (field_3 + 1u));
+let _e84 = adumbra_depths_delta(v_7, field_3);
+return AdumbraDepthsNode(_e82, (node_2.base + _e84));
 }
 default: {
-let _e95 = adumbra_depths_near(v_6, node.at, (field_2 + 2u));
-let _e97 = adumbra_depths_two_halves(v_6, field_2);
-let base = (node.base + _e97);
-return AdumbraDepthsNode(select(_e95, ADUMBRA_DEPTHS_UNIFORM, (_e95 == node.at)), base);
+let _e87 = adumbra_depths_far(v_7, node_2, field_3);
+return _e87;
 }
 }
 }
-fn adumbra_depths_descend(v_7: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2<u32>, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
-var node_1: AdumbraDepthsNode;
+fn adumbra_depths_descend(v_8: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2<u32>, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
+var node_3: AdumbraDepthsNode;
 var level: u32;
 var local: bool;
-node_1 = from_node;
+node_3 = from_node;
 level = from_level;
 loop {
 let _e7 = level;
 if (_e7 > to_level) {
-let _e12 = node_1.at;
+let _e12 = node_3.at;
 local = (_e12 != ADUMBRA_DEPTHS_UNIFORM);
 } else {
 local = false;
@@ -252,21 +256,21 @@ break;
 {
 let _e17 = level;
 let bits = ((column >> vec2((_e17 - 2u))) & vec2(3u));
-let _e25 = node_1;
-let _e31 = adumbra_depths_child(v_7, _e25, ((bits.y << 2u) | bits.x));
-node_1 = _e31;
+let _e25 = node_3;
+let _e31 = adumbra_depths_child(v_8, _e25, ((bits.y << 2u) | bits.x));
+node_3 = _e31;
 }
 continuing {
 let _e32 = level;
 level = (_e32 - 2u);
 }
 }
-let _e35 = node_1;
+let _e35 = node_3;
 return _e35;
 }
-fn adumbra_depths_root(v_8: AdumbraVoxelParams, column_1: vec2<u32>) -> AdumbraDepthsNode {
-let root = (column_1 >> vec2(v_8.root_level));
-let entry = (2u * ((root.y * v_8.root_count.x) + root.x));
+fn adumbra_depths_root(v_9: AdumbraVoxelParams, column_1: vec2<u32>) -> AdumbraDepthsNode {
+let root = (column_1 >> vec2(v_9.root_level));
+let entry = (2u * ((root.y * v_9.root_count.x) + root.x));
 let _e13 = adumbra_voxel_word(entry);
 let _e16 = adumbra_voxel_word((entry + 1u));
 return AdumbraDepthsNode(_e13, _e16);
@@ -274,16 +278,16 @@ return AdumbraDepthsNode(_e13, _e16);
 fn adumbra_depths_deeper(depth: u32, difference: u32) -> u32 {
 return (depth + min(difference, ~(depth)));
 }
-fn adumbra_depths_difference(v_9: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, index_1: u32) -> u32 {
+fn adumbra_depths_difference(v_10: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, index_1: u32) -> u32 {
 if (leaf.width == 0u) {
-let _e10 = adumbra_depths_half(v_9, (leaf.first + (index_1 >> 1u)));
+let _e10 = adumbra_depths_half(v_10, (leaf.first + (index_1 >> 1u)));
 return extractBits(_e10, (8u * (index_1 & 1u)), 8u);
 }
 if (leaf.width == 1u) {
-let _e22 = adumbra_depths_half(v_9, (leaf.first + index_1));
+let _e22 = adumbra_depths_half(v_10, (leaf.first + index_1));
 return _e22;
 }
-let _e27 = adumbra_depths_two_halves(v_9, (leaf.first + (2u * index_1)));
+let _e27 = adumbra_depths_two_halves(v_10, (leaf.first + (2u * index_1)));
 return _e27;
 }
 fn adumbra_depths_quarters(slant: vec2<i32>, column_2: vec2<i32>) -> i32 {
@@ -295,8 +299,8 @@ fn adumbra_depths_rise(slant_1: vec2<i32>, column_3: vec2<i32>) -> u32 {
 let _e2 = adumbra_depths_quarters(slant_1, column_3);
 return (u32((_e2 + 3i)) >> 2u);
 }
-fn adumbra_depths_plane(v_10: AdumbraVoxelParams, at_4: u32) -> vec2<u32> {
-let word_6 = (v_10.code_offset + (at_4 >> 1u));
+fn adumbra_depths_plane(v_11: AdumbraVoxelParams, at_4: u32) -> vec2<u32> {
+let word_6 = (v_11.code_offset + (at_4 >> 1u));
 let _e6 = adumbra_voxel_word(word_6);
 let _e9 = adumbra_voxel_word((word_6 + 1u));
 let plane = vec2<u32>(_e6, _e9);
@@ -306,18 +310,18 @@ return plane;
 let _e21 = adumbra_voxel_word((word_6 + 2u));
 return ((plane >> vec2(16u)) | (vec2<u32>(plane.y, _e21) << vec2(16u)));
 }
-fn adumbra_depths_leaf(v_11: AdumbraVoxelParams, node_2: AdumbraDepthsNode) -> AdumbraDepthsLeaf {
+fn adumbra_depths_leaf(v_12: AdumbraVoxelParams, node_4: AdumbraDepthsNode) -> AdumbraDepthsLeaf {
 var leaf_1: AdumbraDepthsLeaf;
 var p: u32 = 0u;
-let _e3 = adumbra_depths_half(v_11, node_2.at);
-leaf_1.base = node_2.base;
+let _e3 = adumbra_depths_half(v_12, node_4.at);
+leaf_1.base = node_4.base;
 leaf_1.last = (_e3 & 63u);
 let _e12 = leaf_1.last;
 leaf_1.differences = (_e12 - extractBits(_e3, 6u, 1u));
 leaf_1.width = extractBits(_e3, 7u, 2u);
-leaf_1.first = (node_2.at + 1u);
+leaf_1.first = (node_4.at + 1u);
 if (extractBits(_e3, 9u, 1u) == 1u) {
-let _e33 = adumbra_depths_half(v_11, (node_2.at + 1u));
+let _e33 = adumbra_depths_half(v_12, (node_4.at + 1u));
 let gradient_1 = i32(_e33);
 leaf_1.slant = vec2<i32>(extractBits(gradient_1, 0u, 8u), extractBits(gradient_1, 8u, 8u));
 let _e44 = leaf_1.first;
@@ -339,7 +343,7 @@ break;
 {
 let _e72 = p;
 let _e75 = p;
-let _e78 = adumbra_depths_plane(v_11, (planes + (4u * _e75)));
+let _e78 = adumbra_depths_plane(v_12, (planes + (4u * _e75)));
 leaf_1.planes[_e72] = _e78;
 }
 continuing {
@@ -350,7 +354,7 @@ p = (_e80 + 1u);
 let _e82 = leaf_1;
 return _e82;
 }
-fn adumbra_depths_leaf_value(v_12: AdumbraVoxelParams, leaf_2: AdumbraDepthsLeaf, column_4: vec2<u32>) -> u32 {
+fn adumbra_depths_leaf_value(v_13: AdumbraVoxelParams, leaf_2: AdumbraDepthsLeaf, column_4: vec2<u32>) -> u32 {
 var rank: u32 = 0u;
 var p_1: u32 = 0u;
 var depth_1: u32;
@@ -387,7 +391,7 @@ break;
 {
 let _e44 = depth_1;
 let _e45 = d_1;
-let _e46 = adumbra_depths_difference(v_12, leaf_2, _e45);
+let _e46 = adumbra_depths_difference(v_13, leaf_2, _e45);
 let _e47 = adumbra_depths_deeper(_e44, _e46);
 depth_1 = _e47;
 }
@@ -401,14 +405,14 @@ let _e54 = adumbra_depths_rise(leaf_2.slant, vec2<i32>(column_4));
 let _e55 = depth_1;
 return (_e51 - min(_e54, _e55));
 }
-fn adumbra_depths_value(v_13: AdumbraVoxelParams, column_5: vec2<u32>) -> u32 {
-let _e2 = adumbra_depths_root(v_13, column_5);
-let _e5 = adumbra_depths_descend(v_13, _e2, column_5, v_13.root_level, 3u);
+fn adumbra_depths_value(v_14: AdumbraVoxelParams, column_5: vec2<u32>) -> u32 {
+let _e2 = adumbra_depths_root(v_14, column_5);
+let _e5 = adumbra_depths_descend(v_14, _e2, column_5, v_14.root_level, 3u);
 if (_e5.at == ADUMBRA_DEPTHS_UNIFORM) {
 return _e5.base;
 }
-let _e10 = adumbra_depths_leaf(v_13, _e5);
-let _e14 = adumbra_depths_leaf_value(v_13, _e10, (column_5 & vec2(7u)));
+let _e10 = adumbra_depths_leaf(v_14, _e5);
+let _e14 = adumbra_depths_leaf_value(v_14, _e10, (column_5 & vec2(7u)));
 return _e14;
 }
 fn adumbra_texture_word(word: u32) -> u32 {
@@ -417,10 +421,10 @@ let _e6 = textureLoad(adumbra_headers, vec2<u32>(word, _e3), 0i);
 return _e6.x;
 }
 fn adumbra_texture_params_row(word_1: u32) -> vec3<u32> {
-let at_6 = (ADUMBRA_TEXTURE_PARAMS + word_1);
-let _e3 = adumbra_texture_word(at_6);
-let _e6 = adumbra_texture_word((at_6 + 1u));
-let _e9 = adumbra_texture_word((at_6 + 2u));
+let at_7 = (ADUMBRA_TEXTURE_PARAMS + word_1);
+let _e3 = adumbra_texture_word(at_7);
+let _e6 = adumbra_texture_word((at_7 + 1u));
+let _e9 = adumbra_texture_word((at_7 + 2u));
 return vec3<u32>(_e3, _e6, _e9);
 }
 fn adumbra_texture_params_u32_(word_2: u32) -> u32 {
@@ -444,72 +448,72 @@ let _e5 = adumbra_texture_word(10u);
 return bitcast<vec3<f32>>(vec3<u32>(_e1, _e3, _e5));
 }
 fn adumbra_texture_params() -> AdumbraVoxelParams {
-var v_14: AdumbraVoxelParams;
+var v_15: AdumbraVoxelParams;
 let _e4 = adumbra_texture_params_row(0u);
-v_14.grid.axis_x = bitcast<vec3<f32>>(_e4);
+v_15.grid.axis_x = bitcast<vec3<f32>>(_e4);
 let _e9 = adumbra_texture_params_row(4u);
-v_14.grid.axis_y = bitcast<vec3<f32>>(_e9);
+v_15.grid.axis_y = bitcast<vec3<f32>>(_e9);
 let _e14 = adumbra_texture_params_row(8u);
-v_14.grid.axis_z = bitcast<vec3<f32>>(_e14);
+v_15.grid.axis_z = bitcast<vec3<f32>>(_e14);
 let _e19 = adumbra_texture_params_row(12u);
-v_14.grid.edge_x = bitcast<vec3<f32>>(_e19);
+v_15.grid.edge_x = bitcast<vec3<f32>>(_e19);
 let _e24 = adumbra_texture_params_row(16u);
-v_14.grid.edge_y = bitcast<vec3<f32>>(_e24);
+v_15.grid.edge_y = bitcast<vec3<f32>>(_e24);
 let _e29 = adumbra_texture_params_row(20u);
-v_14.grid.edge_z = bitcast<vec3<f32>>(_e29);
+v_15.grid.edge_z = bitcast<vec3<f32>>(_e29);
 let _e34 = adumbra_texture_params_row(24u);
-v_14.grid.step_x = bitcast<vec3<i32>>(_e34);
+v_15.grid.step_x = bitcast<vec3<i32>>(_e34);
 let _e39 = adumbra_texture_params_row(28u);
-v_14.grid.step_y = bitcast<vec3<i32>>(_e39);
+v_15.grid.step_y = bitcast<vec3<i32>>(_e39);
 let _e44 = adumbra_texture_params_row(32u);
-v_14.grid.step_z = bitcast<vec3<i32>>(_e44);
+v_15.grid.step_z = bitcast<vec3<i32>>(_e44);
 let _e49 = adumbra_texture_params_row(36u);
-v_14.grid.rest_x = bitcast<vec3<f32>>(_e49);
+v_15.grid.rest_x = bitcast<vec3<f32>>(_e49);
 let _e54 = adumbra_texture_params_row(40u);
-v_14.grid.rest_y = bitcast<vec3<f32>>(_e54);
+v_15.grid.rest_y = bitcast<vec3<f32>>(_e54);
 let _e59 = adumbra_texture_params_row(44u);
-v_14.grid.rest_z = bitcast<vec3<f32>>(_e59);
+v_15.grid.rest_z = bitcast<vec3<f32>>(_e59);
 let _e64 = adumbra_texture_params_row(48u);
-v_14.grid.anchor_fixed = bitcast<vec3<i32>>(_e64);
+v_15.grid.anchor_fixed = bitcast<vec3<i32>>(_e64);
 let _e69 = adumbra_texture_params_row(52u);
-v_14.grid.anchor_remainder = bitcast<vec3<f32>>(_e69);
+v_15.grid.anchor_remainder = bitcast<vec3<f32>>(_e69);
 let _e74 = adumbra_texture_params_row(56u);
-v_14.grid.anchor_voxels = bitcast<vec3<f32>>(_e74);
+v_15.grid.anchor_voxels = bitcast<vec3<f32>>(_e74);
 let _e79 = adumbra_texture_params_row(60u);
-v_14.grid.size = bitcast<vec3<i32>>(_e79);
+v_15.grid.size = bitcast<vec3<i32>>(_e79);
 let _e84 = adumbra_texture_params_f32_(63u);
-v_14.grid.voxels_per_world = _e84;
+v_15.grid.voxels_per_world = _e84;
 let _e88 = adumbra_texture_params_f32_(64u);
-v_14.grid.step_world = _e88;
+v_15.grid.step_world = _e88;
 let _e92 = adumbra_texture_params_f32_(65u);
-v_14.grid.steps_per_world = _e92;
+v_15.grid.steps_per_world = _e92;
 let _e95 = adumbra_texture_params_row(68u);
-v_14.root_count = _e95;
+v_15.root_count = _e95;
 let _e98 = adumbra_texture_params_u32_(71u);
-v_14.root_level = _e98;
+v_15.root_level = _e98;
 let _e102 = adumbra_texture_params_f32_(72u);
-v_14.bias.constant_texels = _e102;
+v_15.bias.constant_texels = _e102;
 let _e106 = adumbra_texture_params_f32_(73u);
-v_14.bias.slope_texels = _e106;
+v_15.bias.slope_texels = _e106;
 let _e110 = adumbra_texture_params_f32_(74u);
-v_14.bias.normal_offset_texels = _e110;
+v_15.bias.normal_offset_texels = _e110;
 let _e114 = adumbra_texture_params_f32_(75u);
-v_14.bias.width_factor = _e114;
+v_15.bias.width_factor = _e114;
 let _e117 = adumbra_texture_params_u32_(79u);
-v_14.code_offset = _e117;
+v_15.code_offset = _e117;
 let _e120 = adumbra_texture_params_u32_(80u);
-v_14.filter_width = _e120;
+v_15.filter_width = _e120;
 let _e123 = adumbra_texture_params_f32_(81u);
-v_14.sun_cone = _e123;
+v_15.sun_cone = _e123;
 let _e126 = adumbra_texture_params_f32_(82u);
-v_14.max_radius_texels = _e126;
+v_15.max_radius_texels = _e126;
 let _e129 = adumbra_texture_params_f32_(84u);
 let _e131 = adumbra_texture_params_f32_(85u);
-v_14.penumbra_x = vec2<f32>(_e129, _e131);
+v_15.penumbra_x = vec2<f32>(_e129, _e131);
 let _e135 = adumbra_texture_params_f32_(86u);
 let _e137 = adumbra_texture_params_f32_(87u);
-v_14.penumbra_y = vec2<f32>(_e135, _e137);
-let _e139 = v_14;
+v_15.penumbra_y = vec2<f32>(_e135, _e137);
+let _e139 = v_15;
 return _e139;
 }
 fn adumbra_interleaved_gradient_noise(pixel: vec2<u32>) -> f32 {
@@ -525,18 +529,18 @@ fn adumbra_disc_tap(index_2: u32, turn: vec2<f32>) -> vec2<f32> {
 let p_2 = ADUMBRA_POISSON_DISC[index_2];
 return vec2<f32>(((turn.x * p_2.x) - (turn.y * p_2.y)), ((turn.y * p_2.x) + (turn.x * p_2.y)));
 }
-fn adumbra_depths_disc(v_15: AdumbraVoxelParams, r_3: AdumbraVoxelReceiver, offset: vec2<f32>) -> vec2<i32> {
-let texels = vec2<f32>(dot(v_15.penumbra_x, offset), dot(v_15.penumbra_y, offset));
+fn adumbra_depths_disc(v_16: AdumbraVoxelParams, r_3: AdumbraVoxelReceiver, offset: vec2<f32>) -> vec2<i32> {
+let texels = vec2<f32>(dot(v_16.penumbra_x, offset), dot(v_16.penumbra_y, offset));
 return (r_3.p_fixed.xy + vec2<i32>(floor((texels * 4096f))));
 }
-fn adumbra_depths_blocker(v_16: AdumbraVoxelParams, r_4: AdumbraVoxelReceiver, texel: vec2<i32>) -> i32 {
+fn adumbra_depths_blocker(v_17: AdumbraVoxelParams, r_4: AdumbraVoxelReceiver, texel: vec2<i32>) -> i32 {
 var local_1: bool;
 var local_2: bool;
 let own = (r_4.p_fixed.z >> ADUMBRA_FIXED_BITS);
 let _e7 = adumbra_voxel_layer(r_4, texel);
 let layer = min(_e7, own);
 if !(any((texel < vec2(0i)))) {
-local_1 = any((texel >= v_16.grid.size.xy));
+local_1 = any((texel >= v_17.grid.size.xy));
 } else {
 local_1 = true;
 }
@@ -550,19 +554,19 @@ let _e29 = local_2;
 if _e29 {
 return -1i;
 }
-let _e32 = adumbra_depths_value(v_16, vec2<u32>(texel));
-if (u32(min(layer, (v_16.grid.size.z - 1i))) < _e32) {
+let _e32 = adumbra_depths_value(v_17, vec2<u32>(texel));
+if (u32(min(layer, (v_17.grid.size.z - 1i))) < _e32) {
 return -1i;
 }
 return max((r_4.p_fixed.z - (i32(_e32) * ADUMBRA_FIXED_ONE)), 0i);
 }
-fn adumbra_depths_blocker_distance(v_17: AdumbraVoxelParams, r_5: AdumbraVoxelReceiver, turn_1: vec2<f32>) -> f32 {
+fn adumbra_depths_blocker_distance(v_18: AdumbraVoxelParams, r_5: AdumbraVoxelReceiver, turn_1: vec2<f32>) -> f32 {
 var sum: f32 = 0f;
 var count: f32 = 0f;
 var i: u32 = 0u;
 var local_3: bool;
-let cone = v_17.sun_cone;
-let search = clamp(((cone * f32(r_5.p_fixed.z)) / 4096f), 1f, v_17.max_radius_texels);
+let cone = v_18.sun_cone;
+let search = clamp(((cone * f32(r_5.p_fixed.z)) / 4096f), 1f, v_18.max_radius_texels);
 loop {
 let _e19 = i;
 if (_e19 < 32u) {
@@ -573,8 +577,8 @@ break;
 let _e22 = i;
 let _e23 = adumbra_disc_tap(_e22, turn_1);
 let offset_1 = ((search * length(_e23)) * _e23);
-let _e27 = adumbra_depths_disc(v_17, r_5, offset_1);
-let _e31 = adumbra_depths_blocker(v_17, r_5, (_e27 >> vec2(12u)));
+let _e27 = adumbra_depths_disc(v_18, r_5, offset_1);
+let _e31 = adumbra_depths_blocker(v_18, r_5, (_e27 >> vec2(12u)));
 let distance_ = (f32(_e31) / 4096f);
 if (distance_ >= 0f) {
 local_3 = (length(offset_1) <= max((cone * distance_), 1f));
@@ -599,12 +603,12 @@ let _e55 = count;
 let _e59 = count;
 return select(-1f, (_e54 / max(_e55, 1f)), (_e59 > 0f));
 }
-fn adumbra_depths_bilinear(v_18: AdumbraVoxelParams, r_6: AdumbraVoxelReceiver, p_fixed: vec2<i32>) -> f32 {
+fn adumbra_depths_bilinear(v_19: AdumbraVoxelParams, r_6: AdumbraVoxelReceiver, p_fixed: vec2<i32>) -> f32 {
 var lit: vec4<f32> = vec4(0f);
 var i_1: i32 = 0i;
-let low_1 = (p_fixed - vec2(2048i));
-let corner = (low_1 >> vec2(12u));
-let share = (vec2<f32>((low_1 & vec2(4095i))) / vec2(4096f));
+let low_2 = (p_fixed - vec2(2048i));
+let corner = (low_2 >> vec2(12u));
+let share = (vec2<f32>((low_2 & vec2(4095i))) / vec2(4096f));
 loop {
 let _e21 = i_1;
 if (_e21 < 4i) {
@@ -615,7 +619,7 @@ break;
 let _e24 = i_1;
 let _e26 = i_1;
 let _e29 = i_1;
-let _e34 = adumbra_depths_blocker(v_18, r_6, (corner + vec2<i32>((_e26 & 1i), (_e29 >> 1u))));
+let _e34 = adumbra_depths_blocker(v_19, r_6, (corner + vec2<i32>((_e26 & 1i), (_e29 >> 1u))));
 lit[_e24] = select(0f, 1f, (_e34 < 0i));
 }
 continuing {
@@ -628,14 +632,14 @@ let _e45 = lit;
 let rows = mix(_e43.xz, _e45.yw, share.x);
 return mix(rows.x, rows.y, share.y);
 }
-fn adumbra_depths_soft(v_19: AdumbraVoxelParams, r_7: AdumbraVoxelReceiver, turn_2: vec2<f32>) -> f32 {
+fn adumbra_depths_soft(v_20: AdumbraVoxelParams, r_7: AdumbraVoxelReceiver, turn_2: vec2<f32>) -> f32 {
 var lit_1: f32 = 0f;
 var i_2: u32 = 0u;
-let _e3 = adumbra_depths_blocker_distance(v_19, r_7, turn_2);
+let _e3 = adumbra_depths_blocker_distance(v_20, r_7, turn_2);
 if (_e3 < 0f) {
 return 1f;
 }
-let radius = clamp((v_19.sun_cone * _e3), 0.5f, v_19.max_radius_texels);
+let radius = clamp((v_20.sun_cone * _e3), 0.5f, v_20.max_radius_texels);
 loop {
 let _e16 = i_2;
 if (_e16 < 32u) {
@@ -647,8 +651,8 @@ let _e19 = i_2;
 let _e20 = adumbra_disc_tap(_e19, turn_2);
 let offset_2 = (radius * _e20);
 let _e22 = lit_1;
-let _e23 = adumbra_depths_disc(v_19, r_7, offset_2);
-let _e24 = adumbra_depths_bilinear(v_19, r_7, _e23);
+let _e23 = adumbra_depths_disc(v_20, r_7, offset_2);
+let _e24 = adumbra_depths_bilinear(v_20, r_7, _e23);
 lit_1 = (_e22 + _e24);
 }
 continuing {
@@ -659,10 +663,10 @@ i_2 = (_e27 + 1u);
 let _e29 = lit_1;
 return (_e29 / 32f);
 }
-fn adumbra_look_up(v_20: AdumbraVoxelParams, s_1: AdumbraSurface) -> f32 {
-let _e2 = adumbra_voxel_receiver(v_20, s_1);
+fn adumbra_look_up(v_21: AdumbraVoxelParams, s_1: AdumbraSurface) -> f32 {
+let _e2 = adumbra_voxel_receiver(v_21, s_1);
 let _e4 = adumbra_disc_turn(s_1.pixel);
-let _e5 = adumbra_depths_soft(v_20, _e2, _e4);
+let _e5 = adumbra_depths_soft(v_21, _e2, _e4);
 return _e5;
 }
 fn adumbra_file_count() -> u32 {

@@ -22,42 +22,58 @@ export type Children = (node: number, index: number) => Child;
 
 /** Returns the reader of children in a code. In one that is not valid it reads something, and does not throw. */
 export function childrenOf(code: Uint16Array): Children {
+  /** Near pointers have this bit if they are relative. */
+  const NEAR = 2 ** 15;
+  /** Far pointers have this bit if they are relative. */
+  const FAR = 2 ** 31;
+  /** Number of bits of a far pointer's address or distance. Those above, below {@link FAR}, are the highest of the delta. */
+  const FAR_BITS = 25;
   const child: Child = { at: UNIFORM, delta: 0, isNever: false, isRelative: false };
-  /** Sets a pointer, of which values from `back` on count back from the node. */
-  const point = (node: number, pointer: number, back: number): void => {
-    child.isRelative = pointer >= back;
-    child.at = child.isRelative ? node - (pointer - back) : pointer;
+  const point = (at: number, isRelative: boolean): void => {
+    child.at = at;
+    child.isRelative = isRelative;
+  };
+  const near = (node: number, pointer: number): void => {
+    if (pointer < NEAR) point(pointer, false);
+    else point(node - (pointer - NEAR), true);
   };
   return (node, index) => {
-    const below = bitsBelow(index);
     const low = code[node];
     const high = code[node + 1];
-    const field = node + 3 + popCount(low & below) + 2 * popCount(high & below);
-    const size = ((low >>> index) & 1) | (((high >>> index) & 1) << 1);
-    const isKind = ((code[node + 2] >>> index) & 1) === 1;
+    const kind = code[node + 2];
+    const at = node + 3 + fieldsLength(low, high, kind, bitsBelow(index));
+    const field = code[at];
+    const form = (((high >>> index) & 1) << 2) | (((low >>> index) & 1) << 1) | ((kind >>> index) & 1);
     child.at = UNIFORM;
     child.delta = 0;
-    child.isNever = size === 0 && isKind;
-    if (size === 3 && isKind) {
-      child.delta = twoHalves(code, field) | 0;
-      // A pointer to the node itself says that there is no shape.
-      if (code[field + 2] !== NEAR) point(node, code[field + 2], NEAR);
-    } else if (size > 0) {
-      const hasDelta = isKind || size === 3;
-      const pointer = hasDelta ? field + 1 : field;
-      // A signed half-word.
-      if (hasDelta) child.delta = (code[field] << 16) >> 16;
-      if (!isKind && size > 1) point(node, twoHalves(code, pointer), FAR);
-      else if (!isKind || size > 1) point(node, code[pointer], NEAR);
+    child.isNever = form === 1;
+    if (form === 2) near(node, field);
+    else if (form === 4) {
+      child.delta = signed(field >>> 8, 8);
+      point(node - (field & 255), true);
+    } else if (form > 5) {
+      const far = twoHalves(code, at + 1);
+      child.delta = signed(field | ((far >>> FAR_BITS) << 16), 22);
+      const place = far & bitsBelow(FAR_BITS);
+      if (far < FAR) point(place, false);
+      else if (place > 0) point(node - place, true);
+    } else if (form > 1) {
+      child.delta = signed(field, 16);
+      if (form === 5) near(node, code[at + 1]);
     }
     return child;
   };
 }
 
-/** From here on, near pointers count back from the node. */
-const NEAR = 2 ** 15;
-/** From here on, far pointers count back from the node. */
-const FAR = 2 ** 31;
+/** Returns the number of half-words of the fields of some of a node's children, one bit per child. */
+export function fieldsLength(low: number, high: number, kind: number, children: number): number {
+  return popCount(low & children) + 2 * popCount(high & children) - popCount(high & ~low & ~kind & children);
+}
+
+/** Returns the lowest bits of a number as one in two's complement. */
+function signed(value: number, bits: number): number {
+  return (value << (32 - bits)) >> (32 - bits);
+}
 
 /** Descends from a block of `level` towards a column, to a block of `end` or to one without a shape. Returns address and base. */
 export function descend(

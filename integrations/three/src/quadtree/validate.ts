@@ -6,9 +6,9 @@
 
 import { ShadowFileError, hex } from '../error.js';
 import type { ShadowFileFault } from '../error.js';
-import { halvesOf, lowestBit, popCount } from './bits.js';
+import { halvesOf, lowestBit } from './bits.js';
 import { NEVER, UNIFORM, differenceAt, largestRise, leafHead } from './leaf.js';
-import { childrenOf } from './node.js';
+import { childrenOf, fieldsLength } from './node.js';
 import { IN_PAGE, PAGE_LEVEL } from './pages.js';
 import type { Page } from './pages.js';
 import { LEAF_LEVEL, NODE_LEVELS } from './quadtree.js';
@@ -84,7 +84,9 @@ export function validate(words: Uint32Array, commonWords: number, pages: readonl
 
     const node = (at: number, below: number): DepthRange => {
       checkEnd(at, 3);
-      checkEnd(at, 3 + popCount(code[at]) + 2 * popCount(code[at + 1]));
+      const [low, high, kind] = [code[at], code[at + 1], code[at + 2]];
+      if ((low & high & kind) !== 0) badBits(at, kind);
+      checkEnd(at, 3 + fieldsLength(low, high, kind, 0xffff));
       let range = NONE;
       for (let index = 0; index < 16; index++) {
         const { at: to, delta, isNever, isRelative } = children(at, index);

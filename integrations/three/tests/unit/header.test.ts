@@ -85,6 +85,7 @@ it.each<[name: string, fault: Fault]>([
   ['grids', (h) => h.u32(6, 9)],
   ['thickness', (h) => h.f64(8, -1)],
   ['bias', (h) => h.f64(12, Infinity)],
+  ['file_bytes', (h) => h.u32(34, 511)],
   ['file_bytes', (h) => h.add(34, 1)],
   ['file_bytes', (h) => h.add(35, 1)],
 ])('a fault in %s of the header is named', (name, fault) => expectField(faulty(LIGHT, fault), name));

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use adumbra::ShadowFile;
+use adumbra::{AtRest, ShadowFile};
 use adumbra_papers::dag::LeafMasks;
 use adumbra_papers::dag::build::convert::depths_of;
 
@@ -32,14 +32,20 @@ impl LeafMasks for Masks<'_> {
     }
 }
 
+/// Grids of which there is a coded vector too: one with several bundles, and one with several levels.
+const ALSO_CODED: [&str; 2] = ["many_pages", "levels"];
+
 /// Returns the vectors whose columns are lit and then shadowed, and those that only a quadtree can be made of.
 pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>, Box<dyn Error>> {
     let small = known.iter().filter(|known| known.is_monotone()).map(|known| std::slice::from_ref(&known.grid));
-    small.chain(large.iter().map(Vec::as_slice)).map(vector).collect()
+    let raw = small.chain(large.iter().map(Vec::as_slice)).map(|levels| vector(levels, AtRest::Raw));
+    let is_coded = |levels: &&Vec<Grid>| ALSO_CODED.contains(&levels[0].name);
+    let coded = large.iter().filter(is_coded).map(|levels| vector(levels, AtRest::Coded));
+    raw.chain(coded).collect()
 }
 
 /// Returns the vector of these levels, the finest first.
-fn vector(levels: &[Grid]) -> Result<Vector, Box<dyn Error>> {
+fn vector(levels: &[Grid], at_rest: AtRest) -> Result<Vector, Box<dyn Error>> {
     let tree = |grid: &Grid| {
         let size = grid.grid.size;
         depths_of(&Masks { size, lit: &grid.lit }, grid.root_level)
@@ -48,9 +54,10 @@ fn vector(levels: &[Grid]) -> Result<Vector, Box<dyn Error>> {
     let coarser: Vec<_> =
         coarser.iter().map(|grid| Ok((grid.grid, tree(grid)?))).collect::<Result<_, Box<dyn Error>>>()?;
     let file = ShadowFile::new(finest.grid, finest.settings, tree(finest)?).with_coarser(coarser);
+    let coded = if at_rest == AtRest::Coded { "_coded" } else { "" };
     Ok(Vector {
-        name: format!("{}_depths", finest.name),
-        bytes: file.to_bytes()?,
+        name: format!("{}{coded}_depths", finest.name),
+        bytes: file.to_bytes(at_rest)?,
         answers: finest.answers(),
     })
 }
@@ -67,6 +74,9 @@ pub(super) fn broken(valid: &[Vector]) -> Result<Vec<Broken>, Box<dyn Error>> {
     let levels = bytes_of("levels_depths", valid)?;
     let mut all = headers(&small, &levels);
     all.extend(parts(&small, &many, &levels));
+    let coded = ["many_pages_coded_depths", "levels_coded_depths"].map(|name| bytes_of(name, valid));
+    let [many_coded, levels_coded] = coded;
+    all.extend(coded_parts(&many, &many_coded?, &levels_coded?));
     let flips = [bytes_of("sphere_depths", valid)?, bytes_of("cliff_depths", valid)?, many];
     all.extend(flipped::flipped(
         "Depths",
@@ -186,5 +196,48 @@ fn parts(small: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<B
     add("range_of_depths", "Bundle", "range of depths", m().put_word(table + 12, 0).sealed());
     add("range_of_another", "Bundle", "range of depths", m().put_word(table + 20, 1 - many.word(table + 20)).sealed());
     add("bytes_for_nothing", "Bundle", "one depth", s().uniform_with_bytes());
+    all
+}
+
+/// Faults of coded parts, and of lengths that only coded parts may have.
+fn coded_parts(raw: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
+    let m = || many.clone();
+    let table = many.table(0);
+    let grid = |at: usize| 256 + at;
+    let mut all = Vec::new();
+    let mut add = |name, error, names, bytes| all.push(Broken { name, error, fault: None, names, bytes });
+
+    let (common, last) = (many.stored_common(0), many.last_bundle());
+    let some = |bytes: &[u8], length: usize| bytes[..length].to_vec();
+    add("common_raw_length", "SectionBounds", "raw length", raw.clone().put_word(grid(232), 4).sealed_front());
+    add("coded_common_raw_length_huge", "SectionBounds", "raw length", {
+        let most = 4096 * common.len() as u32;
+        m().put_word(grid(232), most + 4).sealed_front()
+    });
+    add("coded_common_raw_length", "Coded", "common section of level 0", {
+        let length = many.word(grid(232));
+        m().put_word(grid(232), length + 4).sealed_front()
+    });
+    add("coded_common_cut", "Coded", "common section of level 0", {
+        m().with_common(&some(&common, common.len() - 2), many.word(grid(232))).sealed()
+    });
+    add("coded_common_of_another_file", "Coded", "bundle 0 of level 0", {
+        m().with_common(&levels.stored_common(0), levels.word(grid(232))).sealed()
+    });
+    add("coded_bundle_raw_length_huge", "Bundle", "bundle 0 of level 0", {
+        let most = 4096 * many.word(table);
+        m().put_word(table + 4, most + 4).sealed_front()
+    });
+    add("coded_bundle_raw_length", "Coded", "bundle 0 of level 0", {
+        let length = many.word(table + 4);
+        m().put_word(table + 4, length - 4).sealed_front()
+    });
+    add("coded_bundle_cut", "Coded", "bundle 3 of level 0", m().with_last_bundle(&some(&last, last.len() - 2)).sealed());
+    add("coded_bundle_goes_on", "Coded", "bundle 3 of level 0", m().with_last_bundle(&[&last[..], &[0]].concat()).sealed());
+    add("coded_bundle_of_another_place", "Coded", "bundle 3 of level 0", {
+        let first = many.bundle(0, 0);
+        let other = &many.0[first..first + many.word(table) as usize];
+        m().with_last_bundle(other).sealed()
+    });
     all
 }

@@ -77,6 +77,40 @@ impl ShadowBytes {
         self.0
     }
 
+    /// Returns the stored bytes of a level's common section.
+    pub(super) fn stored_common(&self, level: usize) -> Vec<u8> {
+        let [from, length] = self.section(level, 1);
+        self.0[from..from + length].to_vec()
+    }
+
+    /// Replaces the common section of the finest level. The bundles behind it are the last part of the file.
+    pub(super) fn with_common(mut self, stored: &[u8], raw_bytes: u32) -> Self {
+        let [from, length] = self.section(0, 1);
+        self.0.splice(from..from + length, stored.iter().copied());
+        let (bundles, file_bytes) = ((from + stored.len()) as u32, self.0.len() as u32);
+        self.put_word(HEADER + 192, stored.len() as u32)
+            .put_word(HEADER + 232, raw_bytes)
+            .put_word(HEADER + 208, bundles)
+            .put_word(136, file_bytes)
+    }
+
+    /// Returns the stored bytes of the last bundle, with which the file ends.
+    pub(super) fn last_bundle(&self) -> Vec<u8> {
+        self.0[self.bundle(0, self.bundles(0) - 1)..].to_vec()
+    }
+
+    /// Replaces the last bundle.
+    pub(super) fn with_last_bundle(mut self, stored: &[u8]) -> Self {
+        let last = self.bundles(0) - 1;
+        self.0.truncate(self.bundle(0, last));
+        self.0.extend_from_slice(stored);
+        let [from, _] = self.section(0, 2);
+        let (row, file_bytes) = (self.table(0) + ENTRY * last, self.0.len() as u32);
+        self.put_word(row, stored.len() as u32)
+            .put_word(HEADER + 216, file_bytes - from as u32)
+            .put_word(136, file_bytes)
+    }
+
     /// Makes the only page of the file uniform, with bytes that are not needed.
     pub(super) fn uniform_with_bytes(mut self) -> Vec<u8> {
         let bundle = self.bundle(0, 0);

@@ -62,6 +62,7 @@
 
 mod census;
 pub mod code;
+mod common;
 pub mod page;
 mod ranges;
 pub mod slant;
@@ -70,6 +71,7 @@ mod validate;
 pub mod write;
 
 pub use census::Census;
+pub use common::ShapePlace;
 pub use ranges::{Range, Ranges};
 pub use validate::{DepthsError, Part};
 

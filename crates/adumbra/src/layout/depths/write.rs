@@ -110,6 +110,11 @@ impl Writer {
         Ok(from)
     }
 
+    /// Returns the number of half-words that have been written.
+    pub(crate) fn half_count(&self) -> usize {
+        self.halves.len()
+    }
+
     /// Returns what has been written, as words.
     pub fn words(&self) -> Vec<u32> {
         let word = |two: &[u16]| u32::from(two[0]) | two.get(1).map_or(0, |&high| u32::from(high) << 16);

@@ -1,0 +1,56 @@
+//! `adumbra pack` and `adumbra unpack`: the same shadow file, coded or raw.
+
+use std::fs;
+
+use adumbra::{AtRest, IoError, ShadowFile};
+use adumbra_files as files;
+use adumbra_program::exit::{Code, Outcome};
+use adumbra_program::output::{format_bytes, print_json};
+use adumbra_program::{mirrors, say};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::args::Convert;
+
+/// A file that was stored in another way.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct Converted {
+    /// The shadow file that was read.
+    file: String,
+    /// The shadow file that was written.
+    output: String,
+    /// How it is stored now.
+    #[schemars(with = "mirrors::AtRest")]
+    at_rest: AtRest,
+    /// Length of the file that was read, in bytes.
+    bytes_before: u64,
+    /// Length of the file that was written, in bytes.
+    bytes: u64,
+}
+
+pub(crate) fn run(args: &Convert, at_rest: AtRest) -> Outcome {
+    let output = args.output.as_deref().unwrap_or(&args.file);
+    let bytes_before = fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
+    // A coded file is decoded into about three times its bytes.
+    args.run.check_memory("the shadow file", 0, 8 * bytes_before)?;
+    let file = ShadowFile::read(&args.file)?;
+    let bytes = files::replace_file(output, |out| file.write_to(out, at_rest))?;
+    if args.run.json {
+        print_json(&Converted {
+            file: args.file.display().to_string(),
+            output: output.display().to_string(),
+            at_rest,
+            bytes_before,
+            bytes,
+        })?;
+    } else {
+        say!(
+            "{} -> {}: {} -> {}",
+            args.file.display(),
+            output.display(),
+            format_bytes(bytes_before),
+            format_bytes(bytes)
+        );
+    }
+    Ok(Code::Fine)
+}

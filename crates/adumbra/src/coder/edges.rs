@@ -1,0 +1,124 @@
+//! Depths along the border of what was coded.
+//!
+//! The blocks above and to the left of a block are coded before it, and no other block of the same columns or rows is
+//! coded in between. One row and one column of depths are therefore enough.
+
+use super::contour::{NEVER_CELL, Outline, class, gradient, quarters};
+use super::shapes::{NEVER_CHILD, Pool, Shape, UNIFORM};
+use crate::layout::depths::page::{BUNDLE_SIDE, PAGE_LEVEL};
+use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS};
+
+/// Number of columns along each side of a bundle.
+const SIDE: usize = (BUNDLE_SIDE as usize) << PAGE_LEVEL;
+
+/// What a block of 8 × 8 columns sees of the one above it or to its left.
+#[derive(Clone, Copy)]
+pub(super) struct Facing {
+    /// See [`class`].
+    pub(super) class: u8,
+    /// 0 where the block is uniform, else that of [`Outline::kind`].
+    pub(super) kind: u8,
+    /// Gradient of a leaf, or 0.
+    pub(super) slant: u16,
+    /// The leaf's shape, or [`UNIFORM`].
+    pub(super) shape: u32,
+}
+
+const UNKNOWN: Facing = Facing { class: class::UNKNOWN, kind: 0, slant: 0, shape: UNIFORM };
+
+/// The border of what was coded.
+pub(super) struct Edges {
+    /// Depth of the last coded column of each x.
+    pub(super) bottom: Vec<u32>,
+    /// Depth of the last coded column of each y.
+    pub(super) right: Vec<u32>,
+    /// The last coded block of each x.
+    pub(super) above: Vec<Facing>,
+    /// The last coded block of each y.
+    pub(super) left: Vec<Facing>,
+}
+
+impl Edges {
+    /// Begins where nothing was coded.
+    pub(super) fn new() -> Self {
+        let (cells, blocks) = (vec![NEVER; SIDE], vec![UNKNOWN; SIDE >> LEAF_LEVEL]);
+        Self { bottom: cells.clone(), right: cells, above: blocks.clone(), left: blocks }
+    }
+
+    /// Forgets what is next to a square.
+    pub(super) fn forget(&mut self, at: [usize; 2], level: u32) {
+        self.set(at, level, NEVER, UNKNOWN);
+    }
+
+    fn set(&mut self, [x, y]: [usize; 2], level: u32, depth: u32, facing: Facing) {
+        let side = 1 << level;
+        self.bottom[x..x + side].fill(depth);
+        self.right[y..y + side].fill(depth);
+        let blocks = side >> LEAF_LEVEL;
+        self.above[x >> LEAF_LEVEL..][..blocks].fill(facing);
+        self.left[y >> LEAF_LEVEL..][..blocks].fill(facing);
+    }
+
+    /// Notes a square that switches at one depth.
+    #[inline]
+    pub(super) fn uniform(&mut self, at: [usize; 2], level: u32, depth: u32) {
+        let class = if depth == NEVER { class::NEVER } else { class::FLAT };
+        self.set(at, level, depth, Facing { class, ..UNKNOWN });
+    }
+
+    /// Returns the depths of the columns above and to the left of a leaf, deeper by what the leaf's slant would rise
+    /// there. [`NEVER`] stays as it is.
+    #[inline]
+    pub(super) fn facing_cells(&self, [x, y]: [usize; 2], slant: u32) -> [u32; 16] {
+        let mut cells = [0; 16];
+        cells[..8].copy_from_slice(&self.bottom[x..x + 8]);
+        cells[8..].copy_from_slice(&self.right[y..y + 8]);
+        if slant != 0 {
+            let [gx, gy] = gradient(slant);
+            let mut quarters = [quarters(slant, 0, -1), quarters(slant, -1, 0)];
+            for i in 0..8 {
+                for (cell, quarters) in [(i, quarters[0]), (8 + i, quarters[1])] {
+                    let risen = cells[cell].wrapping_add((quarters >> 2) as u32);
+                    cells[cell] = if cells[cell] == NEVER { NEVER } else { risen };
+                }
+                quarters[0] -= gx;
+                quarters[1] -= gy;
+            }
+        }
+        cells
+    }
+
+    /// Notes a leaf.
+    #[inline]
+    pub(super) fn leaf(&mut self, [x, y]: [usize; 2], base: u32, shape: u32, outline: &Outline) {
+        let depth = |cell: u32| if cell == NEVER_CELL { NEVER } else { base.wrapping_add(cell) };
+        for (slot, &cell) in self.bottom[x..x + 8].iter_mut().zip(&outline.cells[..8]) {
+            *slot = depth(cell);
+        }
+        for (slot, &cell) in self.right[y..y + 8].iter_mut().zip(&outline.cells[8..]) {
+            *slot = depth(cell);
+        }
+        let facing = Facing { class: 0, kind: outline.kind, slant: outline.slant, shape };
+        self.above[x >> LEAF_LEVEL] = Facing { class: outline.classes[0], ..facing };
+        self.left[y >> LEAF_LEVEL] = Facing { class: outline.classes[1], ..facing };
+    }
+
+    /// Notes a shape that was coded before.
+    pub(super) fn shape(&mut self, [x, y]: [usize; 2], level: u32, base: u32, shape: u32, pool: Pool<'_>) {
+        let children = match pool.get(shape) {
+            Shape::Leaf(_, outline) => return self.leaf([x, y], base, shape, outline),
+            Shape::Node(children) => children,
+        };
+        let level = level - NODE_LEVELS;
+        // The last row and the last column.
+        for c in [3, 7, 11, 12, 13, 14, 15] {
+            let at = [x + ((c & 3) << level), y + ((c >> 2) << level)];
+            let child = children[c];
+            match child.shape {
+                NEVER_CHILD => self.uniform(at, level, NEVER),
+                UNIFORM => self.uniform(at, level, base.wrapping_add(child.delta)),
+                shape => self.shape(at, level, base.wrapping_add(child.delta), shape, pool),
+            }
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! A common section, or the pages of a bundle, to and from coded bytes.
+
+use super::rans::{Decoder, Encoder};
+use super::shapes::{Child, Common, Layout, NEVER_CHILD, Pool, Reader, Shapes};
+use super::walk::Walk;
+use super::{Fault, LARGEST_RATIO};
+use crate::layout::depths::page::{BUNDLE_PAGES, Page};
+use crate::layout::depths::NEVER;
+
+/// Number of words of a bundle before those of its pages.
+const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
+
+/// Codes a common section.
+///
+/// # Errors
+/// Returns [`Fault`] if the coded bytes would be shorter than readers accept.
+pub(crate) fn encode_common(common: &Common, words: &[u32]) -> Result<Vec<u8>, Fault> {
+    let none = Shapes::default();
+    let source = Pool { common: &none, own: &common.shapes };
+    let mut walk = Walk::new(Encoder::default(), &none, source, usize::MAX);
+    walk.section(common.shapes.len())?;
+    checked(walk.coder.finish(), words.len())
+}
+
+/// Decodes a common section of so many words. Returns its shapes and its words.
+///
+/// # Errors
+/// Returns [`Fault`] if an encoder would not have written these bytes.
+pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u32>), Fault> {
+    let none = Shapes::default();
+    let source = Pool { common: &none, own: &none };
+    let mut walk = Walk::new(Decoder::new(bytes), &none, source, 2 * words);
+    walk.section(0)?;
+    walk.coder.finish()?;
+    let (common, found) = Common::lay_out(walk.own, 2 * words)?;
+    if found.len() == words { Ok((common, found)) } else { Err(Fault) }
+}
+
+/// Codes the pages of a bundle. They must be valid.
+///
+/// # Errors
+/// Returns [`Fault`] if a page is not what a writer makes of its shapes, or if the coded bytes would be shorter than
+/// readers accept.
+pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -> Result<Vec<u8>, Fault> {
+    let mut reader = Reader::of_pages(common);
+    let mut roots = [Child::NEVER; BUNDLE_PAGES];
+    for (root, page) in roots.iter_mut().zip(pages) {
+        *root = reader.page(page)?;
+    }
+    let mut layout = Layout::of_pages(common, &reader.shapes, usize::MAX);
+    for (root, page) in roots.iter().zip(pages) {
+        let (at, words) = layout.page(root.shape)?;
+        if at != page.root || words != page.words {
+            return Err(Fault);
+        }
+    }
+    let source = Pool { common: &common.shapes, own: &reader.shapes };
+    let mut walk = Walk::new(Encoder::default(), &common.shapes, source, usize::MAX);
+    walk.pages(roots)?;
+    let words = pages.iter().map(|page| page.words.len()).sum::<usize>();
+    checked(walk.coder.finish(), HEAD_WORDS + words)
+}
+
+/// Decodes a bundle of so many words, which it returns: the heads of its pages, and the pages.
+///
+/// Time and memory are proportional to `words`, whatever the bytes are.
+///
+/// # Errors
+/// Returns [`Fault`] if an encoder would not have written these bytes.
+pub(crate) fn decode_bundle(bytes: &[u8], words: usize, common: &Common) -> Result<Vec<u32>, Fault> {
+    let none = Shapes::default();
+    let most_halves = 2 * words.checked_sub(HEAD_WORDS).ok_or(Fault)?;
+    let source = Pool { common: &none, own: &none };
+    let mut walk = Walk::new(Decoder::new(bytes), &common.shapes, source, most_halves);
+    let roots = walk.pages([Child::NEVER; BUNDLE_PAGES])?;
+    walk.coder.finish()?;
+    let mut layout = Layout::of_pages(common, &walk.own, most_halves);
+    let mut found = vec![0; HEAD_WORDS];
+    for (page, root) in roots.into_iter().enumerate() {
+        let (at, mut page_words) = layout.page(root.shape)?;
+        let base = if root.shape == NEVER_CHILD { NEVER } else { root.delta };
+        found[3 * page..][..3].copy_from_slice(&[at, base, page_words.len() as u32]);
+        found.append(&mut page_words);
+    }
+    if found.len() == words { Ok(found) } else { Err(Fault) }
+}
+
+fn checked(bytes: Vec<u8>, words: usize) -> Result<Vec<u8>, Fault> {
+    if 4 * words as u64 <= LARGEST_RATIO * bytes.len() as u64 { Ok(bytes) } else { Err(Fault) }
+}

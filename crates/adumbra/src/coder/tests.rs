@@ -1,0 +1,325 @@
+//! Round trips of random shapes, and garbage.
+
+use super::contour::{Leaf, MOST_HALVES, Outline};
+use super::rans::{Bit, Coder, Decoder, Encoder, Symbol};
+use super::shapes::{Child, Layout, Shapes, UNIFORM};
+use super::{Common, Fault, decode_bundle, decode_common, encode_bundle, encode_common};
+use crate::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page};
+use crate::layout::depths::{NEVER, ShapePlace};
+
+/// A fixed sequence that looks random (xorshift).
+struct Random(u32);
+
+impl Random {
+    fn below(&mut self, limit: u32) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0 % limit
+    }
+}
+
+/// Shapes of a part under construction, behind those of a common section.
+struct Builder<'c> {
+    common: &'c Common,
+    own: Shapes,
+    random: Random,
+}
+
+/// A page with words of its own.
+#[derive(Clone, Debug, PartialEq)]
+struct OwnedPage {
+    root: u32,
+    base: u32,
+    words: Vec<u32>,
+}
+
+type Pages = [OwnedPage; BUNDLE_PAGES];
+
+fn pages_of(owned: &Pages) -> [Page<'_>; BUNDLE_PAGES] {
+    owned.each_ref().map(|page| Page { root: page.root, base: page.base, words: &page.words })
+}
+
+impl<'c> Builder<'c> {
+    fn new(common: &'c Common, seed: u32) -> Self {
+        Self { common, own: Shapes::default(), random: Random(seed) }
+    }
+
+    /// Adds a leaf of any number of depths, some slanted, some with columns that never switch, some with large differences.
+    fn leaf(&mut self) -> u32 {
+        let r = &mut self.random;
+        let last = [1, 1, 2, 3, 5, 9, 15, 16, 20, 63][r.below(10) as usize];
+        let mut leaf = Leaf { last, never: r.below(2) == 1, ..Leaf::EMPTY };
+        leaf.slant = r.below(2) * (1 + r.below(0xffff));
+        let width = r.below(3);
+        for difference in &mut leaf.differences[..(last - u32::from(leaf.never)) as usize] {
+            *difference = match width {
+                0 => 1 + r.below(255),
+                1 => 256 + r.below(60_000),
+                _ => 70_000 + r.below(1 << 24),
+            };
+        }
+        for (c, rank) in (0..).zip(&mut leaf.ranks) {
+            *rank = if r.below(3) > 0 { c / 8 % (last + 1) } else { r.below(last + 1) } as u8;
+        }
+        let mut buffer = [0; MOST_HALVES];
+        self.own.push_leaf(leaf.halves(&mut buffer), Outline::new(&leaf), self.common.shapes.len())
+    }
+
+    fn node(&mut self, level: u32, children: [Child; 16]) -> u32 {
+        self.own.push_node(level, children, self.common.shapes.len())
+    }
+
+    /// Adds a node of random children. `known` are shapes of the level below.
+    fn random_node(&mut self, level: u32, known: &mut Vec<u32>, wide: bool) -> u32 {
+        let mut children = [Child::NEVER; 16];
+        for child in &mut children {
+            let delta = match self.random.below(4) {
+                0 => 0,
+                1 if wide => self.random.below(1 << 22).wrapping_sub(1 << 21),
+                2 => self.random.below(9).wrapping_sub(4),
+                _ => self.random.below(20_000),
+            };
+            *child = match self.random.below(4) {
+                0 => Child::NEVER,
+                1 => Child { shape: UNIFORM, delta },
+                2 if !known.is_empty() => {
+                    Child { shape: known[self.random.below(known.len() as u32) as usize], delta }
+                }
+                _ => {
+                    let shape =
+                        if level == 5 { self.leaf() } else { self.random_node(level - 2, &mut Vec::new(), wide) };
+                    known.push(shape);
+                    Child { shape, delta }
+                }
+            };
+        }
+        self.node(level, children)
+    }
+
+    fn pages(&self, roots: &[(u32, u32)]) -> Pages {
+        let mut layout = Layout::of_pages(self.common, &self.own, usize::MAX);
+        std::array::from_fn(|i| {
+            let &(base, root) = roots.get(i).unwrap_or(&(NEVER, UNIFORM));
+            let (root, words) = layout.page(root).expect("a page");
+            OwnedPage { root, base, words }
+        })
+    }
+}
+
+/// Returns a common section of this many leaves and a few nodes, as an encoder has it, and its words.
+fn common_of(seed: u32, leaves: usize) -> (Common, Vec<u32>) {
+    let none = Common::default();
+    let mut b = Builder::new(&none, seed);
+    let known: Vec<u32> = (0..leaves).map(|_| b.leaf()).collect();
+    let mut levels = vec![3; leaves];
+    for level in [5, 5, 5, 7, 7, 9] {
+        let before = b.own.len();
+        b.random_node(level, &mut if level == 5 { known.clone() } else { Vec::new() }, true);
+        let of = |index: &u32| [3, 5, 7, 9].into_iter().find(|&level| b.own.of_level(level).contains(index));
+        levels.extend((before..b.own.len()).map(|index| of(&index).expect("a level")));
+    }
+    let (common, words) = Common::lay_out(b.own, usize::MAX).expect("a common section");
+    let places: Vec<ShapePlace> =
+        common.addresses.iter().zip(levels).map(|(&at, level)| ShapePlace { at, level }).collect();
+    (Common::new(&words, &places).expect("a common section that is written in order"), words)
+}
+
+fn word_count(pages: &Pages) -> usize {
+    48 + pages.iter().map(|page| page.words.len()).sum::<usize>()
+}
+
+fn restored(words: &[u32]) -> Pages {
+    let mut first = 48;
+    std::array::from_fn(|i| {
+        let length = words[3 * i + 2] as usize;
+        first += length;
+        OwnedPage { root: words[3 * i], base: words[3 * i + 1], words: words[first - length..first].to_vec() }
+    })
+}
+
+fn check(pages: &Pages, common: &Common) -> Vec<u8> {
+    let bytes = encode_bundle(&pages_of(pages), common).expect("pages that are written in order");
+    let words = decode_bundle(&bytes, word_count(pages), common).expect("coded bytes");
+    assert_eq!(&restored(&words), pages);
+    bytes
+}
+
+#[test]
+fn bits_symbols_and_numbers_come_back() {
+    fn code(coder: &mut impl Coder, mut seen: impl FnMut(u32, u32)) {
+        let (mut random, mut bit, mut symbol) = (Random(7), [Bit::NEW; 2], [Symbol::NEW; 2]);
+        for i in 0..20_000 {
+            // Rare symbols, frequent ones, and changes of what is frequent.
+            let rare = random.below(50) == 0;
+            let value = if rare { random.below(16) } else { i / 5000 * 5 };
+            seen(value, coder.symbol(&mut symbol[(i & 1) as usize], value));
+            seen(value & 1, coder.bit(&mut bit[(i & 1) as usize], value & 1));
+            let (count, number) = (i % 33, random.below(u32::MAX));
+            let number = if count == 32 { number } else { number & ((1 << count) - 1) };
+            seen(number, coder.plain(count, number));
+        }
+    }
+    let mut encoder = Encoder::default();
+    code(&mut encoder, |_, _| ());
+    let bytes = encoder.finish();
+    let mut decoder = Decoder::new(&bytes);
+    code(&mut decoder, |expected, found| assert_eq!(expected, found));
+    assert_eq!(decoder.finish(), Ok(()));
+}
+
+#[test]
+fn bundle_of_uniform_pages_is_restored() {
+    let none = Common::default();
+    let b = Builder::new(&none, 1);
+    check(&b.pages(&[]), &none);
+    check(&b.pages(&[(0, UNIFORM), (7, UNIFORM), (NEVER - 1, UNIFORM)]), &none);
+}
+
+#[test]
+fn bundle_of_random_pages_is_restored() {
+    for seed in 1..8 {
+        let none = Common::default();
+        let mut b = Builder::new(&none, seed);
+        let mut known = Vec::new();
+        let roots: Vec<_> =
+            (0..16).map(|i| (i * 1000, b.random_node(9, &mut known, seed % 2 == 0))).collect();
+        check(&b.pages(&roots), &none);
+    }
+}
+
+#[test]
+fn references_to_the_common_section_are_restored() {
+    let (common, words) = common_of(5, 3000);
+    assert!(words.len() > 1 << 15, "{}", words.len());
+    let list = |level| common.shapes.of_level(level).to_vec();
+    let bytes = encode_common(&common, &words).unwrap();
+    let (decoded, found) = decode_common(&bytes, words.len()).unwrap();
+    assert_eq!(found, words);
+    // A root in the common section, and nodes of its leaves far and near, with small and large differences.
+    let mut b = Builder::new(&common, 9);
+    let mut roots = vec![(50, list(9)[0])];
+    let leaves = list(3);
+    for k in 0..4 {
+        let below = std::array::from_fn(|c| Child {
+            shape: leaves[(c * 181 + k * 7) % leaves.len()],
+            delta: [0, 5, 1 << 20, 70_000][k],
+        });
+        let five = b.node(5, below);
+        let seven = b.node(7, [Child { shape: five, delta: 100_000 * k as u32 }; 16]);
+        roots.push((3, b.node(9, [Child { shape: seven, delta: 1 }; 16])));
+    }
+    let pages = b.pages(&roots);
+    let bytes = check(&pages, &common);
+    assert_eq!(decode_bundle(&bytes, word_count(&pages), &decoded).map(|words| restored(&words)), Ok(pages));
+}
+
+#[test]
+fn far_pointers_of_a_large_page_are_restored() {
+    let none = Common::default();
+    let mut b = Builder::new(&none, 77);
+    let first = b.leaf();
+    let mut seven = [Child::NEVER; 16];
+    let mut nine = [Child::NEVER; 16];
+    for (i, nine) in nine.iter_mut().enumerate() {
+        for child in &mut seven {
+            let mut five = [Child { shape: first, delta: 0 }; 16];
+            for (c, child) in five.iter_mut().enumerate().skip(1) {
+                *child = Child { shape: b.leaf(), delta: c as u32 - 1 };
+            }
+            five[15] = Child { shape: first, delta: if i % 2 == 0 { 1 << 17 } else { 3 } };
+            *child = Child { shape: b.node(5, five), delta: 0 };
+        }
+        *nine = Child { shape: b.node(7, seven), delta: 9 };
+    }
+    let root = b.node(9, nine);
+    let pages = b.pages(&[(0, root), (0, root)]);
+    assert!(word_count(&pages) > 1 << 16, "{}", word_count(&pages));
+    check(&pages, &none);
+}
+
+#[test]
+fn page_that_is_not_written_in_order_is_not_coded() {
+    let none = Common::default();
+    let mut b = Builder::new(&none, 3);
+    let leaf = b.leaf();
+    let mut root = leaf;
+    for level in [5, 7, 9] {
+        root = b.node(level, [Child { shape: root, delta: 1 }; 16]);
+    }
+    let pages = b.pages(&[(0, root)]);
+    check(&pages, &none);
+    let with = |words: Vec<u32>, root: u32| {
+        let mut pages = pages.clone();
+        pages[0] = OwnedPage { root, words, ..pages[0].clone() };
+        encode_bundle(&pages_of(&pages), &none)
+    };
+    let OwnedPage { root, words, .. } = pages[0].clone();
+    // Words that nothing leads to, behind the root and before everything.
+    assert_eq!(with([&words[..], &[0]].concat(), root), Err(Fault));
+    assert_eq!(with([&[0], &words[..]].concat(), root + 2), Err(Fault));
+    // Words of a uniform page, and of one whose root is in the common section.
+    assert_eq!(with(words.clone(), UNIFORM), Err(Fault));
+    assert_eq!(with(Vec::new(), 0), Err(Fault));
+    assert_eq!(root & IN_PAGE, IN_PAGE);
+}
+
+#[test]
+fn garbage_is_refused_and_bounded() {
+    let (common, common_words) = common_of(11, 40);
+    let mut b = Builder::new(&common, 21);
+    let mut known = common.shapes.of_level(7).to_vec();
+    let roots: Vec<_> = (0..3).map(|i| (i, b.random_node(9, &mut known, true))).collect();
+    let pages = b.pages(&roots);
+    let bytes = check(&pages, &common);
+    let words = word_count(&pages);
+    let decode = |bytes: &[u8], words| decode_bundle(bytes, words, &common);
+    for length in (0..bytes.len()).step_by(37) {
+        assert_eq!(decode(&bytes[..length], words), Err(Fault), "{length}");
+    }
+    for more in [&[0_u8][..], &[0, 0], &[1, 2, 3]] {
+        assert_eq!(decode(&[&bytes, more].concat(), words), Err(Fault));
+    }
+    for other in [0, 1, 47, 48, words - 1, words + 1, 2 * words] {
+        assert_eq!(decode(&bytes, other), Err(Fault), "{other}");
+    }
+    let coded_common = encode_common(&common, &common_words).unwrap();
+    for length in (0..coded_common.len()).step_by(37) {
+        assert!(decode_common(&coded_common[..length], common_words.len()).is_err(), "{length}");
+    }
+    let mut random = Random(99);
+    for _ in 0..60 {
+        let mut flipped = bytes.clone();
+        let at = random.below(bytes.len() as u32) as usize;
+        flipped[at] ^= 1 << random.below(8);
+        // A flipped bit of a plain number gives other words. Checksums are the file's.
+        if let Ok(found) = decode(&flipped, words) {
+            assert_eq!(found.len(), words);
+        }
+        let noise: Vec<u8> = (0..random.below(500)).map(|_| random.below(256) as u8).collect();
+        assert!(decode(&noise, 1 << 19).is_err());
+        assert!(decode_common(&noise, 1 << 15).is_err());
+        assert!(decode_common(&flipped, words).is_err());
+    }
+}
+
+#[test]
+fn symbol_costs_little_if_it_is_frequent_and_is_possible_if_it_is_rare() {
+    for symbol in 0..16 {
+        let mut model = Symbol::NEW;
+        for _ in 0..2000 {
+            model.adapt(symbol);
+        }
+        for other in 0..16 {
+            let [_, frequency] = model.interval(other);
+            let expected = if other == symbol { 31_900..=32_300 } else { 16..=80 };
+            assert!(expected.contains(&frequency), "{symbol}, {other}: {frequency}");
+        }
+    }
+    // However frequencies change, none vanishes.
+    let (mut model, mut random) = (Symbol::NEW, Random(3));
+    for i in 0..100_000 {
+        model.adapt(if i % 1000 < 900 { i / 1000 % 16 } else { random.below(16) });
+        assert!((0..16).all(|symbol| model.interval(symbol)[1] > 0));
+    }
+}

@@ -1,0 +1,137 @@
+//! A grid's common section, as it is stored and as it is used, and what coded bundles need of it.
+
+use std::fmt;
+
+use crate::coder;
+use crate::error::FormatError;
+use crate::file::sections::{u32_chunks, u32_words};
+use crate::layout::depths::ShapePlace;
+use crate::layout::depths::page::{BUNDLE_PAGES, Page};
+use crate::settings::AtRest;
+
+/// Number of words of a bundle before those of its pages.
+pub(super) const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
+
+/// Whether a coded part of so many bytes may have so many raw bytes.
+pub(super) fn is_plausible(stored_bytes: u64, raw_bytes: u64) -> bool {
+    let most = stored_bytes.saturating_mul(coder::LARGEST_RATIO);
+    raw_bytes.is_multiple_of(4) && (stored_bytes == 0) == (raw_bytes == 0) && raw_bytes <= most
+}
+
+/// A common section. Bundles of the same grid are read and written with it.
+#[derive(Debug)]
+pub struct CommonSection {
+    words: Vec<u32>,
+    /// The shapes, if the file is coded.
+    shapes: Option<coder::Common>,
+}
+
+impl CommonSection {
+    /// Takes the words of a common section that is to be written. `shapes` returns all of its shapes, by address.
+    ///
+    /// # Errors
+    /// Returns [`FormatError::Uncodable`] if it is to be coded and is not written as bakes do.
+    pub fn new(
+        words: Vec<u32>,
+        shapes: impl FnOnce() -> Vec<ShapePlace>,
+        at_rest: AtRest,
+    ) -> Result<Self, FormatError> {
+        let shapes = match at_rest {
+            AtRest::Raw => None,
+            AtRest::Coded => Some(coder::Common::new(&words, &shapes()).map_err(|_| uncodable(NAME))?),
+        };
+        Ok(Self { words, shapes })
+    }
+
+    /// Reads the stored bytes of a common section. `section` names it.
+    ///
+    /// # Errors
+    /// Returns the fault: bytes that are not whole words, or that cannot be decoded.
+    pub fn parse(
+        bytes: &[u8],
+        raw_bytes: u64,
+        at_rest: AtRest,
+        section: impl Fn() -> String,
+    ) -> Result<Self, FormatError> {
+        match at_rest {
+            AtRest::Raw if !bytes.len().is_multiple_of(4) => {
+                let found = format!("{} bytes", bytes.len());
+                Err(FormatError::Bundle { section: section(), found, expected: "whole words" })
+            }
+            AtRest::Raw => Ok(Self { words: u32_words(bytes), shapes: None }),
+            AtRest::Coded if bytes.is_empty() => {
+                Ok(Self { words: Vec::new(), shapes: Some(coder::Common::default()) })
+            }
+            AtRest::Coded => {
+                let (shapes, words) = coder::decode_common(bytes, raw_bytes as usize / 4)
+                    .map_err(|_| FormatError::Coded { section: section() })?;
+                Ok(Self { words, shapes: Some(shapes) })
+            }
+        }
+    }
+
+    /// Returns the words.
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    /// Returns how the bundles of the same grid are stored.
+    pub fn at_rest(&self) -> AtRest {
+        if self.shapes.is_some() { AtRest::Coded } else { AtRest::Raw }
+    }
+
+    /// Returns the bytes that are stored.
+    ///
+    /// # Errors
+    /// Returns [`FormatError::Uncodable`] if the section is not written as bakes do.
+    pub(super) fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
+        match &self.shapes {
+            _ if self.words.is_empty() => Ok(Vec::new()),
+            None => Ok(u32_chunks(&self.words).flatten().collect()),
+            Some(shapes) => coder::encode_common(shapes, &self.words).map_err(|_| uncodable(NAME)),
+        }
+    }
+
+    /// Returns the bytes that are stored of a bundle. `name` names it.
+    ///
+    /// # Errors
+    /// Returns [`FormatError::Uncodable`] if the pages are to be coded and are not written as bakes do.
+    pub(super) fn bundle_to_bytes(
+        &self,
+        pages: &[Page<'_>; BUNDLE_PAGES],
+        name: impl fmt::Display,
+    ) -> Result<Vec<u8>, FormatError> {
+        match &self.shapes {
+            None => {
+                let heads = pages.iter().flat_map(|page| [page.root, page.base, page.words.len() as u32]);
+                let words = heads.chain(pages.iter().flat_map(|page| page.words.iter().copied()));
+                Ok(words.flat_map(u32::to_le_bytes).collect())
+            }
+            Some(shapes) => coder::encode_bundle(pages, shapes).map_err(|_| uncodable(name)),
+        }
+    }
+
+    /// Returns the words of a bundle from its stored bytes: the heads of its pages, and the pages. `section` names it.
+    ///
+    /// # Errors
+    /// Returns [`FormatError::Coded`] if the bytes cannot be decoded.
+    pub fn parse_bundle(
+        &self,
+        bytes: &[u8],
+        raw_bytes: u32,
+        section: impl Fn() -> String,
+    ) -> Result<Vec<u32>, FormatError> {
+        match &self.shapes {
+            None => Ok(u32_words(bytes)),
+            Some(shapes) => coder::decode_bundle(bytes, raw_bytes as usize / 4, shapes)
+                .map_err(|_| FormatError::Coded { section: section() }),
+        }
+    }
+}
+
+/// Name of the section in messages of a writer.
+const NAME: &str = "common section";
+
+fn uncodable(section: impl fmt::Display) -> FormatError {
+    FormatError::Uncodable { section: section.to_string() }
+}
