@@ -1,12 +1,14 @@
 //! Files of bakes: written, read back, and refused if damaged.
 
 use adumbra::layout::depths::code::Place;
-use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra::{AtRest, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_files::replace_file;
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::{TreeParts, bake_file};
+
+const FRAMES: [FrameChoice; 2] = [FrameChoice::Light, FrameChoice::Oblique];
 
 fn baked(kind: GeneratedKind, resolution: u64) -> ShadowFile {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
@@ -18,7 +20,7 @@ fn depths_file_is_read_as_it_was_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("city.adumbra");
     let file = baked(GeneratedKind::City, 1024);
-    let bytes = replace_file(&path, |out| file.write_to(out)).unwrap();
+    let bytes = replace_file(&path, |out| file.write_to(out, AtRest::default())).unwrap();
     assert_eq!(bytes, path.metadata().unwrap().len());
     let again = ShadowFile::read(&path).unwrap();
     assert_eq!(again, file);
@@ -26,11 +28,29 @@ fn depths_file_is_read_as_it_was_written() {
 }
 
 #[test]
+fn coded_file_has_the_words_of_the_raw_one() {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let kinds = [GeneratedKind::City, GeneratedKind::Landscape];
+    for (kind, frame) in kinds.into_iter().flat_map(|kind| FRAMES.map(|frame| (kind, frame))) {
+        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+        let file = bake_file(&generate(kind, 3), &options).unwrap();
+        assert_eq!(file.level_count(), 3);
+        let [raw, coded] = [AtRest::Raw, AtRest::Coded].map(|at_rest| file.to_bytes(at_rest).unwrap());
+        assert_eq!(raw.len() as u64, file.encoded_len());
+        assert!(2 * coded.len() < raw.len(), "{kind:?}, {frame:?}: {} of {}", coded.len(), raw.len());
+        let decoded = ShadowFile::from_bytes(&coded).unwrap();
+        assert_eq!(decoded, file, "{kind:?}, {frame:?}");
+        assert!(decoded.to_bytes(AtRest::Raw).unwrap() == raw, "{kind:?}, {frame:?}");
+        assert!(ShadowFile::from_bytes(&raw).unwrap().to_bytes(AtRest::Coded).unwrap() == coded);
+    }
+}
+
+#[test]
 fn depths_file_that_is_cut_or_changed_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("spheres.adumbra");
     let file = baked(GeneratedKind::Spheres, 64);
-    let bytes = file.to_bytes().unwrap();
+    let bytes = file.to_bytes(AtRest::Raw).unwrap();
     let refused = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
         ShadowFile::read(&path).is_err()

@@ -21,6 +21,16 @@ pub enum Projection {
     },
 }
 
+impl Projection {
+    /// Returns the height of the visible area at a distance along the view direction, in world units.
+    pub fn height_at(self, view_depth: f64) -> f64 {
+        match self {
+            Self::Perspective { fov_degrees } => 2.0 * view_depth * (0.5 * fov_degrees.to_radians()).tan(),
+            Self::Orthographic { height_world } => height_world,
+        }
+    }
+}
+
 /// A camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {

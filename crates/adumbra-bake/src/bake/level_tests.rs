@@ -96,6 +96,11 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
+/// Whether a tree has more than one page, so that there is something to link.
+fn has_pages(tree: &DepthTree) -> bool {
+    tree.page_dims().iter().any(|&n| n > 1) && !tree.common().is_empty()
+}
+
 /// Bakes to memory, behind some other bytes.
 fn written(scene: &Scene, options: &BakeOptions, threads: usize) -> (Written, Vec<u8>) {
     let before = b"other bytes";
@@ -108,39 +113,42 @@ fn written(scene: &Scene, options: &BakeOptions, threads: usize) -> (Written, Ve
     (written, bytes[before.len()..].to_vec())
 }
 
+/// Returns the largest memory limit of a few for which a bake keeps pages on disk.
+fn limit_that_spills(scene: &Scene, options: &BakeOptions) -> u64 {
+    let bake = |max_memory_bytes| {
+        let options = BakeOptions { max_memory_bytes, ..options.clone() };
+        on_threads(1, || bake(scene, &options, Watch::none())).unwrap()
+    };
+    let Bake { file, report } = bake(None);
+    let step = file.tree.code().len() as u64;
+    let mut limits = (1..).map(|steps| report.accounted_bytes - steps * step);
+    limits.find(|&limit| bake(Some(limit)).report.spilled_bytes > 0).unwrap()
+}
+
 #[test]
 fn bake_to_writes_the_bytes_of_a_bake_in_memory() {
-    let scene = generate(GeneratedKind::City, 3);
-    let options = BakeOptions { size: Size::Resolution(1024), ..options(1.0, 3) };
-    let Bake { file, report: free } = on_threads(1, || bake(&scene, &options, Watch::none())).unwrap();
-    assert_eq!((file.level_count(), free.spilled_bytes), (3, 0));
-    let expected = file.to_bytes(AtRest::Coded).unwrap();
-    assert!(ShadowFile::from_bytes(&expected).unwrap() == file);
-    for kind in [GeneratedKind::City, GeneratedKind::Primitives, GeneratedKind::Spheres, GeneratedKind::Forest, GeneratedKind::Wires, GeneratedKind::Landscape] {
-        for resolution in [512, 1024, 2048] {
-        let scene = generate(kind, 3);
-        for levels in [1, 2, 3] {
-            let options = BakeOptions { size: Size::Resolution(resolution), ..options.clone() };
-            let r = on_threads(1, || bake(&scene, &BakeOptions { levels, ..options.clone() }, Watch::none())).unwrap();
-            let own = crate::choose::Choice::new(&scene, &BakeOptions { levels, ..options.clone() }).unwrap();
-            let b: Vec<u64> = (0..own.levels.len()).map(|l| on_threads(1, || own.plan(&scene, &options, l).unwrap().baking_bytes())).collect();
-            eprintln!("{kind:?} {resolution} {levels}: {} {b:?} {} {:.2}", r.report.accounted_bytes, 4 * r.file.tree.code().len(), r.report.seconds);
-        }}
-    }
-    // Not enough for all pages of the finest level.
-    let pages = 4 * file.tree.code().len() as u64;
-    let limit = free.accounted_bytes - pages / 2;
-    for (max_memory_bytes, threads) in [(None, 1), (None, 3), (Some(limit), 1), (Some(limit), 3)] {
-        let options = BakeOptions { max_memory_bytes, ..options.clone() };
-        let (written, bytes) = written(&scene, &options, threads);
-        assert!(bytes == expected, "{max_memory_bytes:?}, {threads}: {} bytes", bytes.len());
-        assert_eq!((written.grid, written.settings, written.levels), (file.grid, file.settings, 3));
-        assert_eq!(written.bytes, expected.len() as u64);
-        let report = written.report;
-        assert_eq!(report.spilled_bytes > 0, max_memory_bytes.is_some(), "{report:?}");
-        assert!(report.accounted_bytes <= max_memory_bytes.unwrap_or(u64::MAX), "{report:?}");
-        let again = on_threads(threads, || bake(&scene, &options, Watch::none())).unwrap();
-        assert!(again.file == file, "{max_memory_bytes:?}, {threads}");
+    let scene = generate(GeneratedKind::Landscape, 3);
+    // A strip of pages, each a root block of its own, so that many are done before the last.
+    let bounds = Some(Bounds { min: [-4.0, -64.0, -64.0], max: [4.0, 64.0, 64.0] });
+    let sun = Sun::from_angles(0.0, 90.0).unwrap();
+    let options = BakeOptions { sun, bounds, size: Size::Resolution(16_384), ..options(1.0, 2) };
+    let limit = limit_that_spills(&scene, &options);
+    for at_rest in [AtRest::Raw, AtRest::Coded] {
+        let options = BakeOptions { at_rest, ..options.clone() };
+        let file = baked(&scene, &options);
+        assert!(file.level_count() == 2 && has_pages(&file.tree));
+        let expected = file.to_bytes(at_rest).unwrap();
+        assert!(ShadowFile::from_bytes(&expected).unwrap() == file);
+        for (max_memory_bytes, threads) in [(None, 1), (None, 3), (Some(limit), 1), (Some(limit), 3)] {
+            let options = BakeOptions { max_memory_bytes, ..options.clone() };
+            let (written, bytes) = written(&scene, &options, threads);
+            assert!(bytes == expected, "{at_rest:?}, {max_memory_bytes:?}, {threads}: {} bytes", bytes.len());
+            assert_eq!((written.grid, written.settings, written.levels), (file.grid, file.settings, 2));
+            assert_eq!(written.bytes, expected.len() as u64);
+            let report = written.report;
+            assert_eq!(report.spilled_bytes > 0, max_memory_bytes.is_some(), "{report:?}");
+            assert!(report.accounted_bytes <= max_memory_bytes.unwrap_or(u64::MAX), "{report:?}");
+        }
     }
 }
 
@@ -198,18 +206,4 @@ fn progress_counts_the_blocks_of_all_levels() {
     let seen = seen.into_inner().unwrap();
     let expected: Vec<(usize, usize)> = (1..=report.tiles).map(|done| (done, report.tiles)).collect();
     assert_eq!(seen, expected);
-}
-
-/// Whether a tree has more than one page, so that there is something to link.
-fn has_pages(tree: &DepthTree) -> bool {
-    tree.page_dims().iter().any(|&n| n > 1) && !tree.common().is_empty()
-}
-
-#[test]
-fn bakes_of_several_pages_have_a_common_section() {
-    let scene = generate(GeneratedKind::City, 3);
-    let file = baked(&scene, &BakeOptions { size: Size::Resolution(2048), ..options(1.0, 1) });
-    assert!(has_pages(&file.tree));
-    let again = ShadowFile::from_bytes(&file.to_bytes(AtRest::Raw).unwrap()).unwrap();
-    assert!(again == file);
 }

@@ -160,20 +160,24 @@ impl<'b> Decoder<'b> {
 
     /// Returns the next half-word, or 0 after the last.
     #[inline(always)]
-    fn next(&mut self) -> u32 {
-        let half = match self.bytes.get(self.at..self.at + 2) {
+    fn peek(&self) -> u32 {
+        match self.bytes.get(self.at..self.at + 2) {
             Some(two) => u32::from(two[0]) | u32::from(two[1]) << 8,
             None => 0,
-        };
+        }
+    }
+
+    fn next(&mut self) -> u32 {
         self.at += 2;
-        half
+        u32::from(self.bytes.get(self.at - 2).copied().unwrap_or(0)) | u32::from(self.bytes.get(self.at - 1).copied().unwrap_or(0)) << 8
     }
 
     #[inline(always)]
     fn advance(&mut self, mut state: u32) {
-        if state < LEAST_STATE {
-            state = state << 16 | self.next();
-        }
+        let half = self.peek();
+        let is_small = state < LEAST_STATE;
+        state = if is_small { state << 16 | half } else { state };
+        self.at += 2 * usize::from(is_small);
         self.states = [self.states[1], state];
     }
 }

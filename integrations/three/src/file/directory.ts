@@ -41,6 +41,8 @@ export interface GridEntry {
   readonly table: Section;
   /** The common section. */
   readonly common: Section;
+  /** Length of the words of the common section, bytes. */
+  readonly commonRawBytes: number;
   /** All bundles, one after the other. */
   readonly bundles: Section;
 }
@@ -72,7 +74,7 @@ function parseEntry(bytes: Uint8Array, level: number): GridEntry {
   const table = section('table', 40);
   const common = section('common section', 46);
   const bundles = section('bundles', 52);
-  fields.reserved(58, 64);
+  fields.reserved(60, 64);
   check(fields.u32(3) === level, 'level', fields.u32(3), level);
   check(bundles.checksum === 0, 'checksum of all bundles', bundles.checksum, 0);
   const sun = fields.f64s(6);
@@ -94,7 +96,7 @@ function parseEntry(bytes: Uint8Array, level: number): GridEntry {
     edges: isOblique ? obliqueEdges(sun, axes) : axes,
     size: fields.u32s(0),
   };
-  return { grid, table, common, bundles };
+  return { grid, table, common, commonRawBytes: fields.u64(58), bundles };
 }
 
 /** Checks the placement of all grids. */
@@ -115,7 +117,10 @@ function checkGrids(entries: readonly GridEntry[]): void {
   });
 }
 
-/** Checks that every part begins where the parts before it end, and that the file ends with the last one. */
+/**
+ * Checks that every part begins where the parts before it end, that common sections have the length of their words, and
+ * that the file ends with the last part.
+ */
 function checkPlaces(entries: readonly GridEntry[], fileBytes: number): void {
   const tableBytes = new Map(
     entries.map(({ grid, table }) => {
@@ -129,17 +134,17 @@ function checkPlaces(entries: readonly GridEntry[], fileBytes: number): void {
     begins.set(section, end);
     end += tableBytes.get(section) ?? section.length;
   }
-  for (const { table, common, bundles } of entries) {
+  for (const { table, common, commonRawBytes, bundles } of entries) {
     for (const section of [table, common, bundles]) {
-      checkPlace(section, 'offset', begins.get(section)!);
-      checkPlace(section, 'length', tableBytes.get(section) ?? section.length);
+      checkPlace(section, 'offset', section.offset, begins.get(section)!);
+      checkPlace(section, 'length', section.length, tableBytes.get(section) ?? section.length);
     }
+    checkPlace(common, 'raw length', commonRawBytes, common.length);
   }
   check(end === fileBytes, 'file_bytes', fileBytes, end);
 }
 
-function checkPlace(section: Section, field: 'offset' | 'length', expected: number): void {
-  const { name, [field]: value } = section;
+function checkPlace({ name }: Section, field: string, value: number, expected: number): void {
   if (value === expected) return;
   throw new ShadowFileError(
     'SectionBounds',

@@ -49,7 +49,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   check(flags <= 31, 'flags', hex(flags), 'limited to bits 0 to 4');
   const has = (flag: number): boolean => (flags & flag) !== 0;
   const atRest = fields.u32(7);
-  check(atRest === 0, 'at_rest', atRest, '0 (raw)');
+  check(atRest === 0, 'at_rest', atRest, '0 (raw), which `adumbra unpack` makes');
   const box: Bounds = { min: fields.f64s(16), max: fields.f64s(22) };
   const isGiven = has(HAS_BOUNDS);
   check(isGiven || fields.isZero(16, 28), 'bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');

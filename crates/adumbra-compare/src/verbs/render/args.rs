@@ -130,6 +130,9 @@ pub enum LayerArg {
     /// The picture, coloured by the size of the block of the baked file that answers: purple is a single voxel, then
     /// blue, green, yellow and orange; a legend gives metres
     VoxelSize,
+    /// The picture, coloured by the coarsest level of detail of the shadow file whose texels are not larger than a pixel:
+    /// red is the finest, then orange, green, blue
+    Level,
 }
 
 /// The camera that a scene is seen from.

@@ -7,13 +7,15 @@ use crate::Result;
 use crate::baked::{BakeOnDemand, BakedFiles};
 use crate::layers::{self, Layer};
 use crate::truth::{SunShape, TruthTracer};
+use adumbra::ShadowFile;
+use adumbra::file::LEVEL_STEP;
 use adumbra_program::exit::Failure;
 use adumbra_render::layers::{CASCADE_COLORS, LEVEL_COLORS};
 use adumbra_render::voxel::VOXEL_LEVEL_COLORS;
 use adumbra_render::{
     Answer, FrameTimes, Given, Gpu, Prepared, Renderer, SceneOptions, Shot, Stage, TechniqueSpec, build,
 };
-use adumbra_scene::Scene;
+use adumbra_scene::{Camera, Scene};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -149,6 +151,10 @@ fn draw_one(
         }
         _ => None,
     };
+    let file = job.files.light.as_ref();
+    if layer == LayerArg::Level && file.is_none() {
+        return Err(Failure::Usage("--layer level: give the file with --shadow-file".to_owned()).into());
+    }
     let mut indices = Vec::new();
     if let Some((answer, layer, missing)) = asked {
         if technique.technique().sources(answer).is_none() {
@@ -170,8 +176,29 @@ fn draw_one(
         LayerArg::Cascades => layers::tinted(size, &renderer.read_picture()?, indices, &CASCADE_COLORS),
         LayerArg::HrsmLevels => layers::tinted(size, &renderer.read_picture()?, indices, &LEVEL_COLORS),
         LayerArg::VoxelSize => layers::tinted(size, &renderer.read_picture()?, indices, &VOXEL_LEVEL_COLORS),
+        LayerArg::Level => {
+            let depths = renderer.read_surface(&shot)?.view_depth;
+            let camera = Camera { height: shot.camera.height / samples, ..shot.camera };
+            let levels = file.map(|file| levels_of(file, &camera, &depths)).unwrap_or_default();
+            layers::tinted(size, &renderer.read_picture()?, levels, &LEVEL_COLORS)
+        }
     };
     Ok(Drawn { layer: layer.smaller(samples), times, legend })
+}
+
+/// Returns the level of detail that suffices for each pixel: the coarsest whose texels are not larger than the pixel
+/// where its surface is. -1 where there is none.
+fn levels_of(file: &ShadowFile, camera: &Camera, view_depths: &[f32]) -> Vec<f32> {
+    let last = f64::from(file.level_count() - 1);
+    let level = |depth: &f32| {
+        if !depth.is_finite() {
+            return -1.0;
+        }
+        let pixel_world = camera.projection.height_at(f64::from(*depth)) / f64::from(camera.height);
+        let steps = (pixel_world / file.grid.voxel_size).ln() / f64::from(LEVEL_STEP).ln();
+        steps.floor().clamp(0.0, last) as f32
+    };
+    view_depths.iter().map(level).collect()
 }
 
 /// A picture, and the figures that are reported with it.
