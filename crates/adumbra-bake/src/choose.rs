@@ -11,9 +11,9 @@ use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
 use crate::plan::{Placement, Plan, caster_options};
-use crate::sink::{BlockSink, Structure};
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
+use crate::sink::{BlockSink, Structure};
 use crate::triangles::casters::{CasterOptions, SceneClusters, sorting_bytes};
 use crate::yaw::dominant_yaw_radians;
 

@@ -10,9 +10,9 @@ use crate::choose;
 use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::BakeOptions;
-use crate::sink::{BlockSink, Structure};
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
+use crate::sink::{BlockSink, Structure};
 
 /// A forecast of [`crate::bake`]. Ranges are `[likely low, likely high]`.
 #[derive(Clone, Copy, Debug)]

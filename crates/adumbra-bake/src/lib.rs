@@ -100,8 +100,8 @@ pub use bake::{Bake, Written, bake, bake_to};
 pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
 pub use options::{
-    BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS, LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN,
-    MIN_RESOLUTION, Preset, Size, check_bounds,
+    BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS, LOWEST_OBLIQUE_DEGREES,
+    MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
 };
 pub use progress::{Progress, Report, Watch};
 

@@ -198,7 +198,11 @@ impl LevelArg {
     pub(crate) fn of(&self, file: &ShadowFile, path: &Path) -> Result<ShadowFile, Failure> {
         file.level(self.level).ok_or_else(|| {
             let last = file.level_count() - 1;
-            Failure::Usage(format!("--level {}: the levels of {} are 0 to {last}", self.level, path.display()))
+            Failure::Usage(format!(
+                "--level {}: the levels of {} are 0 to {last}",
+                self.level,
+                path.display()
+            ))
         })
     }
 }

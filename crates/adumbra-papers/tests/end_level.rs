@@ -96,7 +96,8 @@ fn look_ups_in_depths_end_in_columns_that_switch_together() {
         let block = |level: u32| {
             let range = |c: u32, n: u32| (c >> level << level)..((c >> level << level) + (1 << level)).min(n);
             let value = columns.value(i, j);
-            range(j, columns.size()[1]).all(|y| range(i, columns.size()[0]).all(|x| columns.value(x, y) == value))
+            range(j, columns.size()[1])
+                .all(|y| range(i, columns.size()[0]).all(|x| columns.value(x, y) == value))
         };
         assert!(level == 0 || block(level), "{voxel:?}: {level}");
         assert!(level > 0 || !block(3), "{voxel:?}");

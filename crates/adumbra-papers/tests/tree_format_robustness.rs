@@ -341,7 +341,8 @@ fn tree_header_that_promises_too_much_costs_no_memory() {
     bytes[272..][..8].copy_from_slice(&((4_u64 << 31) + 320).to_le_bytes());
     bytes[0] = b'@';
     let error = exercise(&LAYOUT.interpret(&bytes)).unwrap_err();
-    let is_body = matches!(&error, TreeFileError::Format(FormatError::Truncated { what, .. }) if what == "body");
+    let is_body =
+        matches!(&error, TreeFileError::Format(FormatError::Truncated { what, .. }) if what == "body");
     assert!(is_body, "{error}");
     assert_eq!(TREE_HEADER_BYTES, 320);
 }

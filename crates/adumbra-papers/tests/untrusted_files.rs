@@ -109,7 +109,8 @@ fn one_shape([across, down]: [u32; 2], base: impl Fn(u32) -> u32) -> DepthTree {
         halves.extend([0xffff, 0, 0]);
         halves.extend([below; 16]);
     }
-    let common = halves.chunks(2).map(|h| u32::from(h[0]) | u32::from(*h.get(1).unwrap_or(&0)) << 16).collect();
+    let common =
+        halves.chunks(2).map(|h| u32::from(h[0]) | u32::from(*h.get(1).unwrap_or(&0)) << 16).collect();
     let page = |i| PageParts { root: root.into(), base: base(i), words: Vec::new() };
     let size = [across << PAGE_LEVEL, down << PAGE_LEVEL, 512];
     TreeParts { size, common, pages: (0..across * down).map(page).collect() }.tree().unwrap()

@@ -312,7 +312,8 @@ fn file_that_cannot_be_read_is_not_written() {
     grids[2].corner[1] = f64::INFINITY;
     let mut settings = file.settings;
     settings.resolution = 0;
-    let level_of_one_size = ShadowFile::new(file.grid, file.settings, tree()).with_coarser([(file.grid, tree())]);
+    let level_of_one_size =
+        ShadowFile::new(file.grid, file.settings, tree()).with_coarser([(file.grid, tree())]);
     let wrong = grids.map(|grid| ShadowFile::new(grid, file.settings, tree()));
     let all = wrong.into_iter().chain([ShadowFile::new(file.grid, settings, tree()), level_of_one_size]);
     for (i, wrong) in all.enumerate() {

@@ -133,9 +133,8 @@ fn build_level(
         (watch.progress)(Progress { done_tiles: before + p.done_tiles, total_tiles, ..p });
     };
     let plan = choice.plan(scene, options, level)?;
-    let sink = |plan: &Plan<'_>| {
-        DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, true, &plan.spill)
-    };
+    let sink =
+        |plan: &Plan<'_>| DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, true, &plan.spill);
     build_planned(&plan, options, Watch::new(&progress, watch.cancel), sink)
 }
 

@@ -176,8 +176,9 @@ impl Shared {
 
     /// Writes the shapes, those with the most pointers for their length first, each after what it leads to.
     fn lay_out(&self) -> Result<Common, OutOfReach> {
-        let mut order: Vec<u32> =
-            (0..self.found.len() as u32).filter(|&i| self.found[i as usize].content.get().is_some()).collect();
+        let mut order: Vec<u32> = (0..self.found.len() as u32)
+            .filter(|&i| self.found[i as usize].content.get().is_some())
+            .collect();
         order.sort_by_cached_key(|&index| {
             let found = &self.found[index as usize];
             let (level, length) =

@@ -82,9 +82,9 @@ impl Shapes {
             let place = match (in_common(index), *shape) {
                 (Some(at), _) => Place::Common(at),
                 (None, Shape::Leaf { first, length }) => Place::Here(writer.leaf(self.leaf(first, length))),
-                (None, Shape::Node { children, .. }) => {
-                    Place::Here(writer.node(&placed(self.children(children), |child| places[child as usize]))?)
-                }
+                (None, Shape::Node { children, .. }) => Place::Here(
+                    writer.node(&placed(self.children(children), |child| places[child as usize]))?,
+                ),
             };
             places.push(place);
         }

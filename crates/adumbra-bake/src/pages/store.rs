@@ -143,7 +143,10 @@ struct Stored {
 
 enum Words {
     Here(Arc<[u32]>),
-    OnDisk { offset: u64, count: u32 },
+    OnDisk {
+        offset: u64,
+        count: u32,
+    },
     /// The page was lost, or is not needed any more.
     Gone,
 }

@@ -457,7 +457,9 @@ fn wide_differences_are_beside_far_addresses_of_the_common_section() {
     let found = Meanings::of(&tree);
     let wide: Vec<&Pointer> = found.pointers.iter().filter(|pointer| pointer.is_wide()).collect();
     assert_eq!(wide.len(), 4);
-    assert!(wide.iter().all(|pointer| pointer.back.is_none() && pointer.at == wide[0].at && pointer.is_far()));
+    assert!(
+        wide.iter().all(|pointer| pointer.back.is_none() && pointer.at == wide[0].at && pointer.is_far())
+    );
     assert!(found.shapes.iter().all(|shape| shape.pages.len() == 1 || shape.pages.len() == 4));
 }
 

@@ -267,8 +267,8 @@ impl DepthsSink {
             return block.unwrap_or(DepthsBlock(Parts::One(Undecided::free())));
         }
         let half = 1 << (level - 1 - self.level);
-        let quarters = [0, 1, 2, 3]
-            .map(|q| self.joined(blocks, level - 1, [x + (q >> 1) * half, y + (q & 1) * half]));
+        let quarters =
+            [0, 1, 2, 3].map(|q| self.joined(blocks, level - 1, [x + (q >> 1) * half, y + (q & 1) * half]));
         self.join(level, quarters)
     }
 

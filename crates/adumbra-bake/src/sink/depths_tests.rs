@@ -159,7 +159,7 @@ proptest! {
         for (at, word, part) in changes {
             let page = at.get_mut(&mut parts.pages);
             match part {
-                0 => page.root = IN_PAGE | word % 9000,
+                0 => page.root = IN_PAGE | (word % 9000),
                 1 => page.base = word % 9000,
                 _ if page.words.is_empty() => {}
                 _ => *at.get_mut(&mut page.words) ^= 1 << (word & 31),

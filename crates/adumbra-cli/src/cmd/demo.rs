@@ -172,7 +172,11 @@ fn write_report(
         ("bake", format!("{bake_seconds:.1} s on {} threads", rayon::current_num_threads())),
         (
             "file",
-            format!("{}, {:.3} bits per texel", format_bytes(file_bytes), bits_per_texel(&file.grid, file_bytes)),
+            format!(
+                "{}, {:.3} bits per texel",
+                format_bytes(file_bytes),
+                bits_per_texel(&file.grid, file_bytes)
+            ),
         ),
         ("points compared with rays", v.samples.to_string()),
         ("interior agreement", format!("{:.4} %", 100.0 * v.interior_agreement)),

@@ -122,7 +122,8 @@ fn levels(contents: &Contents, file: &ShadowFile) -> Vec<LevelInfo> {
             table_bytes: (BUNDLE_ENTRY_BYTES * table.len()) as u64,
             common_bytes: entry.common.length,
             bundle_bytes: entry.bundles.length,
-            raw_bytes: entry.common_raw_bytes + table.iter().map(|bundle| u64::from(bundle.raw_bytes)).sum::<u64>(),
+            raw_bytes: entry.common_raw_bytes
+                + table.iter().map(|bundle| u64::from(bundle.raw_bytes)).sum::<u64>(),
             resident_bytes: level.tree.bytes(),
             root_level: level.tree.root_level(),
             nodes: census.nodes,

@@ -80,8 +80,7 @@ impl Leaf {
         let bits = differences.iter().fold(0, |bits, difference| bits | difference);
         let width = u32::from(bits > 0xff) + u32::from(bits > 0xffff);
         let never = if self.never { LEAF_NEVER } else { 0 };
-        buffer[0] =
-            (self.last | never | width << LEAF_WIDTH | if slanted { LEAF_SLANTED } else { 0 }) as u16;
+        buffer[0] = (self.last | never | width << LEAF_WIDTH | if slanted { LEAF_SLANTED } else { 0 }) as u16;
         buffer[1] = self.slant as u16;
         let mut at = 1 + usize::from(slanted);
         match width {

@@ -33,7 +33,7 @@ impl<C: Coder> Walk<'_, C> {
         let head = coder.symbol(&mut model.head[look(facing[0]) * 6 + look(facing[1])], head);
         let (last, flags) = match head {
             0 => (0, 2),
-            1..FROM_4 => ((head + 3) / 4, (head - 1) & 3),
+            1..FROM_4 => (head.div_ceil(4), (head - 1) & 3),
             _ => {
                 let (many, first) = if head == FROM_4 { (0, 4) } else { (1, 8) };
                 let more = coder.symbol(&mut model.last[many], leaf.last.wrapping_sub(first).min(15));

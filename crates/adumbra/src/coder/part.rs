@@ -4,8 +4,8 @@ use super::rans::{Decoder, Encoder};
 use super::shapes::{Child, Common, Layout, NEVER_CHILD, Pool, Reader, Shapes};
 use super::walk::Walk;
 use super::{Fault, LARGEST_RATIO};
-use crate::layout::depths::page::{BUNDLE_PAGES, Page};
 use crate::layout::depths::NEVER;
+use crate::layout::depths::page::{BUNDLE_PAGES, Page};
 
 /// Number of words of a bundle before those of its pages.
 const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;

@@ -104,7 +104,7 @@ impl Symbol {
     #[inline(always)]
     pub(super) fn interval(&self, symbol: u32) -> [u32; 2] {
         let start = self.starts[symbol as usize & 15] as u32;
-        let next = self.starts[symbol as usize + 1 & 15] as u32;
+        let next = self.starts[(symbol as usize + 1) & 15] as u32;
         [start, if symbol == 15 { 1 << SYMBOL_SCALE } else { next } - start]
     }
 
@@ -149,7 +149,12 @@ impl<'b> Decoder<'b> {
     /// Begins to read.
     pub(super) fn new(bytes: &'b [u8]) -> Self {
         let mut decoder = Self { bytes, at: 0, states: [0; 2] };
-        decoder.states = [0, 1].map(|_| decoder.next() | decoder.next() << 16);
+        let mut half = || {
+            let half = decoder.peek();
+            decoder.at += 2;
+            half
+        };
+        decoder.states = [0, 1].map(|_| half() | half() << 16);
         decoder
     }
 
@@ -167,18 +172,13 @@ impl<'b> Decoder<'b> {
         }
     }
 
-    fn next(&mut self) -> u32 {
-        self.at += 2;
-        u32::from(self.bytes.get(self.at - 2).copied().unwrap_or(0)) | u32::from(self.bytes.get(self.at - 1).copied().unwrap_or(0)) << 8
-    }
-
+    /// Sets the state of the step that ends. Without a branch, which would often be mispredicted.
     #[inline(always)]
-    fn advance(&mut self, mut state: u32) {
+    fn advance(&mut self, state: u32) {
         let half = self.peek();
         let is_small = state < LEAST_STATE;
-        state = if is_small { state << 16 | half } else { state };
         self.at += 2 * usize::from(is_small);
-        self.states = [self.states[1], state];
+        self.states = [self.states[1], if is_small { state << 16 | half } else { state }];
     }
 }
 
@@ -245,7 +245,7 @@ impl Encoder {
                 halves.push(*state as u16);
                 *state >>= 16;
             }
-            *state = (*state / frequency << scale) + *state % frequency + u32::from(start);
+            *state = ((*state / frequency) << scale) + *state % frequency + u32::from(start);
         }
         let initial = states.map(|state| [state as u16, (state >> 16) as u16]);
         initial.iter().flatten().chain(halves.iter().rev()).flat_map(|half| half.to_le_bytes()).collect()

@@ -7,10 +7,10 @@ use std::collections::HashMap;
 
 use super::Fault;
 use super::contour::{Leaf, Outline};
+pub(super) use crate::layout::depths::UNIFORM;
 use crate::layout::depths::code::{self, Code, LeafHead};
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
 use crate::layout::depths::write::{Place, PlacedChild, Writer};
-pub(super) use crate::layout::depths::UNIFORM;
 use crate::layout::depths::{LEAF_LEVEL, NODE_LEVELS, ShapePlace};
 
 /// Stands for the shape of a child if no column of the child switches.
@@ -315,11 +315,8 @@ impl<'c> Reader<'c> {
         if let Some(&known) = self.indices.get(&place) {
             return Ok(known);
         }
-        let index = if place.level == LEAF_LEVEL {
-            self.leaf(code, place.at)?
-        } else {
-            self.node(code, place)?
-        };
+        let index =
+            if place.level == LEAF_LEVEL { self.leaf(code, place.at)? } else { self.node(code, place)? };
         self.indices.insert(place, index);
         Ok(index)
     }

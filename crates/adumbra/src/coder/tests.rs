@@ -87,8 +87,11 @@ impl<'c> Builder<'c> {
                     Child { shape: known[self.random.below(known.len() as u32) as usize], delta }
                 }
                 _ => {
-                    let shape =
-                        if level == 5 { self.leaf() } else { self.random_node(level - 2, &mut Vec::new(), wide) };
+                    let shape = if level == 5 {
+                        self.leaf()
+                    } else {
+                        self.random_node(level - 2, &mut Vec::new(), wide)
+                    };
                     known.push(shape);
                     Child { shape, delta }
                 }
@@ -259,7 +262,7 @@ fn page_that_is_not_written_in_order_is_not_coded() {
     assert_eq!(with([&words[..], &[0]].concat(), root), Err(Fault));
     assert_eq!(with([&[0], &words[..]].concat(), root + 2), Err(Fault));
     // Words of a uniform page, and of one whose root is in the common section.
-    assert_eq!(with(words.clone(), UNIFORM), Err(Fault));
+    assert_eq!(with(words, UNIFORM), Err(Fault));
     assert_eq!(with(Vec::new(), 0), Err(Fault));
     assert_eq!(root & IN_PAGE, IN_PAGE);
 }

@@ -71,10 +71,7 @@ impl<'s, C: Coder> Walk<'s, C> {
 
     /// Codes the roots of pages, whose `delta` is the page's base. Each is a child whose parent has the base of the page
     /// before it.
-    pub(super) fn pages(
-        &mut self,
-        sources: [Child; BUNDLE_PAGES],
-    ) -> Result<[Child; BUNDLE_PAGES], Fault> {
+    pub(super) fn pages(&mut self, sources: [Child; BUNDLE_PAGES]) -> Result<[Child; BUNDLE_PAGES], Fault> {
         let mut roots = sources;
         let mut base = 0_u32;
         let side = BUNDLE_SIDE as usize;

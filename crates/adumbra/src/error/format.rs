@@ -126,7 +126,9 @@ pub enum FormatError {
         section: String,
     },
     /// A part is not stored as bakes store it, so a decoder would not restore it. Nothing was lost: it can be stored raw.
-    #[error("the {section} is not written as this program does, so it cannot be coded; keep it raw, or bake it again")]
+    #[error(
+        "the {section} is not written as this program does, so it cannot be coded; keep it raw, or bake it again"
+    )]
     Uncodable {
         /// The common section or the bundle.
         section: String,

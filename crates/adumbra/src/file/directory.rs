@@ -9,7 +9,9 @@ use crate::coder::LARGEST_RATIO;
 use crate::error::FormatError;
 use crate::file::HEADER_BYTES;
 use crate::file::common::is_plausible;
-use crate::file::fields::{Decoder, Encoder, UNIT_TOLERANCE, check_finite, check_voxel_size, field, reserved, sun};
+use crate::file::fields::{
+    Decoder, Encoder, UNIT_TOLERANCE, check_finite, check_voxel_size, field, reserved, sun,
+};
 use crate::file::sections::{Section, bounds};
 use crate::file::table::BUNDLE_ENTRY_BYTES;
 use crate::grid::vec3::{cross, dot};

@@ -121,7 +121,11 @@ impl Part<'_> {
         if sum != grid.bundles.length {
             let section = format!("table of level {level}");
             let found = format!("bundles of {sum} bytes in all");
-            return Err(FormatError::Bundle { section, found, expected: "the directory's length of all bundles" });
+            return Err(FormatError::Bundle {
+                section,
+                found,
+                expected: "the directory's length of all bundles",
+            });
         }
         Ok(entries)
     }

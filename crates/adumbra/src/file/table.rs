@@ -65,7 +65,9 @@ impl BundleEntry {
             return Ok(entry);
         }
         let expected = match at_rest {
-            AtRest::Raw => "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on",
+            AtRest::Raw => {
+                "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on"
+            }
             AtRest::Coded => {
                 "no bytes and one depth, or whole words of raw bytes, from 192 to 4096 times the stored ones"
             }

@@ -93,15 +93,9 @@ impl<W: Write + Seek> FileWriter<W> {
     /// # Errors
     /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if settings or grids are not
     /// valid. Nothing has been written then.
-    pub fn new(
-        mut out: W,
-        settings: FileSettings,
-        grids: &[LightGrid],
-        at_rest: AtRest,
-    ) -> io::Result<Self> {
+    pub fn new(mut out: W, settings: FileSettings, grids: &[LightGrid], at_rest: AtRest) -> io::Result<Self> {
         let none = Section::default();
-        let entry =
-            |&grid| GridEntry { grid, table: none, common: none, common_raw_bytes: 0, bundles: none };
+        let entry = |&grid| GridEntry { grid, table: none, common: none, common_raw_bytes: 0, bundles: none };
         let grids: Vec<GridEntry> = grids.iter().map(entry).collect();
         let count = grids.len() as u32;
         let header = Header { settings, at_rest, grids: count, directory_checksum: 0, file_bytes: 0 };
@@ -142,17 +136,14 @@ impl<W: Write + Seek> FileWriter<W> {
 
     fn write_level(&mut self, tree: &DepthTree) -> io::Result<()> {
         let words = tree.common().to_vec();
-        let common =
-            CommonSection::new(words, || tree.common_shapes(), self.at_rest).map_err(invalid)?;
+        let common = CommonSection::new(words, || tree.common_shapes(), self.at_rest).map_err(invalid)?;
         self.common(&common)?;
         let dims = page_dims(tree.size());
         let stored = |&at: &[u32; 2]| {
             StoredBundle::new(at, dims, &tree.bundle(at), &mut Ranges::new(common.words()), &common)
         };
         for some in bundles(dims).chunks(BUNDLES_AT_A_TIME) {
-            each(some, stored)
-                .into_iter()
-                .try_for_each(|stored| self.bundle(&stored.map_err(invalid)?))?;
+            each(some, stored).into_iter().try_for_each(|stored| self.bundle(&stored.map_err(invalid)?))?;
         }
         Ok(())
     }

@@ -124,7 +124,8 @@ impl LookUpTexture {
     pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
         let Parameters { grid, root_count, root_level, code_offset, penumbra, .. } = self.parameters;
         change(&mut self.parameters);
-        self.parameters = Parameters { grid, root_count, root_level, code_offset, penumbra, ..self.parameters };
+        self.parameters =
+            Parameters { grid, root_count, root_level, code_offset, penumbra, ..self.parameters };
         self.write_parameters();
     }
 

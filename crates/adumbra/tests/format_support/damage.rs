@@ -6,8 +6,7 @@ const GRID: usize = 256;
 const ROW: usize = 24;
 
 /// Words that have a special meaning somewhere in a file.
-const VALUES: [u32; 10] =
-    [0, 1, 0x0041, 0x5555, 0x8000, 0x8003, 0xAAAA, 0xFFFF, 0x8000_0000, u32::MAX];
+const VALUES: [u32; 10] = [0, 1, 0x0041, 0x5555, 0x8000, 0x8003, 0xAAAA, 0xFFFF, 0x8000_0000, u32::MAX];
 
 /// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is the file as it
 /// is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are repaired.
@@ -45,7 +44,9 @@ fn repair(bytes: &mut [u8]) {
     }
     let levels = (u32_at(bytes, 24) as usize).min((bytes.len() - HEADER) / GRID);
     for level in 0..levels {
-        if let (Some([table, length]), Some([mut at, _])) = (section(bytes, level, 0), section(bytes, level, 2)) {
+        if let (Some([table, length]), Some([mut at, _])) =
+            (section(bytes, level, 0), section(bytes, level, 2))
+        {
             for row in (table..table + length / ROW * ROW).step_by(ROW) {
                 let stored = u32_at(bytes, row) as usize;
                 let Some(bundle) = at.checked_add(stored).and_then(|end| bytes.get(at..end)) else { break };

@@ -101,7 +101,8 @@ pub(crate) fn voxel(file: &[u8], level_of_detail: u64, [x, y, z]: [u32; 3]) -> u
         // The bits of a child, high first, as one number.
         let form = |c: u32| 4 * (half(at + 1) >> c & 1) + 2 * (half(at) >> c & 1) + (half(at + 2) >> c & 1);
         let field = at + 3 + (0..child).map(|c| [0, 0, 1, 1, 1, 2, 3][form(c) as usize]).sum::<u32>();
-        let near = |h: u32| if half(h) < 32768 { (half(h), false) } else { (at - (half(h) - 32768), in_page) };
+        let near =
+            |h: u32| if half(h) < 32768 { (half(h), false) } else { (at - (half(h) - 32768), in_page) };
         // A half-word of 32768 or more represents its value less 65536.
         let moved = |h: u32| base.wrapping_add(half(h)).wrapping_sub(if half(h) < 32768 { 0 } else { 65536 });
         let none = (NONE, false);

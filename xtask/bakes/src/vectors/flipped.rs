@@ -65,6 +65,5 @@ pub(super) fn flipped(
 /// there is no such bit.
 fn with_bit_flipped(valid: &impl Flip, is_wanted: impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
     let bits = (valid.first()..valid.bytes().len()).flat_map(|at| (0..8).map(move |bit| (at, bit)));
-    bits.map(|(at, bit)| valid.flipped(at, bit))
-        .find(|bytes| is_wanted(bytes))
+    bits.map(|(at, bit)| valid.flipped(at, bit)).find(|bytes| is_wanted(bytes))
 }

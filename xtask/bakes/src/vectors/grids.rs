@@ -190,7 +190,13 @@ pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
     let towers = |x: u32, y: u32, z: u32| {
         let [i, j] = [x % 64, y % 64];
         let is_tower = (10..40).contains(&i) && (20..30).contains(&j) && x / 64 != 3;
-        z < if is_tower { 7 + j % 3 } else if y >= 1900 { 20 + x % 11 } else { 40 }
+        z < if is_tower {
+            7 + j % 3
+        } else if y >= 1900 {
+            20 + x % 11
+        } else {
+            40
+        }
     };
     let many = Grid::new(
         "many_pages",
@@ -199,10 +205,12 @@ pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
         9,
         towers,
     );
-    let hill = |step: u32| move |x: u32, y: u32, z: u32| {
-        let [x, y, z] = [x, y, z].map(|c| c * step);
-        let bump = (x % 256) * (255 - x % 256) / 1024 + (y % 256) * (255 - y % 256) / 1024;
-        z < 60 - bump.min(50)
+    let hill = |step: u32| {
+        move |x: u32, y: u32, z: u32| {
+            let [x, y, z] = [x, y, z].map(|c| c * step);
+            let bump = (x % 256) * (255 - x % 256) / 1024 + (y % 256) * (255 - y % 256) / 1024;
+            z < 60 - bump.min(50)
+        }
     };
     let levels = [1, 4, 16].map(|step: u32| {
         let size = [576, 530, 64].map(|n: u32| n.div_ceil(step));

@@ -37,7 +37,8 @@ const ALSO_CODED: [&str; 2] = ["many_pages", "levels"];
 
 /// Returns the vectors whose columns are lit and then shadowed, and those that only a quadtree can be made of.
 pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>, Box<dyn Error>> {
-    let small = known.iter().filter(|known| known.is_monotone()).map(|known| std::slice::from_ref(&known.grid));
+    let small =
+        known.iter().filter(|known| known.is_monotone()).map(|known| std::slice::from_ref(&known.grid));
     let raw = small.chain(large.iter().map(Vec::as_slice)).map(|levels| vector(levels, AtRest::Raw));
     let is_coded = |levels: &&Vec<Grid>| ALSO_CODED.contains(&levels[0].name);
     let coded = large.iter().filter(is_coded).map(|levels| vector(levels, AtRest::Coded));
@@ -126,7 +127,12 @@ fn headers(small: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
     let grid = |at: usize| 256 + at;
     add("cut_in_directory", "Truncated", "directory", s().cut(300).0);
     add("directory_damaged", "SectionChecksum", "directory", s().put_word(grid(4), 9).0);
-    add("more_grids_than_there_are", "Truncated", "directory", s().put_word(24, 8).put_word(136, 5000).sealed_header());
+    add(
+        "more_grids_than_there_are",
+        "Truncated",
+        "directory",
+        s().put_word(24, 8).put_word(136, 5000).sealed_header(),
+    );
     add("size_0", "HeaderField", "size", s().put_word(grid(4), 0).sealed());
     add("level_of_first", "HeaderField", "level", s().put_word(grid(12), 1).sealed());
     add("level_twice", "HeaderField", "level", l().put_word(512 + 12, 0).sealed());
@@ -160,7 +166,12 @@ fn parts(small: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<B
     add("table_offset", "SectionBounds", "table", s().put_word(grid(160), 0).sealed_front());
     add("table_length", "SectionBounds", "table", s().put_word(grid(168), 48).sealed_front());
     add("common_offset", "SectionBounds", "common section", s().put_word(grid(184), 384).sealed_front());
-    add("common_far_away", "SectionBounds", "common section", s().put_word(grid(188), 0x7FFF_FFFF).sealed_front());
+    add(
+        "common_far_away",
+        "SectionBounds",
+        "common section",
+        s().put_word(grid(188), 0x7FFF_FFFF).sealed_front(),
+    );
     add("bundles_offset", "SectionBounds", "bundles", s().put_word(grid(208), 512).sealed_front());
     add("bundles_huge", "HeaderField", "file_bytes", s().put_word(grid(220), 0x1000_0000).sealed_front());
     add("size_of_another", "SectionBounds", "table", s().put_word(grid(0), 8192).sealed_front());
@@ -178,7 +189,12 @@ fn parts(small: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<B
     add("bundles_swapped", "SectionChecksum", "bundle 0 of level 0", m().swapped(0, 0, 1));
     let table = many.table(0);
     add("bundle_of_no_bytes", "Bundle", "bundle 0 of level 0", m().put_word(table, 0).sealed_front());
-    add("bundle_short", "Bundle", "bundle 0 of level 0", m().put_word(table, 100).put_word(table + 4, 100).sealed_front());
+    add(
+        "bundle_short",
+        "Bundle",
+        "bundle 0 of level 0",
+        m().put_word(table, 100).put_word(table + 4, 100).sealed_front(),
+    );
     add("bundle_raw_length", "Bundle", "bundle 0 of level 0", m().put_word(table + 4, 4).sealed_front());
     add("bundle_longer_than_all", "Bundle", "table of level 0", {
         let longer = many.word(table) + 400;
@@ -187,14 +203,24 @@ fn parts(small: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<B
     add("table_flags", "HeaderField", "reserved", m().put_word(table + 20, 2).sealed());
     let bundle = many.bundle(0, 0);
     let words = many.word(bundle + 8);
-    add("page_longer_than_its_bundle", "Bundle", "words of pages", m().put_word(bundle + 8, words + 1).sealed());
+    add(
+        "page_longer_than_its_bundle",
+        "Bundle",
+        "words of pages",
+        m().put_word(bundle + 8, words + 1).sealed(),
+    );
     add("page_outside_the_grid", "Bundle", "outside the grid", {
         // The last slot of the last bundle.
         let last = many.bundle(0, many.bundles(0) - 1);
         m().put_word(last + 4 * 46, 5).sealed()
     });
     add("range_of_depths", "Bundle", "range of depths", m().put_word(table + 12, 0).sealed());
-    add("range_of_another", "Bundle", "range of depths", m().put_word(table + 20, 1 - many.word(table + 20)).sealed());
+    add(
+        "range_of_another",
+        "Bundle",
+        "range of depths",
+        m().put_word(table + 20, 1 - many.word(table + 20)).sealed(),
+    );
     add("bytes_for_nothing", "Bundle", "one depth", s().uniform_with_bytes());
     all
 }
@@ -209,7 +235,12 @@ fn coded_parts(raw: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> V
 
     let (common, last) = (many.stored_common(0), many.last_bundle());
     let some = |bytes: &[u8], length: usize| bytes[..length].to_vec();
-    add("common_raw_length", "SectionBounds", "raw length", raw.clone().put_word(grid(232), 4).sealed_front());
+    add(
+        "common_raw_length",
+        "SectionBounds",
+        "raw length",
+        raw.clone().put_word(grid(232), 4).sealed_front(),
+    );
     add("coded_common_raw_length_huge", "SectionBounds", "raw length", {
         let most = 4096 * common.len() as u32;
         m().put_word(grid(232), most + 4).sealed_front()
@@ -232,8 +263,18 @@ fn coded_parts(raw: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> V
         let length = many.word(table + 4);
         m().put_word(table + 4, length - 4).sealed_front()
     });
-    add("coded_bundle_cut", "Coded", "bundle 3 of level 0", m().with_last_bundle(&some(&last, last.len() - 2)).sealed());
-    add("coded_bundle_goes_on", "Coded", "bundle 3 of level 0", m().with_last_bundle(&[&last[..], &[0]].concat()).sealed());
+    add(
+        "coded_bundle_cut",
+        "Coded",
+        "bundle 3 of level 0",
+        m().with_last_bundle(&some(&last, last.len() - 2)).sealed(),
+    );
+    add(
+        "coded_bundle_goes_on",
+        "Coded",
+        "bundle 3 of level 0",
+        m().with_last_bundle(&[&last[..], &[0]].concat()).sealed(),
+    );
     add("coded_bundle_of_another_place", "Coded", "bundle 3 of level 0", {
         let first = many.bundle(0, 0);
         let other = &many.0[first..first + many.word(table) as usize];

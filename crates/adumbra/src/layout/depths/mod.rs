@@ -200,8 +200,7 @@ impl DepthTree {
 
     /// Returns the page at this place along x and y, as it is in a file.
     pub fn page(&self, [x, y]: [u32; 2]) -> Page<'_> {
-        let PlacedPage { root, base, first_word, words } =
-            self.places[(y * self.page_dims[0] + x) as usize];
+        let PlacedPage { root, base, first_word, words } = self.places[(y * self.page_dims[0] + x) as usize];
         Page { root, base, words: &self.code[first_word..][..words] }
     }
 

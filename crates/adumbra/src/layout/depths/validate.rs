@@ -211,12 +211,7 @@ impl<'c> Walk<'c> {
         }
     }
 
-    fn node(
-        &mut self,
-        mut common: Option<&mut Walk<'_>>,
-        at: u32,
-        level: u32,
-    ) -> Result<(), DepthsError> {
+    fn node(&mut self, mut common: Option<&mut Walk<'_>>, at: u32, level: u32) -> Result<(), DepthsError> {
         self.ends_within(at, 3, level)?;
         let [low, high, kind] = [0, 1, 2].map(|h| self.code.half(at + h));
         if low & high & kind != 0 {

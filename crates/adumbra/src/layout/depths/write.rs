@@ -30,7 +30,9 @@ pub enum PlacedChild {
 
 /// A shape or a difference is out of reach of the longest pointer. Bakes are limited so that none is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a part of the quadtree is too large: a distance above 2^25 half-words, or a difference of depths above 2^21")]
+#[error(
+    "a part of the quadtree is too large: a distance above 2^25 half-words, or a difference of depths above 2^21"
+)]
 pub struct OutOfReach;
 
 /// Writes the shapes of a page, or of the common section.
