@@ -7,11 +7,11 @@ use std::f64::consts::PI;
 
 use crate::coder::LARGEST_RATIO;
 use crate::error::FormatError;
-use crate::file::HEADER_BYTES;
 use crate::file::common::is_plausible;
 use crate::file::fields::{
     Decoder, Encoder, UNIT_TOLERANCE, check_finite, check_voxel_size, field, reserved, sun,
 };
+use crate::file::header::{GRID_BYTES, HEADER_BYTES, directory_bytes};
 use crate::file::sections::{Section, bounds};
 use crate::file::table::BUNDLE_ENTRY_BYTES;
 use crate::grid::vec3::{cross, dot};
@@ -19,8 +19,6 @@ use crate::grid::{Frame, LightGrid};
 use crate::layout::depths::page::{bundle_count, page_dims};
 use crate::settings::AtRest;
 
-/// Size of a directory entry in bytes.
-pub const GRID_BYTES: usize = 256;
 /// A level has voxels this many times as large as those of the level before it.
 pub const LEVEL_STEP: u32 = 4;
 
@@ -89,11 +87,6 @@ impl GridEntry {
         let grid = LightGrid { sun, frame, voxel_size, corner, axes, edges, size };
         Ok(Self { grid, table, common, common_raw_bytes, bundles })
     }
-}
-
-/// Returns the length in bytes of a directory of this many grids.
-pub(super) fn directory_bytes(grids: u32) -> usize {
-    grids as usize * GRID_BYTES
 }
 
 /// Reads and checks a directory. `file_bytes` and `at_rest` are the header's.

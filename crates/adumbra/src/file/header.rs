@@ -2,7 +2,6 @@
 //! are read and written here in file order.
 
 use crate::error::FormatError;
-use crate::file::directory::directory_bytes;
 use crate::file::fields::{Encoder, LIGHT, bounds, check_bounds, check_finite, field, identify};
 use crate::grid::Bounds;
 use crate::settings::{AtRest, Bias, FileSettings, Receivers};
@@ -13,6 +12,8 @@ pub const MAGIC: [u8; 8] = LIGHT.magic;
 pub const VERSION: u32 = LIGHT.version;
 /// Size of the header in bytes.
 pub const HEADER_BYTES: usize = 256;
+/// Size of an entry of the directory, which follows the header, in bytes.
+pub const GRID_BYTES: usize = 256;
 /// Largest number of levels of a file: each is four times as coarse as the one before it.
 pub const MAX_LEVELS: u32 = 8;
 
@@ -117,6 +118,11 @@ impl Header {
         check_finite("bias", &[bias.constant_texels, bias.slope_texels, bias.normal_offset_texels], bias)?;
         check_bounds(&settings.bounds)
     }
+}
+
+/// Returns the length in bytes of a directory of this many grids.
+pub(super) fn directory_bytes(grids: u32) -> usize {
+    grids as usize * GRID_BYTES
 }
 
 /// Values of the field `at_rest`.

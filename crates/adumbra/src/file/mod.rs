@@ -23,8 +23,8 @@ mod table;
 mod write;
 
 pub use common::CommonSection;
-pub use directory::{GRID_BYTES, GridEntry, LEVEL_STEP};
-pub use header::{HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
+pub use directory::{GridEntry, LEVEL_STEP};
+pub use header::{GRID_BYTES, HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
 pub use table::{BUNDLE_ENTRY_BYTES, BundleEntry, StoredBundle};
 pub use write::FileWriter;
 

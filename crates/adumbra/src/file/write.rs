@@ -4,8 +4,8 @@ use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 
 use crate::error::FormatError;
 use crate::file::common::CommonSection;
-use crate::file::directory::{GridEntry, check_grids, directory_bytes, place, table_bytes};
-use crate::file::header::Header;
+use crate::file::directory::{GridEntry, check_grids, place, table_bytes};
+use crate::file::header::{Header, directory_bytes};
 use crate::file::sections::Section;
 use crate::file::table::{StoredBundle, raw_bytes};
 use crate::file::{HEADER_BYTES, Level, ShadowFile, each};

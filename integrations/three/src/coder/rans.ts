@@ -1,0 +1,159 @@
+// Range asymmetric numeral systems with two states that take turns, and adaptive probabilities. Counterpart of
+// `crates/adumbra/src/coder/rans.rs`, which has the sources.
+//
+// A state has 32 bits. Its lowest bits select a symbol by the interval that they are in. The state then becomes
+// frequency · (state >> scale) + low bits − start of the interval. If it is below 2^16, the next half-word is appended.
+
+/** Logarithm of the sum of a bit's two frequencies, and mask of a number below that sum. */
+const BIT_SCALE = 12;
+const BIT_MASK = 2 ** BIT_SCALE - 1;
+/** The same for symbols. */
+const SYMBOL_SCALE = 15;
+const SYMBOL_MASK = 2 ** SYMBOL_SCALE - 1;
+/** Shift by which the probability of a bit moves towards what was read. */
+const BIT_SHIFT = 4;
+/** Both states are this at the end. */
+const LAST_STATE = 2 ** 16;
+/** 2^15 in both halves of a word. */
+const HALVES = 0x80008000;
+
+/** Shifts by which intervals move towards what was read, by the number of symbols before, at most 31. */
+const SHIFTS = /* @__PURE__ */ Uint8Array.from({ length: 32 }, (_, count) => (count < 2 ? 2 : count < 6 ? 3 : count < 31 ? 4 : 5));
+
+/** The starts that are approached if one symbol alone is read, 8 words by that symbol. Each is 2^15 more. */
+const TARGETS = /* @__PURE__ */ makeTargets();
+
+function makeTargets(): Int32Array {
+  /** The frequency that symbols 0 to 14 approach if they are not read. */
+  const LEAST_FREQUENCY = 48;
+  const targets = Uint16Array.from({ length: 256 }, (_, at) => {
+    const beyond = at % 16 > at >> 4 ? SYMBOL_MASK - 15 * LEAST_FREQUENCY : 0;
+    return 2 ** 15 + LEAST_FREQUENCY * (at % 16) + beyond;
+  });
+  return new Int32Array(targets.buffer);
+}
+
+/**
+ * Reads bits and symbols, each with a probability of its own, which is named by a number. Past the end of the half-words it
+ * reads zeros.
+ */
+export class RansReader {
+  /** Probability that a bit is 1, in 65536ths. */
+  readonly #bits: Uint16Array;
+  /** Where the interval of each of sixteen symbols begins, two in a word. */
+  readonly #starts: Int32Array;
+  /** The same, one by one. */
+  readonly #start: Uint16Array;
+  /** Number of symbols that were read, at most 31. */
+  readonly #counts: Uint8Array;
+  /** The state of the next step, and the other. */
+  readonly #states = new Int32Array(2);
+  #halves = new Uint16Array(0);
+  #at = 0;
+
+  /** Creates a reader for so many probabilities of bits and of symbols. */
+  constructor(bits: number, symbols: number) {
+    this.#bits = new Uint16Array(bits);
+    // One more, since the end of an interval is the start of the next one.
+    this.#starts = new Int32Array(8 * (symbols + 1));
+    this.#start = new Uint16Array(this.#starts.buffer);
+    this.#counts = new Uint8Array(symbols);
+  }
+
+  /** Begins to read half-words. All values are equally likely again. */
+  begin(halves: Uint16Array<ArrayBuffer>): void {
+    this.#bits.fill(2 ** 15);
+    this.#counts.fill(0);
+    for (let symbol = 0; symbol < 16; symbol++) this.#start[symbol] = symbol << (SYMBOL_SCALE - 4);
+    for (let done = 8; done < this.#starts.length; done *= 2) this.#starts.copyWithin(done, 0, done);
+    this.#halves = halves;
+    const half = (at: number): number => (at < halves.length ? halves[at] : 0);
+    this.#states[0] = half(0) | (half(1) << 16);
+    this.#states[1] = half(2) | (half(3) << 16);
+    this.#at = 4;
+  }
+
+  /** Whether more half-words were read than there are. */
+  get isPastEnd(): boolean {
+    return this.#at > this.#halves.length;
+  }
+
+  /** Whether what was read so far is all that was written. */
+  get isAtEnd(): boolean {
+    return this.#at === this.#halves.length && this.#states[0] === LAST_STATE && this.#states[1] === LAST_STATE;
+  }
+
+  /** Sets the state of the step that ends. Without branches on the state, which would often be mispredicted. */
+  #advance(state: number): void {
+    const at = this.#at;
+    const half = at < this.#halves.length ? this.#halves[at] : 0;
+    /** 1 if the state is below 2^16. */
+    const isSmall = ((state >>> 16) - 1) >>> 31;
+    this.#at = at + isSmall;
+    this.#states[0] = this.#states[1];
+    this.#states[1] = (state << (isSmall << 4)) | (half & -isSmall);
+  }
+
+  /** Reads a bit. */
+  bit(model: number): number {
+    const state = this.#states[0];
+    const probability = this.#bits[model];
+    const ones = (probability >>> (16 - BIT_SCALE)) | 1;
+    const value = state & BIT_MASK;
+    if (value < ones) {
+      this.#bits[model] = probability + ((0xffff - probability) >> BIT_SHIFT);
+      this.#advance((Math.imul(ones, state >>> BIT_SCALE) + value) | 0);
+      return 1;
+    }
+    this.#bits[model] = probability + (-probability >> BIT_SHIFT);
+    this.#advance((Math.imul(BIT_MASK + 1 - ones, state >>> BIT_SCALE) + value - ones) | 0);
+    return 0;
+  }
+
+  /** Reads a symbol below 16. */
+  symbol(model: number): number {
+    const start = this.#start;
+    const state = this.#states[0];
+    const value = state & SYMBOL_MASK;
+    // A shift by 31 gives −1 for each start above the value. The first is never above it.
+    let at = 16 * model + 12;
+    at += 4 * (((value - start[at - 8]) >> 31) + ((value - start[at - 4]) >> 31) + ((value - start[at]) >> 31));
+    at += 3 + ((value - start[at + 1]) >> 31) + ((value - start[at + 2]) >> 31) + ((value - start[at + 3]) >> 31);
+    const symbol = at & 15;
+    const from = start[at];
+    // Where the last interval ends there is the 0 of the next model, which stands for 2^15.
+    const frequency = ((start[at + 1] - 1) & SYMBOL_MASK) + 1 - from;
+    this.#adapt(model, symbol);
+    this.#advance((Math.imul(frequency, state >>> SYMBOL_SCALE) + value - from) | 0);
+    return symbol;
+  }
+
+  /** Moves each start towards its target by (target − start) >> shift, rounded down, two at a time. */
+  #adapt(model: number, symbol: number): void {
+    const starts = this.#starts;
+    const count = this.#counts[model];
+    this.#counts[model] = count + ((count - 31) >>> 31);
+    const shift = SHIFTS[count];
+    // Differences are 2^15 more than they are, so that none is negative. Shifted, they are `least` more.
+    const mask = (0xffff >>> shift) * 0x10001;
+    const least = HALVES >>> shift & mask;
+    const first = 8 * model;
+    const target = 8 * symbol;
+    for (let i = 0; i < 8; i++) {
+      const two = starts[first + i];
+      starts[first + i] = two + (((TARGETS[target + i] - two) >>> shift) & mask) - least;
+    }
+  }
+
+  /** Reads a number of `count` bits, all of which are equally likely, as one with a sign. */
+  plain(count: number): number {
+    let number = 0;
+    for (let left = count; left > 0; left -= 16) {
+      const bits = left < 16 ? left : 16;
+      const state = this.#states[0];
+      number = (number << bits) | (state & ((1 << bits) - 1));
+      this.#advance(state >>> bits);
+    }
+    return number;
+  }
+}
