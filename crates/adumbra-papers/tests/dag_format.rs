@@ -176,6 +176,7 @@ fn dag_mutations_are_refused_or_answer_everywhere() {
     assert_faults_found(
         &faults,
         &[
+            "Padding",
             "PointerRange",
             "Order",
             "NotAHeader",

@@ -199,6 +199,7 @@ fn tree_mutations_are_refused_or_answer_everywhere() {
     assert_faults_found(
         &faults,
         &[
+            "Padding",
             "Region",
             "Length",
             "Word",

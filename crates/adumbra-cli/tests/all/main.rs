@@ -2,6 +2,7 @@
 
 mod compare;
 mod compressed;
+mod convert;
 mod device;
 #[cfg(feature = "view")]
 mod display;

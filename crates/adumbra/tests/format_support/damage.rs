@@ -4,6 +4,9 @@
 const HEADER: usize = 256;
 const GRID: usize = 256;
 const ROW: usize = 24;
+/// Offsets of fields of the header.
+const AT_REST: usize = 28;
+const FILE_BYTES: usize = 136;
 
 /// Words that have a special meaning somewhere in a file.
 const VALUES: [u32; 10] = [0, 1, 0x0041, 0x5555, 0x8000, 0x8003, 0xAAAA, 0xFFFF, 0x8000_0000, u32::MAX];
@@ -136,7 +139,7 @@ impl Mutator {
     }
 
     /// Inserts or removes a word of the finest level's first page with words, and lays the file out again, so that only the
-    /// page is wrong.
+    /// page is wrong. In a coded file it is a byte of the first bundle with bytes.
     fn resized(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut out = bytes.to_vec();
         let (Some([table, length]), Some([mut at, _])) = (section(bytes, 0, 0), section(bytes, 0, 2)) else {
@@ -145,6 +148,21 @@ impl Mutator {
         let rows = (table..table + length).step_by(ROW);
         let Some(row) = rows.clone().find(|&row| u32_at(bytes, row) > 0) else { return out };
         at += rows.take_while(|&before| before < row).map(|row| u32_at(bytes, row) as usize).sum::<usize>();
+        if u32_at(bytes, AT_REST) != 0 {
+            let byte = at + self.below(u32_at(bytes, row) as usize);
+            let step = if self.below(2) == 0 {
+                out.insert(byte, self.random() as u8);
+                1
+            } else {
+                out.remove(byte);
+                u32::MAX
+            };
+            for place in [row, HEADER + 216, FILE_BYTES] {
+                put_u32(&mut out, place, u32_at(bytes, place).wrapping_add(step));
+            }
+            repair(&mut out);
+            return out;
+        }
         let Some(slot) = (0..16).find(|slot| u32_at(bytes, at + 12 * slot + 8) > 0) else { return out };
         let words = u32_at(bytes, at + 12 * slot + 8);
         let before: u32 = (0..slot).map(|slot| u32_at(bytes, at + 12 * slot + 8)).sum();
@@ -158,7 +176,7 @@ impl Mutator {
         };
         let mut add = |at: usize, by: u32| put_u32(&mut out, at, u32_at(bytes, at).wrapping_add(by));
         add(at + 12 * slot + 8, step);
-        for place in [row, row + 4, HEADER + 216, 136] {
+        for place in [row, row + 4, HEADER + 216, FILE_BYTES] {
             add(place, step.wrapping_mul(4));
         }
         repair(&mut out);
