@@ -24,7 +24,8 @@ const DESCRIBED: &[Described] = &[
     Described::of::<Verification>("verify", "the comparison with rays"),
     Described::of::<query::Answered>("query", "the look-ups"),
     Described::of::<export::WebExported>("export", "the files that were written"),
-    Described::of::<convert::Converted>("pack", "the file that was written; unpack prints the same"),
+    Described::of::<convert::Converted>("pack", "the coded file that was written"),
+    Described::of::<convert::Converted>("unpack", "the raw file that was written"),
     #[cfg(feature = "render")]
     Described::of::<render::Printed>("render", "the picture, or the list of several"),
     #[cfg(feature = "render")]

@@ -91,7 +91,7 @@ impl Symbol {
     };
 
     /// Intervals stay in order and are never empty: targets are [`LEAST_FREQUENCY`] apart, so a shorter interval grows.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn adapt(&mut self, symbol: u32) {
         let shift = SHIFTS[self.count as usize & 31] & 15;
         self.count += u16::from(self.count < 31);
