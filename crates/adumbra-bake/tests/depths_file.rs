@@ -50,18 +50,20 @@ fn depths_file_that_is_cut_or_changed_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("spheres.adumbra");
     let file = baked(GeneratedKind::Spheres, 64);
-    let bytes = file.to_bytes(AtRest::Raw).unwrap();
     let refused = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
         ShadowFile::read(&path).is_err()
     };
-    for length in 0..bytes.len() {
-        assert!(refused(&bytes[..length]), "{length}");
-    }
-    for at in 0..bytes.len() {
-        let mut changed = bytes.clone();
-        changed[at] ^= 1 << (at & 7);
-        assert!(refused(&changed), "{at}");
+    for at_rest in [AtRest::Raw, AtRest::Coded] {
+        let bytes = file.to_bytes(at_rest).unwrap();
+        for length in 0..bytes.len() {
+            assert!(refused(&bytes[..length]), "{at_rest:?}: {length}");
+        }
+        for at in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1 << (at & 7);
+            assert!(refused(&changed), "{at_rest:?}: {at}");
+        }
     }
 }
 

@@ -48,16 +48,16 @@ async function read(files: readonly File[]): Promise<Read> {
   let found: Read = {};
   for (const file of files) {
     const bytes = await file.arrayBuffer();
-    if (/\.adumbra$/i.test(file.name)) found = { ...found, file: readShadows(file.name, bytes), fileName: file.name };
+    if (/\.adumbra$/i.test(file.name)) found = { ...found, file: await readShadows(file.name, bytes), fileName: file.name };
     else if (/\.glb$/i.test(file.name)) found = { ...found, world: await readScene(file.name, bytes) };
     else throw new Error(`${file.name}: this page takes .glb and .adumbra files`);
   }
   return found;
 }
 
-function readShadows(name: string, bytes: ArrayBuffer): BakedShadowFile {
+async function readShadows(name: string, bytes: ArrayBuffer): Promise<BakedShadowFile> {
   try {
-    return new ShadowFileLoader().parse(bytes);
+    return await new ShadowFileLoader().parseAsync(bytes);
   } catch (error) {
     if (error instanceof ShadowFileError) throw new Error(`${name}: ${error.kind}: ${error.message}`, { cause: error });
     throw error;

@@ -14,7 +14,7 @@ export async function loadPacked(url: string): Promise<BakedShadowFile> {
   const bytes = new Uint8Array(await response.arrayBuffer());
   // Of some servers the browser has unpacked it.
   const isPacked = bytes[0] === 0x1f && bytes[1] === 0x8b;
-  if (!isPacked) return new ShadowFileLoader().parse(bytes);
+  if (!isPacked) return new ShadowFileLoader().parseAsync(bytes);
   const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
-  return new ShadowFileLoader().parse(await new Response(unpacked).arrayBuffer());
+  return new ShadowFileLoader().parseAsync(await new Response(unpacked).arrayBuffer());
 }

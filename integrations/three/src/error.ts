@@ -18,6 +18,7 @@ export type ShadowFileErrorKind =
   | 'HeaderField'
   | 'SectionBounds'
   | 'Bundle'
+  | 'Coded'
   | 'Depths'
   | 'TooLarge'
   | 'Io';

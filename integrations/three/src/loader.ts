@@ -38,6 +38,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     const ofManager = this.manager.abortController?.signal;
     let isOver = false;
     let request: FileLoader<ArrayBuffer>;
+    const parsing = new AbortController();
     const end = (): void => {
       isOver = true;
       this.#aborts.delete(abort);
@@ -49,6 +50,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     };
     const abort = (): void => {
       fail(new DOMException(`the load of ${url} was aborted`, 'AbortError'));
+      parsing.abort();
       // Before 0.179 three goes on with the transfer.
       request.abort?.();
     };
@@ -62,16 +64,21 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
         url,
         (buffer) => {
           if (isOver) return;
-          let file: BakedShadowFile;
-          try {
-            file = this.parse(buffer);
-          } catch (error) {
-            fail(withUrl(error, url));
-            this.manager.itemError(url);
-            return;
-          }
-          end();
-          onLoad(file);
+          // For the manager, the request is over when this returns, but the load is not.
+          this.manager.itemStart(url);
+          this.parseAsync(buffer, parsing.signal)
+            .then(
+              (file) => {
+                end();
+                onLoad(file);
+              },
+              (error: unknown) => {
+                if (isOver) return;
+                fail(withUrl(error, url));
+                this.manager.itemError(url);
+              },
+            )
+            .finally(() => this.manager.itemEnd(url));
         },
         (event) => {
           if (!isOver) onProgress?.(event);
@@ -91,13 +98,24 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
   }
 
   /**
-   * Parses the bytes of a file. It keeps nothing of the buffer.
+   * Parses the bytes of a file at once. It keeps nothing of the buffer.
    *
    * @throws ShadowFileError if the bytes are not exactly one valid file.
    */
   parse(buffer: ArrayBufferLike | Uint8Array): BakedShadowFile {
     const options: ParseOptions = { verify: this.verify };
     return new BakedShadowFile(buffer, options);
+  }
+
+  /**
+   * Parses the bytes of a file in slices of some ten milliseconds, so that the page goes on meanwhile. It keeps nothing of
+   * the buffer.
+   *
+   * @throws ShadowFileError if the bytes are not exactly one valid file.
+   * @throws the reason of `signal`, once it aborts.
+   */
+  parseAsync(buffer: ArrayBufferLike | Uint8Array, signal?: AbortSignal): Promise<BakedShadowFile> {
+    return BakedShadowFile.parseAsync(buffer, { verify: this.verify, ...(signal && { signal }) });
   }
 
   /** Aborts all requests that are under way. The loader can be used again afterwards. */

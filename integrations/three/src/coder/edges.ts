@@ -54,8 +54,10 @@ export class Edges {
 
   #set(x: number, y: number, level: number, depth: number, facing: number): void {
     const side = 1 << level;
-    this.bottom.fill(depth, x, x + side);
-    this.right.fill(depth, y, y + side);
+    for (let i = 0; i < side; i++) {
+      this.bottom[x + i] = depth;
+      this.right[y + i] = depth;
+    }
     const blockX = x >> LEAF_LEVEL;
     const blockY = y >> LEAF_LEVEL;
     for (let i = 0; i < side >> LEAF_LEVEL; i++) {
@@ -87,13 +89,13 @@ export class Edges {
     this.shapeLeft[y >> LEAF_LEVEL] = shape;
   }
 
-  /** Notes a shape that was decoded before. Those from `own` on are in the second list. */
+  /** Notes a shape that was decoded before. */
   shape(x: number, y: number, base: number, shape: number, lists: readonly [common: Shapes, own: Shapes]): void {
     const before = lists[0].length;
     const list = lists[shape < before ? 0 : 1];
     const entry = list.entries[shape < before ? shape : shape - before];
-    const rank = entry % LEVELS;
-    const number = (entry - rank) / LEVELS;
+    const rank = entry & (LEVELS - 1);
+    const number = entry >> 2;
     if (rank === 0) {
       this.leaf(x, y, base, shape, list.facings[number], list.outlines, OUTLINE * number);
       return;

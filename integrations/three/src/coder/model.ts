@@ -88,12 +88,12 @@ export class ModelReader extends RansReader {
     const b = known[1];
     const base = known[5];
     const context =
-      Number(a === b) |
-      (Number(a === known[2]) << 1) |
-      (Number(b === known[3]) << 2) |
-      (Number(a === base) << 3) |
-      (Number(a === NEVER) << 4) |
-      (Number(b === NEVER) << 5);
+      (a === b ? 1 : 0) |
+      ((a === known[2] ? 1 : 0) << 1) |
+      ((b === known[3] ? 1 : 0) << 2) |
+      ((a === base ? 1 : 0) << 3) |
+      ((a === NEVER ? 1 : 0) << 4) |
+      ((b === NEVER ? 1 : 0) << 5);
     const way = this.symbol(WAYS + WAYS_OF_ONE * model + context);
     if (way < 6) return known[way];
     // A distance of 1 to 9 bits, or of 10 and more.

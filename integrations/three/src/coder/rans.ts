@@ -100,14 +100,13 @@ export class RansReader {
     const probability = this.#bits[model];
     const ones = (probability >>> (16 - BIT_SCALE)) | 1;
     const value = state & BIT_MASK;
-    if (value < ones) {
-      this.#bits[model] = probability + ((0xffff - probability) >> BIT_SHIFT);
-      this.#advance((Math.imul(ones, state >>> BIT_SCALE) + value) | 0);
-      return 1;
-    }
-    this.#bits[model] = probability + (-probability >> BIT_SHIFT);
-    this.#advance((Math.imul(BIT_MASK + 1 - ones, state >>> BIT_SCALE) + value - ones) | 0);
-    return 0;
+    /** 1 or 0, and as a mask. */
+    const bit = (value - ones) >>> 31;
+    const isOne = -bit;
+    this.#bits[model] = probability + (((isOne & 0xffff) - probability) >> BIT_SHIFT);
+    const frequency = (ones & isOne) | ((BIT_MASK + 1 - ones) & ~isOne);
+    this.#advance((Math.imul(frequency, state >>> BIT_SCALE) + value - (ones & ~isOne)) | 0);
+    return bit;
   }
 
   /** Reads a symbol below 16. */
@@ -139,10 +138,23 @@ export class RansReader {
     const least = HALVES >>> shift & mask;
     const first = 8 * model;
     const target = 8 * symbol;
-    for (let i = 0; i < 8; i++) {
-      const two = starts[first + i];
-      starts[first + i] = two + (((TARGETS[target + i] - two) >>> shift) & mask) - least;
-    }
+    // Written out, as this is where most of the time goes.
+    const a = starts[first];
+    const b = starts[first + 1];
+    const c = starts[first + 2];
+    const d = starts[first + 3];
+    const e = starts[first + 4];
+    const f = starts[first + 5];
+    const g = starts[first + 6];
+    const h = starts[first + 7];
+    starts[first] = a + (((TARGETS[target] - a) >>> shift) & mask) - least;
+    starts[first + 1] = b + (((TARGETS[target + 1] - b) >>> shift) & mask) - least;
+    starts[first + 2] = c + (((TARGETS[target + 2] - c) >>> shift) & mask) - least;
+    starts[first + 3] = d + (((TARGETS[target + 3] - d) >>> shift) & mask) - least;
+    starts[first + 4] = e + (((TARGETS[target + 4] - e) >>> shift) & mask) - least;
+    starts[first + 5] = f + (((TARGETS[target + 5] - f) >>> shift) & mask) - least;
+    starts[first + 6] = g + (((TARGETS[target + 6] - g) >>> shift) & mask) - least;
+    starts[first + 7] = h + (((TARGETS[target + 7] - h) >>> shift) & mask) - least;
   }
 
   /** Reads a number of `count` bits, all of which are equally likely, as one with a sign. */

@@ -27,7 +27,7 @@ export class Shapes {
   ends = new Int32Array(64);
   /** Outline of each leaf, relative to its base. */
   outlines = new Int32Array(64 * OUTLINE);
-  /** Of each leaf: bits 2..0 and 5..3: classes of row 7 and of column 7, then as in the facing of `Edges`. */
+  /** Of each leaf: bits 2..0: class of row 7, bits 5..3: that of column 7, bits 8..6: kind, from bit 9 on: gradient. */
   facings = new Int32Array(64);
   /** Children of each node. */
   nodes = new Int32Array(64 * NODE);

@@ -4,6 +4,7 @@
 // Offsets and lengths have 64 bits and come from outside. Above 2^53 they are rounded here, but no file is that long: such
 // a part has another place than it must have, or is cut off.
 
+import { LARGEST_RATIO } from '../coder/part.js';
 import { ShadowFileError } from '../error.js';
 import { obliqueAxes, obliqueEdges } from '../grid/light-grid.js';
 import type { LightGrid } from '../grid/light-grid.js';
@@ -13,7 +14,8 @@ import { bundleDims } from '../quadtree/pages.js';
 import { GRID_BYTES, check } from './faults.js';
 import { Fields } from './fields.js';
 import { directoryEndOf } from './header.js';
-import { BUNDLE_ENTRY_BYTES } from './table.js';
+import type { ShadowFileHeader } from './header.js';
+import { BUNDLE_ENTRY_BYTES, isPlausible } from './table.js';
 
 /** A level has voxels this many times as large as those of the level before it. */
 export const LEVEL_STEP = 4;
@@ -47,14 +49,14 @@ export interface GridEntry {
   readonly bundles: Section;
 }
 
-/** Reads and checks a directory. `fileBytes` is the header's. */
-export function parseDirectory(bytes: Uint8Array, fileBytes: number): GridEntry[] {
+/** Reads and checks a directory. The other arguments are the header's. */
+export function parseDirectory(bytes: Uint8Array, { fileBytes, isCoded }: Pick<ShadowFileHeader, 'fileBytes' | 'isCoded'>): GridEntry[] {
   const entries: GridEntry[] = [];
   for (let at = 0; at < bytes.length; at += GRID_BYTES) {
     entries.push(parseEntry(bytes.subarray(at, at + GRID_BYTES), entries.length));
   }
   checkGrids(entries);
-  checkPlaces(entries, fileBytes);
+  checkPlaces(entries, fileBytes, isCoded);
   return entries;
 }
 
@@ -118,10 +120,10 @@ function checkGrids(entries: readonly GridEntry[]): void {
 }
 
 /**
- * Checks that every part begins where the parts before it end, that common sections have the length of their words, and
- * that the file ends with the last part.
+ * Checks that every part begins where the parts before it end, that common sections can have the length of their words,
+ * and that the file ends with the last part.
  */
-function checkPlaces(entries: readonly GridEntry[], fileBytes: number): void {
+function checkPlaces(entries: readonly GridEntry[], fileBytes: number, isCoded: boolean): void {
   const tableBytes = new Map(
     entries.map(({ grid, table }) => {
       const [across, down] = bundleDims(grid.size);
@@ -139,17 +141,23 @@ function checkPlaces(entries: readonly GridEntry[], fileBytes: number): void {
       checkPlace(section, 'offset', section.offset, begins.get(section)!);
       checkPlace(section, 'length', section.length, tableBytes.get(section) ?? section.length);
     }
-    checkPlace(common, 'raw length', commonRawBytes, common.length);
+    if (!isCoded) checkPlace(common, 'raw length', commonRawBytes, common.length);
+    else if (!isPlausible(common.length, commonRawBytes)) {
+      throw boundsError(common, 'raw length', commonRawBytes, `whole words, and at most ${LARGEST_RATIO} times its length`);
+    }
   }
   check(end === fileBytes, 'file_bytes', fileBytes, end);
 }
 
-function checkPlace({ name }: Section, field: string, value: number, expected: number): void {
-  if (value === expected) return;
-  throw new ShadowFileError(
+function checkPlace(section: Section, field: string, value: number, expected: number): void {
+  if (value !== expected) throw boundsError(section, field, value, String(expected));
+}
+
+function boundsError({ name }: Section, field: string, value: number, expected: string): ShadowFileError {
+  return new ShadowFileError(
     'SectionBounds',
     `the section ${name} has ${field} ${value}, but must have ${expected}; bake it again`,
-    { section: name, field, value: String(value), expected: String(expected) },
+    { section: name, field, value: String(value), expected },
   );
 }
 

@@ -29,6 +29,11 @@ export function checkBundle(isGood: boolean, section: string, found: string, exp
   });
 }
 
+/** Returns the error for a coded part that cannot be decoded. */
+export function notDecodable(section: string): ShadowFileError {
+  return new ShadowFileError('Coded', `the ${section} cannot be decoded; copy the file again, or bake it again`, { section });
+}
+
 /** Returns the error for a file that ends before a part of it does. */
 export function truncated(what: string, needed: number, have: number): ShadowFileError {
   return new ShadowFileError(

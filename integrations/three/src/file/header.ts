@@ -19,6 +19,8 @@ export interface ShadowFileHeader {
   readonly version: number;
   /** Settings of the bake. */
   readonly settings: FileSettings;
+  /** Whether common sections and bundles are coded, or stored as they are. */
+  readonly isCoded: boolean;
   /** Number of levels of detail, 1 to 8. */
   readonly levelCount: number;
   /** CRC-32 of the directory of levels, which follows the header. */
@@ -49,7 +51,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   check(flags <= 31, 'flags', hex(flags), 'limited to bits 0 to 4');
   const has = (flag: number): boolean => (flags & flag) !== 0;
   const atRest = fields.u32(7);
-  check(atRest === 0, 'at_rest', atRest, '0 (raw), which `adumbra unpack` makes');
+  check(atRest <= 1, 'at_rest', atRest, '0 (raw) or 1 (coded)');
   const box: Bounds = { min: fields.f64s(16), max: fields.f64s(22) };
   const isGiven = has(HAS_BOUNDS);
   check(isGiven || fields.isZero(16, 28), 'bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');
@@ -81,7 +83,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const fileBytes = fields.u64(34);
   const directoryEnd = directoryEndOf(levelCount);
   check(fileBytes >= directoryEnd, 'file_bytes', fileBytes, `at least ${directoryEnd}`);
-  return { version: LATEST_VERSION, settings, levelCount, directoryChecksum: fields.u32(33), fileBytes };
+  return { version: LATEST_VERSION, settings, isCoded: atRest === 1, levelCount, directoryChecksum: fields.u32(33), fileBytes };
 }
 
 /** Returns the offset at which the directory of so many levels ends. */

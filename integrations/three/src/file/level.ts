@@ -10,7 +10,8 @@ import { depthsError, rangeOf, validate } from '../quadtree/validate.js';
 import type { DepthRange } from '../quadtree/validate.js';
 import type { GridEntry } from './directory.js';
 import { checkBundle, checkChecksum } from './faults.js';
-import { HEAD_WORDS, decodeBundle, decodeCommon } from './table.js';
+import type { Steps } from './steps.js';
+import { HEAD_WORDS, codedUnpacker, rawUnpacker, unpackBundle } from './table.js';
 import type { BundleEntry } from './table.js';
 
 /** A bundle of a level. */
@@ -29,13 +30,14 @@ const OUTSIDE = -1;
  * Reads a level of a file that has all of its parts. Where `isVerified` is false, neither the checksums of its common
  * section and bundles are checked nor their shapes.
  */
-export function readLevel(
+export function* readLevel(
   bytes: Uint8Array,
   level: number,
-  { grid, common, bundles }: GridEntry,
+  { grid, common, commonRawBytes, bundles }: GridEntry,
   table: readonly BundleEntry[],
+  isCoded: boolean,
   isVerified: boolean,
-): Quadtree {
+): Steps<Quadtree> {
   /** Addresses of half-words have 32 bits. */
   const MAX_WORDS = 2 ** 31 - 1;
   const stored = (offset: number, length: number, checksum: number, name: string): Uint8Array => {
@@ -43,7 +45,17 @@ export function readLevel(
     if (isVerified) checkChecksum(part, checksum, name);
     return part;
   };
-  const shared = decodeCommon(stored(common.offset, common.length, common.checksum, common.name), common.name);
+  const unpacker = isCoded ? codedUnpacker() : rawUnpacker();
+  const commonBytes = stored(common.offset, common.length, common.checksum, common.name);
+  const shared = yield* unpacker.common(commonBytes, commonRawBytes, common.name);
+  const unpacked: Uint32Array[] = [];
+  let offset = bundles.offset;
+  for (const entry of table) {
+    const bundle = stored(offset, entry.storedBytes, entry.checksum, entry.name);
+    unpacked.push(yield* unpackBundle(unpacker, bundle, entry));
+    offset += entry.storedBytes;
+    yield;
+  }
   const wordCount = table.reduce((sum, { pageWords }) => sum + pageWords, shared.length);
   if (wordCount > MAX_WORDS) {
     throw depthsError(level, 'TooLong', `${wordCount} words of code, but addresses can reach at most ${MAX_WORDS}`);
@@ -52,14 +64,12 @@ export function readLevel(
   code.set(shared);
   const [across, down] = blockDims(grid.size, PAGE_LEVEL);
   const pages: Page[] = Array(across * down);
-  let offset = bundles.offset;
   let firstWord = shared.length;
-  const all = bundleOrder(bundleDims(grid.size)).map(([bundleX, bundleY], i): Bundle => {
-    const entry = table[i];
-    const words = decodeBundle(stored(offset, entry.storedBytes, entry.checksum, entry.name), entry);
-    offset += entry.storedBytes;
+  const all: Bundle[] = [];
+  for (const [i, [bundleX, bundleY]] of bundleOrder(bundleDims(grid.size)).entries()) {
+    const words = unpacked[i];
     code.set(words.subarray(HEAD_WORDS), firstWord);
-    const bundle: Bundle = { entry, pages: [], numbers: [] };
+    const bundle: Bundle = { entry: table[i], pages: [], numbers: [] };
     for (let slot = 0; slot < BUNDLE_PAGES; slot++) {
       const x = BUNDLE_SIDE * bundleX + (slot % BUNDLE_SIDE);
       const y = BUNDLE_SIDE * bundleY + Math.floor(slot / BUNDLE_SIDE);
@@ -71,12 +81,14 @@ export function readLevel(
       bundle.numbers.push(number);
       firstWord += count;
     }
-    return bundle;
-  });
+    all.push(bundle);
+    yield;
+  }
   if (isVerified) {
-    const ranges = validate(code, shared.length, pages, across, level);
+    const ranges = yield* validate(code, shared.length, pages, across, level);
     for (const bundle of all) checkPages(bundle, ranges);
   }
+  yield;
   return quadtreeOf(grid.size, code, pages);
 }
 

@@ -10,6 +10,8 @@ import { LEVEL_STEP, parseDirectory, partsOf } from './directory.js';
 import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
 import { directoryEndOf, parseHeader } from './header.js';
 import { readLevel } from './level.js';
+import { run, runInSlices } from './steps.js';
+import type { Steps } from './steps.js';
 import { parseTable } from './table.js';
 
 /** What is checked when a file is read. */
@@ -17,7 +19,7 @@ export interface ParseOptions {
   /**
    * `true`, the default: everything that the specification demands, so that no bytes but those of a valid file are taken.
    * `'header'`: header, directory and tables with their checksums, the length of the file and the places of its parts. For
-   * files that you trust: one that is damaged elsewhere gives wrong answers, but every look-up still ends.
+   * files that you trust: one that is damaged elsewhere is refused or gives wrong answers, but every look-up still ends.
    */
   readonly verify?: true | 'header';
 }
@@ -51,35 +53,19 @@ export class BakedShadowFile implements Quadtree {
    *
    * @throws ShadowFileError if `bytes` are not exactly one valid file.
    */
-  constructor(bytes: ArrayBufferLike | Uint8Array, { verify = true }: ParseOptions = {}) {
-    const whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
-    const { version, settings, levelCount, directoryChecksum, fileBytes: byteLength } = parseHeader(whole);
-    const have = whole.length;
-    const directoryEnd = directoryEndOf(levelCount);
-    if (have < directoryEnd) throw truncated('directory', directoryEnd, have);
-    const directory = whole.subarray(HEADER_BYTES, directoryEnd);
-    checkChecksum(directory, directoryChecksum, 'directory');
-    const entries = parseDirectory(directory, byteLength);
-    const cut = partsOf(entries).find(({ offset, length }) => offset + length > have);
-    if (cut !== undefined) throw truncated(cut.name, cut.offset + cut.length, have);
-    if (have > byteLength) {
-      throw new ShadowFileError('TrailingBytes', `continues past its end at byte ${byteLength}; copy it again, or bake it again`, {
-        end: byteLength,
-      });
-    }
-    const tables = entries.map(({ table: { name, offset, length, checksum }, bundles }, level) => {
-      const table = whole.subarray(offset, offset + length);
-      checkChecksum(table, checksum, name);
-      return parseTable(table, level, name, bundles.length);
-    });
-    const trees = entries.map((entry, level) => readLevel(whole, level, entry, tables[level], verify === true));
-    let coarser: readonly BakedShadowFile[] = [];
-    for (let level = levelCount - 1; level >= 0; level--) {
-      const file: BakedShadowFile = level === 0 ? this : Object.create(BakedShadowFile.prototype);
-      const resolution = Math.ceil(settings.resolution / LEVEL_STEP ** level);
-      const contents = { version, grid: entries[level].grid, settings: { ...settings, resolution }, ...trees[level], byteLength, coarser };
-      coarser = [Object.freeze(Object.assign(file, contents)), ...coarser];
-    }
+  constructor(bytes: ArrayBufferLike | Uint8Array, options: ParseOptions = {}) {
+    fill(this, run(readContents(bytes, options)));
+  }
+
+  /**
+   * Parses and checks a whole file as the constructor does, in slices of some ten milliseconds, so that the page goes on
+   * meanwhile. The bytes must not change until then.
+   *
+   * @throws ShadowFileError if `bytes` are not exactly one valid file.
+   * @throws the reason of `signal`, once it aborts.
+   */
+  static async parseAsync(bytes: ArrayBufferLike | Uint8Array, { signal, ...options }: ParseOptions & { readonly signal?: AbortSignal } = {}): Promise<BakedShadowFile> {
+    return fill(Object.create(BakedShadowFile.prototype), await runInSlices(readContents(bytes, options), signal));
   }
 
   /** Number of levels of detail, at least 1. Each has voxels four times as large as those of the one before it. */
@@ -94,4 +80,57 @@ export class BakedShadowFile implements Quadtree {
   level(level: number): BakedShadowFile | undefined {
     return level === 0 ? this : this.coarser[level - 1];
   }
+}
+
+/** What a file and its coarser levels are made of. */
+interface Contents {
+  readonly version: number;
+  readonly byteLength: number;
+  readonly settings: FileSettings;
+  /** Placement of each level. */
+  readonly grids: readonly LightGrid[];
+  /** Voxels of each level. */
+  readonly trees: readonly Quadtree[];
+}
+
+/** Reads and checks a whole file. */
+function* readContents(bytes: ArrayBufferLike | Uint8Array, { verify = true }: ParseOptions): Steps<Contents> {
+  const whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
+  const header = parseHeader(whole);
+  const { version, settings, isCoded, levelCount, directoryChecksum, fileBytes: byteLength } = header;
+  const have = whole.length;
+  const directoryEnd = directoryEndOf(levelCount);
+  if (have < directoryEnd) throw truncated('directory', directoryEnd, have);
+  const directory = whole.subarray(HEADER_BYTES, directoryEnd);
+  checkChecksum(directory, directoryChecksum, 'directory');
+  const entries = parseDirectory(directory, header);
+  const cut = partsOf(entries).find(({ offset, length }) => offset + length > have);
+  if (cut !== undefined) throw truncated(cut.name, cut.offset + cut.length, have);
+  if (have > byteLength) {
+    throw new ShadowFileError('TrailingBytes', `continues past its end at byte ${byteLength}; copy it again, or bake it again`, {
+      end: byteLength,
+    });
+  }
+  const tables = entries.map(({ table: { name, offset, length, checksum }, bundles }, level) => {
+    const table = whole.subarray(offset, offset + length);
+    checkChecksum(table, checksum, name);
+    return parseTable(table, level, name, bundles.length, isCoded);
+  });
+  const trees: Quadtree[] = [];
+  for (const [level, entry] of entries.entries()) {
+    trees.push(yield* readLevel(whole, level, entry, tables[level], isCoded, verify === true));
+  }
+  return { version, byteLength, settings, grids: entries.map(({ grid }) => grid), trees };
+}
+
+/** Gives a file its contents, and a file to each level that is coarser. */
+function fill(finest: BakedShadowFile, { version, byteLength, settings, grids, trees }: Contents): BakedShadowFile {
+  let coarser: readonly BakedShadowFile[] = [];
+  for (let level = grids.length - 1; level >= 0; level--) {
+    const file: BakedShadowFile = level === 0 ? finest : Object.create(BakedShadowFile.prototype);
+    const resolution = Math.ceil(settings.resolution / LEVEL_STEP ** level);
+    const contents = { version, grid: grids[level], settings: { ...settings, resolution }, ...trees[level], byteLength, coarser };
+    coarser = [Object.freeze(Object.assign(file, contents)), ...coarser];
+  }
+  return finest;
 }

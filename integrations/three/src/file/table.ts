@@ -1,12 +1,14 @@
-// The table of a level, with an entry per bundle, and decoding of what is stored. Counterpart of
-// `crates/adumbra/src/file/table.rs`.
+// The table of a level, with an entry per bundle, and what is stored as words. Counterpart of
+// `crates/adumbra/src/file/table.rs` and `common.rs`.
 
+import { LARGEST_RATIO, PartDecoder } from '../coder/part.js';
 import { hex } from '../error.js';
 import { NEVER, UNIFORM } from '../quadtree/leaf.js';
 import { BUNDLE_PAGES } from '../quadtree/pages.js';
 import type { DepthRange } from '../quadtree/validate.js';
-import { check, checkBundle } from './faults.js';
+import { check, checkBundle, notDecodable } from './faults.js';
 import { Fields } from './fields.js';
+import type { Steps } from './steps.js';
 
 /** Size of an entry in bytes. */
 export const BUNDLE_ENTRY_BYTES = 24;
@@ -27,12 +29,17 @@ export interface BundleEntry {
   readonly range: DepthRange;
 }
 
+/** Whether a coded part of so many bytes may have so many raw bytes. */
+export function isPlausible(storedBytes: number, rawBytes: number): boolean {
+  return rawBytes % 4 === 0 && (storedBytes === 0) === (rawBytes === 0) && rawBytes <= LARGEST_RATIO * storedBytes;
+}
+
 /** Reads and checks a table. `name` names it, and its bundles are `bundlesBytes` long together. */
-export function parseTable(bytes: Uint8Array, level: number, name: string, bundlesBytes: number): BundleEntry[] {
+export function parseTable(bytes: Uint8Array, level: number, name: string, bundlesBytes: number, isCoded: boolean): BundleEntry[] {
   const entries: BundleEntry[] = [];
   let sum = 0;
   for (let at = 0; at < bytes.length; at += BUNDLE_ENTRY_BYTES) {
-    const entry = parseEntry(bytes.subarray(at, at + BUNDLE_ENTRY_BYTES), `bundle ${entries.length} of level ${level}`);
+    const entry = parseEntry(bytes.subarray(at, at + BUNDLE_ENTRY_BYTES), `bundle ${entries.length} of level ${level}`, isCoded);
     sum += entry.storedBytes;
     entries.push(entry);
   }
@@ -40,39 +47,70 @@ export function parseTable(bytes: Uint8Array, level: number, name: string, bundl
   return entries;
 }
 
-function parseEntry(bytes: Uint8Array, name: string): BundleEntry {
+function parseEntry(bytes: Uint8Array, name: string, isCoded: boolean): BundleEntry {
   const fields = new Fields(bytes);
   const [storedBytes, rawBytes, checksum] = fields.u32s(0);
   const [nearest, farthest, flags] = fields.u32s(3);
   check((flags & ~1) === 0, `reserved bits of ${name}`, hex(flags), 'limited to bit 0');
   const range: DepthRange = [nearest, farthest, flags === 1];
+  const isLong = rawBytes >= 4 * HEAD_WORDS && rawBytes % 4 === 0;
   const fits =
     storedBytes === 0
       ? rawBytes === 0 && checksum === 0 && farthest === nearest && range[2] === (nearest === NEVER)
-      : rawBytes >= 4 * HEAD_WORDS && rawBytes % 4 === 0 && rawBytes === storedBytes;
+      : isLong && (isCoded ? isPlausible(storedBytes, rawBytes) : rawBytes === storedBytes);
   checkBundle(
     fits,
     name,
     `${storedBytes} stored and ${rawBytes} raw bytes, checksum ${checksum} and depths ${range}`,
-    'no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on',
+    isCoded
+      ? `no bytes and one depth, or whole words of raw bytes, from 192 to ${LARGEST_RATIO} times the stored ones`
+      : 'no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on',
   );
   return { name, storedBytes, pageWords: Math.max(rawBytes / 4 - HEAD_WORDS, 0), checksum, range };
 }
 
-/** Returns the words of a common section from its stored bytes. `name` names it. */
-export function decodeCommon(stored: Uint8Array, name: string): Uint32Array {
-  checkBundle(stored.length % 4 === 0, name, `${stored.length} bytes`, 'whole words');
-  return wordsOf(stored);
+/** Turns the stored bytes of a level into words: first those of its common section, then those of its bundles. */
+export interface Unpacker {
+  /** Returns the words of the common section, which are `rawBytes` long. `name` names it. */
+  common(stored: Uint8Array, rawBytes: number, name: string): Steps<Uint32Array>;
+  /** Returns the words of a bundle: {@link HEAD_WORDS} of its pages' heads, then those of its pages. */
+  bundle(stored: Uint8Array, entry: BundleEntry): Steps<Uint32Array>;
 }
 
-/** Returns the words of a bundle from its stored bytes: {@link HEAD_WORDS} of its pages' heads, then those of its pages. */
-export function decodeBundle(stored: Uint8Array, { name, range, pageWords }: BundleEntry): Uint32Array {
+/** Returns what unpacks a level whose parts are stored as they are. */
+export function rawUnpacker(): Unpacker {
+  return {
+    *common(stored, _, name) {
+      checkBundle(stored.length % 4 === 0, name, `${stored.length} bytes`, 'whole words');
+      return wordsOf(stored);
+    },
+    *bundle(stored) {
+      return wordsOf(stored);
+    },
+  };
+}
+
+/** Returns what unpacks a level whose parts are coded. */
+export function codedUnpacker(): Unpacker {
+  const decoder = new PartDecoder();
+  const failOf = (name: string) => (): never => {
+    throw notDecodable(name);
+  };
+  return {
+    common: (stored, rawBytes, name) => decoder.common(stored, rawBytes / 4, failOf(name)),
+    bundle: (stored, { name, pageWords }) => decoder.bundle(stored, HEAD_WORDS + pageWords, failOf(name)),
+  };
+}
+
+/** Returns the words of a bundle with an entry from its stored bytes. */
+export function* unpackBundle(unpacker: Unpacker, stored: Uint8Array, entry: BundleEntry): Steps<Uint32Array> {
+  const { name, range, pageWords } = entry;
   if (stored.length === 0) {
     const words = new Uint32Array(HEAD_WORDS);
     for (let head = 0; head < HEAD_WORDS; head += 3) words.set([UNIFORM, range[0]], head);
     return words;
   }
-  const words = wordsOf(stored);
+  const words = yield* unpacker.bundle(stored, entry);
   let sum = 0;
   for (let head = 0; head < HEAD_WORDS; head += 3) sum += words[head + 2];
   checkBundle(sum === pageWords, name, `${sum} words of pages`, 'as many words of pages as the bundle has after its head');

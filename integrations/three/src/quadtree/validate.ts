@@ -37,12 +37,18 @@ export function depthsError(level: number, fault: ShadowFileFault, message: stri
 
 /**
  * Checks the pages of a level, of which there are `across` in a row. The code begins with `commonWords` words of the
- * common section. Cost: one pass over all shapes.
+ * common section. Cost: one pass over all shapes, in steps of a page.
  *
  * @returns the range of each page.
  * @throws ShadowFileError of the kind `Depths`.
  */
-export function validate(words: Uint32Array, commonWords: number, pages: readonly Page[], across: number, level: number): DepthRange[] {
+export function* validate(
+  words: Uint32Array,
+  commonWords: number,
+  pages: readonly Page[],
+  across: number,
+  level: number,
+): Generator<void, DepthRange[], void> {
   const code = halvesOf(words);
   const children = childrenOf(code);
   const commonEnd = 2 * commonWords;
@@ -116,7 +122,7 @@ export function validate(words: Uint32Array, commonWords: number, pages: readonl
   };
 
   const common = walkIn('the common section', 0, commonEnd);
-  return pages.map(({ root, base, firstWord, words: count }, i) => {
+  const rangeOfPage = ({ root, base, firstWord, words: count }: Page, i: number): DepthRange => {
     if (root === UNIFORM) return [base, base, base === NEVER];
     const part = `page (${i % across}, ${Math.floor(i / across)})`;
     const isInPage = root >= IN_PAGE;
@@ -130,7 +136,13 @@ export function validate(words: Uint32Array, commonWords: number, pages: readonl
     if (nearest > farthest) return [NEVER, NEVER, true];
     const depth = (difference: number): number => Math.min(Math.max(base + difference, 0), NEVER - 1);
     return [depth(nearest), depth(farthest), hasNever];
-  });
+  };
+  const ranges: DepthRange[] = [];
+  for (const [i, page] of pages.entries()) {
+    ranges.push(rangeOfPage(page, i));
+    yield;
+  }
+  return ranges;
 }
 
 /** Returns the range of the columns of all ranges, which are those of pages. */

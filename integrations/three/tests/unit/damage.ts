@@ -21,10 +21,11 @@ const SPECIAL = [0, 1, 2, 0x41, 0x200, 0x8000, 0xffff, 0x10000, 0x7fffffff, 0x80
 
 /** Returns the parts of a valid file in file order: the directory, tables, common sections and bundles. */
 export function partsOfFile(bytes: Uint8Array<ArrayBuffer>): Section[] {
-  const { levelCount, directoryChecksum, fileBytes } = parseHeader(bytes);
+  const header = parseHeader(bytes);
+  const { levelCount, directoryChecksum } = header;
   const length = GRID_BYTES * levelCount;
   const directory: Section = { name: 'directory', offset: HEADER_BYTES, length, checksum: directoryChecksum };
-  return [directory, ...partsOf(parseDirectory(bytes.subarray(HEADER_BYTES, HEADER_BYTES + length), fileBytes))];
+  return [directory, ...partsOf(parseDirectory(bytes.subarray(HEADER_BYTES, HEADER_BYTES + length), header))];
 }
 
 /** Repairs the checksums of the header, and of all parts that are within the file. */

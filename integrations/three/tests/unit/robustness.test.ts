@@ -68,7 +68,7 @@ it('mutations are refused or can be looked up in', () => {
   }
   // The mutations reach the checks, and also leave files that are valid.
   expect(found.get(undefined)).toBeGreaterThan(1000);
-  const kinds = 'Magic FutureVersion Truncated TrailingBytes HeaderChecksum SectionChecksum HeaderField SectionBounds Bundle';
+  const kinds = 'Magic FutureVersion Truncated TrailingBytes HeaderChecksum SectionChecksum HeaderField SectionBounds Bundle Coded';
   const all = [...kinds.split(' '), ...['Root', 'Order', 'End', 'Bits', 'Ranks'].map((fault) => `Depths ${fault}`)];
   expect(all.filter((fault) => !found.has(fault))).toEqual([]);
 });
@@ -86,8 +86,8 @@ it('damaged voxels that were not verified still end every look-up', () => {
       lookUp(new BakedShadowFile(bytes, { verify: 'header' }), seed);
       read++;
     } catch (error) {
-      // The lengths of pages say where the next one begins.
-      expect(error).toMatchObject({ name: 'ShadowFileError', kind: 'Bundle' });
+      // The lengths of pages say where the next one begins, and coded parts may not be decodable.
+      expect(error).toMatchObject({ name: 'ShadowFileError', kind: expect.stringMatching(/^(Bundle|Coded)$/) });
     }
   }
   expect(read).toBeGreaterThan(2000);

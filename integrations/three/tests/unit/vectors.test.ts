@@ -43,18 +43,6 @@ describe('invalid', () => {
   });
 });
 
-describe('coded', () => {
-  it.each(validNames(true))('%s is refused by name', (name) => {
-    const error = caught(() => new BakedShadowFile(validBytes(name)));
-    expect(error).toMatchObject({ kind: 'HeaderField', details: { field: 'at_rest', value: '1' } });
-  });
-
-  it.each(invalidNames(true))('%s is refused by name', (name) => {
-    const error = caught(() => new BakedShadowFile(invalidVector(name).bytes));
-    expect(error).toMatchObject({ kind: 'HeaderField', details: { field: 'at_rest', value: '1' } });
-  });
-});
-
 it('a tree file is named as such', () => {
   const bytes = new TextEncoder().encode('ADUMTREE and more');
   expect(caught(() => new BakedShadowFile(bytes))).toMatchObject({ kind: 'OtherKind' });

@@ -19,17 +19,10 @@ export function readBytes(path: string): Uint8Array<ArrayBuffer> {
   return new Uint8Array(readFileSync(path));
 }
 
-/** Returns the names of the valid vectors that are stored raw, or of those that are coded, sorted, without `.adumbra`. */
-export function validNames(areCoded = false): string[] {
+/** Returns the names of the valid vectors, sorted, without `.adumbra`. */
+export function validNames(): string[] {
   const files = readdirSync(join(VECTORS, 'valid')).filter((name) => name.endsWith('.adumbra'));
-  const names = files.map((name) => name.slice(0, -'.adumbra'.length)).sort();
-  return names.filter((name) => isCoded(validBytes(name)) === areCoded);
-}
-
-/** Whether the header says that common sections and bundles are coded. */
-export function isCoded(bytes: Uint8Array<ArrayBuffer>): boolean {
-  const AT_REST = 28;
-  return bytes.length >= 32 && new DataView(bytes.buffer).getUint32(AT_REST, true) === 1;
+  return files.map((name) => name.slice(0, -'.adumbra'.length)).sort();
 }
 
 /** Returns the bytes of a valid vector. */
@@ -43,10 +36,9 @@ export function expectedPoints(name: string): ExpectedPoint[] {
   return (JSON.parse(text) as { points: ExpectedPoint[] }).points;
 }
 
-/** Returns the names of the invalid vectors that are stored raw, or of those that are coded, sorted. */
-export function invalidNames(areCoded = false): string[] {
-  const names = readdirSync(join(VECTORS, 'invalid')).sort();
-  return names.filter((name) => isCoded(invalidVector(name).bytes) === areCoded);
+/** Returns the names of the invalid vectors, sorted. */
+export function invalidNames(): string[] {
+  return readdirSync(join(VECTORS, 'invalid')).sort();
 }
 
 /** Returns the bytes of an invalid vector and the error that it must cause. */

@@ -1,0 +1,168 @@
+// Coded files: they have the words of their raw twins, whatever the bytes are nothing but a ShadowFileError is thrown, and
+// loading them does not stop the page.
+
+import { describe, expect, it } from 'vitest';
+
+import { LARGEST_RATIO, PartDecoder } from '../../src/coder/part.js';
+import { parseDirectory } from '../../src/file/directory.js';
+import { run, runInSlices } from '../../src/file/steps.js';
+import { HEAD_WORDS, parseTable } from '../../src/file/table.js';
+import { BakedShadowFile, HEADER_BYTES, ShadowFileError, parseHeader } from '../../src/index.js';
+import { caught, scatter, validBytes, validNames } from './vectors.js';
+
+const CODED = validNames().filter((name) => parseHeader(validBytes(name)).isCoded);
+
+/** Ends the decoding of a part. */
+class Fault extends Error {}
+
+const fail = (): never => {
+  throw new Fault();
+};
+
+/** A coded common section and the coded bundles behind it, with their numbers of words. */
+interface CodedLevel {
+  readonly common: readonly [stored: Uint8Array, words: number];
+  readonly bundles: readonly (readonly [stored: Uint8Array, words: number])[];
+}
+
+function levelsOf(bytes: Uint8Array): CodedLevel[] {
+  const header = parseHeader(bytes);
+  const entries = parseDirectory(bytes.subarray(HEADER_BYTES, HEADER_BYTES * (1 + header.levelCount)), header);
+  return entries.map(({ table, common, commonRawBytes, bundles }, level) => {
+    let at = bundles.offset;
+    const entriesOfTable = parseTable(bytes.subarray(table.offset, table.offset + table.length), level, table.name, bundles.length, true);
+    return {
+      common: [bytes.subarray(common.offset, common.offset + common.length), commonRawBytes / 4],
+      bundles: entriesOfTable.map(({ storedBytes, pageWords }) => [bytes.subarray(at, (at += storedBytes)), HEAD_WORDS + pageWords] as const).filter(([stored]) => stored.length > 0),
+    };
+  });
+}
+
+const LEVELS = CODED.flatMap((name) => levelsOf(validBytes(name)));
+
+/** Decodes a part; returns its words, or `undefined` if it is refused. */
+function decoded(steps: Generator<void, Uint32Array>): Uint32Array | undefined {
+  try {
+    return run(steps);
+  } catch (error) {
+    expect(error).toBeInstanceOf(Fault);
+    return undefined;
+  }
+}
+
+it.each(CODED)('%s has the words of its raw twin', (name) => {
+  const [coded, raw] = [name, name.replace('_coded', '')].map((each) => new BakedShadowFile(validBytes(each))) as [BakedShadowFile, BakedShadowFile];
+  expect(coded.levelCount).toBe(raw.levelCount);
+  for (let n = 0; n < raw.levelCount; n++) {
+    for (const part of ['code', 'top', 'topDims', 'rootLevel', 'grid', 'settings'] as const) {
+      expect(coded.level(n)![part], `${part} of level ${n}`).toEqual(raw.level(n)![part]);
+    }
+  }
+});
+
+it('there are coded files with common sections, and with several bundles', () => {
+  expect(LEVELS.some(({ common: [stored] }) => stored.length > 0)).toBe(true);
+  expect(Math.max(...LEVELS.map(({ bundles }) => bundles.length))).toBeGreaterThan(1);
+});
+
+it('what a decoder decoded before changes nothing', () => {
+  for (const { common, bundles } of LEVELS) {
+    const decoder = new PartDecoder();
+    run(decoder.common(...common, fail));
+    const first = bundles.map((bundle) => run(decoder.bundle(...bundle, fail)));
+    decoded(decoder.bundle(Uint8Array.from({ length: 400 }, (_, i) => 37 * i), 10_000, fail));
+    expect(bundles.map((bundle) => run(decoder.bundle(...bundle, fail)))).toEqual(first);
+  }
+});
+
+describe('garbage is refused, or has as many words as it should', () => {
+  const random = scatter(20_261_126);
+  const below = (n: number): number => Math.floor(random() * n);
+  const noise = (length: number): Uint8Array => Uint8Array.from({ length }, () => below(256));
+
+  it.each([...LEVELS.keys()])('of level %i', (i) => {
+    const { common, bundles } = LEVELS[i]!;
+    const decoder = new PartDecoder();
+    run(decoder.common(...common, fail));
+    /** Decodes bytes as each kind of part. */
+    const both = (stored: Uint8Array, words: number): void => {
+      for (const steps of [decoder.bundle(stored, Math.max(words, HEAD_WORDS), fail), new PartDecoder().common(stored, words, fail)]) {
+        const found = decoded(steps);
+        if (found !== undefined && stored.length > 0) expect(found.length).toBe(words);
+      }
+    };
+    for (const [stored, words] of [common, ...bundles]) {
+      for (let at = 0; at < stored.length; at += 1 + below(stored.length / 20)) {
+        expect(decoded(decoder.bundle(stored.subarray(0, at), words, fail))).toBeUndefined();
+        both(stored.slice(0, at), words);
+      }
+      for (let n = 0; n < 100 && stored.length > 0; n++) {
+        const flipped = stored.slice();
+        flipped[below(stored.length)]! ^= 1 << below(8);
+        both(flipped, words);
+        const changed = stored.slice();
+        for (let at = below(stored.length), count = below(40); count > 0 && at < stored.length; count--) changed[at++] = below(256);
+        both(changed, words);
+      }
+      for (const other of [0, 1, HEAD_WORDS - 1, HEAD_WORDS, words - 1, words + 1, 2 * words]) {
+        if (other >= HEAD_WORDS && stored.length > 0) expect(decoded(decoder.bundle(stored, other, fail))).toBeUndefined();
+      }
+    }
+    for (let n = 0; n < 300; n++) both(noise(below(500)), below(2 ** 18));
+  });
+});
+
+it('a part that claims to be long takes no more time or memory than its bytes allow', () => {
+  const random = scatter(5);
+  for (const length of [8, 1000, 20_000]) {
+    for (const byte of [() => 0, () => 255, () => Math.floor(256 * random())]) {
+      const stored = Uint8Array.from({ length }, byte);
+      const words = (LARGEST_RATIO / 4) * length;
+      const before = process.memoryUsage();
+      const began = performance.now();
+      expect(decoded(new PartDecoder().common(stored, words, fail))).toBeUndefined();
+      expect(decoded(new PartDecoder().bundle(stored, Math.max(words, HEAD_WORDS), fail))).toBeUndefined();
+      expect(performance.now() - began).toBeLessThan(10_000);
+      const after = process.memoryUsage();
+      expect(after.arrayBuffers - before.arrayBuffers).toBeLessThan(2 ** 28);
+    }
+  }
+});
+
+describe('in slices', () => {
+  it.each(validNames())('%s gives the same file', async (name) => {
+    const bytes = validBytes(name);
+    const file = await BakedShadowFile.parseAsync(bytes);
+    expect(file).toBeInstanceOf(BakedShadowFile);
+    expect(file).toEqual(new BakedShadowFile(bytes));
+    expect(Object.isFrozen(file)).toBe(true);
+  });
+
+  it('the event loop goes on meanwhile', async () => {
+    let [steps, others] = [0, 0];
+    const work = function* (): Generator<void, string> {
+      for (const end = performance.now() + 200; performance.now() < end; steps++) yield;
+      return 'done';
+    };
+    const interval = setInterval(() => others++, 1);
+    expect(await runInSlices(work())).toBe('done');
+    clearInterval(interval);
+    expect(steps).toBeGreaterThan(100);
+    expect(others).toBeGreaterThan(3);
+  });
+
+  it('an invalid file is a ShadowFileError', async () => {
+    const bytes = validBytes(CODED[0]!);
+    bytes[bytes.length - 1]! ^= 1;
+    const error: unknown = await BakedShadowFile.parseAsync(bytes).catch((e: unknown) => e);
+    expect(error).toBeInstanceOf(ShadowFileError);
+    expect(error).toEqual(caught(() => new BakedShadowFile(bytes)));
+  });
+
+  it('ends with the reason of its signal', async () => {
+    const controller = new AbortController();
+    const parsing = BakedShadowFile.parseAsync(validBytes(CODED[0]!), { signal: controller.signal });
+    controller.abort(new Error('enough'));
+    await expect(parsing).rejects.toThrow('enough');
+  });
+});
