@@ -104,8 +104,9 @@ pub struct BakeOptions {
 
 /// Levels of detail of a bake, unless another number is asked for.
 pub const DEFAULT_LEVELS: u32 = 3;
-/// Texels on the longest side of the scene below which a bake has no coarser level.
-pub const LEAST_LEVEL_TEXELS: u32 = 64;
+/// Texels on the longest side of the scene below which a bake has no coarser level: its few root blocks would each have
+/// nearly all triangles.
+pub const LEAST_LEVEL_TEXELS: u32 = 256;
 
 impl BakeOptions {
     /// Creates default options for a sun and a size: ground assumed, closed regions used, every point answered.

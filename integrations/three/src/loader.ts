@@ -42,7 +42,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     const end = (): void => {
       isOver = true;
       this.#aborts.delete(abort);
-      signal?.removeEventListener('abort', abort);
+      for (const each of [signal, ofManager]) each?.removeEventListener('abort', abort);
     };
     const fail = (error: unknown): void => {
       end();
@@ -69,6 +69,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
           this.parseAsync(buffer, parsing.signal)
             .then(
               (file) => {
+                if (isOver) return;
                 end();
                 onLoad(file);
               },
@@ -92,7 +93,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
       );
     };
     this.#aborts.add(abort);
-    signal?.addEventListener('abort', abort);
+    for (const each of [signal, ofManager]) each?.addEventListener('abort', abort);
     fetchFile(true);
     if (signal?.aborted) abort();
   }

@@ -76,7 +76,7 @@ fn levels_answer_as_bakes_of_their_voxel_size() {
 #[test]
 fn levels_of_too_few_texels_are_left_out() {
     let scene = generate(GeneratedKind::Primitives, 1);
-    for (resolution, levels, expected) in [(128, 3, 1), (256, 8, 2), (1024, 3, 3), (1024, 2, 2), (1024, 1, 1)]
+    for (resolution, levels, expected) in [(512, 3, 1), (1024, 8, 2), (4096, 3, 3), (1024, 2, 2), (1024, 1, 1)]
     {
         let size = Size::Resolution(resolution);
         let file = baked(&scene, &BakeOptions { size, ..options(1.0, levels) });
@@ -178,7 +178,7 @@ impl Seek for Full {
 #[test]
 fn output_that_is_full_is_an_error() {
     let scene = generate(GeneratedKind::Primitives, 1);
-    let options = BakeOptions { size: Size::Resolution(256), ..options(1.0, 2) };
+    let options = BakeOptions { size: Size::Resolution(1024), ..options(1.0, 2) };
     let bytes = baked(&scene, &options).to_bytes(options.at_rest).unwrap().len();
     for (room, fits) in [(0, false), (300, false), (bytes / 2, false), (bytes - 1, false), (bytes, true)] {
         let mut out = Full(Cursor::new(Vec::new()), room);

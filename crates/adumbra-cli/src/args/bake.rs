@@ -92,7 +92,7 @@ pub(crate) struct BakeSettings {
     at_rest: AtRestArg,
     /// Number of levels of detail, each with voxels four times as large as the one before
     ///
-    /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer than 64 texels
+    /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer than 256 texels
     /// are left out.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_LEVELS)]
     levels: u32,

@@ -18,7 +18,7 @@ fn bake_info_verify_query_and_render_work_together() {
         "--sun",
         "-0.5,0.8,-0.35",
         "--resolution",
-        "512",
+        "1024",
         "-o",
         &file,
         "--json",
@@ -32,7 +32,7 @@ fn bake_info_verify_query_and_render_work_together() {
     for key in ["file_bytes", "bits_per_texel"] {
         assert_eq!(info[key], baked[key], "{key}");
     }
-    // 512 and 128 texels; the next level would have 32.
+    // 1024 and 256 texels; the next level would have 64.
     let levels = info["levels"].as_array().unwrap();
     assert_eq!((levels.len() as u64, baked["levels"].as_u64()), (2, Some(2)));
     let sum = |key: &str| levels.iter().map(|level| level[key].as_u64().unwrap()).sum::<u64>();
@@ -41,7 +41,7 @@ fn bake_info_verify_query_and_render_work_together() {
     assert_eq!(Some(all), info["file_bytes"].as_u64(), "{info}");
     assert!(levels.iter().all(|level| level["leaves"].as_u64() > Some(0)), "{info}");
     assert_eq!(info["file_bytes"].as_u64(), Some(fs::metadata(&file).unwrap().len()));
-    assert_eq!(info["settings"]["resolution"], 512);
+    assert_eq!(info["settings"]["resolution"], 1024);
     assert!(info["sun"][0].as_f64().unwrap() < 0.0);
 
     let verified = json(&["verify", &file, "--scene", &scene, "--samples", "20000", "--json"]);

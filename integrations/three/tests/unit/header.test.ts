@@ -76,7 +76,7 @@ it.each<[name: string, fault: Fault]>([
   ['reserved word 36', (h) => h.u32(36, 1)],
   ['reserved word 62', (h) => h.u32(62, 1)],
   ['flags', (h) => h.u32(4, 32)],
-  ['at_rest', (h) => h.u32(7, 1)],
+  ['at_rest', (h) => h.u32(7, 2)],
   ['bounds', (h) => h.u32(4, 0)],
   ['bounds', (h) => h.f64(16, 1e9)],
   ['bounds', (h) => h.f64(22, NaN)],

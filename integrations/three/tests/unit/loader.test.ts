@@ -10,10 +10,12 @@ import { BakedShadowFile, ShadowFileError, ShadowFileLoader } from '../../src/in
 import { invalidVector, validBytes } from './vectors.js';
 
 const GOOD = validBytes('upright_depths');
+const CODED = validBytes('levels_coded_depths');
 const DAMAGED = GOOD.slice();
 DAMAGED[DAMAGED.length - 1] ^= 1;
 const FILES: Record<string, Uint8Array> = {
   '/city/good.adumbra': GOOD,
+  '/city/coded.adumbra': CODED,
   '/city/damaged.adumbra': DAMAGED,
   '/city/magic.adumbra': invalidVector('magic').bytes,
 };
@@ -58,6 +60,32 @@ it('loads a file, with path, header and progress', async () => {
   expect(file.byteLength).toBe(GOOD.length);
   expect(requests).toContain('/city/good.adumbra secret');
   expect(progress.mock.lastCall?.[0].loaded).toBe(GOOD.length);
+});
+
+it('loads a coded file, which is not over for the manager before it is decoded', async () => {
+  const manager = new LoadingManager();
+  const order: string[] = [];
+  manager.onLoad = () => order.push('manager');
+  const loaded = new Promise<BakedShadowFile>((resolve, reject) => {
+    const onLoad = (file: BakedShadowFile): void => {
+      order.push('file');
+      resolve(file);
+    };
+    new ShadowFileLoader(manager).load(`${address}/city/coded.adumbra`, onLoad, undefined, reject);
+  });
+  expect(await loaded).toEqual(new BakedShadowFile(CODED));
+  await vi.waitFor(() => expect(order).toEqual(['file', 'manager']));
+});
+
+it.each(['loader', 'manager'])('is aborted by its %s while it decodes', async (which) => {
+  const manager = new LoadingManager();
+  const loader = new ShadowFileLoader(manager);
+  const parse = vi.spyOn(loader, 'parseAsync');
+  const loading = loader.loadAsync(`${address}/city/coded.adumbra`).catch((error: unknown) => error);
+  await vi.waitFor(() => expect(parse).toHaveBeenCalled(), { interval: 0 });
+  if (which === 'loader') loader.abort();
+  else manager.abort();
+  expect(await loading).toMatchObject({ name: 'AbortError' });
 });
 
 it('an invalid file is a ShadowFileError that names the URL', async () => {

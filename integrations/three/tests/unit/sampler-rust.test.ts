@@ -8,7 +8,7 @@ import { join, resolve } from 'node:path';
 
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, Sampler } from '../../src/index.js';
+import { BakedShadowFile, Sampler, parseHeader } from '../../src/index.js';
 import type { Bias, FilterWidth } from '../../src/index.js';
 import { surfacesOf } from './points.js';
 import { VECTORS, readBytes } from './vectors.js';
@@ -20,14 +20,18 @@ const BIAS: Bias = { constantTexels: 0.3, slopeTexels: 1.7, normalOffsetTexels: 
 const FRAMES = ['light', 'oblique'];
 const SOME_VECTORS = [
   'cliff_depths',
+  'levels_coded_depths',
   'levels_depths',
   'low_sun_tall_depths',
+  'many_pages_coded_depths',
   'many_pages_depths',
   'odd_sizes_depths',
   'slopes_depths',
   'sphere_depths',
   'upright_turned_low_depths',
 ];
+
+const bytesOf = ({ buffer, byteOffset, byteLength }: Uint32Array): Buffer => Buffer.from(buffer, byteOffset, byteLength);
 
 describe.skipIf(PROGRAM === undefined)('adumbra query, skipped unless ADUMBRA_BIN names the program', () => {
   let folder = '';
@@ -74,6 +78,37 @@ describe.skipIf(PROGRAM === undefined)('adumbra query, skipped unless ADUMBRA_BI
   it.each(FRAMES)('city in the frame %s', (frame) => {
     for (const filter of [1, 3, 5, 9, 17] as const) compare(cityPath(frame), filter);
     compare(cityPath(frame), 5, BIAS);
+  });
+
+  it('a city of 8192 columns has the words of its raw twin, and no slice of loading it takes 50 ms', async () => {
+    const scene = join(folder, 'city.glb');
+    const [coded, raw] = [join(folder, 'coded.adumbra'), join(folder, 'raw.adumbra')];
+    run('bake', scene, '-o', coded, '--resolution', '8192');
+    run('unpack', coded, '-o', raw);
+    const bytes = readBytes(coded);
+    expect(parseHeader(bytes).isCoded).toBe(true);
+    const expected = new BakedShadowFile(readBytes(raw));
+    let longest = Infinity;
+    // The machine may do other things meanwhile, but hardly each time.
+    for (let attempt = 0; attempt < 3; attempt++) {
+      let [last, most, isOver] = [performance.now(), 0, false];
+      const tick = (): void => {
+        const now = performance.now();
+        most = Math.max(most, now - last);
+        last = now;
+        if (!isOver) setImmediate(tick);
+      };
+      tick();
+      const file = await BakedShadowFile.parseAsync(bytes);
+      isOver = true;
+      tick();
+      longest = Math.min(longest, most);
+      for (let level = 0; level < expected.levelCount; level++) {
+        for (const part of ['code', 'top'] as const) expect(Buffer.compare(bytesOf(file.level(level)![part]), bytesOf(expected.level(level)![part]))).toBe(0);
+      }
+    }
+    console.log(`longest slice of ${bytes.length} bytes: ${longest.toFixed(1)} ms`);
+    expect(longest).toBeLessThan(50);
   });
 
   it.each(SOME_VECTORS)('%s', (name) => {
