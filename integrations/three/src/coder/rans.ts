@@ -135,7 +135,7 @@ export class RansReader {
     const shift = SHIFTS[count];
     // Differences are 2^15 more than they are, so that none is negative. Shifted, they are `least` more.
     const mask = (0xffff >>> shift) * 0x10001;
-    const least = HALVES >>> shift & mask;
+    const least = (HALVES >>> shift) & mask;
     const first = 8 * model;
     const target = 8 * symbol;
     // Written out, as this is where most of the time goes.

@@ -1,4 +1,4 @@
-// What the package adds to a page, with one renderer or with both: at most 14 KB gzip without shaders, 23.5 KB with one,
+// What the package adds to a page, with one renderer or with both: at most 21 KB gzip without shaders, 30 KB with one,
 // and nothing but three besides.
 
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -52,16 +52,16 @@ const PAGES = {
 /** The files whose text is GLSL or WGSL: look-ups, and what calls them. */
 const SHADERS = [/generated/, /\.shader\.js$/];
 
-test.each(Object.entries(PAGES))('all of %s takes at most 14 KB, 23.5 KB with a shader', async (page, names) => {
+test.each(Object.entries(PAGES))('all of %s takes at most 21 KB, 30 KB with a shader', async (page, names) => {
   const { bytes, imports } = await bundled(exportAll(...names), SHADERS);
   console.log(`all of ${page} without shaders: ${bytes} bytes after gzip`);
   expect(bytes).toBeGreaterThan(5 * KB);
-  expect(bytes).toBeLessThanOrEqual(14 * KB);
+  expect(bytes).toBeLessThanOrEqual(21 * KB);
   expect(imports.filter((name) => !SHADERS.some((shader) => shader.test(name))).every((name) => name.startsWith('three'))).toBe(true);
   for (const [kept, left] of [['wgsl', /glsl/], ['glsl', /wgsl/]] as const) {
     const { bytes: withShader } = await bundled(exportAll(...names), [left]);
     console.log(`all of ${page} with the shader in ${kept}: ${withShader} bytes after gzip`);
-    expect(withShader).toBeLessThanOrEqual(23.5 * KB);
+    expect(withShader).toBeLessThanOrEqual(30 * KB);
   }
 });
 
@@ -71,5 +71,5 @@ test('a page carries only what it uses', async () => {
     console.log(ShadowFileLoader, BakedShadowNode);`;
   const [all, used] = [await bundled(exportAll(...PAGES.webgpu), SHADERS), await bundled(page, SHADERS)];
   console.log(`a page with the loader and the node, without shaders: ${used.bytes} bytes after gzip`);
-  expect(used.bytes).toBeLessThan(0.9 * all.bytes);
+  expect(used.bytes).toBeLessThan(all.bytes - KB);
 });
