@@ -76,7 +76,8 @@ fn levels_answer_as_bakes_of_their_voxel_size() {
 #[test]
 fn levels_of_too_few_texels_are_left_out() {
     let scene = generate(GeneratedKind::Primitives, 1);
-    for (resolution, levels, expected) in [(512, 3, 1), (1024, 8, 2), (4096, 3, 3), (1024, 2, 2), (1024, 1, 1)]
+    for (resolution, levels, expected) in
+        [(512, 3, 1), (1024, 8, 2), (4096, 3, 3), (1024, 2, 2), (1024, 1, 1)]
     {
         let size = Size::Resolution(resolution);
         let file = baked(&scene, &BakeOptions { size, ..options(1.0, levels) });
