@@ -65,7 +65,8 @@ pub fn bake(scene: &Scene, options: &BakeOptions, watch: Watch<'_>) -> Result<Ba
     let mut report = Report::default();
     let mut settings = None;
     for level in (0..choice.levels.len()).rev() {
-        let built = build_level(scene, options, &choice, level, watch)?;
+        let plan = choice.plan(scene, options, level)?;
+        let built = build_level(&plan, options, &choice, level, watch)?;
         report = report.with(&built.report);
         settings = Some(built.settings);
         levels.push((built.grid, built.made.tree()?));
@@ -90,12 +91,18 @@ pub fn bake_to(
     out: impl Write + Seek,
 ) -> Result<Written> {
     let choice = Choice::new(scene, options)?;
-    let settings = choice.plan(scene, options, 0)?.settings;
+    let plan_of = |level: usize| choice.plan(scene, options, level);
+    let mut plan = plan_of(choice.levels.len() - 1)?;
+    // Only the resolution differs from level to level.
+    let settings = FileSettings { resolution: choice.levels[0].resolution, ..plan.settings };
     let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
     let mut writer = FileWriter::new(out, settings, &grids, options.at_rest).map_err(Error::Output)?;
     let mut report = Report::default();
     for level in (0..grids.len()).rev() {
-        let built = build_level(scene, options, &choice, level, watch)?;
+        if plan.tiles.grid != grids[level] {
+            plan = plan_of(level)?;
+        }
+        let built = build_level(&plan, options, &choice, level, watch)?;
         report = report.with(&built.report);
         let linked = built.made.link()?;
         let common = CommonSection::new(linked.common().to_vec(), || linked.common_shapes(), options.at_rest)
@@ -120,7 +127,7 @@ fn invalid(fault: FormatError) -> Error {
 
 /// Bakes the pages of a level. Progress counts the root blocks of all levels, the coarsest first.
 fn build_level(
-    scene: &Scene,
+    plan: &Plan<'_>,
     options: &BakeOptions,
     choice: &Choice,
     level: usize,
@@ -132,10 +139,9 @@ fn build_level(
     let progress = |p: Progress| {
         (watch.progress)(Progress { done_tiles: before + p.done_tiles, total_tiles, ..p });
     };
-    let plan = choice.plan(scene, options, level)?;
     let sink =
         |plan: &Plan<'_>| DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, true, &plan.spill);
-    build_planned(&plan, options, Watch::new(&progress, watch.cancel), sink)
+    build_planned(plan, options, Watch::new(&progress, watch.cancel), sink)
 }
 
 /// What was built from a scene.

@@ -32,7 +32,7 @@ impl ShadowFile {
 
     /// Decodes and validates a whole file.
     ///
-    /// Cost: time linear in `bytes`; memory for the decoded words, and some 16 bytes per page.
+    /// Cost: time linear in the decoded words; memory for them twice, and some 40 bytes per page.
     ///
     /// # Errors
     /// Returns the fault with the values found. All bytes that are not exactly one valid file are refused.
