@@ -73,7 +73,7 @@ pub enum Receivers {
 }
 
 /// The settings that determine what a file returns. Nothing here varies between runs of the same bake.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FileSettings {
     /// Number of texels on the longest side of the scene in the light's plane. If a voxel size was given, the smallest

@@ -3,28 +3,20 @@
 //! The tables of all grids follow the directory, finest grid first. Then come common section and bundles of each grid,
 //! coarsest grid first, so that a reader that has the beginning of a file can already answer.
 
-use std::f64::consts::PI;
-
 use crate::coder::LARGEST_RATIO;
 use crate::error::FormatError;
 use crate::file::common::is_plausible;
-use crate::file::fields::{
-    Decoder, Encoder, UNIT_TOLERANCE, check_finite, check_voxel_size, field, reserved, sun,
-};
+use crate::file::fields::{Decoder, Encoder, field, reserved, sun};
 use crate::file::header::{GRID_BYTES, HEADER_BYTES, directory_bytes};
+use crate::file::placement::{check_grid, frame, frame_fields};
 use crate::file::sections::{Section, bounds};
 use crate::file::table::BUNDLE_ENTRY_BYTES;
-use crate::grid::vec3::{cross, dot};
-use crate::grid::{Frame, LightGrid};
+use crate::grid::LightGrid;
 use crate::layout::depths::page::{bundle_count, page_dims};
 use crate::settings::AtRest;
 
 /// A level has voxels this many times as large as those of the level before it.
 pub const LEVEL_STEP: u32 = 4;
-
-/// Values of the field `frame`.
-const LIGHT_FRAME: u32 = 0;
-const OBLIQUE_FRAME: u32 = 1;
 
 /// A directory entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,10 +44,7 @@ impl GridEntry {
         out.f64s(&grid.sun.towards());
         out.f64s(&grid.corner);
         out.f64s(grid.axes.as_flattened());
-        let (frame, yaw_radians) = match grid.frame {
-            Frame::Light => (LIGHT_FRAME, 0.0),
-            Frame::Oblique { yaw_radians } => (OBLIQUE_FRAME, yaw_radians),
-        };
+        let (frame, yaw_radians) = frame_fields(grid.frame);
         out.u32s(&[frame, 0]);
         out.f64s(&[yaw_radians]);
         out.sections(&[self.table, self.common, self.bundles]);
@@ -176,50 +165,5 @@ fn required_raw_bytes(entry: &GridEntry, at_rest: AtRest) -> Option<String> {
         AtRest::Raw => (common_raw_bytes != length).then(|| length.to_string()),
         AtRest::Coded => (!is_plausible(length, common_raw_bytes))
             .then(|| format!("whole words, and at most {LARGEST_RATIO} times its length")),
-    }
-}
-
-fn check_grid(grid: &LightGrid) -> Result<(), FormatError> {
-    if grid.size.contains(&0) {
-        return Err(field("size", format!("{:?}", grid.size), "at least 1 along each axis"));
-    }
-    check_voxel_size(grid.voxel_size)?;
-    check_finite("corner", &grid.corner, grid.corner)?;
-    let expected = match grid.frame {
-        Frame::Light if !is_along_light(grid) => "orthonormal and right-handed, the third away from the sun",
-        Frame::Oblique { .. } if !is_upright(grid) => "those of the oblique frame for this sun and yaw",
-        _ => return Ok(()),
-    };
-    Err(field("axes", format!("{:?}", grid.axes), expected))
-}
-
-// Both are written so that a NaN anywhere fails.
-
-fn is_along_light(grid: &LightGrid) -> bool {
-    let [x, y, z] = grid.axes;
-    let to_sun = grid.sun.towards();
-    let unit = [x, y, z].iter().all(|a| (dot(*a, *a) - 1.0).abs() <= UNIT_TOLERANCE);
-    let square = [dot(x, y), dot(y, z), dot(z, x)].iter().all(|d| d.abs() <= UNIT_TOLERANCE);
-    let right_handed = dot(cross(x, y), z) > 0.0;
-    unit && square && right_handed && (0..3).all(|a| (z[a] + to_sun[a]).abs() <= UNIT_TOLERANCE)
-}
-
-fn is_upright(grid: &LightGrid) -> bool {
-    let expected = grid.frame.axes(&grid.sun);
-    let pairs = grid.axes.as_flattened().iter().zip(expected.as_flattened());
-    // Under a low sun the shear is large.
-    pairs.into_iter().all(|(a, b)| (a - b).abs() <= UNIT_TOLERANCE * (1.0 + b.abs()))
-}
-
-/// Returns the frame of a grid.
-fn frame(number: u32, yaw_radians: f64) -> Result<Frame, FormatError> {
-    match number {
-        LIGHT_FRAME if yaw_radians.to_bits() == 0 => Ok(Frame::Light),
-        LIGHT_FRAME => {
-            Err(field("yaw", yaw_radians.to_string(), "zero, because the frame is that of the light"))
-        }
-        OBLIQUE_FRAME if (-PI..=PI).contains(&yaw_radians) => Ok(Frame::Oblique { yaw_radians }),
-        OBLIQUE_FRAME => Err(field("yaw", yaw_radians.to_string(), "from -pi to pi")),
-        _ => Err(field("frame", number.to_string(), "0 (light) or 1 (oblique)")),
     }
 }

@@ -2,9 +2,10 @@
 //! are read and written here in file order.
 
 use crate::error::FormatError;
-use crate::file::fields::{Encoder, LIGHT, bounds, check_bounds, check_finite, field, identify};
+use crate::file::fields::{Encoder, LIGHT, field, identify};
+use crate::file::placement::{check_settings, flags, with_flags};
 use crate::grid::Bounds;
-use crate::settings::{AtRest, Bias, FileSettings, Receivers};
+use crate::settings::{AtRest, Bias, FileSettings};
 
 /// The first eight bytes. The line break reveals files that were copied in text mode.
 pub const MAGIC: [u8; 8] = LIGHT.magic;
@@ -16,13 +17,6 @@ pub const HEADER_BYTES: usize = 256;
 pub const GRID_BYTES: usize = 256;
 /// Largest number of levels of a file: each is four times as coarse as the one before it.
 pub const MAX_LEVELS: u32 = 8;
-
-const ASSUME_GROUND: u32 = 1;
-const CLOSED_REGIONS: u32 = 1 << 1;
-const IGNORE_ALPHA: u32 = 1 << 2;
-const STATIC_RECEIVERS: u32 = 1 << 3;
-const HAS_BOUNDS: u32 = 1 << 4;
-const ALL_FLAGS: u32 = (1 << 5) - 1;
 
 /// The header of a file. Every field has been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,9 +65,6 @@ impl Header {
         let file_bytes = fields.u64()?;
         fields.end("reserved words 36 to 62")?;
 
-        if flags & !ALL_FLAGS != 0 {
-            return Err(field("flags", format!("{flags:#x}"), "limited to bits 0 to 4"));
-        }
         let at_rest = match at_rest {
             RAW => AtRest::Raw,
             CODED => AtRest::Coded,
@@ -82,16 +73,13 @@ impl Header {
         let settings = FileSettings {
             resolution,
             thickness_world,
-            assume_ground: flags & ASSUME_GROUND != 0,
-            closed_regions: flags & CLOSED_REGIONS != 0,
-            ignore_alpha: flags & IGNORE_ALPHA != 0,
-            receivers: if flags & STATIC_RECEIVERS != 0 { Receivers::Static } else { Receivers::All },
             switch_within_voxels,
-            bounds: bounds(flags & HAS_BOUNDS != 0, "4", box_given)?,
             bias: Bias { constant_texels, slope_texels, normal_offset_texels },
             triangles,
             instances,
+            ..FileSettings::default()
         };
+        let settings = with_flags(settings, flags, box_given)?;
         let header = Self { settings, at_rest, grids, directory_checksum, file_bytes };
         header.check()?;
         let front = (HEADER_BYTES + directory_bytes(grids)) as u64;
@@ -103,20 +91,11 @@ impl Header {
 
     /// Checks every value. The writer calls it too, so that nothing is written that cannot be read.
     pub(super) fn check(&self) -> Result<(), FormatError> {
-        let settings = &self.settings;
-        if settings.resolution == 0 {
-            return Err(field("resolution", "0", "at least 1"));
-        }
+        check_settings(&self.settings)?;
         if !(1..=MAX_LEVELS).contains(&self.grids) {
             return Err(field("grids", self.grids.to_string(), format!("from 1 to {MAX_LEVELS}")));
         }
-        let thickness = settings.thickness_world;
-        if !(thickness.is_finite() && thickness >= 0.0) {
-            return Err(field("thickness", thickness.to_string(), "a finite number, zero or more"));
-        }
-        let bias = settings.bias;
-        check_finite("bias", &[bias.constant_texels, bias.slope_texels, bias.normal_offset_texels], bias)?;
-        check_bounds(&settings.bounds)
+        Ok(())
     }
 }
 
@@ -128,12 +107,3 @@ pub(super) fn directory_bytes(grids: u32) -> usize {
 /// Values of the field `at_rest`.
 const RAW: u32 = 0;
 const CODED: u32 = 1;
-
-fn flags(settings: &FileSettings) -> u32 {
-    let bit = |set: bool, flag: u32| if set { flag } else { 0 };
-    bit(settings.assume_ground, ASSUME_GROUND)
-        | bit(settings.closed_regions, CLOSED_REGIONS)
-        | bit(settings.ignore_alpha, IGNORE_ALPHA)
-        | bit(settings.receivers == Receivers::Static, STATIC_RECEIVERS)
-        | bit(settings.bounds.is_some(), HAS_BOUNDS)
-}

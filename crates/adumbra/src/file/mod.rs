@@ -17,6 +17,7 @@ mod common;
 mod directory;
 pub mod fields;
 mod header;
+pub mod placement;
 mod read;
 pub mod sections;
 mod table;
