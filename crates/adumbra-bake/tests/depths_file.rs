@@ -34,7 +34,8 @@ fn coded_file_has_the_words_of_the_raw_one() {
     for (kind, frame) in kinds.into_iter().flat_map(|kind| FRAMES.map(|frame| (kind, frame))) {
         let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
         let file = bake_file(&generate(kind, 3), &options).unwrap();
-        assert_eq!(file.level_count(), 3);
+        // 1024 and 256 texels; a level of 64 would be left out.
+        assert_eq!(file.level_count(), 2);
         let [raw, coded] = [AtRest::Raw, AtRest::Coded].map(|at_rest| file.to_bytes(at_rest).unwrap());
         assert_eq!(raw.len() as u64, file.encoded_len());
         assert!(2 * coded.len() < raw.len(), "{kind:?}, {frame:?}: {} of {}", coded.len(), raw.len());

@@ -3,8 +3,9 @@
 //! CI bakes at an eighth of the resolution; `ADUMBRA_FULL=1` bakes at the full one. The shared folder is
 //! `ADUMBRA_SHARED`, or `shared` beside the checkout. Without it the tests print a message and pass.
 
+use adumbra::grid::Frame;
 use adumbra::{Bounds, Filter, Receivers, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra_testing::{TreeParts, bake_file, full, npz_array, npz_camera, shared};
@@ -128,8 +129,13 @@ fn interior_agrees_with_rays_on_generated_scenes() {
         let baked = bake_quietly(&scene, &everywhere);
         let surface = verify(&scene, &baked, false, 20_000);
         let volume = verify(&scene, &baked, true, 20_000);
-        let on_surfaces =
-            bake_quietly(&scene, &BakeOptions { receivers: Receivers::Static, ..everywhere.clone() });
+        // In the same frame, whose texels a filter takes.
+        let frame = match baked.grid.frame {
+            Frame::Light => FrameChoice::Light,
+            Frame::Oblique { yaw_radians } => FrameChoice::ObliqueAt(yaw_radians),
+        };
+        let static_receivers = BakeOptions { receivers: Receivers::Static, frame, ..everywhere.clone() };
+        let on_surfaces = bake_quietly(&scene, &static_receivers);
         let still = verify(&scene, &on_surfaces, false, 20_000);
         eprintln!(
             "{kind:?}: surface {:.5}, volume {:.5}, static receivers {:.5}",
