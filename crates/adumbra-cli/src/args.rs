@@ -180,6 +180,13 @@ pub(crate) struct Inspect {
 pub(crate) struct Info {
     /// Shadow file
     pub(crate) file: PathBuf,
+    /// Draw the bytes of each page of a level, not coded: from the fewest, dark blue, over green to the most, yellow, on a
+    /// logarithmic scale; pages without bytes are grey
+    #[arg(long, value_name = "PNG")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Level of detail of the picture, 0 = the finest
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "picture")]
+    pub(crate) level: u32,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,

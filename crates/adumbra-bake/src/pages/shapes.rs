@@ -235,13 +235,16 @@ impl Reader {
         let index = if level == LEAF_LEVEL {
             self.leaf(code, at, merged)
         } else {
-            let children = std::array::from_fn(|child| match code.child(at, child as u32) {
-                code::Child::Never => Child::Never,
-                code::Child::Uniform(delta) => Child::Uniform(delta),
-                code::Child::Shape { at, delta, .. } => {
-                    Child::Shape { delta, index: self.shape(code, at, level - NODE_LEVELS, merged) }
-                }
-            });
+            let mut children = [Child::Never; 16];
+            for (child, decoded) in children.iter_mut().zip(code.children(at)) {
+                *child = match decoded {
+                    code::Child::Never => Child::Never,
+                    code::Child::Uniform(delta) => Child::Uniform(delta),
+                    code::Child::Shape { at, delta, .. } => {
+                        Child::Shape { delta, index: self.shape(code, at, level - NODE_LEVELS, merged) }
+                    }
+                };
+            }
             self.node(&children, level, merged)
         };
         self.places[at as usize] = index + 1;

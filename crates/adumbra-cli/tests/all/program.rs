@@ -41,6 +41,18 @@ fn bake_info_verify_query_and_render_work_together() {
     assert_eq!(Some(all), info["file_bytes"].as_u64(), "{info}");
     assert!(levels.iter().all(|level| level["leaves"].as_u64() > Some(0)), "{info}");
     assert_eq!(info["file_bytes"].as_u64(), Some(fs::metadata(&file).unwrap().len()));
+    for (number, level) in levels.iter().enumerate() {
+        let picture = folder.path("pages.png");
+        adumbra(&["info", &file, "--picture", &picture, "--level", &number.to_string()]);
+        let [width, height] = image::image_dimensions(&picture).map(<[u32; 2]>::from).unwrap();
+        let [pages_x, pages_y] = [0, 1].map(|a| level["pages"][a].as_u64().unwrap() as u32);
+        assert!(width % pages_x == 0 && width * pages_y == height * pages_x, "{width} x {height}: {level}");
+        fs::remove_file(&picture).unwrap();
+        let bytes = [0, 1, 2].map(|i| level["page_bytes"][i].as_u64().unwrap());
+        assert!(0 < bytes[0] && bytes.is_sorted() && bytes[2] <= level["raw_bytes"].as_u64().unwrap());
+    }
+    assert_eq!(adumbra(&["info", &file, "--picture", &folder.path("pages.png"), "--level", "2"]).0, 2);
+    assert_eq!(adumbra(&["info", &file, "--picture", &file]).0, 2);
     assert_eq!(info["settings"]["resolution"], 1024);
     assert!(info["sun"][0].as_f64().unwrap() < 0.0);
 

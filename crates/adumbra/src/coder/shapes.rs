@@ -335,8 +335,8 @@ impl<'c> Reader<'c> {
 
     fn node(&mut self, code: Code<'_>, ShapePlace { at, level }: ShapePlace) -> Result<u32, Fault> {
         let mut children = [Child::NEVER; 16];
-        for (c, child) in (0..).zip(&mut children) {
-            *child = match code.child(at, c) {
+        for (child, decoded) in children.iter_mut().zip(code.children(at)) {
+            *child = match decoded {
                 code::Child::Never => Child::NEVER,
                 code::Child::Uniform(delta) => Child { shape: UNIFORM, delta },
                 code::Child::Shape { at, delta, is_relative } => {

@@ -104,8 +104,12 @@ impl CommonSection {
         match &self.shapes {
             None => {
                 let heads = pages.iter().flat_map(|page| [page.root, page.base, page.words.len() as u32]);
-                let words = heads.chain(pages.iter().flat_map(|page| page.words.iter().copied()));
-                Ok(words.flat_map(u32::to_le_bytes).collect())
+                let mut bytes: Vec<u8> = heads.flat_map(u32::to_le_bytes).collect();
+                bytes.reserve(pages.iter().map(|page| 4 * page.words.len()).sum());
+                for page in pages {
+                    page.words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
+                }
+                Ok(bytes)
             }
             Some(shapes) => coder::encode_bundle(pages, shapes).map_err(|_| uncodable(name)),
         }

@@ -78,10 +78,10 @@ impl DepthTree {
             census.head_bytes += 6;
             let [low, high, kind] = [0, 1, 2].map(|h| code.half(at + h));
             census.field_bytes += 2 * u64::from(fields_length(low, high, kind, 0xffff));
-            for c in 0..16 {
+            for (c, child) in code.children(at).enumerate() {
                 let [low, high, kind] = [low, high, kind].map(|half| half >> c & 1);
                 census.children[(4 * high + 2 * low + kind) as usize] += 1;
-                if let Child::Shape { at, .. } = code.child(at, c) {
+                if let Child::Shape { at, .. } = child {
                     open.push((at, level - NODE_LEVELS));
                 }
             }

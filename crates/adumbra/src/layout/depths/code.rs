@@ -146,19 +146,43 @@ impl<'c> Code<'c> {
 
     /// Decodes child `child` of the node at `at`.
     pub fn child(self, at: u32, child: u32) -> Child {
-        let [low, high, kind] = [0, 1, 2].map(|h| self.half(at + h));
+        let [low, high, kind] = self.node_head(at);
         let field = at + 3 + fields_length(low, high, kind, (1 << child) - 1);
+        self.child_at(at, field, [high >> child & 1, low >> child & 1, kind >> child & 1])
+    }
+
+    /// Decodes all children of the node at `at`, in order. Cheaper than one at a time.
+    #[inline]
+    pub fn children(self, at: u32) -> impl Iterator<Item = Child> {
+        let [low, high, kind] = self.node_head(at);
+        let mut field = at + 3;
+        (0..16).map(move |child| {
+            let form = [high >> child & 1, low >> child & 1, kind >> child & 1];
+            let decoded = self.child_at(at, field, form);
+            field += fields_length(form[1], form[0], form[2], 1);
+            decoded
+        })
+    }
+
+    fn node_head(self, at: u32) -> [u32; 3] {
+        [0, 1, 2].map(|half| self.half(at + half))
+    }
+
+    /// Decodes a child of the node at `at` from its field. `form` has its bits of the node's second, first and third
+    /// half-word.
+    #[inline(always)]
+    fn child_at(self, at: u32, field: u32, form: [u32; 3]) -> Child {
         let back = |distance: u32| (at.wrapping_sub(distance), true);
-        match (high >> child & 1, low >> child & 1, kind >> child & 1) {
-            (0, 0, 0) => Child::Uniform(0),
-            (0, 0, _) => Child::Never,
-            (0, _, 0) => Child::shape(self.near(at, field), 0),
-            (0, ..) => Child::Uniform(signed(self.half(field), 16)),
-            (_, 0, 0) => {
+        match form {
+            [0, 0, 0] => Child::Uniform(0),
+            [0, 0, _] => Child::Never,
+            [0, _, 0] => Child::shape(self.near(at, field), 0),
+            [0, ..] => Child::Uniform(signed(self.half(field), 16)),
+            [_, 0, 0] => {
                 let short = self.half(field);
                 Child::shape(back(short & 0xff), signed(short >> SHORT_BITS, 8))
             }
-            (_, 0, _) => Child::shape(self.near(at, field + 1), signed(self.half(field), 16)),
+            [_, 0, _] => Child::shape(self.near(at, field + 1), signed(self.half(field), 16)),
             _ => {
                 let (low, far) = (self.half(field), self.two_halves(field + 1));
                 let delta = signed(low | (far & !FAR) >> FAR_BITS << 16, FAR_DELTA_BITS);

@@ -37,7 +37,7 @@ impl DepthTree {
                 found.push(place);
             }
             if level > LEAF_LEVEL {
-                open.extend((0..16).filter_map(|child| match code.child(at, child) {
+                open.extend(code.children(at).filter_map(|child| match child {
                     Child::Shape { at, .. } => Some(ShapePlace { at, level: level - NODE_LEVELS }),
                     Child::Never | Child::Uniform(_) => None,
                 }));

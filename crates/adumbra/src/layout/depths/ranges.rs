@@ -84,7 +84,7 @@ impl Relative {
 /// differences. Differences count with their sign.
 pub struct Ranges<'c> {
     common: Code<'c>,
-    /// Ranges of shapes of the common section, by address and level.
+    /// Ranges of nodes of the common section, by address and level.
     known: HashMap<(u32, u32), Relative>,
 }
 
@@ -129,31 +129,30 @@ impl<'c> Ranges<'c> {
         at: u32,
         level: u32,
     ) -> Relative {
+        if level == LEAF_LEVEL {
+            let leaf = code.leaf(at, 0);
+            let [rise, differences] = leaf.reach();
+            return Relative { nearest: -rise, farthest: differences, has_never: leaf.has_never() };
+        }
         if let Some(&range) = known.get(&(at, level)) {
             return range;
         }
-        let range = if level == LEAF_LEVEL {
-            let leaf = code.leaf(at, 0);
-            let [rise, differences] = leaf.reach();
-            Relative { nearest: -rise, farthest: differences, has_never: leaf.has_never() }
-        } else {
-            (0..16).fold(Relative::NONE, |all, c| {
-                all.joined(match code.child(at, c) {
-                    Child::Never => Relative { has_never: true, ..Relative::NONE },
-                    Child::Uniform(delta) => Relative::at(signed(delta)),
-                    Child::Shape { at, delta, is_relative } => {
-                        let is_common = !is_relative && !std::ptr::eq(code.words, self.common.words);
-                        let below = level - NODE_LEVELS;
-                        let child = if is_common {
-                            self.of_common(at, below)
-                        } else {
-                            self.of_shape(known, code, at, below)
-                        };
-                        child.moved(signed(delta))
-                    }
-                })
+        let range = code.children(at).fold(Relative::NONE, |all, child| {
+            all.joined(match child {
+                Child::Never => Relative { has_never: true, ..Relative::NONE },
+                Child::Uniform(delta) => Relative::at(signed(delta)),
+                Child::Shape { at, delta, is_relative } => {
+                    let is_common = !is_relative && !std::ptr::eq(code.words, self.common.words);
+                    let below = level - NODE_LEVELS;
+                    let child = if is_common {
+                        self.of_common(at, below)
+                    } else {
+                        self.of_shape(known, code, at, below)
+                    };
+                    child.moved(signed(delta))
+                }
             })
-        };
+        });
         known.insert((at, level), range);
         range
     }

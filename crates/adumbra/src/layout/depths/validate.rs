@@ -218,8 +218,8 @@ impl<'c> Walk<'c> {
             return Err(self.bits(at, level, kind));
         }
         self.ends_within(at, 3 + fields_length(low, high, kind, 0xffff), level)?;
-        for child in 0..16 {
-            let Child::Shape { at: to, is_relative, .. } = self.code.child(at, child) else { continue };
+        for (child, decoded) in (0..).zip(self.code.children(at)) {
+            let Child::Shape { at: to, is_relative, .. } = decoded else { continue };
             let below = level - NODE_LEVELS;
             match &mut common {
                 Some(common) if !is_relative && to < common.end => common.shape(None, to, below)?,

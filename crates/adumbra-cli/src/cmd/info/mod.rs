@@ -1,17 +1,20 @@
 //! `adumbra info`: what a shadow file contains.
 
+mod pages;
+
 use std::fs;
 
 use adumbra::file::{BUNDLE_ENTRY_BYTES, BundleEntry, Contents, GRID_BYTES, GridEntry, HEADER_BYTES, Level};
 use adumbra::{AtRest, Error, FileSettings, Frame, IoError, Receivers, ShadowFile};
 use adumbra_program::exit::{Code, Outcome};
-use adumbra_program::output::{format_bytes, print_json};
+use adumbra_program::output::{format_bytes, print_json, refuse_inputs, write_png};
 use adumbra_program::{mirrors, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use self::pages::PageBytes;
 use super::bits_per_texel;
-use crate::args::Info;
+use crate::args::{Info, LevelArg};
 
 /// What a shadow file contains.
 #[derive(Serialize, JsonSchema)]
@@ -50,6 +53,8 @@ pub(super) struct LevelInfo {
     voxel_size: f64,
     /// Number of pages along x and y.
     pages: [u32; 2],
+    /// The fewest, the median and the most bytes of a page, of those that have any, not coded.
+    page_bytes: Option<[u64; 3]>,
     /// Number of bundles of 4 x 4 pages.
     bundles: usize,
     /// Number of bundles without bytes, because all of their columns switch at one depth.
@@ -83,10 +88,17 @@ pub(super) struct LevelInfo {
 }
 
 pub(crate) fn run(args: &Info) -> Outcome {
+    if let Some(picture) = &args.picture {
+        refuse_inputs("--picture", picture, [("the shadow file", args.file.as_path())])?;
+    }
     let bytes = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
     let error = |source| Error::Format { path: args.file.clone(), source: Box::new(source) };
     let contents = Contents::parse(&bytes).map_err(error)?;
     let file = ShadowFile::from_bytes(&bytes).map_err(error)?;
+    if let Some(picture) = &args.picture {
+        let level = LevelArg { level: args.level };
+        write_png(picture, &PageBytes::of(&level.of(&file, &args.file)?.tree).picture())?;
+    }
     let file_bytes = bytes.len() as u64;
     let [nx, ny, _] = file.grid.size.map(f64::from);
     let info = FileInfo {
@@ -117,6 +129,7 @@ fn levels(contents: &Contents, file: &ShadowFile) -> Vec<LevelInfo> {
             size: level.grid.size,
             voxel_size: level.grid.voxel_size,
             pages: level.tree.page_dims(),
+            page_bytes: PageBytes::of(&level.tree).spread(),
             bundles: table.len(),
             uniform_bundles: table.iter().filter(|bundle| bundle.stored_bytes == 0).count(),
             table_bytes: (BUNDLE_ENTRY_BYTES * table.len()) as u64,
@@ -173,6 +186,9 @@ fn print(info: &FileInfo) {
             level.bundle_bytes,
             level.raw_bytes
         );
+        if let Some([fewest, median, most]) = level.page_bytes {
+            say!("    page          {fewest} to {most} bytes, median {median}, not coded");
+        }
         say!(
             "    {} nodes: heads {}, pointers {} bytes; {} leaves: depths {}, planes {} bytes",
             level.nodes,
