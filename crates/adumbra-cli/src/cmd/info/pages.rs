@@ -10,8 +10,7 @@ const LARGEST_PAGE: u32 = 64;
 /// The colour of pages without bytes of their own.
 const UNIFORM: [u8; 3] = [40, 40, 40];
 /// Colours from the fewest bytes to the most. Each is lighter than the one before it.
-const SCALE: [[u8; 3]; 5] =
-    [[49, 38, 120], [40, 104, 152], [44, 158, 118], [160, 198, 60], [250, 230, 110]];
+const SCALE: [[u8; 3]; 5] = [[49, 38, 120], [40, 104, 152], [44, 158, 118], [160, 198, 60], [250, 230, 110]];
 
 /// The bytes of each page of a level, x fastest.
 pub(super) struct PageBytes {
