@@ -28,6 +28,8 @@ fn gbuffer_sees_what_rays_see() {
         renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
         let surface = renderer.read_surface(&shot).unwrap();
         let view = camera.view();
+        // GPUs move corners to the nearest 256th of a pixel, which changes the depth of slanted surfaces.
+        let moved = if renderer.gpu().is_software() { 0.0 } else { 1.0 / 128.0 };
         let (mut hits, mut far_off, mut turned) = (0, 0, 0);
         for (at, (&depth, normal)) in surface.view_depth.iter().zip(&surface.normal).enumerate() {
             let (x, y) = (at as u32 % SIZE[0], at as u32 / SIZE[0]);
@@ -40,7 +42,16 @@ fn gbuffer_sees_what_rays_see() {
             hits += 1;
             let p: [f64; 3] = std::array::from_fn(|a| origin[a] + hit.t * direction[a]);
             let expected = view.depth(p);
-            if (f64::from(depth) - expected).abs() > 1e-3 * expected {
+            let beside = |dx: f64, dy: f64| {
+                let (origin, direction) = view.ray(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
+                let hit = tracer.nearest_surface(&Ray { origin, direction, ..ray });
+                hit.map_or(expected, |hit| {
+                    view.depth(std::array::from_fn(|a| origin[a] + hit.t * direction[a]))
+                })
+            };
+            let around = [beside(-moved, 0.0), beside(moved, 0.0), beside(0.0, -moved), beside(0.0, moved)];
+            let slack = around.iter().map(|z| (z - expected).abs()).fold(1e-3 * expected, f64::max);
+            if (f64::from(depth) - expected).abs() > slack {
                 far_off += 1;
                 continue;
             }

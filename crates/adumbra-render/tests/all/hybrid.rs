@@ -170,7 +170,9 @@ fn upload_keeps_every_depth() {
             let worst =
                 image.texels().iter().zip(held.texels()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             let step = if precision == DepthPrecision::Bits16 { 1.0 / 65535.0 } else { 0.0 };
-            assert!(worst <= 0.5001 * step, "{name}, {precision:?}: {worst}");
+            // GPUs convert to fixed point within 0.6 steps (Direct3D 11.3 Functional Specification, 3.2.3.6).
+            let rounding = if gpu.is_software() { 0.5001 } else { 0.6 };
+            assert!(worst <= rounding * step, "{name}, {precision:?}: {worst}");
         }
     }
 }

@@ -44,8 +44,8 @@ fn every_option_on_the_gpu_is_the_cpu_s() {
             texts.push("issao:half=on:normals=depth:filter=square:side=2".to_owned());
             texts.push("issao:half=on:filter=gauss:edges=on".to_owned());
             for text in texts {
-                let worst = seen.difference(renderer.gpu(), &settings(&text, RADIUS_WORLD));
-                assert!(worst < 2e-3, "{text} at {width} x {height}: {worst}");
+                let what = format!("{text} at {width} x {height}");
+                seen.assert_same(renderer.gpu(), &settings(&text, RADIUS_WORLD), &what);
             }
         }
     }
@@ -62,8 +62,11 @@ fn every_option_on_random_depth_is_the_cpu_s() {
             for filter in FILTERS {
                 for more in ["half=off", "half=on", "normals=depth"] {
                     let text = format!("issao:{filter}:{more}");
-                    let worst = seen.difference(gpu, &settings(&text, RADIUS_WORLD));
-                    assert!(worst < 2e-3, "{text} at {width} x {height}: {worst}");
+                    seen.assert_same(
+                        gpu,
+                        &settings(&text, RADIUS_WORLD),
+                        &format!("{text} at {width} x {height}"),
+                    );
                 }
             }
         }

@@ -6,7 +6,7 @@ use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, Stage, build};
 use adumbra_scene::{Camera, Projection};
 
 use crate::kit;
-use crate::kit::ambient::{Seen, largest, rms, settings, visibility};
+use crate::kit::ambient::{Seen, assert_same, rms, settings, visibility};
 use crate::kit::boxes::boxes;
 
 const SIZE: [u32; 2] = [203, 151];
@@ -49,8 +49,9 @@ fn reuse_on_the_gpu_is_the_cpu_s() {
                 let seen = Seen::drawn(&mut renderer, camera, number);
                 for (i, text) in texts.iter().enumerate() {
                     let found = seen.on_gpu(renderer.gpu(), &mut passes[i]);
-                    let worst = largest(&found, &visibility(&twins[i].ambient(&seen.surfaces())));
-                    assert!(worst < 2e-3, "{text} at {width} x {height}, frame {number}: {worst}");
+                    let expected = visibility(&twins[i].ambient(&seen.surfaces()));
+                    let what = format!("{text} at {width} x {height}, frame {number}");
+                    assert_same(renderer.gpu(), &found, &expected, &what);
                 }
             }
         }
@@ -77,7 +78,8 @@ fn renderer_keeps_the_history_of_its_frames() {
         assert!(times.of(Stage::AmbientHistory) > 0.0);
         let found = renderer.ambient().unwrap().read(renderer.gpu()).unwrap();
         let seen = Seen::now(&renderer, &shot);
-        assert!(largest(&found, &visibility(&twin.ambient(&seen.surfaces()))) < 2e-3, "frame {number}");
+        let expected = visibility(&twin.ambient(&seen.surfaces()));
+        assert_same(renderer.gpu(), &found, &expected, &format!("frame {number}"));
     }
     // Another size restarts the history.
     twin.forget();
@@ -85,7 +87,7 @@ fn renderer_keeps_the_history_of_its_frames() {
     renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
     let found = renderer.ambient().unwrap().read(renderer.gpu()).unwrap();
     let expected = visibility(&twin.ambient(&Seen::now(&renderer, &shot).surfaces()));
-    assert!(largest(&found, &expected) < 2e-3);
+    assert_same(renderer.gpu(), &found, &expected, "another size");
 }
 
 #[test]

@@ -260,7 +260,8 @@ impl<'s> Layout<'s> {
     }
 }
 
-/// Reads shapes from the half-words of valid pages, or of a valid common section. Equal shapes are listed once.
+/// Reads shapes from the half-words of valid pages, or of a valid common section. Equal shapes of pages are listed once;
+/// a common section has none.
 pub(super) struct Reader<'c> {
     common: &'c Common,
     /// Whether this reads a common section.
@@ -329,7 +330,9 @@ impl<'c> Reader<'c> {
         }
         let outline = Outline::new(&Leaf::read(&halves).ok_or(Fault)?);
         let index = self.shapes.push_leaf(&halves, outline, self.common.shapes.len());
-        self.leaves.insert(halves, index);
+        if !self.is_common {
+            self.leaves.insert(halves, index);
+        }
         Ok(index)
     }
 
@@ -347,10 +350,14 @@ impl<'c> Reader<'c> {
                 }
             };
         }
-        let next = self.common.shapes.len() + self.shapes.len();
+        let before = self.common.shapes.len();
+        if self.is_common {
+            return Ok(self.shapes.push_node(level, children, before));
+        }
+        let next = before + self.shapes.len();
         let index = *self.nodes.entry((level, children)).or_insert(next);
         if index == next {
-            self.shapes.push_node(level, children, self.common.shapes.len());
+            self.shapes.push_node(level, children, before);
         }
         Ok(index)
     }

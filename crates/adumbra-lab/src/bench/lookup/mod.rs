@@ -17,7 +17,9 @@ use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_program::exit::Code;
 use adumbra_program::output::{make_folder, note_input};
 use adumbra_program::scene::load_scene;
-use adumbra_render::{Answer, Baked, FrameTimes, Gpu, Prepared, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_render::{
+    Answer, Baked, FrameTimes, Gpu, Prepared, RenderError, Renderer, SceneOptions, Shot, Stage, build,
+};
 use adumbra_scene::{Camera, LoadOptions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,9 +29,9 @@ use super::peers::scene_file;
 use crate::TECHNIQUES;
 use crate::args::BenchLookup;
 use crate::light_file::{Kind, LightFile};
-use adumbra_compare::Result;
 use adumbra_compare::compare::{interleaved, median_time};
 use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera, truth_camera};
+use adumbra_compare::{Error, Result};
 
 /// Words of a sector.
 const SECTOR_WORDS: u32 = 8;
@@ -191,7 +193,13 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
                 let mut technique = prepare(&renderer, &file.technique(filter), file.baked())?;
                 for Seen { name: view, shot, groups } in &views {
                     let times = time(&mut renderer, shot, &mut technique, args.frames)?;
-                    let counts = voxels::count(gpu, &file, groups, Filter::try_from(filter)?)?;
+                    let counts = match voxels::count(gpu, &file, groups, Filter::try_from(filter)?) {
+                        Err(Error::Render(error)) if matches!(*error, RenderError::VoxelLimit { .. }) => {
+                            eprintln!("{name}, {view}, {}, {filter}: left out: {error}", kind.name());
+                            continue;
+                        }
+                        counts => counts?,
+                    };
                     let figures = counts.figures(groups.len(), &times);
                     let (frame, layout) = (file.grid().frame.name(), kind.name());
                     say(name, view, &format!("{frame} {layout}, {filter}"), &figures);
@@ -238,7 +246,7 @@ fn markdown(document: &Document) -> String {
          32 bytes per group; the longest chain of reads of a group's pixels of which each needs the one before for its \
          address; milliseconds of the look-up pass, {of_frames} on {adapter}. The shaders of \
          `voxel:filter=K` count their own reads. For `csm:filter=K` the words are texels, of which a gather fetches \
-         four and a sector holds 4 × 2.\n"
+         four and a sector holds 4 × 2. A cell is empty if some look-up reads more words than its log has room for.\n"
     );
     let mut filters: Vec<u32> = document.rows.iter().map(|row| row.filter).collect();
     filters.extend(document.cascades.iter().map(|row| row.filter));
@@ -253,7 +261,7 @@ fn markdown(document: &Document) -> String {
     let cell = |figures: Option<&Figures>| {
         figures.map_or_else(String::new, |f| {
             let Figures { words_per_pixel, sectors_per_group, chain_per_group, milliseconds, .. } = f;
-            format!("{words_per_pixel:.1}; {sectors_per_group:.1}; {chain_per_group:.0}; {milliseconds:.1}")
+            format!("{words_per_pixel:.1}; {sectors_per_group:.1}; {chain_per_group:.0}; {milliseconds:.2}")
         })
     };
     for (scene, view) in views {

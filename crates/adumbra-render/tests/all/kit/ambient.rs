@@ -127,11 +127,25 @@ impl Seen {
         sum
     }
 
-    /// Largest difference between GPU and CPU in a first frame's visibility.
-    pub(crate) fn difference(&self, gpu: &Gpu, settings: &OcclusionSettings) -> f32 {
+    /// Checks a first frame's visibility.
+    pub(crate) fn assert_same(&self, gpu: &Gpu, settings: &OcclusionSettings, what: &str) {
         let found = self.on_gpu(gpu, &mut OcclusionPasses::new(gpu, *settings));
-        largest(&found, &self.on_cpu(settings))
+        assert_same(gpu, &found, &self.on_cpu(settings), what);
     }
+}
+
+/// Checks that the GPU's values are the CPU's, within 2e-3.
+///
+/// A software adapter computes all of them as the CPU does. The sines, quotients and roots of a GPU may be off in their
+/// last bits (WGSL, *Accuracy of Concrete Floating Point Expressions*), so that a sample at an edge falls on its other
+/// side. There, one value of 500 may be apart, and one of 50 with `depth=plain`.
+pub(crate) fn assert_same(gpu: &Gpu, found: &[f32], expected: &[f32], what: &str) {
+    let worst = largest(found, expected);
+    let apart = found.iter().zip(expected).filter(|(a, b)| (*a - *b).abs() >= 2e-3).count();
+    // With plain differences of depth, the weights of half of the texels may all vanish, or not quite.
+    let share = if what.contains("depth=plain") { 50 } else { 500 };
+    let allowed = if gpu.is_software() { 0 } else { found.len() / share };
+    assert!(apart <= allowed, "{what}: {apart} of {} are apart, by up to {worst}", found.len());
 }
 
 /// Variants of estimators that their names alone do not cover.
