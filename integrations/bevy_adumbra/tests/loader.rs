@@ -42,16 +42,10 @@ fn load(app: &mut App, path: String) -> Option<String> {
 #[test]
 fn what_the_reader_takes_loads() {
     let mut app = app();
-    let mut count = 0;
-    for folder in ["valid", "valid_v2"] {
-        for (name, bytes) in named_vectors(folder, 1) {
-            let error = load(&mut app, format!("{folder}/{name}.adumbra"));
-            let expected = ShadowFile::from_bytes(&bytes);
-            assert_eq!(error.is_none(), expected.is_ok(), "{folder}/{name}: {error:?}, {expected:?}");
-            count += usize::from(error.is_none());
-        }
+    for (name, bytes) in named_vectors("valid", 10) {
+        let error = load(&mut app, format!("valid/{name}.adumbra"));
+        assert!(ShadowFile::from_bytes(&bytes).is_ok() && error.is_none(), "{name}: {error:?}");
     }
-    assert!(count > 20, "{count} files");
 }
 
 #[test]
