@@ -234,7 +234,7 @@ fn used(verb: &Verb) -> Used {
         Verb::Generate(args) => [vec![("--seed", args.seed.to_string())], run(&args.run)].concat(),
         Verb::Inspect(args) => [load(&args.load), run(&args.run)].concat(),
         Verb::Bake(args) => bake(args),
-        Verb::Info(args) => vec![("--level", args.level.to_string())],
+        Verb::Info(args) => vec![("--picture", String::new()), ("--level", args.level.to_string())],
         Verb::Schema(_) => vec![("words", String::new())],
         Verb::Verify(args) => [verify(&args.verify), level(&args.level)].concat(),
         Verb::Query(QueryFile { query: args, level: of_level }) => {
