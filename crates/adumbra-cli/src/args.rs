@@ -74,8 +74,7 @@ pub(crate) enum Verb {
     )]
     Query(QueryFile),
     /// Write a shadow file for a web page
-    #[command(after_help = "Writes the file, and next to it FILE.br, which servers send in its place.\n\n\
-        Example: adumbra export city.adumbra --web public/city.adumbra")]
+    #[command(after_help = "Example: adumbra export city.adumbra --web public/city.adumbra")]
     Export(Export),
     /// Store a shadow file with the context coder, at about a third of its bytes
     #[command(after_help = "Example: adumbra pack city.adumbra")]
@@ -245,7 +244,7 @@ pub(crate) struct Convert {
 pub(crate) struct Export {
     /// Shadow file
     pub(crate) file: PathBuf,
-    /// Copy for a web page, compressed with Brotli next to it as FILE.br; prints the lines to paste into the page
+    /// Copy for a web page, coded; prints the lines to paste into the page
     #[arg(long, value_name = "FILE")]
     pub(crate) web: PathBuf,
     #[command(flatten)]

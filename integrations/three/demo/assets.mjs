@@ -2,10 +2,9 @@
 // all, in seconds; `ADUMBRA_BIN` says where it is, if not in the path.
 
 import { spawnSync } from 'node:child_process';
-import { mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+import { mkdirSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { gzipSync } from 'node:zlib';
 
 const SUN = [0.5, 0.8, 0.35];
 const COLUMNS = 16384;
@@ -39,7 +38,6 @@ const city = join(folder, 'city.glb');
 const sun = SUN.join(',');
 make('city.glb', 'generate', 'city');
 make('city.adumbra', 'bake', city, '--sun', sun, '--resolution', String(COLUMNS), '--progress', 'none');
-writeFileSync(join(folder, 'city.adumbra.gz'), gzipSync(readFileSync(join(folder, 'city.adumbra')), { level: 9 }));
 const { eye, target, fov, width, height } = VIEW;
 make(
   'truth.png',

@@ -1,7 +1,7 @@
 // The page: puts the parts together.
 
 import { PerspectiveCamera, Vector3 } from 'three';
-import { FILTER_WIDTHS } from 'adumbra-three';
+import { FILTER_WIDTHS, ShadowFileLoader } from 'adumbra-three';
 import type { BakedShadowFile, FilterWidth } from 'adumbra-three';
 import type { LookUp } from 'adumbra-three/look-ups';
 
@@ -18,7 +18,6 @@ import { ReadOuts, megabytes, write } from './read-outs.js';
 import { available, open } from './renderers.js';
 import { disposeWorld, loadCity } from './scene.js';
 import type { World } from './scene.js';
-import { loadPacked } from './shadows.js';
 import { TECHNIQUE_NAMES } from './stock-shadows.js';
 import type { Technique } from './stock-shadows.js';
 import { compare, loadTruth } from './truth.js';
@@ -342,7 +341,7 @@ async function begin(): Promise<void> {
   const [drawing, world, file] = await Promise.all([
     open(kind, canvas, pixels() >= 1),
     loadCity(),
-    loadPacked('city.adumbra.gz'),
+    new ShadowFileLoader().loadAsync('city.adumbra'),
   ]);
   element('file-size', HTMLElement).textContent = megabytes(file.byteLength);
   say(kind === wanted ? '' : 'This browser or machine has no WebGPU, so WebGL2 draws.');

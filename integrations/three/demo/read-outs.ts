@@ -19,7 +19,7 @@ export function fetched(): { all: number; file: number } {
   let [all, file] = [0, 0];
   for (const entry of entries as PerformanceResourceTiming[]) {
     all += bytesOf(entry);
-    if (new URL(entry.name).pathname.endsWith('/city.adumbra.gz')) file += bytesOf(entry);
+    if (new URL(entry.name).pathname.endsWith('/city.adumbra')) file += bytesOf(entry);
   }
   return { all, file };
 }

@@ -23,7 +23,7 @@ const DESCRIBED: &[Described] = &[
     Described::of::<info::FileInfo>("info", "what a shadow file contains"),
     Described::of::<Verification>("verify", "the comparison with rays"),
     Described::of::<query::Answered>("query", "the look-ups"),
-    Described::of::<export::WebExported>("export", "the files that were written"),
+    Described::of::<export::WebExported>("export", "the file that was written"),
     Described::of::<convert::Converted>("pack", "the coded file that was written"),
     Described::of::<convert::Converted>("unpack", "the raw file that was written"),
     #[cfg(feature = "render")]

@@ -37,7 +37,7 @@ fn threads_memory_and_json_go_with_every_long_verb() {
         (&["bake", &scene, "--resolution", "256", "-o", &file], "file_bytes"),
         (&["verify", &file, "--scene", &scene, "--samples", "10000", "--min-interior", "0"], "agreement"),
         (&["query", &file, "--points", &points, "-o", &answers], "points"),
-        (&["export", &file, "--web", &web], "compressed_bytes"),
+        (&["export", &file, "--web", &web], "web_bytes"),
         (&["render", &scene, "--shadow-file", &file, "--size", "32x32", "-o", &picture], "width"),
         (
             &["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out],
