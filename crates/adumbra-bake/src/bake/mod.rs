@@ -92,21 +92,22 @@ pub fn bake_to(
 ) -> Result<Written> {
     let choice = Choice::new(scene, options)?;
     let plan_of = |level: usize| choice.plan(scene, options, level);
-    let mut plan = plan_of(choice.levels.len() - 1)?;
+    let plan = plan_of(choice.levels.len() - 1)?;
     // Only the resolution differs from level to level.
     let settings = FileSettings { resolution: choice.levels[0].resolution, ..plan.settings };
     let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
     let mut writer = FileWriter::new(out, settings, &grids, options.at_rest).map_err(Error::Output)?;
     let mut report = Report::default();
+    let mut coarsest = Some(plan);
     for level in (0..grids.len()).rev() {
-        if plan.tiles.grid != grids[level] {
-            plan = plan_of(level)?;
-        }
+        let plan = coarsest.take().map_or_else(|| plan_of(level), Ok)?;
         let built = build_level(&plan, options, &choice, level, watch)?;
+        // Linking needs no triangles.
+        drop(plan);
         report = report.with(&built.report);
-        let linked = built.made.link()?;
-        let common = CommonSection::new(linked.common().to_vec(), || linked.common_shapes(), options.at_rest)
-            .map_err(invalid)?;
+        let mut linked = built.made.link()?;
+        let (words, shapes) = linked.take_common();
+        let common = CommonSection::new(words, || shapes, options.at_rest).map_err(invalid)?;
         writer.common(&common).map_err(Error::Output)?;
         let dims = page_dims(grids[level].size);
         let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| {

@@ -1,24 +1,25 @@
 //! The common section: shapes that several pages have, in an order that depends on the shapes alone.
 
 use std::cmp::Reverse;
-use std::collections::HashMap;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard};
 
 use adumbra::layout::depths::ShapePlace;
 use adumbra::layout::depths::write::{OutOfReach, Place, Writer};
+use hashbrown::HashTable;
 use rayon::prelude::*;
 
 use super::shapes::{Child, Children, Reader, Shape, placed};
+use super::sketch::{OFTEN, Sketch};
 use super::store::PageStore;
 
 /// Number of pages that must have a shape. In the common section a shape of three pages saves twice its bytes for each
 /// that is always resident; one of two pages would save as many as it costs.
-const LEAST_PAGES: usize = 3;
-/// Number of hashes that are sorted at a time: 64 MiB.
-const MAX_HASHES: u64 = 1 << 22;
-/// Half-words per shape, about. It only decides how many hashes are sorted at a time.
+const LEAST_PAGES: u32 = OFTEN as u32;
+/// Half-words per shape, about. It only decides the size of the sketch.
 const HALVES_PER_SHAPE: u64 = 8;
+/// Parts of the table of shapes, each behind its own lock.
+const SHARDS: usize = 1 << SHARD_BITS;
+const SHARD_BITS: u32 = 8;
 
 /// The common section of a grid.
 #[derive(Debug, Default)]
@@ -26,8 +27,7 @@ pub(super) struct Common {
     pub(super) words: Vec<u32>,
     /// The shapes, by address.
     pub(super) shapes: Vec<ShapePlace>,
-    /// The address of each shape, by its hash.
-    pub(super) addresses: HashMap<u128, u32>,
+    addresses: Addresses,
 }
 
 impl Common {
@@ -38,79 +38,217 @@ impl Common {
     /// # Errors
     /// Returns [`OutOfReach`] if the section is too large.
     pub(super) fn of(store: &PageStore, numbers: &[u32]) -> Result<Self, OutOfReach> {
-        let shared = Shared::new(hashes_of_several_pages(store, numbers));
-        numbers.par_iter().for_each_init(Reader::default, |reader, &number| {
-            if let Some((words, root)) = store.get(number) {
-                reader.read(&words, root, true);
-                shared.visit(reader);
-            }
-        });
-        shared.lay_out()
-    }
-}
-
-/// Returns the bytes of the hashes that are sorted at a time, about.
-pub(super) fn sorting_bytes(store: &PageStore) -> u64 {
-    (store.halves() / HALVES_PER_SHAPE).min(MAX_HASHES) * size_of::<u128>() as u64
-}
-
-/// Returns the hashes of all shapes that at least [`LEAST_PAGES`] pages have, sorted.
-fn hashes_of_several_pages(store: &PageStore, numbers: &[u32]) -> Vec<u128> {
-    let passes = (store.halves() / HALVES_PER_SHAPE).div_ceil(MAX_HASHES).next_power_of_two();
-    let mut found = Vec::new();
-    for pass in 0..passes {
-        // Hashes are uniform, so each pass has about as many.
-        let is_here = |hash: u128| (hash >> 64) as u64 & (passes - 1) == pass;
-        let collected = numbers.par_iter().fold(
-            || (Reader::default(), Vec::new()),
-            |(mut reader, mut hashes), &number| {
+        let for_each_page = |visit: &(dyn Fn(&Reader) + Sync)| {
+            numbers.par_iter().for_each_init(Reader::default, |reader, &number| {
                 if let Some((words, root)) = store.get(number) {
                     reader.read(&words, root, true);
-                    hashes.extend(reader.hashes.iter().copied().filter(|&hash| is_here(hash)));
+                    visit(reader);
                 }
-                (reader, hashes)
-            },
-        );
-        let mut hashes = collected.map(|(_, hashes)| hashes).reduce(Vec::new, |mut all, mut more| {
-            all.append(&mut more);
-            all
-        });
-        hashes.par_sort_unstable();
-        let runs = hashes.chunk_by(|a, b| a == b).filter(|run| run.len() >= LEAST_PAGES);
-        found.extend(runs.map(|run| run[0]));
+            });
+        };
+        let sketch = Sketch::new(shapes_about(store));
+        for_each_page(&|reader| reader.hashes.iter().for_each(|&hash| sketch.count(hash)));
+        let found = Candidates::new(sketch);
+        for_each_page(&|reader| found.visit(reader));
+        found.lay_out()
     }
-    found.sort_unstable();
-    found
+
+    /// Returns the address of the shape with this hash.
+    pub(super) fn address(&self, hash: u128) -> Option<u32> {
+        self.addresses.get(split(hash))
+    }
 }
 
-/// Shapes that several pages have, while their contents are collected.
-struct Shared {
-    hashes: Vec<u128>,
-    indices: HashMap<u128, u32>,
-    found: Vec<Found>,
+/// Returns the bytes that finding the common section needs, about.
+pub(super) fn finding_bytes(store: &PageStore) -> u64 {
+    let shapes = shapes_about(store);
+    // Of the large worlds measured, one shape in 20 is common.
+    Sketch::bytes(shapes) + shapes / 20 * (size_of::<Candidate>() + size_of::<Children>()) as u64
 }
 
+fn shapes_about(store: &PageStore) -> u64 {
+    store.halves() / HALVES_PER_SHAPE
+}
+
+/// Addresses of shapes by their hashes.
+#[derive(Debug, Default)]
+struct Addresses {
+    list: Vec<([u64; 2], u32)>,
+    /// Indices in the list.
+    table: HashTable<u32>,
+}
+
+impl Addresses {
+    fn get(&self, hash: [u64; 2]) -> Option<u32> {
+        let index = *self.table.find(hash[0], |&index| self.list[index as usize].0 == hash)?;
+        Some(self.list[index as usize].1)
+    }
+
+    fn add(&mut self, hash: [u64; 2], address: u32) {
+        let Self { list, table } = self;
+        let index = list.len() as u32;
+        list.push((hash, address));
+        table.insert_unique(hash[0], index, |&index| list[index as usize].0[0]);
+    }
+}
+
+/// Shapes that several pages seem to have, while they are counted exactly and their contents are collected.
+struct Candidates {
+    sketch: Sketch,
+    shards: Vec<Mutex<Shard>>,
+}
+
+/// The shapes whose hashes have the same [`SHARD_BITS`], and their contents.
 #[derive(Default)]
-struct Found {
-    /// Number of nodes and roots that point to the shape. A node that several pages have counts once if it is shared,
-    /// else once per page.
-    pointers: AtomicU32,
-    content: OnceLock<(u32, Content)>,
+struct Shard {
+    candidates: Vec<Candidate>,
+    /// Indices of the shapes by hash.
+    table: HashTable<u32>,
+    leaf_halves: Vec<u16>,
+    /// Children of nodes. Those that are shapes have their ids.
+    nodes: Vec<Children>,
 }
 
-enum Content {
-    Leaf(Box<[u16]>),
-    /// Children have indices of shared shapes.
-    Node(Box<Children>),
+struct Candidate {
+    /// The hash, low half first. It is not one number, because that would be aligned.
+    hash: [u64; 2],
+    /// Number of pages that have the shape.
+    pages: u32,
+    /// Number of nodes and roots that point to the shape. A node that several pages have counts once if it is a
+    /// candidate, else once per page.
+    pointers: u32,
+    /// Where its content is in its shard, once it is collected.
+    shape: Shape,
 }
 
-impl Content {
-    /// Returns the number of half-words, if all pointers are near and none is short.
-    fn length(&self) -> u64 {
+impl Candidate {
+    /// Has no content yet.
+    fn new(hash: [u64; 2]) -> Self {
+        Self { hash, pages: 0, pointers: 0, shape: Shape::Leaf { first: 0, length: 0 } }
+    }
+}
+
+fn split(hash: u128) -> [u64; 2] {
+    [hash as u64, (hash >> 64) as u64]
+}
+
+/// A candidate: its shard in the low [`SHARD_BITS`], and its index there.
+type Id = u32;
+
+fn shard_and_index(id: Id) -> (usize, usize) {
+    (id as usize % SHARDS, (id >> SHARD_BITS) as usize)
+}
+
+impl Candidates {
+    fn new(sketch: Sketch) -> Self {
+        Self { sketch, shards: (0..SHARDS).map(|_| Mutex::default()).collect() }
+    }
+
+    fn shard(&self, shard: usize) -> MutexGuard<'_, Shard> {
+        self.shards[shard].lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    /// Notes the shapes of a page.
+    fn visit(&self, reader: &Reader) {
+        let shapes = reader.shapes();
+        let noted: Vec<Option<Noted>> =
+            reader.hashes.iter().map(|&hash| self.sketch.came_often(hash).then(|| self.note(hash))).collect();
+        let id = |index: u32| noted[index as usize].map(|noted| noted.id);
+        let count = |index: u32| {
+            if let Some((shard, index)) = id(index).map(shard_and_index) {
+                self.shard(shard).candidates[index].pointers += 1;
+            }
+        };
+        count(reader.hashes.len() as u32 - 1);
+        for (&noted, &shape) in noted.iter().zip(&shapes.list) {
+            if noted.is_some_and(|noted| !noted.is_new) {
+                continue;
+            }
+            if let Shape::Node { children, .. } = shape {
+                for child in shapes.children(children) {
+                    if let Child::Shape { index, .. } = *child {
+                        count(index);
+                    }
+                }
+            }
+            let Some((shard, index)) = noted.map(|noted| shard_and_index(noted.id)) else { continue };
+            let Shard { candidates, leaf_halves, nodes, .. } = &mut *self.shard(shard);
+            candidates[index].shape = match shape {
+                Shape::Leaf { first, length } => {
+                    let own = leaf_halves.len() as u32;
+                    leaf_halves.extend_from_slice(shapes.leaf(first, length));
+                    Shape::Leaf { first: own, length }
+                }
+                Shape::Node { level, children } => {
+                    let ids = shapes.children(children).map(|child| match child {
+                        // What several pages have in a shape, they have below it.
+                        Child::Shape { delta, index } => {
+                            Child::Shape { delta, index: id(index).unwrap_or(u32::MAX) }
+                        }
+                        other => other,
+                    });
+                    nodes.push(ids);
+                    Shape::Node { level, children: nodes.len() as u32 - 1 }
+                }
+            };
+        }
+    }
+
+    /// Counts a page's shape.
+    fn note(&self, hash: u128) -> Noted {
+        let hash = split(hash);
+        let shard_number = hash[1] as usize % SHARDS;
+        let mut shard = self.shard(shard_number);
+        let Shard { candidates, table, .. } = &mut *shard;
+        let next = candidates.len() as u32;
+        let is_same = |&index: &u32| candidates[index as usize].hash == hash;
+        let hash_of = |&index: &u32| candidates[index as usize].hash[0];
+        let index = *table.entry(hash[0], is_same, hash_of).or_insert(next).get();
+        if index == next {
+            candidates.push(Candidate::new(hash));
+        }
+        candidates[index as usize].pages += 1;
+        Noted { id: index << SHARD_BITS | shard_number as u32, is_new: index == next }
+    }
+
+    /// Writes the shapes, those with the most pointers for their length first, each after what it leads to.
+    fn lay_out(self) -> Result<Common, OutOfReach> {
+        let shards =
+            self.shards.into_iter().map(|shard| shard.into_inner().unwrap_or_else(|e| e.into_inner()));
+        let shapes = Shapes(shards.collect());
+        let mut order = shapes.ids();
+        order.sort_by_cached_key(|&id| {
+            let (shard, candidate) = shapes.get(id);
+            let [low, high] = candidate.hash;
+            let weight = (u64::from(candidate.pointers) << 16) / shard.length(candidate.shape);
+            (Reverse(weight), candidate.shape.level(), high, low)
+        });
+        let mut writer = Writer::common();
+        let mut common = Common::default();
+        for id in order {
+            shapes.emit(id, &mut writer, &mut common)?;
+        }
+        common.shapes.sort_unstable();
+        common.words = writer.words();
+        Ok(common)
+    }
+}
+
+/// What [`Candidates::note`] did.
+#[derive(Clone, Copy)]
+struct Noted {
+    id: Id,
+    /// Whether no page had the shape before, so that its content is still to be collected.
+    is_new: bool,
+}
+
+impl Shard {
+    /// Returns the number of half-words of a shape, if all pointers are near and none is short.
+    fn length(&self, shape: Shape) -> u64 {
         let narrow = |delta: u32| i16::try_from(delta as i32).is_ok();
-        match self {
-            Self::Leaf(halves) => halves.len() as u64,
-            Self::Node(children) => children.iter().fold(3, |sum, child| {
+        match shape {
+            Shape::Leaf { length, .. } => length.into(),
+            Shape::Node { children, .. } => self.nodes[children as usize].iter().fold(3, |sum, child| {
                 sum + match *child {
                     Child::Never | Child::Uniform(0) => 0,
                     Child::Shape { delta: 0, .. } => 1,
@@ -123,108 +261,47 @@ impl Content {
     }
 }
 
-impl Shared {
-    fn new(hashes: Vec<u128>) -> Self {
-        let indices = hashes.iter().zip(0..).map(|(&hash, index)| (hash, index)).collect();
-        let found = hashes.iter().map(|_| Found::default()).collect();
-        Self { hashes, indices, found }
+/// All candidates, by shard.
+struct Shapes(Vec<Shard>);
+
+impl Shapes {
+    fn get(&self, id: Id) -> (&Shard, &Candidate) {
+        let (shard, index) = shard_and_index(id);
+        (&self.0[shard], &self.0[shard].candidates[index])
     }
 
-    /// Notes the shapes of a page.
-    fn visit(&self, reader: &Reader) {
-        let shapes = reader.shapes();
-        let shared = |index: u32| self.indices.get(&reader.hashes[index as usize]).copied();
-        let count = |index: u32| {
-            if let Some(shared) = shared(index) {
-                self.found[shared as usize].pointers.fetch_add(1, Ordering::Relaxed);
-            }
+    /// Returns those that enough pages have.
+    fn ids(&self) -> Vec<Id> {
+        let of_shard = |(number, shard): (u32, &Shard)| {
+            let several =
+                (0_u32..).zip(&shard.candidates).filter(|(_, candidate)| candidate.pages >= LEAST_PAGES);
+            several.map(|(index, _)| index << SHARD_BITS | number).collect::<Vec<_>>()
         };
-        let count_children = |children: &Children| {
-            for child in children {
-                if let Child::Shape { index, .. } = *child {
-                    count(index);
-                }
-            }
-        };
-        count(reader.hashes.len() as u32 - 1);
-        for (index, shape) in (0_u32..).zip(&shapes.list) {
-            match (shared(index), *shape) {
-                (Some(found), shape) => {
-                    self.found[found as usize].content.get_or_init(|| {
-                        let content = match shape {
-                            Shape::Leaf { first, length } => Content::Leaf(shapes.leaf(first, length).into()),
-                            Shape::Node { children, .. } => {
-                                let children = shapes.children(children);
-                                count_children(children);
-                                // What all these pages have in a shape, they have below it.
-                                Content::Node(Box::new(children.map(|child| match child {
-                                    Child::Shape { delta, index } => {
-                                        Child::Shape { delta, index: shared(index).unwrap_or(u32::MAX) }
-                                    }
-                                    other => other,
-                                })))
-                            }
-                        };
-                        (shape.level(), content)
-                    });
-                }
-                (None, Shape::Node { children, .. }) => count_children(shapes.children(children)),
-                (None, Shape::Leaf { .. }) => {}
-            }
-        }
+        (0..).zip(&self.0).flat_map(of_shard).collect()
     }
 
-    /// Writes the shapes, those with the most pointers for their length first, each after what it leads to.
-    fn lay_out(&self) -> Result<Common, OutOfReach> {
-        let mut order: Vec<u32> = (0..self.found.len() as u32)
-            .filter(|&i| self.found[i as usize].content.get().is_some())
-            .collect();
-        order.sort_by_cached_key(|&index| {
-            let found = &self.found[index as usize];
-            let (level, length) =
-                found.content.get().map_or((0, 1), |(level, content)| (*level, content.length()));
-            let pointers = u64::from(found.pointers.load(Ordering::Relaxed)) << 16;
-            (Reverse(pointers / length), level, self.hashes[index as usize])
-        });
-        let mut writer = Writer::common();
-        let mut addresses = vec![None; self.found.len()];
-        for index in order {
-            self.emit(index, &mut writer, &mut addresses)?;
-        }
-        let contents = self.found.iter().map(|found| found.content.get());
-        let shape = |(content, at): (Option<&(u32, Content)>, &Option<u32>)| {
-            Some(ShapePlace { at: (*at)?, level: content?.0 })
-        };
-        let mut shapes: Vec<ShapePlace> = contents.zip(&addresses).filter_map(shape).collect();
-        shapes.sort_unstable();
-        let places = self.hashes.iter().zip(addresses);
-        let addresses = places.filter_map(|(&hash, at)| at.map(|at| (hash, at))).collect();
-        Ok(Common { words: writer.words(), shapes, addresses })
-    }
-
-    fn emit(
-        &self,
-        index: u32,
-        writer: &mut Writer,
-        addresses: &mut [Option<u32>],
-    ) -> Result<u32, OutOfReach> {
-        if let Some(known) = addresses[index as usize] {
+    fn emit(&self, id: Id, writer: &mut Writer, common: &mut Common) -> Result<u32, OutOfReach> {
+        let (shard, candidate) = self.get(id);
+        if let Some(known) = common.addresses.get(candidate.hash) {
             return Ok(known);
         }
-        let at = match self.found[index as usize].content.get() {
-            None => unreachable!("a page has every shape that is pointed to"),
-            Some((_, Content::Leaf(halves))) => writer.leaf(halves),
-            Some((_, Content::Node(children))) => {
-                for child in children.iter() {
+        let at = match candidate.shape {
+            Shape::Leaf { first, length } => {
+                writer.leaf(&shard.leaf_halves[first as usize..][..length as usize])
+            }
+            Shape::Node { children, .. } => {
+                let children = &shard.nodes[children as usize];
+                for child in children {
                     if let Child::Shape { index, .. } = *child {
-                        self.emit(index, writer, addresses)?;
+                        self.emit(index, writer, common)?;
                     }
                 }
-                let place = |child: u32| Place::Here(addresses[child as usize].unwrap_or_default());
-                writer.node(&placed(children, place))?
+                let address = |id: Id| common.addresses.get(self.get(id).1.hash);
+                writer.node(&placed(children, |id| Place::Here(address(id).unwrap_or_default())))?
             }
         };
-        addresses[index as usize] = Some(at);
+        common.addresses.add(candidate.hash, at);
+        common.shapes.push(ShapePlace { at, level: candidate.shape.level() });
         Ok(at)
     }
 }

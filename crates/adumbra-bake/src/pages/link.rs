@@ -41,9 +41,9 @@ impl Pages {
         Ok(Linked { pages: self, common })
     }
 
-    /// Returns the bytes that linking needs besides the pages: hashes that are sorted, and what is written at a time.
+    /// Returns the bytes that linking needs besides the pages: what finds the common section, and what is written at a time.
     pub(crate) fn link_bytes(store: &PageStore) -> u64 {
-        super::common::sorting_bytes(store) + store.halves() / 4
+        super::common::finding_bytes(store) + store.halves() / 4
     }
 
     /// Links the pages to a tree in memory.
@@ -82,14 +82,9 @@ struct Scratch {
 }
 
 impl Linked {
-    /// Returns the words of the common section.
-    pub(crate) fn common(&self) -> &[u32] {
-        &self.common.words
-    }
-
-    /// Returns the shapes of the common section, by address.
-    pub(crate) fn common_shapes(&self) -> Vec<ShapePlace> {
-        self.common.shapes.clone()
+    /// Takes the words of the common section, and its shapes by address. Linking needs neither.
+    pub(crate) fn take_common(&mut self) -> (Vec<u32>, Vec<ShapePlace>) {
+        (std::mem::take(&mut self.common.words), std::mem::take(&mut self.common.shapes))
     }
 
     /// Writes the bundles, on all threads, and frees their pages. `make` is called with a bundle's place and pages, and
@@ -128,7 +123,7 @@ impl Linked {
         self.pages.store.forget(number);
         let Scratch { reader, places } = scratch;
         reader.read(&words, root, self.pages.merged);
-        let address = |index: usize| self.common.addresses.get(&reader.hashes[index]).copied();
+        let address = |index: usize| self.common.address(reader.hashes[index]);
         let words = reader.shapes().write(address, places)?;
         let (root, words) = match places.last() {
             Some(Place::Here(at)) => (IN_PAGE | at, words),
@@ -139,8 +134,8 @@ impl Linked {
     }
 
     /// Makes a tree in memory.
-    pub(crate) fn tree(self) -> Result<DepthTree> {
-        let mut builder = TreeBuilder::new(self.pages.size, self.common.words.clone());
+    pub(crate) fn tree(mut self) -> Result<DepthTree> {
+        let mut builder = TreeBuilder::new(self.pages.size, self.take_common().0);
         let dims = page_dims(self.pages.size);
         let owned = |_, pages: &[Page<'_>; BUNDLE_PAGES]| {
             pages.map(|page| LinkedPage { root: page.root, base: page.base, words: page.words.to_vec() })

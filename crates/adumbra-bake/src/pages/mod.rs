@@ -8,6 +8,7 @@
 mod common;
 mod link;
 mod shapes;
+mod sketch;
 mod store;
 #[cfg(test)]
 mod store_tests;

@@ -304,8 +304,8 @@ fn linked_bundles_come_in_order_and_free_their_pages() {
     let pages = made_in_order(&TOWN.pages(true), &order, &spill);
     assert!(spill.resident_bytes() > 0);
     let expected = TOWN.tree(true);
-    let linked = pages.link().unwrap();
-    assert_eq!(linked.common(), expected.common());
+    let mut linked = pages.link().unwrap();
+    assert_eq!(linked.take_common().0, expected.common());
     let mut places = Vec::new();
     let words = |_, pages: &[Page<'_>; 16]| pages.map(|page| page.words.to_vec());
     linked

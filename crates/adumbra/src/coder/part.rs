@@ -1,7 +1,7 @@
 //! A common section, or the pages of a bundle, to and from coded bytes.
 
 use super::rans::{Decoder, Encoder};
-use super::shapes::{Child, Common, Layout, NEVER_CHILD, Pool, Reader, Shapes};
+use super::shapes::{Child, Coded, Common, Layout, NEVER_CHILD, Pool, Reader, Shapes};
 use super::walk::Walk;
 use super::{Fault, LARGEST_RATIO};
 use crate::layout::depths::NEVER;
@@ -16,8 +16,7 @@ const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
 /// Returns [`Fault`] if the coded bytes would be shorter than readers accept.
 pub(crate) fn encode_common(common: &Common, words: &[u32]) -> Result<Vec<u8>, Fault> {
     let none = Shapes::default();
-    let source = Pool { common: &none, own: &common.shapes };
-    let mut walk = Walk::new(Encoder::default(), &none, source, usize::MAX);
+    let mut walk = Walk::of_section(Encoder::default(), &none, &common.shapes);
     walk.section(common.shapes.len())?;
     checked(walk.coder.finish(), words.len())
 }
@@ -32,7 +31,8 @@ pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u
     let mut walk = Walk::new(Decoder::new(bytes), &none, source, 2 * words);
     walk.section(0)?;
     walk.coder.finish()?;
-    let (common, found) = Common::lay_out(walk.own, 2 * words)?;
+    let Coded::SoFar(shapes) = walk.own else { return Err(Fault) };
+    let (common, found) = Common::lay_out(shapes, 2 * words)?;
     if found.len() == words { Ok((common, found)) } else { Err(Fault) }
 }
 
@@ -74,7 +74,7 @@ pub(crate) fn decode_bundle(bytes: &[u8], words: usize, common: &Common) -> Resu
     let mut walk = Walk::new(Decoder::new(bytes), &common.shapes, source, most_halves);
     let roots = walk.pages([Child::NEVER; BUNDLE_PAGES])?;
     walk.coder.finish()?;
-    let mut layout = Layout::of_pages(common, &walk.own, most_halves);
+    let mut layout = Layout::of_pages(common, walk.own.shapes(), most_halves);
     let mut found = vec![0; HEAD_WORDS];
     for (page, root) in roots.into_iter().enumerate() {
         let (at, mut page_words) = layout.page(root.shape)?;

@@ -222,10 +222,40 @@ impl Coder for Decoder<'_> {
 }
 
 /// One step of an encoder.
-struct Step {
-    start: u16,
-    frequency: u16,
-    scale: u8,
+///
+/// | bits | a bit or a symbol | plain bits |
+/// |---|---|---|
+/// | 0 to 1 | 0: a bit; 1: a symbol | 2 |
+/// | 2 to 16 | start of the interval | number of bits, from 1 to 16 |
+/// | 17 to 31 | length of the interval | |
+/// | 16 to 31 | | the bits |
+///
+/// The symbol with the interval from 0x123 of length 0x456 is 0x08ac048d.
+#[derive(Clone, Copy)]
+struct Step(u32);
+
+impl Step {
+    fn bit([start, frequency]: [u32; 2]) -> Self {
+        Self(start << 2 | frequency << 17)
+    }
+
+    fn symbol([start, frequency]: [u32; 2]) -> Self {
+        Self(1 | start << 2 | frequency << 17)
+    }
+
+    fn plain(count: u32, bits: u32) -> Self {
+        Self(2 | count << 2 | bits << 16)
+    }
+
+    /// Returns the start and the length of the interval, and the scale: of how many parts it is, as a power of two.
+    fn interval(self) -> (u32, u32, u32) {
+        let Self(step) = self;
+        match step & 3 {
+            0 => (step >> 2 & 0x7fff, step >> 17, BIT_SCALE),
+            1 => (step >> 2 & 0x7fff, step >> 17, SYMBOL_SCALE),
+            _ => (step >> 16, 1, step >> 2 & 0x1f),
+        }
+    }
 }
 
 /// Writes coded bytes. Steps are undone in reverse order, so all are kept until the end.
@@ -239,20 +269,17 @@ impl Encoder {
     pub(super) fn finish(self) -> Vec<u8> {
         let mut halves: Vec<u16> = Vec::new();
         let mut states = [LEAST_STATE; 2];
-        for (i, &Step { start, frequency, scale }) in self.steps.iter().enumerate().rev() {
-            let (state, frequency) = (&mut states[i & 1], u32::from(frequency));
+        for (i, step) in self.steps.iter().enumerate().rev() {
+            let (start, frequency, scale) = step.interval();
+            let state = &mut states[i & 1];
             if u64::from(*state) >= u64::from(frequency) << (32 - scale) {
                 halves.push(*state as u16);
                 *state >>= 16;
             }
-            *state = ((*state / frequency) << scale) + *state % frequency + u32::from(start);
+            *state = ((*state / frequency) << scale) + *state % frequency + start;
         }
         let initial = states.map(|state| [state as u16, (state >> 16) as u16]);
         initial.iter().flatten().chain(halves.iter().rev()).flat_map(|half| half.to_le_bytes()).collect()
-    }
-
-    fn step(&mut self, start: u32, frequency: u32, scale: u32) {
-        self.steps.push(Step { start: start as u16, frequency: frequency as u16, scale: scale as u8 });
     }
 }
 
@@ -261,15 +288,14 @@ impl Coder for Encoder {
 
     fn bit(&mut self, model: &mut Bit, bit: u32) -> u32 {
         let ones = model.frequency();
-        let [start, frequency] = if bit == 1 { [0, ones] } else { [ones, (1 << BIT_SCALE) - ones] };
-        self.step(start, frequency, BIT_SCALE);
+        let interval = if bit == 1 { [0, ones] } else { [ones, (1 << BIT_SCALE) - ones] };
+        self.steps.push(Step::bit(interval));
         model.adapt(bit);
         bit
     }
 
     fn symbol(&mut self, model: &mut Symbol, symbol: u32) -> u32 {
-        let [start, frequency] = model.interval(symbol);
-        self.step(start, frequency, SYMBOL_SCALE);
+        self.steps.push(Step::symbol(model.interval(symbol)));
         model.adapt(symbol);
         symbol
     }
@@ -279,8 +305,22 @@ impl Coder for Encoder {
         while left > 0 {
             let bits = left.min(16);
             left -= bits;
-            self.step(number >> left & ((1 << bits) - 1), 1, bits);
+            self.steps.push(Step::plain(bits, number >> left & ((1 << bits) - 1)));
         }
         number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_of_an_encoder_are_packed_as_described() {
+        assert_eq!(Step::symbol([0x123, 0x456]).0, 0x08ac_048d);
+        assert_eq!(Step::symbol([0x123, 0x456]).interval(), (0x123, 0x456, SYMBOL_SCALE));
+        assert_eq!(Step::bit([0xfff, 0x7fff]).interval(), (0xfff, 0x7fff, BIT_SCALE));
+        assert_eq!(Step::plain(16, 0xffff).interval(), (0xffff, 1, 16));
+        assert_eq!(Step::plain(1, 1).interval(), (1, 1, 1));
     }
 }

@@ -57,6 +57,14 @@ pub(super) fn rank_of_level(level: u32) -> usize {
 }
 
 impl Shapes {
+    fn shrink_to_fit(&mut self) {
+        self.entries.shrink_to_fit();
+        self.leaf_halves.shrink_to_fit();
+        self.leaves.shrink_to_fit();
+        self.nodes.shrink_to_fit();
+        self.levels.iter_mut().for_each(Vec::shrink_to_fit);
+    }
+
     /// Returns the number of shapes.
     pub(super) fn len(&self) -> u32 {
         self.entries.len() as u32
@@ -85,6 +93,35 @@ impl Shapes {
         self.nodes.push(children);
         self.levels[rank_of_level(level)].push(index);
         index
+    }
+}
+
+/// The shapes of a part, while it is coded.
+pub(super) enum Coded<'s> {
+    /// Those that were coded.
+    SoFar(Shapes),
+    /// All, for an encoder that codes them in order.
+    All(&'s Shapes),
+}
+
+impl Coded<'_> {
+    /// Returns the shapes.
+    #[inline(always)]
+    pub(super) fn shapes(&self) -> &Shapes {
+        match self {
+            Self::SoFar(shapes) => shapes,
+            Self::All(shapes) => shapes,
+        }
+    }
+
+    /// Notes a shape that was coded, and returns its index: that of the shape `source` if all are known, else what `push`
+    /// returns, which adds it.
+    #[inline(always)]
+    pub(super) fn note(&mut self, source: u32, push: impl FnOnce(&mut Shapes) -> u32) -> u32 {
+        match self {
+            Self::SoFar(shapes) => push(shapes),
+            Self::All(_) => source,
+        }
     }
 }
 
@@ -153,11 +190,13 @@ impl Common {
         for &place in places {
             reader.shape(Code { words }, place)?;
         }
-        let (mut common, written) = Self::lay_out(reader.shapes, usize::MAX)?;
+        let Reader { mut shapes, indices, .. } = reader;
+        shapes.shrink_to_fit();
+        let (mut common, written) = Self::lay_out(shapes, usize::MAX)?;
         if written != words || !common.addresses.iter().eq(places.iter().map(|place| &place.at)) {
             return Err(Fault);
         }
-        common.indices = places.iter().copied().zip(0..).collect();
+        common.indices = indices;
         Ok(common)
     }
 

@@ -9,7 +9,7 @@ use super::contour::{Leaf, MOST_HALVES, Outline, class, rise};
 use super::edges::{Edges, Facing};
 use super::model::Model;
 use super::rans::Coder;
-use super::shapes::{Child, LEVELS, NEVER_CHILD, Pool, Shape, Shapes, UNIFORM, rank_of_level};
+use super::shapes::{Child, Coded, LEVELS, NEVER_CHILD, Pool, Shape, Shapes, UNIFORM, rank_of_level};
 use crate::layout::depths::page::{BUNDLE_PAGES, BUNDLE_SIDE, PAGE_LEVEL};
 use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS};
 
@@ -33,8 +33,7 @@ const IN_OWN: u32 = 15;
 /// Codes shapes.
 pub(super) struct Walk<'s, C> {
     pub(super) coder: C,
-    /// The shapes that were coded.
-    pub(super) own: Shapes,
+    pub(super) own: Coded<'s>,
     pub(super) model: Box<Model>,
     /// Shapes that both sides know.
     common: &'s Shapes,
@@ -56,7 +55,7 @@ impl<'s, C: Coder> Walk<'s, C> {
     pub(super) fn new(coder: C, common: &'s Shapes, source: Pool<'s>, most_halves: usize) -> Self {
         Self {
             coder,
-            own: Shapes::default(),
+            own: Coded::SoFar(Shapes::default()),
             model: Model::new(),
             common,
             source,
@@ -67,6 +66,12 @@ impl<'s, C: Coder> Walk<'s, C> {
             most_halves,
             scratch: None,
         }
+    }
+
+    /// Begins an encoder of a common section with these shapes.
+    pub(super) fn of_section(coder: C, none: &'s Shapes, shapes: &'s Shapes) -> Self {
+        let walk = Self::new(coder, none, Pool { common: none, own: shapes }, usize::MAX);
+        Self { own: Coded::All(shapes), ..walk }
     }
 
     /// Codes the roots of pages, whose `delta` is the page's base. Each is a child whose parent has the base of the page
@@ -198,7 +203,7 @@ impl<'s, C: Coder> Walk<'s, C> {
         if way < IN_COMMON {
             return self.recent[rank].get(way as usize).copied().filter(|&s| s != UNIFORM).ok_or(Fault);
         }
-        let shapes = if way == IN_COMMON { self.common } else { &self.own };
+        let shapes = if way == IN_COMMON { self.common } else { self.own.shapes() };
         let list = shapes.of_level(level);
         let number = if C::DECODES { 0 } else { list.binary_search(&shape).map_err(|_| Fault)? };
         let model = &mut self.model.number[rank][(way - IN_COMMON) as usize];
@@ -208,14 +213,14 @@ impl<'s, C: Coder> Walk<'s, C> {
 
     /// Codes the base of a known shape. Returns both.
     fn seen(&mut self, level: u32, at: [usize; 2], base: u32, shape: u32, target: u32) -> (u32, u32) {
-        let pool = Pool { common: self.common, own: &self.own };
+        let pool = Pool { common: self.common, own: self.own.shapes() };
         let depth = if let Shape::Leaf(_, outline) = pool.get(shape) {
             let (slant, kind) = (outline.slant.into(), outline.kind);
             self.leaf_depth(at, base, slant, kind, target)
         } else {
             self.plain_depth(level, at, base, false, target)
         };
-        self.edges.shape(at, level, depth, shape, Pool { common: self.common, own: &self.own });
+        self.edges.shape(at, level, depth, shape, Pool { common: self.common, own: self.own.shapes() });
         (shape, depth)
     }
 
@@ -233,7 +238,8 @@ impl<'s, C: Coder> Walk<'s, C> {
             let at = [x + ((c & 3) << below), y + ((c >> 2) << below)];
             *child = self.child(below, at, base, *child)?;
         }
-        let index = self.own.push_node(level, children, self.common.len());
+        let before = self.common.len();
+        let index = self.own.note(source, |own| own.push_node(level, children, before));
         self.note(source, index);
         Ok(index)
     }
@@ -255,7 +261,8 @@ impl<'s, C: Coder> Walk<'s, C> {
         let halves = leaf.halves(&mut buffer);
         self.spend(halves.len())?;
         let outline = Outline::new(&leaf);
-        let index = self.own.push_leaf(halves, outline, self.common.len());
+        let before = self.common.len();
+        let index = self.own.note(source.shape, |own| own.push_leaf(halves, outline, before));
         self.edges.leaf(at, depth, index, &outline);
         self.note(source.shape, index);
         self.scratch = Some(leaf);
