@@ -79,7 +79,9 @@ mod estimate;
 mod fast;
 #[cfg(test)]
 mod fuzz;
+mod inputs;
 pub mod layers;
+mod objects;
 mod options;
 mod pack;
 mod pages;
@@ -96,9 +98,10 @@ mod tiles;
 mod triangles;
 mod yaw;
 
-pub use bake::{Bake, Written, bake, bake_to};
+pub use bake::{Bake, Written, bake, bake_to, bake_with_objects};
 pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
+pub use objects::{FolderContents, FolderObjects, ObjectKey, Objects};
 pub use options::{
     BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS, LOWEST_OBLIQUE_DEGREES,
     MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,

@@ -20,8 +20,10 @@ pub struct Progress {
 pub struct Report {
     /// Wall-clock time in seconds.
     pub seconds: f64,
-    /// Number of tiles drawn.
+    /// Number of tiles.
     pub tiles: usize,
+    /// Number of tiles that were not baked, because objects of an earlier bake have them.
+    pub reused_tiles: usize,
     /// Number of worker threads.
     pub threads: usize,
     /// Texels that were evaluated one by one.
@@ -38,6 +40,7 @@ impl Report {
         Self {
             seconds: self.seconds + more.seconds,
             tiles: self.tiles + more.tiles,
+            reused_tiles: self.reused_tiles + more.reused_tiles,
             threads: self.threads.max(more.threads),
             drawn_texels: self.drawn_texels + more.drawn_texels,
             accounted_bytes: self.accounted_bytes.max(more.accounted_bytes),

@@ -62,6 +62,7 @@ impl<'a, 's> Tally<'a, 's> {
         Report {
             seconds: self.start.elapsed().as_secs_f64(),
             tiles: self.plan.tiles.count(),
+            reused_tiles: 0,
             threads: self.plan.workers,
             drawn_texels: self.drawn_texels.load(Ordering::Relaxed),
             accounted_bytes: self.accounted_bytes.load(Ordering::Relaxed),

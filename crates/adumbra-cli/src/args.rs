@@ -12,7 +12,7 @@ use adumbra::ShadowFile;
 
 #[cfg(feature = "render")]
 use adumbra_compare::verbs::{compare::Compare, render, render::Render};
-use adumbra_program::args::{RunArgs, SceneArgs};
+use adumbra_program::args::{RunArgs, SceneArgs, parse_bytes};
 use adumbra_program::exit::Failure;
 use adumbra_program::query::Query;
 use adumbra_program::schemas::SchemaArgs;
@@ -76,6 +76,9 @@ pub(crate) enum Verb {
     /// Write a shadow file for a web page
     #[command(after_help = "Example: adumbra export city.adumbra --web public/city.adumbra")]
     Export(Export),
+    /// Look after a folder of bake --cache
+    #[command(subcommand)]
+    Cache(Cache),
     /// Store a shadow file with the context coder, at about a third of its bytes
     #[command(after_help = "Example: adumbra pack city.adumbra")]
     Pack(Convert),
@@ -238,6 +241,37 @@ pub(crate) struct Convert {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Cache {
+    /// Count what is in the folder
+    #[command(after_help = "Example: adumbra cache info city.cache")]
+    Info(CacheInfo),
+    /// Remove what was used longest ago
+    #[command(after_help = "Example: adumbra cache prune city.cache --keep 2GiB")]
+    Prune(CachePrune),
+}
+
+#[derive(clap::Args)]
+pub(crate) struct CacheInfo {
+    /// Folder of bake --cache
+    pub(crate) folder: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct CachePrune {
+    /// Folder of bake --cache
+    pub(crate) folder: PathBuf,
+    /// What may stay, such as 500MB or 2GiB
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    pub(crate) keep: u64,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(clap::Args)]

@@ -28,6 +28,24 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64
     Ok(bytes)
 }
 
+/// Like [`replace_file`], but the system may still hold the file's contents in memory. After a power failure there may be a
+/// file at `path` with other contents, so readers must be able to tell.
+///
+/// # Errors
+/// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at `path` is
+/// kept.
+pub fn replace_unsynced(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), IoError> {
+    let target = target_of(path).map_err(IoError::at("create", path))?;
+    let (mut temporary, living) = temporary_beside(path, &target)?;
+    write(temporary.as_file_mut()).map_err(with_hint).map_err(IoError::at("write", path))?;
+    let placed = {
+        let _placing = lock(&PLACING);
+        temporary.persist(&target)
+    };
+    drop(living);
+    placed.map(|_| ()).map_err(|e| with_hint(e.error)).map_err(IoError::at("replace", path))
+}
+
 /// Temporary files of this process that have not been renamed yet. It is locked while one is created.
 static LIVING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// Held while files are renamed. It is locked before [`LIVING`].

@@ -7,6 +7,7 @@ mod memory_tests;
 mod run;
 
 use std::io::{self, ErrorKind, Seek, Write};
+use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::file::{CommonSection, FileWriter, StoredBundle};
@@ -17,6 +18,8 @@ use adumbra_scene::Scene;
 
 use crate::choose::{self, Choice};
 use crate::error::{Error, Result};
+use crate::inputs;
+use crate::objects::{Keeper, Objects, Parts};
 use crate::options::BakeOptions;
 use crate::pages::Pages;
 use crate::plan::{Placement, Plan};
@@ -66,7 +69,7 @@ pub fn bake(scene: &Scene, options: &BakeOptions, watch: Watch<'_>) -> Result<Ba
     let mut settings = None;
     for level in (0..choice.levels.len()).rev() {
         let plan = choice.plan(scene, options, level)?;
-        let built = build_level(&plan, options, &choice, level, watch)?;
+        let built = build_level(&plan, options, &choice, level, None, watch)?;
         report = report.with(&built.report);
         settings = Some(built.settings);
         levels.push((built.grid, built.made.tree()?));
@@ -90,6 +93,32 @@ pub fn bake_to(
     watch: Watch<'_>,
     out: impl Write + Seek,
 ) -> Result<Written> {
+    bake_file(scene, options, None, watch, out)
+}
+
+/// Bakes `scene` into `out` as [`bake_to`] does, to the same bytes, but takes from `objects` what an earlier bake has made
+/// of the same surfaces in the same place, and keeps there what it makes. An edit of a scene bakes the root blocks that
+/// the edit touches, before it and after it.
+///
+/// # Errors
+/// Returns the errors of [`bake_to`], and [`Error::Io`] with those of `objects`.
+pub fn bake_with_objects(
+    scene: &Scene,
+    options: &BakeOptions,
+    objects: &Arc<dyn Objects>,
+    watch: Watch<'_>,
+    out: impl Write + Seek,
+) -> Result<Written> {
+    bake_file(scene, options, Some(objects), watch, out)
+}
+
+fn bake_file(
+    scene: &Scene,
+    options: &BakeOptions,
+    objects: Option<&Arc<dyn Objects>>,
+    watch: Watch<'_>,
+    out: impl Write + Seek,
+) -> Result<Written> {
     let choice = Choice::new(scene, options)?;
     let plan_of = |level: usize| choice.plan(scene, options, level);
     let plan = plan_of(choice.levels.len() - 1)?;
@@ -101,7 +130,7 @@ pub fn bake_to(
     let mut coarsest = Some(plan);
     for level in (0..grids.len()).rev() {
         let plan = coarsest.take().map_or_else(|| plan_of(level), Ok)?;
-        let built = build_level(&plan, options, &choice, level, watch)?;
+        let built = build_level(&plan, options, &choice, level, objects, watch)?;
         // Linking needs no triangles.
         drop(plan);
         report = report.with(&built.report);
@@ -132,6 +161,7 @@ fn build_level(
     options: &BakeOptions,
     choice: &Choice,
     level: usize,
+    objects: Option<&Arc<dyn Objects>>,
     watch: Watch<'_>,
 ) -> Result<Built<Pages>> {
     let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
@@ -140,9 +170,17 @@ fn build_level(
     let progress = |p: Progress| {
         (watch.progress)(Progress { done_tiles: before + p.done_tiles, total_tiles, ..p });
     };
-    let sink =
-        |plan: &Plan<'_>| DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, true, &plan.spill);
-    build_planned(plan, options, Watch::new(&progress, watch.cancel), sink)
+    let (size, root_level) = (plan.tiles.grid.size, plan.tiles.root_level);
+    let mut sink = DepthsSink::new(size, root_level, true, &plan.spill);
+    if let Some(objects) = objects {
+        let parts = Parts::new(size, root_level);
+        let keys = inputs::keys(plan, &parts);
+        sink = sink.with_objects(Keeper::new(objects, parts, keys));
+    }
+    let reused_tiles = sink.found_tiles();
+    let mut built = build_planned(plan, options, Watch::new(&progress, watch.cancel), |_| sink)?;
+    built.report.reused_tiles = reused_tiles;
+    Ok(built)
 }
 
 /// What was built from a scene.

@@ -33,6 +33,9 @@ impl Run<'_, '_> {
             Builder::Fast => {
                 let sink = LimitSink { limit, sink };
                 self.each_tile(|worker: &mut DescentBuffers, tile| {
+                    if let Some(known) = sink.sink.known(tile) {
+                        return Ok(known);
+                    }
                     worker.drawn_texels = 0;
                     let block = descent::build_root(tiles, tile, &sink, worker, self.cancel)?;
                     tally.drew(worker.drawn_texels);
@@ -40,6 +43,9 @@ impl Run<'_, '_> {
                 })
             }
             Builder::Plain => self.each_tile(|worker: &mut PlainBuffers, tile| {
+                if let Some(known) = sink.known(tile) {
+                    return Ok(known);
+                }
                 let rect = tiles.rect(tile);
                 tally.drew(u64::from(rect.width) * u64::from(rect.height));
                 Ok(sink.taken(tile, plain::build_root(tiles, limit, tile, sink, worker)))

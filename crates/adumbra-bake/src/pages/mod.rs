@@ -16,5 +16,7 @@ mod store_tests;
 mod tests;
 
 pub use link::Pages;
+#[cfg(test)]
+pub(crate) use shapes::Reader;
 pub(crate) use shapes::{Child, Children, Draft};
 pub(crate) use store::{PageStore, Spill};

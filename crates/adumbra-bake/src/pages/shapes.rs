@@ -204,7 +204,7 @@ fn hash_of_node(children: &Children, level: u32) -> u64 {
 
 /// Reads the shapes of pages, and hashes them: equal shapes have equal hashes in every page.
 #[derive(Debug, Default)]
-pub(super) struct Reader {
+pub(crate) struct Reader {
     draft: Draft,
     /// The hash of each shape of the list, from its level and all that is below it.
     pub(super) hashes: Vec<u128>,
@@ -216,7 +216,7 @@ pub(super) struct Reader {
 impl Reader {
     /// Reads a page without a common section, from its words and the address of its root. `merged`: equal shapes are
     /// listed once.
-    pub(super) fn read(&mut self, words: &[u32], root: u32, merged: bool) {
+    pub(crate) fn read(&mut self, words: &[u32], root: u32, merged: bool) {
         self.draft.clear();
         self.hashes.clear();
         self.places.clear();

@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use crate::columns::BlockColumns;
 use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
+use crate::objects::{Keeper, PageObject};
 use crate::pack::choose::{holds_any, intersection, most_shared};
 use crate::pack::leaf::{Leaf, sort_columns};
 use crate::pages::{Child, Children, Draft, PageStore, Pages, Spill};
@@ -42,6 +43,8 @@ pub struct DepthsSink {
     is_too_large: AtomicBool,
     /// Memory that workers reuse.
     drafts: Mutex<Vec<Draft>>,
+    /// The objects of the bake.
+    keeper: Option<Keeper>,
 }
 
 /// The root blocks of a page that are done.
@@ -168,6 +171,48 @@ impl DepthsSink {
             waiting_leaves: AtomicU64::new(0),
             is_too_large: AtomicBool::new(false),
             drafts: Mutex::default(),
+            keeper: None,
+        }
+    }
+
+    /// Takes the pages of all objects that are there, and will write the others.
+    pub(crate) fn with_objects(mut self, keeper: Keeper) -> Self {
+        keeper.find(|part, pages| {
+            for (place, PageObject { root, base, words }) in keeper.parts.pages(part).zip(pages) {
+                let number = if root == UNIFORM { UNIFORM } else { self.store.add(root, words) };
+                self.put(place, [number, base]);
+            }
+        });
+        self.keeper = Some(keeper);
+        self
+    }
+
+    /// Returns the number of root blocks whose objects were there.
+    pub(crate) fn found_tiles(&self) -> usize {
+        self.keeper.as_ref().map_or(0, Keeper::found_tiles)
+    }
+
+    /// Writes the object of the part at a page, which is done.
+    fn keep(&self, page: [u32; 2]) {
+        let Some(keeper) = &self.keeper else { return };
+        let part = keeper.part_at(page);
+        let across = page_dims(self.size)[0];
+        let pages: Vec<[u32; 2]> = {
+            let places = lock(&self.places);
+            keeper.parts.pages(part).map(|[x, y]| places[(y * across + x) as usize]).collect()
+        };
+        let contents: Option<Vec<_>> = pages
+            .iter()
+            .map(|&[number, base]| {
+                if number == UNIFORM {
+                    return Some((UNIFORM, base, Arc::from([])));
+                }
+                // A lost page is an error of the spill.
+                self.store.get(number).map(|(words, root)| (root, base, words))
+            })
+            .collect();
+        if let Some(contents) = contents {
+            keeper.keep(part, contents.iter().map(|(root, base, words)| (*root, *base, &**words)));
         }
     }
 
@@ -258,6 +303,7 @@ impl DepthsSink {
         let whole = self.joined(&mut blocks, PAGE_LEVEL, [0, 0]);
         self.waiting_leaves.fetch_sub(done, Ordering::Relaxed);
         self.put(page, self.pages(PAGE_LEVEL, whole)[0]);
+        self.keep(page);
     }
 
     /// Joins the root blocks of a page's part of `level` that begins at this block.
@@ -324,6 +370,11 @@ impl BlockSink for DepthsSink {
         self.resolve(level, Undecided::over(children))
     }
 
+    fn known(&self, number: usize) -> Option<DepthsBlock> {
+        let keeper = self.keeper.as_ref()?;
+        keeper.has_tile(number).then_some(DepthsBlock(Parts::Taken))
+    }
+
     fn taken(&self, block: usize, made: DepthsBlock) -> DepthsBlock {
         if matches!(made.0, Parts::Taken) {
             return made;
@@ -339,6 +390,7 @@ impl BlockSink for DepthsSink {
                 let bits = |shift: u32| (0..side).fold(0, |c, l| c | (number >> (2 * l + shift) & 1) << l);
                 self.put([(place[0] << side) + bits(1), (place[1] << side) + bits(0)], page);
             }
+            self.keep(place.map(|n| n << side));
         }
         DepthsBlock(Parts::Taken)
     }
@@ -365,7 +417,7 @@ impl Structure for DepthsSink {
         if self.is_too_large.load(Ordering::Relaxed) || self.store.halves() > MAX_HALVES {
             return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
         }
-        Ok(())
+        Ok(self.keeper.as_ref().map_or(Ok(()), Keeper::check)?)
     }
 
     fn make_room(&self) {

@@ -40,6 +40,12 @@ pub trait BlockSink: Sync {
     /// Returns a block of level 3 with the given columns.
     fn leaf(&self, columns: &BlockColumns) -> Self::Block;
 
+    /// Returns root block `number`, x fastest, if the sink has it already, so that it need not be built.
+    fn known(&self, number: usize) -> Option<Self::Block> {
+        let _ = number;
+        None
+    }
+
     /// Joins four quarters of the level below into a block of `level`; a quarter's index is `x_bit << 1 | y_bit`.
     fn join(&self, level: u32, quarters: [Self::Block; 4]) -> Self::Block;
 

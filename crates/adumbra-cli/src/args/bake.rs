@@ -194,6 +194,12 @@ pub(crate) struct Bake {
     /// three.js load it from there.
     #[arg(long, value_name = "GLTF", conflicts_with = "dry_run")]
     pub(crate) into: Option<PathBuf>,
+    /// Folder with what earlier bakes have made; it is created if it is not there
+    ///
+    /// A bake takes from it what is still right, and keeps there what it makes. After an edit of the scene, that is all but
+    /// the parts that the edit touches. The file is the same as without it. Any number of bakes may share a folder.
+    #[arg(long, value_name = "DIR", conflicts_with = "dry_run")]
+    pub(crate) cache: Option<PathBuf>,
     /// Forecast what the bake would take, and write nothing
     ///
     /// The forecast is made of a few tiles that are drawn.

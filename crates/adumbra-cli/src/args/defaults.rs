@@ -139,6 +139,7 @@ fn bake(args: &Bake) -> Used {
         ("--yaw", "along most of the scene's edges".to_owned()),
         ("--output", absent(args.output.as_ref(), "the scene's path with the extension .adumbra")),
         ("--into", absent(args.into.as_ref(), "")),
+        ("--cache", absent(args.cache.as_ref(), "")),
         ("--progress", name(&args.progress)),
     ];
     [own, sun(&args.settings.sun), load(&args.load), run(&args.run)].concat()
@@ -245,6 +246,7 @@ fn used(verb: &Verb) -> Used {
             ];
             [own, level(of_level), lookup(&args.lookup), run(&args.run)].concat()
         }
+        Verb::Cache(_) => Vec::new(),
         Verb::Export(args) => run(&args.run),
         Verb::Pack(args) | Verb::Unpack(args) => {
             let output = ("--output", absent(args.output.as_ref(), "the file itself"));
@@ -272,6 +274,7 @@ fn required(verb: &str) -> &'static [&'static str] {
         "export" => &["a.adumbra", "--web", "web.adumbra"],
         "render" => &["a.glb", "-o", "a.png"],
         "compare" => &["a.glb", "--shadow", "csm", "-o", "OUT"],
+        "cache prune" => &["DIR", "--keep", "1GB"],
         "demo" => &[],
         _ => &["a.glb"],
     }
@@ -281,7 +284,7 @@ fn required(verb: &str) -> &'static [&'static str] {
 fn defaults_in_the_help_are_those_that_are_used() {
     Args::command().debug_assert();
     for (name, command) in verbs(&Args::command()) {
-        let words = ["adumbra", &name].into_iter().chain(required(&name).iter().copied());
+        let words = ["adumbra"].into_iter().chain(name.split(' ')).chain(required(&name).iter().copied());
         let args = Args::try_parse_from(words).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_defaults(&name, &command, &used(&args.verb));
     }

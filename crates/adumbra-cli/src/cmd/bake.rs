@@ -6,7 +6,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::Frame;
-use adumbra_bake::{BakeOptions, Error, Estimate, Watch, Written, bake_to, estimate};
+use adumbra_bake::{
+    BakeOptions, Error, Estimate, FolderObjects, Objects, Watch, Written, bake_to, bake_with_objects,
+    estimate,
+};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
@@ -56,8 +59,10 @@ pub(super) struct Baked {
     levels: u32,
     /// Number of threads that baked.
     threads: usize,
-    /// Number of tiles that were baked.
+    /// Number of tiles.
     tiles: usize,
+    /// Number of tiles that were taken from `--cache`.
+    reused_tiles: usize,
     /// Number of texels that were processed one by one.
     drawn_texels: u64,
     /// How the grid lies in the world.
@@ -144,6 +149,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             let forecast = estimate(&scene, &options).map_err(|error| share.whole(error.into()))?;
             return dry_run(args, (&scene, &sun), (&options, &forecast), empty_bounds);
         }
+        let cache = args.cache.as_ref().map(FolderObjects::create).transpose()?;
+        let cache = cache.map(|folder| Arc::new(folder) as Arc<dyn Objects>);
         let guard = Guard::new(limit, &cancel);
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| {
@@ -153,7 +160,12 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let mut stopped = None;
         let mut written = None;
         let staged = StagedFile::new(&output, |out| {
-            match bake_to(&scene, &options, Watch::new(&progress, &cancel), out) {
+            let watch = Watch::new(&progress, &cancel);
+            let done = match &cache {
+                Some(cache) => bake_with_objects(&scene, &options, cache, watch, out),
+                None => bake_to(&scene, &options, watch, out),
+            };
+            match done {
                 Ok(done) => Ok(written.insert(done).bytes),
                 Err(Error::Output(error)) => Err(error),
                 Err(error) => {
@@ -188,6 +200,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 levels,
                 threads: report.threads,
                 tiles: report.tiles,
+                reused_tiles: report.reused_tiles,
                 drawn_texels: report.drawn_texels,
                 frame: grid.frame,
                 resolution: settings.resolution,
@@ -210,6 +223,10 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 format_bytes(peak)
             );
             say!("  {sun}");
+            if let Some(cache) = &args.cache {
+                let (reused, tiles) = (report.reused_tiles, report.tiles);
+                say!("  {reused} of {tiles} tiles from {}", cache.display());
+            }
         }
         Ok(Code::Fine)
     })?

@@ -1,6 +1,7 @@
 //! One file per verb.
 
 mod bake;
+mod cache;
 mod convert;
 #[cfg(feature = "render")]
 mod demo;
@@ -29,6 +30,7 @@ pub(crate) fn run(verb: Verb) -> Outcome {
         Verb::Info(a) => info::run(&a),
         Verb::Verify(a) => verify::run(&a),
         Verb::Query(a) => query::run(&a),
+        Verb::Cache(a) => cache::run(&a),
         Verb::Export(a) => export::run(&a),
         Verb::Pack(a) => convert::run(&a, AtRest::Coded),
         Verb::Unpack(a) => convert::run(&a, AtRest::Raw),

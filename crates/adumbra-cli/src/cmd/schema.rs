@@ -13,7 +13,7 @@ use adumbra_truth::verify::Verification;
 
 #[cfg(feature = "render")]
 use super::demo;
-use super::{bake, convert, export, generate, info, inspect};
+use super::{bake, cache, convert, export, generate, info, inspect};
 
 const DESCRIBED: &[Described] = &[
     Described::of::<generate::Generated>("generate", "the scene that was written"),
@@ -24,6 +24,8 @@ const DESCRIBED: &[Described] = &[
     Described::of::<Verification>("verify", "the comparison with rays"),
     Described::of::<query::Answered>("query", "the look-ups"),
     Described::of::<export::WebExported>("export", "the file that was written"),
+    Described::of::<cache::CacheContents>("cache info", "what a folder of bake --cache has"),
+    Described::of::<cache::Pruned>("cache prune", "what was removed from a folder of bake --cache"),
     Described::of::<convert::Converted>("pack", "the coded file that was written"),
     Described::of::<convert::Converted>("unpack", "the raw file that was written"),
     #[cfg(feature = "render")]

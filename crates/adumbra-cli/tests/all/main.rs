@@ -1,5 +1,6 @@
 //! Tests of the program, as a user runs it.
 
+mod cache;
 mod compare;
 mod compressed;
 mod convert;

@@ -1,0 +1,143 @@
+//! The keys of a bake's objects: hashes of everything that their pages depend on.
+
+use adumbra::{Bias, LightGrid, Receivers};
+use adumbra_scene::{AlphaMode, Material, Mesh, Pixels, Scene, Texture, Wrap};
+use blake3::{Hash, Hasher};
+use rayon::prelude::*;
+
+use crate::objects::{ObjectKey, Parts};
+use crate::plan::Plan;
+
+/// Version of the rules by which pages are made. `tests/objects.rs` notices if pages change.
+const RULES: u32 = 1;
+
+/// Returns the key of each part of a plan's grid.
+///
+/// Cost: one pass over the scene's meshes and textures, and one over the clusters in reach of each root block.
+pub(crate) fn keys(plan: &Plan<'_>, parts: &Parts) -> Vec<ObjectKey> {
+    let scene = plan.tiles.casters.scene;
+    let textures: Vec<Hash> = scene.textures.par_iter().map(texture).collect();
+    let materials: Vec<Hash> = scene.materials.iter().map(|m| material(m, &textures)).collect();
+    let meshes: Vec<Hash> = scene.meshes.par_iter().map(|m| mesh(m, &materials)).collect();
+    let (all, instances) = (common(plan), instances(scene, &meshes));
+    let key = |part| {
+        let mut hasher = Hasher::new();
+        hasher.update(all.as_bytes());
+        for tile in parts.tiles(part) {
+            let rect = plan.tiles.rect(tile);
+            let placed = plan.tiles.casters.in_tile(tile);
+            for number in [rect.x, rect.y, rect.width, rect.height, placed.len() as u32] {
+                hasher.update(&number.to_le_bytes());
+            }
+            for placed in placed {
+                hasher.update(instances[placed.instance as usize].as_bytes());
+                hasher.update(&placed.cluster.to_le_bytes());
+            }
+        }
+        ObjectKey::new(*hasher.finalize().as_bytes())
+    };
+    (0..parts.count()).into_par_iter().map(key).collect()
+}
+
+fn common(plan: &Plan<'_>) -> Hash {
+    let LightGrid { sun, frame: _, voxel_size, corner, axes, edges, size } = plan.tiles.grid;
+    let settings = &plan.settings;
+    let Bias { constant_texels, slope_texels, normal_offset_texels } = settings.bias;
+    let mut hasher = Hasher::new();
+    hasher.update(b"adumbra object");
+    let receivers = match settings.receivers {
+        Receivers::All => 0,
+        Receivers::Static => 1,
+    };
+    let flags = u32::from(settings.assume_ground)
+        | u32::from(settings.closed_regions) << 1
+        | u32::from(settings.ignore_alpha) << 2;
+    let level = plan.tiles.root_level;
+    for number in [RULES, level, size[2], receivers, flags, settings.switch_within_voxels] {
+        hasher.update(&number.to_le_bytes());
+    }
+    let lengths = [voxel_size, settings.thickness_world, 0.0];
+    let bias = [constant_texels, slope_texels, normal_offset_texels];
+    for number in axes.iter().chain(&edges).chain([&corner, &sun.towards(), &lengths, &bias]).flatten() {
+        hasher.update(&number.to_bits().to_le_bytes());
+    }
+    hasher.finalize()
+}
+
+fn texture(texture: &Texture) -> Hash {
+    let Texture { name: _, width, height, pixels, wrap, nearest } = texture;
+    let (channels, bytes) = match pixels {
+        Pixels::Alpha(bytes) => (1, bytes),
+        Pixels::Rgba(bytes) => (4, bytes),
+    };
+    let number_of = |wrap: &Wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::Mirror => 1,
+        Wrap::Clamp => 2,
+    };
+    let mut hasher = Hasher::new();
+    let [u, v] = wrap.each_ref().map(number_of);
+    for number in [*width, *height, channels, u, v, u32::from(*nearest)] {
+        hasher.update(&number.to_le_bytes());
+    }
+    hasher.update(bytes);
+    hasher.finalize()
+}
+
+fn material(material: &Material, textures: &[Hash]) -> Hash {
+    let Material { name: _, base_color, texture, alpha, blended, transmissive, casts } = material;
+    let mut hasher = Hasher::new();
+    let flags = [blended, transmissive, casts].map(|&flag| u8::from(flag));
+    hasher.update(&flags);
+    match alpha {
+        AlphaMode::Opaque => hasher.update(&[0]),
+        // Only what is masked has an opacity.
+        AlphaMode::Mask { cutoff } => {
+            hasher.update(&[1]);
+            hasher.update(&cutoff.to_bits().to_le_bytes());
+            hasher.update(&base_color[3].to_bits().to_le_bytes());
+            match texture {
+                None => hasher.update(&[0]),
+                Some(number) => hasher.update(&[1]).update(textures[*number as usize].as_bytes()),
+            }
+        }
+    };
+    hasher.finalize()
+}
+
+fn mesh(mesh: &Mesh, materials: &[Hash]) -> Hash {
+    let Mesh { name: _, positions, uvs, colors, triangles, triangle_materials } = mesh;
+    let mut hasher = Hasher::new();
+    let mut bytes = Vec::new();
+    let mut section = |fill: &mut dyn FnMut(&mut Vec<u8>)| {
+        bytes.clear();
+        fill(&mut bytes);
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(&bytes);
+    };
+    section(&mut |b| positions.as_flattened().iter().for_each(|x| b.extend(x.to_bits().to_le_bytes())));
+    section(&mut |b| uvs.as_flattened().iter().for_each(|x| b.extend(x.to_bits().to_le_bytes())));
+    section(&mut |b| b.extend(colors.iter().map(|color| color[3])));
+    section(&mut |b| triangles.as_flattened().iter().for_each(|v| b.extend(v.to_le_bytes())));
+    // Triangles that coincide are in the order of their materials' numbers.
+    section(&mut |b| triangle_materials.iter().for_each(|m| b.extend(m.to_le_bytes())));
+    let mut used = triangle_materials.clone();
+    used.sort_unstable();
+    used.dedup();
+    section(&mut |b| used.iter().for_each(|&m| b.extend(materials[m as usize].as_bytes())));
+    hasher.finalize()
+}
+
+fn instances(scene: &Scene, meshes: &[Hash]) -> Vec<Hash> {
+    let of_instance = |instance: &adumbra_scene::Instance| {
+        let adumbra_scene::Instance { name: _, mesh, world_from_mesh, casts } = instance;
+        let mut hasher = Hasher::new();
+        hasher.update(meshes[*mesh as usize].as_bytes());
+        for number in world_from_mesh.as_flattened() {
+            hasher.update(&number.to_bits().to_le_bytes());
+        }
+        hasher.update(&[u8::from(*casts)]);
+        hasher.finalize()
+    };
+    scene.instances.par_iter().map(of_instance).collect()
+}

@@ -1,0 +1,157 @@
+//! Finds the objects of a bake, and writes those that are missing as soon as their parts are done.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use adumbra::IoError;
+use adumbra::layout::depths::page::{PAGE_LEVEL, page_dims};
+use rayon::prelude::*;
+
+use super::object::{self, PageObject};
+use super::{ObjectKey, Objects};
+
+/// How a grid is cut into parts: a part has a root block, or all root blocks of a page.
+#[derive(Clone, Debug)]
+pub(crate) struct Parts {
+    /// Number of voxels of the grid along x and y.
+    size: [u32; 2],
+    root_level: u32,
+}
+
+impl Parts {
+    /// Cuts a grid whose root blocks have this level.
+    pub(crate) fn new(size: [u32; 3], root_level: u32) -> Self {
+        Self { size: [size[0], size[1]], root_level }
+    }
+
+    fn level(&self) -> u32 {
+        self.root_level.max(PAGE_LEVEL)
+    }
+
+    fn dims(&self) -> [u32; 2] {
+        self.size.map(|n| n.div_ceil(1 << self.level()))
+    }
+
+    /// Returns the number of parts.
+    pub(crate) fn count(&self) -> usize {
+        self.dims().iter().product::<u32>() as usize
+    }
+
+    fn place(&self, part: usize) -> [u32; 2] {
+        let across = self.dims()[0];
+        [part as u32 % across, part as u32 / across]
+    }
+
+    /// Returns the part at a page.
+    pub(super) fn at_page(&self, page: [u32; 2]) -> usize {
+        let [x, y] = page.map(|n| n >> (self.level() - PAGE_LEVEL));
+        (y * self.dims()[0] + x) as usize
+    }
+
+    /// Returns the part that has a root block, by the block's number, x fastest.
+    pub(super) fn of_tile(&self, tile: usize) -> usize {
+        let across = self.size[0].div_ceil(1 << self.root_level);
+        let at = [tile as u32 % across, tile as u32 / across];
+        let [x, y] = at.map(|n| n >> (self.level() - self.root_level));
+        (y * self.dims()[0] + x) as usize
+    }
+
+    /// Returns the root blocks of a part, x fastest.
+    pub(crate) fn tiles(&self, part: usize) -> impl Iterator<Item = usize> {
+        let tiles = self.size.map(|n| n.div_ceil(1 << self.root_level));
+        inside(self.place(part), self.level() - self.root_level, tiles)
+            .map(move |[x, y]| (y * tiles[0] + x) as usize)
+    }
+
+    /// Returns the pages of a part, x fastest.
+    pub(crate) fn pages(&self, part: usize) -> impl Iterator<Item = [u32; 2]> {
+        inside(self.place(part), self.level() - PAGE_LEVEL, page_dims([self.size[0], self.size[1], 1]))
+    }
+
+    /// Returns the number of pages of a part along x and y.
+    pub(super) fn page_dims(&self, part: usize) -> [u32; 2] {
+        let side = 1 << (self.level() - PAGE_LEVEL);
+        let [at, all] = [self.place(part), page_dims([self.size[0], self.size[1], 1])];
+        [0, 1].map(|a| side.min(all[a] - at[a] * side))
+    }
+}
+
+/// Returns the squares of a grid of `dims` that are in the square at `place` of 2^shift a side, x fastest.
+fn inside(place: [u32; 2], shift: u32, dims: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    let [xs, ys] = [0, 1].map(|a| place[a] << shift..((place[a] + 1) << shift).min(dims[a]));
+    ys.flat_map(move |y| xs.clone().map(move |x| [x, y]))
+}
+
+/// The objects of a bake.
+#[derive(Debug)]
+pub(crate) struct Keeper {
+    objects: Arc<dyn Objects>,
+    pub(crate) parts: Parts,
+    /// The key of each part.
+    keys: Vec<ObjectKey>,
+    /// Whether the object of a part was there.
+    found: Vec<AtomicBool>,
+    failure: Mutex<Option<IoError>>,
+}
+
+impl Keeper {
+    /// `keys` are those of the parts, x fastest.
+    pub(crate) fn new(objects: &Arc<dyn Objects>, parts: Parts, keys: Vec<ObjectKey>) -> Self {
+        let found = keys.iter().map(|_| AtomicBool::new(false)).collect();
+        Self { objects: Arc::clone(objects), parts, keys, found, failure: Mutex::default() }
+    }
+
+    /// Reads all objects that are there, on all threads, and passes the pages of each to `take`, x fastest.
+    pub(crate) fn find(&self, take: impl Fn(usize, Vec<PageObject>) + Sync) {
+        (0..self.keys.len()).into_par_iter().for_each(|part| {
+            let key = &self.keys[part];
+            match self.objects.get(key) {
+                Err(error) => self.fail(error),
+                Ok(None) => {}
+                // What is damaged is made again.
+                Ok(Some(bytes)) => {
+                    if let Some(pages) = object::from_bytes(key, &bytes, self.parts.page_dims(part)) {
+                        take(part, pages);
+                        self.found[part].store(true, Ordering::Relaxed);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Whether the object of a root block's part was there.
+    pub(crate) fn has_tile(&self, tile: usize) -> bool {
+        self.found[self.parts.of_tile(tile)].load(Ordering::Relaxed)
+    }
+
+    /// Returns the number of root blocks whose objects were there.
+    pub(crate) fn found_tiles(&self) -> usize {
+        let found = self.found.iter().enumerate().filter(|(_, found)| found.load(Ordering::Relaxed));
+        found.map(|(part, _)| self.parts.tiles(part).count()).sum()
+    }
+
+    /// Returns the part at a page.
+    pub(crate) fn part_at(&self, page: [u32; 2]) -> usize {
+        self.parts.at_page(page)
+    }
+
+    /// Keeps the pages of a part: root, base and words of each, x fastest.
+    pub(crate) fn keep<'p>(&self, part: usize, pages: impl Iterator<Item = (u32, u32, &'p [u32])> + Clone) {
+        let key = &self.keys[part];
+        if let Err(error) = self.objects.put(key, &object::to_bytes(key, pages)) {
+            self.fail(error);
+        }
+    }
+
+    /// Checks that all objects could be read and written.
+    ///
+    /// # Errors
+    /// Returns the first [`IoError`], once.
+    pub(crate) fn check(&self) -> Result<(), IoError> {
+        self.failure.lock().unwrap_or_else(|e| e.into_inner()).take().map_or(Ok(()), Err)
+    }
+
+    fn fail(&self, error: IoError) {
+        self.failure.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(error);
+    }
+}

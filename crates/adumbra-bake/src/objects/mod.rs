@@ -1,0 +1,46 @@
+//! Objects: what a bake has made of a part of its grid, kept for the next bake under a key of all that it was made from.
+//!
+//! A part is a root block, or a page where root blocks are smaller. Its object has its pages before they are linked, so
+//! it can be used with any other objects of the same grid. Linking always runs over all pages, so a bake that uses
+//! objects writes the same bytes as one that does not.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `key.rs` | the name of an object; `inputs.rs` of this crate makes it |
+//! | `object.rs` | the bytes of an object |
+//! | `folder.rs` | objects in a folder |
+//! | `keeper.rs` | which parts of a bake are there, and what becomes of the others |
+//!
+//! Source: build systems that keep results by what they were made from, such as Bazel (Google, 2015).
+
+mod folder;
+mod keeper;
+mod key;
+mod object;
+#[cfg(test)]
+mod tests;
+
+use std::fmt;
+
+use adumbra::IoError;
+
+pub use folder::{FolderContents, FolderObjects};
+pub(crate) use keeper::{Keeper, Parts};
+pub use key::ObjectKey;
+pub(crate) use object::PageObject;
+
+/// Keeps objects. Several bakes may use one at the same time, on one machine or many: whoever writes an object last writes
+/// the same bytes as the others.
+pub trait Objects: fmt::Debug + Send + Sync {
+    /// Returns the bytes of an object, or `None` if it is not there.
+    ///
+    /// # Errors
+    /// Returns [`IoError`] if it cannot be read.
+    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError>;
+
+    /// Keeps an object. It must be whole or not there, whenever the program ends.
+    ///
+    /// # Errors
+    /// Returns [`IoError`] if it cannot be written.
+    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError>;
+}

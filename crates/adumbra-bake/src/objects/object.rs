@@ -1,0 +1,98 @@
+//! The bytes of an object.
+//!
+//! | offset | bytes | contents |
+//! |---|---|---|
+//! | 0 | 8 | `ADUMOBJ1` |
+//! | 8 | 32 | BLAKE3 of the key and of all bytes from 40 on |
+//! | 40 | 12 n | root, base and number of words of each of the part's n pages, x fastest |
+//! | 40 + 12 n | | the words of the pages, in this order |
+//!
+//! All numbers are little-endian words of 32 bits. A page has the number of words 0 and the root `UNIFORM`, 0xffffffff, if
+//! it has no shapes. The object of one uniform page with the base 7 ends in `ffffffff 07000000 00000000`.
+
+use adumbra::layout::depths::page::{BUNDLE_PAGES, BUNDLE_SIDE, IN_PAGE, PAGE_LEVEL, Page};
+use adumbra::layout::depths::{TreeBuilder, UNIFORM};
+use blake3::Hasher;
+
+use super::ObjectKey;
+
+const MAGIC: &[u8; 8] = b"ADUMOBJ1";
+const HEAD: usize = 40;
+const PAGE_HEAD: usize = 12;
+
+/// A page of an object, before it is linked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct PageObject {
+    /// Address of the root, or [`UNIFORM`].
+    pub(crate) root: u32,
+    pub(crate) base: u32,
+    pub(crate) words: Vec<u32>,
+}
+
+/// Returns the bytes of an object.
+pub(super) fn to_bytes<'p>(
+    key: &ObjectKey,
+    pages: impl Iterator<Item = (u32, u32, &'p [u32])> + Clone,
+) -> Vec<u8> {
+    let mut bytes = vec![0; HEAD];
+    for (root, base, words) in pages.clone() {
+        bytes.extend([root, base, words.len() as u32].into_iter().flat_map(u32::to_le_bytes));
+    }
+    pages.for_each(|(_, _, words)| words.iter().for_each(|word| bytes.extend(word.to_le_bytes())));
+    bytes[..8].copy_from_slice(MAGIC);
+    let sum = checksum(key, &bytes);
+    bytes[8..HEAD].copy_from_slice(&sum);
+    bytes
+}
+
+/// Returns the pages of an object with `dims` pages along x and y. `None` if the bytes are not what a bake wrote under this
+/// key.
+pub(super) fn from_bytes(key: &ObjectKey, bytes: &[u8], dims: [u32; 2]) -> Option<Vec<PageObject>> {
+    let found = bytes.get(8..HEAD)?;
+    if &bytes[..8] != MAGIC || checksum(key, bytes) != *found {
+        return None;
+    }
+    let count = (dims[0] * dims[1]) as usize;
+    let heads = bytes.get(HEAD..HEAD + PAGE_HEAD * count)?;
+    let (words, []) = bytes[HEAD + PAGE_HEAD * count..].as_chunks::<4>() else { return None };
+    let mut words = words.iter().map(|&b| u32::from_le_bytes(b));
+    let pages: Vec<PageObject> = heads
+        .as_chunks::<PAGE_HEAD>()
+        .0
+        .iter()
+        .map(|head| {
+            let number = |i: usize| u32::from_le_bytes([head[i], head[i + 1], head[i + 2], head[i + 3]]);
+            let words = words.by_ref().take(number(8) as usize).collect();
+            PageObject { root: number(0), base: number(4), words }
+        })
+        .collect();
+    (words.next().is_none() && is_valid(&pages, dims)).then_some(pages)
+}
+
+fn checksum(key: &ObjectKey, bytes: &[u8]) -> [u8; 32] {
+    *Hasher::new().update(key.as_bytes()).update(&bytes[HEAD..]).finalize().as_bytes()
+}
+
+/// Whether pages can be read. A checksum is no proof: anyone can write one.
+fn is_valid(pages: &[PageObject], dims: [u32; 2]) -> bool {
+    let size = dims.map(|n| n << PAGE_LEVEL);
+    let mut tree = TreeBuilder::new([size[0], size[1], 1], Vec::new());
+    for y in 0..dims[1].div_ceil(BUNDLE_SIDE) {
+        for x in 0..dims[0].div_ceil(BUNDLE_SIDE) {
+            let mut bundle = [Page::OUTSIDE; BUNDLE_PAGES];
+            for (slot, page) in (0_u32..).zip(&mut bundle) {
+                let at = [x * BUNDLE_SIDE + slot % BUNDLE_SIDE, y * BUNDLE_SIDE + slot / BUNDLE_SIDE];
+                if at[0] < dims[0] && at[1] < dims[1] {
+                    let PageObject { root, base, words } = &pages[(at[1] * dims[0] + at[0]) as usize];
+                    if (*root == UNIFORM) != words.is_empty() || (*root != UNIFORM && root & IN_PAGE != 0) {
+                        return false;
+                    }
+                    let root = if *root == UNIFORM { UNIFORM } else { root | IN_PAGE };
+                    *page = Page { root, base: *base, words };
+                }
+            }
+            tree.add([x, y], &bundle);
+        }
+    }
+    tree.finish().is_ok()
+}

@@ -1,0 +1,114 @@
+//! Objects as bytes.
+
+use adumbra::layout::depths::UNIFORM;
+use adumbra_scene::random::Random;
+use blake3::Hasher;
+
+use super::object::{PageObject, from_bytes, to_bytes};
+use super::{ObjectKey, Parts};
+
+fn key(byte: u8) -> ObjectKey {
+    ObjectKey::new([byte; 32])
+}
+
+fn bytes_of(key: &ObjectKey, pages: &[PageObject]) -> Vec<u8> {
+    to_bytes(key, pages.iter().map(|page| (page.root, page.base, &*page.words)))
+}
+
+/// A page with a leaf of two depths in its corner, and a uniform page.
+fn pages() -> Vec<PageObject> {
+    use crate::pages::{Child, Draft};
+    let mut draft = Draft::default();
+    let mut index = draft.leaf(&LEAF, true);
+    for level in [5, 7, 9] {
+        let mut children = [Child::Never; 16];
+        children[0] = Child::Shape { delta: 0, index };
+        children[5] = Child::Uniform(3);
+        index = draft.node(&children, level, true);
+    }
+    let (words, root) = draft.page().expect("a small page");
+    vec![PageObject { root, base: 9, words }, PageObject { root: UNIFORM, base: 7, words: Vec::new() }]
+}
+
+/// A leaf whose columns have one of two depths: a head, a difference, and a bit for each column.
+const LEAF: [u16; 6] = [1, 4, 0x00ff, 0x00ff, 0x00ff, 0x00ff];
+
+#[test]
+fn uniform_page_is_three_words() {
+    let page = PageObject { root: UNIFORM, base: 7, words: Vec::new() };
+    let bytes = bytes_of(&key(1), std::slice::from_ref(&page));
+    assert_eq!(&bytes[..8], b"ADUMOBJ1");
+    assert_eq!(bytes[40..], [0xff, 0xff, 0xff, 0xff, 7, 0, 0, 0, 0, 0, 0, 0]);
+    assert_eq!(from_bytes(&key(1), &bytes, [1, 1]), Some(vec![page]));
+}
+
+#[test]
+fn objects_are_read_as_they_were_written_and_under_their_own_key_alone() {
+    let pages = pages();
+    let bytes = bytes_of(&key(1), &pages);
+    assert_eq!(from_bytes(&key(1), &bytes, [2, 1]), Some(pages));
+    assert_eq!(from_bytes(&key(2), &bytes, [2, 1]), None);
+    for dims in [[1, 1], [3, 1], [2, 2]] {
+        assert_eq!(from_bytes(&key(1), &bytes, dims), None, "{dims:?}");
+    }
+    for length in 0..bytes.len() {
+        assert_eq!(from_bytes(&key(1), &bytes[..length], [2, 1]), None);
+    }
+    for bit in 0..8 * bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        assert_eq!(from_bytes(&key(1), &damaged, [2, 1]), None, "{bit}");
+    }
+}
+
+/// Anyone can write a checksum: what has one must still be pages.
+#[test]
+fn forged_objects_are_refused_or_can_be_read() {
+    let pages = pages();
+    let bytes = bytes_of(&key(1), &pages);
+    let mut random = Random::for_batch(11, 0);
+    let mut refused = 0;
+    for _ in 0..20_000 {
+        let mut forged = bytes.clone();
+        for _ in 0..1 + (random.unit() * 4.0) as usize {
+            let at = 40 + (random.unit() * (bytes.len() - 40) as f64) as usize;
+            forged[at] = (random.unit() * 256.0) as u8;
+        }
+        let sum = Hasher::new().update(key(1).as_bytes()).update(&forged[40..]).finalize();
+        forged[8..40].copy_from_slice(sum.as_bytes());
+        match from_bytes(&key(1), &forged, [2, 1]) {
+            None => refused += 1,
+            Some(pages) => {
+                let mut reader = crate::pages::Reader::default();
+                for page in pages.iter().filter(|page| page.root != UNIFORM) {
+                    reader.read(&page.words, page.root, true);
+                }
+            }
+        }
+    }
+    assert!(refused > 10_000, "{refused}");
+}
+
+#[test]
+fn parts_have_each_root_block_and_each_page_once() {
+    for (size, level) in [([1500, 700, 9], 5), ([1500, 700, 9], 9), ([9000, 5000, 9], 11), ([40, 40, 4], 5)] {
+        let parts = Parts::new(size, level);
+        let tiles = [0, 1].map(|a| size[a].div_ceil(1 << level));
+        let mut seen_tiles = vec![0; (tiles[0] * tiles[1]) as usize];
+        let dims = adumbra::layout::depths::page::page_dims(size);
+        let mut seen_pages = vec![0; (dims[0] * dims[1]) as usize];
+        for part in 0..parts.count() {
+            for tile in parts.tiles(part) {
+                assert_eq!(parts.of_tile(tile), part);
+                seen_tiles[tile] += 1;
+            }
+            for page in parts.pages(part) {
+                assert_eq!(parts.at_page(page), part);
+                seen_pages[(page[1] * dims[0] + page[0]) as usize] += 1;
+            }
+            let [across, down] = parts.page_dims(part);
+            assert_eq!(parts.pages(part).count(), (across * down) as usize);
+        }
+        assert!(seen_tiles.iter().chain(&seen_pages).all(|&n| n == 1), "{size:?} {level}");
+    }
+}

@@ -1,0 +1,234 @@
+//! Bakes that use objects of earlier bakes write the bytes of fresh bakes, whatever was edited in between.
+
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::sync::{Arc, Mutex};
+
+use adumbra::{AtRest, Bounds, IoError, Receivers, Sun};
+use adumbra_bake::{
+    BakeOptions, FolderObjects, FrameChoice, ObjectKey, Objects, Report, Size, Watch, bake_to,
+    bake_with_objects,
+};
+use adumbra_scene::random::Random;
+use adumbra_scene::{AlphaMode, GeneratedKind, Pixels, Scene, generate};
+
+/// Objects in memory.
+#[derive(Debug, Default)]
+struct InMemory(Mutex<HashMap<ObjectKey, Vec<u8>>>);
+
+impl Objects for InMemory {
+    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
+        Ok(self.0.lock().unwrap().get(key).cloned())
+    }
+
+    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
+        self.0.lock().unwrap().insert(*key, bytes.to_vec());
+        Ok(())
+    }
+}
+
+impl InMemory {
+    fn len(&self) -> usize {
+        self.0.lock().unwrap().len()
+    }
+
+    fn each(&self, change: impl FnMut(&mut Vec<u8>)) {
+        self.0.lock().unwrap().values_mut().for_each(change);
+    }
+}
+
+fn options(resolution: u64) -> BakeOptions {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let frame = FrameChoice::ObliqueAt(0.0);
+    // The bounds keep voxels where they are when something beyond the scene's extent is added.
+    let bounds = Some(Bounds { min: [-150.0, -1.0, -150.0], max: [150.0, 60.0, 150.0] });
+    BakeOptions { frame, bounds, at_rest: AtRest::Raw, ..BakeOptions::new(sun, Size::Resolution(resolution)) }
+}
+
+fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    bake_to(scene, options, Watch::none(), &mut out).expect("a good bake");
+    out.into_inner()
+}
+
+fn with_objects(scene: &Scene, options: &BakeOptions, objects: &Arc<dyn Objects>) -> (Vec<u8>, Report) {
+    let mut out = Cursor::new(Vec::new());
+    let written = bake_with_objects(scene, options, objects, Watch::none(), &mut out).expect("a good bake");
+    (out.into_inner(), written.report)
+}
+
+/// Edits a scene at random, and says how.
+fn edit(scene: &mut Scene, random: &mut Random) -> String {
+    let mut below = |count: usize| (random.unit() * count as f64) as usize;
+    let instance = below(scene.instances.len());
+    let what = below(8);
+    let [x, z] = [0, 0].map(|_| 0.01 * (below(2000) as f64 - 1000.0));
+    match what {
+        0 => {
+            let place = &mut scene.instances[instance].world_from_mesh;
+            place[0][3] += x;
+            place[2][3] += z;
+        }
+        1 => {
+            let mut copy = scene.instances[instance].clone();
+            copy.world_from_mesh[0][3] += 4.0 * x;
+            copy.world_from_mesh[2][3] += 4.0 * z;
+            scene.instances.push(copy);
+        }
+        2 if scene.instances.len() > 4 => {
+            scene.instances.remove(instance);
+        }
+        3 => scene.instances[instance].world_from_mesh[1][1] *= 0.75 + 0.0003 * (x + 10.0),
+        4 => {
+            let mesh = scene.instances[instance].mesh as usize;
+            let vertex = below(scene.meshes[mesh].positions.len());
+            scene.meshes[mesh].positions[vertex][1] += 0.5;
+        }
+        5 => {
+            let material = below(scene.materials.len());
+            scene.materials[material].alpha = match scene.materials[material].alpha {
+                AlphaMode::Opaque => AlphaMode::Mask { cutoff: 0.5 },
+                AlphaMode::Mask { .. } => AlphaMode::Opaque,
+            };
+        }
+        6 if !scene.textures.is_empty() => {
+            let texture = below(scene.textures.len());
+            let (Pixels::Alpha(bytes) | Pixels::Rgba(bytes)) = &mut scene.textures[texture].pixels;
+            bytes.iter_mut().skip(3).step_by(29).for_each(|byte| *byte = !*byte);
+        }
+        _ => scene.instances[instance].casts ^= true,
+    }
+    format!("edit {what} of instance {instance} by ({x}, {z})")
+}
+
+fn edited_bakes_are_fresh_bakes(kind: GeneratedKind, options: &BakeOptions, edits: u64) {
+    let mut scene = generate(kind, 3);
+    let memory = Arc::new(InMemory::default());
+    let objects: Arc<dyn Objects> = memory.clone();
+    let (bytes, report) = with_objects(&scene, options, &objects);
+    assert!(bytes == fresh(&scene, options));
+    assert_eq!(report.reused_tiles, 0);
+    assert!(memory.len() > 0);
+    let mut random = Random::for_batch(edits, 7);
+    let mut reused = 0;
+    for number in 0..edits {
+        let what = edit(&mut scene, &mut random);
+        let (bytes, report) = with_objects(&scene, options, &objects);
+        assert!(bytes == fresh(&scene, options), "{kind:?}: {number}: {what}");
+        reused += report.reused_tiles;
+        // Nothing changed: all is there.
+        let (again, report) = with_objects(&scene, options, &objects);
+        assert!(again == bytes && report.reused_tiles == report.tiles, "{kind:?}: {number}: {what}");
+    }
+    assert!(reused > 0);
+}
+
+#[test]
+fn edited_scenes_have_the_bytes_of_fresh_bakes() {
+    edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), 12);
+    let of_receivers = BakeOptions { receivers: Receivers::Static, ..options(1024) };
+    edited_bakes_are_fresh_bakes(GeneratedKind::City, &of_receivers, 4);
+}
+
+#[test]
+#[ignore = "slow: 200 edits of each of three scenes"]
+fn two_hundred_edits_have_the_bytes_of_fresh_bakes() {
+    edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), 200);
+    // Without bounds, the grid follows the scene.
+    let unbounded = BakeOptions { bounds: None, ..options(2048) };
+    for kind in [GeneratedKind::Primitives, GeneratedKind::Wires] {
+        edited_bakes_are_fresh_bakes(kind, &unbounded, 200);
+    }
+}
+
+#[test]
+#[ignore = "slow: large root blocks"]
+fn edits_of_root_blocks_of_several_pages_have_the_bytes_of_fresh_bakes() {
+    edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(32768), 3);
+}
+
+#[test]
+fn damaged_objects_are_made_again() {
+    let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
+    let memory = Arc::new(InMemory::default());
+    let objects: Arc<dyn Objects> = memory.clone();
+    let (bytes, _) = with_objects(&scene, &options, &objects);
+    let whole: Vec<(ObjectKey, Vec<u8>)> =
+        memory.0.lock().unwrap().iter().map(|(key, bytes)| (*key, bytes.clone())).collect();
+    let mut number = 0;
+    memory.each(|object| {
+        number += 1;
+        match number % 4 {
+            0 => object.truncate(object.len() / 2),
+            1 => object.clear(),
+            2 => object[40] ^= 1,
+            _ => {
+                let last = object.len() - 1;
+                object[last] ^= 0x80;
+            }
+        }
+    });
+    let (again, report) = with_objects(&scene, &options, &objects);
+    assert!(again == bytes && report.reused_tiles == 0);
+    // They have been replaced.
+    for (key, object) in &whole {
+        assert_eq!(memory.get(key).unwrap().as_ref(), Some(object));
+    }
+    // An object under the key of another is damaged too.
+    let first = whole[0].1.clone();
+    memory.each(|object| object.clone_from(&first));
+    let (again, report) = with_objects(&scene, &options, &objects);
+    assert!(again == bytes && report.reused_tiles < report.tiles / 4, "{report:?}");
+}
+
+#[test]
+fn folder_keeps_objects_and_removes_those_that_were_used_longest_ago() {
+    let folder = adumbra_testing::Folder::new();
+    let cache = FolderObjects::create(folder.path("cache")).unwrap();
+    let objects: Arc<dyn Objects> = Arc::new(cache.clone());
+    let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
+    let (bytes, _) = with_objects(&scene, &options, &objects);
+    let all = cache.contents().unwrap();
+    assert!(all.objects > 0 && all.bytes > 0);
+    let (again, report) = with_objects(&scene, &options, &objects);
+    assert!(again == bytes && report.reused_tiles == report.tiles);
+    assert_eq!(cache.contents().unwrap(), all);
+    let removed = cache.prune(all.bytes / 2).unwrap();
+    let left = cache.contents().unwrap();
+    assert!(
+        left.bytes <= all.bytes / 2 && removed.objects + left.objects == all.objects,
+        "{removed:?} {left:?}"
+    );
+    assert_eq!(removed.bytes + left.bytes, all.bytes);
+    let (again, report) = with_objects(&scene, &options, &objects);
+    assert!(again == bytes && report.reused_tiles < report.tiles);
+    assert!(folder.no_temporary_files());
+    let error = FolderObjects::open(folder.path("none")).unwrap_err();
+    assert!(error.to_string().contains("none"), "{error}");
+}
+
+/// Objects are named after the rules by which they were made. If pages change for the same surfaces, `RULES` in
+/// `src/inputs.rs` must change too, so that no bake takes pages that were made by other rules.
+#[test]
+fn pages_change_only_with_the_version_of_the_rules() {
+    let mut digest = blake3::Hasher::new();
+    for kind in [GeneratedKind::City, GeneratedKind::Primitives, GeneratedKind::Wires] {
+        for receivers in [Receivers::All, Receivers::Static] {
+            let options = BakeOptions { receivers, levels: 1, bounds: None, ..options(1024) };
+            let memory = Arc::new(InMemory::default());
+            let objects: Arc<dyn Objects> = memory.clone();
+            with_objects(&generate(kind, 3), &options, &objects);
+            // Their heads have the version of the rules.
+            let mut pages: Vec<Vec<u8>> =
+                memory.0.lock().unwrap().values().map(|bytes| bytes[40..].to_vec()).collect();
+            pages.sort_unstable();
+            pages.iter().for_each(|page| _ = digest.update(page));
+        }
+    }
+    let expected = "9b9cc22e1da6579a4fac20809b64f9a257da32177e1e6e06d79c6cc6cf8b4961";
+    assert_eq!(
+        digest.finalize().to_hex().as_str(),
+        expected,
+        "raise RULES in src/inputs.rs, then put this here"
+    );
+}
