@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
-use crate::plan::{Placement, Plan, caster_options};
+use crate::plan::{Extents, Placement, Plan, caster_options};
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
 use crate::sink::{BlockSink, Structure};
@@ -36,21 +36,22 @@ impl Choice {
         options.check()?;
         check_sorting(scene, options)?;
         let clusters = SceneClusters::new(scene, caster_options(options));
+        let extents = Extents::new(scene, options);
         let frame = match options.frame {
             FrameChoice::Light => Frame::Light,
             FrameChoice::Oblique => upright(scene),
             FrameChoice::ObliqueAt(yaw_radians) => Frame::Oblique { yaw_radians },
-            FrameChoice::Auto => smaller(scene, options, &clusters)?,
+            FrameChoice::Auto => smaller(scene, options, &clusters, &extents)?,
         };
-        let (frame, finest) = match Placement::new(scene, options, frame, 0) {
+        let (frame, finest) = match Placement::new(&extents, options, frame, 0) {
             // Under a low sun the upright grid may be too wide.
             Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
-                (Frame::Light, Placement::new(scene, options, Frame::Light, 0)?)
+                (Frame::Light, Placement::new(&extents, options, Frame::Light, 0)?)
             }
             placement => (frame, placement?),
         };
         let coarser = 1..options.level_count(finest.resolution);
-        let coarser = coarser.map(|level| Placement::new(scene, options, frame, level));
+        let coarser = coarser.map(|level| Placement::new(&extents, options, frame, level));
         let levels = std::iter::once(Ok(finest)).chain(coarser).collect::<Result<_>>()?;
         Ok(Self { clusters, levels })
     }
@@ -82,7 +83,12 @@ fn upright(scene: &Scene) -> Frame {
 }
 
 /// Returns the frame in which the file will probably be smaller.
-fn smaller(scene: &Scene, options: &BakeOptions, clusters: &Arc<SceneClusters>) -> Result<Frame> {
+fn smaller(
+    scene: &Scene,
+    options: &BakeOptions,
+    clusters: &Arc<SceneClusters>,
+    extents: &Extents<'_>,
+) -> Result<Frame> {
     if options.sun.elevation_degrees() < LOWEST_OBLIQUE_DEGREES {
         return Ok(Frame::Light);
     }
@@ -93,7 +99,7 @@ fn smaller(scene: &Scene, options: &BakeOptions, clusters: &Arc<SceneClusters>) 
     } else {
         SceneClusters::new(scene, with_outlines)
     };
-    let (resolution, voxel_size) = Plan::resolution_and_voxel_size(scene, options)?;
+    let (resolution, voxel_size) = extents.resolution_and_voxel_size(options)?;
     let [least, most] = FORECAST_RESOLUTIONS;
     let coarse = (resolution / COARSER).clamp(least, most).min(resolution);
     let coarse = BakeOptions {
@@ -102,11 +108,11 @@ fn smaller(scene: &Scene, options: &BakeOptions, clusters: &Arc<SceneClusters>) 
     };
     let oblique = upright(scene);
     // Under a low sun the upright grid may be too wide.
-    let oblique_bytes = match forecast_bytes(scene, &coarse, oblique, &clusters) {
+    let oblique_bytes = match forecast_bytes(scene, &coarse, oblique, &clusters, extents) {
         Err(Error::Range(_)) => return Ok(Frame::Light),
         bytes => bytes?,
     };
-    let light_bytes = forecast_bytes(scene, &coarse, Frame::Light, &clusters)?;
+    let light_bytes = forecast_bytes(scene, &coarse, Frame::Light, &clusters, extents)?;
     Ok(if oblique_bytes <= light_bytes { oblique } else { Frame::Light })
 }
 
@@ -117,10 +123,11 @@ fn forecast_bytes(
     options: &BakeOptions,
     frame: Frame,
     clusters: &Arc<SceneClusters>,
+    extents: &Extents<'_>,
 ) -> Result<f64> {
-    let plan = Plan::placed(scene, options, Placement::new(scene, options, frame, 0)?, clusters)?;
+    let plan = Plan::placed(scene, options, Placement::new(extents, options, frame, 0)?, clusters)?;
     let blocks = plan.tiles.count();
-    let corners = plan.tiles.corners_over();
+    let corners = plan.tiles.corners_over(&extents.corners);
     let all = corners.iter().sum::<u64>().max(1);
     let samples = (blocks as u64 * FORECAST_CORNERS / all).clamp(1, blocks as u64) as usize;
     // The blocks side by side, as if they were a row of the grid.

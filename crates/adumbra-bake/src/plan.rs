@@ -1,6 +1,6 @@
 //! What is known before the first block: tiles, settings and the memory budget.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use crate::columns::capture;
 use crate::columns::rules::{ColumnRules, NormalOffset};
@@ -11,13 +11,14 @@ use crate::sink::depths::top_bytes;
 use crate::sink::limit::SwitchLimit;
 use crate::tiles::Tiles;
 use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
+use crate::triangles::corners::Corners;
 use crate::triangles::project;
 use adumbra::FileSettings;
 use adumbra::file::LEVEL_STEP;
 use adumbra::grid::{Frame, LightExtent, LightGrid};
 use adumbra::layout::depths::page::PAGE_LEVEL;
 use adumbra::query::MAX_FIXED_SIDE;
-use adumbra::{RangeError, RangeField};
+use adumbra::{Bounds, RangeError, RangeField, Sun};
 use adumbra_scene::{Instance, Scene};
 use rayon::prelude::*;
 
@@ -49,12 +50,14 @@ impl Placement {
     ///
     /// # Errors
     /// Returns [`Error::Range`] if the grid has too many voxels along an axis.
-    pub(crate) fn new(scene: &Scene, options: &BakeOptions, frame: Frame, level: u32) -> Result<Self> {
-        let extent = extent(scene, options, frame);
-        let (finest, voxel_size) = match frame {
-            Frame::Light => options.size.resolve(extent.longest_side())?,
-            Frame::Oblique { .. } => Plan::resolution_and_voxel_size(scene, options)?,
-        };
+    pub(crate) fn new(
+        extents: &Extents<'_>,
+        options: &BakeOptions,
+        frame: Frame,
+        level: u32,
+    ) -> Result<Self> {
+        let extent = extents.in_frame(frame);
+        let (finest, voxel_size) = extents.resolution_and_voxel_size(options)?;
         let step = LEVEL_STEP.pow(level);
         let (resolution, voxel_size) = (finest.div_ceil(step), voxel_size * f64::from(step));
         // One rule for all levels, so that each has whole pages where the finest one has.
@@ -178,12 +181,6 @@ impl<'s> Plan<'s> {
         Ok(plan)
     }
 
-    /// Returns the resolution, and the size of a voxel. The resolution counts texels as the sun sees the scene, so that
-    /// voxels have one size in either frame.
-    pub(crate) fn resolution_and_voxel_size(scene: &Scene, options: &BakeOptions) -> Result<(u32, f64)> {
-        options.size.resolve(extent(scene, options, Frame::Light).longest_side())
-    }
-
     /// Returns the limit on how far behind its first surface a column may switch.
     pub(crate) fn switch_limit(&self) -> SwitchLimit {
         SwitchLimit {
@@ -223,20 +220,60 @@ impl<'s> Plan<'s> {
     }
 }
 
-/// Returns the extent to cover, along the axes of a frame.
-fn extent(scene: &Scene, options: &BakeOptions, frame: Frame) -> LightExtent {
-    let mut extent = LightExtent::in_frame(&options.sun, frame);
-    if let Some(bounds) = &options.bounds {
-        extent.add_box(bounds);
-        return extent;
+/// The extents of what a bake covers, along the axes of frames.
+pub(crate) struct Extents<'s> {
+    scene: &'s Scene,
+    pub(crate) corners: Corners,
+    sun: Sun,
+    bounds: Option<Bounds>,
+    /// Along the axes of [`Frame::Light`].
+    light: LightExtent,
+    /// Along those of the other frame that was asked for last.
+    other: Mutex<Option<LightExtent>>,
+}
+
+impl<'s> Extents<'s> {
+    /// Finds the extent in the light's frame.
+    pub(crate) fn new(scene: &'s Scene, options: &BakeOptions) -> Self {
+        let (sun, bounds) = (options.sun, options.bounds);
+        let light = LightExtent::in_frame(&sun, Frame::Light);
+        let mut extents =
+            Self { scene, corners: Corners::new(scene), sun, bounds, light, other: Mutex::default() };
+        extents.light = extents.found(Frame::Light);
+        extents
     }
-    let of_instance = |mut extent: LightExtent, instance: &Instance| {
-        let mesh = &scene.meshes[instance.mesh as usize];
-        for &v in mesh.triangles.as_flattened() {
-            extent.add(instance.to_world(mesh.positions[v as usize]));
+
+    /// Returns the resolution, and the size of a voxel. The resolution counts texels as the sun sees the scene, so that
+    /// voxels have one size in either frame.
+    pub(crate) fn resolution_and_voxel_size(&self, options: &BakeOptions) -> Result<(u32, f64)> {
+        options.size.resolve(self.light.longest_side())
+    }
+
+    /// Returns the extent along the axes of a frame.
+    fn in_frame(&self, frame: Frame) -> LightExtent {
+        if frame == Frame::Light {
+            return self.light;
         }
-        extent
-    };
-    let extents = scene.instances.par_iter().fold(|| extent, of_instance);
-    extents.reduce(|| extent, |one, other| one.joined(&other))
+        let mut other = self.other.lock().unwrap_or_else(|e| e.into_inner());
+        match *other {
+            Some(known) if known.frame == frame => known,
+            _ => *other.insert(self.found(frame)),
+        }
+    }
+
+    fn found(&self, frame: Frame) -> LightExtent {
+        let mut extent = LightExtent::in_frame(&self.sun, frame);
+        if let Some(bounds) = &self.bounds {
+            extent.add_box(bounds);
+            return extent;
+        }
+        let of_instance = |mut extent: LightExtent, instance: &Instance| {
+            for corner in self.corners.of(instance) {
+                extent.add(instance.to_world(corner.position));
+            }
+            extent
+        };
+        let extents = self.scene.instances.par_iter().fold(|| extent, of_instance);
+        extents.reduce(|| extent, |one, other| one.joined(&other))
+    }
 }

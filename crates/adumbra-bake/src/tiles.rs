@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::columns::capture::TileRect;
 use crate::columns::rules::ColumnRules;
 use crate::triangles::casters::Casters;
+use crate::triangles::corners::{Corner, Corners};
 
 /// A scene divided into root blocks.
 pub(crate) struct Tiles<'s> {
@@ -41,20 +42,19 @@ impl Tiles<'_> {
 
     /// Returns the number of corners of casting triangles over each root block, in whatever order they are.
     ///
-    /// Cost: one pass over the triangles of all instances.
-    pub(crate) fn corners_over(&self) -> Vec<u64> {
+    /// Cost: one pass over the vertices of all instances.
+    pub(crate) fn corners_over(&self, corners: &Corners) -> Vec<u64> {
         let [nx, ny] = [self.top_dims[0], self.top_dims[1]].map(f64::from);
         let side = f64::from(1_u32 << self.root_level);
         let scene = self.casters.scene;
         let none = || vec![0; self.count()];
         let casting: Vec<&Instance> = scene.instances.iter().filter(|i| i.casts).collect();
         let count = |mut counts: Vec<u64>, instance: &&Instance| {
-            let mesh = &scene.meshes[instance.mesh as usize];
-            for &v in mesh.triangles.as_flattened() {
-                let [x, y, _] = self.grid.to_grid(instance.to_world(mesh.positions[v as usize]));
+            for &Corner { position, count } in corners.of(instance) {
+                let [x, y, _] = self.grid.to_grid(instance.to_world(position));
                 let [x, y] = [x, y].map(|c| (c / side).floor());
                 if (0.0..nx).contains(&x) && (0.0..ny).contains(&y) {
-                    counts[y as usize * self.top_dims[0] as usize + x as usize] += 1;
+                    counts[y as usize * self.top_dims[0] as usize + x as usize] += u64::from(count);
                 }
             }
             counts
