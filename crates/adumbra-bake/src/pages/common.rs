@@ -114,8 +114,7 @@ struct Candidate {
     hash: [u64; 2],
     /// Number of pages that have the shape.
     pages: u32,
-    /// Number of nodes and roots that point to the shape. A node that several pages have counts once if it is a
-    /// candidate, else once per page.
+    /// Number of nodes and roots that point to the shape. A node that is common counts once, any other once per page.
     pointers: u32,
     /// Where its content is in its shard, once it is collected.
     shape: Shape,
@@ -134,6 +133,9 @@ fn split(hash: u128) -> [u64; 2] {
 
 /// A candidate: its shard in the low [`SHARD_BITS`], and its index there.
 type Id = u32;
+
+/// Stands for the id of a child that is no candidate, below a node that too few pages have.
+const NO_CANDIDATE: Id = u32::MAX;
 
 fn shard_and_index(id: Id) -> (usize, usize) {
     (id as usize % SHARDS, (id >> SHARD_BITS) as usize)
@@ -183,7 +185,7 @@ impl Candidates {
                     let ids = shapes.children(children).map(|child| match child {
                         // What several pages have in a shape, they have below it.
                         Child::Shape { delta, index } => {
-                            Child::Shape { delta, index: id(index).unwrap_or(u32::MAX) }
+                            Child::Shape { delta, index: id(index).unwrap_or(NO_CANDIDATE) }
                         }
                         other => other,
                     });
@@ -215,7 +217,8 @@ impl Candidates {
     fn lay_out(self) -> Result<Common, OutOfReach> {
         let shards =
             self.shards.into_iter().map(|shard| shard.into_inner().unwrap_or_else(|e| e.into_inner()));
-        let shapes = Shapes(shards.collect());
+        let mut shapes = Shapes(shards.collect());
+        shapes.count_pointers_of_dropped();
         let mut order = shapes.ids();
         order.sort_by_cached_key(|&id| {
             let (shard, candidate) = shapes.get(id);
@@ -268,6 +271,29 @@ impl Shapes {
     fn get(&self, id: Id) -> (&Shard, &Candidate) {
         let (shard, index) = shard_and_index(id);
         (&self.0[shard], &self.0[shard].candidates[index])
+    }
+
+    /// Counts the pointers of those candidates that too few pages have once per page, so that nothing depends on which
+    /// shapes the sketch takes for common ones.
+    fn count_pointers_of_dropped(&mut self) {
+        let mut more = Vec::new();
+        for shard in &self.0 {
+            for candidate in shard.candidates.iter().filter(|candidate| candidate.pages < LEAST_PAGES) {
+                let Shape::Node { children, .. } = candidate.shape else { continue };
+                for child in &shard.nodes[children as usize] {
+                    match *child {
+                        Child::Shape { index, .. } if index != NO_CANDIDATE => {
+                            more.push((index, candidate.pages - 1));
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+        for (id, count) in more {
+            let (shard, index) = shard_and_index(id);
+            self.0[shard].candidates[index].pointers += count;
+        }
     }
 
     /// Returns those that enough pages have.
