@@ -6,6 +6,7 @@ use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 
 use crate::objects::{ObjectKey, Parts};
+use crate::options::Builder;
 use crate::plan::Plan;
 
 /// Version of the rules by which pages are made. `tests/objects.rs` notices if pages change.
@@ -14,12 +15,12 @@ const RULES: u32 = 1;
 /// Returns the key of each part of a plan's grid.
 ///
 /// Cost: one pass over the scene's meshes and textures, and one over the clusters in reach of each root block.
-pub(crate) fn keys(plan: &Plan<'_>, parts: &Parts) -> Vec<ObjectKey> {
+pub(crate) fn keys(plan: &Plan<'_>, builder: Builder, parts: &Parts) -> Vec<ObjectKey> {
     let scene = plan.tiles.casters.scene;
     let textures: Vec<Hash> = scene.textures.par_iter().map(texture).collect();
     let materials: Vec<Hash> = scene.materials.iter().map(|m| material(m, &textures)).collect();
     let meshes: Vec<Hash> = scene.meshes.par_iter().map(|m| mesh(m, &materials)).collect();
-    let (all, instances) = (common(plan), instances(scene, &meshes));
+    let (all, instances) = (common(plan, builder), instances(scene, &meshes));
     let key = |part| {
         let mut hasher = Hasher::new();
         hasher.update(all.as_bytes());
@@ -39,7 +40,7 @@ pub(crate) fn keys(plan: &Plan<'_>, parts: &Parts) -> Vec<ObjectKey> {
     (0..parts.count()).into_par_iter().map(key).collect()
 }
 
-fn common(plan: &Plan<'_>) -> Hash {
+fn common(plan: &Plan<'_>, builder: Builder) -> Hash {
     let LightGrid { sun, frame: _, voxel_size, corner, axes, edges, size } = plan.tiles.grid;
     let settings = &plan.settings;
     let Bias { constant_texels, slope_texels, normal_offset_texels } = settings.bias;
@@ -49,11 +50,15 @@ fn common(plan: &Plan<'_>) -> Hash {
         Receivers::All => 0,
         Receivers::Static => 1,
     };
+    let builder = match builder {
+        Builder::Fast => 0,
+        Builder::Plain => 1,
+    };
     let flags = u32::from(settings.assume_ground)
         | u32::from(settings.closed_regions) << 1
         | u32::from(settings.ignore_alpha) << 2;
     let level = plan.tiles.root_level;
-    for number in [RULES, level, size[2], receivers, flags, settings.switch_within_voxels] {
+    for number in [RULES, level, size[2], builder, receivers, flags, settings.switch_within_voxels] {
         hasher.update(&number.to_le_bytes());
     }
     let lengths = [voxel_size, settings.thickness_world, 0.0];

@@ -174,7 +174,7 @@ fn build_level(
     let mut sink = DepthsSink::new(size, root_level, true, &plan.spill);
     if let Some(objects) = objects {
         let parts = Parts::new(size, root_level);
-        let keys = inputs::keys(plan, &parts);
+        let keys = inputs::keys(plan, options.builder, &parts);
         sink = sink.with_objects(Keeper::new(objects, parts, keys));
     }
     let reused_tiles = sink.found_tiles();

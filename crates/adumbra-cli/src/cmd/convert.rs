@@ -1,10 +1,12 @@
 //! `adumbra pack` and `adumbra unpack`: the same shadow file, coded or raw.
 
 use std::fs;
+use std::path::Path;
 
 use adumbra::{AtRest, IoError, ShadowFile};
 use adumbra_files as files;
-use adumbra_program::exit::{Code, Outcome};
+use adumbra_program::args::RunArgs;
+use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::{mirrors, say};
 use schemars::JsonSchema;
@@ -28,13 +30,18 @@ pub(super) struct Converted {
     bytes: u64,
 }
 
+/// Writes a shadow file to `output`, stored in another way. Returns the bytes before and now.
+pub(super) fn store(file: &Path, output: &Path, at_rest: AtRest, run: &RunArgs) -> Result<[u64; 2], Failure> {
+    let bytes_before = fs::metadata(file).map_err(IoError::at("read", file))?.len();
+    // A coded file is decoded into about three times its bytes.
+    run.check_memory("the shadow file", 0, 8 * bytes_before)?;
+    let found = ShadowFile::read(file)?;
+    Ok([bytes_before, files::replace_file(output, |out| found.write_to(out, at_rest))?])
+}
+
 pub(crate) fn run(args: &Convert, at_rest: AtRest) -> Outcome {
     let output = args.output.as_deref().unwrap_or(&args.file);
-    let bytes_before = fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
-    // A coded file is decoded into about three times its bytes.
-    args.run.check_memory("the shadow file", 0, 8 * bytes_before)?;
-    let file = ShadowFile::read(&args.file)?;
-    let bytes = files::replace_file(output, |out| file.write_to(out, at_rest))?;
+    let [bytes_before, bytes] = store(&args.file, output, at_rest, &args.run)?;
     if args.run.json {
         print_json(&Converted {
             file: args.file.display().to_string(),

@@ -2,17 +2,16 @@
 //!
 //! The copy is coded: a page decodes it piece by piece while it loads, and a server needs no setting for it.
 
-use std::fs;
 use std::path::Path;
 
-use adumbra::{AtRest, IoError, ShadowFile};
-use adumbra_files as files;
+use adumbra::AtRest;
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::say;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::convert;
 use crate::args::Export;
 
 /// The file for a web page.
@@ -28,11 +27,7 @@ pub(super) struct WebExported {
 
 pub(crate) fn run(args: &Export) -> Outcome {
     let web = &*args.web;
-    let bytes_before = fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
-    // A coded file is decoded into about three times its bytes.
-    args.run.check_memory("the shadow file", 0, 8 * bytes_before)?;
-    let file = ShadowFile::read(&args.file)?;
-    let web_bytes = files::replace_file(web, |out| file.write_to(out, AtRest::Coded))?;
+    let [_, web_bytes] = convert::store(&args.file, web, AtRest::Coded, &args.run)?;
     if args.run.json {
         print_json(&WebExported {
             file: args.file.display().to_string(),
